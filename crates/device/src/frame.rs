@@ -1,0 +1,180 @@
+//! The device frame of a sensor (dissertation, section 3.3): the trait every backend implements.
+
+use crate::{ImageSize, Pixel, Point3, RangeImage, Vector3};
+
+/// The ray of one pixel in the sensor frame: where it starts and where it runs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray {
+    /// Start `P0`. The sensor itself for central projection, a point of its own otherwise.
+    pub start: Point3,
+    /// Unit direction, away from the sensor.
+    pub direction: Vector3,
+}
+
+/// A point in device coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DevicePoint {
+    /// First scanning variable in rows; whole numbers are pixel centres.
+    pub row: f64,
+    /// Second scanning variable in columns; whole numbers are pixel centres.
+    pub col: f64,
+    /// The range-related value.
+    pub d3: f64,
+}
+
+/// Which way round the image grid is, seen from the sensor.
+///
+/// The sign of `(∂ray/∂column × ∂ray/∂row) · ray`. Curve directions follow from it alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Handedness {
+    /// Positive: seen from the sensor with rows running down, columns run to the right.
+    ColumnsRight,
+    /// Negative: the mirror image of that.
+    ColumnsLeft,
+}
+
+/// An affine function of a sensor-frame point: `gradient · p + constant`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LinearForm {
+    /// Change of the value per length unit along each sensor axis.
+    pub gradient: Vector3,
+    /// Value at the sensor frame's origin.
+    pub constant: f64,
+}
+
+impl LinearForm {
+    /// The value at a point.
+    pub fn at(&self, p: &Point3) -> f64 {
+        self.gradient.dot(&p.coords) + self.constant
+    }
+}
+
+/// A plane in the sensor frame: `normal · p = offset` with a unit normal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SensorPlane {
+    /// Unit normal.
+    pub normal: Vector3,
+    /// Signed distance of the plane from the sensor frame's origin, along the normal.
+    pub offset: f64,
+}
+
+/// Which neighbour of a pixel a pair is made with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Neighbour {
+    /// The pixel in the same column of the row before.
+    Up,
+    /// The pixel in the same row of the column before (the last one for column 0 of a full circle).
+    Left,
+}
+
+/// How two neighbouring samples lie to each other; both are NaN if either pixel is missing.
+///
+/// Their ratio is the tangent of the angle of incidence along the pair: how obliquely a surface
+/// through both samples would be seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PairGeometry {
+    /// Distance between the samples along the ray, in the model's length unit; never negative.
+    pub range_step: f32,
+    /// Distance between the samples across the ray, in the model's length unit; never negative.
+    pub lateral: f32,
+}
+
+impl PairGeometry {
+    /// The pair of which at least one pixel is missing.
+    pub const MISSING: Self = Self { range_step: f32::NAN, lateral: f32::NAN };
+
+    /// The geometry of two samples, seen along the unit direction of the first one's ray.
+    pub fn between(a: &Point3, b: &Point3, ray: &Vector3) -> Self {
+        let d = b - a;
+        let along = d.dot(ray);
+        let lateral = (d - ray * along).norm();
+        Self { range_step: along.abs() as f32, lateral: lateral as f32 }
+    }
+}
+
+/// A sensor's grid of rays and the scale on them, in the sensor's own Cartesian frame.
+///
+/// The required methods are the slow and obvious ones. The `*_row` methods have defaults made from
+/// them; a backend overrides those for speed, and its tests compare the two.
+///
+/// A backend documents its axes, handedness, pixel centre, unit, missing value, what its noise
+/// means, and the equations it comes from.
+pub trait DeviceFrame: std::fmt::Debug + Send + Sync {
+    /// Rows and columns of the images this frame belongs to.
+    fn size(&self) -> ImageSize;
+
+    /// Which way round the grid is, seen from the sensor.
+    fn handedness(&self) -> Handedness;
+
+    /// Whether the last column's right neighbour is column 0 (a full circle).
+    fn columns_wrap(&self) -> bool {
+        false
+    }
+
+    /// The ray of a pixel; `None` outside the image, or where the sensor has no ray.
+    fn ray(&self, pixel: Pixel) -> Option<Ray>;
+
+    /// `f`: the sensor-frame point of a value at a pixel; `None` where the value means no point.
+    fn point(&self, pixel: Pixel, d3: f64) -> Option<Point3>;
+
+    /// `F`: the device coordinates of a sensor-frame point, which may lie between pixels or
+    /// outside the image; `None` where the sensor cannot see, or if the frame has no inverse.
+    fn device_point(&self, in_sensor: &Point3) -> Option<DevicePoint>;
+
+    /// The value a plane would have at a pixel; `None` if the pixel's ray misses it.
+    fn plane_value(&self, pixel: Pixel, plane: &SensorPlane) -> Option<f64>;
+
+    /// Bounds of `direction · p` over all points with values from `nearest` to `farthest`.
+    ///
+    /// Conservative: no such point lies outside them (dissertation, section 4.2.4). They tell
+    /// which section planes a view can involve.
+    fn extent(&self, direction: &Vector3, nearest: f64, farthest: f64) -> (f64, f64);
+
+    /// The form's value at every pixel of a row, NaN where missing.
+    ///
+    /// `out` has one place per column. Values are rounded to `f32` at the end only.
+    fn form_row(&self, image: &RangeImage, row: usize, form: &LinearForm, out: &mut [f32]) {
+        for (col, (value, &d3)) in out.iter_mut().zip(image.row(row)).enumerate() {
+            let point = some_value(d3).and_then(|d3| self.point(Pixel::new(row, col), d3));
+            *value = point.map_or(f32::NAN, |p| form.at(&p) as f32);
+        }
+    }
+
+    /// How every pixel of a row lies to one of its neighbours; missing where there is none.
+    fn pair_row(
+        &self,
+        image: &RangeImage,
+        row: usize,
+        neighbour: Neighbour,
+        out: &mut [PairGeometry],
+    ) {
+        for (col, pair) in out.iter_mut().enumerate() {
+            let pixel = Pixel::new(row, col);
+            let other = self.neighbour(pixel, neighbour);
+            *pair = other.and_then(|o| self.pair(image, pixel, o)).unwrap_or(PairGeometry::MISSING);
+        }
+    }
+
+    /// How two samples lie to each other; `None` if either is missing.
+    fn pair(&self, image: &RangeImage, pixel: Pixel, other: Pixel) -> Option<PairGeometry> {
+        let a = self.point(pixel, f64::from(image.get(pixel)?))?;
+        let b = self.point(other, f64::from(image.get(other)?))?;
+        Some(PairGeometry::between(&a, &b, &self.ray(pixel)?.direction))
+    }
+
+    /// The neighbouring pixel, across the seam of a full circle if there is one.
+    fn neighbour(&self, pixel: Pixel, neighbour: Neighbour) -> Option<Pixel> {
+        let Pixel { row, col } = pixel;
+        match neighbour {
+            Neighbour::Up => row.checked_sub(1).map(|row| Pixel { row, col }),
+            Neighbour::Left if col == 0 && self.columns_wrap() => {
+                Some(Pixel { row, col: self.size().cols.checked_sub(1)? })
+            }
+            Neighbour::Left => col.checked_sub(1).map(|col| Pixel { row, col }),
+        }
+    }
+}
+
+fn some_value(d3: f32) -> Option<f64> {
+    (!d3.is_nan()).then_some(f64::from(d3))
+}

@@ -1,0 +1,29 @@
+//! The seam between sensors and everything else.
+//!
+//! The one decision of this crate: a range sensor is a **grid of rays with a monotone scale on
+//! each** (dissertation, section 3.3). [`DeviceFrame`] says where the rays run and what the scale
+//! means; [`RangeImage`] holds one value per ray; [`View`] puts both into the world.
+//!
+//! It refuses to know any particular sensor, any file format, and what the images are used for.
+//! A sensor is added by implementing [`DeviceFrame`]; see `transect-sensors` for examples.
+//!
+//! Conventions that hold for every sensor: row `i` and column `j` count from 0, a pixel's sample
+//! belongs to the pixel's *centre*, sensor frames are right-handed Cartesian, lengths are in the
+//! model's one length unit, angles in radians, transforms are named target-from-source.
+
+mod frame;
+mod range_image;
+mod view;
+
+pub use frame::{
+    DeviceFrame, DevicePoint, Handedness, LinearForm, Neighbour, PairGeometry, Ray, SensorPlane,
+};
+pub use range_image::{ImageError, ImageSize, MAX_PIXELS, Pixel, RangeImage};
+pub use view::{View, ViewError};
+
+/// A point in a sensor frame or in the world, in the model's length unit.
+pub type Point3 = nalgebra::Point3<f64>;
+/// A direction or displacement in space.
+pub type Vector3 = nalgebra::Vector3<f64>;
+/// A rigid motion; variables name it target-from-source, as in `world_from_sensor`.
+pub type Isometry3 = nalgebra::Isometry3<f64>;

@@ -1,0 +1,173 @@
+//! One range-related value per pixel, with missing pixels explicit.
+
+/// Row and column of a pixel, both from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Pixel {
+    /// Row `i`, the first scanning variable.
+    pub row: usize,
+    /// Column `j`, the second scanning variable.
+    pub col: usize,
+}
+
+impl Pixel {
+    /// The pixel in a row and a column.
+    pub const fn new(row: usize, col: usize) -> Self {
+        Self { row, col }
+    }
+}
+
+impl std::fmt::Display for Pixel {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "row {}, column {}", self.row, self.col)
+    }
+}
+
+/// Number of rows and columns of an image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ImageSize {
+    /// Number of rows.
+    pub rows: usize,
+    /// Number of columns.
+    pub cols: usize,
+}
+
+impl ImageSize {
+    /// Number of pixels.
+    pub fn pixels(&self) -> usize {
+        self.rows * self.cols
+    }
+}
+
+impl std::fmt::Display for ImageSize {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} rows × {} columns", self.rows, self.cols)
+    }
+}
+
+/// Largest accepted image, in pixels: 2³⁰, four times the largest terrestrial scans in use.
+///
+/// A header that asks for more is taken for damage rather than for a reason to allocate.
+pub const MAX_PIXELS: usize = 1 << 30;
+
+/// Why values do not make a range image.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ImageError {
+    /// No rows or no columns, or more than [`MAX_PIXELS`].
+    #[error("an image of {rows} rows × {cols} columns is empty or absurdly large")]
+    AbsurdSize {
+        /// Rows asked for.
+        rows: usize,
+        /// Columns asked for.
+        cols: usize,
+    },
+    /// The number of values is not rows × columns.
+    #[error("{found} values do not fill {size}")]
+    WrongCount {
+        /// The stated size.
+        size: ImageSize,
+        /// How many values came.
+        found: usize,
+    },
+}
+
+/// A grid of range-related values `d3`, one per ray of a sensor, some of them missing.
+///
+/// Row-major: row 0 first. Values are positive and finite, in whatever unit the device frame's
+/// scale has (a range or depth in the model's length unit for most sensors), stored as `f32`.
+/// A missing pixel is `None` through [`RangeImage::get`].
+#[derive(Debug, Clone)]
+pub struct RangeImage {
+    size: ImageSize,
+    /// NaN where missing; every other value is positive and finite.
+    values: Vec<f32>,
+}
+
+impl RangeImage {
+    /// An image from row-major values; zero, negative, infinite and NaN values become missing.
+    ///
+    /// # Errors
+    /// [`ImageError`] if the size is absurd or the number of values differs from it.
+    pub fn from_values(size: ImageSize, mut values: Vec<f32>) -> Result<Self, ImageError> {
+        check_size(size)?;
+        if values.len() != size.pixels() {
+            return Err(ImageError::WrongCount { size, found: values.len() });
+        }
+        for v in &mut values {
+            if !(v.is_finite() && *v > 0.0) {
+                *v = f32::NAN;
+            }
+        }
+        Ok(Self { size, values })
+    }
+
+    /// Number of rows and columns.
+    pub fn size(&self) -> ImageSize {
+        self.size
+    }
+
+    /// The value at a pixel; `None` where it is missing or outside the image.
+    pub fn get(&self, pixel: Pixel) -> Option<f32> {
+        let inside = pixel.row < self.size.rows && pixel.col < self.size.cols;
+        let value = self.values.get(pixel.row * self.size.cols + pixel.col).copied();
+        value.filter(|v| inside && !v.is_nan())
+    }
+
+    /// The values of one row for inner loops, **NaN where missing**; empty outside the image.
+    pub fn row(&self, row: usize) -> &[f32] {
+        let start = row.saturating_mul(self.size.cols);
+        self.values.get(start..start + self.size.cols).unwrap_or(&[])
+    }
+
+    /// How many pixels are not missing.
+    pub fn valid_count(&self) -> usize {
+        self.values.iter().filter(|v| !v.is_nan()).count()
+    }
+
+    /// Smallest and largest value; `None` if every pixel is missing.
+    pub fn extremes(&self) -> Option<(f32, f32)> {
+        let valid = self.values.iter().copied().filter(|v| !v.is_nan());
+        valid.fold(None, |e, v| match e {
+            None => Some((v, v)),
+            Some((low, high)) => Some((v.min(low), v.max(high))),
+        })
+    }
+}
+
+/// Refuses sizes that no sensor has, before anything is allocated for them.
+fn check_size(size: ImageSize) -> Result<(), ImageError> {
+    let ImageSize { rows, cols } = size;
+    match rows.checked_mul(cols) {
+        Some(n) if n > 0 && n <= MAX_PIXELS => Ok(()),
+        _ => Err(ImageError::AbsurdSize { rows, cols }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: ImageSize = ImageSize { rows: 2, cols: 3 };
+
+    #[test]
+    fn useless_samples_become_missing() {
+        let values = vec![1.0, 0.0, -2.0, f32::INFINITY, f32::NAN, 3.0];
+        let image = RangeImage::from_values(SIZE, values).unwrap();
+        assert_eq!(image.valid_count(), 2);
+        assert_eq!(image.get(Pixel::new(0, 0)), Some(1.0));
+        assert_eq!(image.get(Pixel::new(0, 1)), None);
+        assert_eq!(image.get(Pixel::new(1, 2)), Some(3.0));
+        assert_eq!(image.get(Pixel::new(0, 3)), None, "the next row is not column 3");
+        assert_eq!(image.extremes(), Some((1.0, 3.0)));
+    }
+
+    #[test]
+    fn sizes_are_checked_before_use() {
+        let wrong = RangeImage::from_values(SIZE, vec![1.0; 5]).unwrap_err();
+        assert_eq!(wrong.to_string(), "5 values do not fill 2 rows × 3 columns");
+        for (rows, cols) in [(0, 3), (1 << 20, 1 << 20), (usize::MAX, 2)] {
+            let absurd = RangeImage::from_values(ImageSize { rows, cols }, Vec::new());
+            assert_eq!(absurd.unwrap_err(), ImageError::AbsurdSize { rows, cols });
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! A range image with its device frame and pose.
+
+use crate::{DeviceFrame, ImageSize, Isometry3, Pixel, Point3, RangeImage};
+use std::sync::Arc;
+
+/// Why an image, a frame and a pose do not make a view.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ViewError {
+    /// Image and device frame have different sizes.
+    #[error("the image has {image}, its sensor {frame}")]
+    SizeMismatch {
+        /// Size of the image.
+        image: ImageSize,
+        /// Size the device frame expects.
+        frame: ImageSize,
+    },
+    /// The image has no valid pixel at all.
+    #[error("every pixel is missing: zero, negative, infinite or not a number")]
+    NoValidPixel,
+    /// The pose has a component that is NaN or infinite.
+    #[error("the pose is not finite")]
+    PoseNotFinite,
+    /// The noise is negative, NaN or infinite.
+    #[error("the range noise must be a length of at least 0, got {0}")]
+    BadSigma(f64),
+}
+
+/// One range image, placed in the world.
+#[derive(Debug, Clone)]
+pub struct View {
+    name: String,
+    image: RangeImage,
+    frame: Arc<dyn DeviceFrame>,
+    world_from_sensor: Isometry3,
+    sigma: Option<f64>,
+}
+
+impl View {
+    /// A view from its parts. `name` is what reports call it, usually its file's name; `sigma` is
+    /// the standard deviation of a range along its ray, in the model's length unit, if known.
+    ///
+    /// # Errors
+    /// [`ViewError`] if the sizes differ, no pixel is valid, or pose or noise are not finite.
+    pub fn new(
+        name: impl Into<String>,
+        image: RangeImage,
+        frame: Arc<dyn DeviceFrame>,
+        world_from_sensor: Isometry3,
+        sigma: Option<f64>,
+    ) -> Result<Self, ViewError> {
+        if image.size() != frame.size() {
+            return Err(ViewError::SizeMismatch { image: image.size(), frame: frame.size() });
+        }
+        if image.valid_count() == 0 {
+            return Err(ViewError::NoValidPixel);
+        }
+        let pose = world_from_sensor.to_homogeneous();
+        if !pose.iter().all(|c| c.is_finite()) {
+            return Err(ViewError::PoseNotFinite);
+        }
+        if let Some(bad) = sigma.filter(|s| !(s.is_finite() && *s >= 0.0)) {
+            return Err(ViewError::BadSigma(bad));
+        }
+        Ok(Self { name: name.into(), image, frame, world_from_sensor, sigma })
+    }
+
+    /// What reports call this view.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The range image.
+    pub fn image(&self) -> &RangeImage {
+        &self.image
+    }
+
+    /// The device frame the image was sampled in.
+    pub fn frame(&self) -> &dyn DeviceFrame {
+        self.frame.as_ref()
+    }
+
+    /// The pose: world coordinates from sensor coordinates.
+    pub fn world_from_sensor(&self) -> &Isometry3 {
+        &self.world_from_sensor
+    }
+
+    /// Standard deviation of a range along its ray, in the model's length unit, if known.
+    pub fn sigma(&self) -> Option<f64> {
+        self.sigma
+    }
+
+    /// The sensor-frame point of a pixel; `None` if it is missing.
+    pub fn point_in_sensor(&self, pixel: Pixel) -> Option<Point3> {
+        self.frame.point(pixel, f64::from(self.image.get(pixel)?))
+    }
+}

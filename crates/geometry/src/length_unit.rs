@@ -1,0 +1,144 @@
+//! The one length unit of a model.
+
+use serde::{Deserialize, Serialize};
+
+/// The unit in which every length of a model is given.
+///
+/// There is no default: a manifest without a unit is an error, not a guess.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum LengthUnit {
+    /// Metre, `m`.
+    #[serde(rename = "m")]
+    Metre,
+    /// Decimetre, `dm`.
+    #[serde(rename = "dm")]
+    Decimetre,
+    /// Centimetre, `cm`.
+    #[serde(rename = "cm")]
+    Centimetre,
+    /// Millimetre, `mm`.
+    #[serde(rename = "mm")]
+    Millimetre,
+    /// Micrometre, `um`.
+    #[serde(rename = "um")]
+    Micrometre,
+    /// Inch, `in`.
+    #[serde(rename = "in")]
+    Inch,
+    /// Foot, `ft`.
+    #[serde(rename = "ft")]
+    Foot,
+}
+
+/// A text that is no length or no length unit.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LengthError {
+    /// The unit's symbol is unknown.
+    #[error("unknown length unit {0:?}; known are m, dm, cm, mm, um, in, ft")]
+    UnknownUnit(String),
+    /// The text does not begin with a finite number.
+    #[error("{0:?} is not a length; write a number and a unit, such as 1mm")]
+    NotANumber(String),
+}
+
+impl LengthUnit {
+    /// All units, the metric ones first.
+    pub const ALL: [Self; 7] = [
+        Self::Metre,
+        Self::Decimetre,
+        Self::Centimetre,
+        Self::Millimetre,
+        Self::Micrometre,
+        Self::Inch,
+        Self::Foot,
+    ];
+
+    /// The symbol manifests and reports use, such as `mm`.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Metre => "m",
+            Self::Decimetre => "dm",
+            Self::Centimetre => "cm",
+            Self::Millimetre => "mm",
+            Self::Micrometre => "um",
+            Self::Inch => "in",
+            Self::Foot => "ft",
+        }
+    }
+
+    /// How many metres one of this unit is.
+    pub fn in_metres(self) -> f64 {
+        match self {
+            Self::Metre => 1.0,
+            Self::Decimetre => 0.1,
+            Self::Centimetre => 0.01,
+            Self::Millimetre => 1e-3,
+            Self::Micrometre => 1e-6,
+            Self::Inch => 0.0254,
+            Self::Foot => 0.3048,
+        }
+    }
+
+    /// A length such as `1mm`, `0.5 in` or `2`, converted to this unit; a bare number is in it.
+    ///
+    /// # Errors
+    /// [`LengthError`] if the number is not finite or the unit is unknown.
+    ///
+    /// ```
+    /// use transect_geometry::LengthUnit;
+    /// let in_metres = LengthUnit::Metre.parse_length("2.5mm").unwrap();
+    /// assert!((in_metres - 0.0025).abs() < 1e-15);
+    /// ```
+    pub fn parse_length(self, text: &str) -> Result<f64, LengthError> {
+        let text = text.trim();
+        let is_symbol = |c: char| c.is_ascii_alphabetic();
+        let symbol_length = text.chars().rev().take_while(|&c| is_symbol(c)).count();
+        let (number, symbol) = text.split_at(text.len() - symbol_length);
+        let not_a_number = || LengthError::NotANumber(text.to_owned());
+        let number: f64 = number.trim().parse().map_err(|_| not_a_number())?;
+        if !number.is_finite() {
+            return Err(not_a_number());
+        }
+        let unit = if symbol.is_empty() { self } else { symbol.parse()? };
+        Ok(if unit == self { number } else { number * unit.in_metres() / self.in_metres() })
+    }
+}
+
+impl std::fmt::Display for LengthUnit {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.symbol())
+    }
+}
+
+impl std::str::FromStr for LengthUnit {
+    type Err = LengthError;
+
+    fn from_str(symbol: &str) -> Result<Self, LengthError> {
+        let known = Self::ALL.into_iter().find(|u| u.symbol() == symbol);
+        known.ok_or_else(|| LengthError::UnknownUnit(symbol.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_convert_to_the_model_unit() {
+        assert_eq!(LengthUnit::Metre.parse_length("1mm"), Ok(0.001));
+        assert_eq!(LengthUnit::Millimetre.parse_length("1in"), Ok(25.4));
+        assert_eq!(LengthUnit::Metre.parse_length("-0.25"), Ok(-0.25));
+        assert_eq!(LengthUnit::Metre.parse_length("1e-3 m"), Ok(0.001));
+    }
+
+    #[test]
+    fn bad_lengths_are_named() {
+        let unknown = LengthUnit::Metre.parse_length("1furlong").unwrap_err();
+        assert!(unknown.to_string().contains("\"furlong\""), "{unknown}");
+        for text in ["", "mm", "inf", "NaNm", "1,5mm"] {
+            let bad = LengthUnit::Metre.parse_length(text).unwrap_err();
+            assert!(matches!(bad, LengthError::NotANumber(_)), "{text}");
+        }
+    }
+}

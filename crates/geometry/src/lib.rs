@@ -1,0 +1,38 @@
+//! What a cross-section model is made of: a guide, section planes along it, oriented plane curves.
+//!
+//! The one decision of this crate: **a curve has its solid on the left**, seen from the positive
+//! side of the plane's normal (dissertation, sections 2.4.3 and 2.5.2). Outer boundaries therefore
+//! run counter-clockwise and holes clockwise in plane coordinates, and signed areas add up.
+//!
+//! It refuses to know about sensors, files and fusion. All lengths are in the model's one length
+//! unit, whatever that is; all coordinates are `f64`.
+//!
+//! * [`LengthUnit`]: what the lengths are;
+//! * [`StraightGuide`], [`PlaneFamily`], [`PlaneIndex`], [`PlaneFrame`]: where the planes are;
+//! * [`Node`], [`Curve`], [`Envelope`]: what lies on them;
+//! * [`CurveUnit`], [`Foot`], [`Side`]: how far a point is from a curve, and on which side.
+
+mod curve;
+mod envelope;
+mod guide;
+mod length_unit;
+mod plane_frame;
+mod unit;
+
+pub use curve::{Curve, CurveError, Node};
+pub use envelope::Envelope;
+pub use guide::{GuideError, PlaneFamily, PlaneIndex, StraightGuide};
+pub use length_unit::{LengthError, LengthUnit};
+pub use plane_frame::PlaneFrame;
+pub use unit::{CurveUnit, Foot, Side};
+
+/// A point in space, in the model's length unit.
+pub type Point3 = nalgebra::Point3<f64>;
+/// A direction or displacement in space.
+pub type Vector3 = nalgebra::Vector3<f64>;
+/// A point in plane coordinates (see [`PlaneFrame`]), in the model's length unit.
+pub type Point2 = nalgebra::Point2<f64>;
+/// A direction or displacement in plane coordinates.
+pub type Vector2 = nalgebra::Vector2<f64>;
+/// A rigid motion; variables name it target-from-source, as in `world_from_sensor`.
+pub type Isometry3 = nalgebra::Isometry3<f64>;
