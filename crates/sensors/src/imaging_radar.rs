@@ -1,0 +1,248 @@
+//! Imaging radar: two scanning angles and a range (dissertation, section 4.2, ERIM).
+//!
+//! ```text
+//!        z                 x = r cos φ cos θ      (4.1)
+//!        |   . P           y = r cos φ sin θ      (4.2)
+//!        | r/              z = r sin φ            (4.3)
+//!        | / φ
+//!        |/______ y        row i    ↔ φ = φ₀ + i Δφ   (nodding mirror)
+//!       / θ                column j ↔ θ = θ₀ + j Δθ   (polygon mirror)
+//!      x
+//! ```
+//!
+//! Axes: right-handed, z up when φ is the elevation. `d3` is the range `r` from the sensor, in the
+//! model's length unit; rays all start at the origin. Noise is an error of `r` along the ray.
+//! Steps may be negative (a scan from top to bottom). Steps that fill a full circle in θ make the
+//! last column a neighbour of the first.
+//!
+//! Departures from the source, after its errata: θ comes from `atan2` and is unwrapped into the
+//! scan (Eq. 4.6 prints `asin`, which folds the rear half-space onto the front), and the sensing
+//! volume's extremes are looked for at the corners, inside the field and along all four angular
+//! edges, since the eleven planes of section 4.2.4 miss planes.
+
+use crate::{SensorError, require};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use transect_device::{
+    DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, Neighbour, PairGeometry, Pixel,
+    Point3, RangeImage, Ray, SensorPlane, Vector3,
+};
+
+/// Equal angular steps: sample `k` looks along `first + k · step`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AngularScan {
+    first: f64,
+    step: f64,
+}
+
+impl AngularScan {
+    /// Angles in radians.
+    pub fn from_radians(first: f64, step: f64) -> Self {
+        Self { first, step }
+    }
+
+    /// Angles in degrees.
+    pub fn from_degrees(first: f64, step: f64) -> Self {
+        Self { first: first.to_radians(), step: step.to_radians() }
+    }
+
+    /// Angle of sample `k`, in radians.
+    pub fn angle(&self, k: usize) -> f64 {
+        self.first + k as f64 * self.step
+    }
+
+    fn range(&self, count: usize) -> (f64, f64) {
+        let (a, b) = (self.first, self.angle(count.saturating_sub(1)));
+        (a.min(b), a.max(b))
+    }
+
+    fn table(&self, count: usize) -> Vec<SinCos> {
+        (0..count).map(|k| SinCos::of(self.angle(k))).collect()
+    }
+}
+
+#[derive(Debug, Clone, Copy)]
+struct SinCos {
+    sin: f64,
+    cos: f64,
+}
+
+impl SinCos {
+    fn of(angle: f64) -> Self {
+        let (sin, cos) = angle.sin_cos();
+        Self { sin, cos }
+    }
+}
+
+/// The device frame of an imaging radar; see the module's page.
+#[derive(Debug, Clone)]
+pub struct ImagingRadar {
+    size: ImageSize,
+    theta: AngularScan,
+    phi: AngularScan,
+    columns: Vec<SinCos>,
+    rows: Vec<SinCos>,
+}
+
+impl ImagingRadar {
+    /// A scanner with one column per step of `theta` and one row per step of `phi`.
+    ///
+    /// # Errors
+    /// [`SensorError::BadParameter`] for angles that are not finite, zero steps, columns that cover
+    /// more than a full circle, or rows outside ±90°.
+    pub fn new(size: ImageSize, theta: AngularScan, phi: AngularScan) -> Result<Self, SensorError> {
+        require("theta0", theta.first, true, "an angle")?;
+        require("phi0", phi.first, true, "an angle")?;
+        require("dtheta", theta.step, theta.step != 0.0, "a step other than 0")?;
+        require("dphi", phi.step, phi.step != 0.0, "a step other than 0")?;
+        let circle = theta.step.abs() * size.cols as f64;
+        // A full circle given with few decimals may come out a little long.
+        let fits = circle < TAU + 0.5 * theta.step.abs();
+        require("dtheta", theta.step, fits, "columns within one full circle")?;
+        let (low, high) = phi.range(size.rows);
+        let upright = low >= -FRAC_PI_2 - 1e-9 && high <= FRAC_PI_2 + 1e-9;
+        require("phi0", phi.first, upright, "rows between -90° and 90°")?;
+        let (columns, rows) = (theta.table(size.cols), phi.table(size.rows));
+        Ok(Self { size, theta, phi, columns, rows })
+    }
+
+    fn direction(&self, pixel: Pixel) -> Option<Vector3> {
+        let (phi, theta) = (self.rows.get(pixel.row)?, self.columns.get(pixel.col)?);
+        Some(Vector3::new(phi.cos * theta.cos, phi.cos * theta.sin, phi.sin))
+    }
+
+    /// Smallest and largest `direction · ray` over the angular field.
+    fn angular_extremes(&self, direction: &Vector3) -> (f64, f64) {
+        let (theta_range, phi_range) =
+            (self.theta.range(self.size.cols), self.phi.range(self.size.rows));
+        let mut thetas = vec![theta_range.0, theta_range.1];
+        // Extremes along an edge of constant φ, and the azimuth of ±n itself.
+        let azimuth = direction.y.atan2(direction.x);
+        thetas.extend(turns_within(azimuth, theta_range));
+        thetas.extend(turns_within(azimuth + PI, theta_range));
+        let mut extremes = (f64::INFINITY, f64::NEG_INFINITY);
+        for theta in thetas {
+            let horizontal = direction.x * theta.cos() + direction.y * theta.sin();
+            let mut phis = vec![phi_range.0, phi_range.1];
+            // Extremes along an edge of constant θ; at the azimuth of ±n these are ±n.
+            let elevation = direction.z.atan2(horizontal);
+            phis.extend(turns_within(elevation, phi_range));
+            phis.extend(turns_within(elevation + PI, phi_range));
+            for phi in phis {
+                let value = phi.cos() * horizontal + phi.sin() * direction.z;
+                extremes = (value.min(extremes.0), value.max(extremes.1));
+            }
+        }
+        extremes
+    }
+}
+
+/// An angle shifted by whole turns into a range, if it can be.
+fn turns_within(angle: f64, (low, high): (f64, f64)) -> Option<f64> {
+    let shifted = angle + ((low - angle) / TAU).ceil() * TAU;
+    (shifted <= high).then_some(shifted)
+}
+
+impl DeviceFrame for ImagingRadar {
+    fn size(&self) -> ImageSize {
+        self.size
+    }
+
+    fn handedness(&self) -> Handedness {
+        // ∂ray/∂θ × ∂ray/∂φ is cos φ times the ray, so only the signs of the steps matter.
+        if self.theta.step * self.phi.step > 0.0 {
+            Handedness::ColumnsRight
+        } else {
+            Handedness::ColumnsLeft
+        }
+    }
+
+    fn columns_wrap(&self) -> bool {
+        (self.theta.step.abs() * self.size.cols as f64 - TAU).abs() < 0.5 * self.theta.step.abs()
+    }
+
+    fn ray(&self, pixel: Pixel) -> Option<Ray> {
+        Some(Ray { start: Point3::origin(), direction: self.direction(pixel)? })
+    }
+
+    fn point(&self, pixel: Pixel, d3: f64) -> Option<Point3> {
+        Some(Point3::from(self.direction(pixel)? * d3))
+    }
+
+    fn device_point(&self, in_sensor: &Point3) -> Option<DevicePoint> {
+        let d3 = in_sensor.coords.norm();
+        if !(d3.is_finite() && d3 > 0.0) {
+            return None;
+        }
+        let phi = (in_sensor.z / d3).asin();
+        let theta = in_sensor.y.atan2(in_sensor.x);
+        let period = TAU / self.theta.step.abs();
+        // Into the scan: from half a pixel before the first column on.
+        let col = ((theta - self.theta.first) / self.theta.step + 0.5).rem_euclid(period) - 0.5;
+        Some(DevicePoint { row: (phi - self.phi.first) / self.phi.step, col, d3 })
+    }
+
+    /// Eq. 4.7: `r = offset / (n · ray)`.
+    fn plane_value(&self, pixel: Pixel, plane: &SensorPlane) -> Option<f64> {
+        let value = plane.offset / plane.normal.dot(&self.direction(pixel)?);
+        (value.is_finite() && value > 0.0).then_some(value)
+    }
+
+    fn extent(&self, direction: &Vector3, nearest: f64, farthest: f64) -> (f64, f64) {
+        let (low, high) = self.angular_extremes(direction);
+        let values = [low * nearest, low * farthest, high * nearest, high * farthest];
+        let smallest = values.iter().copied().fold(f64::INFINITY, f64::min);
+        (smallest, values.iter().copied().fold(f64::NEG_INFINITY, f64::max))
+    }
+
+    fn form_row(&self, image: &RangeImage, row: usize, form: &LinearForm, out: &mut [f32]) {
+        let Some(phi) = self.rows.get(row) else { return out.fill(f32::NAN) };
+        let gradient = form.gradient;
+        let (x, y, z) = (phi.cos * gradient.x, phi.cos * gradient.y, phi.sin * gradient.z);
+        let samples = image.row(row).iter().zip(&self.columns);
+        for (value, (&d3, theta)) in out.iter_mut().zip(samples) {
+            let per_range = x * theta.cos + y * theta.sin + z;
+            *value = (f64::from(d3) * per_range + form.constant) as f32;
+        }
+    }
+
+    fn pair_row(
+        &self,
+        image: &RangeImage,
+        row: usize,
+        neighbour: Neighbour,
+        out: &mut [PairGeometry],
+    ) {
+        let samples = image.row(row);
+        let Some(phi) = self.rows.get(row) else { return out.fill(PairGeometry::MISSING) };
+        match neighbour {
+            Neighbour::Up => {
+                let Some(above) = row.checked_sub(1).map(|r| image.row(r)) else {
+                    return out.fill(PairGeometry::MISSING);
+                };
+                let angle = SinCos::of(self.phi.step.abs());
+                for ((pair, &a), &b) in out.iter_mut().zip(samples).zip(above) {
+                    *pair = polar_pair(a, b, angle);
+                }
+            }
+            Neighbour::Left => {
+                // The angle between rays of one row at neighbouring azimuths.
+                let cos = phi.cos * phi.cos * self.theta.step.cos() + phi.sin * phi.sin;
+                let angle = SinCos { cos, sin: (1.0 - cos * cos).max(0.0).sqrt() };
+                let last = samples.last().copied().filter(|_| self.columns_wrap());
+                let before =
+                    std::iter::once(last.unwrap_or(f32::NAN)).chain(samples.iter().copied());
+                for ((pair, &a), b) in out.iter_mut().zip(samples).zip(before) {
+                    *pair = polar_pair(a, b, angle);
+                }
+            }
+        }
+    }
+}
+
+/// Two ranges on rays that an angle parts; NaN goes through.
+fn polar_pair(a: f32, b: f32, angle: SinCos) -> PairGeometry {
+    let (a, b) = (f64::from(a), f64::from(b));
+    let along = (b * angle.cos - a).abs();
+    let lateral = b * angle.sin + 0.0 * a;
+    PairGeometry { range_step: along as f32, lateral: lateral as f32 }
+}

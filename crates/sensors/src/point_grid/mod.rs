@@ -1,0 +1,206 @@
+//! Organised grid of Cartesian points: structured scans that come as points, not as ranges.
+//!
+//! Each pixel has a point of its own and a place its ray starts from, see [`RayStarts`]. `d3` is
+//! the distance of the point from that start, in the model's length unit; a value other than the
+//! stored one means the point moved along the ray. There is no inverse mapping `F`, because nothing
+//! is known between the rays.
+//!
+//! Axes: whatever the scan has, right-handed. Handedness is read from the grid: the side from which
+//! most of its cells are seen. Missing: any coordinate not finite, or the point (0, 0, 0), which
+//! structured formats write for "no return". Noise is an error along the ray.
+
+mod carried_pinhole;
+
+pub use carried_pinhole::CarriedPinhole;
+
+use crate::{SensorError, require};
+use transect_device::{
+    DeviceFrame, DevicePoint, Handedness, ImageSize, Pixel, Point3, RangeImage, Ray, SensorPlane,
+    Vector3,
+};
+
+/// Where the rays of a point grid start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum RayStarts {
+    /// All at one point, in the sensor frame.
+    Viewpoint(Point3),
+    /// On a plane in front of the points, running along one direction away from the sensor.
+    Parallel(Vector3),
+    /// At a pinhole which the scan carries along x.
+    CarriedPinhole(CarriedPinhole),
+}
+
+impl RayStarts {
+    /// Start of the ray that ends in a point.
+    fn start(&self, p: &Point3, parallel_start: f64) -> Point3 {
+        match self {
+            Self::Viewpoint(start) => *start,
+            Self::Parallel(direction) => {
+                p - direction * (direction.dot(&p.coords) - parallel_start)
+            }
+            Self::CarriedPinhole(pinhole) => pinhole.start(p),
+        }
+    }
+}
+
+/// The device frame of an organised point grid; see the module's page.
+#[derive(Debug, Clone)]
+pub struct PointGrid {
+    size: ImageSize,
+    /// Row-major; NaN where missing.
+    points: Vec<Point3>,
+    starts: RayStarts,
+    /// Where parallel rays start, measured along them; ahead of every point.
+    parallel_start: f64,
+    handedness: Handedness,
+}
+
+impl PointGrid {
+    /// A grid of row-major points in the sensor frame, with the image of their distances.
+    ///
+    /// # Errors
+    /// [`SensorError`] if the number of points is not that of the pixels, the ray starts are not
+    /// finite, or no three neighbouring points show which way round the grid is.
+    pub fn new(
+        size: ImageSize,
+        mut points: Vec<Point3>,
+        starts: RayStarts,
+    ) -> Result<(Self, RangeImage), SensorError> {
+        let starts = checked(starts)?;
+        for p in &mut points {
+            let missing = *p == Point3::origin() || !p.coords.iter().all(|c| c.is_finite());
+            if missing {
+                *p = Point3::new(f64::NAN, f64::NAN, f64::NAN);
+            }
+        }
+        let parallel_start = parallel_start(&points, &starts);
+        let distance = |p: &Point3| (p - starts.start(p, parallel_start)).norm() as f32;
+        let image = RangeImage::from_values(size, points.iter().map(distance).collect())?;
+        let mut grid =
+            Self { size, points, starts, parallel_start, handedness: Handedness::ColumnsRight };
+        grid.handedness = grid.read_handedness().ok_or(SensorError::NoSurface)?;
+        Ok((grid, image))
+    }
+
+    /// A grid from a triangulation scanner that moves along x and looks along -z, with the lines
+    /// of sight fitted to the grid itself (see [`CarriedPinhole::fit`]); where they cannot be
+    /// fitted, they are taken as parallel to -z.
+    ///
+    /// # Errors
+    /// As [`PointGrid::new`].
+    pub fn from_translated_scan(
+        size: ImageSize,
+        points: Vec<Point3>,
+    ) -> Result<(Self, RangeImage), SensorError> {
+        let fitted = CarriedPinhole::fit(size, &points).map(RayStarts::CarriedPinhole);
+        Self::new(size, points, fitted.unwrap_or(RayStarts::Parallel(-Vector3::z())))
+    }
+
+    /// Where the rays start.
+    pub fn ray_starts(&self) -> &RayStarts {
+        &self.starts
+    }
+
+    fn stored(&self, pixel: Pixel) -> Option<&Point3> {
+        let inside = pixel.row < self.size.rows && pixel.col < self.size.cols;
+        let point = self.points.get(pixel.row * self.size.cols + pixel.col)?;
+        (inside && !point.x.is_nan()).then_some(point)
+    }
+
+    /// The side from which most cells are seen: sign of (∂p/∂column × ∂p/∂row) · ray.
+    fn read_handedness(&self) -> Option<Handedness> {
+        let mut balance = 0_i64;
+        let mut cells = 0_u64;
+        for row in 1..self.size.rows {
+            for col in 1..self.size.cols {
+                let Some(turn) = self.cell_turn(row, col) else { continue };
+                cells += 1;
+                balance += if turn > 0.0 { 1 } else { -1 };
+            }
+        }
+        let right = balance >= 0;
+        (cells > 0).then_some(if right {
+            Handedness::ColumnsRight
+        } else {
+            Handedness::ColumnsLeft
+        })
+    }
+
+    fn cell_turn(&self, row: usize, col: usize) -> Option<f64> {
+        let here = self.stored(Pixel::new(row, col))?;
+        let along_columns = here - self.stored(Pixel::new(row, col - 1))?;
+        let along_rows = here - self.stored(Pixel::new(row - 1, col))?;
+        let ray = here - self.starts.start(here, self.parallel_start);
+        Some(along_columns.cross(&along_rows).dot(&ray))
+    }
+}
+
+fn checked(starts: RayStarts) -> Result<RayStarts, SensorError> {
+    match starts {
+        RayStarts::Viewpoint(p) => {
+            let sum = p.coords.sum();
+            require("viewpoint", sum, true, "a finite point")?;
+            Ok(starts)
+        }
+        RayStarts::Parallel(d) => {
+            let length = require("direction", d.norm(), d.norm() > 0.0, "a direction")?;
+            Ok(RayStarts::Parallel(d / length))
+        }
+        RayStarts::CarriedPinhole(_) => Ok(starts),
+    }
+}
+
+/// A place along parallel rays from which every point lies ahead, so that distances are positive.
+fn parallel_start(points: &[Point3], starts: &RayStarts) -> f64 {
+    let RayStarts::Parallel(direction) = starts else { return 0.0 };
+    let along = points.iter().map(|p| direction.dot(&p.coords)).filter(|a| !a.is_nan());
+    let (low, high) =
+        along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), a| (low.min(a), high.max(a)));
+    // One depth of the scene ahead of it, or one unit for a flat scene.
+    low - if high > low { high - low } else { 1.0 }
+}
+
+impl DeviceFrame for PointGrid {
+    fn size(&self) -> ImageSize {
+        self.size
+    }
+
+    fn handedness(&self) -> Handedness {
+        self.handedness
+    }
+
+    fn ray(&self, pixel: Pixel) -> Option<Ray> {
+        let p = self.stored(pixel)?;
+        let start = self.starts.start(p, self.parallel_start);
+        Some(Ray { start, direction: (p - start).try_normalize(0.0)? })
+    }
+
+    fn point(&self, pixel: Pixel, d3: f64) -> Option<Point3> {
+        let p = self.stored(pixel)?;
+        let start = self.starts.start(p, self.parallel_start);
+        let distance = (p - start).norm();
+        // The stored value is the distance rounded to f32: it stands for the point itself.
+        if d3 as f32 == distance as f32 {
+            Some(*p)
+        } else {
+            Some(start + (p - start) * (d3 / distance))
+        }
+    }
+
+    fn device_point(&self, _in_sensor: &Point3) -> Option<DevicePoint> {
+        None
+    }
+
+    fn plane_value(&self, pixel: Pixel, plane: &SensorPlane) -> Option<f64> {
+        let ray = self.ray(pixel)?;
+        let ahead = plane.offset - plane.normal.dot(&ray.start.coords);
+        let value = ahead / plane.normal.dot(&ray.direction);
+        (value.is_finite() && value > 0.0).then_some(value)
+    }
+
+    /// Exact, over the stored points: every value of a grid is one of them.
+    fn extent(&self, direction: &Vector3, _nearest: f64, _farthest: f64) -> (f64, f64) {
+        let along = self.points.iter().map(|p| direction.dot(&p.coords)).filter(|a| !a.is_nan());
+        along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), a| (low.min(a), high.max(a)))
+    }
+}

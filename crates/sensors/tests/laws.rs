@@ -1,0 +1,253 @@
+//! Laws that every device frame keeps, over random sensors, pixels and planes.
+
+use proptest::prelude::*;
+use transect_device::{
+    DeviceFrame, Handedness, ImageSize, LinearForm, Neighbour, PairGeometry, Pixel, Point3,
+    RangeImage, SensorPlane, Vector3,
+};
+use transect_sensors::{AngularScan, ImagingRadar, Intrinsics, Pinhole, PointGrid, RayStarts};
+
+const SIZE: ImageSize = ImageSize { rows: 12, cols: 17 };
+
+fn radars() -> impl Strategy<Value = ImagingRadar> {
+    let steps = (0.005..0.1_f64, 0.005..0.1_f64, any::<bool>(), any::<bool>());
+    (-4.0..4.0_f64, -0.4..0.4_f64, steps).prop_map(|(theta0, phi0, (dt, dp, flip_t, flip_p))| {
+        let sign = |flip: bool| if flip { -1.0 } else { 1.0 };
+        let theta = AngularScan::from_radians(theta0, sign(flip_t) * dt);
+        let phi = AngularScan::from_radians(phi0, sign(flip_p) * dp);
+        ImagingRadar::new(SIZE, theta, phi).unwrap()
+    })
+}
+
+fn cameras() -> impl Strategy<Value = Pinhole> {
+    (5.0..60.0, 5.0..60.0, -3.0..20.0, -3.0..20.0)
+        .prop_map(|(fx, fy, cx, cy)| Pinhole::new(SIZE, Intrinsics { fx, fy, cx, cy }).unwrap())
+}
+
+fn frames() -> impl Strategy<Value = Box<dyn DeviceFrame>> {
+    prop_oneof![
+        radars().prop_map(|f| Box::new(f) as Box<dyn DeviceFrame>),
+        cameras().prop_map(|f| Box::new(f) as Box<dyn DeviceFrame>),
+    ]
+}
+
+fn pixels() -> impl Strategy<Value = Pixel> {
+    (0..SIZE.rows, 0..SIZE.cols).prop_map(|(row, col)| Pixel::new(row, col))
+}
+
+fn directions() -> impl Strategy<Value = Vector3> {
+    (-1.0..1.0, -1.0..1.0, -1.0..1.0)
+        .prop_map(|(x, y, z)| Vector3::new(x, y, z))
+        .prop_filter("has a direction", |v: &Vector3| v.norm() > 0.1)
+        .prop_map(|v| v.normalize())
+}
+
+/// Images with values from 1 to 9 and a fifth of the pixels missing.
+fn images() -> impl Strategy<Value = RangeImage> {
+    let value = prop_oneof![4 => 1.0_f32..9.0, 1 => Just(f32::NAN)];
+    prop::collection::vec(value, SIZE.pixels())
+        .prop_map(|values| RangeImage::from_values(SIZE, values).unwrap())
+}
+
+/// The grid of points that another frame sees.
+fn grid_of(frame: &dyn DeviceFrame, image: &RangeImage) -> Option<(PointGrid, RangeImage)> {
+    let all = (0..SIZE.rows).flat_map(|row| (0..SIZE.cols).map(move |col| Pixel::new(row, col)));
+    let missing = Point3::new(f64::NAN, f64::NAN, f64::NAN);
+    let point = |p: Pixel| frame.point(p, f64::from(image.get(p)?));
+    let points = all.map(|p| point(p).unwrap_or(missing)).collect();
+    PointGrid::new(SIZE, points, RayStarts::Viewpoint(Point3::origin())).ok()
+}
+
+/// The obvious per-pixel versions of the row methods, whatever a backend overrides.
+#[derive(Debug)]
+struct Slow<'a>(&'a dyn DeviceFrame);
+
+impl DeviceFrame for Slow<'_> {
+    fn size(&self) -> ImageSize {
+        self.0.size()
+    }
+    fn handedness(&self) -> Handedness {
+        self.0.handedness()
+    }
+    fn columns_wrap(&self) -> bool {
+        self.0.columns_wrap()
+    }
+    fn ray(&self, pixel: Pixel) -> Option<transect_device::Ray> {
+        self.0.ray(pixel)
+    }
+    fn point(&self, pixel: Pixel, d3: f64) -> Option<Point3> {
+        self.0.point(pixel, d3)
+    }
+    fn device_point(&self, p: &Point3) -> Option<transect_device::DevicePoint> {
+        self.0.device_point(p)
+    }
+    fn plane_value(&self, pixel: Pixel, plane: &SensorPlane) -> Option<f64> {
+        self.0.plane_value(pixel, plane)
+    }
+    fn extent(&self, direction: &Vector3, nearest: f64, farthest: f64) -> (f64, f64) {
+        self.0.extent(direction, nearest, farthest)
+    }
+}
+
+fn close(a: f32, b: f32) -> bool {
+    (a.is_nan() && b.is_nan()) || (a - b).abs() <= 1e-5 * (1.0 + a.abs())
+}
+
+fn rows_agree(frame: &dyn DeviceFrame, image: &RangeImage, form: &LinearForm) -> bool {
+    let slow = Slow(frame);
+    let mut forms = [[0.0_f32; SIZE.cols]; 2];
+    let mut pairs = [[PairGeometry::MISSING; SIZE.cols]; 2];
+    (0..SIZE.rows).all(|row| {
+        frame.form_row(image, row, form, &mut forms[0]);
+        slow.form_row(image, row, form, &mut forms[1]);
+        let same_forms = forms[0].iter().zip(&forms[1]).all(|(a, b)| close(*a, *b));
+        let same_pairs = [Neighbour::Up, Neighbour::Left].into_iter().all(|neighbour| {
+            frame.pair_row(image, row, neighbour, &mut pairs[0]);
+            slow.pair_row(image, row, neighbour, &mut pairs[1]);
+            let same = |(a, b): (&PairGeometry, &PairGeometry)| {
+                close(a.range_step, b.range_step) && close(a.lateral, b.lateral)
+            };
+            pairs[0].iter().zip(&pairs[1]).all(same)
+        });
+        same_forms && same_pairs
+    })
+}
+
+proptest! {
+    #[test]
+    fn going_to_the_device_frame_and_back_returns_the_point(
+        frame in frames(), pixel in pixels(), d3 in 0.1..50.0,
+    ) {
+        let p = frame.point(pixel, d3).unwrap();
+        let d = frame.device_point(&p).unwrap();
+        prop_assert!((d.row - pixel.row as f64).abs() < 1e-7, "{d:?}");
+        prop_assert!((d.col - pixel.col as f64).abs() < 1e-7, "{d:?}");
+        prop_assert!((d.d3 - d3).abs() < 1e-9 * d3);
+        let back = frame.point(pixel, d.d3).unwrap();
+        prop_assert!((back - p).norm() < 1e-9 * d3);
+    }
+
+    #[test]
+    fn the_value_of_a_plane_lies_on_the_plane_and_on_the_ray(
+        frame in frames(), pixel in pixels(), normal in directions(), offset in -9.0..9.0,
+    ) {
+        let plane = SensorPlane { normal, offset };
+        if let Some(value) = frame.plane_value(pixel, &plane) {
+            let p = frame.point(pixel, value).unwrap();
+            let ray = frame.ray(pixel).unwrap();
+            let along = p - ray.start;
+            let scale = 1.0 + along.norm();
+            prop_assert!((normal.dot(&p.coords) - offset).abs() < 1e-9 * scale);
+            prop_assert!(along.cross(&ray.direction).norm() < 1e-9 * scale);
+            prop_assert!(along.dot(&ray.direction) > 0.0);
+        }
+    }
+
+    #[test]
+    fn larger_values_are_farther_along_the_ray(
+        frame in frames(), pixel in pixels(), a in 0.1..50.0, b in 0.1..50.0,
+    ) {
+        let ray = frame.ray(pixel).unwrap();
+        let range = |d3: f64| (frame.point(pixel, d3).unwrap() - ray.start).norm();
+        prop_assert_eq!(a < b, range(a) < range(b));
+    }
+
+    #[test]
+    fn no_point_lies_outside_the_extent(
+        frame in frames(), image in images(), direction in directions(),
+    ) {
+        let Some((near, far)) = image.extremes() else { return Ok(()) };
+        let (low, high) = frame.extent(&direction, f64::from(near), f64::from(far));
+        for row in 0..SIZE.rows {
+            for col in 0..SIZE.cols {
+                let pixel = Pixel::new(row, col);
+                let Some(d3) = image.get(pixel) else { continue };
+                let p = frame.point(pixel, f64::from(d3)).unwrap();
+                let along = direction.dot(&p.coords);
+                prop_assert!(along > low - 1e-9 && along < high + 1e-9, "{low} {along} {high}");
+            }
+        }
+    }
+
+    #[test]
+    fn stated_handedness_is_the_one_of_the_rays(frame in frames(), pixel in pixels()) {
+        prop_assume!(pixel.row > 0 && pixel.col > 0);
+        let ray = |row, col| frame.ray(Pixel::new(row, col)).unwrap().direction;
+        let here = ray(pixel.row, pixel.col);
+        let along_columns = here - ray(pixel.row, pixel.col - 1);
+        let along_rows = here - ray(pixel.row - 1, pixel.col);
+        let turn = along_columns.cross(&along_rows).dot(&here);
+        prop_assert_eq!(turn > 0.0, frame.handedness() == Handedness::ColumnsRight);
+    }
+
+    #[test]
+    fn fast_rows_equal_slow_rows(
+        frame in frames(), image in images(), gradient in directions(), constant in -5.0..5.0,
+    ) {
+        let form = LinearForm { gradient, constant };
+        prop_assert!(rows_agree(frame.as_ref(), &image, &form));
+    }
+
+    #[test]
+    fn a_grid_of_points_is_the_frame_it_came_from(
+        frame in frames(), pixel in pixels(), normal in directions(), offset in -9.0..9.0,
+    ) {
+        let flat = RangeImage::from_values(SIZE, vec![3.0; SIZE.pixels()]).unwrap();
+        let Some((grid, image)) = grid_of(frame.as_ref(), &flat) else { return Ok(()) };
+        prop_assert_eq!(grid.handedness(), frame.handedness());
+        let d3 = f64::from(image.get(pixel).unwrap());
+        let there = frame.point(pixel, 3.0).unwrap();
+        prop_assert!((grid.point(pixel, d3).unwrap() - there).norm() < 1e-6);
+        let plane = SensorPlane { normal, offset };
+        let value = grid.plane_value(pixel, &plane);
+        prop_assert_eq!(value.is_some(), frame.plane_value(pixel, &plane).is_some());
+        if let Some(p) = value.and_then(|v| grid.point(pixel, v)) {
+            prop_assert!((normal.dot(&p.coords) - offset).abs() < 1e-6 * (1.0 + p.coords.norm()));
+        }
+    }
+}
+
+#[test]
+fn a_full_circle_joins_its_last_column_to_its_first() {
+    let theta = AngularScan::from_degrees(-180.0, 360.0 / SIZE.cols as f64);
+    let phi = AngularScan::from_degrees(-10.0, 1.0);
+    let circle = ImagingRadar::new(SIZE, theta, phi).unwrap();
+    assert!(circle.columns_wrap());
+    let seam = circle.neighbour(Pixel::new(3, 0), Neighbour::Left);
+    assert_eq!(seam, Some(Pixel::new(3, SIZE.cols - 1)));
+    let image = RangeImage::from_values(SIZE, vec![2.0; SIZE.pixels()]).unwrap();
+    let form = LinearForm { gradient: Vector3::x(), constant: 0.0 };
+    assert!(rows_agree(&circle, &image, &form));
+    let half = AngularScan::from_degrees(-90.0, 180.0 / SIZE.cols as f64);
+    assert!(!ImagingRadar::new(SIZE, half, phi).unwrap().columns_wrap());
+}
+
+#[test]
+fn bad_parameters_are_named() {
+    let good = AngularScan::from_degrees(0.0, 1.0);
+    let message = |theta, phi| ImagingRadar::new(SIZE, theta, phi).unwrap_err().to_string();
+    let still = AngularScan::from_degrees(0.0, 0.0);
+    assert_eq!(message(still, good), "dtheta = 0: a step other than 0");
+    let too_long = AngularScan::from_degrees(0.0, 30.0);
+    assert!(message(too_long, good).contains("columns within one full circle"));
+    let over_the_top = AngularScan::from_degrees(85.0, 1.0);
+    assert!(message(good, over_the_top).contains("rows between -90° and 90°"));
+    let flat = Intrinsics { fx: 0.0, fy: 1.0, cx: 0.0, cy: 0.0 };
+    let message = Pinhole::new(SIZE, flat).unwrap_err().to_string();
+    assert_eq!(message, "fx = 0: a positive focal length in pixels");
+}
+
+#[test]
+fn points_at_the_origin_are_missing_not_real() {
+    let size = ImageSize { rows: 2, cols: 2 };
+    let points = vec![
+        Point3::origin(),
+        Point3::new(1.0, 0.0, 5.0),
+        Point3::new(0.0, 1.0, 5.0),
+        Point3::new(1.0, 1.0, 5.0),
+    ];
+    let starts = RayStarts::Parallel(Vector3::z());
+    let (grid, image) = PointGrid::new(size, points, starts).unwrap();
+    assert_eq!(image.valid_count(), 3);
+    assert_eq!(grid.point(Pixel::new(0, 0), 1.0), None);
+}
