@@ -1,1 +1,71 @@
-//! placeholder
+//! One view to oriented curves on every section plane: partial modelling (dissertation, chapter 3).
+//!
+//! The one decision of this crate: curves are found **in the range image**, where samples are
+//! neighbours, and not among points in space. It refuses to know other views and storage.
+//!
+//! * [`one_pass`]: all planes of a straight guide in one sweep over the image;
+//! * [`BreakRule`]: where neighbouring pixels do not belong to one surface (3.4.2);
+//! * [`estimate_sigma`]: the range noise of an image of which it is not known;
+//! * [`SectionAxes`]: levels and plane coordinates straight from sensor coordinates.
+
+mod axes;
+mod breaks;
+mod noise;
+pub mod one_pass;
+
+pub use axes::{MAX_LEVELS, SectionAxes};
+pub use breaks::BreakRule;
+pub use noise::estimate_sigma;
+
+use transect_geometry::{Curve, PlaneIndex};
+
+/// The curves of one view: its partial model.
+#[derive(Debug, Clone, Default)]
+pub struct PartialModel {
+    /// The planes the view crosses, sorted, each with its curves in a fixed order.
+    pub planes: Vec<PlaneCurves>,
+    /// What was seen and left out on the way.
+    pub counts: PartialCounts,
+}
+
+/// The curves of one view on one plane.
+#[derive(Debug, Clone)]
+pub struct PlaneCurves {
+    /// The plane.
+    pub plane: PlaneIndex,
+    /// Its curves, solid on the left; never empty.
+    pub curves: Vec<Curve>,
+}
+
+/// Counts of one view's partial modelling.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PartialCounts {
+    /// Planes crossing an unbroken pair of neighbouring pixels: vertices before tidying.
+    pub crossings: usize,
+    /// Pairs of neighbouring valid pixels that do not belong to one surface.
+    pub jumps: usize,
+    /// Crossings without a neighbour on their plane, which make no curve and are left out.
+    pub lone: usize,
+    /// Range noise that was given or estimated, in the model's length unit.
+    pub sigma: f64,
+}
+
+/// Why a view could not be modelled.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PartialError {
+    /// The planes lie so densely that a level no longer has a usable resolution.
+    #[error(
+        "the view spans {planes:.3e} planes of interval {interval}; at most {MAX_LEVELS} are possible: \
+         is the interval in the right unit?"
+    )]
+    TooManyPlanes {
+        /// How many planes the view's sensing volume spans.
+        planes: f64,
+        /// The interval, in the model's length unit.
+        interval: f64,
+    },
+    /// More crossings than can be numbered.
+    #[error("the view crosses the planes more than {} times", u32::MAX)]
+    TooManyCrossings,
+}

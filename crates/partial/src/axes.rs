@@ -1,0 +1,101 @@
+//! Levels and plane coordinates as affine functions of sensor coordinates.
+
+use crate::PartialError;
+use transect_device::{LinearForm, Point3, Vector3, View};
+use transect_geometry::{PlaneFamily, PlaneIndex, Point2};
+
+/// Largest number of planes one view may span, 2²².
+///
+/// Levels are compared as `f32`; at this many planes one still resolves a quarter of an interval.
+pub const MAX_LEVELS: i64 = 1 << 22;
+
+/// What a view's sensor coordinates mean to a family of planes.
+///
+/// Levels count from plane [`SectionAxes::base`], near the sensor, so that world coordinates of
+/// any size leave the levels' resolution alone.
+#[derive(Debug, Clone, Copy)]
+pub struct SectionAxes {
+    base: i64,
+    level: LinearForm,
+    x: LinearForm,
+    y: LinearForm,
+    interval: f64,
+}
+
+impl SectionAxes {
+    /// The axes of a plane family, seen from a view.
+    ///
+    /// # Errors
+    /// [`PartialError::TooManyPlanes`] if the view's sensing volume spans more than [`MAX_LEVELS`].
+    pub fn new(view: &View, planes: &PlaneFamily) -> Result<Self, PartialError> {
+        let frame = planes.frame(PlaneIndex(0));
+        let interval = planes.interval();
+        let level = form(view, &(frame.normal() / interval), -planes.offset() / interval);
+        let base = level.constant.floor();
+        let axes = Self {
+            base: base as i64,
+            level: LinearForm { constant: level.constant - base, ..level },
+            // The guide runs through the world's origin, so in-plane coordinates of plane 0 are
+            // those of every plane.
+            x: form(view, &frame.x_axis(), 0.0),
+            y: form(view, &frame.y_axis(), 0.0),
+            interval,
+        };
+        axes.check_span(view, base)?;
+        Ok(axes)
+    }
+
+    fn check_span(&self, view: &View, base: f64) -> Result<(), PartialError> {
+        let (low, high) = self.involved_levels(view);
+        let planes = (high - low).max(low.abs()).max(high.abs());
+        let countable = base.abs() < 9e15 && planes < MAX_LEVELS as f64;
+        if countable {
+            Ok(())
+        } else {
+            Err(PartialError::TooManyPlanes { planes, interval: self.interval })
+        }
+    }
+
+    /// Smallest and largest level, from the base, that the view's sensing volume can hold.
+    pub fn involved_levels(&self, view: &View) -> (f64, f64) {
+        let Some((near, far)) = view.image().extremes() else { return (0.0, 0.0) };
+        let (near, far) = (f64::from(near), f64::from(far));
+        let (low, high) = view.frame().extent(&self.level.gradient, near, far);
+        (low + self.level.constant, high + self.level.constant)
+    }
+
+    /// The plane from which levels count.
+    pub fn base(&self) -> PlaneIndex {
+        PlaneIndex(self.base)
+    }
+
+    /// The plane at a level counted from the base.
+    pub fn plane(&self, level: i32) -> PlaneIndex {
+        PlaneIndex(self.base + i64::from(level))
+    }
+
+    /// Level of a sensor-frame point, from the base, in intervals.
+    pub fn level(&self) -> &LinearForm {
+        &self.level
+    }
+
+    /// Plane coordinates of a sensor-frame point.
+    pub fn in_plane(&self, p: &Point3) -> Point2 {
+        Point2::new(self.x.at(p), self.y.at(p))
+    }
+
+    /// A sensor-frame direction in plane coordinates, its height third, all in the length unit.
+    pub fn turn(&self, v: &Vector3) -> Vector3 {
+        let (x, y) = (self.x.gradient.dot(v), self.y.gradient.dot(v));
+        Vector3::new(x, y, self.level.gradient.dot(v) * self.interval)
+    }
+}
+
+/// `axis · p_world + constant` as a form of sensor coordinates.
+fn form(view: &View, axis_in_world: &Vector3, constant: f64) -> LinearForm {
+    let pose = view.world_from_sensor();
+    LinearForm {
+        gradient: pose.rotation.inverse_transform_vector(axis_in_world),
+        constant: axis_in_world.dot(&pose.translation.vector) + constant,
+    }
+}

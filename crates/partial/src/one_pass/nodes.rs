@@ -1,0 +1,141 @@
+//! From chains to curves: what is known about every node.
+
+use super::crossing::Crossing;
+use super::sweep::Linked;
+use super::trace::Chain;
+use crate::{PartialModel, PlaneCurves, SectionAxes};
+use transect_device::{Vector3, View};
+use transect_geometry::{Curve, Node, Vector2};
+
+/// Nodes on each side that give a node its direction; pixels alternate between two kinds of pairs,
+/// so fewer would see their zigzag.
+const REACH: usize = 3;
+
+/// Largest factor between range noise and the error across the curve: planes nearly tangent to the
+/// surface would otherwise claim any error at all.
+const MAX_SIGMA_FACTOR: f64 = 6.0;
+
+/// Smallest sine of the angle between ray and curve in the footprint: that of the rim cut.
+const MIN_SINE: f64 = 0.2;
+
+/// The curves of all chains, grouped by plane. Chains are sorted by plane.
+pub(super) fn model(
+    view: &View,
+    axes: &SectionAxes,
+    linked: &Linked,
+    chains: &[Chain],
+    sigma: f64,
+) -> PartialModel {
+    let mut model = PartialModel::default();
+    let mut nodes = NodeMaker { view, axes, sigma, crossings: Vec::new() };
+    for chain in chains {
+        nodes.crossings.clear();
+        let in_order = chain.crossings.iter().map(|&c| linked.crossings[c as usize]);
+        nodes.crossings.extend(in_order);
+        tidy(&mut nodes.crossings, chain.closed);
+        let Ok(curve) = Curve::new(nodes.nodes(chain.closed), chain.closed) else {
+            model.counts.lone += 1;
+            continue;
+        };
+        let plane = axes.plane(linked.crossings[chain.crossings[0] as usize].level);
+        match model.planes.last_mut() {
+            Some(last) if last.plane == plane => last.curves.push(curve),
+            _ => model.planes.push(PlaneCurves { plane, curves: vec![curve] }),
+        }
+    }
+    model
+}
+
+/// Drops nodes that repeat the one before: where a sample lies on the plane, up to four of its
+/// pairs cross there.
+fn tidy(crossings: &mut Vec<Crossing>, closed: bool) {
+    crossings.dedup_by(|b, a| a.position == b.position);
+    if closed
+        && crossings.len() > 1
+        && crossings[0].position == crossings[crossings.len() - 1].position
+    {
+        crossings.pop();
+    }
+}
+
+struct NodeMaker<'a> {
+    view: &'a View,
+    axes: &'a SectionAxes,
+    sigma: f64,
+    crossings: Vec<Crossing>,
+}
+
+impl NodeMaker<'_> {
+    fn nodes(&self, closed: bool) -> Vec<Node> {
+        (0..self.crossings.len()).map(|k| self.node(k, closed)).collect()
+    }
+
+    fn node(&self, k: usize, closed: bool) -> Node {
+        let crossing = &self.crossings[k];
+        let tangent = self.tangent(k, closed);
+        let ray = self.view.frame().ray(crossing.pixel).map_or(Vector3::z(), |r| r.direction);
+        let ray = self.axes.turn(&ray);
+        Node {
+            position: crossing.position,
+            sigma: (self.sigma * sigma_factor(&tangent, &crossing.pair, &ray)) as f32,
+            footprint: footprint(f64::from(crossing.spacing), &tangent, &ray) as f32,
+            weight: 1.0,
+            views: 1,
+        }
+    }
+
+    /// Unit direction of the curve at a node, from nodes [`REACH`] away on both sides.
+    fn tangent(&self, k: usize, closed: bool) -> Vector2 {
+        let n = self.crossings.len();
+        let (before, after) = if closed && n > 2 * REACH {
+            ((k + n - REACH) % n, (k + REACH) % n)
+        } else {
+            (k.saturating_sub(REACH), (k + REACH).min(n - 1))
+        };
+        let d = self.crossings[after].position - self.crossings[before].position;
+        d.try_normalize(0.0).unwrap_or_else(Vector2::x)
+    }
+}
+
+/// Error across the curve per error along the ray.
+///
+/// A sample displaced by δ along the ray `d` moves the surface by δ (d · N) along its normal and the
+/// section by that over (m · N), with `m` across the curve in the plane. The normal is N = t × e
+/// with the curve's direction t and the pair e, both on the surface; then m · N is −e's height.
+fn sigma_factor(tangent: &Vector2, pair: &Vector3, ray: &Vector3) -> f64 {
+    let normal = Vector3::new(tangent.x, tangent.y, 0.0).cross(pair);
+    let factor = (ray.dot(&normal) / pair.z).abs();
+    if factor.is_finite() { factor.min(MAX_SIGMA_FACTOR) } else { MAX_SIGMA_FACTOR }
+}
+
+/// Length along the curve that one pixel covers: the rays' spacing, seen obliquely.
+fn footprint(spacing: f64, tangent: &Vector2, ray: &Vector3) -> f64 {
+    let along = tangent.x * ray.x + tangent.y * ray.y;
+    spacing / (1.0 - along * along).max(0.0).sqrt().max(MIN_SINE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn error_across_the_curve_follows_the_angles() {
+        let (east, toward) = (Vector2::x(), Vector3::new(0.0, -1.0, 0.0));
+        let upright = sigma_factor(&east, &Vector3::new(0.0, 0.0, 1.0), &toward);
+        assert!((upright - 1.0).abs() < 1e-12, "a wall seen head-on: {upright}");
+        let sloped = sigma_factor(&east, &Vector3::new(0.0, 1.0, 1.0), &toward);
+        assert!((sloped - 1.0).abs() < 1e-12, "the section moves along the ray: {sloped}");
+        let from_above = sigma_factor(&east, &Vector3::new(0.0, 1.0, 1.0), &-Vector3::z());
+        assert!((from_above - 1.0).abs() < 1e-12, "45° slope seen from above: {from_above}");
+        let flat = sigma_factor(&east, &Vector3::new(0.0, 1.0, 0.0), &-Vector3::z());
+        assert_eq!(flat, MAX_SIGMA_FACTOR, "a floor in its own plane");
+    }
+
+    #[test]
+    fn oblique_pixels_cover_more_of_the_curve() {
+        let head_on = footprint(0.01, &Vector2::x(), &Vector3::y());
+        let oblique = footprint(0.01, &Vector2::x(), &Vector3::new(0.8, 0.6, 0.0));
+        assert!((head_on - 0.01).abs() < 1e-12);
+        assert!((oblique - 0.01 / 0.6).abs() < 1e-12);
+    }
+}
