@@ -1,1 +1,43 @@
-//! placeholder
+//! The cross-section model: planes → curves → nodes, saved, loaded and asked about inside and outside.
+//!
+//! The one decision of this crate: the model is **the tree of dissertation 2.5.2**. Its root holds
+//! section planes sorted by station, a plane holds its curves, a curve its nodes, and planes and
+//! curves carry their envelopes, which are right at every moment.
+//!
+//! ```text
+//! Model ── unit, plane family, views that were put in
+//!  └─ PlaneIndex → Section ── envelope                       sorted by station
+//!       └─ CurveRecord ── envelope
+//!            └─ Curve ── nodes in curve order, solid on the left
+//! ```
+//!
+//! It refuses to know how curves were made: no sensors, no range images, no fusion. Only the
+//! `store` module touches the disk, and only the `codec` module knows the bytes of a file. Lengths
+//! are in the model's one length unit; points of a plane in its [`PlaneFrame`], others in the world.
+//!
+//! * [`Model`], [`Section`], [`CurveRecord`], [`ViewRecord`]: the tree, and walking along it;
+//! * [`EditError`]: splitting and joining curves at nodes;
+//! * [`Location`], [`SectionIndex`], [`ModelIndex`]: inside, outside or unknown;
+//! * [`Model::save`], [`Model::load`], [`StoreError`]: the file;
+//! * [`Model::check`], [`InvariantError`]: what holds of every model.
+//!
+//! [`PlaneFrame`]: transect_geometry::PlaneFrame
+
+mod check;
+mod codec;
+mod edit;
+mod model;
+mod query;
+mod section;
+mod store;
+
+#[cfg(test)]
+mod samples;
+
+pub use check::InvariantError;
+pub use codec::{CodecError, SCHEMA_VERSION};
+pub use edit::EditError;
+pub use model::{Model, ViewRecord};
+pub use query::{Location, ModelIndex, PlaneAnswer, SectionIndex, SpaceAnswer, locate_in_plane};
+pub use section::{CurveIndex, CurveRecord, NodeIndex, Section};
+pub use store::StoreError;

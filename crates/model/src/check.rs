@@ -1,0 +1,161 @@
+//! The invariants of a model, and the check that finds them broken.
+
+use crate::section::around;
+use crate::{CurveIndex, CurveRecord, Model, Section, ViewRecord};
+use transect_geometry::{Curve, CurveError, GuideError, PlaneFamily, PlaneIndex, StraightGuide};
+
+/// How far the length of a unit vector or unit quaternion may be from 1; rounding stays below
+/// 1e-15, so this only refuses what was never normalised.
+const UNIT_TOLERANCE: f64 = 1e-9;
+
+/// An invariant that a model breaks, with the place.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum InvariantError {
+    /// A plane does not come after the one stored before it.
+    #[error("plane {0} is out of order")]
+    PlaneOutOfOrder(PlaneIndex),
+    /// The guide, offset or interval makes no plane family.
+    #[error("the section planes are not usable")]
+    Planes(#[source] GuideError),
+    /// The guide's direction does not have length 1.
+    #[error("the guide direction has length {0} in place of 1")]
+    GuideNotUnit(f64),
+    /// A section without curves is stored.
+    #[error("plane {0} has no curves")]
+    EmptySection(PlaneIndex),
+    /// A curve's nodes make no curve.
+    #[error("curve {curve} on plane {plane} is malformed")]
+    Curve {
+        /// The plane it is on.
+        plane: PlaneIndex,
+        /// Which one it is.
+        curve: CurveIndex,
+        /// What is wrong with it.
+        #[source]
+        source: CurveError,
+    },
+    /// The envelope recorded with a curve is not the one around its nodes.
+    #[error("the envelope of curve {curve} on plane {plane} is wrong")]
+    CurveEnvelope {
+        /// The plane it is on.
+        plane: PlaneIndex,
+        /// Which one it is.
+        curve: CurveIndex,
+    },
+    /// The envelope recorded with a plane is not the one around its curves.
+    #[error("the envelope of plane {0} is wrong")]
+    PlaneEnvelope(PlaneIndex),
+    /// A view's pose is not a rigid motion with finite numbers.
+    #[error("view {0:?} has a pose that is not a rigid motion")]
+    Pose(String),
+    /// A view's noise is negative, NaN or infinite.
+    #[error("view {name:?} has the range noise {sigma}")]
+    Sigma {
+        /// Name of the view.
+        name: String,
+        /// The noise recorded with it.
+        sigma: f64,
+    },
+}
+
+impl Model {
+    /// Checks everything that is promised of a model: usable planes, curves that
+    /// [`Curve::new`] accepts, exact envelopes, rigid poses.
+    ///
+    /// Saving and loading call it. Cost: one pass over all nodes, with a copy of one curve at a time.
+    ///
+    /// # Errors
+    /// The first [`InvariantError`] in order of views, planes and curves.
+    pub fn check(&self) -> Result<(), InvariantError> {
+        check_planes(self.planes())?;
+        self.views().iter().try_for_each(check_view)?;
+        self.sections().try_for_each(|(plane, section)| check_section(plane, section))
+    }
+}
+
+fn check_planes(planes: &PlaneFamily) -> Result<(), InvariantError> {
+    let direction = planes.guide().direction();
+    let guide = StraightGuide::along(direction).map_err(InvariantError::Planes)?;
+    let remade = PlaneFamily::new(guide, planes.offset(), planes.interval());
+    remade.map_err(InvariantError::Planes)?;
+    let length = direction.norm();
+    let is_unit = (length - 1.0).abs() <= UNIT_TOLERANCE;
+    is_unit.then_some(()).ok_or(InvariantError::GuideNotUnit(length))
+}
+
+fn check_view(view: &ViewRecord) -> Result<(), InvariantError> {
+    let pose = &view.world_from_sensor;
+    let at_finite_place = pose.translation.vector.iter().all(|c| c.is_finite());
+    // A NaN or infinite quaternion fails this comparison too.
+    let turned_rigidly = (pose.rotation.norm() - 1.0).abs() <= UNIT_TOLERANCE;
+    if !(at_finite_place && turned_rigidly) {
+        return Err(InvariantError::Pose(view.name.clone()));
+    }
+    match view.sigma {
+        Some(sigma) if !(sigma.is_finite() && sigma >= 0.0) => {
+            Err(InvariantError::Sigma { name: view.name.clone(), sigma })
+        }
+        _ => Ok(()),
+    }
+}
+
+fn check_section(plane: PlaneIndex, section: &Section) -> Result<(), InvariantError> {
+    let records = section.curve_records();
+    for (index, record) in records.iter().enumerate() {
+        check_curve(plane, CurveIndex(index), record)?;
+    }
+    let envelope = around(records).ok_or(InvariantError::EmptySection(plane))?;
+    let right = envelope == section.envelope();
+    right.then_some(()).ok_or(InvariantError::PlaneEnvelope(plane))
+}
+
+fn check_curve(
+    plane: PlaneIndex,
+    curve: CurveIndex,
+    record: &CurveRecord,
+) -> Result<(), InvariantError> {
+    let stored = record.curve();
+    // The stored curve may have no nodes at all, so nothing but the constructor may touch it first.
+    let remade = Curve::new(stored.nodes().to_vec(), stored.is_closed())
+        .map_err(|source| InvariantError::Curve { plane, curve, source })?;
+    let right = remade.envelope() == record.envelope();
+    right.then_some(()).ok_or(InvariantError::CurveEnvelope { plane, curve })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples::{small, view};
+    use transect_geometry::{Isometry3, Vector3};
+
+    #[test]
+    fn a_built_model_is_sound() {
+        assert_eq!(small().check(), Ok(()));
+    }
+
+    #[test]
+    fn a_view_without_a_place_or_with_negative_noise_is_named() {
+        let mut model = small();
+        let lost = Isometry3::translation(f64::NAN, 0.0, 0.0);
+        model.add_view(ViewRecord { world_from_sensor: lost, ..view("lost") });
+        assert_eq!(model.check(), Err(InvariantError::Pose("lost".to_owned())));
+
+        let mut model = small();
+        model.add_view(ViewRecord { sigma: Some(-1.0), ..view("loud") });
+        let text = model.check().unwrap_err().to_string();
+        assert_eq!(text, "view \"loud\" has the range noise -1");
+    }
+
+    #[test]
+    fn a_stretching_pose_is_not_rigid() {
+        let mut model = small();
+        let quaternion = nalgebra::Quaternion::new(2.0, 0.0, 0.0, 0.0);
+        let stretching = Isometry3::from_parts(
+            Vector3::zeros().into(),
+            nalgebra::Unit::new_unchecked(quaternion),
+        );
+        model.add_view(ViewRecord { world_from_sensor: stretching, ..view("big") });
+        assert_eq!(model.check(), Err(InvariantError::Pose("big".to_owned())));
+    }
+}

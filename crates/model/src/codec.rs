@@ -1,0 +1,200 @@
+//! The bytes of a model file; nothing else in the workspace knows them.
+//!
+//! ```text
+//! offset  size  what
+//!      0     8  magic "TRANSECT"
+//!      8     4  schema version, little endian
+//!     12     8  length of the payload in bytes, little endian
+//!     20     8  FNV-1a hash of the payload, little endian
+//!     28     …  payload: bincode 2, little endian, variable-length integers
+//! ```
+//!
+//! The hash is there to find accidents (a damaged disk, an edited file, a broken copy), not
+//! attacks: anyone can compute it. A file with a right hash and wrong contents is therefore
+//! decoded with distrust: every length in the payload is held against the bytes that are left
+//! before memory is set aside, and the decoded model must pass [`Model::check`].
+
+use crate::{InvariantError, Model, Section, ViewRecord};
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use std::io::{Read, Write};
+use transect_geometry::{Isometry3, LengthUnit, PlaneFamily, PlaneIndex};
+
+const MAGIC: [u8; 8] = *b"TRANSECT";
+const HEADER_SIZE: usize = 28;
+
+/// Version of the file layout; a program reads only its own.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// Why bytes are not a model, or a model could not be turned into bytes.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CodecError {
+    /// Reading or writing failed.
+    #[error("reading or writing failed")]
+    Io(#[from] std::io::Error),
+    /// The first bytes are not those of a model file.
+    #[error("not a Transect model file")]
+    NotAModel,
+    /// The file has another layout than this program's.
+    #[error("model file version {found}; this program reads version {SCHEMA_VERSION}")]
+    WrongVersion {
+        /// Version in the file.
+        found: u32,
+    },
+    /// The file ends too early.
+    #[error("truncated: {expected} bytes are announced, {found} are there")]
+    Truncated {
+        /// Bytes that should be there, counted from where the file begins.
+        expected: u64,
+        /// Bytes that are.
+        found: u64,
+    },
+    /// There are bytes behind the end.
+    #[error("damaged: there are bytes behind the end of the model")]
+    TrailingBytes,
+    /// The payload is not the one that was written.
+    #[error("damaged: the contents do not match their checksum")]
+    Checksum,
+    /// The payload does not follow the layout, although its checksum is right.
+    #[error("damaged: {0}")]
+    Layout(String),
+    /// The parts do not make a model.
+    #[error("the contents are not a sound model")]
+    Invariant(#[from] InvariantError),
+}
+
+/// The payload. Its field order is the file layout; a change needs a new [`SCHEMA_VERSION`].
+#[derive(Serialize, Deserialize)]
+struct Payload<'a> {
+    unit: LengthUnit,
+    planes: PlaneFamily,
+    #[serde(borrow)]
+    views: Vec<StoredView<'a>>,
+    sections: Vec<(PlaneIndex, Cow<'a, Section>)>,
+}
+
+/// A view record. Its texts are borrowed from the payload: an owned text would be given its memory
+/// by the announced length, before that many bytes are known to exist.
+#[derive(Serialize, Deserialize)]
+struct StoredView<'a> {
+    name: &'a str,
+    source: &'a str,
+    world_from_sensor: Isometry3,
+    sigma: Option<f64>,
+    nodes: u64,
+}
+
+/// Writes a model: header, then payload.
+///
+/// # Errors
+/// [`CodecError::Invariant`] if the model would not be accepted when read, or an I/O error.
+pub(crate) fn write(model: &Model, mut out: impl Write) -> Result<(), CodecError> {
+    model.check()?;
+    let payload = encode(model)?;
+    out.write_all(&MAGIC)?;
+    out.write_all(&SCHEMA_VERSION.to_le_bytes())?;
+    out.write_all(&(payload.len() as u64).to_le_bytes())?;
+    out.write_all(&fnv1a(&payload).to_le_bytes())?;
+    out.write_all(&payload)?;
+    Ok(out.flush()?)
+}
+
+/// Reads what [`write`] wrote, to the end of the input.
+///
+/// # Errors
+/// [`CodecError`], by what is wrong with the bytes.
+pub(crate) fn read(mut input: impl Read) -> Result<Model, CodecError> {
+    let (length, hash) = read_header(&mut input)?;
+    // `take` hands out no more than what is there, so a wild length sets no memory aside.
+    let mut payload = Vec::new();
+    let found = input.by_ref().take(length).read_to_end(&mut payload)? as u64;
+    if found < length {
+        let header = HEADER_SIZE as u64;
+        let expected = header.saturating_add(length);
+        return Err(CodecError::Truncated { expected, found: header + found });
+    }
+    if input.take(1).read_to_end(&mut Vec::new())? > 0 {
+        return Err(CodecError::TrailingBytes);
+    }
+    if fnv1a(&payload) != hash {
+        return Err(CodecError::Checksum);
+    }
+    decode(&payload)
+}
+
+/// Length and hash of the payload.
+fn read_header(input: &mut impl Read) -> Result<(u64, u64), CodecError> {
+    let mut header = Vec::with_capacity(HEADER_SIZE);
+    input.by_ref().take(HEADER_SIZE as u64).read_to_end(&mut header)?;
+    let begins_right = header.iter().zip(&MAGIC).all(|(a, b)| a == b);
+    if !begins_right || header.is_empty() {
+        return Err(CodecError::NotAModel);
+    }
+    let found = header.len() as u64;
+    let truncated = || CodecError::Truncated { expected: HEADER_SIZE as u64, found };
+    let fields = header.get(MAGIC.len()..).ok_or_else(truncated)?;
+    let (version, fields) = fields.split_first_chunk().ok_or_else(truncated)?;
+    match u32::from_le_bytes(*version) {
+        SCHEMA_VERSION => (),
+        found => return Err(CodecError::WrongVersion { found }),
+    }
+    let (length, fields) = fields.split_first_chunk().ok_or_else(truncated)?;
+    let hash = fields.first_chunk().ok_or_else(truncated)?;
+    Ok((u64::from_le_bytes(*length), u64::from_le_bytes(*hash)))
+}
+
+fn encode(model: &Model) -> Result<Vec<u8>, CodecError> {
+    let payload = Payload {
+        unit: model.unit(),
+        planes: *model.planes(),
+        views: model.views().iter().map(StoredView::from).collect(),
+        sections: model.sections().map(|(k, section)| (k, Cow::Borrowed(section))).collect(),
+    };
+    let mut bytes = Vec::new();
+    bincode::serde::encode_into_std_write(&payload, &mut bytes, bincode::config::standard())
+        .map_err(|e| CodecError::Layout(e.to_string()))?;
+    Ok(bytes)
+}
+
+/// The decoder reads from the slice and so sees its end. A list may announce any length, but
+/// memory for its items comes as they are read, beyond a first share of at most 1 MiB (serde).
+fn decode(bytes: &[u8]) -> Result<Model, CodecError> {
+    let decoded = bincode::serde::borrow_decode_from_slice(bytes, bincode::config::standard());
+    let (payload, used): (Payload<'_>, usize) =
+        decoded.map_err(|e| CodecError::Layout(e.to_string()))?;
+    if used != bytes.len() {
+        return Err(CodecError::Layout("bytes are left over".to_owned()));
+    }
+    let views = payload.views.into_iter().map(ViewRecord::from).collect();
+    let sections = payload.sections.into_iter().map(|(k, s)| (k, s.into_owned())).collect();
+    Ok(Model::from_parts(payload.unit, payload.planes, views, sections)?)
+}
+
+impl<'a> From<&'a ViewRecord> for StoredView<'a> {
+    fn from(view: &'a ViewRecord) -> Self {
+        let ViewRecord { name, source, world_from_sensor, sigma, nodes } = view;
+        let world_from_sensor = *world_from_sensor;
+        Self { name, source, world_from_sensor, sigma: *sigma, nodes: *nodes }
+    }
+}
+
+impl From<StoredView<'_>> for ViewRecord {
+    fn from(stored: StoredView<'_>) -> Self {
+        let StoredView { name, source, world_from_sensor, sigma, nodes } = stored;
+        let (name, source) = (name.to_owned(), source.to_owned());
+        Self { name, source, world_from_sensor, sigma, nodes }
+    }
+}
+
+/// The 64-bit Fowler–Noll–Vo hash 1a (<http://www.isthe.com/chongo/tech/comp/fnv/>).
+///
+/// Each step is one to one in the hash so far, so a change of a single byte is always found.
+fn fnv1a(bytes: &[u8]) -> u64 {
+    const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
+    const PRIME: u64 = 0x0000_0100_0000_01b3;
+    bytes.iter().fold(BASIS, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(PRIME))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,257 @@
+//! Inside, outside or unknown: which side of the model's curves a point is on.
+//!
+//! The idea (dissertation 2.5.2 and 3.7): a curve has its solid on the left, so the nearest piece of
+//! curve knows the side of a point. It needs no closed curves and no counting of crossings, which
+//! scans with gaps would spoil.
+//!
+//! 1. Find the nearest foot among all curve units of the plane, through an R-tree.
+//! 2. Take the side at that foot ([`Curve::side_at`]; at a corner both adjoining units decide).
+//! 3. Unknown where the foot is an open end and the point lies beyond it, or there is no curve.
+//! 4. Between two planes both must exist and agree.
+//!
+//! Departures from the source: 2.5.2 gives the sign of one unit's line and leaves open which unit
+//! to ask and what happens at ends and between planes; steps 1, 3 and 4 are ours. Several equally
+//! near feet that disagree make the point unknown, so the order of curves never matters.
+//!
+//! **What an answer does not know.** The ground between a point and its nearest curve may never
+//! have been seen, and may hide a surface that would change the answer. `Inside` and `Outside` are
+//! therefore statements about the nearest *observed* surface; the distance to it comes with the
+//! answer, so that a caller can bound how far it trusts. Where all curves of a plane are closed
+//! and none crosses another, the answer is the winding number's. A node repeated at a corner
+//! leaves that corner to one of its two units.
+//!
+//! Cost: building an index O(n log n) for n units, a question O(log n) on average; without an
+//! index O(n). Do not use it for points within rounding of a curve: those count as inside.
+
+use crate::{Model, Section};
+use rstar::{AABB, PointDistance, RTree, RTreeObject};
+use std::collections::BTreeMap;
+use transect_geometry::{Curve, CurveUnit, Foot, PlaneFamily, PlaneIndex, Point2, Point3, Side};
+
+/// Where a point is with respect to the solid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Location {
+    /// In the solid, as far as the nearest observed surface tells; a point on a curve is inside.
+    Inside,
+    /// In free space, as far as the nearest observed surface tells.
+    Outside,
+    /// The model cannot tell.
+    Unknown,
+}
+
+impl From<Side> for Location {
+    fn from(side: Side) -> Self {
+        match side {
+            Side::Inside => Self::Inside,
+            Side::Outside => Self::Outside,
+        }
+    }
+}
+
+/// What one plane says about a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlaneAnswer {
+    /// Where the point is.
+    pub location: Location,
+    /// How far the curve that decided is, in the model's length unit; `None` if there is no curve.
+    pub distance_to_nearest_curve: Option<f64>,
+}
+
+impl PlaneAnswer {
+    const NOTHING: Self = Self { location: Location::Unknown, distance_to_nearest_curve: None };
+}
+
+/// What the planes around a point say about it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpaceAnswer {
+    /// Where the point is.
+    pub location: Location,
+    /// What the planes that were asked said, in order of station: the plane the point is on, or
+    /// those of its two neighbours that have curves.
+    pub planes: Vec<(PlaneIndex, PlaneAnswer)>,
+}
+
+/// Asks every curve of a section about a point: the slow and obvious way, for a single question.
+pub fn locate_in_plane(section: &Section, p: &Point2) -> PlaneAnswer {
+    let feet: Vec<_> = section.curves().map(|curve| (curve, curve.foot(p))).collect();
+    let nearest = feet.iter().map(|(_, foot)| foot.distance).fold(f64::INFINITY, f64::min);
+    let nearest_feet = feet.into_iter().filter(|(_, foot)| foot.distance <= nearest);
+    answer(nearest, nearest_feet, p)
+}
+
+/// The common answer of equally near feet; unknown if they disagree or none of them can tell.
+fn answer<'a>(
+    distance: f64,
+    feet: impl Iterator<Item = (&'a Curve, Foot)>,
+    p: &Point2,
+) -> PlaneAnswer {
+    if !distance.is_finite() {
+        return PlaneAnswer::NOTHING;
+    }
+    let mut sides = feet.filter_map(|(curve, foot)| curve.side_at(&foot, p));
+    let location = match sides.next() {
+        Some(side) if sides.all(|other| other == side) => side.into(),
+        _ => Location::Unknown,
+    };
+    PlaneAnswer { location, distance_to_nearest_curve: Some(distance) }
+}
+
+/// A curve unit in the tree, with its place in the section.
+#[derive(Debug, Clone, Copy)]
+struct IndexedUnit {
+    unit: CurveUnit,
+    curve: usize,
+    index: usize,
+}
+
+impl RTreeObject for IndexedUnit {
+    type Envelope = AABB<[f64; 2]>;
+
+    fn envelope(&self) -> Self::Envelope {
+        AABB::from_corners(self.unit.start.into(), self.unit.end.into())
+    }
+}
+
+impl PointDistance for IndexedUnit {
+    fn distance_2(&self, point: &[f64; 2]) -> f64 {
+        let distance = self.unit.distance(&Point2::from(*point));
+        // Coordinates near the largest f64 overflow into NaN, which the tree could not sort.
+        if distance.is_nan() { f64::INFINITY } else { distance * distance }
+    }
+}
+
+/// The tree compares squares and distances to boxes, both rounded, so that its first unit may be
+/// beaten by a few units in the last place; ten times that would still cost nothing.
+const TREE_ROUNDING: f64 = 1e-12;
+
+/// The curve units of one section in a spatial index, for many questions.
+#[derive(Debug, Clone)]
+pub struct SectionIndex<'a> {
+    section: &'a Section,
+    tree: RTree<IndexedUnit>,
+}
+
+impl<'a> SectionIndex<'a> {
+    /// Sorts the units of a section into a tree.
+    pub fn new(section: &'a Section) -> Self {
+        let units = section.curves().enumerate().flat_map(|(curve, c)| {
+            c.units().enumerate().map(move |(index, unit)| IndexedUnit { unit, curve, index })
+        });
+        Self { section, tree: RTree::bulk_load(units.collect()) }
+    }
+
+    /// The same answer as [`locate_in_plane`], without asking every curve.
+    pub fn locate(&self, p: &Point2) -> PlaneAnswer {
+        if !(p.x.is_finite() && p.y.is_finite()) {
+            return PlaneAnswer::NOTHING;
+        }
+        let mut by_distance = self.tree.nearest_neighbor_iter([p.x, p.y]);
+        let Some(first) = by_distance.next() else {
+            return PlaneAnswer::NOTHING;
+        };
+        let reach = first.unit.distance(p) * (1.0 + TREE_ROUNDING);
+        let others = by_distance.take_while(|u| u.unit.distance(p) <= reach);
+        let near: Vec<_> = std::iter::once(first).chain(others).collect();
+        self.answer_of(&near, p)
+    }
+
+    /// The answer of the nearest among some units.
+    fn answer_of(&self, near: &[&IndexedUnit], p: &Point2) -> PlaneAnswer {
+        let nearest = near.iter().map(|u| u.unit.distance(p)).fold(f64::INFINITY, f64::min);
+        // Only the first nearest foot of each curve decides, as in `Curve::foot`.
+        let mut first_units = BTreeMap::new();
+        for unit in near.iter().filter(|u| u.unit.distance(p) <= nearest) {
+            let known = first_units.entry(unit.curve).or_insert(unit);
+            if unit.index < known.index {
+                *known = unit;
+            }
+        }
+        let curves = self.section.curve_records();
+        let feet = first_units
+            .into_values()
+            .filter_map(|u| Some((curves.get(u.curve)?.curve(), foot_on(u, p))));
+        answer(nearest, feet, p)
+    }
+}
+
+fn foot_on(indexed: &IndexedUnit, p: &Point2) -> Foot {
+    let parameter = indexed.unit.parameter(p).clamp(0.0, 1.0);
+    let point = indexed.unit.at(parameter);
+    Foot { unit: indexed.index, parameter, point, distance: (p - point).norm() }
+}
+
+/// All sections of a model in spatial indices, for many questions in space.
+#[derive(Debug, Clone)]
+pub struct ModelIndex<'a> {
+    planes: PlaneFamily,
+    sections: BTreeMap<PlaneIndex, SectionIndex<'a>>,
+}
+
+impl<'a> ModelIndex<'a> {
+    /// Indexes every section of a model.
+    pub fn new(model: &'a Model) -> Self {
+        let sections = model.sections().map(|(k, section)| (k, SectionIndex::new(section)));
+        Self { planes: *model.planes(), sections: sections.collect() }
+    }
+
+    /// The same answer as [`Model::locate`], without asking every curve.
+    pub fn locate(&self, in_world: &Point3) -> SpaceAnswer {
+        locate_between(&self.planes, in_world, |k, p| Some(self.sections.get(&k)?.locate(p)))
+    }
+}
+
+impl Model {
+    /// Where a world point is, from the plane it is on or the two planes it is between.
+    ///
+    /// A point between planes `k` and `k + 1` is projected onto both; it is unknown unless both
+    /// have curves and agree. That leaves features thinner than the interval unknown rather than
+    /// guessed. Asks every curve of those planes; for many questions build a [`ModelIndex`].
+    pub fn locate(&self, in_world: &Point3) -> SpaceAnswer {
+        locate_between(self.planes(), in_world, |k, p| Some(locate_in_plane(self.section(k)?, p)))
+    }
+}
+
+fn locate_between(
+    planes: &PlaneFamily,
+    in_world: &Point3,
+    ask: impl Fn(PlaneIndex, &Point2) -> Option<PlaneAnswer>,
+) -> SpaceAnswer {
+    let around = planes_around(planes, in_world);
+    let said = |k: &PlaneIndex| {
+        let in_plane = planes.frame(*k).plane_from_world(in_world);
+        Some((*k, ask(*k, &in_plane)?))
+    };
+    let answers: Vec<_> = around.iter().filter_map(said).collect();
+    let location = match answers.first() {
+        Some((_, first)) if answers.len() == around.len() => {
+            let agree = answers.iter().all(|(_, answer)| answer.location == first.location);
+            if agree { first.location } else { Location::Unknown }
+        }
+        _ => Location::Unknown,
+    };
+    SpaceAnswer { location, planes: answers }
+}
+
+/// The plane a point is on, or the two it is between; none if its level is no number.
+fn planes_around(planes: &PlaneFamily, in_world: &Point3) -> Vec<PlaneIndex> {
+    /// Part of an interval that still counts as on the plane; as in `PlaneFamily`.
+    const ROUNDING: f64 = 1e-9;
+    let level = planes.level(in_world);
+    // World-sized stations divided by a small interval round by more than that.
+    let size = in_world.coords.norm() + planes.offset().abs();
+    let rounding = (8.0 * f64::EPSILON * size / planes.interval()).clamp(ROUNDING, 0.25);
+    // Beyond that a level has no fraction left, and neighbouring planes no number of their own.
+    const LARGEST_LEVEL: f64 = 4.5e15;
+    let between_planes = level.abs() < LARGEST_LEVEL;
+    if !between_planes {
+        return Vec::new();
+    }
+    if (level - level.round()).abs() <= rounding {
+        return vec![PlaneIndex(level.round() as i64)];
+    }
+    let below = level.floor() as i64;
+    vec![PlaneIndex(below), PlaneIndex(below + 1)]
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,192 @@
+//! `[[station]]` entries: sensors as plain numbers, for whoever builds the device frame.
+
+use super::check::{Place, Problem};
+use nalgebra::{Matrix3, Rotation3, Translation3, UnitQuaternion};
+use serde::Deserialize;
+use transect_device::{ImageSize, MAX_PIXELS};
+use transect_geometry::{Isometry3, Point3, Vector3};
+
+/// A sensor at a place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Station {
+    /// What it is called; unnamed ones are `station 1`, `station 2` and so on.
+    pub name: String,
+    /// Rows and columns of its image.
+    pub size: ImageSize,
+    /// Which rays its pixels have.
+    pub sensor: SensorParameters,
+    /// Where it stands and how it is turned.
+    pub world_from_sensor: Isometry3,
+}
+
+/// The numbers of a device frame, as scan manifests give them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum SensorParameters {
+    /// Terrestrial scanner: `(cos φ cos θ, cos φ sin θ, sin φ)` with rows along φ, columns along θ.
+    ///
+    /// The sensor's z axis is up when the station is upright. Values are ranges.
+    Spherical {
+        /// θ of column 0, in radians.
+        theta0: f64,
+        /// Change of θ from column to column, in radians; negative for columns to the right.
+        dtheta: f64,
+        /// φ of row 0, in radians.
+        phi0: f64,
+        /// Change of φ from row to row, in radians; negative for rows running down.
+        dphi: f64,
+    },
+    /// Depth camera: pixel (row i, column j) is the ray `((j - cx) / fx, (i - cy) / fy, 1)`.
+    ///
+    /// x runs right, y down, z forward. Values are depths along z.
+    Pinhole {
+        /// Focal length along the columns' direction, in pixels.
+        fx: f64,
+        /// Focal length along the rows' direction, in pixels.
+        fy: f64,
+        /// Column of the optical axis.
+        cx: f64,
+        /// Row of the optical axis.
+        cy: f64,
+    },
+}
+
+/// One table for all sensors, since only then every wrong key can be named.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct StationEntry {
+    name: Option<String>,
+    sensor: SensorName,
+    rows: usize,
+    cols: usize,
+    theta: Option<[f64; 2]>,
+    phi: Option<[f64; 2]>,
+    field_of_view: Option<f64>,
+    at: [f64; 3],
+    heading: Option<f64>,
+    tilt: Option<f64>,
+    look_at: Option<[f64; 3]>,
+}
+
+#[derive(Deserialize, Clone, Copy, PartialEq)]
+#[serde(rename_all = "lowercase")]
+enum SensorName {
+    Spherical,
+    Pinhole,
+}
+
+impl StationEntry {
+    /// The station that an entry describes.
+    pub fn build(self, index: usize) -> Result<Station, Problem> {
+        let place = Place::entry("station", index, self.name.as_deref());
+        let size = self.size(&place)?;
+        let sensor = match self.sensor {
+            SensorName::Spherical => self.spherical(&place, size)?,
+            SensorName::Pinhole => self.pinhole(&place, size)?,
+        };
+        let world_from_sensor = self.pose(&place)?;
+        let name = self.name.unwrap_or_else(|| format!("station {}", index + 1));
+        Ok(Station { name, size, sensor, world_from_sensor })
+    }
+
+    fn size(&self, place: &Place) -> Result<ImageSize, Problem> {
+        let (rows, cols) = (self.rows, self.cols);
+        let reason = "an image has at least one row and column and at most 2^30 pixels";
+        if cols == 0 {
+            return Err(place.problem("cols", reason));
+        }
+        match rows.checked_mul(cols) {
+            Some(1..=MAX_PIXELS) => Ok(ImageSize { rows, cols }),
+            _ => Err(place.problem("rows", reason)),
+        }
+    }
+
+    fn spherical(&self, place: &Place, size: ImageSize) -> Result<SensorParameters, Problem> {
+        place.refuse("field_of_view", self.field_of_view.is_some(), "spherical sensor")?;
+        let theta = place.needed("theta", self.theta, "spherical sensor")?;
+        let phi = place.needed("phi", self.phi, "spherical sensor")?;
+        for angle in phi {
+            place.value(
+                "phi",
+                angle,
+                |a| a.abs() <= 90.0,
+                "an elevation from -90 to 90 degrees",
+            )?;
+        }
+        let (theta0, dtheta) = centres(place, "theta", theta, size.cols)?;
+        let (phi0, dphi) = centres(place, "phi", phi, size.rows)?;
+        Ok(SensorParameters::Spherical { theta0, dtheta, phi0, dphi })
+    }
+
+    fn pinhole(&self, place: &Place, size: ImageSize) -> Result<SensorParameters, Problem> {
+        place.refuse("theta", self.theta.is_some(), "pinhole")?;
+        place.refuse("phi", self.phi.is_some(), "pinhole")?;
+        let degrees = place.needed("field_of_view", self.field_of_view, "pinhole")?;
+        let possible = |a: f64| a > 0.0 && a < 180.0;
+        place.value("field_of_view", degrees, possible, "between 0 and 180 degrees")?;
+        let (rows, cols) = (size.rows as f64, size.cols as f64);
+        let focal_length = 0.5 * cols / (0.5 * degrees).to_radians().tan();
+        let (cx, cy) = (0.5 * (cols - 1.0), 0.5 * (rows - 1.0));
+        Ok(SensorParameters::Pinhole { fx: focal_length, fy: focal_length, cx, cy })
+    }
+
+    fn pose(&self, place: &Place) -> Result<Isometry3, Problem> {
+        let at: Point3 = place.triple("at", self.at)?;
+        let (heading, tilt) = match self.look_at {
+            None => (self.angle(place, "heading")?, self.angle(place, "tilt")?),
+            Some(target) => {
+                place.refuse("heading", self.heading.is_some(), "station with look_at")?;
+                place.refuse("tilt", self.tilt.is_some(), "station with look_at")?;
+                self.aim(place, place.triple::<Point3>("look_at", target)? - at)?
+            }
+        };
+        let rotation = match self.sensor {
+            // Heading about the upright axis, after the tilt that lifts x towards z.
+            SensorName::Spherical => {
+                UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading)
+                    * UnitQuaternion::from_axis_angle(&Vector3::y_axis(), -tilt)
+            }
+            SensorName::Pinhole => camera(heading, tilt),
+        };
+        Ok(Isometry3::from_parts(Translation3::from(at.coords), rotation))
+    }
+
+    fn angle(&self, place: &Place, key: &'static str) -> Result<f64, Problem> {
+        let degrees = if key == "heading" { self.heading } else { self.tilt };
+        let degrees = place.value(key, degrees.unwrap_or(0.0), |_| true, "a finite angle")?;
+        Ok(degrees.to_radians())
+    }
+
+    /// Heading and tilt towards a target. A scanner stays upright and only turns towards it.
+    fn aim(&self, place: &Place, towards: Vector3) -> Result<(f64, f64), Problem> {
+        let level = towards.x.hypot(towards.y);
+        let heading = towards.y.atan2(towards.x);
+        match self.sensor {
+            SensorName::Spherical if level > 0.0 => Ok((heading, 0.0)),
+            SensorName::Pinhole if towards.norm() > 0.0 => Ok((heading, towards.z.atan2(level))),
+            _ => Err(place.problem("look_at", "it gives no direction from `at`")),
+        }
+    }
+}
+
+/// First angle and step, in radians, of pixel centres that share a range equally.
+fn centres(
+    place: &Place,
+    key: &'static str,
+    [from, to]: [f64; 2],
+    count: usize,
+) -> Result<(f64, f64), Problem> {
+    let span = to - from;
+    let possible = |s: f64| s != 0.0 && s.abs() <= 360.0;
+    place.value(key, span, possible, "a range of more than 0 and at most 360 degrees")?;
+    let step = span / count as f64;
+    Ok(((from + 0.5 * step).to_radians(), step.to_radians()))
+}
+
+/// Rotation of a camera (x right, y down, z forward) that looks along a heading and a tilt.
+fn camera(heading: f64, tilt: f64) -> UnitQuaternion<f64> {
+    let forward = Vector3::new(tilt.cos() * heading.cos(), tilt.cos() * heading.sin(), tilt.sin());
+    let right = Vector3::new(heading.sin(), -heading.cos(), 0.0);
+    let axes = Matrix3::from_columns(&[right, forward.cross(&right), forward]);
+    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes))
+}
