@@ -1,1 +1,40 @@
-//! placeholder
+//! The curves of one plane from several views to one set of curves (dissertation, chapter 5).
+//!
+//! The one decision of this crate: fusion happens **in a plane**, with nothing but oriented curves;
+//! direction tells surfaces apart. It refuses to know sensors, storage and other planes.
+//!
+//! * [`consensus`]: all views at once, the default;
+//! * [`pattern`], [`screening`]: the dissertation's overlap rules (5.3, 5.4).
+
+pub mod consensus;
+mod grid;
+pub mod pattern;
+pub mod screening;
+
+pub use consensus::{ConsensusOptions, consensus};
+
+use transect_geometry::Curve;
+
+/// The fused curves of one plane.
+#[derive(Debug, Clone, Default)]
+pub struct FusedPlane {
+    /// The curves, longest first.
+    pub curves: Vec<Curve>,
+    /// Measured standard deviation of one view's curve against the common one, in the length unit.
+    pub spread: f64,
+    /// Distance within which curves of the same direction were taken for one, in the length unit.
+    pub threshold: f64,
+    /// What went in and what was left out.
+    pub counts: FusionCounts,
+}
+
+/// Counts of one plane's fusion.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct FusionCounts {
+    /// Nodes of all views.
+    pub observations: usize,
+    /// Nodes kept for the result before tidying.
+    pub kept: usize,
+    /// Kept nodes that lay beside a better curve or were too short to be one.
+    pub dropped: usize,
+}

@@ -1,0 +1,141 @@
+//! Open ends: joined where the curve goes on, turned round thin tips, cut back where they cross.
+//!
+//! All limits are in *local footprints*: one fixed length fails where footprints differ sixfold.
+
+use super::pieces::Piece;
+use super::{Kept, Scale};
+use transect_geometry::Vector2;
+
+/// How two ends may be joined.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct JoinRule {
+    /// Longest gap, in local footprints.
+    pub gap_footprints: f64,
+    /// Smallest cosine between the directions of the two ends.
+    pub turn_cosine: f64,
+    /// How far back from an end the other may lie, as a cosine.
+    pub backward: f64,
+    /// Nodes that may be cut from each end to find where the two come closest.
+    pub cut_nodes: usize,
+}
+
+/// A smooth continuation.
+pub(super) const SMOOTH: JoinRule =
+    JoinRule { gap_footprints: 4.0, turn_cosine: 0.5, backward: 0.3, cut_nodes: 0 };
+
+/// A sharp bend or a thin tip, where the curve turns back on itself.
+pub(super) const HAIRPIN: JoinRule =
+    JoinRule { gap_footprints: 3.0, turn_cosine: -1.0, backward: -0.5, cut_nodes: 0 };
+
+/// Ends that overshoot a rim and cross, or pass each other.
+pub(super) const CROSSING: JoinRule =
+    JoinRule { gap_footprints: 2.5, turn_cosine: -1.0, backward: -1.0, cut_nodes: 10 };
+
+/// Joins ends of pieces, cheapest first, until no two fit the rule.
+pub(super) fn join(
+    kept: &[Kept],
+    pieces: Vec<Piece>,
+    scale: &Scale,
+    rule: &JoinRule,
+) -> Vec<Piece> {
+    let mut slots: Vec<Option<Piece>> = pieces.into_iter().map(Some).collect();
+    loop {
+        let joins = candidates(kept, &slots, scale, rule);
+        if joins.is_empty() {
+            return slots.into_iter().flatten().collect();
+        }
+        // Each piece takes part once per round; the next round sees the longer pieces.
+        let mut busy = vec![false; slots.len()];
+        for j in joins {
+            if !busy[j.tail] && !busy[j.head] {
+                (busy[j.tail], busy[j.head]) = (true, true);
+                apply(&mut slots, &j);
+            }
+        }
+    }
+}
+
+/// The tail of one piece goes on at the head of another, or of itself.
+#[derive(Debug, Clone, Copy)]
+struct Join {
+    cost: f64,
+    tail: usize,
+    head: usize,
+    /// Nodes cut from the tail's end and the head's beginning.
+    cut: (usize, usize),
+}
+
+fn candidates(kept: &[Kept], slots: &[Option<Piece>], scale: &Scale, rule: &JoinRule) -> Vec<Join> {
+    let open = |k: &usize| slots[*k].as_ref().is_some_and(|p| !p.closed);
+    let open: Vec<usize> = (0..slots.len()).filter(open).collect();
+    let mut joins: Vec<Join> = Vec::new();
+    for &tail in &open {
+        for &head in &open {
+            if let (Some(a), Some(b)) = (&slots[tail], &slots[head]) {
+                let fit = fit(kept, (a, b), tail == head, scale, rule);
+                joins.extend(fit.map(|(cost, cut)| Join { cost, tail, head, cut }));
+            }
+        }
+    }
+    joins.sort_by(|a, b| a.cost.total_cmp(&b.cost).then((a.tail, a.head).cmp(&(b.tail, b.head))));
+    joins
+}
+
+/// Cost of joining the tail of one piece to the head of another, and what to cut; `None` if they do
+/// not fit the rule.
+fn fit(
+    kept: &[Kept],
+    (a, b): (&Piece, &Piece),
+    itself: bool,
+    scale: &Scale,
+    rule: &JoinRule,
+) -> Option<(f64, (usize, usize))> {
+    let (tail, head) = (kept[*a.nodes.last()? as usize], kept[*b.nodes.first()? as usize]);
+    let far = (2 * rule.cut_nodes) as f64 + rule.gap_footprints;
+    let largest = tail.footprint.max(head.footprint);
+    let apart = (head.position - tail.position).norm();
+    if apart > far * largest + scale.threshold {
+        return None;
+    }
+    let shortest = a.nodes.len().min(b.nodes.len());
+    let most = rule.cut_nodes.min(if itself { shortest / 3 } else { shortest / 2 });
+    let mut best: Option<(f64, (usize, usize))> = None;
+    for cut_a in 0..=most {
+        for cut_b in 0..=most {
+            let p = kept[a.nodes[a.nodes.len() - 1 - cut_a] as usize];
+            let q = kept[b.nodes[cut_b] as usize];
+            let gap = q.position - p.position;
+            let limit = rule.gap_footprints * p.footprint.max(q.footprint);
+            let leave = gap_cosine(&gap, &a.direction(kept, true));
+            let arrive = gap_cosine(&gap, &b.direction(kept, false));
+            let turn = a.direction(kept, true).dot(&b.direction(kept, false));
+            let fits = gap.norm() <= limit + 0.25 * scale.threshold
+                && turn >= rule.turn_cosine
+                && leave >= rule.backward
+                && arrive >= rule.backward;
+            let cost = gap.norm() * (3.0 - leave - arrive) + (cut_a + cut_b) as f64 * 0.3 * largest;
+            if fits && best.is_none_or(|(c, _)| cost < c) {
+                best = Some((cost, (cut_a, cut_b)));
+            }
+        }
+    }
+    // Closing needs enough nodes to be left for a ring.
+    let left = |(_, (x, y)): &(f64, (usize, usize))| !itself || a.nodes.len() >= x + y + 4;
+    best.filter(left)
+}
+
+fn gap_cosine(gap: &Vector2, direction: &Vector2) -> f64 {
+    gap.try_normalize(0.0).map_or(1.0, |g| g.dot(direction))
+}
+
+fn apply(slots: &mut [Option<Piece>], join: &Join) {
+    let Some(mut tail) = slots[join.tail].take() else { return };
+    tail.nodes.truncate(tail.nodes.len() - join.cut.0);
+    if join.tail == join.head {
+        tail.nodes.drain(..join.cut.1);
+        tail.closed = true;
+    } else if let Some(head) = slots[join.head].take() {
+        tail.nodes.extend(head.nodes.into_iter().skip(join.cut.1));
+    }
+    slots[join.tail] = Some(tail);
+}

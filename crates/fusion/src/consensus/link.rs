@@ -1,0 +1,103 @@
+//! Links between kept nodes: one successor and one predecessor each.
+//!
+//! Candidates are pairs that lie ahead of each other, and every unit of every view's own curve
+//! carried over to the nodes that absorbed its ends: the views' connectivity bridges gaps of single
+//! views and goes round sharp bends. Shortest first, longer when bent.
+
+use super::observations::{NONE, Observations};
+use super::{Kept, Scale};
+use crate::grid::PointGrid;
+use transect_geometry::Point2;
+
+/// How far ahead a node looks for its successor, in footprints.
+const REACH_FOOTPRINTS: f64 = 3.0;
+
+/// Smallest cosine between the directions of linked nodes without a view's own word for it.
+const SMALLEST_TURN_COSINE: f64 = 0.5;
+
+/// How far behind its start a carried-over unit may end, as a cosine: bends at thin tips.
+const BACKWARD: f64 = -0.2;
+
+/// A carried-over unit counts as this much shorter than it is.
+const WITNESSED: f64 = 0.7;
+
+/// Successor of every kept node, or [`NONE`].
+pub(super) fn link(
+    kept: &[Kept],
+    absorbed_by: &[u32],
+    observations: &Observations,
+    scale: &Scale,
+) -> Vec<u32> {
+    let mut candidates = Vec::new();
+    ahead(kept, scale, &mut candidates);
+    witnessed(kept, absorbed_by, observations, &mut candidates);
+    candidates.sort_unstable_by(|a, b| {
+        a.cost.total_cmp(&b.cost).then(a.from.cmp(&b.from)).then(a.to.cmp(&b.to))
+    });
+    let mut next = vec![NONE; kept.len()];
+    let mut previous = vec![NONE; kept.len()];
+    for c in candidates {
+        let (from, to) = (c.from as usize, c.to as usize);
+        let back_and_forth = next[to] == c.from;
+        if next[from] == NONE && previous[to] == NONE && !back_and_forth {
+            next[from] = c.to;
+            previous[to] = c.from;
+        }
+    }
+    next
+}
+
+struct Candidate {
+    cost: f64,
+    from: u32,
+    to: u32,
+}
+
+/// Pairs of nodes that lie ahead of each other.
+fn ahead(kept: &[Kept], scale: &Scale, candidates: &mut Vec<Candidate>) {
+    let positions: Vec<Point2> = kept.iter().map(|k| k.position).collect();
+    let grid = PointGrid::new(&positions, REACH_FOOTPRINTS * scale.spacing);
+    for (k, here) in kept.iter().enumerate() {
+        let reach = REACH_FOOTPRINTS * here.footprint;
+        grid.within(&here.position, reach, |j, d| {
+            let there = &kept[j];
+            let distance = d.norm();
+            let turn = here.tangent.dot(&there.tangent);
+            if j == k || distance <= 0.0 || turn < SMALLEST_TURN_COSINE {
+                return;
+            }
+            // Seen from either node: the one with the larger footprint looks farther.
+            let (from, to) = if d.dot(&here.tangent) > 0.0 { (k, j) } else { (j, k) };
+            let step = kept[to].position - kept[from].position;
+            let (leave, arrive) =
+                (kept[from].tangent.dot(&step) / distance, kept[to].tangent.dot(&step) / distance);
+            if leave > 0.5 && arrive > 0.5 {
+                let cost = distance * (2.0 - leave) * (2.0 - arrive);
+                candidates.push(Candidate { cost, from: from as u32, to: to as u32 });
+            }
+        });
+    }
+}
+
+/// The views' own curve units, between the nodes that absorbed their ends.
+fn witnessed(
+    kept: &[Kept],
+    absorbed_by: &[u32],
+    observations: &Observations,
+    candidates: &mut Vec<Candidate>,
+) {
+    for (o, &from) in observations.all.iter().zip(absorbed_by) {
+        let Some(&to) = absorbed_by.get(o.next as usize) else { continue };
+        if from == to {
+            continue;
+        }
+        let (a, b) = (&kept[from as usize], &kept[to as usize]);
+        let step = b.position - a.position;
+        let distance = step.norm();
+        let (leave, arrive) = (a.tangent.dot(&step) / distance, b.tangent.dot(&step) / distance);
+        if leave >= BACKWARD && arrive >= BACKWARD {
+            let cost = WITNESSED * distance * (2.0 - leave) * (2.0 - arrive);
+            candidates.push(Candidate { cost, from, to });
+        }
+    }
+}

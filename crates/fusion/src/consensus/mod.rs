@@ -1,0 +1,189 @@
+//! The curves of all views at once: the default way to fuse a plane.
+//!
+//! **Problem.** Several views saw parts of the same section. Wanted: one curve where they overlap,
+//! more accurate than any single one; no duplicate, no fork, nothing invented, both sides of a thin
+//! sheet, and the same result for any order of views.
+//!
+//! **Idea.** The dissertation merges curves two by two (5.2 to 5.5). Every merge moves the curve a
+//! little, so errors add up and the last view weighs as much as all before it. Here every view
+//! stays as it was seen, and the common curve is estimated from all of them in one go. Direction
+//! tells neighbouring surfaces apart, as in Figure 5.5.
+//!
+//! **Steps.**
+//! 1. Observations: nodes of all views in an order that depends on what was seen alone, with
+//!    direction, and with weights that fall towards open ends, where real scanners overshoot.
+//! 2. Spread between views, measured; it sets the overlap threshold.
+//! 3. First place: each observation moves, across the curve, onto a robust line through all views'
+//!    neighbours. The neighbours themselves never move, so nothing drifts.
+//! 4. Thinning: best supported first, each kept node absorbs what lies beside it.
+//! 5. Clusters: each kept node takes the weighted mean of the *original* places it absorbed.
+//! 6. Final place: a robust parabola, its window chosen by intersecting confidence intervals.
+//! 7. Links: shortest first, one successor and one predecessor; the views' own curves are asked.
+//! 8. Cover: longest piece first, what lies beside an accepted piece is cut away.
+//! 9. Ends: joined where the curve goes on, turned round thin tips, cut back where they cross.
+//!
+//! **Departures from the source.** Everything from step 3 on replaces 5.5.2. The rule table of 5.4
+//! holds for the result as an invariant instead of deciding each merge.
+//!
+//! **Cost.** Each step gathers neighbours from a grid: time is linear in the nodes and does not
+//! depend on how many views they come from. Not for views whose poses are wrong by more than the
+//! overlap threshold: it cannot repair registration.
+
+mod ends;
+mod fit;
+mod link;
+mod observations;
+mod pieces;
+mod place;
+mod spread;
+mod thin;
+
+use crate::grid::PointGrid;
+use crate::{FusedPlane, FusionCounts};
+use observations::{Observations, median};
+use pieces::Piece;
+use transect_geometry::{Curve, Node, Point2, Vector2};
+
+/// What can be set. Nothing is in the user's unit: lengths follow from measured spreads and
+/// footprints.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ConsensusOptions {
+    /// Overlap threshold in measured spreads between views. Two curves of the same direction that
+    /// lie closer than this are one surface.
+    pub threshold_spreads: f64,
+    /// Largest angle between the directions of two observations of one surface, in radians.
+    pub direction_limit_rad: f64,
+    /// Shortest curve that is kept, in footprints.
+    pub shortest_footprints: f64,
+}
+
+impl Default for ConsensusOptions {
+    fn default() -> Self {
+        Self {
+            threshold_spreads: 8.0,
+            direction_limit_rad: 50_f64.to_radians(),
+            shortest_footprints: 5.0,
+        }
+    }
+}
+
+/// Lengths of a plane that the steps share.
+#[derive(Debug, Clone, Copy)]
+struct Scale {
+    /// Median footprint.
+    spacing: f64,
+    /// Overlap threshold across the curve.
+    threshold: f64,
+    /// Cosine of the largest angle between observations of one surface.
+    same_way: f64,
+}
+
+impl Scale {
+    /// Smallest threshold in standard deviations of the node, and in footprints.
+    const SIGMAS: f64 = 4.0;
+    const FOOTPRINTS: f64 = 0.35;
+
+    fn new(
+        observations: &Observations,
+        grid: &PointGrid,
+        options: &ConsensusOptions,
+    ) -> (Self, f64) {
+        let spacing = observations.spacing();
+        let sigma = median(observations.all.iter().map(|o| o.sigma));
+        let same_way = options.direction_limit_rad.cos();
+        let between = spread::between_views(observations, grid, same_way).unwrap_or(sigma);
+        let least = (Self::SIGMAS * sigma).max(Self::FOOTPRINTS * spacing);
+        let threshold = (options.threshold_spreads * between).max(least);
+        (Self { spacing, threshold, same_way }, between)
+    }
+
+    /// Overlap threshold for a node: wider where its own error is larger.
+    fn across(&self, sigma: f64) -> f64 {
+        self.threshold.max(Self::SIGMAS * sigma)
+    }
+}
+
+/// A node of the result, on its way.
+#[derive(Debug, Clone, Copy)]
+struct Kept {
+    position: Point2,
+    tangent: Vector2,
+    sigma: f64,
+    footprint: f64,
+    /// Weighted mean of the original places of what this node absorbed.
+    cluster: Point2,
+    cluster_sigma: f64,
+    weight: f64,
+    views: u32,
+}
+
+impl Kept {
+    fn new(position: Point2, tangent: Vector2, footprint: f64) -> Self {
+        let (cluster, sigma) = (position, 0.0);
+        Self {
+            position,
+            tangent,
+            sigma,
+            footprint,
+            cluster,
+            cluster_sigma: sigma,
+            weight: 0.0,
+            views: 0,
+        }
+    }
+
+    fn node(&self) -> Node {
+        Node {
+            position: self.position,
+            sigma: self.sigma.max(0.0) as f32,
+            footprint: self.footprint as f32,
+            weight: self.views as f32,
+            views: self.views,
+        }
+    }
+}
+
+/// Fuses the curves of one plane; one slice of curves per view, in any order.
+pub fn consensus(views: &[&[Curve]], options: &ConsensusOptions) -> FusedPlane {
+    let observations = Observations::collect(views);
+    if observations.all.is_empty() {
+        return FusedPlane::default();
+    }
+    let grid = PointGrid::new(&observations.positions(), observations.spacing());
+    let (scale, between) = Scale::new(&observations, &grid, options);
+    let mut thinned = thin::thin(&observations, &grid, &scale);
+    place::place(&mut thinned.kept, &scale);
+    let next = link::link(&thinned.kept, &thinned.absorbed_by, &observations, &scale);
+    let traced = pieces::trace(&next);
+    let (kept, counts) = (
+        &thinned.kept,
+        FusionCounts { observations: observations.all.len(), ..FusionCounts::default() },
+    );
+    let (tidied, dropped) = tidy(kept, traced, &scale, options);
+    let curves = curves(kept, tidied);
+    let counts = FusionCounts { kept: kept.len(), dropped, ..counts };
+    FusedPlane { curves, spread: between, threshold: scale.threshold, counts }
+}
+
+/// Covers, joins and cuts ends until pieces are curves.
+fn tidy(
+    kept: &[Kept],
+    traced: Vec<Piece>,
+    scale: &Scale,
+    options: &ConsensusOptions,
+) -> (Vec<Piece>, usize) {
+    let (covered, mut dropped) = pieces::cover(kept, traced, scale, 2.0);
+    let mut pieces = covered;
+    for rule in [ends::SMOOTH, ends::HAIRPIN, ends::CROSSING] {
+        pieces = ends::join(kept, pieces, scale, &rule);
+    }
+    // What joining made longer may lie beside others, and what stayed short is no curve.
+    let (pieces, short) = pieces::cover(kept, pieces, scale, options.shortest_footprints);
+    dropped += short;
+    (pieces, dropped)
+}
+
+fn curves(kept: &[Kept], pieces: Vec<Piece>) -> Vec<Curve> {
+    let nodes = |p: &Piece| p.nodes.iter().map(|&k| kept[k as usize].node()).collect();
+    pieces.iter().filter_map(|p| Curve::new(nodes(p), p.closed).ok()).collect()
+}

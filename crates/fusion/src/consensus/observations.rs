@@ -1,0 +1,205 @@
+//! All nodes of all views on a plane, in canonical order, with direction and weight.
+
+use std::cmp::Ordering;
+use transect_geometry::{Curve, Node, Point2, Vector2};
+
+/// No observation.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// How many footprints from an open end a node reaches its full weight. Real scanners overshoot
+/// silhouettes by a few pixels; doubling this costs little on clean data.
+const TAPER_FOOTPRINTS: f64 = 8.0;
+
+/// Weight of a node at an open end: small, but enough to stand where nothing else was seen.
+const LEAST_TAPER: f64 = 0.02;
+
+/// Arc on each side of a node that gives its direction, in footprints and in standard deviations.
+const TANGENT_FOOTPRINTS: f64 = 2.5;
+const TANGENT_SIGMAS: f64 = 3.0;
+
+/// Sampling error of a node as a share of its footprint, which keeps noise-free data finite.
+const SAMPLING_SHARE: f64 = 0.03;
+
+/// One node of one view.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Observation {
+    pub position: Point2,
+    /// Unit direction of the view's curve.
+    pub tangent: Vector2,
+    /// Standard deviation across the curve: noise and sampling.
+    pub sigma: f64,
+    pub footprint: f64,
+    /// Relative weight: the rim taper over the variance.
+    pub weight: f64,
+    /// Number of the view in canonical order.
+    pub view: u32,
+    /// The observation that follows on the view's curve, or [`NONE`].
+    pub next: u32,
+}
+
+/// All observations of a plane.
+#[derive(Debug, Default)]
+pub(super) struct Observations {
+    pub all: Vec<Observation>,
+    pub views: usize,
+}
+
+impl Observations {
+    /// Collects the curves of all views; the order in which views are given does not matter.
+    pub fn collect(views: &[&[Curve]]) -> Self {
+        let mut sorted: Vec<&[Curve]> = views.iter().copied().filter(|v| !v.is_empty()).collect();
+        sorted.sort_by(|a, b| canonical(a, b));
+        let mut observations = Self { all: Vec::new(), views: sorted.len() };
+        for (view, curves) in sorted.iter().enumerate() {
+            for curve in *curves {
+                observations.push(curve, view as u32);
+            }
+        }
+        observations
+    }
+
+    pub fn positions(&self) -> Vec<Point2> {
+        self.all.iter().map(|o| o.position).collect()
+    }
+
+    /// Median footprint.
+    pub fn spacing(&self) -> f64 {
+        median(self.all.iter().map(|o| o.footprint))
+    }
+
+    fn push(&mut self, curve: &Curve, view: u32) {
+        let nodes = curve.nodes();
+        let arc = Arc::new(curve);
+        let first = self.all.len() as u32;
+        for (k, node) in nodes.iter().enumerate() {
+            let footprint = f64::from(node.footprint).max(f64::MIN_POSITIVE);
+            let sigma = f64::from(node.sigma).hypot(SAMPLING_SHARE * footprint);
+            let taper =
+                (arc.to_open_end(k) / (TAPER_FOOTPRINTS * footprint)).clamp(LEAST_TAPER, 1.0);
+            let last = k + 1 == nodes.len();
+            let next = if !last {
+                first + k as u32 + 1
+            } else if curve.is_closed() {
+                first
+            } else {
+                NONE
+            };
+            self.all.push(Observation {
+                position: node.position,
+                tangent: arc.tangent(k, reach(node)),
+                sigma,
+                footprint,
+                weight: f64::from(node.weight) * taper / (sigma * sigma),
+                view,
+                next,
+            });
+        }
+    }
+}
+
+fn reach(node: &Node) -> f64 {
+    (TANGENT_FOOTPRINTS * f64::from(node.footprint)).max(TANGENT_SIGMAS * f64::from(node.sigma))
+}
+
+/// A total order of views by what they saw, so that results depend on the set of views alone.
+fn canonical(a: &[Curve], b: &[Curve]) -> Ordering {
+    let key = |n: &Node| (n.position.x, n.position.y, f64::from(n.sigma), f64::from(n.footprint));
+    let nodes = |curves: &[Curve]| {
+        curves.iter().flat_map(|c| c.nodes().to_vec()).map(|n| key(&n)).collect::<Vec<_>>()
+    };
+    let first = |curves: &[Curve]| curves.first().and_then(|c| c.nodes().first()).map(key);
+    let by_key = |a: &(f64, f64, f64, f64), b: &(f64, f64, f64, f64)| {
+        a.0.total_cmp(&b.0)
+            .then(a.1.total_cmp(&b.1))
+            .then(a.2.total_cmp(&b.2))
+            .then(a.3.total_cmp(&b.3))
+    };
+    // Nearly always the first node decides; only then is the whole list made.
+    let quick = match (first(a), first(b)) {
+        (Some(a), Some(b)) => by_key(&a, &b),
+        (a, b) => a.is_some().cmp(&b.is_some()),
+    };
+    quick.then_with(|| {
+        let (a, b) = (nodes(a), nodes(b));
+        let differing = a.iter().zip(&b).map(|(a, b)| by_key(a, b)).find(|o| o.is_ne());
+        differing.unwrap_or(Ordering::Equal).then(a.len().cmp(&b.len()))
+    })
+}
+
+/// Arc lengths along a curve.
+struct Arc<'a> {
+    curve: &'a Curve,
+    /// Arc length at each node, from the first.
+    at: Vec<f64>,
+    length: f64,
+}
+
+impl<'a> Arc<'a> {
+    fn new(curve: &'a Curve) -> Self {
+        let mut length = 0.0;
+        let mut at = vec![0.0];
+        at.extend(curve.units().map(|u| {
+            length += u.vector().norm();
+            length
+        }));
+        at.truncate(curve.nodes().len());
+        Self { curve, at, length }
+    }
+
+    fn to_open_end(&self, k: usize) -> f64 {
+        if self.curve.is_closed() {
+            f64::INFINITY
+        } else {
+            self.at[k].min(self.length - self.at[k])
+        }
+    }
+
+    /// Unit direction at a node: from the mean of the nodes within `reach` before it to the mean of
+    /// those after it.
+    fn tangent(&self, k: usize, reach: f64) -> Vector2 {
+        let d = self.mean_offset(k, reach, true) - self.mean_offset(k, reach, false);
+        d.try_normalize(0.0).unwrap_or_else(|| self.chord(k))
+    }
+
+    fn mean_offset(&self, k: usize, reach: f64, ahead: bool) -> Vector2 {
+        let nodes = self.curve.nodes();
+        let here = nodes[k].position;
+        let (mut sum, mut count, mut walked, mut at) = (Vector2::zeros(), 0.0, 0.0, k);
+        while let Some(to) = self.step(at, ahead) {
+            walked += (nodes[to].position - nodes[at].position).norm();
+            // The nearest node always counts, however far it is.
+            if (walked > reach && count > 0.0) || to == k {
+                break;
+            }
+            sum += nodes[to].position - here;
+            count += 1.0;
+            at = to;
+        }
+        if count > 0.0 { sum / count } else { Vector2::zeros() }
+    }
+
+    fn step(&self, at: usize, ahead: bool) -> Option<usize> {
+        let n = self.curve.nodes().len();
+        match (ahead, self.curve.is_closed()) {
+            (true, true) => Some((at + 1) % n),
+            (false, true) => Some((at + n - 1) % n),
+            (true, false) => (at + 1 < n).then_some(at + 1),
+            (false, false) => at.checked_sub(1),
+        }
+    }
+
+    fn chord(&self, k: usize) -> Vector2 {
+        let unit = self.curve.units().nth(k.min(self.curve.units().len() - 1));
+        unit.and_then(|u| u.vector().try_normalize(0.0)).unwrap_or_else(Vector2::x)
+    }
+}
+
+/// The median of some values; 0 without values.
+pub(super) fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}

@@ -1,0 +1,156 @@
+//! Pieces: chains of linked nodes, and what is cut from them because it lies beside a better one.
+
+use super::observations::NONE;
+use super::{Kept, Scale};
+use crate::grid::PointGrid;
+use std::cmp::Ordering;
+use transect_geometry::{Point2, Vector2};
+
+/// Kept nodes in the order of a curve.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Piece {
+    pub nodes: Vec<u32>,
+    pub closed: bool,
+}
+
+impl Piece {
+    pub fn length(&self, kept: &[Kept]) -> f64 {
+        let at = |k: u32| kept[k as usize].position;
+        let open: f64 = self.nodes.windows(2).map(|w| (at(w[1]) - at(w[0])).norm()).sum();
+        let closing = match (self.closed, self.nodes.as_slice()) {
+            (true, [first, .., last]) => (at(*first) - at(*last)).norm(),
+            _ => 0.0,
+        };
+        open + closing
+    }
+
+    /// Length in footprints: how much of it one view could have seen.
+    fn footprints(&self, kept: &[Kept]) -> f64 {
+        let footprint: f64 = self.nodes.iter().map(|&k| kept[k as usize].footprint).sum();
+        self.length(kept) * self.nodes.len() as f64 / footprint
+    }
+
+    /// Mean direction of the nodes at one end, towards the end of the curve.
+    pub fn direction(&self, kept: &[Kept], at_end: bool) -> Vector2 {
+        const NODES: usize = 4;
+        let sum = |nodes: &mut dyn Iterator<Item = &u32>| {
+            nodes.take(NODES).map(|&k| kept[k as usize].tangent).sum::<Vector2>()
+        };
+        let mean =
+            if at_end { sum(&mut self.nodes.iter().rev()) } else { sum(&mut self.nodes.iter()) };
+        mean.try_normalize(1e-9).unwrap_or_else(Vector2::x)
+    }
+}
+
+/// Follows the links: open pieces from their heads, then closed ones.
+pub(super) fn trace(next: &[u32]) -> Vec<Piece> {
+    let mut has_previous = vec![false; next.len()];
+    for &n in next.iter().filter(|n| **n != NONE) {
+        has_previous[n as usize] = true;
+    }
+    let mut visited = vec![false; next.len()];
+    let mut pieces = Vec::new();
+    for closed in [false, true] {
+        for start in 0..next.len() {
+            if visited[start] || (!closed && has_previous[start]) {
+                continue;
+            }
+            let mut nodes = Vec::new();
+            let mut at = start as u32;
+            while at != NONE && !visited[at as usize] {
+                visited[at as usize] = true;
+                nodes.push(at);
+                at = next[at as usize];
+            }
+            pieces.push(Piece { nodes, closed });
+        }
+    }
+    pieces
+}
+
+/// Longest first; equal lengths by their first node's place.
+pub(super) fn by_length(kept: &[Kept], pieces: Vec<Piece>) -> Vec<Piece> {
+    let mut measured: Vec<(f64, Piece)> = pieces.into_iter().map(|p| (p.length(kept), p)).collect();
+    let place = |p: &Piece| {
+        p.nodes.first().map_or((0.0, 0.0), |&k| {
+            let at = kept[k as usize].position;
+            (at.x, at.y)
+        })
+    };
+    measured.sort_by(|(la, a), (lb, b)| {
+        let (pa, pb) = (place(a), place(b));
+        let places = || pa.0.total_cmp(&pb.0).then(pa.1.total_cmp(&pb.1));
+        match lb.total_cmp(la) {
+            Ordering::Equal => places(),
+            decided => decided,
+        }
+    });
+    measured.into_iter().map(|(_, p)| p).collect()
+}
+
+/// Accepts pieces, longest first, cutting away what lies beside an accepted one in the same
+/// direction, and dropping remainders too short to be a curve of their own.
+///
+/// Returns the accepted pieces and how many nodes were cut or dropped.
+pub(super) fn cover(
+    kept: &[Kept],
+    pieces: Vec<Piece>,
+    scale: &Scale,
+    shortest: f64,
+) -> (Vec<Piece>, usize) {
+    let positions: Vec<Point2> = kept.iter().map(|k| k.position).collect();
+    let grid = PointGrid::new(&positions, 2.0 * scale.spacing);
+    let mut accepted = vec![false; kept.len()];
+    let (mut result, mut dropped) = (Vec::new(), 0);
+    for piece in by_length(kept, pieces) {
+        let covered: Vec<bool> =
+            piece.nodes.iter().map(|&k| lies_beside(kept, k, &grid, &accepted, scale)).collect();
+        for run in runs(&piece, &covered) {
+            if run.footprints(kept) < shortest || run.nodes.len() < 3 {
+                dropped += run.nodes.len();
+                continue;
+            }
+            run.nodes.iter().for_each(|&k| accepted[k as usize] = true);
+            result.push(run);
+        }
+        dropped += covered.iter().filter(|c| **c).count();
+    }
+    (result, dropped)
+}
+
+fn lies_beside(kept: &[Kept], k: u32, grid: &PointGrid, accepted: &[bool], scale: &Scale) -> bool {
+    let here = &kept[k as usize];
+    let width = scale.across(here.cluster_sigma).max(here.footprint);
+    let mut beside = false;
+    grid.within(&here.position, width.hypot(here.footprint), |j, d| {
+        let there = &kept[j];
+        let same = there.tangent.dot(&here.tangent) >= scale.same_way;
+        let close = d.dot(&there.tangent).abs() <= here.footprint.max(there.footprint)
+            && d.perp(&there.tangent).abs() <= width;
+        beside |= accepted[j] && same && close;
+    });
+    beside
+}
+
+/// The uncovered runs of a piece.
+fn runs(piece: &Piece, covered: &[bool]) -> Vec<Piece> {
+    if covered.iter().all(|c| !c) {
+        return vec![piece.clone()];
+    }
+    let n = piece.nodes.len();
+    // A closed piece is opened at a covered node, so that no run is cut in two.
+    let start = if piece.closed { covered.iter().position(|c| *c).unwrap_or(0) } else { 0 };
+    let mut result = Vec::new();
+    let mut nodes = Vec::new();
+    for k in (start..n).chain(0..start) {
+        if !covered[k] {
+            nodes.push(piece.nodes[k]);
+        } else if !nodes.is_empty() {
+            result.push(Piece { nodes: std::mem::take(&mut nodes), closed: false });
+        }
+    }
+    if !nodes.is_empty() {
+        result.push(Piece { nodes, closed: false });
+    }
+    result
+}

@@ -1,0 +1,77 @@
+//! Final place of the kept nodes: a robust parabola through the clusters around each.
+//!
+//! The window is the widest whose estimate still agrees with those of all narrower windows
+//! (intersection of confidence intervals): wide along smooth curves, narrow at detail.
+
+use super::fit::{Fit, Sample, parabola};
+use super::{Kept, Scale};
+use crate::grid::PointGrid;
+use transect_geometry::{Point2, Vector2};
+
+/// Half-width of the narrowest window, in footprints.
+const NARROWEST_FOOTPRINTS: f64 = 2.5;
+
+/// Each window is this much wider than the one before.
+const WINDOW_GROWTH: f64 = 1.5;
+
+/// Windows tried.
+const WINDOWS: i32 = 6;
+
+/// Half-width of a confidence interval in standard deviations of random error. Smaller follows
+/// detail and noise alike; larger smooths over both.
+const CONFIDENCE: f64 = 1.5;
+
+/// Largest curvature times half-width for which a parabola stands for the curve.
+const LARGEST_TURN: f64 = 0.3;
+
+/// Moves every kept node to its final place and direction.
+pub(super) fn place(kept: &mut [Kept], scale: &Scale) {
+    let clusters: Vec<Point2> = kept.iter().map(|k| k.cluster).collect();
+    let grid = PointGrid::new(&clusters, 2.0 * NARROWEST_FOOTPRINTS * scale.spacing);
+    let mut samples = Vec::new();
+    let placed: Vec<Option<Fit>> =
+        (0..kept.len()).map(|k| fit_at(kept, k, &grid, scale, &mut samples)).collect();
+    for (k, fit) in kept.iter_mut().zip(placed) {
+        let Some(fit) = fit else { continue };
+        let normal = Vector2::new(-k.tangent.y, k.tangent.x);
+        k.position += normal * fit.place;
+        k.tangent = (k.tangent + normal * fit.slope).normalize();
+        k.sigma = fit.place_sigma;
+    }
+}
+
+fn fit_at(
+    kept: &[Kept],
+    k: usize,
+    grid: &PointGrid,
+    scale: &Scale,
+    samples: &mut Vec<Sample>,
+) -> Option<Fit> {
+    let here = &kept[k];
+    let across = scale.across(here.cluster_sigma);
+    let normal = Vector2::new(-here.tangent.y, here.tangent.x);
+    let narrowest = NARROWEST_FOOTPRINTS * here.footprint;
+    let mut best: Option<Fit> = None;
+    let mut interval = (f64::NEG_INFINITY, f64::INFINITY);
+    for step in 0..WINDOWS {
+        let reach = narrowest * WINDOW_GROWTH.powi(step);
+        samples.clear();
+        grid.within(&here.position, reach.hypot(across), |j, d| {
+            let there = &kept[j];
+            let (x, y) = (d.dot(&here.tangent), d.dot(&normal));
+            let same = there.tangent.dot(&here.tangent) >= scale.same_way;
+            if same && x.abs() <= reach && y.abs() <= across.max(0.5 * reach) {
+                samples.push(Sample { x, y, weight: there.weight, sigma: there.cluster_sigma });
+            }
+        });
+        let Some(fit) = parabola(samples, reach, across) else { continue };
+        let half = CONFIDENCE * fit.place_sigma;
+        interval = (interval.0.max(fit.place - half), interval.1.min(fit.place + half));
+        let turns = 2.0 * (fit.bend.abs() - 2.0 * fit.bend_sigma) * reach > LARGEST_TURN;
+        if best.is_some() && (interval.0 > interval.1 || turns) {
+            break;
+        }
+        best = Some(fit);
+    }
+    best.filter(|f| f.place.abs() <= across)
+}

@@ -1,0 +1,71 @@
+//! How far apart the views are: the measured spread that sets the overlap threshold.
+//!
+//! The distance from a node to the curve of *one randomly drawn* other view is a fair sample of the
+//! difference between two views. The nearest of all other views would read too low by a factor that
+//! grows with the number of views.
+
+use super::observations::{Observations, median};
+use crate::grid::PointGrid;
+
+/// Nodes looked at; the median of this many is good to a few percent.
+const SAMPLES: usize = 3000;
+
+/// How far another view is looked for, in footprints and standard deviations of the node.
+const SEARCH_FOOTPRINTS: f64 = 4.0;
+const SEARCH_SIGMAS: f64 = 6.0;
+
+/// Median of |x| for a normal x of standard deviation 1.
+const MEDIAN_OF_NORMAL: f64 = 0.6745;
+
+/// Standard deviation of one view's curve against the common one, registration included, in the
+/// length unit; `None` where no two views overlap.
+pub(super) fn between_views(
+    observations: &Observations,
+    grid: &PointGrid,
+    same_way: f64,
+) -> Option<f64> {
+    if observations.views < 2 {
+        return None;
+    }
+    let step = observations.all.len().div_ceil(SAMPLES);
+    let samples = (0..observations.all.len()).step_by(step);
+    let mut distances: Vec<f64> =
+        samples.filter_map(|k| distance_to_other(observations, grid, k, same_way)).collect();
+    if distances.len() < 8 {
+        return None;
+    }
+    // Pairs of different surfaces are in the sample; a shrinking cut leaves them behind.
+    for _ in 0..3 {
+        let spread = median(distances.iter().copied()) / MEDIAN_OF_NORMAL;
+        distances.retain(|d| *d <= 4.0 * spread);
+    }
+    let spread = median(distances.iter().copied()) / MEDIAN_OF_NORMAL;
+    Some(spread / std::f64::consts::SQRT_2)
+}
+
+/// Distance across the curve to the nearest node of one other view, drawn by the node's number.
+fn distance_to_other(o: &Observations, grid: &PointGrid, k: usize, same_way: f64) -> Option<f64> {
+    let here = &o.all[k];
+    let others = o.views as u64 - 1;
+    let drawn = (here.view as u64 + 1 + mixed(k as u64) % others) % o.views as u64;
+    let radius = SEARCH_FOOTPRINTS * here.footprint + SEARCH_SIGMAS * here.sigma;
+    let mut nearest: Option<(f64, f64)> = None;
+    grid.within(&here.position, radius, |j, d| {
+        let there = &o.all[j];
+        if u64::from(there.view) == drawn && there.tangent.dot(&here.tangent) >= same_way {
+            let distance = d.norm_squared();
+            if nearest.is_none_or(|(n, _)| distance < n) {
+                nearest = Some((distance, there.tangent.perp(&d).abs()));
+            }
+        }
+    });
+    nearest.map(|(_, across)| across)
+}
+
+/// A number without relation to its neighbours (the finaliser of SplitMix64).
+fn mixed(k: u64) -> u64 {
+    let k = k.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let k = (k ^ (k >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let k = (k ^ (k >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    k ^ (k >> 31)
+}

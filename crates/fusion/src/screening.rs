@@ -1,0 +1,122 @@
+//! Which pairs of curves may overlap at all (dissertation 5.3).
+//!
+//! The idea: comparing every curve with every other is wasteful, and comparing rectangles is cheap.
+//! Every step below is necessary for an overlap and none is sufficient; what they leave,
+//! [`classify`](crate::pattern::classify) verifies.
+//!
+//! 1. The envelopes of both planes' curves, grown by the tolerance, must meet (5.3.1).
+//! 2. So must the envelopes of the two curves; their common rectangle limits the search (5.3.2).
+//! 3. Both curves must have units in the common rectangle (the dashed envelopes of Figure 5.3).
+//! 4. Some of those units must run the same way: the opposite sides of a sheet and neighbouring
+//!    surfaces that face each other do not (Figure 5.5).
+//!
+//! Departures from the source: the pairs of step 2 come from a sweep along x in place of two nested
+//! loops. Cost: O(n log n) for n curves, plus the pairs that overlap in x.
+
+use transect_geometry::{Curve, CurveUnit, Envelope};
+
+/// Two curves whose envelopes meet, by their places in the two lists that were screened.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CandidatePair {
+    /// Place of the first curve in the first list.
+    pub first: usize,
+    /// Place of the second curve in the second list.
+    pub second: usize,
+    /// The rectangle common to both grown envelopes: no overlap lies outside it.
+    pub common: Envelope,
+}
+
+/// The pairs of curves from two lists whose envelopes, each grown by `tolerance`, meet.
+///
+/// In order of the first, then the second list. `tolerance` is in the curves' length unit.
+pub fn candidate_pairs(first: &[Curve], second: &[Curve], tolerance: f64) -> Vec<CandidatePair> {
+    let grown = |curves: &[Curve]| -> Vec<_> {
+        curves.iter().map(|c| c.envelope().grown(tolerance)).collect()
+    };
+    let (first, second) = (grown(first), grown(second));
+    let planes_meet = whole(&first).zip(whole(&second)).is_some_and(|(p, q)| p.intersects(&q));
+    if !planes_meet {
+        return Vec::new();
+    }
+    let mut pairs = sweep(&first, &second);
+    pairs.sort_by_key(|pair| (pair.first, pair.second));
+    pairs
+}
+
+fn whole(envelopes: &[Envelope]) -> Option<Envelope> {
+    envelopes.iter().copied().reduce(|a, b| a.merged(&b))
+}
+
+/// Meets every envelope of one list with those of the other that begin within its reach in x.
+fn sweep(first: &[Envelope], second: &[Envelope]) -> Vec<CandidatePair> {
+    let mut by_min_x: Vec<_> = (0..second.len()).collect();
+    by_min_x.sort_by(|&i, &j| second[i].min.x.total_cmp(&second[j].min.x));
+    // An envelope of the second list may begin before one of the first and still reach it, but
+    // by no more than the widest of them.
+    let widest = second.iter().map(|e| e.size().x).fold(0.0, f64::max);
+    let mut pairs = Vec::new();
+    for (index, envelope) in first.iter().enumerate() {
+        let reach = envelope.min.x - widest;
+        // Rounding of this difference must not lose a pair that only just touches.
+        let reach = reach - 1e-12 * reach.abs();
+        let begin = by_min_x.partition_point(|&j| second[j].min.x < reach);
+        let within = by_min_x[begin..].iter().take_while(|&&j| second[j].min.x <= envelope.max.x);
+        pairs.extend(within.filter_map(|&j| {
+            let common = envelope.intersection(&second[j])?;
+            Some(CandidatePair { first: index, second: j, common })
+        }));
+    }
+    pairs
+}
+
+/// The units of a curve that touch a rectangle, by their place along the curve.
+pub fn units_within(curve: &Curve, rectangle: &Envelope) -> Vec<usize> {
+    let units = curve.units().enumerate();
+    units.filter(|(_, unit)| touches(unit, rectangle)).map(|(index, _)| index).collect()
+}
+
+/// Whether a segment and a rectangle share a point.
+fn touches(unit: &CurveUnit, rectangle: &Envelope) -> bool {
+    let around = Envelope { min: unit.start.inf(&unit.end), max: unit.start.sup(&unit.end) };
+    if !around.intersects(rectangle) {
+        return false;
+    }
+    // Two convex shapes are apart only if the segment's own line, too, has the rectangle on one side.
+    let (min, max) = (rectangle.min, rectangle.max);
+    let corners = [min, [max.x, min.y].into(), max, [min.x, max.y].into()];
+    let sides = corners.map(|corner| unit.line_value(&corner));
+    sides.iter().any(|&s| s >= 0.0) && sides.iter().any(|&s| s <= 0.0)
+}
+
+/// Whether two curves may overlap in their common rectangle: both have units there, and some unit
+/// of one runs the same way as some unit of the other, up to `max_angle_rad`.
+///
+/// Cost: O(n log n) for the n units in the rectangle.
+pub fn may_overlap(a: &Curve, b: &Curve, common: &Envelope, max_angle_rad: f64) -> bool {
+    let angles_of_a = angles_within(a, common);
+    let mut angles_of_b = angles_within(b, common);
+    angles_of_b.sort_by(f64::total_cmp);
+    angles_of_a.iter().any(|angle| least_turn(*angle, &angles_of_b) <= max_angle_rad)
+}
+
+/// The directions of a curve's units in a rectangle, in radians from -π to π.
+fn angles_within(curve: &Curve, rectangle: &Envelope) -> Vec<f64> {
+    let within = curve.units().filter(|unit| touches(unit, rectangle));
+    within.map(|unit| unit.vector().y.atan2(unit.vector().x)).collect()
+}
+
+/// The smallest turn from an angle to one of some sorted angles; infinite if there are none.
+fn least_turn(angle: f64, sorted: &[f64]) -> f64 {
+    let after = sorted.partition_point(|&other| other < angle);
+    let before = after.checked_sub(1).and_then(|i| sorted.get(i));
+    // The angles next to this one on the circle: a list's last angle comes before its first.
+    let neighbours = [sorted.get(after), before, sorted.first(), sorted.last()];
+    let turn = |other: &f64| {
+        let turn = (angle - other).abs();
+        turn.min(std::f64::consts::TAU - turn)
+    };
+    neighbours.into_iter().flatten().map(turn).fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests;
