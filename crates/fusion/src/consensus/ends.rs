@@ -11,25 +11,25 @@ use transect_geometry::Vector2;
 pub(super) struct JoinRule {
     /// Longest gap, in local footprints.
     pub gap_footprints: f64,
-    /// Smallest cosine between the directions of the two ends.
-    pub turn_cosine: f64,
+    /// Smallest and largest cosine between the directions of the two ends.
+    pub turn_cosine: (f64, f64),
     /// How far back from an end the other may lie, as a cosine.
     pub backward: f64,
     /// Nodes that may be cut from each end to find where the two come closest.
     pub cut_nodes: usize,
 }
 
-/// A smooth continuation.
+/// A smooth continuation; ends that pass beside each other are cut until the gap leads forward.
 pub(super) const SMOOTH: JoinRule =
-    JoinRule { gap_footprints: 4.0, turn_cosine: 0.5, backward: 0.3, cut_nodes: 0 };
+    JoinRule { gap_footprints: 4.0, turn_cosine: (0.5, 1.0), backward: 0.3, cut_nodes: 8 };
 
 /// A sharp bend or a thin tip, where the curve turns back on itself.
 pub(super) const HAIRPIN: JoinRule =
-    JoinRule { gap_footprints: 3.0, turn_cosine: -1.0, backward: -0.5, cut_nodes: 0 };
+    JoinRule { gap_footprints: 3.0, turn_cosine: (-1.0, 0.5), backward: -0.5, cut_nodes: 0 };
 
 /// Ends that overshoot a rim and cross, or pass each other.
 pub(super) const CROSSING: JoinRule =
-    JoinRule { gap_footprints: 2.5, turn_cosine: -1.0, backward: -1.0, cut_nodes: 10 };
+    JoinRule { gap_footprints: 2.5, turn_cosine: (-1.0, 0.5), backward: -1.0, cut_nodes: 10 };
 
 /// Joins ends of pieces, cheapest first, until no two fit the rule.
 pub(super) fn join(
@@ -110,7 +110,8 @@ fn fit(
             let arrive = gap_cosine(&gap, &b.direction(kept, false));
             let turn = a.direction(kept, true).dot(&b.direction(kept, false));
             let fits = gap.norm() <= limit + 0.25 * scale.threshold
-                && turn >= rule.turn_cosine
+                && turn >= rule.turn_cosine.0
+                && turn <= rule.turn_cosine.1 + 1e-9
                 && leave >= rule.backward
                 && arrive >= rule.backward;
             let cost = gap.norm() * (3.0 - leave - arrive) + (cut_a + cut_b) as f64 * 0.3 * largest;

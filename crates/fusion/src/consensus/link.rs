@@ -18,6 +18,9 @@ const SMALLEST_TURN_COSINE: f64 = 0.5;
 /// How far behind its start a carried-over unit may end, as a cosine: bends at thin tips.
 const BACKWARD: f64 = -0.2;
 
+/// Smallest cosine between a step and the directions of two nodes that share theirs.
+const SIDEWAYS: f64 = 0.3;
+
 /// A carried-over unit counts as this much shorter than it is.
 const WITNESSED: f64 = 0.7;
 
@@ -95,7 +98,10 @@ fn witnessed(
         let step = b.position - a.position;
         let distance = step.norm();
         let (leave, arrive) = (a.tangent.dot(&step) / distance, b.tangent.dot(&step) / distance);
-        if leave >= BACKWARD && arrive >= BACKWARD {
+        // Between nodes of one direction a step to the side is a change of layer, not a bend.
+        let straight = a.tangent.dot(&b.tangent) >= SMALLEST_TURN_COSINE;
+        let least = if straight { SIDEWAYS } else { BACKWARD };
+        if leave >= least && arrive >= least {
             let cost = WITNESSED * distance * (2.0 - leave) * (2.0 - arrive);
             candidates.push(Candidate { cost, from, to });
         }

@@ -180,6 +180,8 @@ fn tidy(
     // What joining made longer may lie beside others, and what stayed short is no curve.
     let (pieces, short) = pieces::cover(kept, pieces, scale, options.shortest_footprints);
     dropped += short;
+    let mut pieces = pieces;
+    pieces.iter_mut().for_each(|p| pieces::straighten(kept, p));
     (pieces, dropped)
 }
 

@@ -18,7 +18,7 @@ const TANGENT_FOOTPRINTS: f64 = 2.5;
 const TANGENT_SIGMAS: f64 = 3.0;
 
 /// Sampling error of a node as a share of its footprint, which keeps noise-free data finite.
-const SAMPLING_SHARE: f64 = 0.03;
+const SAMPLING_SHARE: f64 = 0.06;
 
 /// One node of one view.
 #[derive(Debug, Clone, Copy)]

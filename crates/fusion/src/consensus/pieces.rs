@@ -68,6 +68,36 @@ pub(super) fn trace(next: &[u32]) -> Vec<Piece> {
     pieces
 }
 
+/// Takes out sideways steps: a unit that leads across, or back, between nodes of one direction is
+/// where a curve changed from one view's layer to another's, and its less seen node goes.
+pub(super) fn straighten(kept: &[Kept], piece: &mut Piece) {
+    const PASSES: usize = 4;
+    for _ in 0..PASSES {
+        let n = piece.nodes.len();
+        let units = if piece.closed { n } else { n.saturating_sub(1) };
+        let mut goes = vec![false; n];
+        for k in 0..units {
+            let (a, b) = (k, (k + 1) % n);
+            let (p, q) = (&kept[piece.nodes[a] as usize], &kept[piece.nodes[b] as usize]);
+            if !goes[a] && steps_sideways(p, q) {
+                goes[if p.weight < q.weight { a } else { b }] = true;
+            }
+        }
+        if !goes.contains(&true) || n < 8 {
+            return;
+        }
+        let mut goes = goes.iter();
+        piece.nodes.retain(|_| goes.next() != Some(&true));
+    }
+}
+
+fn steps_sideways(p: &Kept, q: &Kept) -> bool {
+    const SMALLEST_COSINE: f64 = 0.3;
+    let step = (q.position - p.position).try_normalize(0.0).unwrap_or(p.tangent);
+    let one_way = p.tangent.dot(&q.tangent) >= 0.5;
+    one_way && (p.tangent + q.tangent).normalize().dot(&step) < SMALLEST_COSINE
+}
+
 /// Longest first; equal lengths by their first node's place.
 pub(super) fn by_length(kept: &[Kept], pieces: Vec<Piece>) -> Vec<Piece> {
     let mut measured: Vec<(f64, Piece)> = pieces.into_iter().map(|p| (p.length(kept), p)).collect();

@@ -19,10 +19,10 @@ const WINDOWS: i32 = 6;
 
 /// Half-width of a confidence interval in standard deviations of random error. Smaller follows
 /// detail and noise alike; larger smooths over both.
-const CONFIDENCE: f64 = 1.5;
+const CONFIDENCE: f64 = 1.0;
 
 /// Largest curvature times half-width for which a parabola stands for the curve.
-const LARGEST_TURN: f64 = 0.3;
+const LARGEST_TURN: f64 = 0.2;
 
 /// Moves every kept node to its final place and direction.
 pub(super) fn place(kept: &mut [Kept], scale: &Scale) {

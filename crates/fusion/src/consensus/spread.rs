@@ -43,7 +43,8 @@ pub(super) fn between_views(
     Some(spread / std::f64::consts::SQRT_2)
 }
 
-/// Distance across the curve to the nearest node of one other view, drawn by the node's number.
+/// Distance across the curve to one other view, drawn by the node's number, at its node that lies
+/// most nearly beside: the nearest one would be near across the curve too, and read too low.
 fn distance_to_other(o: &Observations, grid: &PointGrid, k: usize, same_way: f64) -> Option<f64> {
     let here = &o.all[k];
     let others = o.views as u64 - 1;
@@ -53,7 +54,7 @@ fn distance_to_other(o: &Observations, grid: &PointGrid, k: usize, same_way: f64
     grid.within(&here.position, radius, |j, d| {
         let there = &o.all[j];
         if u64::from(there.view) == drawn && there.tangent.dot(&here.tangent) >= same_way {
-            let distance = d.norm_squared();
+            let distance = d.dot(&there.tangent).abs();
             if nearest.is_none_or(|(n, _)| distance < n) {
                 nearest = Some((distance, there.tangent.perp(&d).abs()));
             }

@@ -12,7 +12,7 @@ const ROUGH_SIGMAS: f64 = 3.0;
 
 /// A node absorbs what lies within this many of its footprints along the curve, and within this
 /// share of the overlap threshold across it.
-const ABSORB_FOOTPRINTS: f64 = 1.0;
+const ABSORB_FOOTPRINTS: f64 = 0.7;
 const ABSORB_SHARE: f64 = 0.6;
 
 /// An observation moved onto the robust line through its neighbours of all views.

@@ -11,9 +11,12 @@ use transect_geometry::{Curve, Node, Vector2};
 /// so fewer would see their zigzag.
 const REACH: usize = 3;
 
-/// Largest factor between range noise and the error across the curve: planes nearly tangent to the
-/// surface would otherwise claim any error at all.
-const MAX_SIGMA_FACTOR: f64 = 6.0;
+/// Bounds of the factor between range noise and the error across the curve.
+///
+/// Planes nearly tangent to the surface would otherwise claim any error at all. A surface seen
+/// obliquely moves less across the curve than along the ray, but that gain rests on a normal read
+/// from two noisy samples; claiming it let single bad normals outweigh whole views.
+const SIGMA_FACTORS: (f64, f64) = (1.0, 6.0);
 
 /// Smallest sine of the angle between ray and curve in the footprint: that of the rim cut.
 const MIN_SINE: f64 = 0.2;
@@ -105,7 +108,7 @@ impl NodeMaker<'_> {
 fn sigma_factor(tangent: &Vector2, pair: &Vector3, ray: &Vector3) -> f64 {
     let normal = Vector3::new(tangent.x, tangent.y, 0.0).cross(pair);
     let factor = (ray.dot(&normal) / pair.z).abs();
-    if factor.is_finite() { factor.min(MAX_SIGMA_FACTOR) } else { MAX_SIGMA_FACTOR }
+    if factor.is_nan() { SIGMA_FACTORS.1 } else { factor.clamp(SIGMA_FACTORS.0, SIGMA_FACTORS.1) }
 }
 
 /// Length along the curve that one pixel covers: the rays' spacing, seen obliquely.
@@ -128,7 +131,7 @@ mod tests {
         let from_above = sigma_factor(&east, &Vector3::new(0.0, 1.0, 1.0), &-Vector3::z());
         assert!((from_above - 1.0).abs() < 1e-12, "45° slope seen from above: {from_above}");
         let flat = sigma_factor(&east, &Vector3::new(0.0, 1.0, 0.0), &-Vector3::z());
-        assert_eq!(flat, MAX_SIGMA_FACTOR, "a floor in its own plane");
+        assert_eq!(flat, SIGMA_FACTORS.1, "a floor in its own plane");
     }
 
     #[test]

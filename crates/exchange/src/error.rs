@@ -1,0 +1,216 @@
+//! What can go wrong with files, by what the caller can do about it.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use transect_device::{ImageError, Pixel, ViewError};
+use transect_geometry::{GuideError, LengthUnit};
+use transect_sensors::SensorError;
+
+/// Where in a file something is wrong. Everything counts from 0 except lines, which count from 1.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Place {
+    /// The file as a whole.
+    Whole,
+    /// A line of a text file.
+    Line(usize),
+    /// A view of a manifest.
+    View {
+        /// Its place in the list of views.
+        number: usize,
+        /// Its file, as the manifest names it.
+        name: String,
+    },
+    /// A view that is one line of a text file.
+    ViewLine {
+        /// The line.
+        line: usize,
+        /// The view's file, as the line names it.
+        name: String,
+    },
+    /// A pixel of an image or a cell of a grid.
+    Pixel(Pixel),
+    /// An element of a mesh or a grid, such as a vertex or a face.
+    Element {
+        /// What it is called.
+        kind: String,
+        /// Its number.
+        number: usize,
+        /// The line it stands on, in text files.
+        line: Option<usize>,
+    },
+    /// A plane of a contour file, by its index.
+    Plane(i64),
+    /// A polyline of a contour file.
+    Polyline {
+        /// The plane's index.
+        plane: i64,
+        /// The polyline's place in the plane.
+        number: usize,
+    },
+}
+
+impl fmt::Display for Place {
+    /// Begins with a comma, to follow a file name.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Whole => Ok(()),
+            Self::Line(line) => write!(f, ", line {line}"),
+            Self::View { number, name } => write!(f, ", view {number} ({name})"),
+            Self::ViewLine { line, name } => write!(f, ", line {line}, view {name}"),
+            Self::Pixel(pixel) => write!(f, ", {pixel}"),
+            Self::Element { kind, number, line: None } => write!(f, ", {kind} {number}"),
+            Self::Element { kind, number, line: Some(line) } => {
+                write!(f, ", line {line}, {kind} {number}")
+            }
+            Self::Plane(index) => write!(f, ", plane {index}"),
+            Self::Polyline { plane, number } => write!(f, ", plane {plane}, polyline {number}"),
+        }
+    }
+}
+
+/// Why something could not be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReadError {
+    /// The file is missing or the system refuses it: check the path.
+    #[error("{}: cannot be read", .path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system says.
+        #[source]
+        source: std::io::Error,
+    },
+    /// The path is no scan: name another one.
+    #[error(
+        "{}: not a scan; accepted are a folder with scan.json, a scan manifest (*.json), \
+         a Stanford configuration (*.conf), and a folder of *.depth.png and *.pose.txt \
+         with camera-intrinsics.txt",
+        .path.display()
+    )]
+    NotAScan {
+        /// What was named.
+        path: PathBuf,
+    },
+    /// Nobody has said what the lengths are: say it.
+    #[error("{}: no length unit; add \"unit\": \"m\" or pass --unit", .path.display())]
+    NoUnit {
+        /// The manifest.
+        path: PathBuf,
+    },
+    /// Two units were given: drop one of them.
+    #[error(
+        "{}: the unit is {stated}, but {asked} was asked for; lengths are never converted on reading",
+        .path.display()
+    )]
+    UnitConflict {
+        /// The scan.
+        path: PathBuf,
+        /// The scan's own unit.
+        stated: LengthUnit,
+        /// The caller's unit.
+        asked: LengthUnit,
+    },
+    /// The file is not JSON: repair it at the line and column the cause names.
+    #[error("{}: not valid JSON for this purpose", .path.display())]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, with line and column.
+        #[source]
+        source: serde_json::Error,
+    },
+    /// The file contradicts itself or its format: repair it or get it again.
+    #[error("{}{at}: {problem}", .path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// Where in it.
+        at: Place,
+        /// What is wrong.
+        problem: String,
+    },
+    /// The file is sound but of a kind that is not read here: convert it.
+    #[error("{}{at}: {problem}", .path.display())]
+    Unsupported {
+        /// The file.
+        path: PathBuf,
+        /// Where in it.
+        at: Place,
+        /// What it needs, and what would be read.
+        problem: String,
+    },
+    /// The content is readable but makes no view, sensor or plane family: correct its numbers.
+    #[error("{}{at}: {what} is not usable", .path.display())]
+    Unusable {
+        /// The file.
+        path: PathBuf,
+        /// Where in it.
+        at: Place,
+        /// What was to be made.
+        what: &'static str,
+        /// Why it cannot be.
+        #[source]
+        source: Box<Unusable>,
+    },
+}
+
+/// Why numbers from a file do not make what they should.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Unusable {
+    /// They make no view.
+    #[error(transparent)]
+    View(#[from] ViewError),
+    /// They make no sensor.
+    #[error(transparent)]
+    Sensor(#[from] SensorError),
+    /// They make no image.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+    /// They make no planes.
+    #[error(transparent)]
+    Planes(#[from] GuideError),
+}
+
+impl ReadError {
+    pub(crate) fn damaged(path: &Path, at: Place, problem: impl Into<String>) -> Self {
+        Self::Damaged { path: path.to_owned(), at, problem: problem.into() }
+    }
+
+    pub(crate) fn unsupported(path: &Path, at: Place, problem: impl Into<String>) -> Self {
+        Self::Unsupported { path: path.to_owned(), at, problem: problem.into() }
+    }
+
+    pub(crate) fn unusable(
+        path: &Path,
+        at: Place,
+        what: &'static str,
+        source: impl Into<Unusable>,
+    ) -> Self {
+        Self::Unusable { path: path.to_owned(), at, what, source: Box::new(source.into()) }
+    }
+}
+
+/// A whole file in memory.
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
+    std::fs::read(path).map_err(|source| ReadError::Io { path: path.to_owned(), source })
+}
+
+/// A whole text file in memory; bytes that are no UTF-8 are damage.
+pub(crate) fn read_text(path: &Path) -> Result<String, ReadError> {
+    String::from_utf8(read_bytes(path)?)
+        .map_err(|_| ReadError::damaged(path, Place::Whole, "not a text file"))
+}
+
+/// A file could not be written: check the folder and the space left.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: cannot be written", .path.display())]
+pub struct WriteError {
+    /// The file that was to be written.
+    pub path: PathBuf,
+    /// What the system says.
+    #[source]
+    pub source: std::io::Error,
+}

@@ -1,0 +1,134 @@
+//! Images of range values and grids of points in `.npy` and `.png` files.
+
+use crate::error::read_bytes;
+use crate::npy::{Npy, Problem};
+use crate::{Place, ReadError};
+use std::io::Cursor;
+use std::path::Path;
+use transect_device::{ImageSize, MAX_PIXELS, Pixel, Point3};
+
+/// Row-major values in the model's length unit; what means "missing" is left to `RangeImage`.
+pub(crate) struct Pixels {
+    pub(crate) size: ImageSize,
+    pub(crate) values: Vec<f32>,
+}
+
+/// A range or depth image: `.npy` (rows × columns) or 16-bit grey `.png` with a scale.
+pub(crate) fn read(
+    path: &Path,
+    depth_scale: Option<f64>,
+    notes: &mut Vec<String>,
+) -> Result<Pixels, ReadError> {
+    let bytes = read_bytes(path)?;
+    let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
+    match extension.as_deref() {
+        Some("npy") => from_npy(path, &bytes),
+        Some("png") => from_png(path, &bytes, depth_scale, notes),
+        _ => Err(ReadError::unsupported(path, Place::Whole, "images are read from .npy and .png")),
+    }
+}
+
+/// A grid of points: `.npy` of rows × columns × 3.
+pub(crate) fn read_points(path: &Path) -> Result<(ImageSize, Vec<Point3>), ReadError> {
+    let bytes = read_bytes(path)?;
+    let array = Npy::parse(&bytes).map_err(|p| located(path, p))?;
+    let [rows, cols, 3] = *array.shape() else {
+        return Err(wrong_shape(path, &array, "rows × columns × 3"));
+    };
+    let coordinates = array.to_f64();
+    let points = coordinates.as_chunks().0.iter().map(|c: &[f64; 3]| Point3::from(*c)).collect();
+    Ok((ImageSize { rows, cols }, points))
+}
+
+fn from_npy(path: &Path, bytes: &[u8]) -> Result<Pixels, ReadError> {
+    let array = Npy::parse(bytes).map_err(|p| located(path, p))?;
+    let [rows, cols] = *array.shape() else {
+        return Err(wrong_shape(path, &array, "rows × columns"));
+    };
+    Ok(Pixels { size: ImageSize { rows, cols }, values: array.to_f32() })
+}
+
+fn located(path: &Path, problem: Problem) -> ReadError {
+    match problem {
+        Problem::Damaged(text) => ReadError::damaged(path, Place::Whole, text),
+        Problem::Unsupported(text) => ReadError::unsupported(path, Place::Whole, text),
+    }
+}
+
+fn wrong_shape(path: &Path, array: &Npy<'_>, wanted: &str) -> ReadError {
+    let problem = format!("the array's shape is {:?}, not {wanted}", array.shape());
+    ReadError::damaged(path, Place::Whole, problem)
+}
+
+/// A count that stands at the end of its scale measured nothing (7-Scenes writes it for missing).
+const SATURATED: u16 = u16::MAX;
+/// Deflate packs at most 1032 bytes into one, so a larger image cannot be in the file.
+const LARGEST_COMPRESSION: usize = 1032;
+
+fn from_png(
+    path: &Path,
+    bytes: &[u8],
+    depth_scale: Option<f64>,
+    notes: &mut Vec<String>,
+) -> Result<Pixels, ReadError> {
+    let Some(scale) = depth_scale else {
+        let problem = "a .png image needs \"depth_scale\" (length units per count) in its view";
+        return Err(ReadError::damaged(path, Place::Whole, problem));
+    };
+    let (size, samples) = png_samples(path, bytes)?;
+    let (pairs, _) = samples.as_chunks();
+    let counts = pairs.iter().map(|pair| u16::from_be_bytes(*pair));
+    let saturated = counts.clone().filter(|&c| c == SATURATED).count();
+    if saturated > 0 {
+        notes.push(format!("{saturated} pixels at the largest count, 65535, taken as missing"));
+    }
+    let value = |count| match count {
+        0 | SATURATED => f32::NAN,
+        count => (f64::from(count) * scale) as f32,
+    };
+    let values: Vec<f32> = counts.map(value).collect();
+    if let Some(at) = values.iter().position(|v| v.is_infinite()) {
+        let pixel = Pixel::new(at / size.cols, at % size.cols);
+        let problem = format!("depth_scale {scale} makes the value infinite");
+        return Err(ReadError::damaged(path, Place::Pixel(pixel), problem));
+    }
+    Ok(Pixels { size, values })
+}
+
+/// The decoded bytes of a 16-bit grey image, most significant byte first.
+fn png_samples(path: &Path, bytes: &[u8]) -> Result<(ImageSize, Vec<u8>), ReadError> {
+    let damaged = |text: String| ReadError::damaged(path, Place::Whole, text);
+    let undecodable = |e: png::DecodingError| damaged(format!("cannot be decoded: {e}"));
+    let mut reader = png::Decoder::new(Cursor::new(bytes)).read_info().map_err(undecodable)?;
+    let (cols, rows) = reader.info().size();
+    let size = ImageSize { rows: rows as usize, cols: cols as usize };
+    let kind = reader.output_color_type();
+    if kind != (png::ColorType::Grayscale, png::BitDepth::Sixteen) {
+        let problem = format!("the image is {:?} {:?}; 16-bit grey is read", kind.0, kind.1);
+        return Err(ReadError::unsupported(path, Place::Whole, problem));
+    }
+    let most = bytes.len().saturating_mul(LARGEST_COMPRESSION).min(2 * MAX_PIXELS);
+    let needed = reader.output_buffer_size().filter(|&n| n <= most);
+    let absurd = || damaged(format!("{size} cannot be in a file of {} bytes", bytes.len()));
+    let mut samples = vec![0; needed.ok_or_else(absurd)?];
+    reader.next_frame(&mut samples).map_err(undecodable)?;
+    Ok((size, samples))
+}
+
+/// Writes row-major values as `.npy` (float32), as scan manifests want them.
+///
+/// # Errors
+/// What `out` says, or that the number of values is not rows × columns.
+pub fn write_npy_image(
+    size: ImageSize,
+    values: &[f32],
+    mut out: &mut dyn std::io::Write,
+) -> std::io::Result<()> {
+    if size.rows.checked_mul(size.cols) != Some(values.len()) {
+        let problem = format!("{} values do not fill {size}", values.len());
+        return Err(std::io::Error::other(problem));
+    }
+    crate::npy::write_header(&mut out, "<f4", &[size.rows, size.cols])?;
+    let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+    out.write_all(&bytes)
+}

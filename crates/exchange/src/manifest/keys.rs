@@ -1,0 +1,115 @@
+//! Looking into a JSON object by name, remembering what was asked for.
+
+use crate::{Place, ReadError};
+use serde_json::{Map, Value};
+use std::cell::RefCell;
+use std::path::Path;
+
+/// One object of a manifest. Errors name the file, the view and the key; keys that nobody asked
+/// for are told by [`Keys::unknown`].
+pub(super) struct Keys<'a> {
+    path: &'a Path,
+    at: Place,
+    /// What stands before a key in messages, such as `planes.`.
+    prefix: &'static str,
+    map: &'a Map<String, Value>,
+    asked: RefCell<Vec<&'static str>>,
+}
+
+impl<'a> Keys<'a> {
+    pub(super) fn of(
+        path: &'a Path,
+        at: Place,
+        prefix: &'static str,
+        value: &'a Value,
+    ) -> Result<Self, ReadError> {
+        match value {
+            Value::Object(map) => Ok(Self { path, at, prefix, map, asked: RefCell::default() }),
+            _ => {
+                let name = if prefix.is_empty() { "this" } else { prefix.trim_end_matches('.') };
+                Err(ReadError::damaged(path, at, format!("{name} must be a JSON object")))
+            }
+        }
+    }
+
+    /// Accepts keys that say nothing to the reader.
+    pub(super) fn informational(&self, keys: &[&'static str]) {
+        self.asked.borrow_mut().extend(keys);
+    }
+
+    /// A warning for every key that nobody asked for.
+    pub(super) fn unknown(&self) -> Vec<String> {
+        let asked = self.asked.borrow();
+        let unknown = self.map.keys().filter(|k| !asked.contains(&k.as_str()));
+        let (path, at, prefix) = (self.path.display(), &self.at, self.prefix);
+        unknown.map(|k| format!("{path}{at}: unknown key \"{prefix}{k}\" ignored")).collect()
+    }
+
+    /// The value of a key; a JSON null counts as absent.
+    pub(super) fn get(&self, key: &'static str) -> Option<&'a Value> {
+        self.asked.borrow_mut().push(key);
+        self.map.get(key).filter(|v| !v.is_null())
+    }
+
+    pub(super) fn wrong(&self, key: &str, wanted: &str) -> ReadError {
+        let prefix = self.prefix;
+        let problem = match self.map.get(key) {
+            None => format!("no \"{prefix}{key}\"; it must be {wanted}"),
+            Some(_) => format!("\"{prefix}{key}\" must be {wanted}"),
+        };
+        ReadError::damaged(self.path, self.at.clone(), problem)
+    }
+
+    /// What a key holds, if it is there, and an error if it is something else.
+    fn optional<T>(
+        &self,
+        key: &'static str,
+        wanted: &str,
+        convert: impl Fn(&'a Value) -> Option<T>,
+    ) -> Result<Option<T>, ReadError> {
+        let converted = |v| convert(v).ok_or_else(|| self.wrong(key, wanted));
+        self.get(key).map(converted).transpose()
+    }
+
+    pub(super) fn text(&self, key: &'static str) -> Result<Option<&'a str>, ReadError> {
+        self.optional(key, "a text", Value::as_str)
+    }
+
+    pub(super) fn number(&self, key: &'static str) -> Result<Option<f64>, ReadError> {
+        self.optional(key, "a number", Value::as_f64)
+    }
+
+    pub(super) fn required_number(&self, key: &'static str) -> Result<f64, ReadError> {
+        self.number(key)?.ok_or_else(|| self.wrong(key, "a number"))
+    }
+
+    pub(super) fn count(&self, key: &'static str) -> Result<Option<usize>, ReadError> {
+        let whole = |v: &Value| usize::try_from(v.as_u64()?).ok();
+        self.optional(key, "a whole number", whole)
+    }
+
+    pub(super) fn list(&self, key: &'static str) -> Result<Option<&'a [Value]>, ReadError> {
+        self.optional(key, "a list", |v| v.as_array().map(Vec::as_slice))
+    }
+
+    /// A list of exactly `N` numbers; a null in it stands for a number that is not finite.
+    pub(super) fn numbers<const N: usize>(
+        &self,
+        key: &'static str,
+    ) -> Result<Option<[f64; N]>, ReadError> {
+        let number = |v: &Value| if v.is_null() { Some(f64::NAN) } else { v.as_f64() };
+        let numbers = |v: &Value| {
+            let list: Option<Vec<f64>> = v.as_array()?.iter().map(number).collect();
+            list?.try_into().ok()
+        };
+        self.optional(key, &format!("a list of {N} numbers"), numbers)
+    }
+
+    pub(super) fn required_numbers<const N: usize>(
+        &self,
+        key: &'static str,
+    ) -> Result<[f64; N], ReadError> {
+        let wanted = format!("a list of {N} numbers");
+        self.numbers(key)?.ok_or_else(|| self.wrong(key, &wanted))
+    }
+}

@@ -1,0 +1,135 @@
+//! From the text of a manifest to what it says.
+
+use super::keys::Keys;
+use super::{Manifest, SensorEntry, ViewEntry};
+use crate::{Place, PlanesEntry, ReadError};
+use serde_json::Value;
+use std::path::Path;
+use transect_geometry::LengthUnit;
+
+/// Keys of other programs, at the top and in views, that say nothing to the reader.
+const NOTES_OF_OTHERS: [&str; 7] =
+    ["scene", "size", "truth", "seed", "comment", "pose_true", "description"];
+
+pub(super) fn manifest(path: &Path, text: &str) -> Result<(Manifest, Vec<String>), ReadError> {
+    let value: Value = serde_json::from_str(&without_nan(text))
+        .map_err(|source| ReadError::Json { path: path.to_owned(), source })?;
+    let keys = Keys::of(path, Place::Whole, "", &value)?;
+    keys.informational(&NOTES_OF_OTHERS);
+    let mut notes = Vec::new();
+    let mut views = Vec::new();
+    let entries = keys.list("views")?.ok_or_else(|| keys.wrong("views", "a list"))?;
+    for (number, entry) in entries.iter().enumerate() {
+        views.push(view(path, number, entry, &mut notes)?);
+    }
+    let at_least_zero = |s: &f64| s.is_finite() && *s >= 0.0;
+    let sigma = keys.number("sigma")?;
+    if sigma.is_some_and(|s| !at_least_zero(&s)) {
+        return Err(keys.wrong("sigma", "a length of at least 0"));
+    }
+    let folder_name = || path.parent().and_then(Path::file_name).map(|n| n.to_string_lossy());
+    let name = match keys.text("name")? {
+        Some(name) => name.to_owned(),
+        None => folder_name().unwrap_or_default().into_owned(),
+    };
+    let planes = keys.get("planes").map(|v| planes(path, v, &mut notes)).transpose()?;
+    let manifest = Manifest { name, unit: unit(&keys)?, sigma, planes, views };
+    notes.splice(0..0, keys.unknown());
+    Ok((manifest, notes))
+}
+
+fn unit(keys: &Keys<'_>) -> Result<Option<LengthUnit>, ReadError> {
+    let known = || LengthUnit::ALL.map(LengthUnit::symbol).join(", ");
+    let parse = |symbol: &str| {
+        let wanted = || format!("one of {}; it is {symbol:?}", known());
+        symbol.parse().map_err(|_| keys.wrong("unit", &wanted()))
+    };
+    keys.text("unit")?.map(parse).transpose()
+}
+
+fn planes(path: &Path, value: &Value, notes: &mut Vec<String>) -> Result<PlanesEntry, ReadError> {
+    let keys = Keys::of(path, Place::Whole, "planes.", value)?;
+    let entry = PlanesEntry {
+        normal: keys.required_numbers("normal")?,
+        offset: keys.required_number("offset")?,
+        interval: keys.required_number("interval")?,
+    };
+    notes.extend(keys.unknown());
+    Ok(entry)
+}
+
+fn view(
+    path: &Path,
+    number: usize,
+    value: &Value,
+    notes: &mut Vec<String>,
+) -> Result<ViewEntry, ReadError> {
+    let file = value.get("file").and_then(Value::as_str).unwrap_or("no file").to_owned();
+    let at = Place::View { number, name: file };
+    let keys = Keys::of(path, at, "", value)?;
+    keys.informational(&NOTES_OF_OTHERS);
+    let file = keys.text("file")?.ok_or_else(|| keys.wrong("file", "a file name"))?;
+    let depth_scale = keys.number("depth_scale")?;
+    if depth_scale.is_some_and(|s| !(s.is_finite() && s > 0.0)) {
+        return Err(keys.wrong("depth_scale", "a positive length per count"));
+    }
+    let entry = ViewEntry {
+        file: file.to_owned(),
+        sensor: sensor(&keys)?,
+        rows: keys.count("rows")?,
+        cols: keys.count("cols")?,
+        depth_scale,
+        pose: keys.required_numbers("pose")?,
+    };
+    notes.extend(keys.unknown());
+    Ok(entry)
+}
+
+fn sensor(keys: &Keys<'_>) -> Result<SensorEntry, ReadError> {
+    let known = "one of spherical, pinhole, grid";
+    let number = |key| keys.required_number(key);
+    match keys.text("sensor")? {
+        Some("spherical") => Ok(SensorEntry::Spherical {
+            theta0: number("theta0")?,
+            dtheta: number("dtheta")?,
+            phi0: number("phi0")?,
+            dphi: number("dphi")?,
+        }),
+        Some("pinhole") => Ok(SensorEntry::Pinhole {
+            fx: number("fx")?,
+            fy: number("fy")?,
+            cx: number("cx")?,
+            cy: number("cy")?,
+        }),
+        Some("grid") => Ok(SensorEntry::Grid { viewpoint: keys.required_numbers("viewpoint")? }),
+        Some(other) => Err(keys.wrong("sensor", &format!("{known}; it is {other:?}"))),
+        None => Err(keys.wrong("sensor", known)),
+    }
+}
+
+/// The text with `NaN`, `Infinity` and `-Infinity` outside strings replaced by nulls of the same
+/// length, so that the pose they stand in can be named instead of a place in the text.
+fn without_nan(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    let (mut rest, mut in_string) = (text, false);
+    while let Some(c) = rest.chars().next() {
+        let word = ["NaN", "-Infinity", "Infinity"].into_iter().find(|w| rest.starts_with(w));
+        let (taken, kept) = match word.filter(|_| !in_string) {
+            // Four letters for three: the one place where columns in messages shift.
+            Some(word) => (word.len(), format!("{:<1$}", "null", word.len())),
+            None if in_string && c == '\\' => {
+                let escaped = rest.chars().nth(1).map_or(0, char::len_utf8);
+                (1 + escaped, rest.get(..1 + escaped).unwrap_or(rest).to_owned())
+            }
+            None => {
+                in_string ^= c == '"';
+                out.push(c);
+                rest = rest.get(c.len_utf8()..).unwrap_or_default();
+                continue;
+            }
+        };
+        out.push_str(&kept);
+        rest = rest.get(taken..).unwrap_or_default();
+    }
+    out
+}

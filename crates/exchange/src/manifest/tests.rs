@@ -1,0 +1,285 @@
+use super::*;
+use crate::npy;
+use std::path::PathBuf;
+use transect_device::Pixel;
+
+const POSE: &str = "[1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]";
+
+/// A folder with a 2 × 2 image `a.npy`, its manifest made of parts.
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn with(top: &str, view: &str) -> Self {
+        let folder = Self(tempfile::tempdir().unwrap());
+        folder.image("a.npy", &[2, 2], &[1.0, f32::NAN, 2.0, -1.0]);
+        let text = format!("{{ {top} \"views\": [ {{ {view} }} ] }}");
+        std::fs::write(folder.path("scan.json"), text).unwrap();
+        folder
+    }
+
+    fn pinhole(more: &str) -> Self {
+        let view = format!(
+            r#""file": "a.npy", "sensor": "pinhole", "fx": 2, "fy": 2, "cx": 0.5, "cy": 0.5,
+            "pose": {POSE}{more}"#
+        );
+        Self::with(r#""unit": "mm","#, &view)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn image(&self, name: &str, shape: &[usize], values: &[f32]) {
+        let mut bytes = Vec::new();
+        npy::write_header(&mut bytes, "<f4", shape).unwrap();
+        bytes.extend(values.iter().flat_map(|v| v.to_le_bytes()));
+        std::fs::write(self.path(name), bytes).unwrap();
+    }
+
+    fn open(&self) -> Result<Scan, ReadError> {
+        Scan::open(self.0.path())
+    }
+
+    fn error(&self) -> String {
+        with_causes(&self.open().and_then(|s| s.views[0].load().map(drop)).unwrap_err())
+    }
+}
+
+fn with_causes(error: &dyn std::error::Error) -> String {
+    let causes = std::iter::successors(error.source(), |e| e.source());
+    causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
+}
+
+#[test]
+fn a_manifest_opens_and_its_view_loads() {
+    let scan = Folder::pinhole(r#", "rows": 2, "cols": 2, "pose_true": [1]"#);
+    let opened = scan.open().unwrap();
+    assert_eq!(opened.unit, LengthUnit::Millimetre);
+    assert_eq!(opened.notes, Vec::<String>::new());
+    assert_eq!(opened.inputs, [scan.path("scan.json"), scan.path("a.npy")]);
+    let (view, notes) = opened.views[0].load().unwrap();
+    assert!(notes.is_empty());
+    assert_eq!(view.image().valid_count(), 2, "NaN and -1 are missing");
+    let point = view.point_in_sensor(Pixel::new(1, 0)).unwrap();
+    assert_eq!(point, Point3::new(-0.5, 0.5, 2.0));
+}
+
+#[test]
+fn a_unit_is_never_guessed() {
+    let pinhole = Folder::pinhole("");
+    let text = std::fs::read_to_string(pinhole.path("scan.json")).unwrap();
+    std::fs::write(pinhole.path("scan.json"), text.replace(r#""unit": "mm","#, "")).unwrap();
+    let error = pinhole.error();
+    assert!(error.ends_with("scan.json: no length unit; add \"unit\": \"m\" or pass --unit"));
+    let given = Scan::open_with_unit(&pinhole.path("scan.json"), Some(LengthUnit::Inch)).unwrap();
+    assert_eq!(given.unit, LengthUnit::Inch);
+    std::fs::write(pinhole.path("scan.json"), text.replace("\"mm\"", "\"furlong\"")).unwrap();
+    assert!(pinhole.error().contains("\"unit\" must be one of m, dm,"), "{}", pinhole.error());
+}
+
+#[test]
+fn two_units_are_a_conflict_and_never_a_conversion() {
+    let scan = Folder::pinhole("");
+    let error = Scan::open_with_unit(scan.0.path(), Some(LengthUnit::Metre)).unwrap_err();
+    assert!(error.to_string().contains("the unit is mm, but m was asked for"), "{error}");
+    assert!(Scan::open_with_unit(scan.0.path(), Some(LengthUnit::Millimetre)).is_ok());
+}
+
+#[test]
+fn unknown_keys_are_told_with_their_place_at_every_level() {
+    let view = format!(
+        r#""file": "a.npy", "sensor": "pinhole", "fx": 2, "fy": 2, "cx": 0, "cy": 0,
+        "theta0": 1, "pose": {POSE}"#
+    );
+    let planes = r#""planes": {"normal": [0,0,1], "offset": 0, "interval": 1, "count": 3}"#;
+    let folder =
+        Folder::with(&format!(r#""unit": "m", "colour": 1, "scene": "x", {planes},"#), &view);
+    let notes = folder.open().unwrap().notes;
+    let ends = [
+        "scan.json: unknown key \"colour\" ignored",
+        "scan.json, view 0 (a.npy): unknown key \"theta0\" ignored",
+        "scan.json: unknown key \"planes.count\" ignored",
+    ];
+    assert_eq!(notes.len(), 3, "{notes:?}");
+    for (note, end) in notes.iter().zip(ends) {
+        assert!(note.ends_with(end), "{note}");
+    }
+}
+
+#[test]
+fn poses_that_are_not_finite_name_file_and_view() {
+    for bad in ["NaN", "-Infinity", "null"] {
+        let folder = Folder::pinhole("");
+        let text = std::fs::read_to_string(folder.path("scan.json")).unwrap();
+        let text = text.replacen("[1,0", &format!("[{bad},0"), 1);
+        std::fs::write(folder.path("scan.json"), text).unwrap();
+        let error = folder.error();
+        let end = "scan.json, view 0 (a.npy): the pose has a number that is not finite";
+        assert!(error.ends_with(end), "{error}");
+    }
+}
+
+#[test]
+fn rounded_rotations_are_repaired_with_one_note() {
+    let folder = Folder::pinhole("");
+    let text = std::fs::read_to_string(folder.path("scan.json")).unwrap();
+    std::fs::write(folder.path("scan.json"), text.replacen("[1,0", "[1.0001,0", 1)).unwrap();
+    let notes = folder.open().unwrap().notes;
+    let wanted = "1 of 1 poses replaced by the nearest rotation; \
+                  largest deviation from orthonormal 2.0e-4, view 0 (a.npy)";
+    assert!(notes[0].ends_with(wanted), "{notes:?}");
+}
+
+#[test]
+fn what_is_missing_or_wrong_is_named() {
+    let pinhole = |replaced: &str, by: &str| {
+        let folder = Folder::pinhole("");
+        let text = std::fs::read_to_string(folder.path("scan.json")).unwrap();
+        assert!(text.contains(replaced));
+        std::fs::write(folder.path("scan.json"), text.replace(replaced, by)).unwrap();
+        folder.error()
+    };
+    let at = "view 0 (a.npy): ";
+    for (replaced, by, wanted) in [
+        ("\"fx\": 2,", "", format!("{at}no \"fx\"; it must be a number")),
+        ("\"fx\": 2,", "\"fx\": \"2\",", format!("{at}\"fx\" must be a number")),
+        ("\"fx\": 2,", "\"fx\": 0,", "a.npy: the sensor is not usable: fx = 0".to_owned()),
+        (
+            "pinhole",
+            "sonar",
+            format!("{at}\"sensor\" must be one of spherical, pinhole, grid; it is"),
+        ),
+        ("0,0,0,1]", "0,0,1]", format!("{at}\"pose\" must be a list of 16 numbers")),
+        ("0,0,0,1]", "0,0,0,2]", format!("{at}the last row of the pose")),
+        ("[1,0", "[-1,0", format!("{at}the pose is a reflection")),
+        (
+            "\"unit\"",
+            "\"sigma\": -1, \"unit\"",
+            "\"sigma\" must be a length of at least 0".to_owned(),
+        ),
+        ("\"unit\"", "unit", "not valid JSON for this purpose: key must be a string".to_owned()),
+        ("\"a.npy\"", "\"b.npy\"", "b.npy: cannot be read: ".to_owned()),
+    ] {
+        let error = pinhole(replaced, by);
+        assert!(error.contains(&wanted), "{by}: {error}");
+    }
+}
+
+#[test]
+fn planes_that_are_none_are_refused_before_any_image_is_read() {
+    let planes = r#""unit":"m", "planes": {"normal": [0,0,1], "offset": 0, "interval": 0},"#;
+    let view = format!(
+        r#""file": "a.npy", "sensor": "pinhole", "fx": 2, "fy": 2, "cx": 0, "cy": 0, "pose": {POSE}"#
+    );
+    let error = Folder::with(planes, &view).error();
+    let end = "\"planes\" is not usable: the plane interval must be a positive length, got 0";
+    assert!(error.ends_with(end), "{error}");
+}
+
+#[test]
+fn an_image_of_another_size_names_both() {
+    let error = Folder::pinhole(r#", "rows": 2, "cols": 3"#).error();
+    let end = "a.npy: the image has 2 rows × 2 columns, but the manifest states 2 rows × 3 columns";
+    assert!(error.ends_with(end), "{error}");
+}
+
+#[test]
+fn an_image_without_a_valid_pixel_names_its_file() {
+    let folder = Folder::pinhole("");
+    folder.image("a.npy", &[2, 2], &[0.0; 4]);
+    let error = folder.error();
+    let end = "a.npy: the view is not usable: every pixel is missing: \
+               zero, negative, infinite or not a number";
+    assert!(error.ends_with(end), "{error}");
+    folder.image("a.npy", &[2, 2], &[1.0]);
+    assert!(
+        folder.error().contains("truncated: the header announces [2, 2]"),
+        "{}",
+        folder.error()
+    );
+}
+
+#[test]
+fn sixteen_bit_images_need_a_scale() {
+    let folder = Folder::pinhole(r#", "depth_scale": 0.5"#);
+    let text = std::fs::read_to_string(folder.path("scan.json")).unwrap();
+    let text = text.replace("a.npy", "a.png");
+    crate::test_data::write_png(&folder.path("a.png"), 2, &[0, 3, 65535, 8]);
+    std::fs::write(folder.path("scan.json"), &text).unwrap();
+    let (view, notes) = folder.open().unwrap().views[0].load().unwrap();
+    assert_eq!(view.image().extremes(), Some((1.5, 4.0)));
+    assert_eq!(notes.len(), 1, "{notes:?}");
+    let unscaled = text.replace(r#", "depth_scale": 0.5"#, "");
+    std::fs::write(folder.path("scan.json"), unscaled).unwrap();
+    assert!(folder.error().contains("a .png image needs \"depth_scale\""), "{}", folder.error());
+}
+
+#[test]
+fn damaged_png_images_are_refused() {
+    let folder = Folder::pinhole(r#", "depth_scale": 0.5"#);
+    let text = std::fs::read_to_string(folder.path("scan.json")).unwrap();
+    std::fs::write(folder.path("scan.json"), text.replace("a.npy", "a.png")).unwrap();
+    let counts: Vec<u16> = (0..400).collect();
+    crate::test_data::write_png(&folder.path("a.png"), 20, &counts);
+    let sound = std::fs::read(folder.path("a.png")).unwrap();
+    for length in [0, 7, 20, sound.len() / 2] {
+        std::fs::write(folder.path("a.png"), &sound[..length]).unwrap();
+        assert!(folder.error().contains("a.png: cannot be decoded"), "{}", folder.error());
+    }
+}
+
+#[test]
+fn spherical_and_grid_sensors_load() {
+    let spherical = format!(
+        r#""file": "a.npy", "sensor": "spherical", "theta0": 0, "dtheta": 0.5, "phi0": 0,
+        "dphi": 0.25, "pose": {POSE}"#
+    );
+    let scan = Folder::with(r#""unit": "m", "sigma": 0.004,"#, &spherical).open();
+    let scan = scan.unwrap();
+    assert_eq!(scan.sigma, Some(0.004));
+    let grid =
+        format!(r#""file": "g.npy", "sensor": "grid", "viewpoint": [0, 0, 5], "pose": {POSE}"#);
+    let folder = Folder::with(r#""unit": "m","#, &grid);
+    let points = [0., 0., 1., 1., 0., 1., 0., 1., 1., 1., 1., 1.];
+    folder.image("g.npy", &[2, 2, 3], &points);
+    let (view, _) = folder.open().unwrap().views[0].load().unwrap();
+    assert_eq!(view.point_in_sensor(Pixel::new(1, 0)), Some(Point3::new(0.0, 1.0, 1.0)));
+    folder.image("g.npy", &[2, 6], &points);
+    assert!(
+        folder.error().contains("shape is [2, 6], not rows × columns × 3"),
+        "{}",
+        folder.error()
+    );
+}
+
+#[test]
+fn a_written_manifest_reads_back() {
+    let manifest = Manifest {
+        name: "a \"room\"".to_owned(),
+        unit: Some(LengthUnit::Foot),
+        sigma: Some(0.1 + 0.2),
+        planes: Some(PlanesEntry { normal: [0.0, 0.6, 0.8], offset: -1.5, interval: 1e-3 }),
+        views: vec![
+            ViewEntry {
+                file: "a.npy".to_owned(),
+                sensor: SensorEntry::Spherical { theta0: -3.0, dtheta: 0.1, phi0: -1.0, dphi: 0.2 },
+                rows: Some(2),
+                cols: Some(2),
+                depth_scale: None,
+                pose: crate::row_major(&transect_geometry::Isometry3::translation(5.4e6, 1.0, 2.0)),
+            },
+            ViewEntry {
+                file: "b.png".to_owned(),
+                sensor: SensorEntry::Grid { viewpoint: [0.0, 0.0, 1.0] },
+                rows: None,
+                cols: None,
+                depth_scale: Some(1e-3),
+                pose: crate::row_major(&transect_geometry::Isometry3::identity()),
+            },
+        ],
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scan.json");
+    crate::write_file(&path, |out| write_manifest(&manifest, out)).unwrap();
+    assert_eq!(read_manifest(&path).unwrap(), (manifest, Vec::new()));
+}

@@ -1,0 +1,256 @@
+//! NumPy's `.npy`: one array of numbers behind a short text header.
+//!
+//! ```text
+//! \x93NUMPY  1 0  length (u16; u32 from version 2)
+//! {'descr': '<f4', 'fortran_order': False, 'shape': (512, 1024), }   padded with spaces, \n
+//! the numbers, row-major
+//! ```
+//!
+//! Written here and not taken from a library because scans come from outside: the announced shape
+//! is compared with the bytes that are there before anything is multiplied unchecked or allocated.
+//! Read are C-ordered arrays of `f4 f8 i4 i8 u4` in either byte order; written are little-endian
+//! ones of version 1. Reference: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>
+
+use std::io::{self, Write};
+
+const MAGIC: &[u8] = b"\x93NUMPY";
+
+/// Why bytes are no array: a sentence for the caller to put after the file's name.
+pub(crate) enum Problem {
+    Damaged(String),
+    Unsupported(String),
+}
+
+use Problem::{Damaged, Unsupported};
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Scalar {
+    F32,
+    F64,
+    I32,
+    U32,
+    I64,
+}
+
+impl Scalar {
+    fn size(self) -> usize {
+        match self {
+            Self::F32 | Self::I32 | Self::U32 => 4,
+            Self::F64 | Self::I64 => 8,
+        }
+    }
+}
+
+/// An array still in its file's bytes.
+pub(crate) struct Npy<'a> {
+    shape: Vec<usize>,
+    scalar: Scalar,
+    big_endian: bool,
+    data: &'a [u8],
+}
+
+impl<'a> Npy<'a> {
+    /// The array that fills the bytes; bytes beyond its end are ignored, as NumPy does.
+    pub(crate) fn parse(bytes: &'a [u8]) -> Result<Self, Problem> {
+        let (header, data) = split_header(bytes)?;
+        if value_of(header, "fortran_order")?.starts_with("True") {
+            let advice = "save numpy.ascontiguousarray(image)";
+            return Err(Unsupported(format!("the array is in Fortran order; {advice}")));
+        }
+        let (scalar, big_endian) = scalar(value_of(header, "descr")?)?;
+        let shape = shape(value_of(header, "shape")?)?;
+        let bytes_needed = shape
+            .iter()
+            .try_fold(scalar.size(), |product, &n| product.checked_mul(n))
+            .filter(|&n| n <= data.len());
+        let Some(needed) = bytes_needed else {
+            return Err(Damaged(format!(
+                "truncated: the header announces {shape:?} numbers of {} bytes, {} bytes follow",
+                scalar.size(),
+                data.len()
+            )));
+        };
+        let data = data.get(..needed).unwrap_or(data);
+        Ok(Self { shape, scalar, big_endian, data })
+    }
+
+    pub(crate) fn shape(&self) -> &[usize] {
+        &self.shape
+    }
+
+    /// The numbers in row-major order, converted.
+    pub(crate) fn to_f64(&self) -> Vec<f64> {
+        self.convert(|v| v, |v| v as f64)
+    }
+
+    /// The numbers in row-major order, rounded to `f32`.
+    pub(crate) fn to_f32(&self) -> Vec<f32> {
+        self.convert(|v| v as f32, |v| v as f32)
+    }
+
+    /// The numbers in row-major order if they are integers.
+    pub(crate) fn to_i64(&self) -> Result<Vec<i64>, Problem> {
+        match self.scalar {
+            Scalar::F32 | Scalar::F64 => {
+                Err(Unsupported("the array holds floating-point numbers, not integers".into()))
+            }
+            _ => Ok(self.convert(|v| v as i64, |v| v)),
+        }
+    }
+
+    fn convert<T>(&self, real: impl Fn(f64) -> T, whole: impl Fn(i64) -> T) -> Vec<T> {
+        let big = self.big_endian;
+        macro_rules! each {
+            ($type:ty, $make:expr) => {
+                self.data
+                    .chunks_exact(size_of::<$type>())
+                    .filter_map(|c| c.try_into().ok())
+                    .map(
+                        |c| if big { <$type>::from_be_bytes(c) } else { <$type>::from_le_bytes(c) },
+                    )
+                    .map($make)
+                    .collect()
+            };
+        }
+        match self.scalar {
+            Scalar::F32 => each!(f32, |v| real(f64::from(v))),
+            Scalar::F64 => each!(f64, &real),
+            Scalar::I32 => each!(i32, |v| whole(i64::from(v))),
+            Scalar::U32 => each!(u32, |v| whole(i64::from(v))),
+            Scalar::I64 => each!(i64, &whole),
+        }
+    }
+}
+
+/// The header's text and the bytes after it.
+fn split_header(bytes: &[u8]) -> Result<(&str, &[u8]), Problem> {
+    let not_npy = || Damaged("not a .npy file".to_owned());
+    let cut = || Damaged("truncated inside the header".to_owned());
+    let rest = bytes.strip_prefix(MAGIC).ok_or_else(not_npy)?;
+    let (version, rest) = rest.split_at_checked(2).ok_or_else(cut)?;
+    let (length, rest) = match version.first() {
+        Some(1) => {
+            let (n, rest) = rest.split_first_chunk().ok_or_else(cut)?;
+            (usize::from(u16::from_le_bytes(*n)), rest)
+        }
+        Some(2 | 3) => {
+            let (n, rest) = rest.split_first_chunk().ok_or_else(cut)?;
+            (u32::from_le_bytes(*n) as usize, rest)
+        }
+        _ => return Err(Unsupported("a version of .npy other than 1, 2 and 3".to_owned())),
+    };
+    let (header, data) = rest.split_at_checked(length).ok_or_else(cut)?;
+    let header = std::str::from_utf8(header).map_err(|_| not_npy())?;
+    Ok((header, data))
+}
+
+/// What follows `'key':` in the header.
+fn value_of<'h>(header: &'h str, key: &str) -> Result<&'h str, Problem> {
+    let quoted = [format!("'{key}':"), format!("\"{key}\":")];
+    let found = quoted.iter().find_map(|q| header.split_once(q.as_str()));
+    let missing = || Damaged(format!("the header has no {key}"));
+    found.map(|(_, after)| after.trim_start()).ok_or_else(missing)
+}
+
+fn scalar(value: &str) -> Result<(Scalar, bool), Problem> {
+    let quote = value.chars().next().filter(|&c| c == '\'' || c == '"');
+    let name = quote.and_then(|q| value.get(1..)?.split(q).next());
+    let known = "read are f4, f8, i4, u4 and i8";
+    let Some(name) = name else {
+        return Err(Unsupported(format!("an array of records; {known}")));
+    };
+    let big_endian = name.starts_with('>');
+    let scalar = match name.trim_start_matches(['<', '>', '=']) {
+        "f4" => Scalar::F32,
+        "f8" => Scalar::F64,
+        "i4" => Scalar::I32,
+        "u4" => Scalar::U32,
+        "i8" => Scalar::I64,
+        _ => return Err(Unsupported(format!("numbers of type {name:?}; {known}"))),
+    };
+    Ok((scalar, big_endian))
+}
+
+fn shape(value: &str) -> Result<Vec<usize>, Problem> {
+    let inside = value.strip_prefix('(').and_then(|v| v.split_once(')'));
+    let bad = || Damaged("the header's shape is not a tuple of whole numbers".to_owned());
+    let (inside, _) = inside.ok_or_else(bad)?;
+    let sizes = inside.split(',').map(str::trim).filter(|s| !s.is_empty());
+    sizes.map(|s| s.parse().map_err(|_| bad())).collect()
+}
+
+/// Writes the header of a little-endian array; its numbers follow.
+pub(crate) fn write_header(out: &mut impl Write, descr: &str, shape: &[usize]) -> io::Result<()> {
+    let sizes: String = shape.iter().map(|n| format!("{n}, ")).collect();
+    let mut header = format!(
+        "{{'descr': '{descr}', 'fortran_order': False, 'shape': ({}), }}",
+        if shape.len() == 1 { sizes.trim_end() } else { sizes.trim_end_matches(", ") }
+    );
+    // The format asks for data aligned to 64 bytes, and a line feed at the header's end.
+    let before = MAGIC.len() + 4;
+    let padded = (before + header.len() + 1).next_multiple_of(64);
+    header.extend(std::iter::repeat_n(' ', padded - before - header.len() - 1));
+    header.push('\n');
+    let length = u16::try_from(header.len()).map_err(io::Error::other)?;
+    out.write_all(MAGIC)?;
+    out.write_all(&[1, 0])?;
+    out.write_all(&length.to_le_bytes())?;
+    out.write_all(header.as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn npy(descr: &str, shape: &[usize], data: &[u8]) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        write_header(&mut bytes, descr, shape).unwrap();
+        bytes.extend_from_slice(data);
+        bytes
+    }
+
+    fn problem(bytes: &[u8]) -> String {
+        match Npy::parse(bytes) {
+            Ok(array) => panic!("accepted, shape {:?}", array.shape()),
+            Err(Damaged(text) | Unsupported(text)) => text,
+        }
+    }
+
+    #[test]
+    fn numbers_of_either_byte_order_come_back() {
+        let little = npy("<f4", &[1, 2], &[1.5f32.to_le_bytes(), 2.0f32.to_le_bytes()].concat());
+        assert_eq!(little.len() % 64, 8, "the data is aligned");
+        let array = Npy::parse(&little).ok().unwrap();
+        assert_eq!((array.shape(), array.to_f32()), (&[1, 2][..], vec![1.5, 2.0]));
+        let big = npy(">i8", &[1], &(-7i64).to_be_bytes());
+        let array = Npy::parse(&big).ok().unwrap();
+        assert_eq!(array.to_i64().ok(), Some(vec![-7]));
+        assert_eq!(array.to_f64(), vec![-7.0]);
+    }
+
+    #[test]
+    fn hostile_headers_are_refused_without_being_believed() {
+        let huge = npy("<f4", &[usize::MAX, usize::MAX], &[0; 8]);
+        assert!(
+            problem(&huge).starts_with("truncated: the header announces"),
+            "{}",
+            problem(&huge)
+        );
+        let short = npy("<f8", &[2, 2], &[0; 31]);
+        assert!(problem(&short).contains("31 bytes follow"));
+        assert_eq!(problem(b"\x93NUMPY\x02\x00\xff\xff\xff\xff{}"), "truncated inside the header");
+        assert_eq!(problem(b"P5 2 2 255"), "not a .npy file");
+        let nested = npy(&"(".repeat(9000), &[1], &[]);
+        assert!(problem(&nested).starts_with("numbers of type"));
+    }
+
+    #[test]
+    fn what_is_not_read_says_what_would_be() {
+        let text = "{'descr': '<f4', 'fortran_order': True, 'shape': (2, 2), }";
+        let mut fortran = b"\x93NUMPY\x01\x00".to_vec();
+        fortran.extend((text.len() as u16).to_le_bytes());
+        fortran.extend(text.bytes().chain([0; 16]));
+        assert!(problem(&fortran).contains("ascontiguousarray"));
+        assert!(problem(&npy("<c8", &[1], &[0; 8])).contains("read are f4, f8"));
+    }
+}

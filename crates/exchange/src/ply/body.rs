@@ -1,0 +1,137 @@
+//! The numbers after a PLY header, read where they lie.
+
+use super::header::{Encoding, Kind, Property, Scalar};
+
+/// Walks through the numbers of a file without copying them.
+pub(super) struct Body<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    encoding: Encoding,
+}
+
+impl<'a> Body<'a> {
+    pub(super) fn new(bytes: &'a [u8], start: usize, encoding: Encoding) -> Self {
+        Self { bytes, at: start, encoding }
+    }
+
+    pub(super) fn remaining(&self) -> usize {
+        self.bytes.len().saturating_sub(self.at)
+    }
+
+    /// Whether nothing but white space is left.
+    pub(super) fn is_spent(&self) -> bool {
+        self.rest().iter().all(u8::is_ascii_whitespace)
+    }
+
+    /// The line reached, from 1; `None` in binary files. Counted only when asked for, which is
+    /// when something is wrong.
+    pub(super) fn line(&self) -> Option<usize> {
+        let read = self.bytes.get(..self.at).unwrap_or(self.bytes);
+        let count = || 1 + read.iter().filter(|&&b| b == b'\n').count();
+        (self.encoding == Encoding::Ascii).then(count)
+    }
+
+    fn rest(&self) -> &'a [u8] {
+        self.bytes.get(self.at..).unwrap_or_default()
+    }
+
+    pub(super) fn number(&mut self, scalar: Scalar) -> Result<f64, String> {
+        match self.encoding {
+            Encoding::Ascii => {
+                let word = self.word()?;
+                let number = std::str::from_utf8(word).ok().and_then(|w| w.parse().ok());
+                number.ok_or_else(|| not_a_number(word))
+            }
+            _ => self.binary(scalar),
+        }
+    }
+
+    pub(super) fn integer(&mut self, scalar: Scalar) -> Result<i64, String> {
+        match self.encoding {
+            Encoding::Ascii => {
+                let word = self.word()?;
+                whole_number(word).ok_or_else(|| not_a_number(word))
+            }
+            _ => self.binary(scalar).map(|v| v as i64),
+        }
+    }
+
+    /// The length of a list that can still be in the file.
+    pub(super) fn list_length(&mut self, count: Scalar, item: Scalar) -> Result<usize, String> {
+        let announced = self.integer(count)?;
+        let each = if self.encoding == Encoding::Ascii { 2 } else { item.size() };
+        let length = usize::try_from(announced).ok().filter(|&n| {
+            // The last number of a text file needs no separator.
+            n.checked_mul(each).is_some_and(|bytes| bytes <= self.remaining() + 1)
+        });
+        length.ok_or_else(|| format!("a list of {announced} numbers does not fit into the file"))
+    }
+
+    pub(super) fn skip(&mut self, property: &Property) -> Result<(), String> {
+        match property.kind {
+            Kind::One(scalar) => self.number(scalar).map(drop),
+            Kind::List { count, item } => {
+                let length = self.list_length(count, item)?;
+                (0..length).try_for_each(|_| self.number(item).map(drop))
+            }
+        }
+    }
+
+    fn word(&mut self) -> Result<&'a [u8], String> {
+        let rest = self.rest();
+        let start = rest.iter().position(|b| !b.is_ascii_whitespace());
+        let rest = start.and_then(|s| rest.get(s..)).ok_or("truncated: the file ends here")?;
+        let end = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
+        self.at += start.unwrap_or(0) + end;
+        Ok(rest.get(..end).unwrap_or(rest))
+    }
+
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], String> {
+        let taken = self.rest().first_chunk().copied();
+        self.at += N;
+        taken.ok_or_else(|| "truncated: the file ends here".to_owned())
+    }
+
+    fn binary(&mut self, scalar: Scalar) -> Result<f64, String> {
+        let big = self.encoding == Encoding::BigEndian;
+        macro_rules! read {
+            ($type:ty) => {{
+                let bytes = self.take()?;
+                f64::from(if big {
+                    <$type>::from_be_bytes(bytes)
+                } else {
+                    <$type>::from_le_bytes(bytes)
+                })
+            }};
+        }
+        Ok(match scalar {
+            Scalar::I8 => read!(i8),
+            Scalar::U8 => read!(u8),
+            Scalar::I16 => read!(i16),
+            Scalar::U16 => read!(u16),
+            Scalar::I32 => read!(i32),
+            Scalar::U32 => read!(u32),
+            Scalar::F32 => read!(f32),
+            Scalar::F64 => read!(f64),
+        })
+    }
+}
+
+fn not_a_number(word: &[u8]) -> String {
+    let start: String = String::from_utf8_lossy(word).chars().take(20).collect();
+    format!("{start:?} is not a number here")
+}
+
+/// Digits with an optional sign; faster than going through text, and most of a range grid.
+fn whole_number(word: &[u8]) -> Option<i64> {
+    let (negative, digits) = match word.strip_prefix(b"-") {
+        Some(digits) => (true, digits),
+        None => (false, word.strip_prefix(b"+").unwrap_or(word)),
+    };
+    let step = |value: i64, &digit: &u8| {
+        let digit = digit.wrapping_sub(b'0');
+        (digit < 10).then(|| value.checked_mul(10)?.checked_add(i64::from(digit)))?
+    };
+    let value = digits.iter().try_fold(0, step).filter(|_| !digits.is_empty())?;
+    Some(if negative { -value } else { value })
+}

@@ -1,0 +1,222 @@
+//! The text at the head of every PLY file.
+
+/// How the numbers after the header are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Encoding {
+    Ascii,
+    LittleEndian,
+    BigEndian,
+}
+
+/// A number's type, which matters in binary files only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Scalar {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+impl Scalar {
+    fn parse(name: &str) -> Option<Self> {
+        Some(match name {
+            "char" | "int8" => Self::I8,
+            "uchar" | "uint8" => Self::U8,
+            "short" | "int16" => Self::I16,
+            "ushort" | "uint16" => Self::U16,
+            "int" | "int32" => Self::I32,
+            "uint" | "uint32" => Self::U32,
+            "float" | "float32" => Self::F32,
+            "double" | "float64" => Self::F64,
+            _ => return None,
+        })
+    }
+
+    pub(super) fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    One(Scalar),
+    List { count: Scalar, item: Scalar },
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Property {
+    pub(super) name: String,
+    pub(super) kind: Kind,
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Element {
+    pub(super) name: String,
+    pub(super) count: usize,
+    pub(super) properties: Vec<Property>,
+}
+
+impl Element {
+    pub(super) fn position(&self, name: &str) -> Option<usize> {
+        self.properties.iter().position(|p| p.name == name)
+    }
+
+    /// The fewest bytes one of these can take: a digit and a separator per number in text.
+    pub(super) fn fewest_bytes(&self, encoding: Encoding) -> usize {
+        let fewest = |p: &Property| match (encoding, p.kind) {
+            (Encoding::Ascii, _) => 2,
+            (_, Kind::One(scalar) | Kind::List { count: scalar, .. }) => scalar.size(),
+        };
+        self.properties.iter().map(fewest).sum()
+    }
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Header {
+    pub(super) encoding: Encoding,
+    pub(super) elements: Vec<Element>,
+    /// Words after `obj_info`.
+    infos: Vec<(String, String)>,
+    pub(super) notes: Vec<String>,
+    /// Where the numbers begin.
+    pub(super) length: usize,
+}
+
+/// What is wrong, and the line it is on.
+pub(super) type HeaderProblem = (usize, String);
+
+impl Header {
+    /// Parses everything up to `end_header`.
+    pub(super) fn parse(bytes: &[u8]) -> Result<Self, HeaderProblem> {
+        let mut builder = Builder::default();
+        let (mut at, mut line) = (0, 0);
+        while let Some(rest) = bytes.get(at..).filter(|r| !r.is_empty()) {
+            line += 1;
+            let end = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
+            let text = String::from_utf8_lossy(rest.get(..end).unwrap_or(rest));
+            at += end + 1;
+            if line == 1 {
+                require_magic(text.trim_end())?;
+                continue;
+            }
+            if text.trim() == "end_header" {
+                return builder.finish(line, at.min(bytes.len()));
+            }
+            builder.line(text.trim()).map_err(|problem| (line, problem))?;
+            builder.count_stray(line, text.trim());
+        }
+        Err((line.max(1), "truncated: there is no end_header".to_owned()))
+    }
+
+    /// A whole number given as `obj_info name number`.
+    pub(super) fn info(&self, name: &str) -> Option<usize> {
+        let (_, value) = self.infos.iter().find(|(n, _)| n == name)?;
+        value.parse().ok()
+    }
+
+    pub(super) fn element(&self, name: &str) -> Option<&Element> {
+        self.elements.iter().find(|e| e.name == name)
+    }
+}
+
+fn require_magic(text: &str) -> Result<(), HeaderProblem> {
+    if text == "ply" { Ok(()) } else { Err((1, "not a PLY file".to_owned())) }
+}
+
+/// Stray lines that are told one by one; the rest is only counted.
+const STRAY_LINES_TOLD: usize = 5;
+
+#[derive(Default)]
+struct Builder {
+    encoding: Option<Encoding>,
+    elements: Vec<Element>,
+    infos: Vec<(String, String)>,
+    notes: Vec<String>,
+    stray: bool,
+    stray_count: usize,
+}
+
+impl Builder {
+    fn line(&mut self, text: &str) -> Result<(), String> {
+        let mut words = text.split_ascii_whitespace();
+        match words.next() {
+            Some("format") => self.encoding = Some(encoding(words.next())?),
+            Some("comment") => {}
+            Some("obj_info") => {
+                let name = words.next().unwrap_or_default().to_owned();
+                self.infos.push((name, words.collect::<Vec<_>>().join(" ")));
+            }
+            Some("element") => self.elements.push(element(text, words)?),
+            Some("property") => {
+                let property = property(text, words)?;
+                let element = self.elements.last_mut();
+                element.ok_or("a property before any element")?.properties.push(property);
+            }
+            Some(_) => self.stray = true,
+            None => {}
+        }
+        Ok(())
+    }
+
+    fn count_stray(&mut self, line: usize, text: &str) {
+        if std::mem::take(&mut self.stray) {
+            self.stray_count += 1;
+            if self.stray_count <= STRAY_LINES_TOLD {
+                let start: String = text.chars().take(40).collect();
+                self.notes.push(format!("line {line}: unknown header line {start:?} ignored"));
+            }
+        }
+    }
+
+    fn finish(mut self, line: usize, length: usize) -> Result<Header, HeaderProblem> {
+        let encoding = self.encoding.ok_or((line, "the header has no format line".to_owned()))?;
+        if let Some(empty) = self.elements.iter().find(|e| e.properties.is_empty()) {
+            return Err((line, format!("element {} has no properties", empty.name)));
+        }
+        if self.stray_count > STRAY_LINES_TOLD {
+            let more = self.stray_count - STRAY_LINES_TOLD;
+            self.notes.push(format!("{more} more unknown header lines ignored"));
+        }
+        let Self { elements, infos, notes, .. } = self;
+        Ok(Header { encoding, elements, infos, notes, length })
+    }
+}
+
+fn encoding(word: Option<&str>) -> Result<Encoding, String> {
+    match word {
+        Some("ascii") => Ok(Encoding::Ascii),
+        Some("binary_little_endian") => Ok(Encoding::LittleEndian),
+        Some("binary_big_endian") => Ok(Encoding::BigEndian),
+        other => Err(format!("unknown format {:?}", other.unwrap_or_default())),
+    }
+}
+
+fn element<'a>(text: &str, mut words: impl Iterator<Item = &'a str>) -> Result<Element, String> {
+    let parsed = words.next().zip(words.next().and_then(|w| w.parse().ok()));
+    let (name, count) = parsed.ok_or_else(|| format!("{text:?} is not \"element NAME COUNT\""))?;
+    Ok(Element { name: name.to_owned(), count, properties: Vec::new() })
+}
+
+fn property<'a>(text: &str, mut words: impl Iterator<Item = &'a str>) -> Result<Property, String> {
+    let mut scalar = || words.next().map(|w| (w == "list", Scalar::parse(w)));
+    let kind = match scalar() {
+        Some((true, _)) => {
+            let pair = scalar().and_then(|c| c.1).zip(scalar().and_then(|i| i.1));
+            pair.map(|(count, item)| Kind::List { count, item })
+        }
+        Some((false, one)) => one.map(Kind::One),
+        None => None,
+    };
+    let parsed = kind.zip(words.next());
+    let (kind, name) = parsed.ok_or_else(|| format!("{text:?} is not a property this reads"))?;
+    Ok(Property { name: name.to_owned(), kind })
+}

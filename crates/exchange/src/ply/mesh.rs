@@ -1,0 +1,83 @@
+//! Triangle meshes, for reference surfaces.
+
+use super::{Element, Ply, list};
+use crate::error::read_bytes;
+use crate::{Place, ReadError, TriangleMesh};
+use std::path::Path;
+
+/// A mesh and what the reader passed over.
+#[derive(Debug, Clone)]
+pub struct PlyMesh {
+    /// Vertices and triangles; polygons are split into fans around their first corner.
+    pub mesh: TriangleMesh,
+    /// What the reader passed over or found odd.
+    pub notes: Vec<String>,
+}
+
+/// Reads the elements `vertex` and `face`; the length unit is the caller's knowledge.
+///
+/// # Errors
+/// [`ReadError`] if the file is no PLY, is truncated, has no faces, a vertex is not finite, or a face
+/// names a vertex that is not there.
+pub fn read_mesh(path: &Path) -> Result<PlyMesh, ReadError> {
+    let bytes = read_bytes(path)?;
+    let mut ply = Ply::open(path, &bytes)?;
+    let elements = ply.header.elements.clone();
+    let count = |name| elements.iter().find(|e| e.name == name).map(|e| e.count);
+    let Some((vertex_count, _)) = count("vertex").zip(count("face")) else {
+        let problem = "no mesh: the elements vertex and face are needed";
+        return Err(ReadError::damaged(path, Place::Whole, problem));
+    };
+    let mut mesh = TriangleMesh::default();
+    for element in &elements {
+        match element.name.as_str() {
+            "vertex" => mesh.vertices = ply.points(element)?,
+            "face" => mesh.faces = read_faces(&mut ply, element, vertex_count)?,
+            _ => ply.skip(element)?,
+        }
+    }
+    ply.note_leftovers();
+    if let Some(bad) = mesh.vertices.iter().position(|v| !v.coords.iter().all(|c| c.is_finite())) {
+        let at = Place::Element { kind: "vertex".to_owned(), number: bad, line: None };
+        return Err(ReadError::damaged(path, at, "a coordinate is not finite"));
+    }
+    Ok(PlyMesh { mesh, notes: ply.header.notes })
+}
+
+fn read_faces(
+    ply: &mut Ply<'_>,
+    element: &Element,
+    vertices: usize,
+) -> Result<Vec<[u32; 3]>, ReadError> {
+    let Some((position, count, item)) = list(element, &["vertex_indices", "vertex_index"]) else {
+        let problem = "element face has no list vertex_indices";
+        return Err(ReadError::damaged(ply.path, Place::Whole, problem));
+    };
+    let (mut faces, mut degenerate) = (Vec::new(), 0);
+    let mut corners: Vec<u32> = Vec::new();
+    ply.each_instance(element, |body, _| {
+        for (at, property) in element.properties.iter().enumerate() {
+            if at != position {
+                body.skip(property)?;
+                continue;
+            }
+            corners.clear();
+            for _ in 0..body.list_length(count, item)? {
+                corners.push(known_vertex(body.integer(item)?, vertices)?);
+            }
+            degenerate += usize::from(corners.len() < 3);
+            let Some((&first, rest)) = corners.split_first() else { continue };
+            faces.extend(rest.iter().zip(rest.iter().skip(1)).map(|(&b, &c)| [first, b, c]));
+        }
+        Ok(())
+    })?;
+    if degenerate > 0 {
+        ply.header.notes.push(format!("{degenerate} faces with fewer than 3 corners dropped"));
+    }
+    Ok(faces)
+}
+
+fn known_vertex(index: i64, vertices: usize) -> Result<u32, String> {
+    let known = u32::try_from(index).ok().filter(|&i| (i as usize) < vertices);
+    known.ok_or_else(|| format!("vertex {index} does not exist; there are {vertices}"))
+}

@@ -1,0 +1,130 @@
+//! Reading PLY files: range grids of structured scans, and triangle meshes.
+//!
+//! Text and binary files of either byte order. The header may hold comments, `obj_info` lines,
+//! blank lines, CRLF line ends and lines nobody knows; the last are told in the notes. Announced
+//! numbers are compared with the length of the file before anything is allocated for them.
+//!
+//! PLY has no length unit: coordinates are in whatever unit the caller knows them to be.
+//! Reference: Greg Turk, *The PLY polygon file format* (1994), and the range scans of the Stanford
+//! 3D Scanning Repository for the element `range_grid`.
+
+mod body;
+mod header;
+mod mesh;
+mod range_grid;
+#[cfg(test)]
+mod tests;
+
+pub use mesh::{PlyMesh, read_mesh};
+pub use range_grid::{RangeGrid, read_range_grid};
+
+use crate::{Place, ReadError};
+use body::Body;
+use header::{Element, Header, Kind, Scalar};
+use std::path::Path;
+use transect_geometry::Point3;
+
+/// A file with its header understood, and its numbers not yet read.
+struct Ply<'a> {
+    path: &'a Path,
+    header: Header,
+    body: Body<'a>,
+}
+
+impl<'a> Ply<'a> {
+    fn open(path: &'a Path, bytes: &'a [u8]) -> Result<Self, ReadError> {
+        let header = Header::parse(bytes)
+            .map_err(|(line, problem)| ReadError::damaged(path, Place::Line(line), problem))?;
+        let body = Body::new(bytes, header.length, header.encoding);
+        Ok(Self { path, header, body })
+    }
+
+    /// Refuses an element whose instances cannot all be in the rest of the file.
+    fn require_room(&self, element: &Element) -> Result<(), ReadError> {
+        let fewest = element.fewest_bytes(self.header.encoding).checked_mul(element.count);
+        // The last number of a text file needs no separator.
+        if fewest.is_some_and(|n| n <= self.body.remaining() + 1) {
+            return Ok(());
+        }
+        let problem = format!(
+            "truncated: the header announces {} instances of element {}, but only {} bytes follow",
+            element.count,
+            element.name,
+            self.body.remaining()
+        );
+        Err(ReadError::damaged(self.path, Place::Whole, problem))
+    }
+
+    /// Reads all instances of an element with `each`, naming the one that fails.
+    fn each_instance(
+        &mut self,
+        element: &Element,
+        mut each: impl FnMut(&mut Body<'a>, usize) -> Result<(), String>,
+    ) -> Result<(), ReadError> {
+        self.require_room(element)?;
+        for number in 0..element.count {
+            each(&mut self.body, number).map_err(|problem| {
+                let (kind, line) = (element.name.clone(), self.body.line());
+                ReadError::damaged(self.path, Place::Element { kind, number, line }, problem)
+            })?;
+        }
+        Ok(())
+    }
+
+    fn skip(&mut self, element: &Element) -> Result<(), ReadError> {
+        self.each_instance(element, |body, _| {
+            element.properties.iter().try_for_each(|p| body.skip(p))
+        })
+    }
+
+    /// The properties x, y, z of an element, passing over its others.
+    fn points(&mut self, element: &Element) -> Result<Vec<Point3>, ReadError> {
+        let Some(axes) = axes(element) else {
+            let problem = format!("element {} has no scalar properties x, y, z", element.name);
+            return Err(ReadError::damaged(self.path, Place::Whole, problem));
+        };
+        self.require_room(element)?;
+        let mut points = Vec::with_capacity(element.count);
+        self.each_instance(element, |body, _| {
+            let mut point = Point3::origin();
+            for (property, axis) in element.properties.iter().zip(&axes) {
+                match (axis, property.kind) {
+                    (Some(axis), Kind::One(scalar)) => {
+                        if let Some(c) = point.coords.get_mut(*axis) {
+                            *c = body.number(scalar)?;
+                        }
+                    }
+                    _ => body.skip(property)?,
+                }
+            }
+            points.push(point);
+            Ok(())
+        })?;
+        Ok(points)
+    }
+
+    fn note_leftovers(&mut self) {
+        if !self.body.is_spent() {
+            let left = self.body.remaining();
+            self.header.notes.push(format!("{left} bytes after the last element ignored"));
+        }
+    }
+}
+
+/// Which axis each property of an element is; `None` unless all three are there.
+fn axes(element: &Element) -> Option<Vec<Option<usize>>> {
+    let mut axes = vec![None; element.properties.len()];
+    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+        *axes.get_mut(element.position(name)?)? = Some(axis);
+    }
+    Some(axes)
+}
+
+/// The list property of an element that has one of some names, as (position, count, item).
+fn list(element: &Element, names: &[&str]) -> Option<(usize, Scalar, Scalar)> {
+    let at = names.iter().find_map(|name| element.position(name))?;
+    match element.properties.get(at)?.kind {
+        Kind::List { count, item } => Some((at, count, item)),
+        Kind::One(_) => None,
+    }
+}

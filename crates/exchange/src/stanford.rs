@@ -1,0 +1,188 @@
+//! Stanford's scan configurations (`*.conf`): PLY range grids with their poses.
+//!
+//! ```text
+//! camera ...                                  a viewer's camera; says nothing about the sensor
+//! bmesh bun045.ply  tx ty tz  qx qy qz qw     one scan; quaternion with the scalar last
+//! ```
+//!
+//! The pose is world = R(q)ᵀ p + t, with R(q) the usual rotation matrix of q: the *conjugate*
+//! quaternion rotates. Read the other way round, the ten scans of the bunny miss each other by
+//! centimetres. The format carries no unit; by its convention the numbers are metres.
+
+use crate::error::read_text;
+use crate::scan::SensorSource;
+use crate::{Place, ReadError, Scan, ScanView};
+use nalgebra::{Quaternion, Translation3, UnitQuaternion};
+use std::path::Path;
+use transect_geometry::{Isometry3, LengthUnit};
+
+/// Deviation of a quaternion's length from 1 up to which it counts as printed rounding.
+const QUATERNION_ROUNDING: f64 = 1e-3;
+
+pub(crate) fn open(path: &Path, unit: Option<LengthUnit>) -> Result<Scan, ReadError> {
+    let text = read_text(path)?;
+    let (mut views, mut notes) = (Vec::new(), Vec::new());
+    if unit.is_none() {
+        let convention = "the format carries no unit: taken as metres by its convention";
+        notes.push(format!("{}: {convention}", path.display()));
+    }
+    for (number, line) in text.lines().enumerate() {
+        match Line::parse(line) {
+            Line::Scan(words) => views.push(view(path, number + 1, &words, &mut notes)?),
+            Line::Quiet => {}
+            Line::Stray => {
+                let start: String = line.trim().chars().take(40).collect();
+                let (path, line) = (path.display(), number + 1);
+                notes.push(format!("{path}, line {line}: unknown line {start:?} ignored"));
+            }
+        }
+    }
+    if views.is_empty() {
+        return Err(ReadError::damaged(path, Place::Whole, "no line \"bmesh FILE ...\""));
+    }
+    let files = views.iter().map(|v: &ScanView| v.path.clone());
+    let inputs = std::iter::once(path.to_owned()).chain(files).collect();
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let unit = unit.unwrap_or(LengthUnit::Metre);
+    Ok(Scan { name, unit, sigma: None, planes: None, views, notes, inputs })
+}
+
+enum Line<'a> {
+    /// The words after `bmesh` or `mesh`.
+    Scan(Vec<&'a str>),
+    /// Blank, a comment, or the viewer's camera.
+    Quiet,
+    Stray,
+}
+
+impl<'a> Line<'a> {
+    fn parse(line: &'a str) -> Self {
+        let mut words = line.split_ascii_whitespace();
+        match words.next() {
+            Some("bmesh" | "mesh") => Self::Scan(words.collect()),
+            None | Some("camera") => Self::Quiet,
+            Some(word) if word.starts_with('#') => Self::Quiet,
+            Some(_) => Self::Stray,
+        }
+    }
+}
+
+fn view(
+    path: &Path,
+    line: usize,
+    words: &[&str],
+    notes: &mut Vec<String>,
+) -> Result<ScanView, ReadError> {
+    let name = words.first().copied().unwrap_or("without a file").to_owned();
+    let at = Place::ViewLine { line, name: name.clone() };
+    let damaged = |problem: String| ReadError::damaged(path, at.clone(), problem);
+    let numbers = words.iter().skip(1).map(|w| w.parse().ok());
+    let numbers: Option<Vec<f64>> = numbers.collect();
+    let Some(&[tx, ty, tz, qx, qy, qz, qw]) = numbers.as_deref() else {
+        return Err(damaged("a file and 7 numbers are wanted: tx ty tz qx qy qz qw".to_owned()));
+    };
+    if ![tx, ty, tz, qx, qy, qz, qw].iter().all(|n| n.is_finite()) {
+        return Err(damaged("the pose has a number that is not finite".to_owned()));
+    }
+    let (world_from_sensor, length) =
+        pose([tx, ty, tz], Quaternion::new(qw, qx, qy, qz)).map_err(|length| {
+            damaged(format!("the quaternion has length {length}, which is no rotation"))
+        })?;
+    if (length - 1.0).abs() > QUATERNION_ROUNDING {
+        notes.push(format!("{}{at}: quaternion of length {length:.4} normalised", path.display()));
+    }
+    Ok(ScanView {
+        path: path.parent().unwrap_or(Path::new("")).join(&name),
+        name,
+        sensor: SensorSource::TranslatedScan,
+        stated_rows: None,
+        stated_cols: None,
+        depth_scale: None,
+        world_from_sensor,
+        sigma: None,
+    })
+}
+
+/// world = R(q)ᵀ p + t, and the length that q had; that length alone if it gives no rotation.
+fn pose(translation: [f64; 3], q: Quaternion<f64>) -> Result<(Isometry3, f64), f64> {
+    let length = q.norm();
+    if !(length.is_finite() && length > 0.0) {
+        return Err(length);
+    }
+    // The conjugate: see the module's page.
+    let rotation = UnitQuaternion::new_normalize(q).inverse();
+    Ok((Isometry3::from_parts(Translation3::from(translation), rotation), length))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::FRAC_1_SQRT_2;
+    use transect_geometry::Point3;
+
+    fn open_text(text: &str) -> Result<Scan, ReadError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("part.conf");
+        std::fs::write(&path, text).unwrap();
+        Scan::open(&path)
+    }
+
+    #[test]
+    fn poses_rotate_by_the_conjugate_quaternion() {
+        let h = FRAC_1_SQRT_2;
+        let scan = open_text(&format!("camera 0 0 0 0 0 0 1\nbmesh a.ply 1 2 3 0 0 {h} {h}\n"));
+        let scan = scan.unwrap();
+        // R(q) turns x into y, so its transpose turns y into x.
+        let turned = scan.views[0].world_from_sensor() * Point3::new(0.0, 1.0, 0.0);
+        assert!((turned - Point3::new(2.0, 2.0, 3.0)).norm() < 1e-12, "{turned}");
+        assert_eq!((scan.name.as_str(), scan.unit), ("part", LengthUnit::Metre));
+        assert_eq!(scan.notes.len(), 1);
+        assert!(scan.notes[0].ends_with("taken as metres by its convention"));
+    }
+
+    #[test]
+    fn quaternions_without_direction_are_named_by_line_and_view() {
+        let error = open_text("\nbmesh a.ply 0 0 0 0 0 0 0").unwrap_err().to_string();
+        let wanted =
+            "part.conf, line 2, view a.ply: the quaternion has length 0, which is no rotation";
+        assert!(error.ends_with(wanted), "{error}");
+        let error = open_text("bmesh a.ply 0 0 NaN 0 0 0 1").unwrap_err().to_string();
+        assert!(error.contains("line 1, view a.ply: the pose has a number"), "{error}");
+        let error = open_text("bmesh a.ply 0 0").unwrap_err().to_string();
+        assert!(error.contains("line 1, view a.ply: a file and 7 numbers are wanted"), "{error}");
+    }
+
+    #[test]
+    fn oddities_are_told_and_survived() {
+        let scan = open_text("spin 4\nmesh a.ply 0 0 0 0 0 0 2\n# a comment\n").unwrap();
+        assert_eq!(scan.views[0].world_from_sensor(), &Isometry3::identity());
+        assert!(scan.notes[1].ends_with("part.conf, line 1: unknown line \"spin 4\" ignored"));
+        assert!(
+            scan.notes[2].ends_with("line 2, view a.ply: quaternion of length 2.0000 normalised")
+        );
+        let empty = open_text("camera 1 2 3\n").unwrap_err().to_string();
+        assert!(empty.ends_with("part.conf: no line \"bmesh FILE ...\""), "{empty}");
+    }
+
+    /// Read the other way round, the poses put these two scans centimetres apart.
+    #[test]
+    fn neighbouring_scans_of_the_bunny_lie_on_each_other() {
+        let Some(folder) = crate::test_data::shared("stanford_bunny") else { return };
+        let scan = Scan::open(&folder.join("bun.conf")).unwrap();
+        let points = |number: usize, every: usize| {
+            let view = &scan.views[number];
+            let grid = crate::read_range_grid(view.path()).unwrap();
+            let seen = grid.points.into_iter().filter(|p| p.x.is_finite()).step_by(every);
+            seen.map(|p| view.world_from_sensor() * p).collect::<Vec<_>>()
+        };
+        let (first, second) = (points(0, 1), points(1, 100));
+        let nearest = |p: &Point3| {
+            first.iter().map(|q| (p - q).norm_squared()).fold(f64::INFINITY, f64::min).sqrt()
+        };
+        let mut distances: Vec<f64> = second.iter().map(nearest).collect();
+        distances.sort_by(f64::total_cmp);
+        // The grids are 0.5 to 0.8 mm wide, so points of one lie up to half of that from the other's.
+        let median = distances[distances.len() / 2];
+        assert!(median < 0.5e-3, "{median} m");
+    }
+}

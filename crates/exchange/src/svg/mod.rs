@@ -1,0 +1,18 @@
+//! Pictures: a true-to-scale sheet per plane, and an overview of all planes in space.
+//!
+//! Both are plain SVG 1.1 with white paper and no scripts. Coordinates are whole multiples of a
+//! small step inside a scaled group, and vertices that would not move the line visibly are left
+//! out, so that files stay small.
+
+mod canvas;
+mod overview;
+mod regions;
+mod ruler;
+mod sheet;
+mod simplify;
+
+pub use overview::{OverviewOptions, write_overview};
+pub use sheet::Sheets;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,152 @@
+//! `truth.npz`: the exact surface a simulated scan was cast against.
+//!
+//! Arrays `vertices` (n × 3, float64, world frame and model unit) and `faces` (m × 3, int64 or
+//! int32). Written by this workspace's simulator and by the peer benchmark's generator.
+
+use crate::error::read_bytes;
+use crate::npy::{self, Npy, Problem};
+use crate::{Place, ReadError, TriangleMesh, npz};
+use std::io::{self, Write};
+use std::path::Path;
+use transect_geometry::Point3;
+
+/// Reads a mesh from an `.npz` archive.
+///
+/// # Errors
+/// [`ReadError`] if the file is missing, damaged or compressed, an array has another shape, or a
+/// face names a vertex that is not there.
+pub fn read_truth(path: &Path) -> Result<TriangleMesh, ReadError> {
+    let bytes = read_bytes(path)?;
+    let vertices = triples(path, &bytes, "vertices", |a| Ok(a.to_f64()))?;
+    let faces = triples(path, &bytes, "faces", |a| a.to_i64())?;
+    let at = |kind: &str, number| Place::Element { kind: kind.to_owned(), number, line: None };
+    let vertices: Vec<_> = vertices.into_iter().map(Point3::from).collect();
+    if let Some(bad) = vertices.iter().position(|v| !v.coords.iter().all(|c| c.is_finite())) {
+        return Err(ReadError::damaged(path, at("vertex", bad), "not a finite point"));
+    }
+    let index = |i: i64| u32::try_from(i).ok().filter(|&i| (i as usize) < vertices.len());
+    let face = |(number, [a, b, c]): (usize, [i64; 3])| match (index(a), index(b), index(c)) {
+        (Some(a), Some(b), Some(c)) => Ok([a, b, c]),
+        _ => {
+            let problem = format!("[{a}, {b}, {c}] names none of the {} vertices", vertices.len());
+            Err(ReadError::damaged(path, at("face", number), problem))
+        }
+    };
+    let faces = faces.into_iter().enumerate().map(face).collect::<Result<_, _>>()?;
+    Ok(TriangleMesh { vertices, faces })
+}
+
+/// The rows of an n × 3 array of the archive.
+fn triples<T: Copy>(
+    path: &Path,
+    archive: &[u8],
+    array: &str,
+    numbers: impl Fn(&Npy<'_>) -> Result<Vec<T>, Problem>,
+) -> Result<Vec<[T; 3]>, ReadError> {
+    let located = |problem| match problem {
+        Problem::Damaged(text) => {
+            ReadError::damaged(path, Place::Whole, format!("array {array}: {text}"))
+        }
+        Problem::Unsupported(text) => {
+            ReadError::unsupported(path, Place::Whole, format!("array {array}: {text}"))
+        }
+    };
+    let member = npz::member(archive, &format!("{array}.npy")).map_err(located)?;
+    let missing = || located(Problem::Damaged("not in the archive".to_owned()));
+    let parsed = Npy::parse(member.ok_or_else(missing)?).map_err(located)?;
+    if !matches!(parsed.shape(), [_, 3]) {
+        let problem = format!("its shape is {:?}, not n × 3", parsed.shape());
+        return Err(located(Problem::Damaged(problem)));
+    }
+    let numbers = numbers(&parsed).map_err(located)?;
+    Ok(numbers.as_chunks().0.to_vec())
+}
+
+/// Writes a mesh as an `.npz` archive that [`read_truth`] and `numpy.load` read.
+///
+/// # Errors
+/// What `out` says, or that the archive would pass 4 GiB.
+pub fn write_truth(mesh: &TriangleMesh, out: &mut dyn Write) -> io::Result<()> {
+    let mut vertices = Vec::new();
+    npy::write_header(&mut vertices, "<f8", &[mesh.vertices.len(), 3])?;
+    let coordinates = mesh.vertices.iter().flat_map(|v| [v.x, v.y, v.z]);
+    vertices.extend(coordinates.flat_map(f64::to_le_bytes));
+    let mut faces = Vec::new();
+    npy::write_header(&mut faces, "<i8", &[mesh.faces.len(), 3])?;
+    let corners = mesh.faces.iter().flatten().map(|&i| i64::from(i));
+    faces.extend(corners.flat_map(i64::to_le_bytes));
+    npz::write(out, &[("vertices.npy", vertices), ("faces.npy", faces)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn round_trip(mesh: &TriangleMesh) -> Result<TriangleMesh, ReadError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("truth.npz");
+        crate::write_file(&path, |out| write_truth(mesh, out)).unwrap();
+        read_truth(&path)
+    }
+
+    fn tetrahedron() -> TriangleMesh {
+        let vertices = [[0.1, 0.0, 5.4e6], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        TriangleMesh {
+            vertices: vertices.map(Point3::from).to_vec(),
+            faces: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn writing_and_reading_returns_the_mesh(
+            points in proptest::collection::vec(prop::array::uniform3(-1e7..1e7), 3..40),
+        ) {
+            let faces = (0..points.len() as u32 - 2).map(|i| [i, i + 1, i + 2]).collect();
+            let vertices = points.into_iter().map(Point3::from).collect();
+            let mesh = TriangleMesh { vertices, faces };
+            prop_assert_eq!(round_trip(&mesh).unwrap(), mesh);
+        }
+    }
+
+    #[test]
+    fn a_face_without_its_vertex_is_named() {
+        let mut mesh = tetrahedron();
+        mesh.faces[2] = [0, 3, 4];
+        let error = round_trip(&mesh).unwrap_err().to_string();
+        assert!(error.ends_with("truth.npz, face 2: [0, 3, 4] names none of the 4 vertices"));
+    }
+
+    #[test]
+    fn a_missing_array_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("truth.npz");
+        crate::write_file(&path, |out| npz::write(out, &[])).unwrap();
+        let error = read_truth(&path).unwrap_err().to_string();
+        assert!(error.ends_with("truth.npz: array vertices: not in the archive"), "{error}");
+    }
+
+    #[test]
+    fn numpy_reads_what_is_written_and_the_other_way_round() {
+        let Some(python) = crate::test_data::python_with("numpy") else { return };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("truth.npz");
+        crate::write_file(&path, |out| write_truth(&tetrahedron(), out)).unwrap();
+        let script = "import sys, numpy as np\n\
+            z = np.load(sys.argv[1])\n\
+            v, f = z['vertices'], z['faces']\n\
+            assert v.shape == (4, 3) and v[0, 2] == 5.4e6 and f.dtype == np.int64\n\
+            np.savez(sys.argv[1], vertices=v, faces=f.astype(np.int32))\n\
+            np.savez_compressed(sys.argv[2], vertices=v, faces=f)\n";
+        let packed = folder.path().join("packed.npz");
+        let mut run = std::process::Command::new(&python);
+        let run = run.args(["-c", script]).arg(&path).arg(&packed).output().unwrap();
+        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+        assert_eq!(read_truth(&path).unwrap(), tetrahedron());
+        let error = read_truth(&packed).unwrap_err().to_string();
+        let end =
+            "vertices.npy is compressed; write it with numpy.savez instead of savez_compressed";
+        assert!(error.ends_with(end), "{error}");
+    }
+}
