@@ -4,13 +4,16 @@
 //! direction tells surfaces apart. It refuses to know sensors, storage and other planes.
 //!
 //! * [`consensus`]: all views at once, the default;
+//! * [`agreement`]: whether views contradict each other, the sign of a wrong pose;
 //! * [`pattern`], [`screening`]: the dissertation's overlap rules (5.3, 5.4).
 
+mod agreement;
 pub mod consensus;
 mod grid;
 pub mod pattern;
 pub mod screening;
 
+pub use agreement::{Agreement, agreement};
 pub use consensus::{ConsensusOptions, consensus};
 
 use transect_geometry::Curve;

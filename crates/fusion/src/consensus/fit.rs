@@ -10,6 +10,16 @@ pub(super) struct Sample {
     pub weight: f64,
     /// Standard deviation of y.
     pub sigma: f64,
+    /// Variance along the curve of the places it is the mean of; 0 for a single place. The mean of
+    /// places on a bend lies inside the bend, by this much times the bend.
+    pub along_variance: f64,
+}
+
+impl Sample {
+    /// Mean of x² over the places.
+    fn square(&self) -> f64 {
+        self.x * self.x + self.along_variance
+    }
 }
 
 /// A curve near x = 0: `y = place + slope x + bend x²`.
@@ -26,7 +36,7 @@ pub(super) struct Fit {
 
 impl Fit {
     fn residual(&self, s: &Sample) -> f64 {
-        s.y - (self.place + self.slope * s.x + self.bend * s.x * s.x)
+        s.y - (self.place + self.slope * s.x + self.bend * s.square())
     }
 }
 
@@ -77,36 +87,30 @@ fn weighted_parabola(
     reach: f64,
     robust: impl Fn(&Sample) -> f64,
 ) -> Option<Fit> {
-    // Moments in x / reach keep the matrix well scaled.
-    let mut m = [0.0; 5];
+    // Terms in x / reach keep the matrix well scaled.
+    let mut normal = Matrix3::zeros();
+    let mut noise = Matrix3::zeros();
     let mut right = Vector3::zeros();
-    let mut noise = [0.0; 5];
+    let mut weights = 0.0;
     let (mut behind, mut ahead) = (0, 0);
     for s in samples.iter().filter(|s| s.x.abs() <= reach) {
-        let x = s.x / reach;
+        let terms = Vector3::new(1.0, s.x / reach, s.square() / (reach * reach));
         let w = s.weight * robust(s);
-        let spread = w * s.sigma;
-        let mut power = 1.0;
-        for k in 0..5 {
-            m[k] += w * power;
-            noise[k] += spread * spread * power;
-            if k < 3 {
-                right[k] += w * s.y * power;
-            }
-            power *= x;
-        }
-        behind += usize::from(x < 0.0);
-        ahead += usize::from(x > 0.0);
+        let outer = terms * terms.transpose();
+        normal += outer * w;
+        noise += outer * (w * s.sigma).powi(2);
+        right += terms * (w * s.y);
+        weights += w;
+        behind += usize::from(s.x < 0.0);
+        ahead += usize::from(s.x > 0.0);
     }
     if behind < 2 || ahead < 2 {
         return None;
     }
-    let moments = |m: &[f64; 5]| Matrix3::new(m[0], m[1], m[2], m[1], m[2], m[3], m[2], m[3], m[4]);
-    let normal = moments(&m);
-    let determined = normal.determinant() > 1e-9 * m[0] * m[0] * m[0];
+    let determined = normal.determinant() > 1e-9 * weights * weights * weights;
     let inverse = normal.try_inverse().filter(|_| determined)?;
     let solution = inverse * right;
-    let covariance = inverse * moments(&noise) * inverse;
+    let covariance = inverse * noise * inverse;
     Some(Fit {
         place: solution[0],
         slope: solution[1] / reach,
@@ -134,7 +138,9 @@ mod tests {
 
     fn samples(f: impl Fn(f64) -> f64) -> Vec<Sample> {
         let at = |k: i32| f64::from(k) * 0.25;
-        (-8..=8).map(|k| Sample { x: at(k), y: f(at(k)), weight: 1.0, sigma: 0.1 }).collect()
+        (-8..=8)
+            .map(|k| Sample { x: at(k), y: f(at(k)), weight: 1.0, sigma: 0.1, along_variance: 0.0 })
+            .collect()
     }
 
     #[test]
@@ -144,6 +150,15 @@ mod tests {
         let fit = parabola(&s, 2.0, 1.0).unwrap();
         assert!((fit.place - 0.3).abs() < 1e-9, "{fit:?}");
         assert!((fit.slope + 0.2).abs() < 1e-9 && (fit.bend - 0.1).abs() < 1e-9, "{fit:?}");
+    }
+
+    #[test]
+    fn means_of_places_on_a_bend_do_not_pull_the_curve_inside() {
+        // Each sample stands for places of variance 0.04 along y = x².
+        let spread = |s: Sample| Sample { y: s.y + 0.04, along_variance: 0.04, ..s };
+        let means: Vec<_> = samples(|x| x * x).into_iter().map(spread).collect();
+        let fit = parabola(&means, 2.0, 10.0).unwrap();
+        assert!(fit.place.abs() < 1e-9 && (fit.bend - 1.0).abs() < 1e-9, "{fit:?}");
     }
 
     #[test]

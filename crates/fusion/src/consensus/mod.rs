@@ -32,7 +32,7 @@
 mod ends;
 mod fit;
 mod link;
-mod observations;
+pub(crate) mod observations;
 mod pieces;
 mod place;
 mod spread;
@@ -113,6 +113,8 @@ struct Kept {
     /// Weighted mean of the original places of what this node absorbed.
     cluster: Point2,
     cluster_sigma: f64,
+    /// Variance along the curve of the places in the cluster.
+    along_variance: f64,
     weight: f64,
     views: u32,
 }
@@ -127,6 +129,7 @@ impl Kept {
             footprint,
             cluster,
             cluster_sigma: sigma,
+            along_variance: 0.0,
             weight: 0.0,
             views: 0,
         }

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use transect_geometry::{Curve, Node, Point2, Vector2};
 
 /// No observation.
-pub(super) const NONE: u32 = u32::MAX;
+pub(crate) const NONE: u32 = u32::MAX;
 
 /// How many footprints from an open end a node reaches its full weight. Real scanners overshoot
 /// silhouettes by a few pixels; doubling this costs little on clean data.
@@ -22,7 +22,7 @@ const SAMPLING_SHARE: f64 = 0.06;
 
 /// One node of one view.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Observation {
+pub(crate) struct Observation {
     pub position: Point2,
     /// Unit direction of the view's curve.
     pub tangent: Vector2,
@@ -39,19 +39,20 @@ pub(super) struct Observation {
 
 /// All observations of a plane.
 #[derive(Debug, Default)]
-pub(super) struct Observations {
+pub(crate) struct Observations {
     pub all: Vec<Observation>,
-    pub views: usize,
+    /// For each view in canonical order, its place among the views as given.
+    pub sources: Vec<usize>,
 }
 
 impl Observations {
     /// Collects the curves of all views; the order in which views are given does not matter.
     pub fn collect(views: &[&[Curve]]) -> Self {
-        let mut sorted: Vec<&[Curve]> = views.iter().copied().filter(|v| !v.is_empty()).collect();
-        sorted.sort_by(|a, b| canonical(a, b));
-        let mut observations = Self { all: Vec::new(), views: sorted.len() };
-        for (view, curves) in sorted.iter().enumerate() {
-            for curve in *curves {
+        let mut sources: Vec<usize> = (0..views.len()).filter(|&v| !views[v].is_empty()).collect();
+        sources.sort_by(|&a, &b| canonical(views[a], views[b]));
+        let mut observations = Self { all: Vec::new(), sources };
+        for view in 0..observations.sources.len() {
+            for curve in views[observations.sources[view]] {
                 observations.push(curve, view as u32);
             }
         }
@@ -195,7 +196,7 @@ impl<'a> Arc<'a> {
 }
 
 /// The median of some values; 0 without values.
-pub(super) fn median(values: impl Iterator<Item = f64>) -> f64 {
+pub(crate) fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.collect();
     if values.is_empty() {
         return 0.0;

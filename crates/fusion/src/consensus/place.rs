@@ -17,12 +17,15 @@ const WINDOW_GROWTH: f64 = 1.5;
 /// Windows tried.
 const WINDOWS: i32 = 6;
 
+/// A node whose first windows determine no parabola, such as one at an open end, stays on its line.
+const LAST_FIRST_WINDOW: i32 = 1;
+
 /// Half-width of a confidence interval in standard deviations of random error. Smaller follows
 /// detail and noise alike; larger smooths over both.
 const CONFIDENCE: f64 = 1.0;
 
 /// Largest curvature times half-width for which a parabola stands for the curve.
-const LARGEST_TURN: f64 = 0.2;
+const LARGEST_TURN: f64 = 0.13;
 
 /// Moves every kept node to its final place and direction.
 pub(super) fn place(kept: &mut [Kept], scale: &Scale) {
@@ -61,10 +64,22 @@ fn fit_at(
             let (x, y) = (d.dot(&here.tangent), d.dot(&normal));
             let same = there.tangent.dot(&here.tangent) >= scale.same_way;
             if same && x.abs() <= reach && y.abs() <= across.max(0.5 * reach) {
-                samples.push(Sample { x, y, weight: there.weight, sigma: there.cluster_sigma });
+                samples.push(Sample {
+                    x,
+                    y,
+                    weight: there.weight,
+                    sigma: there.cluster_sigma,
+                    along_variance: there.along_variance,
+                });
             }
         });
-        let Some(fit) = parabola(samples, reach, across) else { continue };
+        let Some(fit) = parabola(samples, reach, across) else {
+            // A first fit across a gap would rest on far ground alone.
+            if step < LAST_FIRST_WINDOW {
+                continue;
+            }
+            break;
+        };
         let half = CONFIDENCE * fit.place_sigma;
         interval = (interval.0.max(fit.place - half), interval.1.min(fit.place + half));
         let turns = 2.0 * (fit.bend.abs() - 2.0 * fit.bend_sigma) * reach > LARGEST_TURN;

@@ -24,7 +24,7 @@ pub(super) fn between_views(
     grid: &PointGrid,
     same_way: f64,
 ) -> Option<f64> {
-    if observations.views < 2 {
+    if observations.sources.len() < 2 {
         return None;
     }
     let step = observations.all.len().div_ceil(SAMPLES);
@@ -47,8 +47,8 @@ pub(super) fn between_views(
 /// most nearly beside: the nearest one would be near across the curve too, and read too low.
 fn distance_to_other(o: &Observations, grid: &PointGrid, k: usize, same_way: f64) -> Option<f64> {
     let here = &o.all[k];
-    let others = o.views as u64 - 1;
-    let drawn = (here.view as u64 + 1 + mixed(k as u64) % others) % o.views as u64;
+    let others = o.sources.len() as u64 - 1;
+    let drawn = (here.view as u64 + 1 + mixed(k as u64) % others) % o.sources.len() as u64;
     let radius = SEARCH_FOOTPRINTS * here.footprint + SEARCH_SIGMAS * here.sigma;
     let mut nearest: Option<(f64, f64)> = None;
     grid.within(&here.position, radius, |j, d| {

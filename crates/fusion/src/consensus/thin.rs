@@ -47,7 +47,7 @@ pub(super) fn thin(observations: &Observations, grid: &PointGrid, scale: &Scale)
 
 fn project(observations: &Observations, grid: &PointGrid, scale: &Scale) -> Vec<Projected> {
     let mut samples = Vec::new();
-    let mut seen_for = vec![NONE; observations.views];
+    let mut seen_for = vec![NONE; observations.sources.len()];
     let all = &observations.all;
     all.iter()
         .enumerate()
@@ -62,7 +62,13 @@ fn project(observations: &Observations, grid: &PointGrid, scale: &Scale) -> Vec<
                 let (x, y) = (d.dot(&here.tangent), d.dot(&normal));
                 let same = there.tangent.dot(&here.tangent) >= scale.same_way;
                 if same && x.abs() <= reach && y.abs() <= across {
-                    samples.push(Sample { x, y, weight: there.weight, sigma: there.sigma });
+                    samples.push(Sample {
+                        x,
+                        y,
+                        weight: there.weight,
+                        sigma: there.sigma,
+                        along_variance: 0.0,
+                    });
                     if seen_for[there.view as usize] != k as u32 {
                         seen_for[there.view as usize] = k as u32;
                         views += 1;
@@ -128,6 +134,9 @@ fn cluster(observations: &Observations, absorbed_by: &[u32], kept: &mut [Kept]) 
         s.weight += o.weight;
         s.position += o.position.coords * o.weight;
         s.variance += (o.weight * o.sigma).powi(2);
+        let along = (o.position - kept[by as usize].position).dot(&kept[by as usize].tangent);
+        s.along += o.weight * along;
+        s.along_squared += o.weight * along * along;
         if last_view[by as usize] != o.view {
             last_view[by as usize] = o.view;
             kept[by as usize].views += 1;
@@ -136,6 +145,8 @@ fn cluster(observations: &Observations, absorbed_by: &[u32], kept: &mut [Kept]) 
     for (k, s) in kept.iter_mut().zip(&sums) {
         k.cluster = Point2::from(s.position / s.weight);
         k.cluster_sigma = s.variance.sqrt() / s.weight;
+        let along = s.along / s.weight;
+        k.along_variance = (s.along_squared / s.weight - along * along).max(0.0);
         k.weight = s.weight;
     }
 }
@@ -145,4 +156,6 @@ struct Sums {
     weight: f64,
     position: Vector2,
     variance: f64,
+    along: f64,
+    along_squared: f64,
 }

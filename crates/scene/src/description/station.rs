@@ -21,7 +21,6 @@ pub struct Station {
 
 /// The numbers of a device frame, as scan manifests give them.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
 pub enum SensorParameters {
     /// Terrestrial scanner: `(cos φ cos θ, cos φ sin θ, sin φ)` with rows along φ, columns along θ.
     ///

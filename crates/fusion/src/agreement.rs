@@ -1,0 +1,120 @@
+//! Whether the views agree where they overlap: the sign of a wrong pose.
+//!
+//! **Idea.** Where two views saw the same surface, a node of one has the other's curve of the same
+//! direction right beside it. A curve of the same direction that runs a little *farther* off is
+//! rare between well registered views, since neighbouring surfaces mostly face other ways, and the
+//! rule between wrongly registered ones, whose outlines lie across each other. So of the nodes that
+//! have another view's curve abreast at all, the share with one close by tells right from wrong.
+
+use crate::consensus::observations::{Observation, Observations};
+use crate::grid::PointGrid;
+use transect_geometry::Curve;
+
+/// Closer than this, in footprints and standard deviations, two views agree.
+const CLOSE_FOOTPRINTS: f64 = 3.0;
+const CLOSE_SIGMAS: f64 = 3.0;
+
+/// Farther than this many times that, a curve is another surface and tells nothing.
+const ABREAST: f64 = 4.0;
+
+/// Nodes of a plane that are looked at.
+const SAMPLES: usize = 1500;
+
+/// Cosine of the largest angle between curves that run abreast.
+const SAME_WAY: f64 = 0.8;
+
+/// How often one view agreed with the others, and how often it ran abreast of them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Agreement {
+    /// Samples with another view's curve right beside them.
+    pub close: u64,
+    /// Samples with another view's curve of the same direction a little farther off.
+    pub abreast: u64,
+}
+
+impl Agreement {
+    /// Fewest samples from which anything is concluded.
+    const ENOUGH: u64 = 40;
+
+    /// Adds the counts of another plane.
+    pub fn add(&mut self, other: &Self) {
+        self.close += other.close;
+        self.abreast += other.abreast;
+    }
+
+    /// Whether the view contradicts the others more often than it agrees with them.
+    pub fn is_contradicted(&self) -> bool {
+        self.close + self.abreast >= Self::ENOUGH && self.abreast > self.close
+    }
+}
+
+/// The agreement of each view with all others on one plane, in the order given.
+pub fn agreement(views: &[&[Curve]]) -> Vec<Agreement> {
+    let mut result = vec![Agreement::default(); views.len()];
+    let observations = Observations::collect(views);
+    if observations.sources.len() < 2 {
+        return result;
+    }
+    let grid = PointGrid::new(&observations.positions(), 4.0 * observations.spacing());
+    let step = observations.all.len().div_ceil(SAMPLES);
+    let mut nearest = vec![f64::INFINITY; observations.sources.len()];
+    for here in observations.all.iter().step_by(step) {
+        nearest.fill(f64::INFINITY);
+        let close = close(here);
+        grid.within(&here.position, ABREAST * close, |j, d| {
+            let there = &observations.all[j];
+            let beside = d.dot(&there.tangent).abs() <= here.footprint.max(there.footprint);
+            if beside && there.tangent.dot(&here.tangent) >= SAME_WAY {
+                let across = d.perp(&there.tangent).abs();
+                let place = &mut nearest[there.view as usize];
+                *place = place.min(across);
+            }
+        });
+        let counts = &mut result[observations.sources[here.view as usize]];
+        for (view, across) in nearest.iter().enumerate() {
+            if view != here.view as usize && across.is_finite() {
+                counts.close += u64::from(*across <= close);
+                counts.abreast += u64::from(*across > close);
+            }
+        }
+    }
+    result
+}
+
+fn close(o: &Observation) -> f64 {
+    CLOSE_FOOTPRINTS * o.footprint + CLOSE_SIGMAS * o.sigma
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use transect_geometry::{Node, Point2};
+
+    /// An ellipse seen from one side, turned about the origin.
+    fn arc(turn: f64, from: f64, to: f64) -> Vec<Curve> {
+        let node = |k: i32| {
+            let a: f64 = from + (to - from) * f64::from(k) / 200.0;
+            let (x, y) = (2.0 * a.cos(), a.sin());
+            let position =
+                Point2::new(x * turn.cos() - y * turn.sin(), x * turn.sin() + y * turn.cos());
+            Node { position, sigma: 0.001, footprint: 0.02, weight: 1.0, views: 1 }
+        };
+        vec![Curve::new((0..=200).map(node).collect(), false).unwrap()]
+    }
+
+    #[test]
+    fn a_turned_view_is_found_and_the_others_are_not() {
+        let views =
+            [arc(0.0, 0.0, 3.0), arc(0.0, 1.0, 4.0), arc(0.0, 2.0, 5.5), arc(0.15, 0.5, 3.5)];
+        let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+        let found: Vec<bool> = agreement(&slices).iter().map(Agreement::is_contradicted).collect();
+        assert_eq!(found, [false, false, false, true]);
+    }
+
+    #[test]
+    fn views_of_different_ground_say_nothing() {
+        let views = [arc(0.0, 0.0, 1.0), arc(0.0, 2.0, 3.0)];
+        let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+        assert_eq!(agreement(&slices), [Agreement::default(); 2]);
+    }
+}

@@ -1,0 +1,102 @@
+//! How near the curves of a plane are to the truth, and the truth to them.
+
+use super::Ruler;
+use super::index::UnitIndex;
+use super::sample::{Sample, samples};
+use transect_geometry::Curve;
+
+/// What the comparison of curves with the truth adds up; lengths in the model's unit.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Closeness {
+    /// Planes with truth.
+    pub planes: usize,
+    /// Those of them whose curves are all closed, with at least one.
+    pub planes_closed_only: usize,
+    /// Those of the latter that have as many curves as the truth.
+    pub planes_same_loops: usize,
+    pub truth_pieces: usize,
+    pub truth_length: f64,
+    /// Length of the truth with a curve within the tolerance.
+    pub truth_found: f64,
+    /// Length of the curves within the tolerance of the truth.
+    pub near: f64,
+    /// Length of the curves beyond it.
+    pub far: f64,
+    /// Part of `near` that runs like the truth.
+    pub oriented: f64,
+    /// Part of `far` on planes that have no truth.
+    pub without_truth: f64,
+    /// Distance of each sample of the curves from the truth; infinite on planes without truth.
+    pub distances: Vec<f64>,
+}
+
+impl Closeness {
+    /// That of one plane, from its curves and an index of their units.
+    pub fn of(curves: (&[Curve], &UnitIndex), truth: &[Curve], ruler: &Ruler) -> Self {
+        let (curves, curve_index) = curves;
+        let closed_only = !curves.is_empty() && curves.iter().all(Curve::is_closed);
+        let planes = usize::from(!truth.is_empty());
+        let planes_closed_only = if closed_only { planes } else { 0 };
+        let same = curves.len() == truth.len();
+        let mut sums = Self {
+            planes,
+            planes_closed_only,
+            planes_same_loops: if same { planes_closed_only } else { 0 },
+            truth_pieces: truth.len(),
+            ..Self::default()
+        };
+        let truth_index = UnitIndex::new(truth);
+        for sample in curves.iter().flat_map(|c| samples(c, ruler.step)) {
+            sums.add_curve_sample(&sample, &truth_index, ruler);
+        }
+        for sample in truth.iter().flat_map(|c| samples(c, ruler.step)) {
+            let nearest = curve_index.nearest(&sample.position);
+            sums.truth_length += sample.length;
+            if nearest.is_some_and(|n| n.distance < ruler.tolerance) {
+                sums.truth_found += sample.length;
+            }
+        }
+        sums
+    }
+
+    fn add_curve_sample(&mut self, sample: &Sample, truth: &UnitIndex, ruler: &Ruler) {
+        let Some(nearest) = truth.nearest(&sample.position) else {
+            self.far += sample.length;
+            self.without_truth += sample.length;
+            self.distances.push(f64::INFINITY);
+            return;
+        };
+        self.distances.push(nearest.distance);
+        // The comparison is strict, so that a distance of exactly the tolerance counts as far.
+        if nearest.distance < ruler.tolerance {
+            self.near += sample.length;
+            if truth.agrees(&sample.position, &sample.direction, &nearest) {
+                self.oriented += sample.length;
+            }
+        } else {
+            self.far += sample.length;
+        }
+    }
+
+    /// The sum over planes, in their order.
+    pub fn total(planes: Vec<Self>) -> Self {
+        let samples = planes.iter().map(|p| p.distances.len()).sum();
+        let start = Self { distances: Vec::with_capacity(samples), ..Self::default() };
+        planes.into_iter().fold(start, Self::plus)
+    }
+
+    fn plus(mut self, plane: Self) -> Self {
+        self.planes += plane.planes;
+        self.planes_closed_only += plane.planes_closed_only;
+        self.planes_same_loops += plane.planes_same_loops;
+        self.truth_pieces += plane.truth_pieces;
+        self.truth_length += plane.truth_length;
+        self.truth_found += plane.truth_found;
+        self.near += plane.near;
+        self.far += plane.far;
+        self.oriented += plane.oriented;
+        self.without_truth += plane.without_truth;
+        self.distances.extend(plane.distances);
+        self
+    }
+}

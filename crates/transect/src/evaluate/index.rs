@@ -1,0 +1,128 @@
+//! The curve units of one plane in a spatial index.
+
+use super::sample::{PlacedUnit, placed_units};
+use rstar::{AABB, PointDistance, RTree, RTreeObject};
+use transect_geometry::{Curve, Point2, Vector2};
+
+/// Units count as equally near if their squared distances differ by less than this share: rounding
+/// at the common end of two units stays far below it.
+const EQUALLY_NEAR: f64 = 1e-9;
+
+/// A unit in the tree.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct IndexedUnit {
+    /// The unit and its place along its curve.
+    pub placed: PlacedUnit,
+    /// Which of the plane's curves it belongs to.
+    pub curve: usize,
+}
+
+impl RTreeObject for IndexedUnit {
+    type Envelope = AABB<[f64; 2]>;
+
+    fn envelope(&self) -> Self::Envelope {
+        AABB::from_corners(self.placed.unit.start.into(), self.placed.unit.end.into())
+    }
+}
+
+impl PointDistance for IndexedUnit {
+    fn distance_2(&self, point: &[f64; 2]) -> f64 {
+        let distance = self.placed.unit.distance(&Point2::from(*point));
+        // Coordinates near the largest f64 overflow into NaN, which the tree could not sort.
+        if distance.is_nan() { f64::INFINITY } else { distance * distance }
+    }
+}
+
+/// The unit nearest to a point.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Nearest {
+    /// How far it is, in the coordinates' unit.
+    pub distance: f64,
+    /// Its direction, a unit vector.
+    pub direction: Vector2,
+}
+
+/// All units with a length of some curves of one plane.
+pub(super) struct UnitIndex {
+    tree: RTree<IndexedUnit>,
+}
+
+impl UnitIndex {
+    /// Sorts the units of the curves into a tree.
+    pub fn new(curves: &[Curve]) -> Self {
+        let units = curves.iter().enumerate().flat_map(|(curve, c)| {
+            placed_units(c).map(move |placed| IndexedUnit { placed, curve })
+        });
+        Self { tree: RTree::bulk_load(units.collect()) }
+    }
+
+    /// The unit nearest to a point, any one of those equally near; `None` if there is no unit.
+    pub fn nearest(&self, p: &Point2) -> Option<Nearest> {
+        let (found, squared) = self.tree.nearest_neighbor_with_distance_2((*p).into())?;
+        Some(Nearest { distance: squared.sqrt(), direction: found.placed.direction() })
+    }
+
+    /// Whether a direction agrees with a unit that is as near to the point as the nearest one.
+    pub fn agrees(&self, p: &Point2, direction: &Vector2, nearest: &Nearest) -> bool {
+        // Most samples have one nearest unit, which spares them the second search.
+        direction.dot(&nearest.direction) > 0.0 || {
+            let reach = nearest.distance * (1.0 + EQUALLY_NEAR);
+            self.within(p, reach).any(|u| direction.dot(&u.placed.direction()) > 0.0)
+        }
+    }
+
+    /// The units no farther than `reach` from a point, in no particular order.
+    pub fn within(&self, p: &Point2, reach: f64) -> impl Iterator<Item = &IndexedUnit> {
+        self.tree.locate_within_distance((*p).into(), reach * reach)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::tests::{curves, polyline};
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn nearest_unit_is_that_of_a_search_through_all(
+            curves in curves(), x in -2.0..12.0, y in -2.0..12.0,
+        ) {
+            let p = Point2::new(x, y);
+            let slow = curves.iter().map(|c| c.foot(&p).distance).fold(f64::INFINITY, f64::min);
+            let fast = UnitIndex::new(&curves).nearest(&p).unwrap().distance;
+            // Both are rounded, and the tree takes a square root of a square.
+            prop_assert!((fast - slow).abs() <= 1e-12 * (1.0 + slow), "{fast} {slow}");
+        }
+
+        #[test]
+        fn units_within_reach_are_those_of_a_search_through_all(
+            curves in curves(), x in -2.0..12.0, y in -2.0..12.0, reach in 0.0..4.0,
+        ) {
+            let p = Point2::new(x, y);
+            let near = |c: &Curve| c.units().filter(|u| u.distance(&p) <= reach).count();
+            let index = UnitIndex::new(&curves);
+            prop_assert_eq!(index.within(&p, reach).count(), curves.iter().map(near).sum());
+        }
+    }
+
+    #[test]
+    fn without_units_nothing_is_near() {
+        assert!(UnitIndex::new(&[]).nearest(&Point2::origin()).is_none());
+        let a_point = polyline(&[(1.0, 1.0), (1.0, 1.0)], false);
+        assert!(UnitIndex::new(&[a_point]).nearest(&Point2::origin()).is_none());
+    }
+
+    #[test]
+    fn at_a_sharp_corner_both_units_are_asked() {
+        let hairpin = polyline(&[(0.0, 0.0), (1.0, 0.0), (0.0, 0.1)], false);
+        let index = UnitIndex::new(&[hairpin]);
+        let beyond = Point2::new(1.5, 0.0);
+        let nearest = index.nearest(&beyond).unwrap();
+        assert!(index.agrees(&beyond, &Vector2::x(), &nearest));
+        assert!(index.agrees(&beyond, &-Vector2::x(), &nearest));
+        let beside = Point2::new(0.5, -0.1);
+        let nearest = index.nearest(&beside).unwrap();
+        assert!(!index.agrees(&beside, &-Vector2::x(), &nearest));
+    }
+}

@@ -1,0 +1,72 @@
+//! What the curves of a plane tell about themselves.
+
+use super::Ruler;
+use super::index::{IndexedUnit, UnitIndex};
+use super::sample::{Sample, samples};
+use transect_geometry::Curve;
+
+/// Two pieces of one curve count as different if they are farther apart along it than this many
+/// tolerances. Less would take the inside of narrow bends for duplicates, more would miss short
+/// loops that run twice around the same thing.
+const APART_TOLERANCES: f64 = 10.0;
+
+/// Cosine of the angle, 60°, below which two pieces run in the same direction: the two faces of a
+/// thin wall, and curves that cross, are no duplicates.
+const SAME_DIRECTION: f64 = 0.5;
+
+/// Counts and lengths of curves; lengths in the model's unit.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Own {
+    pub pieces: usize,
+    pub closed: usize,
+    pub vertices: usize,
+    pub length: f64,
+    /// Length that runs beside another piece of the same direction.
+    pub duplicated: f64,
+}
+
+impl Own {
+    /// Those of one plane, whose units are in the index.
+    pub fn of(curves: &[Curve], index: &UnitIndex, ruler: &Ruler) -> Self {
+        let mut own = Self::default();
+        for (number, curve) in curves.iter().enumerate() {
+            own.pieces += 1;
+            own.closed += usize::from(curve.is_closed());
+            own.vertices += curve.nodes().len();
+            let total = curve.length();
+            for sample in samples(curve, ruler.step) {
+                let another =
+                    |u: &IndexedUnit| u.curve != number || is_apart(&sample, u, total, ruler);
+                let same_way =
+                    |u: &IndexedUnit| sample.direction.dot(&u.placed.direction()) > SAME_DIRECTION;
+                let mut near = index.within(&sample.position, ruler.tolerance);
+                own.length += sample.length;
+                if near.any(|u| same_way(u) && another(u)) {
+                    own.duplicated += sample.length;
+                }
+            }
+        }
+        own
+    }
+
+    /// The sum over planes.
+    pub fn total(planes: Vec<Self>) -> Self {
+        planes.into_iter().fold(Self::default(), |a, b| Self {
+            pieces: a.pieces + b.pieces,
+            closed: a.closed + b.closed,
+            vertices: a.vertices + b.vertices,
+            length: a.length + b.length,
+            duplicated: a.duplicated + b.duplicated,
+        })
+    }
+}
+
+/// Whether a unit, where it is nearest to a sample of its own curve, is another piece of it.
+///
+/// The curve's ends count as neighbours even if it is open: where it nearly closes, its ends may
+/// overlap a little.
+fn is_apart(sample: &Sample, unit: &IndexedUnit, total: f64, ruler: &Ruler) -> bool {
+    let t = unit.placed.unit.parameter(&sample.position).clamp(0.0, 1.0);
+    let direct = (unit.placed.before + t * unit.placed.length - sample.along).abs();
+    direct.min(total - direct) > APART_TOLERANCES * ruler.tolerance
+}

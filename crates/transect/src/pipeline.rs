@@ -1,0 +1,276 @@
+//! The modeler on one screen: views in, cross-section model out (dissertation, 2.5.3 and 5.2).
+//!
+//! 1. Each view is loaded, its curves on every plane it involves are found, and it is dropped.
+//! 2. Each plane's curves from all views are fused, independent of every other plane.
+//! 3. The fused planes make the model; what happened on the way makes the report.
+//!
+//! Views and planes run in parallel. Results are gathered in the order of views and planes, and no
+//! sum crosses them, so the same input gives the same bytes for any number of threads.
+
+use crate::report::{FusionReport, Report, Timings, ViewReport};
+use crate::{LoadedView, SourceError, Stage, ViewSource, Watch};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+use transect_device::Isometry3;
+use transect_fusion::{Agreement, ConsensusOptions, FusedPlane, agreement, consensus};
+use transect_geometry::{Curve, LengthUnit, PlaneFamily, PlaneIndex};
+use transect_model::{Model, ViewRecord};
+use transect_partial::one_pass::{OnePassOptions, partial_model};
+use transect_partial::{PartialError, PartialModel};
+
+/// What a model is made with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Setup {
+    /// The unit of every length.
+    pub unit: LengthUnit,
+    /// Where the section planes are.
+    pub planes: PlaneFamily,
+    /// How each view's curves are found.
+    pub partial: OnePassOptions,
+    /// How the views' curves are fused.
+    pub fusion: ConsensusOptions,
+}
+
+impl Setup {
+    /// Planes in a unit, with default options.
+    pub fn new(unit: LengthUnit, planes: PlaneFamily) -> Self {
+        let (partial, fusion) = (OnePassOptions::default(), ConsensusOptions::default());
+        Self { unit, planes, partial, fusion }
+    }
+}
+
+/// Why there is no model.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReconstructError {
+    /// There is nothing to reconstruct.
+    #[error("the scan has no views")]
+    NoViews,
+    /// A view could not be loaded.
+    #[error("view {view}")]
+    Load {
+        /// Its name.
+        view: String,
+        /// What its source says.
+        #[source]
+        source: SourceError,
+    },
+    /// A view could not be modelled.
+    #[error("view {view}")]
+    Partial {
+        /// Its name.
+        view: String,
+        /// What the partial modeler says.
+        #[source]
+        source: PartialError,
+    },
+    /// No plane crosses any view's surface: usually a wrong unit, offset or depth scale.
+    #[error(
+        "{views} views, but no section plane crosses what they saw; they lie between stations {low} and {high} {unit}"
+    )]
+    Nothing {
+        /// How many views there were.
+        views: usize,
+        /// Lowest station of the views' points.
+        low: f64,
+        /// Highest station of the views' points.
+        high: f64,
+        /// The model's unit.
+        unit: LengthUnit,
+    },
+    /// The watcher asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// A model and how it came about.
+#[derive(Debug)]
+pub struct Reconstruction {
+    /// The model.
+    pub model: Model,
+    /// What happened.
+    pub report: Report,
+}
+
+/// Reconstructs the cross-section model of a set of views.
+///
+/// # Errors
+/// [`ReconstructError`] naming the view, if one cannot be loaded or modelled; there is no model of
+/// the remaining views then, since nobody would notice the gap.
+pub fn reconstruct<S: ViewSource>(
+    sources: &[S],
+    setup: &Setup,
+    watch: &dyn Watch,
+) -> Result<Reconstruction, ReconstructError> {
+    let started = Instant::now();
+    let views = model_views(sources, setup, watch)?;
+    let views_done = Instant::now();
+    let planes = by_plane(&views);
+    if planes.is_empty() {
+        return Err(nothing(&views, setup));
+    }
+    let fused = fuse(&planes, setup, watch)?;
+    let timings = Timings {
+        views: views_done - started,
+        reading: views.iter().map(|v| v.reading).sum(),
+        modelling: views.iter().map(|v| v.modelling).sum(),
+        fusion: views_done.elapsed(),
+    };
+    let report = report(&views, &fused, timings);
+    Ok(Reconstruction { model: assemble(setup, views, fused), report })
+}
+
+/// What is kept of a view.
+struct ModelledView {
+    name: String,
+    notes: Vec<String>,
+    world_from_sensor: Isometry3,
+    sigma: Option<f64>,
+    pixels: usize,
+    valid: usize,
+    stations: (f64, f64),
+    partial: PartialModel,
+    reading: Duration,
+    modelling: Duration,
+}
+
+fn model_views<S: ViewSource>(
+    sources: &[S],
+    setup: &Setup,
+    watch: &dyn Watch,
+) -> Result<Vec<ModelledView>, ReconstructError> {
+    if sources.is_empty() {
+        return Err(ReconstructError::NoViews);
+    }
+    watch.begin(Stage::Views, sources.len());
+    let model = |source: &S| {
+        if watch.cancelled() {
+            return Err(ReconstructError::Cancelled);
+        }
+        let modelled = model_view(source, setup);
+        watch.step(Stage::Views);
+        modelled
+    };
+    sources.par_iter().map(model).collect()
+}
+
+fn model_view<S: ViewSource>(source: &S, setup: &Setup) -> Result<ModelledView, ReconstructError> {
+    let name = source.name().to_owned();
+    let started = Instant::now();
+    let load_failed = |e| ReconstructError::Load { view: name.clone(), source: e };
+    let LoadedView { view, notes } = source.load().map_err(load_failed)?;
+    let read = Instant::now();
+    let partial = partial_model(&view, &setup.planes, &setup.partial)
+        .map_err(|e| ReconstructError::Partial { view: name.clone(), source: e })?;
+    Ok(ModelledView {
+        notes,
+        world_from_sensor: *view.world_from_sensor(),
+        sigma: view.sigma(),
+        pixels: view.image().size().pixels(),
+        valid: view.image().valid_count(),
+        stations: stations(&view, &setup.planes),
+        partial,
+        reading: read - started,
+        modelling: read.elapsed(),
+        name,
+    })
+}
+
+/// Bounds of the stations a view can have points at.
+fn stations(view: &transect_device::View, planes: &PlaneFamily) -> (f64, f64) {
+    let pose = view.world_from_sensor();
+    let direction = planes.guide().direction();
+    let in_sensor = pose.rotation.inverse_transform_vector(&direction);
+    let Some((near, far)) = view.image().extremes() else { return (0.0, 0.0) };
+    let (low, high) = view.frame().extent(&in_sensor, f64::from(near), f64::from(far));
+    let sensor = direction.dot(&pose.translation.vector);
+    (sensor + low, sensor + high)
+}
+
+fn nothing(views: &[ModelledView], setup: &Setup) -> ReconstructError {
+    let low = views.iter().map(|v| v.stations.0).fold(f64::INFINITY, f64::min);
+    let high = views.iter().map(|v| v.stations.1).fold(f64::NEG_INFINITY, f64::max);
+    ReconstructError::Nothing { views: views.len(), low, high, unit: setup.unit }
+}
+
+/// The curves that each plane has from each view; empty where a view has none.
+fn by_plane(views: &[ModelledView]) -> BTreeMap<PlaneIndex, Vec<&[Curve]>> {
+    let mut planes: BTreeMap<PlaneIndex, Vec<&[Curve]>> = BTreeMap::new();
+    for (k, view) in views.iter().enumerate() {
+        for found in &view.partial.planes {
+            let curves = planes.entry(found.plane).or_insert_with(|| vec![&[]; views.len()]);
+            curves[k] = &found.curves;
+        }
+    }
+    planes
+}
+
+/// The fused curves of a plane, and how its views agree.
+struct Fused {
+    index: PlaneIndex,
+    plane: FusedPlane,
+    agreement: Vec<Agreement>,
+}
+
+fn fuse(
+    planes: &BTreeMap<PlaneIndex, Vec<&[Curve]>>,
+    setup: &Setup,
+    watch: &dyn Watch,
+) -> Result<Vec<Fused>, ReconstructError> {
+    watch.begin(Stage::Planes, planes.len());
+    let fuse = |(index, views): (&PlaneIndex, &Vec<&[Curve]>)| {
+        if watch.cancelled() {
+            return Err(ReconstructError::Cancelled);
+        }
+        let plane = consensus(views, &setup.fusion);
+        let fused = Fused { index: *index, plane, agreement: agreement(views) };
+        watch.step(Stage::Planes);
+        Ok(fused)
+    };
+    planes.par_iter().map(fuse).collect()
+}
+
+fn report(views: &[ModelledView], fused: &[Fused], timings: Timings) -> Report {
+    let mut agreements = vec![Agreement::default(); views.len()];
+    for plane in fused {
+        agreements.iter_mut().zip(&plane.agreement).for_each(|(sum, a)| sum.add(a));
+    }
+    let view_reports = views.iter().zip(&agreements).map(|(v, a)| ViewReport {
+        name: v.name.clone(),
+        pixels: v.pixels,
+        valid_pixels: v.valid,
+        sigma: v.partial.counts.sigma,
+        sigma_given: v.sigma.is_some(),
+        planes: v.partial.planes.len(),
+        curves: v.partial.planes.iter().map(|p| p.curves.len()).sum(),
+        crossings: v.partial.counts.crossings,
+        range_jumps: v.partial.counts.jumps,
+        samples_close_to_other_views: a.close,
+        samples_abreast_of_other_views: a.abreast,
+        contradicted: a.is_contradicted(),
+    });
+    Report {
+        views: view_reports.collect(),
+        fusion: FusionReport::new(fused.iter().map(|f| &f.plane)),
+        notes: views.iter().flat_map(|v| v.notes.clone()).collect(),
+        timings,
+    }
+}
+
+fn assemble(setup: &Setup, views: Vec<ModelledView>, fused: Vec<Fused>) -> Model {
+    let mut model = Model::new(setup.unit, setup.planes);
+    for view in views {
+        model.add_view(ViewRecord {
+            source: view.name.clone(),
+            name: view.name,
+            world_from_sensor: view.world_from_sensor,
+            sigma: view.sigma,
+            nodes: view.partial.counts.crossings as u64,
+        });
+    }
+    for plane in fused {
+        model.set_curves(plane.index, plane.plane.curves);
+    }
+    model
+}

@@ -1,0 +1,131 @@
+//! What happened in a run.
+
+use serde::Serialize;
+use std::time::Duration;
+use transect_fusion::FusedPlane;
+use transect_geometry::Curve;
+
+/// A run's report. Lengths are in the model's length unit.
+#[derive(Debug, Clone, Serialize)]
+pub struct Report {
+    /// One entry per view, in the order given.
+    pub views: Vec<ViewReport>,
+    /// What fusion did.
+    pub fusion: FusionReport,
+    /// What readers assumed, repaired or ignored.
+    pub notes: Vec<String>,
+    /// Where the time went; not part of the written report's reproducible bytes.
+    #[serde(skip)]
+    pub timings: Timings,
+}
+
+impl Report {
+    /// What the user should look at: views whose curves contradict those of the others.
+    pub fn warnings(&self) -> Vec<String> {
+        let contradicted = self.views.iter().filter(|v| v.contradicted);
+        let warning = |v: &ViewReport| {
+            let total = v.samples_close_to_other_views + v.samples_abreast_of_other_views;
+            let share = 100.0 * v.samples_abreast_of_other_views as f64 / total as f64;
+            format!(
+                "view {} contradicts the others: {share:.0} % of its overlap with them lies apart; \
+                 is its pose right, and its convention (sensor to world, quaternion not conjugated)?",
+                v.name
+            )
+        };
+        contradicted.map(warning).collect()
+    }
+}
+
+/// What became of one view.
+#[derive(Debug, Clone, Serialize)]
+pub struct ViewReport {
+    /// Its name.
+    pub name: String,
+    /// Pixels of its image.
+    pub pixels: usize,
+    /// Pixels that are not missing.
+    pub valid_pixels: usize,
+    /// Range noise, given or estimated.
+    pub sigma: f64,
+    /// Whether the noise was given.
+    pub sigma_given: bool,
+    /// Planes it has curves on.
+    pub planes: usize,
+    /// Its curves before fusion.
+    pub curves: usize,
+    /// Its nodes before fusion.
+    pub crossings: usize,
+    /// Pairs of neighbouring pixels that were taken apart as range jumps.
+    pub range_jumps: usize,
+    /// Samples with another view's curve right beside them.
+    pub samples_close_to_other_views: u64,
+    /// Samples with another view's curve of the same direction a little farther off.
+    pub samples_abreast_of_other_views: u64,
+    /// Whether the latter outnumber the former.
+    pub contradicted: bool,
+}
+
+/// What fusion did over all planes.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct FusionReport {
+    /// Planes with curves.
+    pub planes: usize,
+    /// Planes on which every curve is closed.
+    pub planes_closed_only: usize,
+    /// Curves.
+    pub curves: usize,
+    /// Closed curves among them.
+    pub closed: usize,
+    /// Nodes of the curves.
+    pub nodes: usize,
+    /// Length of all curves.
+    pub length: f64,
+    /// Nodes of all views that went in.
+    pub observations: usize,
+    /// Candidate nodes that lay beside a better curve or made none.
+    pub dropped: usize,
+    /// Median over the planes of the measured spread between views (standard deviation).
+    pub spread: f64,
+    /// Median over the planes of the overlap threshold.
+    pub threshold: f64,
+}
+
+impl FusionReport {
+    /// Sums up the planes.
+    pub fn new<'a>(planes: impl Iterator<Item = &'a FusedPlane> + Clone) -> Self {
+        let used = planes.clone().filter(|p| !p.curves.is_empty());
+        let curves = || used.clone().flat_map(|p| &p.curves);
+        let closed_only = |p: &&FusedPlane| p.curves.iter().all(Curve::is_closed);
+        Self {
+            planes: used.clone().count(),
+            planes_closed_only: used.clone().filter(closed_only).count(),
+            curves: curves().count(),
+            closed: curves().filter(|c| c.is_closed()).count(),
+            nodes: curves().map(|c| c.nodes().len()).sum(),
+            length: curves().map(Curve::length).sum(),
+            observations: planes.clone().map(|p| p.counts.observations).sum(),
+            dropped: planes.clone().map(|p| p.counts.dropped).sum(),
+            spread: median(planes.clone().map(|p| p.spread)),
+            threshold: median(planes.map(|p| p.threshold)),
+        }
+    }
+}
+
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// Where the time went.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Timings {
+    /// Reading and modelling all views, by the clock.
+    pub views: Duration,
+    /// Reading, summed over the threads.
+    pub reading: Duration,
+    /// Finding curves, summed over the threads.
+    pub modelling: Duration,
+    /// Fusing all planes, by the clock.
+    pub fusion: Duration,
+}

@@ -1,0 +1,105 @@
+//! `cargo xtask inspect`: what is in a scan, before any time is spent on it.
+
+use super::FileView;
+use crate::failure::Failure;
+use crate::table::{Row, digits, print};
+use rayon::prelude::*;
+use std::path::PathBuf;
+use transect::{LoadedView, ViewSource};
+use transect_device::{Pixel, Point3, View};
+use transect_exchange::Scan;
+use transect_geometry::LengthUnit;
+use transect_partial::estimate_sigma;
+
+/// Options of `inspect`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Scan: a folder with scan.json, a scan.json, a Stanford .conf, or a folder of depth images.
+    scan: PathBuf,
+    /// Length unit of a scan that does not state one.
+    #[arg(long)]
+    unit: Option<LengthUnit>,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let scan = Scan::open_with_unit(&arguments.scan, arguments.unit)?;
+    let loaded: Vec<Result<LoadedView, String>> =
+        scan.views.par_iter().map(|v| FileView(v).load().map_err(|e| chain(e.as_ref()))).collect();
+    let unit = scan.unit.symbol();
+    let mut rows =
+        vec![Row::new("scan", scan.name.clone(), ""), Row::count("views", scan.views.len())];
+    if let Some(planes) = &scan.planes {
+        let normal = planes.normal.map(|n| digits(n)).join(", ");
+        rows.push(Row::new("planes, normal", normal, ""));
+        rows.push(Row::new("planes, offset", digits(planes.offset), unit));
+        rows.push(Row::new("planes, interval", digits(planes.interval), unit));
+    }
+    let mut corners: Option<(Point3, Point3)> = None;
+    let mut failures = Vec::new();
+    for note in &scan.notes {
+        eprintln!("note: {note}");
+    }
+    for (source, loaded) in scan.views.iter().zip(&loaded) {
+        match loaded {
+            Ok(LoadedView { view, notes }) => {
+                notes.iter().for_each(|n| eprintln!("note: {n}"));
+                rows.push(view_row(view, unit));
+                corners = around(corners, view);
+            }
+            Err(error) => failures.push(format!("view {}: {error}", source.name())),
+        }
+    }
+    if let Some((low, high)) = corners {
+        for (axis, low, high) in [("x", low.x, high.x), ("y", low.y, high.y), ("z", low.z, high.z)]
+        {
+            rows.push(Row::new(
+                format!("extent, {axis}"),
+                format!("{} to {}", digits(low), digits(high)),
+                unit,
+            ));
+        }
+    }
+    print(&rows);
+    // Every bad view is named, not only the first.
+    if failures.is_empty() { Ok(()) } else { Err(Failure::because(failures.join("\n"))) }
+}
+
+fn chain(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        text.push_str(&format!("\n  because: {error}"));
+        cause = error.source();
+    }
+    text
+}
+
+fn view_row(view: &View, unit: &str) -> Row {
+    let (image, size) = (view.image(), view.image().size());
+    let valid = 100.0 * image.valid_count() as f64 / size.pixels() as f64;
+    let (near, far) = image.extremes().unwrap_or((f32::NAN, f32::NAN));
+    let (sigma, how) = match view.sigma() {
+        Some(sigma) => (sigma, "given"),
+        None => (estimate_sigma(image), "estimated"),
+    };
+    let value = format!(
+        "{size}, {valid:.1} % valid, values {} to {}, noise {} {how}",
+        digits(f64::from(near)),
+        digits(f64::from(far)),
+        digits(sigma)
+    );
+    Row::new(format!("view {}", view.name()), value, unit)
+}
+
+/// The box around all points so far, in the world.
+fn around(corners: Option<(Point3, Point3)>, view: &View) -> Option<(Point3, Point3)> {
+    let size = view.image().size();
+    let pixels = (0..size.rows).flat_map(|row| (0..size.cols).map(move |col| Pixel::new(row, col)));
+    let points =
+        pixels.filter_map(|p| view.point_in_sensor(p)).map(|p| view.world_from_sensor() * p);
+    points.fold(corners, |corners, p| {
+        let (low, high) = corners.unwrap_or((p, p));
+        Some((low.inf(&p), high.sup(&p)))
+    })
+}

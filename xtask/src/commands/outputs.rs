@@ -1,0 +1,45 @@
+//! The files a reconstruction leaves.
+
+use crate::failure::Failure;
+use rayon::prelude::*;
+use std::path::Path;
+use transect_exchange::svg::{OverviewOptions, Sheets, write_overview};
+use transect_exchange::{DxfFrame, WriteError, write_contours, write_dxf, write_file};
+use transect_geometry::PlaneIndex;
+use transect_model::Model;
+
+/// Writes model, contours, drawing, overview and sheets into a folder.
+pub fn write(folder: &Path, name: &str, model: &Model) -> Result<(), Failure> {
+    let sheets = folder.join("planes");
+    // Sheets of planes that this model no longer has would be taken for part of it.
+    remove_sheets(&sheets)?;
+    std::fs::create_dir_all(&sheets).map_err(|e| Failure::with_file(&sheets, e))?;
+    model.save(&folder.join("model.transect"))?;
+    write_file(&folder.join("contours.json"), |out| write_contours(model, out))?;
+    write_file(&folder.join("model.dxf"), |out| write_dxf(model, DxfFrame::World, out))?;
+    let options = OverviewOptions { title: name.to_owned(), ..OverviewOptions::default() };
+    write_file(&folder.join("overview.svg"), |out| write_overview(model, &options, out))?;
+    write_sheets(&sheets, model)?;
+    Ok(())
+}
+
+fn write_sheets(folder: &Path, model: &Model) -> Result<(), WriteError> {
+    let sheets = Sheets::new(model);
+    let planes: Vec<PlaneIndex> = model.sections().map(|(plane, _)| plane).collect();
+    planes.par_iter().try_for_each(|&plane| {
+        let file = folder.join(format!("plane_{:+05}.svg", plane.0));
+        write_file(&file, |out| sheets.write(plane, out))
+    })
+}
+
+fn remove_sheets(folder: &Path) -> Result<(), Failure> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Ok(()) };
+    for entry in entries.flatten() {
+        let path = entry.path();
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if name.starts_with("plane_") && name.ends_with(".svg") {
+            std::fs::remove_file(&path).map_err(|e| Failure::with_file(&path, e))?;
+        }
+    }
+    Ok(())
+}

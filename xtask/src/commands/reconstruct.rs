@@ -1,0 +1,180 @@
+//! `cargo xtask reconstruct`: a scan in, a cross-section model with its report and pictures out.
+
+use super::planes::PlaneArguments;
+use super::report_file::{ReportFile, StageCost};
+use super::{FileView, default_out, evaluate, outputs, simulate};
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::table::{Row, digits, print};
+use clap::ValueEnum;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use transect::{Reconstruction, Setup, reconstruct};
+use transect_exchange::Scan;
+use transect_geometry::LengthUnit;
+
+/// How a view's curves are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, serde::Serialize)]
+#[value(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// All planes in one sweep over the range image.
+    OnePass,
+}
+
+/// Options of `reconstruct`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Scan: a folder with scan.json, a scan.json, a Stanford .conf, or a folder of depth images
+    /// [default: simulate the bundled room].
+    scan: Option<PathBuf>,
+    /// Length unit of a scan that does not state one: m, dm, cm, mm, um, in or ft.
+    #[arg(long)]
+    unit: Option<LengthUnit>,
+    /// Folder for the results [default: target/transect/NAME].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    planes: PlaneArguments,
+    /// How each view's curves are found.
+    #[arg(long, value_enum, default_value_t = Method::OnePass, help_heading = "Method")]
+    method: Method,
+    /// Number of threads; 0 takes all cores. The results do not depend on it.
+    #[arg(long, default_value_t = 0, value_name = "NUMBER", help_heading = "Running")]
+    threads: usize,
+    /// Show no progress.
+    #[arg(long, help_heading = "Running")]
+    quiet: bool,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    rayon::ThreadPoolBuilder::new().num_threads(arguments.threads).build_global()?;
+    let mut stages = Stages::begin();
+    let path = match &arguments.scan {
+        Some(path) => path.clone(),
+        None => bundled_scan(arguments, &mut stages)?,
+    };
+    let scan = Scan::open_with_unit(&path, arguments.unit)?;
+    let setup = Setup::new(scan.unit, arguments.planes.family(&scan)?);
+    let out = arguments.out.clone().unwrap_or_else(|| default_out(&scan.name));
+
+    let progress = Progress::new(arguments.quiet);
+    let views: Vec<FileView> = scan.views.iter().map(FileView).collect();
+    let result = reconstruct(&views, &setup, &progress);
+    progress.finish();
+    let result = result?;
+    stages.modelled(&result);
+
+    outputs::write(&out, &scan.name, &result.model)?;
+    stages.end("writing");
+    let mut rows = result_rows(&scan, &result);
+    rows.extend(accuracy_rows(&path, &out)?);
+    rows.extend(stages.rows());
+    let report = ReportFile::new(&scan, &path, &setup, arguments.method, &result.report);
+    report.write(&out.join("report.json"), &rows, &stages.costs)?;
+    finish(&scan, &result, &rows, &out);
+    Ok(())
+}
+
+/// Simulates the bundled room next to where its results go.
+fn bundled_scan(arguments: &Arguments, stages: &mut Stages) -> Result<PathBuf, Failure> {
+    let description = simulate::describe(None)?;
+    let out = arguments.out.clone().unwrap_or_else(|| default_out(&description.name));
+    let folder = out.join("scan");
+    simulate::simulate(&description, &folder)?;
+    stages.end("simulating");
+    Ok(folder)
+}
+
+/// Scores the result if the scan has its truth beside it.
+fn accuracy_rows(scan: &Path, out: &Path) -> Result<Vec<Row>, Failure> {
+    match evaluate::truth_beside(scan) {
+        Some(truth) => evaluate::score(out, Some(&truth), &evaluate::Limits::default()),
+        None => Ok(Vec::new()),
+    }
+}
+
+fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
+    let (report, unit) = (&result.report, scan.unit.symbol());
+    let fusion = &report.fusion;
+    let valid: usize = report.views.iter().map(|v| v.valid_pixels).sum();
+    let pixels: usize = report.views.iter().map(|v| v.pixels).sum();
+    let percent = |part: usize, whole: usize| digits(100.0 * part as f64 / whole.max(1) as f64);
+    vec![
+        Row::new("scan", scan.name.clone(), ""),
+        Row::count("views", report.views.len()),
+        Row::new("valid pixels", percent(valid, pixels), "%"),
+        Row::count("planes with curves", fusion.planes),
+        Row::new(
+            "planes with closed curves only",
+            percent(fusion.planes_closed_only, fusion.planes),
+            "%",
+        ),
+        Row::count("curves", fusion.curves),
+        Row::count("closed curves", fusion.closed),
+        Row::count("nodes", fusion.nodes),
+        Row::count("nodes of all views", fusion.observations),
+        Row::new("curve length", digits(fusion.length), unit),
+        Row::new("spread between views", digits(fusion.spread), unit),
+        Row::new("overlap threshold", digits(fusion.threshold), unit),
+    ]
+}
+
+fn finish(scan: &Scan, result: &Reconstruction, rows: &[Row], out: &Path) {
+    for note in scan.notes.iter().chain(&result.report.notes) {
+        eprintln!("note: {note}");
+    }
+    for warning in result.report.warnings() {
+        eprintln!("warning: {warning}");
+    }
+    print(rows);
+    println!();
+    println!("results: {}", out.display());
+    println!("picture: {}", out.join("overview.svg").display());
+}
+
+/// Time and memory by stage.
+struct Stages {
+    costs: Vec<StageCost>,
+    began: Instant,
+}
+
+impl Stages {
+    fn begin() -> Self {
+        Self { costs: Vec::new(), began: Instant::now() }
+    }
+
+    /// Ends a stage that began where the last one ended.
+    fn end(&mut self, stage: &str) {
+        self.push(stage, self.began.elapsed().as_secs_f64());
+        self.began = Instant::now();
+    }
+
+    /// The modeler's own stages, which it timed itself.
+    fn modelled(&mut self, result: &Reconstruction) {
+        let t = &result.report.timings;
+        let busy = (t.reading + t.modelling).as_secs_f64();
+        // Reading and finding curves run side by side: the clock's time is shared by their work.
+        let share = |part: f64| if busy > 0.0 { t.views.as_secs_f64() * part / busy } else { 0.0 };
+        self.push("reading", share(t.reading.as_secs_f64()));
+        self.push("finding curves", share(t.modelling.as_secs_f64()));
+        self.push("fusing", t.fusion.as_secs_f64());
+        self.began = Instant::now();
+    }
+
+    fn push(&mut self, stage: &str, seconds: f64) {
+        let peak = crate::memory::peak_mib();
+        self.costs.push(StageCost { stage: stage.to_owned(), seconds, peak_memory_mib: peak });
+    }
+
+    fn rows(&self) -> Vec<Row> {
+        let row = |c: &StageCost| {
+            let peak = c.peak_memory_mib.map_or(String::new(), |m| format!(", peak {m:.0} MiB"));
+            Row::new(format!("time {}", c.stage), format!("{:.3}", c.seconds), format!("s{peak}"))
+        };
+        let total: f64 = self.costs.iter().map(|c| c.seconds).sum();
+        let total = Row::new("time in all", format!("{total:.3}"), "s");
+        self.costs.iter().map(row).chain([total]).collect()
+    }
+}

@@ -1,0 +1,120 @@
+//! `report.json`: the table of a run with everything needed to repeat it.
+
+use super::reconstruct::Method;
+use crate::failure::Failure;
+use crate::table::Row;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+use transect::{Report, Setup};
+use transect_exchange::{Scan, write_file};
+
+/// What a stage cost.
+#[derive(Debug, Clone, Serialize)]
+pub struct StageCost {
+    /// Its name.
+    pub stage: String,
+    /// Time by the clock.
+    pub seconds: f64,
+    /// Largest resident memory of the process up to its end.
+    pub peak_memory_mib: Option<f64>,
+}
+
+/// The parts of a report that later commands read.
+#[derive(Debug, Deserialize)]
+pub struct Written {
+    /// Where the scan was.
+    pub scan: PathBuf,
+}
+
+/// Everything in `report.json` but table and costs.
+#[derive(Debug, Serialize)]
+pub struct ReportFile<'a> {
+    tool: &'static str,
+    version: &'static str,
+    /// Absolute path of the scan.
+    scan: PathBuf,
+    unit: &'static str,
+    settings: Settings,
+    inputs: Vec<Input>,
+    warnings: Vec<String>,
+    reader_notes: &'a [String],
+    #[serde(flatten)]
+    report: &'a Report,
+}
+
+#[derive(Debug, Serialize)]
+struct Settings {
+    normal: [f64; 3],
+    offset: f64,
+    interval: f64,
+    method: Method,
+    max_incidence_deg: f64,
+    jump_sigmas: f64,
+    threshold_spreads: f64,
+    direction_limit_deg: f64,
+    shortest_footprints: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct Input {
+    path: PathBuf,
+    bytes: u64,
+    sha256: String,
+}
+
+impl<'a> ReportFile<'a> {
+    /// The report of a run.
+    pub fn new(
+        scan: &'a Scan,
+        path: &Path,
+        setup: &Setup,
+        method: Method,
+        report: &'a Report,
+    ) -> Self {
+        Self {
+            tool: "transect",
+            version: env!("CARGO_PKG_VERSION"),
+            scan: std::path::absolute(path).unwrap_or_else(|_| path.to_owned()),
+            unit: scan.unit.symbol(),
+            settings: Settings {
+                normal: setup.planes.guide().direction().into(),
+                offset: setup.planes.offset(),
+                interval: setup.planes.interval(),
+                method,
+                max_incidence_deg: setup.partial.max_incidence_rad.to_degrees(),
+                jump_sigmas: setup.partial.jump_sigmas,
+                threshold_spreads: setup.fusion.threshold_spreads,
+                direction_limit_deg: setup.fusion.direction_limit_rad.to_degrees(),
+                shortest_footprints: setup.fusion.shortest_footprints,
+            },
+            inputs: scan.inputs.par_iter().filter_map(|p| input(p)).collect(),
+            warnings: report.warnings(),
+            reader_notes: &scan.notes,
+            report,
+        }
+    }
+
+    /// Writes the report with a run's table and costs.
+    pub fn write(&self, path: &Path, rows: &[Row], costs: &[StageCost]) -> Result<(), Failure> {
+        #[derive(Serialize)]
+        struct Whole<'a> {
+            #[serde(flatten)]
+            file: &'a ReportFile<'a>,
+            result: &'a [Row],
+            stages: &'a [StageCost],
+        }
+        let whole = Whole { file: self, result: rows, stages: costs };
+        write_file(path, |out| Ok(serde_json::to_writer_pretty(out, &whole)?))?;
+        Ok(())
+    }
+}
+
+/// Size and hash of an input; an input that has vanished meanwhile is left out.
+fn input(path: &Path) -> Option<Input> {
+    let bytes = std::fs::read(path).ok()?;
+    let hash = Sha256::digest(&bytes);
+    let sha256 = hash.iter().map(|b| format!("{b:02x}")).collect();
+    Some(Input { path: path.to_owned(), bytes: bytes.len() as u64, sha256 })
+}
