@@ -82,8 +82,8 @@ pub fn score(
     let curves: BTreeMap<PlaneIndex, Vec<Curve>> =
         model.sections().map(|(k, s)| (k, s.curves().cloned().collect())).collect();
     let rows = match reference {
-        Some(mesh) => evaluate(&planes, &curves, &truth(mesh, &planes)?, &options).rows(unit),
-        None => duplication(&planes, &curves, &options).rows(unit),
+        Some(mesh) => evaluate(&planes, &curves, &truth(mesh, &planes)?, &options)?.rows(unit),
+        None => duplication(&curves, tolerance)?.rows(unit),
     };
     Ok(rows.into_iter().map(|r| Row::new(r.metric, r.value, r.unit)).collect())
 }
