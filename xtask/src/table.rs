@@ -1,6 +1,7 @@
 //! The table a run ends with: metric, value, unit.
 
 use serde::Serialize;
+use std::io::Write;
 
 /// One line of a table.
 #[derive(Debug, Clone, Serialize)]
@@ -45,10 +46,15 @@ pub fn print(rows: &[Row]) {
         rows.iter().map(|r| f(r).chars().count()).chain([head.len()]).max().unwrap_or(0)
     };
     let (metric, value) = (width(|r| &r.metric, "metric"), width(|r| &r.value, "value"));
-    println!("{:metric$}  {:>value$}  unit", "metric", "value");
+    say(&format!("{:metric$}  {:>value$}  unit", "metric", "value"));
     for r in rows {
-        println!("{:metric$}  {:>value$}  {}", r.metric, r.value, r.unit);
+        say(format!("{:metric$}  {:>value$}  {}", r.metric, r.value, r.unit).trim_end());
     }
+}
+
+/// Prints a line to stdout; a reader that has gone away is no error.
+pub fn say(line: &str) {
+    let _ = writeln!(std::io::stdout(), "{line}");
 }
 
 #[cfg(test)]

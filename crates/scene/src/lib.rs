@@ -13,6 +13,7 @@
 //! * [`Shape`], [`Solid`], [`Scene`], [`Hit`]: what is there, and what a ray meets first;
 //! * [`Noise`]: what a real sensor does to it, reproducibly;
 //! * [`Mesh`], [`slice_mesh`], [`sections`], [`merge_overlaps`]: truth as oriented curves;
+//! * [`Visibility`]: which part of the truth the views could see;
 //! * [`Description`], [`Station`]: the scene file (TOML), with [`BUNDLED_ROOM`] as an example.
 
 mod cast;
@@ -23,6 +24,7 @@ mod parry;
 mod scene;
 mod section;
 mod solid;
+mod visibility;
 
 pub use cast::CastError;
 pub use description::{Description, DescriptionError, Problem, SensorParameters, Station};
@@ -31,6 +33,7 @@ pub use noise::Noise;
 pub use scene::{Hit, Scene, SceneError};
 pub use section::{MAX_PLANES, merge_overlaps, sections, slice_mesh};
 pub use solid::{Shape, Solid, SolidError};
+pub use visibility::Visibility;
 
 /// The bundled scene description: an indoor scene after section 5.6.1 of the dissertation.
 ///

@@ -14,7 +14,7 @@ pub struct Report {
     pub fusion: FusionReport,
     /// What readers assumed, repaired or ignored.
     pub notes: Vec<String>,
-    /// Where the time went; not part of the written report's reproducible bytes.
+    /// Where the time went. Not serialised, so that equal runs make equal reports.
     #[serde(skip)]
     pub timings: Timings,
 }

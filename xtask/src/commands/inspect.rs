@@ -24,45 +24,45 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scan = Scan::open_with_unit(&arguments.scan, arguments.unit)?;
-    let loaded: Vec<Result<LoadedView, String>> =
-        scan.views.par_iter().map(|v| FileView(v).load().map_err(|e| chain(e.as_ref()))).collect();
-    let unit = scan.unit.symbol();
-    let mut rows =
-        vec![Row::new("scan", scan.name.clone(), ""), Row::count("views", scan.views.len())];
-    if let Some(planes) = &scan.planes {
-        let normal = planes.normal.map(|n| digits(n)).join(", ");
-        rows.push(Row::new("planes, normal", normal, ""));
-        rows.push(Row::new("planes, offset", digits(planes.offset), unit));
-        rows.push(Row::new("planes, interval", digits(planes.interval), unit));
-    }
+    let load = |view| FileView(view).load().map_err(|e| chain(e.as_ref()));
+    let loaded: Vec<Result<LoadedView, String>> = scan.views.par_iter().map(load).collect();
+    scan.notes.iter().for_each(|n| eprintln!("note: {n}"));
+    let mut rows = scan_rows(&scan);
     let mut corners: Option<(Point3, Point3)> = None;
     let mut failures = Vec::new();
-    for note in &scan.notes {
-        eprintln!("note: {note}");
-    }
     for (source, loaded) in scan.views.iter().zip(&loaded) {
         match loaded {
             Ok(LoadedView { view, notes }) => {
                 notes.iter().for_each(|n| eprintln!("note: {n}"));
-                rows.push(view_row(view, unit));
+                rows.push(view_row(view, scan.unit.symbol()));
                 corners = around(corners, view);
             }
             Err(error) => failures.push(format!("view {}: {error}", source.name())),
         }
     }
-    if let Some((low, high)) = corners {
-        for (axis, low, high) in [("x", low.x, high.x), ("y", low.y, high.y), ("z", low.z, high.z)]
-        {
-            rows.push(Row::new(
-                format!("extent, {axis}"),
-                format!("{} to {}", digits(low), digits(high)),
-                unit,
-            ));
-        }
-    }
+    rows.extend(corners.into_iter().flat_map(|c| extent_rows(c, scan.unit.symbol())));
     print(&rows);
     // Every bad view is named, not only the first.
     if failures.is_empty() { Ok(()) } else { Err(Failure::because(failures.join("\n"))) }
+}
+
+fn scan_rows(scan: &Scan) -> Vec<Row> {
+    let unit = scan.unit.symbol();
+    let mut rows =
+        vec![Row::new("scan", scan.name.clone(), ""), Row::count("views", scan.views.len())];
+    if let Some(planes) = &scan.planes {
+        rows.push(Row::new("planes, normal", planes.normal.map(digits).join(", "), ""));
+        rows.push(Row::new("planes, offset", digits(planes.offset), unit));
+        rows.push(Row::new("planes, interval", digits(planes.interval), unit));
+    }
+    rows
+}
+
+fn extent_rows((low, high): (Point3, Point3), unit: &str) -> [Row; 3] {
+    let row = |axis: &str, low: f64, high: f64| {
+        Row::new(format!("extent, {axis}"), format!("{} to {}", digits(low), digits(high)), unit)
+    };
+    [row("x", low.x, high.x), row("y", low.y, high.y), row("z", low.z, high.z)]
 }
 
 fn chain(error: &dyn std::error::Error) -> String {

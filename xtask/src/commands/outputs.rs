@@ -8,15 +8,33 @@ use transect_exchange::{DxfFrame, WriteError, write_contours, write_dxf, write_f
 use transect_geometry::PlaneIndex;
 use transect_model::Model;
 
+/// In which frame the drawing's curves are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum DrawingFrame {
+    /// 3D polylines where the curves are in the world.
+    World,
+    /// 2D polylines in the coordinates of their planes, stacked by station.
+    Plane,
+}
+
 /// Writes model, contours, drawing, overview and sheets into a folder.
-pub fn write(folder: &Path, name: &str, model: &Model) -> Result<(), Failure> {
+pub fn write(
+    folder: &Path,
+    name: &str,
+    model: &Model,
+    drawing: DrawingFrame,
+) -> Result<(), Failure> {
+    let frame = match drawing {
+        DrawingFrame::World => DxfFrame::World,
+        DrawingFrame::Plane => DxfFrame::Plane,
+    };
     let sheets = folder.join("planes");
     // Sheets of planes that this model no longer has would be taken for part of it.
     remove_sheets(&sheets)?;
     std::fs::create_dir_all(&sheets).map_err(|e| Failure::with_file(&sheets, e))?;
-    model.save(&folder.join("model.transect"))?;
+    model.save(folder.join("model.transect"))?;
     write_file(&folder.join("contours.json"), |out| write_contours(model, out))?;
-    write_file(&folder.join("model.dxf"), |out| write_dxf(model, DxfFrame::World, out))?;
+    write_file(&folder.join("model.dxf"), |out| write_dxf(model, frame, out))?;
     let options = OverviewOptions { title: name.to_owned(), ..OverviewOptions::default() };
     write_file(&folder.join("overview.svg"), |out| write_overview(model, &options, out))?;
     write_sheets(&sheets, model)?;

@@ -1,11 +1,13 @@
 //! `cargo xtask reconstruct`: a scan in, a cross-section model with its report and pictures out.
 
+use super::evaluate::{self, Reference};
+use super::outputs::{self, DrawingFrame};
 use super::planes::PlaneArguments;
 use super::report_file::{ReportFile, StageCost};
-use super::{FileView, default_out, evaluate, outputs, simulate};
+use super::{FileView, default_out, simulate};
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::table::{Row, digits, print};
+use crate::table::{Row, digits, print, say};
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -34,6 +36,9 @@ pub struct Arguments {
     /// Folder for the results [default: target/transect/NAME].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Frame of the curves in model.dxf.
+    #[arg(long, value_enum, default_value_t = DrawingFrame::World, value_name = "FRAME")]
+    dxf: DrawingFrame,
     #[command(flatten)]
     planes: PlaneArguments,
     /// How each view's curves are found.
@@ -66,10 +71,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let result = result?;
     stages.modelled(&result);
 
-    outputs::write(&out, &scan.name, &result.model)?;
+    outputs::write(&out, &scan.name, &result.model, arguments.dxf)?;
     stages.end("writing");
     let mut rows = result_rows(&scan, &result);
-    rows.extend(accuracy_rows(&path, &out)?);
+    let accuracy = accuracy_rows(&path, &out)?;
+    if !accuracy.is_empty() {
+        stages.end("scoring");
+    }
+    rows.extend(accuracy);
     rows.extend(stages.rows());
     let report = ReportFile::new(&scan, &path, &setup, arguments.method, &result.report);
     report.write(&out.join("report.json"), &rows, &stages.costs)?;
@@ -89,9 +98,9 @@ fn bundled_scan(arguments: &Arguments, stages: &mut Stages) -> Result<PathBuf, F
 
 /// Scores the result if the scan has its truth beside it.
 fn accuracy_rows(scan: &Path, out: &Path) -> Result<Vec<Row>, Failure> {
-    match evaluate::truth_beside(scan) {
-        Some(truth) => evaluate::score(out, Some(&truth), &evaluate::Limits::default()),
-        None => Ok(Vec::new()),
+    match Reference::beside(scan) {
+        Reference::Nothing => Ok(Vec::new()),
+        truth => Ok(evaluate::score(out, &truth, &evaluate::Limits::default())?.agreement),
     }
 }
 
@@ -129,9 +138,8 @@ fn finish(scan: &Scan, result: &Reconstruction, rows: &[Row], out: &Path) {
         eprintln!("warning: {warning}");
     }
     print(rows);
-    println!();
-    println!("results: {}", out.display());
-    println!("picture: {}", out.join("overview.svg").display());
+    say(&format!("\nresults: {}", out.display()));
+    say(&format!("picture: {}", out.join("overview.svg").display()));
 }
 
 /// Time and memory by stage.

@@ -31,6 +31,13 @@ pub(super) const HAIRPIN: JoinRule =
 pub(super) const CROSSING: JoinRule =
     JoinRule { gap_footprints: 2.5, turn_cosine: (-1.0, 0.5), backward: -1.0, cut_nodes: 10 };
 
+/// What a node that is cut adds to the cost of a join, in footprints.
+const CUT_COST: f64 = 0.3;
+
+/// Part of the overlap threshold by which gaps may be longer: ends of two views' curves may lie that
+/// far apart sideways.
+const GAP_SHARE: f64 = 0.25;
+
 /// Joins ends of pieces, cheapest first, until no two fit the rule.
 pub(super) fn join(
     kept: &[Kept],
@@ -99,30 +106,28 @@ fn fit(
     }
     let shortest = a.nodes.len().min(b.nodes.len());
     let most = rule.cut_nodes.min(if itself { shortest / 3 } else { shortest / 2 });
+    let (leaving, arriving) = (a.direction(kept, true), b.direction(kept, false));
+    let turn = leaving.dot(&arriving);
+    if turn < rule.turn_cosine.0 || turn > rule.turn_cosine.1 + 1e-9 {
+        return None;
+    }
     let mut best: Option<(f64, (usize, usize))> = None;
-    for cut_a in 0..=most {
-        for cut_b in 0..=most {
-            let p = kept[a.nodes[a.nodes.len() - 1 - cut_a] as usize];
-            let q = kept[b.nodes[cut_b] as usize];
-            let gap = q.position - p.position;
-            let limit = rule.gap_footprints * p.footprint.max(q.footprint);
-            let leave = gap_cosine(&gap, &a.direction(kept, true));
-            let arrive = gap_cosine(&gap, &b.direction(kept, false));
-            let turn = a.direction(kept, true).dot(&b.direction(kept, false));
-            let fits = gap.norm() <= limit + 0.25 * scale.threshold
-                && turn >= rule.turn_cosine.0
-                && turn <= rule.turn_cosine.1 + 1e-9
-                && leave >= rule.backward
-                && arrive >= rule.backward;
-            let cost = gap.norm() * (3.0 - leave - arrive) + (cut_a + cut_b) as f64 * 0.3 * largest;
-            if fits && best.is_none_or(|(c, _)| cost < c) {
-                best = Some((cost, (cut_a, cut_b)));
-            }
+    for (cut_a, cut_b) in (0..=most).flat_map(|a| (0..=most).map(move |b| (a, b))) {
+        let p = kept[a.nodes[a.nodes.len() - 1 - cut_a] as usize];
+        let q = kept[b.nodes[cut_b] as usize];
+        let gap = q.position - p.position;
+        let longest =
+            rule.gap_footprints * p.footprint.max(q.footprint) + GAP_SHARE * scale.threshold;
+        let (leave, arrive) = (gap_cosine(&gap, &leaving), gap_cosine(&gap, &arriving));
+        let fits = gap.norm() <= longest && leave.min(arrive) >= rule.backward;
+        let cost =
+            gap.norm() * (3.0 - leave - arrive) + (cut_a + cut_b) as f64 * CUT_COST * largest;
+        if fits && best.is_none_or(|(c, _)| cost < c) {
+            best = Some((cost, (cut_a, cut_b)));
         }
     }
     // Closing needs enough nodes to be left for a ring.
-    let left = |(_, (x, y)): &(f64, (usize, usize))| !itself || a.nodes.len() >= x + y + 4;
-    best.filter(left)
+    best.filter(|(_, (x, y))| !itself || a.nodes.len() >= x + y + 4)
 }
 
 fn gap_cosine(gap: &Vector2, direction: &Vector2) -> f64 {

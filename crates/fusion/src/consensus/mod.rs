@@ -37,6 +37,7 @@ mod pieces;
 mod place;
 mod spread;
 mod thin;
+mod window;
 
 use crate::grid::PointGrid;
 use crate::{FusedPlane, FusionCounts};
@@ -116,6 +117,8 @@ struct Kept {
     /// Variance along the curve of the places in the cluster.
     along_variance: f64,
     weight: f64,
+    /// Sum of the credits of what this node absorbed.
+    credit: f64,
     views: u32,
 }
 
@@ -131,6 +134,7 @@ impl Kept {
             cluster_sigma: sigma,
             along_variance: 0.0,
             weight: 0.0,
+            credit: 0.0,
             views: 0,
         }
     }
@@ -140,7 +144,7 @@ impl Kept {
             position: self.position,
             sigma: self.sigma.max(0.0) as f32,
             footprint: self.footprint as f32,
-            weight: self.views as f32,
+            weight: self.credit as f32,
             views: self.views,
         }
     }

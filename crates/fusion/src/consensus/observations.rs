@@ -29,7 +29,9 @@ pub(crate) struct Observation {
     /// Standard deviation across the curve: noise and sampling.
     pub sigma: f64,
     pub footprint: f64,
-    /// Relative weight: the rim taper over the variance.
+    /// How much it counts as an observation: the node's weight, less towards open ends.
+    pub credit: f64,
+    /// Weight in an average: the credit over the variance.
     pub weight: f64,
     /// Number of the view in canonical order.
     pub view: u32,
@@ -77,6 +79,7 @@ impl Observations {
             let sigma = f64::from(node.sigma).hypot(SAMPLING_SHARE * footprint);
             let taper =
                 (arc.to_open_end(k) / (TAPER_FOOTPRINTS * footprint)).clamp(LEAST_TAPER, 1.0);
+            let credit = f64::from(node.weight) * taper;
             let last = k + 1 == nodes.len();
             let next = if !last {
                 first + k as u32 + 1
@@ -90,7 +93,8 @@ impl Observations {
                 tangent: arc.tangent(k, reach(node)),
                 sigma,
                 footprint,
-                weight: f64::from(node.weight) * taper / (sigma * sigma),
+                credit,
+                weight: credit / (sigma * sigma),
                 view,
                 next,
             });

@@ -4,9 +4,10 @@
 //! (intersection of confidence intervals): wide along smooth curves, narrow at detail.
 
 use super::fit::{Fit, Sample, parabola};
+use super::window::{Window, left_of};
 use super::{Kept, Scale};
 use crate::grid::PointGrid;
-use transect_geometry::{Point2, Vector2};
+use transect_geometry::Point2;
 
 /// Half-width of the narrowest window, in footprints.
 const NARROWEST_FOOTPRINTS: f64 = 2.5;
@@ -33,47 +34,31 @@ pub(super) fn place(kept: &mut [Kept], scale: &Scale) {
     let grid = PointGrid::new(&clusters, 2.0 * NARROWEST_FOOTPRINTS * scale.spacing);
     let mut samples = Vec::new();
     let placed: Vec<Option<Fit>> =
-        (0..kept.len()).map(|k| fit_at(kept, k, &grid, scale, &mut samples)).collect();
+        kept.iter().map(|here| widest_fit(kept, here, &grid, scale, &mut samples)).collect();
     for (k, fit) in kept.iter_mut().zip(placed) {
         let Some(fit) = fit else { continue };
-        let normal = Vector2::new(-k.tangent.y, k.tangent.x);
+        let normal = left_of(&k.tangent);
         k.position += normal * fit.place;
         k.tangent = (k.tangent + normal * fit.slope).normalize();
         k.sigma = fit.place_sigma;
     }
 }
 
-fn fit_at(
+/// The fit in the widest window that agrees with all narrower ones.
+fn widest_fit(
     kept: &[Kept],
-    k: usize,
+    here: &Kept,
     grid: &PointGrid,
     scale: &Scale,
     samples: &mut Vec<Sample>,
 ) -> Option<Fit> {
-    let here = &kept[k];
-    let across = scale.across(here.cluster_sigma);
-    let normal = Vector2::new(-here.tangent.y, here.tangent.x);
-    let narrowest = NARROWEST_FOOTPRINTS * here.footprint;
+    let threshold = scale.across(here.cluster_sigma);
     let mut best: Option<Fit> = None;
     let mut interval = (f64::NEG_INFINITY, f64::INFINITY);
     for step in 0..WINDOWS {
-        let reach = narrowest * WINDOW_GROWTH.powi(step);
-        samples.clear();
-        grid.within(&here.position, reach.hypot(across), |j, d| {
-            let there = &kept[j];
-            let (x, y) = (d.dot(&here.tangent), d.dot(&normal));
-            let same = there.tangent.dot(&here.tangent) >= scale.same_way;
-            if same && x.abs() <= reach && y.abs() <= across.max(0.5 * reach) {
-                samples.push(Sample {
-                    x,
-                    y,
-                    weight: there.weight,
-                    sigma: there.cluster_sigma,
-                    along_variance: there.along_variance,
-                });
-            }
-        });
-        let Some(fit) = parabola(samples, reach, across) else {
+        let reach = NARROWEST_FOOTPRINTS * here.footprint * WINDOW_GROWTH.powi(step);
+        gather(kept, here, grid, (reach, threshold, scale.same_way), samples);
+        let Some(fit) = parabola(samples, reach, threshold) else {
             // A first fit across a gap would rest on far ground alone.
             if step < LAST_FIRST_WINDOW {
                 continue;
@@ -88,5 +73,26 @@ fn fit_at(
         }
         best = Some(fit);
     }
-    best.filter(|f| f.place.abs() <= across)
+    best.filter(|f| f.place.abs() <= threshold)
+}
+
+fn gather(
+    kept: &[Kept],
+    here: &Kept,
+    grid: &PointGrid,
+    (reach, threshold, same_way): (f64, f64, f64),
+    samples: &mut Vec<Sample>,
+) {
+    // A bend leaves the tangent by up to half the reach where directions still count as the same.
+    let across = threshold.max(0.5 * reach);
+    let window = Window { centre: here.position, tangent: here.tangent, reach, across, same_way };
+    samples.clear();
+    window.visit(
+        grid,
+        |j| kept[j].tangent,
+        |j, x, y| {
+            let Kept { weight, cluster_sigma: sigma, along_variance, .. } = kept[j];
+            samples.push(Sample { x, y, weight, sigma, along_variance });
+        },
+    );
 }

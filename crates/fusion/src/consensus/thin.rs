@@ -1,7 +1,8 @@
 //! First place, thinning and clusters: from all observations to one kept node per footprint.
 
 use super::fit::{Sample, line};
-use super::observations::{NONE, Observations};
+use super::observations::{NONE, Observation, Observations};
+use super::window::Window;
 use super::{Kept, Scale};
 use crate::grid::PointGrid;
 use transect_geometry::{Point2, Vector2};
@@ -46,40 +47,59 @@ pub(super) fn thin(observations: &Observations, grid: &PointGrid, scale: &Scale)
 }
 
 fn project(observations: &Observations, grid: &PointGrid, scale: &Scale) -> Vec<Projected> {
-    let mut samples = Vec::new();
-    let mut seen_for = vec![NONE; observations.sources.len()];
-    let all = &observations.all;
-    all.iter()
-        .enumerate()
-        .map(|(k, here)| {
-            let reach = (ROUGH_FOOTPRINTS * here.footprint).max(ROUGH_SIGMAS * here.sigma);
-            let across = scale.across(here.sigma);
-            let normal = Vector2::new(-here.tangent.y, here.tangent.x);
-            let mut views = 0;
-            samples.clear();
-            grid.within(&here.position, reach.hypot(across), |j, d| {
-                let there = &all[j];
-                let (x, y) = (d.dot(&here.tangent), d.dot(&normal));
-                let same = there.tangent.dot(&here.tangent) >= scale.same_way;
-                if same && x.abs() <= reach && y.abs() <= across {
-                    samples.push(Sample {
-                        x,
-                        y,
-                        weight: there.weight,
-                        sigma: there.sigma,
-                        along_variance: 0.0,
-                    });
-                    if seen_for[there.view as usize] != k as u32 {
-                        seen_for[there.view as usize] = k as u32;
-                        views += 1;
-                    }
+    let mut neighbours = Neighbours::new(observations);
+    let all = observations.all.iter().enumerate();
+    all.map(|(k, here)| {
+        let window = Window {
+            centre: here.position,
+            tangent: here.tangent,
+            reach: (ROUGH_FOOTPRINTS * here.footprint).max(ROUGH_SIGMAS * here.sigma),
+            across: scale.across(here.sigma),
+            same_way: scale.same_way,
+        };
+        let views = neighbours.gather(k, &window, grid);
+        let fit = line(&neighbours.samples, window.reach, window.across).unwrap_or_default();
+        let normal = window.normal();
+        let tangent = (here.tangent + normal * fit.slope).normalize();
+        Projected { position: here.position + normal * fit.place, tangent, views }
+    })
+    .collect()
+}
+
+/// Work space for gathering one observation's neighbours after another's.
+struct Neighbours<'a> {
+    observations: &'a Observations,
+    samples: Vec<Sample>,
+    /// For each view, the last observation for which it was seen among the neighbours.
+    seen_for: Vec<u32>,
+}
+
+impl<'a> Neighbours<'a> {
+    fn new(observations: &'a Observations) -> Self {
+        let seen_for = vec![NONE; observations.sources.len()];
+        Self { observations, samples: Vec::new(), seen_for }
+    }
+
+    /// Gathers the neighbours of observation `k`; returns how many views they come from.
+    fn gather(&mut self, k: usize, window: &Window, grid: &PointGrid) -> u32 {
+        let all = &self.observations.all;
+        let (samples, seen_for) = (&mut self.samples, &mut self.seen_for);
+        let mut views = 0;
+        samples.clear();
+        window.visit(
+            grid,
+            |j| all[j].tangent,
+            |j, x, y| {
+                let Observation { weight, sigma, view, .. } = all[j];
+                samples.push(Sample { x, y, weight, sigma, along_variance: 0.0 });
+                if seen_for[view as usize] != k as u32 {
+                    seen_for[view as usize] = k as u32;
+                    views += 1;
                 }
-            });
-            let fit = line(&samples, reach, across).unwrap_or_default();
-            let tangent = (here.tangent + normal * fit.slope).normalize();
-            Projected { position: here.position + normal * fit.place, tangent, views }
-        })
-        .collect()
+            },
+        );
+        views
+    }
 }
 
 /// Chooses observations in order of support, each absorbing what lies beside it.
@@ -90,38 +110,48 @@ fn choose(
 ) -> (Vec<u32>, Vec<u32>) {
     let positions: Vec<Point2> = projected.iter().map(|p| p.position).collect();
     let grid = PointGrid::new(&positions, scale.spacing);
-    let mut order: Vec<u32> = (0..projected.len() as u32).collect();
-    // More views first, then the better seen, then canonical order.
-    order.sort_by(|&a, &b| {
-        let (p, q) = (a as usize, b as usize);
-        let (o, r) = (&observations.all[p], &observations.all[q]);
-        let quality = |o: &super::observations::Observation| o.weight / o.footprint;
-        (projected[q].views.cmp(&projected[p].views))
-            .then(quality(r).total_cmp(&quality(o)))
-            .then(a.cmp(&b))
-    });
     let mut absorbed_by = vec![NONE; projected.len()];
     let mut chosen = Vec::new();
-    for k in order {
+    for k in by_support(observations, projected) {
         if absorbed_by[k as usize] != NONE {
             continue;
         }
         let number = chosen.len() as u32;
         chosen.push(k);
-        let here = &projected[k as usize];
-        let along_limit = ABSORB_FOOTPRINTS * observations.all[k as usize].footprint;
-        let across_limit = ABSORB_SHARE * scale.across(observations.all[k as usize].sigma);
-        grid.within(&here.position, along_limit.hypot(across_limit), |j, d| {
-            let (along, across) = (d.dot(&here.tangent), d.perp(&here.tangent));
-            let beside = along.abs() <= along_limit && across.abs() <= across_limit;
-            let same = projected[j].tangent.dot(&here.tangent) >= scale.same_way;
-            if absorbed_by[j] == NONE && beside && same {
-                absorbed_by[j] = number;
-            }
-        });
+        let (here, seen) = (&projected[k as usize], &observations.all[k as usize]);
+        let window = Window {
+            centre: here.position,
+            tangent: here.tangent,
+            reach: ABSORB_FOOTPRINTS * seen.footprint,
+            across: ABSORB_SHARE * scale.across(seen.sigma),
+            same_way: scale.same_way,
+        };
+        window.visit(
+            &grid,
+            |j| projected[j].tangent,
+            |j, _, _| {
+                if absorbed_by[j] == NONE {
+                    absorbed_by[j] = number;
+                }
+            },
+        );
         absorbed_by[k as usize] = number;
     }
     (chosen, absorbed_by)
+}
+
+/// Observations with more views around them first, then the better seen, then canonical order.
+fn by_support(observations: &Observations, projected: &[Projected]) -> Vec<u32> {
+    let quality = |k: u32| {
+        let o = &observations.all[k as usize];
+        o.weight / o.footprint
+    };
+    let views = |k: u32| projected[k as usize].views;
+    let mut order: Vec<u32> = (0..projected.len() as u32).collect();
+    order.sort_by(|&a, &b| {
+        views(b).cmp(&views(a)).then(quality(b).total_cmp(&quality(a))).then(a.cmp(&b))
+    });
+    order
 }
 
 /// Gathers the original places of what each kept node absorbed.
@@ -132,6 +162,7 @@ fn cluster(observations: &Observations, absorbed_by: &[u32], kept: &mut [Kept]) 
     for (o, &by) in observations.all.iter().zip(absorbed_by) {
         let s = &mut sums[by as usize];
         s.weight += o.weight;
+        s.credit += o.credit;
         s.position += o.position.coords * o.weight;
         s.variance += (o.weight * o.sigma).powi(2);
         let along = (o.position - kept[by as usize].position).dot(&kept[by as usize].tangent);
@@ -147,13 +178,16 @@ fn cluster(observations: &Observations, absorbed_by: &[u32], kept: &mut [Kept]) 
         k.cluster_sigma = s.variance.sqrt() / s.weight;
         let along = s.along / s.weight;
         k.along_variance = (s.along_squared / s.weight - along * along).max(0.0);
+        k.sigma = k.cluster_sigma;
         k.weight = s.weight;
+        k.credit = s.credit;
     }
 }
 
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     weight: f64,
+    credit: f64,
     position: Vector2,
     variance: f64,
     along: f64,

@@ -36,7 +36,9 @@ pub struct Accuracy {
     pub p95: Option<f64>,
     /// Largest distance of the curves from the truth on planes that have truth.
     pub max: Option<f64>,
-    /// Share of the truth's length with a curve within the tolerance.
+    /// Share of the truth's length that the views could see; 1 where nobody says otherwise.
+    pub truth_seen: Option<f64>,
+    /// Share of the seen truth's length with a curve within the tolerance.
     pub completeness: Option<f64>,
     /// Share of the curves' length that is a tolerance or more away from the truth.
     pub off: Option<f64>,
@@ -101,7 +103,8 @@ impl Accuracy {
             median: quantile(&distances, 0.5),
             p95: quantile(&distances, 0.95),
             max: distances.iter().rev().copied().find(|d| d.is_finite()),
-            completeness: share(closeness.truth_found, closeness.truth_length),
+            truth_seen: share(closeness.truth_seen, closeness.truth_length),
+            completeness: share(closeness.truth_found, closeness.truth_seen),
             off: share(closeness.far, closeness.near + closeness.far),
             oriented: share(closeness.oriented, closeness.near),
             duplicated: own.duplicated,

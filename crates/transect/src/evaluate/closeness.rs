@@ -3,7 +3,7 @@
 use super::Ruler;
 use super::index::UnitIndex;
 use super::sample::{Sample, samples};
-use transect_geometry::Curve;
+use transect_geometry::{Curve, Point2};
 
 /// What the comparison of curves with the truth adds up; lengths in the model's unit.
 #[derive(Debug, Clone, Default)]
@@ -16,7 +16,9 @@ pub(super) struct Closeness {
     pub planes_same_loops: usize,
     pub truth_pieces: usize,
     pub truth_length: f64,
-    /// Length of the truth with a curve within the tolerance.
+    /// Length of the truth that was seen.
+    pub truth_seen: f64,
+    /// Length of the seen truth with a curve within the tolerance.
     pub truth_found: f64,
     /// Length of the curves within the tolerance of the truth.
     pub near: f64,
@@ -32,7 +34,14 @@ pub(super) struct Closeness {
 
 impl Closeness {
     /// That of one plane, from its curves and an index of their units.
-    pub fn of(curves: (&[Curve], &UnitIndex), truth: &[Curve], ruler: &Ruler) -> Self {
+    ///
+    /// `seen` tells which of the truth's samples count for what is missing.
+    pub fn of(
+        curves: (&[Curve], &UnitIndex),
+        truth: &[Curve],
+        seen: impl Fn(&Point2) -> bool,
+        ruler: &Ruler,
+    ) -> Self {
         let (curves, curve_index) = curves;
         let closed_only = !curves.is_empty() && curves.iter().all(Curve::is_closed);
         let planes = usize::from(!truth.is_empty());
@@ -50,8 +59,12 @@ impl Closeness {
             sums.add_curve_sample(&sample, &truth_index, ruler);
         }
         for sample in truth.iter().flat_map(|c| samples(c, ruler.step)) {
-            let nearest = curve_index.nearest(&sample.position);
             sums.truth_length += sample.length;
+            if !seen(&sample.position) {
+                continue;
+            }
+            let nearest = curve_index.nearest(&sample.position);
+            sums.truth_seen += sample.length;
             if nearest.is_some_and(|n| n.distance < ruler.tolerance) {
                 sums.truth_found += sample.length;
             }
@@ -91,6 +104,7 @@ impl Closeness {
         self.planes_same_loops += plane.planes_same_loops;
         self.truth_pieces += plane.truth_pieces;
         self.truth_length += plane.truth_length;
+        self.truth_seen += plane.truth_seen;
         self.truth_found += plane.truth_found;
         self.near += plane.near;
         self.far += plane.far;

@@ -58,9 +58,11 @@ impl UnitIndex {
 
     /// The unit nearest to a point, any one of those equally near; `None` if there is no unit.
     pub fn nearest(&self, p: &Point2) -> Option<Nearest> {
-        // Not `nearest_neighbor`, whose pruning by corners of boxes may lose the nearest unit to
-        // rounding and then returns a farther one: about once in 300 000 samples of a room.
-        let (found, squared) = self.tree.nearest_neighbor_iter_with_distance_2((*p).into()).next()?;
+        // Not `nearest_neighbor`: it prunes by how far a box's content can be at most, which rounding
+        // lets fall below the distance of the nearest unit where that is a corner of the box. The
+        // unit is lost then, and one several times as far may be returned.
+        let (found, squared) =
+            self.tree.nearest_neighbor_iter_with_distance_2((*p).into()).next()?;
         Some(Nearest { distance: squared.sqrt(), direction: found.placed.direction() })
     }
 
@@ -106,6 +108,26 @@ mod tests {
             let index = UnitIndex::new(&curves);
             prop_assert_eq!(index.within(&p, reach).count(), curves.iter().map(near).sum());
         }
+    }
+
+    /// The nearest point of these boxes is a corner, and `RTree::nearest_neighbor` misses it.
+    #[test]
+    fn rounding_at_a_corner_loses_no_unit() {
+        let corners = [
+            [(6.5, 5.6), (7.6, 5.9)],
+            [(7.3, 5.8), (8.2, 6.8)],
+            [(4.6, 7.3), (5.4, 8.2)],
+            [(8.4, 5.5), (9.1, 5.8)],
+            [(0.4, 0.1), (0.9, 1.1)],
+            [(6.0, 8.9), (6.1, 9.5)],
+            [(8.7, 3.1), (9.5, 3.7)],
+        ];
+        let boxes = corners.map(|[(left, low), (right, high)]| {
+            polyline(&[(left, low), (right, low), (right, high), (left, high)], true)
+        });
+        let nearest = UnitIndex::new(&boxes).nearest(&Point2::new(3.0, 5.5)).unwrap();
+        let to_corner = 1.6_f64.hypot(1.8);
+        assert!((nearest.distance - to_corner).abs() < 1e-12, "{}", nearest.distance);
     }
 
     #[test]

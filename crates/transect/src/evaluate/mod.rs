@@ -57,7 +57,7 @@ use index::UnitIndex;
 use own::Own;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
-use transect_geometry::{Curve, PlaneFamily, PlaneIndex};
+use transect_geometry::{Curve, PlaneFamily, PlaneIndex, Point2};
 
 /// Samples per tolerance. More of them sharpen the shares' ends, which are found to within half a
 /// sample, and take as much more time.
@@ -117,13 +117,36 @@ pub fn evaluate(
     truth: &PlaneCurves,
     options: &EvaluateOptions,
 ) -> Result<Accuracy, EvaluateError> {
+    evaluate_seen(planes, curves, truth, &|_, _| true, options)
+}
+
+/// Whether a point of the truth, in plane coordinates, counts for completeness.
+pub type Seen<'a> = dyn Fn(PlaneIndex, &Point2) -> bool + Sync + 'a;
+
+/// As [`evaluate`], with completeness of that part of the truth alone which the views could see.
+///
+/// # Errors
+/// [`EvaluateError`] if an option is no usable length.
+pub fn evaluate_seen(
+    planes: &PlaneFamily,
+    curves: &PlaneCurves,
+    truth: &PlaneCurves,
+    seen: &Seen,
+    options: &EvaluateOptions,
+) -> Result<Accuracy, EvaluateError> {
     let first = options.first_plane(planes)?;
     let known: BTreeSet<PlaneIndex> =
         curves.range(first..).chain(truth.range(first..)).map(|(k, _)| *k).collect();
     let pairs: Vec<_> =
-        known.into_iter().map(|k| (on_plane(curves, k), on_plane(truth, k))).collect();
-    let ruler = Ruler::new(options.tolerance, pairs.iter().flat_map(|(c, t)| c.iter().chain(*t)))?;
-    let measured: Vec<_> = pairs.par_iter().map(|(c, t)| measure(c, t, &ruler)).collect();
+        known.into_iter().map(|k| (k, on_plane(curves, k), on_plane(truth, k))).collect();
+    let all = pairs.iter().flat_map(|(_, c, t)| c.iter().chain(*t));
+    let ruler = Ruler::new(options.tolerance, all)?;
+    let measure = |&(k, curves, truth): &(PlaneIndex, &[Curve], &[Curve])| {
+        let index = UnitIndex::new(curves);
+        let seen = |p: &Point2| seen(k, p);
+        (Own::of(curves, &index, &ruler), Closeness::of((curves, &index), truth, seen, &ruler))
+    };
+    let measured: Vec<_> = pairs.par_iter().map(measure).collect();
     let (own, closeness): (Vec<_>, Vec<_>) = measured.into_iter().unzip();
     Ok(Accuracy::new(Own::total(own), Closeness::total(closeness)))
 }
@@ -145,11 +168,6 @@ pub fn duplication(curves: &PlaneCurves, tolerance: f64) -> Result<Duplication, 
 
 fn on_plane(curves: &PlaneCurves, k: PlaneIndex) -> &[Curve] {
     curves.get(&k).map_or(&[], Vec::as_slice)
-}
-
-fn measure(curves: &[Curve], truth: &[Curve], ruler: &Ruler) -> (Own, Closeness) {
-    let index = UnitIndex::new(curves);
-    (Own::of(curves, &index, ruler), Closeness::of((curves, &index), truth, ruler))
 }
 
 impl EvaluateOptions {

@@ -35,14 +35,8 @@ impl Row {
 impl Accuracy {
     /// The figures as table rows, most important first; `unit` is the unit of their lengths.
     pub fn rows(&self, unit: LengthUnit) -> Vec<Row> {
-        vec![
-            Row::length("median distance from truth", self.median, unit),
-            Row::length("95 % of distances below", self.p95, unit),
-            Row::length("largest distance", self.max, unit),
-            Row::share("completeness", self.completeness),
-            Row::share("length off the truth", self.off),
-            Row::share("oriented like the truth", self.oriented),
-            Row::share("duplicated length", self.duplicated),
+        let mut rows = self.agreement_rows(unit);
+        rows.extend([
             Row::share("planes with closed curves only", self.planes_closed_only),
             Row::share("planes with the true loops", self.planes_same_loops),
             Row::count("planes with truth", self.planes_with_truth),
@@ -54,7 +48,29 @@ impl Accuracy {
             Row::length("length", self.length, unit),
             Row::length("length of the truth", self.truth_length, unit),
             Row::length("length on planes without truth", self.length_without_truth, unit),
-        ]
+        ]);
+        rows
+    }
+
+    /// The first of those rows: how well curves and truth agree, without any counts.
+    pub fn agreement_rows(&self, unit: LengthUnit) -> Vec<Row> {
+        let mut rows = vec![
+            Row::length("median distance from truth", self.median, unit),
+            Row::length("95 % of distances below", self.p95, unit),
+            Row::length("largest distance", self.max, unit),
+        ];
+        if self.truth_seen.is_some_and(|s| s < 1.0) {
+            rows.push(Row::share("truth that the views could see", self.truth_seen));
+            rows.push(Row::share("completeness of that", self.completeness));
+        } else {
+            rows.push(Row::share("completeness", self.completeness));
+        }
+        rows.extend([
+            Row::share("length off the truth", self.off),
+            Row::share("oriented like the truth", self.oriented),
+            Row::share("duplicated length", self.duplicated),
+        ]);
+        rows
     }
 }
 

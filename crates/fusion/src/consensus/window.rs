@@ -1,0 +1,47 @@
+//! A rectangle laid along a curve, from which neighbours of the same direction are gathered.
+
+use crate::grid::PointGrid;
+use transect_geometry::{Point2, Vector2};
+
+/// The neighbourhood of a node in its own direction.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Window {
+    pub centre: Point2,
+    /// Unit direction of the curve at the centre.
+    pub tangent: Vector2,
+    /// Half-width along the curve.
+    pub reach: f64,
+    /// Half-width across the curve.
+    pub across: f64,
+    /// Smallest cosine between directions of one surface.
+    pub same_way: f64,
+}
+
+impl Window {
+    /// Unit normal of the curve, to its left: positive y.
+    pub fn normal(&self) -> Vector2 {
+        left_of(&self.tangent)
+    }
+
+    /// Visits the neighbours that run the same way, with their places along (x) and across (y).
+    pub fn visit(
+        &self,
+        grid: &PointGrid,
+        tangent_of: impl Fn(usize) -> Vector2,
+        mut visit: impl FnMut(usize, f64, f64),
+    ) {
+        let normal = self.normal();
+        grid.within(&self.centre, self.reach.hypot(self.across), |k, d| {
+            let (x, y) = (d.dot(&self.tangent), d.dot(&normal));
+            let inside = x.abs() <= self.reach && y.abs() <= self.across;
+            if inside && tangent_of(k).dot(&self.tangent) >= self.same_way {
+                visit(k, x, y);
+            }
+        });
+    }
+}
+
+/// A direction turned by a quarter to the left.
+pub(super) fn left_of(tangent: &Vector2) -> Vector2 {
+    Vector2::new(-tangent.y, tangent.x)
+}
