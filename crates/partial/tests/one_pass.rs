@@ -1,4 +1,5 @@
 //! One pass against the slow, obvious way, and against solids whose inside is known.
+#![allow(clippy::unwrap_used, reason = "test code; shared strategies are outside test functions")]
 
 mod common;
 

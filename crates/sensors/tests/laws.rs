@@ -1,4 +1,5 @@
 //! Laws that every device frame keeps, over random sensors, pixels and planes.
+#![allow(clippy::unwrap_used, reason = "test code; shared strategies are outside test functions")]
 
 use proptest::prelude::*;
 use transect_device::{

@@ -21,7 +21,8 @@ impl Ball {
         let along = to_centre.dot(direction);
         let gap_squared = to_centre.norm_squared() - along * along;
         let half_chord = (self.radius * self.radius - gap_squared).max(0.0).sqrt();
-        (gap_squared < self.radius * self.radius && along > half_chord).then(|| along - half_chord)
+        (gap_squared < self.radius * self.radius && along > half_chord)
+            .then_some(along - half_chord)
     }
 }
 
