@@ -114,6 +114,14 @@ pub trait DeviceFrame: std::fmt::Debug + Send + Sync {
     /// The ray of a pixel; `None` outside the image, or where the sensor has no ray.
     fn ray(&self, pixel: Pixel) -> Option<Ray>;
 
+    /// Where the sensor watches a pixel's ray from, if not along the ray itself.
+    ///
+    /// Triangulation sensors light a spot along one path and see it along another; both must be
+    /// free. `None` for sensors whose light returns the way it went.
+    fn second_viewpoint(&self, _pixel: Pixel) -> Option<Point3> {
+        None
+    }
+
     /// `f`: the sensor-frame point of a value at a pixel; `None` where the value means no point.
     fn point(&self, pixel: Pixel, d3: f64) -> Option<Point3>;
 
