@@ -65,18 +65,25 @@ impl PointGrid {
 
     /// Calls `visit` with the number of every point within a radius, and where it is from `centre`.
     pub fn within(&self, centre: &Point2, radius: f64, mut visit: impl FnMut(usize, Vector2)) {
+        self.around(centre, &Vector2::repeat(radius), |k, from_centre| {
+            if from_centre.norm_squared() <= radius * radius {
+                visit(k, from_centre);
+            }
+        });
+    }
+
+    /// Calls `visit` with every point that may lie in the rectangle of the given half-widths around
+    /// `centre`: all that do, and others of the same cells.
+    pub fn around(&self, centre: &Point2, half: &Vector2, mut visit: impl FnMut(usize, Vector2)) {
         let d = centre - self.origin;
         let columns =
-            self.clamped(d.x - radius, self.columns)..=self.clamped(d.x + radius, self.columns);
-        let rows = self.clamped(d.y - radius, self.rows)..=self.clamped(d.y + radius, self.rows);
+            self.clamped(d.x - half.x, self.columns)..=self.clamped(d.x + half.x, self.columns);
+        let rows = self.clamped(d.y - half.y, self.rows)..=self.clamped(d.y + half.y, self.rows);
         for row in rows {
             let first = self.starts[row * self.columns + columns.start()] as usize;
             let last = self.starts[row * self.columns + columns.end() + 1] as usize;
             for (k, p) in &self.items[first..last] {
-                let from_centre = p - centre;
-                if from_centre.norm_squared() <= radius * radius {
-                    visit(*k as usize, from_centre);
-                }
+                visit(*k as usize, p - centre);
             }
         }
     }

@@ -31,7 +31,9 @@ impl Window {
         mut visit: impl FnMut(usize, f64, f64),
     ) {
         let normal = self.normal();
-        grid.within(&self.centre, self.reach.hypot(self.across), |k, d| {
+        // The upright rectangle around the slanted one.
+        let half = self.tangent.abs() * self.reach + normal.abs() * self.across;
+        grid.around(&self.centre, &half, |k, d| {
             let (x, y) = (d.dot(&self.tangent), d.dot(&normal));
             let inside = x.abs() <= self.reach && y.abs() <= self.across;
             if inside && tangent_of(k).dot(&self.tangent) >= self.same_way {
