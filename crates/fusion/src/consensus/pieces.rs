@@ -6,6 +6,9 @@ use crate::grid::PointGrid;
 use std::cmp::Ordering;
 use transect_geometry::{Point2, Vector2};
 
+/// Longest curve unit that is looked for beside a node, in footprints: that of a joined gap.
+const LONGEST_UNIT_FOOTPRINTS: f64 = 4.0;
+
 /// Kept nodes in the order of a curve.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Piece {
@@ -28,6 +31,20 @@ impl Piece {
     fn footprints(&self, kept: &[Kept]) -> f64 {
         let footprint: f64 = self.nodes.iter().map(|&k| kept[k as usize].footprint).sum();
         self.length(kept) * self.nodes.len() as f64 / footprint
+    }
+
+    /// Unit direction of the piece at one of its nodes, from two nodes before to two after.
+    fn chord(&self, kept: &[Kept], at: usize) -> Vector2 {
+        const REACH: usize = 2;
+        let n = self.nodes.len();
+        let (before, after) = if self.closed && n > 2 * REACH {
+            ((at + n - REACH) % n, (at + REACH) % n)
+        } else {
+            (at.saturating_sub(REACH), (at + REACH).min(n - 1))
+        };
+        let place = |k: usize| kept[self.nodes[k] as usize].position;
+        let own = kept[self.nodes[at] as usize].tangent;
+        (place(after) - place(before)).try_normalize(0.0).unwrap_or(own)
     }
 
     /// Mean direction of the nodes at one end, towards the end of the curve.
@@ -128,19 +145,16 @@ pub(super) fn cover(
     scale: &Scale,
     shortest: f64,
 ) -> (Vec<Piece>, usize) {
-    let positions: Vec<Point2> = kept.iter().map(|k| k.position).collect();
-    let grid = PointGrid::new(&positions, 2.0 * scale.spacing);
-    let mut accepted = vec![false; kept.len()];
+    let mut cover = Cover::new(kept, &pieces, scale);
     let (mut result, mut dropped) = (Vec::new(), 0);
     for piece in by_length(kept, pieces) {
-        let covered: Vec<bool> =
-            piece.nodes.iter().map(|&k| lies_beside(kept, k, &grid, &accepted, scale)).collect();
+        let covered: Vec<bool> = piece.nodes.iter().map(|&k| cover.lies_beside(k)).collect();
         for run in runs(&piece, &covered) {
             if run.footprints(kept) < shortest || run.nodes.len() < 3 {
                 dropped += run.nodes.len();
                 continue;
             }
-            run.nodes.iter().for_each(|&k| accepted[k as usize] = true);
+            cover.accept(&run);
             result.push(run);
         }
         dropped += covered.iter().filter(|c| **c).count();
@@ -148,18 +162,65 @@ pub(super) fn cover(
     (result, dropped)
 }
 
-fn lies_beside(kept: &[Kept], k: u32, grid: &PointGrid, accepted: &[bool], scale: &Scale) -> bool {
-    let here = &kept[k as usize];
-    let width = scale.across(here.cluster_sigma).max(here.footprint);
-    let mut beside = false;
-    grid.within(&here.position, width.hypot(here.footprint), |j, d| {
-        let there = &kept[j];
-        let same = there.tangent.dot(&here.tangent) >= scale.same_way;
-        let close = d.dot(&there.tangent).abs() <= here.footprint.max(there.footprint)
-            && d.perp(&there.tangent).abs() <= width;
-        beside |= accepted[j] && same && close;
-    });
-    beside
+/// What has been accepted so far.
+struct Cover<'a> {
+    kept: &'a [Kept],
+    scale: &'a Scale,
+    grid: PointGrid,
+    /// Direction of the piece at each of its nodes: that of the curve as it came out, which noise
+    /// may have turned away from the direction the node was placed with.
+    directions: Vec<Vector2>,
+    /// For each accepted node the one that follows it, or itself at an end; [`NONE`] for others.
+    following: Vec<u32>,
+}
+
+impl<'a> Cover<'a> {
+    fn new(kept: &'a [Kept], pieces: &[Piece], scale: &'a Scale) -> Self {
+        let positions: Vec<Point2> = kept.iter().map(|k| k.position).collect();
+        let mut directions: Vec<Vector2> = kept.iter().map(|k| k.tangent).collect();
+        for piece in pieces {
+            for (at, &k) in piece.nodes.iter().enumerate() {
+                directions[k as usize] = piece.chord(kept, at);
+            }
+        }
+        let grid = PointGrid::new(&positions, 2.0 * scale.spacing);
+        Self { kept, scale, grid, directions, following: vec![NONE; kept.len()] }
+    }
+
+    fn accept(&mut self, run: &Piece) {
+        let follows = run.nodes.iter().skip(1).chain(run.closed.then(|| &run.nodes[0]));
+        for (&k, &next) in run.nodes.iter().zip(follows) {
+            self.following[k as usize] = next;
+        }
+        if let (false, Some(&last)) = (run.closed, run.nodes.last()) {
+            self.following[last as usize] = last;
+        }
+    }
+
+    /// Whether a node lies beside an accepted piece of the same direction.
+    fn lies_beside(&self, k: u32) -> bool {
+        let here = &self.kept[k as usize];
+        let width = self.scale.across(here.cluster_sigma).max(here.footprint);
+        let reach = LONGEST_UNIT_FOOTPRINTS * here.footprint.max(self.scale.spacing);
+        let mut beside = false;
+        self.grid.within(&here.position, width.hypot(reach), |j, d| {
+            beside = beside || self.is_beside(k as usize, j, &d, width);
+        });
+        beside
+    }
+
+    /// Whether a node lies beside an accepted one, at `from_here`, or beside the unit that follows.
+    fn is_beside(&self, k: usize, j: usize, from_here: &Vector2, width: f64) -> bool {
+        let Some(next) = self.kept.get(self.following[j] as usize) else { return false };
+        let (here, there) = (&self.kept[k], &self.kept[j]);
+        let unit = next.position - there.position;
+        let along = unit.try_normalize(0.0).unwrap_or(self.directions[j]);
+        let margin = here.footprint.max(there.footprint);
+        let x = -from_here.dot(&along);
+        along.dot(&self.directions[k]) >= self.scale.same_way
+            && (-margin..=unit.norm() + margin).contains(&x)
+            && from_here.perp(&along).abs() <= width
+    }
 }
 
 /// The uncovered runs of a piece.
