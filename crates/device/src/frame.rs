@@ -24,7 +24,8 @@ pub struct DevicePoint {
 
 /// Which way round the image grid is, seen from the sensor.
 ///
-/// The sign of `(∂ray/∂column × ∂ray/∂row) · ray`. Curve directions follow from it alone.
+/// The sign of `(∂p/∂column × ∂p/∂row) · ray` for points `p` of one surface that faces the sensor.
+/// Curve directions follow from it alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Handedness {
     /// Positive: seen from the sensor with rows running down, columns run to the right.
@@ -132,7 +133,8 @@ pub trait DeviceFrame: std::fmt::Debug + Send + Sync {
     /// The value a plane would have at a pixel; `None` if the pixel's ray misses it.
     fn plane_value(&self, pixel: Pixel, plane: &SensorPlane) -> Option<f64>;
 
-    /// Bounds of `direction · p` over all points with values from `nearest` to `farthest`.
+    /// Bounds of `direction · p` over the points of an image of this frame whose values run from
+    /// `nearest` to `farthest`.
     ///
     /// Conservative: no such point lies outside them (dissertation, section 4.2.4). They tell
     /// which section planes a view can involve.

@@ -34,7 +34,19 @@ pub struct ImageSize {
 impl ImageSize {
     /// Number of pixels.
     pub fn pixels(&self) -> usize {
-        self.rows * self.cols
+        self.rows.saturating_mul(self.cols)
+    }
+
+    /// Refuses sizes that no sensor has, before anything is allocated for them.
+    ///
+    /// # Errors
+    /// [`ImageError::AbsurdSize`] without rows or columns, or beyond [`MAX_PIXELS`].
+    pub fn check(&self) -> Result<(), ImageError> {
+        let Self { rows, cols } = *self;
+        match rows.checked_mul(cols) {
+            Some(n) if n > 0 && n <= MAX_PIXELS => Ok(()),
+            _ => Err(ImageError::AbsurdSize { rows, cols }),
+        }
     }
 }
 
@@ -89,7 +101,7 @@ impl RangeImage {
     /// # Errors
     /// [`ImageError`] if the size is absurd or the number of values differs from it.
     pub fn from_values(size: ImageSize, mut values: Vec<f32>) -> Result<Self, ImageError> {
-        check_size(size)?;
+        size.check()?;
         if values.len() != size.pixels() {
             return Err(ImageError::WrongCount { size, found: values.len() });
         }
@@ -109,14 +121,15 @@ impl RangeImage {
     /// The value at a pixel; `None` where it is missing or outside the image.
     pub fn get(&self, pixel: Pixel) -> Option<f32> {
         let inside = pixel.row < self.size.rows && pixel.col < self.size.cols;
-        let value = self.values.get(pixel.row * self.size.cols + pixel.col).copied();
-        value.filter(|v| inside && !v.is_nan())
+        let value = inside.then(|| self.values.get(pixel.row * self.size.cols + pixel.col));
+        value.flatten().copied().filter(|v| !v.is_nan())
     }
 
     /// The values of one row for inner loops, **NaN where missing**; empty outside the image.
     pub fn row(&self, row: usize) -> &[f32] {
         let start = row.saturating_mul(self.size.cols);
-        self.values.get(start..start + self.size.cols).unwrap_or(&[])
+        let end = start.saturating_add(self.size.cols);
+        self.values.get(start..end).unwrap_or(&[])
     }
 
     /// How many pixels are not missing.
@@ -131,15 +144,6 @@ impl RangeImage {
             None => Some((v, v)),
             Some((low, high)) => Some((v.min(low), v.max(high))),
         })
-    }
-}
-
-/// Refuses sizes that no sensor has, before anything is allocated for them.
-fn check_size(size: ImageSize) -> Result<(), ImageError> {
-    let ImageSize { rows, cols } = size;
-    match rows.checked_mul(cols) {
-        Some(n) if n > 0 && n <= MAX_PIXELS => Ok(()),
-        _ => Err(ImageError::AbsurdSize { rows, cols }),
     }
 }
 
@@ -159,6 +163,8 @@ mod tests {
         assert_eq!(image.get(Pixel::new(1, 2)), Some(3.0));
         assert_eq!(image.get(Pixel::new(0, 3)), None, "the next row is not column 3");
         assert_eq!(image.extremes(), Some((1.0, 3.0)));
+        assert_eq!(image.get(Pixel::new(usize::MAX, 0)), None);
+        assert!(image.row(usize::MAX).is_empty() && image.row(2).is_empty());
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Oriented curves of nodes on a section plane (dissertation, sections 2.4 and 2.5.2).
 
-use crate::{CurveUnit, Envelope, Foot, Point2, Side};
+use crate::{CurveUnit, Envelope, Foot, Point2, Side, Vector2};
 use serde::{Deserialize, Serialize};
 
 /// A contour point: a vertex of a curve with what is known about it.
@@ -20,7 +20,7 @@ pub struct Node {
 }
 
 impl Node {
-    /// A node of one view with weight 1 and nothing known about its accuracy.
+    /// A node of one view with weight 1, of which neither accuracy nor footprint is known (both 0).
     pub fn at(position: Point2) -> Self {
         Self { position, sigma: 0.0, footprint: 0.0, weight: 1.0, views: 1 }
     }
@@ -41,30 +41,54 @@ pub enum CurveError {
     /// A coordinate is NaN or infinite.
     #[error("node {0} has a coordinate that is not a number")]
     NotFinite(usize),
+    /// Standard deviation, footprint or weight is negative, NaN or infinite.
+    #[error("node {0} has a standard deviation, footprint or weight below 0 or not a number")]
+    BadAttribute(usize),
 }
 
 /// An oriented polyline on a section plane, open or closed, with the solid on its left.
 ///
 /// A closed curve does not repeat its first node at the end. Guaranteed: at least two nodes
-/// (three when closed) and finite positions. Not checked: self-intersection, repeated positions.
+/// (three when closed), finite positions, and no negative measure. Not checked: self-intersection, repeated positions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Parts")]
 pub struct Curve {
     nodes: Vec<Node>,
     closed: bool,
+}
+
+/// A curve as it comes from a file, not yet checked.
+#[derive(Deserialize)]
+struct Parts {
+    nodes: Vec<Node>,
+    closed: bool,
+}
+
+impl TryFrom<Parts> for Curve {
+    type Error = CurveError;
+
+    fn try_from(parts: Parts) -> Result<Self, CurveError> {
+        Self::new(parts.nodes, parts.closed)
+    }
 }
 
 impl Curve {
     /// A curve through the nodes in order.
     ///
     /// # Errors
-    /// [`CurveError`] if there are too few nodes, or one is not finite.
+    /// [`CurveError`] if there are too few nodes, or one has values that are no measurements.
     pub fn new(nodes: Vec<Node>, closed: bool) -> Result<Self, CurveError> {
         if nodes.len() < 2 + usize::from(closed) {
             return Err(CurveError::TooFewNodes { nodes: nodes.len(), closed });
         }
         let finite = |n: &Node| n.position.x.is_finite() && n.position.y.is_finite();
-        match nodes.iter().position(|n| !finite(n)) {
-            Some(bad) => Err(CurveError::NotFinite(bad)),
+        if let Some(bad) = nodes.iter().position(|n| !finite(n)) {
+            return Err(CurveError::NotFinite(bad));
+        }
+        let usable = |v: f32| v.is_finite() && v >= 0.0;
+        let measured = |n: &Node| usable(n.sigma) && usable(n.footprint) && usable(n.weight);
+        match nodes.iter().position(|n| !measured(n)) {
+            Some(bad) => Err(CurveError::BadAttribute(bad)),
             None => Ok(Self { nodes, closed }),
         }
     }
@@ -138,44 +162,56 @@ impl Curve {
     /// `None` where the curve cannot tell: the foot is an open end and the point lies beyond it. At
     /// a corner the two adjoining units decide together, as for a solid angle in 3D.
     pub fn side_at(&self, foot: &Foot, p: &Point2) -> Option<Side> {
-        let unit = self.units().nth(foot.unit)?;
+        let unit = self.unit(foot.unit)?;
         let neighbour = match foot.parameter {
-            t if t <= 0.0 => self.unit_before(foot.unit),
-            t if t >= 1.0 => self.unit_after(foot.unit),
+            t if t <= 0.0 => self.direction_from(foot.unit, Way::Back),
+            t if t >= 1.0 => self.direction_from(foot.unit, Way::On),
             _ => return Some(unit.side(p)),
         };
-        let at_end_exactly = || (unit.parameter(p) - foot.parameter).abs() < 1e-12;
-        let Some(neighbour) = neighbour else {
-            return at_end_exactly().then(|| unit.side(p));
+        let own = unit.vector().try_normalize(0.0);
+        let (own, neighbour) = match (own, neighbour) {
+            (Some(own), Some(neighbour)) => (own, neighbour),
+            // A unit without length is a repeated node: the other side of it decides.
+            (None, Some(neighbour)) => (self.direction_from(foot.unit, Way::On)?, neighbour),
+            (own, None) => {
+                let beside = own.is_some() && (unit.parameter(p) - foot.parameter).abs() < 1e-12;
+                return beside.then(|| unit.side(p));
+            }
         };
         // The corner's direction is the sum of the two unit directions; when the curve turns back
         // on itself there, the sum vanishes and the first unit has to decide alone.
-        let direction = unit.vector().normalize() + neighbour.vector().normalize();
-        let across = direction.perp(&(p - foot.point));
-        let decided = direction.norm() > 1e-12 && across != 0.0;
-        if !decided {
-            return Some(unit.side(p));
-        }
-        Some(if across < 0.0 { Side::Outside } else { Side::Inside })
+        let direction = own + neighbour;
+        let direction = if direction.norm() > 1e-12 { direction } else { own };
+        let outside = direction.perp(&(p - foot.point)) < 0.0;
+        Some(if outside { Side::Outside } else { Side::Inside })
     }
 
-    fn unit_before(&self, unit: usize) -> Option<CurveUnit> {
-        let count = self.units().len();
-        match (unit, self.closed) {
-            (0, false) => None,
-            (0, true) => self.units().nth(count - 1),
-            _ => self.units().nth(unit - 1),
-        }
+    fn unit(&self, k: usize) -> Option<CurveUnit> {
+        let last = k + 1 == self.nodes.len();
+        let next = if last && self.closed { self.nodes.first() } else { self.nodes.get(k + 1) };
+        Some(CurveUnit { start: self.nodes.get(k)?.position, end: next?.position })
     }
 
-    fn unit_after(&self, unit: usize) -> Option<CurveUnit> {
+    /// Direction of the nearest other unit with a length, before or after unit `k`.
+    fn direction_from(&self, k: usize, way: Way) -> Option<Vector2> {
         let count = self.units().len();
-        match (unit + 1 == count, self.closed) {
-            (true, false) => None,
-            (true, true) => self.units().next(),
-            _ => self.units().nth(unit + 1),
-        }
+        (1..count).find_map(|step| {
+            let at = match way {
+                Way::Back if self.closed => Some((k + count - step) % count),
+                Way::On if self.closed => Some((k + step) % count),
+                Way::Back => k.checked_sub(step),
+                Way::On => Some(k + step),
+            };
+            self.unit(at?)?.vector().try_normalize(0.0)
+        })
     }
+}
+
+/// Which way along a curve.
+#[derive(Debug, Clone, Copy)]
+enum Way {
+    Back,
+    On,
 }
 
 #[cfg(test)]
@@ -221,6 +257,17 @@ mod tests {
     }
 
     #[test]
+    fn repeated_nodes_do_not_change_sides() {
+        let corners = [(0.0, 0.0), (0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (2.0, 2.0), (0.0, 2.0)];
+        let (plain, repeated) = (square(), polyline(&corners, true));
+        for (x, y) in [(-1.0, -1.0), (3.0, 3.0), (0.1, 0.2), (1.9, 1.8), (-1.0, 1.0), (3.0, 2.5)] {
+            let p = Point2::new(x, y);
+            let side = |c: &Curve| c.side_at(&c.foot(&p), &p);
+            assert_eq!(side(&repeated), side(&plain), "{p}");
+        }
+    }
+
+    #[test]
     fn beyond_an_open_end_nothing_is_known() {
         let c = polyline(&[(0.0, 0.0), (1.0, 0.0)], false);
         let beyond = Point2::new(2.0, 0.5);
@@ -237,5 +284,8 @@ mod tests {
         assert_eq!(text, "1 nodes cannot make an open curve");
         let wild = vec![Node::at(Point2::origin()), Node::at(Point2::new(f64::NAN, 0.0))];
         assert_eq!(Curve::new(wild, false), Err(CurveError::NotFinite(1)));
+        let negative = Node { footprint: -1.0, ..Node::at(Point2::new(1.0, 0.0)) };
+        let odd = vec![Node::at(Point2::origin()), negative];
+        assert_eq!(Curve::new(odd, false), Err(CurveError::BadAttribute(1)));
     }
 }

@@ -39,6 +39,8 @@ impl PlaneFrame {
     ///
     /// `normal` need not have unit length; `None` if it has no direction or is not finite.
     pub fn new(origin: Point3, normal: Vector3) -> Option<Self> {
+        // Scaled first, so that neither tiny nor huge normals lose digits in their length.
+        let normal = normal / normal.amax();
         let length = normal.norm();
         let usable =
             length.is_finite() && length > 0.0 && origin.coords.iter().all(|c| c.is_finite());

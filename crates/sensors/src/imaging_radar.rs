@@ -90,6 +90,7 @@ impl ImagingRadar {
     /// [`SensorError::BadParameter`] for angles that are not finite, zero steps, columns that cover
     /// more than a full circle, or rows outside ±90°.
     pub fn new(size: ImageSize, theta: AngularScan, phi: AngularScan) -> Result<Self, SensorError> {
+        size.check()?;
         require("theta0", theta.first, true, "an angle")?;
         require("phi0", phi.first, true, "an angle")?;
         require("dtheta", theta.step, theta.step != 0.0, "a step other than 0")?;

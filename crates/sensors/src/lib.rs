@@ -39,7 +39,7 @@ pub enum SensorError {
     #[error(transparent)]
     Image(#[from] ImageError),
     /// A grid of points from which the way round it cannot be read.
-    #[error("no three neighbouring points are valid, so the grid's orientation cannot be read")]
+    #[error("no three neighbouring points show from which side the grid is seen")]
     NoSurface,
 }
 

@@ -44,6 +44,7 @@ impl Pinhole {
     /// # Errors
     /// [`SensorError::BadParameter`] unless the focal lengths are positive and all are finite.
     pub fn new(size: ImageSize, intrinsics: Intrinsics) -> Result<Self, SensorError> {
+        size.check()?;
         let Intrinsics { fx, fy, cx, cy } = intrinsics;
         require("fx", fx, fx > 0.0, "a positive focal length in pixels")?;
         require("fy", fy, fy > 0.0, "a positive focal length in pixels")?;

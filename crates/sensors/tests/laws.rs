@@ -252,3 +252,40 @@ fn points_at_the_origin_are_missing_not_real() {
     assert_eq!(image.valid_count(), 3);
     assert_eq!(grid.point(Pixel::new(0, 0), 1.0), None);
 }
+
+#[test]
+fn a_full_circle_of_points_joins_its_last_column_to_its_first() {
+    let step = 360.0 / SIZE.cols as f64;
+    let phi = AngularScan::from_degrees(-10.0, 1.0);
+    let flat = RangeImage::from_values(SIZE, vec![2.0; SIZE.pixels()]).unwrap();
+    let wraps = |step: f64| {
+        let radar = ImagingRadar::new(SIZE, AngularScan::from_degrees(-180.0, step), phi).unwrap();
+        grid_of(&radar, &flat).unwrap().0.columns_wrap()
+    };
+    assert!(wraps(step));
+    assert!(!wraps(0.8 * step), "a gap of a fifth of the circle");
+}
+
+#[test]
+fn grids_without_a_side_or_with_wild_points_are_handled() {
+    let size = ImageSize { rows: 3, cols: 3 };
+    let line = (0..9).map(|k| Point3::new(f64::from(k), 0.0, 5.0)).collect();
+    let starts = RayStarts::Viewpoint(Point3::origin());
+    let error = PointGrid::new(size, line, starts).unwrap_err().to_string();
+    assert_eq!(error, "no three neighbouring points show from which side the grid is seen");
+
+    let at = |k: i32| Point3::new(f64::from(k % 3), f64::from(k / 3), 5.0);
+    let mut points: Vec<_> = (0..9).map(at).collect();
+    points[4] = Point3::new(1e40, 0.0, 0.0);
+    let (grid, image) = PointGrid::new(size, points, starts).unwrap();
+    assert_eq!(image.valid_count(), 8);
+    assert_eq!(grid.extent(&Vector3::x(), 0.0, 1e40), (0.0, 2.0));
+
+    let lost = RayStarts::CarriedPinhole(transect_sensors::CarriedPinhole {
+        y: f64::NAN,
+        z: 9.0,
+        slant: 0.0,
+    });
+    let error = PointGrid::new(size, (0..9).map(at).collect(), lost).unwrap_err();
+    assert!(error.to_string().contains("pinhole = NaN"), "{error}");
+}

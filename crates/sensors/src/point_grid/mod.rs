@@ -7,7 +7,8 @@
 //!
 //! Axes: whatever the scan has, right-handed. Handedness is read from the grid: the side from which
 //! most of its cells are seen. Missing: any coordinate not finite, or the point (0, 0, 0), which
-//! structured formats write for "no return". Noise is an error along the ray.
+//! structured formats write for "no return", or too far away for the image's `f32`. A grid whose last
+//! column lies beside its first is a full circle. Noise is an error along the ray.
 
 mod carried_pinhole;
 
@@ -31,6 +32,14 @@ pub enum RayStarts {
 }
 
 impl RayStarts {
+    /// Distance of a point from its ray's start; not positive behind the start.
+    fn distance(&self, p: &Point3, parallel_start: f64) -> f64 {
+        match self {
+            Self::Parallel(direction) => direction.dot(&p.coords) - parallel_start,
+            _ => (p - self.start(p, parallel_start)).norm(),
+        }
+    }
+
     /// Start of the ray that ends in a point.
     fn start(&self, p: &Point3, parallel_start: f64) -> Point3 {
         match self {
@@ -43,6 +52,9 @@ impl RayStarts {
     }
 }
 
+/// The point of a missing pixel.
+const MISSING: Point3 = Point3::new(f64::NAN, f64::NAN, f64::NAN);
+
 /// The device frame of an organised point grid; see the module's page.
 #[derive(Debug, Clone)]
 pub struct PointGrid {
@@ -53,6 +65,8 @@ pub struct PointGrid {
     /// Where parallel rays start, measured along them; ahead of every point.
     parallel_start: f64,
     handedness: Handedness,
+    /// Whether the last column's neighbour is the first: a full circle.
+    wraps: bool,
 }
 
 impl PointGrid {
@@ -66,19 +80,27 @@ impl PointGrid {
         mut points: Vec<Point3>,
         starts: RayStarts,
     ) -> Result<(Self, RangeImage), SensorError> {
+        size.check()?;
         let starts = checked(starts)?;
         for p in &mut points {
             let missing = *p == Point3::origin() || !p.coords.iter().all(|c| c.is_finite());
             if missing {
-                *p = Point3::new(f64::NAN, f64::NAN, f64::NAN);
+                *p = MISSING;
             }
         }
         let parallel_start = parallel_start(&points, &starts);
-        let distance = |p: &Point3| (p - starts.start(p, parallel_start)).norm() as f32;
+        let distance = |p: &Point3| starts.distance(p, parallel_start) as f32;
         let image = RangeImage::from_values(size, points.iter().map(distance).collect())?;
-        let mut grid =
-            Self { size, points, starts, parallel_start, handedness: Handedness::ColumnsRight };
+        for (p, k) in points.iter_mut().zip(0..) {
+            // A point too far for the image's numbers is missing there, so it is missing here.
+            if image.get(Pixel::new(k / size.cols, k % size.cols)).is_none() {
+                *p = MISSING;
+            }
+        }
+        let handedness = Handedness::ColumnsRight;
+        let mut grid = Self { size, points, starts, parallel_start, handedness, wraps: false };
         grid.handedness = grid.read_handedness().ok_or(SensorError::NoSurface)?;
+        grid.wraps = grid.read_wrap();
         Ok((grid, image))
     }
 
@@ -103,27 +125,43 @@ impl PointGrid {
 
     fn stored(&self, pixel: Pixel) -> Option<&Point3> {
         let inside = pixel.row < self.size.rows && pixel.col < self.size.cols;
-        let point = self.points.get(pixel.row * self.size.cols + pixel.col)?;
-        (inside && !point.x.is_nan()).then_some(point)
+        let point = inside.then(|| self.points.get(pixel.row * self.size.cols + pixel.col));
+        point.flatten().filter(|p| !p.x.is_nan())
     }
 
     /// The side from which most cells are seen: sign of (∂p/∂column × ∂p/∂row) · ray.
     fn read_handedness(&self) -> Option<Handedness> {
         let mut balance = 0_i64;
-        let mut cells = 0_u64;
         for row in 1..self.size.rows {
             for col in 1..self.size.cols {
                 let Some(turn) = self.cell_turn(row, col) else { continue };
-                cells += 1;
-                balance += if turn > 0.0 { 1 } else { -1 };
+                // A cell seen edge-on has no side.
+                balance += i64::from(turn > 0.0) - i64::from(turn < 0.0);
             }
         }
-        let right = balance >= 0;
-        (cells > 0).then_some(if right {
-            Handedness::ColumnsRight
-        } else {
-            Handedness::ColumnsLeft
-        })
+        match balance.signum() {
+            1 => Some(Handedness::ColumnsRight),
+            -1 => Some(Handedness::ColumnsLeft),
+            _ => None,
+        }
+    }
+
+    /// Whether the last column lies beside the first, as neighbouring columns do: a full circle.
+    fn read_wrap(&self) -> bool {
+        let last = self.size.cols - 1;
+        let step = |row: usize, a: usize, b: usize| {
+            Some((self.stored(Pixel::new(row, a))? - self.stored(Pixel::new(row, b))?).norm())
+        };
+        let rows = 0..self.size.rows;
+        let mut seams: Vec<f64> = rows.clone().filter_map(|r| step(r, last, 0)).collect();
+        let beside = rows.flat_map(|r| [step(r, 0, 1), step(r, last - last.min(1), last)]);
+        let mut steps: Vec<f64> = beside.flatten().collect();
+        // Fewer than three columns have no seam to tell from their own steps.
+        last >= 3
+            && seams.len() >= 3
+            && median(&mut seams)
+                .zip(median(&mut steps))
+                .is_some_and(|(seam, step)| seam <= 1.5 * step)
     }
 
     fn cell_turn(&self, row: usize, col: usize) -> Option<f64> {
@@ -133,6 +171,12 @@ impl PointGrid {
         let ray = here - self.starts.start(here, self.parallel_start);
         Some(along_columns.cross(&along_rows).dot(&ray))
     }
+}
+
+fn median(values: &mut [f64]) -> Option<f64> {
+    let middle = values.len() / 2;
+    values.sort_by(f64::total_cmp);
+    values.get(middle).copied()
 }
 
 fn checked(starts: RayStarts) -> Result<RayStarts, SensorError> {
@@ -146,16 +190,26 @@ fn checked(starts: RayStarts) -> Result<RayStarts, SensorError> {
             let length = require("direction", d.norm(), d.norm() > 0.0, "a direction")?;
             Ok(RayStarts::Parallel(d / length))
         }
-        RayStarts::CarriedPinhole(_) => Ok(starts),
+        RayStarts::CarriedPinhole(CarriedPinhole { y, z, slant }) => {
+            require("pinhole", y + z + slant, true, "a finite place and slant")?;
+            Ok(starts)
+        }
     }
 }
 
-/// A place along parallel rays from which every point lies ahead, so that distances are positive.
+/// A place along parallel rays from which nearly every point lies ahead; those that do not are
+/// missing.
 fn parallel_start(points: &[Point3], starts: &RayStarts) -> f64 {
+    /// Share of the points at either end that may be strays: a single one far away would take the
+    /// resolution from all other distances.
+    const STRAYS: f64 = 0.002;
     let RayStarts::Parallel(direction) = starts else { return 0.0 };
-    let along = points.iter().map(|p| direction.dot(&p.coords)).filter(|a| !a.is_nan());
-    let (low, high) =
-        along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), a| (low.min(a), high.max(a)));
+    let along = points.iter().map(|p| direction.dot(&p.coords));
+    let mut along: Vec<f64> = along.filter(|a| a.is_finite()).collect();
+    along.sort_by(f64::total_cmp);
+    let stray = (STRAYS * along.len() as f64) as usize;
+    let low = along.get(stray).copied().unwrap_or(0.0);
+    let high = along.iter().rev().nth(stray).copied().unwrap_or(low);
     // One depth of the scene ahead of it, or one unit for a flat scene.
     low - if high > low { high - low } else { 1.0 }
 }
@@ -167,6 +221,10 @@ impl DeviceFrame for PointGrid {
 
     fn handedness(&self) -> Handedness {
         self.handedness
+    }
+
+    fn columns_wrap(&self) -> bool {
+        self.wraps
     }
 
     fn ray(&self, pixel: Pixel) -> Option<Ray> {
