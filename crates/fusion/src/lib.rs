@@ -3,8 +3,8 @@
 //! The one decision of this crate: fusion happens **in a plane**, with nothing but oriented curves;
 //! direction tells surfaces apart. It refuses to know sensors, storage and other planes.
 //!
-//! * [`consensus`]: all views at once, the default;
-//! * [`agreement`]: whether views contradict each other, the sign of a wrong pose;
+//! * [`mod@consensus`]: all views at once, the default;
+//! * [`agreement()`]: whether views contradict each other, the sign of a wrong pose;
 //! * [`pattern`], [`screening`]: the dissertation's overlap rules (5.3, 5.4).
 
 mod agreement;
@@ -23,7 +23,8 @@ use transect_geometry::Curve;
 pub struct FusedPlane {
     /// The curves, longest first.
     pub curves: Vec<Curve>,
-    /// Measured standard deviation of one view's curve against the common one, in the length unit.
+    /// Measured standard deviation of one view's curve against the common one, in the length unit;
+    /// of one view alone, or of views that do not overlap, the median of their nodes' own.
     pub spread: f64,
     /// Distance within which curves of the same direction were taken for one, in the length unit.
     pub threshold: f64,
@@ -38,6 +39,6 @@ pub struct FusionCounts {
     pub observations: usize,
     /// Nodes kept for the result before tidying.
     pub kept: usize,
-    /// Kept nodes that lay beside a better curve or were too short to be one.
+    /// Kept nodes left out: beside a better curve, too short to be one, or a step to the side.
     pub dropped: usize,
 }

@@ -212,6 +212,50 @@ fn both_sides_of_a_thin_sheet_are_kept() {
 }
 
 #[test]
+fn a_view_that_comes_twice_changes_nothing() {
+    let once = circle_arcs(3, 0.005);
+    let twice: Vec<_> = once.iter().chain(&once).cloned().collect();
+    assert_eq!(fuse(&once).curves, fuse(&twice).curves);
+    assert_eq!(fuse(&once[..1]).curves, fuse(&[once[0].clone(), once[0].clone()]).curves);
+}
+
+#[test]
+fn views_that_differ_in_weight_alone_may_come_in_any_order() {
+    let view = &circle_arcs(1, 0.005)[0];
+    let lighter = |c: &Curve| {
+        let half = |n: &Node| Node { weight: 0.5, ..*n };
+        Curve::new(c.nodes().iter().map(half).collect(), c.is_closed()).unwrap()
+    };
+    let other: Vec<Curve> = view.iter().map(lighter).collect();
+    let (a, b) = (fuse(&[view.clone(), other.clone()]), fuse(&[other, view.clone()]));
+    assert_eq!(a.curves, b.curves);
+}
+
+#[test]
+fn bridged_ground_is_marked() {
+    let circle = Outline { bump: 0.0, lobes: 1.0 };
+    let gap = 0.04;
+    let look = Look { from: 0.0, sweep: TAU - gap, spacing: 0.02, seed: 5 };
+    let fused = fuse(&[see(&circle, &look, 0.0)]);
+    assert_eq!(fused.curves.len(), 1);
+    assert!(fused.curves[0].is_closed());
+    let unseen: Vec<&Node> = nodes(&fused).filter(|n| n.views == 0).collect();
+    assert_eq!(unseen.len(), 1);
+    assert!((unseen[0].position - circle.at(-0.5 * gap)).norm() < 0.03);
+}
+
+#[test]
+fn nodes_without_accuracy_or_footprint_make_a_curve() {
+    let circle = Outline { bump: 0.0, lobes: 1.0 };
+    let ring = (0..300).map(|k| Node::at(circle.at(f64::from(k) * TAU / 300.0))).collect();
+    let fused = fuse(&[vec![Curve::new(ring, true).unwrap()]]);
+    assert_eq!(fused.curves.len(), 1);
+    assert!(fused.curves[0].is_closed());
+    let point = vec![Node::at(Point2::origin()); 5];
+    assert!(fuse(&[vec![Curve::new(point, false).unwrap()]]).curves.is_empty());
+}
+
+#[test]
 fn nothing_in_nothing_out() {
     assert!(fuse(&[]).curves.is_empty());
     assert!(fuse(&[Vec::new(), Vec::new()]).curves.is_empty());

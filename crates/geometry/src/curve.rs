@@ -12,8 +12,8 @@ pub struct Node {
     pub sigma: f32,
     /// Spacing of the samples along the curve here (one pixel's footprint), in the length unit.
     pub footprint: f32,
-    /// How much it counts in an average: 1 for one observation in full view, less at rims; a fused
-    /// node has the sum of its observations. No unit.
+    /// How much it counts in an average: 1 for one observation; a fused node has the sum of its
+    /// observations, of which those near open ends count less. No unit.
     pub weight: f32,
     /// How many views observed it; 0 marks ground that was bridged, not seen.
     pub views: u32,

@@ -11,8 +11,8 @@ pub const MAX_LEVELS: i64 = 1 << 22;
 
 /// What a view's sensor coordinates mean to a family of planes.
 ///
-/// Levels count from plane [`SectionAxes::base`], near the sensor, so that world coordinates of
-/// any size leave the levels' resolution alone.
+/// Levels count from plane [`SectionAxes::base`], in the middle of what the view can see, so that
+/// coordinates of any size leave the levels' resolution alone.
 #[derive(Debug, Clone, Copy)]
 pub struct SectionAxes {
     base: i64,
@@ -30,30 +30,24 @@ impl SectionAxes {
     pub fn new(view: &View, planes: &PlaneFamily) -> Result<Self, PartialError> {
         let frame = planes.frame(PlaneIndex(0));
         let interval = planes.interval();
-        let level = form(view, &(frame.normal() / interval), -planes.offset() / interval);
-        let base = level.constant.floor();
-        let axes = Self {
-            base: base as i64,
-            level: LinearForm { constant: level.constant - base, ..level },
+        let mut axes = Self {
+            base: 0,
+            level: form(view, &(frame.normal() / interval), -planes.offset() / interval),
             // The guide runs through the world's origin, so in-plane coordinates of plane 0 are
             // those of every plane.
             x: form(view, &frame.x_axis(), 0.0),
             y: form(view, &frame.y_axis(), 0.0),
             interval,
         };
-        axes.check_span(view, base)?;
-        Ok(axes)
-    }
-
-    fn check_span(&self, view: &View, base: f64) -> Result<(), PartialError> {
-        let (low, high) = self.involved_levels(view);
-        let planes = (high - low).max(low.abs()).max(high.abs());
-        let countable = base.abs() < 9e15 && planes < MAX_LEVELS as f64;
-        if countable {
-            Ok(())
-        } else {
-            Err(PartialError::TooManyPlanes { planes, interval: self.interval })
+        let (low, high) = axes.involved_levels(view);
+        let middle = (0.5 * (low + high)).floor();
+        let countable = middle.abs() < 9e15 && high - low < MAX_LEVELS as f64;
+        if !countable {
+            return Err(PartialError::TooManyPlanes { planes: high - low, interval });
         }
+        axes.base = middle as i64;
+        axes.level.constant -= middle;
+        Ok(axes)
     }
 
     /// Smallest and largest level, from the base, that the view's sensing volume can hold.
@@ -72,6 +66,11 @@ impl SectionAxes {
     /// The plane at a level counted from the base.
     pub fn plane(&self, level: i32) -> PlaneIndex {
         PlaneIndex(self.base + i64::from(level))
+    }
+
+    /// Distance between neighbouring planes, in the model's length unit.
+    pub fn interval(&self) -> f64 {
+        self.interval
     }
 
     /// Level of a sensor-frame point, from the base, in intervals.

@@ -44,7 +44,7 @@ pub struct PartialCounts {
     pub crossings: usize,
     /// Pairs of neighbouring valid pixels that do not belong to one surface.
     pub jumps: usize,
-    /// Crossings without a neighbour on their plane, which make no curve and are left out.
+    /// Chains of crossings too short to be a curve, which are left out: most are single crossings.
     pub lone: usize,
     /// Range noise that was given or estimated, in the model's length unit.
     pub sigma: f64,
@@ -65,7 +65,17 @@ pub enum PartialError {
         /// The interval, in the model's length unit.
         interval: f64,
     },
-    /// More crossings than can be numbered.
-    #[error("the view crosses the planes more than {} times", u32::MAX)]
-    TooManyCrossings,
+    /// So many crossings that their curves would not fit into memory.
+    #[error(
+        "the view crosses the planes of interval {interval} more than {MAX_CROSSINGS} times: \
+         is the interval in the right unit?"
+    )]
+    TooManyCrossings {
+        /// The interval, in the model's length unit.
+        interval: f64,
+    },
 }
+
+/// Most crossings of one view, 2²³: with their curves they take about 0.9 GiB. A view of four million
+/// pixels has that many if two planes pass between any two neighbours.
+pub const MAX_CROSSINGS: usize = 1 << 23;

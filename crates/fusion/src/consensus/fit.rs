@@ -82,6 +82,9 @@ pub(super) fn parabola(samples: &[Sample], reach: f64, across: f64) -> Option<Fi
     Some(fit)
 }
 
+/// Half-width of the middle of a window, as a share of its reach.
+const MIDDLE: f64 = 1e-3;
+
 fn weighted_parabola(
     samples: &[Sample],
     reach: f64,
@@ -101,8 +104,9 @@ fn weighted_parabola(
         noise += outer * (w * s.sigma).powi(2);
         right += terms * (w * s.y);
         weights += w;
-        behind += usize::from(s.x < 0.0);
-        ahead += usize::from(s.x > 0.0);
+        // A sample at the middle is on neither side, whatever rounding makes of its place.
+        behind += usize::from(s.x < -MIDDLE * reach);
+        ahead += usize::from(s.x > MIDDLE * reach);
     }
     if behind < 2 || ahead < 2 {
         return None;

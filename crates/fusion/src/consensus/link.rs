@@ -12,7 +12,8 @@ use transect_geometry::Point2;
 /// How far ahead a node looks for its successor, in footprints.
 const REACH_FOOTPRINTS: f64 = 3.0;
 
-/// Smallest cosine between the directions of linked nodes without a view's own word for it.
+/// Smallest cosine between the directions of linked nodes, and between them and the step, without a
+/// view's own word for it.
 const SMALLEST_TURN_COSINE: f64 = 0.5;
 
 /// How far behind its start a carried-over unit may end, as a cosine: bends at thin tips.
@@ -21,7 +22,7 @@ const BACKWARD: f64 = -0.2;
 /// Smallest cosine between a step and the directions of two nodes that share theirs.
 const SIDEWAYS: f64 = 0.3;
 
-/// A carried-over unit counts as this much shorter than it is.
+/// A carried-over unit counts as this share of its length.
 const WITNESSED: f64 = 0.7;
 
 /// Successor of every kept node, or [`NONE`].
@@ -74,7 +75,7 @@ fn ahead(kept: &[Kept], scale: &Scale, candidates: &mut Vec<Candidate>) {
             let step = kept[to].position - kept[from].position;
             let (leave, arrive) =
                 (kept[from].tangent.dot(&step) / distance, kept[to].tangent.dot(&step) / distance);
-            if leave > 0.5 && arrive > 0.5 {
+            if leave.min(arrive) > SMALLEST_TURN_COSINE {
                 let cost = distance * (2.0 - leave) * (2.0 - arrive);
                 candidates.push(Candidate { cost, from: from as u32, to: to as u32 });
             }

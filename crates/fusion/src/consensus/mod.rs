@@ -25,8 +25,9 @@
 //! **Departures from the source.** Everything from step 3 on replaces 5.5.2. The rule table of 5.4
 //! holds for the result as an invariant instead of deciding each merge.
 //!
-//! **Cost.** Each step gathers neighbours from a grid: time is linear in the nodes and does not
-//! depend on how many views they come from. Not for views whose poses are wrong by more than the
+//! **Cost.** Each step gathers neighbours from a grid. A node's first place looks at all views
+//! around it, so time is nodes × overlapping views; everything after the thinning is linear in the
+//! length of the result. Joining compares all open ends with each other. Not for views whose poses are wrong by more than the
 //! overlap threshold: it cannot repair registration.
 
 mod ends;
@@ -68,6 +69,13 @@ impl Default for ConsensusOptions {
     }
 }
 
+/// Distance between neighbouring nodes, in footprints, from which the ground between them counts as
+/// bridged: thinning leaves up to twice its own reach, and a single missing pixel is no gap.
+const BRIDGED_FOOTPRINTS: f64 = 3.0;
+
+/// Shortest piece that takes part in joining, in footprints.
+const SHORTEST_PART: f64 = 2.0;
+
 /// Lengths of a plane that the steps share.
 #[derive(Debug, Clone, Copy)]
 struct Scale {
@@ -92,6 +100,7 @@ impl Scale {
         let spacing = observations.spacing();
         let sigma = median(observations.all.iter().map(|o| o.sigma));
         let same_way = options.direction_limit_rad.cos();
+        // One view says nothing about the spread between views; its own error is all there is.
         let between = spread::between_views(observations, grid, same_way).unwrap_or(sigma);
         let least = (Self::SIGMAS * sigma).max(Self::FOOTPRINTS * spacing);
         let threshold = (options.threshold_spreads * between).max(least);
@@ -142,7 +151,7 @@ impl Kept {
     fn node(&self) -> Node {
         Node {
             position: self.position,
-            sigma: self.sigma.max(0.0) as f32,
+            sigma: self.sigma as f32,
             footprint: self.footprint as f32,
             weight: self.credit as f32,
             views: self.views,
@@ -179,7 +188,7 @@ fn tidy(
     scale: &Scale,
     options: &ConsensusOptions,
 ) -> (Vec<Piece>, usize) {
-    let (covered, mut dropped) = pieces::cover(kept, traced, scale, 2.0);
+    let (covered, mut dropped) = pieces::cover(kept, traced, scale, SHORTEST_PART);
     let mut pieces = covered;
     for rule in [ends::SMOOTH, ends::HAIRPIN, ends::CROSSING] {
         pieces = ends::join(kept, pieces, scale, &rule);
@@ -188,11 +197,43 @@ fn tidy(
     let (pieces, short) = pieces::cover(kept, pieces, scale, options.shortest_footprints);
     dropped += short;
     let mut pieces = pieces;
-    pieces.iter_mut().for_each(|p| pieces::straighten(kept, p));
+    for piece in &mut pieces {
+        let before = piece.nodes.len();
+        pieces::straighten(kept, piece);
+        dropped += before - piece.nodes.len();
+    }
     (pieces, dropped)
 }
 
+/// The curves of the pieces, longest first.
 fn curves(kept: &[Kept], pieces: Vec<Piece>) -> Vec<Curve> {
-    let nodes = |p: &Piece| p.nodes.iter().map(|&k| kept[k as usize].node()).collect();
-    pieces.iter().filter_map(|p| Curve::new(nodes(p), p.closed).ok()).collect()
+    let curve = |p: &Piece| Curve::new(nodes(kept, p), p.closed).ok();
+    pieces::by_length(kept, pieces).iter().filter_map(curve).collect()
+}
+
+/// The nodes of a piece, with one that nobody saw in the middle of every bridged gap.
+fn nodes(kept: &[Kept], piece: &Piece) -> Vec<Node> {
+    let at = |k: u32| &kept[k as usize];
+    let mut nodes = Vec::with_capacity(piece.nodes.len());
+    for (k, &number) in piece.nodes.iter().enumerate() {
+        nodes.push(at(number).node());
+        let next = piece.nodes.get(k + 1).or(piece.nodes.first().filter(|_| piece.closed));
+        nodes.extend(next.and_then(|&next| bridge(at(number), at(next))));
+    }
+    nodes
+}
+
+/// The mark of a gap: a node without views, if two neighbours are too far apart to have been seen
+/// side by side.
+fn bridge(a: &Kept, b: &Kept) -> Option<Node> {
+    let gap = (b.position - a.position).norm();
+    let footprint = a.footprint.max(b.footprint);
+    (gap > BRIDGED_FOOTPRINTS * footprint).then(|| Node {
+        position: a.position + (b.position - a.position) * 0.5,
+        // Nothing is known in between but the two ends and their distance.
+        sigma: (0.25 * gap) as f32,
+        footprint: gap as f32,
+        weight: 0.0,
+        views: 0,
+    })
 }

@@ -20,6 +20,9 @@ const TANGENT_SIGMAS: f64 = 3.0;
 /// Sampling error of a node as a share of its footprint, which keeps noise-free data finite.
 const SAMPLING_SHARE: f64 = 0.06;
 
+/// Smallest believable footprint, as a share of the mean distance between a curve's nodes.
+const LEAST_FOOTPRINT: f64 = 1e-3;
+
 /// One node of one view.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Observation {
@@ -43,20 +46,30 @@ pub(crate) struct Observation {
 #[derive(Debug, Default)]
 pub(crate) struct Observations {
     pub all: Vec<Observation>,
-    /// For each view in canonical order, its place among the views as given.
+    /// For each different view in canonical order, its place among the views as given.
     pub sources: Vec<usize>,
 }
 
 impl Observations {
-    /// Collects the curves of all views; the order in which views are given does not matter.
+    /// Collects the curves of all views. Neither the order of views nor that of the curves within a
+    /// view matters, and a view that comes twice counts once: it saw nothing new.
     pub fn collect(views: &[&[Curve]]) -> Self {
-        let mut sources: Vec<usize> = (0..views.len()).filter(|&v| !views[v].is_empty()).collect();
-        sources.sort_by(|&a, &b| canonical(views[a], views[b]));
-        let mut observations = Self { all: Vec::new(), sources };
-        for view in 0..observations.sources.len() {
-            for curve in views[observations.sources[view]] {
-                observations.push(curve, view as u32);
-            }
+        let mut sorted: Vec<(usize, Vec<&Curve>)> = Vec::new();
+        for (source, curves) in views.iter().enumerate().filter(|(_, c)| !c.is_empty()) {
+            let mut curves: Vec<&Curve> = curves.iter().collect();
+            curves.sort_by(|a, b| canonical(a, b));
+            sorted.push((source, curves));
+        }
+        let order = |a: &[&Curve], b: &[&Curve]| {
+            let differing = a.iter().zip(b).map(|(a, b)| canonical(a, b)).find(|o| o.is_ne());
+            differing.unwrap_or(a.len().cmp(&b.len()))
+        };
+        sorted.sort_by(|(_, a), (_, b)| order(a, b));
+        sorted.dedup_by(|(_, b), (_, a)| order(a, b).is_eq());
+        let mut observations = Self::default();
+        for (view, (source, curves)) in sorted.iter().enumerate() {
+            observations.sources.push(*source);
+            curves.iter().for_each(|c| observations.push(c, view as u32));
         }
         observations
     }
@@ -73,9 +86,16 @@ impl Observations {
     fn push(&mut self, curve: &Curve, view: u32) {
         let nodes = curve.nodes();
         let arc = Arc::new(curve);
+        // A curve whose nodes are all in one place has no direction.
+        if arc.length <= 0.0 {
+            return;
+        }
+        let mean_step = arc.length / nodes.len() as f64;
         let first = self.all.len() as u32;
         for (k, node) in nodes.iter().enumerate() {
-            let footprint = f64::from(node.footprint).max(f64::MIN_POSITIVE);
+            // Where nobody says how far the samples are apart, the nodes do.
+            let known = f64::from(node.footprint) > LEAST_FOOTPRINT * mean_step;
+            let footprint = if known { f64::from(node.footprint) } else { mean_step };
             let sigma = f64::from(node.sigma).hypot(SAMPLING_SHARE * footprint);
             let taper =
                 (arc.to_open_end(k) / (TAPER_FOOTPRINTS * footprint)).clamp(LEAST_TAPER, 1.0);
@@ -90,7 +110,7 @@ impl Observations {
             };
             self.all.push(Observation {
                 position: node.position,
-                tangent: arc.tangent(k, reach(node)),
+                tangent: arc.tangent(k, reach(footprint, node)),
                 sigma,
                 footprint,
                 credit,
@@ -102,33 +122,25 @@ impl Observations {
     }
 }
 
-fn reach(node: &Node) -> f64 {
-    (TANGENT_FOOTPRINTS * f64::from(node.footprint)).max(TANGENT_SIGMAS * f64::from(node.sigma))
+fn reach(footprint: f64, node: &Node) -> f64 {
+    (TANGENT_FOOTPRINTS * footprint).max(TANGENT_SIGMAS * f64::from(node.sigma))
 }
 
-/// A total order of views by what they saw, so that results depend on the set of views alone.
-fn canonical(a: &[Curve], b: &[Curve]) -> Ordering {
-    let key = |n: &Node| (n.position.x, n.position.y, f64::from(n.sigma), f64::from(n.footprint));
-    let nodes = |curves: &[Curve]| {
-        curves.iter().flat_map(|c| c.nodes().to_vec()).map(|n| key(&n)).collect::<Vec<_>>()
+/// A total order of curves by all that is known of them, so that results depend on what was seen
+/// alone.
+fn canonical(a: &Curve, b: &Curve) -> Ordering {
+    let node = |a: &Node, b: &Node| {
+        let (p, q) = (&a.position, &b.position);
+        (p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)))
+            .then(a.sigma.total_cmp(&b.sigma))
+            .then(a.footprint.total_cmp(&b.footprint))
+            .then(a.weight.total_cmp(&b.weight))
+            .then(a.views.cmp(&b.views))
     };
-    let first = |curves: &[Curve]| curves.first().and_then(|c| c.nodes().first()).map(key);
-    let by_key = |a: &(f64, f64, f64, f64), b: &(f64, f64, f64, f64)| {
-        a.0.total_cmp(&b.0)
-            .then(a.1.total_cmp(&b.1))
-            .then(a.2.total_cmp(&b.2))
-            .then(a.3.total_cmp(&b.3))
-    };
-    // Nearly always the first node decides; only then is the whole list made.
-    let quick = match (first(a), first(b)) {
-        (Some(a), Some(b)) => by_key(&a, &b),
-        (a, b) => a.is_some().cmp(&b.is_some()),
-    };
-    quick.then_with(|| {
-        let (a, b) = (nodes(a), nodes(b));
-        let differing = a.iter().zip(&b).map(|(a, b)| by_key(a, b)).find(|o| o.is_ne());
-        differing.unwrap_or(Ordering::Equal).then(a.len().cmp(&b.len()))
-    })
+    let differing = a.nodes().iter().zip(b.nodes()).map(|(a, b)| node(a, b)).find(|o| o.is_ne());
+    differing
+        .unwrap_or(a.nodes().len().cmp(&b.nodes().len()))
+        .then(a.is_closed().cmp(&b.is_closed()))
 }
 
 /// Arc lengths along a curve.

@@ -6,6 +6,12 @@ use crate::grid::PointGrid;
 use std::cmp::Ordering;
 use transect_geometry::{Point2, Vector2};
 
+/// Fewest nodes of a piece; fewer have no direction of their own.
+const FEWEST_NODES: usize = 3;
+
+/// Fewest nodes of a piece that is straightened: a small ring is all bends.
+const FEWEST_TO_STRAIGHTEN: usize = 8;
+
 /// Longest curve unit that is looked for beside a node, in footprints: that of a joined gap.
 const LONGEST_UNIT_FOOTPRINTS: f64 = 4.0;
 
@@ -100,7 +106,7 @@ pub(super) fn straighten(kept: &[Kept], piece: &mut Piece) {
                 goes[if p.weight < q.weight { a } else { b }] = true;
             }
         }
-        if !goes.contains(&true) || n < 8 {
+        if !goes.contains(&true) || n < FEWEST_TO_STRAIGHTEN {
             return;
         }
         let mut goes = goes.iter();
@@ -150,7 +156,7 @@ pub(super) fn cover(
     for piece in by_length(kept, pieces) {
         let covered: Vec<bool> = piece.nodes.iter().map(|&k| cover.lies_beside(k)).collect();
         for run in runs(&piece, &covered) {
-            if run.footprints(kept) < shortest || run.nodes.len() < 3 {
+            if run.footprints(kept) < shortest || run.nodes.len() < FEWEST_NODES {
                 dropped += run.nodes.len();
                 continue;
             }

@@ -10,6 +10,9 @@ use crate::grid::PointGrid;
 /// Nodes looked at; the median of this many is good to a few percent.
 const SAMPLES: usize = 3000;
 
+/// Fewest distances that make a spread.
+const FEWEST_SAMPLES: usize = 8;
+
 /// How far another view is looked for, in footprints and standard deviations of the node.
 const SEARCH_FOOTPRINTS: f64 = 4.0;
 const SEARCH_SIGMAS: f64 = 6.0;
@@ -31,7 +34,7 @@ pub(super) fn between_views(
     let samples = (0..observations.all.len()).step_by(step);
     let mut distances: Vec<f64> =
         samples.filter_map(|k| distance_to_other(observations, grid, k, same_way)).collect();
-    if distances.len() < 8 {
+    if distances.len() < FEWEST_SAMPLES {
         return None;
     }
     // Pairs of different surfaces are in the sample; a shrinking cut leaves them behind.

@@ -174,6 +174,10 @@ fn cluster(observations: &Observations, absorbed_by: &[u32], kept: &mut [Kept]) 
         }
     }
     for (k, s) in kept.iter_mut().zip(&sums) {
+        if s.weight <= 0.0 {
+            // Nodes of no weight stand for themselves.
+            continue;
+        }
         k.cluster = Point2::from(s.position / s.weight);
         k.cluster_sigma = s.variance.sqrt() / s.weight;
         let along = s.along / s.weight;

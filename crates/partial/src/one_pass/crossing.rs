@@ -13,6 +13,8 @@ pub(super) struct Crossing {
     pub level: i32,
     /// The pixel nearer to the crossing.
     pub pixel: Pixel,
+    /// Whether the pair is of two rows of one column; a diagonal counts as such, too.
+    pub across_rows: bool,
     /// From one sample of the pair to the other, in plane coordinates with the height third.
     pub pair: Vector3,
     /// Distance between the two rays at the surface, in the length unit.
@@ -57,8 +59,11 @@ pub(super) fn solve(
     for level in low..high {
         let t = parameter(level_p - f64::from(level), level_q - f64::from(level));
         let pixel = if t < 0.5 { a } else { b };
-        let position = axes.in_plane(&(p + d * t));
-        out.push(Crossing { position, level, pixel, pair, spacing });
+        // From the nearer sample, so that crossings at one sample are at one place.
+        let at = if t < 0.5 { p + d * t } else { q - d * (1.0 - t) };
+        let position = axes.in_plane(&at);
+        let across_rows = a.row != b.row;
+        out.push(Crossing { position, level, pixel, across_rows, pair, spacing });
     }
 }
 

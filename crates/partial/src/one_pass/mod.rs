@@ -17,8 +17,8 @@
 //! 3. Each unbroken pair emits its crossings with consecutive numbers, solved for the point where
 //!    the line between the two samples meets the plane (3.6, Cartesian curve–plane, linear).
 //! 4. Each cell of four pixels links its entering crossings to its leaving ones, seen with the high
-//!    side on the left; see [`cell`](self::cell). This replaces the search windows of 3.5.
-//! 5. Chains are followed from their heads, then closed loops; see [`trace`](self::trace).
+//!    side on the left; see `cell.rs`. This replaces the search windows of 3.5.
+//! 5. Chains are followed from their heads, then closed loops; see `trace.rs`.
 //! 6. Handedness turns "high on the left" into "solid on the left" (3.7): seen from the sensor, the
 //!    curve direction `n × N` (plane normal, outward surface normal) has the high side on its left
 //!    whatever side of the plane the sensor is on, so a mirrored grid reverses all curves and a

@@ -52,10 +52,15 @@ pub(super) fn model(
 /// Drops nodes that repeat the one before: where a sample lies on the plane, up to four of its
 /// pairs cross there.
 fn tidy(crossings: &mut Vec<Crossing>, closed: bool) {
-    crossings.dedup_by(|b, a| a.position == b.position);
-    if closed
-        && crossings.len() > 1
-        && crossings[0].position == crossings[crossings.len() - 1].position
+    /// Distance at which two crossings are one, as a share of the rays' spacing: rounding.
+    const SAME: f64 = 1e-6;
+    let repeats = |a: &Crossing, b: &Crossing| {
+        let apart = (a.position - b.position).norm();
+        apart <= SAME * f64::from(a.spacing.max(b.spacing))
+    };
+    crossings.dedup_by(|b, a| repeats(a, b));
+    if let (true, [first, .., last]) = (closed, crossings.as_slice())
+        && repeats(first, last)
     {
         crossings.pop();
     }
@@ -81,22 +86,54 @@ impl NodeMaker<'_> {
         Node {
             position: crossing.position,
             sigma: (self.sigma * sigma_factor(&tangent, &crossing.pair, &ray)) as f32,
-            footprint: footprint(f64::from(crossing.spacing), &tangent, &ray) as f32,
+            footprint: self.footprint(k, closed, &tangent, &ray) as f32,
             weight: 1.0,
             views: 1,
         }
     }
 
+    /// Length along the curve that one pixel covers there: the coarser of two measures.
+    ///
+    /// One is the spacing of the two rays between which the plane passes, seen along the curve. The
+    /// other counts: a curve along a row crosses one upward pair per column, one along a column one
+    /// sideways pair per row, so the more frequent kind counts the pixels. They differ where rows
+    /// and columns are spaced differently; the coarser one limits what is known of the curve.
+    fn footprint(&self, k: usize, closed: bool, tangent: &Vector2, ray: &Vector3) -> f64 {
+        let spacing = footprint(f64::from(self.crossings[k].spacing), tangent, ray);
+        let (before, after) = self.neighbours(k, closed, 2 * REACH);
+        // Each side by itself, since a corner between them changes the kind; and two chords rather
+        // than the way from node to node, which noise makes longer.
+        let pixels = self.pixels_between(before, k) + self.pixels_between(k, after);
+        let place = |k: usize| self.crossings[k].position;
+        let length = (place(after) - place(k)).norm() + (place(k) - place(before)).norm();
+        if pixels < REACH { spacing } else { spacing.max(length / pixels as f64) }
+    }
+
+    /// Crossings of the more frequent kind on the way from one node to a later one.
+    fn pixels_between(&self, from: usize, to: usize) -> usize {
+        let n = self.crossings.len();
+        let span = (to + n - from) % n;
+        let kinds = (1..=span).map(|step| self.crossings[(from + step) % n].across_rows);
+        let upward = kinds.filter(|u| *u).count();
+        upward.max(span - upward)
+    }
+
     /// Unit direction of the curve at a node, from nodes [`REACH`] away on both sides.
     fn tangent(&self, k: usize, closed: bool) -> Vector2 {
-        let n = self.crossings.len();
-        let (before, after) = if closed && n > 2 * REACH {
-            ((k + n - REACH) % n, (k + REACH) % n)
-        } else {
-            (k.saturating_sub(REACH), (k + REACH).min(n - 1))
-        };
+        let (before, after) = self.neighbours(k, closed, REACH);
         let d = self.crossings[after].position - self.crossings[before].position;
         d.try_normalize(0.0).unwrap_or_else(Vector2::x)
+    }
+
+    /// The nodes that are `reach` before and after a node, nearer at open ends and on small rings.
+    fn neighbours(&self, k: usize, closed: bool, reach: usize) -> (usize, usize) {
+        let n = self.crossings.len();
+        if closed {
+            let reach = reach.min((n - 1) / 2);
+            ((k + n - reach) % n, (k + reach) % n)
+        } else {
+            (k.saturating_sub(reach), (k + reach).min(n - 1))
+        }
     }
 }
 
@@ -111,7 +148,7 @@ fn sigma_factor(tangent: &Vector2, pair: &Vector3, ray: &Vector3) -> f64 {
     if factor.is_nan() { SIGMA_FACTORS.1 } else { factor.clamp(SIGMA_FACTORS.0, SIGMA_FACTORS.1) }
 }
 
-/// Length along the curve that one pixel covers: the rays' spacing, seen obliquely.
+/// Length along the curve of one spacing of the rays, seen obliquely.
 fn footprint(spacing: f64, tangent: &Vector2, ray: &Vector3) -> f64 {
     let along = tangent.x * ray.x + tangent.y * ray.y;
     spacing / (1.0 - along * along).max(0.0).sqrt().max(MIN_SINE)

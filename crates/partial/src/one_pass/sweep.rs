@@ -2,7 +2,7 @@
 
 use super::cell::{self, Corner, Shape};
 use super::crossing::{Base, Crossing, solve};
-use crate::{BreakRule, PartialError, SectionAxes};
+use crate::{BreakRule, MAX_CROSSINGS, PartialError, SectionAxes};
 use transect_device::{Neighbour, PairGeometry, Pixel, View};
 
 /// No crossing.
@@ -62,7 +62,7 @@ pub(super) fn sweep(
         sweep.emit(i, &above, &mut row)?;
         sweep.linked.grow();
         if i > 0 {
-            sweep.link_cells(i, &above, &row);
+            sweep.link_cells(i, &above, &row)?;
         }
         std::mem::swap(&mut above, &mut row);
     }
@@ -118,14 +118,14 @@ impl Sweep<'_> {
             return Ok(Base::NONE);
         }
         let first = self.linked.crossings.len();
-        if first + (high - low) as usize >= NONE as usize {
-            return Err(PartialError::TooManyCrossings);
+        if first + (high - low) as usize > MAX_CROSSINGS {
+            return Err(PartialError::TooManyCrossings { interval: self.axes.interval() });
         }
         solve(self.view, self.axes, pair, (low, high), &mut self.linked.crossings);
         Ok(Base { first: first as u32, low })
     }
 
-    fn link_cells(&mut self, i: usize, above: &Row, row: &Row) {
+    fn link_cells(&mut self, i: usize, above: &Row, row: &Row) -> Result<(), PartialError> {
         let cols = row.ceilings.len();
         let first = usize::from(!self.view.frame().columns_wrap());
         for j in first..cols {
@@ -133,25 +133,26 @@ impl Sweep<'_> {
             let cell = Cell::gather(i, (before, j), above, row);
             match cell::shape(cell.unbroken) {
                 Shape::Whole => self.linked.link(&cell),
-                Shape::Without(corner) => self.link_triangle(cell, corner),
+                Shape::Without(corner) => self.link_triangle(cell, corner)?,
                 Shape::Broken => {}
             }
         }
+        Ok(())
     }
 
     /// Links the three valid corners of a cell; a crossing of the diagonal ends or begins a curve.
-    fn link_triangle(&mut self, mut cell: Cell, missing: Corner) {
+    fn link_triangle(&mut self, mut cell: Cell, missing: Corner) -> Result<(), PartialError> {
         let triangle = cell::triangle(missing);
         let (onto, across) = (triangle.onto as usize, triangle.across as usize);
         cell.ceilings[missing as usize] = cell.ceilings[onto];
         let pair = (cell.pixels[onto], cell.pixels[across]);
         let ceilings = (cell.ceilings[onto], cell.ceilings[across]);
-        // Too many crossings to number is found by the next pair that emits.
-        let Ok(base) = self.cross(pair, ceilings) else { return };
+        let base = self.cross(pair, ceilings)?;
         self.linked.grow();
         let diagonal = triangle.diagonal as usize;
         (cell.bases[diagonal], cell.unbroken[diagonal]) = (base, true);
         self.linked.link(&cell);
+        Ok(())
     }
 }
 

@@ -100,7 +100,7 @@ pub fn balls() -> impl Strategy<Value = Vec<Ball>> {
         .prop_map(|(x, y, z, radius)| Ball { centre: Point3::new(x, y, z), radius });
     // Apart by more than the range step that two neighbouring pixels may bridge, so that every
     // curve is that of one solid.
-    let apart = |a: &Ball, b: &Ball| (a.centre - b.centre).norm() > a.radius + b.radius + 0.4;
+    let apart = |a: &Ball, b: &Ball| (a.centre - b.centre).norm() > a.radius + b.radius + 0.8;
     prop::collection::vec(ball, 1..4).prop_map(move |balls| {
         let mut kept: Vec<Ball> = Vec::new();
         for b in balls {
