@@ -203,9 +203,15 @@ fn broken_invariants_in_a_file_are_found() {
     assert_eq!(broken(vec![(PlaneIndex(2), wide)]), InvariantError::PlaneEnvelope(PlaneIndex(2)));
     let wide: Section = recast(&(envelope.grown(1.0), vec![(envelope.grown(1.0), curve)]));
     assert!(matches!(broken(vec![(PlaneIndex(2), wide)]), InvariantError::CurveEnvelope { .. }));
+}
 
+#[test]
+fn a_curve_without_nodes_cannot_even_be_decoded() {
+    let envelope = rectangle(0.0, 0.0, 1.0, 1.0).envelope();
     let nodes: Vec<transect_geometry::Node> = Vec::new();
-    let no_nodes: Section = recast(&(envelope, vec![(envelope, (nodes, true))]));
-    let error = broken(vec![(PlaneIndex(3), no_nodes)]);
-    assert_eq!(error.to_string(), "curve 0 on plane 3 is malformed");
+    let config = bincode::config::standard();
+    let section = (envelope, vec![(envelope, (nodes, true))]);
+    let bytes = bincode::serde::encode_to_vec(&section, config).unwrap();
+    let refused = bincode::serde::decode_from_slice::<Section, _>(&bytes, config).unwrap_err();
+    assert!(refused.to_string().contains("0 nodes cannot make a closed curve"), "{refused}");
 }
