@@ -8,15 +8,21 @@
 //! | module | sensor | `d3` | inverse `F` |
 //! |---|---|---|---|
 //! | [`imaging_radar`] | two scanning angles and a range: every terrestrial laser scanner | range | yes |
-//! | [`pinhole`] | depth camera | depth along the optical axis | yes |
+//! | [`light_stripe`] | a laser sheet turned by a mirror, watched by a camera | the stripe's place in its camera row | yes |
+//! | [`lookup_table`] | one scanning angle on a linear axis, calibrated by tables | image position of the spot | yes |
+//! | [`pinhole`] | depth camera, with or without lens distortion | depth along the optical axis, or ray length | yes |
 //! | [`point_grid`] | organised grid of Cartesian points | distance from the ray's start | no |
 
 pub mod imaging_radar;
+pub mod light_stripe;
+pub mod lookup_table;
 pub mod pinhole;
 pub mod point_grid;
 
 pub use imaging_radar::{AngularScan, ImagingRadar};
-pub use pinhole::{Intrinsics, Pinhole};
+pub use light_stripe::{LaserAngles, LightStripe, LightStripeParameters};
+pub use lookup_table::LookupTable;
+pub use pinhole::{Intrinsics, Pinhole, PinholeScale, RayTable};
 pub use point_grid::{CarriedPinhole, PointGrid, RayStarts};
 
 use transect_device::ImageError;
@@ -41,6 +47,12 @@ pub enum SensorError {
     /// A grid of points from which the way round it cannot be read.
     #[error("no three neighbouring points show from which side the grid is seen")]
     NoSurface,
+    /// Measurements that leave part of what they should tell open.
+    #[error("the measurements leave the pose undetermined: needed are {wanted}")]
+    Undetermined {
+        /// What would determine it.
+        wanted: &'static str,
+    },
 }
 
 /// Refuses a parameter that is not finite or fails a condition.

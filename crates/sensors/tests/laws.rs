@@ -1,12 +1,18 @@
 //! Laws that every device frame keeps, over random sensors, pixels and planes.
 #![allow(clippy::unwrap_used, reason = "test code; shared strategies are outside test functions")]
 
+#[path = "common/tables.rs"]
+mod tables;
+
 use proptest::prelude::*;
 use transect_device::{
     DeviceFrame, Handedness, ImageSize, LinearForm, Neighbour, PairGeometry, Pixel, Point3,
     RangeImage, SensorPlane, Vector3,
 };
-use transect_sensors::{AngularScan, ImagingRadar, Intrinsics, Pinhole, PointGrid, RayStarts};
+use transect_sensors::{
+    AngularScan, ImagingRadar, Intrinsics, LaserAngles, LightStripe, LightStripeParameters,
+    Pinhole, PinholeScale, PointGrid, RayStarts, RayTable,
+};
 
 const SIZE: ImageSize = ImageSize { rows: 12, cols: 17 };
 
@@ -25,11 +31,80 @@ fn cameras() -> impl Strategy<Value = Pinhole> {
         .prop_map(|(fx, fy, cx, cy)| Pinhole::new(SIZE, Intrinsics { fx, fy, cx, cy }).unwrap())
 }
 
-fn frames() -> impl Strategy<Value = Box<dyn DeviceFrame>> {
+/// Range finders in focal lengths, with uneven angles either way round and a moving mirror. Every
+/// line of sight of the 64 columns meets every sheet, so that all values up to 64 are points.
+fn stripes() -> impl Strategy<Value = LightStripe> {
+    let angles = (0.7..0.8_f64, prop::collection::vec(0.005..0.025_f64, SIZE.cols), any::<bool>());
+    let theta_laser = angles.prop_map(|(first, steps, falling)| {
+        let next = |theta: &mut f64, step: f64| {
+            *theta += step;
+            Some(*theta)
+        };
+        let mut radians: Vec<f64> = steps.into_iter().scan(first, next).collect();
+        if falling {
+            radians.reverse();
+        }
+        LaserAngles::from_radians(radians)
+    });
+    let lengths = (3.0..20.0_f64, 0.0..0.5_f64, 0.0..0.5_f64);
+    let camera = (0.003..0.01_f64, 0.01..0.04_f64, 25.0..32.0_f64, -2.0..13.0_f64);
+    (theta_laser, lengths, camera).prop_map(|(theta_laser, lengths, camera)| {
+        let (baseline, mirror_axis, mirror_face) = lengths;
+        let (cell_width, cell_height, x_center, y_center) = camera;
+        let parameters = LightStripeParameters {
+            camera: ImageSize { rows: SIZE.rows, cols: 64 },
+            focal_length: 1.0,
+            cell_width,
+            cell_height,
+            x_center,
+            y_center,
+            baseline,
+            mirror_axis,
+            mirror_face,
+            fan_angle: 2.0,
+            farthest: f64::INFINITY,
+            theta_laser,
+        };
+        LightStripe::new(parameters).unwrap()
+    })
+}
+
+fn central_frames() -> impl Strategy<Value = Box<dyn DeviceFrame>> {
     prop_oneof![
         radars().prop_map(|f| Box::new(f) as Box<dyn DeviceFrame>),
-        cameras().prop_map(|f| Box::new(f) as Box<dyn DeviceFrame>),
+        (cameras(), scales())
+            .prop_map(|(f, scale)| Box::new(f.with_scale(scale)) as Box<dyn DeviceFrame>),
+        lenses().prop_map(|f| Box::new(f) as Box<dyn DeviceFrame>),
     ]
+}
+
+fn scales() -> impl Strategy<Value = PinholeScale> {
+    prop_oneof![Just(PinholeScale::Depth), Just(PinholeScale::RayLength)]
+}
+
+/// Cameras whose lens pulls rays in or pushes them out, the grid either way round.
+fn lenses() -> impl Strategy<Value = RayTable> {
+    let camera = (20.0..60.0_f64, 4.0..12.0_f64, 2.0..9.0_f64);
+    (camera, -0.15..0.15_f64, any::<bool>(), scales()).prop_map(
+        |(camera, bend, mirrored, scale)| {
+            let (focal, cx, cy) = camera;
+            let ray = |(row, col): (usize, usize)| {
+                let (x, y) = ((col as f64 - cx) / focal, (row as f64 - cy) / focal);
+                let bent = 1.0 + bend * (x * x + y * y);
+                Vector3::new(if mirrored { -x * bent } else { x * bent }, y * bent, 1.0)
+            };
+            let pixels = (0..SIZE.rows).flat_map(|row| (0..SIZE.cols).map(move |col| (row, col)));
+            RayTable::new(SIZE, pixels.map(ray).collect(), scale).unwrap()
+        },
+    )
+}
+
+fn frames() -> impl Strategy<Value = Box<dyn DeviceFrame>> {
+    prop_oneof![2 => central_frames(), 1 => stripe_frames()]
+}
+
+fn stripe_frames() -> impl Strategy<Value = Box<dyn DeviceFrame>> {
+    stripes().prop_map(|f| Box::new(f) as Box<dyn DeviceFrame>)
 }
 
 fn pixels() -> impl Strategy<Value = Pixel> {
@@ -114,6 +189,21 @@ fn rows_agree(frame: &dyn DeviceFrame, image: &RangeImage, form: &LinearForm) ->
     })
 }
 
+/// A sensor of one pixel, at a place between those of another: linear between its angles.
+fn at_one_pixel(frame: &LightStripe, row: f64, col: f64) -> LightStripe {
+    let parameters = frame.parameters().clone();
+    let angles = parameters.theta_laser.as_radians();
+    let left = (col as usize).min(angles.len() - 2);
+    let theta = angles[left] + (col - left as f64) * (angles[left + 1] - angles[left]);
+    let one = LightStripeParameters {
+        camera: ImageSize { rows: 1, ..parameters.camera },
+        y_center: parameters.y_center - row,
+        theta_laser: LaserAngles::from_radians(vec![theta]),
+        ..parameters
+    };
+    LightStripe::new(one).unwrap()
+}
+
 proptest! {
     #[test]
     fn going_to_the_device_frame_and_back_returns_the_point(
@@ -126,6 +216,18 @@ proptest! {
         prop_assert!((d.d3 - d3).abs() < 1e-9 * d3);
         let back = frame.point(pixel, d.d3).unwrap();
         prop_assert!((back - p).norm() < 1e-9 * d3);
+    }
+
+    #[test]
+    fn places_between_a_range_finders_pixels_are_kept_both_ways(
+        frame in stripes(), row in 0.0..11.0, col in 0.0..16.0, d3 in 0.1..50.0,
+    ) {
+        let p = at_one_pixel(&frame, row, col).point(Pixel::new(0, 0), d3).unwrap();
+        let d = frame.device_point(&p).unwrap();
+        prop_assert!((d.row - row).abs() < 1e-7 && (d.col - col).abs() < 1e-7, "{d:?}");
+        prop_assert!((d.d3 - d3).abs() < 1e-9 * d3);
+        let back = at_one_pixel(&frame, d.row, d.col).point(Pixel::new(0, 0), d.d3).unwrap();
+        prop_assert!((back - p).norm() < 1e-9 * p.coords.norm(), "{p} {back}");
     }
 
     #[test]
@@ -190,8 +292,19 @@ proptest! {
     }
 
     #[test]
+    fn fast_rows_of_tables_equal_slow_rows(
+        table in tables::tables(), image in images(), gradient in directions(),
+    ) {
+        // From within the digitised field to well outside it.
+        let values = (0..SIZE.rows).flat_map(|row| image.row(row)).map(|v| 10.0 * v);
+        let image = RangeImage::from_values(SIZE, values.collect()).unwrap();
+        let form = LinearForm { gradient, constant: 1.0 };
+        prop_assert!(rows_agree(&table, &image, &form));
+    }
+
+    #[test]
     fn a_grid_of_points_is_the_frame_it_came_from(
-        frame in frames(), pixel in pixels(), normal in directions(), offset in -9.0..9.0,
+        frame in central_frames(), pixel in pixels(), normal in directions(), offset in -9.0..9.0,
     ) {
         let flat = RangeImage::from_values(SIZE, vec![3.0; SIZE.pixels()]).unwrap();
         let Some((grid, image)) = grid_of(frame.as_ref(), &flat) else { return Ok(()) };

@@ -1,0 +1,80 @@
+//! An assumed geometry of the synchronised scanner, from which example sweeps are made.
+//!
+//! ```text
+//!          v ^      . spot
+//!            |     /|\           θ: beam from +v towards +u
+//!            |    / . \          δ: parallax, between the beam and the line of sight
+//!            |   /  δ  \
+//!     -------P--/---+---R----> u          P (−B/2, 0) projector, R (B/2, 0) receiver
+//! ```
+//!
+//! Both pivots turn together (Rioux), so that the receiver's axis always leans κ from the beam and
+//! the spot's image position depends little on θ:
+//!
+//! `tan δ = B cos θ / (t − B sin θ)`, `p = p₀ + f tan(κ − δ)`, with t the length of the beam.
+//!
+//! `p` grows with range, because δ falls. The dissertation gives no such numbers (the table is the
+//! vendor's); base line, focal length and convergence are assumed, chosen so that its field fits.
+
+use super::calibration::{CalibrationSample, CalibrationSweep, ThetaSteps};
+use nalgebra::Point2;
+
+/// A scanner whose beam and line of sight turn together about two pivots; lengths in one unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SynchronizedScanner {
+    /// Base line B: distance of the receiver's pivot from the projector's, along u.
+    pub base: f64,
+    /// Focal length f of the receiver.
+    pub focal_length: f64,
+    /// Convergence κ: angle between beam and receiver's axis, in radians.
+    pub convergence_rad: f64,
+    /// Place p₀ of the receiver's axis on the detector.
+    pub detector_axis: f64,
+}
+
+impl SynchronizedScanner {
+    /// The assumed scanner of the example, in millimetres: B = 60, f = 60, κ = 0.4, p₀ = 10.
+    pub fn hyscan() -> Self {
+        Self { base: 60.0, focal_length: 60.0, convergence_rad: 0.4, detector_axis: 10.0 }
+    }
+
+    /// Pivot of the projector in the local frame.
+    pub fn projector(&self) -> Point2<f64> {
+        Point2::new(-0.5 * self.base, 0.0)
+    }
+
+    /// Pivot of the receiver in the local frame.
+    pub fn receiver(&self) -> Point2<f64> {
+        Point2::new(0.5 * self.base, 0.0)
+    }
+
+    /// The spot seen at image position `p` on the beam at θ; `None` where the lines diverge.
+    pub fn spot(&self, theta_rad: f64, p: f64) -> Option<Point2<f64>> {
+        let (sin, cos) = theta_rad.sin_cos();
+        let seen = ((p - self.detector_axis) / self.focal_length).atan();
+        let parallax = self.convergence_rad - seen;
+        let length = self.base * (sin + cos / parallax.tan());
+        let converge = parallax > 0.0 && length > 0.0;
+        converge.then(|| Point2::new(length * sin - 0.5 * self.base, length * cos))
+    }
+
+    /// The sample a flat table `v = depth + slope · u` gives on the beam at θ.
+    pub fn sample(&self, theta_rad: f64, depth: f64, slope: f64) -> CalibrationSample {
+        let (sin, cos) = theta_rad.sin_cos();
+        let length = (depth - 0.5 * slope * self.base) / (cos - slope * sin);
+        let parallax = (self.base * cos).atan2(length - self.base * sin);
+        let seen = (self.convergence_rad - parallax).tan();
+        CalibrationSample {
+            theta_rad,
+            p: self.detector_axis + self.focal_length * seen,
+            u: length * sin - 0.5 * self.base,
+            v: length * cos,
+        }
+    }
+
+    /// A noise-free sweep of a flat table `v = depth + slope · u`.
+    pub fn sweep(&self, columns: &ThetaSteps, depth: f64, slope: f64) -> CalibrationSweep {
+        let angles = (0..columns.count()).map(|c| columns.angle(c));
+        CalibrationSweep { samples: angles.map(|t| self.sample(t, depth, slope)).collect() }
+    }
+}

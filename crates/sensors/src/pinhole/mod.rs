@@ -1,0 +1,214 @@
+//! Pinhole depth camera.
+//!
+//! ```text
+//!         .------> x, columns j          ray of pixel (i, j): ((j - cx)/fx, (i - cy)/fy, 1)
+//!        /|                              point: depth z times that
+//!   z  <- |   (z into the scene)         pixel (i, j) = (cy + fy y/z, cx + fx x/z)
+//!         v
+//!         y, rows i
+//! ```
+//!
+//! Axes: x right, y down, z forward, right-handed, seen from the camera. `d3` is the depth along z
+//! or the length of the ray, see [`PinholeScale`], in the model's length unit; all rays start at the
+//! origin. Pixel `(i, j)` is sampled at its centre, `(cx, cy)` in the same counting. Missing pixels
+//! are missing values. Noise is an error along the ray.
+//!
+//! A lens that bends rays is a [`RayTable`]: one unit ray per pixel in the same frame.
+
+mod ray_table;
+
+pub use ray_table::RayTable;
+
+use crate::{SensorError, require};
+use transect_device::{
+    DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, Pixel, Point3, RangeImage, Ray,
+    SensorPlane, Vector3,
+};
+
+/// What a camera's value measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PinholeScale {
+    /// Depth along the optical axis z.
+    #[default]
+    Depth,
+    /// Distance from the camera, along the ray.
+    RayLength,
+}
+
+impl PinholeScale {
+    /// The direction scaled so that the value times it is the point.
+    fn per_value(self, direction: Vector3) -> Vector3 {
+        match self {
+            Self::Depth => direction / direction.z,
+            Self::RayLength => direction / direction.norm(),
+        }
+    }
+
+    /// The value of a point.
+    fn value(self, p: &Point3) -> f64 {
+        match self {
+            Self::Depth => p.z,
+            Self::RayLength => p.coords.norm(),
+        }
+    }
+}
+
+/// Focal lengths and principal point, in pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Intrinsics {
+    /// Focal length along the columns' direction.
+    pub fx: f64,
+    /// Focal length along the rows' direction.
+    pub fy: f64,
+    /// Column of the optical axis.
+    pub cx: f64,
+    /// Row of the optical axis.
+    pub cy: f64,
+}
+
+/// The device frame of a depth camera; see the module's page.
+#[derive(Debug, Clone, Copy)]
+pub struct Pinhole {
+    size: ImageSize,
+    intrinsics: Intrinsics,
+    scale: PinholeScale,
+}
+
+impl Pinhole {
+    /// A camera without lens distortion whose values are depths.
+    ///
+    /// # Errors
+    /// [`SensorError::BadParameter`] unless the focal lengths are positive and all are finite.
+    pub fn new(size: ImageSize, intrinsics: Intrinsics) -> Result<Self, SensorError> {
+        size.check()?;
+        let Intrinsics { fx, fy, cx, cy } = intrinsics;
+        require("fx", fx, fx > 0.0, "a positive focal length in pixels")?;
+        require("fy", fy, fy > 0.0, "a positive focal length in pixels")?;
+        require("cx", cx, true, "a column")?;
+        require("cy", cy, true, "a row")?;
+        Ok(Self { size, intrinsics, scale: PinholeScale::Depth })
+    }
+
+    /// The same camera, with values of another meaning.
+    #[must_use]
+    pub fn with_scale(self, scale: PinholeScale) -> Self {
+        Self { scale, ..self }
+    }
+
+    /// The pixel's ray, scaled to depth 1.
+    fn ray_at_depth_one(&self, row: f64, col: f64) -> Vector3 {
+        let Intrinsics { fx, fy, cx, cy } = self.intrinsics;
+        Vector3::new((col - cx) / fx, (row - cy) / fy, 1.0)
+    }
+
+    /// The pixel's ray, scaled to value 1.
+    fn inside(&self, pixel: Pixel) -> Option<Vector3> {
+        let inside = pixel.row < self.size.rows && pixel.col < self.size.cols;
+        let ray = || self.ray_at_depth_one(pixel.row as f64, pixel.col as f64);
+        inside.then(|| self.scale.per_value(ray()))
+    }
+
+    /// Smallest and largest x and y of rays at depth 1.
+    fn field(&self) -> [(f64, f64); 2] {
+        let low = self.ray_at_depth_one(0.0, 0.0);
+        let (last_row, last_col) = (self.size.rows as f64 - 1.0, self.size.cols as f64 - 1.0);
+        let high = self.ray_at_depth_one(last_row, last_col);
+        [(low.x, high.x), (low.y, high.y)]
+    }
+
+    /// The rays at depth 1 where a linear form of the point may be extreme for one value.
+    ///
+    /// Depths: the corners, since the volume is their convex hull. Ray lengths: corners, edges and
+    /// the direction itself, since the volume bulges.
+    fn extreme_rays(&self, direction: &Vector3) -> Vec<Vector3> {
+        let [xs, ys] = self.field();
+        let ray = |x, y| Vector3::new(x, y, 1.0);
+        let mut rays = vec![ray(xs.0, ys.0), ray(xs.0, ys.1), ray(xs.1, ys.0), ray(xs.1, ys.1)];
+        if self.scale == PinholeScale::Depth {
+            return rays;
+        }
+        let within = |at: f64, (low, high): (f64, f64)| (low..=high).contains(&at);
+        let n = direction;
+        // Along an edge of constant y: where the derivative of (n · ray) / |ray| by x is 0.
+        for y in [ys.0, ys.1] {
+            let x = n.x * (1.0 + y * y) / (n.y * y + n.z);
+            rays.extend(within(x, xs).then(|| ray(x, y)));
+        }
+        for x in [xs.0, xs.1] {
+            let y = n.y * (1.0 + x * x) / (n.x * x + n.z);
+            rays.extend(within(y, ys).then(|| ray(x, y)));
+        }
+        let (x, y) = (n.x / n.z, n.y / n.z);
+        rays.extend((within(x, xs) && within(y, ys)).then(|| ray(x, y)));
+        rays
+    }
+}
+
+impl DeviceFrame for Pinhole {
+    fn size(&self) -> ImageSize {
+        self.size
+    }
+
+    fn handedness(&self) -> Handedness {
+        Handedness::ColumnsRight
+    }
+
+    fn ray(&self, pixel: Pixel) -> Option<Ray> {
+        Some(Ray { start: Point3::origin(), direction: self.inside(pixel)?.normalize() })
+    }
+
+    fn point(&self, pixel: Pixel, d3: f64) -> Option<Point3> {
+        Some(Point3::from(self.inside(pixel)? * d3))
+    }
+
+    fn device_point(&self, in_sensor: &Point3) -> Option<DevicePoint> {
+        let Intrinsics { fx, fy, cx, cy } = self.intrinsics;
+        let z = in_sensor.z;
+        let seen = z > 0.0 && in_sensor.coords.iter().all(|c| c.is_finite());
+        seen.then(|| DevicePoint {
+            row: cy + fy * in_sensor.y / z,
+            col: cx + fx * in_sensor.x / z,
+            d3: self.scale.value(in_sensor),
+        })
+    }
+
+    fn plane_value(&self, pixel: Pixel, plane: &SensorPlane) -> Option<f64> {
+        let value = plane.offset / plane.normal.dot(&self.inside(pixel)?);
+        (value.is_finite() && value > 0.0).then_some(value)
+    }
+
+    fn extent(&self, direction: &Vector3, nearest: f64, farthest: f64) -> (f64, f64) {
+        let mut extremes = (f64::INFINITY, f64::NEG_INFINITY);
+        for ray in self.extreme_rays(direction) {
+            let per_value = direction.dot(&self.scale.per_value(ray));
+            for value in [per_value * nearest, per_value * farthest] {
+                extremes = (value.min(extremes.0), value.max(extremes.1));
+            }
+        }
+        extremes
+    }
+
+    fn form_row(&self, image: &RangeImage, row: usize, form: &LinearForm, out: &mut [f32]) {
+        let first_ray = self.ray_at_depth_one(row as f64, 0.0);
+        let first = form.gradient.dot(&first_ray);
+        let per_column = form.gradient.x / self.intrinsics.fx;
+        let samples = out.iter_mut().zip(image.row(row)).enumerate();
+        match self.scale {
+            PinholeScale::Depth => {
+                for (col, (value, &depth)) in samples {
+                    let per_depth = first + per_column * col as f64;
+                    *value = (f64::from(depth) * per_depth + form.constant) as f32;
+                }
+            }
+            PinholeScale::RayLength => {
+                let of_row = 1.0 + first_ray.y * first_ray.y;
+                for (col, (value, &length)) in samples {
+                    let x = first_ray.x + col as f64 / self.intrinsics.fx;
+                    let depth = f64::from(length) / (of_row + x * x).sqrt();
+                    let per_depth = first + per_column * col as f64;
+                    *value = (depth * per_depth + form.constant) as f32;
+                }
+            }
+        }
+    }
+}

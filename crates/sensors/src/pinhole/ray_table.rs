@@ -1,0 +1,227 @@
+//! A camera with a ray per pixel: any lens distortion, once somebody has calibrated it.
+//!
+//! ```text
+//!    (i, j)·-----·(i, j+1)        ray of pixel (i, j): a unit vector of its own
+//!          |  ×  |                between pixels: the bilinear mix of the four rays around
+//!  (i+1, j)·-----·(i+1, j+1)
+//! ```
+//!
+//! Axes, unit, pixel centre, missing value and noise as for the [`Pinhole`](super::Pinhole): x right,
+//! y down, z forward if the table is made so, all rays from the origin. `d3` is a depth or a ray
+//! length. Missing: a pixel without a ray (outside the lens's circle) has no point. Handedness is
+//! read from the table. A table that folds back on itself is refused: `F` would have two answers.
+//!
+//! `F` looks for the cell which a point's direction passes through: the best ray of an ever finer
+//! grid of pixels, then the cells around it, each solved for its place by Newton's method (5 steps
+//! reach rounding, a cell of rays being nearly flat). Outside all cells there is no pixel: `None`.
+//! Cost: some hundred dot products per point. Not for cameras whose rays do not meet in a point.
+
+use super::PinholeScale;
+use crate::{SensorError, require};
+use nalgebra::{Matrix2, Vector2};
+use transect_device::{
+    DeviceFrame, DevicePoint, Handedness, ImageError, ImageSize, LinearForm, Pixel, Point3,
+    RangeImage, Ray, SensorPlane, Vector3,
+};
+
+/// Rays per side of the coarsest grid of pixels the search starts from.
+const COARSEST: usize = 16;
+/// How far outside a cell, in pixels, a place still counts as on its border.
+const BORDER: f64 = 1e-9;
+const NEWTON_STEPS: usize = 12;
+
+/// The device frame of a camera given by its rays; see the module's page.
+#[derive(Debug, Clone)]
+pub struct RayTable {
+    size: ImageSize,
+    scale: PinholeScale,
+    handedness: Handedness,
+    /// Row-major directions that a value scales to its point; `None` where the lens sees nothing.
+    rays: Vec<Option<Vector3>>,
+}
+
+impl RayTable {
+    /// A camera from one direction per pixel, row-major; of any length, not finite or zero where
+    /// the pixel has no ray.
+    ///
+    /// # Errors
+    /// [`SensorError::Image`] for a wrong number of rays, [`SensorError::BadParameter`] naming `rays`
+    /// if depths are asked for of rays that do not run forward or the table folds back on itself,
+    /// [`SensorError::NoSurface`] if no three neighbouring pixels have rays.
+    pub fn new(
+        size: ImageSize,
+        directions: Vec<Vector3>,
+        scale: PinholeScale,
+    ) -> Result<Self, SensorError> {
+        let (ImageSize { rows, cols }, found) = (size, directions.len());
+        let pixels = rows.checked_mul(cols).ok_or(ImageError::AbsurdSize { rows, cols })?;
+        if found != pixels {
+            return Err(ImageError::WrongCount { size, found }.into());
+        }
+        let unit = |d: Vector3| d.try_normalize(0.0).filter(|d| d.iter().all(|c| c.is_finite()));
+        let rays: Vec<Option<Vector3>> = directions.into_iter().map(unit).collect();
+        let depth = scale == PinholeScale::Depth;
+        if let Some(backward) = rays.iter().flatten().find(|r| depth && r.z <= 0.0) {
+            require("rays", backward.z, false, "rays with z > 0, for values that are depths")?;
+        }
+        let rays = rays.into_iter().map(|r| Some(scale.per_value(r?))).collect();
+        let mut table = Self { size, scale, handedness: Handedness::ColumnsRight, rays };
+        let (right, left) = table.count_turns();
+        if right + left == 0 {
+            return Err(SensorError::NoSurface);
+        }
+        let folded = right.min(left);
+        require("rays", folded as f64, folded == 0, "no cells that fold back")?;
+        if left > 0 {
+            table.handedness = Handedness::ColumnsLeft;
+        }
+        Ok(table)
+    }
+
+    fn scaled(&self, row: usize, col: usize) -> Option<Vector3> {
+        let inside = row < self.size.rows && col < self.size.cols;
+        *self.rays.get(row * self.size.cols + col).filter(|_| inside)?
+    }
+
+    /// How many corners of cells turn each way, seen along their rays.
+    fn count_turns(&self) -> (usize, usize) {
+        let (mut right, mut left) = (0, 0);
+        for row in 1..self.size.rows {
+            for col in 1..self.size.cols {
+                match self.turn(row, col) {
+                    Some(turn) if turn > 0.0 => right += 1,
+                    Some(_) => left += 1,
+                    None => {}
+                }
+            }
+        }
+        (right, left)
+    }
+
+    fn turn(&self, row: usize, col: usize) -> Option<f64> {
+        let unit = |row, col| Some(self.scaled(row, col)?.normalize());
+        let here = unit(row, col)?;
+        let along_columns = here - unit(row, col - 1)?;
+        let along_rows = here - unit(row - 1, col)?;
+        Some(along_columns.cross(&along_rows).dot(&here))
+    }
+
+    /// The pixel whose ray is nearest to a unit direction, by ever finer grids.
+    fn nearest(&self, direction: &Vector3) -> Option<Pixel> {
+        let closeness = |p: &Pixel| Some(self.scaled(p.row, p.col)?.normalize().dot(direction));
+        let best = |pixels: &mut dyn Iterator<Item = Pixel>| {
+            let seen = pixels.filter_map(|p| Some((closeness(&p)?, p)));
+            seen.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, p)| p)
+        };
+        let ImageSize { rows, cols } = self.size;
+        let mut stride = rows.min(cols).div_ceil(COARSEST);
+        let coarse_rows = (0..rows).step_by(stride);
+        let mut coarse = coarse_rows
+            .flat_map(|row| (0..cols).step_by(stride).map(move |col| Pixel::new(row, col)));
+        let mut here = best(&mut coarse)?;
+        loop {
+            let next = best(&mut ring(here, stride))?;
+            if next == here && stride == 1 {
+                return Some(here);
+            }
+            // Half the stride once this one finds nothing better.
+            stride = if next == here { stride.div_ceil(2) } else { stride };
+            here = next;
+        }
+    }
+
+    /// Row and column within a cell which a unit direction passes through.
+    fn in_cell(&self, row: usize, col: usize, direction: &Vector3) -> Option<(f64, f64)> {
+        let corner = |r, c| Some(self.scaled(row + r, col + c)?.normalize());
+        let (a, b) = (corner(0, 0)?, corner(0, 1)?);
+        let (c, d) = (corner(1, 0)?, corner(1, 1)?);
+        let (across, down, twist) = (b - a, c - a, a - b - c + d);
+        // Two axes across the direction: the mixed ray must have no part along them.
+        let e1 = direction.cross(&across).try_normalize(0.0)?;
+        let e2 = direction.cross(&e1);
+        let part = |v: &Vector3| Vector2::new(v.dot(&e1), v.dot(&e2));
+        let mut place = Vector2::new(0.5, 0.5);
+        for _ in 0..NEWTON_STEPS {
+            let (i, j) = (place.x, place.y);
+            let miss = part(&(a + across * j + down * i + twist * (i * j)));
+            let slopes =
+                Matrix2::from_columns(&[part(&(down + twist * j)), part(&(across + twist * i))]);
+            let step = slopes.try_inverse()? * miss;
+            place -= step;
+            if step.norm() < 1e-14 {
+                break;
+            }
+        }
+        let inside = place.iter().all(|x| (-BORDER..=1.0 + BORDER).contains(x));
+        inside.then_some((row as f64 + place.x, col as f64 + place.y))
+    }
+
+    /// Row and column which a unit direction passes through, among the cells around a pixel.
+    fn around(&self, pixel: Pixel, direction: &Vector3) -> Option<(f64, f64)> {
+        let from = |at: usize| at.saturating_sub(2)..at + 2;
+        from(pixel.row)
+            .flat_map(|row| from(pixel.col).map(move |col| (row, col)))
+            .find_map(|(row, col)| self.in_cell(row, col, direction))
+    }
+}
+
+/// A pixel and its eight neighbours at a distance, as far as indices go.
+fn ring(center: Pixel, stride: usize) -> impl Iterator<Item = Pixel> {
+    let steps = move |at: usize| {
+        [at.checked_sub(stride), Some(at), at.checked_add(stride)].into_iter().flatten()
+    };
+    // The centre first and last: `max_by` keeps the last of equals, so ties stay where they are.
+    let others =
+        steps(center.row).flat_map(move |row| steps(center.col).map(move |c| Pixel::new(row, c)));
+    others.chain(std::iter::once(center))
+}
+
+impl DeviceFrame for RayTable {
+    fn size(&self) -> ImageSize {
+        self.size
+    }
+
+    fn handedness(&self) -> Handedness {
+        self.handedness
+    }
+
+    fn ray(&self, pixel: Pixel) -> Option<Ray> {
+        let direction = self.scaled(pixel.row, pixel.col)?.normalize();
+        Some(Ray { start: Point3::origin(), direction })
+    }
+
+    fn point(&self, pixel: Pixel, d3: f64) -> Option<Point3> {
+        Some(Point3::from(self.scaled(pixel.row, pixel.col)? * d3))
+    }
+
+    fn device_point(&self, in_sensor: &Point3) -> Option<DevicePoint> {
+        let d3 = self.scale.value(in_sensor);
+        let direction = in_sensor.coords.try_normalize(0.0)?;
+        if !(d3.is_finite() && d3 > 0.0) {
+            return None;
+        }
+        let (row, col) = self.around(self.nearest(&direction)?, &direction)?;
+        Some(DevicePoint { row, col, d3 })
+    }
+
+    fn plane_value(&self, pixel: Pixel, plane: &SensorPlane) -> Option<f64> {
+        let value = plane.offset / plane.normal.dot(&self.scaled(pixel.row, pixel.col)?);
+        (value.is_finite() && value > 0.0).then_some(value)
+    }
+
+    /// Exact, ray by ray.
+    fn extent(&self, direction: &Vector3, nearest: f64, farthest: f64) -> (f64, f64) {
+        let per_value = self.rays.iter().flatten().map(|r| direction.dot(r));
+        let both = per_value.flat_map(|d| [d * nearest, d * farthest]);
+        both.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
+    }
+
+    fn form_row(&self, image: &RangeImage, row: usize, form: &LinearForm, out: &mut [f32]) {
+        let start = row.saturating_mul(self.size.cols);
+        let rays = self.rays.iter().skip(start).take(self.size.cols);
+        for ((value, &d3), ray) in out.iter_mut().zip(image.row(row)).zip(rays) {
+            let at = |r: &Vector3| (f64::from(d3) * form.gradient.dot(r) + form.constant) as f32;
+            *value = ray.as_ref().map_or(f32::NAN, at);
+        }
+    }
+}
