@@ -12,30 +12,58 @@
 //!
 //! * [`Shape`], [`Solid`], [`Scene`], [`Hit`]: what is there, and what a ray meets first;
 //! * [`Noise`]: what a real sensor does to it, reproducibly;
+//! * [`StripeCamera`], [`StripeImages`]: what the camera of a light-stripe sensor sees;
 //! * [`Mesh`], [`slice_mesh`], [`sections`], [`merge_overlaps`]: truth as oriented curves;
 //! * [`Visibility`]: which part of the truth the views could see;
-//! * [`Description`], [`Station`]: the scene file (TOML), with [`BUNDLED_ROOM`] as an example.
+//! * [`Description`], [`Station`]: the scene file (TOML), with [`BUNDLED_SCENES`] as examples, whose
+//!   free-form surfaces are made by [`fixtures`].
 
 mod cast;
 mod description;
+pub mod fixtures;
 mod mesh;
 mod noise;
 mod parry;
 mod scene;
 mod section;
 mod solid;
+mod stripe;
+#[cfg(test)]
+mod test_frames;
 mod visibility;
 
 pub use cast::CastError;
 pub use description::{Description, DescriptionError, Problem, SensorParameters, Station};
 pub use mesh::{Mesh, MeshError};
-pub use noise::Noise;
+pub use noise::{Noise, NoisyPose, PoseNoise};
 pub use scene::{Hit, Scene, SceneError};
 pub use section::{MAX_PLANES, merge_overlaps, sections, slice_mesh};
-pub use solid::{Shape, Solid, SolidError};
+pub use solid::{Material, Shape, Solid, SolidError};
+pub use stripe::{BitDepth, Counts, StripeCamera, StripeError, StripeImages};
 pub use visibility::Visibility;
 
 /// The bundled scene description: an indoor scene after section 5.6.1 of the dissertation.
 ///
 /// A room with a table, a chair, a cactus, a lamp and a pillar, seen from its four corners.
 pub const BUNDLED_ROOM: &str = include_str!("../../../fixtures/room.scene.toml");
+
+/// A free-form face ([`fixtures::face_mask`]) on a board, seen by depth cameras in front of it.
+pub const BUNDLED_FACE_MASK: &str = include_str!("../../../fixtures/face_mask.scene.toml");
+
+/// A flange with hub, bore, keyway and chamfers ([`fixtures::flange`]), seen from all around.
+pub const BUNDLED_MACHINED_PART: &str = include_str!("../../../fixtures/machined_part.scene.toml");
+
+/// A sheet as thin as a few standard deviations of the noise, seen from both sides.
+pub const BUNDLED_THIN_SHEET: &str = include_str!("../../../fixtures/thin_sheet.scene.toml");
+
+/// A straight tunnel ([`fixtures::tunnel`]) with a walkway and pipes, scanned from inside.
+pub const BUNDLED_TUNNEL: &str = include_str!("../../../fixtures/tunnel.scene.toml");
+
+/// All bundled descriptions with their names.
+pub const BUNDLED_SCENES: [(&str, &str); 5] = [
+    ("room", BUNDLED_ROOM),
+    ("face_mask", BUNDLED_FACE_MASK),
+    ("machined_part", BUNDLED_MACHINED_PART),
+    ("thin_sheet", BUNDLED_THIN_SHEET),
+    ("tunnel", BUNDLED_TUNNEL),
+];

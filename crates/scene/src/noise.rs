@@ -1,36 +1,111 @@
 //! What a real sensor does to a clean range, reproducibly.
+//!
+//! A pixel goes through the effects in this order:
+//!
+//! 1. *dropout*: nothing comes back, for no reason, at too oblique a surface, or from one that
+//!    returns too little light;
+//! 2. *mixed pixel*: at a range jump the spot falls on both surfaces, and the range is one between;
+//! 3. *range noise*: a normal error along the ray, `σ = sigma + sigma_growth · range`;
+//! 4. *quantisation*: the stored value `d3` is a whole number of steps.
+//!
+//! The pose error is one of the whole view.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::FRAC_PI_2;
+use transect_geometry::{Isometry3, Vector3};
 
-/// Range noise and missing returns.
+/// Errors of ranges and poses, and missing returns.
 ///
 /// Random numbers come from ChaCha8 with the seed as key, the view's number as stream and the row
-/// as position, two numbers for every pixel whether it is hit or not. A view's noise therefore
-/// depends on nothing but (seed, view number, row, column): neither the order of the views nor
-/// what stands in the scene changes it.
+/// as position; every pixel draws as many as any other whether it is hit or not, and mixed pixels
+/// and poses have numbers of their own. A view's noise therefore depends on nothing but (seed, view
+/// number, row, column): neither the order of the views nor what stands in the scene changes it,
+/// and one effect is the same with and without the others.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
     /// Standard deviation of a normal error of the range **along the ray**, in the model's length
-    /// unit, whatever the sensor's `d3` is.
+    /// unit, whatever the sensor's `d3` is: its part that is the same at every range.
     pub sigma: f64,
+    /// Growth of that standard deviation per range, where ranges count from the start of the ray:
+    /// `sigma + sigma_growth · range`.
+    pub sigma_growth: f64,
+    /// Step of the values: `d3` is rounded to a multiple of it, in whatever unit `d3` has; 0 for
+    /// none. Its error spreads by step / √12.
+    pub quantum: f64,
     /// Share of the pixels that return nothing for no reason, 0 to 1.
     pub dropout: f64,
     /// Largest angle between ray and surface normal that still returns, in radians; π/2 for all.
     pub max_incidence: f64,
+    /// Returned light from which on a range is certain, as a share of what a white surface returns
+    /// head-on, that is reflectivity · cos(incidence); weaker light gives a range with probability
+    /// light / `full_return`. 0 if any light will do.
+    pub full_return: f64,
+    /// Share of the pixels at range jumps whose range is one between the two surfaces, 0 to 1,
+    /// evenly spread. Pixels are at a jump if only a surface seen at more than 85° could join them.
+    pub mixed: f64,
+    /// Error of the pose that a view states.
+    pub pose: PoseNoise,
     /// Key of the random numbers.
     pub seed: u64,
 }
 
+/// How far the pose that a view states is from the true one.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PoseNoise {
+    /// Standard deviation of the rotation about each of the sensor's axes, in degrees.
+    pub degrees: f64,
+    /// Standard deviation of the shift along each of the sensor's axes, in the model's length unit.
+    pub shift: f64,
+}
+
+/// Where a sensor stood, and where it says that it stood.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NoisyPose {
+    /// What the view states.
+    pub stated_world_from_sensor: Isometry3,
+    /// What the ranges were measured from.
+    pub true_world_from_sensor: Isometry3,
+}
+
 impl Noise {
     /// A perfect sensor.
-    pub const NONE: Self = Self { sigma: 0.0, dropout: 0.0, max_incidence: FRAC_PI_2, seed: 0 };
+    pub const NONE: Self = Self {
+        sigma: 0.0,
+        sigma_growth: 0.0,
+        quantum: 0.0,
+        dropout: 0.0,
+        max_incidence: FRAC_PI_2,
+        full_return: 0.0,
+        mixed: 0.0,
+        pose: PoseNoise { degrees: 0.0, shift: 0.0 },
+        seed: 0,
+    };
 
-    /// Whether every pixel is left as it is, so that no random number is needed.
-    fn is_silent(&self) -> bool {
-        self.sigma == 0.0 && self.dropout == 0.0
+    /// Standard deviation of a range.
+    ///
+    /// # Units
+    /// The model's length unit.
+    pub fn sigma_at(&self, range: f64) -> f64 {
+        self.sigma + self.sigma_growth * range
+    }
+
+    /// The pose that a view states, beside the true one: off by a rotation and a shift in the
+    /// sensor's own frame. `view` is the view's number.
+    pub fn station_pose(&self, world_from_sensor: &Isometry3, view: u64) -> NoisyPose {
+        let PoseNoise { degrees, shift } = self.pose;
+        let mut source = self.source(view, POSE_POSITION);
+        let mut three =
+            |sigma: f64| -> Vector3 { Vector3::from_fn(|_, _| sigma * source.sample_normal()) };
+        let (turn, shift) = (three(degrees.to_radians()), three(shift));
+        let stated = if turn == Vector3::zeros() && shift == Vector3::zeros() {
+            // Not even the last bit of a pose without error changes.
+            *world_from_sensor
+        } else {
+            world_from_sensor * Isometry3::new(shift, turn)
+        };
+        NoisyPose { stated_world_from_sensor: stated, true_world_from_sensor: *world_from_sensor }
     }
 
     /// Smallest cosine of incidence that returns; `None` if all do.
@@ -38,15 +113,24 @@ impl Noise {
         (self.max_incidence < FRAC_PI_2).then(|| self.max_incidence.cos())
     }
 
+    /// Whether it matters how much light comes back.
+    pub(crate) fn needs_light(&self) -> bool {
+        self.full_return > 0.0
+    }
+
     /// The noise of one row of a view, column by column.
     pub(crate) fn row(&self, view: u64, row: usize) -> RowNoise {
-        if self.is_silent() {
-            return RowNoise { noise: *self, source: None };
+        let normal = self.sigma != 0.0 || self.sigma_growth != 0.0;
+        let position = (row as u128) << WORDS_PER_ROW_LOG2;
+        let returns = normal || self.dropout != 0.0 || self.needs_light();
+        RowNoise {
+            returns: returns.then(|| self.source(view, position)),
+            mixing: (self.mixed != 0.0).then(|| self.source(view, position | MIXING_POSITION)),
         }
-        let mut source = ChaCha8Rng::seed_from_u64(self.seed);
-        source.set_stream(view);
-        source.set_word_pos((row as u128) << WORDS_PER_ROW_LOG2);
-        RowNoise { noise: *self, source: Some(source) }
+    }
+
+    fn source(&self, view: u64, word: u128) -> ChaCha8Rng {
+        source(self.seed, view, word)
     }
 }
 
@@ -58,20 +142,91 @@ impl Default for Noise {
 
 /// Room for the numbers of one row, in 32-bit words: more than the largest accepted image uses.
 const WORDS_PER_ROW_LOG2: u32 = 36;
+/// Where the numbers for mixed pixels begin in a row's room.
+const MIXING_POSITION: u128 = 1 << (WORDS_PER_ROW_LOG2 - 1);
+/// Beyond the last row: an image has at most 2^30 of them.
+const POSE_POSITION: u128 = 1 << 67;
+
+/// Random numbers from a place in a stream of a key.
+pub(crate) fn source(seed: u64, stream: u64, word: u128) -> ChaCha8Rng {
+    let mut source = ChaCha8Rng::seed_from_u64(seed);
+    source.set_stream(stream);
+    source.set_word_pos(word);
+    source
+}
+
+/// The two kinds of numbers that errors are made of.
+pub(crate) trait Draw {
+    /// Evenly from 0 up to, but not including, 1.
+    fn sample_uniform(&mut self) -> f64;
+    /// Of mean 0 and spread 1.
+    fn sample_normal(&mut self) -> f64;
+}
+
+impl Draw for ChaCha8Rng {
+    fn sample_uniform(&mut self) -> f64 {
+        (self.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn sample_normal(&mut self) -> f64 {
+        StandardNormal.sample(self)
+    }
+}
 
 /// A row's random numbers; ask once for every column, from the first on.
 pub(crate) struct RowNoise {
-    noise: Noise,
-    source: Option<ChaCha8Rng>,
+    returns: Option<ChaCha8Rng>,
+    mixing: Option<ChaCha8Rng>,
+}
+
+/// One pixel's random numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct PixelNoise {
+    /// Decides whether the pixel returns, 0 to 1.
+    chance: f64,
+    /// The range error in standard deviations.
+    normal: f64,
+    /// Decides whether the pixel is mixed, 0 to 1, and with what share of the other surface.
+    mixing: Option<(f64, f64)>,
 }
 
 impl RowNoise {
-    /// The next pixel's error along its ray; `None` if it drops out.
-    pub(crate) fn next_error(&mut self) -> Option<f64> {
-        let Some(source) = &mut self.source else { return Some(0.0) };
-        let uniform = (source.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
-        let normal: f64 = StandardNormal.sample(source);
-        (uniform >= self.noise.dropout).then_some(self.noise.sigma * normal)
+    /// The next pixel's numbers.
+    pub fn next_pixel(&mut self) -> PixelNoise {
+        let returns = self.returns.as_mut();
+        let (chance, normal) =
+            returns.map_or((1.0, 0.0), |s| (s.sample_uniform(), s.sample_normal()));
+        let mixing = self.mixing.as_mut().map(|s| (s.sample_uniform(), s.sample_uniform()));
+        PixelNoise { chance, normal, mixing }
+    }
+}
+
+impl PixelNoise {
+    /// Whether a range comes back from a surface that returns some light.
+    pub fn returns(&self, noise: &Noise, light: f64) -> bool {
+        let lost = if light >= noise.full_return {
+            noise.dropout
+        } else {
+            1.0 - (1.0 - noise.dropout) * light / noise.full_return
+        };
+        self.chance >= lost
+    }
+
+    /// Share of the other surface in a pixel at a range jump; `None` if it sees its own only.
+    pub fn mixture(&self, noise: &Noise) -> Option<f64> {
+        self.mixing.and_then(|(chance, share)| (chance < noise.mixed).then_some(share))
+    }
+
+    /// A range with its error.
+    pub fn range(&self, noise: &Noise, range: f64) -> f64 {
+        range + noise.sigma_at(range) * self.normal
+    }
+}
+
+impl Noise {
+    /// A value as it is stored.
+    pub(crate) fn quantised(&self, d3: f64) -> f64 {
+        if self.quantum > 0.0 { (d3 / self.quantum).round() * self.quantum } else { d3 }
     }
 }
 
@@ -81,18 +236,25 @@ mod tests {
 
     const NOISE: Noise = Noise { sigma: 0.5, dropout: 0.1, seed: 7, ..Noise::NONE };
 
-    fn draw(view: u64, row: usize, count: usize) -> Vec<Option<f64>> {
-        let mut noise = NOISE.row(view, row);
-        (0..count).map(|_| noise.next_error()).collect()
+    fn draw(noise: &Noise, view: u64, row: usize, count: usize) -> Vec<PixelNoise> {
+        let mut row = noise.row(view, row);
+        (0..count).map(|_| row.next_pixel()).collect()
+    }
+
+    /// Mean and standard deviation.
+    fn spread(values: &[f64]) -> (f64, f64) {
+        let n = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        (mean, (values.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / n).sqrt())
     }
 
     #[test]
     fn mean_spread_and_share_are_those_asked_for() {
-        let all: Vec<_> = (0..100).flat_map(|row| draw(0, row, 1000)).collect();
-        let kept: Vec<f64> = all.iter().flatten().copied().collect();
-        let n = kept.len() as f64;
-        let mean = kept.iter().sum::<f64>() / n;
-        let sigma = (kept.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / n).sqrt();
+        let all: Vec<_> = (0..100).flat_map(|row| draw(&NOISE, 0, row, 1000)).collect();
+        let kept = all.iter().filter(|p| p.returns(&NOISE, 1.0));
+        let errors: Vec<f64> = kept.map(|p| p.range(&NOISE, 3.0) - 3.0).collect();
+        let n = errors.len() as f64;
+        let (mean, sigma) = spread(&errors);
         // Four standard errors of 90 000 samples.
         assert!(mean.abs() < 4.0 * 0.5 / n.sqrt(), "{mean}");
         assert!((sigma - 0.5).abs() < 4.0 * 0.5 / (2.0 * n).sqrt(), "{sigma}");
@@ -100,15 +262,97 @@ mod tests {
     }
 
     #[test]
+    fn sigma_grows_with_range() {
+        let noise = Noise { sigma: 0.1, sigma_growth: 0.02, seed: 5, ..Noise::NONE };
+        for range in [0.0, 1.0, 20.0] {
+            let all = draw(&noise, 0, 0, 20_000);
+            let errors: Vec<f64> = all.iter().map(|p| p.range(&noise, range) - range).collect();
+            let (mean, sigma) = spread(&errors);
+            let expected = 0.1 + 0.02 * range;
+            assert!(mean.abs() < 4.0 * expected / 20_000f64.sqrt(), "{mean}");
+            assert!((sigma / expected - 1.0).abs() < 4.0 / 40_000f64.sqrt(), "{sigma}");
+        }
+    }
+
+    #[test]
+    fn dim_surfaces_return_in_proportion_to_their_light() {
+        let noise = Noise { dropout: 0.1, full_return: 0.4, seed: 9, ..Noise::NONE };
+        for (light, share) in [(1.0, 0.9), (0.4, 0.9), (0.2, 0.45), (0.04, 0.09), (0.0, 0.0)] {
+            let all = draw(&noise, 0, 3, 20_000);
+            let kept = all.iter().filter(|p| p.returns(&noise, light)).count() as f64;
+            let bound = 4.0 * (share * (1.0 - share) / 20_000f64).sqrt();
+            assert!((kept / 20_000.0 - share).abs() <= bound, "{light}: {kept}");
+        }
+    }
+
+    #[test]
     fn rows_and_views_have_their_own_numbers() {
-        assert_eq!(draw(3, 5, 50), draw(3, 5, 50));
-        assert_ne!(draw(3, 5, 50), draw(3, 6, 50));
-        assert_ne!(draw(3, 5, 50), draw(4, 5, 50));
+        assert_eq!(draw(&NOISE, 3, 5, 50), draw(&NOISE, 3, 5, 50));
+        assert_ne!(draw(&NOISE, 3, 5, 50), draw(&NOISE, 3, 6, 50));
+        assert_ne!(draw(&NOISE, 3, 5, 50), draw(&NOISE, 4, 5, 50));
+    }
+
+    #[test]
+    fn an_effect_leaves_the_numbers_of_the_others_alone() {
+        let all = Noise { mixed: 0.5, quantum: 0.1, full_return: 0.2, ..NOISE };
+        let pairs = draw(&NOISE, 1, 2, 500).into_iter().zip(draw(&all, 1, 2, 500));
+        for (alone, together) in pairs {
+            assert_eq!((alone.chance, alone.normal), (together.chance, together.normal));
+        }
+        let only = Noise { mixed: 0.5, seed: NOISE.seed, ..Noise::NONE };
+        let mixing = |noise| draw(noise, 1, 2, 500).iter().map(|p| p.mixing).collect::<Vec<_>>();
+        assert_eq!(mixing(&all), mixing(&only));
     }
 
     #[test]
     fn a_perfect_sensor_errs_nowhere() {
-        assert_eq!(Noise::NONE.row(1, 1).next_error(), Some(0.0));
+        let pixel = Noise::NONE.row(1, 1).next_pixel();
+        assert!(pixel.returns(&Noise::NONE, 0.0));
+        assert_eq!(pixel.mixture(&Noise::NONE), None);
+        assert_eq!(pixel.range(&Noise::NONE, 3.3), 3.3);
+        assert_eq!(Noise::NONE.quantised(3.3), 3.3);
         assert_eq!(Noise::NONE.least_cosine(), None);
+        let pose = Isometry3::new(Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.1, 0.2, 0.3));
+        assert_eq!(Noise::NONE.station_pose(&pose, 3).stated_world_from_sensor, pose);
+    }
+
+    #[test]
+    fn quantisation_spreads_evenly_over_a_step() {
+        let noise = Noise { quantum: 0.25, ..Noise::NONE };
+        let values = (0..10_000).map(|k| 1.0 + 0.00137 * f64::from(k));
+        let errors: Vec<f64> = values.map(|v| noise.quantised(v) - v).collect();
+        let (mean, sigma) = spread(&errors);
+        assert!(errors.iter().all(|e| e.abs() <= 0.125 + 1e-12));
+        // 54.8 steps are covered: the last one, cut short, is all that unbalances the mean.
+        assert!(mean.abs() < 0.125 / 54.0, "{mean}");
+        assert!((sigma / (0.25 / 12f64.sqrt()) - 1.0).abs() < 0.01, "{sigma}");
+        assert_eq!(noise.quantised(-0.6), -0.5);
+    }
+
+    #[test]
+    fn poses_err_by_the_spread_asked_for_about_every_axis() {
+        let pose = PoseNoise { degrees: 0.2, shift: 0.03 };
+        let noise = Noise { pose, seed: 21, ..Noise::NONE };
+        let truth = Isometry3::new(Vector3::new(5.0, -2.0, 1.0), Vector3::new(0.4, -1.0, 0.7));
+        let views = 4000;
+        let mut parts = vec![Vec::new(); 6];
+        for view in 0..views {
+            let both = noise.station_pose(&truth, view);
+            assert_eq!(both.true_world_from_sensor, truth);
+            let error = truth.inverse() * both.stated_world_from_sensor;
+            let turn = error.rotation.scaled_axis().map(f64::to_degrees);
+            let shift = error.translation.vector;
+            for (k, value) in turn.iter().chain(shift.iter()).enumerate() {
+                parts[k].push(*value);
+            }
+        }
+        for (k, part) in parts.iter().enumerate() {
+            let (mean, sigma) = spread(part);
+            let expected = if k < 3 { 0.2 } else { 0.03 };
+            let n = views as f64;
+            assert!(mean.abs() < 4.0 * expected / n.sqrt(), "axis {k}: {mean}");
+            assert!((sigma / expected - 1.0).abs() < 4.0 / (2.0 * n).sqrt(), "axis {k}: {sigma}");
+        }
+        assert_eq!(noise.station_pose(&truth, 8), noise.station_pose(&truth, 8));
     }
 }

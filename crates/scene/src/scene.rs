@@ -133,6 +133,16 @@ impl Scene {
         best.map(|(leaf, distance)| (leaf as usize, distance))
     }
 
+    /// Whether a ray meets a solid before it has gone some way.
+    pub(crate) fn blocks(&self, ray: &WorldRay, way: f64) -> bool {
+        let met = self.hierarchy.find_best(
+            way,
+            |node, _| ray.box_entry(node.mins(), node.maxs()),
+            |leaf, _| self.entry(ray, leaf as usize),
+        );
+        met.is_some()
+    }
+
     fn entry(&self, ray: &WorldRay, solid: usize) -> Option<f64> {
         let local = ray.in_solid(self.solid_from_world.get(solid)?);
         self.solids.get(solid)?.shape().entry(&local)
@@ -148,8 +158,9 @@ impl Scene {
 
     /// The solids' surfaces as one mesh in the world, wound outwards.
     ///
-    /// Round solids are inscribed polyhedra whose faces are nowhere farther than `chord_error` from
-    /// the true surface; boxes and meshes are exact. Solids that overlap keep the parts of their
+    /// Round solids are polyhedra with their vertices on the true surface and their faces nowhere
+    /// farther than `chord_error` from it, and inside of it except around the hole of a torus;
+    /// flat-faced solids and meshes are exact. Solids that overlap keep the parts of their
     /// surfaces that lie inside each other: the mesh bounds the union, but is not its boundary.
     ///
     /// # Errors

@@ -16,7 +16,8 @@ const REACHED: f64 = 1e-3;
 /// Tells which points of a surface some view sees.
 ///
 /// A point is seen if it projects into a view's image, the nearest pixel there is not missing, and
-/// nothing lies between it and the start of that pixel's ray. Views whose device frame has no
+/// nothing lies between it and the start of that pixel's ray, nor between it and the pixel's second
+/// viewpoint if it has one. Views whose device frame has no
 /// inverse mapping see nothing: nobody knows where they look between their points.
 pub struct Visibility {
     surface: TriMesh,
@@ -59,12 +60,50 @@ impl Visibility {
         let pixel = Pixel::new(row as usize, col as usize);
         view.image().get(pixel)?;
         let start = view.world_from_sensor() * view.frame().ray(pixel)?.start;
-        let way = in_world - start;
-        let ray = Ray::new(parry::point(&start), parry::vector(&way));
+        let cosine = self.cosine_at_end(&start, in_world)?;
+        let watched = view.frame().second_viewpoint(pixel).is_none_or(|viewpoint| {
+            self.cosine_at_end(&(view.world_from_sensor() * viewpoint), in_world).is_some()
+        });
+        Some(cosine > self.least_cosine && watched)
+    }
+
+    /// Cosine of incidence of a way on the surface at its end; `None` if it is blocked before.
+    fn cosine_at_end(&self, start: &Point3, end: &Point3) -> Option<f64> {
+        let way = end - start;
+        let ray = Ray::new(parry::point(start), parry::vector(&way));
         // Measured in the length of the way, a ray that reaches the point hits at 1.
         let hit = self.surface.cast_local_ray_and_get_normal(&ray, 1.0 + REACHED, false)?;
         let normal = parry::from_vector(hit.normal).normalize();
-        let cosine = normal.dot(&way.normalize()).abs();
-        Some(hit.time_of_impact > 1.0 - REACHED && cosine > self.least_cosine)
+        let reached = hit.time_of_impact > 1.0 - REACHED;
+        reached.then(|| normal.dot(&way.normalize()).abs())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_frames::SheetOfLight;
+    use crate::{Noise, Scene, Shape, Solid};
+    use std::sync::Arc;
+    use transect_device::{ImageSize, Isometry3};
+
+    #[test]
+    fn what_the_camera_of_a_triangulation_sensor_cannot_see_is_not_seen() {
+        let block = |size: [f64; 3], x: f64, z: f64| {
+            let shape = Shape::cuboid(size.into()).unwrap();
+            Solid::new(shape, Isometry3::translation(x, 0.0, z)).unwrap()
+        };
+        // The step of the casting tests: the camera's shadow begins at x = 0.25 on the wall.
+        let wall = block([40.0, 20.0, 1.0], 0.0, 10.5);
+        let scene = Scene::new(vec![wall, block([2.0, 20.0, 3.0], 2.0, 9.5)]);
+        let frame = SheetOfLight { size: ImageSize { rows: 3, cols: 40 }, base_line: 4.0 };
+        let view = scene.view("step", Arc::new(frame), Isometry3::identity(), &Noise::NONE, 0);
+        let seen = Visibility::new(&scene.mesh(0.1).unwrap(), vec![view.unwrap()]).unwrap();
+        // All three belong to the pixel of column 20, whose ray ends at x = 0.13.
+        for (x, expected) in [(0.05, true), (0.24, true), (0.258, false)] {
+            assert_eq!(seen.sees(&Point3::new(x, 0.1, 10.0)), expected, "{x}");
+        }
+        assert!(seen.sees(&Point3::new(2.0, 0.1, 8.0)));
+        assert!(!seen.sees(&Point3::new(3.5, 0.1, 10.0)), "shadow of the laser");
     }
 }

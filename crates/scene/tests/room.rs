@@ -1,47 +1,15 @@
 //! The bundled room as a whole: rays against truth, and how fast rays are.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail loudly")]
+mod common;
 
-use std::sync::Arc;
+use common::{views, winding};
 use std::time::Instant;
-use transect_device::{DeviceFrame, Pixel, View};
+use transect_device::Pixel;
 use transect_geometry::{Curve, Point2, Point3};
-use transect_scene::{BUNDLED_ROOM, Description, Noise, SensorParameters, Station};
-use transect_sensors::{AngularScan, ImagingRadar, Intrinsics, Pinhole};
+use transect_scene::{BUNDLED_ROOM, Description, Noise};
 
 /// Largest distance of a truth curve's surface from the round solids, in metres.
 const CHORD_ERROR: f64 = 1e-5;
-
-fn frame(station: &Station) -> Arc<dyn DeviceFrame> {
-    match station.sensor {
-        SensorParameters::Spherical { theta0, dtheta, phi0, dphi } => {
-            let theta = AngularScan::from_radians(theta0, dtheta);
-            let phi = AngularScan::from_radians(phi0, dphi);
-            Arc::new(ImagingRadar::new(station.size, theta, phi).unwrap())
-        }
-        SensorParameters::Pinhole { fx, fy, cx, cy } => {
-            Arc::new(Pinhole::new(station.size, Intrinsics { fx, fy, cx, cy }).unwrap())
-        }
-    }
-}
-
-fn views(room: &Description, noise: &Noise) -> Vec<View> {
-    let scene = room.scene();
-    let stations = room.stations.iter().enumerate();
-    stations
-        .map(|(k, s)| scene.view(&s.name, frame(s), s.world_from_sensor, noise, k as u64).unwrap())
-        .collect()
-}
-
-/// Winding number of the curves around a point, from crossings of the ray to the right.
-fn winding(curves: &[Curve], p: Point2) -> i32 {
-    let crossings = curves.iter().flat_map(Curve::units).map(|u| {
-        let (up, down) = (u.start.y <= p.y && p.y < u.end.y, u.end.y <= p.y && p.y < u.start.y);
-        let left_of_unit = u.line_value(&p) < 0.0;
-        i32::from(up && left_of_unit) - i32::from(down && !left_of_unit)
-    });
-    crossings.sum()
-}
 
 #[test]
 fn every_clean_ray_ends_on_the_surface_of_the_room() {

@@ -11,15 +11,24 @@
 //!
 //! [noise]                         # optional, like each of its keys
 //! sigma = 0.002                   # along the ray
+//! sigma_growth = 0.0005           # grows it with range: sigma + sigma_growth · range
+//! quantum = 0.001                 # step of the stored values
 //! dropout = 0.02                  # share of the pixels
 //! max_incidence = 85              # degrees
+//! full_return = 0.2               # reflectivity · cos(incidence) that always gives a range
+//! mixed = 0.3                     # share of the pixels at range jumps that lie in between
+//! pose = { degrees = 0.05, shift = 0.003 }      # spread of the stated poses, each key optional
 //! seed = 1
+//!
+//! [materials]                     # optional; without a material a solid reflects all light
+//! plaster = { reflectivity = 0.8 }
 //!
 //! [[solid]]
 //! name = "pillar"                 # optional
-//! shape = "cylinder"              # radius, height (axis z); or "ball": radius; or "box": size
+//! shape = "cylinder"              # see below
 //! radius = 0.2
 //! height = 2.8
+//! material = "plaster"            # optional
 //! at = [4, 3, 1.4]                # the solid's centre
 //! rotate = { axis = [0, 0, 1], degrees = 30 }   # optional, about the centre
 //!
@@ -35,9 +44,25 @@
 //! # look_at = [3, 2.5, 1]         # instead of heading and tilt
 //! ```
 //!
+//! | `shape` | its keys | where it is |
+//! |---|---|---|
+//! | `"box"` | `size = [x, y, z]` | edges along the axes |
+//! | `"pyramid"` | `size = [x, y, height]` | tip up the z axis |
+//! | `"cylinder"` | `radius`, `height` | axis z |
+//! | `"cone"` | `radius`, `height` | axis z, tip up |
+//! | `"frustum"` | `radius`, `top_radius`, `height` | axis z: a truncated cone |
+//! | `"ball"` | `radius` | |
+//! | `"torus"` | `radius`, `tube` | around z; `tube` is the radius of the tube |
+//! | `"prism"` | `bottom = [[x, y], ...]`, `height`, `top` | between two polygons of as many corners, perpendicular to z; `top` is like `bottom` unless given |
+//! | `"mesh"` | `mesh = "name.stl"` | its own coordinates |
+//!
+//! `at` is the solid's centre: of a prism the middle of its height at its polygons' origin, of a mesh
+//! its coordinates' origin.
+//!
 //! An angular range is divided into equal pixels, each sampled at its centre: a full circle needs
-//! no care. Meshes cannot be named here, since this crate reads no files: add them to
-//! [`Description::solids`].
+//! no care. This crate reads no files: the meshes that a description names
+//! ([`Description::mesh_names`]) are handed to [`Description::parse_with_meshes`]. Names that
+//! begin with `builtin:` are those of [`fixtures`](crate::fixtures) and need no file.
 
 mod check;
 mod solid;
@@ -46,9 +71,11 @@ mod station;
 pub use check::{DescriptionError, Problem};
 pub use station::{SensorParameters, Station};
 
-use crate::{Noise, Scene, Solid};
+use crate::{Material, Mesh, Noise, PoseNoise, Scene, Solid, fixtures};
 use check::Place;
 use serde::Deserialize;
+use solid::{Library, MaterialEntry, SolidEntry};
+use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 use transect_geometry::{GuideError, LengthUnit, PlaneFamily, StraightGuide, Vector3};
 
@@ -81,14 +108,34 @@ impl Description {
     /// assert_eq!(room.stations.len(), 4);
     /// ```
     pub fn parse(toml: &str) -> Result<Self, DescriptionError> {
+        Self::parse_with_meshes(toml, &BTreeMap::new())
+    }
+
+    /// Reads a description whose solids may be meshes, given by the names that it calls them by.
+    ///
+    /// # Errors
+    /// As [`Description::parse`]; a mesh that is missing or does not bound a solid is a problem of
+    /// the solid's key `mesh`.
+    pub fn parse_with_meshes(
+        toml: &str,
+        meshes: &BTreeMap<String, Mesh>,
+    ) -> Result<Self, DescriptionError> {
         let file: File = toml::from_str(toml)?;
         let mut problems = Vec::new();
         let mut keep = |problem: Problem| problems.push(problem);
         let planes = file.planes.build().map_err(&mut keep).ok();
         let noise = file.noise.build().map_err(&mut keep).ok();
+        let (mut materials, mut refused) = (BTreeMap::<String, Material>::new(), Vec::new());
+        for (name, entry) in file.materials {
+            match entry.build(&name).map_err(&mut keep) {
+                Ok(material) => drop(materials.insert(name, material)),
+                Err(()) => refused.push(name),
+            }
+        }
+        let library = Library { meshes, materials: &materials, refused: &refused };
         let mut solids = Vec::new();
         for (index, entry) in file.solid.into_iter().enumerate() {
-            solids.extend(entry.build(index).map_err(&mut keep));
+            solids.extend(entry.build(index, &library).map_err(&mut keep));
         }
         let mut stations = Vec::new();
         for (index, entry) in file.station.into_iter().enumerate() {
@@ -101,6 +148,21 @@ impl Description {
             }
             _ => Err(DescriptionError::Invalid(problems)),
         }
+    }
+
+    /// The meshes that a description names, each once, in alphabetical order: what its reader has to
+    /// find before [`Description::parse_with_meshes`]. Built-in ones are not among them.
+    ///
+    /// # Errors
+    /// [`DescriptionError::Syntax`] for broken TOML and unknown keys.
+    pub fn mesh_names(toml: &str) -> Result<Vec<String>, DescriptionError> {
+        let file: File = toml::from_str(toml)?;
+        let named = file.solid.into_iter().filter_map(|entry| entry.mesh);
+        let mut names: Vec<_> =
+            named.filter(|name| !name.starts_with(fixtures::BUILT_IN)).collect();
+        names.sort_unstable();
+        names.dedup();
+        Ok(names)
     }
 
     /// The union of the solids, ready for rays.
@@ -118,7 +180,9 @@ struct File {
     #[serde(default)]
     noise: NoiseEntry,
     #[serde(default)]
-    solid: Vec<solid::SolidEntry>,
+    materials: BTreeMap<String, MaterialEntry>,
+    #[serde(default)]
+    solid: Vec<SolidEntry>,
     #[serde(default)]
     station: Vec<station::StationEntry>,
 }
@@ -150,9 +214,22 @@ impl PlanesEntry {
 #[serde(deny_unknown_fields)]
 struct NoiseEntry {
     sigma: Option<f64>,
+    sigma_growth: Option<f64>,
+    quantum: Option<f64>,
     dropout: Option<f64>,
     max_incidence: Option<f64>,
+    full_return: Option<f64>,
+    mixed: Option<f64>,
+    #[serde(default)]
+    pose: PoseEntry,
     seed: Option<u64>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct PoseEntry {
+    degrees: Option<f64>,
+    shift: Option<f64>,
 }
 
 impl NoiseEntry {
@@ -161,13 +238,23 @@ impl NoiseEntry {
         let within = |key, value: Option<f64>, most: f64, wanted| {
             place.value(key, value.unwrap_or(0.0), |v| (0.0..=most).contains(&v), wanted)
         };
-        let sigma = within("sigma", self.sigma, f64::MAX, "a length of at least 0")?;
-        let dropout = within("dropout", self.dropout, 1.0, "a share from 0 to 1")?;
+        let length = |key, value| within(key, value, f64::MAX, "a length of at least 0");
+        let share = |key, value| within(key, value, 1.0, "a share from 0 to 1");
         let degrees = self.max_incidence.or(Some(90.0));
         let degrees = within("max_incidence", degrees, 90.0, "degrees from 0 to 90")?;
-        // 90° exactly means no limit, whatever the rounding of the conversion.
-        let max_incidence = if degrees < 90.0 { degrees.to_radians() } else { FRAC_PI_2 };
-        Ok(Noise { sigma, dropout, max_incidence, seed: self.seed.unwrap_or(0) })
+        let turn = within("pose.degrees", self.pose.degrees, 180.0, "degrees from 0 to 180")?;
+        Ok(Noise {
+            sigma: length("sigma", self.sigma)?,
+            sigma_growth: share("sigma_growth", self.sigma_growth)?,
+            quantum: within("quantum", self.quantum, f64::MAX, "a step of at least 0")?,
+            dropout: share("dropout", self.dropout)?,
+            // 90° exactly means no limit, whatever the rounding of the conversion.
+            max_incidence: if degrees < 90.0 { degrees.to_radians() } else { FRAC_PI_2 },
+            full_return: share("full_return", self.full_return)?,
+            mixed: share("mixed", self.mixed)?,
+            pose: PoseNoise { degrees: turn, shift: length("pose.shift", self.pose.shift)? },
+            seed: self.seed.unwrap_or(0),
+        })
     }
 }
 

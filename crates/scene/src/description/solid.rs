@@ -1,10 +1,11 @@
-//! `[[solid]]` entries.
+//! `[[solid]]` entries and the materials they are made of.
 
 use super::check::{Place, Problem};
-use crate::{Shape, Solid, SolidError};
+use crate::{Material, Mesh, Shape, Solid, SolidError, fixtures};
 use nalgebra::{Translation3, Unit, UnitQuaternion};
 use serde::Deserialize;
-use transect_geometry::{Isometry3, Vector3};
+use std::collections::BTreeMap;
+use transect_geometry::{Isometry3, Point2, Vector3};
 
 /// One table for all shapes, since only then every wrong key can be named.
 #[derive(Deserialize)]
@@ -14,7 +15,14 @@ pub(super) struct SolidEntry {
     shape: ShapeName,
     size: Option<[f64; 3]>,
     radius: Option<f64>,
+    top_radius: Option<f64>,
+    tube: Option<f64>,
     height: Option<f64>,
+    bottom: Option<Vec<[f64; 2]>>,
+    top: Option<Vec<[f64; 2]>>,
+    /// A name in the map of meshes, or of one that the crate makes.
+    pub mesh: Option<String>,
+    material: Option<String>,
     at: [f64; 3],
     rotate: Option<Rotation>,
 }
@@ -23,8 +31,48 @@ pub(super) struct SolidEntry {
 #[serde(rename_all = "lowercase")]
 enum ShapeName {
     Box,
+    Pyramid,
     Cylinder,
+    Cone,
+    Frustum,
     Ball,
+    Torus,
+    Prism,
+    Mesh,
+}
+
+impl ShapeName {
+    /// What problems call it, and the keys that mean something for it.
+    fn keys(self) -> (&'static str, &'static [&'static str]) {
+        match self {
+            Self::Box => ("box", &["size"]),
+            Self::Pyramid => ("pyramid", &["size"]),
+            Self::Cylinder => ("cylinder", &["radius", "height"]),
+            Self::Cone => ("cone", &["radius", "height"]),
+            Self::Frustum => ("frustum", &["radius", "top_radius", "height"]),
+            Self::Ball => ("ball", &["radius"]),
+            Self::Torus => ("torus", &["radius", "tube"]),
+            Self::Prism => ("prism", &["bottom", "top", "height"]),
+            Self::Mesh => ("mesh", &["mesh"]),
+        }
+    }
+}
+
+/// One `[materials]` entry.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MaterialEntry {
+    reflectivity: f64,
+}
+
+impl MaterialEntry {
+    pub fn build(&self, name: &str) -> Result<Material, Problem> {
+        let place = Place::new(&format!("materials, {name:?}"));
+        Material::new(name, self.reflectivity).map_err(|_| {
+            let wrong = format_args!("{} is not a share above 0, up to 1", self.reflectivity);
+            place.problem("reflectivity", wrong)
+        })
+    }
 }
 
 #[derive(Deserialize)]
@@ -34,48 +82,114 @@ struct Rotation {
     degrees: f64,
 }
 
+/// What entries may refer to by name.
+pub(super) struct Library<'a> {
+    pub meshes: &'a BTreeMap<String, Mesh>,
+    pub materials: &'a BTreeMap<String, Material>,
+    /// Names of materials that were refused already.
+    pub refused: &'a [String],
+}
+
+impl Library<'_> {
+    fn mesh(&self, place: &Place, name: &str) -> Result<Shape, Problem> {
+        let made = || fixtures::mesh(name).map(|mesh| Shape::mesh(&mesh));
+        let shape = self.meshes.get(name).map(Shape::mesh).or_else(made);
+        let missing = || place.problem("mesh", format_args!("no mesh is called {name:?}"));
+        let shape = shape.ok_or_else(missing)?;
+        shape.map_err(|error| place.problem("mesh", format_args!("{name:?}: {error}")))
+    }
+
+    fn material(&self, place: &Place, name: &str) -> Result<Option<Material>, Problem> {
+        if self.refused.iter().any(|refused| refused == name) {
+            return Ok(None);
+        }
+        let missing = || place.problem("material", format_args!("no material is called {name:?}"));
+        self.materials.get(name).cloned().map(Some).ok_or_else(missing)
+    }
+}
+
 impl SolidEntry {
     /// The solid that an entry describes.
-    pub fn build(self, index: usize) -> Result<Solid, Problem> {
+    pub fn build(self, index: usize, library: &Library) -> Result<Solid, Problem> {
         let place = Place::entry("solid", index, self.name.as_deref());
-        let shape = self.shape(&place)?;
+        let shape = self.shape(&place, library)?;
         let position: Vector3 = place.triple("at", self.at)?;
         let rotation = match &self.rotate {
             Some(rotation) => rotation.build(&place)?,
             None => UnitQuaternion::identity(),
         };
         let world_from_solid = Isometry3::from_parts(Translation3::from(position), rotation);
-        let solid = Solid::new(shape, world_from_solid).map_err(|e| place.problem("at", e))?;
+        let mut solid = Solid::new(shape, world_from_solid).map_err(|e| place.problem("at", e))?;
+        if let Some(material) = &self.material
+            && let Some(material) = library.material(&place, material)?
+        {
+            solid = solid.made_of(material);
+        }
         Ok(match self.name {
             Some(name) => solid.named(name),
             None => solid,
         })
     }
 
-    fn shape(&self, place: &Place) -> Result<Shape, Problem> {
+    fn shape(&self, place: &Place, library: &Library) -> Result<Shape, Problem> {
+        self.refuse_others(place)?;
+        let (kind, _) = self.shape.keys();
+        let size = || place.needed("size", self.size, kind).map(Vector3::from);
+        let radius = || place.needed("radius", self.radius, kind);
+        let height = || place.needed("height", self.height, kind);
         let shape = match self.shape {
-            ShapeName::Box => {
-                place.refuse("radius", self.radius.is_some(), "box")?;
-                place.refuse("height", self.height.is_some(), "box")?;
-                Shape::cuboid(place.needed("size", self.size, "box")?.into())
+            ShapeName::Box => Shape::cuboid(size()?),
+            ShapeName::Pyramid => Shape::pyramid(size()?),
+            ShapeName::Cylinder => Shape::cylinder(radius()?, height()?),
+            ShapeName::Cone => Shape::cone(radius()?, height()?),
+            ShapeName::Frustum => {
+                let top = place.needed("top_radius", self.top_radius, kind)?;
+                Shape::frustum(radius()?, top, height()?)
             }
-            ShapeName::Cylinder => {
-                place.refuse("size", self.size.is_some(), "cylinder")?;
-                let radius = place.needed("radius", self.radius, "cylinder")?;
-                Shape::cylinder(radius, place.needed("height", self.height, "cylinder")?)
+            ShapeName::Ball => Shape::ball(radius()?),
+            ShapeName::Torus => Shape::torus(radius()?, place.needed("tube", self.tube, kind)?),
+            ShapeName::Prism => {
+                let polygon = |p: &Vec<[f64; 2]>| p.iter().copied().map(Point2::from).collect();
+                let bottom: Vec<_> = polygon(place.needed("bottom", self.bottom.as_ref(), kind)?);
+                let top = self.top.as_ref().map_or_else(|| bottom.clone(), polygon);
+                Shape::prism(&bottom, &top, height()?)
             }
-            ShapeName::Ball => {
-                place.refuse("size", self.size.is_some(), "ball")?;
-                place.refuse("height", self.height.is_some(), "ball")?;
-                Shape::ball(place.needed("radius", self.radius, "ball")?)
+            ShapeName::Mesh => {
+                let name = place.needed("mesh", self.mesh.as_deref(), kind)?;
+                return library.mesh(place, name);
             }
         };
-        shape.map_err(|error| match error {
-            SolidError::BadSize { key, value } => {
-                place.problem(key, format_args!("{value} is not a positive length"))
-            }
-            other => place.problem("shape", other),
-        })
+        shape.map_err(|error| wrong_shape(place, error))
+    }
+
+    /// Refuses keys that mean nothing for the shape.
+    fn refuse_others(&self, place: &Place) -> Result<(), Problem> {
+        let (kind, keys) = self.shape.keys();
+        let given = [
+            ("size", self.size.is_some()),
+            ("radius", self.radius.is_some()),
+            ("top_radius", self.top_radius.is_some()),
+            ("tube", self.tube.is_some()),
+            ("height", self.height.is_some()),
+            ("bottom", self.bottom.is_some()),
+            ("top", self.top.is_some()),
+            ("mesh", self.mesh.is_some()),
+        ];
+        let mut others = given.into_iter().filter(|(key, _)| !keys.contains(key));
+        others.try_for_each(|(key, given)| place.refuse(key, given, kind))
+    }
+}
+
+fn wrong_shape(place: &Place, error: SolidError) -> Problem {
+    match error {
+        SolidError::BadSize { key, value } => {
+            place.problem(key, format_args!("{value} is not a positive length"))
+        }
+        SolidError::TubeTooThick { tube, .. } => {
+            place.problem("tube", format_args!("{tube} is not less than the radius"))
+        }
+        SolidError::BadPolygon { key, reason } => place.problem(key, reason),
+        other => place.problem("shape", other),
     }
 }
 

@@ -1,5 +1,5 @@
 use super::*;
-use crate::BUNDLED_ROOM;
+use crate::{BUNDLED_ROOM, Shape};
 use transect_geometry::Point3;
 
 const HEAD: &str = "name = 'n'\nunit = 'mm'\n[planes]\nnormal = [0, 0, 1]\noffset = 0\n\
@@ -39,6 +39,19 @@ fn bad_values_name_entry_and_key() {
             "[[solid]]\nshape='ball'\nradius=1\nat=[0,0,0]\nrotate={axis=[0,0,0],degrees=1}",
             "key rotate.axis: it has no direction",
         ),
+        (
+            "[[solid]]\nshape='torus'\nradius=1\ntube=1\nat=[0,0,0]",
+            "key tube: 1 is not less than the radius",
+        ),
+        (
+            "[[solid]]\nshape='prism'\nbottom=[[0,0],[1,0]]\nheight=1\nat=[0,0,0]",
+            "key bottom: a polygon has",
+        ),
+        (
+            "[[solid]]\nshape='prism'\nbottom=[[0,0],[1,0],[0,1]]\ntop=[]\nheight=1\nat=[0,0,0]",
+            "key top: it must have as many corners",
+        ),
+        ("[[solid]]\nshape='mesh'\nat=[0,0,0]", "key mesh: it is missing, a mesh needs it"),
         ("[noise]\ndropout = 1.5", "noise, key dropout: 1.5 is not a share"),
         ("[noise]\nsigma = nan", "noise, key sigma: NaN"),
         ("[noise]\nmax_incidence = 91", "key max_incidence: 91"),
@@ -52,6 +65,96 @@ fn bad_values_name_entry_and_key() {
         planes.to_string(),
         "planes, key interval: the plane interval must be a positive length, got 0"
     );
+}
+
+#[test]
+fn every_shape_has_its_keys() {
+    let shapes = [
+        ("box", "size=[2,2,2]"),
+        ("pyramid", "size=[2,2,2]"),
+        ("cylinder", "radius=1\nheight=2"),
+        ("cone", "radius=1\nheight=2"),
+        ("frustum", "radius=1\ntop_radius=0.5\nheight=2"),
+        ("ball", "radius=1"),
+        ("prism", "bottom=[[-1,-1],[1,-1],[1,1],[-1,1]]\nheight=2"),
+        ("prism", "bottom=[[-1,-1],[1,-1],[0,1]]\ntop=[[-1,0],[1,0],[0,1]]\nheight=2"),
+        ("mesh", "mesh='cube.stl'"),
+    ];
+    let cube = Shape::cuboid(Vector3::repeat(2.0)).unwrap().mesh_of(1.0);
+    let meshes = BTreeMap::from([("cube.stl".to_owned(), cube)]);
+    for (shape, keys) in shapes {
+        let text = format!("{HEAD}[[solid]]\nshape='{shape}'\n{keys}\nat=[5,0,0]");
+        let d = Description::parse_with_meshes(&text, &meshes).unwrap();
+        assert!(d.scene().contains(&Point3::new(5.0, 0.01, 0.02)), "{shape}");
+        let odd = text.replace("\nat=", "\ntube=0.1\nat=");
+        let odd = Description::parse_with_meshes(&odd, &meshes).unwrap_err().to_string();
+        assert!(odd.contains(&format!("key tube: it means nothing for a {shape}")), "{odd}");
+    }
+    let ring = with("[[solid]]\nshape='torus'\nradius=2\ntube=0.5\nat=[5,0,0]").unwrap().scene();
+    assert!(ring.contains(&Point3::new(7.0, 0.0, 0.4)));
+    assert!(!ring.contains(&Point3::new(5.0, 0.0, 0.0)));
+}
+
+#[test]
+fn meshes_are_asked_for_by_name() {
+    let text = format!(
+        "{HEAD}[[solid]]\nshape='mesh'\nmesh='b.ply'\nat=[0,0,0]\n\
+         [[solid]]\nname='part'\nshape='mesh'\nmesh='a.stl'\nat=[0,0,0]\n\
+         [[solid]]\nshape='mesh'\nmesh='b.ply'\nat=[0,0,0]\n\
+         [[solid]]\nshape='mesh'\nmesh='builtin:flange'\nat=[0,0,0]"
+    );
+    assert_eq!(Description::mesh_names(&text).unwrap(), ["a.stl", "b.ply"]);
+    let mut open = Shape::cuboid(Vector3::repeat(2.0)).unwrap().mesh_of(1.0);
+    open.faces.pop();
+    let meshes = BTreeMap::from([("b.ply".to_owned(), open)]);
+    let found = Description::parse_with_meshes(&text, &meshes).unwrap_err().to_string();
+    assert!(found.contains("solid 2 \"part\", key mesh: no mesh is called \"a.stl\""), "{found}");
+    assert!(found.contains("solid 1, key mesh: \"b.ply\": edge"), "{found}");
+    assert!(!found.contains("solid 4"), "{found}");
+    let unknown = text.replace("builtin:flange", "builtin:teapot");
+    let found = Description::parse(&unknown).unwrap_err().to_string();
+    assert!(found.contains("solid 4, key mesh: no mesh is called \"builtin:teapot\""), "{found}");
+}
+
+#[test]
+fn materials_are_named_once_and_used_by_name() {
+    let ball = "[[solid]]\nshape='ball'\nradius=1\nat=[0,0,0]\n";
+    let head = "[materials]\nfelt = { reflectivity = 0.05 }\n";
+    let d = with(&format!("{head}{ball}material='felt'\n{ball}")).unwrap();
+    assert_eq!(d.solids[0].material().map(Material::name), Some("felt"));
+    assert_eq!((d.solids[0].reflectivity(), d.solids[1].reflectivity()), (0.05, 1.0));
+    let found = problem(&format!("{head}{ball}material='silk'"));
+    assert_eq!(found, "solid 1, key material: no material is called \"silk\"");
+    let found = problem(&format!("[materials]\nfelt={{reflectivity=1.2}}\n{ball}material='felt'"));
+    assert_eq!(found, "materials, \"felt\", key reflectivity: 1.2 is not a share above 0, up to 1");
+}
+
+#[test]
+fn all_noise_is_read() {
+    let text = "[noise]\nsigma_growth=0.001\nquantum=0.5\nfull_return=0.2\nmixed=0.3\n\
+                pose={degrees=0.1,shift=2}";
+    let noise = with(text).unwrap().noise;
+    let pose = PoseNoise { degrees: 0.1, shift: 2.0 };
+    let expected = Noise {
+        sigma_growth: 0.001,
+        quantum: 0.5,
+        full_return: 0.2,
+        mixed: 0.3,
+        pose,
+        ..Noise::NONE
+    };
+    assert_eq!(noise, expected);
+    for (text, key) in [
+        ("sigma_growth = -1", "sigma_growth"),
+        ("quantum = inf", "quantum"),
+        ("full_return = 2", "full_return"),
+        ("mixed = 1.5", "mixed"),
+        ("pose = { shift = -1 }", "pose.shift"),
+        ("pose = { degrees = nan }", "pose.degrees"),
+    ] {
+        let found = problem(&format!("[noise]\n{text}"));
+        assert!(found.starts_with(&format!("noise, key {key}: ")), "{found}");
+    }
 }
 
 #[test]

@@ -1,17 +1,24 @@
 //! Solids: a shape and where it stands.
 
+mod frustum;
+mod material;
+mod prism;
 mod ray;
 mod tessellate;
+mod torus;
 
+pub use material::Material;
 pub(crate) use ray::LocalRay;
 pub(crate) use tessellate::smallest_chord_error;
 
 use crate::{Mesh, MeshError, parry};
+use frustum::Frustum;
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 use parry3d_f64::shape::TriMesh;
 use std::sync::Arc;
-use transect_geometry::{Isometry3, Vector3};
+use torus::Torus;
+use transect_geometry::{Isometry3, Point2, Vector3};
 
 /// Parameters that describe no solid.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -28,6 +35,25 @@ pub enum SolidError {
     /// The pose has a component that is NaN or infinite.
     #[error("the pose is not finite")]
     PoseNotFinite,
+    /// A torus without a hole would cut itself.
+    #[error("tube = {tube}: it must be thinner than the ring, whose radius is {radius}")]
+    TubeTooThick {
+        /// Radius of the circle that the tube runs along.
+        radius: f64,
+        /// Radius of the tube.
+        tube: f64,
+    },
+    /// Corners that bound no polygon, or not one that a prism can have there.
+    #[error("{key}: {reason}")]
+    BadPolygon {
+        /// The polygon, as scene descriptions call it.
+        key: &'static str,
+        /// What is wrong with it.
+        reason: &'static str,
+    },
+    /// A reflectivity is no share.
+    #[error("reflectivity = {0}: a share above 0, up to 1, is wanted")]
+    BadReflectivity(f64),
     /// The triangles do not bound a solid.
     #[error(transparent)]
     Mesh(#[from] MeshError),
@@ -45,8 +71,12 @@ enum Kind {
     Box { half: Vector },
     /// Axis along z, centred on the origin.
     Cylinder { radius: f64, half_height: f64 },
+    /// Axis along z, centred on the origin.
+    Frustum(Frustum),
     /// Centred on the origin.
     Ball { radius: f64 },
+    /// Around the z axis, centred on the origin.
+    Torus(Torus),
     /// Anywhere. Shared, so that solids are cheap to clone.
     Mesh(Arc<TriMesh>),
 }
@@ -81,6 +111,69 @@ impl Shape {
         Ok(Self(Kind::Ball { radius: positive("radius", radius)? }))
     }
 
+    /// A cone that stands on its base. Its axis is the **z axis** of its frame: the base lies at
+    /// `z = -height/2`, the tip at `z = height/2`.
+    ///
+    /// # Errors
+    /// [`SolidError::BadSize`] unless both are positive and finite.
+    pub fn cone(radius: f64, height: f64) -> Result<Self, SolidError> {
+        let (radius, height) = (positive("radius", radius)?, positive("height", height)?);
+        Ok(Self(Kind::Frustum(Frustum { bottom: radius, top: 0.0, half_height: 0.5 * height })))
+    }
+
+    /// A truncated cone with flat ends, of which either may be the larger one. Its axis is the **z
+    /// axis** of its frame: `radius` is that at `z = -height/2`, `top_radius` that at `z = height/2`.
+    ///
+    /// # Errors
+    /// [`SolidError::BadSize`] unless all three are positive and finite.
+    pub fn frustum(radius: f64, top_radius: f64, height: f64) -> Result<Self, SolidError> {
+        let bottom = positive("radius", radius)?;
+        let top = positive("top_radius", top_radius)?;
+        let half_height = 0.5 * positive("height", height)?;
+        Ok(Self(Kind::Frustum(Frustum { bottom, top, half_height })))
+    }
+
+    /// A ring with a hole, around the **z axis** of its frame: all points within `tube` of the
+    /// circle of the given radius in the plane `z = 0`.
+    ///
+    /// # Errors
+    /// [`SolidError::BadSize`] unless both are positive and finite, [`SolidError::TubeTooThick`]
+    /// unless the tube is thinner than the ring.
+    pub fn torus(radius: f64, tube: f64) -> Result<Self, SolidError> {
+        let (radius, tube) = (positive("radius", radius)?, positive("tube", tube)?);
+        if tube < radius {
+            Ok(Self(Kind::Torus(Torus { radius, tube })))
+        } else {
+            Err(SolidError::TubeTooThick { radius, tube })
+        }
+    }
+
+    /// A pyramid on a rectangle. `size` is the base's edge along x, its edge along y, and the
+    /// height: the base lies at `z = -height/2`, the tip above its middle at `z = height/2`.
+    ///
+    /// # Errors
+    /// [`SolidError::BadSize`] unless all three are positive and finite.
+    pub fn pyramid(size: Vector3) -> Result<Self, SolidError> {
+        for &edge in &size {
+            positive("size", edge)?;
+        }
+        Self::mesh(&prism::pyramid(size))
+    }
+
+    /// The dissertation's general polyhedron (4.5.2): two parallel polygons of as many corners,
+    /// the bottom one at `z = -height/2` and the top one at `z = height/2`, corner joined to corner.
+    ///
+    /// Polygons may be concave and run either way round. A side whose two edges are not parallel is
+    /// no plane; it is two triangles then, folded from the bottom edge's first corner to the top
+    /// edge's second, counter-clockwise. Sides that cut through each other are not looked for.
+    ///
+    /// # Errors
+    /// [`SolidError::BadSize`] unless the height is positive and finite, [`SolidError::BadPolygon`]
+    /// if a polygon crosses or touches itself, or the two do not belong together.
+    pub fn prism(bottom: &[Point2], top: &[Point2], height: f64) -> Result<Self, SolidError> {
+        Self::mesh(&prism::prism(bottom, top, positive("height", height)?)?)
+    }
+
     /// The solid that a closed triangle mesh bounds.
     ///
     /// # Errors
@@ -101,7 +194,14 @@ impl Shape {
             Kind::Cylinder { radius, half_height } => {
                 around(Vector::new(*radius, *radius, *half_height))
             }
+            Kind::Frustum(Frustum { bottom, top, half_height }) => {
+                let radius = bottom.max(*top);
+                around(Vector::new(radius, radius, *half_height))
+            }
             Kind::Ball { radius } => around(Vector::splat(*radius)),
+            Kind::Torus(Torus { radius, tube }) => {
+                around(Vector::new(radius + tube, radius + tube, *tube))
+            }
             Kind::Mesh(surface) => surface.local_aabb(),
         }
     }
@@ -119,6 +219,7 @@ fn positive(key: &'static str, value: f64) -> Result<f64, SolidError> {
 #[derive(Debug, Clone)]
 pub struct Solid {
     name: Option<String>,
+    material: Option<Material>,
     shape: Shape,
     world_from_solid: Isometry3,
 }
@@ -131,7 +232,7 @@ impl Solid {
     pub fn new(shape: Shape, world_from_solid: Isometry3) -> Result<Self, SolidError> {
         let finite = world_from_solid.to_homogeneous().iter().all(|c| c.is_finite());
         if finite {
-            Ok(Self { name: None, shape, world_from_solid })
+            Ok(Self { name: None, material: None, shape, world_from_solid })
         } else {
             Err(SolidError::PoseNotFinite)
         }
@@ -141,6 +242,22 @@ impl Solid {
     #[must_use]
     pub fn named(self, name: impl Into<String>) -> Self {
         Self { name: Some(name.into()), ..self }
+    }
+
+    /// The same solid, made of a material.
+    #[must_use]
+    pub fn made_of(self, material: Material) -> Self {
+        Self { material: Some(material), ..self }
+    }
+
+    /// What it is made of, if that was said.
+    pub fn material(&self) -> Option<&Material> {
+        self.material.as_ref()
+    }
+
+    /// Share of the light that its surface returns; 1 if nothing was said of its material.
+    pub fn reflectivity(&self) -> f64 {
+        self.material.as_ref().map_or(1.0, Material::reflectivity)
     }
 
     /// What reports call it, if it has a name.
@@ -171,6 +288,27 @@ mod tests {
         assert!(matches!(nan, SolidError::BadSize { key: "height", .. }));
         assert!(Shape::ball(f64::INFINITY).is_err());
         assert!(Shape::ball(-1.0).is_err());
+        let full = Shape::torus(1.0, 1.0).unwrap_err();
+        assert_eq!(
+            full.to_string(),
+            "tube = 1: it must be thinner than the ring, whose radius is 1"
+        );
+        let edge = Shape::frustum(1.0, 0.0, 1.0).unwrap_err();
+        assert!(matches!(edge, SolidError::BadSize { key: "top_radius", .. }));
+        assert!(Shape::cone(1.0, -1.0).is_err());
+        assert!(Shape::pyramid(Vector3::new(1.0, 1.0, 0.0)).is_err());
+    }
+
+    #[test]
+    fn a_solid_reflects_like_its_material() {
+        let solid = Solid::new(Shape::ball(1.0).unwrap(), Isometry3::identity()).unwrap();
+        assert_eq!((solid.material(), solid.reflectivity()), (None, 1.0));
+        let solid = solid.made_of(Material::new("felt", 0.05).unwrap());
+        assert_eq!(solid.material().map(Material::name), Some("felt"));
+        assert_eq!(solid.reflectivity(), 0.05);
+        for bad in [0.0, -0.1, 1.1, f64::NAN] {
+            assert!(matches!(Material::new("odd", bad), Err(SolidError::BadReflectivity(_))));
+        }
     }
 
     #[test]

@@ -1,8 +1,9 @@
 //! Where a ray enters a shape, and how the surface lies there; all in the shape's own frame.
 //!
 //! Convex shapes are intersections of slabs, so a ray is inside them from the last slab entry to
-//! the first slab exit. Boxes, balls and meshes are parry's; its cylinder is found by GJK
-//! iterations, good to about 1e-6 of its size, so the cylinder is solved here in closed form.
+//! the first slab exit. Balls and meshes are parry's; its cylinders and cones are found by GJK
+//! iterations, good to about 1e-6 of their size, so they are solved here in closed form, and so is
+//! the torus, which parry does not have.
 //!
 //! A ray that starts in a solid enters it at distance 0, a value which no sensor returns. A ray along
 //! an edge of a mesh may, by rounding, slip in between its two faces; it then counts as one that
@@ -23,7 +24,9 @@ impl Shape {
         match &self.0 {
             Kind::Box { half } => box_entry(*half, ray),
             Kind::Cylinder { radius, half_height } => cylinder_entry(*radius, *half_height, ray),
+            Kind::Frustum(frustum) => frustum.entry(ray),
             Kind::Ball { radius } => ray_toi_with_ball(Vector::ZERO, *radius, ray, true).1,
+            Kind::Torus(torus) => torus.entry(ray),
             Kind::Mesh(surface) => {
                 let hit = mesh_hit(surface, ray)?;
                 // A back face as the first hit means that the ray started behind it.
@@ -56,7 +59,9 @@ impl Shape {
                     lateral.normalize_or(Vector::Z)
                 }
             }
+            Kind::Frustum(frustum) => frustum.normal(p),
             Kind::Ball { .. } => p.normalize_or(Vector::Z),
+            Kind::Torus(torus) => torus.normal(p),
             Kind::Mesh(surface) => mesh_hit(surface, ray).map_or(Vector::Z, |hit| hit.normal),
         }
     }
@@ -102,7 +107,7 @@ fn cylinder_entry(radius: f64, half_height: f64, ray: &LocalRay) -> Option<f64> 
 
 /// Distances between which a coordinate running from `start` lies within ± `half`; `None` if it
 /// stands still outside.
-fn slab(start: f64, slope: f64, half: f64) -> Option<(f64, f64)> {
+pub(super) fn slab(start: f64, slope: f64, half: f64) -> Option<(f64, f64)> {
     if slope == 0.0 {
         return (start.abs() <= half).then_some((f64::MIN, f64::MAX));
     }
@@ -167,5 +172,30 @@ mod tests {
                 assert!((block.normal(&r, a) - mesh.normal(&r, b)).length() < 1e-12);
             }
         }
+    }
+
+    #[test]
+    fn rays_onto_edges_of_a_mesh_do_not_slip_in_between() {
+        use transect_geometry::Point2;
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(Point2::from);
+        let block = Shape::prism(&corners, &corners, 2.0).unwrap();
+        let tent = Shape::pyramid(Vector3::new(2.0, 2.0, 2.0)).unwrap();
+        let mut slipped = 0;
+        for k in 1..1000 {
+            // Along both diagonals of the roof and over the edges of the pyramid.
+            let x = f64::from(k) * 0.002 - 1.0;
+            for y in [x, -x] {
+                let down = ray([x, y, 5.0], [0.0, 0.0, -1.0]);
+                slipped += i32::from(block.entry(&down) != Some(4.0));
+                let tip = 4.0 + 2.0 * x.abs();
+                slipped += i32::from(tent.entry(&down).is_none_or(|t| (t - tip).abs() > 1e-9));
+                let slanted = ray(
+                    [3.0 * x + 0.3, 3.0 * y - 0.7, 5.0],
+                    [-2.0 * x - 0.3, -2.0 * y + 0.7, -4.0],
+                );
+                slipped += i32::from(block.entry(&slanted).is_none_or(|t| t < 1.0));
+            }
+        }
+        assert_eq!(slipped, 0);
     }
 }

@@ -1,9 +1,10 @@
 //! Shapes as triangle meshes with a bounded chord error.
 //!
-//! Vertices lie on the shape's surface, so a mesh of a round shape is inscribed: no point of it is
-//! farther from the true surface than the chord error, and all of it is on the inner side.
+//! Vertices lie on the shape's surface, so a mesh of a convex round shape is inscribed: no point of
+//! it is farther from the true surface than the chord error, and all of it is on the inner side. A
+//! torus is saddle-shaped around its hole; its mesh keeps the chord error on either side there.
 
-use super::{Kind, Shape};
+use super::{Frustum, Kind, Shape, Torus};
 use crate::{Mesh, parry};
 use std::f64::consts::{PI, TAU};
 use transect_geometry::Point3;
@@ -29,6 +30,8 @@ impl Shape {
     pub(crate) fn radius(&self) -> Option<f64> {
         match self.0 {
             Kind::Cylinder { radius, .. } | Kind::Ball { radius } => Some(radius),
+            Kind::Frustum(Frustum { bottom, top, .. }) => Some(bottom.max(top)),
+            Kind::Torus(Torus { radius, tube }) => Some(radius + tube),
             Kind::Box { .. } | Kind::Mesh(_) => None,
         }
     }
@@ -39,6 +42,14 @@ impl Shape {
             Kind::Box { half } => box_mesh(half.x, half.y, half.z),
             Kind::Cylinder { radius, half_height } => {
                 cylinder_mesh(*radius, *half_height, segments(*radius, chord_error))
+            }
+            Kind::Frustum(frustum) => {
+                frustum_mesh(frustum, segments(frustum.bottom.max(frustum.top), chord_error))
+            }
+            Kind::Torus(Torus { radius, tube }) => {
+                // Half of the error along the ring, half around the tube.
+                let along = segments(radius + tube, 0.5 * chord_error);
+                torus_mesh(*radius, *tube, along, segments(*tube, 0.5 * chord_error))
             }
             // Half of the error along meridians, half along parallels.
             Kind::Ball { radius } => ball_mesh(*radius, segments(*radius, 0.5 * chord_error)),
@@ -65,6 +76,30 @@ fn box_mesh(x: f64, y: f64, z: f64) -> Mesh {
 fn cylinder_mesh(radius: f64, half_height: f64, segments: u32) -> Mesh {
     let rings = [Ring { radius, z: -half_height }, Ring { radius, z: half_height }];
     revolved(-half_height, &rings, half_height, segments)
+}
+
+fn frustum_mesh(frustum: &Frustum, segments: u32) -> Mesh {
+    let Frustum { bottom, top, half_height } = *frustum;
+    let ends = [Ring { radius: bottom, z: -half_height }, Ring { radius: top, z: half_height }];
+    // A tip is the end point of the surface already.
+    let rings: Vec<_> = ends.into_iter().filter(|ring| ring.radius > 0.0).collect();
+    revolved(-half_height, &rings, half_height, segments)
+}
+
+fn torus_mesh(radius: f64, tube: f64, along: u32, around: u32) -> Mesh {
+    let angle = |k: u32, count: u32| (TAU * f64::from(k) / f64::from(count)).sin_cos();
+    let point = |k: u32| {
+        let ((sin, cos), (up, out)) = (angle(k / around, along), angle(k % around, around));
+        let from_axis = radius + tube * out;
+        Point3::new(from_axis * cos, from_axis * sin, tube * up)
+    };
+    let vertex = |i: u32, j: u32| i % along * around + j % around;
+    let quads = (0..along * around).flat_map(|k| {
+        let (i, j) = (k / around, k % around);
+        let (a, b, c) = (vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1));
+        [[a, b, c], [a, c, vertex(i, j + 1)]]
+    });
+    Mesh { vertices: (0..along * around).map(point).collect(), faces: quads.collect() }
 }
 
 fn ball_mesh(radius: f64, segments: u32) -> Mesh {
@@ -117,13 +152,35 @@ mod tests {
         let block = Shape::cuboid(Vector3::new(1.0, 2.0, 3.0)).unwrap();
         let can = Shape::cylinder(0.5, 2.0).unwrap();
         let ball = Shape::ball(2.0).unwrap();
-        let volumes = [6.0, 0.5 * PI, 32.0 / 3.0 * PI];
-        for (shape, volume) in [block, can, ball].iter().zip(volumes) {
+        let cone = Shape::cone(0.5, 3.0).unwrap();
+        let bucket = Shape::frustum(1.0, 2.0, 3.0).unwrap();
+        let ring = Shape::torus(2.0, 0.5).unwrap();
+        let pyramid = Shape::pyramid(Vector3::new(1.0, 2.0, 3.0)).unwrap();
+        let shapes = [block, can, ball, cone, bucket, ring, pyramid];
+        let volumes = [6.0, 0.5 * PI, 32.0 / 3.0 * PI, 0.25 * PI, 7.0 * PI, PI * PI, 2.0];
+        for (shape, volume) in shapes.iter().zip(volumes) {
             let mesh = shape.mesh_of(1e-4);
             assert_eq!(mesh.check_closed(), Ok(()), "{shape:?}");
             let lost = 1.0 - mesh.signed_volume() / volume;
             assert!((-1e-12..1e-3).contains(&lost), "{shape:?} lost {lost}");
         }
+    }
+
+    #[test]
+    fn a_torus_keeps_its_chord_error_on_both_sides() {
+        let (radius, tube, error) = (2.0, 0.5, 1e-2);
+        let mesh = Shape::torus(radius, tube).unwrap().mesh_of(error);
+        let (mut inmost, mut outmost) = (0.0f64, 0.0f64);
+        for face in &mesh.faces {
+            let [a, b, c] = face.map(|i| mesh.vertices[i as usize].coords);
+            for (u, v) in [(0.5, 0.5), (0.5, 0.0), (0.0, 0.5), (0.33, 0.33), (0.2, 0.4)] {
+                let p = a * (1.0 - u - v) + b * u + c * v;
+                let off = (p.x.hypot(p.y) - radius).hypot(p.z) - tube;
+                (inmost, outmost) = (inmost.min(off), outmost.max(off));
+            }
+        }
+        assert!(-error <= inmost && outmost <= error, "{inmost} to {outmost}");
+        assert!(outmost > 0.1 * error && inmost < -0.5 * error, "the error is made use of");
     }
 
     #[test]

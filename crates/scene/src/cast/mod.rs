@@ -1,0 +1,298 @@
+//! Range images of a scene: one ray per pixel of any device frame (dissertation, section 4.5.3).
+//!
+//! 1. The pixel's ray, moved into the world, meets the scene at some distance.
+//! 2. A triangulation sensor must see the spot as well: the way from its second viewpoint to the hit
+//!    must be free. What either path cannot reach is a shadow, one on each side (Figure 1.6).
+//! 3. Noise moves the hit along the ray, or drops it.
+//! 4. The value `d3` is the one that a plane through the hit, perpendicular to the ray, would have
+//!    at the pixel ([`DeviceFrame::plane_value`]). On the pixel's own ray that is exact for every
+//!    scale a frame may have, needs no inverse `F` and no arc tangent, and makes noise mean an
+//!    error along the ray for depths just as for ranges.
+//!
+//! Serial on purpose: views may be cast in parallel by the caller, and rows depend on nothing but
+//! themselves and, for mixed pixels, on their two neighbours.
+
+use crate::noise::{PixelNoise, RowNoise};
+use crate::parry::{self, Motion};
+use crate::scene::WorldRay;
+use crate::{Noise, Scene};
+use parry3d_f64::math::Vector;
+use std::sync::Arc;
+use transect_device::{
+    DeviceFrame, ImageError, ImageSize, Isometry3, PairGeometry, Pixel, Point3, RangeImage, Ray,
+    SensorPlane, View, ViewError,
+};
+
+/// Why a scene gives no view.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CastError {
+    /// The device frame has an impossible size.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+    /// No ray hit anything, or the pose is not finite.
+    #[error(transparent)]
+    View(#[from] ViewError),
+}
+
+impl Scene {
+    /// The range image of a perfect sensor.
+    ///
+    /// A pixel is missing where its ray meets nothing, or starts inside a solid.
+    ///
+    /// # Errors
+    /// [`ImageError`] if the frame's size is absurd.
+    pub fn cast(
+        &self,
+        frame: &dyn DeviceFrame,
+        world_from_sensor: &Isometry3,
+    ) -> Result<RangeImage, ImageError> {
+        self.scan(frame, world_from_sensor, &Noise::NONE, 0)
+    }
+
+    /// The range image of a noisy sensor. `view` is the view's number: together with the noise's
+    /// seed it decides every random number, so that views may be cast in any order.
+    ///
+    /// # Errors
+    /// [`ImageError`] if the frame's size is absurd.
+    pub fn scan(
+        &self,
+        frame: &dyn DeviceFrame,
+        world_from_sensor: &Isometry3,
+        noise: &Noise,
+        view: u64,
+    ) -> Result<RangeImage, ImageError> {
+        let size = checked_size(frame)?;
+        let caster = Caster::new(self, frame, world_from_sensor, noise);
+        let mut values = Vec::with_capacity(size.pixels());
+        let mut window = Window::new(&caster);
+        for row in 0..size.rows {
+            let mut row_noise = noise.row(view, row);
+            let valued = |d3: Option<f64>| d3.map_or(f32::NAN, |d3| d3 as f32);
+            values.extend((0..size.cols).map(|col| valued(window.value(col, &mut row_noise))));
+            window.advance();
+        }
+        RangeImage::from_values(size, values)
+    }
+
+    /// A whole view of the scene, ready for modelling, with the noise's sigma on record: that at the
+    /// mean range if it grows.
+    ///
+    /// The ranges are those from the given pose; the view states the pose that the noise makes of
+    /// it ([`Noise::station_pose`]).
+    ///
+    /// # Errors
+    /// [`CastError`] if the frame's size is absurd, nothing was hit, or the pose is not finite.
+    pub fn view(
+        &self,
+        name: impl Into<String>,
+        frame: Arc<dyn DeviceFrame>,
+        world_from_sensor: Isometry3,
+        noise: &Noise,
+        view: u64,
+    ) -> Result<View, CastError> {
+        let image = self.scan(frame.as_ref(), &world_from_sensor, noise, view)?;
+        let growing = noise.sigma_growth != 0.0;
+        let range = if growing { mean_range(frame.as_ref(), &image) } else { 0.0 };
+        let stated = noise.station_pose(&world_from_sensor, view).stated_world_from_sensor;
+        Ok(View::new(name, image, frame, stated, Some(noise.sigma_at(range)))?)
+    }
+}
+
+/// Refuses absurd sizes before anything is allocated for them.
+pub(crate) fn checked_size(frame: &dyn DeviceFrame) -> Result<ImageSize, ImageError> {
+    let ImageSize { rows, cols } = frame.size();
+    match rows.checked_mul(cols) {
+        Some(0..=transect_device::MAX_PIXELS) => Ok(ImageSize { rows, cols }),
+        _ => Err(ImageError::AbsurdSize { rows, cols }),
+    }
+}
+
+fn mean_range(frame: &dyn DeviceFrame, image: &RangeImage) -> f64 {
+    let size = image.size();
+    let pixels = (0..size.pixels()).map(|k| Pixel::new(k / size.cols, k % size.cols));
+    let range = |pixel| {
+        let point = frame.point(pixel, f64::from(image.get(pixel)?))?;
+        Some((point - frame.ray(pixel)?.start).norm())
+    };
+    pixels.filter_map(range).sum::<f64>() / image.valid_count().max(1) as f64
+}
+
+/// What comes back along a pixel's ray.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Echo {
+    /// The pixel's ray, in the sensor's frame.
+    pub ray: Ray,
+    /// How far along it the surface is.
+    pub distance: f64,
+    /// Reflectivity times cosine of incidence; 1 where nobody asks for it.
+    pub light: f64,
+}
+
+impl Echo {
+    /// Where the surface is, in the sensor's frame.
+    fn point(&self) -> Point3 {
+        self.ray.start + self.ray.direction * self.distance
+    }
+
+    /// How much farther the other surface is along this ray, if there is a jump in between.
+    fn jump_to(&self, other: &Self) -> Option<f64> {
+        let (here, there) = (self.point(), other.point());
+        let pair = PairGeometry::between(&here, &there, &self.ray.direction);
+        let along = (there - here).dot(&self.ray.direction);
+        (pair.range_step > pair.lateral * JUMP_SLOPE).then_some(along)
+    }
+}
+
+/// Tangent of the incidence beyond which two neighbours no longer belong to one surface: tan 85°.
+const JUMP_SLOPE: f32 = 11.430_052;
+
+/// How far before the hit the way from the second viewpoint may end and still have reached it, as a
+/// share of its length: far above rounding, far below any thickness.
+const REACHED: f64 = 1e-7;
+
+/// What all pixels of a view share.
+pub(crate) struct Caster<'a> {
+    scene: &'a Scene,
+    frame: &'a dyn DeviceFrame,
+    noise: &'a Noise,
+    world_from_sensor: Motion,
+    least_cosine: Option<f64>,
+    /// Whether echoes tell how much light they bring.
+    light: bool,
+}
+
+impl<'a> Caster<'a> {
+    pub fn new(
+        scene: &'a Scene,
+        frame: &'a dyn DeviceFrame,
+        world_from_sensor: &Isometry3,
+        noise: &'a Noise,
+    ) -> Self {
+        let world_from_sensor = Motion::new(world_from_sensor);
+        let (least_cosine, light) = (noise.least_cosine(), noise.needs_light());
+        Self { scene, frame, noise, world_from_sensor, least_cosine, light }
+    }
+
+    /// The same, with echoes that tell how much light they bring.
+    pub fn with_light(self) -> Self {
+        Self { light: true, ..self }
+    }
+
+    /// The echoes of a row; none outside the image.
+    pub fn row(&self, row: usize) -> Vec<Option<Echo>> {
+        let ImageSize { rows, cols } = self.frame.size();
+        let cols = if row < rows { cols } else { 0 };
+        (0..cols).map(|col| self.echo(Pixel::new(row, col))).collect()
+    }
+
+    /// The first surface that a pixel's ray meets, if the sensor can see it.
+    fn echo(&self, pixel: Pixel) -> Option<Echo> {
+        let in_sensor = self.frame.ray(pixel)?;
+        let start = self.world_from_sensor.point(parry::point(&in_sensor.start));
+        let direction = self.world_from_sensor.rotation * parry::vector(&in_sensor.direction);
+        let ray = WorldRay::new(start, direction);
+        let (solid, distance) = self.scene.nearest(&ray)?;
+        if distance <= 0.0 {
+            return None;
+        }
+        let light = self.light(&ray, direction, solid, distance)?;
+        let seen = self.watches(pixel, start + direction * distance);
+        seen.then_some(Echo { ray: in_sensor, distance, light })
+    }
+
+    /// The light that a surface returns, where it matters; `None` if it is met too obliquely.
+    fn light(&self, ray: &WorldRay, along: Vector, solid: usize, distance: f64) -> Option<f64> {
+        if !self.light && self.least_cosine.is_none() {
+            return Some(1.0);
+        }
+        let cosine = -self.scene.normal(ray, solid, distance)?.dot(along);
+        let returns = self.least_cosine.is_none_or(|least| cosine >= least);
+        let reflectivity = self.scene.solids().get(solid)?.reflectivity();
+        returns.then_some(cosine.max(0.0) * reflectivity)
+    }
+
+    /// Whether a spot on a pixel's ray can be seen from the sensor's second viewpoint, if any.
+    fn watches(&self, pixel: Pixel, spot: Vector) -> bool {
+        let Some(viewpoint) = self.frame.second_viewpoint(pixel) else { return true };
+        let viewpoint = self.world_from_sensor.point(parry::point(&viewpoint));
+        let way = spot - viewpoint;
+        // Towards the spot, so that its own surface is met last and needs no exception.
+        let Some(direction) = way.try_normalize() else { return true };
+        !self.scene.blocks(&WorldRay::new(viewpoint, direction), way.length() * (1.0 - REACHED))
+    }
+
+    /// The value of a pixel whose surface is at a distance along its ray.
+    pub fn value(&self, pixel: Pixel, ray: &Ray, distance: f64) -> Option<f64> {
+        if distance <= 0.0 {
+            return None;
+        }
+        let normal = ray.direction;
+        let offset = normal.dot(&ray.start.coords) + distance;
+        self.frame.plane_value(pixel, &SensorPlane { normal, offset })
+    }
+}
+
+/// The echoes of a row between those of its two neighbours, each cast once.
+struct Window<'a> {
+    caster: &'a Caster<'a>,
+    row: usize,
+    above: Vec<Option<Echo>>,
+    here: Vec<Option<Echo>>,
+    below: Vec<Option<Echo>>,
+}
+
+impl<'a> Window<'a> {
+    fn new(caster: &'a Caster<'a>) -> Self {
+        let (here, below) = (caster.row(0), caster.row(1));
+        Self { caster, row: 0, above: Vec::new(), here, below }
+    }
+
+    fn advance(&mut self) {
+        self.row += 1;
+        let next = self.caster.row(self.row + 1);
+        self.above = std::mem::replace(&mut self.here, std::mem::replace(&mut self.below, next));
+    }
+
+    /// A pixel's `d3`; `None` where nothing comes back.
+    fn value(&self, col: usize, noise: &mut RowNoise) -> Option<f64> {
+        // Drawn even if the ray misses: a pixel's noise must not depend on its neighbours' hits.
+        let drawn = noise.next_pixel();
+        let echo = (*self.here.get(col)?)?;
+        let settings = self.caster.noise;
+        if !drawn.returns(settings, echo.light) {
+            return None;
+        }
+        let range = drawn.range(settings, echo.distance + self.mixture(col, &echo, &drawn));
+        let d3 = self.caster.value(Pixel::new(self.row, col), &echo.ray, range)?;
+        Some(settings.quantised(d3))
+    }
+
+    /// How far a pixel at a jump is drawn towards its other surface: the farthest off of the four
+    /// neighbours'.
+    fn mixture(&self, col: usize, echo: &Echo, drawn: &PixelNoise) -> f64 {
+        let Some(share) = drawn.mixture(self.caster.noise) else { return 0.0 };
+        let around = [
+            self.above.get(col),
+            self.below.get(col),
+            self.beside(col, col.checked_sub(1)),
+            self.beside(col, Some(col + 1)),
+        ];
+        let steps = around.into_iter().flatten().flatten().filter_map(|other| echo.jump_to(other));
+        share * steps.max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0)
+    }
+
+    /// The echo in the same row; across the seam if the columns go round in a full circle.
+    fn beside(&self, col: usize, other: Option<usize>) -> Option<&Option<Echo>> {
+        let last = self.here.len().checked_sub(1)?;
+        let other = match other {
+            Some(other) if other <= last => other,
+            _ if !self.caster.frame.columns_wrap() => return None,
+            _ => last - col,
+        };
+        self.here.get(other)
+    }
+}
+
+#[cfg(test)]
+mod tests;
