@@ -270,9 +270,19 @@ fn report(views: &[ModelledView], fused: &[Fused], timings: Timings) -> Report {
     Report {
         views: view_reports.collect(),
         fusion: FusionReport::new(fused.iter().map(|f| &f.plane)),
-        notes: views.iter().flat_map(|v| v.notes.clone()).collect(),
+        notes: views.iter().flat_map(|v| v.notes.clone()).chain(alone(views, &agreements)).collect(),
         timings,
     }
+}
+
+/// Notes on views that share no ground with any other, of whose poses nothing can be said.
+fn alone(views: &[ModelledView], agreements: &[Agreement]) -> Vec<String> {
+    let several = views.len() > 1;
+    let untold = views.iter().zip(agreements).filter(|(_, a)| several && a.close + a.abreast == 0);
+    let note = |(v, _): (&ModelledView, &Agreement)| {
+        format!("view {} overlaps no other view: nothing tells whether its pose is right", v.name)
+    };
+    untold.map(note).collect()
 }
 
 fn assemble(setup: &Setup, views: Vec<ModelledView>, fused: Vec<Fused>) -> Model {

@@ -88,9 +88,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
+/// The scene that is simulated where no scan is given.
+const BUNDLED: &str = "room";
+
 /// Simulates the bundled room next to where its results go.
 fn bundled_scan(arguments: &Arguments, stages: &mut Stages) -> Result<PathBuf, Failure> {
-    let description = simulate::describe(None)?;
+    let description = simulate::describe(Path::new(BUNDLED))?;
     let out = arguments.out.clone().unwrap_or_else(|| default_out(&description.name));
     let folder = out.join("scan");
     simulate::simulate(&description, &folder)?;

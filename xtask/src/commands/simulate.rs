@@ -4,12 +4,14 @@ use super::{default_out, stations};
 use crate::failure::Failure;
 use crate::table::{Row, print};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use transect_device::{RangeImage, View};
 use transect_exchange::{
-    Manifest, PlanesEntry, TriangleMesh, write_file, write_manifest, write_npy_image, write_truth,
+    Manifest, PlanesEntry, TriangleMesh, read_mesh, write_file, write_manifest, write_npy_image,
+    write_truth,
 };
-use transect_scene::{BUNDLED_ROOM, Description};
+use transect_scene::{BUNDLED_SCENES, Description, Mesh};
 
 /// Largest distance between a curved solid and its truth mesh, as a share of the plane interval:
 /// well below anything a simulated scanner resolves.
@@ -18,8 +20,9 @@ const CHORD_SHARE: f64 = 1e-3;
 /// Options of `simulate`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Scene file (TOML) [default: the bundled room].
-    scene: Option<PathBuf>,
+    /// Scene file (TOML), or a bundled scene: room, face_mask, machined_part, thin_sheet or tunnel.
+    #[arg(default_value = "room")]
+    scene: PathBuf,
     /// Folder to write range_*.npy, scan.json and truth.npz into [default: target/transect/NAME/scan].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -30,7 +33,7 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let mut description = describe(arguments.scene.as_deref())?;
+    let mut description = describe(&arguments.scene)?;
     if let Some(seed) = arguments.seed {
         description.noise.seed = seed;
     }
@@ -45,14 +48,22 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Reads a scene, or takes the bundled one.
-pub fn describe(scene: Option<&Path>) -> Result<Description, Failure> {
-    let text = match scene {
-        Some(path) => std::fs::read_to_string(path).map_err(|e| Failure::with_file(path, e))?,
-        None => BUNDLED_ROOM.to_owned(),
+/// Reads a scene file with the meshes beside it, or takes a bundled scene.
+pub fn describe(scene: &Path) -> Result<Description, Failure> {
+    let bundled = BUNDLED_SCENES.iter().find(|(name, _)| Path::new(name) == scene);
+    let text = match bundled {
+        Some((_, text)) => (*text).to_owned(),
+        None => std::fs::read_to_string(scene).map_err(|e| Failure::with_file(scene, e))?,
     };
-    let name = scene.unwrap_or(Path::new("the bundled room"));
-    Description::parse(&text).map_err(|e| Failure::with_file(name, e))
+    let folder = scene.parent().unwrap_or(Path::new(""));
+    let names = Description::mesh_names(&text).map_err(|e| Failure::with_file(scene, e))?;
+    let mut meshes = BTreeMap::new();
+    for name in names {
+        let TriangleMesh { vertices, faces } = read_mesh(&folder.join(&name))?.mesh;
+        meshes.insert(name, Mesh { vertices, faces });
+    }
+    let description = Description::parse_with_meshes(&text, &meshes);
+    description.map_err(|e| Failure::with_file(scene, e))
 }
 
 /// Simulates all stations and writes the scan folder.
@@ -75,12 +86,12 @@ pub fn simulate(description: &Description, folder: &Path) -> Result<(), Failure>
         let file = format!("range_{k:03}.npy");
         let values = values(view.image());
         write_file(&folder.join(&file), |out| write_npy_image(view.image().size(), &values, out))?;
-        entries.push(stations::entry(station, file));
+        entries.push(stations::entry(station, view.world_from_sensor(), file));
     }
     let manifest = Manifest {
         name: description.name.clone(),
         unit: Some(description.unit),
-        sigma: Some(description.noise.sigma),
+        sigma: views.iter().filter_map(View::sigma).reduce(f64::max),
         planes: Some(planes_entry(description)),
         views: entries,
     };

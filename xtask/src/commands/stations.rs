@@ -1,7 +1,7 @@
 //! Device frames of simulated stations.
 
 use std::sync::Arc;
-use transect_device::DeviceFrame;
+use transect_device::{DeviceFrame, Isometry3};
 use transect_exchange::{SensorEntry, ViewEntry, row_major};
 use transect_scene::{SensorParameters, Station};
 use transect_sensors::{AngularScan, ImagingRadar, Intrinsics, Pinhole, SensorError};
@@ -20,8 +20,8 @@ pub fn frame(station: &Station) -> Result<Arc<dyn DeviceFrame>, SensorError> {
     })
 }
 
-/// The manifest entry of a station's image.
-pub fn entry(station: &Station, file: String) -> ViewEntry {
+/// The manifest entry of a station's image, with the pose that the scan states.
+pub fn entry(station: &Station, world_from_sensor: &Isometry3, file: String) -> ViewEntry {
     let sensor = match station.sensor {
         SensorParameters::Spherical { theta0, dtheta, phi0, dphi } => {
             SensorEntry::Spherical { theta0, dtheta, phi0, dphi }
@@ -34,6 +34,6 @@ pub fn entry(station: &Station, file: String) -> ViewEntry {
         rows: Some(station.size.rows),
         cols: Some(station.size.cols),
         depth_scale: None,
-        pose: row_major(&station.world_from_sensor),
+        pose: row_major(world_from_sensor),
     }
 }
