@@ -86,7 +86,7 @@ fn tables_that_are_no_camera_are_named() {
     backward[3].z = -1.0;
     assert!(message(backward, size).contains("rays = -"));
     let missing = vec![Vector3::zeros(); 4];
-    assert!(message(missing, size).contains("orientation cannot be read"));
+    assert!(message(missing, size).contains("show from which side"));
     let folded = [good.clone(), vec![ray(0.0, -0.1, 1.0), ray(0.1, -0.1, 1.0)]].concat();
     let three = ImageSize { rows: 3, cols: 2 };
     assert_eq!(message(folded, three), "rays = 1: no cells that fold back");

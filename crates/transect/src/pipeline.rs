@@ -270,7 +270,11 @@ fn report(views: &[ModelledView], fused: &[Fused], timings: Timings) -> Report {
     Report {
         views: view_reports.collect(),
         fusion: FusionReport::new(fused.iter().map(|f| &f.plane)),
-        notes: views.iter().flat_map(|v| v.notes.clone()).chain(alone(views, &agreements)).collect(),
+        notes: views
+            .iter()
+            .flat_map(|v| v.notes.clone())
+            .chain(alone(views, &agreements))
+            .collect(),
         timings,
     }
 }

@@ -14,7 +14,7 @@ mod report_file;
 mod stations;
 
 use crate::failure::Failure;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use transect::{LoadedView, SourceError, ViewSource};
 use transect_exchange::ScanView;
@@ -48,7 +48,9 @@ pub fn default_out(name: &str) -> PathBuf {
 /// Prints a command, runs it from the workspace's root, and fails if it fails.
 pub fn run_command(command: &mut Command) -> Result<(), Failure> {
     let arguments: Vec<_> = command.get_args().map(|a| a.to_string_lossy().into_owned()).collect();
-    let line = format!("{} {}", command.get_program().to_string_lossy(), arguments.join(" "));
+    // The program by its name alone: where it lies says nothing to a reader.
+    let program = Path::new(command.get_program()).file_name().unwrap_or(command.get_program());
+    let line = format!("{} {}", program.to_string_lossy(), arguments.join(" "));
     eprintln!("$ {line}");
     let status = command.current_dir(workspace_root()).status();
     match status {
