@@ -6,10 +6,12 @@ mod common;
 use common::{Ball, views};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
+use std::sync::Arc;
 use transect_device::{Neighbour, Pixel, View};
 use transect_geometry::{PlaneFamily, Point2, StraightGuide, Vector2, Vector3};
 use transect_partial::one_pass::{OnePassOptions, partial_model};
 use transect_partial::{BreakRule, PartialModel, SectionAxes};
+use transect_sensors::{AngularScan, ImagingRadar};
 
 /// A directed segment, rounded so that equal ones compare equal: plane, start, end.
 type Segment = (i64, [i64; 4]);
@@ -242,6 +244,32 @@ fn one_ball() -> View {
     let pose = common::pose_towards_origin(frame.as_ref(), 0.3, 0.0, 0.0);
     let ball = Ball { centre: transect_device::Point3::origin(), radius: 0.7 };
     common::look(frame, pose, &[ball], &[]).unwrap()
+}
+
+#[test]
+fn footprints_reach_from_node_to_node_on_uneven_grids() {
+    for (theta_step, phi_step) in [(0.004, 0.024), (0.012, 0.012), (0.024, 0.004)] {
+        let scan = |step: f64, count: usize| {
+            AngularScan::from_radians(-0.5 * step * (count - 1) as f64, step)
+        };
+        let (theta, phi) = (scan(theta_step, common::SIZE.cols), scan(phi_step, common::SIZE.rows));
+        let radar = Arc::new(ImagingRadar::new(common::SIZE, theta, phi).unwrap());
+        let pose = common::pose_towards_origin(radar.as_ref(), 0.3, 0.1, 0.0);
+        let ball = Ball { centre: transect_device::Point3::origin(), radius: 2.0 };
+        let view = common::look(radar, pose, &[ball], &[]).unwrap();
+        let planes = planes(Vector3::z(), 0.11);
+        let model = partial_model(&view, &planes, &OnePassOptions::default()).unwrap();
+        let curves = model.planes.iter().flat_map(|p| &p.curves).filter(|c| c.nodes().len() > 9);
+        let mut checked = 0;
+        for curve in curves {
+            let step = curve.length() / curve.units().len() as f64;
+            let sum: f64 = curve.nodes().iter().map(|n| f64::from(n.footprint)).sum();
+            let footprint = sum / curve.nodes().len() as f64;
+            assert!(footprint > 0.8 * step, "{footprint} for steps of {step}");
+            checked += 1;
+        }
+        assert!(checked > 3, "{checked} curves");
+    }
 }
 
 #[test]

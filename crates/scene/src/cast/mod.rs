@@ -99,13 +99,10 @@ impl Scene {
     }
 }
 
-/// Refuses absurd sizes before anything is allocated for them.
+/// The frame's size, refused before anything is allocated if it is absurd.
 pub(crate) fn checked_size(frame: &dyn DeviceFrame) -> Result<ImageSize, ImageError> {
-    let ImageSize { rows, cols } = frame.size();
-    match rows.checked_mul(cols) {
-        Some(0..=transect_device::MAX_PIXELS) => Ok(ImageSize { rows, cols }),
-        _ => Err(ImageError::AbsurdSize { rows, cols }),
-    }
+    frame.size().check()?;
+    Ok(frame.size())
 }
 
 fn mean_range(frame: &dyn DeviceFrame, image: &RangeImage) -> f64 {
