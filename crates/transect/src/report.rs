@@ -53,7 +53,7 @@ pub struct ViewReport {
     pub planes: usize,
     /// Its curves before fusion.
     pub curves: usize,
-    /// Its nodes before fusion.
+    /// Planes crossing its unbroken pixel pairs: its nodes before fusion, and those that made no curve.
     pub crossings: usize,
     /// Pairs of neighbouring pixels that were taken apart as range jumps.
     pub range_jumps: usize,
