@@ -77,6 +77,28 @@ impl LightStripeParameters {
         }
     }
 
+    /// The same instrument in another length unit, or a smaller or larger one of the same shape:
+    /// every length times `factor`. Angles and image positions stay.
+    ///
+    /// ```
+    /// use transect_sensors::LightStripeParameters;
+    ///
+    /// let in_metres = LightStripeParameters::smart_eye().scaled(0.001);
+    /// assert!((in_metres.focal_length - 0.016).abs() < 1e-12);
+    /// ```
+    pub fn scaled(self, factor: f64) -> Self {
+        Self {
+            focal_length: self.focal_length * factor,
+            cell_width: self.cell_width * factor,
+            cell_height: self.cell_height * factor,
+            baseline: self.baseline * factor,
+            mirror_axis: self.mirror_axis * factor,
+            mirror_face: self.mirror_face * factor,
+            farthest: self.farthest * factor,
+            ..self
+        }
+    }
+
     /// `B_b = B + b(θ)`: from the laser's spot on the mirror to the focal point, along X.
     ///
     /// 4.3.2 (errata): `b = (R - g cos θ_m) / sin θ_m` with the mirror at `θ_m = θ/2`.

@@ -66,6 +66,13 @@ impl ThetaSteps {
         Self::from_radians(first.to_radians(), step.to_radians(), count)
     }
 
+    /// The same angles from first to last in another number of steps, two at least.
+    pub fn with_count(self, count: usize) -> Self {
+        let (first, count) = (self.first_rad, count.max(2));
+        let span = self.angle(self.count.saturating_sub(1)) - first;
+        Self::from_radians(first, span / (count - 1) as f64, count)
+    }
+
     /// Angle of a column, in radians.
     pub fn angle(&self, column: usize) -> f64 {
         self.first_rad + column as f64 * self.step_rad

@@ -113,21 +113,12 @@ impl LookupTable {
     /// # Errors
     /// As [`LookupTable::new`].
     pub fn hyscan(rows: LinearSteps) -> Result<Self, SensorError> {
-        const DEPTHS: usize = 24;
-        let scanner = SynchronizedScanner::hyscan();
         let columns = Self::hyscan_columns();
-        let slope = 1.0_f64.to_radians().tan();
-        let sweep = |k: usize| {
-            let part = k as f64 / (DEPTHS - 1) as f64;
-            // Steps of 3.1 to 4.7 mm: hands set no equal depths.
-            let uneven = part - 0.2 * part * (1.0 - part);
-            scanner.sweep(&columns, 110.0 + 90.0 * uneven, slope)
-        };
-        let sweeps: Vec<CalibrationSweep> = (0..DEPTHS).map(sweep).collect();
+        let sweeps = SynchronizedScanner::hyscan().leaning_sweeps(&columns);
         let field = digitize(&sweeps, &columns, CalibrationOptions::EXACT)?;
         let mounting = Mounting::from_radians(ScanPlane::Xz, 0.0);
-        let (projector, receiver) = (scanner.projector(), scanner.receiver());
-        Self::new(field, rows, mounting)?.with_viewpoints(Viewpoints { projector, receiver })
+        Self::new(field, rows, mounting)?
+            .with_viewpoints(SynchronizedScanner::hyscan().viewpoints())
     }
 
     /// The columns of [`LookupTable::hyscan`]: from the projector to (−50, 200) and (50, 200).

@@ -16,6 +16,7 @@
 //! `p` grows with range, because δ falls. The dissertation gives no such numbers (the table is the
 //! vendor's); base line, focal length and convergence are assumed, chosen so that its field fits.
 
+use super::Viewpoints;
 use super::calibration::{CalibrationSample, CalibrationSweep, ThetaSteps};
 use nalgebra::Point2;
 
@@ -48,6 +49,11 @@ impl SynchronizedScanner {
         Point2::new(0.5 * self.base, 0.0)
     }
 
+    /// Both pivots.
+    pub fn viewpoints(&self) -> Viewpoints {
+        Viewpoints { projector: self.projector(), receiver: self.receiver() }
+    }
+
     /// The spot seen at image position `p` on the beam at θ; `None` where the lines diverge.
     pub fn spot(&self, theta_rad: f64, p: f64) -> Option<Point2<f64>> {
         let (sin, cos) = theta_rad.sin_cos();
@@ -76,5 +82,21 @@ impl SynchronizedScanner {
     pub fn sweep(&self, columns: &ThetaSteps, depth: f64, slope: f64) -> CalibrationSweep {
         let angles = (0..columns.count()).map(|c| columns.angle(c));
         CalibrationSweep { samples: angles.map(|t| self.sample(t, depth, slope)).collect() }
+    }
+
+    /// The example's calibration, nearest first: 24 noise-free sweeps of a table that leans 1°, from
+    /// 11/6 to 20/6 base lines away (110 to 200 mm for the dissertation's figures), at depths that
+    /// are not equally spaced.
+    pub fn leaning_sweeps(&self, columns: &ThetaSteps) -> Vec<CalibrationSweep> {
+        const DEPTHS: usize = 24;
+        let slope = 1.0_f64.to_radians().tan();
+        let (nearest, depth) = (self.base * 11.0 / 6.0, self.base * 1.5);
+        let sweep = |k: usize| {
+            let part = k as f64 / (DEPTHS - 1) as f64;
+            // Steps of 3.1 to 4.7 mm: hands set no equal depths.
+            let uneven = part - 0.2 * part * (1.0 - part);
+            self.sweep(columns, nearest + depth * uneven, slope)
+        };
+        (0..DEPTHS).map(sweep).collect()
     }
 }
