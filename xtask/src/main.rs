@@ -8,10 +8,11 @@ mod commands;
 mod failure;
 mod memory;
 mod progress;
+mod simulation;
 mod table;
 
 use clap::{Parser, Subcommand};
-use commands::{check, evaluate, inspect, manifest, reconstruct, simulate, test};
+use commands::{check, evaluate, experiments, inspect, manifest, reconstruct, simulate, test};
 use std::process::ExitCode;
 
 /// Registered range images in, cross-section models out.
@@ -34,6 +35,8 @@ enum Command {
     Inspect(inspect::Arguments),
     /// Write a scan.json for a folder of depth images with poses.
     Manifest(manifest::Arguments),
+    /// Measure what the documentation states, such as every sensor's accuracy.
+    Experiments(experiments::Arguments),
     /// Run the tests.
     Test(test::Arguments),
     /// Run everything that CI runs.
@@ -47,6 +50,7 @@ fn main() -> ExitCode {
         Command::Evaluate(a) => evaluate::run(&a),
         Command::Inspect(a) => inspect::run(&a),
         Command::Manifest(a) => manifest::run(&a),
+        Command::Experiments(a) => experiments::run(&a),
         Command::Test(a) => test::run(&a),
         Command::Check(a) => check::run(&a),
     };

@@ -13,6 +13,7 @@ use crate::manifest::{self, Manifest, SensorEntry, ViewEntry};
 use crate::{Place, ReadError, Scan, pose};
 use std::path::{Path, PathBuf};
 use transect_geometry::LengthUnit;
+use transect_sensors::Intrinsics;
 
 /// The file that makes a folder a depth folder.
 pub(crate) const INTRINSICS: &str = "camera-intrinsics.txt";
@@ -60,11 +61,12 @@ pub fn depth_folder_manifest(folder: &Path, names: FileNames) -> Result<Manifest
         };
         views.push(ViewEntry {
             file,
-            sensor: camera,
+            sensor: camera.clone(),
             rows: None,
             cols: None,
             depth_scale: Some(DEPTH_SCALE),
             pose: read_pose(&pose_file(&folder.join(image)))?,
+            pose_true: None,
         });
     }
     if views.is_empty() {
@@ -108,7 +110,7 @@ fn intrinsics(path: &Path) -> Result<SensorEntry, ReadError> {
         let problem = "not a camera matrix fx 0 cx / 0 fy cy / 0 0 1";
         return Err(ReadError::damaged(path, Place::Whole, problem));
     }
-    Ok(SensorEntry::Pinhole { fx, fy, cx, cy })
+    Ok(SensorEntry::pinhole(Intrinsics { fx, fy, cx, cy }))
 }
 
 /// Exactly `N` numbers, separated by white space.

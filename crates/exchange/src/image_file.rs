@@ -2,10 +2,10 @@
 
 use crate::error::read_bytes;
 use crate::npy::{Npy, Problem};
+use crate::png_file::{self, GreyImage, Samples};
 use crate::{Place, ReadError};
-use std::io::Cursor;
 use std::path::Path;
-use transect_device::{ImageSize, MAX_PIXELS, Pixel, Point3};
+use transect_device::{ImageSize, Pixel, Point3};
 
 /// Row-major values in the model's length unit; what means "missing" is left to `RangeImage`.
 pub(crate) struct Pixels {
@@ -62,8 +62,6 @@ fn wrong_shape(path: &Path, array: &Npy<'_>, wanted: &str) -> ReadError {
 
 /// A count that stands at the end of its scale measured nothing (7-Scenes writes it for missing).
 const SATURATED: u16 = u16::MAX;
-/// Deflate packs at most 1032 bytes into one, so a larger image cannot be in the file.
-const LARGEST_COMPRESSION: usize = 1032;
 
 fn from_png(
     path: &Path,
@@ -75,10 +73,13 @@ fn from_png(
         let problem = "a .png image needs \"depth_scale\" (length units per count) in its view";
         return Err(ReadError::damaged(path, Place::Whole, problem));
     };
-    let (size, samples) = png_samples(path, bytes)?;
-    let (pairs, _) = samples.as_chunks();
-    let counts = pairs.iter().map(|pair| u16::from_be_bytes(*pair));
-    let saturated = counts.clone().filter(|&c| c == SATURATED).count();
+    let GreyImage { size, samples } = png_file::decode(path, bytes)?;
+    let Samples::Sixteen(counts) = samples else {
+        let problem = "the image has 8 bits; ranges are read from 16-bit grey";
+        return Err(ReadError::unsupported(path, Place::Whole, problem));
+    };
+    let counts = counts.into_iter();
+    let saturated = counts.clone().filter(|c| *c == SATURATED).count();
     if saturated > 0 {
         notes.push(format!("{saturated} pixels at the largest count, 65535, taken as missing"));
     }
@@ -93,26 +94,6 @@ fn from_png(
         return Err(ReadError::damaged(path, Place::Pixel(pixel), problem));
     }
     Ok(Pixels { size, values })
-}
-
-/// The decoded bytes of a 16-bit grey image, most significant byte first.
-fn png_samples(path: &Path, bytes: &[u8]) -> Result<(ImageSize, Vec<u8>), ReadError> {
-    let damaged = |text: String| ReadError::damaged(path, Place::Whole, text);
-    let undecodable = |e: png::DecodingError| damaged(format!("cannot be decoded: {e}"));
-    let mut reader = png::Decoder::new(Cursor::new(bytes)).read_info().map_err(undecodable)?;
-    let (cols, rows) = reader.info().size();
-    let size = ImageSize { rows: rows as usize, cols: cols as usize };
-    let kind = reader.output_color_type();
-    if kind != (png::ColorType::Grayscale, png::BitDepth::Sixteen) {
-        let problem = format!("the image is {:?} {:?}; 16-bit grey is read", kind.0, kind.1);
-        return Err(ReadError::unsupported(path, Place::Whole, problem));
-    }
-    let most = bytes.len().saturating_mul(LARGEST_COMPRESSION).min(2 * MAX_PIXELS);
-    let needed = reader.output_buffer_size().filter(|&n| n <= most);
-    let absurd = || damaged(format!("{size} cannot be in a file of {} bytes", bytes.len()));
-    let mut samples = vec![0; needed.ok_or_else(absurd)?];
-    reader.next_frame(&mut samples).map_err(undecodable)?;
-    Ok((size, samples))
 }
 
 /// Writes row-major values as `.npy` (float32), as scan manifests want them.

@@ -7,24 +7,28 @@
 //!
 //! It refuses to know algorithms: it neither makes curves nor judges them.
 //!
-//! Read: [`Scan`] (`scan.json`, Stanford `.conf`, depth folders), [`read_mesh`] (PLY),
-//! [`read_truth`] (`.npz`), [`read_contours`] (`contours.json`).
+//! Read: [`Scan`] (`scan.json`, Stanford `.conf`, depth folders), [`read_calibration`] (text),
+//! [`read_mesh`] (PLY, STL, OBJ), [`read_truth`] (`.npz`), [`read_contours`] (`contours.json`).
 //! Written: [`write_contours`], [`write_dxf`], [`svg`], [`write_manifest`], [`write_truth`],
-//! [`write_npy_image`]; all into any [`std::io::Write`], or whole files through [`write_file`].
+//! [`write_npy_image`], [`write_npy_stack`], [`write_png_image`], [`write_calibration`]; all into any [`std::io::Write`], or whole files through [`write_file`].
 #![deny(clippy::indexing_slicing)]
 
+mod calibration;
 mod contours;
 mod depth_folder;
 mod dxf;
 mod error;
 mod image_file;
+mod image_stack;
 mod manifest;
 mod mesh;
 mod npy;
 mod npz;
 mod ply;
+mod png_file;
 mod pose;
 mod scan;
+mod sensor_source;
 mod stanford;
 pub mod svg;
 #[cfg(test)]
@@ -32,14 +36,19 @@ mod test_data;
 mod truth;
 mod write_file;
 
+pub use calibration::{read_calibration, write_calibration};
 pub use contours::{ContourPlane, Contours, read_contours, write_contours};
 pub use depth_folder::{FileNames, depth_folder_manifest};
 pub use dxf::{DxfFrame, write_dxf};
 pub use error::{Place, ReadError, Unusable, WriteError};
 pub use image_file::write_npy_image;
-pub use manifest::{Manifest, SensorEntry, ViewEntry, read_manifest, write_manifest};
-pub use mesh::TriangleMesh;
-pub use ply::{PlyMesh, RangeGrid, read_mesh, read_range_grid};
+pub use image_stack::{Counts, write_npy_stack, write_png_image};
+pub use manifest::{
+    AnglesEntry, LensEntry, LightStripeEntry, LookupTableEntry, Manifest, PinholeEntry,
+    SensorEntry, StripeEntry, ViewEntry, ViewpointsEntry, read_manifest, write_manifest,
+};
+pub use mesh::{MeshFile, TriangleMesh, read_mesh};
+pub use ply::{RangeGrid, read_range_grid};
 pub use pose::row_major;
 pub use scan::{PlanesEntry, Scan, ScanView};
 pub use truth::{read_truth, write_truth};

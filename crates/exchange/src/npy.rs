@@ -8,8 +8,9 @@
 //!
 //! Written here and not taken from a library because scans come from outside: the announced shape
 //! is compared with the bytes that are there before anything is multiplied unchecked or allocated.
-//! Read are C-ordered arrays of `f4 f8 i4 i8 u4` in either byte order; written are little-endian
-//! ones of version 1. Reference: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>
+//! Read are C-ordered arrays of `f4 f8 i4 i8 u4` in either byte order, and `u1` and `u2`, which are
+//! counts of a camera, by those who ask for counts; written are little-endian ones of version 1.
+//! Reference: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>
 
 use std::io::{self, Write};
 
@@ -23,8 +24,11 @@ pub(crate) enum Problem {
 
 use Problem::{Damaged, Unsupported};
 
+/// The type of an array's numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Scalar {
+pub(crate) enum Scalar {
+    U8,
+    U16,
     F32,
     F64,
     I32,
@@ -33,49 +37,73 @@ enum Scalar {
 }
 
 impl Scalar {
-    fn size(self) -> usize {
+    pub(crate) fn size(self) -> usize {
         match self {
+            Self::U8 => 1,
+            Self::U16 => 2,
             Self::F32 | Self::I32 | Self::U32 => 4,
             Self::F64 | Self::I64 => 8,
         }
     }
 }
 
+/// What stands before an array's numbers.
+#[derive(Debug)]
+pub(crate) struct Header {
+    pub(crate) shape: Vec<usize>,
+    pub(crate) scalar: Scalar,
+    pub(crate) big_endian: bool,
+    /// Where the numbers begin, in bytes from the start of the file.
+    pub(crate) length: usize,
+}
+
+impl Header {
+    /// The header at the start of a file, of which `bytes` may be a part; its sizes are believed
+    /// by nobody before [`Header::data_size`] has compared them with the file.
+    pub(crate) fn parse(bytes: &[u8]) -> Result<Self, Problem> {
+        let (header, length) = split_header(bytes)?;
+        if value_of(header, "fortran_order")?.starts_with("True") {
+            let advice = "save numpy.ascontiguousarray(image)";
+            return Err(Unsupported(format!("the array is in Fortran order; {advice}")));
+        }
+        let (scalar, big_endian) = scalar(value_of(header, "descr")?)?;
+        Ok(Self { shape: shape(value_of(header, "shape")?)?, scalar, big_endian, length })
+    }
+
+    /// The bytes of all numbers, if a file of that many bytes holds them.
+    pub(crate) fn data_size(&self, file_size: usize) -> Result<usize, Problem> {
+        let (shape, each) = (&self.shape, self.scalar.size());
+        let follow = file_size.saturating_sub(self.length);
+        let needed = shape.iter().try_fold(each, |product, &n| product.checked_mul(n));
+        needed.filter(|&n| n <= follow).ok_or_else(|| {
+            Damaged(format!(
+                "truncated: the header announces {shape:?} numbers of {each} bytes, \
+                 {follow} bytes follow"
+            ))
+        })
+    }
+}
+
 /// An array still in its file's bytes.
 pub(crate) struct Npy<'a> {
-    shape: Vec<usize>,
-    scalar: Scalar,
-    big_endian: bool,
+    header: Header,
     data: &'a [u8],
 }
 
 impl<'a> Npy<'a> {
     /// The array that fills the bytes; bytes beyond its end are ignored, as NumPy does.
     pub(crate) fn parse(bytes: &'a [u8]) -> Result<Self, Problem> {
-        let (header, data) = split_header(bytes)?;
-        if value_of(header, "fortran_order")?.starts_with("True") {
-            let advice = "save numpy.ascontiguousarray(image)";
-            return Err(Unsupported(format!("the array is in Fortran order; {advice}")));
+        let header = Header::parse(bytes)?;
+        if matches!(header.scalar, Scalar::U8 | Scalar::U16) {
+            return Err(Unsupported(format!("numbers of type u{}; {KNOWN}", header.scalar.size())));
         }
-        let (scalar, big_endian) = scalar(value_of(header, "descr")?)?;
-        let shape = shape(value_of(header, "shape")?)?;
-        let bytes_needed = shape
-            .iter()
-            .try_fold(scalar.size(), |product, &n| product.checked_mul(n))
-            .filter(|&n| n <= data.len());
-        let Some(needed) = bytes_needed else {
-            return Err(Damaged(format!(
-                "truncated: the header announces {shape:?} numbers of {} bytes, {} bytes follow",
-                scalar.size(),
-                data.len()
-            )));
-        };
-        let data = data.get(..needed).unwrap_or(data);
-        Ok(Self { shape, scalar, big_endian, data })
+        let needed = header.data_size(bytes.len())?;
+        let data = bytes.get(header.length..).and_then(|d| d.get(..needed)).unwrap_or_default();
+        Ok(Self { header, data })
     }
 
     pub(crate) fn shape(&self) -> &[usize] {
-        &self.shape
+        &self.header.shape
     }
 
     /// The numbers in row-major order, converted.
@@ -90,7 +118,7 @@ impl<'a> Npy<'a> {
 
     /// The numbers in row-major order if they are integers.
     pub(crate) fn to_i64(&self) -> Result<Vec<i64>, Problem> {
-        match self.scalar {
+        match self.header.scalar {
             Scalar::F32 | Scalar::F64 => {
                 Err(Unsupported("the array holds floating-point numbers, not integers".into()))
             }
@@ -99,7 +127,7 @@ impl<'a> Npy<'a> {
     }
 
     fn convert<T>(&self, real: impl Fn(f64) -> T, whole: impl Fn(i64) -> T) -> Vec<T> {
-        let big = self.big_endian;
+        let big = self.header.big_endian;
         macro_rules! each {
             ($type:ty, $make:expr) => {
                 self.data
@@ -112,7 +140,9 @@ impl<'a> Npy<'a> {
                     .collect()
             };
         }
-        match self.scalar {
+        match self.header.scalar {
+            Scalar::U8 => each!(u8, |v| whole(i64::from(v))),
+            Scalar::U16 => each!(u16, |v| whole(i64::from(v))),
             Scalar::F32 => each!(f32, |v| real(f64::from(v))),
             Scalar::F64 => each!(f64, &real),
             Scalar::I32 => each!(i32, |v| whole(i64::from(v))),
@@ -122,8 +152,11 @@ impl<'a> Npy<'a> {
     }
 }
 
-/// The header's text and the bytes after it.
-fn split_header(bytes: &[u8]) -> Result<(&str, &[u8]), Problem> {
+/// Types of numbers that are not counts of a camera.
+const KNOWN: &str = "read are f4, f8, i4, u4 and i8";
+
+/// The header's text, and where it ends.
+fn split_header(bytes: &[u8]) -> Result<(&str, usize), Problem> {
     let not_npy = || Damaged("not a .npy file".to_owned());
     let cut = || Damaged("truncated inside the header".to_owned());
     let rest = bytes.strip_prefix(MAGIC).ok_or_else(not_npy)?;
@@ -141,7 +174,7 @@ fn split_header(bytes: &[u8]) -> Result<(&str, &[u8]), Problem> {
     };
     let (header, data) = rest.split_at_checked(length).ok_or_else(cut)?;
     let header = std::str::from_utf8(header).map_err(|_| not_npy())?;
-    Ok((header, data))
+    Ok((header, bytes.len() - data.len()))
 }
 
 /// What follows `'key':` in the header.
@@ -155,18 +188,19 @@ fn value_of<'h>(header: &'h str, key: &str) -> Result<&'h str, Problem> {
 fn scalar(value: &str) -> Result<(Scalar, bool), Problem> {
     let quote = value.chars().next().filter(|&c| c == '\'' || c == '"');
     let name = quote.and_then(|q| value.get(1..)?.split(q).next());
-    let known = "read are f4, f8, i4, u4 and i8";
     let Some(name) = name else {
-        return Err(Unsupported(format!("an array of records; {known}")));
+        return Err(Unsupported(format!("an array of records; {KNOWN}")));
     };
     let big_endian = name.starts_with('>');
-    let scalar = match name.trim_start_matches(['<', '>', '=']) {
+    let scalar = match name.trim_start_matches(['<', '>', '=', '|']) {
+        "u1" => Scalar::U8,
+        "u2" => Scalar::U16,
         "f4" => Scalar::F32,
         "f8" => Scalar::F64,
         "i4" => Scalar::I32,
         "u4" => Scalar::U32,
         "i8" => Scalar::I64,
-        _ => return Err(Unsupported(format!("numbers of type {name:?}; {known}"))),
+        _ => return Err(Unsupported(format!("numbers of type {name:?}; {KNOWN}"))),
     };
     Ok((scalar, big_endian))
 }

@@ -1,13 +1,14 @@
 //! A scan: views that wait to be loaded, and what is known about all of them.
 
 use crate::image_file::{self, Pixels};
-use crate::{Place, ReadError, depth_folder, manifest, ply, stanford};
+use crate::sensor_source::SensorSource;
+use crate::{Place, ReadError, Unusable, depth_folder, manifest, stanford};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use transect_device::{DeviceFrame, ImageSize, Isometry3, Point3, RangeImage, View};
+use transect_device::{ImageSize, Isometry3, RangeImage, View};
 use transect_geometry::{GuideError, LengthUnit, PlaneFamily, StraightGuide, Vector3};
-use transect_sensors::{AngularScan, ImagingRadar, Intrinsics, Pinhole, PointGrid, RayStarts};
+use transect_sensors::SensorError;
 
 /// The planes a scan's manifest asks for: plane k is `normal · p = offset + k · interval`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -50,7 +51,8 @@ pub struct Scan {
     pub views: Vec<ScanView>,
     /// What the reader assumed, repaired or ignored; for the report.
     pub notes: Vec<String>,
-    /// Every file the scan is made of, for hashing: the manifest first, then the views' files.
+    /// Every file the scan is made of, for hashing: the manifest first, then the views' images, then
+    /// what their sensors are read from.
     pub inputs: Vec<PathBuf>,
 }
 
@@ -116,7 +118,8 @@ pub(crate) fn settle_unit(
 pub struct ScanView {
     pub(crate) name: String,
     pub(crate) path: PathBuf,
-    pub(crate) sensor: SensorSource,
+    /// Shared by all views that say the same about theirs.
+    pub(crate) sensor: Arc<SensorSource>,
     /// Rows and columns, where the manifest states them.
     pub(crate) stated_rows: Option<usize>,
     pub(crate) stated_cols: Option<usize>,
@@ -124,19 +127,6 @@ pub struct ScanView {
     pub(crate) depth_scale: Option<f64>,
     pub(crate) world_from_sensor: Isometry3,
     pub(crate) sigma: Option<f64>,
-}
-
-/// How a view's file becomes an image and a device frame.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum SensorSource {
-    Spherical {
-        theta: AngularScan,
-        phi: AngularScan,
-    },
-    Pinhole(Intrinsics),
-    Grid(Point3),
-    /// A PLY range grid of a triangulation scanner carried along x.
-    TranslatedScan,
 }
 
 impl ScanView {
@@ -162,73 +152,30 @@ impl ScanView {
     /// without a single valid pixel.
     pub fn load(&self) -> Result<(View, Vec<String>), ReadError> {
         let mut notes = Vec::new();
-        let (frame, image) = match self.sensor {
-            SensorSource::TranslatedScan => self.load_translated_scan(&mut notes)?,
-            SensorSource::Grid(viewpoint) => self.load_grid(viewpoint)?,
-            SensorSource::Spherical { theta, phi } => {
-                let image = self.load_image(&mut notes)?;
-                let radar = ImagingRadar::new(image.size(), theta, phi);
-                (self.sensor_frame(radar)?, image)
-            }
-            SensorSource::Pinhole(intrinsics) => {
-                let image = self.load_image(&mut notes)?;
-                let camera = Pinhole::new(image.size(), intrinsics);
-                (self.sensor_frame(camera)?, image)
-            }
-        };
+        let (frame, image) = self.sensor.load(self, &mut notes)?;
         let view = View::new(self.name.clone(), image, frame, self.world_from_sensor, self.sigma);
-        let view =
-            view.map_err(|e| ReadError::unusable(&self.path, Place::Whole, "the view", e))?;
+        let view = view.map_err(|e| self.unusable("the view", e))?;
         let notes = notes.into_iter().map(|n| format!("{}: {n}", self.path.display())).collect();
         Ok((view, notes))
     }
 
-    fn sensor_frame<F: DeviceFrame + 'static>(
-        &self,
-        frame: Result<F, transect_sensors::SensorError>,
-    ) -> Result<Arc<dyn DeviceFrame>, ReadError> {
-        match frame {
-            Ok(frame) => Ok(Arc::new(frame)),
-            Err(e) => Err(ReadError::unusable(&self.path, Place::Whole, "the sensor", e)),
-        }
-    }
-
-    fn load_image(&self, notes: &mut Vec<String>) -> Result<RangeImage, ReadError> {
+    /// The range image in the view's file, of the size the manifest states.
+    pub(crate) fn load_image(&self, notes: &mut Vec<String>) -> Result<RangeImage, ReadError> {
         let Pixels { size, values } = image_file::read(&self.path, self.depth_scale, notes)?;
         self.check_size(size)?;
-        RangeImage::from_values(size, values)
-            .map_err(|e| ReadError::unusable(&self.path, Place::Whole, "the image", e))
+        RangeImage::from_values(size, values).map_err(|e| self.unusable("the image", e))
     }
 
-    fn load_grid(
-        &self,
-        viewpoint: Point3,
-    ) -> Result<(Arc<dyn DeviceFrame>, RangeImage), ReadError> {
-        let (size, points) = image_file::read_points(&self.path)?;
-        self.check_size(size)?;
-        self.grid_frame(PointGrid::new(size, points, RayStarts::Viewpoint(viewpoint)))
+    /// What is wrong with something that was to be made of the view's numbers.
+    pub(crate) fn unusable(&self, what: &'static str, why: impl Into<Unusable>) -> ReadError {
+        ReadError::unusable(&self.path, Place::Whole, what, why)
     }
 
-    fn load_translated_scan(
-        &self,
-        notes: &mut Vec<String>,
-    ) -> Result<(Arc<dyn DeviceFrame>, RangeImage), ReadError> {
-        let grid = ply::read_range_grid(&self.path)?;
-        notes.extend(grid.notes);
-        self.grid_frame(PointGrid::from_translated_scan(grid.size, grid.points))
+    pub(crate) fn bad_sensor(&self, why: SensorError) -> ReadError {
+        self.unusable("the sensor", why)
     }
 
-    fn grid_frame(
-        &self,
-        made: Result<(PointGrid, RangeImage), transect_sensors::SensorError>,
-    ) -> Result<(Arc<dyn DeviceFrame>, RangeImage), ReadError> {
-        match made {
-            Ok((grid, image)) => Ok((Arc::new(grid), image)),
-            Err(e) => Err(ReadError::unusable(&self.path, Place::Whole, "the grid", e)),
-        }
-    }
-
-    fn check_size(&self, found: ImageSize) -> Result<(), ReadError> {
+    pub(crate) fn check_size(&self, found: ImageSize) -> Result<(), ReadError> {
         let stated = ImageSize {
             rows: self.stated_rows.unwrap_or(found.rows),
             cols: self.stated_cols.unwrap_or(found.cols),
@@ -238,6 +185,23 @@ impl ScanView {
         }
         let problem = format!("the image has {found}, but the manifest states {stated}");
         Err(ReadError::damaged(&self.path, Place::Whole, problem))
+    }
+
+    /// Refuses a stated number of rows or columns of a range image that is still in a stack.
+    pub(crate) fn check_stated(
+        &self,
+        key: &str,
+        stated: Option<usize>,
+        found: usize,
+        parts: &str,
+    ) -> Result<(), ReadError> {
+        match stated.filter(|s| *s != found) {
+            Some(stated) => {
+                let problem = format!("the stack has {found} {parts}, but \"{key}\" is {stated}");
+                Err(ReadError::damaged(&self.path, Place::Whole, problem))
+            }
+            None => Ok(()),
+        }
     }
 }
 

@@ -10,10 +10,11 @@
 //! centimetres. The format carries no unit; by its convention the numbers are metres.
 
 use crate::error::read_text;
-use crate::scan::SensorSource;
+use crate::sensor_source::SensorSource;
 use crate::{Place, ReadError, Scan, ScanView};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use std::path::Path;
+use std::sync::Arc;
 use transect_geometry::{Isometry3, LengthUnit};
 
 /// Deviation of a quaternion's length from 1 up to which it counts as printed rounding.
@@ -94,7 +95,7 @@ fn view(
     Ok(ScanView {
         path: path.parent().unwrap_or(Path::new("")).join(&name),
         name,
-        sensor: SensorSource::TranslatedScan,
+        sensor: Arc::new(SensorSource::TranslatedScan),
         stated_rows: None,
         stated_cols: None,
         depth_scale: None,

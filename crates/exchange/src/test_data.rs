@@ -64,3 +64,27 @@ pub(crate) fn write_png(path: &Path, cols: usize, counts: &[u16]) {
     let samples: Vec<u8> = counts.iter().flat_map(|c| c.to_be_bytes()).collect();
     encoder.write_header().unwrap().write_image_data(&samples).unwrap();
 }
+
+/// A scan in millimetres whose views are JSON keys without their pose, in a folder of its own.
+pub(crate) fn scan_folder(views: &[&str]) -> tempfile::TempDir {
+    let pose = r#""pose": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]"#;
+    let views: Vec<String> = views.iter().map(|keys| format!("{{ {keys}, {pose} }}")).collect();
+    let folder = tempfile::tempdir().unwrap();
+    let text = format!(r#"{{ "unit": "mm", "views": [ {} ] }}"#, views.join(",\n"));
+    std::fs::write(folder.path().join("scan.json"), text).unwrap();
+    folder
+}
+
+/// Row-major values as a `.npy` of float32, of any shape.
+pub(crate) fn write_npy(path: &Path, shape: &[usize], values: &[f32]) {
+    let mut bytes = Vec::new();
+    crate::npy::write_header(&mut bytes, "<f4", shape).unwrap();
+    bytes.extend(values.iter().flat_map(|v| v.to_le_bytes()));
+    std::fs::write(path, bytes).unwrap();
+}
+
+/// An error with all its causes, as a program prints it.
+pub(crate) fn with_causes(error: &dyn std::error::Error) -> String {
+    let causes = std::iter::successors(error.source(), |e| e.source());
+    causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
+}

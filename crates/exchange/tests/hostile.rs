@@ -5,9 +5,10 @@
 
 use proptest::prelude::*;
 use std::path::Path;
+use transect_device::ImageSize;
 use transect_exchange::{
-    Scan, TriangleMesh, read_contours, read_mesh, read_range_grid, read_truth, write_file,
-    write_npy_image, write_truth,
+    Counts, Scan, TriangleMesh, read_calibration, read_contours, read_mesh, read_range_grid,
+    read_truth, write_file, write_npy_image, write_npy_stack, write_png_image, write_truth,
 };
 
 const GRID: &str = "ply\nformat ascii 1.0\nobj_info num_cols 2\nobj_info num_rows 2\n\
@@ -19,6 +20,28 @@ const GRID: &str = "ply\nformat ascii 1.0\nobj_info num_cols 2\nobj_info num_row
 const MANIFEST: &str = r#"{"unit":"m","sigma":0.1,"planes":{"normal":[0,0,1],"offset":0,"interval":1},
     "views":[{"file":"a.npy","sensor":"pinhole","fx":2,"fy":2,"cx":0,"cy":0,"rows":2,"cols":2,
     "pose":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}]}"#;
+
+const STRIPE: &str = r#"{"unit":"mm","views":[{"file":"STACK","sensor":"light_stripe",
+    "camera_rows":3,"camera_cols":24,"focal_length":16,"cell_width":0.27,"cell_height":2,
+    "x_center":12,"y_center":1,"baseline":300,"fan_angle":1,"theta0":1.1,"dtheta":0.05,
+    "stripe":{"width":4,"height":100,"median_rows":3},
+    "pose":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}]}"#;
+
+const TABLE: &str = r#"{"unit":"mm","views":[{"file":"a.npy","sensor":"lookup_table",
+    "theta0":0,"dtheta":0.1,"calibration":"a.csv","median_window":1,"y0":0,"dy":1,
+    "mounting":"xz","pose":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}]}"#;
+
+const CALIBRATION: &str = "sweep,theta,p,u,v\n0,0,0.5,0,10\n0,0.1,0.5,1,10\n1,0,2.5,0,20\n\
+    1,0.1,2.5,2,20\n2,0,4.5,0,30\n2,0.1,4.5,3,30\n";
+
+const DISTORTED: &str = r#"{"unit":"m","views":[{"file":"a.npy","sensor":"pinhole",
+    "fx":2,"fy":2,"cx":0,"cy":0,"distortion":[-0.1,0.02,0.01,0.01,0],
+    "pose":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]}]}"#;
+
+const STL: &str = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n\
+    vertex 0 1 0\nendloop\nendfacet\nendsolid a\n";
+
+const OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1/1 2//2 3\nf -1 -2 \\\n-3\n";
 
 const CONTOURS: &str = r#"{"unit":"m","planes":[{"index":3,"station":0.2,"origin":[0,0,0.2],
     "normal":[0,0,1],"x_axis":[1,0,0],"polylines":[{"closed":true,
@@ -83,6 +106,38 @@ fn truth() -> Vec<u8> {
     bytes
 }
 
+/// Images of a stripe of 3 rows × 24 columns, moving from step to step.
+fn stack() -> Vec<u8> {
+    let light = |n: usize| 100 - 20 * (n % 24).abs_diff(10 + n / 72).min(5) as u8;
+    (0..4 * 72).map(light).collect()
+}
+
+const CAMERA: ImageSize = ImageSize { rows: 3, cols: 24 };
+
+fn stack_file() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    write_npy_stack(4, CAMERA, Counts::Eight(&stack()), &mut bytes).unwrap();
+    bytes
+}
+
+fn png_file(step: usize) -> Vec<u8> {
+    let (stack, mut bytes) = (stack(), Vec::new());
+    let part = stack.get(step * 72..(step + 1) * 72).unwrap();
+    write_png_image(CAMERA, Counts::Eight(part), &mut bytes).unwrap();
+    bytes
+}
+
+/// One triangle.
+fn binary_stl() -> Vec<u8> {
+    let mut bytes = b"solid in binary".to_vec();
+    bytes.resize(80, 0);
+    bytes.extend(1_u32.to_le_bytes());
+    let corners = [0.0_f32, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    bytes.extend(corners.iter().flat_map(|c| c.to_le_bytes()));
+    bytes.extend([0; 2]);
+    bytes
+}
+
 /// An error must name the file it is about.
 fn names_its_file<T>(result: Result<T, transect_exchange::ReadError>, folder: &Path) {
     if let Err(error) = result {
@@ -102,6 +157,32 @@ fn open_and_load(folder: &Path) {
     match Scan::open(folder) {
         Ok(scan) => scan.views.iter().for_each(|v| names_its_file(v.load(), folder)),
         Err(error) => names_its_file::<()>(Err(error), folder),
+    }
+}
+
+/// What must hold before anything is damaged, or the tests below would test nothing.
+#[test]
+fn the_sound_files_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
+    let loads = || Scan::open(folder.path()).and_then(|scan| scan.views[0].load()).map(drop);
+    write("a.npy", &npy());
+    write("a.csv", CALIBRATION.as_bytes());
+    write("stack.npy", &stack_file());
+    std::fs::create_dir(folder.path().join("stack")).unwrap();
+    (0..4).for_each(|step| write(&format!("stack/{step}.png"), &png_file(step)));
+    let stacks = ["stack.npy", "stack"].map(|name| STRIPE.replace("STACK", name));
+    for manifest in [MANIFEST, TABLE, DISTORTED, &stacks[0], &stacks[1]] {
+        write("scan.json", manifest.as_bytes());
+        loads().unwrap();
+    }
+    for (name, bytes) in [
+        ("a.stl", STL.as_bytes().to_vec()),
+        ("b.stl", binary_stl()),
+        ("a.obj", OBJ.as_bytes().to_vec()),
+    ] {
+        write(name, &bytes);
+        read_mesh(&folder.path().join(name)).unwrap();
     }
 }
 
@@ -145,6 +226,68 @@ proptest! {
         };
         with_file("scan.json", &manifest, |_, folder| {
             write_file(&folder.join("a.npy"), |out| out.write_all(&npy)).unwrap();
+            open_and_load(folder);
+        });
+    }
+}
+
+// Several files each: fewer cases, so that the disk does not decide how long tests take.
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100))]
+
+    #[test]
+    fn damaged_stl_and_obj_files_are_survived(damages in damages(), which in 0..3_usize) {
+        let (name, sound) = match which {
+            0 => ("a.stl", STL.as_bytes().to_vec()),
+            1 => ("a.stl", binary_stl()),
+            _ => ("a.obj", OBJ.as_bytes().to_vec()),
+        };
+        with_file(name, &damaged(&sound, &damages), |path, folder| {
+            if let Ok(read) = read_mesh(path) {
+                let (vertices, faces) = (&read.mesh.vertices, &read.mesh.faces);
+                assert!(vertices.iter().all(|v| v.coords.iter().all(|c| c.is_finite())));
+                assert!(faces.as_flattened().iter().all(|i| (*i as usize) < vertices.len()));
+            }
+            names_its_file(read_mesh(path), folder);
+        });
+    }
+
+    #[test]
+    fn damaged_calibrations_are_survived(damages in damages(), manifest: bool) {
+        let hurt = |text: &str, really: bool| {
+            if really { damaged(text.as_bytes(), &damages) } else { text.as_bytes().to_vec() }
+        };
+        with_file("scan.json", &hurt(TABLE, manifest), |_, folder| {
+            std::fs::write(folder.join("a.npy"), npy()).unwrap();
+            std::fs::write(folder.join("a.csv"), hurt(CALIBRATION, !manifest)).unwrap();
+            names_its_file(read_calibration(&folder.join("a.csv")), folder);
+            open_and_load(folder);
+        });
+    }
+
+    #[test]
+    fn damaged_distortions_are_survived(damages in damages()) {
+        with_file("scan.json", &damaged(DISTORTED.as_bytes(), &damages), |_, folder| {
+            std::fs::write(folder.join("a.npy"), npy()).unwrap();
+            open_and_load(folder);
+        });
+    }
+
+    #[test]
+    fn damaged_stacks_are_survived(damages in damages(), which in 0..3_usize, array: bool) {
+        let name = if array { "stack.npy" } else { "stack" };
+        let manifest = STRIPE.replace("STACK", name).into_bytes();
+        let manifest = if which == 0 { damaged(&manifest, &damages) } else { manifest };
+        with_file("scan.json", &manifest, |_, folder| {
+            let hurt = |sound: Vec<u8>, n: usize| {
+                if which == n { damaged(&sound, &damages) } else { sound }
+            };
+            std::fs::write(folder.join("stack.npy"), hurt(stack_file(), 1)).unwrap();
+            std::fs::create_dir(folder.join("stack")).unwrap();
+            for step in 0..4 {
+                let image = hurt(png_file(step), if step == 2 { 1 } else { 2 });
+                std::fs::write(folder.join(format!("stack/{step}.png")), image).unwrap();
+            }
             open_and_load(folder);
         });
     }

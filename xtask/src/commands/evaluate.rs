@@ -22,7 +22,7 @@ const TOLERANCE_SHARE: f64 = 0.2;
 pub struct Arguments {
     /// Folder that `reconstruct` wrote.
     model: PathBuf,
-    /// Mesh to compare with (.ply) [default: the truth of a simulated scan; without one, only
+    /// Mesh to compare with (.ply, .stl or .obj) [default: the truth of a simulated scan; without one, only
     /// duplication is measured].
     #[arg(long, value_name = "MESH")]
     reference: Option<PathBuf>,

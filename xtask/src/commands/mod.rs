@@ -2,6 +2,7 @@
 
 pub mod check;
 pub mod evaluate;
+pub mod experiments;
 pub mod inspect;
 pub mod manifest;
 pub mod reconstruct;
@@ -11,7 +12,6 @@ pub mod test;
 mod outputs;
 mod planes;
 mod report_file;
-mod stations;
 
 use crate::failure::Failure;
 use std::path::{Path, PathBuf};

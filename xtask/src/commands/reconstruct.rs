@@ -7,6 +7,7 @@ use super::report_file::{ReportFile, StageCost};
 use super::{FileView, default_out, simulate};
 use crate::failure::Failure;
 use crate::progress::Progress;
+use crate::simulation;
 use crate::table::{Row, digits, print, say};
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
@@ -93,7 +94,7 @@ const BUNDLED: &str = "room";
 
 /// Simulates the bundled room next to where its results go.
 fn bundled_scan(arguments: &Arguments, stages: &mut Stages) -> Result<PathBuf, Failure> {
-    let description = simulate::describe(Path::new(BUNDLED))?;
+    let description = simulation::describe(Path::new(BUNDLED))?;
     let out = arguments.out.clone().unwrap_or_else(|| default_out(&description.name));
     let folder = out.join("scan");
     simulate::simulate(&description, &folder)?;

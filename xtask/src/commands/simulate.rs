@@ -1,21 +1,11 @@
 //! `cargo xtask simulate`: a scan folder of a simulated scene, with its truth.
 
-use super::{default_out, stations};
+use super::default_out;
 use crate::failure::Failure;
-use crate::table::{Row, print};
-use rayon::prelude::*;
-use std::collections::BTreeMap;
+use crate::simulation::{self, Plan, SensorKind, Stage, StripeImages, describe};
+use crate::table::{Row, digits, print};
 use std::path::{Path, PathBuf};
-use transect_device::{RangeImage, View};
-use transect_exchange::{
-    Manifest, PlanesEntry, TriangleMesh, read_mesh, write_file, write_manifest, write_npy_image,
-    write_truth,
-};
-use transect_scene::{BUNDLED_SCENES, Description, Mesh};
-
-/// Largest distance between a curved solid and its truth mesh, as a share of the plane interval:
-/// well below anything a simulated scanner resolves.
-const CHORD_SHARE: f64 = 1e-3;
+use transect_scene::{BitDepth, Description, Noise, StripeCamera};
 
 /// Options of `simulate`.
 #[derive(Debug, clap::Args)]
@@ -23,12 +13,27 @@ pub struct Arguments {
     /// Scene file (TOML), or a bundled scene: room, face_mask, machined_part, thin_sheet or tunnel.
     #[arg(default_value = "room")]
     scene: PathBuf,
-    /// Folder to write range_*.npy, scan.json and truth.npz into [default: target/transect/NAME/scan].
+    /// Sensor at all stations, in place of the scene's own.
+    #[arg(long, value_enum)]
+    sensor: Option<SensorKind>,
+    /// Number of views; beyond the scene's stations they are turned copies [default: one a station].
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..))]
+    views: Option<u16>,
+    /// Factor on the rows and columns that --sensor has.
+    #[arg(long, default_value_t = 1.0, value_name = "FACTOR", requires = "sensor")]
+    density: f64,
+    /// Light-stripe sensors give their camera's images, in which the stripe has yet to be found.
+    #[arg(long)]
+    stripe_images: bool,
+    /// Folder to write scan.json, the images and truth.npz into [default: target/transect/NAME/scan].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Seed of the noise [default: the scene's own].
     #[arg(long, value_name = "NUMBER")]
     seed: Option<u64>,
+    /// Perfect sensors at their true poses.
+    #[arg(long, conflicts_with = "seed")]
+    noise_free: bool,
 }
 
 /// Runs the command.
@@ -37,88 +42,73 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(seed) = arguments.seed {
         description.noise.seed = seed;
     }
+    if arguments.noise_free {
+        description.noise = Noise::NONE;
+    }
+    if !(arguments.density.is_finite() && (0.01..=100.0).contains(&arguments.density)) {
+        let problem = format!("--density must be from 0.01 to 100, got {}", arguments.density);
+        return Err(Failure::Usage(problem));
+    }
+    let plan = Plan {
+        sensor: arguments.sensor,
+        views: arguments.views.map(usize::from),
+        density: arguments.density,
+    };
     let folder =
         arguments.out.clone().unwrap_or_else(|| default_out(&description.name).join("scan"));
-    simulate(&description, &folder)?;
-    print(&[
-        Row::new("scene", description.name.clone(), ""),
-        Row::count("views", description.stations.len()),
-        Row::new("scan", folder.join("scan.json").display().to_string(), ""),
-    ]);
+    let images = if arguments.stripe_images {
+        StripeImages::Seen(camera(description.noise.seed))
+    } else {
+        StripeImages::Extracted
+    };
+    print(&simulate_as(description, &plan, images, &folder)?);
     Ok(())
 }
 
-/// Reads a scene file with the meshes beside it, or takes a bundled scene.
-pub fn describe(scene: &Path) -> Result<Description, Failure> {
-    let bundled = BUNDLED_SCENES.iter().find(|(name, _)| Path::new(name) == scene);
-    let text = match bundled {
-        Some((_, text)) => (*text).to_owned(),
-        None => std::fs::read_to_string(scene).map_err(|e| Failure::with_file(scene, e))?,
-    };
-    let folder = scene.parent().unwrap_or(Path::new(""));
-    let names = Description::mesh_names(&text).map_err(|e| Failure::with_file(scene, e))?;
-    let mut meshes = BTreeMap::new();
-    for name in names {
-        let TriangleMesh { vertices, faces } = read_mesh(&folder.join(&name))?.mesh;
-        meshes.insert(name, Mesh { vertices, faces });
-    }
-    let description = Description::parse_with_meshes(&text, &meshes);
-    description.map_err(|e| Failure::with_file(scene, e))
-}
-
-/// Simulates all stations and writes the scan folder.
+/// Simulates a scene's own sensors and writes the scan folder.
 pub fn simulate(description: &Description, folder: &Path) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder).map_err(|e| Failure::with_file(folder, e))?;
-    let scene = description.scene();
-    let view = |(k, station): (usize, &transect_scene::Station)| -> Result<View, Failure> {
-        let frame = stations::frame(station)?;
-        let pose = station.world_from_sensor;
-        Ok(scene.view(station.name.clone(), frame, pose, &description.noise, k as u64)?)
-    };
-    let views = description
-        .stations
-        .par_iter()
-        .enumerate()
-        .map(|(k, s)| view((k, s)).map_err(|f| failure_text(&f)));
-    let views: Vec<View> = views.collect::<Result<_, String>>().map_err(Failure::because)?;
-    let mut entries = Vec::new();
-    for (k, (view, station)) in views.iter().zip(&description.stations).enumerate() {
-        let file = format!("range_{k:03}.npy");
-        let values = values(view.image());
-        write_file(&folder.join(&file), |out| write_npy_image(view.image().size(), &values, out))?;
-        entries.push(stations::entry(station, view.world_from_sensor(), file));
+    simulate_as(description.clone(), &Plan::OWN, StripeImages::Extracted, folder).map(drop)
+}
+
+fn simulate_as(
+    description: Description,
+    plan: &Plan,
+    images: StripeImages,
+    folder: &Path,
+) -> Result<Vec<Row>, Failure> {
+    let stage = Stage::set(description)?;
+    let placed = simulation::instruments(&stage, plan)?;
+    let seen = simulation::views(&stage, placed)?;
+    for name in &seen.blind {
+        eprintln!("note: view {name} sees nothing of the scene and is left out");
     }
-    let manifest = Manifest {
-        name: description.name.clone(),
-        unit: Some(description.unit),
-        sigma: views.iter().filter_map(View::sigma).reduce(f64::max),
-        planes: Some(planes_entry(description)),
-        views: entries,
-    };
-    write_file(&folder.join("scan.json"), |out| write_manifest(&manifest, out))?;
-    let mesh = scene.mesh(CHORD_SHARE * description.planes.interval())?;
-    let truth = TriangleMesh { vertices: mesh.vertices, faces: mesh.faces };
-    write_file(&folder.join("truth.npz"), |out| write_truth(&truth, out))?;
-    Ok(())
-}
-
-/// A failure that can leave its thread.
-fn failure_text(failure: &Failure) -> String {
-    match failure {
-        Failure::Usage(text) => text.clone(),
-        Failure::Failed(error) => error.to_string(),
+    simulation::write(&stage, &seen, images, folder)?;
+    let rate = seen.rays as f64 / seen.time.as_secs_f64() / 1e6;
+    let mut rows =
+        vec![Row::new("scene", stage.description.name, ""), Row::count("views", seen.views.len())];
+    if let (Some(kind), Some(first)) = (plan.sensor, seen.placed.first()) {
+        rows.push(Row::new("sensor", kind.name(), ""));
+        let in_millimetres = stage.description.unit.in_metres() * 1e3;
+        let scale = first.instrument.scale.map(|s| digits(s * in_millimetres));
+        rows.extend(scale.map(|s| Row::new("times the dissertation's (view 0)", s, "")));
     }
+    rows.push(Row::count("rays", seen.rays));
+    rows.push(Row::new("rays per second and core", digits(rate), "million"));
+    rows.push(Row::new("scan", folder.join("scan.json").display().to_string(), ""));
+    Ok(rows)
 }
 
-fn values(image: &RangeImage) -> Vec<f32> {
-    (0..image.size().rows).flat_map(|row| image.row(row).iter().copied()).collect()
-}
-
-fn planes_entry(description: &Description) -> PlanesEntry {
-    let planes = &description.planes;
-    PlanesEntry {
-        normal: planes.guide().direction().into(),
-        offset: planes.offset(),
-        interval: planes.interval(),
+/// A camera of 8 bits in a dim room, its stripe four cells wide at half its height.
+fn camera(seed: u64) -> StripeCamera {
+    StripeCamera {
+        // Of the sensor that it belongs to.
+        columns: 0,
+        depth: BitDepth::Eight,
+        width: 4.0,
+        peak: 180.0,
+        background: 20.0,
+        speckle: 0.15,
+        read_noise: 2.0,
+        seed,
     }
 }

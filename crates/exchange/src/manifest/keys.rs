@@ -1,5 +1,6 @@
 //! Looking into a JSON object by name, remembering what was asked for.
 
+use super::word::{self, Word};
 use crate::{Place, ReadError};
 use serde_json::{Map, Value};
 use std::cell::RefCell;
@@ -79,6 +80,26 @@ impl<'a> Keys<'a> {
         self.optional(key, "a number", Value::as_f64)
     }
 
+    /// A choice spelt as a word.
+    pub(super) fn word<T: Word>(&self, key: &'static str) -> Result<Option<T>, ReadError> {
+        let read = |text| word::read(text).map_err(|wanted| self.wrong(key, &wanted));
+        self.text(key)?.map(read).transpose()
+    }
+
+    pub(super) fn required_word<T: Word>(&self, key: &'static str) -> Result<T, ReadError> {
+        let wanted = || format!("one of {}", word::known::<T>());
+        self.word(key)?.ok_or_else(|| self.wrong(key, &wanted()))
+    }
+
+    /// An object inside this one; `prefix` is what stands before its keys in messages.
+    pub(super) fn object(
+        &self,
+        key: &'static str,
+        prefix: &'static str,
+    ) -> Result<Option<Keys<'a>>, ReadError> {
+        self.get(key).map(|value| Keys::of(self.path, self.at.clone(), prefix, value)).transpose()
+    }
+
     pub(super) fn required_number(&self, key: &'static str) -> Result<f64, ReadError> {
         self.number(key)?.ok_or_else(|| self.wrong(key, "a number"))
     }
@@ -88,8 +109,17 @@ impl<'a> Keys<'a> {
         self.optional(key, "a whole number", whole)
     }
 
+    pub(super) fn required_count(&self, key: &'static str) -> Result<usize, ReadError> {
+        self.count(key)?.ok_or_else(|| self.wrong(key, "a whole number"))
+    }
+
     pub(super) fn list(&self, key: &'static str) -> Result<Option<&'a [Value]>, ReadError> {
         self.optional(key, "a list", |v| v.as_array().map(Vec::as_slice))
+    }
+
+    /// A list of numbers; a null in it stands for a number that is not finite.
+    pub(super) fn number_list(&self, key: &'static str) -> Result<Option<Vec<f64>>, ReadError> {
+        self.optional(key, "a list of numbers", all_numbers)
     }
 
     /// A list of exactly `N` numbers; a null in it stands for a number that is not finite.
@@ -97,12 +127,20 @@ impl<'a> Keys<'a> {
         &self,
         key: &'static str,
     ) -> Result<Option<[f64; N]>, ReadError> {
-        let number = |v: &Value| if v.is_null() { Some(f64::NAN) } else { v.as_f64() };
-        let numbers = |v: &Value| {
-            let list: Option<Vec<f64>> = v.as_array()?.iter().map(number).collect();
-            list?.try_into().ok()
-        };
+        let numbers = |v: &Value| all_numbers(v)?.try_into().ok();
         self.optional(key, &format!("a list of {N} numbers"), numbers)
+    }
+
+    /// Sixteen numbers for whoever wants to know; anything but a list of numbers is somebody
+    /// else's note and counts as absent.
+    pub(super) fn informational_pose(
+        &self,
+        key: &'static str,
+    ) -> Result<Option<[f64; 16]>, ReadError> {
+        match self.get(key).map(all_numbers) {
+            Some(Some(_)) => self.numbers(key),
+            _ => Ok(None),
+        }
     }
 
     pub(super) fn required_numbers<const N: usize>(
@@ -112,4 +150,9 @@ impl<'a> Keys<'a> {
         let wanted = format!("a list of {N} numbers");
         self.numbers(key)?.ok_or_else(|| self.wrong(key, &wanted))
     }
+}
+
+fn all_numbers(value: &Value) -> Option<Vec<f64>> {
+    let number = |v: &Value| if v.is_null() { Some(f64::NAN) } else { v.as_f64() };
+    value.as_array()?.iter().map(number).collect()
 }

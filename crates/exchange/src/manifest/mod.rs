@@ -16,30 +16,46 @@
 //! | `planes` | plane k is normal · p = offset + k · interval; optional |
 //! | `file` | the image, relative to the manifest |
 //! | `pose` | 16 numbers, row-major, sensor to world |
-//! | `rows`, `cols` | optional; must be the image's |
+//! | `pose_true` | the same, if it is known to be better; kept as information, never used |
+//! | `rows`, `cols` | of the range image; optional, but must be right |
+//! | `sensor` | one of the following, each with keys of its own |
+//!
+//! | sensor | keys and image |
+//! |---|---|
 //! | `spherical` | `theta0 dtheta phi0 dphi` in radians: column j looks along theta0 + j · dtheta, row i along phi0 + i · dphi; pixels hold the range |
-//! | `pinhole` | `fx fy cx cy` in pixels; pixels hold the depth along z |
+//! | `pinhole` | `fx fy cx cy` in pixels, `distortion` or `rays`, `holds`; pixels hold the depth along z or the ray's length; see `sensor/pinhole.rs` |
+//! | `light_stripe` | camera, base line, mirror, laser angles, `stripe`; pixels hold the stripe's place in its camera row, or are found in a stack of intensity images; see `sensor/light_stripe.rs` |
+//! | `lookup_table` | `calibration`, scanning angles, linear axis, mounting; pixels hold the place on the detector; see `sensor/lookup_table.rs` |
 //! | `grid` | `viewpoint` [x, y, z], where all rays start; a `.npy` of rows × cols × 3 points |
 //!
-//! Images are `.npy` in the length unit, NaN or 0 = missing, or 16-bit grey `.png` with
-//! `depth_scale` in length units per count, 0 and 65535 = missing. Notes by other programs
-//! (`scene`, `size`, `truth`, `seed`, `comment`, `description`, `pose_true`) are accepted; any other key is
-//! told. `NaN` and `Infinity`, which some programs write though JSON has no such numbers, are
-//! read as "not a number".
+//! Images are `.npy`, NaN or 0 = missing, in the unit of the sensor's pixels (the length unit for
+//! ranges and depths), or 16-bit grey `.png` with `depth_scale` in that unit per count, 0 and 65535
+//! = missing. Files that keys name are relative to the manifest. Notes by other programs (`scene`,
+//! `size`, `truth`, `seed`, `comment`, `description`) are accepted; any other key is told, also one
+//! of another sensor. `NaN` and `Infinity`, which some programs write though JSON has no such
+//! numbers, are read as "not a number".
 
 mod keys;
 mod read;
+mod sensor;
 #[cfg(test)]
 mod tests;
+mod word;
+
+pub use sensor::{
+    AnglesEntry, LensEntry, LightStripeEntry, LookupTableEntry, PinholeEntry, SensorEntry,
+    StripeEntry, ViewpointsEntry,
+};
 
 use crate::pose::{self, Pose};
-use crate::scan::SensorSource;
+use crate::sensor_source::SensorSource;
 use crate::{Place, PlanesEntry, ReadError, Scan, ScanView};
 use serde::Serialize;
+use std::collections::HashSet;
 use std::io::{self, Write};
-use std::path::Path;
-use transect_geometry::{LengthUnit, Point3};
-use transect_sensors::{AngularScan, Intrinsics};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use transect_geometry::LengthUnit;
 
 /// What a manifest says, before any image is touched.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,40 +91,10 @@ pub struct ViewEntry {
     pub depth_scale: Option<f64>,
     /// `world_from_sensor`, row-major homogeneous; see [`row_major`](crate::row_major).
     pub pose: [f64; 16],
-}
-
-/// The sensors a manifest can name.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(tag = "sensor", rename_all = "snake_case")]
-#[non_exhaustive]
-pub enum SensorEntry {
-    /// Two angles, in radians, and a range.
-    Spherical {
-        /// Azimuth of column 0.
-        theta0: f64,
-        /// Azimuth from one column to the next.
-        dtheta: f64,
-        /// Elevation of row 0.
-        phi0: f64,
-        /// Elevation from one row to the next.
-        dphi: f64,
-    },
-    /// A depth camera; all in pixels.
-    Pinhole {
-        /// Focal length along columns.
-        fx: f64,
-        /// Focal length along rows.
-        fy: f64,
-        /// Column of the optical axis.
-        cx: f64,
-        /// Row of the optical axis.
-        cy: f64,
-    },
-    /// An organised grid of points.
-    Grid {
-        /// Where all rays start, in the sensor frame and the length unit.
-        viewpoint: [f64; 3],
-    },
+    /// The pose that is known to be right, where `pose` may not be; kept for those who compare,
+    /// never used for modelling.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pose_true: Option<[f64; 16]>,
 }
 
 /// Opens a manifest as a scan.
@@ -146,46 +132,67 @@ pub(crate) fn to_scan(
         return Err(ReadError::damaged(path, Place::Whole, "there are no views"));
     }
     let mut repairs = Repairs::default();
+    let mut sensors = Sensors { folder, made: Vec::new() };
     let mut views = Vec::with_capacity(manifest.views.len());
     for (number, entry) in manifest.views.iter().enumerate() {
         let at = Place::View { number, name: entry.file.clone() };
         let pose = pose::from_row_major(&entry.pose)
             .map_err(|problem| ReadError::damaged(path, at.clone(), problem))?;
         repairs.count(&pose, &at);
-        views.push(scan_view(folder, entry, &pose, manifest.sigma));
+        views.push(ScanView {
+            name: entry.file.clone(),
+            path: folder.join(&entry.file),
+            sensor: sensors.source(&entry.sensor),
+            stated_rows: entry.rows,
+            stated_cols: entry.cols,
+            depth_scale: entry.depth_scale,
+            world_from_sensor: pose.world_from_sensor,
+            sigma: manifest.sigma,
+        });
     }
     Ok(Scan {
         name: manifest.name.clone(),
         unit,
         sigma: manifest.sigma,
         planes: manifest.planes,
-        inputs: views.iter().map(|v| v.path.clone()).collect(),
+        inputs: files(&views)?,
         notes: repairs.note(path, views.len()).into_iter().collect(),
         views,
     })
 }
 
-fn scan_view(folder: &Path, entry: &ViewEntry, pose: &Pose, sigma: Option<f64>) -> ScanView {
-    let sensor = match entry.sensor {
-        SensorEntry::Spherical { theta0, dtheta, phi0, dphi } => SensorSource::Spherical {
-            theta: AngularScan::from_radians(theta0, dtheta),
-            phi: AngularScan::from_radians(phi0, dphi),
-        },
-        SensorEntry::Pinhole { fx, fy, cx, cy } => {
-            SensorSource::Pinhole(Intrinsics { fx, fy, cx, cy })
+/// The sensors of a manifest's views: views that say the same share one, so that its tables are
+/// made once.
+struct Sensors<'a> {
+    folder: &'a Path,
+    made: Vec<(&'a SensorEntry, Arc<SensorSource>)>,
+}
+
+impl<'a> Sensors<'a> {
+    fn source(&mut self, entry: &'a SensorEntry) -> Arc<SensorSource> {
+        if let Some((_, known)) = self.made.iter().find(|(e, _)| *e == entry) {
+            return Arc::clone(known);
         }
-        SensorEntry::Grid { viewpoint } => SensorSource::Grid(Point3::from(viewpoint)),
-    };
-    ScanView {
-        name: entry.file.clone(),
-        path: folder.join(&entry.file),
-        sensor,
-        stated_rows: entry.rows,
-        stated_cols: entry.cols,
-        depth_scale: entry.depth_scale,
-        world_from_sensor: pose.world_from_sensor,
-        sigma,
+        let source = Arc::new(SensorSource::new(self.folder, entry));
+        self.made.push((entry, Arc::clone(&source)));
+        source
     }
+}
+
+/// Every file the views are read from, each once: images first, then what their sensors name.
+fn files(views: &[ScanView]) -> Result<Vec<PathBuf>, ReadError> {
+    let mut files: Vec<PathBuf> = Vec::new();
+    let mut seen = HashSet::new();
+    let mut add = |file: PathBuf| {
+        if seen.insert(file.clone()) {
+            files.push(file);
+        }
+    };
+    for view in views {
+        view.sensor.image_files(&view.path)?.into_iter().for_each(&mut add);
+    }
+    views.iter().filter_map(|v| v.sensor.file()).map(Path::to_owned).for_each(add);
+    Ok(files)
 }
 
 /// Poses that were replaced by the nearest rotation: one note for all of them.

@@ -75,36 +75,15 @@ fn view(
     }
     let entry = ViewEntry {
         file: file.to_owned(),
-        sensor: sensor(&keys)?,
+        sensor: SensorEntry::read(&keys, notes)?,
         rows: keys.count("rows")?,
         cols: keys.count("cols")?,
         depth_scale,
         pose: keys.required_numbers("pose")?,
+        pose_true: keys.informational_pose("pose_true")?,
     };
     notes.extend(keys.unknown());
     Ok(entry)
-}
-
-fn sensor(keys: &Keys<'_>) -> Result<SensorEntry, ReadError> {
-    let known = "one of spherical, pinhole, grid";
-    let number = |key| keys.required_number(key);
-    match keys.text("sensor")? {
-        Some("spherical") => Ok(SensorEntry::Spherical {
-            theta0: number("theta0")?,
-            dtheta: number("dtheta")?,
-            phi0: number("phi0")?,
-            dphi: number("dphi")?,
-        }),
-        Some("pinhole") => Ok(SensorEntry::Pinhole {
-            fx: number("fx")?,
-            fy: number("fy")?,
-            cx: number("cx")?,
-            cy: number("cy")?,
-        }),
-        Some("grid") => Ok(SensorEntry::Grid { viewpoint: keys.required_numbers("viewpoint")? }),
-        Some(other) => Err(keys.wrong("sensor", &format!("{known}; it is {other:?}"))),
-        None => Err(keys.wrong("sensor", known)),
-    }
 }
 
 /// The text with `NaN`, `Infinity` and `-Infinity` outside strings replaced by nulls of the same

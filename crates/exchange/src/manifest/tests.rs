@@ -1,7 +1,7 @@
 use super::*;
 use crate::npy;
-use std::path::PathBuf;
-use transect_device::Pixel;
+use crate::test_data::with_causes;
+use transect_device::{Pixel, Point3};
 
 const POSE: &str = "[1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]";
 
@@ -45,14 +45,9 @@ impl Folder {
     }
 }
 
-fn with_causes(error: &dyn std::error::Error) -> String {
-    let causes = std::iter::successors(error.source(), |e| e.source());
-    causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
-}
-
 #[test]
 fn a_manifest_opens_and_its_view_loads() {
-    let scan = Folder::pinhole(r#", "rows": 2, "cols": 2, "pose_true": [1]"#);
+    let scan = Folder::pinhole(r#", "rows": 2, "cols": 2"#);
     let opened = scan.open().unwrap();
     assert_eq!(opened.unit, LengthUnit::Millimetre);
     assert_eq!(opened.notes, Vec::<String>::new());
@@ -147,7 +142,9 @@ fn what_is_missing_or_wrong_is_named() {
         (
             "pinhole",
             "sonar",
-            format!("{at}\"sensor\" must be one of spherical, pinhole, grid; it is"),
+            format!(
+                "{at}\"sensor\" must be one of spherical, pinhole, light_stripe, lookup_table,"
+            ),
         ),
         ("0,0,0,1]", "0,0,1]", format!("{at}\"pose\" must be a list of 16 numbers")),
         ("0,0,0,1]", "0,0,0,2]", format!("{at}the last row of the pose")),
@@ -253,29 +250,47 @@ fn spherical_and_grid_sensors_load() {
 }
 
 #[test]
+fn the_true_pose_is_kept_as_information() {
+    let folder = Folder::pinhole(&format!(r#", "pose_true": {POSE}"#));
+    let (manifest, notes) = read_manifest(&folder.path("scan.json")).unwrap();
+    let identity = crate::row_major(&transect_geometry::Isometry3::identity());
+    assert_eq!((manifest.views[0].pose_true, notes), (Some(identity), Vec::new()));
+    // Wrong as it may be, it is not used.
+    let shifted = POSE.replace("1,0,0,0", "7,0,0,9");
+    let folder = Folder::pinhole(&format!(r#", "pose_true": {shifted}"#));
+    assert!(folder.open().unwrap().views[0].load().is_ok());
+    let short = Folder::pinhole(r#", "pose_true": [1]"#).error();
+    assert!(short.ends_with("\"pose_true\" must be a list of 16 numbers"), "{short}");
+    for note in [r#""unknown""#, r#"{"x": 1}"#, r#"[[1, 0], [0, 1]]"#] {
+        let folder = Folder::pinhole(&format!(r#", "pose_true": {note}"#));
+        let (manifest, notes) = read_manifest(&folder.path("scan.json")).unwrap();
+        assert_eq!((manifest.views[0].pose_true, notes), (None, Vec::new()), "{note}");
+    }
+}
+
+#[test]
 fn a_written_manifest_reads_back() {
+    let identity = crate::row_major(&transect_geometry::Isometry3::identity());
+    let far = crate::row_major(&transect_geometry::Isometry3::translation(5.4e6, 1.0, 2.0));
+    let view = |file: &str, sensor| ViewEntry {
+        file: file.to_owned(),
+        sensor,
+        rows: None,
+        cols: None,
+        depth_scale: None,
+        pose: identity,
+        pose_true: None,
+    };
+    let spherical = SensorEntry::Spherical { theta0: -3.0, dtheta: 0.1, phi0: -1.0, dphi: 0.2 };
+    let grid = SensorEntry::Grid { viewpoint: [0.0, 0.0, 1.0] };
     let manifest = Manifest {
         name: "a \"room\"".to_owned(),
         unit: Some(LengthUnit::Foot),
         sigma: Some(0.1 + 0.2),
         planes: Some(PlanesEntry { normal: [0.0, 0.6, 0.8], offset: -1.5, interval: 1e-3 }),
         views: vec![
-            ViewEntry {
-                file: "a.npy".to_owned(),
-                sensor: SensorEntry::Spherical { theta0: -3.0, dtheta: 0.1, phi0: -1.0, dphi: 0.2 },
-                rows: Some(2),
-                cols: Some(2),
-                depth_scale: None,
-                pose: crate::row_major(&transect_geometry::Isometry3::translation(5.4e6, 1.0, 2.0)),
-            },
-            ViewEntry {
-                file: "b.png".to_owned(),
-                sensor: SensorEntry::Grid { viewpoint: [0.0, 0.0, 1.0] },
-                rows: None,
-                cols: None,
-                depth_scale: Some(1e-3),
-                pose: crate::row_major(&transect_geometry::Isometry3::identity()),
-            },
+            ViewEntry { rows: Some(2), cols: Some(3), pose: far, ..view("a.npy", spherical) },
+            ViewEntry { depth_scale: Some(1e-3), pose_true: Some(far), ..view("b.png", grid) },
         ],
     };
     let folder = tempfile::tempdir().unwrap();

@@ -1,27 +1,13 @@
 //! Triangle meshes, for reference surfaces.
 
 use super::{Element, Ply, list};
-use crate::error::read_bytes;
-use crate::{Place, ReadError, TriangleMesh};
+use crate::mesh::{fan, note_dropped};
+use crate::{MeshFile, Place, ReadError, TriangleMesh};
 use std::path::Path;
 
-/// A mesh and what the reader passed over.
-#[derive(Debug, Clone)]
-pub struct PlyMesh {
-    /// Vertices and triangles; polygons are split into fans around their first corner.
-    pub mesh: TriangleMesh,
-    /// What the reader passed over or found odd.
-    pub notes: Vec<String>,
-}
-
-/// Reads the elements `vertex` and `face`; the length unit is the caller's knowledge.
-///
-/// # Errors
-/// [`ReadError`] if the file is no PLY, is truncated, has no faces, a vertex is not finite, or a face
-/// names a vertex that is not there.
-pub fn read_mesh(path: &Path) -> Result<PlyMesh, ReadError> {
-    let bytes = read_bytes(path)?;
-    let mut ply = Ply::open(path, &bytes)?;
+/// Reads the elements `vertex` and `face`, of which there must be some.
+pub(crate) fn mesh(path: &Path, bytes: &[u8]) -> Result<MeshFile, ReadError> {
+    let mut ply = Ply::open(path, bytes)?;
     let elements = ply.header.elements.clone();
     let count = |name| elements.iter().find(|e| e.name == name).map(|e| e.count);
     let Some((vertex_count, _)) = count("vertex").zip(count("face")) else {
@@ -41,7 +27,7 @@ pub fn read_mesh(path: &Path) -> Result<PlyMesh, ReadError> {
         let at = Place::Element { kind: "vertex".to_owned(), number: bad, line: None };
         return Err(ReadError::damaged(path, at, "a coordinate is not finite"));
     }
-    Ok(PlyMesh { mesh, notes: ply.header.notes })
+    Ok(MeshFile { mesh, notes: ply.header.notes })
 }
 
 fn read_faces(
@@ -66,14 +52,11 @@ fn read_faces(
                 corners.push(known_vertex(body.integer(item)?, vertices)?);
             }
             degenerate += usize::from(corners.len() < 3);
-            let Some((&first, rest)) = corners.split_first() else { continue };
-            faces.extend(rest.iter().zip(rest.iter().skip(1)).map(|(&b, &c)| [first, b, c]));
+            faces.extend(fan(&corners));
         }
         Ok(())
     })?;
-    if degenerate > 0 {
-        ply.header.notes.push(format!("{degenerate} faces with fewer than 3 corners dropped"));
-    }
+    ply.header.notes.extend(note_dropped(degenerate, "faces with fewer than 3 corners"));
     Ok(faces)
 }
 

@@ -15,7 +15,7 @@ mod range_grid;
 #[cfg(test)]
 mod tests;
 
-pub use mesh::{PlyMesh, read_mesh};
+pub(crate) use mesh::mesh;
 pub use range_grid::{RangeGrid, read_range_grid};
 
 use crate::{Place, ReadError};

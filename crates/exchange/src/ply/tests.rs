@@ -1,5 +1,6 @@
 use super::*;
 use crate::test_data::write_to_folder;
+use crate::{MeshFile, read_mesh};
 
 /// A 2 × 3 grid with one empty cell, as text.
 const GRID: &str = "ply\nformat ascii 1.0\nobj_info num_cols 3\nobj_info num_rows 2\n\
@@ -17,7 +18,7 @@ fn grid_error(text: &str) -> String {
     grid(text.as_bytes()).unwrap_err().to_string()
 }
 
-fn mesh(text: &[u8]) -> Result<PlyMesh, ReadError> {
+fn mesh(text: &[u8]) -> Result<MeshFile, ReadError> {
     let (_folder, path) = write_to_folder("mesh.ply", text);
     read_mesh(&path)
 }

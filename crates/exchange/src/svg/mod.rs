@@ -4,14 +4,18 @@
 //! small step inside a scaled group, and vertices that would not move the line visibly are left
 //! out, so that files stay small.
 
+mod camera;
 mod canvas;
 mod overview;
+mod points;
+mod ramp;
 mod regions;
 mod ruler;
 mod sheet;
 mod simplify;
 
 pub use overview::{OverviewOptions, write_overview};
+pub use points::write_points;
 pub use sheet::Sheets;
 
 #[cfg(test)]

@@ -1,0 +1,135 @@
+//! OBJ (Wavefront): the statements `v` and `f`; all others say nothing about a mesh's shape.
+//!
+//! ```text
+//! v x y z                 further numbers (a weight, a colour) are passed over
+//! f 1 2 3 4               corners count from 1, or from the last vertex backwards: -1
+//! f 1/5 2//7 3/5/7        what follows a slash is texture and normal
+//! f 1 2 \                 a line that goes on
+//!   3
+//! ```
+//!
+//! Several objects in one file are read as one mesh. Faces may name vertices that follow.
+
+use super::{MeshFile, TriangleMesh, element, fan, note_dropped};
+use crate::{Place, ReadError};
+use std::borrow::Cow;
+use std::path::Path;
+use transect_geometry::Point3;
+
+pub(super) fn mesh(path: &Path, bytes: &[u8]) -> Result<MeshFile, ReadError> {
+    let text = String::from_utf8_lossy(bytes);
+    let mut reader = Reader::default();
+    let mut lines = text.lines().enumerate();
+    while let Some((number, line)) = lines.next() {
+        let line = joined(line, &mut lines);
+        reader.statement(number + 1, &line).map_err(|(kind, element_number, problem)| {
+            let place = element(kind, element_number, Some(number + 1));
+            ReadError::damaged(path, place, problem)
+        })?;
+    }
+    reader.finish(path)
+}
+
+/// A line with those it goes on in.
+fn joined<'a>(line: &'a str, rest: &mut impl Iterator<Item = (usize, &'a str)>) -> Cow<'a, str> {
+    if !line.trim_end().ends_with('\\') {
+        return Cow::Borrowed(line);
+    }
+    let mut whole = String::new();
+    let mut part = line;
+    while let Some(open) = part.trim_end().strip_suffix('\\') {
+        whole.push_str(open);
+        whole.push(' ');
+        part = rest.next().map_or("", |(_, next)| next);
+    }
+    whole.push_str(part);
+    Cow::Owned(whole)
+}
+
+/// What kind of element is wrong, which one, and why.
+type Problem = (&'static str, usize, String);
+
+#[derive(Default)]
+struct Reader {
+    mesh: TriangleMesh,
+    /// Faces so far, of any number of corners.
+    faces: usize,
+    degenerate: usize,
+    /// The largest vertex a face names, with the face and its line.
+    farthest: Option<(u32, usize, usize)>,
+}
+
+impl Reader {
+    fn statement(&mut self, line: usize, text: &str) -> Result<(), Problem> {
+        let text = text.split('#').next().unwrap_or_default();
+        let mut words = text.split_ascii_whitespace();
+        match words.next() {
+            Some("v") => {
+                let number = self.mesh.vertices.len();
+                let vertex = vertex(words).map_err(|problem| ("vertex", number, problem))?;
+                self.mesh.vertices.push(vertex);
+            }
+            Some("f") => {
+                let number = self.faces;
+                let corners = words.map(|word| self.corner(word)).collect::<Result<Vec<u32>, _>>();
+                let corners = corners.map_err(|problem| ("face", number, problem))?;
+                self.face(&corners, line);
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn face(&mut self, corners: &[u32], line: usize) {
+        if let Some(&largest) = corners.iter().max()
+            && self.farthest.is_none_or(|(index, ..)| index < largest)
+        {
+            self.farthest = Some((largest, self.faces, line));
+        }
+        self.faces += 1;
+        self.degenerate += usize::from(corners.len() < 3);
+        self.mesh.faces.extend(fan(corners));
+    }
+
+    /// The vertex a corner such as `3/5/7` or `-1` names, counted from 0.
+    fn corner(&self, word: &str) -> Result<u32, String> {
+        let known = self.mesh.vertices.len();
+        let name = word.split('/').next().unwrap_or_default();
+        let index = name.parse::<i64>().ok().and_then(|index| match index {
+            0 => None,
+            1.. => Some(index - 1),
+            // Backwards, -1 is the last vertex so far.
+            _ => i64::try_from(known).ok()?.checked_add(index),
+        });
+        let index = index.and_then(|index| u32::try_from(index).ok());
+        let start: String = word.chars().take(20).collect();
+        index.ok_or_else(|| format!("{start:?} names no vertex; there are {known} so far"))
+    }
+
+    fn finish(self, path: &Path) -> Result<MeshFile, ReadError> {
+        let known = self.mesh.vertices.len();
+        if let Some((index, face, line)) = self.farthest.filter(|f| f.0 as usize >= known) {
+            let index = u64::from(index) + 1;
+            let problem = format!("vertex {index} does not exist; there are {known}");
+            return Err(ReadError::damaged(path, element("face", face, Some(line)), problem));
+        }
+        if self.mesh.faces.is_empty() {
+            return Err(ReadError::damaged(path, Place::Whole, "there are no faces"));
+        }
+        let dropped = note_dropped(self.degenerate, "faces with fewer than 3 corners");
+        Ok(MeshFile { mesh: self.mesh, notes: dropped.into_iter().collect() })
+    }
+}
+
+fn vertex<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<Point3, String> {
+    let mut coordinates = [0.0_f64; 3];
+    for coordinate in &mut coordinates {
+        let word = words.next().ok_or("a vertex must have three numbers")?;
+        let start = || word.chars().take(20).collect::<String>();
+        *coordinate = word.parse().map_err(|_| format!("{:?} is not a number", start()))?;
+        if !coordinate.is_finite() {
+            return Err("a coordinate is not finite".to_owned());
+        }
+    }
+    Ok(Point3::from(coordinates))
+}

@@ -1,0 +1,65 @@
+//! Points in space, coloured by station: what a sensor saw before anything is made of it.
+
+use super::OverviewOptions;
+use super::camera::Camera;
+use super::canvas::{self, PathData};
+use super::overview::write_opening;
+use super::ramp::{self, Colour};
+use std::io::{self, Write};
+use transect_geometry::{LengthUnit, PlaneFamily, Point3};
+
+/// Steps of drawn coordinates per pixel: 0.1 px.
+const STEPS: f64 = 10.0;
+/// Colours in use; points of one colour share a path.
+const COLOURS: usize = 16;
+/// Diameter of a point, in pixels.
+const DOT: f64 = 2.4;
+
+/// Writes a picture of points in the world, seen as [`write_overview`](super::write_overview) sees
+/// a model on the same planes; `what` is written under the heading.
+///
+/// # Errors
+/// What `out` says.
+pub fn write_points(
+    points: &[Point3],
+    planes: &PlaneFamily,
+    (unit, what): (LengthUnit, &str),
+    options: &OverviewOptions,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    write_opening(options, out)?;
+    let camera = Camera::fitting(planes, points.iter().copied(), options);
+    let range = stations(points, planes);
+    let mut paths: Vec<_> = (0..COLOURS).map(|_| PathData::new(STEPS)).collect();
+    for point in points {
+        let along = (planes.guide().station(point) - range.0) / (range.1 - range.0);
+        let colour = (along * COLOURS as f64) as usize;
+        if let Some(path) = paths.get_mut(colour.min(COLOURS - 1)) {
+            path.polyline([&camera.place(point)], false);
+        }
+    }
+    writeln!(
+        out,
+        "<g transform=\"scale({})\" fill=\"none\" stroke-linecap=\"round\" stroke-width=\"{:.0}\">",
+        1.0 / STEPS,
+        DOT * STEPS
+    )?;
+    for (number, path) in paths.iter().enumerate() {
+        let colour = Colour::ramp((number as f64 + 0.5) / COLOURS as f64);
+        path.write(&format!("stroke=\"{colour}\""), out)?;
+    }
+    writeln!(out, "</g>")?;
+    canvas::text(out, (40.0, 46.0), "font-size=\"26\" font-weight=\"bold\"", &options.title)?;
+    canvas::text(out, (40.0, 72.0), "fill=\"#555\"", what)?;
+    ramp::write_ramp(range, (unit, planes.interval() * 1e-2), options, out)?;
+    camera.write_axes(unit, options, out)?;
+    writeln!(out, "</svg>")
+}
+
+/// First and last station of the points.
+fn stations(points: &[Point3], planes: &PlaneFamily) -> (f64, f64) {
+    let stations = points.iter().map(|p| planes.guide().station(p));
+    let range = stations
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| (low.min(s), high.max(s)));
+    if range.0.is_finite() { range } else { (0.0, 0.0) }
+}

@@ -1,0 +1,81 @@
+//! Colours by station, and their legend.
+
+use super::OverviewOptions;
+use super::canvas;
+use super::ruler::tidy;
+use std::io::{self, Write};
+use transect_geometry::LengthUnit;
+
+/// A colour by red, green and blue from 0 to 255.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Colour([f64; 3]);
+
+/// Viridis (van der Walt and Smith, 2015) without its light end, which would vanish on white: equal
+/// steps look equally large, also to the colour-blind.
+const RAMP: [[f64; 3]; 8] = [
+    [68.0, 1.0, 84.0],
+    [70.0, 50.0, 127.0],
+    [54.0, 92.0, 141.0],
+    [39.0, 127.0, 142.0],
+    [31.0, 161.0, 135.0],
+    [74.0, 194.0, 109.0],
+    [122.0, 209.0, 81.0],
+    [159.0, 201.0, 40.0],
+];
+
+impl Colour {
+    /// The colour at a place of the ramp, from 0 to 1.
+    pub(super) fn ramp(at: f64) -> Self {
+        let at = at.clamp(0.0, 1.0) * (RAMP.len() - 1) as f64;
+        let below = (at.floor() as usize).min(RAMP.len() - 2);
+        let pair = RAMP.get(below).zip(RAMP.get(below + 1));
+        let (low, high) = pair.unwrap_or((&[0.0; 3], &[0.0; 3]));
+        let share = at - below as f64;
+        let mut mixed = [0.0; 3];
+        for (m, (a, b)) in mixed.iter_mut().zip(low.iter().zip(high)) {
+            *m = a + (b - a) * share;
+        }
+        Self(mixed)
+    }
+
+    pub(super) fn lightened(self, share: f64) -> Self {
+        Self(self.0.map(|c| c + (255.0 - c) * share))
+    }
+}
+
+impl std::fmt::Display for Colour {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [r, g, b] = self.0.map(|c| c.round() as u8);
+        write!(f, "#{r:02x}{g:02x}{b:02x}")
+    }
+}
+
+/// The colours by station, at the right edge; stations are written in multiples of `step`.
+pub(super) fn write_ramp(
+    (first, last): (f64, f64),
+    (unit, step): (LengthUnit, f64),
+    options: &OverviewOptions,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let (x, top, height) = (options.width - 150.0, 140.0, options.height - 280.0);
+    writeln!(out, "<linearGradient id=\"r\" x1=\"0\" y1=\"1\" x2=\"0\" y2=\"0\">")?;
+    for stop in 0..RAMP.len() {
+        let at = stop as f64 / (RAMP.len() - 1) as f64;
+        writeln!(out, "<stop offset=\"{at:.4}\" stop-color=\"{}\"/>", Colour::ramp(at))?;
+    }
+    writeln!(
+        out,
+        "</linearGradient><rect x=\"{x}\" y=\"{top}\" width=\"18\" height=\"{height}\" \
+         fill=\"url(#r)\"/>"
+    )?;
+    canvas::text(out, (x, top - 16.0), "", &format!("station [{unit}]"))?;
+    let labels = if last > first { 5 } else { 1 };
+    for label in 0..labels {
+        let at = f64::from(label) / f64::from(labels.max(2) - 1);
+        let station = tidy(first + at * (last - first), step);
+        let y = top + height * (1.0 - at);
+        canvas::line(out, (x + 18.0, y), (x + 24.0, y), "stroke=\"#222\"")?;
+        canvas::text(out, (x + 30.0, y + 5.5), "", &station)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,38 @@
+//! `cargo xtask experiments`: measurements that take the whole system, printed as tables.
+//!
+//! Each is a question that somebody who builds on the system would ask; what they print is what the
+//! documentation states.
+
+mod orders;
+mod pictures;
+mod sensors;
+mod table;
+mod trial;
+
+use crate::failure::Failure;
+
+/// Options of `experiments`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    #[command(subcommand)]
+    experiment: Experiment,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum Experiment {
+    /// How accurate is every sensor on every bundled scene, without noise?
+    Sensors(sensors::Arguments),
+    /// How does the error fall when the sensors' grids get denser?
+    Orders(orders::Arguments),
+    /// Draw what the sensors see and what is made of it.
+    Pictures(pictures::Arguments),
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    match &arguments.experiment {
+        Experiment::Sensors(a) => sensors::run(a),
+        Experiment::Orders(a) => orders::run(a),
+        Experiment::Pictures(a) => pictures::run(a),
+    }
+}
