@@ -273,13 +273,17 @@ proptest! {
     }
 
     #[test]
-    fn stated_handedness_is_the_one_of_the_rays(frame in frames(), pixel in pixels()) {
+    fn stated_handedness_is_the_one_of_points_on_a_surface_that_faces_the_sensor(
+        frame in frames(), pixel in pixels(), d3 in 1.0..9.0,
+    ) {
         prop_assume!(pixel.row > 0 && pixel.col > 0);
-        let ray = |row, col| frame.ray(Pixel::new(row, col)).unwrap().direction;
-        let here = ray(pixel.row, pixel.col);
-        let along_columns = here - ray(pixel.row, pixel.col - 1);
-        let along_rows = here - ray(pixel.row - 1, pixel.col);
-        let turn = along_columns.cross(&along_rows).dot(&here);
+        let (ray, here) = (frame.ray(pixel).unwrap(), frame.point(pixel, d3).unwrap());
+        let facing = SensorPlane { normal: ray.direction, offset: ray.direction.dot(&here.coords) };
+        let on_it = |pixel| frame.plane_value(pixel, &facing).and_then(|v| frame.point(pixel, v));
+        let left = on_it(Pixel::new(pixel.row, pixel.col - 1));
+        let above = on_it(Pixel::new(pixel.row - 1, pixel.col));
+        prop_assume!(left.is_some() && above.is_some());
+        let turn = (here - left.unwrap()).cross(&(here - above.unwrap())).dot(&ray.direction);
         prop_assert_eq!(turn > 0.0, frame.handedness() == Handedness::ColumnsRight);
     }
 

@@ -31,6 +31,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#[cfg(doctest)]
+mod doc_tests;
 pub mod evaluate;
 mod pipeline;
 mod report;

@@ -49,6 +49,9 @@ fn commands_of_the_readme() -> Result<(), Failure> {
     xtask("evaluate target/transect/room")?;
     xtask("simulate --out target/transect/simulated")?;
     xtask("inspect target/transect/simulated")?;
+    xtask("experiments orders --doublings 1")?;
+    xtask("experiments sensors --scene thin_sheet")?;
+    xtask("experiments pictures --out target/transect/pictures")?;
     let data = workspace_root().join("../shared/data");
     if !data.is_dir() {
         eprintln!("skipped: the real scans are not there ({})", data.display());

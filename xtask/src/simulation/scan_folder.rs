@@ -45,7 +45,7 @@ pub fn write(
     let manifest = Manifest {
         name: description.name.clone(),
         unit: Some(description.unit),
-        sigma: seen.views.iter().filter_map(View::sigma).reduce(f64::max),
+        sigma: sigma(&seen.views, images),
         planes: Some(planes_entry(stage)),
         views: entries,
     };
@@ -54,6 +54,14 @@ pub fn write(
     let truth = TriangleMesh { vertices: truth.vertices.clone(), faces: truth.faces.clone() };
     write_file(&folder.join("truth.npz"), |out| write_truth(&truth, out))?;
     Ok(())
+}
+
+/// The largest of the views; unknown where what is written has the noise of light, not of ranges.
+fn sigma(views: &[View], images: StripeImages) -> Option<f64> {
+    match images {
+        StripeImages::Extracted => views.iter().filter_map(View::sigma).reduce(f64::max),
+        StripeImages::Seen(_) => None,
+    }
 }
 
 /// Writes a view's image, and gives its entry in the manifest.
