@@ -74,7 +74,7 @@ pub fn depth_folder_manifest(folder: &Path, names: FileNames) -> Result<Manifest
         return Err(ReadError::damaged(folder, Place::Whole, problem));
     }
     let unit = Some(LengthUnit::Metre);
-    Ok(Manifest { name, unit, sigma: None, planes: None, views })
+    Ok(Manifest { name, unit, sigma: None, planes: None, size: None, views })
 }
 
 fn images(folder: &Path) -> std::io::Result<Vec<String>> {

@@ -7,11 +7,12 @@ mod placing;
 mod scan_folder;
 mod sensor;
 
+pub use placing::Surroundings;
 pub use scan_folder::{StripeImages, write};
 pub use sensor::{Instrument, SensorKind};
 
 use crate::failure::Failure;
-use placing::{Standpoint, Surroundings, round};
+use placing::{Standpoint, round};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -53,6 +54,8 @@ pub struct Stage {
     pub scene: Scene,
     /// Its surface.
     pub truth: Mesh,
+    /// Where that is.
+    pub around: Surroundings,
 }
 
 impl Stage {
@@ -60,7 +63,8 @@ impl Stage {
     pub fn set(description: Description) -> Result<Self, Failure> {
         let scene = description.scene();
         let truth = scene.mesh(CHORD_SHARE * description.planes.interval())?;
-        Ok(Self { description, scene, truth })
+        let around = Surroundings::of(&truth);
+        Ok(Self { description, scene, truth, around })
     }
 }
 
@@ -92,11 +96,10 @@ pub struct Placed {
 
 /// The sensors of a plan, placed.
 pub fn instruments(stage: &Stage, plan: &Plan) -> Result<Vec<Placed>, Failure> {
-    let description = &stage.description;
-    let around = Surroundings::of(&stage.truth);
+    let (description, around) = (&stage.description, &stage.around);
     let count = plan.views.unwrap_or(description.stations.len());
     let place = |view: usize| -> Result<Placed, Failure> {
-        let (own, turned) = round(description, &around, view);
+        let (own, turned) = round(description, around, view);
         let Some(station) = description.stations.get(own) else {
             return Err(Failure::because("the scene has no station to place a sensor at"));
         };
@@ -106,7 +109,7 @@ pub fn instruments(stage: &Stage, plan: &Plan) -> Result<Vec<Placed>, Failure> {
                 Instrument::own(station.size, &station.sensor, pose)?
             }
             Some(kind) => {
-                let at = Standpoint::of(station, &turned, &stage.scene, &around);
+                let at = Standpoint::of(station, &turned, &stage.scene, around);
                 Instrument::chosen(kind, &at, plan.density, &scan_folder::calibration_file(view))?
             }
         };

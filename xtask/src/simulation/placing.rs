@@ -51,6 +51,11 @@ impl Surroundings {
         Self { middle, radius: distances.fold(0.0, f64::max), low, high }
     }
 
+    /// Longest side of the box around everything.
+    pub fn size(&self) -> f64 {
+        (self.high - self.low).max()
+    }
+
     fn hold(&self, p: &Point3) -> bool {
         *p >= self.low && *p <= self.high
     }

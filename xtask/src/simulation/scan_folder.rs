@@ -47,6 +47,7 @@ pub fn write(
         unit: Some(description.unit),
         sigma: sigma(&seen.views, images),
         planes: Some(planes_entry(stage)),
+        size: Some(stage.around.size()),
         views: entries,
     };
     write_file(&folder.join("scan.json"), |out| write_manifest(&manifest, out))?;

@@ -68,6 +68,9 @@ pub struct Manifest {
     pub sigma: Option<f64>,
     /// The planes to model on, if the scan asks for some.
     pub planes: Option<PlanesEntry>,
+    /// Longest side of the box around a simulated scene, in the length unit: information for
+    /// programs that score models in shares of it.
+    pub size: Option<f64>,
     /// The views in order.
     pub views: Vec<ViewEntry>,
 }
@@ -236,6 +239,9 @@ pub fn write_manifest(manifest: &Manifest, out: &mut dyn Write) -> io::Result<()
     }
     if let Some(planes) = manifest.planes {
         writeln!(out, "  \"planes\": {},", serde_json::to_string(&planes)?)?;
+    }
+    if let Some(size) = manifest.size {
+        writeln!(out, "  \"size\": {},", serde_json::to_string(&size)?)?;
     }
     write!(out, "  \"views\": [")?;
     for (number, view) in manifest.views.iter().enumerate() {

@@ -33,7 +33,9 @@ pub(super) fn manifest(path: &Path, text: &str) -> Result<(Manifest, Vec<String>
         None => folder_name().unwrap_or_default().into_owned(),
     };
     let planes = keys.get("planes").map(|v| planes(path, v, &mut notes)).transpose()?;
-    let manifest = Manifest { name, unit: unit(&keys)?, sigma, planes, views };
+    // Nothing is made of it here, so whatever other programs mean by it is no error.
+    let size = value.get("size").and_then(Value::as_f64);
+    let manifest = Manifest { name, unit: unit(&keys)?, sigma, planes, size, views };
     notes.splice(0..0, keys.unknown());
     Ok((manifest, notes))
 }

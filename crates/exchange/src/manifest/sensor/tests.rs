@@ -14,8 +14,14 @@ fn view(sensor: SensorEntry) -> ViewEntry {
 /// What a written sensor is read back as, with the text it was written to.
 fn round_trip(sensor: &SensorEntry) -> (SensorEntry, String) {
     let views = vec![view(sensor.clone())];
-    let manifest =
-        Manifest { name: "scan".to_owned(), unit: None, sigma: None, planes: None, views };
+    let manifest = Manifest {
+        name: "scan".to_owned(),
+        unit: None,
+        sigma: None,
+        planes: None,
+        size: None,
+        views,
+    };
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scan.json");
     crate::write_file(&path, |out| write_manifest(&manifest, out)).unwrap();
