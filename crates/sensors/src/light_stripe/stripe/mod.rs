@@ -121,9 +121,12 @@ impl StripeFinder {
         require("least_height", least, least > 0.0 && least <= height, wanted)?;
         let rows = self.median_rows as f64;
         require("median_rows", rows, self.median_rows % 2 == 1, "an odd number of rows")?;
+        // Before anything of that size is made.
+        let width = self.profile.width;
+        require("stripe_width", width, width <= cols as f64, "a stripe narrower than the image")?;
         let template = Template::new(self.profile, least, self.peak);
         let fits = template.window() <= cols;
-        require("stripe_width", self.profile.width, fits, "a stripe narrower than the image")?;
+        require("stripe_width", width, fits, "a stripe narrower than the image")?;
         Ok(template)
     }
 }
@@ -131,7 +134,9 @@ impl StripeFinder {
 /// A median along the stripe; missing rows stay missing and take no part.
 fn median_along(places: &[Option<f64>], window: usize) -> Vec<Option<f64>> {
     let at = |row: usize| places.get(row).copied().flatten();
-    let mut around = Vec::with_capacity(window);
+    // No row has more neighbours than there are rows.
+    let window = window.min(2 * places.len() + 1);
+    let mut around = Vec::new();
     let filtered = places.iter().enumerate().map(|(row, place)| {
         around.clear();
         around.push((*place)?);

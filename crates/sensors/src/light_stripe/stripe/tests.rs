@@ -270,6 +270,10 @@ fn bad_settings_and_stacks_are_named() {
     assert_eq!(message(thin), "stripe_width = 1: at least 2 cells");
     let flat = StripeFinder::new(StripeProfile::triangle(8.0, 0.0));
     assert_eq!(message(flat), "stripe_height = 0: a positive number of counts");
+    let absurd = StripeFinder::new(StripeProfile::triangle(1e15, 9.0));
+    assert!(message(absurd).contains("a stripe narrower than the image"), "refused, not allocated");
+    let patient = StripeFinder { median_rows: usize::MAX, ..good };
+    assert_eq!(patient.curve(&image).unwrap(), vec![None; 7]);
     let wide = StripeFinder::new(StripeProfile::triangle(200.0, 9.0));
     assert_eq!(message(wide), "stripe_width = 200: a stripe narrower than the image");
     let even = StripeFinder { median_rows: 4, ..good };
