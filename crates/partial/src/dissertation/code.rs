@@ -129,6 +129,11 @@ impl<'a> Surface<'a> {
             && other.is_some_and(|other| self.near(other))
     }
 
+    /// Whether a curve that would miss another end by a length passes for one surface with it.
+    pub fn continues(&self, a: Pixel, b: Pixel, miss: Option<f64>) -> bool {
+        self.samples.continues(a, b, miss) && self.near(a) && self.near(b)
+    }
+
     /// Whether two pixels that need not be neighbours pass for one surface.
     pub fn alike(&self, a: Pixel, b: Pixel) -> bool {
         self.samples.alike(a, b) && self.near(a) && self.near(b)

@@ -5,9 +5,14 @@
 //! * the border expected by the search order, with the high pixel on the same side of the curve;
 //! * **direction**: the way across the gap turns by no more than [`MAX_TURN`] from the curve on either
 //!   side, in the image and in the plane; a step between two parallel surfaces turns in the plane;
-//! * **range**: along the pixels from one end to the other, on the high and on the low side of the
-//!   curve, each valid pixel is of one surface with the valid one before it. So a range jump is
-//!   never bridged, whether it shows inside the gap or across it.
+//! * **range**: continued straight on from either side, the curve passes the other end by no more
+//!   than the range may change from one pixel to the next; an end too short for a direction by the
+//!   whole change of the range. So a step is a jump however many missing pixels hide it;
+//! * along the pixels from one end to the other, on the high and on the low side of the curve, each
+//!   valid pixel is of one surface with the valid one before it.
+//!
+//! Under the printed test for a jump, both sides of the gap and the valid pixels in it must lie near
+//! the plane instead.
 //!
 //! Closest pairs are joined first; of equally close ones the straightest.
 
@@ -89,17 +94,27 @@ impl Gaps<'_> {
         found
     }
 
-    /// How much the curve turns across the gap; `None` if that is too much.
+    /// How much the curve turns across the gap; `None` if that is too much, or if it misses the
+    /// other end.
     fn turn(&self, from: End, to: End) -> Option<f64> {
         // All relative to one pixel, so that the seam of a full circle does not show.
         let anchor = self.contour.pixels[from.pixel];
         let (tail, head) = (self.inward(from, anchor), self.inward(to, anchor));
         let (end, begin) = (tail.first()?, head.first()?);
+        let runs = |of: fn(&Place) -> Point2| {
+            Some([of(end) - of(tail.last()?), of(head.last()?) - of(begin)])
+        };
+        let across_image = begin.image - end.image;
+        let across = begin.in_plane - end.in_plane;
         let mut turn = 0.0;
-        for of in [|p: &Place| p.image, |p: &Place| p.in_plane] {
-            let across = of(begin) - of(end);
-            for run in [of(end) - of(tail.last()?), of(head.last()?) - of(begin)] {
-                turn += angle_cost(&run, &across)?;
+        for run in runs(|p| p.image)? {
+            turn += angle_cost(&run, &across_image)?;
+        }
+        for run in runs(|p| p.in_plane)? {
+            turn += angle_cost(&run, &across)?;
+            let miss = run.try_normalize(0.0).map(|run| run.perp(&across).abs());
+            if !self.contour.surface.continues(anchor, self.contour.pixels[to.pixel], miss) {
+                return None;
             }
         }
         Some(turn)

@@ -12,7 +12,7 @@
 //!   with the printed lines of codes 1 and 2 exchanged (errata), mirrored on grids of the other
 //!   handedness; (c) whether that pixel's ray meets the plane before the object, so that the plane
 //!   is outside there; (d) the direction is right if the start is on the positive side and right is
-//!   outside, or neither.
+//!   outside, or neither. A right-hand pixel of another surface tells nothing about this one.
 //!
 //! Where no node tells (a plane through the sensor, which no ray meets), the high side of the plane
 //! does: seen from the sensor it is on the left, whatever side of the plane the sensor is on, and
@@ -114,14 +114,21 @@ fn right_pixel(maker: &Maker, last: Pixel, crossing: &Crossing) -> Option<Pixel>
     };
     let mirrored = maker.samples.view.frame().handedness() == Handedness::ColumnsLeft;
     let (down, right) = if mirrored { (-down, -right) } else { (down, right) };
-    ((down, right) != (0, 0)).then(|| grid.step(crossing.second, down, right)).flatten()
+    let pixel = ((down, right) != (0, 0)).then(|| grid.step(crossing.second, down, right));
+    pixel.flatten().filter(|right| maker.surface.alike(crossing.second, *right))
 }
 
-/// Steps a, c and d; `None` where the pixel is missing or its ray starts on the plane.
+/// Steps a, c and d; `None` where the pixel is missing, its ray starts on the plane, or it meets the
+/// plane where the sensor does not see.
 fn is_correct(maker: &Maker, right: Pixel) -> Option<bool> {
     let view = maker.samples.view;
-    let start = view.frame().ray(right)?.start;
-    let height = maker.plane.normal.dot(&start.coords) - maker.plane.offset;
-    let right_is_outside = maker.plane_image.is_before(right, f64::from(view.image().get(right)?));
-    (height != 0.0).then_some((height > 0.0) == right_is_outside)
+    let (ray, plane) = (view.frame().ray(right)?, &maker.plane);
+    let height = plane.normal.dot(&ray.start.coords) - plane.offset;
+    let meets = height * plane.normal.dot(&ray.direction) < 0.0;
+    if height == 0.0 || (meets && maker.plane_image.get(right).is_infinite()) {
+        return None;
+    }
+    let object = f64::from(view.image().get(right)?);
+    let right_is_outside = maker.plane_image.is_before(right, object);
+    Some((height > 0.0) == right_is_outside)
 }

@@ -74,6 +74,17 @@ impl<'a> Samples<'a> {
         pairs.get(self.grid.index(p)).copied().unwrap_or(false)
     }
 
+    /// Whether a curve that runs from one pixel towards another, and misses it by a length, stays on
+    /// one surface: the length is no larger than a change of the range between neighbours may be.
+    /// If it is not known, the change of the range between the two is taken.
+    pub fn continues(&self, a: Pixel, b: Pixel, miss: Option<f64>) -> bool {
+        let Some(pair) = self.view.frame().pair(self.view.image(), a, b) else { return false };
+        let (rows, cols) = self.grid.offset(a, b);
+        let steps = rows.abs().max(cols.abs()).max(1.0);
+        let range_step = miss.map_or(pair.range_step, |m| m as f32);
+        self.rule.holds(&PairGeometry { range_step, lateral: pair.lateral / steps as f32 })
+    }
+
     /// Whether two pixels that need not be neighbours pass for samples of one surface.
     pub fn alike(&self, a: Pixel, b: Pixel) -> bool {
         let pair = self.view.frame().pair(self.view.image(), a, b);

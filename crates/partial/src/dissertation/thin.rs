@@ -112,14 +112,17 @@ impl Line<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     /// The picture of a label image after thinning.
     fn thinned(lines: &[&str], thickness: usize) -> Vec<String> {
         let (grid, mut labels) = LabelImage::drawn(lines);
-        thin(&mut labels, &grid, thickness, |p, n| {
-            labels_known(&grid, lines, p)
-                && grid.before(p, n).is_some_and(|b| labels_known(&grid, lines, b))
-        });
+        let known = labels.clone();
+        let joined = |p, n| {
+            let before = grid.before(p, n).and_then(|b| known.get(b));
+            known.get(p).is_some() && before.is_some()
+        };
+        thin(&mut labels, &grid, thickness, joined);
         let drawn = |p| match labels.get(p) {
             Some(super::super::Label::High) => '#',
             Some(super::super::Label::Low) => '.',
@@ -129,11 +132,6 @@ mod tests {
         (0..grid.size().rows).map(row).collect()
     }
 
-    fn labels_known(grid: &Grid, lines: &[&str], p: Pixel) -> bool {
-        let _ = grid;
-        lines[p.row].chars().nth(p.col) != Some(' ')
-    }
-
     #[test]
     fn a_border_three_pixels_thick_becomes_its_middle() {
         let thick = ["....", "####", "....", "####", "####"];
@@ -141,19 +139,34 @@ mod tests {
         assert_eq!(thinned(&thick, 0), thick);
     }
 
-    #[test]
-    fn noise_in_a_band_leaves_one_border_from_end_to_end() {
-        let band = ["........", "..#..#..", ".#.##..#", "#.#.##.#", "########", "########"];
-        for (k, line) in thinned(&band, 4).iter().enumerate() {
-            assert!(k > 0 || line == "........");
-            assert!(k < 4 || line == "########");
-        }
-        let (grid, _) = LabelImage::drawn(&band);
-        let result = thinned(&band, 4);
-        for col in 0..grid.size().cols {
-            let column: Vec<char> = result.iter().map(|l| l.chars().nth(col).unwrap()).collect();
-            let borders = column.windows(2).filter(|w| w[0] != w[1]).count();
-            assert_eq!(borders, 1, "column {col} of {result:?}");
+    proptest! {
+        #[test]
+        fn noise_in_a_band_of_four_rows_leaves_one_border_from_end_to_end(
+            band in prop::collection::vec(prop::collection::vec(any::<bool>(), 4), 3..30),
+        ) {
+            let label = |row: usize, col: usize| match row {
+                0..3 => '.',
+                3..7 if band[col][row - 3] => '#',
+                3..7 => '.',
+                _ => '#',
+            };
+            let lines: Vec<String> =
+                (0..10).map(|r| (0..band.len()).map(|c| label(r, c)).collect()).collect();
+            let result = thinned(&lines.iter().map(String::as_str).collect::<Vec<_>>(), 4);
+            for col in 0..band.len() {
+                let column: Vec<char> =
+                    result.iter().map(|l| l.chars().nth(col).unwrap()).collect();
+                let borders = column.windows(2).filter(|w| w[0] != w[1]).count();
+                prop_assert_eq!(borders, 1, "column {} of {:?}", col, result);
+                prop_assert!(column[..3] == ['.'; 3] && column[7..] == ['#'; 3]);
+            }
+            for row in &result {
+                let ends = row.chars().collect::<Vec<_>>();
+                let borders: Vec<usize> =
+                    (1..ends.len()).filter(|k| ends[*k] != ends[k - 1]).collect();
+                let thick = borders.windows(3).any(|w| w[2] - w[0] <= 4);
+                prop_assert!(!thick, "{row}");
+            }
         }
     }
 

@@ -84,9 +84,13 @@ impl AngularStep {
         }
     }
 
-    /// Change of the ray's direction per radian, at the start of the step.
-    pub fn ray_slope(&self) -> Vector3 {
-        let ((sin_t, cos_t), (sin_p, cos_p)) = (self.theta.sin_cos(), self.phi.sin_cos());
+    /// Change of the ray's direction per radian, after a part of the step.
+    pub fn ray_slope(&self, delta: f64) -> Vector3 {
+        let (theta, phi) = match self.along {
+            Scanning::Theta => (self.theta + delta, self.phi),
+            Scanning::Phi => (self.theta, self.phi + delta),
+        };
+        let ((sin_t, cos_t), (sin_p, cos_p)) = (theta.sin_cos(), phi.sin_cos());
         match self.along {
             // Errata to 3.6: its part along y is cos φ cos θ, printed as cos φ sin θ.
             Scanning::Theta => Vector3::new(-cos_p * sin_t, cos_p * cos_t, 0.0),
@@ -124,8 +128,8 @@ mod tests {
     fn the_slope_of_the_ray_is_its_derivative() {
         for along in [Scanning::Theta, Scanning::Phi] {
             let step = AngularStep { theta: 2.1, phi: -0.7, along, size: 0.01 };
-            let finite = (step.ray(1e-6) - step.ray(-1e-6)) / 2e-6;
-            assert!((finite - step.ray_slope()).norm() < 1e-9, "{along:?}");
+            let finite = (step.ray(0.2 + 1e-6) - step.ray(0.2 - 1e-6)) / 2e-6;
+            assert!((finite - step.ray_slope(0.2)).norm() < 1e-9, "{along:?}");
         }
     }
 }

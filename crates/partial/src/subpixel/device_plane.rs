@@ -19,15 +19,14 @@ pub(super) fn on_angles(
     plane: &SensorPlane,
 ) -> Option<Meeting> {
     let slope = (r1 - r0) / step.size;
-    let (g0, g_slope) = (plane.normal.dot(&step.ray(0.0)), plane.normal.dot(&step.ray_slope()));
+    let (g0, g_slope) = (plane.normal.dot(&step.ray(0.0)), plane.normal.dot(&step.ray_slope(0.0)));
     let (l, m, n) = (slope * g_slope, slope * g0 + r0 * g_slope, r0 * g0 - plane.offset);
     let within = |delta: &f64| (0.0..=1.0).contains(&(delta / step.size));
     let mut delta = quadratic(l, m, n).into_iter().flatten().find(within)?;
-    let miss =
-        |delta: f64| (r0 + slope * delta) * plane.normal.dot(&step.ray(delta)) - plane.offset;
     for _ in 0..REFINEMENTS {
-        // The derivative of the linearised equation is close enough for a step of pixel size.
-        delta -= miss(delta) / (2.0 * l * delta + m);
+        let (r, g) = (r0 + slope * delta, plane.normal.dot(&step.ray(delta)));
+        let change = slope * g + r * plane.normal.dot(&step.ray_slope(delta));
+        delta -= (r * g - plane.offset) / change;
     }
     let parameter = delta / step.size;
     let point = Point3::from(step.ray(delta) * (r0 + slope * delta));
@@ -37,9 +36,7 @@ pub(super) fn on_angles(
 /// The solutions of `l x² + m x + n = 0`, without cancellation; one for `l = 0`.
 fn quadratic(l: f64, m: f64, n: f64) -> [Option<f64>; 2] {
     let discriminant = m * m - 4.0 * l * n;
-    if !(discriminant >= 0.0) {
-        return [None, None];
-    }
+    // The root of a negative discriminant is not a number, and neither are the solutions.
     let q = -0.5 * (m + discriminant.sqrt().copysign(m));
     [n / q, q / l].map(|x| x.is_finite().then_some(x))
 }

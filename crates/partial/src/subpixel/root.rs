@@ -14,7 +14,9 @@ pub(super) fn between_0_and_1(f: impl Fn(f64) -> Option<f64>) -> Option<f64> {
     if at_a == 0.0 || at_b == 0.0 {
         return Some(if at_a == 0.0 { a } else { b });
     }
-    if !(at_a * at_b < 0.0) {
+    // Not a number on either side is no change of sign.
+    let changes = at_a * at_b < 0.0;
+    if !changes {
         return None;
     }
     for _ in 0..MAX_STEPS {
