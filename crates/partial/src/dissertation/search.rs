@@ -204,8 +204,7 @@ mod tests {
                                 s.leaves == side && to == (rows, cols, expected)
                             })
                         };
-                        // Straight ahead, a pixel of code 3 shows its closed side to the east and
-                        // to the south, from where the curve cannot come in.
+                        // Code 3 is open to the east and the south only, so not from everywhere.
                         let open = (1..=2).filter(|e| found(*e)).count() > 0;
                         assert_eq!(open, ahead(side, (rows, cols)) || extra(side, rows, cols));
                     }

@@ -68,6 +68,11 @@ struct Line<'a> {
 
 impl Line<'_> {
     fn thin(&self, labels: &mut LabelImage, joined: &impl Fn(Pixel, Neighbour) -> bool) -> bool {
+        let differ = |pair: &&[Pixel]| labels.get(pair[0]) != labels.get(pair[1]);
+        // Most lines have fewer borders than make one thick.
+        if self.pixels.windows(2).filter(differ).count() < 3 {
+            return false;
+        }
         let mut changed = false;
         let mut borders = Vec::new();
         for k in 1..self.pixels.len() {
