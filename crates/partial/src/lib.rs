@@ -4,20 +4,24 @@
 //! neighbours, and not among points in space. It refuses to know other views and storage.
 //!
 //! * [`one_pass`]: all planes of a straight guide in one sweep over the image;
+//! * [`dissertation`]: plane by plane, in the dissertation's own steps;
+//! * [`subpixel`]: where a plane passes between two pixels (3.6);
 //! * [`BreakRule`]: where neighbouring pixels do not belong to one surface (3.4.2);
 //! * [`estimate_sigma`]: the range noise of an image of which it is not known;
 //! * [`SectionAxes`]: levels and plane coordinates straight from sensor coordinates.
 
 mod axes;
 mod breaks;
+pub mod dissertation;
 mod noise;
 pub mod one_pass;
+mod partial_curve;
+pub mod subpixel;
 
 pub use axes::{MAX_LEVELS, SectionAxes};
 pub use breaks::BreakRule;
 pub use noise::estimate_sigma;
-
-use transect_geometry::{Curve, PlaneIndex};
+pub use partial_curve::{EndReason, PartialCurve, PlaneCurves};
 
 /// The curves of one view: its partial model.
 #[derive(Debug, Clone, Default)]
@@ -26,15 +30,6 @@ pub struct PartialModel {
     pub planes: Vec<PlaneCurves>,
     /// What was seen and left out on the way.
     pub counts: PartialCounts,
-}
-
-/// The curves of one view on one plane.
-#[derive(Debug, Clone)]
-pub struct PlaneCurves {
-    /// The plane.
-    pub plane: PlaneIndex,
-    /// Its curves, solid on the left; never empty.
-    pub curves: Vec<Curve>,
 }
 
 /// Counts of one view's partial modelling.
@@ -73,6 +68,17 @@ pub enum PartialError {
     TooManyCrossings {
         /// The interval, in the model's length unit.
         interval: f64,
+    },
+    /// The method needs the inverse mapping F, which the sensor of the view does not have.
+    #[error(
+        "the method `{method}` needs a sensor with an inverse mapping, which that of view {view} \
+         does not have"
+    )]
+    NoInverse {
+        /// The method that was asked for.
+        method: &'static str,
+        /// Name of the view.
+        view: String,
     },
 }
 

@@ -3,7 +3,7 @@
 use super::crossing::Crossing;
 use super::sweep::Linked;
 use super::trace::Chain;
-use crate::{PartialModel, PlaneCurves, SectionAxes};
+use crate::{EndReason, PartialCurve, PartialModel, PlaneCurves, SectionAxes};
 use transect_device::{Vector3, View};
 use transect_geometry::{Curve, Node, Vector2};
 
@@ -40,6 +40,7 @@ pub(super) fn model(
             model.counts.lone += 1;
             continue;
         };
+        let curve = known(curve, &nodes.crossings);
         let plane = axes.plane(linked.crossings[chain.crossings[0] as usize].level);
         match model.planes.last_mut() {
             Some(last) if last.plane == plane => last.curves.push(curve),
@@ -47,6 +48,17 @@ pub(super) fn model(
         }
     }
     model
+}
+
+/// A curve with the little that this method knows of it.
+fn known(curve: Curve, crossings: &[Crossing]) -> PartialCurve {
+    PartialCurve {
+        pixels: crossings.iter().map(|c| c.pixel).collect(),
+        normals: vec![nalgebra::Vector3::zeros(); crossings.len()],
+        ends: (!curve.is_closed()).then_some([EndReason::MissingPixel; 2]),
+        bridged: Vec::new(),
+        curve,
+    }
 }
 
 /// Drops nodes that repeat the one before: where a sample lies on the plane, up to four of its

@@ -1,0 +1,197 @@
+//! The dissertation's own method: plane by plane, through plane range images (chapter 3).
+//!
+//! **Problem.** The curves in which a family of planes cuts the surface that a range image samples
+//! are wanted, linked, in order, with the solid on their left.
+//!
+//! **Idea.** A sensor that saw the plane alone would measure a plane range image, which the inverse
+//! mapping F gives without measuring. Where the object's range passes the plane's from one pixel to
+//! the next, the surface crosses the plane. Everything is decided among pixels, which lie on a
+//! regular grid in the device frame and on none in space.
+//!
+//! **Citation.** The dissertation, chapter 3 and Appendix A, with its errata.
+//!
+//! **Steps**, for each plane that the view can see (3.2):
+//! 1. the plane range image (3.4.1): [`PlaneImage`], `plane_image.rs`;
+//! 2. the label image Ω (Eq. 3.2–3.4): [`LabelImage`], `label.rs`; thick borders are thinned (3.5.2) in
+//!    `thin.rs`;
+//! 3. codes 0–3, with the test for a range jump on both sides of a border (3.4.2): [`CodeImage`],
+//!    `code.rs`;
+//! 4. linking (3.5.1): search orders by code in `search.rs`, adjacent pixels in `link.rs`, gaps of 1 to 4
+//!    missing pixels in `gap.rs`, tracing in `trace.rs`;
+//! 5. subpixel places (3.6): [`crate::subpixel`];
+//! 6. the direction of the curve (3.7): [`DirectionRule`], `orient.rs`; what is known of every node,
+//!    `nodes.rs`.
+//!
+//! **Departures from the source** stand at the head of each file. The main ones: labels come from
+//! signed heights, since the printed comparison loses the plane through the sensor; expected codes
+//! of the search are exact, so that tracing is without choice where no pixel is missing; thinning
+//! is done on labels, before tracing; a gap is bridged only where range and direction continue, and
+//! is marked; a saddle of four labels always cuts off the upper left and the lower right pixel,
+//! because a pixel of code 3 is one pixel of one curve.
+//!
+//! **Cost.** Every plane visits every pixel: this is the specification in the source's own terms, the
+//! baseline of benchmarks and the oracle for labels and codes. For speed there is
+//! [`one_pass`](crate::one_pass). Not for sensors without an inverse mapping.
+
+mod code;
+mod gap;
+mod grid;
+mod label;
+mod link;
+mod nodes;
+mod orient;
+mod plane_image;
+mod samples;
+mod search;
+mod thin;
+mod trace;
+
+pub use code::{Code, CodeImage, JumpTest};
+pub use label::{Label, LabelImage};
+pub use orient::DirectionRule;
+pub use plane_image::{PlaneImage, sensor_plane};
+
+use crate::subpixel::{AngularGrid, Solver, Subpixel};
+use crate::{
+    MAX_CROSSINGS, PartialCounts, PartialCurve, PartialError, PartialModel, PlaneCurves,
+    SectionAxes, estimate_sigma,
+};
+use code::Surface;
+use link::Contour;
+use nodes::Maker;
+use samples::Samples;
+use search::SearchOrder;
+use transect_device::View;
+use transect_geometry::PlaneFamily;
+
+/// What can be set.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DissertationOptions {
+    /// How an intersection is told from a range jump.
+    pub jump: JumpTest,
+    /// Most missing pixels that a curve is continued across; 0 bridges nothing.
+    pub gap: usize,
+    /// Thickness in pixels up to which alternating labels are taken for one curve; under 2 thins
+    /// nothing.
+    pub thickness: usize,
+    /// How the point between two pixels is found.
+    pub subpixel: Subpixel,
+    /// How the direction of a curve is found.
+    pub direction: DirectionRule,
+}
+
+impl Default for DissertationOptions {
+    /// The source's gaps and thickness of up to 4 pixels (3.5).
+    fn default() -> Self {
+        Self {
+            jump: JumpTest::default(),
+            gap: 4,
+            thickness: 4,
+            subpixel: Subpixel::default(),
+            direction: DirectionRule::default(),
+        }
+    }
+}
+
+/// The partial model of a view.
+///
+/// # Errors
+/// [`PartialError`] if the sensor has no inverse mapping, or the planes are too dense for the view.
+pub fn partial_model(
+    view: &View,
+    planes: &PlaneFamily,
+    options: &DissertationOptions,
+) -> Result<PartialModel, PartialError> {
+    require_inverse(view)?;
+    let axes = SectionAxes::new(view, planes)?;
+    let sigma = view.sigma().unwrap_or_else(|| estimate_sigma(view.image()));
+    let samples = Samples::new(view, &axes, options.jump, sigma);
+    let angles = options.subpixel.uses_angles().then(|| AngularGrid::read(view.frame())).flatten();
+    let order = SearchOrder::new(options.gap);
+    let modeler =
+        Modeler { samples: &samples, order: &order, angles: angles.as_ref(), options, sigma };
+    let mut model = PartialModel::default();
+    model.counts = PartialCounts { jumps: samples.jumps, sigma, ..model.counts };
+    // A plane passes between two levels exactly if it is at the lower one or over it.
+    let (low, high) = samples.extremes();
+    for level in low.ceil() as i32..high.ceil() as i32 {
+        let curves = modeler.curves(level, &mut model.counts)?;
+        if !curves.is_empty() {
+            model.planes.push(PlaneCurves { plane: axes.plane(level), curves });
+        }
+    }
+    Ok(model)
+}
+
+/// The label image of the plane at a level from the axes' base, before thinning.
+pub fn label_image(view: &View, axes: &SectionAxes, level: i32) -> LabelImage {
+    LabelImage::new(&Samples::new(view, axes, JumpTest::default(), 0.0), level)
+}
+
+/// The code image of the plane at a level from the axes' base, before thinning.
+///
+/// `sigma` is the range noise that the scale-free test for a jump allows for, in the length unit.
+pub fn code_image(
+    view: &View,
+    axes: &SectionAxes,
+    level: i32,
+    jump: JumpTest,
+    sigma: f64,
+) -> CodeImage {
+    let samples = Samples::new(view, axes, jump, sigma);
+    let plane_image = PlaneImage::new(view.frame(), &sensor_plane(axes, level));
+    let surface = Surface::new(&samples, &plane_image);
+    let labels = LabelImage::new(&samples, level);
+    CodeImage::new(&labels, &samples.grid, |p, n| surface.joined(p, n))
+}
+
+/// Refuses views whose sensor gives no device coordinates for the points it sees itself.
+fn require_inverse(view: &View) -> Result<(), PartialError> {
+    let grid = grid::Grid::new(view.frame());
+    let mut points = grid.pixels().filter_map(|p| view.point_in_sensor(p));
+    if points.any(|p| view.frame().device_point(&p).is_some()) {
+        return Ok(());
+    }
+    Err(PartialError::NoInverse { method: "dissertation", view: view.name().to_owned() })
+}
+
+/// What is the same for all planes.
+struct Modeler<'a> {
+    samples: &'a Samples<'a>,
+    order: &'a SearchOrder,
+    angles: Option<&'a AngularGrid>,
+    options: &'a DissertationOptions,
+    sigma: f64,
+}
+
+impl Modeler<'_> {
+    /// The curves of one plane; adds to the counts.
+    fn curves(
+        &self,
+        level: i32,
+        counts: &mut PartialCounts,
+    ) -> Result<Vec<PartialCurve>, PartialError> {
+        let (samples, options) = (self.samples, self.options);
+        let plane = sensor_plane(samples.axes, level);
+        let plane_image = PlaneImage::new(samples.view.frame(), &plane);
+        let surface = Surface::new(samples, &plane_image);
+        let mut labels = LabelImage::new(samples, level);
+        thin::thin(&mut labels, &samples.grid, options.thickness, |p, n| surface.joined(p, n));
+        let codes = CodeImage::new(&labels, &samples.grid, |p, n| surface.joined(p, n));
+        counts.crossings += codes.crossings();
+        if counts.crossings > MAX_CROSSINGS {
+            return Err(PartialError::TooManyCrossings { interval: samples.axes.interval() });
+        }
+        let contour = Contour::new(samples.grid, &labels, &codes, &surface);
+        let mut links = contour.link_adjacent(self.order);
+        gap::bridge(&contour, samples, level, self.order, &mut links);
+        let traces = trace::trace(&contour, &links, samples);
+        let solver = Solver::new(samples.view, plane, options.subpixel, self.angles);
+        let (direction, sigma, plane_image) = (options.direction, self.sigma, &plane_image);
+        let surface = &surface;
+        let maker = Maker { samples, surface, plane, plane_image, level, solver, direction, sigma };
+        let curves: Vec<_> = traces.iter().filter_map(|t| maker.curve(t)).collect();
+        counts.lone += traces.len() - curves.len();
+        Ok(curves)
+    }
+}

@@ -1,0 +1,266 @@
+//! From traces to curves: subpixel places, direction, and what is known about every node.
+
+use super::code::Surface;
+use super::orient::{self, DirectionRule};
+use super::plane_image::PlaneImage;
+use super::samples::Samples;
+use super::trace::{Border, Trace};
+use crate::PartialCurve;
+use crate::subpixel::{PairLine, Solver};
+use transect_device::{Neighbour, Pixel, Point3, SensorPlane, Vector3};
+use transect_geometry::{Curve, Node, Point2, Vector2};
+
+/// Bounds of the factor between range noise and the error across the curve: planes nearly tangent
+/// to the surface would claim any error, oblique surfaces an accuracy their normal does not support.
+const SIGMA_FACTORS: (f64, f64) = (1.0, 6.0);
+
+/// Smallest sine of the angle between ray and curve in the footprint.
+const MIN_SINE: f64 = 0.2;
+
+/// Nodes on each side over which the pixels along the curve are counted.
+const REACH: usize = 6;
+
+/// Distance at which two nodes are one, as a share of the pair's length: rounding.
+const SAME: f64 = 1e-6;
+
+/// The plane crossing a border.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Crossing {
+    /// The pixel before the border.
+    pub first: Pixel,
+    /// The contour pixel, whose code the border belongs to.
+    pub second: Pixel,
+    pub neighbour: Neighbour,
+    /// Where, in plane coordinates.
+    pub position: Point2,
+    /// The pixel nearer to the crossing.
+    pub nearest: Pixel,
+    /// Distance between the two samples, in the length unit.
+    pair_length: f64,
+    bridged_after: bool,
+}
+
+/// Makes the curves of one plane.
+pub(super) struct Maker<'a> {
+    pub samples: &'a Samples<'a>,
+    pub surface: &'a Surface<'a>,
+    pub plane: SensorPlane,
+    pub plane_image: &'a PlaneImage,
+    pub level: i32,
+    pub solver: Solver<'a>,
+    pub direction: DirectionRule,
+    /// Range noise, in the length unit.
+    pub sigma: f64,
+}
+
+impl Maker<'_> {
+    /// The curve of a trace; `None` if it is too short for one.
+    pub fn curve(&self, trace: &Trace) -> Option<PartialCurve> {
+        let closed = trace.ends.is_none();
+        let mut crossings = self.crossings(trace);
+        tidy(&mut crossings, closed);
+        let mut ends = trace.ends;
+        if !orient::solid_on_left(self, &crossings, closed, trace.high_on_left) {
+            reverse(&mut crossings, closed);
+            ends = ends.map(|[a, b]| [b, a]);
+        }
+        let normals: Vec<Vector3> = crossings.iter().map(|c| self.normal(c)).collect();
+        let node = |k: usize| self.node(&crossings, k, closed, &normals[k]);
+        let curve = Curve::new((0..crossings.len()).map(node).collect(), closed).ok()?;
+        let units = crossings.iter().zip(0_u32..).filter(|(c, _)| c.bridged_after);
+        Some(PartialCurve {
+            pixels: crossings.iter().map(|c| c.nearest).collect(),
+            normals: normals.iter().map(|n| n.cast()).collect(),
+            ends,
+            bridged: units.map(|(_, k)| k).collect(),
+            curve,
+        })
+    }
+
+    /// The nodes' places, in the order of the trace.
+    fn crossings(&self, trace: &Trace) -> Vec<Crossing> {
+        let mut found: Vec<Crossing> = Vec::with_capacity(trace.borders.len());
+        for border in &trace.borders {
+            match self.crossing(border) {
+                Some(crossing) => found.push(crossing),
+                // Where thinning moved a border, the plane does not pass between its samples.
+                None => {
+                    if let Some(last) = found.last_mut() {
+                        last.bridged_after |= border.bridged_after;
+                    }
+                }
+            }
+        }
+        found
+    }
+
+    fn crossing(&self, border: &Border) -> Option<Crossing> {
+        let (second, neighbour) = (border.pixel, border.neighbour);
+        let first = self.samples.grid.before(second, neighbour)?;
+        let high = |p| Some(self.samples.level(p)? > f64::from(self.level));
+        if high(first)? == high(second)? {
+            return None;
+        }
+        let meeting = self.solver.meet(&self.line(first, second, neighbour))?;
+        let points = [self.point(first)?, self.point(second)?];
+        Some(Crossing {
+            first,
+            second,
+            neighbour,
+            position: self.samples.axes.in_plane(&meeting.point),
+            nearest: if meeting.parameter < 0.5 { first } else { second },
+            pair_length: (points[1] - points[0]).norm(),
+            bridged_after: border.bridged_after,
+        })
+    }
+
+    fn point(&self, p: Pixel) -> Option<Point3> {
+        self.samples.view.point_in_sensor(p)
+    }
+
+    /// The pair with its next pixels on the same surface.
+    fn line(&self, first: Pixel, second: Pixel, neighbour: Neighbour) -> PairLine {
+        let grid = &self.samples.grid;
+        let before = grid.before(first, neighbour);
+        let (rows, cols) = if neighbour == Neighbour::Up { (1, 0) } else { (0, 1) };
+        let after = grid.step(second, rows, cols);
+        PairLine {
+            before: before.filter(|_| self.surface.joined(first, neighbour)),
+            first,
+            second,
+            after: after.filter(|after| self.surface.joined(*after, neighbour)),
+        }
+    }
+
+    /// Outward unit normal of the surface in plane coordinates; zero where unknown.
+    ///
+    /// From the pair itself and the differences across it at both its pixels.
+    fn normal(&self, crossing: &Crossing) -> Vector3 {
+        self.known_normal(crossing).unwrap_or_else(Vector3::zeros)
+    }
+
+    fn known_normal(&self, crossing: &Crossing) -> Option<Vector3> {
+        let along = self.point(crossing.second)? - self.point(crossing.first)?;
+        let other = match crossing.neighbour {
+            Neighbour::Up => Neighbour::Left,
+            Neighbour::Left => Neighbour::Up,
+        };
+        let differences = [crossing.first, crossing.second].map(|p| self.difference(p, other));
+        let across: Vector3 = differences.into_iter().flatten().sum();
+        let normal = along.cross(&across).try_normalize(0.0)?;
+        let ray = self.samples.view.frame().ray(crossing.nearest)?.direction;
+        let outward = if normal.dot(&ray) > 0.0 { -normal } else { normal };
+        Some(self.samples.axes.turn(&outward))
+    }
+
+    /// Change of the surface point along rows or columns at a pixel, from either side.
+    fn difference(&self, p: Pixel, neighbour: Neighbour) -> Option<Vector3> {
+        let grid = &self.samples.grid;
+        let (rows, cols) = if neighbour == Neighbour::Up { (1, 0) } else { (0, 1) };
+        let before = grid.before(p, neighbour).filter(|_| self.surface.joined(p, neighbour));
+        let after = grid.step(p, rows, cols).filter(|a| self.surface.joined(*a, neighbour));
+        let (from, to) = (before.unwrap_or(p), after.unwrap_or(p));
+        (from != to).then(|| Some(self.point(to)? - self.point(from)?)).flatten()
+    }
+
+    fn node(&self, crossings: &[Crossing], k: usize, closed: bool, normal: &Vector3) -> Node {
+        let ray = self.samples.view.frame().ray(crossings[k].nearest);
+        let ray = self.samples.axes.turn(&ray.map_or(Vector3::z(), |r| r.direction));
+        Node {
+            position: crossings[k].position,
+            sigma: (self.sigma * sigma_factor(normal, &ray)) as f32,
+            footprint: footprint(crossings, k, closed, normal, &ray) as f32,
+            weight: 1.0,
+            views: 1,
+        }
+    }
+}
+
+/// Drops nodes that repeat the one before: where a sample lies on the plane, up to four of its
+/// borders are crossed there.
+fn tidy(crossings: &mut Vec<Crossing>, closed: bool) {
+    let repeats = |a: &Crossing, b: &Crossing| {
+        (a.position - b.position).norm() <= SAME * a.pair_length.max(b.pair_length)
+    };
+    crossings.dedup_by(|b, a| {
+        let same = repeats(a, b);
+        if same {
+            a.bridged_after = b.bridged_after;
+        }
+        same
+    });
+    if let (true, [first, .., last]) = (closed, crossings.as_slice())
+        && repeats(first, last)
+    {
+        crossings.pop();
+    }
+}
+
+/// Turns a curve round; what lies after a node lies before it then.
+fn reverse(crossings: &mut [Crossing], closed: bool) {
+    crossings.reverse();
+    let n = crossings.len();
+    let after: Vec<bool> = crossings.iter().map(|c| c.bridged_after).collect();
+    for (k, crossing) in crossings.iter_mut().enumerate() {
+        let next = if closed { (k + 1) % n } else { k + 1 };
+        crossing.bridged_after = after.get(next).copied().unwrap_or(false);
+    }
+}
+
+/// Error across the curve per error along the ray.
+///
+/// A sample displaced by δ along the ray d moves the surface by δ (d · N) along its normal N, and the
+/// section by that over the sine of the angle between surface and plane.
+fn sigma_factor(normal: &Vector3, ray: &Vector3) -> f64 {
+    let factor = ray.dot(normal).abs() / normal.x.hypot(normal.y);
+    if factor.is_nan() { SIGMA_FACTORS.1 } else { factor.clamp(SIGMA_FACTORS.0, SIGMA_FACTORS.1) }
+}
+
+/// Length along the curve that one pixel covers: the coarser of the samples' spacing, seen along the
+/// curve, and the curve's length per pixel of the kind it crosses more often.
+fn footprint(
+    crossings: &[Crossing],
+    k: usize,
+    closed: bool,
+    normal: &Vector3,
+    ray: &Vector3,
+) -> f64 {
+    let n = crossings.len();
+    let reach = REACH.min((n - 1) / 2);
+    let at = |steps: i64| {
+        let place = k as i64 + steps;
+        let place = if closed { place.rem_euclid(n as i64) } else { place.clamp(0, n as i64 - 1) };
+        &crossings[place as usize]
+    };
+    let reach = reach as i64;
+    let rows = (-reach..reach).filter(|s| at(*s).neighbour == Neighbour::Up).count();
+    let pixels = rows.max(2 * reach as usize - rows);
+    let chords = [(-reach, 0), (0, reach)].map(|(a, b)| (at(b).position - at(a).position).norm());
+    let tangent = Vector2::new(-normal.y, normal.x).try_normalize(0.0).unwrap_or_else(Vector2::x);
+    let along = tangent.x * ray.x + tangent.y * ray.y;
+    let sine = (1.0 - along * along).max(0.0).sqrt().max(MIN_SINE);
+    let spacing = crossings[k].pair_length * (ray_sine(normal, ray)) / sine;
+    if pixels < 3 { spacing } else { spacing.max((chords[0] + chords[1]) / pixels as f64) }
+}
+
+/// Cosine of the incidence: samples of an oblique surface lie this much closer across the ray.
+fn ray_sine(normal: &Vector3, ray: &Vector3) -> f64 {
+    let cos = normal.dot(ray).abs();
+    if cos > 0.0 { cos } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn error_across_the_curve_follows_the_angles() {
+        let head_on = sigma_factor(&Vector3::new(0.0, -1.0, 0.0), &Vector3::y());
+        assert!((head_on - 1.0).abs() < 1e-12);
+        let slope = Vector3::new(0.0, -0.6, 0.8);
+        let from_above = sigma_factor(&slope, &-Vector3::z());
+        assert!((from_above - 0.8 / 0.6).abs() < 1e-12, "{from_above}");
+        assert_eq!(sigma_factor(&Vector3::z(), &-Vector3::z()), SIGMA_FACTORS.1, "a floor");
+        assert_eq!(sigma_factor(&Vector3::zeros(), &Vector3::z()), SIGMA_FACTORS.1, "unknown");
+    }
+}

@@ -1,0 +1,134 @@
+//! The direction of a curve: solid on the left, seen against the plane's normal (3.7, errata).
+//!
+//! Every node whose two rays tell votes for or against the direction in which the curve was traced;
+//! two ways of telling are built:
+//!
+//! * [`DirectionRule::PlanePoints`], free of conventions: of the two pixels of a border, the one whose
+//!   ray meets the plane before the surface has its point of the plane in free space, the other one
+//!   behind the surface. So inside lies from the first of these points towards the second, and must
+//!   be on the left of the curve.
+//! * [`DirectionRule::Codes`], the printed steps a–d: (a) the side of the plane on which the pixel's
+//!   ray starts; (b) the right-hand pixel, from the code and the way from the last contour pixel,
+//!   with the printed lines of codes 1 and 2 exchanged (errata), mirrored on grids of the other
+//!   handedness; (c) whether that pixel's ray meets the plane before the object, so that the plane
+//!   is outside there; (d) the direction is right if the start is on the positive side and right is
+//!   outside, or neither. A right-hand pixel of another surface tells nothing about this one.
+//!
+//! Where no node tells (a plane through the sensor, which no ray meets), the high side of the plane
+//! does: seen from the sensor it is on the left, whatever side of the plane the sensor is on, and
+//! on the right on a mirrored grid.
+
+use super::nodes::{Crossing, Maker};
+use transect_device::{Handedness, Neighbour, Pixel};
+use transect_geometry::{Point2, Vector2};
+
+/// How a curve's direction is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum DirectionRule {
+    /// From where the rays of a border's two pixels meet the plane.
+    #[default]
+    PlanePoints,
+    /// From codes and right-hand pixels, as printed (errata).
+    Codes,
+}
+
+/// Whether a traced curve already has its solid on the left.
+pub(super) fn solid_on_left(
+    maker: &Maker,
+    crossings: &[Crossing],
+    closed: bool,
+    high_on_left: bool,
+) -> bool {
+    let votes = match maker.direction {
+        DirectionRule::PlanePoints => by_plane_points(maker, crossings, closed),
+        DirectionRule::Codes => by_codes(maker, crossings),
+    };
+    if votes == 0.0 {
+        high_on_left == (maker.samples.view.frame().handedness() == Handedness::ColumnsRight)
+    } else {
+        votes > 0.0
+    }
+}
+
+/// Sum of the votes: each is the sine between the curve and the direction to the inside.
+fn by_plane_points(maker: &Maker, crossings: &[Crossing], closed: bool) -> f64 {
+    let vote = |k: usize| {
+        let towards_inside = towards_inside(maker, &crossings[k])?;
+        tangent(crossings, k, closed).map(|t| t.perp(&towards_inside))
+    };
+    (0..crossings.len()).filter_map(vote).sum()
+}
+
+/// Unit direction in the plane from free space to behind the surface; `None` unless both rays meet
+/// the plane, one of them before the surface.
+fn towards_inside(maker: &Maker, crossing: &Crossing) -> Option<Vector2> {
+    let frame = maker.samples.view.frame();
+    let on_plane = |p: Pixel| -> Option<(Point2, bool)> {
+        let value = maker.plane_image.get(p);
+        let point = value.is_finite().then(|| frame.point(p, value)).flatten()?;
+        let object = f64::from(maker.samples.view.image().get(p)?);
+        Some((maker.samples.axes.in_plane(&point), maker.plane_image.is_before(p, object)))
+    };
+    let (a, a_is_free) = on_plane(crossing.first)?;
+    let (b, b_is_free) = on_plane(crossing.second)?;
+    let inside = if a_is_free { b - a } else { a - b };
+    (a_is_free != b_is_free).then(|| inside.try_normalize(0.0)).flatten()
+}
+
+/// Unit direction of the trace at a crossing, from its neighbours.
+fn tangent(crossings: &[Crossing], k: usize, closed: bool) -> Option<Vector2> {
+    let n = crossings.len();
+    let (before, after) = if closed {
+        ((k + n - 1) % n, (k + 1) % n)
+    } else {
+        (k.saturating_sub(1), (k + 1).min(n - 1))
+    };
+    (crossings[after].position - crossings[before].position).try_normalize(0.0)
+}
+
+/// Number of nodes for which steps a–d find the direction right, less those that find it wrong.
+fn by_codes(maker: &Maker, crossings: &[Crossing]) -> f64 {
+    let mut votes = 0.0;
+    let mut last: Option<Pixel> = None;
+    for (k, crossing) in crossings.iter().enumerate() {
+        if k > 0 && crossings[k - 1].second != crossing.second {
+            last = Some(crossings[k - 1].second);
+        }
+        if let Some(right) = last.and_then(|last| right_pixel(maker, last, crossing))
+            && let Some(correct) = is_correct(maker, right)
+        {
+            votes += if correct { 1.0 } else { -1.0 };
+        }
+    }
+    votes
+}
+
+/// Step b: the pixel on the right of the way from the last contour pixel to this one.
+fn right_pixel(maker: &Maker, last: Pixel, crossing: &Crossing) -> Option<Pixel> {
+    let grid = &maker.samples.grid;
+    let (rows, cols) = grid.offset(last, crossing.second);
+    let sign = |x: f64| if x == 0.0 { 0 } else { x.signum() as i32 };
+    let (down, right) = match crossing.neighbour {
+        Neighbour::Up => (sign(cols), 0),
+        Neighbour::Left => (0, -sign(rows)),
+    };
+    let mirrored = maker.samples.view.frame().handedness() == Handedness::ColumnsLeft;
+    let (down, right) = if mirrored { (-down, -right) } else { (down, right) };
+    let pixel = ((down, right) != (0, 0)).then(|| grid.step(crossing.second, down, right));
+    pixel.flatten().filter(|right| maker.surface.alike(crossing.second, *right))
+}
+
+/// Steps a, c and d; `None` where the pixel is missing, its ray starts on the plane, or it meets the
+/// plane where the sensor does not see.
+fn is_correct(maker: &Maker, right: Pixel) -> Option<bool> {
+    let view = maker.samples.view;
+    let (ray, plane) = (view.frame().ray(right)?, &maker.plane);
+    let height = plane.normal.dot(&ray.start.coords) - plane.offset;
+    let meets = height * plane.normal.dot(&ray.direction) < 0.0;
+    if height == 0.0 || (meets && maker.plane_image.get(right).is_infinite()) {
+        return None;
+    }
+    let object = f64::from(view.image().get(right)?);
+    let right_is_outside = maker.plane_image.is_before(right, object);
+    Some((height > 0.0) == right_is_outside)
+}
