@@ -12,10 +12,11 @@ mod axes;
 mod breaks;
 mod noise;
 pub mod one_pass;
+pub mod smooth;
 
 pub use axes::{MAX_LEVELS, SectionAxes};
 pub use breaks::BreakRule;
-pub use noise::estimate_sigma;
+pub use noise::{RangeNoise, estimate_sigma, estimate_value_sigma, length_per_value};
 
 use transect_geometry::{Curve, PlaneIndex};
 
@@ -48,6 +49,12 @@ pub struct PartialCounts {
     pub lone: usize,
     /// Range noise that was given or estimated, in the model's length unit.
     pub sigma: f64,
+    /// Range noise that is left at the median pixel after smoothing, in the model's length unit.
+    pub sigma_after: f64,
+    /// Pixels that smoothing changed.
+    pub smoothed: usize,
+    /// Diameter of the window that it looked at, at the median of them, in pixels; 0 if none.
+    pub window: f64,
 }
 
 /// Why a view could not be modelled.
