@@ -98,6 +98,6 @@ impl Grid {
         let start = row * self.stride + col;
         let mut lanes = [0.0; LANES];
         lanes.copy_from_slice(&self.quantities[start..start + LANES]);
-        super::Lanes(lanes)
+        super::Lanes::new(lanes)
     }
 }

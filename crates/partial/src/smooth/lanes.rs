@@ -4,11 +4,11 @@ use std::array::from_fn;
 use std::ops::{Add, Mul, Sub};
 
 /// Pixels that are fitted together.
-pub(super) const LANES: usize = 4;
+pub(super) const LANES: usize = 8;
 
 /// One number per pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Lanes(pub [f32; LANES]);
+pub(super) struct Lanes([f32; LANES]);
 
 impl Lanes {
     pub const ZERO: Self = Self::all(0.0);
@@ -17,10 +17,22 @@ impl Lanes {
         Self([value; LANES])
     }
 
+    pub const fn new(values: [f32; LANES]) -> Self {
+        Self(values)
+    }
+
+    pub fn get(self, lane: usize) -> f32 {
+        self.0[lane]
+    }
+
+    pub fn set(&mut self, lane: usize, value: f32) {
+        self.0[lane] = value;
+    }
+
     /// Each number, or 0 where it is negative or NaN.
     #[inline(always)]
     pub fn positive(self) -> Self {
-        Self(from_fn(|k| if self.0[k] > 0.0 { self.0[k] } else { 0.0 }))
+        Self(from_fn(|k| self.0[k].max(0.0)))
     }
 
     /// `1 / self` where the number exceeds a bound, else 0.

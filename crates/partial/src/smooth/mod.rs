@@ -35,7 +35,7 @@ mod quantity;
 mod window;
 
 use crate::{BreakRule, RangeNoise, length_per_value};
-use block::Block;
+use block::{Block, Weights};
 use grid::Grid;
 use lanes::{LANES, Lanes};
 use quantity::Quantity;
@@ -85,10 +85,11 @@ pub fn smooth(view: &View, noise: &RangeNoise, rule: &BreakRule) -> Result<Smoot
     let mut radii = Vec::new();
     if noise.length() > 0.0 {
         let smoother = Smoother::new(view, noise, rule);
+        let mut weights = Weights::new();
         for row in 0..size.rows {
             let pixels = row * size.cols..(row + 1) * size.cols;
             let out = (&mut values[pixels.clone()], &mut sigma_factors[pixels]);
-            smoother.row(row, out, &mut radii);
+            smoother.row(row, out, &mut radii, &mut weights);
         }
     }
     Ok(Smoothed {
@@ -137,7 +138,13 @@ impl<'a> Smoother<'a> {
         Self { view, noise, quantity, grid: Grid::new(view, rule, quantity) }
     }
 
-    fn row(&self, row: usize, (values, factors): (&mut [f32], &mut [f32]), radii: &mut Vec<f32>) {
+    fn row(
+        &self,
+        row: usize,
+        (values, factors): (&mut [f32], &mut [f32]),
+        radii: &mut Vec<f32>,
+        weights: &mut Weights,
+    ) {
         for first in (0..values.len()).step_by(LANES) {
             let columns = first..(first + LANES).min(values.len());
             let mut block = Block::new(row, first);
@@ -149,7 +156,7 @@ impl<'a> Smoother<'a> {
             if block.is_empty() {
                 continue;
             }
-            let fit = block.fit(&self.grid);
+            let fit = block.fit(&self.grid, weights);
             for col in columns {
                 let Some((change, factor)) = fit.at(col - first) else { continue };
                 let old = self.quantity.of_value(f64::from(values[col]));
@@ -167,7 +174,7 @@ impl<'a> Smoother<'a> {
             self.grid.spacings.get(pixel.row * self.view.image().size().cols + pixel.col)?;
         let (across, down) = (f64::from(spacings[0]), f64::from(spacings[1]));
         let spacing = (across * down).sqrt();
-        if !(spacing > 0.0) {
+        if spacing.is_nan() || spacing <= 0.0 {
             return None;
         }
         let rate = length_per_value(self.view.frame(), pixel, d3)?;

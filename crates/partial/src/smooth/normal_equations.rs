@@ -54,19 +54,14 @@ impl Sums {
     #[inline(always)]
     pub fn add_row(&mut self, y: f32, row: &RowSums) {
         let ys = [1.0, y, y * y, y * y * y, y * y * y * y];
-        for a in 0..5 {
-            for b in 0..5 - a {
-                self.powers[a][b] = self.powers[a][b] + row.powers[a] * ys[b];
+        for (a, (sums, power)) in self.powers.iter_mut().zip(row.powers).enumerate() {
+            for (sum, y) in sums.iter_mut().zip(ys).take(5 - a) {
+                *sum = *sum + power * y;
             }
         }
         for (sum, (a, b)) in self.values.iter_mut().zip(POWERS) {
             *sum = *sum + row.values[a] * ys[b];
         }
-    }
-
-    /// The sum of all weights.
-    pub fn weight(&self) -> Lanes {
-        self.powers[0][0]
     }
 
     /// The polynomial that fits best.
