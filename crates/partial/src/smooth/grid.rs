@@ -74,21 +74,16 @@ impl Grid {
         for (col, place) in Self::columns(view) {
             self.links.set(row, place, rule.holds(&left[col]), rule.holds(&up[col]));
         }
-        for (col, (left, up)) in left.iter().zip(up).enumerate() {
-            if rule.holds(left) {
-                self.note(row * cols + col, 0, left.lateral);
-                self.note(row * cols + (col + cols - 1) % cols, 0, left.lateral);
-            }
-            if rule.holds(up) {
-                self.note(row * cols + col, 1, up.lateral);
-                self.note((row - 1) * cols + col, 1, up.lateral);
+        for col in 0..cols {
+            let pixel = row * cols + col;
+            // The pair after the pixel counts, or else the one before: they differ by noise alone.
+            let beside = [left[(col + 1) % cols], left[col]].into_iter().find(|p| rule.holds(p));
+            self.spacings[pixel][0] = beside.map_or(f32::NAN, |pair| pair.lateral);
+            if rule.holds(&up[col]) {
+                self.spacings[pixel][1] = up[col].lateral;
+                self.spacings[pixel.saturating_sub(cols)][1] = up[col].lateral;
             }
         }
-    }
-
-    /// Of the pairs on both sides the later one counts: they differ by noise alone.
-    fn note(&mut self, pixel: usize, direction: usize, spacing: f32) {
-        self.spacings[pixel][direction] = spacing;
     }
 
     /// The quantity of [`LANES`] pixels from a place that is off a pixel by some rows and columns;

@@ -160,7 +160,12 @@ impl<'a> Smoother<'a> {
             for col in columns {
                 let Some((change, factor)) = fit.at(col - first) else { continue };
                 let old = self.quantity.of_value(f64::from(values[col]));
-                values[col] = self.quantity.value(old + f64::from(change)) as f32;
+                let value = self.quantity.value(old + f64::from(change)) as f32;
+                // Noise as large as the range itself could turn a sample into a missing one.
+                if !(value > 0.0 && value.is_finite()) {
+                    continue;
+                }
+                values[col] = value;
                 factors[col] = factor;
                 radii.push(block.radius(col - first));
             }
