@@ -5,7 +5,8 @@
 //!
 //! * [`one_pass`]: all planes of a straight guide in one sweep over the image;
 //! * [`BreakRule`]: where neighbouring pixels do not belong to one surface (3.4.2);
-//! * [`estimate_sigma`]: the range noise of an image of which it is not known;
+//! * [`RangeNoise`]: the range noise of a view, stated or estimated from its image;
+//! * [`mod@smooth`]: edge-preserving smoothing of noisy images before that;
 //! * [`SectionAxes`]: levels and plane coordinates straight from sensor coordinates.
 
 mod axes;

@@ -3,6 +3,7 @@
 
 mod surfaces;
 
+use std::f64::consts::FRAC_1_SQRT_2;
 use std::sync::Arc;
 use surfaces::{Distance, camera, error_at, look, pixels, quantile, radar};
 use transect_device::{DeviceFrame, Pixel, Point3, View};
@@ -38,7 +39,7 @@ fn torus(p: &Point3) -> f64 {
 /// A box with a corner towards the sensor, before a wall; a rod of two to three pixels before both.
 fn corner_and_rod(p: &Point3) -> f64 {
     let (x, y, z) = ahead(p);
-    let (a, b) = (0.7071 * (x + z - 3.0), 0.7071 * (z - 3.0 - x));
+    let (a, b) = (FRAC_1_SQRT_2 * (x + z - 3.0), FRAC_1_SQRT_2 * (z - 3.0 - x));
     let (dx, dy, dz) = (a.abs() - 0.5, (y - 0.1).abs() - 0.5, b.abs() - 0.5);
     let outside = dx.max(0.0).hypot(dy.max(0.0)).hypot(dz.max(0.0));
     let solid = outside + dx.max(dy).max(dz).min(0.0);

@@ -42,14 +42,17 @@ fn grid() -> Arc<dyn DeviceFrame> {
     Arc::new(PointGrid::new(surfaces::SIZE, points, starts).unwrap().0)
 }
 
+/// Name, sensor, normal and point of a wall, and noise of the values.
+type Case = (&'static str, Arc<dyn DeviceFrame>, (Vector3, Point3), f64);
+
 /// Every kind of sensor, a wall that it sees, and a noise of its values.
-fn cases() -> Vec<(&'static str, Arc<dyn DeviceFrame>, (Vector3, Point3), f64)> {
+fn cases() -> Vec<Case> {
     let stripe: Arc<dyn DeviceFrame> = Arc::new(LightStripe::smart_eye().unwrap());
     let table = LookupTable::hyscan(LinearSteps::new(0.0, 0.5, 60)).unwrap();
     let tilted = Vector3::new(0.3, 0.1, -1.0);
     let (row, col) = (stripe.size().rows / 2, stripe.size().cols / 2);
     let middle = (1..400).map(|k| 2.0 * f64::from(k));
-    let seen = middle.filter_map(|d3| stripe.point(Pixel::new(row, col), d3)).last().unwrap();
+    let seen = middle.rev().find_map(|d3| stripe.point(Pixel::new(row, col), d3)).unwrap();
     let before = Point3::new(seen.x, seen.y, 0.5 * seen.z);
     vec![
         ("camera", camera(), (tilted, Point3::new(0.0, 0.0, 3.0)), 0.01),

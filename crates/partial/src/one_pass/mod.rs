@@ -9,7 +9,7 @@
 //! level lines of that one image, so one pass over the pixels finds them, and the cost no longer
 //! grows with planes × pixels.
 //!
-//! **Steps.**
+//! **Steps**, after the image has been smoothed if it is noisy ([`mod@crate::smooth`]).
 //! 1. Per row: levels (the device frame's fast path), `L = ceil(level)`: plane k lies between two
 //!    pixels exactly if k is in `[min L, max L)`; a pixel on the plane counts as low (3.4).
 //! 2. Pairs with a missing pixel or a range jump are broken **before** anything is emitted: few
@@ -68,8 +68,10 @@ pub fn partial_model(
     options: &OnePassOptions,
 ) -> Result<PartialModel, PartialError> {
     let noise = RangeNoise::of(view);
-    let rule_for = |sigma| BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma);
-    let rule = rule_for(noise.length());
+    // Also after smoothing: pixels that it left alone are as noisy as before.
+    let slack = options.jump_sigmas * noise.length();
+    let rule = BreakRule::new(options.max_incidence_rad, slack);
+    // An image that could not be smoothed is used as it is.
     let smoothed = options.smooth.then(|| smooth::smooth(view, &noise, &rule).ok()).flatten();
     let sigmas = NodeSigmas { view, noise, smoothed: smoothed.as_ref() };
     let view = smoothed.as_ref().map_or(view, |s| &s.view);

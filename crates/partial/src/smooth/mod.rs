@@ -24,7 +24,7 @@
 //! Missing pixels stay missing, and where noise is negligible against the spacing of the rays no
 //! bit changes. Noise of a result is shared with its neighbours over the window.
 //!
-//! **Cost.** Three passes over the window's pixels, [`LANES`] pixels at a time.
+//! **Cost.** Three passes over the window's pixels, several pixels side by side; see `lanes.rs`.
 
 mod block;
 mod grid;

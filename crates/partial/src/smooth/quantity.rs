@@ -38,7 +38,7 @@ impl Quantity {
         if inverse < value { Self::Inverse } else { Self::Value }
     }
 
-    /// The quantity of a value, and its standard deviation from that of the value.
+    /// The quantity of a value.
     pub fn of_value(self, d3: f64) -> f64 {
         match self {
             Self::Value => d3,
@@ -56,6 +56,7 @@ impl Quantity {
 
     /// The value of which this is the quantity.
     pub fn value(self, quantity: f64) -> f64 {
+        // Both functions are their own inverse.
         self.of_value(quantity)
     }
 }
