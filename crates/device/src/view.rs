@@ -65,6 +65,15 @@ impl View {
         Ok(Self { name: name.into(), image, frame, world_from_sensor, sigma })
     }
 
+    /// The same view with another image of the same scene, such as a filtered one.
+    ///
+    /// # Errors
+    /// [`ViewError`] if the sizes differ or no pixel is valid.
+    pub fn with_image(&self, image: RangeImage) -> Result<Self, ViewError> {
+        let (name, frame) = (self.name.clone(), Arc::clone(&self.frame));
+        Self::new(name, image, frame, self.world_from_sensor, self.sigma)
+    }
+
     /// What reports call this view.
     pub fn name(&self) -> &str {
         &self.name

@@ -7,7 +7,8 @@
 //! * [`dissertation`]: plane by plane, in the dissertation's own steps;
 //! * [`subpixel`]: where a plane passes between two pixels (3.6);
 //! * [`BreakRule`]: where neighbouring pixels do not belong to one surface (3.4.2);
-//! * [`estimate_sigma`]: the range noise of an image of which it is not known;
+//! * [`RangeNoise`]: the range noise of a view, stated or estimated from its image;
+//! * [`mod@smooth`]: edge-preserving smoothing of noisy images before that;
 //! * [`SectionAxes`]: levels and plane coordinates straight from sensor coordinates.
 
 mod axes;
@@ -16,11 +17,12 @@ pub mod dissertation;
 mod noise;
 pub mod one_pass;
 mod partial_curve;
+pub mod smooth;
 pub mod subpixel;
 
 pub use axes::{MAX_LEVELS, SectionAxes};
 pub use breaks::BreakRule;
-pub use noise::estimate_sigma;
+pub use noise::{RangeNoise, estimate_sigma, estimate_value_sigma, length_per_value};
 pub use partial_curve::{EndReason, PartialCurve, PlaneCurves};
 
 /// The curves of one view: its partial model.
@@ -43,6 +45,12 @@ pub struct PartialCounts {
     pub lone: usize,
     /// Range noise that was given or estimated, in the model's length unit.
     pub sigma: f64,
+    /// Range noise that is left at the median pixel after smoothing, in the model's length unit.
+    pub sigma_after: f64,
+    /// Pixels that smoothing changed.
+    pub smoothed: usize,
+    /// Diameter of the window that it looked at, at the median of them, in pixels; 0 if none.
+    pub window: f64,
 }
 
 /// Why a view could not be modelled.

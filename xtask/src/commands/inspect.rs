@@ -81,7 +81,7 @@ fn view_row(view: &View, unit: &str) -> Row {
     let (near, far) = image.extremes().unwrap_or((f32::NAN, f32::NAN));
     let (sigma, how) = match view.sigma() {
         Some(sigma) => (sigma, "given"),
-        None => (estimate_sigma(image), "estimated"),
+        None => (estimate_sigma(view), "estimated"),
     };
     let value = format!(
         "{size}, {valid:.1} % valid, values {} to {}, noise {} {how}",

@@ -54,7 +54,7 @@ pub use plane_image::{PlaneImage, sensor_plane};
 use crate::subpixel::{AngularGrid, Solver, Subpixel};
 use crate::{
     MAX_CROSSINGS, PartialCounts, PartialCurve, PartialError, PartialModel, PlaneCurves,
-    SectionAxes, estimate_sigma,
+    RangeNoise, SectionAxes,
 };
 use code::Surface;
 use link::Contour;
@@ -104,7 +104,7 @@ pub fn partial_model(
 ) -> Result<PartialModel, PartialError> {
     require_inverse(view)?;
     let axes = SectionAxes::new(view, planes)?;
-    let sigma = view.sigma().unwrap_or_else(|| estimate_sigma(view.image()));
+    let sigma = RangeNoise::of(view).length();
     let samples = Samples::new(view, &axes, options.jump, sigma);
     let angles = options.subpixel.uses_angles().then(|| AngularGrid::read(view.frame())).flatten();
     let order = SearchOrder::new(options.gap);

@@ -9,7 +9,7 @@
 //! level lines of that one image, so one pass over the pixels finds them, and the cost no longer
 //! grows with planes × pixels.
 //!
-//! **Steps.**
+//! **Steps**, after the image has been smoothed if it is noisy ([`mod@crate::smooth`]).
 //! 1. Per row: levels (the device frame's fast path), `L = ceil(level)`: plane k lies between two
 //!    pixels exactly if k is in `[min L, max L)`; a pixel on the plane counts as low (3.4).
 //! 2. Pairs with a missing pixel or a range jump are broken **before** anything is emitted: few
@@ -36,8 +36,8 @@ mod nodes;
 mod sweep;
 mod trace;
 
-use crate::{BreakRule, PartialError, PartialModel, SectionAxes, estimate_sigma};
-use transect_device::View;
+use crate::{BreakRule, PartialError, PartialModel, RangeNoise, SectionAxes, smooth};
+use transect_device::{Pixel, View};
 use transect_geometry::PlaneFamily;
 
 /// What can be set.
@@ -48,11 +48,13 @@ pub struct OnePassOptions {
     pub max_incidence_rad: f64,
     /// How many standard deviations of the range a pair may differ by from noise alone.
     pub jump_sigmas: f64,
+    /// Whether noisy images are smoothed before their contours are found; see [`mod@crate::smooth`].
+    pub smooth: bool,
 }
 
 impl Default for OnePassOptions {
     fn default() -> Self {
-        Self { max_incidence_rad: 78_f64.to_radians(), jump_sigmas: 4.0 }
+        Self { max_incidence_rad: 78_f64.to_radians(), jump_sigmas: 4.0, smooth: true }
     }
 }
 
@@ -65,14 +67,45 @@ pub fn partial_model(
     planes: &PlaneFamily,
     options: &OnePassOptions,
 ) -> Result<PartialModel, PartialError> {
+    let noise = RangeNoise::of(view);
+    // Also after smoothing: pixels that it left alone are as noisy as before.
+    let slack = options.jump_sigmas * noise.length();
+    let rule = BreakRule::new(options.max_incidence_rad, slack);
+    // An image that could not be smoothed is used as it is.
+    let smoothed = options.smooth.then(|| smooth::smooth(view, &noise, &rule).ok()).flatten();
+    let sigmas = NodeSigmas { view, noise, smoothed: smoothed.as_ref() };
+    let view = smoothed.as_ref().map_or(view, |s| &s.view);
     let axes = SectionAxes::new(view, planes)?;
-    let sigma = view.sigma().unwrap_or_else(|| estimate_sigma(view.image()));
-    let rule = BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma);
     let linked = sweep::sweep(view, &axes, &rule)?;
     let chains = trace::trace(&linked, view.frame().handedness());
-    let mut model = nodes::model(view, &axes, &linked, &chains, sigma);
+    let mut model = nodes::model(view, &axes, &linked, &chains, &sigmas);
     model.counts.crossings = linked.crossings.len();
     model.counts.jumps = linked.jumps;
-    model.counts.sigma = sigma;
+    model.counts.sigma = noise.length();
+    if let Some(smoothed) = &smoothed {
+        model.counts.smoothed = smoothed.changed;
+        model.counts.window = smoothed.window;
+    }
+    model.counts.sigma_after = sigmas.after();
     Ok(model)
+}
+
+/// What a node's range noise is.
+struct NodeSigmas<'a> {
+    view: &'a View,
+    noise: RangeNoise,
+    smoothed: Option<&'a smooth::Smoothed>,
+}
+
+impl NodeSigmas<'_> {
+    /// Standard deviation along the ray at a pixel, in the model's length unit.
+    fn at(&self, pixel: Pixel) -> f64 {
+        let factor = self.smoothed.map_or(1.0, |s| s.factor(pixel));
+        self.noise.length_at(self.view, pixel) * factor
+    }
+
+    /// At the median pixel.
+    fn after(&self) -> f64 {
+        self.noise.length() * self.smoothed.map_or(1.0, |s| s.median_factor)
+    }
 }

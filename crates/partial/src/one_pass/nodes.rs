@@ -1,5 +1,6 @@
 //! From chains to curves: what is known about every node.
 
+use super::NodeSigmas;
 use super::crossing::Crossing;
 use super::sweep::Linked;
 use super::trace::Chain;
@@ -27,10 +28,10 @@ pub(super) fn model(
     axes: &SectionAxes,
     linked: &Linked,
     chains: &[Chain],
-    sigma: f64,
+    sigmas: &NodeSigmas,
 ) -> PartialModel {
     let mut model = PartialModel::default();
-    let mut nodes = NodeMaker { view, axes, sigma, crossings: Vec::new() };
+    let mut nodes = NodeMaker { view, axes, sigmas, crossings: Vec::new() };
     for chain in chains {
         nodes.crossings.clear();
         let in_order = chain.crossings.iter().map(|&c| linked.crossings[c as usize]);
@@ -81,7 +82,7 @@ fn tidy(crossings: &mut Vec<Crossing>, closed: bool) {
 struct NodeMaker<'a> {
     view: &'a View,
     axes: &'a SectionAxes,
-    sigma: f64,
+    sigmas: &'a NodeSigmas<'a>,
     crossings: Vec<Crossing>,
 }
 
@@ -95,9 +96,10 @@ impl NodeMaker<'_> {
         let tangent = self.tangent(k, closed);
         let ray = self.view.frame().ray(crossing.pixel).map_or(Vector3::z(), |r| r.direction);
         let ray = self.axes.turn(&ray);
+        let sigma = self.sigmas.at(crossing.pixel);
         Node {
             position: crossing.position,
-            sigma: (self.sigma * sigma_factor(&tangent, &crossing.pair, &ray)) as f32,
+            sigma: (sigma * sigma_factor(&tangent, &crossing.pair, &ray)) as f32,
             footprint: self.footprint(k, closed, &tangent, &ray) as f32,
             weight: 1.0,
             views: 1,
