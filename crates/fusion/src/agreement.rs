@@ -10,9 +10,11 @@ use crate::consensus::observations::{Observation, Observations};
 use crate::grid::PointGrid;
 use transect_geometry::Curve;
 
-/// Closer than this, in footprints and standard deviations, two views agree.
+/// Closer than this, in footprints and standard deviations, two views agree. Standard deviations
+/// are those of independent noise, which smoothing lowers; what a sensor does wrong to all pixels of
+/// a neighbourhood is not, and is no sign of a wrong pose either.
 const CLOSE_FOOTPRINTS: f64 = 3.0;
-const CLOSE_SIGMAS: f64 = 3.0;
+const CLOSE_SIGMAS: f64 = 6.0;
 
 /// Farther than this many times that, a curve is another surface and tells nothing.
 const ABREAST: f64 = 4.0;
