@@ -5,10 +5,11 @@
 //!
 //! * [`mod@consensus`]: all views at once, the default;
 //! * [`agreement()`]: whether views contradict each other, the sign of a wrong pose;
-//! * [`pattern`], [`screening`]: the dissertation's overlap rules (5.3, 5.4).
+//! * [`envelopes`], [`screening`], [`pattern`]: the dissertation's envelopes and overlap rules (5.3, 5.4).
 
 mod agreement;
 pub mod consensus;
+pub mod envelopes;
 mod grid;
 pub mod pattern;
 pub mod screening;
