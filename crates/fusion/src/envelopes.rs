@@ -18,7 +18,7 @@
 
 use rstar::{AABB, RTree, RTreeObject};
 use std::collections::BTreeMap;
-use transect_geometry::{Curve, Envelope, Point2};
+use transect_geometry::{Curve, CurveUnit, Envelope, Point2};
 
 /// Largest coordinate the tree sees: the square of a length beyond it would overflow. What lies
 /// farther out meets more envelopes than it should, never fewer.
@@ -125,22 +125,35 @@ fn aabb(envelope: &Envelope) -> AABB<[f64; 2]> {
     AABB::from_corners(corner(&envelope.min), corner(&envelope.max))
 }
 
-/// The units of a curve, for finding those near a place.
+/// Curve units, for finding those near a place.
 #[derive(Debug)]
 pub(crate) struct UnitIndex {
+    units: Vec<CurveUnit>,
     tree: RTree<Entry>,
 }
 
 impl UnitIndex {
-    /// The units of a curve whose envelopes meet a rectangle.
+    /// The units of some curves, numbered on from one curve to the next.
+    pub fn new<'a>(curves: impl IntoIterator<Item = &'a Curve>) -> Self {
+        Self::of(curves.into_iter().flat_map(Curve::units).collect(), |_| true)
+    }
+
+    /// The units of a curve whose envelopes meet a rectangle, by their place along the curve.
     pub fn within(curve: &Curve, rectangle: &Envelope) -> Self {
-        let entry = |(number, unit): (usize, transect_geometry::CurveUnit)| {
-            let around =
-                Envelope { min: unit.start.inf(&unit.end), max: unit.start.sup(&unit.end) };
-            around.intersects(rectangle).then(|| Entry::new(number, &around))
-        };
-        let entries = curve.units().enumerate().filter_map(entry).collect();
-        Self { tree: RTree::bulk_load(entries) }
+        Self::of(curve.units().collect(), |around| around.intersects(rectangle))
+    }
+
+    fn of(units: Vec<CurveUnit>, wanted: impl Fn(&Envelope) -> bool) -> Self {
+        let around =
+            |u: &CurveUnit| Envelope { min: u.start.inf(&u.end), max: u.start.sup(&u.end) };
+        let all = units.iter().map(around).enumerate().filter(|(_, e)| wanted(e));
+        let tree = RTree::bulk_load(all.map(|(k, e)| Entry::new(k, &e)).collect());
+        Self { units, tree }
+    }
+
+    /// A unit by its number.
+    pub fn unit(&self, number: usize) -> Option<&CurveUnit> {
+        self.units.get(number)
     }
 
     /// Writes the numbers of all units that may be within a distance of a place into `numbers`, in

@@ -44,7 +44,7 @@ pub struct FusionCounts {
     /// Nodes kept for the result before tidying.
     pub kept: usize,
     /// Nodes left out. Of `consensus`: kept ones beside a better curve, too short to be one, or a
-    /// step to the side. Of `pairwise`: nodes farther than the threshold from the merged curve.
+    /// step to the side. Of `pairwise`: observations farther than the threshold from every fused curve.
     pub dropped: usize,
     /// Pairs of curves that overlap as the rules forbid, and stay beside each other. Always 0 for
     /// `consensus`, which resolves them.

@@ -54,8 +54,8 @@ pub struct GrowthCounts {
     pub forks: [usize; 3],
     /// Pairs refused because they overlap in several places and make no ring.
     pub several: usize,
-    /// Nodes farther than the threshold from the curve that they were merged into, and those of
-    /// curves without length.
+    /// Observations whose nodes, fused ones by their weight, were farther than the threshold from
+    /// the curve that they were merged into, and those of curves without length.
     pub dropped: usize,
 }
 
@@ -78,7 +78,7 @@ impl GrowthCounts {
         self.merged += 1;
         self.rings += usize::from(merged.ring);
         self.kept_as_seen += usize::from(!merged.averaged);
-        self.dropped += merged.dropped;
+        self.dropped = self.dropped.saturating_add(merged.dropped);
     }
 }
 

@@ -38,10 +38,11 @@ pub use grow::{GrowingPlane, GrowthCase, GrowthCounts};
 pub use splice::Refusal;
 
 use crate::consensus::{ConsensusOptions, measure};
+use crate::envelopes::UnitIndex;
 use crate::pattern::OverlapTolerance;
 use crate::{FusedPlane, FusionCounts};
 use std::cmp::Ordering;
-use transect_geometry::Curve;
+use transect_geometry::{Curve, Point2};
 
 /// What can be set. Without a tolerance no length is in the user's unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -105,10 +106,23 @@ pub fn pairwise(views: &[&[Curve]], options: &PairwiseOptions) -> FusedPlane {
     let counts = FusionCounts {
         observations: counts.observations,
         kept: curves.iter().map(|c| c.nodes().len()).sum(),
-        dropped: counts.dropped,
+        dropped: unseen(views, &curves, tolerance.distance()),
         refused: counts.refused(),
     };
     FusedPlane { curves, spread: measure.spread, threshold: tolerance.distance(), counts }
+}
+
+/// How many observations have no curve of the result within the threshold: left out as noise, on
+/// the shorter of two ends, or moved away by one merge after another.
+fn unseen(views: &[&[Curve]], curves: &[Curve], threshold: f64) -> usize {
+    let index = UnitIndex::new(curves);
+    let mut near = Vec::new();
+    let mut beside = |p: &Point2| {
+        index.near(p, threshold, &mut near);
+        near.iter().any(|k| index.unit(*k).is_some_and(|u| u.distance(p) <= threshold))
+    };
+    let nodes = views.iter().flat_map(|view| view.iter()).flat_map(Curve::nodes);
+    nodes.filter(|node| !beside(&node.position)).count()
 }
 
 /// Nothing could be fused, and every node is counted as left out.

@@ -51,7 +51,7 @@ pub(super) struct Merged {
     pub ring: bool,
     /// Whether the overlap was averaged; if not, the better supported curve's part was taken.
     pub averaged: bool,
-    /// Nodes farther than the threshold from the result.
+    /// Observations whose nodes are farther than the threshold from the result.
     pub dropped: usize,
 }
 
@@ -188,7 +188,6 @@ impl Merger<'_> {
         let around = self.pair[0].envelope().grown(self.limits.threshold);
         let around = around.merged(&self.pair[1].envelope().grown(self.limits.threshold));
         let index = UnitIndex::within(&curve, &around);
-        let units: Vec<_> = curve.units().collect();
         let mut lost = Lost::default();
         let mut near = Vec::new();
         for (side, strand) in strands.iter().enumerate() {
@@ -196,13 +195,16 @@ impl Merger<'_> {
             for (k, node) in strand.nodes.iter().enumerate().filter(|(k, _)| strand.is_observed(*k))
             {
                 index.near(&node.position, self.limits.threshold, &mut near);
-                let beside =
-                    |&u: &usize| units[u].distance(&node.position) <= self.limits.threshold;
+                let distance = |u: &usize| Some(index.unit(*u)?.distance(&node.position));
+                let beside = |u: &usize| distance(u).is_some_and(|d| d <= self.limits.threshold);
                 if near.iter().any(beside) {
                     continue;
                 }
                 let enclosed = strand.enclosed.contains(&k) && !noise(k);
-                *(if enclosed { &mut lost.enclosed } else { &mut lost.outside }) += 1;
+                // A fused node stands for as many observations as its weight says.
+                let observations = node.weight.round().max(1.0) as usize;
+                let count = if enclosed { &mut lost.enclosed } else { &mut lost.outside };
+                *count = count.saturating_add(observations);
             }
         }
         Some((curve, lost))
@@ -228,7 +230,7 @@ impl Ends {
     }
 }
 
-/// Nodes that a merged curve lost.
+/// Observations whose nodes are farther than the threshold from a merged curve.
 #[derive(Debug, Clone, Copy, Default)]
 struct Lost {
     /// In the overlap, and not left out as noise.
@@ -239,7 +241,7 @@ struct Lost {
 
 impl Lost {
     fn total(&self) -> usize {
-        self.enclosed + self.outside
+        self.enclosed.saturating_add(self.outside)
     }
 }
 

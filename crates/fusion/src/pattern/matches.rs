@@ -2,7 +2,7 @@
 
 use super::OverlapTolerance;
 use crate::envelopes::UnitIndex;
-use transect_geometry::{Curve, CurveUnit, Point2, Vector2};
+use transect_geometry::{Curve, Point2, Vector2};
 
 /// A curve with the arc length at each of its nodes, so that places on it are single numbers.
 pub(super) struct Measured<'a> {
@@ -44,7 +44,7 @@ impl<'a> Measured<'a> {
     fn place_of(&self, node: &Point2, ways: [Option<&Vector2>; 2], near: &Near<'_>) -> Option<f64> {
         let mut nearest = None;
         for &index in near.units {
-            let (unit, along) = (self.unit(index)?, &self.directions[index]);
+            let (unit, along) = (near.index.unit(index)?, &self.directions[index]);
             let agrees = ways.iter().flatten().any(|way| way.dot(along) >= near.limits.min_cosine);
             if !agrees {
                 continue;
@@ -60,12 +60,6 @@ impl<'a> Measured<'a> {
         nearest.map(|(_, place)| place)
     }
 
-    fn unit(&self, index: usize) -> Option<CurveUnit> {
-        let nodes = self.curve.nodes();
-        let end = nodes.get(index + 1).or(nodes.first().filter(|_| self.curve.is_closed()))?;
-        Some(CurveUnit { start: nodes.get(index)?.position, end: end.position })
-    }
-
     /// For each node: its arc length, and where it lies on the other curve.
     ///
     /// Only nodes and units in the rectangle common to both grown envelopes are looked at (5.3.2).
@@ -78,7 +72,7 @@ impl<'a> Measured<'a> {
         let place = |(index, node): (usize, &transect_geometry::Node)| {
             let on_other = around_other.contains(&node.position).then(|| {
                 units_of_other.near(&node.position, limits.distance, &mut units);
-                let near = Near { units: &units, limits };
+                let near = Near { index: &units_of_other, units: &units, limits };
                 other.place_of(&node.position, self.directions_at(index), &near)
             });
             (self.arc[index], on_other.flatten())
@@ -89,6 +83,7 @@ impl<'a> Measured<'a> {
 
 /// The units that may be near a node, and how near they must be.
 struct Near<'a> {
+    index: &'a UnitIndex,
     units: &'a [usize],
     limits: &'a Limits,
 }
@@ -171,7 +166,8 @@ mod tests {
             let (a, b) = (Measured::new(&a), Measured::new(&b));
             let limits = Limits { distance, min_cosine: 0.5 };
             let all: Vec<_> = (0..b.directions.len()).collect();
-            let near = Near { units: &all, limits: &limits };
+            let index = UnitIndex::new([b.curve]);
+            let near = Near { index: &index, units: &all, limits: &limits };
             let found = a.nodes_on(&b, &limits);
             for (index, (_, place)) in found.0.iter().enumerate() {
                 let node = a.curve.nodes()[index].position;
