@@ -85,6 +85,8 @@ fn a_plane_grows_by_the_three_cases() {
     // The merged curve has the newest record, and the envelopes know it.
     let curve = plane.curves().last().unwrap();
     assert_eq!(curve.envelope().size().x, 4.0);
+    // Its own and that of the slanting curve; the cancelled record is gone.
+    assert_eq!(plane.envelopes().meeting(curve).len(), 2);
     let all = plane.curves().map(|c| c.envelope().grown(DISTANCE));
     assert_eq!(plane.envelopes().plane(), all.reduce(|a, b| a.merged(&b)));
 }
@@ -123,6 +125,26 @@ fn a_second_arc_closes_a_ring() {
 }
 
 #[test]
+fn a_curve_round_all_but_a_short_gap_is_closed_by_what_bridges_it() {
+    // The gap and what sticks out of it are shorter than what counts as nothing.
+    let almost = arc(1.0, 0.1, TAU);
+    for (from, to) in [(-0.14, 0.26), (-1.0, 0.14), (-0.04, 3.0)] {
+        for views in [[almost.clone(), arc(1.0, from, to)], [arc(1.0, from, to), almost.clone()]] {
+            let (curves, counts) = grown(&views.map(|c| vec![c]));
+            assert_eq!((curves.len(), counts.rings, counts.refused()), (1, 1, 0));
+            assert!(curves[0].is_closed() && longest_unit(&curves[0]) < 0.06);
+        }
+    }
+}
+
+#[test]
+fn touching_ends_close_no_ring() {
+    let (curves, counts) = grown(&[vec![arc(1.0, 0.1, TAU - 0.01)], vec![arc(1.0, 0.0, 1.0)]]);
+    assert_eq!((curves.len(), counts.merged, counts.rings, counts.refused()), (1, 1, 0, 0));
+    assert!(!curves[0].is_closed() && (curves[0].length() - (TAU - 0.01)).abs() < 1e-3);
+}
+
+#[test]
 fn closed_curves_take_in_arcs_and_each_other() {
     for (first, second) in [
         (ring(1.0), arc(1.02, 6.0, 7.5)),
@@ -158,6 +180,16 @@ fn a_grown_curve_reaches_what_the_partial_one_did_not() {
     let (curves, counts) = grown(&[pieces, vec![wall(5, 30, -0.035)]]);
     assert_eq!((curves.len(), counts.refused()), (1, 0));
     assert_eq!(curves[0].envelope().size().x, 4.0);
+}
+
+#[test]
+fn the_worst_cases_of_figure_5_4_stay_apart() {
+    // Envelopes meet and directions agree, but the curves run side by side.
+    for (from, to) in [(1.05, 2.6), (-0.7, 0.7), (0.5, 1.0)] {
+        let views = [vec![arc(1.0, 0.0, 1.57)], vec![arc(0.9, from, to)]];
+        let (curves, counts) = grown(&views);
+        assert_eq!((curves.len(), counts.appended, counts.refused()), (2, 2, 0));
+    }
 }
 
 // The rule table (5.4).
@@ -206,6 +238,18 @@ fn a_bulge_is_refused_and_counted() {
 }
 
 #[test]
+fn a_ring_on_the_middle_of_an_open_curve_is_refused() {
+    // The open curve leaves the solid's outline at both ends, and goes all the way round between.
+    let there: Vec<_> = (0..20).map(|k| (1.0, -2.0 + 0.1 * f64::from(k))).collect();
+    let round = arc(1.0, 0.0, TAU - 0.02);
+    let round = round.nodes().iter().map(|n| (n.position.x, n.position.y));
+    let back = (1..=20).map(|k| (1.0, 0.1 * f64::from(k)));
+    let open = polyline(&there.into_iter().chain(round).chain(back).collect::<Vec<_>>());
+    let (curves, counts) = grown(&[vec![ring(1.0)], vec![open]]);
+    assert_eq!((curves.len(), counts.merged, counts.refused()), (2, 0, 1));
+}
+
+#[test]
 fn opposite_directions_never_merge() {
     for height in [0.0, 0.001, 0.04] {
         let views = [vec![wall(0, 40, 0.0)], vec![wall(0, 40, height).reversed()]];
@@ -213,6 +257,17 @@ fn opposite_directions_never_merge() {
         assert_eq!((curves.len(), counts.merged, counts.refused()), (2, 0, 0));
         assert_eq!(fuse(&views).curves.len(), 2);
     }
+}
+
+#[test]
+fn where_averaging_would_lose_a_node_the_better_supported_curve_stays() {
+    // The mean of all others takes the curve farther from one node than the threshold.
+    let height = |k: i32| if k == 22 { 0.045 } else { -0.045 };
+    let fine: Vec<_> = (0..=40).map(|k| (0.1 * f64::from(k), height(k))).collect();
+    let coarse = polyline(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (3.0, 0.0), (4.0, 0.0)]);
+    let (curves, counts) = grown(&[vec![coarse], vec![polyline(&fine)]]);
+    assert_eq!((counts.merged, counts.kept_as_seen, counts.dropped), (1, 1, 0));
+    assert_eq!(curves, [polyline(&fine)]);
 }
 
 #[test]
@@ -327,6 +382,7 @@ proptest! {
         let views: Vec<_> = looks.iter().map(|l| vec![see(&outline, l, 0.0)]).collect();
         let fused = fuse(&views);
         prop_assert_eq!(fused.counts.refused, 0);
+        prop_assert_eq!(grown(&views).1.refused(), 0);
         for curve in &fused.curves {
             let along: f64 = curve.units().map(|u| u.start.coords.perp(&u.end.coords)).sum();
             prop_assert!(along > 0.0, "a curve runs the wrong way round the outline");

@@ -10,7 +10,8 @@
 //!    one has there is no longer than the remainder that counts as nothing.
 //! 4. Of a ring, what either curve has between the two overlaps stays, and the result is closed.
 //! 5. Every node that went in must lie within the threshold of what came out, or be counted. If an
-//!    enclosed one does not, the better supported of the two curves stays as it is.
+//!    enclosed one does not, the better supported of the two curves stays as it is there; in a
+//!    ring, such nodes are only counted.
 //!
 //! **Departures from the source.** The dissertation averages, and does not say what happens at the
 //! ends: as printed, the merged curve would lose half a unit at each free end with every merge. The
@@ -70,7 +71,7 @@ pub(super) fn merge(
     let merger = Merger { pair, limits, views };
     let merged = match overlaps.as_slice() {
         [overlap] => merger.single(overlap),
-        [first, second] => merger.ring(first, second),
+        [coming, leaving] => merger.ring(coming, leaving),
         _ => None,
     };
     merged.map_or(Outcome::Apart, Outcome::Merged)
@@ -132,14 +133,15 @@ impl Merger<'_> {
     }
 
     /// Two overlaps, each the end of one curve on the beginning of the other (Rule 3).
-    fn ring(&self, first: &Overlap, second: &Overlap) -> Option<Merged> {
-        let (leaving, coming) =
-            if first.parts_a.ends_unenclosed { (second, first) } else { (first, second) };
-        // The first curve's end lies on the second one's beginning, whose end lies on the first
-        // one's beginning.
-        let ends = self.strands(leaving);
-        let beginnings = self.strands(coming);
-        let (there, back) = (self.average(&ends)?, self.average(&beginnings)?);
+    fn ring(&self, coming: &Overlap, leaving: &Overlap) -> Option<Merged> {
+        // The first curve begins on the second one's end, and later ends on its beginning.
+        let (ends, beginnings) = (self.strands(leaving), self.strands(coming));
+        let (there, back) = match (self.average(&ends), self.average(&beginnings)) {
+            (Some(there), Some(back)) => (there, back),
+            // Ends that merely touch do not close a ring.
+            (Some(_), None) => return self.single(leaving),
+            (None, _) => return self.single(coming),
+        };
         let of_first = ends[0].nodes.get(back.tails[0]..there.heads[0])?;
         let of_second = ends[1].nodes.get(there.tails[1]..back.heads[1])?;
         let mut nodes = Vec::new();

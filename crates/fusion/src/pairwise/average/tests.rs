@@ -120,6 +120,41 @@ fn both_corners_of_figure_5_12_are_followed_from_inside_and_outside() {
 }
 
 #[test]
+fn points_in_the_wedge_outside_a_bend_count() {
+    // Behind the end of the first unit and before the start of the second.
+    let basis = section(&[(0.0, 0.0), (4.0, 0.0), (6.0, 12_f64.sqrt())]);
+    let distant = section(&[(1.0, -0.2), (3.0, -0.2), (4.2, -0.25), (5.2, 1.7), (6.0, 3.1)]);
+    let found = averaged(&basis, &distant);
+    assert!(found.noise.is_empty());
+    let weights: Vec<_> = found.nodes.iter().map(|n| n.weight).collect();
+    // The corner itself stays, or the chord would cut it.
+    assert_eq!(weights, [3.0, 1.0, 4.0]);
+}
+
+#[test]
+fn a_corner_is_followed_though_noise_breaks_the_rise() {
+    // Round the corner, |y| is 0.6, 0.55, 1, ...
+    let basis = cornered(90.0, 0.0);
+    let leg = [0.6, 0.55, 1.0, 1.4, 1.8, 2.3, 2.7, 3.1].map(|y| (3.7, y));
+    let before = [0.2, 0.6, 1.1, 1.6, 2.1, 2.6, 3.1, 3.6].map(|x| (x, 0.3));
+    let found = averaged(&basis, &section(&[before.as_slice(), &leg].concat()));
+    assert!(found.noise.is_empty(), "{:?}", found.noise);
+    assert!(found.nodes.last().unwrap().position.y > 2.4);
+}
+
+#[test]
+fn a_point_that_turns_back_is_not_added_to_the_leg_before_the_corner() {
+    // x falls to -0.2 and -0.8 in the unit from 3 to 4. The first of the two is near its start, but
+    // on the way to the second, which lies on the other leg; nothing there is near enough to it.
+    let leg = |s: f64| (4.0 - s * 0.75_f64.sqrt(), 0.5 * s);
+    let along = [0.0, 1.0, 2.0, 3.0].map(|x| (x, 0.0));
+    let basis = section(&[along, [0.0, 1.0, 2.0, 3.0].map(leg)].concat());
+    let distant =
+        [(0.5, 0.1), (1.5, 0.1), (2.5, 0.1), (3.3, 0.1), (2.8, 0.1), (2.2, 0.9), (1.6, 1.2)];
+    assert_eq!(averaged(&basis, &section(&distant)).noise, [(1, 4)]);
+}
+
+#[test]
 fn a_dimple_is_left_out() {
     // One point, and a run of points that rises beyond the threshold and falls again.
     for (from, tip) in [(9, 9), (8, 12)] {
