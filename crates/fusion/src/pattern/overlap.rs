@@ -23,7 +23,7 @@
 //! overlaps itself: each node is matched once, with the nearest place.
 
 use super::matches::{Match, Measured, NodePlaces, find};
-use super::{Parts, Pattern, Verdict, verdict};
+use super::{Parts, Verdict, verdict};
 use transect_geometry::Curve;
 
 /// When two curves count as overlapping. Lengths are in the model's length unit.
