@@ -4,17 +4,21 @@
 //! direction tells surfaces apart. It refuses to know sensors, storage and other planes.
 //!
 //! * [`mod@consensus`]: all views at once, the default;
+//! * [`mod@pairwise`]: view by view and curve by curve, the dissertation's own way;
 //! * [`agreement()`]: whether views contradict each other, the sign of a wrong pose;
-//! * [`pattern`], [`screening`]: the dissertation's overlap rules (5.3, 5.4).
+//! * [`envelopes`], [`screening`], [`pattern`]: the dissertation's envelopes and overlap rules (5.3, 5.4).
 
 mod agreement;
 pub mod consensus;
+pub mod envelopes;
 mod grid;
+pub mod pairwise;
 pub mod pattern;
 pub mod screening;
 
 pub use agreement::{Agreement, agreement};
 pub use consensus::{ConsensusOptions, consensus};
+pub use pairwise::{PairwiseOptions, pairwise};
 
 use transect_geometry::Curve;
 
@@ -39,6 +43,10 @@ pub struct FusionCounts {
     pub observations: usize,
     /// Nodes kept for the result before tidying.
     pub kept: usize,
-    /// Kept nodes left out: beside a better curve, too short to be one, or a step to the side.
+    /// Nodes left out. Of `consensus`: kept ones beside a better curve, too short to be one, or a
+    /// step to the side. Of `pairwise`: observations farther than the threshold from every fused curve.
     pub dropped: usize,
+    /// Pairs of curves that overlap as the rules forbid, and stay beside each other. Always 0 for
+    /// `consensus`, which resolves them.
+    pub refused: usize,
 }

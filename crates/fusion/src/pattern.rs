@@ -24,10 +24,12 @@
 
 mod matches;
 mod overlap;
+mod page;
 
 pub use overlap::{
     CurveRange, Overlap, OverlapTolerance, Overlaps, Relation, ToleranceError, classify,
 };
+pub use page::{generated_blocks, table_as_markdown};
 
 use Fork::{AtBeginning, AtBothEnds, AtEnd};
 use Pattern::{BothWhole, EndToBeginning, WholeAndBeginning, WholeAndEnd, WholeAndMiddle};
@@ -108,6 +110,17 @@ impl Pattern {
         }
     }
 
+    /// What it is, in words.
+    pub const fn words(self) -> &'static str {
+        match self {
+            EndToBeginning => "end to beginning",
+            BothWhole => "both whole",
+            WholeAndEnd => "whole and end",
+            WholeAndBeginning => "whole and beginning",
+            WholeAndMiddle => "whole and middle",
+        }
+    }
+
     /// The pattern after both curves are walked the other way round: (c) and (d) change places.
     #[must_use]
     pub const fn reversed(self) -> Self {
@@ -131,6 +144,18 @@ pub enum Fork {
 }
 
 impl Fork {
+    /// All three in the order of their numbers.
+    pub const ALL: [Self; 3] = [AtBeginning, AtEnd, AtBothEnds];
+
+    /// Where it is, in words.
+    pub const fn words(self) -> &'static str {
+        match self {
+            AtBeginning => "at the beginning",
+            AtEnd => "at the end",
+            AtBothEnds => "at both ends",
+        }
+    }
+
     /// Its number in Table 5.1.
     pub const fn number(self) -> u8 {
         match self {
@@ -199,17 +224,6 @@ pub const TABLE_5_1: [[Verdict; 4]; 4] = [
 /// What Table 5.1 says about an overlap that leaves these parts of two curves.
 pub const fn verdict(first: Parts, second: Parts) -> Verdict {
     TABLE_5_1[first.place()][second.place()]
-}
-
-/// Table 5.1 in Markdown, as the documentation shows it.
-pub fn table_as_markdown() -> String {
-    let heads = Parts::ALL.map(|p| format!(" {:<7} |", p.capitals())).concat();
-    let mut table = format!("|     |{heads}\n|-----|{}\n", "---------|".repeat(4));
-    for (parts, row) in Parts::ALL.iter().zip(TABLE_5_1) {
-        let cells = row.map(|cell| format!(" {cell:<7} |")).concat();
-        table += &format!("| {} |{cells}\n", parts.symbols());
-    }
-    table
 }
 
 #[cfg(test)]

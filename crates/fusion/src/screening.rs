@@ -10,9 +10,11 @@
 //! 4. Some of those units must run the same way: the opposite sides of a sheet and neighbouring
 //!    surfaces that face each other do not (Figure 5.5).
 //!
-//! Departures from the source: the pairs of step 2 come from a sweep along x in place of two nested
-//! loops. Cost: O(n log n) for n curves, plus the pairs that overlap in x.
+//! Departures from the source: the pairs of step 2 come from an R-tree of envelopes
+//! ([`crate::envelopes`]) in place of two nested loops. Cost: O(n log n) for n curves, plus the
+//! pairs that meet.
 
+use crate::envelopes::PlaneEnvelopes;
 use transect_geometry::{Curve, CurveUnit, Envelope};
 
 /// Two curves whose envelopes meet, by their places in the two lists that were screened.
@@ -30,43 +32,12 @@ pub struct CandidatePair {
 ///
 /// In order of the first, then the second list. `tolerance` is in the curves' length unit.
 pub fn candidate_pairs(first: &[Curve], second: &[Curve], tolerance: f64) -> Vec<CandidatePair> {
-    let grown = |curves: &[Curve]| -> Vec<_> {
-        curves.iter().map(|c| c.envelope().grown(tolerance)).collect()
+    let second = PlaneEnvelopes::around(second, tolerance);
+    let pairs_of = |(first, curve): (usize, &Curve)| {
+        let meeting = second.meeting(curve).into_iter();
+        meeting.map(move |m| CandidatePair { first, second: m.curve, common: m.common })
     };
-    let (first, second) = (grown(first), grown(second));
-    let planes_meet = whole(&first).zip(whole(&second)).is_some_and(|(p, q)| p.intersects(&q));
-    if !planes_meet {
-        return Vec::new();
-    }
-    let mut pairs = sweep(&first, &second);
-    pairs.sort_by_key(|pair| (pair.first, pair.second));
-    pairs
-}
-
-fn whole(envelopes: &[Envelope]) -> Option<Envelope> {
-    envelopes.iter().copied().reduce(|a, b| a.merged(&b))
-}
-
-/// Meets every envelope of one list with those of the other that begin within its reach in x.
-fn sweep(first: &[Envelope], second: &[Envelope]) -> Vec<CandidatePair> {
-    let mut by_min_x: Vec<_> = (0..second.len()).collect();
-    by_min_x.sort_by(|&i, &j| second[i].min.x.total_cmp(&second[j].min.x));
-    // An envelope of the second list may begin before one of the first and still reach it, but
-    // by no more than the widest of them.
-    let widest = second.iter().map(|e| e.size().x).fold(0.0, f64::max);
-    let mut pairs = Vec::new();
-    for (index, envelope) in first.iter().enumerate() {
-        let reach = envelope.min.x - widest;
-        // Rounding of this difference must not lose a pair that only just touches.
-        let reach = reach - 1e-12 * reach.abs();
-        let begin = by_min_x.partition_point(|&j| second[j].min.x < reach);
-        let within = by_min_x[begin..].iter().take_while(|&&j| second[j].min.x <= envelope.max.x);
-        pairs.extend(within.filter_map(|&j| {
-            let common = envelope.intersection(&second[j])?;
-            Some(CandidatePair { first: index, second: j, common })
-        }));
-    }
-    pairs
+    first.iter().enumerate().flat_map(pairs_of).collect()
 }
 
 /// The units of a curve that touch a rectangle, by their place along the curve.

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use std::f64::consts::TAU;
 use transect_fusion::pattern::{
     Fork, Overlap, OverlapTolerance, Overlaps, Parts, Pattern, Relation, Verdict, classify,
-    table_as_markdown, verdict,
+    generated_blocks, verdict,
 };
 use transect_geometry::{Curve, Node, Point2, Vector2};
 
@@ -60,6 +60,16 @@ fn parts() -> impl Strategy<Value = Parts> {
     prop::sample::select(Parts::ALL.to_vec())
 }
 
+/// The parts of two curves that overlap in one of the five patterns.
+fn parts_in_patterns() -> impl Strategy<Value = (Pattern, (Parts, Parts))> {
+    let combinations = |pattern: Pattern| {
+        let all = Parts::ALL.into_iter().flat_map(|a| Parts::ALL.map(|b| (a, b)));
+        all.filter(|&(a, b)| verdict(a, b) == Verdict::Valid(pattern)).collect::<Vec<_>>()
+    };
+    let pattern = prop::sample::select(Pattern::ALL.to_vec());
+    pattern.prop_flat_map(move |p| (Just(p), prop::sample::select(combinations(p))))
+}
+
 /// Two curves that overlap in one place and leave the given parts.
 #[derive(Debug, Clone)]
 struct Case {
@@ -70,8 +80,12 @@ struct Case {
 }
 
 fn cases() -> impl Strategy<Value = Case> {
-    (parts(), parts(), stretches(), samplings(), samplings()).prop_map(
-        |(parts_a, parts_b, [before, overlap, behind], sampling_a, sampling_b)| {
+    cases_of((parts(), parts()))
+}
+
+fn cases_of(parts: impl Strategy<Value = (Parts, Parts)>) -> impl Strategy<Value = Case> {
+    (parts, stretches(), samplings(), samplings()).prop_map(
+        |((parts_a, parts_b), [before, overlap, behind], sampling_a, sampling_b)| {
             let (begin, end) = (before, before + overlap);
             // Where both curves go on, the second one leaves the surface.
             let leaves = (
@@ -149,11 +163,16 @@ fn closed(curve: &Curve) -> Curve {
     Curve::new(curve.nodes().to_vec(), true).unwrap()
 }
 
-/// Cuts an open curve at the node nearest to its middle, which both pieces keep.
-fn halves(curve: &Curve) -> [Curve; 2] {
+/// Cuts an open curve at one of the nodes that lie well between its ends' overlaps, each of which
+/// is less than `overlap` long; both pieces keep the node.
+fn cut(curve: &Curve, overlap: f64, share: f64) -> [Curve; 2] {
     let nodes = curve.nodes();
-    let middle = nodes.len() / 2;
-    [&nodes[..=middle], &nodes[middle..]].map(|half| Curve::new(half.to_vec(), false).unwrap())
+    let units: Vec<_> = curve.units().map(|u| u.vector().norm()).collect();
+    let arc = |k: usize| units[..k].iter().sum::<f64>();
+    let free = |k: &usize| arc(*k) > overlap && arc(*k) < curve.length() - overlap;
+    let between: Vec<_> = (0..nodes.len()).filter(free).collect();
+    let at = between[(share * between.len() as f64) as usize];
+    [&nodes[..=at], &nodes[at..]].map(|piece| Curve::new(piece.to_vec(), false).unwrap())
 }
 
 /// The one overlap of two curves.
@@ -175,6 +194,21 @@ proptest! {
         let overlap = single(&found)?;
         prop_assert_eq!(parts_of(&overlap), (case.parts_a, case.parts_b));
         prop_assert_eq!(overlap.verdict, verdict(case.parts_a, case.parts_b));
+    }
+
+    #[test]
+    fn the_pattern_a_pair_was_made_from_is_found_again(
+        (pattern, case) in parts_in_patterns().prop_flat_map(|(p, parts)| (Just(p), cases_of(Just(parts)))),
+        motion in motions(),
+    ) {
+        let (a, b) = (moved(&case.a, motion), moved(&case.b, motion));
+        let verdict_of = |a: &Curve, b: &Curve| Ok(single(&classify(a, b, &tolerance()))?.verdict);
+        let found: Result<_, TestCaseError> = verdict_of(&a, &b);
+        prop_assert_eq!(found?, Verdict::Valid(pattern));
+        let exchanged: Result<_, TestCaseError> = verdict_of(&b, &a);
+        prop_assert_eq!(exchanged?, Verdict::Valid(pattern));
+        let walked_back: Result<_, TestCaseError> = verdict_of(&a.reversed(), &b.reversed());
+        prop_assert_eq!(walked_back?, Verdict::Valid(pattern.reversed()));
     }
 
     #[test]
@@ -244,10 +278,14 @@ proptest! {
     }
 
     #[test]
-    fn a_ring_cut_into_sections_of_one_overlap_each_obeys_rule_2((a, b) in rings()) {
-        for (cut, whole) in [(&a, &b), (&b, &a)] {
-            for half in halves(cut) {
-                let overlap = single(&classify(&half, whole, &tolerance()))?;
+    fn a_ring_cut_into_sections_of_one_overlap_each_obeys_rule_2(
+        (a, b) in rings(), share in 0.0..1.0,
+    ) {
+        // What is left on either side of the cut is no stub.
+        let clear = 2.0 + PART / 2.0;
+        for (ring, whole) in [(&a, &b), (&b, &a)] {
+            for section in cut(ring, clear, share) {
+                let overlap = single(&classify(&section, whole, &tolerance()))?;
                 prop_assert_eq!(overlap.verdict, Verdict::Valid(Pattern::EndToBeginning));
             }
         }
@@ -385,10 +423,25 @@ fn tolerances_that_make_no_sense_are_refused() {
     assert_eq!(text, "an overlap tolerance must be a finite length of at least 0, got inf");
 }
 
+/// A page with what the code generates between its marks.
+fn with_generated_blocks(page: &str) -> String {
+    generated_blocks().into_iter().fold(page.to_owned(), |page, (name, block)| {
+        let (begin, end) =
+            (format!("<!-- generated: {name} -->\n"), format!("<!-- end of {name} -->"));
+        let (before, rest) = page.split_once(&begin).unwrap();
+        let (_, behind) = rest.split_once(&end).unwrap();
+        format!("{before}{begin}{block}{end}{behind}")
+    })
+}
+
 #[test]
-fn the_page_shows_the_table_of_the_code() {
-    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/overlap-rules.md");
-    let page = std::fs::read_to_string(page).unwrap().replace("\r\n", "\n");
-    let table = table_as_markdown();
-    assert!(page.contains(&table), "docs/overlap-rules.md should show\n\n{table}");
+fn the_page_shows_what_the_code_generates() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/overlap-rules.md");
+    let page = std::fs::read_to_string(path).unwrap().replace("\r\n", "\n");
+    let expected = with_generated_blocks(&page);
+    if std::env::var_os("TRANSECT_WRITE_PAGES").is_some() {
+        std::fs::write(path, &expected).unwrap();
+        return;
+    }
+    assert!(page == expected, "docs/overlap-rules.md should be\n\n{expected}");
 }

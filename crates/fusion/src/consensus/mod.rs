@@ -159,6 +159,28 @@ impl Kept {
     }
 }
 
+/// What the views of a plane say about their own errors, in the length unit.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Measured {
+    /// Standard deviation of one view's curve against the common one.
+    pub spread: f64,
+    /// Overlap threshold.
+    pub threshold: f64,
+    /// Median footprint.
+    pub spacing: f64,
+}
+
+/// The errors of the views as [`consensus`] measures them; `None` without nodes.
+pub(crate) fn measure(views: &[&[Curve]], options: &ConsensusOptions) -> Option<Measured> {
+    let observations = Observations::collect(views);
+    if observations.all.is_empty() {
+        return None;
+    }
+    let grid = PointGrid::new(&observations.positions(), observations.spacing());
+    let (scale, spread) = Scale::new(&observations, &grid, options);
+    Some(Measured { spread, threshold: scale.threshold, spacing: scale.spacing })
+}
+
 /// Fuses the curves of one plane; one slice of curves per view, in any order.
 pub fn consensus(views: &[&[Curve]], options: &ConsensusOptions) -> FusedPlane {
     let observations = Observations::collect(views);

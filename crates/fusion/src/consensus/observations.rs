@@ -128,7 +128,7 @@ fn reach(footprint: f64, node: &Node) -> f64 {
 
 /// A total order of curves by all that is known of them, so that results depend on what was seen
 /// alone.
-fn canonical(a: &Curve, b: &Curve) -> Ordering {
+pub(crate) fn canonical(a: &Curve, b: &Curve) -> Ordering {
     let node = |a: &Node, b: &Node| {
         let (p, q) = (&a.position, &b.position);
         (p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)))

@@ -1,7 +1,8 @@
 //! Where the nodes of one curve lie on another (dissertation 5.5.1).
 
 use super::OverlapTolerance;
-use transect_geometry::{Curve, Envelope, Point2, Vector2};
+use crate::envelopes::UnitIndex;
+use transect_geometry::{Curve, Point2, Vector2};
 
 /// A curve with the arc length at each of its nodes, so that places on it are single numbers.
 pub(super) struct Measured<'a> {
@@ -38,18 +39,19 @@ impl<'a> Measured<'a> {
 
     /// The place where a node of another curve lies on this one, if it does.
     ///
-    /// Of the units that are near enough and run the same way, the nearest one decides.
-    fn place_of(&self, node: &Point2, ways: [Option<&Vector2>; 2], t: &Limits) -> Option<f64> {
+    /// Of the given units, in order, that are near enough and run the same way, the nearest one
+    /// decides.
+    fn place_of(&self, node: &Point2, ways: [Option<&Vector2>; 2], near: &Near<'_>) -> Option<f64> {
         let mut nearest = None;
-        for (index, unit) in self.curve.units().enumerate() {
-            let along = &self.directions[index];
-            let agrees = ways.iter().flatten().any(|way| way.dot(along) >= t.min_cosine);
+        for &index in near.units {
+            let (unit, along) = (near.index.unit(index)?, &self.directions[index]);
+            let agrees = ways.iter().flatten().any(|way| way.dot(along) >= near.limits.min_cosine);
             if !agrees {
                 continue;
             }
             let x = unit.parameter(node).clamp(0.0, 1.0);
             let distance = (node - unit.at(x)).norm();
-            let limit = nearest.map_or(t.distance, |(least, _)| least);
+            let limit = nearest.map_or(near.limits.distance, |(least, _)| least);
             if distance < limit || (distance == limit && nearest.is_none()) {
                 let step = self.arc[index + 1] - self.arc[index];
                 nearest = Some((distance, self.arc[index] + x * step));
@@ -59,16 +61,31 @@ impl<'a> Measured<'a> {
     }
 
     /// For each node: its arc length, and where it lies on the other curve.
-    fn nodes_on(&self, other: &Measured<'_>, common: &Envelope, t: &Limits) -> NodePlaces {
+    ///
+    /// Only nodes and units in the rectangle common to both grown envelopes are looked at (5.3.2).
+    fn nodes_on(&self, other: &Measured<'_>, limits: &Limits) -> NodePlaces {
+        let around_other = other.curve.envelope().grown(limits.distance);
+        let around_own = self.curve.envelope().grown(limits.distance);
+        let units_of_other = UnitIndex::within(other.curve, &around_own);
+        let mut units = Vec::new();
         let nodes = self.curve.nodes().iter().enumerate();
         let place = |(index, node): (usize, &transect_geometry::Node)| {
-            let near = common.contains(&node.position).then_some(&node.position);
-            let ways = self.directions_at(index);
-            let on_other = near.and_then(|p| other.place_of(p, ways, t));
-            (self.arc[index], on_other)
+            let on_other = around_other.contains(&node.position).then(|| {
+                units_of_other.near(&node.position, limits.distance, &mut units);
+                let near = Near { index: &units_of_other, units: &units, limits };
+                other.place_of(&node.position, self.directions_at(index), &near)
+            });
+            (self.arc[index], on_other.flatten())
         };
         NodePlaces(nodes.map(place).collect())
     }
+}
+
+/// The units that may be near a node, and how near they must be.
+struct Near<'a> {
+    index: &'a UnitIndex,
+    units: &'a [usize],
+    limits: &'a Limits,
 }
 
 /// The tolerances in the form in which they are compared.
@@ -113,14 +130,50 @@ pub(super) fn find(
 ) -> (Vec<Match>, NodePlaces, NodePlaces) {
     let min_cosine = tolerance.max_angle_rad().cos();
     let limits = Limits { distance: tolerance.distance(), min_cosine };
-    // Nodes outside this rectangle are too far from the other curve (section 5.3.2).
-    let (around_a, around_b) =
-        (a.curve.envelope().grown(limits.distance), b.curve.envelope().grown(limits.distance));
-    let nodes_a = a.nodes_on(b, &around_b, &limits);
-    let nodes_b = b.nodes_on(a, &around_a, &limits);
+    let nodes_a = a.nodes_on(b, &limits);
+    let nodes_b = b.nodes_on(a, &limits);
     let from_a = nodes_a.0.iter().filter_map(|&(on_a, place)| Some(Match { on_a, on_b: place? }));
     let from_b = nodes_b.0.iter().filter_map(|&(on_b, place)| Some(Match { on_a: place?, on_b }));
     let mut matches: Vec<_> = from_a.chain(from_b).collect();
     matches.sort_by(|p, q| p.on_a.total_cmp(&q.on_a).then(p.on_b.total_cmp(&q.on_b)));
     (matches, nodes_a, nodes_b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use transect_geometry::Node;
+
+    fn curves() -> impl Strategy<Value = Curve> {
+        let step = (-0.5..1.0, -0.4..0.4);
+        let steps = prop::collection::vec(step, 3..40);
+        (steps, any::<bool>()).prop_map(|(steps, closed)| {
+            let mut at = Point2::origin();
+            let node = |(x, y): (f64, f64)| {
+                at += Vector2::new(x, y);
+                Node::at(at)
+            };
+            Curve::new(steps.into_iter().map(node).collect(), closed).unwrap()
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn the_index_finds_the_places_a_look_at_all_units_finds(
+            a in curves(), b in curves(), distance in 0.0..0.8,
+        ) {
+            let (a, b) = (Measured::new(&a), Measured::new(&b));
+            let limits = Limits { distance, min_cosine: 0.5 };
+            let all: Vec<_> = (0..b.directions.len()).collect();
+            let index = UnitIndex::new([b.curve]);
+            let near = Near { index: &index, units: &all, limits: &limits };
+            let found = a.nodes_on(&b, &limits);
+            for (index, (_, place)) in found.0.iter().enumerate() {
+                let node = a.curve.nodes()[index].position;
+                let expected = b.place_of(&node, a.directions_at(index), &near);
+                prop_assert_eq!(*place, expected);
+            }
+        }
+    }
 }

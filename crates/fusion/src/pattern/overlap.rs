@@ -23,7 +23,7 @@
 //! overlaps itself: each node is matched once, with the nearest place.
 
 use super::matches::{Match, Measured, NodePlaces, find};
-use super::{Parts, Pattern, Verdict, verdict};
+use super::{Parts, Verdict, verdict};
 use transect_geometry::Curve;
 
 /// When two curves count as overlapping. Lengths are in the model's length unit.
@@ -155,7 +155,8 @@ pub enum Relation {
     Apart,
     /// One overlap, as Rule 2 wants it.
     Single,
-    /// Two overlaps, each the end of one curve on the beginning of the other: a ring (Rule 3).
+    /// Two overlaps of open curves, each the end of one on the beginning of the other: a ring
+    /// (Rule 3). What either overlap leaves there may count as nothing.
     Ring,
     /// More overlaps than the rules allow; merging would make a fork somewhere.
     Several,
@@ -222,20 +223,27 @@ pub fn classify(a: &Curve, b: &Curve, tolerance: &OverlapTolerance) -> Overlaps 
     let overlap = |chain: &Chain| overlap_of(chain, &a, &b, tolerance);
     let mut overlaps: Vec<_> = chains.iter().filter(|c| c.len() > 1).map(overlap).collect();
     overlaps.sort_by(|p, q| p.on_a.from.total_cmp(&q.on_a.from));
-    let relation = relation_of(&overlaps);
+    let relation = relation_of(&overlaps, a.curve.is_closed() || b.curve.is_closed());
     Overlaps { overlaps, relation }
 }
 
-fn relation_of(overlaps: &[Overlap]) -> Relation {
-    let end_to_beginning = Verdict::Valid(Pattern::EndToBeginning);
+fn relation_of(overlaps: &[Overlap], closed: bool) -> Relation {
     match overlaps {
         [] => Relation::Apart,
         [_] => Relation::Single,
-        [p, q] if p.parts_a == q.parts_b && [p.verdict, q.verdict] == [end_to_beginning; 2] => {
-            Relation::Ring
-        }
+        [p, q] if !closed && is_ring(p, q) => Relation::Ring,
         _ => Relation::Several,
     }
+}
+
+/// Whether the first curve begins on the second one's end, and ends on its beginning.
+///
+/// Parts that count as nothing may be left there: curves that go all the way round but for a short
+/// gap may be enclosed whole by both overlaps, and make a ring with what bridges the gap.
+fn is_ring(p: &Overlap, q: &Overlap) -> bool {
+    let begins_on_end = !p.parts_a.begins_unenclosed && !p.parts_b.ends_unenclosed;
+    let ends_on_beginning = !q.parts_a.ends_unenclosed && !q.parts_b.begins_unenclosed;
+    begins_on_end && ends_on_beginning && p.on_a.to <= q.on_a.from && q.on_b.to <= p.on_b.from
 }
 
 /// Linked matches, with arc lengths made continuous where a closed curve runs over its node 0.

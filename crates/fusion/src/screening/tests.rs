@@ -1,4 +1,4 @@
-//! Figures 5.3 to 5.5 of the dissertation, and the sweep against the nested loops.
+//! Figures 5.3 to 5.5 of the dissertation, and the tree against the nested loops.
 
 use super::*;
 use crate::pattern::{OverlapTolerance, classify};
@@ -94,7 +94,7 @@ fn curves() -> impl Strategy<Value = Vec<Curve>> {
 
 proptest! {
     #[test]
-    fn the_sweep_finds_what_the_nested_loops_find(a in curves(), b in curves()) {
+    fn the_tree_finds_what_the_nested_loops_find(a in curves(), b in curves()) {
         let mut expected = Vec::new();
         for (first, p) in a.iter().enumerate() {
             for (second, q) in b.iter().enumerate() {

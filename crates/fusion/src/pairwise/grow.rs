@@ -1,0 +1,189 @@
+//! The global model of a plane, which grows with every view (dissertation 5.2.2, 5.3.1).
+//!
+//! **Problem.** A view brings the curves of a partial model. Each may overlap none, one or several
+//! of the curves that are already there.
+//!
+//! **Steps**, for each partial curve:
+//! 1. Case 1: the plane has no curves yet; the partial curve is the first.
+//! 2. Case 2: no envelope meets its envelope, or what met was no overlap; it is put beside them.
+//! 3. Case 3: it overlaps a global curve. That curve is merged **into the partial one** and its
+//!    record is cancelled; the grown curve goes on to the next candidate, so that a partial curve
+//!    bridges any number of global ones. In the end it takes its place among the global curves.
+//! 4. The envelopes of the curve and of the plane are exchanged with it.
+//!
+//! **Departures from the source.** Candidates come from an R-tree, and are asked for again after
+//! each merge: a grown curve may reach one that the partial curve did not. Each is tried once per
+//! partial curve. The curves of a view go in a canonical order, so that the order in which a view
+//! lists them does not matter; the order of views does, which is the method's nature.
+//!
+//! **Cost.** O(log n) for n curves of the plane, and the length of the curves that meet.
+
+use super::splice::{Merged, Outcome, Refusal, merge};
+use crate::consensus::observations::canonical;
+use crate::envelopes::{Meeting, PlaneEnvelopes};
+use crate::pattern::{Fork, OverlapTolerance, classify};
+use crate::screening::may_overlap;
+use std::collections::{BTreeMap, BTreeSet};
+use transect_geometry::Curve;
+
+/// How the model of a plane grew with a view (5.2.2, step 1).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GrowthCase {
+    /// Case 1: the plane was empty.
+    NewPlane,
+    /// Case 2: no curve of the view overlapped one of the plane.
+    Appended,
+    /// Case 3: some did.
+    Merged,
+}
+
+/// What happened while a plane grew.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct GrowthCounts {
+    /// Nodes that came.
+    pub observations: usize,
+    /// Partial curves put beside the others.
+    pub appended: usize,
+    /// Global curves merged into partial ones.
+    pub merged: usize,
+    /// Of these, rings that two curves closed.
+    pub rings: usize,
+    /// Of these, overlaps where averaging would have lost a node, and one curve stayed as it was.
+    pub kept_as_seen: usize,
+    /// Pairs refused because of a fork at the beginning (1), at the end (2), at both (3).
+    pub forks: [usize; 3],
+    /// Pairs refused because they overlap in several places and make no ring.
+    pub several: usize,
+    /// Observations whose nodes, fused ones by their weight, were farther than the threshold from
+    /// the curve that they were merged into, and those of curves without length.
+    pub dropped: usize,
+}
+
+impl GrowthCounts {
+    /// All pairs that the rules forbid to merge.
+    pub fn refused(&self) -> usize {
+        self.forks.iter().sum::<usize>() + self.several
+    }
+
+    fn refuse(&mut self, refusal: Refusal) {
+        match refusal {
+            Refusal::Fork(Fork::AtBeginning) => self.forks[0] += 1,
+            Refusal::Fork(Fork::AtEnd) => self.forks[1] += 1,
+            Refusal::Fork(Fork::AtBothEnds) => self.forks[2] += 1,
+            Refusal::Several => self.several += 1,
+        }
+    }
+
+    fn count(&mut self, merged: &Merged) {
+        self.merged += 1;
+        self.rings += usize::from(merged.ring);
+        self.kept_as_seen += usize::from(!merged.averaged);
+        self.dropped = self.dropped.saturating_add(merged.dropped);
+    }
+}
+
+/// The curves of one plane, fused so far.
+#[derive(Debug, Clone)]
+pub struct GrowingPlane {
+    tolerance: OverlapTolerance,
+    /// By record number; a curve that grows gets a new one.
+    curves: BTreeMap<usize, Curve>,
+    envelopes: PlaneEnvelopes,
+    next_record: usize,
+    views: u32,
+    counts: GrowthCounts,
+}
+
+impl GrowingPlane {
+    /// A plane without curves.
+    pub fn new(tolerance: OverlapTolerance) -> Self {
+        Self {
+            tolerance,
+            curves: BTreeMap::new(),
+            envelopes: PlaneEnvelopes::new(tolerance.distance()),
+            next_record: 0,
+            views: 0,
+            counts: GrowthCounts::default(),
+        }
+    }
+
+    /// Fuses the curves of one view into the plane.
+    pub fn grow(&mut self, partial: &[Curve]) -> GrowthCase {
+        let (was_empty, merged_before) = (self.curves.is_empty(), self.counts.merged);
+        self.views = self.views.saturating_add(1);
+        let mut curves: Vec<&Curve> = partial.iter().collect();
+        curves.sort_by(|a, b| canonical(a, b));
+        for curve in curves {
+            self.counts.observations += curve.nodes().len();
+            if curve.length() > 0.0 {
+                self.integrate(curve.clone());
+            } else {
+                self.counts.dropped += curve.nodes().len();
+            }
+        }
+        match (was_empty, self.counts.merged > merged_before) {
+            (true, _) => GrowthCase::NewPlane,
+            (false, false) => GrowthCase::Appended,
+            (false, true) => GrowthCase::Merged,
+        }
+    }
+
+    /// The global curves in order of their records.
+    pub fn curves(&self) -> impl Iterator<Item = &Curve> {
+        self.curves.values()
+    }
+
+    /// The envelopes of the global curves, by record.
+    pub fn envelopes(&self) -> &PlaneEnvelopes {
+        &self.envelopes
+    }
+
+    /// What happened so far.
+    pub fn counts(&self) -> &GrowthCounts {
+        &self.counts
+    }
+
+    /// The global curves, giving up the plane.
+    pub fn into_curves(self) -> Vec<Curve> {
+        self.curves.into_values().collect()
+    }
+
+    fn integrate(&mut self, partial: Curve) {
+        let mut curve = partial;
+        let mut tried = BTreeSet::new();
+        let mut appended = true;
+        while let Some(meeting) = self.next_candidate(&curve, &mut tried) {
+            let Some(global) = self.curves.get(&meeting.curve) else { continue };
+            match self.try_to_merge(&curve, global, &meeting) {
+                Outcome::Apart => {}
+                Outcome::Refused(refusal) => self.counts.refuse(refusal),
+                Outcome::Merged(merged) => {
+                    self.curves.remove(&meeting.curve);
+                    self.envelopes.remove(meeting.curve);
+                    self.counts.count(&merged);
+                    curve = merged.curve;
+                    appended = false;
+                }
+            }
+        }
+        self.counts.appended += usize::from(appended);
+        self.envelopes.insert(self.next_record, &curve);
+        self.curves.insert(self.next_record, curve);
+        self.next_record += 1;
+    }
+
+    /// The first global curve in order of record whose envelope meets the curve's, and that has not
+    /// been tried.
+    fn next_candidate(&self, curve: &Curve, tried: &mut BTreeSet<usize>) -> Option<Meeting> {
+        let meetings = self.envelopes.meeting(curve);
+        meetings.into_iter().find(|meeting| tried.insert(meeting.curve))
+    }
+
+    fn try_to_merge(&self, curve: &Curve, global: &Curve, meeting: &Meeting) -> Outcome {
+        if !may_overlap(curve, global, &meeting.common, self.tolerance.max_angle_rad()) {
+            return Outcome::Apart;
+        }
+        let overlaps = classify(curve, global, &self.tolerance);
+        merge([curve, global], &overlaps, &self.tolerance, self.views)
+    }
+}

@@ -1,0 +1,139 @@
+//! View by view and curve by curve: the dissertation's way to fuse a plane (5.2 to 5.5).
+//!
+//! **Problem.** Several views saw parts of the same section. Wanted: one curve where they overlap,
+//! and no fork.
+//!
+//! **Idea.** A model grows. Each view's curves are held against those that are there; where two
+//! overlap as the rules of 5.4 allow, they become one, half way between the two.
+//!
+//! **Steps.**
+//! 1. Envelopes screen pairs of curves, and their common rectangle limits the search
+//!    ([`crate::envelopes`], [`crate::screening`]; 5.3).
+//! 2. Directions reject neighbouring surfaces (Figure 5.5).
+//! 3. The parts a, b, c of both curves give one of 16 combinations, and the table says whether it
+//!    can be ([`crate::pattern`]; 5.4).
+//! 4. Projection on curve units verifies the overlap and names basis and distant curve
+//!    (`verify.rs`; 5.5.1).
+//! 5. The overlap is averaged (`average.rs`; 5.5.2) and spliced in (`splice.rs`).
+//! 6. The grown curve goes on to the next candidate (`grow.rs`; 5.2.2, 5.3.1).
+//!
+//! **Departures from the source** stand in each file. In all: the dissertation gives no threshold;
+//! here it follows from the measured spread between the views, as for
+//! [`consensus`](mod@crate::consensus). Forks are refused and counted: the two curves stay beside
+//! each other.
+//!
+//! **When not to use it.** The result drifts with every merge, since midpoints of chords lie inside
+//! an arc, the last view weighs as much as all before it, and the order of views shows. It is the
+//! specification in the dissertation's terms, and the baseline for `consensus`.
+//!
+//! **Cost.** For each view, the length of its curves and of those they meet, times its logarithm.
+
+mod average;
+mod grow;
+mod splice;
+mod strand;
+mod verify;
+
+pub use grow::{GrowingPlane, GrowthCase, GrowthCounts};
+pub use splice::Refusal;
+
+use crate::consensus::{ConsensusOptions, measure};
+use crate::envelopes::UnitIndex;
+use crate::pattern::OverlapTolerance;
+use crate::{FusedPlane, FusionCounts};
+use std::cmp::Ordering;
+use transect_geometry::{Curve, Point2};
+
+/// What can be set. Without a tolerance no length is in the user's unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PairwiseOptions {
+    /// When two curves overlap; `None` takes it from the measured spread between the views.
+    pub tolerance: Option<OverlapTolerance>,
+    /// Overlap threshold in measured spreads, if it is measured.
+    pub threshold_spreads: f64,
+}
+
+impl Default for PairwiseOptions {
+    fn default() -> Self {
+        let threshold_spreads = ConsensusOptions::default().threshold_spreads;
+        Self { tolerance: None, threshold_spreads }
+    }
+}
+
+/// Stretches that count as nothing, in thresholds: what a curve needs to come within reach of
+/// another under a flat angle.
+const REMAINDER_THRESHOLDS: f64 = 4.0;
+
+/// And in footprints: a single node off at the end of a curve is no fork.
+const REMAINDER_FOOTPRINTS: f64 = 2.0;
+
+/// Fuses the curves of one plane; one slice of curves per view, in the order of their arrival.
+///
+/// ```
+/// use transect_fusion::{PairwiseOptions, pairwise};
+/// use transect_geometry::{Curve, Node, Point2};
+/// let wall = |from: i32, to: i32, y: f64| {
+///     let nodes = (from..=to).map(|k| Node::at(Point2::new(0.1 * f64::from(k), y)));
+///     vec![Curve::new(nodes.collect(), false).unwrap()]
+/// };
+/// let (left, right) = (wall(0, 60, 0.0), wall(40, 90, 0.004));
+/// let fused = pairwise(&[&left, &right], &PairwiseOptions::default());
+/// assert_eq!(fused.curves.len(), 1);
+/// let middle = fused.curves[0].foot(&Point2::new(5.0, 0.0)).point;
+/// assert!((middle.y - 0.002).abs() < 1e-9); // half way, in the length unit
+/// ```
+pub fn pairwise(views: &[&[Curve]], options: &PairwiseOptions) -> FusedPlane {
+    let measured = ConsensusOptions {
+        threshold_spreads: options.threshold_spreads,
+        ..ConsensusOptions::default()
+    };
+    let Some(measure) = measure(views, &measured) else { return without_curves(views) };
+    let tolerance = options.tolerance.or_else(|| {
+        let remainder =
+            (REMAINDER_THRESHOLDS * measure.threshold).max(REMAINDER_FOOTPRINTS * measure.spacing);
+        let angle = measured.direction_limit_rad;
+        OverlapTolerance::new(measure.threshold, angle, remainder).ok()
+    });
+    // A spread that is no number comes of coordinates that are none, and then nothing is near.
+    let Some(tolerance) = tolerance else { return without_curves(views) };
+    let mut plane = GrowingPlane::new(tolerance);
+    for view in views {
+        plane.grow(view);
+    }
+    let counts = *plane.counts();
+    let mut curves = plane.into_curves();
+    curves.sort_by(longest_first);
+    let counts = FusionCounts {
+        observations: counts.observations,
+        kept: curves.iter().map(|c| c.nodes().len()).sum(),
+        dropped: unseen(views, &curves, tolerance.distance()),
+        refused: counts.refused(),
+    };
+    FusedPlane { curves, spread: measure.spread, threshold: tolerance.distance(), counts }
+}
+
+/// How many observations have no curve of the result within the threshold: left out as noise, on
+/// the shorter of two ends, or moved away by one merge after another.
+fn unseen(views: &[&[Curve]], curves: &[Curve], threshold: f64) -> usize {
+    let index = UnitIndex::new(curves);
+    let mut near = Vec::new();
+    let mut beside = |p: &Point2| {
+        index.near(p, threshold, &mut near);
+        near.iter().any(|k| index.unit(*k).is_some_and(|u| u.distance(p) <= threshold))
+    };
+    let nodes = views.iter().flat_map(|view| view.iter()).flat_map(Curve::nodes);
+    nodes.filter(|node| !beside(&node.position)).count()
+}
+
+/// Nothing could be fused, and every node is counted as left out.
+fn without_curves(views: &[&[Curve]]) -> FusedPlane {
+    let observations = views.iter().flat_map(|v| v.iter()).map(|c| c.nodes().len()).sum();
+    let counts = FusionCounts { observations, dropped: observations, ..FusionCounts::default() };
+    FusedPlane { counts, ..FusedPlane::default() }
+}
+
+/// Equal lengths by all that is known of the curves.
+fn longest_first(a: &Curve, b: &Curve) -> Ordering {
+    let by_length = b.length().total_cmp(&a.length());
+    by_length.then_with(|| crate::consensus::observations::canonical(a, b))
+}
