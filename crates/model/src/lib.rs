@@ -12,13 +12,14 @@
 //! ```
 //!
 //! It refuses to know how curves were made: no sensors, no range images, no fusion. Only the
-//! `store` module touches the disk, and only the `codec` module knows the bytes of a file. Lengths
+//! `file` and `store` modules touch the disk, and only the `codec` module knows the bytes of values. Lengths
 //! are in the model's one length unit; points of a plane in its [`PlaneFrame`], others in the world.
 //!
 //! * [`Model`], [`Section`], [`CurveRecord`], [`ViewRecord`]: the tree, and walking along it;
 //! * [`EditError`]: splitting and joining curves at nodes;
 //! * [`Location`], [`SectionIndex`], [`ModelIndex`]: inside, outside or unknown;
-//! * [`Model::save`], [`Model::load`], [`StoreError`]: the file;
+//! * [`Model::save`], [`Model::load`], [`FileError`]: a whole model in a plain file;
+//! * [`store`]: a model in a database, which grows view by view and need not fit into memory;
 //! * [`Model::check`], [`InvariantError`]: what holds of every model.
 //!
 //! [`PlaneFrame`]: transect_geometry::PlaneFrame
@@ -26,10 +27,11 @@
 mod check;
 mod codec;
 mod edit;
+mod file;
 mod model;
 mod query;
 mod section;
-mod store;
+pub mod store;
 
 #[cfg(test)]
 mod samples;
@@ -37,7 +39,7 @@ mod samples;
 pub use check::InvariantError;
 pub use codec::{CodecError, SCHEMA_VERSION};
 pub use edit::EditError;
+pub use file::FileError;
 pub use model::{Model, ViewRecord};
 pub use query::{Location, ModelIndex, PlaneAnswer, SectionIndex, SpaceAnswer, locate_in_plane};
 pub use section::{CurveIndex, CurveRecord, NodeIndex, Section};
-pub use store::StoreError;
