@@ -28,10 +28,13 @@ mod check;
 mod codec;
 mod edit;
 mod file;
+mod measure;
 mod model;
+mod nesting;
 mod query;
 mod section;
 pub mod store;
+mod volume;
 
 #[cfg(test)]
 mod samples;
@@ -40,6 +43,9 @@ pub use check::InvariantError;
 pub use codec::{CodecError, SCHEMA_VERSION};
 pub use edit::EditError;
 pub use file::FileError;
+pub use measure::SectionMeasures;
 pub use model::{Model, ViewRecord};
+pub use nesting::NestedCurve;
 pub use query::{Location, ModelIndex, PlaneAnswer, SectionIndex, SpaceAnswer, locate_in_plane};
 pub use section::{CurveIndex, CurveRecord, NodeIndex, Section};
+pub use volume::{ModelVolume, RunVolume, VolumeSum};

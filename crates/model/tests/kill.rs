@@ -48,7 +48,8 @@ fn entry(view: usize) -> ViewEntry {
 /// Six planes, of which neighbouring views share five; hundreds of nodes, so that values span pages.
 fn curves(view: usize) -> Vec<(PlaneIndex, Vec<Curve>)> {
     let node = |i: usize| Node::at(Point2::new((i * (view + 3) % 97) as f64, i as f64));
-    let curve = || Curve::new((0..200 + 10 * view).map(node).collect(), view % 2 == 0).unwrap();
+    let curve =
+        || Curve::new((0..200 + 10 * view).map(node).collect(), view.is_multiple_of(2)).unwrap();
     (0..6).map(|k| (PlaneIndex((view + k) as i64), vec![curve()])).collect()
 }
 

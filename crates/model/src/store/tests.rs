@@ -346,3 +346,24 @@ fn a_whole_model_is_no_store_and_a_store_no_whole_model() {
     let cause = std::error::Error::source(&refused).unwrap().to_string();
     assert_eq!(cause, "model file version 2; this program reads version 1");
 }
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(32))]
+
+    #[test]
+    fn questions_to_a_store_are_answered_like_those_to_its_model(
+        curves in curves(), capacity in 0..60usize,
+        points in prop::collection::vec((-4.0..4.0, -2.0..2.0, -2.5..2.5), 1..40),
+    ) {
+        let (_, store) = memory_store();
+        add(&store, "a", &curves).unwrap();
+        let snapshot = store.read().unwrap();
+        let model = snapshot.model().unwrap();
+        prop_assert_eq!(snapshot.volume().unwrap(), model.volume());
+        let mut query = SpaceQuery::new(snapshot, capacity);
+        for (x, y, z) in points {
+            let p = transect_geometry::Point3::new(x, y, z);
+            prop_assert_eq!(query.locate(&p).unwrap(), model.locate(&p), "{}", p);
+        }
+    }
+}
