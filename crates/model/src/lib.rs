@@ -16,8 +16,9 @@
 //! are in the model's one length unit; points of a plane in its [`PlaneFrame`], others in the world.
 //!
 //! * [`Model`], [`Section`], [`CurveRecord`], [`ViewRecord`]: the tree, and walking along it;
-//! * [`EditError`]: splitting and joining curves at nodes;
+//! * [`EditError`]: splitting and joining curves, inserting and deleting nodes;
 //! * [`Location`], [`SectionIndex`], [`ModelIndex`]: inside, outside or unknown;
+//! * [`SectionMeasures`], [`ModelVolume`], [`NestedCurve`]: area, volume with a bound, and a check on directions;
 //! * [`Model::save`], [`Model::load`], [`FileError`]: a whole model in a plain file;
 //! * [`store`]: a model in a database, which grows view by view and need not fit into memory;
 //! * [`Model::check`], [`InvariantError`]: what holds of every model.
@@ -31,6 +32,7 @@ mod file;
 mod measure;
 mod model;
 mod nesting;
+mod nodes;
 mod query;
 mod section;
 pub mod store;
