@@ -242,10 +242,20 @@ fn build(
     let beside = crate::file::path_beside(path);
     let file = File::options().read(true).write(true).create_new(true).open(&beside)?;
     let built = lock(&file).and_then(|()| fill(file));
-    let named = built.and_then(|store| Ok(fs::rename(&beside, path).map(|()| store)?));
+    let named = built.and_then(|store| {
+        fs::rename(&beside, path)?;
+        sync_folder_of(path)?;
+        Ok(store)
+    });
     if named.is_err() {
         // It holds nothing that was promised to anyone.
         let _ = fs::remove_file(&beside);
     }
     named
+}
+
+/// Makes a new name last: without this, a power cut could take it and the views committed since.
+fn sync_folder_of(path: &Path) -> std::io::Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if cfg!(unix) { File::open(folder.unwrap_or(Path::new(".")))?.sync_all() } else { Ok(()) }
 }

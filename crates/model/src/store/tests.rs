@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use transect_geometry::{Curve, Isometry3, LengthUnit, Vector3};
 
 mod damage;
+mod forged;
 mod lines;
 mod power;
 
@@ -366,4 +367,27 @@ proptest! {
             prop_assert_eq!(query.locate(&p).unwrap(), model.locate(&p), "{}", p);
         }
     }
+}
+
+#[test]
+fn only_planes_that_a_view_touches_are_fused() {
+    let (_, store) = memory_store();
+    let planes = |range: std::ops::Range<i64>| -> Curves {
+        range.map(|k| (PlaneIndex(k), square(k as f64))).collect()
+    };
+    add(&store, "a", &planes(0..50)).unwrap();
+    let fused = std::cell::RefCell::new(Vec::new());
+    let counting = |plane: PlaneIndex, partials: &[(ViewId, Vec<Curve>)]| {
+        fused.borrow_mut().push((plane.0, partials.len()));
+        fuse(plane, partials)
+    };
+    let mut view = store.begin_view(entry("b")).unwrap();
+    view.add_planes(planes(48..51), &counting).unwrap();
+    view.commit().unwrap();
+    assert_eq!(fused.take(), [(48, 2), (49, 2), (50, 1)]);
+    store.replace_view(&"b".into(), entry("b"), planes(49..50), &counting).unwrap();
+    assert_eq!(fused.take(), [(48, 1), (49, 2)]);
+    store.remove_view(&"b".into(), &counting).unwrap();
+    assert_eq!(fused.take(), [(49, 1)]);
+    assert_eq!(store.plane(PlaneIndex(50)).unwrap(), None);
 }
