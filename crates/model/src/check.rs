@@ -2,7 +2,9 @@
 
 use crate::section::around;
 use crate::{CurveIndex, CurveRecord, Model, Section, ViewRecord};
-use transect_geometry::{Curve, CurveError, GuideError, PlaneFamily, PlaneIndex, StraightGuide};
+use transect_geometry::{
+    Curve, CurveError, GuideError, Isometry3, PlaneFamily, PlaneIndex, StraightGuide,
+};
 
 /// How far the length of a unit vector or unit quaternion may be from 1; rounding stays below
 /// 1e-15, so this only refuses what was never normalised.
@@ -74,7 +76,7 @@ impl Model {
     }
 }
 
-fn check_planes(planes: &PlaneFamily) -> Result<(), InvariantError> {
+pub(crate) fn check_planes(planes: &PlaneFamily) -> Result<(), InvariantError> {
     let direction = planes.guide().direction();
     let guide = StraightGuide::along(direction).map_err(InvariantError::Planes)?;
     let remade = PlaneFamily::new(guide, planes.offset(), planes.interval());
@@ -85,16 +87,22 @@ fn check_planes(planes: &PlaneFamily) -> Result<(), InvariantError> {
 }
 
 fn check_view(view: &ViewRecord) -> Result<(), InvariantError> {
-    let pose = &view.world_from_sensor;
+    check_pose(&view.name, &view.world_from_sensor)?;
+    check_sigma(&view.name, view.sigma)
+}
+
+pub(crate) fn check_pose(name: &str, pose: &Isometry3) -> Result<(), InvariantError> {
     let at_finite_place = pose.translation.vector.iter().all(|c| c.is_finite());
     // A NaN or infinite quaternion fails this comparison too.
     let turned_rigidly = (pose.rotation.norm() - 1.0).abs() <= UNIT_TOLERANCE;
-    if !(at_finite_place && turned_rigidly) {
-        return Err(InvariantError::Pose(view.name.clone()));
-    }
-    match view.sigma {
+    let rigid = at_finite_place && turned_rigidly;
+    rigid.then_some(()).ok_or_else(|| InvariantError::Pose(name.to_owned()))
+}
+
+pub(crate) fn check_sigma(name: &str, sigma: Option<f64>) -> Result<(), InvariantError> {
+    match sigma {
         Some(sigma) if !(sigma.is_finite() && sigma >= 0.0) => {
-            Err(InvariantError::Sigma { name: view.name.clone(), sigma })
+            Err(InvariantError::Sigma { name: name.to_owned(), sigma })
         }
         _ => Ok(()),
     }
@@ -127,7 +135,7 @@ fn check_curve(
 mod tests {
     use super::*;
     use crate::samples::{small, view};
-    use transect_geometry::{Isometry3, Vector3};
+    use transect_geometry::Vector3;
 
     #[test]
     fn a_built_model_is_sound() {

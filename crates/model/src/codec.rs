@@ -1,4 +1,4 @@
-//! The bytes of a model file; nothing else in the workspace knows them.
+//! The bytes of a model file and, in [`values`], of the values in a store; nothing else knows them.
 //!
 //! ```text
 //! offset  size  what
@@ -19,6 +19,8 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::io::{Read, Write};
 use transect_geometry::{Isometry3, LengthUnit, PlaneFamily, PlaneIndex};
+
+pub(crate) mod values;
 
 const MAGIC: [u8; 8] = *b"TRANSECT";
 const HEADER_SIZE: usize = 28;
@@ -191,9 +193,15 @@ impl From<StoredView<'_>> for ViewRecord {
 ///
 /// Each step is one to one in the hash so far, so a change of a single byte is always found.
 fn fnv1a(bytes: &[u8]) -> u64 {
-    const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
+    fnv1a_from(HASH_OF_NOTHING, bytes)
+}
+
+/// Where FNV-1a begins.
+pub(crate) const HASH_OF_NOTHING: u64 = 0xcbf2_9ce4_8422_2325;
+
+pub(crate) fn fnv1a_from(hash: u64, bytes: &[u8]) -> u64 {
     const PRIME: u64 = 0x0000_0100_0000_01b3;
-    bytes.iter().fold(BASIS, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(PRIME))
+    bytes.iter().fold(hash, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(PRIME))
 }
 
 #[cfg(test)]

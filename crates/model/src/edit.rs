@@ -6,7 +6,7 @@
 use crate::{CurveIndex, Model, NodeIndex};
 use transect_geometry::{Curve, CurveError, Node, PlaneIndex};
 
-/// Why a curve could not be split or joined; the model is then unchanged.
+/// Why a curve could not be split, joined or changed; the model is then unchanged.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EditError {
@@ -18,6 +18,9 @@ pub enum EditError {
         /// The curve that was asked for.
         curve: CurveIndex,
     },
+    /// The curve has no such node, or no such place between nodes.
+    #[error("the curve has no node {0}")]
+    NoSuchNode(NodeIndex),
     /// The node does not exist, or is an end of an open curve and leaves nothing to cut off.
     #[error("the curve cannot be split at node {0}")]
     NoSplit(NodeIndex),
@@ -104,7 +107,7 @@ impl Model {
         Ok(Curve::new([head, &tail[1..]].concat(), false)?)
     }
 
-    fn curve(&self, plane: PlaneIndex, curve: CurveIndex) -> Result<&Curve, EditError> {
+    pub(crate) fn curve(&self, plane: PlaneIndex, curve: CurveIndex) -> Result<&Curve, EditError> {
         let found = self.section(plane).and_then(|section| section.curve(curve));
         found.ok_or(EditError::NoSuchCurve { plane, curve })
     }

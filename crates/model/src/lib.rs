@@ -12,13 +12,15 @@
 //! ```
 //!
 //! It refuses to know how curves were made: no sensors, no range images, no fusion. Only the
-//! `store` module touches the disk, and only the `codec` module knows the bytes of a file. Lengths
+//! `file` and `store` modules touch the disk, and only the `codec` module knows the bytes of values. Lengths
 //! are in the model's one length unit; points of a plane in its [`PlaneFrame`], others in the world.
 //!
 //! * [`Model`], [`Section`], [`CurveRecord`], [`ViewRecord`]: the tree, and walking along it;
-//! * [`EditError`]: splitting and joining curves at nodes;
+//! * [`EditError`]: splitting and joining curves, inserting and deleting nodes;
 //! * [`Location`], [`SectionIndex`], [`ModelIndex`]: inside, outside or unknown;
-//! * [`Model::save`], [`Model::load`], [`StoreError`]: the file;
+//! * [`SectionMeasures`], [`ModelVolume`], [`NestedCurve`]: area, volume with a bound, and a check on directions;
+//! * [`Model::save`], [`Model::load`], [`FileError`]: a whole model in a plain file;
+//! * [`store`]: a model in a database, which grows view by view and need not fit into memory;
 //! * [`Model::check`], [`InvariantError`]: what holds of every model.
 //!
 //! [`PlaneFrame`]: transect_geometry::PlaneFrame
@@ -26,10 +28,15 @@
 mod check;
 mod codec;
 mod edit;
+mod file;
+mod measure;
 mod model;
+mod nesting;
+mod nodes;
 mod query;
 mod section;
-mod store;
+pub mod store;
+mod volume;
 
 #[cfg(test)]
 mod samples;
@@ -37,7 +44,10 @@ mod samples;
 pub use check::InvariantError;
 pub use codec::{CodecError, SCHEMA_VERSION};
 pub use edit::EditError;
+pub use file::FileError;
+pub use measure::SectionMeasures;
 pub use model::{Model, ViewRecord};
+pub use nesting::NestedCurve;
 pub use query::{Location, ModelIndex, PlaneAnswer, SectionIndex, SpaceAnswer, locate_in_plane};
 pub use section::{CurveIndex, CurveRecord, NodeIndex, Section};
-pub use store::StoreError;
+pub use volume::{ModelVolume, RunVolume, VolumeSum};

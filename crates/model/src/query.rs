@@ -25,6 +25,7 @@
 
 use crate::{Model, Section};
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use transect_geometry::{Curve, CurveUnit, Foot, PlaneFamily, PlaneIndex, Point2, Point3, Side};
 
@@ -66,6 +67,9 @@ impl PlaneAnswer {
 pub struct SpaceAnswer {
     /// Where the point is.
     pub location: Location,
+    /// Distance in space to the nearest curve on the planes that were asked, in the model's length unit;
+    /// `None` if they have no curves. The surface between the planes may be nearer.
+    pub distance_to_nearest_curve: Option<f64>,
     /// What the planes that were asked said, in order of station: the plane the point is on, or
     /// those of its two neighbours that have curves.
     pub planes: Vec<(PlaneIndex, PlaneAnswer)>,
@@ -127,17 +131,27 @@ const TREE_ROUNDING: f64 = 1e-12;
 /// The curve units of one section in a spatial index, for many questions.
 #[derive(Debug, Clone)]
 pub struct SectionIndex<'a> {
-    section: &'a Section,
+    section: Cow<'a, Section>,
     tree: RTree<IndexedUnit>,
+}
+
+impl SectionIndex<'static> {
+    /// Sorts the units of a section into a tree that keeps the section.
+    pub fn owning(section: Section) -> Self {
+        let tree = tree_of(&section);
+        Self { section: Cow::Owned(section), tree }
+    }
 }
 
 impl<'a> SectionIndex<'a> {
     /// Sorts the units of a section into a tree.
     pub fn new(section: &'a Section) -> Self {
-        let units = section.curves().enumerate().flat_map(|(curve, c)| {
-            c.units().enumerate().map(move |(index, unit)| IndexedUnit { unit, curve, index })
-        });
-        Self { section, tree: RTree::bulk_load(units.collect()) }
+        Self { section: Cow::Borrowed(section), tree: tree_of(section) }
+    }
+
+    /// The section that was sorted.
+    pub fn section(&self) -> &Section {
+        &self.section
     }
 
     /// The same answer as [`locate_in_plane`], without asking every curve.
@@ -172,6 +186,13 @@ impl<'a> SectionIndex<'a> {
             .filter_map(|u| Some((curves.get(u.curve)?.curve(), foot_on(u, p))));
         answer(nearest, feet, p)
     }
+}
+
+fn tree_of(section: &Section) -> RTree<IndexedUnit> {
+    let units = section.curves().enumerate().flat_map(|(curve, c)| {
+        c.units().enumerate().map(move |(index, unit)| IndexedUnit { unit, curve, index })
+    });
+    RTree::bulk_load(units.collect())
 }
 
 fn foot_on(indexed: &IndexedUnit, p: &Point2) -> Foot {
@@ -211,7 +232,7 @@ impl Model {
     }
 }
 
-fn locate_between(
+pub(crate) fn locate_between(
     planes: &PlaneFamily,
     in_world: &Point3,
     ask: impl Fn(PlaneIndex, &Point2) -> Option<PlaneAnswer>,
@@ -229,11 +250,16 @@ fn locate_between(
         }
         _ => Location::Unknown,
     };
-    SpaceAnswer { location, planes: answers }
+    let distances = answers.iter().filter_map(|(k, answer)| {
+        let height = planes.frame(*k).height(in_world);
+        Some(answer.distance_to_nearest_curve?.hypot(height))
+    });
+    let distance_to_nearest_curve = distances.reduce(f64::min);
+    SpaceAnswer { location, distance_to_nearest_curve, planes: answers }
 }
 
 /// The plane a point is on, or the two it is between; none if its level is no number.
-fn planes_around(planes: &PlaneFamily, in_world: &Point3) -> Vec<PlaneIndex> {
+pub(crate) fn planes_around(planes: &PlaneFamily, in_world: &Point3) -> Vec<PlaneIndex> {
     /// Part of an interval that still counts as on the plane; as in `PlaneFamily`.
     const ROUNDING: f64 = 1e-9;
     let level = planes.level(in_world);

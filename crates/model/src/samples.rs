@@ -16,6 +16,15 @@ pub(crate) fn rectangle(x0: f64, y0: f64, x1: f64, y1: f64) -> Curve {
     polyline(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], true)
 }
 
+/// A counter-clockwise polygon of `n` nodes on a circle.
+pub(crate) fn circle(centre: Point2, radius: f64, n: usize) -> Curve {
+    let at = |i: usize| {
+        let (sin, cos) = (i as f64 * std::f64::consts::TAU / n as f64).sin_cos();
+        (centre.x + radius * cos, centre.y + radius * sin)
+    };
+    polyline(&(0..n).map(at).collect::<Vec<_>>(), true)
+}
+
 /// An open curve of three nodes along +x: solid above.
 pub(crate) fn strip() -> Curve {
     polyline(&[(-3.0, -1.0), (-2.0, -1.0), (-1.0, -1.0)], false)

@@ -1,7 +1,7 @@
 //! Laws of the queries, with the winding number and the search through all curves as oracles.
 
 use super::*;
-use crate::samples::{empty, polyline, rectangle, rings, strip, tangles};
+use crate::samples::{circle, empty, polyline, rectangle, rings, strip, tangles};
 use proptest::prelude::*;
 
 /// How often closed curves run round a point, by the signed crossings of a ray along +x.
@@ -75,7 +75,12 @@ fn beyond_an_open_end_and_on_an_empty_plane_nothing_is_known() {
     assert_eq!(beside.location, Location::Inside);
 
     let nothing = empty().locate(&Point3::origin());
-    assert_eq!(nothing, SpaceAnswer { location: Location::Unknown, planes: Vec::new() });
+    let expected = SpaceAnswer {
+        location: Location::Unknown,
+        distance_to_nearest_curve: None,
+        planes: Vec::new(),
+    };
+    assert_eq!(nothing, expected);
 }
 
 #[test]
@@ -133,4 +138,75 @@ fn huge_coordinates_do_not_break_the_tree() {
     for p in [Point2::origin(), Point2::new(-1e308, 1e308), Point2::new(f64::NAN, 0.0)] {
         let _ = index.locate(&p);
     }
+}
+
+#[test]
+fn the_distance_between_planes_is_the_one_in_space() {
+    let mut model = empty();
+    model.set_curves(PlaneIndex(0), vec![rectangle(0.0, 0.0, 4.0, 4.0)]);
+    model.set_curves(PlaneIndex(1), vec![rectangle(1.0, 1.0, 3.0, 3.0)]);
+    for (p, expected) in [
+        // The corner (0, 0, 0) is 0.3, 0.4 and 0.1 away.
+        (Point3::new(-0.3, -0.4, 0.1), Some(0.26f64.sqrt())),
+        // The edge x = 1 of the plane at 0.5 is nearer than x = 0 at 0.
+        (Point3::new(0.9, 2.0, 0.3), Some(0.05f64.sqrt())),
+        (Point3::new(2.0, 0.5, 0.5), Some(0.5)),
+        (Point3::new(2.0, 2.0, 5.0), None),
+    ] {
+        let found = model.locate(&p).distance_to_nearest_curve;
+        match (found, expected) {
+            (Some(found), Some(expected)) => assert!((found - expected).abs() < 1e-12, "{p}"),
+            other => assert_eq!(other, (None, None), "{p}"),
+        }
+    }
+}
+
+/// A ball of radius 1 that is hollow within a radius of 0.5, and the signed distance from its surface,
+/// positive in the solid.
+fn hollow_ball(interval: f64, nodes: usize) -> (Model, impl Fn(&Point3) -> f64) {
+    let guide = transect_geometry::StraightGuide::along(transect_geometry::Vector3::z()).unwrap();
+    let planes = PlaneFamily::new(guide, 0.3 * interval, interval).unwrap();
+    let mut model = Model::new(transect_geometry::LengthUnit::Metre, planes);
+    let reach = (1.0 / interval) as i64 + 1;
+    for k in (-reach..=reach).map(PlaneIndex) {
+        let z = planes.station(k);
+        let at = |radius: f64| {
+            let within = radius * radius - z * z;
+            (within > 1e-6).then(|| circle(Point2::origin(), within.sqrt(), nodes))
+        };
+        let curves = at(1.0).into_iter().chain(at(0.5).map(|hole| hole.reversed()));
+        model.set_curves(k, curves.collect());
+    }
+    (model, |p: &Point3| (1.0 - p.coords.norm()).min(p.coords.norm() - 0.5))
+}
+
+#[test]
+fn no_point_of_a_hollow_ball_is_misplaced_by_more_than_the_sampling() {
+    let (interval, nodes) = (0.04, 256);
+    let (model, depth) = hollow_ball(interval, nodes);
+    let index = ModelIndex::new(&model);
+    // Chords lie inside of the circle by at most this; planes are at most an interval away.
+    let sagitta = 1.0 - (std::f64::consts::PI / nodes as f64).cos();
+    let mut rng = proptest::test_runner::TestRng::deterministic_rng(
+        proptest::test_runner::RngAlgorithm::ChaCha,
+    );
+    let mut coordinate = || f64::from(rng.random_range(-1_200_000..1_200_000)) * 1e-6;
+    let (mut unknown, mut asked) = (0, 0);
+    for _ in 0..100_000 {
+        let p = Point3::new(coordinate(), coordinate(), coordinate());
+        let answer = index.locate(&p);
+        let inside = depth(&p) > 0.0;
+        if p.z.abs() < 0.9 {
+            asked += 1;
+            unknown += usize::from(answer.location == Location::Unknown);
+        }
+        let wrong = match answer.location {
+            Location::Inside => !inside,
+            Location::Outside => inside,
+            Location::Unknown => false,
+        };
+        assert!(!wrong || depth(&p).abs() < interval + sagitta, "{p}: {answer:?}");
+    }
+    // Where neighbouring planes disagree: a share of the points near the surface.
+    assert!(unknown * 20 < asked, "{unknown} of {asked} unknown");
 }

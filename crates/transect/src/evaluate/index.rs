@@ -106,7 +106,7 @@ mod tests {
             let p = Point2::new(x, y);
             let near = |c: &Curve| c.units().filter(|u| u.distance(&p) <= reach).count();
             let index = UnitIndex::new(&curves);
-            prop_assert_eq!(index.within(&p, reach).count(), curves.iter().map(near).sum());
+            prop_assert_eq!(index.within(&p, reach).count(), curves.iter().map(near).sum::<usize>());
         }
     }
 

@@ -1,4 +1,4 @@
-//! The file of a model: the only module of this crate that touches the disk.
+//! A model as one whole file, for models that fit into memory.
 //!
 //! A model is saved and loaded whole. It is written to a file of its own beside the old one, which
 //! is replaced by renaming, so a crash leaves either the old model or the new one.
@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Why a model could not be saved or loaded, with the file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum StoreError {
+pub enum FileError {
     /// The file could not be read as a model.
     #[error("cannot load the model {}", path.display())]
     Load {
@@ -54,8 +54,8 @@ impl Model {
     /// Saves the model into a file, replacing it whole.
     ///
     /// # Errors
-    /// [`StoreError::Save`], naming the file.
-    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), StoreError> {
+    /// [`FileError::Save`], naming the file.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), FileError> {
         let path = path.as_ref();
         let beside = path_beside(path);
         let saved = write_and_rename(self, &beside, path);
@@ -63,18 +63,18 @@ impl Model {
             // Nothing is lost if this fails too: the model's own file was not touched.
             let _ = fs::remove_file(&beside);
         }
-        saved.map_err(|source| StoreError::Save { path: path.to_owned(), source })
+        saved.map_err(|source| FileError::Save { path: path.to_owned(), source })
     }
 
     /// Loads the model of a file.
     ///
     /// # Errors
-    /// [`StoreError::Load`], naming the file.
-    pub fn load(path: impl AsRef<Path>) -> Result<Self, StoreError> {
+    /// [`FileError::Load`], naming the file.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref();
         let opened = File::open(path).map_err(CodecError::from);
         let loaded = opened.and_then(|file| codec::read(BufReader::new(file)));
-        loaded.map_err(|source| StoreError::Load { path: path.to_owned(), source })
+        loaded.map_err(|source| FileError::Load { path: path.to_owned(), source })
     }
 }
 
@@ -88,7 +88,7 @@ fn write_and_rename(model: &Model, beside: &Path, path: &Path) -> Result<(), Cod
 }
 
 /// A name in the same directory, since renaming is atomic only within one file system.
-fn path_beside(path: &Path) -> PathBuf {
+pub(crate) fn path_beside(path: &Path) -> PathBuf {
     static SAVES: AtomicU64 = AtomicU64::new(0);
     let save = SAVES.fetch_add(1, Ordering::Relaxed);
     let mut name = path.file_name().unwrap_or_default().to_owned();

@@ -1,0 +1,61 @@
+//! The bytes of the values in a model store: bincode 2, little endian, variable-length integers.
+//!
+//! Values are decoded with distrust: every length is held against the bytes that are left before memory is
+//! set aside beyond a first 1 MiB, texts are borrowed, and bytes that are left over are an error.
+
+use super::CodecError;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use transect_geometry::{Curve, Isometry3, LengthUnit, PlaneFamily, PlaneIndex};
+
+/// What a store says about itself. Field order is file layout, here and below.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct HeaderValue<'a> {
+    pub unit: LengthUnit,
+    pub planes: PlaneFamily,
+    pub options: &'a str,
+    pub tool: &'a str,
+}
+
+/// A view, without its id, which is the key.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct ViewValue<'a> {
+    pub name: &'a str,
+    pub sensor: &'a str,
+    pub source: &'a str,
+    pub source_hash: &'a str,
+    pub world_from_sensor: Isometry3,
+    pub sigma: Option<f64>,
+    pub curves: u64,
+    pub nodes: u64,
+    pub planes: Vec<PlaneIndex>,
+}
+
+/// The fused curves of a plane, with the hash of what they were made of.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct FusedValue<'a> {
+    pub made_of: u64,
+    pub curves: Cow<'a, [Curve]>,
+}
+
+pub(crate) fn encode(value: &impl Serialize) -> Result<Vec<u8>, CodecError> {
+    bincode::serde::encode_to_vec(value, bincode::config::standard())
+        .map_err(|e| CodecError::Layout(e.to_string()))
+}
+
+pub(crate) fn decode<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<T, CodecError> {
+    let decoded = bincode::serde::borrow_decode_from_slice(bytes, bincode::config::standard());
+    let (value, used) = decoded.map_err(|e| CodecError::Layout(e.to_string()))?;
+    if used == bytes.len() {
+        Ok(value)
+    } else {
+        Err(CodecError::Layout("bytes are left over".to_owned()))
+    }
+}
+
+/// Adds bytes to an FNV-1a hash, beginning with [`super::HASH_OF_NOTHING`].
+///
+/// Lengths are hashed too, so that bytes cannot wander from one piece to the next.
+pub(crate) fn hash_piece(hash: u64, piece: &[u8]) -> u64 {
+    super::fnv1a_from(super::fnv1a_from(hash, &(piece.len() as u64).to_le_bytes()), piece)
+}

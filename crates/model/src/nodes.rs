@@ -1,0 +1,131 @@
+//! The bottom level of the tree: inserting, deleting and changing nodes, and walking along curves
+//! (the driver functions of dissertation 2.5.2).
+//!
+//! Departures from the dissertation: its nodes are linked both ways by pointers; here a curve is an array,
+//! whose neighbours are one place before and behind. A change therefore costs the size of the plane's
+//! curves, and keeps all envelopes right.
+
+use crate::{CurveIndex, EditError, Model, NodeIndex, Section};
+use std::ops::RangeInclusive;
+use transect_geometry::{Curve, Envelope, Node, PlaneIndex};
+
+impl Model {
+    /// Inserts a node before another of a curve, or behind the last for the index past it.
+    ///
+    /// # Errors
+    /// [`EditError`] if there is no such curve or place, or the node's numbers are no measurements.
+    pub fn insert_node(
+        &mut self,
+        plane: PlaneIndex,
+        curve: CurveIndex,
+        before: NodeIndex,
+        node: Node,
+    ) -> Result<(), EditError> {
+        self.change_nodes(plane, curve, |nodes| {
+            let place_exists = before.0 <= nodes.len();
+            place_exists.then(|| nodes.insert(before.0, node)).ok_or(EditError::NoSuchNode(before))
+        })
+    }
+
+    /// Takes a node out of a curve; its neighbours become each other's.
+    ///
+    /// # Errors
+    /// [`EditError`] if there is no such curve or node, or too few nodes would be left for a curve.
+    pub fn remove_node(
+        &mut self,
+        plane: PlaneIndex,
+        curve: CurveIndex,
+        node: NodeIndex,
+    ) -> Result<Node, EditError> {
+        self.change_nodes(plane, curve, |nodes| {
+            let exists = node.0 < nodes.len();
+            exists.then(|| nodes.remove(node.0)).ok_or(EditError::NoSuchNode(node))
+        })
+    }
+
+    /// Puts another node in the place of one.
+    ///
+    /// # Errors
+    /// [`EditError`] if there is no such curve or node, or the node's numbers are no measurements.
+    pub fn replace_node(
+        &mut self,
+        plane: PlaneIndex,
+        curve: CurveIndex,
+        at: NodeIndex,
+        node: Node,
+    ) -> Result<Node, EditError> {
+        self.change_nodes(plane, curve, |nodes| {
+            let place = nodes.get_mut(at.0).ok_or(EditError::NoSuchNode(at))?;
+            Ok(std::mem::replace(place, node))
+        })
+    }
+
+    fn change_nodes<T>(
+        &mut self,
+        plane: PlaneIndex,
+        index: CurveIndex,
+        change: impl FnOnce(&mut Vec<Node>) -> Result<T, EditError>,
+    ) -> Result<T, EditError> {
+        let curve = self.curve(plane, index)?;
+        let (mut nodes, closed) = (curve.nodes().to_vec(), curve.is_closed());
+        let result = change(&mut nodes)?;
+        let changed = Curve::new(nodes, closed)?;
+        let mut curves = self.take_curves(plane);
+        curves[index.0] = changed;
+        self.set_curves(plane, curves);
+        Ok(result)
+    }
+
+    /// The sub-families of planes that have curves without a gap, in order of station.
+    pub fn plane_runs(&self) -> Vec<RangeInclusive<PlaneIndex>> {
+        let mut runs: Vec<RangeInclusive<PlaneIndex>> = Vec::new();
+        for (plane, _) in self.sections() {
+            match runs.last_mut() {
+                Some(run) if run.end().0.checked_add(1) == Some(plane.0) => {
+                    *run = *run.start()..=plane;
+                }
+                _ => runs.push(plane..=plane),
+            }
+        }
+        runs
+    }
+}
+
+impl Section {
+    /// The curves whose envelopes share a point with a rectangle: the only ones that can meet what lies in it.
+    pub fn curves_near(
+        &self,
+        rectangle: Envelope,
+    ) -> impl DoubleEndedIterator<Item = (CurveIndex, &Curve)> {
+        let records = self.curve_records().iter().enumerate();
+        let near = records.filter(move |(_, record)| record.envelope().intersects(&rectangle));
+        near.map(|(index, record)| (CurveIndex(index), record.curve()))
+    }
+
+    /// The node that follows one along its curve; `None` behind the end of an open curve, and if
+    /// there is no such curve or node.
+    pub fn node_after(&self, curve: CurveIndex, node: NodeIndex) -> Option<(NodeIndex, &Node)> {
+        let curve = self.curve(curve)?;
+        let nodes = curve.nodes();
+        nodes.get(node.0)?;
+        let next = node.0 + 1;
+        let next = if next == nodes.len() && curve.is_closed() { 0 } else { next };
+        Some((NodeIndex(next), nodes.get(next)?))
+    }
+
+    /// The node before one along its curve; `None` before the beginning of an open curve, and if
+    /// there is no such curve or node.
+    pub fn node_before(&self, curve: CurveIndex, node: NodeIndex) -> Option<(NodeIndex, &Node)> {
+        let curve = self.curve(curve)?;
+        let nodes = curve.nodes();
+        nodes.get(node.0)?;
+        let before = match node.0.checked_sub(1) {
+            None if curve.is_closed() => nodes.len() - 1,
+            before => before?,
+        };
+        Some((NodeIndex(before), nodes.get(before)?))
+    }
+}
+
+#[cfg(test)]
+mod tests;

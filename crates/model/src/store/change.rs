@@ -1,0 +1,253 @@
+//! Changing a store: views come, go and are replaced, each in one transaction.
+
+use super::Store;
+use super::error::{StoreError, StoreProblem};
+use super::fuse::{Fuse, PlaneInputs};
+use super::tables::{
+    FUSED, PARTIALS, VIEWS, encode_curves, encode_fused, read_partials, read_view,
+};
+use super::view::{StoredView, ViewEntry, ViewId};
+use redb::WriteTransaction;
+use std::collections::BTreeSet;
+use transect_geometry::{Curve, PlaneIndex};
+
+/// How many bytes of partial curves are in memory at a time while planes are fused.
+const BATCH_BYTES: usize = 16 << 20;
+
+/// A view on its way into a store; nothing of it is there before [`ViewTransaction::commit`].
+///
+/// Dropping it leaves the store as it was. Snapshots can be read meanwhile and do not see it.
+#[must_use = "nothing is stored before commit"]
+pub struct ViewTransaction<'s> {
+    store: &'s Store,
+    transaction: WriteTransaction,
+    view: StoredView,
+    /// Set while a step is under way, and left set if it fails: half a view must not be committed.
+    broken: bool,
+}
+
+impl std::fmt::Debug for ViewTransaction<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("ViewTransaction").field("view", &self.view).finish_non_exhaustive()
+    }
+}
+
+impl Store {
+    /// Begins to put a view in.
+    ///
+    /// # Errors
+    /// If there is a view of that id, its pose or noise is unsound, or another thread is changing the store.
+    pub fn begin_view(&self, entry: ViewEntry) -> Result<ViewTransaction<'_>, StoreError> {
+        self.begin(entry).map_err(|problem| self.error(problem))
+    }
+
+    fn begin(&self, entry: ViewEntry) -> Result<ViewTransaction<'_>, StoreProblem> {
+        entry.check()?;
+        let transaction = self.write()?;
+        if read_view(&transaction.open_table(VIEWS)?, &entry.id)?.is_some() {
+            return Err(StoreProblem::ViewExists(entry.id));
+        }
+        let view = StoredView { entry, planes: Vec::new(), curves: 0, nodes: 0 };
+        Ok(ViewTransaction { store: self, transaction, view, broken: false })
+    }
+
+    /// Takes a view out and fuses the planes anew on which it had curves.
+    ///
+    /// # Errors
+    /// If there is no such view, or the store cannot be read or written; it is then unchanged.
+    pub fn remove_view(&self, id: &ViewId, fuse: &impl Fuse) -> Result<StoredView, StoreError> {
+        self.remove(id, fuse).map_err(|problem| self.error(problem))
+    }
+
+    fn remove(&self, id: &ViewId, fuse: &impl Fuse) -> Result<StoredView, StoreProblem> {
+        let transaction = self.write()?;
+        let view = take_out(&transaction, id)?;
+        fuse_again(&transaction, view.planes.iter().copied(), fuse)?;
+        transaction.commit()?;
+        Ok(view)
+    }
+
+    /// Puts new curves in the place of a view's old ones, such as after a better registration, and fuses
+    /// the planes anew on which it had or has curves.
+    ///
+    /// # Errors
+    /// As for [`Store::remove_view`] and [`Store::begin_view`]; the store is then unchanged. `entry` may
+    /// have another id than `id`, if no other view has that.
+    pub fn replace_view(
+        &self,
+        id: &ViewId,
+        entry: ViewEntry,
+        curves: impl IntoIterator<Item = (PlaneIndex, Vec<Curve>)>,
+        fuse: &impl Fuse,
+    ) -> Result<StoredView, StoreError> {
+        self.replace(id, entry, curves, fuse).map_err(|problem| self.error(problem))
+    }
+
+    fn replace(
+        &self,
+        id: &ViewId,
+        entry: ViewEntry,
+        curves: impl IntoIterator<Item = (PlaneIndex, Vec<Curve>)>,
+        fuse: &impl Fuse,
+    ) -> Result<StoredView, StoreProblem> {
+        entry.check()?;
+        let transaction = self.write()?;
+        let old = take_out(&transaction, id)?;
+        if read_view(&transaction.open_table(VIEWS)?, &entry.id)?.is_some() {
+            return Err(StoreProblem::ViewExists(entry.id));
+        }
+        let mut view = StoredView { entry, planes: Vec::new(), curves: 0, nodes: 0 };
+        let mut touched: BTreeSet<_> = old.planes.into_iter().collect();
+        for (plane, curves) in curves {
+            if put_in(&transaction, &mut view, plane, &curves)? {
+                touched.insert(plane);
+            }
+        }
+        fuse_again(&transaction, touched, fuse)?;
+        finish(transaction, view)
+    }
+}
+
+impl ViewTransaction<'_> {
+    /// Puts in the view's curves on one plane and fuses that plane anew.
+    ///
+    /// # Errors
+    /// If the plane was given before, or the store cannot be read or written.
+    pub fn add_plane(
+        &mut self,
+        plane: PlaneIndex,
+        curves: &[Curve],
+        fuse: &impl Fuse,
+    ) -> Result<(), StoreError> {
+        self.step(|transaction, view| {
+            let planes = put_in(transaction, view, plane, curves)?.then_some(plane);
+            fuse_again(transaction, planes, fuse)
+        })
+    }
+
+    /// Puts in the view's curves on several planes and fuses those planes anew, many at a time
+    /// ([`Fuse::fuse_planes`]).
+    ///
+    /// # Errors
+    /// As for [`ViewTransaction::add_plane`].
+    pub fn add_planes(
+        &mut self,
+        curves: impl IntoIterator<Item = (PlaneIndex, Vec<Curve>)>,
+        fuse: &impl Fuse,
+    ) -> Result<(), StoreError> {
+        self.step(|transaction, view| {
+            let mut touched = Vec::new();
+            for (plane, curves) in curves {
+                touched.extend(put_in(transaction, view, plane, &curves)?.then_some(plane));
+            }
+            fuse_again(transaction, touched, fuse)
+        })
+    }
+
+    fn step(
+        &mut self,
+        step: impl FnOnce(&WriteTransaction, &mut StoredView) -> Result<(), StoreProblem>,
+    ) -> Result<(), StoreError> {
+        if std::mem::replace(&mut self.broken, true) {
+            return Err(self.store.error(StoreProblem::Failed));
+        }
+        let done = step(&self.transaction, &mut self.view);
+        self.broken = done.is_err();
+        done.map_err(|problem| self.store.error(problem))
+    }
+
+    /// Makes the view part of the store; when this returns, it would survive a power cut.
+    ///
+    /// # Errors
+    /// If writing fails, such as on a full disk, or an earlier step failed; the store then is as it was
+    /// before the view.
+    pub fn commit(self) -> Result<StoredView, StoreError> {
+        let store = self.store;
+        if self.broken {
+            return Err(store.error(StoreProblem::Failed));
+        }
+        finish(self.transaction, self.view).map_err(|problem| store.error(problem))
+    }
+}
+
+fn finish(transaction: WriteTransaction, mut view: StoredView) -> Result<StoredView, StoreProblem> {
+    view.planes.sort_unstable();
+    let value = view.encode()?;
+    transaction.open_table(VIEWS)?.insert(view.entry.id.0.as_str(), value.as_slice())?;
+    transaction.commit()?;
+    Ok(view)
+}
+
+/// Stores the partial curves of a view on a plane; `false` if there are none.
+fn put_in(
+    transaction: &WriteTransaction,
+    view: &mut StoredView,
+    plane: PlaneIndex,
+    curves: &[Curve],
+) -> Result<bool, StoreProblem> {
+    if curves.is_empty() {
+        return Ok(false);
+    }
+    let mut table = transaction.open_table(PARTIALS)?;
+    let value = encode_curves(curves)?;
+    let before = table.insert((plane.0, view.entry.id.0.as_str()), value.as_slice())?;
+    if before.is_some() {
+        return Err(StoreProblem::PlaneTwice(plane));
+    }
+    view.planes.push(plane);
+    view.curves += curves.len() as u64;
+    view.nodes += curves.iter().map(|c| c.nodes().len() as u64).sum::<u64>();
+    Ok(true)
+}
+
+/// Removes a view and its partial curves, leaving the fused ones as they are.
+fn take_out(transaction: &WriteTransaction, id: &ViewId) -> Result<StoredView, StoreProblem> {
+    let mut views = transaction.open_table(VIEWS)?;
+    let view = read_view(&views, id)?.ok_or_else(|| StoreProblem::NoSuchView(id.clone()))?;
+    views.remove(id.0.as_str())?;
+    let mut partials = transaction.open_table(PARTIALS)?;
+    for plane in &view.planes {
+        partials.remove((plane.0, id.0.as_str()))?;
+    }
+    Ok(view)
+}
+
+/// Fuses planes anew from their partial curves; planes without any lose their section.
+fn fuse_again(
+    transaction: &WriteTransaction,
+    planes: impl IntoIterator<Item = PlaneIndex>,
+    fuse: &impl Fuse,
+) -> Result<(), StoreProblem> {
+    let (mut batch, mut hashes, mut size) = (Vec::new(), Vec::new(), 0);
+    for plane in planes {
+        let found = read_partials(&transaction.open_table(PARTIALS)?, plane)?;
+        if found.by_view.is_empty() {
+            transaction.open_table(FUSED)?.remove(plane.0)?;
+            continue;
+        }
+        batch.push(PlaneInputs { plane, partials: found.by_view });
+        hashes.push(found.hash);
+        size += found.size;
+        if size >= BATCH_BYTES {
+            fuse_batch(transaction, &batch, &hashes, fuse)?;
+            batch.clear();
+            hashes.clear();
+            size = 0;
+        }
+    }
+    fuse_batch(transaction, &batch, &hashes, fuse)
+}
+
+fn fuse_batch(
+    transaction: &WriteTransaction,
+    batch: &[PlaneInputs],
+    hashes: &[u64],
+    fuse: &impl Fuse,
+) -> Result<(), StoreProblem> {
+    let mut table = transaction.open_table(FUSED)?;
+    let fused = fuse.fuse_planes(batch).into_iter().chain(std::iter::repeat(Vec::new()));
+    for ((inputs, hash), curves) in batch.iter().zip(hashes).zip(fused) {
+        table.insert(inputs.plane.0, encode_fused(*hash, &curves)?.as_slice())?;
+    }
+    Ok(())
+}

@@ -1,0 +1,160 @@
+//! Why something could not be done with a store.
+
+use super::blocks::Damage;
+use super::view::ViewId;
+use crate::{CodecError, InvariantError};
+use std::io;
+use std::path::{Path, PathBuf};
+use transect_geometry::PlaneIndex;
+
+/// Why something could not be done with a store, with the file.
+#[derive(Debug, thiserror::Error)]
+#[error("the model store {}", path.display())]
+pub struct StoreError {
+    /// The store's file.
+    pub path: PathBuf,
+    /// What is wrong.
+    #[source]
+    pub problem: StoreProblem,
+}
+
+/// What is wrong with a store, or with what was asked of it.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StoreProblem {
+    /// Another process, or another handle of this one, has the file open.
+    #[error("is open in another process; close it there first")]
+    InUse,
+    /// Another thread of this process is changing the store.
+    #[error("is being changed by another thread of this program")]
+    Busy,
+    /// A snapshot is alive, and this needs the store alone.
+    #[error("is being read by this program; compacting and verifying need it alone")]
+    Readers,
+    /// The bytes of the file are not those that were written.
+    #[error("cannot be read")]
+    Damaged(#[source] Damage),
+    /// Reading or writing the file failed; nothing that was committed is lost.
+    #[error("could not be read or written")]
+    Io(#[source] io::Error),
+    /// The database found itself inconsistent.
+    #[error("is inconsistent: {0}")]
+    Inconsistent(String),
+    /// An earlier operation failed; the store must be opened again.
+    #[error("had a failure before and must be opened again")]
+    Failed,
+    /// A value does not decode.
+    #[error("has an unreadable {what}")]
+    Value {
+        /// What the value is of.
+        what: String,
+        /// Why.
+        #[source]
+        source: CodecError,
+    },
+    /// The contents break a promise.
+    #[error("has unsound contents: {0}")]
+    Unsound(String),
+    /// The header or a view is not sound.
+    #[error("would not be sound")]
+    Invariant(#[from] InvariantError),
+    /// There is no such view.
+    #[error("has no view {0:?}")]
+    NoSuchView(ViewId),
+    /// There is such a view already.
+    #[error("has a view {0:?} already")]
+    ViewExists(ViewId),
+    /// A view gave curves of one plane twice.
+    #[error("was given plane {0} twice by one view")]
+    PlaneTwice(PlaneIndex),
+    /// The lines of an export could not be written.
+    #[error("could not be exported")]
+    Export(#[source] io::Error),
+    /// A line of an export does not say what should be there.
+    #[error("could not be imported: line {line}: {problem}")]
+    Import {
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong with it.
+        problem: String,
+    },
+}
+
+impl StoreProblem {
+    pub(crate) fn at(self, path: &Path) -> StoreError {
+        StoreError { path: path.to_owned(), problem: self }
+    }
+
+    pub(crate) fn value(what: impl std::fmt::Display) -> impl FnOnce(CodecError) -> Self {
+        move |source| Self::Value { what: what.to_string(), source }
+    }
+}
+
+impl From<io::Error> for StoreProblem {
+    fn from(error: io::Error) -> Self {
+        let damage = error.get_ref().and_then(|inner| inner.downcast_ref::<Damage>());
+        match damage.cloned() {
+            Some(damage) => Self::Damaged(damage),
+            None => Self::Io(error),
+        }
+    }
+}
+
+impl From<redb::StorageError> for StoreProblem {
+    fn from(error: redb::StorageError) -> Self {
+        match error {
+            redb::StorageError::Io(error) => error.into(),
+            redb::StorageError::PreviousIo | redb::StorageError::LockPoisoned(_) => Self::Failed,
+            other => Self::Inconsistent(other.to_string()),
+        }
+    }
+}
+
+impl From<redb::DatabaseError> for StoreProblem {
+    fn from(error: redb::DatabaseError) -> Self {
+        match error {
+            redb::DatabaseError::Storage(error) => error.into(),
+            redb::DatabaseError::DatabaseAlreadyOpen => Self::InUse,
+            redb::DatabaseError::TransactionInProgress => Self::Readers,
+            other => Self::Inconsistent(other.to_string()),
+        }
+    }
+}
+
+impl From<redb::TransactionError> for StoreProblem {
+    fn from(error: redb::TransactionError) -> Self {
+        match error {
+            redb::TransactionError::Storage(error) => error.into(),
+            redb::TransactionError::WouldBlock => Self::Busy,
+            other => Self::Inconsistent(other.to_string()),
+        }
+    }
+}
+
+impl From<redb::TableError> for StoreProblem {
+    fn from(error: redb::TableError) -> Self {
+        match error {
+            redb::TableError::Storage(error) => error.into(),
+            other => Self::Inconsistent(other.to_string()),
+        }
+    }
+}
+
+impl From<redb::CommitError> for StoreProblem {
+    fn from(error: redb::CommitError) -> Self {
+        match error {
+            redb::CommitError::Storage(error) => error.into(),
+            other => Self::Inconsistent(other.to_string()),
+        }
+    }
+}
+
+impl From<redb::CompactionError> for StoreProblem {
+    fn from(error: redb::CompactionError) -> Self {
+        match error {
+            redb::CompactionError::Storage(error) => error.into(),
+            redb::CompactionError::TransactionInProgress => Self::Readers,
+            other => Self::Inconsistent(other.to_string()),
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! Reading a store from lines of JSON; see `lines` for the form.
+
+use super::error::{StoreError, StoreProblem};
+use super::lines::{
+    CurveText, EndLine, FORMAT, FusedLine, LINES_VERSION, Line, PartialLine, StoreLine,
+};
+use super::medium::Medium;
+use super::tables::{FUSED, PARTIALS, VIEWS, encode_curves, encode_fused};
+use super::view::{StoreHeader, StoredView, ViewEntry, ViewId};
+use super::{Store, build};
+use crate::codec::values::hash_piece;
+use crate::codec::{HASH_OF_NOTHING, fnv1a_from};
+use redb::WriteTransaction;
+use std::collections::BTreeMap;
+use std::io::BufRead;
+use std::path::Path;
+use transect_geometry::{Curve, PlaneIndex};
+
+impl Store {
+    /// Creates a store from the lines of an export, in a file that must not exist yet.
+    ///
+    /// The fused curves are taken as they are; [`Snapshot::stale_planes`](super::Snapshot::stale_planes)
+    /// says whether a way to fuse gives the same.
+    ///
+    /// # Errors
+    /// [`StoreProblem::Import`] with the line that is wrong; no file is left then.
+    pub fn import(path: impl AsRef<Path>, lines: impl BufRead) -> Result<Self, StoreError> {
+        let path = path.as_ref();
+        build(path, |file| Self::import_in(path, file, lines)).map_err(|problem| problem.at(path))
+    }
+
+    pub(crate) fn import_in(
+        path: &Path,
+        medium: impl Medium,
+        lines: impl BufRead,
+    ) -> Result<Self, StoreProblem> {
+        let mut lines = Lines { input: lines, number: 0, hash: HASH_OF_NOTHING, text: Vec::new() };
+        let header = read_header(&mut lines)?;
+        let store = Self::create_in(path, medium, &header)?;
+        let transaction = store.write()?;
+        read_contents(&mut lines, &transaction)?;
+        transaction.commit()?;
+        Ok(store)
+    }
+}
+
+/// The lines of an export, one in memory at a time.
+struct Lines<R> {
+    input: R,
+    /// Number of the line read last, from 1.
+    number: usize,
+    /// Hash of all lines before that one.
+    hash: u64,
+    text: Vec<u8>,
+}
+
+impl<R: BufRead> Lines<R> {
+    fn next(&mut self) -> Result<Line, StoreProblem> {
+        self.hash = fnv1a_from(self.hash, &self.text);
+        self.text.clear();
+        self.number += 1;
+        let size = self.input.read_until(b'\n', &mut self.text);
+        if size.map_err(|e| self.problem(e))? == 0 {
+            return Err(self.problem("the end is missing"));
+        }
+        serde_json::from_slice(&self.text).map_err(|e| self.problem(e))
+    }
+
+    fn problem(&self, problem: impl std::fmt::Display) -> StoreProblem {
+        StoreProblem::Import { line: self.number, problem: problem.to_string() }
+    }
+}
+
+fn read_header(lines: &mut Lines<impl BufRead>) -> Result<StoreHeader, StoreProblem> {
+    let line = match lines.next()? {
+        Line::Store(line) if line.format == FORMAT => line,
+        _ => return Err(lines.problem("an export begins with a line of its store")),
+    };
+    let StoreLine { version, .. } = line;
+    if version != LINES_VERSION {
+        let problem = format!("version {version}; this program reads version {LINES_VERSION}");
+        return Err(lines.problem(problem));
+    }
+    Ok(line.into())
+}
+
+/// What was read so far.
+#[derive(Default)]
+struct Contents {
+    views: BTreeMap<ViewId, StoredView>,
+    planes: u64,
+    last_plane: Option<i64>,
+    /// The plane whose partial curves are being read, its last view, and the hash of the curves so far.
+    open: Option<(i64, ViewId, u64)>,
+}
+
+fn read_contents(
+    lines: &mut Lines<impl BufRead>,
+    transaction: &WriteTransaction,
+) -> Result<(), StoreProblem> {
+    let mut contents = Contents::default();
+    loop {
+        let line = lines.next()?;
+        let refused = |problem: Refused| match problem {
+            Refused::Line(problem) => lines.problem(problem),
+            Refused::Store(problem) => problem,
+        };
+        match line {
+            Line::Store(_) => return Err(lines.problem("a second store")),
+            Line::View(line) => contents.add_view(line.into()).map_err(refused)?,
+            Line::Partial(line) => contents.add_partial(line, transaction).map_err(refused)?,
+            Line::Fused(line) => contents.add_fused(line, transaction).map_err(refused)?,
+            Line::End(line) => {
+                contents.check_end(&line, lines.hash).map_err(refused)?;
+                break;
+            }
+        }
+    }
+    let at_end = lines.input.fill_buf().map(<[u8]>::is_empty);
+    if !at_end.map_err(|e| lines.problem(e))? {
+        return Err(lines.problem("there is more behind the end"));
+    }
+    let mut table = transaction.open_table(VIEWS)?;
+    for (id, view) in contents.views {
+        table.insert(id.0.as_str(), view.encode()?.as_slice())?;
+    }
+    Ok(())
+}
+
+/// Why a line was refused: for what it says, or because the store could not take it.
+enum Refused {
+    Line(String),
+    Store(StoreProblem),
+}
+
+impl<E: Into<StoreProblem>> From<E> for Refused {
+    fn from(error: E) -> Self {
+        Self::Store(error.into())
+    }
+}
+
+fn refuse<T>(problem: impl std::fmt::Display) -> Result<T, Refused> {
+    Err(Refused::Line(problem.to_string()))
+}
+
+impl Contents {
+    fn add_view(&mut self, entry: ViewEntry) -> Result<(), Refused> {
+        if self.open.is_some() || self.last_plane.is_some() {
+            return refuse("views come before planes");
+        }
+        if self.views.last_key_value().is_some_and(|(last, _)| *last >= entry.id) {
+            return refuse("views come in order of their ids");
+        }
+        entry.check().or_else(refuse)?;
+        let view = StoredView { entry, planes: Vec::new(), curves: 0, nodes: 0 };
+        self.views.insert(view.entry.id.clone(), view);
+        Ok(())
+    }
+
+    fn add_partial(
+        &mut self,
+        line: PartialLine,
+        transaction: &WriteTransaction,
+    ) -> Result<(), Refused> {
+        let PartialLine { plane, view: id, curves } = line;
+        let hash = match &self.open {
+            Some((open, _, _)) if *open != plane => {
+                return refuse(format_args!("plane {open} has no line of its fused curves"));
+            }
+            Some((_, last, _)) if *last >= id => return refuse("views come in order of their ids"),
+            Some((_, _, hash)) => *hash,
+            None if self.last_plane.is_some_and(|last| last >= plane) => {
+                return refuse("planes come in order of station");
+            }
+            None => HASH_OF_NOTHING,
+        };
+        let Some(view) = self.views.get_mut(&id) else {
+            return refuse(format_args!("there is no view {id}"));
+        };
+        let curves = curves_of(curves)?;
+        if curves.is_empty() {
+            return refuse("a view without curves on a plane has no line there");
+        }
+        let value = encode_curves(&curves)?;
+        transaction.open_table(PARTIALS)?.insert((plane, id.0.as_str()), value.as_slice())?;
+        view.planes.push(PlaneIndex(plane));
+        view.curves += curves.len() as u64;
+        view.nodes += curves.iter().map(|c| c.nodes().len() as u64).sum::<u64>();
+        let hash = hash_piece(hash_piece(hash, id.0.as_bytes()), &value);
+        self.open = Some((plane, id, hash));
+        Ok(())
+    }
+
+    fn add_fused(
+        &mut self,
+        line: FusedLine,
+        transaction: &WriteTransaction,
+    ) -> Result<(), Refused> {
+        let hash = match self.open.take() {
+            Some((plane, _, hash)) if plane == line.plane => hash,
+            _ => return refuse(format_args!("plane {} has no lines of its views", line.plane)),
+        };
+        let value = encode_fused(hash, &curves_of(line.curves)?)?;
+        transaction.open_table(FUSED)?.insert(line.plane, value.as_slice())?;
+        self.last_plane = Some(line.plane);
+        self.planes += 1;
+        Ok(())
+    }
+
+    fn check_end(&self, end: &EndLine, hash: u64) -> Result<(), Refused> {
+        if self.open.is_some() {
+            return refuse("the last plane has no line of its fused curves");
+        }
+        if (end.views, end.planes) != (self.views.len() as u64, self.planes) {
+            return refuse("lines are missing: the counts do not match");
+        }
+        if end.hash != format!("{hash:016x}") {
+            return refuse("the lines do not match their hash");
+        }
+        Ok(())
+    }
+}
+
+fn curves_of(texts: Vec<CurveText>) -> Result<Vec<Curve>, Refused> {
+    let curve = |(number, text)| match Curve::try_from(text) {
+        Ok(curve) => Ok(curve),
+        Err(error) => refuse(format_args!("curve {number}: {error}")),
+    };
+    texts.into_iter().enumerate().map(curve).collect()
+}

@@ -1,0 +1,141 @@
+//! The exchange form of a store: lines of JSON, which outlive the database's format.
+//!
+//! ```json
+//! {"store":{"format":"transect-model","version":1,"unit":"m","planes":{"guide":{"direction":[0.0,0.0,1.0]},
+//!     "offset":0.0,"interval":0.5},"options":"…","tool":"transect 0.1.0"}}
+//! {"view":{"id":"front","name":"front","sensor":"…","source":"front.npy","source_hash":"…",
+//!     "world_from_sensor":{"rotation":[0.0,0.0,0.0,1.0],"translation":[0.0,0.0,0.0]},"sigma":0.001}}
+//! {"partial":{"plane":3,"view":"front","curves":[{"closed":true,"nodes":[[0.0,0.0,0.001,0.01,1.0,1],…]}]}}
+//! {"fused":{"plane":3,"curves":[…]}}
+//! {"end":{"views":1,"planes":1,"hash":"…"}}
+//! ```
+//!
+//! One line each (broken here to fit the page): the store; its views in order of ids; then plane by plane in order of
+//! station the partial curves of each view, in order of ids, and the fused ones; the end. A rotation is a
+//! quaternion `[i, j, k, w]`. A node is `[x, y, sigma, footprint, weight, views]`: plane coordinates,
+//! standard deviation and sample spacing in the model's unit, weight, and number of views. The last
+//! line's hash is FNV-1a (64 bits, hexadecimal) of all bytes before that line, newlines included.
+//!
+//! Numbers have the fewest digits that read back as the same number: exporting what was imported gives the same bytes.
+
+use super::view::{StoreHeader, ViewEntry, ViewId};
+use serde::{Deserialize, Serialize};
+use transect_geometry::{Curve, CurveError, Isometry3, LengthUnit, Node, PlaneFamily, Point2};
+
+/// Value of the key `format` in the first line.
+pub(super) const FORMAT: &str = "transect-model";
+/// Version of this form; an import reads only its own.
+pub const LINES_VERSION: u32 = 1;
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub(super) enum Line {
+    Store(StoreLine),
+    View(ViewLine),
+    Partial(PartialLine),
+    Fused(FusedLine),
+    End(EndLine),
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct StoreLine {
+    pub format: String,
+    pub version: u32,
+    pub unit: LengthUnit,
+    pub planes: PlaneFamily,
+    pub options: String,
+    pub tool: String,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ViewLine {
+    pub id: ViewId,
+    pub name: String,
+    pub sensor: String,
+    pub source: String,
+    pub source_hash: String,
+    pub world_from_sensor: Isometry3,
+    pub sigma: Option<f64>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PartialLine {
+    pub plane: i64,
+    pub view: ViewId,
+    pub curves: Vec<CurveText>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FusedLine {
+    pub plane: i64,
+    pub curves: Vec<CurveText>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct EndLine {
+    pub views: u64,
+    pub planes: u64,
+    pub hash: String,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CurveText {
+    closed: bool,
+    nodes: Vec<(f64, f64, f32, f32, f32, u32)>,
+}
+
+impl From<&StoreHeader> for StoreLine {
+    fn from(header: &StoreHeader) -> Self {
+        let StoreHeader { unit, planes, options, tool } = header.clone();
+        Self { format: FORMAT.to_owned(), version: LINES_VERSION, unit, planes, options, tool }
+    }
+}
+
+impl From<StoreLine> for StoreHeader {
+    fn from(line: StoreLine) -> Self {
+        let StoreLine { unit, planes, options, tool, .. } = line;
+        Self { unit, planes, options, tool }
+    }
+}
+
+impl From<ViewEntry> for ViewLine {
+    fn from(entry: ViewEntry) -> Self {
+        let ViewEntry { id, name, sensor, source, source_hash, world_from_sensor, sigma } = entry;
+        Self { id, name, sensor, source, source_hash, world_from_sensor, sigma }
+    }
+}
+
+impl From<ViewLine> for ViewEntry {
+    fn from(line: ViewLine) -> Self {
+        let ViewLine { id, name, sensor, source, source_hash, world_from_sensor, sigma } = line;
+        Self { id, name, sensor, source, source_hash, world_from_sensor, sigma }
+    }
+}
+
+impl From<&Curve> for CurveText {
+    fn from(curve: &Curve) -> Self {
+        let node = |n: &Node| {
+            let Node { position, sigma, footprint, weight, views } = *n;
+            (position.x, position.y, sigma, footprint, weight, views)
+        };
+        Self { closed: curve.is_closed(), nodes: curve.nodes().iter().map(node).collect() }
+    }
+}
+
+impl TryFrom<CurveText> for Curve {
+    type Error = CurveError;
+
+    fn try_from(text: CurveText) -> Result<Self, CurveError> {
+        let node = |(x, y, sigma, footprint, weight, views)| {
+            let position = Point2::new(x, y);
+            Node { position, sigma, footprint, weight, views }
+        };
+        Self::new(text.nodes.into_iter().map(node).collect(), text.closed)
+    }
+}

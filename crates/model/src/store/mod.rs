@@ -1,0 +1,261 @@
+//! The model database: one crash-safe file of views, partial models and fused planes
+//! (dissertation, section 2.5.2).
+//!
+//! Problem: weeks of scanning must survive crashes and full disks, may outgrow memory, and a view
+//! that turns out wrong must be able to leave.
+//!
+//! Idea: the file keeps what every view saw, plane by plane, beside the fused planes. The fused curves of
+//! a plane are a pure function ([`Fuse`]) of the partial curves on it, in order of view ids. Removing or
+//! replacing a view fuses only the planes that it touched, and the result is that of a store which
+//! never had it.
+//!
+//! 1. Each view comes, leaves or is replaced in one transaction; after a crash at any moment the file holds a whole
+//!    number of views.
+//! 2. Only the planes that a view touches are read and written, a batch in memory at a time.
+//! 3. A [`Snapshot`] sees the last whole view, also while the next one is written.
+//! 4. Below the database (redb) every block has a checksum (`blocks`), so a damaged file gives an error and
+//!    neither a wrong answer nor a panic.
+//! 5. [`Store::export`] writes the contents as lines of JSON, which will be readable when this format is not.
+//!
+//! One process at a time has the file open, for reading too; another gets [`StoreProblem::InUse`].
+//!
+//! Departures from the dissertation: it keeps one merged model and forgets the partial ones.
+//!
+//! Cost: of a view, reading the partial curves of all views on the planes that it touches, and twice
+//! writing what changed. Do not use it for a model that is computed once, read once and small:
+//! [`Model::save`](crate::Model::save) is one plain file.
+//!
+//! ```
+//! use transect_geometry::{Curve, Isometry3, LengthUnit, Node, PlaneFamily, PlaneIndex, Point2, StraightGuide, Vector3};
+//! use transect_model::store::{Store, StoreHeader, ViewEntry, ViewId};
+//!
+//! let folder = tempfile::tempdir()?;
+//! let planes = PlaneFamily::new(StraightGuide::along(Vector3::z())?, 0.0, 0.5)?;
+//! let (options, tool) = (String::new(), "example".to_owned());
+//! let header = StoreHeader { unit: LengthUnit::Metre, planes, options, tool };
+//! let store = Store::create(folder.path().join("room.transect"), &header)?;
+//!
+//! // What stands for fusion here: all curves of all views.
+//! let fuse = |_: PlaneIndex, partials: &[(ViewId, Vec<Curve>)]| -> Vec<Curve> {
+//!     partials.iter().flat_map(|(_, curves)| curves.clone()).collect()
+//! };
+//! let corners = [(0.0, 0.0), (2.0, 0.0), (2.0, 3.0)].map(|(x, y)| Node::at(Point2::new(x, y)));
+//! let triangle = Curve::new(corners.to_vec(), true)?;
+//! for id in ["front", "back"] {
+//!     let mut view = store.begin_view(ViewEntry {
+//!         id: id.into(),
+//!         name: id.to_owned(),
+//!         sensor: "imaging radar".to_owned(),
+//!         source: format!("{id}.npy"),
+//!         source_hash: String::new(),
+//!         world_from_sensor: Isometry3::identity(),
+//!         sigma: Some(0.001),
+//!     })?;
+//!     view.add_plane(PlaneIndex(4), std::slice::from_ref(&triangle), &fuse)?;
+//!     view.commit()?;
+//! }
+//! store.remove_view(&"back".into(), &fuse)?;
+//! let section = store.plane(PlaneIndex(4))?.ok_or("no curves")?;
+//! assert!((section.signed_area() - 3.0).abs() < 1e-12); // square metres
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod blocks;
+mod change;
+mod error;
+mod export;
+mod fuse;
+mod import;
+mod lines;
+mod medium;
+mod query;
+mod snapshot;
+mod tables;
+mod verify;
+mod view;
+
+#[cfg(test)]
+mod test_media;
+#[cfg(test)]
+mod tests;
+
+pub use blocks::{Damage, STORE_VERSION};
+pub use change::ViewTransaction;
+pub use error::{StoreError, StoreProblem};
+pub use fuse::{Fuse, PlaneInputs};
+pub use lines::LINES_VERSION;
+pub use query::SpaceQuery;
+pub use snapshot::Snapshot;
+pub use verify::Verification;
+pub use view::{StoreHeader, StoredView, ViewEntry, ViewId};
+
+use crate::Section;
+use blocks::Blocks;
+use medium::Medium;
+use redb::{Database, ReadableDatabase, WriteTransaction};
+use std::fs::{self, File, TryLockError};
+use std::path::{Path, PathBuf};
+use tables::{FUSED, HEADER, PARTIALS, VIEWS};
+use transect_geometry::PlaneIndex;
+
+/// Memory for pages of the file; larger only saves reading pages again.
+const CACHE_BYTES: usize = 64 << 20;
+
+/// A model in a file.
+///
+/// Guaranteed of a file that opens: it holds a whole number of views. [`Store::verify`] checks the rest.
+pub struct Store {
+    path: PathBuf,
+    database: Database,
+}
+
+impl std::fmt::Debug for Store {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Store").field("path", &self.path).finish_non_exhaustive()
+    }
+}
+
+impl Store {
+    /// Creates a store without views, in a file that must not exist yet.
+    ///
+    /// # Errors
+    /// If the file exists or cannot be written, or the planes of the header are not usable.
+    pub fn create(path: impl AsRef<Path>, header: &StoreHeader) -> Result<Self, StoreError> {
+        let path = path.as_ref();
+        build(path, |file| Self::create_in(path, file, header)).map_err(|p| p.at(path))
+    }
+
+    /// Opens a store.
+    ///
+    /// # Errors
+    /// [`StoreProblem::InUse`] if another process has it open, [`StoreProblem::Damaged`] if the file is no
+    /// whole store, or an I/O error.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, StoreError> {
+        let path = path.as_ref();
+        let open = || {
+            let file = File::options().read(true).write(true).open(path)?;
+            lock(&file)?;
+            Self::open_in(path, file)
+        };
+        open().map_err(|problem: StoreProblem| problem.at(path))
+    }
+
+    pub(crate) fn create_in(
+        path: &Path,
+        medium: impl Medium,
+        header: &StoreHeader,
+    ) -> Result<Self, StoreProblem> {
+        header.check()?;
+        let blocks = Blocks::create(medium)?;
+        let store = Self { path: path.to_owned(), database: database(blocks)? };
+        let transaction = store.write()?;
+        transaction.open_table(HEADER)?.insert("header", header.encode()?.as_slice())?;
+        transaction.open_table(VIEWS)?;
+        transaction.open_table(PARTIALS)?;
+        transaction.open_table(FUSED)?;
+        transaction.commit()?;
+        Ok(store)
+    }
+
+    pub(crate) fn open_in(path: &Path, medium: impl Medium) -> Result<Self, StoreProblem> {
+        let blocks = Blocks::open(medium)?;
+        let store = Self { path: path.to_owned(), database: database(blocks)? };
+        store.snapshot()?;
+        Ok(store)
+    }
+
+    /// The store as it is now, for reading.
+    ///
+    /// # Errors
+    /// If the store is damaged.
+    pub fn read(&self) -> Result<Snapshot, StoreError> {
+        self.snapshot().map_err(|problem| self.error(problem))
+    }
+
+    fn snapshot(&self) -> Result<Snapshot, StoreProblem> {
+        Snapshot::of(&self.path, &self.database.begin_read()?)
+    }
+
+    /// The views in order of their ids.
+    ///
+    /// # Errors
+    /// If the store is damaged.
+    pub fn views(&self) -> Result<Vec<StoredView>, StoreError> {
+        self.read()?.views()
+    }
+
+    /// The fused curves of a plane; `None` if it has none.
+    ///
+    /// # Errors
+    /// If the store is damaged.
+    pub fn plane(&self, plane: PlaneIndex) -> Result<Option<Section>, StoreError> {
+        self.read()?.plane(plane)
+    }
+
+    /// Gives the space of removed and replaced views back to the disk; `true` if there was any.
+    ///
+    /// # Errors
+    /// [`StoreProblem::Readers`] while a snapshot is alive, or an I/O error.
+    pub fn compact(&mut self) -> Result<bool, StoreError> {
+        self.database.compact().map_err(|error| StoreProblem::from(error).at(&self.path))
+    }
+
+    /// Closes the file, and says if that fails; dropping the store does not say so.
+    ///
+    /// # Errors
+    /// An I/O error. Views that were committed are not lost by it.
+    pub fn close(self) -> Result<(), StoreError> {
+        self.database.close().map_err(|error| StoreProblem::from(error).at(&self.path))
+    }
+
+    fn write(&self) -> Result<WriteTransaction, StoreProblem> {
+        let mut transaction = self.database.try_begin_write()?;
+        // Without this, opening after a crash would read the whole file.
+        transaction.set_quick_repair(true);
+        Ok(transaction)
+    }
+
+    fn error(&self, problem: StoreProblem) -> StoreError {
+        problem.at(&self.path)
+    }
+}
+
+fn database(blocks: Blocks<impl Medium>) -> Result<Database, StoreProblem> {
+    Ok(Database::builder().set_cache_size(CACHE_BYTES).create_with_backend(blocks)?)
+}
+
+fn lock(file: &File) -> Result<(), StoreProblem> {
+    file.try_lock().map_err(|error| match error {
+        TryLockError::WouldBlock => StoreProblem::InUse,
+        TryLockError::Error(error) => error.into(),
+    })
+}
+
+/// Builds a store under another name and renames it when it is whole, so that no crash leaves half of one.
+fn build(
+    path: &Path,
+    fill: impl FnOnce(File) -> Result<Store, StoreProblem>,
+) -> Result<Store, StoreProblem> {
+    if path.try_exists()? {
+        return Err(std::io::Error::from(std::io::ErrorKind::AlreadyExists).into());
+    }
+    let beside = crate::file::path_beside(path);
+    let file = File::options().read(true).write(true).create_new(true).open(&beside)?;
+    let built = lock(&file).and_then(|()| fill(file));
+    let named = built.and_then(|store| {
+        fs::rename(&beside, path)?;
+        sync_folder_of(path)?;
+        Ok(store)
+    });
+    if named.is_err() {
+        // It holds nothing that was promised to anyone.
+        let _ = fs::remove_file(&beside);
+    }
+    named
+}
+
+/// Makes a new name last: without this, a power cut could take it and the views committed since.
+fn sync_folder_of(path: &Path) -> std::io::Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if cfg!(unix) { File::open(folder.unwrap_or(Path::new(".")))?.sync_all() } else { Ok(()) }
+}

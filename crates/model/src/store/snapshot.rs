@@ -1,0 +1,165 @@
+//! Reading a store: a snapshot sees the views that were committed when it was taken.
+
+use super::error::{StoreError, StoreProblem};
+use super::tables::{
+    FUSED, HEADER, PARTIALS, VIEWS, decode_fused, read_partials, read_view, read_views,
+};
+use super::view::{StoreHeader, StoredView, ViewEntry, ViewId};
+use crate::{Model, Section, ViewRecord};
+use redb::{ReadOnlyTable, ReadTransaction, ReadableTable, ReadableTableMetadata};
+use std::ops::RangeBounds;
+use std::path::{Path, PathBuf};
+use transect_geometry::{Curve, PlaneIndex};
+
+/// A store as it was at one moment, for reading, from any thread.
+///
+/// Later changes do not show. While snapshots are alive the file cannot give back the space of what
+/// was changed since, and cannot be compacted.
+pub struct Snapshot {
+    path: PathBuf,
+    header: StoreHeader,
+    pub(super) views: ReadOnlyTable<&'static str, &'static [u8]>,
+    pub(super) partials: ReadOnlyTable<(i64, &'static str), &'static [u8]>,
+    pub(super) fused: ReadOnlyTable<i64, &'static [u8]>,
+}
+
+impl std::fmt::Debug for Snapshot {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Snapshot").field("path", &self.path).finish_non_exhaustive()
+    }
+}
+
+impl Snapshot {
+    pub(super) fn of(path: &Path, transaction: &ReadTransaction) -> Result<Self, StoreProblem> {
+        let header = transaction.open_table(HEADER)?;
+        let header = header.get("header")?;
+        let missing = || StoreProblem::Unsound("there is no header".to_owned());
+        let header = StoreHeader::decode(header.ok_or_else(missing)?.value())?;
+        Ok(Self {
+            path: path.to_owned(),
+            header,
+            views: transaction.open_table(VIEWS)?,
+            partials: transaction.open_table(PARTIALS)?,
+            fused: transaction.open_table(FUSED)?,
+        })
+    }
+
+    /// What the store says about itself.
+    pub fn header(&self) -> &StoreHeader {
+        &self.header
+    }
+
+    /// The views in order of their ids.
+    ///
+    /// # Errors
+    /// If the store is damaged, as for everything below.
+    pub fn views(&self) -> Result<Vec<StoredView>, StoreError> {
+        read_views(&self.views).map_err(|problem| problem.at(&self.path))
+    }
+
+    /// One view; `None` if there is none of that id.
+    ///
+    /// # Errors
+    /// If the store is damaged.
+    pub fn view(&self, id: &ViewId) -> Result<Option<StoredView>, StoreError> {
+        read_view(&self.views, id).map_err(|problem| problem.at(&self.path))
+    }
+
+    /// How many planes have partial curves; some of them may have lost all their curves in fusion.
+    ///
+    /// # Errors
+    /// If the store is damaged.
+    pub fn plane_count(&self) -> Result<u64, StoreError> {
+        self.fused.len().map_err(|error| StoreProblem::from(error).at(&self.path))
+    }
+
+    /// The fused curves of a plane; `None` if it has none.
+    ///
+    /// # Errors
+    /// If the store is damaged.
+    pub fn plane(&self, plane: PlaneIndex) -> Result<Option<Section>, StoreError> {
+        self.read_plane(plane).map_err(|problem| problem.at(&self.path))
+    }
+
+    fn read_plane(&self, plane: PlaneIndex) -> Result<Option<Section>, StoreProblem> {
+        let Some(value) = self.fused.get(plane.0)? else {
+            return Ok(None);
+        };
+        Ok(Section::new(decode_fused(plane, value.value())?.1))
+    }
+
+    /// Each view's curves on a plane, in order of view ids.
+    ///
+    /// # Errors
+    /// If the store is damaged.
+    pub fn partials(&self, plane: PlaneIndex) -> Result<Vec<(ViewId, Vec<Curve>)>, StoreError> {
+        let found = read_partials(&self.partials, plane);
+        Ok(found.map_err(|problem| problem.at(&self.path))?.by_view)
+    }
+
+    /// The planes that have curves, in order of station, one in memory at a time.
+    ///
+    /// # Errors
+    /// If the store is damaged; each item may report that too.
+    pub fn planes(
+        &self,
+    ) -> Result<
+        impl DoubleEndedIterator<Item = Result<(PlaneIndex, Section), StoreError>>,
+        StoreError,
+    > {
+        self.planes_in(..)
+    }
+
+    /// Those of some range of planes. Its first item is the next plane beyond a place on the
+    /// guide, its last item the one before.
+    ///
+    /// # Errors
+    /// As for [`Snapshot::planes`].
+    pub fn planes_in(
+        &self,
+        range: impl RangeBounds<PlaneIndex>,
+    ) -> Result<
+        impl DoubleEndedIterator<Item = Result<(PlaneIndex, Section), StoreError>>,
+        StoreError,
+    > {
+        let range = (range.start_bound().map(|k| k.0), range.end_bound().map(|k| k.0));
+        let found = ReadableTable::range(&self.fused, range);
+        let found = found.map_err(|error| StoreProblem::from(error).at(&self.path))?;
+        let read = |entry: Result<_, redb::StorageError>| -> Result<_, StoreProblem> {
+            let (plane, value): (redb::AccessGuard<'_, i64>, redb::AccessGuard<'_, &[u8]>) = entry?;
+            let plane = PlaneIndex(plane.value());
+            Ok((plane, Section::new(decode_fused(plane, value.value())?.1)))
+        };
+        Ok(found.filter_map(move |entry| match read(entry) {
+            Ok((plane, section)) => Some(Ok((plane, section?))),
+            Err(problem) => Some(Err(problem.at(&self.path))),
+        }))
+    }
+
+    /// The whole model in memory, with the views in order of their ids.
+    ///
+    /// # Errors
+    /// If the store is damaged.
+    pub fn model(&self) -> Result<Model, StoreError> {
+        let mut model = Model::new(self.header.unit, self.header.planes);
+        for view in self.views()? {
+            let ViewEntry { name, source, world_from_sensor, sigma, .. } = view.entry;
+            model.add_view(ViewRecord {
+                name,
+                source,
+                world_from_sensor,
+                sigma,
+                nodes: view.nodes,
+            });
+        }
+        for entry in self.planes()? {
+            let (plane, section) = entry?;
+            model.set_curves(plane, section.into_curves());
+        }
+        Ok(model)
+    }
+
+    pub(super) fn error(&self, problem: StoreProblem) -> StoreError {
+        problem.at(&self.path)
+    }
+}

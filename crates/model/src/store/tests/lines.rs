@@ -1,0 +1,137 @@
+//! Exports read back as the same store, and anything else is refused with its line.
+
+use super::*;
+
+fn import(text: &str) -> Result<String, StoreProblem> {
+    let imported = Store::import_in(Path::new("memory"), Memory::default(), text.as_bytes());
+    let mut store = imported?;
+    store.verify().unwrap();
+    Ok(export(&store))
+}
+
+fn wild_numbers() -> impl Strategy<Value = Vec<Curve>> {
+    use transect_geometry::{Node, Point2};
+    let coordinate =
+        || prop_oneof![any::<f64>().prop_filter("finite", |x| x.is_finite()), -2.0..2.0];
+    let measure = || any::<f32>().prop_map(f32::abs).prop_filter("finite", |x| x.is_finite());
+    let node = (coordinate(), coordinate(), measure(), measure(), measure(), any::<u32>());
+    let node = node.prop_map(|(x, y, sigma, footprint, weight, views)| Node {
+        position: Point2::new(x, y),
+        sigma,
+        footprint,
+        weight,
+        views,
+    });
+    let curve = (prop::collection::vec(node, 3..6), any::<bool>());
+    prop::collection::vec(
+        curve.prop_map(|(nodes, closed)| Curve::new(nodes, closed).unwrap()),
+        1..3,
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(32))]
+
+    #[test]
+    fn exporting_what_was_imported_gives_the_same_bytes(
+        id in ".*", curves in wild_numbers(), more in curves(), angle in prop::array::uniform3(-9.0..9.0),
+    ) {
+        let (_, store) = memory_store();
+        add(&store, "first", &more).unwrap();
+        let pose = Isometry3::rotation(Vector3::from(angle));
+        let view = ViewEntry { world_from_sensor: pose, sigma: None, ..entry(&format!("{id} second")) };
+        let mut view = store.begin_view(view).unwrap();
+        // `fuse` would overflow the largest coordinates.
+        let untouched = |_: PlaneIndex, partials: &[(ViewId, Vec<Curve>)]| partials[0].1.clone();
+        view.add_plane(PlaneIndex(i64::MIN), &curves, &untouched).unwrap();
+        view.commit().unwrap();
+        let text = export(&store);
+        prop_assert_eq!(import(&text).unwrap(), text);
+    }
+}
+
+fn sample() -> String {
+    let (_, store) = memory_store();
+    let triangle = vec![polyline(&[(0.0, 0.0), (1.0, 0.0), (0.0, 0.1)], true)];
+    let entry = ViewEntry { world_from_sensor: Isometry3::identity(), ..entry("a") };
+    let mut view = store.begin_view(entry).unwrap();
+    let same = |_: PlaneIndex, partials: &[(ViewId, Vec<Curve>)]| partials[0].1.clone();
+    view.add_plane(PlaneIndex(3), &triangle, &same).unwrap();
+    view.commit().unwrap();
+    export(&store)
+}
+
+#[test]
+fn the_lines_are_the_documented_ones() {
+    let curves = "[{\"closed\":true,\"nodes\":[[0.0,0.0,0.0,0.0,1.0,1],[1.0,0.0,0.0,0.0,1.0,1],[0.0,0.1,0.0,0.0,1.0,1]]}]";
+    let expected = [
+        "{\"store\":{\"format\":\"transect-model\",\"version\":1,\"unit\":\"mm\",\"planes\":{\"guide\":{\"direction\":[0.0,0.0,1.0]},\"offset\":0.0,\"interval\":0.5},\"options\":\"{\\\"order\\\":2}\",\"tool\":\"transect 0.1.0\"}}".to_owned(),
+        "{\"view\":{\"id\":\"a\",\"name\":\"view a\",\"sensor\":\"pinhole\",\"source\":\"a.npy\",\"source_hash\":\"0123abcd\",\"world_from_sensor\":{\"rotation\":[0.0,0.0,0.0,1.0],\"translation\":[0.0,0.0,0.0]},\"sigma\":0.1}}".to_owned(),
+        format!("{{\"partial\":{{\"plane\":3,\"view\":\"a\",\"curves\":{curves}}}}}"),
+        format!("{{\"fused\":{{\"plane\":3,\"curves\":{curves}}}}}"),
+    ];
+    let text = sample();
+    let lines: Vec<_> = text.lines().collect();
+    assert_eq!(lines[..4], expected);
+    assert!(lines[4].starts_with("{\"end\":{\"views\":1,\"planes\":1,\"hash\":\""), "{}", lines[4]);
+    assert_eq!(lines.len(), 5);
+}
+
+fn refusal(text: &str) -> (usize, String) {
+    match import(text).unwrap_err() {
+        StoreProblem::Import { line, problem } => (line, problem),
+        other => panic!("refused without a line: {other}"),
+    }
+}
+
+#[test]
+fn an_import_is_a_whole_file_or_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("imported.transect");
+    let text = sample();
+    let refused = Store::import(&path, &text.as_bytes()[..text.len() / 2]).unwrap_err();
+    assert!(refused.to_string().contains("imported.transect"), "{refused}");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    Store::import(&path, text.as_bytes()).unwrap().close().unwrap();
+    assert_eq!(export(&Store::open(&path).unwrap()), text);
+}
+
+#[test]
+fn damaged_lines_are_named() {
+    let text = sample();
+    let lines: Vec<_> = text.lines().collect();
+    let without = |skipped: usize| {
+        let kept = lines.iter().enumerate().filter(|(i, _)| *i != skipped).map(|(_, line)| *line);
+        kept.collect::<Vec<_>>().join("\n") + "\n"
+    };
+    for (skipped, line, problem) in [
+        (0, 1, "an export begins with a line of its store"),
+        (1, 2, "there is no view a"),
+        (2, 3, "plane 3 has no lines of its views"),
+        (3, 4, "the last plane has no line of its fused curves"),
+        (4, 5, "the end is missing"),
+    ] {
+        assert_eq!(refusal(&without(skipped)), (line, problem.to_owned()));
+    }
+    assert_eq!(refusal(&text.replace("0.1,", "0.2,")).1, "the lines do not match their hash");
+    assert_eq!(refusal(&format!("{text}\n")).1, "there is more behind the end");
+    let (line, problem) = refusal(&text.replacen("\"version\":1", "\"version\":7", 1));
+    assert_eq!((line, problem.as_str()), (1, "version 7; this program reads version 1"));
+    let (line, problem) = refusal(&text.replace("[0.0,0.1,", "[0.0,1e999,"));
+    assert_eq!(line, 3);
+    assert!(problem.contains("number out of range"), "{problem}");
+    assert_eq!(refusal(&text.replace("\"sigma\":0.1", "\"sigma\":-0.1")).0, 2);
+    assert_eq!(refusal(&text.replace("\"closed\"", "\"shut\"")).0, 3);
+    assert_eq!(refusal("").0, 1);
+    let short = text.replace(",[0.0,0.1,0.0,0.0,1.0,1]", "");
+    assert_eq!(refusal(&short).1, "curve 0: 2 nodes cannot make a closed curve");
+}
+
+#[test]
+fn a_line_cut_or_changed_anywhere_is_refused() {
+    let text = sample();
+    for end in 0..text.len() {
+        // Without the last newline nothing is missing.
+        assert_eq!(import(&text[..end]).is_ok(), end + 1 == text.len(), "{end}");
+    }
+}

@@ -1,0 +1,187 @@
+//! Checking a whole store: checksums, the database's own trees, and every promise about the contents.
+
+use super::Store;
+use super::error::{StoreError, StoreProblem};
+use super::fuse::Fuse;
+use super::snapshot::Snapshot;
+use super::tables::{decode_curves, decode_fused, encode_fused, read_partials, read_views};
+use super::view::{StoredView, ViewId};
+use crate::codec::HASH_OF_NOTHING;
+use crate::codec::values::hash_piece;
+use redb::{ReadableTable, ReadableTableMetadata};
+use std::collections::BTreeMap;
+use transect_geometry::{Curve, PlaneIndex};
+
+/// What [`Store::verify`] counted.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Verification {
+    /// Views in the store.
+    pub views: u64,
+    /// Planes with partial curves.
+    pub planes: u64,
+    /// Partial curves of all views.
+    pub partial_curves: u64,
+    /// Nodes of the partial curves.
+    pub partial_nodes: u64,
+    /// Fused curves.
+    pub curves: u64,
+    /// Nodes of the fused curves.
+    pub nodes: u64,
+    /// FNV-1a over all contents; equal for stores of equal contents, however these came about.
+    pub hash: u64,
+}
+
+impl Store {
+    /// Reads the whole store and checks everything that is promised of it.
+    ///
+    /// * Every block in use matches its checksum, and every page of the database the one kept with the
+    ///   reference to it.
+    /// * Every value decodes; headers, poses and curves are sound.
+    /// * Views and partial curves name each other, with right counts.
+    /// * Every plane with partial curves has been fused, from the very curves that are there.
+    ///
+    /// Whether fusing again gives the same curves is [`Snapshot::stale_planes`].
+    ///
+    /// # Errors
+    /// What is wrong first, or [`StoreProblem::Readers`] while a snapshot is alive.
+    pub fn verify(&mut self) -> Result<Verification, StoreError> {
+        let sound = self.database.check_integrity().map_err(StoreProblem::from);
+        let checked = sound.and_then(|sound| match sound {
+            true => self.snapshot()?.verify(),
+            false => Err(StoreProblem::Inconsistent("the database had to be repaired".to_owned())),
+        });
+        checked.map_err(|problem| self.error(problem))
+    }
+}
+
+impl Snapshot {
+    /// The planes whose stored curves differ from what `fuse` makes of their partial curves, such as
+    /// after a change of the program.
+    ///
+    /// # Errors
+    /// If the store is damaged.
+    pub fn stale_planes(&self, fuse: &impl Fuse) -> Result<Vec<PlaneIndex>, StoreError> {
+        self.find_stale(fuse).map_err(|problem| self.error(problem))
+    }
+
+    fn find_stale(&self, fuse: &impl Fuse) -> Result<Vec<PlaneIndex>, StoreProblem> {
+        let mut stale = Vec::new();
+        for entry in ReadableTable::iter(&self.fused)? {
+            let (plane, value) = entry?;
+            let plane = PlaneIndex(plane.value());
+            let found = read_partials(&self.partials, plane)?;
+            let again = encode_fused(found.hash, &fuse.fuse(plane, &found.by_view))?;
+            if again != value.value() {
+                stale.push(plane);
+            }
+        }
+        Ok(stale)
+    }
+
+    fn verify(&self) -> Result<Verification, StoreProblem> {
+        let views = read_views(&self.views)?;
+        let mut seen = Seen::default();
+        seen.counts.views = views.len() as u64;
+        seen.counts.hash = HASH_OF_NOTHING;
+        for entry in ReadableTable::iter(&self.views)? {
+            let (id, value) = entry?;
+            seen.add_hash(id.value().as_bytes(), value.value());
+        }
+        for entry in ReadableTable::iter(&self.partials)? {
+            let (key, value) = entry?;
+            let (k, id) = key.value();
+            if seen.plane.is_some_and(|plane| plane.0 != k) {
+                self.finish_plane(&mut seen)?;
+            }
+            seen.add_partial(PlaneIndex(k), id, value.value())?;
+        }
+        self.finish_plane(&mut seen)?;
+        if self.fused.len()? != seen.counts.planes {
+            let problem = "there are sections on planes without partial models";
+            return Err(StoreProblem::Unsound(problem.to_owned()));
+        }
+        check_views(&views, &seen.by_view)?;
+        Ok(seen.counts)
+    }
+
+    /// Checks the fused curves of the plane whose partial curves were just read.
+    fn finish_plane(&self, seen: &mut Seen) -> Result<(), StoreProblem> {
+        let Some(plane) = seen.plane.take() else {
+            return Ok(());
+        };
+        let unsound = |what: &str| StoreProblem::Unsound(format!("plane {plane} {what}"));
+        let value = self.fused.get(plane.0)?.ok_or_else(|| unsound("was not fused"))?;
+        let (made_of, curves) = decode_fused(plane, value.value())?;
+        if made_of != seen.made_of {
+            return Err(unsound("was fused from other curves than it has"));
+        }
+        seen.counts.planes += 1;
+        seen.counts.curves += curves.len() as u64;
+        seen.counts.nodes += node_count(&curves);
+        seen.add_hash(&plane.0.to_le_bytes(), value.value());
+        Ok(())
+    }
+}
+
+/// What was met on the way through the partial curves.
+#[derive(Default)]
+struct Seen {
+    counts: Verification,
+    /// The plane whose partial curves are being read, and the hash of those so far.
+    plane: Option<PlaneIndex>,
+    made_of: u64,
+    by_view: BTreeMap<ViewId, (Vec<PlaneIndex>, u64, u64)>,
+}
+
+impl Seen {
+    fn add_hash(&mut self, key: &[u8], value: &[u8]) {
+        self.counts.hash = hash_piece(hash_piece(self.counts.hash, key), value);
+    }
+
+    fn add_partial(
+        &mut self,
+        plane: PlaneIndex,
+        id: &str,
+        value: &[u8],
+    ) -> Result<(), StoreProblem> {
+        if self.plane.is_none() {
+            (self.plane, self.made_of) = (Some(plane), HASH_OF_NOTHING);
+        }
+        self.made_of = hash_piece(hash_piece(self.made_of, id.as_bytes()), value);
+        let curves = decode_curves(plane, id, value)?;
+        let nodes = node_count(&curves);
+        self.counts.partial_curves += curves.len() as u64;
+        self.counts.partial_nodes += nodes;
+        let view = self.by_view.entry(id.into()).or_default();
+        view.0.push(plane);
+        view.1 += curves.len() as u64;
+        view.2 += nodes;
+        self.add_hash(id.as_bytes(), value);
+        Ok(())
+    }
+}
+
+fn check_views(
+    views: &[StoredView],
+    seen: &BTreeMap<ViewId, (Vec<PlaneIndex>, u64, u64)>,
+) -> Result<(), StoreProblem> {
+    let known = |id: &ViewId| views.iter().any(|view| view.entry.id == *id);
+    if let Some(id) = seen.keys().find(|id| !known(id)) {
+        let problem = format!("there are curves of a view {id}, which is not there");
+        return Err(StoreProblem::Unsound(problem));
+    }
+    let nothing = (Vec::new(), 0, 0);
+    for view in views {
+        let (planes, curves, nodes) = seen.get(&view.entry.id).unwrap_or(&nothing);
+        if (&view.planes, view.curves, view.nodes) != (planes, *curves, *nodes) {
+            let id = &view.entry.id;
+            let problem = format!("view {id} has other curves than it says");
+            return Err(StoreProblem::Unsound(problem));
+        }
+    }
+    Ok(())
+}
+
+fn node_count(curves: &[Curve]) -> u64 {
+    curves.iter().map(|c| c.nodes().len() as u64).sum()
+}

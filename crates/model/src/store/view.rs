@@ -1,0 +1,138 @@
+//! What a store keeps about a view, and what it says about itself.
+
+use super::error::StoreProblem;
+use crate::check::{check_planes, check_pose, check_sigma};
+use crate::codec::values::{HeaderValue, ViewValue, decode, encode};
+use crate::{CodecError, InvariantError};
+use serde::{Deserialize, Serialize};
+use transect_geometry::{Isometry3, LengthUnit, PlaneFamily, PlaneIndex};
+
+/// What tells a view from the others: a text that the caller chooses, such as its name in the scan.
+///
+/// The order of ids is the order in which views are handed to fusion, so that it depends on the
+/// set of views alone and not on when each of them came.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct ViewId(pub String);
+
+impl std::fmt::Display for ViewId {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl From<&str> for ViewId {
+    fn from(id: &str) -> Self {
+        Self(id.to_owned())
+    }
+}
+
+/// What a store says about itself; fixed when it is created.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StoreHeader {
+    /// The unit of every length in the store.
+    pub unit: LengthUnit,
+    /// Where the section planes are.
+    pub planes: PlaneFamily,
+    /// The settings under which views were modelled and fused; the store does not read them.
+    pub options: String,
+    /// The program and its version.
+    pub tool: String,
+}
+
+/// A view that goes into a store.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ViewEntry {
+    /// What tells it from other views.
+    pub id: ViewId,
+    /// What it is called in reports.
+    pub name: String,
+    /// Its sensor, as the caller describes it; the store does not read it.
+    pub sensor: String,
+    /// Where it came from, such as the file of its range image.
+    pub source: String,
+    /// A hash of that source, as the caller writes it; empty if unknown.
+    pub source_hash: String,
+    /// The pose; its translation is in the store's length unit.
+    pub world_from_sensor: Isometry3,
+    /// Standard deviation of its range values in the store's length unit; `None` if unknown.
+    pub sigma: Option<f64>,
+}
+
+/// A view that is in a store.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StoredView {
+    /// What was put in.
+    pub entry: ViewEntry,
+    /// The planes on which it has curves, in order.
+    pub planes: Vec<PlaneIndex>,
+    /// Number of its partial curves on all planes.
+    pub curves: u64,
+    /// Number of their nodes.
+    pub nodes: u64,
+}
+
+impl StoreHeader {
+    pub(crate) fn check(&self) -> Result<(), InvariantError> {
+        check_planes(&self.planes)
+    }
+
+    pub(crate) fn encode(&self) -> Result<Vec<u8>, StoreProblem> {
+        let Self { unit, planes, options, tool } = self;
+        encode(&HeaderValue { unit: *unit, planes: *planes, options, tool })
+            .map_err(StoreProblem::value("header"))
+    }
+
+    pub(crate) fn decode(bytes: &[u8]) -> Result<Self, StoreProblem> {
+        let value: HeaderValue<'_> = decode(bytes).map_err(StoreProblem::value("header"))?;
+        let HeaderValue { unit, planes, options, tool } = value;
+        let header = Self { unit, planes, options: options.to_owned(), tool: tool.to_owned() };
+        header.check()?;
+        Ok(header)
+    }
+}
+
+impl ViewEntry {
+    pub(crate) fn check(&self) -> Result<(), InvariantError> {
+        check_pose(&self.id.0, &self.world_from_sensor)?;
+        check_sigma(&self.id.0, self.sigma)
+    }
+}
+
+impl StoredView {
+    pub(crate) fn encode(&self) -> Result<Vec<u8>, StoreProblem> {
+        let ViewEntry { id, name, sensor, source, source_hash, world_from_sensor, sigma } =
+            &self.entry;
+        let value = ViewValue {
+            name,
+            sensor,
+            source,
+            source_hash,
+            world_from_sensor: *world_from_sensor,
+            sigma: *sigma,
+            curves: self.curves,
+            nodes: self.nodes,
+            planes: self.planes.clone(),
+        };
+        encode(&value).map_err(StoreProblem::value(format_args!("view {id}")))
+    }
+
+    pub(crate) fn decode(id: &str, bytes: &[u8]) -> Result<Self, StoreProblem> {
+        let decoded: Result<ViewValue<'_>, CodecError> = decode(bytes);
+        let value = decoded.map_err(StoreProblem::value(format_args!("view {id}")))?;
+        let entry = ViewEntry {
+            id: id.into(),
+            name: value.name.to_owned(),
+            sensor: value.sensor.to_owned(),
+            source: value.source.to_owned(),
+            source_hash: value.source_hash.to_owned(),
+            world_from_sensor: value.world_from_sensor,
+            sigma: value.sigma,
+        };
+        entry.check()?;
+        let ViewValue { planes, curves, nodes, .. } = value;
+        if !planes.is_sorted_by(|a, b| a < b) {
+            return Err(StoreProblem::Unsound(format!("view {id} lists its planes out of order")));
+        }
+        Ok(Self { entry, planes, curves, nodes })
+    }
+}
