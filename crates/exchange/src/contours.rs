@@ -154,7 +154,7 @@ fn curve(frame: &PlaneFrame, polyline: &PolylineText) -> Result<Curve, String> {
         let position: Point2 = frame.plane_from_world(&Point3::from(*point));
         let views = views.get(i).copied().unwrap_or(1);
         let sigma = sigma.get(i).copied().unwrap_or(0.0);
-        Node { position, sigma, footprint: 0.0, weight: views as f32, views }
+        Node { sigma, weight: views as f32, views, ..Node::at(position) }
     };
     let nodes = points.iter().enumerate().map(node).collect();
     Curve::new(nodes, *closed).map_err(|e| e.to_string())

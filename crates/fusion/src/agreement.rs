@@ -99,7 +99,7 @@ mod tests {
             let (x, y) = (2.0 * a.cos(), a.sin());
             let position =
                 Point2::new(x * turn.cos() - y * turn.sin(), x * turn.sin() + y * turn.cos());
-            Node { position, sigma: 0.001, footprint: 0.02, weight: 1.0, views: 1 }
+            Node { sigma: 0.001, footprint: 0.02, ..Node::at(position) }
         };
         vec![Curve::new((0..=200).map(node).collect(), false).unwrap()]
     }

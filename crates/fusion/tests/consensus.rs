@@ -54,13 +54,7 @@ fn see(outline: &Outline, look: &Look, sigma: f64) -> Vec<Curve> {
         // Uniform in ±√3 σ has the standard deviation σ.
         let off = 1.0 + sigma * 3_f64.sqrt() * noise(look.seed, k) / p.coords.norm();
         let position = Point2::from(p.coords * off);
-        Node {
-            position,
-            sigma: sigma as f32,
-            footprint: look.spacing as f32,
-            weight: 1.0,
-            views: 1,
-        }
+        Node { sigma: sigma as f32, footprint: look.spacing as f32, ..Node::at(position) }
     };
     vec![Curve::new((0..count).map(node).collect(), closed).unwrap()]
 }
@@ -185,7 +179,7 @@ fn sheet(thickness: f64, sigma: f64) -> Vec<Vec<Curve>> {
             // The upper side runs back, so that the sheet is on the left of both.
             let position =
                 if upper { Point2::new(4.0 - x, thickness + y) } else { Point2::new(x, y) };
-            Node { position, sigma: sigma as f32, footprint: 0.02, weight: 1.0, views: 1 }
+            Node { sigma: sigma as f32, footprint: 0.02, ..Node::at(position) }
         };
         Curve::new((0..200).map(node).collect(), false).unwrap()
     };

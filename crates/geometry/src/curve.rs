@@ -1,6 +1,7 @@
 //! Oriented curves of nodes on a section plane (dissertation, sections 2.4 and 2.5.2).
 
 use crate::{CurveUnit, Envelope, Foot, Point2, Side, Vector2};
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// A contour point: a vertex of a curve with what is known about it.
@@ -17,12 +18,26 @@ pub struct Node {
     pub weight: f32,
     /// How many views observed it; 0 marks ground that was bridged, not seen.
     pub views: u32,
+    /// Length along the curve over which nodes share their errors, in the length unit: the window of
+    /// whatever smoothed them; 0 if each has its own.
+    pub correlation: f32,
+    /// Outward unit normal of the surface, in plane coordinates with the plane's normal third; zero
+    /// where it is not known.
+    pub normal: Vector3<f32>,
 }
 
 impl Node {
-    /// A node of one view with weight 1, of which neither accuracy nor footprint is known (both 0).
+    /// A node of one view with weight 1, of which nothing else is known: all zero.
     pub fn at(position: Point2) -> Self {
-        Self { position, sigma: 0.0, footprint: 0.0, weight: 1.0, views: 1 }
+        Self {
+            position,
+            sigma: 0.0,
+            footprint: 0.0,
+            weight: 1.0,
+            views: 1,
+            correlation: 0.0,
+            normal: Vector3::zeros(),
+        }
     }
 }
 
@@ -41,8 +56,9 @@ pub enum CurveError {
     /// A coordinate is NaN or infinite.
     #[error("node {0} has a coordinate that is not a number")]
     NotFinite(usize),
-    /// Standard deviation, footprint or weight is negative, NaN or infinite.
-    #[error("node {0} has a standard deviation, footprint or weight below 0 or not a number")]
+    /// Standard deviation, footprint, weight or correlation is negative, or one of them or the
+    /// normal is NaN or infinite.
+    #[error("node {0} has a measure below 0 or not a number, or no normal that is one")]
     BadAttribute(usize),
 }
 
@@ -86,7 +102,10 @@ impl Curve {
             return Err(CurveError::NotFinite(bad));
         }
         let usable = |v: f32| v.is_finite() && v >= 0.0;
-        let measured = |n: &Node| usable(n.sigma) && usable(n.footprint) && usable(n.weight);
+        let measured = |n: &Node| {
+            [n.sigma, n.footprint, n.weight, n.correlation].into_iter().all(usable)
+                && n.normal.iter().all(|c| c.is_finite())
+        };
         match nodes.iter().position(|n| !measured(n)) {
             Some(bad) => Err(CurveError::BadAttribute(bad)),
             None => Ok(Self { nodes, closed }),

@@ -155,6 +155,7 @@ impl Kept {
             footprint: self.footprint as f32,
             weight: self.credit as f32,
             views: self.views,
+            ..Node::at(self.position)
         }
     }
 }
@@ -257,5 +258,6 @@ fn bridge(a: &Kept, b: &Kept) -> Option<Node> {
         footprint: gap as f32,
         weight: 0.0,
         views: 0,
+        ..Node::at(a.position)
     })
 }

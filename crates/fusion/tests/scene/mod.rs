@@ -49,7 +49,7 @@ pub fn see(outline: &Outline, look: &Look, sigma: f64) -> Curve {
         let off = sigma * 3_f64.sqrt() * noise(look.seed, k);
         let position = p + p.coords.normalize() * off;
         let (sigma, footprint) = (sigma as f32, look.spacing as f32);
-        Node { position, sigma, footprint, weight: 1.0, views: 1 }
+        Node { sigma, footprint, ..Node::at(position) }
     };
     Curve::new((0..count).map(node).collect(), closed).unwrap()
 }

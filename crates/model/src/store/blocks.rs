@@ -33,7 +33,7 @@ use std::io::{self, ErrorKind};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 pub(crate) const MAGIC: [u8; 8] = *b"TRANSECT";
-/// The layout of a store; version 1 is the file of a whole model (`Model::save`).
+/// The layout of a store; other versions are files of whole models (`Model::save`).
 pub const STORE_VERSION: u32 = 2;
 
 const SECTOR: usize = 512;

@@ -5,16 +5,16 @@
 //!     "offset":0.0,"interval":0.5},"options":"…","tool":"transect 0.1.0"}}
 //! {"view":{"id":"front","name":"front","sensor":"…","source":"front.npy","source_hash":"…",
 //!     "world_from_sensor":{"rotation":[0.0,0.0,0.0,1.0],"translation":[0.0,0.0,0.0]},"sigma":0.001}}
-//! {"partial":{"plane":3,"view":"front","curves":[{"closed":true,"nodes":[[0.0,0.0,0.001,0.01,1.0,1],…]}]}}
+//! {"partial":{"plane":3,"view":"front","curves":[{"closed":true,"nodes":[[0.0,0.0,0.001,0.01,1.0,1,0.03,[1.0,0.0,0.0]],…]}]}}
 //! {"fused":{"plane":3,"curves":[…]}}
 //! {"end":{"views":1,"planes":1,"hash":"…"}}
 //! ```
 //!
 //! One line each (broken here to fit the page): the store; its views in order of ids; then plane by plane in order of
 //! station the partial curves of each view, in order of ids, and the fused ones; the end. A rotation is a
-//! quaternion `[i, j, k, w]`. A node is `[x, y, sigma, footprint, weight, views]`: plane coordinates,
-//! standard deviation and sample spacing in the model's unit, weight, and number of views. The last
-//! line's hash is FNV-1a (64 bits, hexadecimal) of all bytes before that line, newlines included.
+//! quaternion `[i, j, k, w]`. A node is `[x, y, sigma, footprint, weight, views, correlation, normal]`: plane coordinates,
+//! standard deviation and sample spacing in the model's unit, weight, number of views, length over which errors are
+//! shared, and the surface's normal in plane coordinates. The last line's hash is FNV-1a (64 bits, hexadecimal) of all bytes before that line, newlines included.
 //!
 //! Numbers have the fewest digits that read back as the same number: exporting what was imported gives the same bytes.
 
@@ -87,8 +87,11 @@ pub(super) struct EndLine {
 #[serde(deny_unknown_fields)]
 pub(super) struct CurveText {
     closed: bool,
-    nodes: Vec<(f64, f64, f32, f32, f32, u32)>,
+    nodes: Vec<NodeText>,
 }
+
+/// x, y, sigma, footprint, weight, views, correlation, normal.
+type NodeText = (f64, f64, f32, f32, f32, u32, f32, [f32; 3]);
 
 impl From<&StoreHeader> for StoreLine {
     fn from(header: &StoreHeader) -> Self {
@@ -121,8 +124,8 @@ impl From<ViewLine> for ViewEntry {
 impl From<&Curve> for CurveText {
     fn from(curve: &Curve) -> Self {
         let node = |n: &Node| {
-            let Node { position, sigma, footprint, weight, views } = *n;
-            (position.x, position.y, sigma, footprint, weight, views)
+            let Node { position, sigma, footprint, weight, views, correlation, normal } = *n;
+            (position.x, position.y, sigma, footprint, weight, views, correlation, normal.into())
         };
         Self { closed: curve.is_closed(), nodes: curve.nodes().iter().map(node).collect() }
     }
@@ -132,9 +135,9 @@ impl TryFrom<CurveText> for Curve {
     type Error = CurveError;
 
     fn try_from(text: CurveText) -> Result<Self, CurveError> {
-        let node = |(x, y, sigma, footprint, weight, views)| {
-            let position = Point2::new(x, y);
-            Node { position, sigma, footprint, weight, views }
+        let node = |(x, y, sigma, footprint, weight, views, correlation, normal): NodeText| {
+            let (position, normal) = (Point2::new(x, y), normal.into());
+            Node { position, sigma, footprint, weight, views, correlation, normal }
         };
         Self::new(text.nodes.into_iter().map(node).collect(), text.closed)
     }

@@ -167,11 +167,10 @@ impl Maker<'_> {
         let ray = self.samples.view.frame().ray(crossings[k].nearest);
         let ray = self.samples.axes.turn(&ray.map_or(Vector3::z(), |r| r.direction));
         Node {
-            position: crossings[k].position,
             sigma: (self.sigma * sigma_factor(normal, &ray)) as f32,
             footprint: footprint(crossings, k, closed, normal, &ray) as f32,
-            weight: 1.0,
-            views: 1,
+            normal: normal.try_normalize(0.0).unwrap_or_default().cast(),
+            ..Node::at(crossings[k].position)
         }
     }
 }

@@ -98,11 +98,9 @@ impl NodeMaker<'_> {
         let ray = self.axes.turn(&ray);
         let sigma = self.sigmas.at(crossing.pixel);
         Node {
-            position: crossing.position,
             sigma: (sigma * sigma_factor(&tangent, &crossing.pair, &ray)) as f32,
             footprint: self.footprint(k, closed, &tangent, &ray) as f32,
-            weight: 1.0,
-            views: 1,
+            ..Node::at(crossing.position)
         }
     }
 

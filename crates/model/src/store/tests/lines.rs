@@ -14,13 +14,13 @@ fn wild_numbers() -> impl Strategy<Value = Vec<Curve>> {
     let coordinate =
         || prop_oneof![any::<f64>().prop_filter("finite", |x| x.is_finite()), -2.0..2.0];
     let measure = || any::<f32>().prop_map(f32::abs).prop_filter("finite", |x| x.is_finite());
-    let node = (coordinate(), coordinate(), measure(), measure(), measure(), any::<u32>());
-    let node = node.prop_map(|(x, y, sigma, footprint, weight, views)| Node {
-        position: Point2::new(x, y),
-        sigma,
-        footprint,
-        weight,
-        views,
+    let measures = (measure(), measure(), measure(), measure());
+    let node =
+        (coordinate(), coordinate(), measures, any::<u32>(), [measure(), measure(), measure()]);
+    let node = node.prop_map(|(x, y, measures, views, normal)| {
+        let (sigma, footprint, weight, correlation) = measures;
+        let (position, normal) = (Point2::new(x, y), normal.into());
+        Node { position, sigma, footprint, weight, views, correlation, normal }
     });
     let curve = (prop::collection::vec(node, 3..6), any::<bool>());
     prop::collection::vec(
@@ -63,7 +63,7 @@ fn sample() -> String {
 
 #[test]
 fn the_lines_are_the_documented_ones() {
-    let curves = "[{\"closed\":true,\"nodes\":[[0.0,0.0,0.0,0.0,1.0,1],[1.0,0.0,0.0,0.0,1.0,1],[0.0,0.1,0.0,0.0,1.0,1]]}]";
+    let curves = "[{\"closed\":true,\"nodes\":[[0.0,0.0,0.0,0.0,1.0,1,0.0,[0.0,0.0,0.0]],[1.0,0.0,0.0,0.0,1.0,1,0.0,[0.0,0.0,0.0]],[0.0,0.1,0.0,0.0,1.0,1,0.0,[0.0,0.0,0.0]]]}]";
     let expected = [
         "{\"store\":{\"format\":\"transect-model\",\"version\":1,\"unit\":\"mm\",\"planes\":{\"guide\":{\"direction\":[0.0,0.0,1.0]},\"offset\":0.0,\"interval\":0.5},\"options\":\"{\\\"order\\\":2}\",\"tool\":\"transect 0.1.0\"}}".to_owned(),
         "{\"view\":{\"id\":\"a\",\"name\":\"view a\",\"sensor\":\"pinhole\",\"source\":\"a.npy\",\"source_hash\":\"0123abcd\",\"world_from_sensor\":{\"rotation\":[0.0,0.0,0.0,1.0],\"translation\":[0.0,0.0,0.0]},\"sigma\":0.1}}".to_owned(),
@@ -123,7 +123,7 @@ fn damaged_lines_are_named() {
     assert_eq!(refusal(&text.replace("\"sigma\":0.1", "\"sigma\":-0.1")).0, 2);
     assert_eq!(refusal(&text.replace("\"closed\"", "\"shut\"")).0, 3);
     assert_eq!(refusal("").0, 1);
-    let short = text.replace(",[0.0,0.1,0.0,0.0,1.0,1]", "");
+    let short = text.replace(",[0.0,0.1,0.0,0.0,1.0,1,0.0,[0.0,0.0,0.0]]", "");
     assert_eq!(refusal(&short).1, "curve 0: 2 nodes cannot make a closed curve");
 }
 
