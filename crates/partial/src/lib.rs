@@ -5,6 +5,7 @@
 //!
 //! * [`one_pass`]: all planes of a straight guide in one sweep over the image;
 //! * [`BreakRule`]: where neighbouring pixels do not belong to one surface (3.4.2);
+//! * [`PartialCurve`]: a curve with what only its view knows of it;
 //! * [`estimate_sigma`]: the range noise of an image of which it is not known;
 //! * [`SectionAxes`]: levels and plane coordinates straight from sensor coordinates.
 
@@ -12,12 +13,12 @@ mod axes;
 mod breaks;
 mod noise;
 pub mod one_pass;
+mod partial_curve;
 
 pub use axes::{MAX_LEVELS, SectionAxes};
 pub use breaks::BreakRule;
 pub use noise::estimate_sigma;
-
-use transect_geometry::{Curve, PlaneIndex};
+pub use partial_curve::{EndReason, PartialCurve, PlaneCurves};
 
 /// The curves of one view: its partial model.
 #[derive(Debug, Clone, Default)]
@@ -26,15 +27,6 @@ pub struct PartialModel {
     pub planes: Vec<PlaneCurves>,
     /// What was seen and left out on the way.
     pub counts: PartialCounts,
-}
-
-/// The curves of one view on one plane.
-#[derive(Debug, Clone)]
-pub struct PlaneCurves {
-    /// The plane.
-    pub plane: PlaneIndex,
-    /// Its curves, solid on the left; never empty.
-    pub curves: Vec<Curve>,
 }
 
 /// Counts of one view's partial modelling.

@@ -25,7 +25,7 @@ fn segment(plane: i64, a: Point2, b: Point2) -> Option<Segment> {
 fn segments_of(model: &PartialModel) -> Vec<Segment> {
     let mut all = Vec::new();
     for plane in &model.planes {
-        for unit in plane.curves.iter().flat_map(|c| c.units().collect::<Vec<_>>()) {
+        for unit in plane.curves.iter().flat_map(|c| c.curve.units().collect::<Vec<_>>()) {
             all.extend(segment(plane.plane.0, unit.start, unit.end));
         }
     }
@@ -197,7 +197,7 @@ proptest! {
         let planes = planes(normal, interval);
         let model = partial_model(&view, &planes, &OnePassOptions::default()).unwrap();
         for plane in &model.planes {
-            for unit in plane.curves.iter().flat_map(|c| c.units().collect::<Vec<_>>()) {
+            for unit in plane.curves.iter().flat_map(|c| c.curve.units().collect::<Vec<_>>()) {
                 let v = unit.vector();
                 // Crossings of pairs in different directions lie on different chords of the ball, up
                 // to a sagitta apart; a unit shorter than that has no direction to speak of.
@@ -227,7 +227,7 @@ proptest! {
         let planes = planes(normal, interval);
         let model = partial_model(&view, &planes, &OnePassOptions::default()).unwrap();
         for plane in &model.planes {
-            for node in plane.curves.iter().flat_map(|c| c.nodes()) {
+            for node in plane.curves.iter().flat_map(|c| c.curve.nodes()) {
                 let deep = depth(&balls, &planes, plane.plane, &node.position);
                 // The sagitta of the chord between two samples that a rim's footprint parts, on the
                 // smallest ball: (0.1 / cos 78°)² / (8 · 0.3).
@@ -259,7 +259,7 @@ fn footprints_reach_from_node_to_node_on_uneven_grids() {
         let view = common::look(radar, pose, &[ball], &[]).unwrap();
         let planes = planes(Vector3::z(), 0.11);
         let model = partial_model(&view, &planes, &OnePassOptions::default()).unwrap();
-        let curves = model.planes.iter().flat_map(|p| &p.curves).filter(|c| c.nodes().len() > 9);
+        let curves = model.planes.iter().flat_map(|p| &p.curves).map(|c| &c.curve).filter(|c| c.nodes().len() > 9);
         let mut checked = 0;
         for curve in curves {
             let step = curve.length() / curve.units().len() as f64;

@@ -17,7 +17,7 @@ use transect_fusion::{Agreement, ConsensusOptions, FusedPlane, agreement, consen
 use transect_geometry::{Curve, LengthUnit, PlaneFamily, PlaneIndex};
 use transect_model::{Model, ViewRecord};
 use transect_partial::one_pass::{OnePassOptions, partial_model};
-use transect_partial::{PartialError, PartialModel};
+use transect_partial::{PartialCounts, PartialError};
 
 /// What a model is made with.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -141,7 +141,9 @@ struct ModelledView {
     pixels: usize,
     valid: usize,
     stations: (f64, f64),
-    partial: PartialModel,
+    /// The planes it crosses, sorted, each with its curves.
+    planes: Vec<(PlaneIndex, Vec<Curve>)>,
+    counts: PartialCounts,
     reading: Duration,
     modelling: Duration,
 }
@@ -176,16 +178,23 @@ fn model_view<S: ViewSource>(source: &S, setup: &Setup) -> Result<ModelledView, 
     let read = Instant::now();
     let partial = partial_model(&view, &setup.planes, &setup.partial)
         .map_err(|e| ReconstructError::Partial { view: name.clone(), source: e })?;
+    let modelling = read.elapsed();
+    // Fusion knows oriented curves and nothing else.
+    let curves = partial.planes.into_iter().map(|found| {
+        let curves = found.curves.into_iter().map(|c| c.curve).collect();
+        (found.plane, curves)
+    });
     Ok(ModelledView {
+        planes: curves.collect(),
+        counts: partial.counts,
         notes,
         world_from_sensor: *view.world_from_sensor(),
         sigma: view.sigma(),
         pixels: view.image().size().pixels(),
         valid: view.image().valid_count(),
         stations: stations(&view, &setup.planes),
-        partial,
         reading: read - started,
-        modelling: read.elapsed(),
+        modelling,
         name,
     })
 }
@@ -202,7 +211,7 @@ fn stations(view: &transect_device::View, planes: &PlaneFamily) -> (f64, f64) {
 }
 
 fn nothing(views: &[ModelledView], setup: &Setup) -> ReconstructError {
-    let crossings = views.iter().map(|v| v.partial.counts.crossings).sum();
+    let crossings = views.iter().map(|v| v.counts.crossings).sum();
     if crossings > 0 {
         return ReconstructError::NoCurves { views: views.len(), crossings };
     }
@@ -215,9 +224,9 @@ fn nothing(views: &[ModelledView], setup: &Setup) -> ReconstructError {
 fn by_plane(views: &[ModelledView]) -> BTreeMap<PlaneIndex, Vec<&[Curve]>> {
     let mut planes: BTreeMap<PlaneIndex, Vec<&[Curve]>> = BTreeMap::new();
     for (k, view) in views.iter().enumerate() {
-        for found in &view.partial.planes {
-            let curves = planes.entry(found.plane).or_insert_with(|| vec![&[]; views.len()]);
-            curves[k] = &found.curves;
+        for (plane, found) in &view.planes {
+            let curves = planes.entry(*plane).or_insert_with(|| vec![&[]; views.len()]);
+            curves[k] = found;
         }
     }
     planes
@@ -257,12 +266,12 @@ fn report(views: &[ModelledView], fused: &[Fused], timings: Timings) -> Report {
         name: v.name.clone(),
         pixels: v.pixels,
         valid_pixels: v.valid,
-        sigma: v.partial.counts.sigma,
+        sigma: v.counts.sigma,
         sigma_given: v.sigma.is_some(),
-        planes: v.partial.planes.len(),
-        curves: v.partial.planes.iter().map(|p| p.curves.len()).sum(),
-        crossings: v.partial.counts.crossings,
-        range_jumps: v.partial.counts.jumps,
+        planes: v.planes.len(),
+        curves: v.planes.iter().map(|(_, curves)| curves.len()).sum(),
+        crossings: v.counts.crossings,
+        range_jumps: v.counts.jumps,
         samples_close_to_other_views: a.close,
         samples_abreast_of_other_views: a.abreast,
         contradicted: a.is_contradicted(),
@@ -297,7 +306,7 @@ fn assemble(setup: &Setup, views: Vec<ModelledView>, fused: Vec<Fused>) -> Model
             name: view.name,
             world_from_sensor: view.world_from_sensor,
             sigma: view.sigma,
-            nodes: view.partial.counts.crossings as u64,
+            nodes: view.counts.crossings as u64,
         });
     }
     for plane in fused {

@@ -30,11 +30,23 @@
 //! **Cost.** One visit per pixel, one per crossing; memory for a few rows and the crossings. Not for
 //! curved guides, whose levels are not an affine function of the point.
 
+mod band;
 mod cell;
+mod chains;
+mod contours;
 mod crossing;
+mod emit;
+mod ends;
+mod link;
 mod nodes;
-mod sweep;
+mod part;
+mod rows;
+mod source;
 mod trace;
+
+pub use contours::{
+    Contours, Effort, Instructions, Kind, Polyline, Vertex, Workspace, contours,
+};
 
 use crate::{BreakRule, PartialError, PartialModel, SectionAxes, estimate_sigma};
 use transect_device::View;
@@ -65,14 +77,27 @@ pub fn partial_model(
     planes: &PlaneFamily,
     options: &OnePassOptions,
 ) -> Result<PartialModel, PartialError> {
+    partial_model_with(view, planes, options, &Effort::default(), &mut Workspace::default())
+}
+
+/// The same, in memory that is kept from view to view, and with a say in how the work is done.
+///
+/// # Errors
+/// As [`partial_model`].
+pub fn partial_model_with(
+    view: &View,
+    planes: &PlaneFamily,
+    options: &OnePassOptions,
+    effort: &Effort,
+    work: &mut Workspace,
+) -> Result<PartialModel, PartialError> {
     let axes = SectionAxes::new(view, planes)?;
     let sigma = view.sigma().unwrap_or_else(|| estimate_sigma(view.image()));
     let rule = BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma);
-    let linked = sweep::sweep(view, &axes, &rule)?;
-    let chains = trace::trace(&linked, view.frame().handedness());
-    let mut model = nodes::model(view, &axes, &linked, &chains, sigma);
-    model.counts.crossings = linked.crossings.len();
-    model.counts.jumps = linked.jumps;
+    let contours = contours(view, &axes, &rule, effort, work)?;
+    let mut model = nodes::model(view, &axes, &contours, sigma);
+    model.counts.crossings = contours.vertex_count();
+    model.counts.jumps = contours.jumps();
     model.counts.sigma = sigma;
     Ok(model)
 }

@@ -1,0 +1,130 @@
+//! A part of the image, swept from top to bottom by one thread.
+//!
+//! The part is cut into bands by their number of crossings, so that a band's links stay in the
+//! processor's cache while they are made and followed. Where the cuts are changes nothing in the
+//! result: neither between bands nor between parts.
+
+use super::band::Band;
+use super::contours::{Instructions, Vertex};
+use super::emit::{emit_left, emit_up, number_guests, runs_up};
+use super::link::link_row;
+use super::rows::Row;
+use super::source::Source;
+use super::trace::{Border, Piece, Pieces, stitch, trace};
+use crate::{MAX_CROSSINGS, PartialError};
+use std::ops::Range;
+
+/// Work space and result of one part.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Part {
+    rows: [Row; 2],
+    band: Band,
+    /// Vertices of all pieces.
+    pub vertices: Vec<Vertex>,
+    pub pieces: Vec<Piece>,
+    /// The border with the part above; empty in the first part.
+    pub top: Border,
+    /// The border with the part below.
+    pub bottom: Border,
+    /// Borders within the part.
+    inner: [Border; 2],
+    pub jumps: usize,
+}
+
+impl Part {
+    /// Sweeps some rows of an image.
+    pub fn sweep(
+        &mut self,
+        source: &Source<'_>,
+        rows: Range<usize>,
+        instructions: Instructions,
+        band_size: usize,
+    ) -> Result<(), PartialError> {
+        self.vertices.clear();
+        self.pieces.clear();
+        self.jumps = 0;
+        let [mut above, mut row] = std::mem::take(&mut self.rows);
+        above.fit(source.cols);
+        row.fit(source.cols);
+        self.begin(source, &rows, instructions, &mut above, &row);
+        let mut found = Ok(());
+        let mut first_band = true;
+        for i in rows.clone() {
+            found = self.sweep_row(source, i, instructions, (&mut above, &mut row));
+            let full = self.band.vertices.len() > band_size + self.band.guests;
+            if full || i + 1 == rows.end {
+                self.finish_band(&mut row, first_band);
+                first_band = false;
+            }
+            if found.is_err() {
+                break;
+            }
+            std::mem::swap(&mut above, &mut row);
+        }
+        self.rows = [above, row];
+        found
+    }
+
+    /// Reads the row before the first one, whose left pairs are the guests.
+    fn begin(
+        &mut self,
+        source: &Source<'_>,
+        rows: &Range<usize>,
+        instructions: Instructions,
+        above: &mut Row,
+        none: &Row,
+    ) {
+        let mut guests = 0;
+        if let Some(before) = rows.start.checked_sub(1) {
+            above.read(instructions.level(), source, before, none);
+            number_guests(above);
+            guests = above.left.count;
+        }
+        self.band.restart(guests);
+    }
+
+    fn sweep_row(
+        &mut self,
+        source: &Source<'_>,
+        i: usize,
+        instructions: Instructions,
+        (above, row): (&mut Row, &mut Row),
+    ) -> Result<(), PartialError> {
+        row.read(instructions.level(), source, i, above);
+        self.jumps += row.jumps;
+        let count = row.up.count + row.left.count;
+        if self.vertices.len() + self.band.vertices.len() + count > MAX_CROSSINGS {
+            return Err(PartialError::TooManyCrossings { interval: source.axes.interval() });
+        }
+        if count > 0 {
+            source.place(i, row);
+            source.place(i.wrapping_sub(1), above);
+        }
+        emit_up(source, i, above, row, &mut self.band);
+        emit_left(source, i, row, &mut self.band);
+        if i > 0 && (count > 0 || above.left.count > 0) {
+            link_row(source, i, above, row, &mut self.band);
+        }
+        Ok(())
+    }
+
+    /// Follows the band's links, joins its pieces to those above and makes `row` the guests of the
+    /// next band.
+    fn finish_band(&mut self, row: &mut Row, first: bool) {
+        let [over, under] = &mut self.inner;
+        let mut out = Pieces {
+            vertices: &mut self.vertices,
+            pieces: &mut self.pieces,
+            top: if first { &mut self.top } else { under },
+            bottom: &mut self.bottom,
+        };
+        trace(&mut self.band, &mut out);
+        if !first {
+            stitch(&mut self.pieces, over, under);
+        }
+        runs_up(row, &mut self.bottom.runs_up);
+        over.clone_from(&self.bottom);
+        number_guests(row);
+        self.band.restart(row.left.count);
+    }
+}
