@@ -11,7 +11,7 @@ mod progress;
 mod table;
 
 use clap::{Parser, Subcommand};
-use commands::{check, evaluate, inspect, manifest, reconstruct, simulate, test};
+use commands::{bench, check, evaluate, inspect, manifest, reconstruct, simulate, test};
 use std::process::ExitCode;
 
 /// Registered range images in, cross-section models out.
@@ -36,6 +36,8 @@ enum Command {
     Manifest(manifest::Arguments),
     /// Run the tests.
     Test(test::Arguments),
+    /// Measure the speed of a stage, beside what it is compared with.
+    Bench(bench::Arguments),
     /// Run everything that CI runs.
     Check(check::Arguments),
 }
@@ -48,6 +50,7 @@ fn main() -> ExitCode {
         Command::Inspect(a) => inspect::run(&a),
         Command::Manifest(a) => manifest::run(&a),
         Command::Test(a) => test::run(&a),
+        Command::Bench(a) => bench::run(&a),
         Command::Check(a) => check::run(&a),
     };
     match outcome {

@@ -16,6 +16,8 @@ pub(super) const FOLLOWS: u8 = 1;
 pub(super) const TAKEN: u8 = 2;
 
 /// Crossings in order of emission: guests, then per row upward pairs, left pairs, diagonals.
+///
+/// The lists are longer than there are crossings, so that emission seldom has to make room.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Band {
     pub vertices: Vec<Vertex>,
@@ -25,32 +27,59 @@ pub(super) struct Band {
     pub next: Vec<u32>,
     /// [`HEAD`], [`FOLLOWS`] or [`TAKEN`].
     pub marks: Vec<u8>,
+    /// How many crossings there are.
+    pub count: usize,
     /// How many crossings at the beginning are guests.
     pub guests: usize,
     /// Numbers of the left pairs' crossings of the last row.
     pub last_row: std::ops::Range<usize>,
+    /// How many there may be; beyond that, emission stops and `full` is set.
+    pub limit: usize,
+    pub full: bool,
 }
 
 impl Band {
-    /// Makes room for more crossings; the first of them has the number that is returned.
-    pub fn grow(&mut self, count: usize) -> usize {
-        let first = self.vertices.len();
-        let new = first + count;
-        self.vertices.resize(new, Vertex::default());
-        self.levels.resize(new, 0);
-        self.next.resize(new, NONE);
-        self.marks.resize(new, HEAD);
-        first
+    /// Makes room for crossings up to a number; false beyond the limit.
+    #[inline(always)]
+    pub fn reach(&mut self, count: usize) -> bool {
+        count <= self.vertices.len() || self.grow(count)
+    }
+
+    #[cold]
+    fn grow(&mut self, count: usize) -> bool {
+        if count > self.limit {
+            self.full = true;
+            return false;
+        }
+        let len = (count + count / 2).max(1 << 12);
+        self.vertices.resize(len, Vertex::default());
+        self.levels.resize(len, 0);
+        self.next.resize(len, NONE);
+        self.marks.resize(len, HEAD);
+        true
+    }
+
+    /// Takes the crossings up to a number for emitted: nothing follows them and they follow nothing.
+    pub fn add(&mut self, end: usize) {
+        if end == self.count {
+            return;
+        }
+        if let (Some(next), Some(marks)) =
+            (self.next.get_mut(self.count..end), self.marks.get_mut(self.count..end))
+        {
+            next.fill(NONE);
+            marks.fill(HEAD);
+        }
+        self.count = end;
     }
 
     /// Empties the band for the rows after a row that has a number of left crossings.
-    pub fn restart(&mut self, guests: usize) {
-        self.vertices.clear();
-        self.levels.clear();
-        self.next.clear();
-        self.marks.clear();
-        self.guests = guests;
+    pub fn restart(&mut self, guests: usize, limit: usize) {
+        (self.limit, self.full, self.count) = (limit, false, 0);
         self.last_row = 0..guests;
-        self.grow(guests);
+        self.guests = guests;
+        if self.reach(guests) {
+            self.add(guests);
+        }
     }
 }

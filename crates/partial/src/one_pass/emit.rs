@@ -17,7 +17,7 @@ pub(super) struct Sample {
 
 /// The crossings of the pairs of row `i` with the row above it.
 pub(super) fn emit_up(source: &Source<'_>, i: usize, above: &Row, row: &mut Row, band: &mut Band) {
-    let mut at = band.grow(row.up.count);
+    let mut at = band.count;
     let mut bases = std::mem::take(&mut row.up.bases);
     let (over, here) = (source.places(i.wrapping_sub(1), above), source.places(i, row));
     let first = edge_code(i, Kind::Up, 0, source.cols);
@@ -32,12 +32,12 @@ pub(super) fn emit_up(source: &Source<'_>, i: usize, above: &Row, row: &mut Row,
     }
     bases[PAD - 1] = bases[PAD + source.cols - 1];
     row.up.bases = bases;
+    band.add(at);
 }
 
 /// The crossings of the pairs of row `i` with their left neighbours.
 pub(super) fn emit_left(source: &Source<'_>, i: usize, row: &mut Row, band: &mut Band) {
-    let mut at = band.grow(row.left.count);
-    band.last_row = at..at + row.left.count;
+    let mut at = band.count;
     let mut bases = std::mem::take(&mut row.left.bases);
     let here = source.places(i, row);
     let first = edge_code(i, Kind::Left, 0, source.cols);
@@ -53,10 +53,13 @@ pub(super) fn emit_left(source: &Source<'_>, i: usize, row: &mut Row, band: &mut
         }
     }
     row.left.bases = bases;
+    band.last_row = band.count..at;
+    band.add(at);
 }
 
-/// Numbers the crossings of a row's left pairs without making vertices: the guests of a band.
-pub(super) fn number_guests(row: &mut Row) {
+/// Numbers the crossings of a row's left pairs without making vertices: the guests of a band. Returns
+/// how many there are.
+pub(super) fn number_guests(row: &mut Row) -> usize {
     let mut at = 0_u32;
     for (word, mask) in row.left.crossed.iter().enumerate() {
         let mut bits = *mask;
@@ -68,6 +71,7 @@ pub(super) fn number_guests(row: &mut Row) {
             at += a.abs_diff(b);
         }
     }
+    at as usize
 }
 
 /// Whether each crossing of a row's left pairs runs up, in the order of their numbers.
@@ -99,6 +103,9 @@ pub(super) fn cross(band: &mut Band, at: &mut usize, edge: u32, a: Sample, b: Sa
     let (low, high) = (a.ceiling.min(b.ceiling), a.ceiling.max(b.ceiling));
     let first = *at;
     let end = first + high.abs_diff(low) as usize;
+    if !band.reach(end) {
+        return 0;
+    }
     *at = end;
     let per_level = 1.0 / (a.level - b.level);
     let [dx, dy] = [b.place[0] - a.place[0], b.place[1] - a.place[1]];

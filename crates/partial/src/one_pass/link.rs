@@ -129,9 +129,10 @@ fn link_triangle(
     let (kind, (from, from_col), (to, to_col)) =
         if triangle.falls { (Kind::Falling, left, right) } else { (Kind::Rising, right, left) };
     let (a, b) = (sample(above, &over, from, from_col), sample(row, &here, to, to_col));
-    let mut at = band.grow(a.ceiling.abs_diff(b.ceiling) as usize);
+    let mut at = band.count;
     let edge = edge_code(i, kind, j, source.cols);
     cell.bases[usize::from(triangle.diagonal)] = cross(band, &mut at, edge, a, b);
+    band.add(at);
     let mut joined = [TOP, LEFT, RIGHT, BOTTOM].map(|edge| {
         // The two pairs of the corner opposite the missing one, and the diagonal.
         let pairs = [[RIGHT, BOTTOM], [LEFT, BOTTOM], [TOP, RIGHT], [TOP, LEFT]][corner];

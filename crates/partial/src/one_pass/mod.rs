@@ -41,9 +41,11 @@ mod link;
 mod nodes;
 mod part;
 mod rows;
+mod seen;
 mod source;
 mod trace;
 
+pub use seen::{Seen, seen};
 pub use contours::{
     Contours, Effort, Instructions, Kind, Polyline, Vertex, Workspace, contours,
 };

@@ -8,7 +8,7 @@ use super::band::Band;
 use super::contours::{Instructions, Vertex};
 use super::emit::{emit_left, emit_up, number_guests, runs_up};
 use super::link::link_row;
-use super::rows::Row;
+use super::rows::{Pairs, Row};
 use super::source::Source;
 use super::trace::{Border, Piece, Pieces, stitch, trace};
 use crate::{MAX_CROSSINGS, PartialError};
@@ -51,13 +51,13 @@ impl Part {
         let mut first_band = true;
         for i in rows.clone() {
             found = self.sweep_row(source, i, instructions, (&mut above, &mut row));
-            let full = self.band.vertices.len() > band_size + self.band.guests;
-            if full || i + 1 == rows.end {
-                self.finish_band(&mut row, first_band);
-                first_band = false;
-            }
             if found.is_err() {
                 break;
+            }
+            let enough = self.band.count > band_size + self.band.guests;
+            if enough || i + 1 == rows.end {
+                self.finish_band(&mut row, first_band);
+                first_band = false;
             }
             std::mem::swap(&mut above, &mut row);
         }
@@ -77,10 +77,9 @@ impl Part {
         let mut guests = 0;
         if let Some(before) = rows.start.checked_sub(1) {
             above.read(instructions.level(), source, before, none);
-            number_guests(above);
-            guests = above.left.count;
+            guests = number_guests(above);
         }
-        self.band.restart(guests);
+        self.band.restart(guests, MAX_CROSSINGS);
     }
 
     fn sweep_row(
@@ -92,17 +91,18 @@ impl Part {
     ) -> Result<(), PartialError> {
         row.read(instructions.level(), source, i, above);
         self.jumps += row.jumps;
-        let count = row.up.count + row.left.count;
-        if self.vertices.len() + self.band.vertices.len() + count > MAX_CROSSINGS {
-            return Err(PartialError::TooManyCrossings { interval: source.axes.interval() });
-        }
-        if count > 0 {
+        let any = |pairs: &Pairs| pairs.crossed.iter().any(|mask| *mask != 0);
+        let crossed = any(&row.up) || any(&row.left) || any(&above.left);
+        if crossed {
             source.place(i, row);
             source.place(i.wrapping_sub(1), above);
         }
         emit_up(source, i, above, row, &mut self.band);
         emit_left(source, i, row, &mut self.band);
-        if i > 0 && (count > 0 || above.left.count > 0) {
+        if self.band.full {
+            return Err(PartialError::TooManyCrossings { interval: source.axes.interval() });
+        }
+        if i > 0 && crossed {
             link_row(source, i, above, row, &mut self.band);
         }
         Ok(())
@@ -124,7 +124,7 @@ impl Part {
         }
         runs_up(row, &mut self.bottom.runs_up);
         over.clone_from(&self.bottom);
-        number_guests(row);
-        self.band.restart(row.left.count);
+        let guests = number_guests(row);
+        self.band.restart(guests, (MAX_CROSSINGS + guests).saturating_sub(self.vertices.len()));
     }
 }

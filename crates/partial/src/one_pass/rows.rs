@@ -14,6 +14,8 @@ use transect_device::{Neighbour, PairGeometry};
 
 /// Places before column 0.
 pub(super) const PAD: usize = 8;
+/// Pixels that are looked at together.
+const LANES: usize = 8;
 /// Pixels per word of a mask.
 const WORD: usize = 64;
 
@@ -26,8 +28,6 @@ pub(super) struct Pairs {
     pub crossed: Vec<u64>,
     /// Where crossed: number of the crossing at level 0, so that level k has this number plus k.
     pub bases: Vec<u32>,
-    /// Number of crossings of all pairs.
-    pub count: usize,
 }
 
 /// What is kept of one row of pixels.
@@ -73,7 +73,6 @@ impl Row {
             }
             pairs.bases.clear();
             pairs.bases.resize(places, 0);
-            pairs.count = 0;
         }
         self.placed = false;
     }
@@ -82,8 +81,8 @@ impl Row {
     pub fn read(&mut self, level: Level, source: &Source<'_>, i: usize, above: &Self) {
         self.placed = false;
         let values = source.view.image().row(i);
-        for (place, value) in self.values.iter_mut().skip(PAD).zip(values) {
-            *place = *value;
+        if let Some(places) = self.values.get_mut(PAD..PAD + values.len()) {
+            places.copy_from_slice(values);
         }
         if let (true, Some(last)) = (source.wraps, values.last()) {
             self.values[PAD - 1] = *last;
@@ -95,6 +94,7 @@ impl Row {
         if source.tests.is_none() {
             self.test_pairs(source, i);
         }
+        self.jumps = 0;
         dispatch!(level, simd => self.detect(simd, source, i, above));
     }
 
@@ -117,43 +117,46 @@ impl Row {
         if let Some(tables) = &source.tables {
             let form = &tables.level;
             let [factor, addend] = form.rows.get(i).copied().unwrap_or_default();
-            let levels = self.levels[PAD..].chunks_exact_mut(8);
-            let samples = self.values[PAD..].chunks_exact(8).zip(form.columns.chunks_exact(8));
-            for (level, (value, column)) in levels.zip(samples) {
+            let samples = self.values[PAD..].chunks_exact(LANES).zip(form.columns.chunks_exact(LANES));
+            let out = self.levels[PAD..].chunks_exact_mut(LANES);
+            let out = out.zip(self.ceilings[PAD..].chunks_exact_mut(LANES));
+            for ((value, column), (level, ceiling)) in samples.zip(out) {
                 let per_value = f32x8::from_slice(simd, column) * factor + addend;
                 let levels = f32x8::from_slice(simd, value) * per_value + form.constant;
                 levels.store_slice(level);
+                ceil(levels).store_slice(ceiling);
             }
-        }
-        let ceilings = self.ceilings[PAD..].chunks_exact_mut(8);
-        for (ceiling, level) in ceilings.zip(self.levels[PAD..].chunks_exact(8)) {
-            let level = f32x8::from_slice(simd, level);
-            let toward_zero: i32x8<S> = level.to_int();
-            let below: f32x8<S> = toward_zero.to_float();
-            // A mask's true is −1.
-            (toward_zero - below.simd_lt(level).to_vector()).store_slice(ceiling);
+        } else {
+            let ceilings = self.ceilings[PAD..].chunks_exact_mut(LANES);
+            for (ceiling, level) in ceilings.zip(self.levels[PAD..].chunks_exact(LANES)) {
+                ceil(f32x8::from_slice(simd, level)).store_slice(ceiling);
+            }
         }
         let last = PAD + source.cols - 1;
         self.levels[PAD - 1] = self.levels[last];
         self.ceilings[PAD - 1] = self.ceilings[last];
-        self.compare(simd, source, i, above);
+        match &source.tests {
+            None => self.compare(simd, above, [Found, Found]),
+            Some([left, up]) => {
+                let (left, up) = (left.at(i), up.at(i));
+                if left.is_uniform() && up.is_uniform() {
+                    self.compare(simd, above, [Uniform::new(simd, &left), Uniform::new(simd, &up)]);
+                } else {
+                    self.compare(simd, above, [left, up]);
+                }
+            }
+        }
     }
 
     /// Finds the joined and the crossed pairs.
     #[inline(always)]
-    fn compare<S: Simd>(&mut self, simd: S, source: &Source<'_>, i: usize, above: &Self) {
-        let tests = source.tests.as_ref().map(|[left, up]| (left.at(i), up.at(i)));
+    fn compare<S: Simd, T: Test<S>>(&mut self, simd: S, above: &Self, [left, up]: [T; 2]) {
         let mut valid_before = u64::from(!self.values[PAD - 1].is_nan());
-        let zero = i32x8::splat(simd, 0);
-        let (mut count_left, mut count_up) = (zero, zero);
-        self.jumps = 0;
         for word in 0..self.valid.len() {
             let at = PAD + word * WORD;
-            let (Some(here), Some(before), Some(over)) = (
-                block(&self.values, at),
-                block(&self.values, at - 1),
-                block(&above.values, at),
-            ) else {
+            let (Some(here), Some(before), Some(over)) =
+                (block(&self.values, at), block(&self.values, at - 1), block(&above.values, at))
+            else {
                 return;
             };
             let (Some(ceilings), Some(ceilings_before), Some(ceilings_over)) = (
@@ -163,52 +166,52 @@ impl Row {
             ) else {
                 return;
             };
-            let (mut joined_left, mut joined_up) = (self.left.joined[word], self.up.joined[word]);
-            let (mut crossed_left, mut crossed_up, mut valid) = (0, 0, 0);
-            if tests.is_some() {
-                (joined_left, joined_up) = (0, 0);
+            let (mut joined_left, mut joined_up) = (0, 0);
+            let (mut level_left, mut level_up, mut valid) = (0, 0, 0);
+            for k in 0..WORD / LANES {
+                let (shift, column) = (LANES * k, at - PAD + LANES * k);
+                let a = part(simd, here, k);
+                valid |= a.simd_eq(a).to_bitmask() << shift;
+                joined_left |= left.holds(simd, a, part(simd, before, k), column) << shift;
+                joined_up |= up.holds(simd, a, part(simd, over, k), column) << shift;
+                let c = whole_part(simd, ceilings, k);
+                let same = c.simd_eq(whole_part(simd, ceilings_before, k));
+                level_left |= same.to_bitmask() << shift;
+                let same = c.simd_eq(whole_part(simd, ceilings_over, k));
+                level_up |= same.to_bitmask() << shift;
             }
-            for k in 0..WORD / 8 {
-                let part = 8 * k..8 * k + 8;
-                let a = f32x8::from_slice(simd, &here[part.clone()]);
-                valid |= a.simd_eq(a).to_bitmask() << (8 * k);
-                if let Some((left, up)) = &tests {
-                    let column = at - PAD + 8 * k;
-                    let b = f32x8::from_slice(simd, &before[part.clone()]);
-                    joined_left |= left.holds(simd, a, b, column).to_bitmask() << (8 * k);
-                    let b = f32x8::from_slice(simd, &over[part.clone()]);
-                    joined_up |= up.holds(simd, a, b, column).to_bitmask() << (8 * k);
-                }
-                let c = i32x8::from_slice(simd, &ceilings[part.clone()]);
-                let step = c - i32x8::from_slice(simd, &ceilings_before[part.clone()]);
-                let crossed = step.simd_eq(zero).to_bitmask() ^ 0xff;
-                crossed_left |= crossed << (8 * k);
-                let mask = fearless_simd::mask32x8::from_bitmask(simd, joined_left >> (8 * k));
-                count_left += mask.select(step.max(-step), zero);
-                let step = c - i32x8::from_slice(simd, &ceilings_over[part]);
-                let crossed = step.simd_eq(zero).to_bitmask() ^ 0xff;
-                crossed_up |= crossed << (8 * k);
-                let mask = fearless_simd::mask32x8::from_bitmask(simd, joined_up >> (8 * k));
-                count_up += mask.select(step.max(-step), zero);
-            }
+            let joined_left = left.joined(joined_left, self.left.joined[word]);
+            let joined_up = up.joined(joined_up, self.up.joined[word]);
             let beside = valid << 1 | valid_before;
             valid_before = valid >> (WORD - 1);
             let jumps_left = valid & beside & !joined_left;
             let jumps_up = valid & above.valid[word] & !joined_up;
             self.jumps += (jumps_left.count_ones() + jumps_up.count_ones()) as usize;
             (self.left.joined[word], self.left.crossed[word]) =
-                (joined_left, crossed_left & joined_left);
-            (self.up.joined[word], self.up.crossed[word]) = (joined_up, crossed_up & joined_up);
+                (joined_left, joined_left & !level_left);
+            (self.up.joined[word], self.up.crossed[word]) = (joined_up, joined_up & !level_up);
             self.valid[word] = valid;
         }
-        self.left.count = total(count_left);
-        self.up.count = total(count_up);
     }
 }
 
+/// `ceil` of levels, which are far below 2³¹; any number for NaN.
 #[inline(always)]
-fn total<S: Simd>(counts: i32x8<S>) -> usize {
-    counts.as_slice().iter().map(|c| usize::try_from(*c).unwrap_or(0)).sum()
+fn ceil<S: Simd>(level: f32x8<S>) -> i32x8<S> {
+    let toward_zero: i32x8<S> = level.to_int();
+    let below: f32x8<S> = toward_zero.to_float();
+    // A mask's true is −1.
+    toward_zero - below.simd_lt(level).to_vector()
+}
+
+#[inline(always)]
+fn part<S: Simd>(simd: S, block: &[f32; WORD], k: usize) -> f32x8<S> {
+    f32x8::from_slice(simd, &block[LANES * k..LANES * k + LANES])
+}
+
+#[inline(always)]
+fn whole_part<S: Simd>(simd: S, block: &[i32; WORD], k: usize) -> i32x8<S> {
+    i32x8::from_slice(simd, &block[LANES * k..LANES * k + LANES])
 }
 
 #[inline(always)]
@@ -216,29 +219,75 @@ fn block<T>(values: &[T], at: usize) -> Option<&[T; WORD]> {
     values.get(at..)?.first_chunk()
 }
 
-impl PairTest<'_> {
-    /// Whether eight samples `a` and their neighbours `b` belong to one surface.
-    ///
-    /// A comparison with NaN is false, which is what a missing pixel needs.
+/// Whether samples `a` and their neighbours `b` belong to one surface, one bit per pair.
+///
+/// Comparisons with NaN are false, which is what a missing pixel needs.
+trait Test<S: Simd>: Copy {
+    fn holds(&self, simd: S, a: f32x8<S>, b: f32x8<S>, column: usize) -> u64;
+
+    /// The bits of a word: those just found, unless they were known before.
     #[inline(always)]
-    fn holds<S: Simd>(
-        &self,
-        simd: S,
-        a: f32x8<S>,
-        b: f32x8<S>,
-        column: usize,
-    ) -> fearless_simd::mask32x8<S> {
-        let Some([here, other, across]) = self.columns else {
-            let along = (b * self.other - a * self.here).abs();
-            return along.simd_le(b * self.across + self.slack);
+    fn joined(&self, found: u64, _known: u64) -> u64 {
+        found
+    }
+}
+
+/// Pairs that were tested one by one.
+#[derive(Clone, Copy)]
+struct Found;
+
+impl<S: Simd> Test<S> for Found {
+    #[inline(always)]
+    fn holds(&self, _: S, _: f32x8<S>, _: f32x8<S>, _: usize) -> u64 {
+        0
+    }
+
+    #[inline(always)]
+    fn joined(&self, _found: u64, known: u64) -> u64 {
+        known
+    }
+}
+
+/// Rays of length 1 with the same angle between all neighbours of a row.
+#[derive(Clone, Copy)]
+struct Uniform<S: Simd> {
+    other: f32x8<S>,
+    across: f32x8<S>,
+    slack: f32x8<S>,
+}
+
+impl<S: Simd> Uniform<S> {
+    #[inline(always)]
+    fn new(simd: S, test: &PairTest<'_>) -> Self {
+        let [other, across, slack] =
+            [test.other, test.across, test.slack].map(|v| f32x8::splat(simd, v));
+        Self { other, across, slack }
+    }
+}
+
+impl<S: Simd> Test<S> for Uniform<S> {
+    #[inline(always)]
+    fn holds(&self, _: S, a: f32x8<S>, b: f32x8<S>, _: usize) -> u64 {
+        (b * self.other - a).abs().simd_le(b * self.across + self.slack).to_bitmask()
+    }
+}
+
+impl PairTest<'_> {
+    fn is_uniform(&self) -> bool {
+        self.columns.is_none() && self.here == 1.0
+    }
+}
+
+impl<S: Simd> Test<S> for PairTest<'_> {
+    #[inline(always)]
+    fn holds(&self, simd: S, a: f32x8<S>, b: f32x8<S>, column: usize) -> u64 {
+        let of = |row: f32, table: usize| {
+            let columns = self.columns.and_then(|c| c[table].get(column..column + LANES));
+            columns.map_or(f32x8::splat(simd, row), |c| f32x8::from_slice(simd, c) + row)
         };
-        let from = |table: &[f32]| match table.get(column..column + 8) {
-            Some(part) => f32x8::from_slice(simd, part),
-            None => f32x8::splat(simd, f32::NAN),
-        };
-        let here = from(here) + self.here;
-        let along = (b * (from(other) + self.other) - a * here).abs();
-        let limit = b * (from(across) + self.across);
-        along.simd_le(limit + here.sqrt() * self.slack)
+        let here = of(self.here, 0);
+        let along = (b * of(self.other, 1) - a * here).abs();
+        let limit = b * of(self.across, 2);
+        along.simd_le(limit + here.sqrt() * self.slack).to_bitmask()
     }
 }

@@ -57,15 +57,15 @@ pub(super) struct Pieces<'a> {
 pub(super) fn trace(band: &mut Band, out: &mut Pieces<'_>) {
     out.top.clear(band.guests);
     out.bottom.clear(band.last_row.len());
-    out.vertices.reserve(band.vertices.len());
+    out.vertices.reserve(band.count);
     let mut taken = 0;
-    for head in 0..band.marks.len() {
+    for head in 0..band.count {
         if band.marks[head] == HEAD {
             taken += follow(band, head, out);
         }
     }
-    if taken < band.marks.len() {
-        for first in 0..band.marks.len() {
+    if taken < band.count {
+        for first in 0..band.count {
             if band.marks[first] == FOLLOWS {
                 follow_loop(band, first, out);
             }
