@@ -4,8 +4,8 @@
 
 use super::band::Band;
 use super::contours::{Kind, Vertex, edge_code};
-use super::rows::{PAD, Row};
-use super::source::{Places, Source};
+use super::rows::{PAD, Row, columns};
+use super::source::{PlaceAt, Places, Source};
 
 /// One sample of a pair.
 #[derive(Clone, Copy)]
@@ -16,45 +16,88 @@ pub(super) struct Sample {
 }
 
 /// The crossings of the pairs of row `i` with the row above it.
-pub(super) fn emit_up(source: &Source<'_>, i: usize, above: &Row, row: &mut Row, band: &mut Band) {
-    let mut at = band.count;
+pub(super) fn emit_up(
+    source: &Source<'_>,
+    i: usize,
+    (above, row): (&Row, &mut Row),
+    band: &mut Band,
+    list: &mut Vec<u32>,
+) {
     let mut bases = std::mem::take(&mut row.up.bases);
-    let (over, here) = (source.places(i.wrapping_sub(1), above), source.places(i, row));
-    let first = edge_code(i, Kind::Up, 0, source.cols);
-    for (word, mask) in row.up.crossed.iter().enumerate() {
-        let mut bits = *mask;
-        while bits != 0 {
-            let j = 64 * word + bits.trailing_zeros() as usize;
-            bits &= bits - 1;
-            let (a, b) = (sample(above, &over, j, j), sample(row, &here, j, j));
-            bases[PAD + j] = cross(band, &mut at, first.wrapping_add(j as u32), a, b);
+    let pairs = columns(row.up.crossed.iter().copied(), list);
+    let edge = edge_code(i, Kind::Up, 0, source.cols);
+    match (source.places(i.wrapping_sub(1), above), source.places(i, row)) {
+        (Places::Tables(over), Places::Tables(here)) => {
+            emit_pairs(pairs, edge, (above, over), (row, here), &mut bases, band);
         }
+        (over, here) => emit_pairs(pairs, edge, (above, over), (row, here), &mut bases, band),
     }
     bases[PAD - 1] = bases[PAD + source.cols - 1];
     row.up.bases = bases;
+}
+
+/// The crossings of pairs of one column each.
+#[inline(always)]
+fn emit_pairs<P: PlaceAt>(
+    pairs: &[u32],
+    edge: u32,
+    (above, over): (&Row, P),
+    (row, here): (&Row, P),
+    bases: &mut [u32],
+    band: &mut Band,
+) {
+    let mut at = band.count;
+    for &j in pairs {
+        let (a, b) = (sample(above, &over, j as usize, 0), sample(row, &here, j as usize, 0));
+        bases[PAD + j as usize] = cross(band, &mut at, edge.wrapping_add(j), a, b);
+    }
     band.add(at);
 }
 
 /// The crossings of the pairs of row `i` with their left neighbours.
-pub(super) fn emit_left(source: &Source<'_>, i: usize, row: &mut Row, band: &mut Band) {
-    let mut at = band.count;
+pub(super) fn emit_left(
+    source: &Source<'_>,
+    i: usize,
+    row: &mut Row,
+    band: &mut Band,
+    list: &mut Vec<u32>,
+) {
     let mut bases = std::mem::take(&mut row.left.bases);
-    let here = source.places(i, row);
-    let first = edge_code(i, Kind::Left, 0, source.cols);
-    for (word, mask) in row.left.crossed.iter().enumerate() {
-        let mut bits = *mask;
-        while bits != 0 {
-            let j = 64 * word + bits.trailing_zeros() as usize;
-            bits &= bits - 1;
-            let before = if j == 0 { source.cols - 1 } else { j - 1 };
-            let a = sample(row, &here, j.wrapping_sub(1), before);
-            let b = sample(row, &here, j, j);
-            bases[PAD + j] = cross(band, &mut at, first.wrapping_add(j as u32), a, b);
-        }
+    let pairs = columns(row.left.crossed.iter().copied(), list);
+    let edge = edge_code(i, Kind::Left, 0, source.cols);
+    let first = band.count;
+    let mut at = first;
+    // The pair across the seam, whose first sample is in the last column.
+    let (seam, others) = pairs.split_at(usize::from(pairs.first() == Some(&0)));
+    let places = source.places(i, row);
+    if !seam.is_empty() {
+        let last = source.cols - 1;
+        let (a, b) = (sample(row, &places, last, 0), sample(row, &places, 0, 0));
+        bases[PAD] = cross(band, &mut at, edge, a, b);
+    }
+    match places {
+        Places::Tables(places) => emit_beside(others, edge, row, places, (&mut at, &mut bases), band),
+        places => emit_beside(others, edge, row, places, (&mut at, &mut bases), band),
     }
     row.left.bases = bases;
-    band.last_row = band.count..at;
+    band.last_row = first..at;
     band.add(at);
+}
+
+/// The crossings of pairs of two columns each.
+#[inline(always)]
+fn emit_beside<P: PlaceAt>(
+    pairs: &[u32],
+    edge: u32,
+    row: &Row,
+    places: P,
+    (at, bases): (&mut usize, &mut [u32]),
+    band: &mut Band,
+) {
+    for &j in pairs {
+        let (a, b) = (sample(row, &places, j as usize, 1), sample(row, &places, j as usize, 0));
+        bases[PAD + j as usize] = cross(band, at, edge.wrapping_add(j), a, b);
+    }
 }
 
 /// Numbers the crossings of a row's left pairs without making vertices: the guests of a band. Returns
@@ -88,11 +131,12 @@ pub(super) fn runs_up(row: &Row, out: &mut Vec<bool>) {
     }
 }
 
-/// Column `j` of a row, −1 for the one before the first, whose place is that of column `col`.
+/// The sample a number of columns before column `j`.
 #[inline(always)]
-pub(super) fn sample(row: &Row, places: &Places<'_>, j: usize, col: usize) -> Sample {
-    let at = PAD.wrapping_add(j);
-    Sample { level: row.levels[at], ceiling: row.ceilings[at], place: places.at(col) }
+pub(super) fn sample<P: PlaceAt>(row: &Row, places: &P, j: usize, before: usize) -> Sample {
+    let at = PAD + j - before;
+    let (levels, ceilings) = (row.levels.as_slice(), row.ceilings.as_slice());
+    Sample { level: levels[at], ceiling: ceilings[at], place: places.at(j - before) }
 }
 
 /// Emits the crossings of one pair; returns its number at level 0.

@@ -4,19 +4,80 @@ use super::band::{Band, FOLLOWS};
 use super::cell::{self, BOTTOM, LEFT, LINKS, RIGHT, SADDLE_TL_BR, SADDLE_TR_BL, Shapes, TOP};
 use super::contours::{Kind, edge_code};
 use super::emit::{cross, sample};
-use super::rows::{PAD, Row};
+use super::rows::{PAD, Row, columns};
 use super::source::Source;
 
 /// Four neighbouring pixels: corners TL, TR, BL, BR; edges in the order of [`cell`].
 struct Cell {
-    levels: [f32; 4],
+    /// Column of the lower right pixel in the rows' arrays.
+    at: usize,
     ceilings: [i32; 4],
     bases: [u32; 4],
 }
 
+/// What cells need of two rows; all slices are of one length, so that one test of an index is enough.
+struct Rows<'a> {
+    above: &'a Row,
+    row: &'a Row,
+    ceilings: [&'a [i32]; 2],
+    /// Numbers of top, upward and bottom pairs.
+    bases: [&'a [u32]; 3],
+}
+
+impl<'a> Rows<'a> {
+    fn new(above: &'a Row, row: &'a Row) -> Option<Self> {
+        let n = row.ceilings.len();
+        let ceilings = [above.ceilings.get(..n)?, row.ceilings.get(..n)?];
+        let bases =
+            [above.left.bases.get(..n)?, row.up.bases.get(..n)?, row.left.bases.get(..n)?];
+        Some(Self { above, row, ceilings, bases })
+    }
+
+    /// The cell whose lower right corner is in column `j`.
+    #[inline(always)]
+    fn cell(&self, j: usize) -> Cell {
+        let ([above, row], [top, up, bottom]) = (self.ceilings, self.bases);
+        let at = (PAD + j).min(row.len() - 1);
+        Cell {
+            at,
+            ceilings: [above[at - 1], above[at], row[at - 1], row[at]],
+            bases: [top[at], up[at - 1], up[at], bottom[at]],
+        }
+    }
+
+    /// Whether the mean of a cell's four levels exceeds a plane (saddles only, which are rare).
+    #[cold]
+    fn middle_exceeds(&self, cell: &Cell, level: i32) -> bool {
+        let Cell { at, .. } = *cell;
+        let levels = [
+            self.above.levels[at - 1],
+            self.above.levels[at],
+            self.row.levels[at - 1],
+            self.row.levels[at],
+        ];
+        levels.iter().map(|l| f64::from(*l)).sum::<f64>() > 4.0 * f64::from(level)
+    }
+}
+
+/// Work space: which cells of a row carry crossings, and their columns.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Cells {
+    /// All four pairs joined.
+    whole: Vec<u64>,
+    columns: Vec<u32>,
+}
+
 /// Links the crossings of the cells between row `i` and the one above.
-pub(super) fn link_row(source: &Source<'_>, i: usize, above: &Row, row: &Row, band: &mut Band) {
+pub(super) fn link_row(
+    source: &Source<'_>,
+    i: usize,
+    (above, row): (&Row, &Row),
+    band: &mut Band,
+    cells: &mut Cells,
+) {
+    let Some(rows) = Rows::new(above, row) else { return };
     let (mut joined_before, mut crossed_before) = before_first(source, row);
+    cells.whole.clear();
     for word in 0..row.up.joined.len() {
         let (joined_up, crossed_up) = (row.up.joined[word], row.up.crossed[word]);
         let joined = [
@@ -30,20 +91,22 @@ pub(super) fn link_row(source: &Source<'_>, i: usize, above: &Row, row: &Row, ba
             | crossed_up
             | row.left.crossed[word];
         (joined_before, crossed_before) = (joined_up >> 63, crossed_up >> 63);
-        if crossed == 0 {
-            continue;
-        }
         let shapes = Shapes::of(joined);
-        each(shapes.whole & crossed, word, |j| link(&gather(above, row, j), &[true; 4], band));
-        each(shapes.open & crossed, word, |j| {
-            let joined = joined.map(|mask| mask >> (j % 64) & 1 == 1);
-            link(&gather(above, row, j), &joined, band);
-        });
+        cells.whole.push(shapes.whole & crossed);
         let triangles = shapes.without.iter().fold(0, |all, mask| all | mask);
-        each(triangles & crossed, word, |j| {
-            let corner = shapes.without.iter().position(|mask| mask >> (j % 64) & 1 == 1);
-            link_triangle(source, i, (above, row), (j, corner.unwrap_or(0)), band);
-        });
+        if (shapes.open | triangles) & crossed != 0 {
+            each(shapes.open & crossed, word, |j| {
+                let joined = joined.map(|mask| mask >> (j % 64) & 1 == 1);
+                link(&rows, &rows.cell(j), &joined, band);
+            });
+            each(triangles & crossed, word, |j| {
+                let corner = shapes.without.iter().position(|mask| mask >> (j % 64) & 1 == 1);
+                link_triangle(source, i, &rows, (j, corner.unwrap_or(0)), band);
+            });
+        }
+    }
+    for &j in columns(cells.whole.iter().copied(), &mut cells.columns) {
+        link(&rows, &rows.cell(j as usize), &[true; 4], band);
     }
 }
 
@@ -62,37 +125,15 @@ fn each(mut bits: u64, word: usize, mut act: impl FnMut(usize)) {
     }
 }
 
-/// The cell whose lower right corner is in column `j`.
 #[inline(always)]
-fn gather(above: &Row, row: &Row, j: usize) -> Cell {
-    let (right, left) = (PAD + j, PAD + j - 1);
-    Cell {
-        levels: [above.levels[left], above.levels[right], row.levels[left], row.levels[right]],
-        ceilings: [
-            above.ceilings[left],
-            above.ceilings[right],
-            row.ceilings[left],
-            row.ceilings[right],
-        ],
-        bases: [
-            above.left.bases[right],
-            row.up.bases[left],
-            row.up.bases[right],
-            row.left.bases[right],
-        ],
-    }
-}
-
-#[inline(always)]
-fn link(cell: &Cell, joined: &[bool; 4], band: &mut Band) {
+fn link(rows: &Rows<'_>, cell: &Cell, joined: &[bool; 4], band: &mut Band) {
     let [a, b, c, d] = cell.ceilings;
     for level in a.min(b).min(c.min(d))..a.max(b).max(c.max(d)) {
-        let code = cell.ceilings.iter().enumerate();
-        let code: usize = code.map(|(k, ceiling)| usize::from(*ceiling > level) << k).sum();
+        let [a, b, c, d] = [a > level, b > level, c > level, d > level].map(usize::from);
+        let code = a | b << 1 | c << 2 | d << 3;
         if code == SADDLE_TL_BR || code == SADDLE_TR_BL {
             // Of which the mean of the corners decides, as in most contouring programs.
-            let sum = cell.levels.iter().map(|l| f64::from(*l)).sum::<f64>();
-            for pair in cell::saddle(code, sum > 4.0 * f64::from(level)) {
+            for pair in cell::saddle(code, rows.middle_exceeds(cell, level)) {
                 connect(cell, joined, level, pair, band);
             }
         } else {
@@ -116,19 +157,19 @@ fn connect(cell: &Cell, joined: &[bool; 4], level: i32, [from, to]: [u8; 2], ban
 fn link_triangle(
     source: &Source<'_>,
     i: usize,
-    (above, row): (&Row, &Row),
+    rows: &Rows<'_>,
     (j, corner): (usize, usize),
     band: &mut Band,
 ) {
     let triangle = cell::TRIANGLES[corner];
-    let mut cell = gather(above, row, j);
+    let Rows { above, row, .. } = *rows;
+    let mut cell = rows.cell(j);
     cell.ceilings[triangle.missing] = cell.ceilings[triangle.onto];
     let before = if j == 0 { source.cols - 1 } else { j - 1 };
     let (over, here) = (source.places(i - 1, above), source.places(i, row));
-    let (left, right) = ((j.wrapping_sub(1), before), (j, j));
-    let (kind, (from, from_col), (to, to_col)) =
-        if triangle.falls { (Kind::Falling, left, right) } else { (Kind::Rising, right, left) };
-    let (a, b) = (sample(above, &over, from, from_col), sample(row, &here, to, to_col));
+    let (kind, from, to) =
+        if triangle.falls { (Kind::Falling, before, j) } else { (Kind::Rising, j, before) };
+    let (a, b) = (sample(above, &over, from, 0), sample(row, &here, to, 0));
     let mut at = band.count;
     let edge = edge_code(i, kind, j, source.cols);
     cell.bases[usize::from(triangle.diagonal)] = cross(band, &mut at, edge, a, b);
@@ -139,5 +180,5 @@ fn link_triangle(
         pairs.contains(&edge)
     });
     joined[usize::from(triangle.diagonal)] = true;
-    link(&cell, &joined, band);
+    link(rows, &cell, &joined, band);
 }

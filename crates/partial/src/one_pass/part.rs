@@ -7,7 +7,7 @@
 use super::band::Band;
 use super::contours::{Instructions, Vertex};
 use super::emit::{emit_left, emit_up, number_guests, runs_up};
-use super::link::link_row;
+use super::link::{Cells, link_row};
 use super::rows::{Pairs, Row};
 use super::source::Source;
 use super::trace::{Border, Piece, Pieces, stitch, trace};
@@ -19,6 +19,9 @@ use std::ops::Range;
 pub(super) struct Part {
     rows: [Row; 2],
     band: Band,
+    /// Work space for lists of columns.
+    columns: Vec<u32>,
+    cells: Cells,
     /// Vertices of all pieces.
     pub vertices: Vec<Vertex>,
     pub pieces: Vec<Piece>,
@@ -97,13 +100,13 @@ impl Part {
             source.place(i, row);
             source.place(i.wrapping_sub(1), above);
         }
-        emit_up(source, i, above, row, &mut self.band);
-        emit_left(source, i, row, &mut self.band);
+        emit_up(source, i, (above, row), &mut self.band, &mut self.columns);
+        emit_left(source, i, row, &mut self.band, &mut self.columns);
         if self.band.full {
             return Err(PartialError::TooManyCrossings { interval: source.axes.interval() });
         }
         if i > 0 && crossed {
-            link_row(source, i, above, row, &mut self.band);
+            link_row(source, i, (above, row), &mut self.band, &mut self.cells);
         }
         Ok(())
     }

@@ -9,13 +9,11 @@
 
 use super::source::{PairTest, Source};
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch, f32x8, i32x8};
+use fearless_simd::{Level, Simd, dispatch};
 use transect_device::{Neighbour, PairGeometry};
 
 /// Places before column 0.
-pub(super) const PAD: usize = 8;
-/// Pixels that are looked at together.
-const LANES: usize = 8;
+pub(super) const PAD: usize = 16;
 /// Pixels per word of a mask.
 const WORD: usize = 64;
 
@@ -114,22 +112,23 @@ impl Row {
 
     #[inline(always)]
     fn detect<S: Simd>(&mut self, simd: S, source: &Source<'_>, i: usize, above: &Self) {
+        let lanes = S::f32s::LEN;
         if let Some(tables) = &source.tables {
             let form = &tables.level;
             let [factor, addend] = form.rows.get(i).copied().unwrap_or_default();
-            let samples = self.values[PAD..].chunks_exact(LANES).zip(form.columns.chunks_exact(LANES));
-            let out = self.levels[PAD..].chunks_exact_mut(LANES);
-            let out = out.zip(self.ceilings[PAD..].chunks_exact_mut(LANES));
+            let samples = self.values[PAD..].chunks_exact(lanes).zip(form.columns.chunks_exact(lanes));
+            let out = self.levels[PAD..].chunks_exact_mut(lanes);
+            let out = out.zip(self.ceilings[PAD..].chunks_exact_mut(lanes));
             for ((value, column), (level, ceiling)) in samples.zip(out) {
-                let per_value = f32x8::from_slice(simd, column) * factor + addend;
-                let levels = f32x8::from_slice(simd, value) * per_value + form.constant;
+                let per_value = S::f32s::from_slice(simd, column) * factor + addend;
+                let levels = S::f32s::from_slice(simd, value) * per_value + form.constant;
                 levels.store_slice(level);
-                ceil(levels).store_slice(ceiling);
+                ceil::<S>(levels).store_slice(ceiling);
             }
         } else {
-            let ceilings = self.ceilings[PAD..].chunks_exact_mut(LANES);
-            for (ceiling, level) in ceilings.zip(self.levels[PAD..].chunks_exact(LANES)) {
-                ceil(f32x8::from_slice(simd, level)).store_slice(ceiling);
+            let ceilings = self.ceilings[PAD..].chunks_exact_mut(lanes);
+            for (ceiling, level) in ceilings.zip(self.levels[PAD..].chunks_exact(lanes)) {
+                ceil::<S>(S::f32s::from_slice(simd, level)).store_slice(ceiling);
             }
         }
         let last = PAD + source.cols - 1;
@@ -168,8 +167,9 @@ impl Row {
             };
             let (mut joined_left, mut joined_up) = (0, 0);
             let (mut level_left, mut level_up, mut valid) = (0, 0, 0);
-            for k in 0..WORD / LANES {
-                let (shift, column) = (LANES * k, at - PAD + LANES * k);
+            for k in 0..WORD / S::f32s::LEN {
+                let shift = S::f32s::LEN * k;
+                let column = at - PAD + shift;
                 let a = part(simd, here, k);
                 valid |= a.simd_eq(a).to_bitmask() << shift;
                 joined_left |= left.holds(simd, a, part(simd, before, k), column) << shift;
@@ -197,21 +197,49 @@ impl Row {
 
 /// `ceil` of levels, which are far below 2³¹; any number for NaN.
 #[inline(always)]
-fn ceil<S: Simd>(level: f32x8<S>) -> i32x8<S> {
-    let toward_zero: i32x8<S> = level.to_int();
-    let below: f32x8<S> = toward_zero.to_float();
+fn ceil<S: Simd>(level: S::f32s) -> S::i32s {
+    let toward_zero: S::i32s = level.to_int();
+    let below: S::f32s = toward_zero.to_float();
     // A mask's true is −1.
     toward_zero - below.simd_lt(level).to_vector()
 }
 
 #[inline(always)]
-fn part<S: Simd>(simd: S, block: &[f32; WORD], k: usize) -> f32x8<S> {
-    f32x8::from_slice(simd, &block[LANES * k..LANES * k + LANES])
+fn part<S: Simd>(simd: S, block: &[f32; WORD], k: usize) -> S::f32s {
+    S::f32s::from_slice(simd, &block[S::f32s::LEN * k..S::f32s::LEN * (k + 1)])
 }
 
 #[inline(always)]
-fn whole_part<S: Simd>(simd: S, block: &[i32; WORD], k: usize) -> i32x8<S> {
-    i32x8::from_slice(simd, &block[LANES * k..LANES * k + LANES])
+fn whole_part<S: Simd>(simd: S, block: &[i32; WORD], k: usize) -> S::i32s {
+    S::i32s::from_slice(simd, &block[S::f32s::LEN * k..S::f32s::LEN * (k + 1)])
+}
+
+/// The columns whose bits are set, in ascending order, in a list that is used again and again.
+///
+/// Four are written per word whether they are there or not: sparse words, the most frequent ones, then
+/// need no branch that the processor could guess wrong.
+pub(super) fn columns(mask: impl ExactSizeIterator<Item = u64>, list: &mut Vec<u32>) -> &[u32] {
+    const AT_ONCE: usize = 4;
+    let most = mask.len() * WORD + AT_ONCE;
+    if list.len() < most {
+        list.resize(most, 0);
+    }
+    let mut count = 0;
+    for (first, mut bits) in (0..).step_by(WORD).zip(mask) {
+        let end = count + bits.count_ones() as usize;
+        while let Some(next) = list.get_mut(count..count + AT_ONCE) {
+            for column in next {
+                *column = first + bits.trailing_zeros();
+                bits &= bits.wrapping_sub(1);
+            }
+            count += AT_ONCE;
+            if count >= end {
+                break;
+            }
+        }
+        count = end;
+    }
+    list.get(..count).unwrap_or(&[])
 }
 
 #[inline(always)]
@@ -223,7 +251,7 @@ fn block<T>(values: &[T], at: usize) -> Option<&[T; WORD]> {
 ///
 /// Comparisons with NaN are false, which is what a missing pixel needs.
 trait Test<S: Simd>: Copy {
-    fn holds(&self, simd: S, a: f32x8<S>, b: f32x8<S>, column: usize) -> u64;
+    fn holds(&self, simd: S, a: S::f32s, b: S::f32s, column: usize) -> u64;
 
     /// The bits of a word: those just found, unless they were known before.
     #[inline(always)]
@@ -238,7 +266,7 @@ struct Found;
 
 impl<S: Simd> Test<S> for Found {
     #[inline(always)]
-    fn holds(&self, _: S, _: f32x8<S>, _: f32x8<S>, _: usize) -> u64 {
+    fn holds(&self, _: S, _: S::f32s, _: S::f32s, _: usize) -> u64 {
         0
     }
 
@@ -251,23 +279,23 @@ impl<S: Simd> Test<S> for Found {
 /// Rays of length 1 with the same angle between all neighbours of a row.
 #[derive(Clone, Copy)]
 struct Uniform<S: Simd> {
-    other: f32x8<S>,
-    across: f32x8<S>,
-    slack: f32x8<S>,
+    other: S::f32s,
+    across: S::f32s,
+    slack: S::f32s,
 }
 
 impl<S: Simd> Uniform<S> {
     #[inline(always)]
     fn new(simd: S, test: &PairTest<'_>) -> Self {
         let [other, across, slack] =
-            [test.other, test.across, test.slack].map(|v| f32x8::splat(simd, v));
+            [test.other, test.across, test.slack].map(|v| S::f32s::splat(simd, v));
         Self { other, across, slack }
     }
 }
 
 impl<S: Simd> Test<S> for Uniform<S> {
     #[inline(always)]
-    fn holds(&self, _: S, a: f32x8<S>, b: f32x8<S>, _: usize) -> u64 {
+    fn holds(&self, _: S, a: S::f32s, b: S::f32s, _: usize) -> u64 {
         (b * self.other - a).abs().simd_le(b * self.across + self.slack).to_bitmask()
     }
 }
@@ -280,10 +308,10 @@ impl PairTest<'_> {
 
 impl<S: Simd> Test<S> for PairTest<'_> {
     #[inline(always)]
-    fn holds(&self, simd: S, a: f32x8<S>, b: f32x8<S>, column: usize) -> u64 {
+    fn holds(&self, simd: S, a: S::f32s, b: S::f32s, column: usize) -> u64 {
         let of = |row: f32, table: usize| {
-            let columns = self.columns.and_then(|c| c[table].get(column..column + LANES));
-            columns.map_or(f32x8::splat(simd, row), |c| f32x8::from_slice(simd, c) + row)
+            let columns = self.columns.and_then(|c| c[table].get(column..column + S::f32s::LEN));
+            columns.map_or(S::f32s::splat(simd, row), |c| S::f32s::from_slice(simd, c) + row)
         };
         let here = of(self.here, 0);
         let along = (b * of(self.other, 1) - a * here).abs();

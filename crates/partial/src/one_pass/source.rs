@@ -106,32 +106,66 @@ impl<'a> Source<'a> {
     /// In-plane coordinates of the pixels of row `i`, from the sensor's.
     pub fn places<'r>(&'r self, i: usize, row: &'r Row) -> Places<'r> {
         let Some(tables) = &self.tables else {
-            return Places::Stored(&row.places);
+            return Places::Stored(Stored(row.places.each_ref().map(Vec::as_slice)));
         };
-        let of = |form: &'r SeparableForm| {
-            let terms = form.rows.get(i).copied().unwrap_or_default();
-            (terms, form.columns.as_slice())
-        };
+        let values = &row.values[PAD..];
+        let terms = |form: &SeparableForm| form.rows.get(i).copied().unwrap_or_default();
+        let columns = |form: &'r SeparableForm| form.columns.get(..values.len()).unwrap_or(&[]);
         let [x, y] = &tables.places;
-        Places::Tables { values: &row.values[PAD..], forms: [of(x), of(y)] }
+        Places::Tables(TableRow {
+            values,
+            terms: [terms(x), terms(y)],
+            columns: [columns(x), columns(y)],
+        })
     }
 }
 
 /// In-plane coordinates of the pixels of one row, from the sensor's.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Places<'a> {
-    Stored(&'a [Vec<f32>; 2]),
-    Tables { values: &'a [f32], forms: [([f32; 2], &'a [f32]); 2] },
+    Stored(Stored<'a>),
+    Tables(TableRow<'a>),
 }
 
-impl Places<'_> {
+/// Coordinates that were found for the whole row.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stored<'a>([&'a [f32]; 2]);
+
+/// Coordinates from a row's values; all slices are of one length.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TableRow<'a> {
+    values: &'a [f32],
+    terms: [[f32; 2]; 2],
+    columns: [&'a [f32]; 2],
+}
+
+/// In-plane coordinates by column.
+pub(super) trait PlaceAt: Copy {
+    fn at(&self, col: usize) -> [f32; 2];
+}
+
+impl PlaceAt for Stored<'_> {
     #[inline(always)]
-    pub fn at(&self, col: usize) -> [f32; 2] {
+    fn at(&self, col: usize) -> [f32; 2] {
+        self.0.map(|p| p[col])
+    }
+}
+
+impl PlaceAt for TableRow<'_> {
+    #[inline(always)]
+    fn at(&self, col: usize) -> [f32; 2] {
+        let ([[fx, ax], [fy, ay]], [x, y]) = (self.terms, self.columns);
+        let value = self.values[col];
+        [value * (fx * x[col] + ax), value * (fy * y[col] + ay)]
+    }
+}
+
+impl PlaceAt for Places<'_> {
+    #[inline(always)]
+    fn at(&self, col: usize) -> [f32; 2] {
         match self {
-            Places::Stored(places) => places.each_ref().map(|p| p[col]),
-            Places::Tables { values, forms } => {
-                forms.map(|([factor, addend], columns)| values[col] * (factor * columns[col] + addend))
-            }
+            Places::Stored(places) => places.at(col),
+            Places::Tables(places) => places.at(col),
         }
     }
 }

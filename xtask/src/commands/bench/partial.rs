@@ -1,6 +1,7 @@
 //! `cargo xtask bench partial`: the partial modeler, per pixel and per vertex.
 
 use super::baselines::Baselines;
+use super::peers;
 use super::scene::{self, Gaps};
 use super::timing::{Variant, load, time};
 use crate::failure::Failure;
@@ -29,6 +30,9 @@ pub struct Arguments {
     /// Where pixels are missing.
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Gaps::Single, Gaps::Clustered])]
     gaps: Vec<Gaps>,
+    /// Also time contourpy and GDAL, where a Python has them (TRANSECT_PYTHON names it).
+    #[arg(long)]
+    peers: bool,
     /// How often each variant is timed.
     #[arg(long, default_value_t = 11)]
     rounds: usize,
@@ -44,6 +48,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
                 let planes = planes.ok_or_else(|| Failure::because("no such planes"))?;
                 say(&format!("\n{size} × {size} pixels, {count} planes, {gaps:?} gaps, load {}", load()));
                 case(&view, &planes, count, arguments.rounds)?;
+                if arguments.peers {
+                    peers::compare(&view, &planes, count, arguments.rounds)?;
+                }
             }
         }
     }
