@@ -208,7 +208,7 @@ pub fn contours<'a>(
     } else {
         work.parts.par_iter_mut().enumerate().try_for_each(sweep)?;
     }
-    let found: usize = work.parts.iter().map(|p| p.vertices.len()).sum();
+    let found: usize = work.parts.iter().map(|p| p.used).sum();
     if found > MAX_CROSSINGS {
         return Err(PartialError::TooManyCrossings { interval: axes.interval() });
     }

@@ -7,6 +7,10 @@ use super::contours::{Kind, Vertex, edge_code};
 use super::rows::{PAD, Row, columns};
 use super::source::{PlaceAt, Places, Source};
 
+/// Vertices that are made together, whether they are all wanted or not: most pairs have fewer, and a
+/// loop that stops after one or two is guessed wrong more often than not.
+const AT_ONCE: usize = 2;
+
 /// One sample of a pair.
 #[derive(Clone, Copy)]
 pub(super) struct Sample {
@@ -16,6 +20,7 @@ pub(super) struct Sample {
 }
 
 /// The crossings of the pairs of row `i` with the row above it.
+#[inline(always)]
 pub(super) fn emit_up(
     source: &Source<'_>,
     i: usize,
@@ -55,6 +60,7 @@ fn emit_pairs<P: PlaceAt>(
 }
 
 /// The crossings of the pairs of row `i` with their left neighbours.
+#[inline(always)]
 pub(super) fn emit_left(
     source: &Source<'_>,
     i: usize,
@@ -147,21 +153,27 @@ pub(super) fn cross(band: &mut Band, at: &mut usize, edge: u32, a: Sample, b: Sa
     let (low, high) = (a.ceiling.min(b.ceiling), a.ceiling.max(b.ceiling));
     let first = *at;
     let end = first + high.abs_diff(low) as usize;
-    if !band.reach(end) {
+    if !band.reach(end + AT_ONCE) {
         return 0;
     }
     *at = end;
     let per_level = 1.0 / (a.level - b.level);
     let [dx, dy] = [b.place[0] - a.place[0], b.place[1] - a.place[1]];
-    let (Some(vertices), Some(levels)) =
-        (band.vertices.get_mut(first..end), band.levels.get_mut(first..end))
-    else {
-        return 0;
-    };
-    for (k, (vertex, level)) in (low..high).zip(vertices.iter_mut().zip(levels)) {
-        let t = ((a.level - k as f32) * per_level).min(1.0);
-        *vertex = Vertex { edge, t, x: a.place[0] + t * dx, y: a.place[1] + t * dy };
-        *level = k;
+    let mut level = low;
+    let mut next = first;
+    while let (Some(vertices), Some(levels)) =
+        (band.vertices.get_mut(next..next + AT_ONCE), band.levels.get_mut(next..next + AT_ONCE))
+    {
+        for (k, (vertex, place)) in (level..).zip(vertices.iter_mut().zip(levels)) {
+            let t = ((a.level - k as f32) * per_level).min(1.0);
+            *vertex = Vertex { edge, t, x: a.place[0] + t * dx, y: a.place[1] + t * dy };
+            *place = k;
+        }
+        level += AT_ONCE as i32;
+        next += AT_ONCE;
+        if level >= high {
+            break;
+        }
     }
     (first as u32).wrapping_sub(low as u32)
 }

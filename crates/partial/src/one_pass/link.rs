@@ -68,6 +68,7 @@ pub(super) struct Cells {
 }
 
 /// Links the crossings of the cells between row `i` and the one above.
+#[inline(always)]
 pub(super) fn link_row(
     source: &Source<'_>,
     i: usize,

@@ -12,6 +12,7 @@ use super::rows::{Pairs, Row};
 use super::source::Source;
 use super::trace::{Border, Piece, Pieces, stitch, trace};
 use crate::{MAX_CROSSINGS, PartialError};
+use fearless_simd::{Simd, dispatch};
 use std::ops::Range;
 
 /// Work space and result of one part.
@@ -22,8 +23,9 @@ pub(super) struct Part {
     /// Work space for lists of columns.
     columns: Vec<u32>,
     cells: Cells,
-    /// Vertices of all pieces.
+    /// Vertices of all pieces; the list is longer than what is used of it.
     pub vertices: Vec<Vertex>,
+    pub used: usize,
     pub pieces: Vec<Piece>,
     /// The border with the part above; empty in the first part.
     pub top: Border,
@@ -43,17 +45,29 @@ impl Part {
         instructions: Instructions,
         band_size: usize,
     ) -> Result<(), PartialError> {
-        self.vertices.clear();
+        // All of it, since emission and linking gain from newer instructions, too.
+        dispatch!(instructions.level(), simd => self.sweep_with(simd, source, rows, band_size))
+    }
+
+    #[inline(always)]
+    fn sweep_with<S: Simd>(
+        &mut self,
+        simd: S,
+        source: &Source<'_>,
+        rows: Range<usize>,
+        band_size: usize,
+    ) -> Result<(), PartialError> {
+        self.used = 0;
         self.pieces.clear();
         self.jumps = 0;
         let [mut above, mut row] = std::mem::take(&mut self.rows);
         above.fit(source.cols);
         row.fit(source.cols);
-        self.begin(source, &rows, instructions, &mut above, &row);
+        self.begin(simd, source, &rows, &mut above, &row);
         let mut found = Ok(());
         let mut first_band = true;
         for i in rows.clone() {
-            found = self.sweep_row(source, i, instructions, (&mut above, &mut row));
+            found = self.sweep_row(simd, source, i, (&mut above, &mut row));
             if found.is_err() {
                 break;
             }
@@ -69,30 +83,32 @@ impl Part {
     }
 
     /// Reads the row before the first one, whose left pairs are the guests.
-    fn begin(
+    #[inline(always)]
+    fn begin<S: Simd>(
         &mut self,
+        simd: S,
         source: &Source<'_>,
         rows: &Range<usize>,
-        instructions: Instructions,
         above: &mut Row,
         none: &Row,
     ) {
         let mut guests = 0;
         if let Some(before) = rows.start.checked_sub(1) {
-            above.read(instructions.level(), source, before, none);
+            above.read(simd, source, before, none);
             guests = number_guests(above);
         }
         self.band.restart(guests, MAX_CROSSINGS);
     }
 
-    fn sweep_row(
+    #[inline(always)]
+    fn sweep_row<S: Simd>(
         &mut self,
+        simd: S,
         source: &Source<'_>,
         i: usize,
-        instructions: Instructions,
         (above, row): (&mut Row, &mut Row),
     ) -> Result<(), PartialError> {
-        row.read(instructions.level(), source, i, above);
+        row.read(simd, source, i, above);
         self.jumps += row.jumps;
         let any = |pairs: &Pairs| pairs.crossed.iter().any(|mask| *mask != 0);
         let crossed = any(&row.up) || any(&row.left) || any(&above.left);
@@ -113,10 +129,12 @@ impl Part {
 
     /// Follows the band's links, joins its pieces to those above and makes `row` the guests of the
     /// next band.
+    #[inline(always)]
     fn finish_band(&mut self, row: &mut Row, first: bool) {
         let [over, under] = &mut self.inner;
         let mut out = Pieces {
             vertices: &mut self.vertices,
+            used: &mut self.used,
             pieces: &mut self.pieces,
             top: if first { &mut self.top } else { under },
             bottom: &mut self.bottom,
@@ -128,6 +146,6 @@ impl Part {
         runs_up(row, &mut self.bottom.runs_up);
         over.clone_from(&self.bottom);
         let guests = number_guests(row);
-        self.band.restart(guests, (MAX_CROSSINGS + guests).saturating_sub(self.vertices.len()));
+        self.band.restart(guests, (MAX_CROSSINGS + guests).saturating_sub(self.used));
     }
 }

@@ -9,7 +9,7 @@
 
 use super::source::{PairTest, Source};
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::Simd;
 use transect_device::{Neighbour, PairGeometry};
 
 /// Places before column 0.
@@ -76,7 +76,8 @@ impl Row {
     }
 
     /// Reads row `i` of the image; `above` is the row before it, or one without values.
-    pub fn read(&mut self, level: Level, source: &Source<'_>, i: usize, above: &Self) {
+    #[inline(always)]
+    pub fn read<S: Simd>(&mut self, simd: S, source: &Source<'_>, i: usize, above: &Self) {
         self.placed = false;
         let values = source.view.image().row(i);
         if let Some(places) = self.values.get_mut(PAD..PAD + values.len()) {
@@ -93,7 +94,7 @@ impl Row {
             self.test_pairs(source, i);
         }
         self.jumps = 0;
-        dispatch!(level, simd => self.detect(simd, source, i, above));
+        self.detect(simd, source, i, above);
     }
 
     /// The pair test of a sensor that has no tables for it.
@@ -218,6 +219,7 @@ fn whole_part<S: Simd>(simd: S, block: &[i32; WORD], k: usize) -> S::i32s {
 ///
 /// Four are written per word whether they are there or not: sparse words, the most frequent ones, then
 /// need no branch that the processor could guess wrong.
+#[inline(always)]
 pub(super) fn columns(mask: impl ExactSizeIterator<Item = u64>, list: &mut Vec<u32>) -> &[u32] {
     const AT_ONCE: usize = 4;
     let most = mask.len() * WORD + AT_ONCE;

@@ -24,7 +24,7 @@ pub fn seen(view: &View, axes: &SectionAxes, rule: &BreakRule, with: Instruction
     above.fit(source.cols);
     row.fit(source.cols);
     for i in 0..source.rows {
-        row.read(with.level(), &source, i, &above);
+        fearless_simd::dispatch!(with.level(), simd => row.read(simd, &source, i, &above));
         let bits = |mask: &[u64]| {
             let bit = |j: usize| mask[j / 64] >> (j % 64) & 1 == 1;
             (0..source.cols).map(bit).collect::<Vec<bool>>()

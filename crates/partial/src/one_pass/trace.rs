@@ -47,85 +47,124 @@ impl Border {
 
 /// Where a band's pieces go.
 pub(super) struct Pieces<'a> {
+    /// Vertices of all pieces; the list is longer than what is used of it.
     pub vertices: &'a mut Vec<Vertex>,
+    pub used: &'a mut usize,
     pub pieces: &'a mut Vec<Piece>,
     pub top: &'a mut Border,
     pub bottom: &'a mut Border,
 }
 
 /// Follows all links of a band: open pieces from their heads, then loops.
+#[inline(always)]
 pub(super) fn trace(band: &mut Band, out: &mut Pieces<'_>) {
     out.top.clear(band.guests);
     out.bottom.clear(band.last_row.len());
-    out.vertices.reserve(band.count);
+    let room = *out.used + band.count;
+    if out.vertices.len() < room {
+        out.vertices.reserve(room / 2);
+        out.vertices.resize(room, Vertex::default());
+    }
+    let (Some(vertices), Some(next), Some(marks)) =
+        (band.vertices.get(..band.count), band.next.get(..band.count), band.marks.get_mut(..band.count))
+    else {
+        return;
+    };
+    let mut follow = Follow { vertices, next, marks, to: out.vertices.as_mut_slice(), at: *out.used };
     let mut taken = 0;
     for head in 0..band.count {
-        if band.marks[head] == HEAD {
-            taken += follow(band, head, out);
+        if follow.marks[head] != HEAD {
+            continue;
+        }
+        let start = follow.at;
+        // Guests can only be ends; the band above has their vertices.
+        let begin = if head < band.guests { follow.skip(head) } else { head };
+        let (tail, count) = follow.chain(begin);
+        let tail = if count == 0 { head } else { tail };
+        taken += count + usize::from(head < band.guests);
+        if tail < band.guests && count > 0 {
+            follow.at -= 1;
+        }
+        let piece = out.pieces.len() as u32;
+        note_ends(band.last_row.start, (head, tail), piece, (&mut *out.top, &mut *out.bottom));
+        let (len, start, level) = ((follow.at - start) as u32, start as u32, band.levels[head]);
+        out.pieces.push(Piece { start, len, level, next: NONE, part: 0, follows: false, taken: false });
+    }
+    for first in 0..band.count {
+        if taken == band.count {
+            break;
+        }
+        if follow.marks[first] == FOLLOWS {
+            let start = follow.at;
+            taken += follow.chain(first).1;
+            let piece = out.pieces.len() as u32;
+            let (len, start, level) = ((follow.at - start) as u32, start as u32, band.levels[first]);
+            out.pieces.push(Piece { start, len, level, next: piece, part: 0, follows: true, taken: false });
         }
     }
-    if taken < band.count {
-        for first in 0..band.count {
-            if band.marks[first] == FOLLOWS {
-                follow_loop(band, first, out);
-            }
-        }
-    }
+    *out.used = follow.at;
 }
 
-/// Takes the piece that begins with a crossing; returns how many crossings it has, guests included.
-fn follow(band: &mut Band, head: usize, out: &mut Pieces<'_>) -> usize {
-    let (piece, start) = (out.pieces.len() as u32, out.vertices.len());
-    // Guests can only be ends; the band above has their vertices.
-    if head >= band.guests {
-        out.vertices.push(band.vertices[head]);
+/// Follows links and copies what they pass.
+struct Follow<'a> {
+    vertices: &'a [Vertex],
+    next: &'a [u32],
+    marks: &'a mut [u8],
+    to: &'a mut [Vertex],
+    at: usize,
+}
+
+impl Follow<'_> {
+    /// Takes the crossings from one to where nothing follows or all is taken; returns the last one
+    /// and their number.
+    #[inline(always)]
+    fn chain(&mut self, first: usize) -> (usize, usize) {
+        let start = self.at;
+        let mut last = first;
+        let mut at = first;
+        // NONE is beyond every list.
+        while let (Some(vertex), Some(mark), Some(place)) =
+            (self.vertices.get(at), self.marks.get_mut(at), self.to.get_mut(self.at))
+        {
+            if *mark == TAKEN {
+                break;
+            }
+            *mark = TAKEN;
+            *place = *vertex;
+            self.at += 1;
+            last = at;
+            at = self.next[at] as usize;
+        }
+        (last, self.at - start)
     }
-    band.marks[head] = TAKEN;
-    let (mut tail, mut count) = (head, 1);
-    while band.next[tail] != NONE {
-        tail = band.next[tail] as usize;
-        band.marks[tail] = TAKEN;
-        out.vertices.push(band.vertices[tail]);
-        count += 1;
+
+    /// Takes a crossing without copying it; returns the one that follows.
+    #[inline(always)]
+    fn skip(&mut self, guest: usize) -> usize {
+        self.marks[guest] = TAKEN;
+        self.next[guest] as usize
     }
-    if tail < band.guests && tail != head {
-        out.vertices.pop();
-    }
-    note_ends(band, (head, tail), piece, out);
-    let len = (out.vertices.len() - start) as u32;
-    let (start, level) = (start as u32, band.levels[head]);
-    out.pieces.push(Piece { start, len, level, next: NONE, part: 0, follows: false, taken: false });
-    count
 }
 
 #[inline(always)]
-fn note_ends(band: &Band, (head, tail): (usize, usize), piece: u32, out: &mut Pieces<'_>) {
-    if let Some(end) = out.top.heads.get_mut(head) {
+fn note_ends(
+    first: usize,
+    (head, tail): (usize, usize),
+    piece: u32,
+    (top, bottom): (&mut Border, &mut Border),
+) {
+    if let Some(end) = top.heads.get_mut(head) {
         *end = piece;
     }
-    if let Some(end) = out.top.tails.get_mut(tail) {
+    if let Some(end) = top.tails.get_mut(tail) {
         *end = piece;
     }
-    let first = band.last_row.start;
-    if let Some(end) = out.bottom.heads.get_mut(head.wrapping_sub(first)) {
+    if let Some(end) = bottom.heads.get_mut(head.wrapping_sub(first)) {
         *end = piece;
     }
-    if let Some(end) = out.bottom.tails.get_mut(tail.wrapping_sub(first)) {
+    if let Some(end) = bottom.tails.get_mut(tail.wrapping_sub(first)) {
         *end = piece;
     }
-}
-
-fn follow_loop(band: &mut Band, first: usize, out: &mut Pieces<'_>) {
-    let (piece, start) = (out.pieces.len() as u32, out.vertices.len());
-    let mut at = first;
-    while band.marks[at] == FOLLOWS {
-        band.marks[at] = TAKEN;
-        out.vertices.push(band.vertices[at]);
-        at = band.next[at] as usize;
-    }
-    let len = (out.vertices.len() - start) as u32;
-    let (start, level) = (start as u32, band.levels[first]);
-    out.pieces.push(Piece { start, len, level, next: piece, part: 0, follows: true, taken: false });
 }
 
 /// Joins the pieces that meet at a row's left pairs.
