@@ -64,7 +64,13 @@ fn key(level: i32, pairs: impl Iterator<Item = [Pixel; 2]>) -> (i32, Option<[(us
 type Lines = (Vec<(i32, bool, usize)>, Vec<[u32; 4]>);
 
 /// All bits of a result.
-fn bits(view: &View, axes: &SectionAxes, rule: &BreakRule, effort: &Effort, work: &mut Workspace) -> Lines {
+fn bits(
+    view: &View,
+    axes: &SectionAxes,
+    rule: &BreakRule,
+    effort: &Effort,
+    work: &mut Workspace,
+) -> Lines {
     let found = contours(view, axes, rule, effort, work).unwrap();
     let lines = found.polylines().map(|l| (l.level, l.closed, l.vertices.len())).collect();
     let vertices = found.polylines().flat_map(|l| l.vertices.to_vec());
@@ -72,7 +78,8 @@ fn bits(view: &View, axes: &SectionAxes, rule: &BreakRule, effort: &Effort, work
 }
 
 fn rules() -> impl Strategy<Value = BreakRule> {
-    (0.5..1.55_f64, prop_oneof![Just(0.0), 0.0..0.3]).prop_map(|(a, slack)| BreakRule::new(a, slack))
+    (0.5..1.55_f64, prop_oneof![Just(0.0), 0.0..0.3])
+        .prop_map(|(a, slack)| BreakRule::new(a, slack))
 }
 
 proptest! {

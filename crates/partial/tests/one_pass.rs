@@ -260,7 +260,12 @@ fn footprints_reach_from_node_to_node_on_uneven_grids() {
         let view = common::look(radar, pose, &[ball], &[]).unwrap();
         let planes = planes(Vector3::z(), 0.11);
         let model = partial_model(&view, &planes, &OnePassOptions::default()).unwrap();
-        let curves = model.planes.iter().flat_map(|p| &p.curves).map(|c| &c.curve).filter(|c| c.nodes().len() > 9);
+        let curves = model
+            .planes
+            .iter()
+            .flat_map(|p| &p.curves)
+            .map(|c| &c.curve)
+            .filter(|c| c.nodes().len() > 9);
         let mut checked = 0;
         for curve in curves {
             let step = curve.length() / curve.units().len() as f64;

@@ -93,7 +93,14 @@ fn open_chain(pieces: &mut [Piece], first: usize) -> Option<Chain> {
         len += piece.len;
         at = piece.next;
     }
-    (len > 0).then_some(Chain { level, closed: false, first: first as u32, offset: 0, len, edge: 0 })
+    (len > 0).then_some(Chain {
+        level,
+        closed: false,
+        first: first as u32,
+        offset: 0,
+        len,
+        edge: 0,
+    })
 }
 
 /// Walks a closed chain and finds its smallest pair.

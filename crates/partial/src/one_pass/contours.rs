@@ -213,7 +213,14 @@ pub fn contours<'a>(
         return Err(PartialError::TooManyCrossings { interval: axes.interval() });
     }
     join(&mut work.parts, &mut work.pieces);
-    assemble(&mut work.pieces, &work.parts, view, &mut work.chains, &mut work.lines, &mut work.vertices);
+    assemble(
+        &mut work.pieces,
+        &work.parts,
+        view,
+        &mut work.chains,
+        &mut work.lines,
+        &mut work.vertices,
+    );
     Ok(Contours {
         axes,
         cols: source.cols,

@@ -82,7 +82,9 @@ pub(super) fn emit_left(
         bases[PAD] = cross(band, &mut at, edge, a, b);
     }
     match places {
-        Places::Tables(places) => emit_beside(others, edge, row, places, (&mut at, &mut bases), band),
+        Places::Tables(places) => {
+            emit_beside(others, edge, row, places, (&mut at, &mut bases), band)
+        }
         places => emit_beside(others, edge, row, places, (&mut at, &mut bases), band),
     }
     row.left.bases = bases;

@@ -5,7 +5,11 @@ use crate::EndReason;
 use transect_device::{ImageSize, Pixel, View};
 
 /// The reasons for both ends of an open line; `None` for a lone vertex.
-pub(super) fn ends(view: &View, line: &Polyline<'_>, contours: &Contours<'_>) -> Option<[EndReason; 2]> {
+pub(super) fn ends(
+    view: &View,
+    line: &Polyline<'_>,
+    contours: &Contours<'_>,
+) -> Option<[EndReason; 2]> {
     let [first, second, ..] = line.vertices else { return None };
     let [.., before, last] = line.vertices else { return None };
     Some([reason(view, contours, first, second), reason(view, contours, last, before)])
@@ -48,7 +52,8 @@ fn cells(view: &View, kind: Kind, Pixel { row, col }: Pixel) -> Vec<Pixel> {
 fn corners(view: &View, Pixel { row, col }: Pixel) -> Option<Vec<Pixel>> {
     let ImageSize { rows, cols } = view.frame().size();
     let up = row.checked_sub(1)?;
-    let before = if col == 0 && view.frame().columns_wrap() { cols - 1 } else { col.checked_sub(1)? };
+    let before =
+        if col == 0 && view.frame().columns_wrap() { cols - 1 } else { col.checked_sub(1)? };
     let inside = row < rows && col < cols;
     let all = [(up, before), (up, col), (row, before), (row, col)];
     inside.then(|| all.iter().map(|&(r, c)| Pixel::new(r, c)).collect())

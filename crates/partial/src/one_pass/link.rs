@@ -28,8 +28,7 @@ impl<'a> Rows<'a> {
     fn new(above: &'a Row, row: &'a Row) -> Option<Self> {
         let n = row.ceilings.len();
         let ceilings = [above.ceilings.get(..n)?, row.ceilings.get(..n)?];
-        let bases =
-            [above.left.bases.get(..n)?, row.up.bases.get(..n)?, row.left.bases.get(..n)?];
+        let bases = [above.left.bases.get(..n)?, row.up.bases.get(..n)?, row.left.bases.get(..n)?];
         Some(Self { above, row, ceilings, bases })
     }
 

@@ -45,10 +45,8 @@ mod seen;
 mod source;
 mod trace;
 
+pub use contours::{Contours, Effort, Instructions, Kind, Polyline, Vertex, Workspace, contours};
 pub use seen::{Seen, seen};
-pub use contours::{
-    Contours, Effort, Instructions, Kind, Polyline, Vertex, Workspace, contours,
-};
 
 use crate::{BreakRule, PartialError, PartialModel, SectionAxes, estimate_sigma};
 use transect_device::View;

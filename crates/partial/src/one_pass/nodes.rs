@@ -74,7 +74,11 @@ struct NodeMaker<'a> {
 
 impl NodeMaker<'_> {
     /// The curve of the crossings at hand; `None` if they are too few.
-    fn curve(&self, closed: bool, ends: impl Fn() -> Option<[EndReason; 2]>) -> Option<PartialCurve> {
+    fn curve(
+        &self,
+        closed: bool,
+        ends: impl Fn() -> Option<[EndReason; 2]>,
+    ) -> Option<PartialCurve> {
         let count = self.crossings.len();
         if count < 2 + usize::from(closed) {
             return None;

@@ -8,8 +8,8 @@
 //! gives the same bits.
 
 use super::source::{PairTest, Source};
-use fearless_simd::prelude::*;
 use fearless_simd::Simd;
+use fearless_simd::prelude::*;
 use transect_device::{Neighbour, PairGeometry};
 
 /// Places before column 0.
@@ -117,7 +117,8 @@ impl Row {
         if let Some(tables) = &source.tables {
             let form = &tables.level;
             let [factor, addend] = form.rows.get(i).copied().unwrap_or_default();
-            let samples = self.values[PAD..].chunks_exact(lanes).zip(form.columns.chunks_exact(lanes));
+            let samples =
+                self.values[PAD..].chunks_exact(lanes).zip(form.columns.chunks_exact(lanes));
             let out = self.levels[PAD..].chunks_exact_mut(lanes);
             let out = out.zip(self.ceilings[PAD..].chunks_exact_mut(lanes));
             for ((value, column), (level, ceiling)) in samples.zip(out) {

@@ -33,9 +33,8 @@ pub(super) struct PairTest<'a> {
 
 impl PairTests {
     fn new(products: RayProducts, rule: &BreakRule, cols: usize) -> Self {
-        let terms = |p: &transect_device::RayProduct| {
-            [p.here, p.other, p.across * rule.tan_incidence()]
-        };
+        let terms =
+            |p: &transect_device::RayProduct| [p.here, p.other, p.across * rule.tan_incidence()];
         let columns = (!products.columns.is_empty()).then(|| {
             [0, 1, 2].map(|k| padded(products.columns.iter().map(|p| terms(p)[k]).collect(), cols))
         });
@@ -74,7 +73,8 @@ impl<'a> Source<'a> {
             tables.columns = padded(tables.columns, size.cols);
             Some(tables)
         };
-        let in_plane = axes.in_plane_gradients().map(|gradient| LinearForm { gradient, constant: 0.0 });
+        let in_plane =
+            axes.in_plane_gradients().map(|gradient| LinearForm { gradient, constant: 0.0 });
         let tables = || {
             let places = [form(&in_plane[0])?, form(&in_plane[1])?];
             Some(Tables { level: form(axes.level())?, places })

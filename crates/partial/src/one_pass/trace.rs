@@ -65,12 +65,15 @@ pub(super) fn trace(band: &mut Band, out: &mut Pieces<'_>) {
         out.vertices.reserve(room / 2);
         out.vertices.resize(room, Vertex::default());
     }
-    let (Some(vertices), Some(next), Some(marks)) =
-        (band.vertices.get(..band.count), band.next.get(..band.count), band.marks.get_mut(..band.count))
-    else {
+    let (Some(vertices), Some(next), Some(marks)) = (
+        band.vertices.get(..band.count),
+        band.next.get(..band.count),
+        band.marks.get_mut(..band.count),
+    ) else {
         return;
     };
-    let mut follow = Follow { vertices, next, marks, to: out.vertices.as_mut_slice(), at: *out.used };
+    let mut follow =
+        Follow { vertices, next, marks, to: out.vertices.as_mut_slice(), at: *out.used };
     let mut taken = 0;
     for head in 0..band.count {
         if follow.marks[head] != HEAD {
@@ -88,7 +91,15 @@ pub(super) fn trace(band: &mut Band, out: &mut Pieces<'_>) {
         let piece = out.pieces.len() as u32;
         note_ends(band.last_row.start, (head, tail), piece, (&mut *out.top, &mut *out.bottom));
         let (len, start, level) = ((follow.at - start) as u32, start as u32, band.levels[head]);
-        out.pieces.push(Piece { start, len, level, next: NONE, part: 0, follows: false, taken: false });
+        out.pieces.push(Piece {
+            start,
+            len,
+            level,
+            next: NONE,
+            part: 0,
+            follows: false,
+            taken: false,
+        });
     }
     for first in 0..band.count {
         if taken == band.count {
@@ -98,8 +109,17 @@ pub(super) fn trace(band: &mut Band, out: &mut Pieces<'_>) {
             let start = follow.at;
             taken += follow.chain(first).1;
             let piece = out.pieces.len() as u32;
-            let (len, start, level) = ((follow.at - start) as u32, start as u32, band.levels[first]);
-            out.pieces.push(Piece { start, len, level, next: piece, part: 0, follows: true, taken: false });
+            let (len, start, level) =
+                ((follow.at - start) as u32, start as u32, band.levels[first]);
+            out.pieces.push(Piece {
+                start,
+                len,
+                level,
+                next: piece,
+                part: 0,
+                follows: true,
+                taken: false,
+            });
         }
     }
     *out.used = follow.at;

@@ -116,4 +116,3 @@ pub(super) fn triangle(missing: Corner) -> Triangle {
         BottomRight => Triangle { onto: BottomLeft, across: TopRight, diagonal: Edge::Right },
     }
 }
-

@@ -69,4 +69,3 @@ fn parameter(height_a: f64, height_b: f64) -> f64 {
     let t = height_a / (height_a - height_b);
     if t.is_nan() { 0.5 } else { t.clamp(0.0, 1.0) }
 }
-

@@ -34,7 +34,8 @@ pub struct Baselines {
 impl Baselines {
     pub fn new(view: &View, axes: &SectionAxes, seen: &Seen) -> Option<Self> {
         let (frame, size) = (view.frame(), view.image().size());
-        let axis = |k| LinearForm { gradient: transect_device::Vector3::ith(k, 1.0), constant: 0.0 };
+        let axis =
+            |k| LinearForm { gradient: transect_device::Vector3::ith(k, 1.0), constant: 0.0 };
         let place = |k| frame.separable_form(&axis(k));
         let bits = |pairs: &[bool]| {
             let word = |w: &[bool]| w.iter().enumerate().map(|(k, b)| u64::from(*b) << k).sum();
@@ -126,9 +127,10 @@ impl Baselines {
             self.found.clear();
             for i in 0..self.rows {
                 let row = &self.values[i * self.cols..][..self.cols];
-                for (w, (label, values)) in labels.iter_mut().zip(row.chunks_exact(64)).enumerate() {
+                for (w, (label, values)) in labels.iter_mut().zip(row.chunks_exact(64)).enumerate()
+                {
                     let columns = &self.level.columns[64 * w..][..64];
-                    *label = self.labels_of(simd, i, plane, values, columns, |_, _| ());
+                    *label = self.labels_of(simd, i, plane, values, columns);
                 }
                 let at = i * words;
                 let (left, up) = (&self.left[at..][..words], &self.up[at..][..words]);
@@ -140,7 +142,7 @@ impl Baselines {
         count
     }
 
-    /// Labels of 64 pixels; `keep` gets the plane's range at eight of them.
+    /// Labels of 64 pixels: whether the plane comes before the surface.
     #[inline(always)]
     fn labels_of<S: Simd>(
         &self,
@@ -149,16 +151,14 @@ impl Baselines {
         plane: f32,
         values: &[f32],
         columns: &[f32],
-        mut keep: impl FnMut(usize, f32x8<S>),
     ) -> u64 {
         let [factor, addend] = self.level.rows[i];
         let offset = f32x8::splat(simd, plane - self.level.constant);
         let zero = f32x8::splat(simd, 0.0);
         let mut labels = 0;
-        for (k, (value, column)) in values.chunks_exact(8).zip(columns.chunks_exact(8)).enumerate() {
-            let per_range = f32x8::from_slice(simd, column) * factor + addend;
-            let range = offset / per_range;
-            keep(k, range);
+        for (k, (value, column)) in values.chunks_exact(8).zip(columns.chunks_exact(8)).enumerate()
+        {
+            let range = offset / (f32x8::from_slice(simd, column) * factor + addend);
             let seen = range.simd_lt(f32x8::from_slice(simd, value)) & range.simd_ge(zero);
             labels |= seen.to_bitmask() << (8 * k);
         }
@@ -183,8 +183,11 @@ impl Baselines {
             for (i, ranges) in ranges.chunks_exact_mut(self.cols).enumerate() {
                 let offset = f32x8::splat(simd, plane - self.level.constant);
                 let [factor, addend] = self.level.rows[i];
-                for (range, column) in ranges.chunks_exact_mut(8).zip(self.level.columns.chunks_exact(8)) {
-                    (offset / (f32x8::from_slice(simd, column) * factor + addend)).store_slice(range);
+                for (range, column) in
+                    ranges.chunks_exact_mut(8).zip(self.level.columns.chunks_exact(8))
+                {
+                    (offset / (f32x8::from_slice(simd, column) * factor + addend))
+                        .store_slice(range);
                 }
             }
             let zero = f32x8::splat(simd, 0.0);
@@ -192,7 +195,9 @@ impl Baselines {
                 labels.iter_mut().zip(ranges.chunks_exact(64).zip(self.values.chunks_exact(64)))
             {
                 *label = 0;
-                for (k, (range, value)) in range.chunks_exact(8).zip(value.chunks_exact(8)).enumerate() {
+                for (k, (range, value)) in
+                    range.chunks_exact(8).zip(value.chunks_exact(8)).enumerate()
+                {
                     let range = f32x8::from_slice(simd, range);
                     let seen = range.simd_lt(f32x8::from_slice(simd, value)) & range.simd_ge(zero);
                     *label |= seen.to_bitmask() << (8 * k);
@@ -285,7 +290,12 @@ impl Baselines {
             let at = i * words + w;
             let (top, bottom, right) = (self.left[at - words], self.left[at], self.up[at]);
             let whole = top & bottom & right & (right << 1 | up_before);
-            let corners = [above[w] << 1 | high_before[0], above[w], labels[w] << 1 | high_before[1], labels[w]];
+            let corners = [
+                above[w] << 1 | high_before[0],
+                above[w],
+                labels[w] << 1 | high_before[1],
+                labels[w],
+            ];
             (up_before, high_before) = (right >> 63, [above[w] >> 63, labels[w] >> 63]);
             let all = corners.iter().fold(u64::MAX, |all, c| all & c);
             let any = corners.iter().fold(0, |any, c| any | c);

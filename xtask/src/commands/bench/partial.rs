@@ -46,7 +46,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             for &count in &arguments.planes {
                 let planes = scene::planes(&view, count);
                 let planes = planes.ok_or_else(|| Failure::because("no such planes"))?;
-                say(&format!("\n{size} × {size} pixels, {count} planes, {gaps:?} gaps, load {}", load()));
+                say(&format!(
+                    "\n{size} × {size} pixels, {count} planes, {gaps:?} gaps, load {}",
+                    load()
+                ));
                 case(&view, &planes, count, arguments.rounds)?;
                 if arguments.peers {
                     peers::compare(&view, &planes, count, arguments.rounds)?;
@@ -70,14 +73,20 @@ fn case(view: &View, planes: &PlaneFamily, count: usize, rounds: usize) -> Resul
     let seen = seen(view, &axes, &rule, Instructions::Best);
     let baselines = Baselines::new(view, &axes, &seen);
     let baselines = RefCell::new(baselines.ok_or_else(|| Failure::because("no baselines"))?);
-    let sample: Vec<f32> = (0..SAMPLE_PLANES).map(|k| (k as f32 + 0.5) * count as f32 / SAMPLE_PLANES as f32 - 0.5 * count as f32).map(f32::round).collect();
+    let sample: Vec<f32> = (0..SAMPLE_PLANES)
+        .map(|k| (k as f32 + 0.5) * count as f32 / SAMPLE_PLANES as f32 - 0.5 * count as f32)
+        .map(f32::round)
+        .collect();
     let pixels = view.image().size().pixels() as f64;
-    let crossings = contours(view, &axes, &rule, &Effort::default(), &mut Workspace::default())?.vertex_count();
+    let crossings =
+        contours(view, &axes, &rule, &Effort::default(), &mut Workspace::default())?.vertex_count();
     let kernel = |name, axes: &'_ SectionAxes, effort: Effort| {
         let mut work = Workspace::default();
         let axes = *axes;
         Variant::new(name, move || {
-            let _ = black_box(contours(view, &axes, &rule, &effort, &mut work).map(|c| c.vertex_count()));
+            let _ = black_box(
+                contours(view, &axes, &rule, &effort, &mut work).map(|c| c.vertex_count()),
+            );
         })
     };
     let with = |instructions| Effort { instructions, ..Effort::default() };
@@ -85,24 +94,48 @@ fn case(view: &View, planes: &PlaneFamily, count: usize, rounds: usize) -> Resul
     let mut whole = Workspace::default();
     let scale = count as f64 / SAMPLE_PLANES as f64;
     let mut variants = vec![
-        Variant::new("read", || { black_box(baselines.borrow().read()); }),
-        Variant::new("read + heights", || { black_box(baselines.borrow().heights()); }),
-        Variant::new("read + heights + levels", || { black_box(baselines.borrow_mut().levels()); }),
+        Variant::new("read", || {
+            black_box(baselines.borrow().read());
+        }),
+        Variant::new("read + heights", || {
+            black_box(baselines.borrow().heights());
+        }),
+        Variant::new("read + heights + levels", || {
+            black_box(baselines.borrow_mut().levels());
+        }),
         kernel("detection", &far, with(Instructions::Best)),
         kernel("one pass, portable", &axes, with(Instructions::Portable)),
         kernel("one pass, AVX2", &axes, with(Instructions::Avx2)),
         kernel("one pass, best", &axes, with(Instructions::Best)),
         Variant::new("one pass, fresh", || {
             let mut work = Workspace::default();
-            let _ = black_box(contours(view, &axes, &rule, &Effort::default(), &mut work).map(|c| c.vertex_count()));
+            let _ = black_box(
+                contours(view, &axes, &rule, &Effort::default(), &mut work)
+                    .map(|c| c.vertex_count()),
+            );
         }),
         kernel("one pass, 2 threads", &axes, Effort { parts: 2, ..Effort::default() }).threaded(),
         Variant::new("curves with all attributes", || {
-            let _ = black_box(partial_model_with(view, planes, &options, &Effort::default(), &mut whole));
+            let _ = black_box(partial_model_with(
+                view,
+                planes,
+                &options,
+                &Effort::default(),
+                &mut whole,
+            ));
         }),
-        Variant::new("dissertation, fused", || { black_box(baselines.borrow_mut().fused(&sample)); }).scaled(scale),
-        Variant::new("dissertation, stored", || { black_box(baselines.borrow_mut().stored(&sample)); }).scaled(scale),
-        Variant::new("Cartesian", || { black_box(baselines.borrow_mut().cartesian(&sample)); }).scaled(scale),
+        Variant::new("dissertation, fused", || {
+            black_box(baselines.borrow_mut().fused(&sample));
+        })
+        .scaled(scale),
+        Variant::new("dissertation, stored", || {
+            black_box(baselines.borrow_mut().stored(&sample));
+        })
+        .scaled(scale),
+        Variant::new("Cartesian", || {
+            black_box(baselines.borrow_mut().cartesian(&sample));
+        })
+        .scaled(scale),
     ];
     let seconds = time(&mut variants, rounds);
     let detection = seconds[3];

@@ -27,7 +27,12 @@ fn no_jumps() -> BreakRule {
 }
 
 /// Times and compares the other programs, or says why not.
-pub fn compare(view: &View, planes: &PlaneFamily, count: usize, rounds: usize) -> Result<(), Failure> {
+pub fn compare(
+    view: &View,
+    planes: &PlaneFamily,
+    count: usize,
+    rounds: usize,
+) -> Result<(), Failure> {
     let python = std::env::var("TRANSECT_PYTHON").unwrap_or_else(|_| "python3".to_owned());
     let there = Command::new(&python).args(["-c", "import contourpy, numpy"]).output();
     if !there.is_ok_and(|output| output.status.success()) {
@@ -40,16 +45,23 @@ pub fn compare(view: &View, planes: &PlaneFamily, count: usize, rounds: usize) -
     std::fs::create_dir_all(&folder).map_err(|e| Failure::with_file(&folder, e))?;
     let size = view.image().size();
     let levels = seen(view, &axes, &rule, Instructions::Best).levels;
-    write_npy(&folder.join("levels.npy"), "<f4", (size.rows, size.cols), levels.iter().flat_map(|v| v.to_le_bytes()))?;
+    write_npy(
+        &folder.join("levels.npy"),
+        "<f4",
+        (size.rows, size.cols),
+        levels.iter().flat_map(|v| v.to_le_bytes()),
+    )?;
     let found = contours(view, &axes, &rule, &Effort::default(), &mut work)?;
-    let rows = found.polylines().flat_map(|line| {
-        line.vertices.iter().map(move |v| (f64::from(line.level), v))
-    });
+    let rows = found
+        .polylines()
+        .flat_map(|line| line.vertices.iter().map(move |v| (f64::from(line.level), v)));
     let rows: Vec<[f64; 3]> = rows.map(|(level, v)| in_pixels(&found, level, v)).collect();
     let bytes = rows.iter().flatten().flat_map(|v| v.to_le_bytes());
     write_npy(&folder.join("vertices.npy"), "<f8", (rows.len(), 3), bytes)?;
     let mut ours = [Variant::new("one pass", || {
-        let _ = black_box(contours(view, &axes, &rule, &Effort::default(), &mut work).map(|c| c.vertex_count()));
+        let _ = black_box(
+            contours(view, &axes, &rule, &Effort::default(), &mut work).map(|c| c.vertex_count()),
+        );
     })];
     let before = time(&mut ours, rounds)[0];
     let output = Command::new(&python)
@@ -94,7 +106,8 @@ fn write_npy(
     (rows, cols): (usize, usize),
     bytes: impl Iterator<Item = u8>,
 ) -> Result<(), Failure> {
-    let header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({rows}, {cols}), }}");
+    let header =
+        format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({rows}, {cols}), }}");
     // Magic, version, length and header fill a multiple of 64 bytes.
     let length = (10 + header.len() + 1).next_multiple_of(64) - 10;
     let mut file = b"\x93NUMPY\x01\x00".to_vec();

@@ -87,7 +87,8 @@ fn distance(p: &Vector3) -> f64 {
     let bumps = 0.02 * (2.1 * p.x).sin() * (2.7 * p.y).sin() * (3.3 * p.z).sin();
     let walls = (0..3).map(|k| p[k].min(ROOM[k] - p[k])).fold(f64::INFINITY, f64::min) - bumps;
     let ball = |x, y, z, r: f64| (p - Vector3::new(x, y, z)).norm() - r;
-    let balls = ball(4.2, 2.1, 1.3, 0.45).min(ball(3.2, 3.9, 0.5, 0.5)).min(ball(5.9, 3.6, 2.2, 0.3));
+    let balls =
+        ball(4.2, 2.1, 1.3, 0.45).min(ball(3.2, 3.9, 0.5, 0.5)).min(ball(5.9, 3.6, 2.2, 0.3));
     let pillar = ((p.x - 5.2).hypot(p.y - 4.6) - 0.25).max(0.0);
     let ring = Vector3::new(p.x - 6.1, p.y - 2.2, p.z - 1.1);
     let ring = (ring.y.hypot(ring.z) - 0.5).hypot(ring.x) - 0.15;
