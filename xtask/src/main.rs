@@ -12,7 +12,9 @@ mod simulation;
 mod table;
 
 use clap::{Parser, Subcommand};
-use commands::{check, evaluate, experiments, inspect, manifest, reconstruct, simulate, test};
+use commands::{
+    bench, check, evaluate, experiments, inspect, manifest, reconstruct, simulate, test,
+};
 use std::process::ExitCode;
 
 /// Registered range images in, cross-section models out.
@@ -39,6 +41,8 @@ enum Command {
     Experiments(experiments::Arguments),
     /// Run the tests.
     Test(test::Arguments),
+    /// Measure the speed of a stage, beside what it is compared with.
+    Bench(bench::Arguments),
     /// Run everything that CI runs.
     Check(check::Arguments),
 }
@@ -52,6 +56,7 @@ fn main() -> ExitCode {
         Command::Manifest(a) => manifest::run(&a),
         Command::Experiments(a) => experiments::run(&a),
         Command::Test(a) => test::run(&a),
+        Command::Bench(a) => bench::run(&a),
         Command::Check(a) => check::run(&a),
     };
     match outcome {

@@ -97,7 +97,8 @@ fn the_report_has_everything_to_repeat_the_run() {
     let settings = &report["settings"];
     assert_eq!((&settings["interval"], &settings["offset"]), (&0.08.into(), &0.0137.into()));
     assert_eq!(numbers(settings, "normal"), [0.0, 0.0, 1.0]);
-    assert_eq!(settings["method"], "one_pass");
+    assert_eq!(settings["partial"]["method"], "one_pass");
+    assert_eq!(settings["fusion"]["method"], "consensus");
     check_inputs(&folder, list(&report, "inputs"));
     let names: Vec<&str> =
         list(&report, "views").iter().map(|v| v["name"].as_str().unwrap()).collect();

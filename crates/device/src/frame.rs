@@ -1,6 +1,6 @@
 //! The device frame of a sensor (dissertation, section 3.3): the trait every backend implements.
 
-use crate::{ImageSize, Pixel, Point3, RangeImage, Vector3};
+use crate::{ImageSize, Pixel, Point3, RangeImage, RayProducts, SeparableForm, Vector3};
 
 /// The ray of one pixel in the sensor frame: where it starts and where it runs.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -163,6 +163,18 @@ pub trait DeviceFrame: std::fmt::Debug + Send + Sync {
             let other = self.neighbour(pixel, neighbour);
             *pair = other.and_then(|o| self.pair(image, pixel, o)).unwrap_or(PairGeometry::MISSING);
         }
+    }
+
+    /// A linear form of this sensor's samples as products of row and column numbers, if it has such;
+    /// whole images are then formed in `f32` without a call per row.
+    fn separable_form(&self, _form: &LinearForm) -> Option<SeparableForm> {
+        None
+    }
+
+    /// Products of neighbouring rays as sums of row and column numbers, if the sensor has such; pairs
+    /// of whole images are then tested in `f32` without a call per row.
+    fn ray_products(&self, _neighbour: Neighbour) -> Option<RayProducts> {
+        None
     }
 
     /// How two samples lie to each other; `None` if either is missing.

@@ -13,12 +13,14 @@
 
 mod frame;
 mod range_image;
+mod separable;
 mod view;
 
 pub use frame::{
     DeviceFrame, DevicePoint, Handedness, LinearForm, Neighbour, PairGeometry, Ray, SensorPlane,
 };
 pub use range_image::{ImageError, ImageSize, MAX_PIXELS, Pixel, RangeImage};
+pub use separable::{RayProduct, RayProducts, SeparableForm};
 pub use view::{View, ViewError};
 
 /// A point in a sensor frame or in the world, in the model's length unit.

@@ -22,6 +22,30 @@ pub use pairwise::{PairwiseOptions, pairwise};
 
 use transect_geometry::Curve;
 
+/// How the curves of a plane are fused.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum FusionMethod {
+    /// All views at once: the default. The order of views changes nothing.
+    Consensus(ConsensusOptions),
+    /// View by view and curve by curve, as chapter 5 describes it; every merge moves the curve.
+    Pairwise(PairwiseOptions),
+}
+
+impl Default for FusionMethod {
+    fn default() -> Self {
+        Self::Consensus(ConsensusOptions::default())
+    }
+}
+
+/// Fuses the curves of one plane, given view by view.
+pub fn fuse_plane(views: &[&[Curve]], method: &FusionMethod) -> FusedPlane {
+    match method {
+        FusionMethod::Consensus(options) => consensus(views, options),
+        FusionMethod::Pairwise(options) => pairwise(views, options),
+    }
+}
+
 /// The fused curves of one plane.
 #[derive(Debug, Clone, Default)]
 pub struct FusedPlane {

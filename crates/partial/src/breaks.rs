@@ -21,6 +21,16 @@ impl BreakRule {
         Self { tan_incidence: max_incidence_rad.tan() as f32, slack: slack as f32 }
     }
 
+    /// Tangent of the largest angle of incidence.
+    pub fn tan_incidence(&self) -> f32 {
+        self.tan_incidence
+    }
+
+    /// Range difference that noise alone explains, in the model's length unit.
+    pub fn slack(&self) -> f32 {
+        self.slack
+    }
+
     /// Whether the two samples of a pair belong to one surface; false if one is missing.
     pub fn holds(&self, pair: &PairGeometry) -> bool {
         // A comparison with NaN is false, which is what a missing pixel needs.

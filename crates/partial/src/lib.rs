@@ -3,25 +3,30 @@
 //! The one decision of this crate: curves are found **in the range image**, where samples are
 //! neighbours, and not among points in space. It refuses to know other views and storage.
 //!
+//! * [`partial_model`]: by either [`Method`];
 //! * [`one_pass`]: all planes of a straight guide in one sweep over the image;
 //! * [`dissertation`]: plane by plane, in the dissertation's own steps;
 //! * [`subpixel`]: where a plane passes between two pixels (3.6);
 //! * [`BreakRule`]: where neighbouring pixels do not belong to one surface (3.4.2);
 //! * [`RangeNoise`]: the range noise of a view, stated or estimated from its image;
 //! * [`mod@smooth`]: edge-preserving smoothing of noisy images before that;
+//! * [`PartialCurve`]: a curve with what only its view knows of it;
 //! * [`SectionAxes`]: levels and plane coordinates straight from sensor coordinates.
 
 mod axes;
 mod breaks;
 pub mod dissertation;
+mod method;
 mod noise;
 pub mod one_pass;
 mod partial_curve;
+mod prepared;
 pub mod smooth;
 pub mod subpixel;
 
 pub use axes::{MAX_LEVELS, SectionAxes};
 pub use breaks::BreakRule;
+pub use method::{Method, partial_model};
 pub use noise::{RangeNoise, estimate_sigma, estimate_value_sigma, length_per_value};
 pub use partial_curve::{EndReason, PartialCurve, PlaneCurves};
 

@@ -1,6 +1,5 @@
-//! What every method returns: curves with what only their view knows of them.
+//! The curves of one view, with what only that view knows of them.
 
-use nalgebra::Vector3;
 use transect_device::Pixel;
 use transect_geometry::{Curve, PlaneIndex};
 
@@ -20,25 +19,22 @@ pub struct PartialCurve {
     pub curve: Curve,
     /// Of every node, the pixel nearest to it: row and column in the view (provenance).
     pub pixels: Vec<Pixel>,
-    /// Of every node, the outward unit normal of the surface in plane coordinates, the plane's
-    /// normal third; zero where unknown.
-    pub normals: Vec<Vector3<f32>>,
     /// Why the curve begins and ends where it does; `None` for a closed curve.
     pub ends: Option<[EndReason; 2]>,
-    /// Numbers of the units (node k to k + 1) that bridge missing pixels; sorted. Empty for most
+    /// Numbers of the units (node k to k+1) that bridge missing pixels; sorted. Empty for most
     /// curves.
     pub bridged: Vec<u32>,
 }
 
-/// Why an open curve ends.
+/// Why a curve ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum EndReason {
-    /// The next pixel has no value.
+    /// A pixel beside the end is missing.
     MissingPixel,
-    /// The next pixel belongs to another surface.
+    /// The surface ends or hides behind another one: neighbouring pixels belong to different ones.
     RangeJump,
-    /// There is no next pixel.
+    /// The image ends.
     ImageBorder,
 }
 

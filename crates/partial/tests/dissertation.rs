@@ -302,12 +302,12 @@ fn check_attributes(
 ) -> Result<(), TestCaseError> {
     let nodes = curve.curve.nodes();
     prop_assert_eq!(curve.pixels.len(), nodes.len());
-    prop_assert_eq!(curve.normals.len(), nodes.len());
     prop_assert_eq!(curve.ends.is_none(), curve.curve.is_closed());
     prop_assert!(curve.bridged.is_sorted());
     prop_assert!(curve.bridged.iter().all(|k| (*k as usize) < curve.curve.units().len()));
     let frame = planes.frame(plane);
-    for ((node, normal), pixel) in nodes.iter().zip(&curve.normals).zip(&curve.pixels) {
+    for (node, pixel) in nodes.iter().zip(&curve.pixels) {
+        let normal = &node.normal;
         let in_world = frame.world_from_plane(&node.position);
         let sample = seen.view.point_in_sensor(*pixel).unwrap();
         let sample = seen.view.world_from_sensor() * sample;

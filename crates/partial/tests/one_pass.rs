@@ -1,6 +1,7 @@
 //! One pass against the slow, obvious way, and against solids whose inside is known.
 #![allow(clippy::unwrap_used, reason = "test code; shared strategies are outside test functions")]
 
+#[allow(dead_code, reason = "each test file uses some of it")]
 mod common;
 
 use common::{Ball, views};

@@ -24,7 +24,7 @@ use crate::{SensorError, require};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use transect_device::{
     DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, Neighbour, PairGeometry, Pixel,
-    Point3, RangeImage, Ray, SensorPlane, Vector3,
+    Point3, RangeImage, Ray, RayProduct, RayProducts, SensorPlane, SeparableForm, Vector3,
 };
 
 /// Equal angular steps: sample `k` looks along `first + k · step`.
@@ -109,6 +109,17 @@ impl ImagingRadar {
     fn direction(&self, pixel: Pixel) -> Option<Vector3> {
         let (phi, theta) = (self.rows.get(pixel.row)?, self.columns.get(pixel.col)?);
         Some(Vector3::new(phi.cos * theta.cos, phi.cos * theta.sin, phi.sin))
+    }
+
+    /// The angle between a row's rays and their neighbours.
+    fn angle_between(&self, phi: &SinCos, neighbour: Neighbour) -> SinCos {
+        match neighbour {
+            Neighbour::Up => SinCos::of(self.phi.step.abs()),
+            Neighbour::Left => {
+                let cos = phi.cos * phi.cos * self.theta.step.cos() + phi.sin * phi.sin;
+                SinCos { cos, sin: (1.0 - cos * cos).max(0.0).sqrt() }
+            }
+        }
     }
 
     /// Smallest and largest `direction · ray` over the angular field.
@@ -215,20 +226,17 @@ impl DeviceFrame for ImagingRadar {
     ) {
         let samples = image.row(row);
         let Some(phi) = self.rows.get(row) else { return out.fill(PairGeometry::MISSING) };
+        let angle = self.angle_between(phi, neighbour);
         match neighbour {
             Neighbour::Up => {
                 let Some(above) = row.checked_sub(1).map(|r| image.row(r)) else {
                     return out.fill(PairGeometry::MISSING);
                 };
-                let angle = SinCos::of(self.phi.step.abs());
                 for ((pair, &a), &b) in out.iter_mut().zip(samples).zip(above) {
                     *pair = polar_pair(a, b, angle);
                 }
             }
             Neighbour::Left => {
-                // The angle between rays of one row at neighbouring azimuths.
-                let cos = phi.cos * phi.cos * self.theta.step.cos() + phi.sin * phi.sin;
-                let angle = SinCos { cos, sin: (1.0 - cos * cos).max(0.0).sqrt() };
                 let last = samples.last().copied().filter(|_| self.columns_wrap());
                 let before =
                     std::iter::once(last.unwrap_or(f32::NAN)).chain(samples.iter().copied());
@@ -237,6 +245,25 @@ impl DeviceFrame for ImagingRadar {
                 }
             }
         }
+    }
+
+    fn separable_form(&self, form: &LinearForm) -> Option<SeparableForm> {
+        let LinearForm { gradient, constant } = form;
+        let row = |phi: &SinCos| [phi.cos as f32, (gradient.z * phi.sin) as f32];
+        let column = |theta: &SinCos| (gradient.x * theta.cos + gradient.y * theta.sin) as f32;
+        Some(SeparableForm {
+            rows: self.rows.iter().map(row).collect(),
+            columns: self.columns.iter().map(column).collect(),
+            constant: *constant as f32,
+        })
+    }
+
+    fn ray_products(&self, neighbour: Neighbour) -> Option<RayProducts> {
+        let product = |phi: &SinCos| {
+            let angle = self.angle_between(phi, neighbour);
+            RayProduct { here: 1.0, other: angle.cos as f32, across: angle.sin as f32 }
+        };
+        Some(RayProducts { rows: self.rows.iter().map(product).collect(), columns: Vec::new() })
     }
 }
 

@@ -189,6 +189,11 @@ fn rows_agree(frame: &dyn DeviceFrame, image: &RangeImage, form: &LinearForm) ->
     })
 }
 
+fn valid(image: &RangeImage) -> impl Iterator<Item = (Pixel, f32)> + '_ {
+    let pixels = (0..SIZE.rows).flat_map(|row| (0..SIZE.cols).map(move |col| Pixel::new(row, col)));
+    pixels.filter_map(|p| Some((p, image.get(p)?)))
+}
+
 /// A sensor of one pixel, at a place between those of another: linear between its angles.
 fn at_one_pixel(frame: &LightStripe, row: f64, col: f64) -> LightStripe {
     let parameters = frame.parameters().clone();
@@ -293,6 +298,44 @@ proptest! {
     ) {
         let form = LinearForm { gradient, constant };
         prop_assert!(rows_agree(frame.as_ref(), &image, &form));
+    }
+
+    #[test]
+    fn tables_of_rows_and_columns_give_the_forms(
+        frame in central_frames(), image in images(), gradient in directions(), constant in -5.0..5.0,
+    ) {
+        let form = LinearForm { gradient, constant };
+        let Some(tables) = frame.separable_form(&form) else { return Ok(()) };
+        for (pixel, d3) in valid(&image) {
+            let [factor, addend] = tables.rows[pixel.row];
+            let fast = d3 * (factor * tables.columns[pixel.col] + addend) + tables.constant;
+            let p = frame.point(pixel, f64::from(d3)).unwrap();
+            let bound = 2_f64.powi(-22) * (p.coords.norm() * gradient.norm() + constant.abs());
+            prop_assert!((f64::from(fast) - form.at(&p)).abs() <= bound);
+        }
+    }
+
+    #[test]
+    fn products_of_neighbouring_rays_give_the_geometry_of_pairs(
+        frame in central_frames(), image in images(),
+    ) {
+        for neighbour in [Neighbour::Left, Neighbour::Up] {
+            let Some(products) = frame.ray_products(neighbour) else { continue };
+            for (pixel, a) in valid(&image) {
+                let Some(other) = frame.neighbour(pixel, neighbour) else { continue };
+                let (Some(b), Some(slow)) = (image.get(other), frame.pair(&image, pixel, other))
+                else { continue };
+                let row = products.rows[pixel.row];
+                let column = products.columns.get(pixel.col).copied().unwrap_or_default();
+                let here = row.here + column.here;
+                let along = (b * (row.other + column.other) - a * here).abs() / here.sqrt();
+                let lateral = b * (row.across + column.across) / here.sqrt();
+                let size = frame.point(pixel, f64::from(a)).unwrap().coords.norm() as f32;
+                let size = size.max(frame.point(other, f64::from(b)).unwrap().coords.norm() as f32);
+                prop_assert!((along - slow.range_step).abs() <= 1e-6 * size);
+                prop_assert!((lateral - slow.lateral).abs() <= 1e-6 * size);
+            }
+        }
     }
 
     #[test]

@@ -13,11 +13,10 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 use transect_device::Isometry3;
-use transect_fusion::{Agreement, ConsensusOptions, FusedPlane, agreement, consensus};
+use transect_fusion::{Agreement, FusedPlane, FusionMethod, agreement, fuse_plane};
 use transect_geometry::{Curve, LengthUnit, PlaneFamily, PlaneIndex};
 use transect_model::{Model, ViewRecord};
-use transect_partial::one_pass::{OnePassOptions, partial_model};
-use transect_partial::{PartialCounts, PartialError};
+use transect_partial::{Method, PartialCounts, PartialError, partial_model};
 
 /// What a model is made with.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,15 +26,15 @@ pub struct Setup {
     /// Where the section planes are.
     pub planes: PlaneFamily,
     /// How each view's curves are found.
-    pub partial: OnePassOptions,
+    pub partial: Method,
     /// How the views' curves are fused.
-    pub fusion: ConsensusOptions,
+    pub fusion: FusionMethod,
 }
 
 impl Setup {
     /// Planes in a unit, with default options.
     pub fn new(unit: LengthUnit, planes: PlaneFamily) -> Self {
-        let (partial, fusion) = (OnePassOptions::default(), ConsensusOptions::default());
+        let (partial, fusion) = (Method::default(), FusionMethod::default());
         Self { unit, planes, partial, fusion }
     }
 }
@@ -249,7 +248,7 @@ fn fuse(
         if watch.cancelled() {
             return Err(ReconstructError::Cancelled);
         }
-        let plane = consensus(views, &setup.fusion);
+        let plane = fuse_plane(views, &setup.fusion);
         let fused = Fused { index: *index, plane, agreement: agreement(views) };
         watch.step(Stage::Planes);
         Ok(fused)

@@ -1,5 +1,6 @@
 //! One file per command, and what several of them share.
 
+pub mod bench;
 pub mod check;
 pub mod evaluate;
 pub mod experiments;

@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use transect::{Reconstruction, Setup, reconstruct};
 use transect_exchange::Scan;
+use transect_fusion::FusionMethod;
 use transect_geometry::LengthUnit;
 
 /// How a view's curves are found.
@@ -23,6 +24,37 @@ use transect_geometry::LengthUnit;
 pub enum Method {
     /// All planes in one sweep over the range image.
     OnePass,
+    /// Plane by plane, in the dissertation's own steps.
+    Dissertation,
+}
+
+impl Method {
+    fn options(self) -> transect_partial::Method {
+        match self {
+            Self::OnePass => transect_partial::Method::OnePass(Default::default()),
+            Self::Dissertation => transect_partial::Method::Dissertation(Default::default()),
+        }
+    }
+}
+
+/// How the views' curves are fused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, serde::Serialize)]
+#[value(rename_all = "snake_case")]
+#[serde(rename_all = "snake_case")]
+pub enum Fusion {
+    /// All views at once.
+    Consensus,
+    /// View by view, by the dissertation's overlap rules.
+    Pairwise,
+}
+
+impl Fusion {
+    fn options(self) -> FusionMethod {
+        match self {
+            Self::Consensus => FusionMethod::Consensus(Default::default()),
+            Self::Pairwise => FusionMethod::Pairwise(Default::default()),
+        }
+    }
 }
 
 /// Options of `reconstruct`.
@@ -45,6 +77,9 @@ pub struct Arguments {
     /// How each view's curves are found.
     #[arg(long, value_enum, default_value_t = Method::OnePass, help_heading = "Method")]
     method: Method,
+    /// How the views' curves are fused.
+    #[arg(long, value_enum, default_value_t = Fusion::Consensus, help_heading = "Method")]
+    fusion: Fusion,
     /// Number of threads; 0 takes all cores. The results do not depend on it.
     #[arg(long, default_value_t = 0, value_name = "NUMBER", help_heading = "Running")]
     threads: usize,
@@ -64,7 +99,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scan = Scan::open_with_unit(&path, arguments.unit)?;
     // Before anything can fail: a note may well be the reason.
     scan.notes.iter().for_each(|note| eprintln!("note: {note}"));
-    let setup = Setup::new(scan.unit, arguments.planes.family(&scan)?);
+    let mut setup = Setup::new(scan.unit, arguments.planes.family(&scan)?);
+    setup.partial = arguments.method.options();
+    setup.fusion = arguments.fusion.options();
     let out = arguments.out.clone().unwrap_or_else(|| default_out(&scan.name));
 
     let progress = Progress::new(arguments.quiet);
@@ -83,7 +120,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     rows.extend(accuracy);
     rows.extend(stages.rows());
-    let report = ReportFile::new(&scan, &path, &setup, arguments.method, &result.report);
+    let report = ReportFile::new(&scan, &path, &setup, &result.report);
     report.write(&out.join("report.json"), &rows, &stages.costs)?;
     finish(&result, &rows, &out);
     Ok(())

@@ -1,14 +1,16 @@
 //! `report.json`: the table of a run with everything needed to repeat it.
 
-use super::reconstruct::Method;
 use crate::failure::Failure;
 use crate::table::Row;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 use transect::{Report, Setup};
 use transect_exchange::{Scan, write_file};
+use transect_fusion::FusionMethod;
+use transect_partial::Method;
 
 /// What a stage cost.
 #[derive(Debug, Clone, Serialize)]
@@ -49,12 +51,50 @@ struct Settings {
     normal: [f64; 3],
     offset: f64,
     interval: f64,
-    method: Method,
-    max_incidence_deg: f64,
-    jump_sigmas: f64,
-    threshold_spreads: f64,
-    direction_limit_deg: f64,
-    shortest_footprints: f64,
+    /// How each view's curves were found, and with what.
+    partial: Value,
+    /// How the views' curves were fused, and with what.
+    fusion: Value,
+}
+
+/// The options of a partial modeler.
+fn partial_settings(method: &Method) -> Value {
+    match method {
+        Method::OnePass(o) => json!({
+            "method": "one_pass",
+            "max_incidence_deg": o.max_incidence_rad.to_degrees(),
+            "jump_sigmas": o.jump_sigmas,
+            "smooth": o.smooth,
+        }),
+        Method::Dissertation(o) => json!({
+            "method": "dissertation",
+            "jump_test": format!("{:?}", o.jump),
+            "gap": o.gap,
+            "thickness": o.thickness,
+            "subpixel": o.subpixel.to_string(),
+            "direction": format!("{:?}", o.direction),
+            "smooth": o.smooth,
+        }),
+        other => json!({ "method": format!("{other:?}") }),
+    }
+}
+
+/// The options of a fusion method.
+fn fusion_settings(method: &FusionMethod) -> Value {
+    match method {
+        FusionMethod::Consensus(o) => json!({
+            "method": "consensus",
+            "threshold_spreads": o.threshold_spreads,
+            "direction_limit_deg": o.direction_limit_rad.to_degrees(),
+            "shortest_footprints": o.shortest_footprints,
+        }),
+        FusionMethod::Pairwise(o) => json!({
+            "method": "pairwise",
+            "tolerance": o.tolerance.map(|t| format!("{t:?}")),
+            "threshold_spreads": o.threshold_spreads,
+        }),
+        other => json!({ "method": format!("{other:?}") }),
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -66,13 +106,7 @@ struct Input {
 
 impl<'a> ReportFile<'a> {
     /// The report of a run.
-    pub fn new(
-        scan: &'a Scan,
-        path: &Path,
-        setup: &Setup,
-        method: Method,
-        report: &'a Report,
-    ) -> Self {
+    pub fn new(scan: &'a Scan, path: &Path, setup: &Setup, report: &'a Report) -> Self {
         Self {
             tool: "transect",
             version: env!("CARGO_PKG_VERSION"),
@@ -82,12 +116,8 @@ impl<'a> ReportFile<'a> {
                 normal: setup.planes.guide().direction().into(),
                 offset: setup.planes.offset(),
                 interval: setup.planes.interval(),
-                method,
-                max_incidence_deg: setup.partial.max_incidence_rad.to_degrees(),
-                jump_sigmas: setup.partial.jump_sigmas,
-                threshold_spreads: setup.fusion.threshold_spreads,
-                direction_limit_deg: setup.fusion.direction_limit_rad.to_degrees(),
-                shortest_footprints: setup.fusion.shortest_footprints,
+                partial: partial_settings(&setup.partial),
+                fusion: fusion_settings(&setup.fusion),
             },
             inputs: scan.inputs.par_iter().filter_map(|p| input(p)).collect(),
             warnings: report.warnings(),

@@ -15,6 +15,7 @@ use super::grid::Grid;
 use super::label::LabelImage;
 use super::plane_image::PlaneImage;
 use super::samples::Samples;
+use crate::BreakRule;
 use transect_device::{ImageSize, Neighbour, Pixel, View};
 
 /// How an intersection is told from a range jump.
@@ -37,6 +38,18 @@ pub enum JumpTest {
 impl Default for JumpTest {
     fn default() -> Self {
         Self::ScaleFree { max_incidence_rad: 78_f64.to_radians(), jump_sigmas: 4.0 }
+    }
+}
+
+impl JumpTest {
+    /// Which pixels smoothing may join: the printed test, made for planes, does not say.
+    pub(super) fn smoothing_rule(self, sigma: f64) -> BreakRule {
+        match self {
+            Self::ScaleFree { max_incidence_rad, jump_sigmas } => {
+                BreakRule::new(max_incidence_rad, jump_sigmas * sigma)
+            }
+            Self::Printed { .. } => Self::default().smoothing_rule(sigma),
+        }
     }
 }
 

@@ -51,10 +51,11 @@ pub use label::{Label, LabelImage};
 pub use orient::DirectionRule;
 pub use plane_image::{PlaneImage, sensor_plane};
 
+use crate::prepared::Prepared;
 use crate::subpixel::{AngularGrid, Solver, Subpixel};
 use crate::{
     MAX_CROSSINGS, PartialCounts, PartialCurve, PartialError, PartialModel, PlaneCurves,
-    RangeNoise, SectionAxes,
+    SectionAxes,
 };
 use code::Surface;
 use link::Contour;
@@ -78,6 +79,8 @@ pub struct DissertationOptions {
     pub subpixel: Subpixel,
     /// How the direction of a curve is found.
     pub direction: DirectionRule,
+    /// Whether noisy images are smoothed first (6.4); see [`mod@crate::smooth`].
+    pub smooth: bool,
 }
 
 impl Default for DissertationOptions {
@@ -89,6 +92,7 @@ impl Default for DissertationOptions {
             thickness: 4,
             subpixel: Subpixel::default(),
             direction: DirectionRule::default(),
+            smooth: true,
         }
     }
 }
@@ -103,15 +107,22 @@ pub fn partial_model(
     options: &DissertationOptions,
 ) -> Result<PartialModel, PartialError> {
     require_inverse(view)?;
+    let prepared = Prepared::new(view, options.smooth, |sigma| options.jump.smoothing_rule(sigma));
+    let view = prepared.view();
     let axes = SectionAxes::new(view, planes)?;
-    let sigma = RangeNoise::of(view).length();
-    let samples = Samples::new(view, &axes, options.jump, sigma);
+    let samples = Samples::new(view, &axes, options.jump, prepared.sigma());
     let angles = options.subpixel.uses_angles().then(|| AngularGrid::read(view.frame())).flatten();
     let order = SearchOrder::new(options.gap);
-    let modeler =
-        Modeler { samples: &samples, order: &order, angles: angles.as_ref(), options, sigma };
+    let modeler = Modeler {
+        samples: &samples,
+        order: &order,
+        angles: angles.as_ref(),
+        options,
+        prepared: &prepared,
+    };
     let mut model = PartialModel::default();
-    model.counts = PartialCounts { jumps: samples.jumps, sigma, ..model.counts };
+    model.counts.jumps = samples.jumps;
+    prepared.count(&mut model.counts);
     // A plane passes between two levels exactly if it is at the lower one or over it.
     let (low, high) = samples.extremes();
     for level in low.ceil() as i32..high.ceil() as i32 {
@@ -161,7 +172,7 @@ struct Modeler<'a> {
     order: &'a SearchOrder,
     angles: Option<&'a AngularGrid>,
     options: &'a DissertationOptions,
-    sigma: f64,
+    prepared: &'a Prepared<'a>,
 }
 
 impl Modeler<'_> {
@@ -187,9 +198,10 @@ impl Modeler<'_> {
         gap::bridge(&contour, samples, level, self.order, &mut links);
         let traces = trace::trace(&contour, &links, samples);
         let solver = Solver::new(samples.view, plane, options.subpixel, self.angles);
-        let (direction, sigma, plane_image) = (options.direction, self.sigma, &plane_image);
-        let surface = &surface;
-        let maker = Maker { samples, surface, plane, plane_image, level, solver, direction, sigma };
+        let (direction, prepared) = (options.direction, self.prepared);
+        let (surface, plane_image) = (&surface, &plane_image);
+        let maker =
+            Maker { prepared, samples, surface, plane, plane_image, level, solver, direction };
         let curves: Vec<_> = traces.iter().filter_map(|t| maker.curve(t)).collect();
         counts.lone += traces.len() - curves.len();
         Ok(curves)

@@ -6,6 +6,7 @@ use super::plane_image::PlaneImage;
 use super::samples::Samples;
 use super::trace::{Border, Trace};
 use crate::PartialCurve;
+use crate::prepared::Prepared;
 use crate::subpixel::{PairLine, Solver};
 use transect_device::{Neighbour, Pixel, Point3, SensorPlane, Vector3};
 use transect_geometry::{Curve, Node, Point2, Vector2};
@@ -49,8 +50,7 @@ pub(super) struct Maker<'a> {
     pub level: i32,
     pub solver: Solver<'a>,
     pub direction: DirectionRule,
-    /// Range noise, in the length unit.
-    pub sigma: f64,
+    pub prepared: &'a Prepared<'a>,
 }
 
 impl Maker<'_> {
@@ -70,7 +70,6 @@ impl Maker<'_> {
         let units = crossings.iter().zip(0_u32..).filter(|(c, _)| c.bridged_after);
         Some(PartialCurve {
             pixels: crossings.iter().map(|c| c.nearest).collect(),
-            normals: normals.iter().map(|n| n.cast()).collect(),
             ends,
             bridged: units.map(|(_, k)| k).collect(),
             curve,
@@ -164,11 +163,15 @@ impl Maker<'_> {
     }
 
     fn node(&self, crossings: &[Crossing], k: usize, closed: bool, normal: &Vector3) -> Node {
-        let ray = self.samples.view.frame().ray(crossings[k].nearest);
+        let pixel = crossings[k].nearest;
+        let ray = self.samples.view.frame().ray(pixel);
         let ray = self.samples.axes.turn(&ray.map_or(Vector3::z(), |r| r.direction));
+        let sigma = self.prepared.sigma_at(pixel);
+        let footprint = footprint(crossings, k, closed, normal, &ray);
         Node {
-            sigma: (self.sigma * sigma_factor(normal, &ray)) as f32,
-            footprint: footprint(crossings, k, closed, normal, &ray) as f32,
+            sigma: (sigma * sigma_factor(normal, &ray)) as f32,
+            footprint: footprint as f32,
+            correlation: (footprint * self.prepared.shared_pixels(pixel)) as f32,
             normal: normal.try_normalize(0.0).unwrap_or_default().cast(),
             ..Node::at(crossings[k].position)
         }

@@ -9,7 +9,7 @@
 //! level lines of that one image, so one pass over the pixels finds them, and the cost no longer
 //! grows with planes × pixels.
 //!
-//! **Steps**, after the image has been smoothed if it is noisy ([`mod@crate::smooth`]).
+//! **Steps.**
 //! 1. Per row: levels (the device frame's fast path), `L = ceil(level)`: plane k lies between two
 //!    pixels exactly if k is in `[min L, max L)`; a pixel on the plane counts as low (3.4).
 //! 2. Pairs with a missing pixel or a range jump are broken **before** anything is emitted: few
@@ -30,14 +30,27 @@
 //! **Cost.** One visit per pixel, one per crossing; memory for a few rows and the crossings. Not for
 //! curved guides, whose levels are not an affine function of the point.
 
+mod band;
 mod cell;
+mod chains;
+mod contours;
 mod crossing;
+mod emit;
+mod ends;
+mod link;
 mod nodes;
-mod sweep;
+mod part;
+mod rows;
+mod seen;
+mod source;
 mod trace;
 
-use crate::{BreakRule, PartialError, PartialModel, RangeNoise, SectionAxes, smooth};
-use transect_device::{Pixel, View};
+pub use contours::{Contours, Effort, Instructions, Kind, Polyline, Vertex, Workspace, contours};
+pub use seen::{Seen, seen};
+
+use crate::prepared::Prepared;
+use crate::{BreakRule, PartialError, PartialModel, SectionAxes};
+use transect_device::View;
 use transect_geometry::PlaneFamily;
 
 /// What can be set.
@@ -67,45 +80,28 @@ pub fn partial_model(
     planes: &PlaneFamily,
     options: &OnePassOptions,
 ) -> Result<PartialModel, PartialError> {
-    let noise = RangeNoise::of(view);
-    // Also after smoothing: pixels that it left alone are as noisy as before.
-    let slack = options.jump_sigmas * noise.length();
-    let rule = BreakRule::new(options.max_incidence_rad, slack);
-    // An image that could not be smoothed is used as it is.
-    let smoothed = options.smooth.then(|| smooth::smooth(view, &noise, &rule).ok()).flatten();
-    let sigmas = NodeSigmas { view, noise, smoothed: smoothed.as_ref() };
-    let view = smoothed.as_ref().map_or(view, |s| &s.view);
-    let axes = SectionAxes::new(view, planes)?;
-    let linked = sweep::sweep(view, &axes, &rule)?;
-    let chains = trace::trace(&linked, view.frame().handedness());
-    let mut model = nodes::model(view, &axes, &linked, &chains, &sigmas);
-    model.counts.crossings = linked.crossings.len();
-    model.counts.jumps = linked.jumps;
-    model.counts.sigma = noise.length();
-    if let Some(smoothed) = &smoothed {
-        model.counts.smoothed = smoothed.changed;
-        model.counts.window = smoothed.window;
-    }
-    model.counts.sigma_after = sigmas.after();
+    partial_model_with(view, planes, options, &Effort::default(), &mut Workspace::default())
+}
+
+/// The same, in memory that is kept from view to view, and with a say in how the work is done.
+///
+/// # Errors
+/// As [`partial_model`].
+pub fn partial_model_with(
+    view: &View,
+    planes: &PlaneFamily,
+    options: &OnePassOptions,
+    effort: &Effort,
+    work: &mut Workspace,
+) -> Result<PartialModel, PartialError> {
+    let rule = |sigma| BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma);
+    let prepared = Prepared::new(view, options.smooth, rule);
+    let axes = SectionAxes::new(prepared.view(), planes)?;
+    let rule = rule(prepared.sigma());
+    let contours = contours(prepared.view(), &axes, &rule, effort, work)?;
+    let mut model = nodes::model(&prepared, &axes, &contours);
+    model.counts.crossings = contours.vertex_count();
+    model.counts.jumps = contours.jumps();
+    prepared.count(&mut model.counts);
     Ok(model)
-}
-
-/// What a node's range noise is.
-struct NodeSigmas<'a> {
-    view: &'a View,
-    noise: RangeNoise,
-    smoothed: Option<&'a smooth::Smoothed>,
-}
-
-impl NodeSigmas<'_> {
-    /// Standard deviation along the ray at a pixel, in the model's length unit.
-    fn at(&self, pixel: Pixel) -> f64 {
-        let factor = self.smoothed.map_or(1.0, |s| s.factor(pixel));
-        self.noise.length_at(self.view, pixel) * factor
-    }
-
-    /// At the median pixel.
-    fn after(&self) -> f64 {
-        self.noise.length() * self.smoothed.map_or(1.0, |s| s.median_factor)
-    }
 }

@@ -1,11 +1,11 @@
 //! From chains to curves: what is known about every node.
 
-use super::NodeSigmas;
-use super::crossing::Crossing;
-use super::sweep::Linked;
-use super::trace::Chain;
+use super::contours::Contours;
+use super::crossing::{Crossing, solve};
+use super::ends::ends;
+use crate::prepared::Prepared;
 use crate::{EndReason, PartialCurve, PartialModel, PlaneCurves, SectionAxes};
-use transect_device::{Vector3, View};
+use transect_device::Vector3;
 use transect_geometry::{Curve, Node, Vector2};
 
 /// Nodes on each side that give a node its direction; pixels alternate between two kinds of pairs,
@@ -22,44 +22,32 @@ const SIGMA_FACTORS: (f64, f64) = (1.0, 6.0);
 /// Smallest sine of the angle between ray and curve in the footprint: that of the rim cut.
 const MIN_SINE: f64 = 0.2;
 
-/// The curves of all chains, grouped by plane. Chains are sorted by plane.
+/// The curves of all lines, grouped by plane. Lines are sorted by plane.
 pub(super) fn model(
-    view: &View,
+    prepared: &Prepared<'_>,
     axes: &SectionAxes,
-    linked: &Linked,
-    chains: &[Chain],
-    sigmas: &NodeSigmas,
+    contours: &Contours<'_>,
 ) -> PartialModel {
     let mut model = PartialModel::default();
-    let mut nodes = NodeMaker { view, axes, sigmas, crossings: Vec::new() };
-    for chain in chains {
+    let view = prepared.view();
+    let mut nodes = NodeMaker { prepared, axes, crossings: Vec::new() };
+    for line in contours.polylines() {
         nodes.crossings.clear();
-        let in_order = chain.crossings.iter().map(|&c| linked.crossings[c as usize]);
-        nodes.crossings.extend(in_order);
-        tidy(&mut nodes.crossings, chain.closed);
-        let Ok(curve) = Curve::new(nodes.nodes(chain.closed), chain.closed) else {
+        nodes.crossings.extend(line.vertices.iter().map(|v| {
+            let (kind, pair) = contours.pair(v);
+            solve(view, axes, kind, pair, line.level)
+        }));
+        tidy(&mut nodes.crossings, line.closed);
+        let Some(curve) = nodes.curve(line.closed, || ends(view, &line, contours)) else {
             model.counts.lone += 1;
             continue;
         };
-        let curve = known(curve, &nodes.crossings);
-        let plane = axes.plane(linked.crossings[chain.crossings[0] as usize].level);
         match model.planes.last_mut() {
-            Some(last) if last.plane == plane => last.curves.push(curve),
-            _ => model.planes.push(PlaneCurves { plane, curves: vec![curve] }),
+            Some(last) if last.plane == line.plane => last.curves.push(curve),
+            _ => model.planes.push(PlaneCurves { plane: line.plane, curves: vec![curve] }),
         }
     }
     model
-}
-
-/// A curve with the little that this method knows of it.
-fn known(curve: Curve, crossings: &[Crossing]) -> PartialCurve {
-    PartialCurve {
-        pixels: crossings.iter().map(|c| c.pixel).collect(),
-        normals: vec![nalgebra::Vector3::zeros(); crossings.len()],
-        ends: (!curve.is_closed()).then_some([EndReason::MissingPixel; 2]),
-        bridged: Vec::new(),
-        curve,
-    }
 }
 
 /// Drops nodes that repeat the one before: where a sample lies on the plane, up to four of its
@@ -80,26 +68,40 @@ fn tidy(crossings: &mut Vec<Crossing>, closed: bool) {
 }
 
 struct NodeMaker<'a> {
-    view: &'a View,
+    prepared: &'a Prepared<'a>,
     axes: &'a SectionAxes,
-    sigmas: &'a NodeSigmas<'a>,
     crossings: Vec<Crossing>,
 }
 
 impl NodeMaker<'_> {
-    fn nodes(&self, closed: bool) -> Vec<Node> {
-        (0..self.crossings.len()).map(|k| self.node(k, closed)).collect()
+    /// The curve of the crossings at hand; `None` if they are too few.
+    fn curve(
+        &self,
+        closed: bool,
+        ends: impl Fn() -> Option<[EndReason; 2]>,
+    ) -> Option<PartialCurve> {
+        let count = self.crossings.len();
+        if count < 2 + usize::from(closed) {
+            return None;
+        }
+        let nodes = (0..count).map(|k| self.node(k, closed)).collect();
+        let curve = Curve::new(nodes, closed).ok()?;
+        let pixels = self.crossings.iter().map(|c| c.pixel).collect();
+        let ends = if closed { None } else { ends() };
+        Some(PartialCurve { curve, pixels, ends, bridged: Vec::new() })
     }
 
     fn node(&self, k: usize, closed: bool) -> Node {
         let crossing = &self.crossings[k];
         let tangent = self.tangent(k, closed);
-        let ray = self.view.frame().ray(crossing.pixel).map_or(Vector3::z(), |r| r.direction);
-        let ray = self.axes.turn(&ray);
-        let sigma = self.sigmas.at(crossing.pixel);
+        let ray = self.axes.turn(&crossing.ray);
+        let sigma = self.prepared.sigma_at(crossing.pixel);
+        let footprint = self.footprint(k, closed, &tangent, &ray);
         Node {
             sigma: (sigma * sigma_factor(&tangent, &crossing.pair, &ray)) as f32,
-            footprint: self.footprint(k, closed, &tangent, &ray) as f32,
+            footprint: footprint as f32,
+            correlation: (footprint * self.prepared.shared_pixels(crossing.pixel)) as f32,
+            normal: surface_normal(&tangent, &crossing.pair, &ray),
             ..Node::at(crossing.position)
         }
     }
@@ -158,6 +160,14 @@ fn sigma_factor(tangent: &Vector2, pair: &Vector3, ray: &Vector3) -> f64 {
     let normal = Vector3::new(tangent.x, tangent.y, 0.0).cross(pair);
     let factor = (ray.dot(&normal) / pair.z).abs();
     if factor.is_nan() { SIGMA_FACTORS.1 } else { factor.clamp(SIGMA_FACTORS.0, SIGMA_FACTORS.1) }
+}
+
+/// Unit normal of the surface that holds the curve's direction and the pair, on the sensor's side;
+/// zero where the two do not span a surface.
+fn surface_normal(tangent: &Vector2, pair: &Vector3, ray: &Vector3) -> nalgebra::Vector3<f32> {
+    let normal = Vector3::new(tangent.x, tangent.y, 0.0).cross(pair).try_normalize(0.0);
+    let outward = normal.map(|n| if n.dot(ray) > 0.0 { -n } else { n });
+    outward.filter(|n| n.iter().all(|c| c.is_finite())).unwrap_or_default().cast()
 }
 
 /// Length along the curve of one spacing of the rays, seen obliquely.

@@ -5,7 +5,9 @@ use std::sync::Arc;
 use transect_device::{
     DeviceFrame, ImageSize, Isometry3, Pixel, Point3, RangeImage, Vector3, View,
 };
-use transect_sensors::{AngularScan, ImagingRadar, Intrinsics, Pinhole, PointGrid, RayStarts};
+use transect_sensors::{
+    AngularScan, ImagingRadar, Intrinsics, Pinhole, PinholeScale, PointGrid, RayStarts,
+};
 
 pub const SIZE: ImageSize = ImageSize { rows: 48, cols: 64 };
 
@@ -53,11 +55,12 @@ pub fn look(
 
 /// The same view as a grid of points.
 pub fn as_point_grid(view: &View) -> Option<View> {
-    let pixels = (0..SIZE.pixels()).map(|k| Pixel::new(k / SIZE.cols, k % SIZE.cols));
+    let size = view.image().size();
+    let pixels = (0..size.pixels()).map(|k| Pixel::new(k / size.cols, k % size.cols));
     let missing = Point3::new(f64::NAN, f64::NAN, f64::NAN);
     let points = pixels.map(|p| view.point_in_sensor(p).unwrap_or(missing)).collect();
     let starts = RayStarts::Viewpoint(Point3::origin());
-    let (grid, image) = PointGrid::new(SIZE, points, starts).ok()?;
+    let (grid, image) = PointGrid::new(size, points, starts).ok()?;
     View::new("grid", image, Arc::new(grid), *view.world_from_sensor(), Some(0.0)).ok()
 }
 
@@ -126,4 +129,66 @@ pub fn views() -> impl Strategy<Value = (View, Vec<Ball>)> {
             Some((view, balls))
         },
     )
+}
+
+pub fn planes_along(normal: Vector3, interval: f64) -> transect_geometry::PlaneFamily {
+    let guide = transect_geometry::StraightGuide::along(normal).unwrap();
+    transect_geometry::PlaneFamily::new(guide, 0.0123, interval).unwrap()
+}
+
+pub fn normals() -> impl Strategy<Value = Vector3> {
+    (-1.0..1.0, -1.0..1.0, -1.0..1.0)
+        .prop_map(|(x, y, z)| Vector3::new(x, y, z))
+        .prop_filter("has a direction", |v: &Vector3| v.norm() > 0.1)
+}
+
+/// Sensors of any size: radars with and without a full circle, cameras of both scales.
+fn sized_frames() -> impl Strategy<Value = Arc<dyn DeviceFrame>> {
+    let size = (1..28_usize, 1..150_usize).prop_map(|(rows, cols)| ImageSize { rows, cols });
+    let shape = (size, 0..4_u8, any::<bool>(), 0.3..1.4_f64);
+    shape.prop_map(|(size, kind, flip, field)| {
+        let turn = |angle: f64| if flip { -angle } else { angle };
+        let scan = |angle: f64, count: usize| {
+            let step = angle / count as f64;
+            AngularScan::from_radians(-0.5 * step * (count - 1) as f64, step)
+        };
+        let theta = turn(if kind == 0 { std::f64::consts::TAU } else { field });
+        let focal = size.cols as f64 / field;
+        let k = Intrinsics { fx: focal, fy: 1.1 * focal, cx: 0.4 * size.cols as f64, cy: 3.0 };
+        let scale = if kind == 2 { PinholeScale::Depth } else { PinholeScale::RayLength };
+        match kind {
+            0 | 1 => {
+                let radar = ImagingRadar::new(size, scan(theta, size.cols), scan(field, size.rows));
+                Arc::new(radar.unwrap()) as Arc<dyn DeviceFrame>
+            }
+            _ => Arc::new(Pinhole::new(size, k).unwrap().with_scale(scale)),
+        }
+    })
+}
+
+/// Views of any size with waves, steps, noise and missing pixels, some of them as grids of points.
+pub fn random_views() -> impl Strategy<Value = View> {
+    let waves = (0.05..1.0_f64, 0.05..1.0_f64, 0.0..1.0_f64, 0.0..0.02_f64);
+    let missing = prop_oneof![Just(0.0), 0.0..0.3_f64];
+    let parts = (sized_frames(), waves, missing, any::<u64>(), 0..4_u8);
+    parts.prop_filter_map("sees something", |(frame, waves, missing, seed, grid)| {
+        let (along, down, step, noise) = waves;
+        let size = frame.size();
+        let mut state = seed | 1;
+        let mut uniform = move || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let value = |k: usize| {
+            let (row, col) = ((k / size.cols) as f64, (k % size.cols) as f64);
+            let wave = 0.4 * (along * col).sin() * (down * row).cos();
+            let behind = if (0.13 * col + 0.21 * row).sin() > 0.6 { step } else { 0.0 };
+            let value = 3.0 + wave + behind + noise * (uniform() - 0.5);
+            if uniform() < missing { f32::NAN } else { value as f32 }
+        };
+        let image = RangeImage::from_values(size, (0..size.pixels()).map(value).collect()).ok()?;
+        let pose = Isometry3::translation(1e3, -2e3, 3e2);
+        let view = View::new("random", image, frame, pose, Some(0.0)).ok()?;
+        if grid > 0 { Some(view) } else { as_point_grid(&view) }
+    })
 }

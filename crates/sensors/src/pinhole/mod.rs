@@ -21,8 +21,8 @@ pub use ray_table::RayTable;
 
 use crate::{SensorError, require};
 use transect_device::{
-    DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, Pixel, Point3, RangeImage, Ray,
-    SensorPlane, Vector3,
+    DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, Neighbour, Pixel, Point3,
+    RangeImage, Ray, RayProduct, RayProducts, SensorPlane, SeparableForm, Vector3,
 };
 
 /// What a camera's value measures.
@@ -210,5 +210,47 @@ impl DeviceFrame for Pinhole {
                 }
             }
         }
+    }
+
+    fn separable_form(&self, form: &LinearForm) -> Option<SeparableForm> {
+        if self.scale == PinholeScale::RayLength {
+            return None;
+        }
+        let LinearForm { gradient, constant } = form;
+        let ray = |row: usize, col: usize| self.ray_at_depth_one(row as f64, col as f64);
+        let row = |i| [1.0, (gradient.y * ray(i, 0).y + gradient.z) as f32];
+        Some(SeparableForm {
+            rows: (0..self.size.rows).map(row).collect(),
+            columns: (0..self.size.cols).map(|j| (gradient.x * ray(0, j).x) as f32).collect(),
+            constant: *constant as f32,
+        })
+    }
+
+    /// With rays `(x, y, 1)`: `a · a = (1 + y²) + x²`; a neighbour differs by one pixel in x or y.
+    fn ray_products(&self, neighbour: Neighbour) -> Option<RayProducts> {
+        if self.scale == PinholeScale::RayLength {
+            return None;
+        }
+        let Intrinsics { fx, fy, .. } = self.intrinsics;
+        let left = neighbour == Neighbour::Left;
+        let product = |here: f64, less: f64, across: f64| RayProduct {
+            here: here as f32,
+            other: (here - less) as f32,
+            across: across as f32,
+        };
+        let row = |i: usize| {
+            let y = self.ray_at_depth_one(i as f64, 0.0).y;
+            let here = 1.0 + y * y;
+            if left { product(here, 0.0, here.sqrt() / fx) } else { product(here, y / fy, 0.0) }
+        };
+        let column = |j: usize| {
+            let x = self.ray_at_depth_one(0.0, j as f64).x;
+            let across = (1.0 + x * x).sqrt() / fy;
+            if left { product(x * x, x / fx, 0.0) } else { product(x * x, 0.0, across) }
+        };
+        Some(RayProducts {
+            rows: (0..self.size.rows).map(row).collect(),
+            columns: (0..self.size.cols).map(column).collect(),
+        })
     }
 }

@@ -2,8 +2,9 @@
 
 use super::cell::{self, Corner, Shape};
 use super::crossing::{Base, Crossing, solve};
-use crate::{BreakRule, MAX_CROSSINGS, PartialError, SectionAxes};
-use transect_device::{Neighbour, PairGeometry, Pixel, View};
+use transect_device::{Pixel, View};
+use transect_partial::SectionAxes;
+use transect_partial::one_pass::Seen;
 
 /// No crossing.
 pub(super) const NONE: u32 = u32::MAX;
@@ -16,8 +17,6 @@ pub(super) struct Linked {
     pub next: Vec<u32>,
     /// Whether a crossing follows another one.
     pub has_previous: Vec<bool>,
-    /// Pairs of valid pixels that are broken.
-    pub jumps: usize,
 }
 
 /// What is kept of one row of pixels.
@@ -48,84 +47,69 @@ impl Row {
 }
 
 /// Finds and links all crossings of a view.
-pub(super) fn sweep(
-    view: &View,
-    axes: &SectionAxes,
-    rule: &BreakRule,
-) -> Result<Linked, PartialError> {
+pub(super) fn sweep(view: &View, axes: &SectionAxes, seen: &Seen) -> Linked {
     let size = view.frame().size();
-    let mut sweep = Sweep { view, axes, rule, linked: Linked::default(), pairs: Vec::new() };
-    sweep.pairs.resize(size.cols, PairGeometry::MISSING);
+    let mut sweep = Sweep { view, axes, seen, linked: Linked::default() };
     let (mut above, mut row) = (Row::new(size.cols), Row::new(size.cols));
     for i in 0..size.rows {
         sweep.read_row(i, &mut row);
-        sweep.emit(i, &above, &mut row)?;
+        sweep.emit(i, &above, &mut row);
         sweep.linked.grow();
         if i > 0 {
-            sweep.link_cells(i, &above, &row)?;
+            sweep.link_cells(i, &above, &row);
         }
         std::mem::swap(&mut above, &mut row);
     }
-    Ok(sweep.linked)
+    sweep.linked
 }
 
 struct Sweep<'a> {
     view: &'a View,
     axes: &'a SectionAxes,
-    rule: &'a BreakRule,
+    seen: &'a Seen,
     linked: Linked,
-    /// Work space for one row of pair geometry.
-    pairs: Vec<PairGeometry>,
 }
 
 impl Sweep<'_> {
     fn read_row(&mut self, i: usize, row: &mut Row) {
-        let (frame, image) = (self.view.frame(), self.view.image());
-        frame.form_row(image, i, self.axes.level(), &mut row.levels);
+        let cols = row.levels.len();
+        let here = i * cols..(i + 1) * cols;
+        row.levels.copy_from_slice(&self.seen.levels[here.clone()]);
         for (ceiling, level) in row.ceilings.iter_mut().zip(&row.levels) {
             *ceiling = level.ceil() as i32;
         }
-        for (neighbour, pairs) in [(Neighbour::Left, &mut row.left), (Neighbour::Up, &mut row.up)] {
-            frame.pair_row(image, i, neighbour, &mut self.pairs);
-            for (unbroken, pair) in pairs.unbroken.iter_mut().zip(&self.pairs) {
-                *unbroken = self.rule.holds(pair);
-                self.linked.jumps += usize::from(!*unbroken && !pair.range_step.is_nan());
-            }
-        }
+        row.left.unbroken.copy_from_slice(&self.seen.left[here.clone()]);
+        row.up.unbroken.copy_from_slice(&self.seen.up[here]);
     }
 
     /// Numbers and solves the crossings of all pairs of a row.
-    fn emit(&mut self, i: usize, above: &Row, row: &mut Row) -> Result<(), PartialError> {
+    fn emit(&mut self, i: usize, above: &Row, row: &mut Row) {
         let cols = row.ceilings.len();
         for j in 0..cols {
             let here = Pixel::new(i, j);
             if row.left.unbroken[j] {
                 let before = if j == 0 { cols - 1 } else { j - 1 };
                 let ceilings = (row.ceilings[before], row.ceilings[j]);
-                row.left.bases[j] = self.cross((Pixel::new(i, before), here), ceilings)?;
+                row.left.bases[j] = self.cross((Pixel::new(i, before), here), ceilings);
             }
             if row.up.unbroken[j] {
                 let ceilings = (above.ceilings[j], row.ceilings[j]);
-                row.up.bases[j] = self.cross((Pixel::new(i - 1, j), here), ceilings)?;
+                row.up.bases[j] = self.cross((Pixel::new(i - 1, j), here), ceilings);
             }
         }
-        Ok(())
     }
 
-    fn cross(&mut self, pair: (Pixel, Pixel), ceilings: (i32, i32)) -> Result<Base, PartialError> {
+    fn cross(&mut self, pair: (Pixel, Pixel), ceilings: (i32, i32)) -> Base {
         let (low, high) = (ceilings.0.min(ceilings.1), ceilings.0.max(ceilings.1));
         if low == high {
-            return Ok(Base::NONE);
+            return Base::NONE;
         }
         let first = self.linked.crossings.len();
-        if first + (high - low) as usize > MAX_CROSSINGS {
-            return Err(PartialError::TooManyCrossings { interval: self.axes.interval() });
-        }
         solve(self.view, self.axes, pair, (low, high), &mut self.linked.crossings);
-        Ok(Base { first: first as u32, low })
+        Base { first: first as u32, low }
     }
 
-    fn link_cells(&mut self, i: usize, above: &Row, row: &Row) -> Result<(), PartialError> {
+    fn link_cells(&mut self, i: usize, above: &Row, row: &Row) {
         let cols = row.ceilings.len();
         let first = usize::from(!self.view.frame().columns_wrap());
         for j in first..cols {
@@ -133,26 +117,24 @@ impl Sweep<'_> {
             let cell = Cell::gather(i, (before, j), above, row);
             match cell::shape(cell.unbroken) {
                 Shape::Whole => self.linked.link(&cell),
-                Shape::Without(corner) => self.link_triangle(cell, corner)?,
+                Shape::Without(corner) => self.link_triangle(cell, corner),
                 Shape::Broken => {}
             }
         }
-        Ok(())
     }
 
     /// Links the three valid corners of a cell; a crossing of the diagonal ends or begins a curve.
-    fn link_triangle(&mut self, mut cell: Cell, missing: Corner) -> Result<(), PartialError> {
+    fn link_triangle(&mut self, mut cell: Cell, missing: Corner) {
         let triangle = cell::triangle(missing);
         let (onto, across) = (triangle.onto as usize, triangle.across as usize);
         cell.ceilings[missing as usize] = cell.ceilings[onto];
         let pair = (cell.pixels[onto], cell.pixels[across]);
         let ceilings = (cell.ceilings[onto], cell.ceilings[across]);
-        let base = self.cross(pair, ceilings)?;
+        let base = self.cross(pair, ceilings);
         self.linked.grow();
         let diagonal = triangle.diagonal as usize;
         (cell.bases[diagonal], cell.unbroken[diagonal]) = (base, true);
         self.linked.link(&cell);
-        Ok(())
     }
 }
 

@@ -1,0 +1,255 @@
+//! Linked level lines of a view, for all planes of a family at once.
+
+use super::chains::{Line, assemble};
+use super::part::Part;
+use super::source::Source;
+use super::trace::{Border, Piece, stitch};
+use crate::{BreakRule, MAX_CROSSINGS, PartialError, SectionAxes};
+use fearless_simd::Level;
+use rayon::prelude::*;
+use transect_device::{Pixel, View};
+use transect_geometry::PlaneIndex;
+
+/// Crossings per band: with 25 bytes for each, a band fits a processor's second cache level.
+const BAND_SIZE: usize = 1 << 15;
+
+/// A plane crossing a pair of neighbouring samples, with its linear subpixel solution.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[repr(C)]
+pub struct Vertex {
+    /// The pair, see [`Contours::pair`].
+    pub edge: u32,
+    /// Where between the pair's first sample (0) and its second (1).
+    pub t: f32,
+    /// In-plane coordinate along the plane frame's x axis, from [`Contours::origin`].
+    pub x: f32,
+    /// In-plane coordinate along the plane frame's y axis, from [`Contours::origin`].
+    pub y: f32,
+}
+
+/// What kind of pair of neighbours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A pixel and the one above, which is the first sample.
+    Up,
+    /// A pixel and the one to its left, which is the first sample.
+    Left,
+    /// The diagonal of a cell from its upper right pixel to its lower left one.
+    Rising,
+    /// The diagonal of a cell from its upper left pixel to its lower right one.
+    Falling,
+}
+
+/// Number of a pair: ascending by row, then upward pairs, left pairs, diagonals, each by column. Row
+/// and column are those of the lower right pixel of the cells that the pair belongs to.
+pub(super) fn edge_code(row: usize, kind: Kind, col: usize, cols: usize) -> u32 {
+    let within = match kind {
+        Kind::Up => col,
+        Kind::Left => cols + col,
+        Kind::Rising => 2 * (cols + col),
+        Kind::Falling => 2 * (cols + col) + 1,
+    };
+    (row * 4 * cols + within) as u32
+}
+
+/// Kind of a pair, and the pixel it is numbered by.
+pub(super) fn decode(edge: u32, cols: usize) -> (Kind, Pixel) {
+    let (row, within) = (edge as usize / (4 * cols), edge as usize % (4 * cols));
+    let (kind, col) = match within / cols {
+        0 => (Kind::Up, within),
+        1 => (Kind::Left, within - cols),
+        _ if within % 2 == 0 => (Kind::Rising, within / 2 - cols),
+        _ => (Kind::Falling, within / 2 - cols),
+    };
+    (kind, Pixel::new(row, col))
+}
+
+/// Which instructions the inner loops may use. Results are the same to the bit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Instructions {
+    /// The best that the processor has.
+    #[default]
+    Best,
+    /// AVX2 where the processor has it, else as portable.
+    Avx2,
+    /// Those that every processor of the build's target has.
+    Portable,
+}
+
+impl Instructions {
+    pub(super) fn level(self) -> Level {
+        match self {
+            Self::Best => Level::new(),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Self::Avx2 => Level::new().as_avx2().map_or_else(Level::baseline, Level::Avx2),
+            _ => Level::baseline(),
+        }
+    }
+}
+
+/// How the work is done; nothing here changes the result.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Effort {
+    /// Instructions of the inner loops.
+    pub instructions: Instructions,
+    /// Parts into which the rows are cut, to be swept in parallel; at least 1.
+    pub parts: usize,
+    /// Crossings that are linked and followed at a time.
+    pub band_size: usize,
+}
+
+impl Default for Effort {
+    fn default() -> Self {
+        Self { instructions: Instructions::Best, parts: 1, band_size: BAND_SIZE }
+    }
+}
+
+/// Memory that is kept from view to view.
+#[derive(Debug, Clone, Default)]
+pub struct Workspace {
+    parts: Vec<Part>,
+    pieces: Vec<Piece>,
+    chains: super::chains::Scratch,
+    lines: Vec<Line>,
+    vertices: Vec<Vertex>,
+}
+
+/// The level lines of a view on all planes.
+#[derive(Debug, Clone, Copy)]
+pub struct Contours<'a> {
+    axes: &'a SectionAxes,
+    cols: usize,
+    lines: &'a [Line],
+    vertices: &'a [Vertex],
+    jumps: usize,
+}
+
+/// One level line: its vertices in order, solid on the left.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Polyline<'a> {
+    /// The plane.
+    pub plane: PlaneIndex,
+    /// Level of the plane, counted from the base of the view's axes.
+    pub level: i32,
+    /// Whether the last vertex is followed by the first.
+    pub closed: bool,
+    /// The vertices, at least one; a closed line does not repeat its first.
+    pub vertices: &'a [Vertex],
+}
+
+impl<'a> Contours<'a> {
+    /// All lines, by plane, open ones before closed ones, each by the pair they begin with.
+    pub fn polylines(&self) -> impl ExactSizeIterator<Item = Polyline<'a>> + 'a {
+        let (axes, vertices) = (self.axes, self.vertices);
+        self.lines.iter().map(move |line| Polyline {
+            plane: axes.plane(line.level),
+            level: line.level,
+            closed: line.closed,
+            vertices: vertices.get(line.range()).unwrap_or(&[]),
+        })
+    }
+
+    /// Number of vertices of all lines.
+    pub fn vertex_count(&self) -> usize {
+        self.vertices.len()
+    }
+
+    /// Pairs of valid neighbours that do not belong to one surface.
+    pub fn jumps(&self) -> usize {
+        self.jumps
+    }
+
+    /// Kind and samples of a vertex's pair, in the order in which [`Vertex::t`] counts.
+    pub fn pair(&self, vertex: &Vertex) -> (Kind, [Pixel; 2]) {
+        let (kind, here) = decode(vertex.edge, self.cols);
+        let Pixel { row, col } = here;
+        let up = row.saturating_sub(1);
+        let before = if col == 0 { self.cols - 1 } else { col - 1 };
+        let pair = match kind {
+            Kind::Up => [Pixel::new(up, col), here],
+            Kind::Left => [Pixel::new(row, before), here],
+            Kind::Rising => [Pixel::new(up, col), Pixel::new(row, before)],
+            Kind::Falling => [Pixel::new(up, before), here],
+        };
+        (kind, pair)
+    }
+
+    /// The pixel that a vertex's pair is numbered by: the lower right one of its cell.
+    pub(super) fn pixel(&self, vertex: &Vertex) -> Pixel {
+        decode(vertex.edge, self.cols).1
+    }
+
+    /// In-plane place of the sensor, from which the vertices' coordinates count.
+    pub fn origin(&self) -> transect_geometry::Point2 {
+        self.axes.in_plane(&transect_device::Point3::origin())
+    }
+}
+
+/// The level lines of a view.
+///
+/// # Errors
+/// [`PartialError::TooManyCrossings`] beyond [`MAX_CROSSINGS`] of them.
+pub fn contours<'a>(
+    view: &View,
+    axes: &'a SectionAxes,
+    rule: &BreakRule,
+    effort: &Effort,
+    work: &'a mut Workspace,
+) -> Result<Contours<'a>, PartialError> {
+    let source = Source::new(view, axes, rule);
+    let count = effort.parts.clamp(1, source.rows);
+    work.parts.resize_with(count, Part::default);
+    let cuts = |k: usize| k * source.rows / count;
+    let sweep = |(k, part): (usize, &mut Part)| {
+        part.sweep(&source, cuts(k)..cuts(k + 1), effort.instructions, effort.band_size)
+    };
+    if let [part] = work.parts.as_mut_slice() {
+        sweep((0, part))?;
+    } else {
+        work.parts.par_iter_mut().enumerate().try_for_each(sweep)?;
+    }
+    let found: usize = work.parts.iter().map(|p| p.used).sum();
+    if found > MAX_CROSSINGS {
+        return Err(PartialError::TooManyCrossings { interval: axes.interval() });
+    }
+    join(&mut work.parts, &mut work.pieces);
+    assemble(
+        &mut work.pieces,
+        &work.parts,
+        view,
+        &mut work.chains,
+        &mut work.lines,
+        &mut work.vertices,
+    );
+    Ok(Contours {
+        axes,
+        cols: source.cols,
+        lines: &work.lines,
+        vertices: &work.vertices,
+        jumps: work.parts.iter().map(|p| p.jumps).sum(),
+    })
+}
+
+/// Puts the pieces of all parts into one list and joins them at the parts' borders.
+fn join(parts: &mut [Part], pieces: &mut Vec<Piece>) {
+    pieces.clear();
+    if let [part] = parts {
+        std::mem::swap(&mut part.pieces, pieces);
+        return;
+    }
+    let mut above = Border::default();
+    for (k, part) in parts.iter_mut().enumerate() {
+        let offset = pieces.len() as u32;
+        pieces.extend(part.pieces.iter().map(|piece| Piece {
+            next: if piece.next == super::band::NONE { piece.next } else { piece.next + offset },
+            part: k as u32,
+            ..*piece
+        }));
+        part.top.shift(offset);
+        part.bottom.shift(offset);
+        if k > 0 {
+            stitch(pieces, &above, &part.top);
+        }
+        above.clone_from(&part.bottom);
+    }
+}

@@ -1,0 +1,151 @@
+//! A part of the image, swept from top to bottom by one thread.
+//!
+//! The part is cut into bands by their number of crossings, so that a band's links stay in the
+//! processor's cache while they are made and followed. Where the cuts are changes nothing in the
+//! result: neither between bands nor between parts.
+
+use super::band::Band;
+use super::contours::{Instructions, Vertex};
+use super::emit::{emit_left, emit_up, number_guests, runs_up};
+use super::link::{Cells, link_row};
+use super::rows::{Pairs, Row};
+use super::source::Source;
+use super::trace::{Border, Piece, Pieces, stitch, trace};
+use crate::{MAX_CROSSINGS, PartialError};
+use fearless_simd::{Simd, dispatch};
+use std::ops::Range;
+
+/// Work space and result of one part.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Part {
+    rows: [Row; 2],
+    band: Band,
+    /// Work space for lists of columns.
+    columns: Vec<u32>,
+    cells: Cells,
+    /// Vertices of all pieces; the list is longer than what is used of it.
+    pub vertices: Vec<Vertex>,
+    pub used: usize,
+    pub pieces: Vec<Piece>,
+    /// The border with the part above; empty in the first part.
+    pub top: Border,
+    /// The border with the part below.
+    pub bottom: Border,
+    /// Borders within the part.
+    inner: [Border; 2],
+    pub jumps: usize,
+}
+
+impl Part {
+    /// Sweeps some rows of an image.
+    pub fn sweep(
+        &mut self,
+        source: &Source<'_>,
+        rows: Range<usize>,
+        instructions: Instructions,
+        band_size: usize,
+    ) -> Result<(), PartialError> {
+        // All of it, since emission and linking gain from newer instructions, too.
+        dispatch!(instructions.level(), simd => self.sweep_with(simd, source, rows, band_size))
+    }
+
+    #[inline(always)]
+    fn sweep_with<S: Simd>(
+        &mut self,
+        simd: S,
+        source: &Source<'_>,
+        rows: Range<usize>,
+        band_size: usize,
+    ) -> Result<(), PartialError> {
+        self.used = 0;
+        self.pieces.clear();
+        self.jumps = 0;
+        let [mut above, mut row] = std::mem::take(&mut self.rows);
+        above.fit(source.cols);
+        row.fit(source.cols);
+        self.begin(simd, source, &rows, &mut above, &row);
+        let mut found = Ok(());
+        let mut first_band = true;
+        for i in rows.clone() {
+            found = self.sweep_row(simd, source, i, (&mut above, &mut row));
+            if found.is_err() {
+                break;
+            }
+            let enough = self.band.count > band_size + self.band.guests;
+            if enough || i + 1 == rows.end {
+                self.finish_band(&mut row, first_band);
+                first_band = false;
+            }
+            std::mem::swap(&mut above, &mut row);
+        }
+        self.rows = [above, row];
+        found
+    }
+
+    /// Reads the row before the first one, whose left pairs are the guests.
+    #[inline(always)]
+    fn begin<S: Simd>(
+        &mut self,
+        simd: S,
+        source: &Source<'_>,
+        rows: &Range<usize>,
+        above: &mut Row,
+        none: &Row,
+    ) {
+        let mut guests = 0;
+        if let Some(before) = rows.start.checked_sub(1) {
+            above.read(simd, source, before, none);
+            guests = number_guests(above);
+        }
+        self.band.restart(guests, MAX_CROSSINGS);
+    }
+
+    #[inline(always)]
+    fn sweep_row<S: Simd>(
+        &mut self,
+        simd: S,
+        source: &Source<'_>,
+        i: usize,
+        (above, row): (&mut Row, &mut Row),
+    ) -> Result<(), PartialError> {
+        row.read(simd, source, i, above);
+        self.jumps += row.jumps;
+        let any = |pairs: &Pairs| pairs.crossed.iter().any(|mask| *mask != 0);
+        let crossed = any(&row.up) || any(&row.left) || any(&above.left);
+        if crossed {
+            source.place(i, row);
+            source.place(i.wrapping_sub(1), above);
+        }
+        emit_up(source, i, (above, row), &mut self.band, &mut self.columns);
+        emit_left(source, i, row, &mut self.band, &mut self.columns);
+        if self.band.full {
+            return Err(PartialError::TooManyCrossings { interval: source.axes.interval() });
+        }
+        if i > 0 && crossed {
+            link_row(source, i, (above, row), &mut self.band, &mut self.cells);
+        }
+        Ok(())
+    }
+
+    /// Follows the band's links, joins its pieces to those above and makes `row` the guests of the
+    /// next band.
+    #[inline(always)]
+    fn finish_band(&mut self, row: &mut Row, first: bool) {
+        let [over, under] = &mut self.inner;
+        let mut out = Pieces {
+            vertices: &mut self.vertices,
+            used: &mut self.used,
+            pieces: &mut self.pieces,
+            top: if first { &mut self.top } else { under },
+            bottom: &mut self.bottom,
+        };
+        trace(&mut self.band, &mut out);
+        if !first {
+            stitch(&mut self.pieces, over, under);
+        }
+        runs_up(row, &mut self.bottom.runs_up);
+        over.clone_from(&self.bottom);
+        let guests = number_guests(row);
+        self.band.restart(guests, (MAX_CROSSINGS + guests).saturating_sub(self.used));
+    }
+}

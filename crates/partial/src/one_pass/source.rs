@@ -1,0 +1,177 @@
+//! Where rows come from: a view's numbers, made ready for inner loops.
+
+use super::rows::{PAD, Row};
+use crate::{BreakRule, SectionAxes};
+use transect_device::{LinearForm, Neighbour, RayProducts, SeparableForm, View};
+
+/// Level and in-plane coordinates of a sensor whose forms are separable.
+#[derive(Debug, Clone)]
+pub(super) struct Tables {
+    pub level: SeparableForm,
+    /// In-plane coordinates, from the sensor's.
+    pub places: [SeparableForm; 2],
+}
+
+/// The test for range jumps with one kind of neighbour, for all rows.
+#[derive(Debug, Clone)]
+pub(super) struct PairTests {
+    rows: Vec<[f32; 3]>,
+    columns: Option<[Vec<f32>; 3]>,
+    slack: f32,
+}
+
+/// The same for one row: `|b · other − a · here| ≤ b · across + slack · √here`, with a number of the
+/// row and one of the column for each of the three products; `across` holds the rule's tangent.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PairTest<'a> {
+    pub here: f32,
+    pub other: f32,
+    pub across: f32,
+    pub slack: f32,
+    pub columns: Option<[&'a [f32]; 3]>,
+}
+
+impl PairTests {
+    fn new(products: RayProducts, rule: &BreakRule, cols: usize) -> Self {
+        let terms =
+            |p: &transect_device::RayProduct| [p.here, p.other, p.across * rule.tan_incidence()];
+        let columns = (!products.columns.is_empty()).then(|| {
+            [0, 1, 2].map(|k| padded(products.columns.iter().map(|p| terms(p)[k]).collect(), cols))
+        });
+        let rows = products.rows.iter().map(terms).collect();
+        Self { rows, columns, slack: rule.slack() }
+    }
+
+    pub fn at(&self, row: usize) -> PairTest<'_> {
+        let [here, other, across] = self.rows.get(row).copied().unwrap_or([f32::NAN; 3]);
+        let columns = self.columns.as_ref().map(|c| c.each_ref().map(Vec::as_slice));
+        PairTest { here, other, across, slack: self.slack, columns }
+    }
+}
+
+/// A view, a plane family and a rule, ready to be read row by row.
+#[derive(Debug)]
+pub(super) struct Source<'a> {
+    pub view: &'a View,
+    pub axes: &'a SectionAxes,
+    pub rule: &'a BreakRule,
+    pub cols: usize,
+    pub rows: usize,
+    /// Whether the last column is a neighbour of the first.
+    pub wraps: bool,
+    pub tables: Option<Tables>,
+    /// Left and up.
+    pub tests: Option<[PairTests; 2]>,
+    in_plane: [LinearForm; 2],
+}
+
+impl<'a> Source<'a> {
+    pub fn new(view: &'a View, axes: &'a SectionAxes, rule: &'a BreakRule) -> Self {
+        let (frame, size) = (view.frame(), view.frame().size());
+        let form = |form: &LinearForm| {
+            let mut tables = frame.separable_form(form)?;
+            tables.columns = padded(tables.columns, size.cols);
+            Some(tables)
+        };
+        let in_plane =
+            axes.in_plane_gradients().map(|gradient| LinearForm { gradient, constant: 0.0 });
+        let tables = || {
+            let places = [form(&in_plane[0])?, form(&in_plane[1])?];
+            Some(Tables { level: form(axes.level())?, places })
+        };
+        let test = |neighbour| {
+            let products = frame.ray_products(neighbour)?;
+            Some(PairTests::new(products, rule, size.cols))
+        };
+        let tests = || Some([test(Neighbour::Left)?, test(Neighbour::Up)?]);
+        let (tables, tests) = (tables(), tests());
+        let wraps = frame.columns_wrap();
+        Self { view, axes, rule, cols: size.cols, rows: size.rows, wraps, tables, tests, in_plane }
+    }
+
+    /// Makes in-plane coordinates of a row available to [`Places`].
+    pub fn place(&self, i: usize, row: &mut Row) {
+        if self.tables.is_some() || row.placed {
+            return;
+        }
+        let (frame, image) = (self.view.frame(), self.view.image());
+        for (form, places) in self.in_plane.iter().zip(&mut row.places) {
+            places.clear();
+            places.resize(self.cols, f32::NAN);
+            frame.form_row(image, i, form, places);
+        }
+        row.placed = true;
+    }
+
+    /// In-plane coordinates of the pixels of row `i`, from the sensor's.
+    pub fn places<'r>(&'r self, i: usize, row: &'r Row) -> Places<'r> {
+        let Some(tables) = &self.tables else {
+            return Places::Stored(Stored(row.places.each_ref().map(Vec::as_slice)));
+        };
+        let values = &row.values[PAD..];
+        let terms = |form: &SeparableForm| form.rows.get(i).copied().unwrap_or_default();
+        let columns = |form: &'r SeparableForm| form.columns.get(..values.len()).unwrap_or(&[]);
+        let [x, y] = &tables.places;
+        Places::Tables(TableRow {
+            values,
+            terms: [terms(x), terms(y)],
+            columns: [columns(x), columns(y)],
+        })
+    }
+}
+
+/// In-plane coordinates of the pixels of one row, from the sensor's.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Places<'a> {
+    Stored(Stored<'a>),
+    Tables(TableRow<'a>),
+}
+
+/// Coordinates that were found for the whole row.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stored<'a>([&'a [f32]; 2]);
+
+/// Coordinates from a row's values; all slices are of one length.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TableRow<'a> {
+    values: &'a [f32],
+    terms: [[f32; 2]; 2],
+    columns: [&'a [f32]; 2],
+}
+
+/// In-plane coordinates by column.
+pub(super) trait PlaceAt: Copy {
+    fn at(&self, col: usize) -> [f32; 2];
+}
+
+impl PlaceAt for Stored<'_> {
+    #[inline(always)]
+    fn at(&self, col: usize) -> [f32; 2] {
+        self.0.map(|p| p[col])
+    }
+}
+
+impl PlaceAt for TableRow<'_> {
+    #[inline(always)]
+    fn at(&self, col: usize) -> [f32; 2] {
+        let ([[fx, ax], [fy, ay]], [x, y]) = (self.terms, self.columns);
+        let value = self.values[col];
+        [value * (fx * x[col] + ax), value * (fy * y[col] + ay)]
+    }
+}
+
+impl PlaceAt for Places<'_> {
+    #[inline(always)]
+    fn at(&self, col: usize) -> [f32; 2] {
+        match self {
+            Places::Stored(places) => places.at(col),
+            Places::Tables(places) => places.at(col),
+        }
+    }
+}
+
+/// A table of columns, filled up with zeros for whole words.
+fn padded(mut table: Vec<f32>, cols: usize) -> Vec<f32> {
+    table.resize(cols.next_multiple_of(64), 0.0);
+    table
+}

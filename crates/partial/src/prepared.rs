@@ -1,0 +1,62 @@
+//! What is done to a view before its curves are found, whatever finds them.
+
+use crate::smooth::{Smoothed, smooth};
+use crate::{BreakRule, PartialCounts, RangeNoise};
+use transect_device::{Pixel, View};
+
+/// A view with its noise known and, where that asks for it, smoothed.
+pub(crate) struct Prepared<'a> {
+    given: &'a View,
+    noise: RangeNoise,
+    smoothed: Option<Smoothed>,
+}
+
+impl<'a> Prepared<'a> {
+    /// Prepares a view; `rule` makes the rule for range jumps from the noise, as a length.
+    pub fn new(view: &'a View, smoothing: bool, rule: impl FnOnce(f64) -> BreakRule) -> Self {
+        let noise = RangeNoise::of(view);
+        // An image that cannot be smoothed is used as it is.
+        let smoothed =
+            smoothing.then(|| smooth(view, &noise, &rule(noise.length())).ok()).flatten();
+        Self { given: view, noise, smoothed }
+    }
+
+    /// The view in which curves are found.
+    pub fn view(&self) -> &View {
+        self.smoothed.as_ref().map_or(self.given, |s| &s.view)
+    }
+
+    /// Range noise before smoothing, as a length. Pixels that smoothing leaves alone still have it,
+    /// so rules that must hold everywhere go by it.
+    pub fn sigma(&self) -> f64 {
+        self.noise.length()
+    }
+
+    /// Range noise of a pixel as it now is, along its ray, as a length.
+    pub fn sigma_at(&self, pixel: Pixel) -> f64 {
+        self.noise.length_at(self.given, pixel) * self.factor(pixel)
+    }
+
+    /// How many pixels across share their noise with a pixel; 0 if each has its own.
+    ///
+    /// A mean of n samples has 1/√n of their noise, and n samples fill a square √n wide.
+    pub fn shared_pixels(&self, pixel: Pixel) -> f64 {
+        let factor = self.factor(pixel);
+        if factor < 1.0 { 1.0 / factor } else { 0.0 }
+    }
+
+    /// Puts on record what was done.
+    pub fn count(&self, counts: &mut PartialCounts) {
+        counts.sigma = self.noise.length();
+        counts.sigma_after =
+            self.noise.length() * self.smoothed.as_ref().map_or(1.0, |s| s.median_factor);
+        if let Some(smoothed) = &self.smoothed {
+            counts.smoothed = smoothed.changed;
+            counts.window = smoothed.window;
+        }
+    }
+
+    fn factor(&self, pixel: Pixel) -> f64 {
+        self.smoothed.as_ref().map_or(1.0, |s| s.factor(pixel))
+    }
+}

@@ -1,0 +1,75 @@
+//! Fair times on a machine that others use, too.
+//!
+//! Variants take turns, round by round, so that a slow minute slows all of them. One-thread variants
+//! count the time their thread was running rather than the time that passed. The result is the
+//! median of the rounds.
+
+use std::time::Instant;
+
+/// One thing to be timed.
+pub struct Variant<'a> {
+    pub name: &'static str,
+    /// Whether it runs on several threads, so that only the time that passes can be told.
+    pub threads: bool,
+    /// What its time is multiplied by: for those that do a part of the work.
+    pub scale: f64,
+    pub run: Box<dyn FnMut() + 'a>,
+}
+
+impl<'a> Variant<'a> {
+    pub fn new(name: &'static str, run: impl FnMut() + 'a) -> Self {
+        Self { name, threads: false, scale: 1.0, run: Box::new(run) }
+    }
+
+    pub fn scaled(self, scale: f64) -> Self {
+        Self { scale, ..self }
+    }
+
+    pub fn threaded(self) -> Self {
+        Self { threads: true, ..self }
+    }
+}
+
+/// Median seconds of every variant.
+pub fn time(variants: &mut [Variant<'_>], rounds: usize) -> Vec<f64> {
+    let mut seconds = vec![Vec::new(); variants.len()];
+    for round in 0..=rounds {
+        for (variant, seconds) in variants.iter_mut().zip(&mut seconds) {
+            let (began, running) = (Instant::now(), thread_seconds());
+            (variant.run)();
+            let ran = thread_seconds().zip(running).map(|(end, start)| end - start);
+            let passed = began.elapsed().as_secs_f64();
+            // The first round warms up.
+            if round > 0 {
+                let took = if variant.threads { passed } else { ran.unwrap_or(passed) };
+                seconds.push(took * variant.scale);
+            }
+        }
+    }
+    seconds.iter_mut().map(|s| median(s)).collect()
+}
+
+pub fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+/// How long this thread has been running, where the system tells.
+#[cfg(unix)]
+fn thread_seconds() -> Option<f64> {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    Some(time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64)
+}
+
+#[cfg(not(unix))]
+fn thread_seconds() -> Option<f64> {
+    None
+}
+
+/// The machine's load, for the reader of the table.
+pub fn load() -> String {
+    std::fs::read_to_string("/proc/loadavg")
+        .ok()
+        .and_then(|text| text.split(' ').next().map(str::to_owned))
+        .unwrap_or_else(|| "unknown".to_owned())
+}
