@@ -4,6 +4,7 @@
 //! documentation states.
 
 mod orders;
+mod partial;
 mod pictures;
 mod sensors;
 mod table;
@@ -24,6 +25,8 @@ enum Experiment {
     Sensors(sensors::Arguments),
     /// How does the error fall when the sensors' grids get denser?
     Orders(orders::Arguments),
+    /// How accurate are one view's curves, by method, noise, surface and angle?
+    Partial(partial::Arguments),
     /// Draw what the sensors see and what is made of it.
     Pictures(pictures::Arguments),
 }
@@ -33,6 +36,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.experiment {
         Experiment::Sensors(a) => sensors::run(a),
         Experiment::Orders(a) => orders::run(a),
+        Experiment::Partial(a) => partial::run(a),
         Experiment::Pictures(a) => pictures::run(a),
     }
 }
