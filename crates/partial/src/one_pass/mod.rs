@@ -10,25 +10,41 @@
 //! grows with planes × pixels.
 //!
 //! **Steps.**
-//! 1. Per row: levels (the device frame's fast path), `L = ceil(level)`: plane k lies between two
-//!    pixels exactly if k is in `[min L, max L)`; a pixel on the plane counts as low (3.4).
+//! 1. Per row (`rows.rs`): levels, `L = ceil(level)`: plane k lies between two pixels exactly if k is in
+//!    `[min L, max L)`; a pixel on the plane counts as low (3.4).
 //! 2. Pairs with a missing pixel or a range jump are broken **before** anything is emitted: few
-//!    pairs are jumps, but they hold a large share of all level differences (3.4.2).
-//! 3. Each unbroken pair emits its crossings with consecutive numbers, solved for the point where
-//!    the line between the two samples meets the plane (3.6, Cartesian curve–plane, linear).
+//!    pairs are jumps, but they hold a large share of all level differences (3.4.2). Joined pairs, and
+//!    those among them that a plane crosses, are bit masks.
+//! 3. Each crossed pair emits its crossings with consecutive numbers (`emit.rs`), solved for the point
+//!    where the line between the two samples meets the plane (3.6, Cartesian curve–plane, linear).
 //! 4. Each cell of four pixels links its entering crossings to its leaving ones, seen with the high
-//!    side on the left; see `cell.rs`. This replaces the search windows of 3.5.
-//! 5. Chains are followed from their heads, then closed loops; see `trace.rs`.
+//!    side on the left (`link.rs`, `cell.rs`). This replaces the search windows of 3.5.
+//! 5. Every few rows, a *band*, links are followed while they are in the processor's cache, which gives
+//!    *pieces* of curves (`trace.rs`); pieces that meet at a band's border are joined, and whole lines
+//!    are put into their final order and place (`chains.rs`). Parts of the image may be swept in
+//!    parallel (`part.rs`); where it is cut, for either reason, changes no bit of the result.
 //! 6. Handedness turns "high on the left" into "solid on the left" (3.7): seen from the sensor, the
 //!    curve direction `n × N` (plane normal, outward surface normal) has the high side on its left
 //!    whatever side of the plane the sensor is on, so a mirrored grid reverses all curves and a
 //!    plain one none. No range comparison per curve is needed.
+//! 7. Lines become curves (`nodes.rs`): places again in `f64`, what is known of every node, and why open
+//!    curves end (`ends.rs`).
+//!
+//! Steps 1 to 5 are [`contours`], for those who want lines and nothing else.
+//!
+//! **Arithmetic.** Steps 1 to 6 work in `f32`, with the offset of the planes taken out in `f64` before
+//! ([`SectionAxes`]). Multiplications and additions are never contracted, so all instruction sets
+//! give the same bits, and so do all processors. A tie is low; a saddle is decided by the mean of its
+//! four levels; a missing pixel is known by its value, never by its level. A label may differ from that
+//! of the exact level where the level is within `2⁻²² · (|p| · |g| + |c|)` of a plane (level `g · p + c`);
+//! a pair may be judged otherwise than in `f64` where its range step is within `10⁻⁶` of the range of
+//! the limit. Backends without tables ([`transect_device::SeparableForm`]) round once, at the end.
 //!
 //! **Departures from the source.** No gap bridging and no thinning: curves of a scalar image are one
 //! crossing wide and end only where the surface does. A curve is never closed over missing data.
 //!
-//! **Cost.** One visit per pixel, one per crossing; memory for a few rows and the crossings. Not for
-//! curved guides, whose levels are not an affine function of the point.
+//! **Cost.** One visit per pixel, one per crossing. Memory, kept in a [`Workspace`]: some rows, one band,
+//! and 32 bytes per crossing. Not for curved guides, whose levels are not an affine function of the point.
 
 mod band;
 mod cell;

@@ -30,7 +30,7 @@ pub(super) fn model(
 ) -> PartialModel {
     let mut model = PartialModel::default();
     let view = prepared.view();
-    let mut nodes = NodeMaker { prepared, axes, crossings: Vec::new() };
+    let mut nodes = NodeMaker { prepared, axes, crossings: Vec::new(), upward: Vec::new() };
     for line in contours.polylines() {
         nodes.crossings.clear();
         nodes.crossings.extend(line.vertices.iter().map(|v| {
@@ -38,6 +38,7 @@ pub(super) fn model(
             solve(view, axes, kind, pair, line.level)
         }));
         tidy(&mut nodes.crossings, line.closed);
+        nodes.count_upward();
         let Some(curve) = nodes.curve(line.closed, || ends(view, &line, contours)) else {
             model.counts.lone += 1;
             continue;
@@ -71,9 +72,21 @@ struct NodeMaker<'a> {
     prepared: &'a Prepared<'a>,
     axes: &'a SectionAxes,
     crossings: Vec<Crossing>,
+    /// How many of the crossings before each are across rows.
+    upward: Vec<u32>,
 }
 
 impl NodeMaker<'_> {
+    fn count_upward(&mut self) {
+        self.upward.clear();
+        self.upward.push(0);
+        let mut count = 0;
+        for crossing in &self.crossings {
+            count += u32::from(crossing.across_rows);
+            self.upward.push(count);
+        }
+    }
+
     /// The curve of the crossings at hand; `None` if they are too few.
     fn curve(
         &self,
@@ -126,9 +139,13 @@ impl NodeMaker<'_> {
     /// Crossings of the more frequent kind on the way from one node to a later one.
     fn pixels_between(&self, from: usize, to: usize) -> usize {
         let n = self.crossings.len();
-        let span = (to + n - from) % n;
-        let kinds = (1..=span).map(|step| self.crossings[(from + step) % n].across_rows);
-        let upward = kinds.filter(|u| *u).count();
+        // Running counts, since a walk per node would cost more than all the rest.
+        let before = |k: usize| self.upward.get(k).map_or(0, |count| *count as usize);
+        let (span, upward) = if to >= from {
+            (to - from, before(to + 1) - before(from + 1))
+        } else {
+            (to + n - from, before(n) - before(from + 1) + before(to + 1))
+        };
         upward.max(span - upward)
     }
 
@@ -144,7 +161,8 @@ impl NodeMaker<'_> {
         let n = self.crossings.len();
         if closed {
             let reach = reach.min((n - 1) / 2);
-            ((k + n - reach) % n, (k + reach) % n)
+            let around = |k: usize| if k < n { k } else { k - n };
+            (around(k + n - reach), around(k + reach))
         } else {
             (k.saturating_sub(reach), (k + reach).min(n - 1))
         }

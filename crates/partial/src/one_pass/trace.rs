@@ -65,64 +65,42 @@ pub(super) fn trace(band: &mut Band, out: &mut Pieces<'_>) {
         out.vertices.reserve(room / 2);
         out.vertices.resize(room, Vertex::default());
     }
-    let (Some(vertices), Some(next), Some(marks)) = (
-        band.vertices.get(..band.count),
-        band.next.get(..band.count),
-        band.marks.get_mut(..band.count),
-    ) else {
+    let (count, levels) = (band.count, band.levels.as_slice());
+    let (Some(vertices), Some(next), Some(marks)) =
+        (band.vertices.get(..count), band.next.get(..count), band.marks.get_mut(..count))
+    else {
         return;
     };
-    let mut follow =
-        Follow { vertices, next, marks, to: out.vertices.as_mut_slice(), at: *out.used };
+    let to = out.vertices.as_mut_slice();
+    let mut follow = Follow { vertices, next, marks, to, at: *out.used };
     let mut taken = 0;
-    for head in 0..band.count {
-        if follow.marks[head] != HEAD {
-            continue;
+    for (head, &level) in levels.iter().enumerate().take(count) {
+        if follow.marks[head] == HEAD {
+            let (start, piece) = (follow.at, out.pieces.len() as u32);
+            let tail = follow.open(head, band.guests, &mut taken);
+            let borders = (&mut *out.top, &mut *out.bottom);
+            note_ends(band.last_row.start, (head, tail), piece, borders);
+            out.pieces.push(Piece::new(start..follow.at, level, NONE));
         }
-        let start = follow.at;
-        // Guests can only be ends; the band above has their vertices.
-        let begin = if head < band.guests { follow.skip(head) } else { head };
-        let (tail, count) = follow.chain(begin);
-        let tail = if count == 0 { head } else { tail };
-        taken += count + usize::from(head < band.guests);
-        if tail < band.guests && count > 0 {
-            follow.at -= 1;
-        }
-        let piece = out.pieces.len() as u32;
-        note_ends(band.last_row.start, (head, tail), piece, (&mut *out.top, &mut *out.bottom));
-        let (len, start, level) = ((follow.at - start) as u32, start as u32, band.levels[head]);
-        out.pieces.push(Piece {
-            start,
-            len,
-            level,
-            next: NONE,
-            part: 0,
-            follows: false,
-            taken: false,
-        });
     }
-    for first in 0..band.count {
-        if taken == band.count {
-            break;
-        }
+    let mut first = 0;
+    while taken < count && first < count {
         if follow.marks[first] == FOLLOWS {
-            let start = follow.at;
+            let (start, piece) = (follow.at, out.pieces.len() as u32);
             taken += follow.chain(first).1;
-            let piece = out.pieces.len() as u32;
-            let (len, start, level) =
-                ((follow.at - start) as u32, start as u32, band.levels[first]);
-            out.pieces.push(Piece {
-                start,
-                len,
-                level,
-                next: piece,
-                part: 0,
-                follows: true,
-                taken: false,
-            });
+            out.pieces.push(Piece::new(start..follow.at, levels[first], piece));
         }
+        first += 1;
     }
     *out.used = follow.at;
+}
+
+impl Piece {
+    /// A piece of some vertices; a loop if it goes on with another than none, which is itself.
+    fn new(vertices: std::ops::Range<usize>, level: i32, next: u32) -> Self {
+        let (start, len) = (vertices.start as u32, vertices.len() as u32);
+        Self { start, len, level, next, part: 0, follows: next != NONE, taken: false }
+    }
 }
 
 /// Follows links and copies what they pass.
@@ -158,11 +136,26 @@ impl Follow<'_> {
         (last, self.at - start)
     }
 
-    /// Takes a crossing without copying it; returns the one that follows.
+    /// Takes the open chain that begins with a crossing; returns the last one.
+    ///
+    /// Guests can only be ends; they are not copied, since the band above has their vertices.
     #[inline(always)]
-    fn skip(&mut self, guest: usize) -> usize {
-        self.marks[guest] = TAKEN;
-        self.next[guest] as usize
+    fn open(&mut self, head: usize, guests: usize, taken: &mut usize) -> usize {
+        let mut first = head;
+        if head < guests {
+            self.marks[head] = TAKEN;
+            first = self.next[head] as usize;
+            *taken += 1;
+        }
+        let (last, count) = self.chain(first);
+        *taken += count;
+        if count == 0 {
+            return head;
+        }
+        if last < guests {
+            self.at -= 1;
+        }
+        last
     }
 }
 

@@ -225,10 +225,13 @@ impl Baselines {
         count
     }
 
-    /// The Cartesian way (Appendix A): every sample as a point once, then for each plane the side of
-    /// every point, and the segments of every cell that the plane cuts, as points. Not linked.
+    /// The Cartesian way (Appendix A), once every sample is a point: for each plane the side of every
+    /// point, and the segments of every cell that the plane cuts, as points. Not linked.
     pub fn cartesian(&mut self, planes: &[f32]) -> usize {
-        let mut count = self.points_of_all();
+        if self.points[0].is_empty() {
+            self.points_of_all();
+        }
+        let mut count = 0;
         for &plane in planes {
             count += dispatch!(self.instructions, simd => self.cartesian_plane(simd, plane));
         }

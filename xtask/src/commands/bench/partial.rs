@@ -18,6 +18,9 @@ use transect_partial::{BreakRule, SectionAxes};
 /// Planes on which the plane-by-plane methods are timed; they are linear in their number.
 const SAMPLE_PLANES: usize = 8;
 
+const DETECTION: &str = "one pass, no plane met";
+const OURS: &str = "one pass, AVX2";
+
 /// Options of `bench partial`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -50,7 +53,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
                     "\n{size} × {size} pixels, {count} planes, {gaps:?} gaps, load {}",
                     load()
                 ));
-                case(&view, &planes, count, arguments.rounds)?;
+                Case { view: &view, planes: &planes, count, rounds: arguments.rounds }.run()?;
                 if arguments.peers {
                     peers::compare(&view, &planes, count, arguments.rounds)?;
                 }
@@ -65,92 +68,140 @@ fn rule() -> BreakRule {
     BreakRule::new(12_f64.atan(), 0.0)
 }
 
-fn case(view: &View, planes: &PlaneFamily, count: usize, rounds: usize) -> Result<(), Failure> {
-    let axes = SectionAxes::new(view, planes)?;
-    let far = PlaneFamily::new(planes.guide(), 1e6, 1e5)?;
-    let far = SectionAxes::new(view, &far)?;
-    let rule = rule();
-    let seen = seen(view, &axes, &rule, Instructions::Best);
-    let baselines = Baselines::new(view, &axes, &seen);
-    let baselines = RefCell::new(baselines.ok_or_else(|| Failure::because("no baselines"))?);
-    let sample: Vec<f32> = (0..SAMPLE_PLANES)
-        .map(|k| (k as f32 + 0.5) * count as f32 / SAMPLE_PLANES as f32 - 0.5 * count as f32)
-        .map(f32::round)
-        .collect();
-    let pixels = view.image().size().pixels() as f64;
-    let crossings =
-        contours(view, &axes, &rule, &Effort::default(), &mut Workspace::default())?.vertex_count();
-    let kernel = |name, axes: &'_ SectionAxes, effort: Effort| {
+/// One image and one family of planes.
+struct Case<'a> {
+    view: &'a View,
+    planes: &'a PlaneFamily,
+    count: usize,
+    rounds: usize,
+}
+
+impl Case<'_> {
+    fn run(&self) -> Result<(), Failure> {
+        let axes = SectionAxes::new(self.view, self.planes)?;
+        // Planes that nothing meets: what finding out costs.
+        let far = PlaneFamily::new(self.planes.guide(), 1e6, 1e5)?;
+        let far = SectionAxes::new(self.view, &far)?;
+        let seen = seen(self.view, &axes, &rule(), Instructions::Best);
+        let baselines = Baselines::new(self.view, &axes, &seen);
+        let baselines = RefCell::new(baselines.ok_or_else(|| Failure::because("no baselines"))?);
         let mut work = Workspace::default();
-        let axes = *axes;
-        Variant::new(name, move || {
-            let _ = black_box(
-                contours(view, &axes, &rule, &effort, &mut work).map(|c| c.vertex_count()),
-            );
-        })
-    };
-    let with = |instructions| Effort { instructions, ..Effort::default() };
-    let options =
-        OnePassOptions { max_incidence_rad: 12_f64.atan(), jump_sigmas: 0.0, smooth: false };
-    let mut whole = Workspace::default();
-    let scale = count as f64 / SAMPLE_PLANES as f64;
-    let mut variants = vec![
-        Variant::new("read", || {
-            black_box(baselines.borrow().read());
-        }),
-        Variant::new("read + heights", || {
-            black_box(baselines.borrow().heights());
-        }),
-        Variant::new("read + heights + levels", || {
-            black_box(baselines.borrow_mut().levels());
-        }),
-        kernel("detection", &far, with(Instructions::Best)),
-        kernel("one pass, portable", &axes, with(Instructions::Portable)),
-        kernel("one pass, AVX2", &axes, with(Instructions::Avx2)),
-        kernel("one pass, best", &axes, with(Instructions::Best)),
-        Variant::new("one pass, fresh", || {
-            let mut work = Workspace::default();
-            let _ = black_box(
-                contours(view, &axes, &rule, &Effort::default(), &mut work)
-                    .map(|c| c.vertex_count()),
-            );
-        }),
-        kernel("one pass, 2 threads", &axes, Effort { parts: 2, ..Effort::default() }).threaded(),
-        Variant::new("curves with all attributes", || {
-            let _ = black_box(partial_model_with(
-                view,
-                planes,
-                &options,
-                &Effort::default(),
-                &mut whole,
-            ));
-        }),
-        Variant::new("dissertation, fused", || {
-            black_box(baselines.borrow_mut().fused(&sample));
-        })
-        .scaled(scale),
-        Variant::new("dissertation, stored", || {
-            black_box(baselines.borrow_mut().stored(&sample));
-        })
-        .scaled(scale),
-        Variant::new("Cartesian", || {
-            black_box(baselines.borrow_mut().cartesian(&sample));
-        })
-        .scaled(scale),
-    ];
-    let seconds = time(&mut variants, rounds);
-    let detection = seconds[3];
-    say(&format!("{crossings} vertices, {:.3} per pixel", crossings as f64 / pixels));
-    say("variant                        ns/pixel   ns/vertex beyond detection   ratio");
-    let ours = seconds[5];
-    for (variant, s) in variants.iter().zip(&seconds) {
-        say(&format!(
-            "{:<30} {:>8.3}   {:>10.1}   {:>8.2}",
-            variant.name,
-            s * 1e9 / pixels,
-            (s - detection) * 1e9 / crossings as f64,
-            s / ours,
-        ));
+        let found = contours(self.view, &axes, &rule(), &Effort::default(), &mut work)?;
+        let (vertices, lines) = (found.vertex_count(), found.polylines().len());
+        let mut variants = self.one_pass(axes, far);
+        variants.extend(self.others(&baselines));
+        let seconds = time(&mut variants, self.rounds);
+        self.print(&variants, &seconds, (vertices, lines));
+        Ok(())
     }
-    Ok(())
+
+    fn one_pass(&self, axes: SectionAxes, far: SectionAxes) -> Vec<Variant<'_>> {
+        let with = |instructions| Effort { instructions, ..Effort::default() };
+        let two = Effort { parts: 2, ..Effort::default() };
+        let options =
+            OnePassOptions { max_incidence_rad: 12_f64.atan(), jump_sigmas: 0.0, smooth: false };
+        let mut whole = Workspace::default();
+        vec![
+            self.kernel(DETECTION, far, with(Instructions::Best)),
+            self.kernel("one pass, portable", axes, with(Instructions::Portable)),
+            self.kernel(OURS, axes, with(Instructions::Avx2)),
+            self.kernel("one pass, best", axes, with(Instructions::Best)),
+            Variant::new("one pass, fresh memory", move || {
+                lines_of(self.view, &axes, &Effort::default(), &mut Workspace::default());
+            }),
+            self.kernel("one pass, two threads", axes, two).threaded(),
+            Variant::new("curves with all attributes", move || {
+                let effort = Effort::default();
+                let model =
+                    partial_model_with(self.view, self.planes, &options, &effort, &mut whole);
+                let _ = black_box(model);
+            }),
+        ]
+    }
+
+    fn kernel(&self, name: &'static str, axes: SectionAxes, effort: Effort) -> Variant<'_> {
+        let mut work = Workspace::default();
+        Variant::new(name, move || lines_of(self.view, &axes, &effort, &mut work))
+    }
+
+    fn others<'b>(&self, baselines: &'b RefCell<Baselines>) -> Vec<Variant<'b>> {
+        let spread = |k: usize| {
+            let share = (k as f32 + 0.5) / SAMPLE_PLANES as f32 - 0.5;
+            (share * self.count as f32).round()
+        };
+        let sample: Vec<f32> = (0..SAMPLE_PLANES).map(spread).collect();
+        let scale = self.count as f64 / SAMPLE_PLANES as f64;
+        let per_plane = |name, run: fn(&mut Baselines, &[f32]) -> usize| {
+            let sample = sample.clone();
+            let run = move || {
+                black_box(run(&mut baselines.borrow_mut(), &sample));
+            };
+            Variant::new(name, run).scaled(scale)
+        };
+        vec![
+            Variant::new("read", || {
+                black_box(baselines.borrow().read());
+            }),
+            Variant::new("read + heights", || {
+                black_box(baselines.borrow().heights());
+            }),
+            Variant::new("read + heights + levels", || {
+                black_box(baselines.borrow_mut().levels());
+            }),
+            per_plane("dissertation, row by row", Baselines::fused),
+            per_plane("dissertation, images stored", Baselines::stored),
+            // The points are made once, whatever the number of planes.
+            Variant::new("Cartesian, points", || {
+                black_box(baselines.borrow_mut().points_of_all());
+            }),
+            per_plane("Cartesian, planes", Baselines::cartesian),
+        ]
+    }
+
+    fn print(&self, variants: &[Variant<'_>], seconds: &[f64], (vertices, lines): (usize, usize)) {
+        let pixels = self.view.image().size().pixels();
+        let of = |name| {
+            let place = variants.iter().position(|v| v.name == name);
+            place.and_then(|k| seconds.get(k)).copied().unwrap_or(f64::NAN)
+        };
+        let (detection, ours) = (of(DETECTION), of(OURS));
+        let per_pixel = vertices as f64 / pixels as f64;
+        say(&format!("{vertices} vertices, {per_pixel:.3} per pixel, on {lines} lines"));
+        say(&counts(self.view, self.count, vertices));
+        say("variant                        ns/pixel  ns/vertex beyond detection  times AVX2");
+        for (variant, s) in variants.iter().zip(seconds) {
+            let beyond = (s - detection) * 1e9 / vertices as f64;
+            let beyond = if beyond > 0.0 { format!("{beyond:.1}") } else { "-".to_owned() };
+            let per_pixel = s * 1e9 / pixels as f64;
+            let (name, times) = (variant.name, s / ours);
+            say(&format!("{name:<30} {per_pixel:>8.3}  {beyond:>26}  {times:>10.2}"));
+        }
+    }
+}
+
+fn lines_of(view: &View, axes: &SectionAxes, effort: &Effort, work: &mut Workspace) {
+    let found = contours(view, axes, &rule(), effort, work).map(|c| c.vertex_count());
+    let _ = black_box(found);
+}
+
+/// Additions and multiplications as the dissertation's Appendix A counts them, and ours.
+///
+/// m × n pixels, l planes, p crossings per plane. Ours, for an imaging radar: two of each for a level
+/// and two for each of the two pair tests; for a crossing at most four multiplications and two
+/// additions per sample for its place, and four (with a division) and six for the crossing itself.
+fn counts(view: &View, planes: usize, vertices: usize) -> String {
+    let (mn, m) = (view.image().size().pixels() as f64, view.image().size().rows as f64);
+    let (l, lp) = (planes as f64, vertices as f64);
+    let cartesian = (12.0 * l * mn + 14.0 * mn, 12.0 * l * mn + 9.0 * mn);
+    let device = (14.0 * lp + 4.0 * l * mn + 3.0 * l * m, 9.0 * lp + 2.0 * l * mn);
+    let ours = (6.0 * mn + 12.0 * lp, 6.0 * mn + 10.0 * lp);
+    let line = |name: &str, (times, plus): (f64, f64)| {
+        format!("{name} {:.1} and {:.1}", times / mn, plus / mn)
+    };
+    format!(
+        "multiplications and additions per pixel (Appendix A): {}, {}, {}",
+        line("Cartesian frame", cartesian),
+        line("device frame", device),
+        line("one pass at most", ours),
+    )
 }
