@@ -173,6 +173,10 @@ fn link_triangle(
     let mut at = band.count;
     let edge = edge_code(i, kind, j, source.cols);
     cell.bases[usize::from(triangle.diagonal)] = cross(band, &mut at, edge, a, b);
+    if band.full {
+        // The diagonal has no crossings to link; the sweep ends after this row.
+        return;
+    }
     band.add(at);
     let mut joined = [TOP, LEFT, RIGHT, BOTTOM].map(|edge| {
         // The two pairs of the corner opposite the missing one, and the diagonal.

@@ -118,11 +118,12 @@ impl Part {
         }
         emit_up(source, i, (above, row), &mut self.band, &mut self.columns);
         emit_left(source, i, row, &mut self.band, &mut self.columns);
+        // Links of crossings that were not emitted would lead nowhere.
+        if !self.band.full && i > 0 && crossed {
+            link_row(source, i, (above, row), &mut self.band, &mut self.cells);
+        }
         if self.band.full {
             return Err(PartialError::TooManyCrossings { interval: source.axes.interval() });
-        }
-        if i > 0 && crossed {
-            link_row(source, i, (above, row), &mut self.band, &mut self.cells);
         }
         Ok(())
     }
