@@ -314,6 +314,7 @@ fn failures_end_with_1_and_name_their_file() {
     let (folder, _) = reconstructed();
     folder.write("broken.scene.toml", "name = \"x\"\nunit = 3\n");
     folder.write("no.transect", "nothing");
+    folder.write("no.ply", "nothing");
     for (line, texts) in [
         ("reconstruct nowhere --out o", ["nowhere: cannot be read", "No such file"]),
         ("inspect nowhere", ["nowhere: cannot be read", "No such file"]),
@@ -321,7 +322,8 @@ fn failures_end_with_1_and_name_their_file() {
         ("simulate broken.scene.toml --out o", ["broken.scene.toml", "unit"]),
         ("evaluate nowhere", ["nowhere/model.transect", "No such file"]),
         ("evaluate out --reference none.ply", ["none.ply: cannot be read", "No such file"]),
-        ("evaluate out --reference no.transect", ["no.transect, line 1", "not a PLY file"]),
+        ("evaluate out --reference no.transect", ["no.transect", "read from .ply, .stl and .obj"]),
+        ("evaluate out --reference no.ply", ["no.ply, line 1", "not a PLY file"]),
         ("manifest scan --out m.json", ["camera-intrinsics.txt", "cannot be read"]),
     ] {
         folder.run(line).failed_with(1, &texts);
