@@ -154,6 +154,42 @@ fn all_instructions_give_the_same_bits() {
     }
 }
 
+#[test]
+fn pixels_beside_a_crossed_pair_are_smoothed_too() {
+    for view in noisy_views() {
+        let noise = RangeNoise::of(&view);
+        let rule = BreakRule::new(78_f64.to_radians(), 4.0 * noise.length());
+        let axes =
+            SectionAxes::new(&view, &planes(Vector3::new(0.4, -0.5, 0.7), 0.0, 0.2 * depth(&view)));
+        let axes = axes.unwrap();
+        let with = |near| {
+            let extent = Extent { near, ..Extent::default() };
+            smooth_with(&view, &noise, &rule, &extent).unwrap()
+        };
+        let (all, near) = (with(None), with(Some(&axes)));
+        let size = view.image().size();
+        let (every, some) = (bits(&all), bits(&near));
+        let label = |row, col| {
+            let p = all.view.point_in_sensor(Pixel::new(row, col));
+            p.map(|p| axes.level().at(&p).ceil())
+        };
+        let mut crossed = 0;
+        for p in pixels(size).filter(|p| p.row > 1 && p.col > 0 && p.col + 1 < size.cols) {
+            let pair = label(p.row - 1, p.col).zip(label(p.row, p.col));
+            if pair.is_some_and(|(a, b)| a != b) {
+                crossed += 1;
+                for row in p.row - 2..(p.row + 2).min(size.rows) {
+                    for col in p.col - 1..=p.col + 1 {
+                        let at = row * size.cols + col;
+                        assert_eq!(every[at], some[at], "row {row}, column {col}");
+                    }
+                }
+            }
+        }
+        assert!(crossed > 20, "{crossed}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
