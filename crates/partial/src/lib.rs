@@ -44,15 +44,16 @@ pub struct PartialModel {
 pub struct PartialCounts {
     /// Planes crossing an unbroken pair of neighbouring pixels: vertices before tidying.
     pub crossings: usize,
-    /// Pairs of neighbouring valid pixels that do not belong to one surface.
+    /// Pairs of neighbouring valid pixels that do not belong to one surface, as the curves were found:
+    /// pixels that no plane can come near count as they were given.
     pub jumps: usize,
     /// Chains of crossings too short to be a curve, which are left out: most are single crossings.
     pub lone: usize,
     /// Range noise that was given or estimated, in the model's length unit.
     pub sigma: f64,
-    /// Range noise that is left at the median pixel after smoothing, in the model's length unit.
+    /// Range noise that is left at the median of the pixels that were to be smoothed, in the model's length unit.
     pub sigma_after: f64,
-    /// Pixels that smoothing changed.
+    /// Pixels that smoothing changed; those that no plane can come near are not smoothed.
     pub smoothed: usize,
     /// Diameter of the window that it looked at, at the median of them, in pixels; 0 if none.
     pub window: f64,

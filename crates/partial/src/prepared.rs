@@ -1,6 +1,6 @@
 //! What is done to a view before its curves are found, whatever finds them.
 
-use crate::smooth::{Smoothed, smooth};
+use crate::smooth::{Extent, Smoothed, smooth_with};
 use crate::{BreakRule, PartialCounts, RangeNoise};
 use transect_device::{Pixel, View};
 
@@ -13,11 +13,19 @@ pub(crate) struct Prepared<'a> {
 
 impl<'a> Prepared<'a> {
     /// Prepares a view; `rule` makes the rule for range jumps from the noise, as a length.
-    pub fn new(view: &'a View, smoothing: bool, rule: impl FnOnce(f64) -> BreakRule) -> Self {
+    ///
+    /// What is smoothed of it is stated by `smoothing`, if anything. Section axes for that are those of
+    /// the given view; smoothing moves its nearest and farthest point, so the smoothed view's own may
+    /// count levels from another plane.
+    pub fn new(
+        view: &'a View,
+        smoothing: Option<&Extent<'_>>,
+        rule: impl FnOnce(f64) -> BreakRule,
+    ) -> Self {
         let noise = RangeNoise::of(view);
         // An image that cannot be smoothed is used as it is.
-        let smoothed =
-            smoothing.then(|| smooth(view, &noise, &rule(noise.length())).ok()).flatten();
+        let smoothed = smoothing
+            .and_then(|extent| smooth_with(view, &noise, &rule(noise.length()), extent).ok());
         Self { given: view, noise, smoothed }
     }
 

@@ -52,6 +52,7 @@ pub use orient::DirectionRule;
 pub use plane_image::{PlaneImage, sensor_plane};
 
 use crate::prepared::Prepared;
+use crate::smooth::Extent;
 use crate::subpixel::{AngularGrid, Solver, Subpixel};
 use crate::{
     MAX_CROSSINGS, PartialCounts, PartialCurve, PartialError, PartialModel, PlaneCurves,
@@ -107,7 +108,9 @@ pub fn partial_model(
     options: &DissertationOptions,
 ) -> Result<PartialModel, PartialError> {
     require_inverse(view)?;
-    let prepared = Prepared::new(view, options.smooth, |sigma| options.jump.smoothing_rule(sigma));
+    // All of it, since gaps are bridged and thick labels thinned by what is around a curve.
+    let extent = options.smooth.then(Extent::default);
+    let prepared = Prepared::new(view, extent.as_ref(), |sigma| options.jump.smoothing_rule(sigma));
     let view = prepared.view();
     let axes = SectionAxes::new(view, planes)?;
     let samples = Samples::new(view, &axes, options.jump, prepared.sigma());

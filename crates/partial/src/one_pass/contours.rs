@@ -77,7 +77,7 @@ pub enum Instructions {
 }
 
 impl Instructions {
-    pub(super) fn level(self) -> Level {
+    pub(crate) fn level(self) -> Level {
         match self {
             Self::Best => Level::new(),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
@@ -87,7 +87,7 @@ impl Instructions {
     }
 }
 
-/// How the work is done; nothing here changes the result.
+/// How the work is done; nothing here changes the curves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Effort {
     /// Instructions of the inner loops.
@@ -96,11 +96,15 @@ pub struct Effort {
     pub parts: usize,
     /// Crossings that are linked and followed at a time.
     pub band_size: usize,
+    /// Whether every pixel is smoothed that can be, and not only those that can take part in a curve.
+    /// Curves are the same; what is counted of pixels and pairs off the curves is not.
+    pub smooth_all: bool,
 }
 
 impl Default for Effort {
     fn default() -> Self {
-        Self { instructions: Instructions::Best, parts: 1, band_size: BAND_SIZE }
+        let (instructions, band_size) = (Instructions::Best, BAND_SIZE);
+        Self { instructions, parts: 1, band_size, smooth_all: false }
     }
 }
 

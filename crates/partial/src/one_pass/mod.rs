@@ -65,6 +65,7 @@ pub use contours::{Contours, Effort, Instructions, Kind, Polyline, Vertex, Works
 pub use seen::{Seen, seen};
 
 use crate::prepared::Prepared;
+use crate::smooth::Extent;
 use crate::{BreakRule, PartialError, PartialModel, SectionAxes};
 use transect_device::View;
 use transect_geometry::PlaneFamily;
@@ -111,8 +112,10 @@ pub fn partial_model_with(
     work: &mut Workspace,
 ) -> Result<PartialModel, PartialError> {
     let rule = |sigma| BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma);
-    let prepared = Prepared::new(view, options.smooth, rule);
-    let axes = SectionAxes::new(prepared.view(), planes)?;
+    let axes = SectionAxes::new(view, planes)?;
+    let near = (!effort.smooth_all).then_some(&axes);
+    let extent = Extent { near, instructions: effort.instructions };
+    let prepared = Prepared::new(view, options.smooth.then_some(&extent), rule);
     let rule = rule(prepared.sigma());
     let contours = contours(prepared.view(), &axes, &rule, effort, work)?;
     let mut model = nodes::model(&prepared, &axes, &contours);

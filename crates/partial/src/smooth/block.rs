@@ -1,14 +1,16 @@
 //! The robust fit of some neighbouring pixels of a row, side by side.
 
 use super::grid::Grid;
-use super::lanes::{LANES, Lanes};
-use super::links::{Connected, WIDTH};
+use super::lanes::{LANES, Lanes, all, positive};
+use super::links::WIDTH;
 use super::normal_equations::{Coefficients, RowPolynomial, RowSums, Sums};
 use super::{REACH, Window};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, u32x8};
 
 /// Residuals beyond this many standard deviations do not count: Tukey's biweight is 95 % as
 /// efficient as least squares on normal noise with 4.685.
-const CUT: f64 = 4.685;
+pub(super) const CUT: f64 = 4.685;
 
 /// Pixels of the largest window.
 const PIXELS: usize = WIDTH * WIDTH;
@@ -19,10 +21,8 @@ pub(super) struct Block {
     row: usize,
     first: usize,
     /// `1 / radius²` in rows and columns; 0 for pixels that are not fitted.
-    inverse_radii: (Lanes, Lanes),
-    inverse_cut: Lanes,
-    /// For each row of the window, the connected pixels of each lane.
-    connected: [[u32; LANES]; WIDTH],
+    inverse_radii: [[f32; LANES]; 2],
+    inverse_cut: [f32; LANES],
     /// Largest radius of any pixel, in rows and in columns.
     largest: (f64, f64),
     radii: [f32; LANES],
@@ -31,9 +31,9 @@ pub(super) struct Block {
 /// The outcome for the pixels of a block.
 #[derive(Debug)]
 pub(super) struct BlockFit {
-    change: Lanes,
-    variance: Lanes,
-    inverse_cut: Lanes,
+    change: [f32; LANES],
+    variance: [f32; LANES],
+    inverse_cut: [f32; LANES],
 }
 
 /// The weights of a block's windows, and where in the window they are; a work space that blocks use
@@ -41,9 +41,9 @@ pub(super) struct BlockFit {
 #[derive(Debug)]
 pub(super) struct Weights {
     /// By distance from the centre; 0 where a pixel is of another surface.
-    spatial: Box<[Lanes]>,
+    spatial: Box<[[f32; LANES]]>,
     /// By distance and residual.
-    robust: Box<[Lanes]>,
+    robust: Box<[[f32; LANES]]>,
     /// Half the number of columns, for each row of the window.
     half_widths: [usize; WIDTH],
     /// The first row of the window and the one after the last.
@@ -52,9 +52,41 @@ pub(super) struct Weights {
 
 impl Weights {
     pub fn new() -> Self {
-        let zero = vec![Lanes::ZERO; PIXELS].into_boxed_slice();
+        let zero = vec![[0.0; LANES]; PIXELS].into_boxed_slice();
         let (half_widths, rows) = ([0; WIDTH], (0, 0));
         Self { spatial: zero.clone(), robust: zero, half_widths, rows }
+    }
+
+    /// Where the windows of a block are at most.
+    fn frame(&mut self, largest: (f64, f64)) {
+        let reach = (largest.0 as usize).min(REACH);
+        self.rows = (REACH - reach, REACH + reach + 1);
+        for k in self.rows.0..self.rows.1 {
+            let y = k as f64 - REACH as f64;
+            // Room for rounding, so that a pixel's fit is the same whatever is fitted beside it.
+            let share = (1.0 - (y / largest.0).powi(2)).max(0.0) + 1e-5;
+            self.half_widths[k] = ((share.sqrt() * largest.1) as usize).min(REACH);
+        }
+    }
+}
+
+/// What a fit looks at again and again.
+#[derive(Clone, Copy)]
+struct Values<'a, S: Simd> {
+    simd: S,
+    grid: &'a Grid,
+    /// Row and column of the window's corner for the first pixel.
+    corner: (usize, usize),
+    centre: Lanes<S>,
+    inverse_cut: Lanes<S>,
+}
+
+impl<S: Simd> Values<'_, S> {
+    /// Values in the window relative to the centre's, in cuts.
+    #[inline(always)]
+    fn at(&self, k: usize, c: usize) -> Lanes<S> {
+        let loaded = self.grid.load(self.simd, self.corner.0 + k, self.corner.1 + c);
+        (loaded - self.centre) * self.inverse_cut
     }
 }
 
@@ -63,23 +95,18 @@ impl Block {
         Self {
             row,
             first,
-            inverse_radii: (Lanes::ZERO, Lanes::ZERO),
-            inverse_cut: Lanes::ZERO,
-            connected: [[0; LANES]; WIDTH],
+            inverse_radii: [[0.0; LANES]; 2],
+            inverse_cut: [0.0; LANES],
             largest: (0.0, 0.0),
             radii: [0.0; LANES],
         }
     }
 
-    pub fn set(&mut self, lane: usize, window: &Window, connected: Connected) {
+    pub fn set(&mut self, lane: usize, window: &Window) {
         let (rows, cols) = window.radii;
-        self.inverse_radii.0.set(lane, (1.0 / (rows * rows)) as f32);
-        self.inverse_radii.1.set(lane, (1.0 / (cols * cols)) as f32);
-        let cut = CUT * window.sigma;
-        self.inverse_cut.set(lane, (1.0 / cut) as f32);
-        for (rows, row) in self.connected.iter_mut().zip(connected) {
-            rows[lane] = row;
-        }
+        self.inverse_radii[0][lane] = (1.0 / (rows * rows)) as f32;
+        self.inverse_radii[1][lane] = (1.0 / (cols * cols)) as f32;
+        self.inverse_cut[lane] = (1.0 / (CUT * window.sigma)) as f32;
         self.largest = (self.largest.0.max(rows), self.largest.1.max(cols));
         self.radii[lane] = (rows * cols).sqrt() as f32;
     }
@@ -93,107 +120,120 @@ impl Block {
     }
 
     /// Fits all pixels. The unit of values is the cut, so that single precision never runs out.
-    pub fn fit(&self, grid: &Grid, weights: &mut Weights) -> BlockFit {
-        self.weigh(weights);
-        let first = self.first_pass(grid, weights).fit();
-        let second = self.pass(grid, weights, &first).fit();
-        let centre = self.pass(grid, weights, &second).centre_weights();
-        let (change, variance) = self.centre(grid, weights, &centre);
-        BlockFit { change, variance, inverse_cut: self.inverse_cut }
-    }
-
-    /// Weights by distance from the centre, 0 where a pixel is of another surface.
-    fn weigh(&self, weights: &mut Weights) {
-        let reach = (self.largest.0 as usize).min(REACH);
-        weights.rows = (REACH - reach, REACH + reach + 1);
-        for k in weights.rows.0..weights.rows.1 {
-            let y = k as f64 - REACH as f64;
-            let share = (1.0 - (y / self.largest.0).powi(2)).max(0.0);
-            let half = ((share.sqrt() * self.largest.1) as usize).min(REACH);
-            weights.half_widths[k] = half;
-            let from_row = self.inverse_radii.0 * (y * y) as f32;
-            for c in REACH - half..=REACH + half {
-                let x = c as f32 - REACH as f32;
-                let squared = from_row + self.inverse_radii.1 * (x * x);
-                let fall = (Lanes::all(1.0) - squared * squared).positive();
-                weights.spatial[k * WIDTH + c] = fall * fall * self.mask(k, c);
-            }
+    #[inline(always)]
+    pub fn fit<S: Simd>(&self, simd: S, grid: &Grid, weights: &mut Weights) -> BlockFit {
+        let values = Values {
+            simd,
+            grid,
+            corner: (self.row, self.first),
+            centre: grid.load(simd, self.row + REACH, self.first + REACH),
+            inverse_cut: Lanes::load_array_ref(simd, &self.inverse_cut),
+        };
+        weights.frame(self.largest);
+        let first = self.first_pass(&values, weights).fit();
+        let second = pass::<S, true>(&values, weights, &first).fit();
+        let centre = pass::<S, false>(&values, weights, &second).centre_weights();
+        let (change, variance) = at_centre(&values, weights, &centre);
+        BlockFit {
+            change: change.to_array(),
+            variance: variance.to_array(),
+            inverse_cut: self.inverse_cut,
         }
     }
 
+    /// The sums with weights by distance alone, 0 where a pixel is of another surface.
     #[inline(always)]
-    fn mask(&self, k: usize, c: usize) -> Lanes {
-        Lanes::new(self.connected[k].map(|row| (row >> c & 1) as i32 as f32))
-    }
-
-    /// Values in the window relative to the centre's, in cuts.
-    #[inline(always)]
-    fn value(&self, grid: &Grid, centre: Lanes, k: usize, c: usize) -> Lanes {
-        (grid.load(self.row + k, self.first + c) - centre) * self.inverse_cut
-    }
-
-    /// The sums with weights by distance alone.
-    fn first_pass(&self, grid: &Grid, weights: &Weights) -> Sums {
-        let centre = grid.load(self.row + REACH, self.first + REACH);
-        let mut sums = Sums::ZERO;
-        for k in weights.rows.0..weights.rows.1 {
-            let half = weights.half_widths[k];
-            let mut row = RowSums::ZERO;
-            for c in REACH - half..=REACH + half {
-                let value = self.value(grid, centre, k, c);
-                row.add(c as f32 - REACH as f32, weights.spatial[k * WIDTH + c], value);
-            }
-            sums.add_row(k as f32 - REACH as f32, &row);
-        }
-        sums
-    }
-
-    /// The sums with weights by distance and by the residuals of the last fit.
-    fn pass(&self, grid: &Grid, weights: &mut Weights, last: &Coefficients) -> Sums {
-        let centre = grid.load(self.row + REACH, self.first + REACH);
-        let mut sums = Sums::ZERO;
-        for k in weights.rows.0..weights.rows.1 {
+    fn first_pass<S: Simd>(&self, values: &Values<'_, S>, weights: &mut Weights) -> Sums<S> {
+        let simd = values.simd;
+        let connected = values.grid.links.connected(simd, self.row, self.first);
+        let [per_row, per_col] = self.inverse_radii.map(|r| Lanes::load_array(simd, r));
+        let (one, zero, none) = (all(simd, 1.0), all(simd, 0.0), u32x8::splat(simd, 0));
+        let mut sums = Sums::zero(simd);
+        let (top, bottom) = weights.rows;
+        for (k, connected) in connected.iter().enumerate().take(bottom).skip(top) {
             let y = k as f32 - REACH as f32;
             let half = weights.half_widths[k];
-            let expected = RowPolynomial::new(last, y);
-            let mut row = RowSums::ZERO;
+            let from_row = per_row * (y * y);
+            let mut row = RowSums::zero(simd);
             for c in REACH - half..=REACH + half {
                 let x = c as f32 - REACH as f32;
-                let value = self.value(grid, centre, k, c);
-                let residual = value - expected.at(x);
-                let inside = (Lanes::all(1.0) - residual * residual).positive();
-                let weight = weights.spatial[k * WIDTH + c] * (inside * inside);
-                weights.robust[k * WIDTH + c] = weight;
-                row.add(x, weight, value);
+                let squared = from_row + per_col * (x * x);
+                let fall = positive(simd, one - squared * squared);
+                let apart = (*connected & (1_u32 << c)).simd_eq(none);
+                let weight = apart.select(zero, fall * fall);
+                weight.store_slice(&mut weights.spatial[k * WIDTH + c]);
+                row.add_weight(x, weight);
+                row.add_value(x, weight * values.at(k, c));
             }
             sums.add_row(y, &row);
         }
         sums
     }
+}
 
-    /// The fit at the centre as a weighted sum of values, and the sum of its squared weights.
-    fn centre(&self, grid: &Grid, weights: &Weights, polynomial: &Coefficients) -> (Lanes, Lanes) {
-        let centre = grid.load(self.row + REACH, self.first + REACH);
-        let (mut change, mut variance) = (Lanes::ZERO, Lanes::ZERO);
-        for k in weights.rows.0..weights.rows.1 {
-            let half = weights.half_widths[k];
-            let of_row = RowPolynomial::new(polynomial, k as f32 - REACH as f32);
-            for c in REACH - half..=REACH + half {
-                let share = weights.robust[k * WIDTH + c] * of_row.at(c as f32 - REACH as f32);
-                change = change + share * self.value(grid, centre, k, c);
-                variance = variance + share * share;
+/// The sums with weights by distance and by the residuals of the last fit; those of the values only
+/// if asked for.
+#[inline(always)]
+fn pass<S: Simd, const WITH_VALUES: bool>(
+    values: &Values<'_, S>,
+    weights: &mut Weights,
+    last: &Coefficients<S>,
+) -> Sums<S> {
+    let simd = values.simd;
+    let one = all(simd, 1.0);
+    let mut sums = Sums::zero(simd);
+    for k in weights.rows.0..weights.rows.1 {
+        let y = k as f32 - REACH as f32;
+        let half = weights.half_widths[k];
+        let expected = RowPolynomial::new(last, y);
+        let mut row = RowSums::zero(simd);
+        for c in REACH - half..=REACH + half {
+            let x = c as f32 - REACH as f32;
+            let value = values.at(k, c);
+            let residual = value - expected.at(x);
+            let inside = positive(simd, one - residual * residual);
+            let spatial = Lanes::load_array_ref(simd, &weights.spatial[k * WIDTH + c]);
+            let weight = spatial * (inside * inside);
+            row.add_weight(x, weight);
+            if WITH_VALUES {
+                row.add_value(x, weight * value);
+            } else {
+                weight.store_slice(&mut weights.robust[k * WIDTH + c]);
             }
         }
-        (change, variance)
+        sums.add_row(y, &row);
     }
+    sums
+}
+
+/// The fit at the centre as a weighted sum of values, and the sum of its squared weights.
+#[inline(always)]
+fn at_centre<S: Simd>(
+    values: &Values<'_, S>,
+    weights: &Weights,
+    polynomial: &Coefficients<S>,
+) -> (Lanes<S>, Lanes<S>) {
+    let zero = all(values.simd, 0.0);
+    let (mut change, mut variance) = (zero, zero);
+    for k in weights.rows.0..weights.rows.1 {
+        let half = weights.half_widths[k];
+        let of_row = RowPolynomial::new(polynomial, k as f32 - REACH as f32);
+        for c in REACH - half..=REACH + half {
+            let robust = Lanes::load_array_ref(values.simd, &weights.robust[k * WIDTH + c]);
+            let share = robust * of_row.at(c as f32 - REACH as f32);
+            change += share * values.at(k, c);
+            variance += share * share;
+        }
+    }
+    (change, variance)
 }
 
 impl BlockFit {
     /// The change of a pixel's quantity, and the factor of its standard deviation; `None` where the
     /// pixel stays as it is.
     pub fn at(&self, lane: usize) -> Option<(f32, f32)> {
-        let (change, variance) = (self.change.get(lane), self.variance.get(lane));
-        let inverse_cut = self.inverse_cut.get(lane);
+        let (change, variance) = (self.change[lane], self.variance[lane]);
+        let inverse_cut = self.inverse_cut[lane];
         // A fit without pixels has variance 0. One that differs by a cut is of another surface.
         let better = variance > 0.0 && variance < 1.0 && change.abs() < 1.0;
         (inverse_cut > 0.0 && better).then(|| (change / inverse_cut, variance.sqrt()))

@@ -1,9 +1,12 @@
 //! What the fit needs of every pixel, with room for a window around each.
 
+use super::REACH;
+use super::lanes::{LANES, Lanes};
 use super::links::Links;
 use super::quantity::Quantity;
-use super::{LANES, REACH};
 use crate::BreakRule;
+use fearless_simd::Simd;
+use fearless_simd::prelude::*;
 use transect_device::{Neighbour, PairGeometry, View};
 
 /// The image as the fit sees it.
@@ -89,10 +92,8 @@ impl Grid {
     /// The quantity of [`LANES`] pixels from a place that is off a pixel by some rows and columns;
     /// both offsets are counted from the window's corner.
     #[inline(always)]
-    pub fn load(&self, row: usize, col: usize) -> super::Lanes {
+    pub fn load<S: Simd>(&self, simd: S, row: usize, col: usize) -> Lanes<S> {
         let start = row * self.stride + col;
-        let mut lanes = [0.0; LANES];
-        lanes.copy_from_slice(&self.quantities[start..start + LANES]);
-        super::Lanes::new(lanes)
+        Lanes::from_slice(simd, &self.quantities[start..start + LANES])
     }
 }

@@ -1,12 +1,15 @@
 //! Which pixels of a window belong to the same surface as its centre.
 
-use super::REACH;
+use super::{LANES, REACH};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, u32x8};
 
 /// Columns of a window.
 pub(super) const WIDTH: usize = 2 * REACH + 1;
 
-/// The pixels of a window that are connected to its centre; bit `k` is column offset `k − REACH`.
-pub(super) type Connected = [u32; WIDTH];
+/// For each row of the window, the pixels that are connected to each lane's centre; bit `k` is column
+/// offset `k − REACH`.
+pub(super) type Connected<S> = [u32x8<S>; WIDTH];
 
 /// The unbroken pairs of an image, one bit each, with room for a window around every pixel.
 #[derive(Debug)]
@@ -34,36 +37,43 @@ impl Links {
         self.up[at] |= u64::from(up) << (col % 64);
     }
 
-    /// The pixels connected to a pixel by ways that go up, or down, without turning back.
+    /// The pixels connected to each of [`LANES`] pixels of a row by ways that go up, or down, without
+    /// turning back.
     ///
     /// A way round a corner of the surface would let in what lies beyond.
-    pub fn connected(&self, row: usize, col: usize) -> Connected {
-        let mut connected = [0; WIDTH];
-        let left = |k: usize| self.window(&self.left, row + k, col);
-        let up = |k: usize| self.window(&self.up, row + k, col);
-        connected[REACH] = spread(1 << REACH, left(REACH));
+    #[inline(always)]
+    pub fn connected<S: Simd>(&self, simd: S, row: usize, col: usize) -> Connected<S> {
+        // All lanes' windows side by side, each within bits of its own.
+        let lanes = u32x8::load_array(simd, std::array::from_fn(|lane| lane as u32));
+        let windows = u32x8::splat(simd, (1 << WIDTH) - 1) << lanes;
+        let left = |k: usize| u32x8::splat(simd, self.bits(&self.left, row + k, col)) & windows;
+        let up = |k: usize| u32x8::splat(simd, self.bits(&self.up, row + k, col));
+        let fill = |seen: u32x8<S>, k: usize| spread(seen, left(k)) & windows;
+        let mut connected = [u32x8::splat(simd, 0); WIDTH];
+        connected[REACH] = fill(u32x8::splat(simd, 1 << REACH) << lanes, REACH);
         for k in REACH + 1..WIDTH {
-            connected[k] = spread(connected[k - 1] & up(k), left(k));
+            connected[k] = fill(connected[k - 1] & up(k), k);
         }
         for k in (0..REACH).rev() {
-            connected[k] = spread(connected[k + 1] & up(k + 1), left(k));
+            connected[k] = fill(connected[k + 1] & up(k + 1), k);
         }
-        connected
+        connected.map(|row| row >> lanes)
     }
 
-    /// The bits of a padded row in the window around a column of the image.
-    fn window(&self, bits: &[u64], padded_row: usize, col: usize) -> u32 {
+    /// The bits of a padded row in the windows around some columns of the image.
+    #[inline(always)]
+    fn bits(&self, bits: &[u64], padded_row: usize, col: usize) -> u32 {
+        const { assert!(WIDTH + LANES <= 32) };
         let at = padded_row * self.words + col / 64;
-        let both = u128::from(bits[at]) | u128::from(bits[at + 1]) << 64;
-        (both >> (col % 64)) as u32 & ((1 << WIDTH) - 1)
+        // Two shifts, since one by 64 would be none.
+        let beyond = bits[at + 1] << 1 << (63 - col % 64);
+        (bits[at] >> (col % 64) | beyond) as u32
     }
 }
 
 /// All pixels of a row that unbroken pairs join to the given ones.
-fn spread(mut seen: u32, left: u32) -> u32 {
-    if seen == 0 {
-        return 0;
-    }
+#[inline(always)]
+fn spread<S: Simd>(seen: u32x8<S>, left: u32x8<S>) -> u32x8<S> {
     // Doubling steps: after each, `right` and `back` tell over which ever longer stretches all
     // pairs are unbroken.
     let (mut right, mut back) = (left, left >> 1);
@@ -74,20 +84,38 @@ fn spread(mut seen: u32, left: u32) -> u32 {
         right &= right << step;
         back &= back >> step;
     }
-    seen |= upward | downward;
-    seen
+    upward | downward
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fearless_simd::{Level, dispatch};
+
+    /// The window of a pixel, which its seven neighbours to the left must see the same.
+    fn first_window(links: &Links, row: usize, col: usize) -> [u32; WIDTH] {
+        let window = |first: usize, lane: usize| dispatch!(Level::new(), simd => links.connected(simd, row, first).map(|r| r[lane]));
+        let found = window(col, 0);
+        for lane in 1..LANES.min(col + 1) {
+            assert_eq!(window(col - lane, lane), found, "lane {lane}");
+        }
+        found
+    }
 
     #[test]
     fn rows_fill_up_to_broken_pairs() {
-        assert_eq!(spread(0b0001_0000, 0b0111_1000), 0b0111_1100);
-        assert_eq!(spread(0b0000_0001, 0), 1);
-        assert_eq!(spread(1 << 7, 0x7fff), 0x7fff);
-        assert_eq!(spread(0, 0x7fff), 0);
+        let cases = [
+            (0b0001_0000, 0b0111_1000, 0b0111_1100),
+            (0b0000_0001, 0, 1),
+            (1 << 7, 0x7fff, 0x7fff),
+            (0, 0x7fff, 0),
+        ];
+        for (seen, left, expected) in cases {
+            let found = dispatch!(Level::new(), simd => {
+                spread(u32x8::splat(simd, seen), u32x8::splat(simd, left)).to_array()
+            });
+            assert_eq!(found, [expected; LANES]);
+        }
     }
 
     #[test]
@@ -101,12 +129,12 @@ mod tests {
             }
         }
         for (col, lowest) in [(64, 0), (66, REACH), (67, REACH - 1)] {
-            let window = links.connected(10, col);
+            let window = first_window(&links, 10, col);
             let highest = if col < 66 { 65 - col + REACH } else { WIDTH - 1 };
             let expected = (1 << (highest + 1)) - (1 << lowest);
             assert_eq!(window, [expected; WIDTH], "column {col}: {window:x?}");
         }
-        let corner = links.connected(0, 0);
+        let corner = first_window(&links, 0, 0);
         assert_eq!(corner[..REACH], [0; REACH]);
         assert_eq!(corner[REACH..], [(1 << WIDTH) - (1 << REACH); REACH + 1]);
     }

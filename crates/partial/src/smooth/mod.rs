@@ -24,7 +24,8 @@
 //! Missing pixels stay missing, and where noise is negligible against the spacing of the rays no
 //! bit changes. Noise of a result is shared with its neighbours over the window.
 //!
-//! **Cost.** Three passes over the window's pixels, several pixels side by side; see `lanes.rs`.
+//! **Cost.** Three passes over the window's pixels, several pixels side by side; see `lanes.rs`. Where
+//! section planes are far apart, most pixels can be left as they are; see `reach.rs`.
 
 mod block;
 mod grid;
@@ -32,12 +33,15 @@ mod lanes;
 mod links;
 mod normal_equations;
 mod quantity;
+mod reach;
 mod window;
 
-use crate::{BreakRule, RangeNoise, length_per_value};
-use block::{Block, Weights};
+use crate::one_pass::Instructions;
+use crate::{BreakRule, RangeNoise, SectionAxes, length_per_value};
+use block::{Block, BlockFit, Weights};
+use fearless_simd::{Simd, dispatch};
 use grid::Grid;
-use lanes::{LANES, Lanes};
+use lanes::LANES;
 use quantity::Quantity;
 use transect_device::{Pixel, RangeImage, View, ViewError};
 
@@ -51,7 +55,7 @@ pub struct Smoothed {
     pub view: View,
     /// Row-major: by what each pixel's standard deviation was multiplied; 1 where it stayed.
     pub sigma_factors: Vec<f32>,
-    /// The median of these over the valid pixels.
+    /// The median of these over the valid pixels that were to be smoothed.
     pub median_factor: f64,
     /// Diameter of the window at the median smoothed pixel, in pixels; 0 if none was smoothed.
     pub window: f64,
@@ -70,6 +74,16 @@ impl Smoothed {
     }
 }
 
+/// Which pixels are smoothed, and how.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Extent<'a> {
+    /// Only pixels that can take part in a curve on one of the planes to which these axes belong, and
+    /// those next to them: curves are the same as if all were smoothed. `None` for all.
+    pub near: Option<&'a SectionAxes>,
+    /// Instructions of the inner loops. Results are the same to the bit.
+    pub instructions: Instructions,
+}
+
 /// Smooths the image of a view.
 ///
 /// `rule` tells which neighbouring pixels belong to one surface; its slack should be that of the
@@ -78,22 +92,36 @@ impl Smoothed {
 /// # Errors
 /// [`ViewError`] if the smoothed image does not make a view, which the given one did.
 pub fn smooth(view: &View, noise: &RangeNoise, rule: &BreakRule) -> Result<Smoothed, ViewError> {
+    smooth_with(view, noise, rule, &Extent::default())
+}
+
+/// The same, for the pixels that are asked for.
+///
+/// # Errors
+/// As [`smooth`].
+pub fn smooth_with(
+    view: &View,
+    noise: &RangeNoise,
+    rule: &BreakRule,
+    extent: &Extent<'_>,
+) -> Result<Smoothed, ViewError> {
     let size = view.image().size();
-    let mut values: Vec<f32> =
-        (0..size.rows).flat_map(|row| view.image().row(row)).copied().collect();
-    let mut sigma_factors = vec![1.0; values.len()];
-    let mut radii = Vec::new();
+    let values = (0..size.rows).flat_map(|row| view.image().row(row)).copied().collect();
+    let sigma_factors = vec![1.0; size.pixels()];
+    let mut output = Output { values, sigma_factors, radii: Vec::new() };
+    let mut wanted = vec![true; size.pixels()];
     if noise.length() > 0.0 {
         let smoother = Smoother::new(view, noise, rule);
-        let mut weights = Weights::new();
-        for row in 0..size.rows {
-            let pixels = row * size.cols..(row + 1) * size.cols;
-            let out = (&mut values[pixels.clone()], &mut sigma_factors[pixels]);
-            smoother.row(row, out, &mut radii, &mut weights);
+        if let Some(axes) = extent.near {
+            wanted = reach::wanted(&smoother, axes);
         }
+        let level = extent.instructions.level();
+        dispatch!(level, simd => smoother.image(simd, &wanted, &mut output));
     }
+    let Output { values, sigma_factors, mut radii } = output;
+    let counted = values.iter().zip(&wanted).map(|(value, wanted)| *wanted && !value.is_nan());
     Ok(Smoothed {
-        median_factor: median_of_valid(&values, &sigma_factors),
+        median_factor: median_where(counted, &sigma_factors),
         window: 2.0 * median(&mut radii),
         changed: radii.len(),
         view: view.with_image(
@@ -103,9 +131,10 @@ pub fn smooth(view: &View, noise: &RangeNoise, rule: &BreakRule) -> Result<Smoot
     })
 }
 
-fn median_of_valid(values: &[f32], factors: &[f32]) -> f64 {
-    let valid = values.iter().zip(factors).filter(|(v, _)| !v.is_nan());
-    median(&mut valid.map(|(_, f)| *f).collect::<Vec<f32>>())
+fn median_where(counted: impl Iterator<Item = bool>, factors: &[f32]) -> f64 {
+    let counted = counted.zip(factors).filter(|(counted, _)| *counted);
+    let mut factors: Vec<f32> = counted.map(|(_, factor)| *factor).collect();
+    if factors.is_empty() { 1.0 } else { median(&mut factors) }
 }
 
 fn median(values: &mut [f32]) -> f64 {
@@ -114,6 +143,14 @@ fn median(values: &mut [f32]) -> f64 {
     }
     let middle = values.len() / 2;
     f64::from(*values.select_nth_unstable_by(middle, f32::total_cmp).1)
+}
+
+/// What becomes of the image.
+struct Output {
+    values: Vec<f32>,
+    sigma_factors: Vec<f32>,
+    /// Radii of the windows of the pixels that changed.
+    radii: Vec<f32>,
 }
 
 struct Smoother<'a> {
@@ -138,38 +175,62 @@ impl<'a> Smoother<'a> {
         Self { view, noise, quantity, grid: Grid::new(view, rule, quantity) }
     }
 
-    fn row(
-        &self,
-        row: usize,
-        (values, factors): (&mut [f32], &mut [f32]),
-        radii: &mut Vec<f32>,
-        weights: &mut Weights,
-    ) {
-        for first in (0..values.len()).step_by(LANES) {
-            let columns = first..(first + LANES).min(values.len());
-            let mut block = Block::new(row, first);
-            for col in columns.clone() {
-                if let Some(window) = self.window(Pixel::new(row, col)) {
-                    block.set(col - first, &window, self.grid.links.connected(row, col));
+    #[inline(always)]
+    fn image<S: Simd>(&self, simd: S, wanted: &[bool], output: &mut Output) {
+        let mut weights = Weights::new();
+        let cols = self.view.image().size().cols;
+        for (row, wanted) in wanted.chunks(cols).enumerate() {
+            let mut first = 0;
+            // Blocks begin at pixels that are wanted; that changes nothing in any pixel's fit.
+            while let Some(skip) = wanted.iter().skip(first).position(|wanted| *wanted) {
+                first += skip;
+                let end = (first + LANES).min(cols);
+                let block = self.block(row, first, &wanted[first..end]);
+                if !block.is_empty() {
+                    // Closures take the loops into functions of their own, with all instructions.
+                    let fit = simd.vectorize(
+                        #[inline(always)]
+                        || block.fit(simd, &self.grid, &mut weights),
+                    );
+                    for lane in 0..end - first {
+                        self.take(&block, &fit, (lane, row * cols + first + lane), output);
+                    }
                 }
-            }
-            if block.is_empty() {
-                continue;
-            }
-            let fit = block.fit(&self.grid, weights);
-            for col in columns {
-                let Some((change, factor)) = fit.at(col - first) else { continue };
-                let old = self.quantity.of_value(f64::from(values[col]));
-                let value = self.quantity.value(old + f64::from(change)) as f32;
-                // Noise as large as the range itself could turn a sample into a missing one.
-                if !(value > 0.0 && value.is_finite()) {
-                    continue;
-                }
-                values[col] = value;
-                factors[col] = factor;
-                radii.push(block.radius(col - first));
+                first = end;
             }
         }
+    }
+
+    /// The windows of some pixels of a row.
+    fn block(&self, row: usize, first: usize, wanted: &[bool]) -> Block {
+        let mut block = Block::new(row, first);
+        for (lane, wanted) in wanted.iter().enumerate() {
+            let window = wanted.then(|| self.window(Pixel::new(row, first + lane))).flatten();
+            if let Some(window) = window {
+                block.set(lane, &window);
+            }
+        }
+        block
+    }
+
+    /// Takes over what was found for a lane, which is a pixel.
+    fn take(
+        &self,
+        block: &Block,
+        fit: &BlockFit,
+        (lane, pixel): (usize, usize),
+        output: &mut Output,
+    ) {
+        let Some((change, factor)) = fit.at(lane) else { return };
+        let old = self.quantity.of_value(f64::from(output.values[pixel]));
+        let value = self.quantity.value(old + f64::from(change)) as f32;
+        // Noise as large as the range itself could turn a sample into a missing one.
+        if !(value > 0.0 && value.is_finite()) {
+            return;
+        }
+        output.values[pixel] = value;
+        output.sigma_factors[pixel] = factor;
+        output.radii.push(block.radius(lane));
     }
 
     /// `None` where the pixel is missing or stays as it is.

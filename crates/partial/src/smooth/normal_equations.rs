@@ -1,9 +1,10 @@
 //! Weighted least squares for a polynomial of second order, several pixels at once.
 
-use super::lanes::Lanes;
+use super::lanes::{Lanes, all, inverse_above};
+use fearless_simd::Simd;
 
 /// Coefficients of `1, x, y, x², xy, y²`.
-pub(super) type Coefficients = [Lanes; 6];
+pub(super) type Coefficients<S> = [Lanes<S>; 6];
 
 /// Powers of x and y in each term.
 const POWERS: [(usize, usize); 6] = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)];
@@ -14,26 +15,30 @@ const SMALLEST_PIVOT: f32 = 1e-3;
 
 /// Weighted sums over a window.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Sums {
+pub(super) struct Sums<S: Simd> {
+    simd: S,
     /// `Σ w xᵃ yᵇ` at `[a][b]`, a + b ≤ 4.
-    powers: [[Lanes; 5]; 5],
+    powers: [[Lanes<S>; 5]; 5],
     /// `Σ w v xᵃ yᵇ` for the terms.
-    values: Coefficients,
+    values: Coefficients<S>,
 }
 
 /// Weighted sums over one row of a window: `Σ w xᵃ` and `Σ w v xᵃ`.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct RowSums {
-    powers: [Lanes; 5],
-    values: [Lanes; 3],
+pub(super) struct RowSums<S: Simd> {
+    powers: [Lanes<S>; 5],
+    values: [Lanes<S>; 3],
 }
 
-impl RowSums {
-    pub const ZERO: Self = Self { powers: [Lanes::ZERO; 5], values: [Lanes::ZERO; 3] };
+impl<S: Simd> RowSums<S> {
+    #[inline(always)]
+    pub fn zero(simd: S) -> Self {
+        let zero = all(simd, 0.0);
+        Self { powers: [zero; 5], values: [zero; 3] }
+    }
 
     #[inline(always)]
-    pub fn add(&mut self, x: f32, weight: Lanes, value: Lanes) {
-        let weighted = weight * value;
+    pub fn add_weight(&mut self, x: f32, weight: Lanes<S>) {
         let square = x * x;
         let [p0, p1, p2, p3, p4] = self.powers;
         self.powers = [
@@ -43,52 +48,63 @@ impl RowSums {
             p3 + weight * (square * x),
             p4 + weight * (square * square),
         ];
+    }
+
+    #[inline(always)]
+    pub fn add_value(&mut self, x: f32, weighted: Lanes<S>) {
         let [v0, v1, v2] = self.values;
-        self.values = [v0 + weighted, v1 + weighted * x, v2 + weighted * square];
+        self.values = [v0 + weighted, v1 + weighted * x, v2 + weighted * (x * x)];
     }
 }
 
-impl Sums {
-    pub const ZERO: Self = Self { powers: [[Lanes::ZERO; 5]; 5], values: [Lanes::ZERO; 6] };
+impl<S: Simd> Sums<S> {
+    #[inline(always)]
+    pub fn zero(simd: S) -> Self {
+        let zero = all(simd, 0.0);
+        Self { simd, powers: [[zero; 5]; 5], values: [zero; 6] }
+    }
 
     #[inline(always)]
-    pub fn add_row(&mut self, y: f32, row: &RowSums) {
+    pub fn add_row(&mut self, y: f32, row: &RowSums<S>) {
         let ys = [1.0, y, y * y, y * y * y, y * y * y * y];
-        for (a, (sums, power)) in self.powers.iter_mut().zip(row.powers).enumerate() {
-            for (sum, y) in sums.iter_mut().zip(ys).take(5 - a) {
-                *sum = *sum + power * y;
+        for a in 0..5 {
+            for (sum, y) in self.powers[a].iter_mut().zip(ys).take(5 - a) {
+                *sum += row.powers[a] * y;
             }
         }
         for (sum, (a, b)) in self.values.iter_mut().zip(POWERS) {
-            *sum = *sum + row.values[a] * ys[b];
+            *sum += row.values[a] * ys[b];
         }
     }
 
     /// The polynomial that fits best.
-    pub fn fit(&self) -> Coefficients {
+    #[inline(always)]
+    pub fn fit(&self) -> Coefficients<S> {
         self.solve(self.values)
     }
 
     /// The polynomial `z` whose values make the fit at the centre: it is `Σ w z v`.
-    pub fn centre_weights(&self) -> Coefficients {
-        let mut unit = [Lanes::ZERO; 6];
-        unit[0] = Lanes::all(1.0);
+    #[inline(always)]
+    pub fn centre_weights(&self) -> Coefficients<S> {
+        let mut unit = [all(self.simd, 0.0); 6];
+        unit[0] = all(self.simd, 1.0);
         self.solve(unit)
     }
 
     /// Solves by `L D Lᵀ`; terms without a pivot get the coefficient 0.
     #[inline(always)]
-    fn solve(&self, right: Coefficients) -> Coefficients {
-        let mut lower = [[Lanes::ZERO; 6]; 6];
-        let mut inverse = [Lanes::ZERO; 6];
+    fn solve(&self, right: Coefficients<S>) -> Coefficients<S> {
+        let zero = all(self.simd, 0.0);
+        let mut lower = [[zero; 6]; 6];
+        let mut inverse = [zero; 6];
         let mut solution = right;
         for i in 0..6 {
             // `scaled[j] = L[i][j] D[j]`
-            let mut scaled = [Lanes::ZERO; 6];
+            let mut scaled = [zero; 6];
             for j in 0..i {
                 let mut sum = self.entry(i, j);
                 for k in 0..j {
-                    sum = sum - scaled[k] * lower[j][k];
+                    sum -= scaled[k] * lower[j][k];
                 }
                 scaled[j] = sum;
                 lower[i][j] = sum * inverse[j];
@@ -96,22 +112,22 @@ impl Sums {
             let diagonal = self.entry(i, i);
             let mut pivot = diagonal;
             for k in 0..i {
-                pivot = pivot - scaled[k] * lower[i][k];
-                solution[i] = solution[i] - lower[i][k] * solution[k];
+                pivot -= scaled[k] * lower[i][k];
+                solution[i] -= lower[i][k] * solution[k];
             }
-            inverse[i] = pivot.inverse_above(diagonal * SMALLEST_PIVOT);
+            inverse[i] = inverse_above(self.simd, pivot, diagonal * SMALLEST_PIVOT);
         }
         for i in (0..6).rev() {
-            solution[i] = solution[i] * inverse[i];
+            solution[i] *= inverse[i];
             for k in i + 1..6 {
-                solution[i] = solution[i] - lower[k][i] * solution[k];
+                solution[i] -= lower[k][i] * solution[k];
             }
         }
         solution
     }
 
     #[inline(always)]
-    fn entry(&self, i: usize, j: usize) -> Lanes {
+    fn entry(&self, i: usize, j: usize) -> Lanes<S> {
         let ((ai, bi), (aj, bj)) = (POWERS[i], POWERS[j]);
         self.powers[ai + aj][bi + bj]
     }
@@ -119,16 +135,16 @@ impl Sums {
 
 /// A polynomial along one row of the window: `c0 + c1 x + c2 x²`.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct RowPolynomial([Lanes; 3]);
+pub(super) struct RowPolynomial<S: Simd>([Lanes<S>; 3]);
 
-impl RowPolynomial {
+impl<S: Simd> RowPolynomial<S> {
     #[inline(always)]
-    pub fn new(c: &Coefficients, y: f32) -> Self {
+    pub fn new(c: &Coefficients<S>, y: f32) -> Self {
         Self([c[0] + c[2] * y + c[5] * (y * y), c[1] + c[4] * y, c[3]])
     }
 
     #[inline(always)]
-    pub fn at(&self, x: f32) -> Lanes {
+    pub fn at(&self, x: f32) -> Lanes<S> {
         (self.0[2] * x + self.0[1]) * x + self.0[0]
     }
 }
