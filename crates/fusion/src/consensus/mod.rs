@@ -32,6 +32,7 @@
 
 mod ends;
 mod fit;
+mod groups;
 mod link;
 pub(crate) mod observations;
 mod pieces;
@@ -42,6 +43,7 @@ mod window;
 
 use crate::grid::PointGrid;
 use crate::{FusedPlane, FusionCounts};
+use nalgebra::Vector3;
 use observations::{Observations, median};
 use pieces::Piece;
 use transect_geometry::{Curve, Node, Point2, Vector2};
@@ -129,6 +131,10 @@ struct Kept {
     /// Sum of the credits of what this node absorbed.
     credit: f64,
     views: u32,
+    /// Length along the curve over which it shares its error with its neighbours.
+    correlation: f64,
+    /// Outward unit normal of the surface, or zero.
+    normal: Vector3<f32>,
 }
 
 impl Kept {
@@ -145,6 +151,8 @@ impl Kept {
             weight: 0.0,
             credit: 0.0,
             views: 0,
+            correlation: 0.0,
+            normal: Vector3::zeros(),
         }
     }
 
@@ -155,7 +163,8 @@ impl Kept {
             footprint: self.footprint as f32,
             weight: self.credit as f32,
             views: self.views,
-            ..Node::at(self.position)
+            correlation: self.correlation as f32,
+            normal: self.normal,
         }
     }
 }

@@ -1,0 +1,125 @@
+//! Groups: observations so close to each other that one place stands for all of them in a rough fit.
+//!
+//! Many views of one surface put many observations into every footprint. Rough fits through all of
+//! them, one for each, would cost observations × views; between groups they cost the same for any
+//! number of views. The observations themselves stay: clusters are made of their original places.
+
+use super::Scale;
+use super::observations::{NONE, Observation, Observations};
+use super::window::Window;
+use crate::grid::PointGrid;
+use transect_geometry::{Point2, Vector2};
+
+/// Half-widths of a group: along, in footprints, and across, as a share of the overlap threshold.
+const ALONG_FOOTPRINTS: f64 = 0.3;
+const ACROSS_SHARE: f64 = 0.15;
+
+/// Smallest cosine between directions within a group (25°).
+const SAME_WAY: f64 = 0.906;
+
+/// Observations beside each other.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Group {
+    /// Weighted mean of their places.
+    pub position: Point2,
+    /// Unit vector: their weighted mean direction.
+    pub tangent: Vector2,
+    /// Sum of their weights.
+    pub weight: f64,
+    /// Standard deviation and footprint of the best of them.
+    pub sigma: f64,
+    pub footprint: f64,
+    /// Weight over footprint of the best of them.
+    pub quality: f64,
+    /// The views they come from, a bit for each; from the 65th on views share bits.
+    pub views: u64,
+}
+
+/// The groups, and for every observation the number of its group.
+pub(super) struct Groups {
+    pub all: Vec<Group>,
+    pub of: Vec<u32>,
+}
+
+/// Groups observations, each ungrouped one in canonical order taking in those beside it.
+pub(super) fn group(observations: &Observations, grid: &PointGrid, scale: &Scale) -> Groups {
+    let seen = &observations.all;
+    let mut groups = Groups { all: Vec::new(), of: vec![NONE; seen.len()] };
+    for (k, here) in seen.iter().enumerate() {
+        if groups.of[k] != NONE {
+            continue;
+        }
+        let number = groups.all.len() as u32;
+        groups.of[k] = number;
+        let window = Window {
+            centre: here.position,
+            tangent: here.tangent,
+            reach: ALONG_FOOTPRINTS * here.footprint,
+            across: ACROSS_SHARE * scale.across(here.sigma),
+            same_way: SAME_WAY,
+        };
+        let of = &mut groups.of;
+        let mut sums = Sums::of(here);
+        window.visit(
+            grid,
+            |j| seen[j].tangent,
+            |j, x, _| {
+                // What was seen more finely is not lumped together.
+                if of[j] == NONE && x.abs() <= ALONG_FOOTPRINTS * seen[j].footprint {
+                    of[j] = number;
+                    sums.add(here, &seen[j]);
+                }
+            },
+        );
+        groups.all.push(sums.group(here));
+    }
+    groups
+}
+
+/// Sums over the members of a group; places relative to the first.
+struct Sums {
+    place: Vector2,
+    tangent: Vector2,
+    weight: f64,
+    best: Observation,
+    views: u64,
+}
+
+impl Sums {
+    fn of(first: &Observation) -> Self {
+        let (place, tangent) = (Vector2::zeros(), first.tangent * first.weight);
+        Self { place, tangent, weight: first.weight, best: *first, views: bit(first) }
+    }
+
+    fn add(&mut self, first: &Observation, o: &Observation) {
+        self.place += (o.position - first.position) * o.weight;
+        self.tangent += o.tangent * o.weight;
+        self.weight += o.weight;
+        self.views |= bit(o);
+        if quality(o) > quality(&self.best) {
+            self.best = *o;
+        }
+    }
+
+    fn group(&self, first: &Observation) -> Group {
+        // Nodes of no weight stand where the first of them is.
+        let share = if self.weight > 0.0 { 1.0 / self.weight } else { 0.0 };
+        Group {
+            position: first.position + self.place * share,
+            tangent: self.tangent.try_normalize(0.0).unwrap_or(first.tangent),
+            weight: self.weight,
+            sigma: self.best.sigma,
+            footprint: self.best.footprint,
+            quality: quality(&self.best),
+            views: self.views,
+        }
+    }
+}
+
+fn quality(o: &Observation) -> f64 {
+    o.weight / o.footprint
+}
+
+fn bit(o: &Observation) -> u64 {
+    1 << (o.view % 64)
+}
