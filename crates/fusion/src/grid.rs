@@ -136,4 +136,15 @@ mod tests {
             prop_assert_eq!(found, expected);
         }
     }
+
+    #[test]
+    fn a_point_far_from_all_others_makes_no_cell_larger() {
+        let mut points: Vec<_> = (0..1000).map(|k| Point2::new(f64::from(k), 0.0)).collect();
+        points.push(Point2::new(1e9, -1e9));
+        let mut visited = 0;
+        let half = Vector2::repeat(2.0);
+        PointGrid::new(&points, 2.0).around(&points[500], &half, |_, _| visited += 1);
+        // Five lie in the rectangle; its cells reach less than a cell farther on each side.
+        assert!((5..=8).contains(&visited), "{visited}");
+    }
 }

@@ -123,3 +123,48 @@ fn quality(o: &Observation) -> f64 {
 fn bit(o: &Observation) -> u64 {
     1 << (o.view % 64)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use transect_geometry::{Curve, Node};
+
+    /// Lines seen by some views that differ by less than the threshold.
+    fn lines(views: u32) -> Observations {
+        let line = |v: u32| {
+            let node = |k: u32| {
+                let place = Point2::new(0.02 * f64::from(k), 1e-5 * f64::from(v));
+                Node { sigma: 0.001, footprint: 0.02, ..Node::at(place) }
+            };
+            vec![Curve::new((0..100).map(node).collect(), false).unwrap()]
+        };
+        let views: Vec<Vec<Curve>> = (0..views).map(line).collect();
+        let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+        Observations::collect(&slices)
+    }
+
+    fn grouped(observations: &Observations) -> Groups {
+        let grid = PointGrid::new(&observations.positions(), 0.02);
+        group(observations, &grid, &Scale { spacing: 0.02, threshold: 0.02, same_way: 0.6 })
+    }
+
+    #[test]
+    fn the_number_of_groups_does_not_grow_with_the_number_of_views() {
+        assert_eq!(grouped(&lines(2)).all.len(), 100);
+        assert_eq!(grouped(&lines(200)).all.len(), 100);
+    }
+
+    #[test]
+    fn every_observation_is_in_one_group_and_weights_add_up() {
+        let observations = lines(70);
+        let groups = grouped(&observations);
+        let mut weights = vec![0.0; groups.all.len()];
+        for (o, &g) in observations.all.iter().zip(&groups.of) {
+            weights[g as usize] += o.weight;
+        }
+        for (found, g) in weights.iter().zip(&groups.all) {
+            assert!((found / g.weight - 1.0).abs() < 1e-9);
+            assert_eq!(g.views.count_ones(), 64);
+        }
+    }
+}

@@ -13,11 +13,12 @@
 //! 1. Observations: nodes of all views in an order that depends on what was seen alone, with
 //!    direction, and with weights that fall towards open ends, where real scanners overshoot.
 //! 2. Spread between views, measured; it sets the overlap threshold.
-//! 3. First place: each observation moves, across the curve, onto a robust line through all views'
-//!    neighbours. The neighbours themselves never move, so nothing drifts.
-//! 4. Thinning: best supported first, each kept node absorbs what lies beside it.
-//! 5. Clusters: each kept node takes the weighted mean of the *original* places it absorbed.
-//! 6. Final place: a robust parabola, its window chosen by intersecting confidence intervals.
+//! 3. First place: observations beside each other form a group; each group moves, across the curve,
+//!    onto a robust line through its neighbours. The neighbours never move, so nothing drifts.
+//! 4. Thinning: best supported first, each kept group absorbs what lies beside it.
+//! 5. Clusters: each kept node takes the weighted mean of the *original* places it absorbed. Members
+//!    of one view that share their errors count as fewer.
+//! 6. Final place: a robust parabola, its window the widest that agrees with all narrower ones.
 //! 7. Links: shortest first, one successor and one predecessor; the views' own curves are asked.
 //! 8. Cover: longest piece first, what lies beside an accepted piece is cut away.
 //! 9. Ends: joined where the curve goes on, turned round thin tips, cut back where they cross.
@@ -25,10 +26,10 @@
 //! **Departures from the source.** Everything from step 3 on replaces 5.5.2. The rule table of 5.4
 //! holds for the result as an invariant instead of deciding each merge.
 //!
-//! **Cost.** Each step gathers neighbours from a grid. A node's first place looks at all views
-//! around it, so time is nodes × overlapping views; everything after the thinning is linear in the
-//! length of the result. Joining compares all open ends with each other. Not for views whose poses are wrong by more than the
-//! overlap threshold: it cannot repair registration.
+//! **Cost.** Each step gathers neighbours from a grid. All of them work on groups or on what is kept,
+//! whose number depends on the length of the result, not on the number of views; every observation
+//! is only grouped and added to its cluster. Open ends are found through a grid as well. Not for
+//! views whose poses are wrong by more than the overlap threshold: it cannot repair registration.
 
 mod ends;
 mod fit;
@@ -234,7 +235,10 @@ fn tidy(
         pieces::straighten(kept, piece);
         dropped += before - piece.nodes.len();
     }
-    (pieces, dropped)
+    let all: usize = pieces.iter().map(|p| p.nodes.len()).sum();
+    pieces.retain(|p| p.has_direction(kept));
+    let left: usize = pieces.iter().map(|p| p.nodes.len()).sum();
+    (pieces, dropped + all - left)
 }
 
 /// The curves of the pieces, longest first.

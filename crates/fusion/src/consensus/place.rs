@@ -1,7 +1,9 @@
 //! Final place of the kept nodes: a robust parabola through the clusters around each.
 //!
-//! The window is the widest whose estimate still agrees with those of all narrower windows
-//! (intersection of confidence intervals): wide along smooth curves, narrow at detail.
+//! The window is the widest whose estimate differs from those of all narrower windows by no more
+//! than random errors make it (Lepski's rule): wide along smooth curves, narrow at detail. Errors
+//! that neighbours share leave narrow windows in agreement whatever their width; so it is the
+//! *difference* that is judged, by its own standard deviation, and not each estimate by its own.
 
 use super::fit::{Fit, Sample, parabola};
 use super::window::{Window, left_of};
@@ -21,8 +23,8 @@ const WINDOWS: i32 = 6;
 /// A node whose first windows determine no parabola, such as one at an open end, stays on its line.
 const LAST_FIRST_WINDOW: i32 = 1;
 
-/// Half-width of a confidence interval in standard deviations of random error. Smaller follows
-/// detail and noise alike; larger smooths over both.
+/// Largest difference between fits that agree, in its standard deviations. Smaller follows detail and
+/// noise alike; larger smooths over both.
 const CONFIDENCE: f64 = 2.0;
 
 /// Smallest variance of the difference of two fits, as a share of that of the narrower.
@@ -77,14 +79,8 @@ fn widest_fit(
     for step in 0..WINDOWS {
         let reach_now = reach(step);
         if reach_now > near.reach {
-            near.gather(
-                kept,
-                here,
-                grid,
-                reach((step + GATHER_AHEAD).min(WINDOWS - 1)),
-                threshold,
-                scale,
-            );
+            let farthest = reach((step + GATHER_AHEAD).min(WINDOWS - 1));
+            near.gather(kept, here, grid, (farthest, threshold, scale.same_way));
         }
         let Some(fit) = parabola(near.window(reach_now, threshold), reach_now, threshold) else {
             // A first fit across a gap would rest on far ground alone.
@@ -132,16 +128,14 @@ impl Near {
         kept: &[Kept],
         here: &Kept,
         grid: &PointGrid,
-        reach: f64,
-        threshold: f64,
-        scale: &Scale,
+        (reach, threshold, same_way): (f64, f64, f64),
     ) {
         let window = Window {
             centre: here.position,
             tangent: here.tangent,
             reach,
             across: across(threshold, reach),
-            same_way: scale.same_way,
+            same_way,
         };
         let all = &mut self.all;
         all.clear();
