@@ -85,15 +85,10 @@ pub(super) fn parabola(samples: &[Sample], reach: f64, across: f64) -> Option<Fi
     if behind < 2 || ahead < 2 {
         return None;
     }
-    let mut moments = Moments::of(samples, reach, |_| 1.0);
-    let mut fit = moments.solve(reach)?;
-    let mut last = fit;
-    for _ in 0..2 {
-        last = fit;
-        moments = Moments::of(samples, reach, |s| biweight(last.residual(s) / across));
-        fit = moments.solve(reach).unwrap_or(last);
-    }
-    let robust = |s: &Sample| biweight(last.residual(s) / across);
+    let rough = Moments::of(samples, reach, |_| 1.0).solve(reach)?;
+    let robust = |s: &Sample| biweight(rough.residual(s) / across);
+    let moments = Moments::of(samples, reach, robust);
+    let fit = moments.solve(reach)?;
     let [place, bend] = moments.sigmas(samples, reach, robust)?;
     Some(Fit { place_sigma: place, bend_sigma: bend / (reach * reach), ..fit })
 }
