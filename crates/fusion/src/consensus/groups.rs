@@ -26,8 +26,9 @@ pub(super) struct Group {
     pub tangent: Vector2,
     /// Sum of their weights.
     pub weight: f64,
-    /// Standard deviation and footprint of the best of them.
+    /// Standard deviation of the best of them.
     pub sigma: f64,
+    /// Their weighted mean footprint.
     pub footprint: f64,
     /// Weight over footprint of the best of them.
     pub quality: f64,
@@ -81,6 +82,7 @@ struct Sums {
     place: Vector2,
     tangent: Vector2,
     weight: f64,
+    footprint: f64,
     best: Observation,
     views: u64,
 }
@@ -88,13 +90,21 @@ struct Sums {
 impl Sums {
     fn of(first: &Observation) -> Self {
         let (place, tangent) = (Vector2::zeros(), first.tangent * first.weight);
-        Self { place, tangent, weight: first.weight, best: *first, views: bit(first) }
+        Self {
+            place,
+            tangent,
+            weight: first.weight,
+            footprint: first.weight * first.footprint,
+            best: *first,
+            views: bit(first),
+        }
     }
 
     fn add(&mut self, first: &Observation, o: &Observation) {
         self.place += (o.position - first.position) * o.weight;
         self.tangent += o.tangent * o.weight;
         self.weight += o.weight;
+        self.footprint += o.weight * o.footprint;
         self.views |= bit(o);
         if quality(o) > quality(&self.best) {
             self.best = *o;
@@ -109,7 +119,7 @@ impl Sums {
             tangent: self.tangent.try_normalize(0.0).unwrap_or(first.tangent),
             weight: self.weight,
             sigma: self.best.sigma,
-            footprint: self.best.footprint,
+            footprint: if share > 0.0 { self.footprint * share } else { first.footprint },
             quality: quality(&self.best),
             views: self.views,
         }
