@@ -1,4 +1,7 @@
 //! A uniform grid over points of a plane, for gathering neighbours.
+//!
+//! Cells are hashed into as many buckets as there are points. So the size of a cell never depends on
+//! the extent of the plane: a long thin curve, or one node far from all others, costs nothing.
 
 use transect_geometry::{Envelope, Point2, Vector2};
 
@@ -6,61 +9,80 @@ use transect_geometry::{Envelope, Point2, Vector2};
 #[derive(Debug)]
 pub(crate) struct PointGrid {
     origin: Point2,
-    cell: f64,
-    columns: usize,
-    rows: usize,
-    /// Where each cell begins in `items`; one entry more than there are cells.
+    per_length: f64,
+    /// Largest column and row in use.
+    last: Cell,
+    /// A bucket's number is the top bits of a hash.
+    shift: u32,
+    /// Where each bucket begins in `items`; one entry more than there are buckets.
     starts: Vec<u32>,
-    /// Numbers and places of the points, cell by cell.
-    items: Vec<(u32, Point2)>,
+    items: Vec<Item>,
+}
+
+/// Column and row.
+type Cell = (u32, u32);
+
+#[derive(Debug, Clone, Copy)]
+struct Item {
+    point: Point2,
+    cell: Cell,
+    number: u32,
 }
 
 impl PointGrid {
-    /// Sorts points into cells of about the given size, larger if there would be too many.
+    /// Sorts points into cells of the given size.
     pub fn new(points: &[Point2], cell: f64) -> Self {
         let around = Envelope::around(points)
             .unwrap_or(Envelope { min: Point2::origin(), max: Point2::origin() });
         let size = around.size();
-        // At most a few cells per point, whatever the extent of the plane.
-        let most = (4 * points.len() + 16) as f64;
-        let sparse = (size.x * size.y / most).sqrt().max(size.x.max(size.y) / most);
-        let cell = cell.max(sparse).max(f64::MIN_POSITIVE);
-        let columns = (size.x / cell) as usize + 1;
-        let rows = (size.y / cell) as usize + 1;
-        let mut grid =
-            Self { origin: around.min, cell, columns, rows, starts: Vec::new(), items: Vec::new() };
+        // Smaller cells than this could not be numbered.
+        let least = size.x.max(size.y) / f64::from(u32::MAX - 1);
+        let per_length = 1.0 / cell.max(least).max(f64::MIN_POSITIVE);
+        let buckets = points.len().next_power_of_two().max(2);
+        let mut grid = Self {
+            origin: around.min,
+            per_length,
+            last: (u32::MAX, u32::MAX),
+            shift: 64 - buckets.trailing_zeros(),
+            starts: vec![0; buckets + 1],
+            items: Vec::new(),
+        };
+        grid.last = grid.cell(&(around.max - around.min));
         grid.sort(points);
         grid
     }
 
     fn sort(&mut self, points: &[Point2]) {
-        let cells: Vec<usize> = points.iter().map(|p| self.cell_of(p)).collect();
-        let mut starts = vec![0_u32; self.columns * self.rows + 1];
+        let cells: Vec<Cell> = points.iter().map(|p| self.cell(&(p - self.origin))).collect();
         for &c in &cells {
-            starts[c + 1] += 1;
+            let bucket = self.bucket(c);
+            self.starts[bucket + 1] += 1;
         }
-        for c in 1..starts.len() {
-            starts[c] += starts[c - 1];
+        for b in 1..self.starts.len() {
+            self.starts[b] += self.starts[b - 1];
         }
-        let mut places = starts.clone();
-        let mut items = vec![(0, Point2::origin()); points.len()];
-        for (k, (&c, p)) in cells.iter().zip(points).enumerate() {
-            items[places[c] as usize] = (k as u32, *p);
-            places[c] += 1;
+        let mut places = self.starts.clone();
+        let empty = Item { point: Point2::origin(), cell: (0, 0), number: 0 };
+        self.items = vec![empty; points.len()];
+        for (k, (&cell, &point)) in cells.iter().zip(points).enumerate() {
+            let place = &mut places[self.bucket(cell)];
+            self.items[*place as usize] = Item { point, cell, number: k as u32 };
+            *place += 1;
         }
-        (self.starts, self.items) = (starts, items);
     }
 
-    fn cell_of(&self, p: &Point2) -> usize {
-        let (column, row) = (
-            self.clamped(p.x - self.origin.x, self.columns),
-            self.clamped(p.y - self.origin.y, self.rows),
-        );
-        row * self.columns + column
+    /// The cell at an offset from the origin, or the nearest one in use.
+    fn cell(&self, offset: &Vector2) -> Cell {
+        // A cast from below 0 or above the largest number gives that bound.
+        let along = |v: f64, last: u32| ((v * self.per_length) as u32).min(last);
+        (along(offset.x, self.last.0), along(offset.y, self.last.1))
     }
 
-    fn clamped(&self, offset: f64, count: usize) -> usize {
-        ((offset / self.cell).max(0.0) as usize).min(count - 1)
+    fn bucket(&self, (column, row): Cell) -> usize {
+        let key = u64::from(column) << 32 | u64::from(row);
+        // Fibonacci hashing twice, so that neighbouring rows do not follow each other.
+        let mixed = (key ^ (key >> 29)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        ((mixed ^ (mixed >> 32)).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> self.shift) as usize
     }
 
     /// Calls `visit` with the number of every point within a radius, and where it is from `centre`.
@@ -76,14 +98,18 @@ impl PointGrid {
     /// `centre`: all that do, and others of the same cells.
     pub fn around(&self, centre: &Point2, half: &Vector2, mut visit: impl FnMut(usize, Vector2)) {
         let d = centre - self.origin;
-        let columns =
-            self.clamped(d.x - half.x, self.columns)..=self.clamped(d.x + half.x, self.columns);
-        let rows = self.clamped(d.y - half.y, self.rows)..=self.clamped(d.y + half.y, self.rows);
-        for row in rows {
-            let first = self.starts[row * self.columns + columns.start()] as usize;
-            let last = self.starts[row * self.columns + columns.end() + 1] as usize;
-            for (k, p) in &self.items[first..last] {
-                visit(*k as usize, p - centre);
+        let (first, last) = (self.cell(&(d - half)), self.cell(&(d + half)));
+        let cells = (u64::from(last.0 - first.0) + 1) * (u64::from(last.1 - first.1) + 1);
+        if cells > self.items.len() as u64 {
+            return self.items.iter().for_each(|i| visit(i.number as usize, i.point - centre));
+        }
+        for row in first.1..=last.1 {
+            for column in first.0..=last.0 {
+                let b = self.bucket((column, row));
+                let bucket = self.starts[b] as usize..self.starts[b + 1] as usize;
+                for i in self.items[bucket].iter().filter(|i| i.cell == (column, row)) {
+                    visit(i.number as usize, i.point - centre);
+                }
             }
         }
     }
@@ -109,5 +135,16 @@ mod tests {
             let expected: Vec<_> = (0..points.len()).filter(near).collect();
             prop_assert_eq!(found, expected);
         }
+    }
+
+    #[test]
+    fn a_point_far_from_all_others_makes_no_cell_larger() {
+        let mut points: Vec<_> = (0..1000).map(|k| Point2::new(f64::from(k), 0.0)).collect();
+        points.push(Point2::new(1e9, -1e9));
+        let mut visited = 0;
+        let half = Vector2::repeat(2.0);
+        PointGrid::new(&points, 2.0).around(&points[500], &half, |_, _| visited += 1);
+        // Five lie in the rectangle; its cells reach less than a cell farther on each side.
+        assert!((5..=8).contains(&visited), "{visited}");
     }
 }

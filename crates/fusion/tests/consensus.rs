@@ -54,7 +54,9 @@ fn see(outline: &Outline, look: &Look, sigma: f64) -> Vec<Curve> {
         // Uniform in ±√3 σ has the standard deviation σ.
         let off = 1.0 + sigma * 3_f64.sqrt() * noise(look.seed, k) / p.coords.norm();
         let position = Point2::from(p.coords * off);
-        Node { sigma: sigma as f32, footprint: look.spacing as f32, ..Node::at(position) }
+        let correlation = (look.spacing * (look.seed % 4) as f64) as f32;
+        let (sigma, footprint) = (sigma as f32, look.spacing as f32);
+        Node { sigma, footprint, correlation, ..Node::at(position) }
     };
     vec![Curve::new((0..count).map(node).collect(), closed).unwrap()]
 }
@@ -201,7 +203,30 @@ fn both_sides_of_a_thin_sheet_are_kept() {
             heights.iter().sum::<f64>() / heights.len() as f64
         };
         let found = mean(false) - mean(true);
-        assert!((found - thickness).abs() < 0.2 * sigma, "{found} for {thickness}");
+        assert!((found - thickness).abs() < 0.1 * sigma, "{found} for {thickness}");
+    }
+}
+
+#[test]
+fn two_sheets_that_face_the_same_way_stay_two_beyond_the_threshold() {
+    let sigma = 0.004;
+    for apart in [10.0, 12.0, 16.0] {
+        let layer = |seed: u64, height: f64| {
+            let node = |k: u64| {
+                let y = height + sigma * 3_f64.sqrt() * noise(seed, k);
+                let position = Point2::new(0.02 * k as f64, y);
+                Node { sigma: sigma as f32, footprint: 0.02, ..Node::at(position) }
+            };
+            Curve::new((0..200).map(node).collect(), false).unwrap()
+        };
+        let views: Vec<_> =
+            (0..8).map(|v| vec![layer(2 * v, 0.0), layer(2 * v + 1, apart * sigma)]).collect();
+        let fused = fuse(&views);
+        assert_eq!(fused.curves.len(), 2, "{apart} sigma apart");
+        for n in nodes(&fused).filter(|n| (0.3..3.7).contains(&n.position.x)) {
+            let off = n.position.y.abs().min((n.position.y - apart * sigma).abs());
+            assert!(off < 2.0 * sigma, "{apart} sigma apart: {n:?}");
+        }
     }
 }
 

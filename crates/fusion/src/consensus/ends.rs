@@ -4,7 +4,8 @@
 
 use super::pieces::Piece;
 use super::{Kept, Scale};
-use transect_geometry::Vector2;
+use crate::grid::PointGrid;
+use transect_geometry::{Point2, Vector2};
 
 /// How two ends may be joined.
 #[derive(Debug, Clone, Copy)]
@@ -17,6 +18,13 @@ pub(super) struct JoinRule {
     pub backward: f64,
     /// Nodes that may be cut from each end to find where the two come closest.
     pub cut_nodes: usize,
+}
+
+impl JoinRule {
+    /// How far apart two ends may be before anything is cut, if this is their larger footprint.
+    fn farthest(&self, footprint: f64, scale: &Scale) -> f64 {
+        ((2 * self.cut_nodes) as f64 + self.gap_footprints) * footprint + scale.threshold
+    }
 }
 
 /// A smooth continuation; ends that pass beside each other are cut until the gap leads forward.
@@ -75,17 +83,62 @@ struct Join {
 fn candidates(kept: &[Kept], slots: &[Option<Piece>], scale: &Scale, rule: &JoinRule) -> Vec<Join> {
     let open = |k: &usize| slots[*k].as_ref().is_some_and(|p| !p.closed);
     let open: Vec<usize> = (0..slots.len()).filter(open).collect();
+    let end = |&k: &usize, last: bool| {
+        let nodes = slots[k].as_ref().map_or(&[][..], |p| &p.nodes);
+        let node = if last { nodes.last() } else { nodes.first() };
+        node.map(|&n| End {
+            position: kept[n as usize].position,
+            footprint: kept[n as usize].footprint,
+        })
+    };
+    let tails: Vec<End> = open.iter().filter_map(|k| end(k, true)).collect();
+    let heads: Vec<End> = open.iter().filter_map(|k| end(k, false)).collect();
     let mut joins: Vec<Join> = Vec::new();
-    for &tail in &open {
-        for &head in &open {
-            if let (Some(a), Some(b)) = (&slots[tail], &slots[head]) {
-                let fit = fit(kept, (a, b), tail == head, scale, rule);
-                joins.extend(fit.map(|(cost, cut)| Join { cost, tail, head, cut }));
-            }
+    neighbours(&tails, &heads, scale, rule, |tail, head| {
+        let (tail, head) = (open[tail], open[head]);
+        if let (Some(a), Some(b)) = (&slots[tail], &slots[head]) {
+            let fit = fit(kept, (a, b), tail == head, scale, rule);
+            joins.extend(fit.map(|(cost, cut)| Join { cost, tail, head, cut }));
         }
-    }
+    });
     joins.sort_by(|a, b| a.cost.total_cmp(&b.cost).then((a.tail, a.head).cmp(&(b.tail, b.head))));
     joins
+}
+
+/// An open end of a piece.
+#[derive(Debug, Clone, Copy)]
+struct End {
+    position: Point2,
+    footprint: f64,
+}
+
+/// Visits every tail and head close enough for the rule. How close depends on the larger footprint
+/// of the two, so each pair is found from that one.
+fn neighbours(
+    tails: &[End],
+    heads: &[End],
+    scale: &Scale,
+    rule: &JoinRule,
+    mut visit: impl FnMut(usize, usize),
+) {
+    let places = |ends: &[End]| ends.iter().map(|e| e.position).collect::<Vec<Point2>>();
+    let cell = rule.farthest(scale.spacing, scale);
+    let (tail_grid, head_grid) =
+        (PointGrid::new(&places(tails), cell), PointGrid::new(&places(heads), cell));
+    for (t, tail) in tails.iter().enumerate() {
+        head_grid.within(&tail.position, rule.farthest(tail.footprint, scale), |h, _| {
+            if heads[h].footprint <= tail.footprint {
+                visit(t, h);
+            }
+        });
+    }
+    for (h, head) in heads.iter().enumerate() {
+        tail_grid.within(&head.position, rule.farthest(head.footprint, scale), |t, _| {
+            if tails[t].footprint < head.footprint {
+                visit(t, h);
+            }
+        });
+    }
 }
 
 /// Cost of joining the tail of one piece to the head of another, and what to cut; `None` if they do
@@ -98,12 +151,7 @@ fn fit(
     rule: &JoinRule,
 ) -> Option<(f64, (usize, usize))> {
     let (tail, head) = (kept[*a.nodes.last()? as usize], kept[*b.nodes.first()? as usize]);
-    let far = (2 * rule.cut_nodes) as f64 + rule.gap_footprints;
     let largest = tail.footprint.max(head.footprint);
-    let apart = (head.position - tail.position).norm();
-    if apart > far * largest + scale.threshold {
-        return None;
-    }
     let shortest = a.nodes.len().min(b.nodes.len());
     let most = rule.cut_nodes.min(if itself { shortest / 3 } else { shortest / 2 });
     let (leaving, arriving) = (a.direction(kept, true), b.direction(kept, false));

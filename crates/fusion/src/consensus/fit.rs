@@ -1,9 +1,7 @@
 //! Robust local fits in a curve's own direction: a line for a first place, a parabola for the last.
 
-use nalgebra::{Matrix3, Vector3};
-
 /// One observation in a local frame along (x) and across (y) a curve.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Sample {
     pub x: f64,
     pub y: f64,
@@ -13,6 +11,8 @@ pub(super) struct Sample {
     /// Variance along the curve of the places it is the mean of; 0 for a single place. The mean of
     /// places on a bend lies inside the bend, by this much times the bend.
     pub along_variance: f64,
+    /// Length along the curve over which samples share their errors; 0 if each has its own.
+    pub correlation: f64,
 }
 
 impl Sample {
@@ -69,59 +69,126 @@ fn weighted_line(samples: &[Sample], weight: impl Fn(&Sample) -> f64) -> Option<
     Some(Fit { place: (wy - slope * wx) / w, slope, ..Fit::default() })
 }
 
-/// A robust weighted parabola through samples with `|x| <= reach`.
+/// Correlation of the errors of two nodes of one view, `apart` along the curve.
+///
+/// It falls exponentially, and its integral is the correlation length: the mean over a long stretch
+/// has the variance of one independent error per correlation length.
+pub(super) fn shared(apart: f64, correlation: f64) -> f64 {
+    if correlation > 0.0 { (-2.0 * apart.abs() / correlation).exp() } else { 0.0 }
+}
+
+/// A robust weighted parabola through samples with `|x| <= reach`, sorted by x.
 ///
 /// `None` unless samples lie on both sides and determine it.
 pub(super) fn parabola(samples: &[Sample], reach: f64, across: f64) -> Option<Fit> {
-    let mut fit = weighted_parabola(samples, reach, |_| 1.0)?;
-    for _ in 0..2 {
-        let last = fit;
-        let robust = |s: &Sample| biweight(last.residual(s) / across);
-        fit = weighted_parabola(samples, reach, robust).unwrap_or(last);
+    let (behind, ahead) = sides(samples, reach);
+    if behind < 2 || ahead < 2 {
+        return None;
     }
-    Some(fit)
+    let rough = Moments::of(samples, reach, |_| 1.0).solve(reach)?;
+    let robust = |s: &Sample| biweight(rough.residual(s) / across);
+    let moments = Moments::of(samples, reach, robust);
+    let fit = moments.solve(reach)?;
+    let [place, bend] = moments.sigmas(samples, reach, robust)?;
+    Some(Fit { place_sigma: place, bend_sigma: bend / (reach * reach), ..fit })
 }
 
 /// Half-width of the middle of a window, as a share of its reach.
 const MIDDLE: f64 = 1e-3;
 
-fn weighted_parabola(
-    samples: &[Sample],
-    reach: f64,
-    robust: impl Fn(&Sample) -> f64,
-) -> Option<Fit> {
-    // Terms in x / reach keep the matrix well scaled.
-    let mut normal = Matrix3::zeros();
-    let mut noise = Matrix3::zeros();
-    let mut right = Vector3::zeros();
-    let mut weights = 0.0;
-    let (mut behind, mut ahead) = (0, 0);
-    for s in samples.iter().filter(|s| s.x.abs() <= reach) {
-        let terms = Vector3::new(1.0, s.x / reach, s.square() / (reach * reach));
-        let w = s.weight * robust(s);
-        let outer = terms * terms.transpose();
-        normal += outer * w;
-        noise += outer * (w * s.sigma).powi(2);
-        right += terms * (w * s.y);
-        weights += w;
-        // A sample at the middle is on neither side, whatever rounding makes of its place.
-        behind += usize::from(s.x < -MIDDLE * reach);
-        ahead += usize::from(s.x > MIDDLE * reach);
+/// Samples behind and ahead of the middle: one there is on neither side, whatever rounding makes of
+/// its place.
+fn sides(samples: &[Sample], reach: f64) -> (usize, usize) {
+    let behind = samples.iter().filter(|s| s.x < -MIDDLE * reach).count();
+    let ahead = samples.iter().filter(|s| s.x > MIDDLE * reach).count();
+    (behind, ahead)
+}
+
+/// The normal equations of a parabola in x / reach, which keeps them well scaled.
+#[derive(Debug, Clone, Copy, Default)]
+struct Moments {
+    /// Sums of weight × 1, u, q, u², uq, q², where q is the mean of u² over the sample's places.
+    left: [f64; 6],
+    /// Sums of weight × y × 1, u, q.
+    right: [f64; 3],
+}
+
+impl Moments {
+    fn of(samples: &[Sample], reach: f64, robust: impl Fn(&Sample) -> f64) -> Self {
+        let scale = 1.0 / reach;
+        let mut m = Self::default();
+        for s in samples {
+            let w = s.weight * robust(s);
+            let (u, q) = (s.x * scale, s.square() * scale * scale);
+            let (wu, wq, wy) = (w * u, w * q, w * s.y);
+            let (left, right) = (&mut m.left, &mut m.right);
+            left[0] += w;
+            left[1] += wu;
+            left[2] += wq;
+            left[3] += wu * u;
+            left[4] += wu * q;
+            left[5] += wq * q;
+            right[0] += wy;
+            right[1] += wy * u;
+            right[2] += wy * q;
+        }
+        m
     }
-    if behind < 2 || ahead < 2 {
-        return None;
+
+    /// The cofactors of the symmetric matrix, and its determinant if the samples determine a parabola.
+    fn cofactors(&self) -> Option<([f64; 6], f64)> {
+        let [a, b, c, d, e, f] = self.left;
+        let cofactors = [
+            d * f - e * e,
+            c * e - b * f,
+            b * e - c * d,
+            a * f - c * c,
+            b * c - a * e,
+            a * d - b * b,
+        ];
+        let determinant = a * cofactors[0] + b * cofactors[1] + c * cofactors[2];
+        (determinant > 1e-9 * a * a * a).then_some((cofactors, determinant))
     }
-    let determined = normal.determinant() > 1e-9 * weights * weights * weights;
-    let inverse = normal.try_inverse().filter(|_| determined)?;
-    let solution = inverse * right;
-    let covariance = inverse * noise * inverse;
-    Some(Fit {
-        place: solution[0],
-        slope: solution[1] / reach,
-        bend: solution[2] / (reach * reach),
-        place_sigma: covariance[(0, 0)].max(0.0).sqrt(),
-        bend_sigma: covariance[(2, 2)].max(0.0).sqrt() / (reach * reach),
-    })
+
+    fn solve(&self, reach: f64) -> Option<Fit> {
+        let ([a, b, c, d, e, f], determinant) = self.cofactors()?;
+        let [r, s, t] = self.right.map(|v| v / determinant);
+        Some(Fit {
+            place: a * r + b * s + c * t,
+            slope: (b * r + d * s + e * t) / reach,
+            bend: (c * r + e * s + f * t) / (reach * reach),
+            ..Fit::default()
+        })
+    }
+
+    /// Standard deviations of place and bend (of u²) from the samples' random errors, of which
+    /// neighbours share a part.
+    ///
+    /// Both are sums of sample errors with known coefficients. With an exponential correlation, what
+    /// a sample shares with all before it is carried along in one number.
+    fn sigmas(
+        &self,
+        samples: &[Sample],
+        reach: f64,
+        robust: impl Fn(&Sample) -> f64,
+    ) -> Option<[f64; 2]> {
+        let ([a, b, c, _, e, f], determinant) = self.cofactors()?;
+        let scale = 1.0 / reach;
+        let (mut variance, mut carried, mut last) = ([0.0; 2], [0.0; 2], 0.0);
+        for s in samples {
+            let error = s.weight * robust(s) * s.sigma / determinant;
+            let (u, q) = (s.x * scale, s.square() * scale * scale);
+            let errors = [error * (a + b * u + c * q), error * (c + e * u + f * q)];
+            let kept = shared(s.x - last, s.correlation);
+            for k in 0..2 {
+                carried[k] *= kept;
+                variance[k] += errors[k] * (errors[k] + 2.0 * carried[k]);
+                carried[k] += errors[k];
+            }
+            last = s.x;
+        }
+        Some(variance.map(|v: f64| v.max(0.0).sqrt()))
+    }
 }
 
 /// Falls from 1 at 0 to 0 at ±1 (tricube).
@@ -143,7 +210,7 @@ mod tests {
     fn samples(f: impl Fn(f64) -> f64) -> Vec<Sample> {
         let at = |k: i32| f64::from(k) * 0.25;
         (-8..=8)
-            .map(|k| Sample { x: at(k), y: f(at(k)), weight: 1.0, sigma: 0.1, along_variance: 0.0 })
+            .map(|k| Sample { x: at(k), y: f(at(k)), weight: 1.0, sigma: 0.1, ..Sample::default() })
             .collect()
     }
 

@@ -13,11 +13,12 @@
 //! 1. Observations: nodes of all views in an order that depends on what was seen alone, with
 //!    direction, and with weights that fall towards open ends, where real scanners overshoot.
 //! 2. Spread between views, measured; it sets the overlap threshold.
-//! 3. First place: each observation moves, across the curve, onto a robust line through all views'
-//!    neighbours. The neighbours themselves never move, so nothing drifts.
-//! 4. Thinning: best supported first, each kept node absorbs what lies beside it.
-//! 5. Clusters: each kept node takes the weighted mean of the *original* places it absorbed.
-//! 6. Final place: a robust parabola, its window chosen by intersecting confidence intervals.
+//! 3. First place: observations beside each other form a group; each group moves, across the curve,
+//!    onto a robust line through its neighbours. The neighbours never move, so nothing drifts.
+//! 4. Thinning: best supported first, each kept group absorbs what lies beside it.
+//! 5. Clusters: each kept node takes the weighted mean of the *original* places it absorbed. Members
+//!    of one view that share their errors count as fewer.
+//! 6. Final place: a robust parabola, its window the widest that agrees with all narrower ones.
 //! 7. Links: shortest first, one successor and one predecessor; the views' own curves are asked.
 //! 8. Cover: longest piece first, what lies beside an accepted piece is cut away.
 //! 9. Ends: joined where the curve goes on, turned round thin tips, cut back where they cross.
@@ -25,13 +26,14 @@
 //! **Departures from the source.** Everything from step 3 on replaces 5.5.2. The rule table of 5.4
 //! holds for the result as an invariant instead of deciding each merge.
 //!
-//! **Cost.** Each step gathers neighbours from a grid. A node's first place looks at all views
-//! around it, so time is nodes × overlapping views; everything after the thinning is linear in the
-//! length of the result. Joining compares all open ends with each other. Not for views whose poses are wrong by more than the
-//! overlap threshold: it cannot repair registration.
+//! **Cost.** Each step gathers neighbours from a grid. All of them work on groups or on what is kept,
+//! whose number depends on the length of the result, not on the number of views; every observation
+//! is only grouped and added to its cluster. Open ends are found through a grid as well. Not for
+//! views whose poses are wrong by more than the overlap threshold: it cannot repair registration.
 
 mod ends;
 mod fit;
+mod groups;
 mod link;
 pub(crate) mod observations;
 mod pieces;
@@ -42,6 +44,7 @@ mod window;
 
 use crate::grid::PointGrid;
 use crate::{FusedPlane, FusionCounts};
+use nalgebra::Vector3;
 use observations::{Observations, median};
 use pieces::Piece;
 use transect_geometry::{Curve, Node, Point2, Vector2};
@@ -129,6 +132,10 @@ struct Kept {
     /// Sum of the credits of what this node absorbed.
     credit: f64,
     views: u32,
+    /// Length along the curve over which it shares its error with its neighbours.
+    correlation: f64,
+    /// Outward unit normal of the surface, or zero.
+    normal: Vector3<f32>,
 }
 
 impl Kept {
@@ -145,6 +152,8 @@ impl Kept {
             weight: 0.0,
             credit: 0.0,
             views: 0,
+            correlation: 0.0,
+            normal: Vector3::zeros(),
         }
     }
 
@@ -155,7 +164,8 @@ impl Kept {
             footprint: self.footprint as f32,
             weight: self.credit as f32,
             views: self.views,
-            ..Node::at(self.position)
+            correlation: self.correlation as f32,
+            normal: self.normal,
         }
     }
 }
@@ -225,7 +235,10 @@ fn tidy(
         pieces::straighten(kept, piece);
         dropped += before - piece.nodes.len();
     }
-    (pieces, dropped)
+    let all: usize = pieces.iter().map(|p| p.nodes.len()).sum();
+    pieces.retain(|p| p.has_direction(kept));
+    let left: usize = pieces.iter().map(|p| p.nodes.len()).sum();
+    (pieces, dropped + all - left)
 }
 
 /// The curves of the pieces, longest first.

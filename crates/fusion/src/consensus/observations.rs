@@ -1,5 +1,6 @@
 //! All nodes of all views on a plane, in canonical order, with direction and weight.
 
+use nalgebra::Vector3;
 use std::cmp::Ordering;
 use transect_geometry::{Curve, Node, Point2, Vector2};
 
@@ -32,6 +33,10 @@ pub(crate) struct Observation {
     /// Standard deviation across the curve: noise and sampling.
     pub sigma: f64,
     pub footprint: f64,
+    /// Length along the curve over which nodes of its view share their errors.
+    pub correlation: f64,
+    /// Outward unit normal of the surface, or zero.
+    pub normal: Vector3<f32>,
     /// How much it counts as an observation: the node's weight, less towards open ends.
     pub credit: f64,
     /// Weight in an average: the credit over the variance.
@@ -113,6 +118,8 @@ impl Observations {
                 tangent: arc.tangent(k, reach(footprint, node)),
                 sigma,
                 footprint,
+                correlation: f64::from(node.correlation),
+                normal: node.normal,
                 credit,
                 weight: credit / (sigma * sigma),
                 view,
@@ -136,6 +143,11 @@ pub(crate) fn canonical(a: &Curve, b: &Curve) -> Ordering {
             .then(a.footprint.total_cmp(&b.footprint))
             .then(a.weight.total_cmp(&b.weight))
             .then(a.views.cmp(&b.views))
+            .then(a.correlation.total_cmp(&b.correlation))
+            .then_with(|| {
+                let differing = a.normal.iter().zip(&b.normal).map(|(a, b)| a.total_cmp(b));
+                differing.fold(Ordering::Equal, Ordering::then)
+            })
     };
     let differing = a.nodes().iter().zip(b.nodes()).map(|(a, b)| node(a, b)).find(|o| o.is_ne());
     differing

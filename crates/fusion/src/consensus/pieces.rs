@@ -39,6 +39,14 @@ impl Piece {
         self.length(kept) * self.nodes.len() as f64 / footprint
     }
 
+    /// Whether an open piece is long enough against its own error to have a direction. Shorter ones
+    /// are what noise leaves of surfaces that run nearly along the plane.
+    pub fn has_direction(&self, kept: &[Kept]) -> bool {
+        const SIGMAS: f64 = 6.0;
+        let sigma: f64 = self.nodes.iter().map(|&k| kept[k as usize].sigma).sum();
+        self.closed || self.length(kept) * self.nodes.len() as f64 >= SIGMAS * sigma
+    }
+
     /// Unit direction of the piece at one of its nodes, from two nodes before to two after.
     fn chord(&self, kept: &[Kept], at: usize) -> Vector2 {
         const REACH: usize = 2;

@@ -1,7 +1,9 @@
 //! Final place of the kept nodes: a robust parabola through the clusters around each.
 //!
-//! The window is the widest whose estimate still agrees with those of all narrower windows
-//! (intersection of confidence intervals): wide along smooth curves, narrow at detail.
+//! The window is the widest whose estimate differs from those of all narrower windows by no more
+//! than random errors make it (Lepski's rule): wide along smooth curves, narrow at detail. Errors
+//! that neighbours share leave narrow windows in agreement whatever their width; so it is the
+//! *difference* that is judged, by its own standard deviation, and not each estimate by its own.
 
 use super::fit::{Fit, Sample, parabola};
 use super::window::{Window, left_of};
@@ -21,78 +23,147 @@ const WINDOWS: i32 = 6;
 /// A node whose first windows determine no parabola, such as one at an open end, stays on its line.
 const LAST_FIRST_WINDOW: i32 = 1;
 
-/// Half-width of a confidence interval in standard deviations of random error. Smaller follows
-/// detail and noise alike; larger smooths over both.
-const CONFIDENCE: f64 = 1.0;
+/// Largest difference between fits that agree, in its standard deviations. Smaller follows detail and
+/// noise alike; larger smooths over both.
+const CONFIDENCE: f64 = 2.0;
+
+/// Smallest variance of the difference of two fits, as a share of that of the narrower.
+const LEAST_NEWS: f64 = 0.1;
 
 /// Largest curvature times half-width for which a parabola stands for the curve.
 const LARGEST_TURN: f64 = 0.13;
+
+/// Windows for which the neighbours are gathered at once, beyond the one that asks.
+const GATHER_AHEAD: i32 = 2;
+
+/// Length over which neighbouring fits share their errors, as a share of their half-width: a parabola
+/// through 2 h of even samples has 9/4 the variance of their mean, as if 2 h / (9/4) were averaged.
+const SHARED_WINDOW: f64 = 8.0 / 9.0;
 
 /// Moves every kept node to its final place and direction.
 pub(super) fn place(kept: &mut [Kept], scale: &Scale) {
     let clusters: Vec<Point2> = kept.iter().map(|k| k.cluster).collect();
     let grid = PointGrid::new(&clusters, 2.0 * NARROWEST_FOOTPRINTS * scale.spacing);
-    let mut samples = Vec::new();
-    let placed: Vec<Option<Fit>> =
-        kept.iter().map(|here| widest_fit(kept, here, &grid, scale, &mut samples)).collect();
-    for (k, fit) in kept.iter_mut().zip(placed) {
-        let Some(fit) = fit else { continue };
+    let mut near = Near::default();
+    let placed: Vec<Option<Placed>> =
+        kept.iter().map(|here| widest_fit(kept, here, &grid, scale, &mut near)).collect();
+    for (k, placed) in kept.iter_mut().zip(placed) {
+        let Some(Placed { fit, reach }) = placed else { continue };
         let normal = left_of(&k.tangent);
         k.position += normal * fit.place;
         k.tangent = (k.tangent + normal * fit.slope).normalize();
         k.sigma = fit.place_sigma;
+        k.correlation = k.correlation.max(SHARED_WINDOW * reach);
     }
 }
 
-/// The fit in the widest window that agrees with all narrower ones.
+/// The fit in the widest window that agrees with all narrower ones, and that window's half-width.
+#[derive(Debug, Clone, Copy)]
+struct Placed {
+    fit: Fit,
+    reach: f64,
+}
+
 fn widest_fit(
     kept: &[Kept],
     here: &Kept,
     grid: &PointGrid,
     scale: &Scale,
-    samples: &mut Vec<Sample>,
-) -> Option<Fit> {
+    near: &mut Near,
+) -> Option<Placed> {
     let threshold = scale.across(here.cluster_sigma);
-    let mut best: Option<Fit> = None;
-    let mut interval = (f64::NEG_INFINITY, f64::INFINITY);
+    let reach = |step| NARROWEST_FOOTPRINTS * here.footprint * WINDOW_GROWTH.powi(step);
+    let mut best: Option<Placed> = None;
+    near.narrower.clear();
+    near.reach = 0.0;
     for step in 0..WINDOWS {
-        let reach = NARROWEST_FOOTPRINTS * here.footprint * WINDOW_GROWTH.powi(step);
-        gather(kept, here, grid, (reach, threshold, scale.same_way), samples);
-        let Some(fit) = parabola(samples, reach, threshold) else {
+        let reach_now = reach(step);
+        if reach_now > near.reach {
+            let farthest = reach((step + GATHER_AHEAD).min(WINDOWS - 1));
+            near.gather(kept, here, grid, (farthest, threshold, scale.same_way));
+        }
+        let Some(fit) = parabola(near.window(reach_now, threshold), reach_now, threshold) else {
             // A first fit across a gap would rest on far ground alone.
             if step < LAST_FIRST_WINDOW {
                 continue;
             }
             break;
         };
-        let half = CONFIDENCE * fit.place_sigma;
-        interval = (interval.0.max(fit.place - half), interval.1.min(fit.place + half));
-        let turns = 2.0 * (fit.bend.abs() - 2.0 * fit.bend_sigma) * reach > LARGEST_TURN;
-        if best.is_some() && (interval.0 > interval.1 || turns) {
+        let agrees = near.narrower.iter().all(|n| agree(n, &fit));
+        let turns = 2.0 * (fit.bend.abs() - 2.0 * fit.bend_sigma) * reach_now > LARGEST_TURN;
+        if best.is_some() && (!agrees || turns) {
             break;
         }
-        best = Some(fit);
+        near.narrower.push(fit);
+        best = Some(Placed { fit, reach: reach_now });
     }
-    best.filter(|f| f.place.abs() <= threshold)
+    best.filter(|b| b.fit.place.abs() <= threshold)
 }
 
-fn gather(
-    kept: &[Kept],
-    here: &Kept,
-    grid: &PointGrid,
-    (reach, threshold, same_way): (f64, f64, f64),
-    samples: &mut Vec<Sample>,
-) {
-    // A bend leaves the tangent by up to half the reach where directions still count as the same.
-    let across = threshold.max(0.5 * reach);
-    let window = Window { centre: here.position, tangent: here.tangent, reach, across, same_way };
-    samples.clear();
-    window.visit(
-        grid,
-        |j| kept[j].tangent,
-        |j, x, y| {
-            let Kept { weight, cluster_sigma: sigma, along_variance, .. } = kept[j];
-            samples.push(Sample { x, y, weight, sigma, along_variance });
-        },
-    );
+/// The clusters around a node, gathered for several windows at once.
+#[derive(Debug, Default)]
+struct Near {
+    reach: f64,
+    /// Sorted by x.
+    all: Vec<Sample>,
+    /// Those of one window.
+    inside: Vec<Sample>,
+    /// Fits in the windows accepted so far.
+    narrower: Vec<Fit>,
+}
+
+/// Whether a fit differs from one in a narrower window by no more than random errors make it.
+///
+/// The wider window holds the samples of the narrower one. What both share differs in neither, so
+/// the variance of the difference is that of the narrower fit less that of the wider.
+fn agree(narrow: &Fit, wide: &Fit) -> bool {
+    let (before, after) = (narrow.place_sigma.powi(2), wide.place_sigma.powi(2));
+    let variance = (before - after).max(LEAST_NEWS * before);
+    (wide.place - narrow.place).powi(2) <= CONFIDENCE * CONFIDENCE * variance
+}
+
+impl Near {
+    fn gather(
+        &mut self,
+        kept: &[Kept],
+        here: &Kept,
+        grid: &PointGrid,
+        (reach, threshold, same_way): (f64, f64, f64),
+    ) {
+        let window = Window {
+            centre: here.position,
+            tangent: here.tangent,
+            reach,
+            across: across(threshold, reach),
+            same_way,
+        };
+        let all = &mut self.all;
+        all.clear();
+        window.visit(
+            grid,
+            |j| kept[j].tangent,
+            |j, x, y| {
+                let Kept { weight, cluster_sigma: sigma, along_variance, correlation, .. } =
+                    kept[j];
+                all.push(Sample { x, y, weight, sigma, along_variance, correlation });
+            },
+        );
+        all.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+        self.reach = reach;
+    }
+
+    /// The samples of a window not wider than the one gathered.
+    fn window(&mut self, reach: f64, threshold: f64) -> &[Sample] {
+        let across = across(threshold, reach);
+        let inside = |s: &&Sample| s.x.abs() <= reach && s.y.abs() <= across;
+        self.inside.clear();
+        self.inside.extend(self.all.iter().filter(inside));
+        &self.inside
+    }
+}
+
+/// Half-width of a window across: a bend leaves the tangent by up to half the reach where
+/// directions still count as the same.
+fn across(threshold: f64, reach: f64) -> f64 {
+    threshold.max(0.5 * reach)
 }

@@ -7,8 +7,13 @@
 use super::observations::{Observations, median};
 use crate::grid::PointGrid;
 
-/// Nodes looked at; the median of this many is good to a few percent.
-const SAMPLES: usize = 3000;
+/// Nodes looked at: the median of this many is good to a few percent, and of more than this share of
+/// all nodes to no less, as neighbours say the same.
+const SAMPLES: usize = 1000;
+const LEAST_STEP: usize = 6;
+
+/// So few nodes are all looked at.
+const FEW: usize = 300;
 
 /// Fewest distances that make a spread.
 const FEWEST_SAMPLES: usize = 8;
@@ -30,7 +35,9 @@ pub(super) fn between_views(
     if observations.sources.len() < 2 {
         return None;
     }
-    let step = observations.all.len().div_ceil(SAMPLES);
+    let count = observations.all.len();
+    let least = if count > FEW { LEAST_STEP } else { 1 };
+    let step = count.div_ceil(SAMPLES).max(least);
     let samples = (0..observations.all.len()).step_by(step);
     let mut distances: Vec<f64> =
         samples.filter_map(|k| distance_to_other(observations, grid, k, same_way)).collect();

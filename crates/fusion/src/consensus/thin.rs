@@ -1,10 +1,12 @@
 //! First place, thinning and clusters: from all observations to one kept node per footprint.
 
-use super::fit::{Sample, line};
+use super::fit::{self, Sample, line};
+use super::groups::{self, Group, Groups};
 use super::observations::{NONE, Observation, Observations};
 use super::window::Window;
 use super::{Kept, Scale};
 use crate::grid::PointGrid;
+use nalgebra::Vector3;
 use transect_geometry::{Point2, Vector2};
 
 /// Reach of the first, rough fit along the curve, in footprints and standard deviations.
@@ -16,7 +18,7 @@ const ROUGH_SIGMAS: f64 = 3.0;
 const ABSORB_FOOTPRINTS: f64 = 0.7;
 const ABSORB_SHARE: f64 = 0.6;
 
-/// An observation moved onto the robust line through its neighbours of all views.
+/// A group moved onto the robust line through its neighbours of all views.
 #[derive(Debug, Clone, Copy)]
 struct Projected {
     position: Point2,
@@ -31,25 +33,28 @@ pub(super) struct Thinned {
     pub absorbed_by: Vec<u32>,
 }
 
-/// Keeps the best-supported observations and clusters the others around them.
+/// Keeps the best-supported groups and clusters the observations of the others around them.
 pub(super) fn thin(observations: &Observations, grid: &PointGrid, scale: &Scale) -> Thinned {
-    let projected = project(observations, grid, scale);
-    let (chosen, absorbed_by) = choose(observations, &projected, scale);
+    let groups = groups::group(observations, grid, scale);
+    let projected = project(&groups, scale);
+    let (chosen, group_absorbed_by) = choose(&groups, &projected, scale);
     let mut kept: Vec<Kept> = chosen
         .iter()
         .map(|&k| {
-            let (p, o) = (&projected[k as usize], &observations.all[k as usize]);
-            Kept::new(p.position, p.tangent, o.footprint)
+            let (p, g) = (&projected[k as usize], &groups.all[k as usize]);
+            Kept::new(p.position, p.tangent, g.footprint)
         })
         .collect();
+    let absorbed_by: Vec<u32> = groups.of.iter().map(|&g| group_absorbed_by[g as usize]).collect();
     cluster(observations, &absorbed_by, &mut kept);
     Thinned { kept, absorbed_by }
 }
 
-fn project(observations: &Observations, grid: &PointGrid, scale: &Scale) -> Vec<Projected> {
-    let mut neighbours = Neighbours::new(observations);
-    let all = observations.all.iter().enumerate();
-    all.map(|(k, here)| {
+fn project(groups: &Groups, scale: &Scale) -> Vec<Projected> {
+    let positions: Vec<Point2> = groups.all.iter().map(|g| g.position).collect();
+    let grid = PointGrid::new(&positions, 2.0 * scale.spacing);
+    let mut samples = Vec::new();
+    let project = |here: &Group| {
         let window = Window {
             centre: here.position,
             tangent: here.tangent,
@@ -57,73 +62,44 @@ fn project(observations: &Observations, grid: &PointGrid, scale: &Scale) -> Vec<
             across: scale.across(here.sigma),
             same_way: scale.same_way,
         };
-        let views = neighbours.gather(k, &window, grid);
-        let fit = line(&neighbours.samples, window.reach, window.across).unwrap_or_default();
-        let normal = window.normal();
-        let tangent = (here.tangent + normal * fit.slope).normalize();
-        Projected { position: here.position + normal * fit.place, tangent, views }
-    })
-    .collect()
-}
-
-/// Work space for gathering one observation's neighbours after another's.
-struct Neighbours<'a> {
-    observations: &'a Observations,
-    samples: Vec<Sample>,
-    /// For each view, the last observation for which it was seen among the neighbours.
-    seen_for: Vec<u32>,
-}
-
-impl<'a> Neighbours<'a> {
-    fn new(observations: &'a Observations) -> Self {
-        let seen_for = vec![NONE; observations.sources.len()];
-        Self { observations, samples: Vec::new(), seen_for }
-    }
-
-    /// Gathers the neighbours of observation `k`; returns how many views they come from.
-    fn gather(&mut self, k: usize, window: &Window, grid: &PointGrid) -> u32 {
-        let all = &self.observations.all;
-        let (samples, seen_for) = (&mut self.samples, &mut self.seen_for);
         let mut views = 0;
         samples.clear();
         window.visit(
-            grid,
-            |j| all[j].tangent,
+            &grid,
+            |j| groups.all[j].tangent,
             |j, x, y| {
-                let Observation { weight, sigma, view, .. } = all[j];
-                samples.push(Sample { x, y, weight, sigma, along_variance: 0.0 });
-                if seen_for[view as usize] != k as u32 {
-                    seen_for[view as usize] = k as u32;
-                    views += 1;
-                }
+                let g = &groups.all[j];
+                samples.push(Sample { x, y, weight: g.weight, ..Sample::default() });
+                views |= g.views;
             },
         );
-        views
-    }
+        let fit = line(&samples, window.reach, window.across).unwrap_or_default();
+        let normal = window.normal();
+        let tangent = (here.tangent + normal * fit.slope).normalize();
+        let position = here.position + normal * fit.place;
+        Projected { position, tangent, views: views.count_ones() }
+    };
+    groups.all.iter().map(project).collect()
 }
 
-/// Chooses observations in order of support, each absorbing what lies beside it.
-fn choose(
-    observations: &Observations,
-    projected: &[Projected],
-    scale: &Scale,
-) -> (Vec<u32>, Vec<u32>) {
+/// Chooses groups in order of support, each absorbing what lies beside it.
+fn choose(groups: &Groups, projected: &[Projected], scale: &Scale) -> (Vec<u32>, Vec<u32>) {
     let positions: Vec<Point2> = projected.iter().map(|p| p.position).collect();
     let grid = PointGrid::new(&positions, scale.spacing);
     let mut absorbed_by = vec![NONE; projected.len()];
     let mut chosen = Vec::new();
-    for k in by_support(observations, projected) {
+    for k in by_support(groups, projected) {
         if absorbed_by[k as usize] != NONE {
             continue;
         }
         let number = chosen.len() as u32;
         chosen.push(k);
-        let (here, seen) = (&projected[k as usize], &observations.all[k as usize]);
+        let (here, group) = (&projected[k as usize], &groups.all[k as usize]);
         let window = Window {
             centre: here.position,
             tangent: here.tangent,
-            reach: ABSORB_FOOTPRINTS * seen.footprint,
-            across: ABSORB_SHARE * scale.across(seen.sigma),
+            reach: ABSORB_FOOTPRINTS * group.footprint,
+            across: ABSORB_SHARE * scale.across(group.sigma),
             same_way: scale.same_way,
         };
         window.visit(
@@ -140,12 +116,9 @@ fn choose(
     (chosen, absorbed_by)
 }
 
-/// Observations with more views around them first, then the better seen, then canonical order.
-fn by_support(observations: &Observations, projected: &[Projected]) -> Vec<u32> {
-    let quality = |k: u32| {
-        let o = &observations.all[k as usize];
-        o.weight / o.footprint
-    };
+/// Groups with more views around them first, then the better seen, then canonical order.
+fn by_support(groups: &Groups, projected: &[Projected]) -> Vec<u32> {
+    let quality = |k: u32| groups.all[k as usize].quality;
     let views = |k: u32| projected[k as usize].views;
     let mut order: Vec<u32> = (0..projected.len() as u32).collect();
     order.sort_by(|&a, &b| {
@@ -156,44 +129,87 @@ fn by_support(observations: &Observations, projected: &[Projected]) -> Vec<u32> 
 
 /// Gathers the original places of what each kept node absorbed.
 fn cluster(observations: &Observations, absorbed_by: &[u32], kept: &mut [Kept]) {
-    // Members come view by view, so a view is new to a cluster if it was not the last one seen.
-    let mut last_view = vec![NONE; kept.len()];
     let mut sums = vec![Sums::default(); kept.len()];
     for (o, &by) in observations.all.iter().zip(absorbed_by) {
-        let s = &mut sums[by as usize];
-        s.weight += o.weight;
-        s.credit += o.credit;
-        s.position += o.position.coords * o.weight;
-        s.variance += (o.weight * o.sigma).powi(2);
-        let along = (o.position - kept[by as usize].position).dot(&kept[by as usize].tangent);
-        s.along += o.weight * along;
-        s.along_squared += o.weight * along * along;
-        if last_view[by as usize] != o.view {
-            last_view[by as usize] = o.view;
-            kept[by as usize].views += 1;
-        }
+        let k = &kept[by as usize];
+        sums[by as usize].add(o, (o.position - k.position).dot(&k.tangent));
     }
     for (k, s) in kept.iter_mut().zip(&sums) {
-        if s.weight <= 0.0 {
+        k.views = s.views;
+        if s.weight > 0.0 {
             // Nodes of no weight stand for themselves.
-            continue;
+            s.give(k);
         }
-        k.cluster = Point2::from(s.position / s.weight);
-        k.cluster_sigma = s.variance.sqrt() / s.weight;
-        let along = s.along / s.weight;
-        k.along_variance = (s.along_squared / s.weight - along * along).max(0.0);
-        k.sigma = k.cluster_sigma;
-        k.weight = s.weight;
-        k.credit = s.credit;
     }
 }
 
-#[derive(Debug, Clone, Copy, Default)]
+/// Sums over what a kept node absorbed. Members come view by view, and along the view's curves.
+#[derive(Debug, Clone, Copy)]
 struct Sums {
     weight: f64,
     credit: f64,
     position: Vector2,
-    variance: f64,
     along: f64,
     along_squared: f64,
+    normal: Vector3<f32>,
+    correlation: f64,
+    views: u32,
+    last_view: u32,
+    last_along: f64,
+    variance: f64,
+    /// Weighted error of earlier members of the same view that the next one shares.
+    shared: f64,
+}
+
+impl Default for Sums {
+    fn default() -> Self {
+        Self {
+            weight: 0.0,
+            credit: 0.0,
+            position: Vector2::zeros(),
+            along: 0.0,
+            along_squared: 0.0,
+            normal: Vector3::zeros(),
+            correlation: 0.0,
+            views: 0,
+            last_view: NONE,
+            last_along: 0.0,
+            variance: 0.0,
+            shared: 0.0,
+        }
+    }
+}
+
+impl Sums {
+    fn add(&mut self, o: &Observation, along: f64) {
+        if self.last_view != o.view {
+            // Views err independently.
+            (self.last_view, self.shared) = (o.view, 0.0);
+            self.views += 1;
+        }
+        let error = o.weight * o.sigma;
+        self.shared *= fit::shared(along - self.last_along, o.correlation);
+        self.variance += error * (error + 2.0 * self.shared);
+        self.shared += error;
+        self.last_along = along;
+        self.weight += o.weight;
+        self.credit += o.credit;
+        self.position += o.position.coords * o.weight;
+        self.along += o.weight * along;
+        self.along_squared += o.weight * along * along;
+        self.normal += o.normal * o.weight as f32;
+        self.correlation += o.weight * o.correlation;
+    }
+
+    fn give(&self, k: &mut Kept) {
+        k.cluster = Point2::from(self.position / self.weight);
+        k.cluster_sigma = self.variance.sqrt() / self.weight;
+        let along = self.along / self.weight;
+        k.along_variance = (self.along_squared / self.weight - along * along).max(0.0);
+        k.sigma = k.cluster_sigma;
+        k.weight = self.weight;
+        k.credit = self.credit;
+        k.correlation = self.correlation / self.weight;
+        k.normal = self.normal.try_normalize(0.0).unwrap_or_default();
+    }
 }

@@ -1,0 +1,128 @@
+//! How far noise is taken out, and how well the result knows what is left of it.
+//!
+//! `cargo test -p transect-fusion --test noise -- --nocapture` prints the tables.
+#![allow(clippy::unwrap_used, reason = "test code; shared helpers are outside test functions")]
+
+use std::f64::consts::TAU;
+use transect_fusion::{ConsensusOptions, consensus};
+use transect_geometry::{Curve, Node, Point2};
+
+/// Distance between neighbouring nodes, and one node's own standard deviation.
+const SPACING: f64 = 0.02;
+const SIGMA: f64 = 0.004;
+
+/// Numbers of a normal distribution from a seed (SplitMix64, sum of twelve).
+struct Noise(u64);
+
+impl Noise {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut x = self.0;
+        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((x ^ (x >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
+    }
+
+    /// Errors around a ring of standard deviation 1, each the mean of `shared` neighbouring ones.
+    fn around(&mut self, count: usize, shared: usize) -> Vec<f64> {
+        let own: Vec<f64> = (0..count).map(|_| self.normal()).collect();
+        let mean = |k: usize| (0..shared).map(|j| own[(k + j) % count]).sum::<f64>();
+        (0..count).map(|k| mean(k) / (shared as f64).sqrt()).collect()
+    }
+}
+
+/// A circle of radius 1 as one view saw it, its errors the mean of some neighbouring ones.
+fn ring(seed: u64, shared: usize) -> Vec<Curve> {
+    let mut noise = Noise(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
+    let phase = noise.uniform();
+    let errors = noise.around((TAU / SPACING) as usize, shared);
+    let correlation = if shared > 1 { shared as f64 * SPACING } else { 0.0 };
+    let node = |(k, e): (usize, &f64)| {
+        let a = TAU * (k as f64 + phase) / errors.len() as f64;
+        let r = 1.0 + SIGMA * e;
+        Node {
+            sigma: SIGMA as f32,
+            footprint: SPACING as f32,
+            correlation: correlation as f32,
+            ..Node::at(Point2::new(r * a.cos(), r * a.sin()))
+        }
+    };
+    vec![Curve::new(errors.iter().enumerate().map(node).collect(), true).unwrap()]
+}
+
+/// Root mean square of the errors, and of the standard deviations the result claims.
+fn observed_and_predicted(views: u64, shared: usize, rounds: u64) -> (f64, f64) {
+    let (mut errors, mut claims, mut count) = (0.0, 0.0, 0.0);
+    for round in 0..rounds {
+        let views: Vec<_> = (0..views).map(|v| ring(1 + v + 1000 * round, shared)).collect();
+        let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+        let fused = consensus(&slices, &ConsensusOptions::default());
+        for n in fused.curves.iter().flat_map(|c| c.nodes()) {
+            errors += (n.position.coords.norm() - 1.0).powi(2);
+            claims += f64::from(n.sigma).powi(2);
+            count += 1.0;
+        }
+    }
+    ((errors / count).sqrt(), (claims / count).sqrt())
+}
+
+#[test]
+fn the_error_falls_with_the_root_of_the_number_of_views() {
+    for shared in [1, 4] {
+        let counts = [1_u64, 2, 4, 8, 16, 32, 64];
+        let errors = counts.map(|v| observed_and_predicted(v, shared, 2).0);
+        println!("errors shared by {shared}: views, rms error in standard deviations of a node");
+        counts.iter().zip(errors).for_each(|(v, e)| println!("{v:>4} {:.4}", e / SIGMA));
+        // Slope of the line through all points but the first, in logarithms.
+        let points: Vec<(f64, f64)> =
+            counts.iter().zip(errors).skip(1).map(|(v, e)| ((*v as f64).ln(), e.ln())).collect();
+        let n = points.len() as f64;
+        let mean = points.iter().fold((0.0, 0.0), |m, p| (m.0 + p.0 / n, m.1 + p.1 / n));
+        let (xy, xx) = points.iter().fold((0.0, 0.0), |s, p| {
+            let x = p.0 - mean.0;
+            (s.0 + x * (p.1 - mean.1), s.1 + x * x)
+        });
+        println!("slope {:.3}", xy / xx);
+        assert!((-0.6..-0.4).contains(&(xy / xx)), "slope {}", xy / xx);
+    }
+}
+
+#[test]
+fn the_result_knows_its_own_error() {
+    println!("views shared  observed predicted  ratio");
+    for (views, shared) in [(2, 1), (4, 1), (12, 1), (2, 3), (4, 3), (12, 3), (4, 6), (12, 6)] {
+        let (observed, predicted) = observed_and_predicted(views, shared, 6);
+        let ratio = predicted / observed;
+        println!("{views:>5} {shared:>6} {observed:>9.6} {predicted:>9.6} {ratio:>6.3}");
+        assert!((0.8..1.25).contains(&ratio), "{views} views, {shared} shared: {ratio}");
+    }
+}
+
+#[test]
+fn normals_and_shared_lengths_reach_the_result() {
+    let outward = |curve: &Curve| {
+        let give = |n: &Node| {
+            let p = n.position.coords.normalize();
+            let mut node = *n;
+            (node.normal.x, node.normal.y, node.normal.z) = (p.x as f32, p.y as f32, 0.5);
+            node.normal.normalize_mut();
+            node
+        };
+        Curve::new(curve.nodes().iter().map(give).collect(), curve.is_closed()).unwrap()
+    };
+    let views: Vec<Vec<Curve>> = (1..5).map(|v| ring(v, 4).iter().map(outward).collect()).collect();
+    let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+    let fused = consensus(&slices, &ConsensusOptions::default());
+    for n in fused.curves.iter().flat_map(|c| c.nodes()) {
+        let p = n.position.coords.normalize();
+        let along = f64::from(n.normal.x) * p.x + f64::from(n.normal.y) * p.y;
+        assert!((n.normal.norm() - 1.0).abs() < 1e-5 && (along - 0.8944).abs() < 0.01, "{n:?}");
+        // At least what the views say, at most the widest window.
+        let spacings = f64::from(n.correlation) / SPACING;
+        assert!((3.99..25.0).contains(&spacings), "{spacings}");
+    }
+}
