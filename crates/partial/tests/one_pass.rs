@@ -177,7 +177,7 @@ proptest! {
         (view, _) in views(), normal in normals(), interval in 0.1..0.4,
     ) {
         let planes = planes(normal, interval);
-        let options = OnePassOptions::default();
+        let options = OnePassOptions { gap: 0, ..OnePassOptions::default() };
         let model = partial_model(&view, &planes, &options).unwrap();
         let axes = SectionAxes::new(&view, &planes).unwrap();
         let rule = BreakRule::new(options.max_incidence_rad, 0.0);

@@ -20,6 +20,18 @@ pub(super) struct Crossing {
     pub pair: Vector3,
     /// Distance between the two rays at the surface, in the length unit.
     pub spacing: f32,
+    /// Share of the way from the first sample to the second, by their heights.
+    pub share: f32,
+    /// Whether pixels are missing between this crossing and the next one of its curve.
+    pub bridged_after: bool,
+}
+
+impl Crossing {
+    /// Heights of the pair's samples over the plane, in the length unit.
+    pub fn heights(&self) -> [f64; 2] {
+        let share = f64::from(self.share);
+        [-share * self.pair.z, (1.0 - share) * self.pair.z]
+    }
 }
 
 /// Solves the crossing of a pair with the plane at a level.
@@ -48,6 +60,8 @@ pub(super) fn solve(
         across_rows: kind != Kind::Left,
         pair: axes.turn(&d),
         spacing: (d - ray * d.dot(&ray)).norm() as f32,
+        share: t as f32,
+        bridged_after: false,
     }
 }
 

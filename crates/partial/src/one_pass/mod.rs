@@ -31,15 +31,19 @@
 //! curved guides, whose levels are not an affine function of the point.
 
 mod band;
+mod bridge;
 mod cell;
 mod chains;
 mod contours;
 mod crossing;
+mod curves;
 mod emit;
 mod ends;
 mod link;
+mod near_tangent;
 mod nodes;
 mod part;
+mod refine;
 mod rows;
 mod seen;
 mod source;
@@ -49,6 +53,7 @@ pub use contours::{Contours, Effort, Instructions, Kind, Polyline, Vertex, Works
 pub use seen::{Seen, seen};
 
 use crate::prepared::Prepared;
+use crate::subpixel::Subpixel;
 use crate::{BreakRule, PartialError, PartialModel, SectionAxes};
 use transect_device::View;
 use transect_geometry::PlaneFamily;
@@ -63,11 +68,25 @@ pub struct OnePassOptions {
     pub jump_sigmas: f64,
     /// Whether noisy images are smoothed before their contours are found; see [`mod@crate::smooth`].
     pub smooth: bool,
+    /// How the point between two pixels is found.
+    pub subpixel: Subpixel,
+    /// Most missing pixels in a row that a curve is continued across; 0 bridges nothing.
+    pub gap: usize,
+    /// Standard deviations by which the surface must leave the plane on both sides of a curve; 0
+    /// keeps what noise alone makes where the surface is nearly tangent to the plane.
+    pub excursion_sigmas: f64,
 }
 
 impl Default for OnePassOptions {
     fn default() -> Self {
-        Self { max_incidence_rad: 78_f64.to_radians(), jump_sigmas: 4.0, smooth: true }
+        Self {
+            max_incidence_rad: 78_f64.to_radians(),
+            jump_sigmas: 4.0,
+            smooth: true,
+            subpixel: Subpixel::default(),
+            gap: 4,
+            excursion_sigmas: 4.0,
+        }
     }
 }
 
@@ -99,7 +118,9 @@ pub fn partial_model_with(
     let axes = SectionAxes::new(prepared.view(), planes)?;
     let rule = rule(prepared.sigma());
     let contours = contours(prepared.view(), &axes, &rule, effort, work)?;
-    let mut model = nodes::model(&prepared, &axes, &contours);
+    let lines =
+        curves::Lines { prepared: &prepared, axes: &axes, rule: &rule, contours: &contours };
+    let mut model = lines.model(options);
     model.counts.crossings = contours.vertex_count();
     model.counts.jumps = contours.jumps();
     prepared.count(&mut model.counts);

@@ -1,12 +1,10 @@
-//! From chains to curves: what is known about every node.
+//! What is known about every node of a curve.
 
-use super::contours::Contours;
-use super::crossing::{Crossing, solve};
-use super::ends::ends;
+use super::crossing::Crossing;
+use crate::SectionAxes;
 use crate::prepared::Prepared;
-use crate::{EndReason, PartialCurve, PartialModel, PlaneCurves, SectionAxes};
 use transect_device::Vector3;
-use transect_geometry::{Curve, Node, Vector2};
+use transect_geometry::{Node, Vector2};
 
 /// Nodes on each side that give a node its direction; pixels alternate between two kinds of pairs,
 /// so fewer would see their zigzag.
@@ -22,76 +20,16 @@ const SIGMA_FACTORS: (f64, f64) = (1.0, 6.0);
 /// Smallest sine of the angle between ray and curve in the footprint: that of the rim cut.
 const MIN_SINE: f64 = 0.2;
 
-/// The curves of all lines, grouped by plane. Lines are sorted by plane.
-pub(super) fn model(
-    prepared: &Prepared<'_>,
-    axes: &SectionAxes,
-    contours: &Contours<'_>,
-) -> PartialModel {
-    let mut model = PartialModel::default();
-    let view = prepared.view();
-    let mut nodes = NodeMaker { prepared, axes, crossings: Vec::new() };
-    for line in contours.polylines() {
-        nodes.crossings.clear();
-        nodes.crossings.extend(line.vertices.iter().map(|v| {
-            let (kind, pair) = contours.pair(v);
-            solve(view, axes, kind, pair, line.level)
-        }));
-        tidy(&mut nodes.crossings, line.closed);
-        let Some(curve) = nodes.curve(line.closed, || ends(view, &line, contours)) else {
-            model.counts.lone += 1;
-            continue;
-        };
-        match model.planes.last_mut() {
-            Some(last) if last.plane == line.plane => last.curves.push(curve),
-            _ => model.planes.push(PlaneCurves { plane: line.plane, curves: vec![curve] }),
-        }
-    }
-    model
-}
-
-/// Drops nodes that repeat the one before: where a sample lies on the plane, up to four of its
-/// pairs cross there.
-fn tidy(crossings: &mut Vec<Crossing>, closed: bool) {
-    /// Distance at which two crossings are one, as a share of the rays' spacing: rounding.
-    const SAME: f64 = 1e-6;
-    let repeats = |a: &Crossing, b: &Crossing| {
-        let apart = (a.position - b.position).norm();
-        apart <= SAME * f64::from(a.spacing.max(b.spacing))
-    };
-    crossings.dedup_by(|b, a| repeats(a, b));
-    if let (true, [first, .., last]) = (closed, crossings.as_slice())
-        && repeats(first, last)
-    {
-        crossings.pop();
-    }
-}
-
-struct NodeMaker<'a> {
-    prepared: &'a Prepared<'a>,
-    axes: &'a SectionAxes,
-    crossings: Vec<Crossing>,
+pub(super) struct NodeMaker<'a> {
+    pub prepared: &'a Prepared<'a>,
+    pub axes: &'a SectionAxes,
+    /// The crossings of one curve, in order.
+    pub crossings: Vec<Crossing>,
 }
 
 impl NodeMaker<'_> {
-    /// The curve of the crossings at hand; `None` if they are too few.
-    fn curve(
-        &self,
-        closed: bool,
-        ends: impl Fn() -> Option<[EndReason; 2]>,
-    ) -> Option<PartialCurve> {
-        let count = self.crossings.len();
-        if count < 2 + usize::from(closed) {
-            return None;
-        }
-        let nodes = (0..count).map(|k| self.node(k, closed)).collect();
-        let curve = Curve::new(nodes, closed).ok()?;
-        let pixels = self.crossings.iter().map(|c| c.pixel).collect();
-        let ends = if closed { None } else { ends() };
-        Some(PartialCurve { curve, pixels, ends, bridged: Vec::new() })
-    }
-
-    fn node(&self, k: usize, closed: bool) -> Node {
+    /// What is known at a crossing.
+    pub fn node(&self, k: usize, closed: bool) -> Node {
         let crossing = &self.crossings[k];
         let tangent = self.tangent(k, closed);
         let ray = self.axes.turn(&crossing.ray);
