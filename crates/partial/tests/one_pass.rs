@@ -11,6 +11,7 @@ use std::sync::Arc;
 use transect_device::{Neighbour, Pixel, View};
 use transect_geometry::{PlaneFamily, Point2, StraightGuide, Vector2, Vector3};
 use transect_partial::one_pass::{OnePassOptions, partial_model};
+use transect_partial::subpixel::Subpixel;
 use transect_partial::{BreakRule, PartialModel, SectionAxes};
 use transect_sensors::{AngularScan, ImagingRadar};
 
@@ -177,7 +178,11 @@ proptest! {
         (view, _) in views(), normal in normals(), interval in 0.1..0.4,
     ) {
         let planes = planes(normal, interval);
-        let options = OnePassOptions { gap: 0, ..OnePassOptions::default() };
+        let options = OnePassOptions {
+            gap: 0,
+            subpixel: Subpixel::Cartesian,
+            ..OnePassOptions::default()
+        };
         let model = partial_model(&view, &planes, &options).unwrap();
         let axes = SectionAxes::new(&view, &planes).unwrap();
         let rule = BreakRule::new(options.max_incidence_rad, 0.0);

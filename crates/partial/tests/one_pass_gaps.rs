@@ -103,6 +103,6 @@ fn nothing_is_bridged_without_leave() {
     let whole = model(&step.view(), &planes);
     let count = |m: &PartialModel| m.planes.iter().map(|p| p.curves.len()).sum::<usize>();
     assert_eq!(cut.counts.bridged, 0);
-    assert_eq!(count(&cut), 2 * count(&whole));
-    assert_eq!(whole.counts.bridged, count(&whole));
+    assert!(whole.counts.bridged > 10);
+    assert_eq!(count(&cut), count(&whole) + whole.counts.bridged);
 }

@@ -15,13 +15,13 @@ use transect_sensors::{AngularScan, ImagingRadar};
 const ROOM: Distance = |p| 3.0 - (p.x - 0.8).hypot(p.y - 0.5).hypot(p.z - 0.3);
 
 /// A room like a pipe.
-const PIPE: Distance = |p| 2.0 - (0.8 * p.x - 0.6 * p.z - 0.4).hypot(p.y - 0.5);
+const PIPE: Distance = |p| 2.0 - (p.x - 0.4).hypot(0.8 * p.y - 0.6 * p.z - 0.5);
 
 /// The inside of a torus.
 const RING: Distance = |p| 1.5 - ((p.x - 2.5).hypot(p.y) - 3.0).hypot(p.z - 0.4);
 
 fn planes(normal: Vector3) -> PlaneFamily {
-    PlaneFamily::new(StraightGuide::along(normal).unwrap(), 0.0123, 0.2).unwrap()
+    PlaneFamily::new(StraightGuide::along(normal).unwrap(), 0.0123, 0.05).unwrap()
 }
 
 fn normals() -> [Vector3; 3] {

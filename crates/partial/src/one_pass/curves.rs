@@ -2,16 +2,21 @@
 
 use super::OnePassOptions;
 use super::bridge::{Gaps, Solved, Strand};
-use super::contours::{Contours, Polyline};
+use super::contours::{Contours, Kind, Polyline};
 use super::crossing::{Crossing, solve};
 use super::ends::ends;
 use super::near_tangent::NearTangent;
 use super::nodes::NodeMaker;
+use super::pair_line::PairLines;
 use super::refine::Refinement;
 use crate::pixel_grid::Grid;
 use crate::prepared::Prepared;
 use crate::{BreakRule, EndReason, PartialCurve, PartialModel, PlaneCurves, SectionAxes};
+use transect_device::{Pixel, Vector3};
 use transect_geometry::Curve;
+
+/// Deviations of the noise over the plane beyond which a pair's rise is its surface's.
+const WIDE_SIGMAS: f64 = 6.0;
 
 /// The lines of a view, and what they were found with.
 #[derive(Clone, Copy)]
@@ -27,7 +32,8 @@ impl Lines<'_> {
     pub fn model(&self, options: &OnePassOptions) -> PartialModel {
         let Self { prepared, axes, rule, contours } = *self;
         let (view, grid) = (prepared.view(), Grid::new(prepared.view().frame()));
-        let refinement = Refinement::new(view, axes, rule, options.subpixel);
+        let pairs = PairLines { view, rule, grid };
+        let refinement = Refinement::new(prepared, axes, pairs, options.subpixel);
         let gaps = Gaps { view, rule, contours, grid, gap: options.gap };
         let mut near_tangent = NearTangent::new(prepared, axes, rule, options.excursion_sigmas);
         let mut nodes = NodeMaker { prepared, axes, crossings: Vec::new() };
@@ -35,7 +41,7 @@ impl Lines<'_> {
         let lines: Vec<Polyline<'_>> = contours.polylines().collect();
         let mut crossings = Vec::new();
         for lines in lines.chunk_by(|a, b| a.level == b.level) {
-            self.solve(lines, refinement.as_ref(), &mut crossings);
+            self.solve(lines, &pairs, refinement.as_ref(), &mut crossings);
             let mut solved = with_crossings(lines, &crossings);
             solved.retain(|line| !near_tangent.is_noise(line, contours));
             model.counts.noise_lines += lines.len() - solved.len();
@@ -58,6 +64,7 @@ impl Lines<'_> {
     fn solve(
         &self,
         lines: &[Polyline<'_>],
+        pairs: &PairLines<'_>,
         refinement: Option<&Refinement<'_>>,
         crossings: &mut Vec<Crossing>,
     ) {
@@ -70,8 +77,35 @@ impl Lines<'_> {
             if let Some((refinement, solver)) = &refined {
                 refinement.refine(solver, kind, pair, &mut crossing);
             }
+            if let Some(wide) = self.wide(&crossing, kind, pair, pairs) {
+                crossing.across = wide;
+            }
             crossing
         }));
+    }
+
+    /// From one sample to another one of the same line, three pixels apart, if noise may have turned
+    /// the pair itself.
+    ///
+    /// Noise picks the pairs that are crossed: they are those that it made steeper. Samples beside
+    /// them are not picked.
+    fn wide(
+        &self,
+        crossing: &Crossing,
+        kind: Kind,
+        pair: [Pixel; 2],
+        pairs: &PairLines<'_>,
+    ) -> Option<Vector3> {
+        let rise = self.axes.turn(&crossing.ray).z.abs();
+        let least = WIDE_SIGMAS * self.prepared.sigma() * rise;
+        if least == 0.0 || crossing.pair.z.abs() > least {
+            return None;
+        }
+        let line = pairs.of(kind, pair)?;
+        let (before, after) = (line.before?, line.after?);
+        let view = self.prepared.view();
+        let wide = view.point_in_sensor(after)? - view.point_in_sensor(before)?;
+        Some(self.axes.turn(&wide) / 3.0)
     }
 
     /// The curve of a strand; `None` if it has too few nodes.

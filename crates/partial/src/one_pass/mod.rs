@@ -42,6 +42,7 @@ mod ends;
 mod link;
 mod near_tangent;
 mod nodes;
+mod pair_line;
 mod part;
 mod refine;
 mod rows;
@@ -83,7 +84,7 @@ impl Default for OnePassOptions {
             max_incidence_rad: 78_f64.to_radians(),
             jump_sigmas: 4.0,
             smooth: true,
-            subpixel: Subpixel::default(),
+            subpixel: Subpixel::FourPoint,
             gap: 4,
             excursion_sigmas: 4.0,
         }

@@ -13,9 +13,9 @@ const REACH: usize = 3;
 /// Bounds of the factor between range noise and the error across the curve.
 ///
 /// Planes nearly tangent to the surface would otherwise claim any error at all. A surface seen
-/// obliquely moves less across the curve than along the ray, but that gain rests on a normal read
-/// from two noisy samples; claiming it let single bad normals outweigh whole views.
-const SIGMA_FACTORS: (f64, f64) = (1.0, 6.0);
+/// obliquely moves less across the curve than along the ray; the lower bound is that gain at the
+/// largest incidence there is.
+const SIGMA_FACTORS: (f64, f64) = (0.25, 6.0);
 
 /// Smallest sine of the angle between ray and curve in the footprint: that of the rim cut.
 const MIN_SINE: f64 = 0.2;
@@ -32,16 +32,41 @@ impl NodeMaker<'_> {
     pub fn node(&self, k: usize, closed: bool) -> Node {
         let crossing = &self.crossings[k];
         let tangent = self.tangent(k, closed);
+        let across = self.across(k, closed, &tangent);
         let ray = self.axes.turn(&crossing.ray);
-        let sigma = self.prepared.sigma_at(crossing.pixel);
         let footprint = self.footprint(k, closed, &tangent, &ray);
+        let sigma = self.sigma_between(crossing) * sigma_factor(&tangent, &across, &ray);
         Node {
-            sigma: (sigma * sigma_factor(&tangent, &crossing.pair, &ray)) as f32,
+            sigma: sigma as f32,
             footprint: footprint as f32,
             correlation: (footprint * self.prepared.shared_pixels(crossing.pixel)) as f32,
-            normal: surface_normal(&tangent, &crossing.pair, &ray),
+            normal: surface_normal(&tangent, &across, &ray),
             ..Node::at(crossing.position)
         }
+    }
+
+    /// Standard deviation along the ray of the surface between a pair's samples: the mean of two
+    /// errors, as far as they are not one and the same.
+    fn sigma_between(&self, crossing: &Crossing) -> f64 {
+        let (a, b) = (1.0 - f64::from(crossing.share), f64::from(crossing.share));
+        let common = self.prepared.correlation_of_neighbours(crossing.pixel);
+        let variance = a * a + b * b + 2.0 * a * b * common;
+        self.prepared.sigma_at(crossing.pixel) * variance.sqrt()
+    }
+
+    /// A step on the surface across the curve, to its high side, from all crossings around a node: a
+    /// single pair's direction is as noisy as its two samples.
+    fn across(&self, k: usize, closed: bool, tangent: &Vector2) -> Vector3 {
+        let n = self.crossings.len();
+        let (before, after) = self.neighbours(k, closed, REACH);
+        let span = (after + n - before) % n;
+        let ray = self.axes.turn(&self.crossings[k].ray);
+        // With the solid on the left, the way along the curve, the way up and the outward normal
+        // are right-handed, and the normal is against the ray. A step's own height would not do: it
+        // is as often wrong as right where the pair lies along the curve.
+        let aside = ray.cross(&Vector3::new(tangent.x, tangent.y, 0.0));
+        let steps = (0..=span).map(|step| self.crossings[(before + step) % n].across);
+        steps.map(|step| if aside.dot(&step) > 0.0 { -step } else { step }).sum()
     }
 
     /// Length along the curve that one pixel covers there: the coarser of two measures.
@@ -93,17 +118,18 @@ impl NodeMaker<'_> {
 ///
 /// A sample displaced by δ along the ray `d` moves the surface by δ (d · N) along its normal and the
 /// section by that over (m · N), with `m` across the curve in the plane. The normal is N = t × e
-/// with the curve's direction t and the pair e, both on the surface; then m · N is −e's height.
-fn sigma_factor(tangent: &Vector2, pair: &Vector3, ray: &Vector3) -> f64 {
-    let normal = Vector3::new(tangent.x, tangent.y, 0.0).cross(pair);
-    let factor = (ray.dot(&normal) / pair.z).abs();
+/// with the curve's direction t and a step e across it, both on the surface; then m · N is −e's
+/// height.
+fn sigma_factor(tangent: &Vector2, across: &Vector3, ray: &Vector3) -> f64 {
+    let normal = Vector3::new(tangent.x, tangent.y, 0.0).cross(across);
+    let factor = (ray.dot(&normal) / across.z).abs();
     if factor.is_nan() { SIGMA_FACTORS.1 } else { factor.clamp(SIGMA_FACTORS.0, SIGMA_FACTORS.1) }
 }
 
-/// Unit normal of the surface that holds the curve's direction and the pair, on the sensor's side;
+/// Unit normal of the surface that holds the curve's direction and a step across it, on the sensor's side;
 /// zero where the two do not span a surface.
-fn surface_normal(tangent: &Vector2, pair: &Vector3, ray: &Vector3) -> nalgebra::Vector3<f32> {
-    let normal = Vector3::new(tangent.x, tangent.y, 0.0).cross(pair).try_normalize(0.0);
+fn surface_normal(tangent: &Vector2, across: &Vector3, ray: &Vector3) -> nalgebra::Vector3<f32> {
+    let normal = Vector3::new(tangent.x, tangent.y, 0.0).cross(across).try_normalize(0.0);
     let outward = normal.map(|n| if n.dot(ray) > 0.0 { -n } else { n });
     outward.filter(|n| n.iter().all(|c| c.is_finite())).unwrap_or_default().cast()
 }

@@ -91,7 +91,12 @@ fn case(view: &View, planes: &PlaneFamily, count: usize, rounds: usize) -> Resul
     };
     let with = |instructions| Effort { instructions, ..Effort::default() };
     let options =
-        OnePassOptions { max_incidence_rad: 12_f64.atan(), jump_sigmas: 0.0, smooth: false };
+        OnePassOptions {
+            max_incidence_rad: 12_f64.atan(),
+            jump_sigmas: 0.0,
+            smooth: false,
+            ..OnePassOptions::default()
+        };
     let mut whole = Workspace::default();
     let scale = count as f64 / SAMPLE_PLANES as f64;
     let mut variants = vec![
