@@ -24,8 +24,13 @@
 //!    whatever side of the plane the sensor is on, so a mirrored grid reverses all curves and a
 //!    plain one none. No range comparison per curve is needed.
 //!
-//! **Departures from the source.** No gap bridging and no thinning: curves of a scalar image are one
-//! crossing wide and end only where the surface does. A curve is never closed over missing data.
+//! 7. Lines that noise alone makes where the surface is nearly tangent to the plane are left out; see
+//!    `near_tangent.rs`. Lines cut by a few missing pixels are joined, and the unit between them is
+//!    marked (3.5.1); see `bridge.rs`.
+//! 8. Crossings are solved again with four points where the surface bends by more than noise does;
+//!    see [`mod@crate::subpixel`]. What is known of every node: `nodes.rs`.
+//!
+//! **Departures from the source.** No thinning: curves of a scalar image are one crossing wide.
 //!
 //! **Cost.** One visit per pixel, one per crossing; memory for a few rows and the crossings. Not for
 //! curved guides, whose levels are not an affine function of the point.
@@ -69,7 +74,8 @@ pub struct OnePassOptions {
     pub jump_sigmas: f64,
     /// Whether noisy images are smoothed before their contours are found; see [`mod@crate::smooth`].
     pub smooth: bool,
-    /// How the point between two pixels is found.
+    /// How the point between two pixels is found. Diagonals of cells with a missing pixel are solved
+    /// linearly, and so are all crossings with four points that noise alone may have bent.
     pub subpixel: Subpixel,
     /// Most missing pixels in a row that a curve is continued across; 0 bridges nothing.
     pub gap: usize,

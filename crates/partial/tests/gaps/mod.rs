@@ -82,7 +82,7 @@ pub fn check_cuts(rig: &Rig, seen: &Seen, normal: Vector3, model: Modeler) -> Op
     let planes = family(seen, normal, 0.1, 1);
     let before = model(&seen.view, &planes);
     let (plane, cut) = cuttable(seen, &before)?;
-    let [curve] = curves_on(&before, plane) else { panic!() };
+    let curve = curves_on(&before, plane).first()?;
     // A curve along the border of what the sensor sees has gaps of its own.
     if !curve.bridged.is_empty() {
         return None;
