@@ -36,7 +36,12 @@ impl Lines<'_> {
         let refinement = Refinement::new(prepared, axes, pairs, options.subpixel);
         let gaps = Gaps { view, rule, contours, grid, gap: options.gap };
         let mut near_tangent = NearTangent::new(prepared, axes, rule, options.excursion_sigmas);
-        let mut nodes = NodeMaker { prepared, axes, crossings: Vec::new() };
+        let mut nodes = NodeMaker {
+            prepared,
+            axes,
+            least_sigma_factor: options.least_sigma_factor,
+            crossings: Vec::new(),
+        };
         let mut model = PartialModel::default();
         let lines: Vec<Polyline<'_>> = contours.polylines().collect();
         let mut crossings = Vec::new();

@@ -10,12 +10,9 @@ use transect_geometry::{Node, Vector2};
 /// so fewer would see their zigzag.
 const REACH: usize = 3;
 
-/// Bounds of the factor between range noise and the error across the curve.
-///
-/// Planes nearly tangent to the surface would otherwise claim any error at all. A surface seen
-/// obliquely moves less across the curve than along the ray; the lower bound is that gain at the
-/// largest incidence there is.
-const SIGMA_FACTORS: (f64, f64) = (0.25, 6.0);
+/// Upper bound of the factor between range noise and the error across the curve: planes nearly
+/// tangent to the surface would otherwise claim any error at all. The lower bound is an option.
+const LARGEST_SIGMA_FACTOR: f64 = 6.0;
 
 /// Smallest sine of the angle between ray and curve in the footprint: that of the rim cut.
 const MIN_SINE: f64 = 0.2;
@@ -23,6 +20,8 @@ const MIN_SINE: f64 = 0.2;
 pub(super) struct NodeMaker<'a> {
     pub prepared: &'a Prepared<'a>,
     pub axes: &'a SectionAxes,
+    /// Smallest factor between range noise and the error across the curve.
+    pub least_sigma_factor: f64,
     /// The crossings of one curve, in order.
     pub crossings: Vec<Crossing>,
 }
@@ -35,7 +34,8 @@ impl NodeMaker<'_> {
         let across = self.across(k, closed, &tangent);
         let ray = self.axes.turn(&crossing.ray);
         let footprint = self.footprint(k, closed, &tangent, &ray);
-        let sigma = self.sigma_between(crossing) * sigma_factor(&tangent, &across, &ray);
+        let factor = sigma_factor(&tangent, &across, &ray).max(self.least_sigma_factor);
+        let sigma = self.sigma_between(crossing) * factor;
         Node {
             sigma: sigma as f32,
             footprint: footprint as f32,
@@ -123,7 +123,7 @@ impl NodeMaker<'_> {
 fn sigma_factor(tangent: &Vector2, across: &Vector3, ray: &Vector3) -> f64 {
     let normal = Vector3::new(tangent.x, tangent.y, 0.0).cross(across);
     let factor = (ray.dot(&normal) / across.z).abs();
-    if factor.is_nan() { SIGMA_FACTORS.1 } else { factor.clamp(SIGMA_FACTORS.0, SIGMA_FACTORS.1) }
+    if factor.is_nan() { LARGEST_SIGMA_FACTOR } else { factor.min(LARGEST_SIGMA_FACTOR) }
 }
 
 /// Unit normal of the surface that holds the curve's direction and a step across it, on the sensor's side;
@@ -154,7 +154,7 @@ mod tests {
         let from_above = sigma_factor(&east, &Vector3::new(0.0, 1.0, 1.0), &-Vector3::z());
         assert!((from_above - 1.0).abs() < 1e-12, "45° slope seen from above: {from_above}");
         let flat = sigma_factor(&east, &Vector3::new(0.0, 1.0, 0.0), &-Vector3::z());
-        assert_eq!(flat, SIGMA_FACTORS.1, "a floor in its own plane");
+        assert_eq!(flat, LARGEST_SIGMA_FACTOR, "a floor in its own plane");
     }
 
     #[test]
