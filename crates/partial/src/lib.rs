@@ -15,11 +15,13 @@
 
 mod axes;
 mod breaks;
+mod continuation;
 pub mod dissertation;
 mod method;
 mod noise;
 pub mod one_pass;
 mod partial_curve;
+mod pixel_grid;
 mod prepared;
 pub mod smooth;
 pub mod subpixel;
@@ -49,6 +51,10 @@ pub struct PartialCounts {
     pub jumps: usize,
     /// Chains of crossings too short to be a curve, which are left out: most are single crossings.
     pub lone: usize,
+    /// Lines left out because noise alone explains them: the surface is nearly tangent to the plane.
+    pub noise_lines: usize,
+    /// Units that bridge missing pixels.
+    pub bridged: usize,
     /// Range noise that was given or estimated, in the model's length unit.
     pub sigma: f64,
     /// Range noise that is left at the median of the pixels that were to be smoothed, in the model's length unit.

@@ -53,6 +53,15 @@ impl<'a> Prepared<'a> {
         if factor < 1.0 { 1.0 / factor } else { 0.0 }
     }
 
+    /// How much the noise of neighbouring pixels is one and the same, from 0 to 1, at a pixel.
+    ///
+    /// A smooth weighting with a standard deviation of w pixels leaves a share f = 1 / (2 w √π) of
+    /// the noise, and results a pixel apart have the correlation exp(−1 / (4 w²)) = exp(−π f²).
+    pub fn correlation_of_neighbours(&self, pixel: Pixel) -> f64 {
+        let factor = self.factor(pixel);
+        if factor < 1.0 { (-std::f64::consts::PI * factor * factor).exp() } else { 0.0 }
+    }
+
     /// Puts on record what was done.
     pub fn count(&self, counts: &mut PartialCounts) {
         counts.sigma = self.noise.length();

@@ -11,11 +11,11 @@
 //! printed test asks of both that |r_obj − r_pln| is under a threshold in the length unit; the
 //! default is the scale-free rule [`BreakRule`](crate::BreakRule) on the pair itself.
 
-use super::grid::Grid;
 use super::label::LabelImage;
 use super::plane_image::PlaneImage;
 use super::samples::Samples;
 use crate::BreakRule;
+use crate::pixel_grid::Grid;
 use transect_device::{ImageSize, Neighbour, Pixel, View};
 
 /// How an intersection is told from a range jump.

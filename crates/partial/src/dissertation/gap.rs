@@ -1,15 +1,8 @@
 //! Gaps of one to four missing pixels in a curve (3.5.1).
 //!
-//! An end of a curve is joined to the closest other end in its search window, if the curve continues
-//! there:
-//! * the border expected by the search order, with the high pixel on the same side of the curve;
-//! * **direction**: the way across the gap turns by no more than [`MAX_TURN`] from the curve on either
-//!   side, in the image and in the plane; a step between two parallel surfaces turns in the plane;
-//! * **range**: continued straight on from either side, the curve passes the other end by no more
-//!   than the range may change from one pixel to the next; an end too short for a direction by the
-//!   whole change of the range. So a step is a jump however many missing pixels hide it;
-//! * along the pixels from one end to the other, on the high and on the low side of the curve, each
-//!   valid pixel is of one surface with the valid one before it.
+//! An end of a curve is joined to the closest other end in its search window, if it is at the border
+//! expected by the search order, with the high pixel on the same side of the curve, and the curve
+//! continues there in direction and range: the rules are those of `continuation.rs`.
 //!
 //! Under the printed test for a jump, both sides of the gap and the valid pixels in it must lie near
 //! the plane instead.
@@ -19,15 +12,9 @@
 use super::link::{Contour, End, Links};
 use super::samples::Samples;
 use super::search::SearchOrder;
+use crate::continuation::{self, Place, REACH};
 use transect_device::{Neighbour, Pixel};
-use transect_geometry::{Point2, Vector2};
-
-/// Largest angle between a curve's end and the way across the gap, in radians: a curve as tight as
-/// five pixels in radius turns by half of this within four pixels.
-const MAX_TURN: f64 = std::f64::consts::FRAC_PI_3;
-
-/// Borders that give an end its direction; fewer would see the zigzag between the two kinds.
-const REACH: usize = 5;
+use transect_geometry::Point2;
 
 /// Joins ends across gaps.
 pub(super) fn bridge(
@@ -58,13 +45,6 @@ struct Candidate {
     turn: f64,
     from: End,
     to: End,
-}
-
-/// Where a curve crosses a border: row and column of the image, and plane coordinates.
-#[derive(Clone, Copy)]
-struct Place {
-    image: Point2,
-    in_plane: Point2,
 }
 
 struct Gaps<'a> {
@@ -100,24 +80,9 @@ impl Gaps<'_> {
         // All relative to one pixel, so that the seam of a full circle does not show.
         let anchor = self.contour.pixels[from.pixel];
         let (tail, head) = (self.inward(from, anchor), self.inward(to, anchor));
-        let (end, begin) = (tail.first()?, head.first()?);
-        let runs = |of: fn(&Place) -> Point2| {
-            Some([of(end) - of(tail.last()?), of(head.last()?) - of(begin)])
-        };
-        let across_image = begin.image - end.image;
-        let across = begin.in_plane - end.in_plane;
-        let mut turn = 0.0;
-        for run in runs(|p| p.image)? {
-            turn += angle_cost(&run, &across_image)?;
-        }
-        for run in runs(|p| p.in_plane)? {
-            turn += angle_cost(&run, &across)?;
-            let miss = run.try_normalize(0.0).map(|run| run.perp(&across).abs());
-            if !self.contour.surface.continues(anchor, self.contour.pixels[to.pixel], miss) {
-                return None;
-            }
-        }
-        Some(turn)
+        let pixels = [anchor, self.contour.pixels[to.pixel]];
+        let surface = self.contour.surface;
+        continuation::turn(&tail, &head, |miss| surface.continues(pixels[0], pixels[1], miss))
     }
 
     /// Places of the first few borders from an end into its curve.
@@ -166,32 +131,8 @@ impl Gaps<'_> {
     }
 
     fn one_surface(&self, a: Pixel, b: Pixel) -> bool {
-        let (rows, cols) = self.contour.grid.offset(a, b);
-        let steps = rows.abs().max(cols.abs()).max(1.0);
-        let mut last = a;
-        for k in 1..=steps as i32 {
-            let share = f64::from(k) / steps;
-            let (rows, cols) = ((rows * share).round() as i32, (cols * share).round() as i32);
-            let Some(p) = self.contour.grid.step(a, rows, cols) else { return false };
-            if self.samples.level(p).is_some() {
-                if p != last && !self.contour.surface.alike(last, p) {
-                    return false;
-                }
-                last = p;
-            }
-        }
-        last == b
+        let valid = |p| self.samples.level(p).is_some();
+        let alike = |a, b| self.contour.surface.alike(a, b);
+        continuation::missing_between(&self.contour.grid, [a, b], valid, alike).is_some()
     }
-}
-
-/// How far two directions are from one: 0 to 0.5; `None` beyond [`MAX_TURN`]. A run without length
-/// has no direction and costs as much as the largest turn.
-fn angle_cost(run: &Vector2, across: &Vector2) -> Option<f64> {
-    let lengths = run.norm() * across.norm();
-    let least = MAX_TURN.cos();
-    if lengths == 0.0 {
-        return Some(1.0 - least);
-    }
-    let cos = run.dot(across) / lengths;
-    (cos >= least).then_some(1.0 - cos)
 }

@@ -5,8 +5,8 @@
 //! whether sample and start of the ray lie on opposite sides of the plane: it is this label where
 //! the ray starts low, its complement where it starts high, and lost where it starts on the plane.
 
-use super::grid::Grid;
 use super::samples::Samples;
+use crate::pixel_grid::Grid;
 use transect_device::{ImageSize, Neighbour, Pixel};
 
 /// On which side of a plane a sample lies.

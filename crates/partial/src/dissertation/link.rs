@@ -4,9 +4,9 @@
 //! closest first, so that a curve is the same whichever of its pixels is found first.
 
 use super::code::{Code, CodeImage, Surface};
-use super::grid::Grid;
 use super::label::{Label, LabelImage};
 use super::search::{SearchOrder, SearchStep, Side, sides};
+use crate::pixel_grid::Grid;
 use transect_device::{Neighbour, Pixel};
 
 /// One of the two ends of a contour pixel.

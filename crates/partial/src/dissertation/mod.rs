@@ -35,7 +35,6 @@
 
 mod code;
 mod gap;
-mod grid;
 mod label;
 mod link;
 mod nodes;
@@ -161,7 +160,7 @@ pub fn code_image(
 
 /// Refuses views whose sensor gives no device coordinates for the points it sees itself.
 fn require_inverse(view: &View) -> Result<(), PartialError> {
-    let grid = grid::Grid::new(view.frame());
+    let grid = crate::pixel_grid::Grid::new(view.frame());
     let mut points = grid.pixels().filter_map(|p| view.point_in_sensor(p));
     if points.any(|p| view.frame().device_point(&p).is_some()) {
         return Ok(());

@@ -1,8 +1,8 @@
 //! What all planes share of one view: levels, and which neighbours are of one surface.
 
 use super::JumpTest;
-use super::grid::Grid;
-use crate::{BreakRule, SectionAxes};
+use crate::pixel_grid::Grid;
+use crate::{BreakRule, SectionAxes, continuation};
 use transect_device::{Neighbour, PairGeometry, Pixel, View};
 
 /// A view, prepared once for all planes.
@@ -75,19 +75,13 @@ impl<'a> Samples<'a> {
     }
 
     /// Whether a curve that runs from one pixel towards another, and misses it by a length, stays on
-    /// one surface: the length is no larger than a change of the range between neighbours may be.
-    /// If it is not known, the change of the range between the two is taken.
+    /// one surface.
     pub fn continues(&self, a: Pixel, b: Pixel, miss: Option<f64>) -> bool {
-        let Some(pair) = self.view.frame().pair(self.view.image(), a, b) else { return false };
-        let (rows, cols) = self.grid.offset(a, b);
-        let steps = rows.abs().max(cols.abs()).max(1.0);
-        let range_step = miss.map_or(pair.range_step, |m| m as f32);
-        self.rule.holds(&PairGeometry { range_step, lateral: pair.lateral / steps as f32 })
+        continuation::continues(self.view, &self.grid, &self.rule, [a, b], miss)
     }
 
     /// Whether two pixels that need not be neighbours pass for samples of one surface.
     pub fn alike(&self, a: Pixel, b: Pixel) -> bool {
-        let pair = self.view.frame().pair(self.view.image(), a, b);
-        pair.is_some_and(|pair| self.rule.holds(&pair))
+        continuation::alike(self.view, &self.rule, a, b)
     }
 }

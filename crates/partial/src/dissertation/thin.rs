@@ -23,8 +23,8 @@
 //!
 //! Surface features narrower than the thickness are taken for noise, as in the source.
 
-use super::grid::Grid;
 use super::label::LabelImage;
+use crate::pixel_grid::Grid;
 use transect_device::{Neighbour, Pixel};
 
 /// Most rounds of columns and rows; thinning one can thicken the other, by less each time.

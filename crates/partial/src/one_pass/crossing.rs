@@ -12,14 +12,28 @@ pub(super) struct Crossing {
     pub position: Point2,
     /// The pixel nearer to the crossing.
     pub pixel: Pixel,
-    /// Direction of that pixel's ray in the sensor frame.
+    /// Direction of that pixel's ray, or of the pair's other one, in the sensor frame.
     pub ray: Vector3,
     /// Whether the pair is of two rows; a diagonal is one, too.
     pub across_rows: bool,
     /// From one sample of the pair to the other, in plane coordinates with the height third.
     pub pair: Vector3,
+    /// A step on the surface across the curve, in the same coordinates: the pair, or a better one.
+    pub across: Vector3,
     /// Distance between the two rays at the surface, in the length unit.
     pub spacing: f32,
+    /// Share of the way from the first sample to the second, by their heights.
+    pub share: f32,
+    /// Whether pixels are missing between this crossing and the next one of its curve.
+    pub bridged_after: bool,
+}
+
+impl Crossing {
+    /// Heights of the pair's samples over the plane, in the length unit.
+    pub fn heights(&self) -> [f64; 2] {
+        let share = f64::from(self.share);
+        [-share * self.pair.z, (1.0 - share) * self.pair.z]
+    }
 }
 
 /// Solves the crossing of a pair with the plane at a level.
@@ -40,14 +54,18 @@ pub(super) fn solve(
     let d = q - p;
     // From the nearer sample, so that crossings at one sample are at one place.
     let (pixel, at) = if t < 0.5 { (a, p + d * t) } else { (b, q - d * (1.0 - t)) };
+    let pair = axes.turn(&d);
     let ray = view.frame().ray(pixel).map_or(Vector3::z(), |r| r.direction);
     Crossing {
         position: axes.in_plane(&at),
         pixel,
         ray,
         across_rows: kind != Kind::Left,
-        pair: axes.turn(&d),
+        pair,
+        across: pair,
         spacing: (d - ray * d.dot(&ray)).norm() as f32,
+        share: t as f32,
+        bridged_after: false,
     }
 }
 

@@ -1,30 +1,30 @@
 //! Why a line ends: what is wrong with the cell in which it would have gone on.
 
-use super::contours::{Contours, Kind, Polyline, Vertex};
+use super::contours::{Contours, Kind, Vertex};
 use crate::EndReason;
+use crate::pixel_grid::Grid;
 use transect_device::{ImageSize, Pixel, View};
 
-/// The reasons for both ends of an open line; `None` for a lone vertex.
+/// The reasons for both ends of an open curve, whose first and last vertices are given with the ones
+/// next to them.
 pub(super) fn ends(
     view: &View,
-    line: &Polyline<'_>,
     contours: &Contours<'_>,
-) -> Option<[EndReason; 2]> {
-    let [first, second, ..] = line.vertices else { return None };
-    let [.., before, last] = line.vertices else { return None };
-    Some([reason(view, contours, first, second), reason(view, contours, last, before)])
+    [first, last]: [(&Vertex, &Vertex); 2],
+) -> [EndReason; 2] {
+    [reason(view, contours, first), reason(view, contours, last)]
 }
 
-/// Why a line does not go on from an end; `neighbour` is the vertex next to it.
-fn reason(view: &View, contours: &Contours<'_>, end: &Vertex, neighbour: &Vertex) -> EndReason {
+/// Why a curve does not go on from an end; `neighbour` is the vertex next to it.
+fn reason(view: &View, contours: &Contours<'_>, (end, neighbour): (&Vertex, &Vertex)) -> EndReason {
     let (kind, pair) = contours.pair(end);
     let own = cells(view, kind, contours.pixel(end));
     let (beside, pixel) = (contours.pair(neighbour).0, contours.pixel(neighbour));
     let shared = cells(view, beside, pixel);
-    let corners = match (kind, own.iter().find(|cell| !shared.contains(cell))) {
+    let corners = match (kind, outer(view, &own, &shared, pixel)) {
         // A diagonal has one cell, of which a corner was left out.
         (Kind::Rising | Kind::Falling, _) => corners(view, own[0]),
-        (_, Some(cell)) => corners(view, *cell),
+        (_, Some(cell)) => corners(view, cell),
         (_, None) => Some(vec![pair[0], pair[1]]),
     };
     match corners {
@@ -34,6 +34,20 @@ fn reason(view: &View, contours: &Contours<'_>, end: &Vertex, neighbour: &Vertex
         }
         Some(_) => EndReason::RangeJump,
     }
+}
+
+/// The cell of an end in which its curve would have gone on: the one that it does not share with the
+/// neighbour. Where pixels are missing in between they share none, and it is the farther one.
+fn outer(view: &View, own: &[Pixel], shared: &[Pixel], neighbour: Pixel) -> Option<Pixel> {
+    if own.iter().any(|cell| shared.contains(cell)) {
+        return own.iter().copied().find(|cell| !shared.contains(cell));
+    }
+    let grid = Grid::new(view.frame());
+    let apart = |cell: &Pixel| {
+        let (rows, cols) = grid.offset(*cell, neighbour);
+        rows.abs() + cols.abs()
+    };
+    own.iter().copied().max_by(|a, b| apart(a).total_cmp(&apart(b)))
 }
 
 /// The one or two cells a pair belongs to, by their lower right pixel, which may lie outside.

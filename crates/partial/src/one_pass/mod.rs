@@ -27,8 +27,12 @@
 //!    curve direction `n × N` (plane normal, outward surface normal) has the high side on its left
 //!    whatever side of the plane the sensor is on, so a mirrored grid reverses all curves and a
 //!    plain one none. No range comparison per curve is needed.
-//! 7. Lines become curves (`nodes.rs`): places again in `f64`, what is known of every node, and why open
-//!    curves end (`ends.rs`).
+//! 7. Lines that noise alone makes where the surface is nearly tangent to the plane are left out; see
+//!    `near_tangent.rs`. Lines cut by a few missing pixels are joined, and the unit between them is
+//!    marked (3.5.1); see `bridge.rs`.
+//! 8. Lines become curves (`curves.rs`): places again in `f64`, by any of the ways of
+//!    [`mod@crate::subpixel`], what is known of every node (`nodes.rs`), and why open curves end
+//!    (`ends.rs`).
 //!
 //! Steps 1 to 5 are [`contours`], for those who want lines and nothing else.
 //!
@@ -40,22 +44,26 @@
 //! a pair may be judged otherwise than in `f64` where its range step is within `10⁻⁶` of the range of
 //! the limit. Backends without tables ([`transect_device::SeparableForm`]) round once, at the end.
 //!
-//! **Departures from the source.** No gap bridging and no thinning: curves of a scalar image are one
-//! crossing wide and end only where the surface does. A curve is never closed over missing data.
+//! **Departures from the source.** No thinning: curves of a scalar image are one crossing wide.
 //!
 //! **Cost.** One visit per pixel, one per crossing. Memory, kept in a [`Workspace`]: some rows, one band,
 //! and 32 bytes per crossing. Not for curved guides, whose levels are not an affine function of the point.
 
 mod band;
+mod bridge;
 mod cell;
 mod chains;
 mod contours;
 mod crossing;
+mod curves;
 mod emit;
 mod ends;
 mod link;
+mod near_tangent;
 mod nodes;
+mod pair_line;
 mod part;
+mod refine;
 mod rows;
 mod seen;
 mod source;
@@ -66,6 +74,7 @@ pub use seen::{Seen, seen};
 
 use crate::prepared::Prepared;
 use crate::smooth::Extent;
+use crate::subpixel::Subpixel;
 use crate::{BreakRule, PartialError, PartialModel, SectionAxes};
 use transect_device::View;
 use transect_geometry::PlaneFamily;
@@ -80,11 +89,36 @@ pub struct OnePassOptions {
     pub jump_sigmas: f64,
     /// Whether noisy images are smoothed before their contours are found; see [`mod@crate::smooth`].
     pub smooth: bool,
+    /// How the point between two pixels is found. Diagonals of cells with a missing pixel are solved
+    /// linearly, and so are all crossings with four points that noise alone may have bent. Four
+    /// points take twice the time for nodes, and noise that neighbours share, which no estimate
+    /// sees, bends them: they are for ranges known to be clean.
+    pub subpixel: Subpixel,
+    /// Most missing pixels in a row that a curve is continued across; 0 bridges nothing.
+    pub gap: usize,
+    /// Standard deviations by which the surface must leave the plane on both sides of a curve; 0
+    /// keeps what noise alone makes where the surface is nearly tangent to the plane.
+    pub excursion_sigmas: f64,
+    /// Smallest factor between range noise and a node's error across the curve.
+    ///
+    /// With errors along the ray alone, a surface seen obliquely moves less across the curve than
+    /// along the ray, by a factor of down to 0.25; with that as bound, the predicted errors are the
+    /// observed ones of simulated noise. Real scanners err in other ways, too, and most where they
+    /// see a surface obliquely: a bound of 1 does not claim the gain.
+    pub least_sigma_factor: f64,
 }
 
 impl Default for OnePassOptions {
     fn default() -> Self {
-        Self { max_incidence_rad: 78_f64.to_radians(), jump_sigmas: 4.0, smooth: true }
+        Self {
+            max_incidence_rad: 78_f64.to_radians(),
+            jump_sigmas: 4.0,
+            smooth: true,
+            subpixel: Subpixel::Cartesian,
+            gap: 4,
+            excursion_sigmas: 4.0,
+            least_sigma_factor: 1.0,
+        }
     }
 }
 
@@ -118,7 +152,9 @@ pub fn partial_model_with(
     let prepared = Prepared::new(view, options.smooth.then_some(&extent), rule);
     let rule = rule(prepared.sigma());
     let contours = contours(prepared.view(), &axes, &rule, effort, work)?;
-    let mut model = nodes::model(&prepared, &axes, &contours);
+    let lines =
+        curves::Lines { prepared: &prepared, axes: &axes, rule: &rule, contours: &contours };
+    let mut model = lines.model(options);
     model.counts.crossings = contours.vertex_count();
     model.counts.jumps = contours.jumps();
     prepared.count(&mut model.counts);

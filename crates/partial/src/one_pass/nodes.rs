@@ -1,83 +1,36 @@
-//! From chains to curves: what is known about every node.
+//! What is known about every node of a curve.
 
-use super::contours::Contours;
-use super::crossing::{Crossing, solve};
-use super::ends::ends;
+use super::crossing::Crossing;
+use crate::SectionAxes;
 use crate::prepared::Prepared;
-use crate::{EndReason, PartialCurve, PartialModel, PlaneCurves, SectionAxes};
 use transect_device::Vector3;
-use transect_geometry::{Curve, Node, Vector2};
+use transect_geometry::{Node, Vector2};
 
 /// Nodes on each side that give a node its direction; pixels alternate between two kinds of pairs,
 /// so fewer would see their zigzag.
 const REACH: usize = 3;
 
-/// Bounds of the factor between range noise and the error across the curve.
-///
-/// Planes nearly tangent to the surface would otherwise claim any error at all. A surface seen
-/// obliquely moves less across the curve than along the ray, but that gain rests on a normal read
-/// from two noisy samples; claiming it let single bad normals outweigh whole views.
-const SIGMA_FACTORS: (f64, f64) = (1.0, 6.0);
+/// Upper bound of the factor between range noise and the error across the curve: planes nearly
+/// tangent to the surface would otherwise claim any error at all. The lower bound is an option.
+const LARGEST_SIGMA_FACTOR: f64 = 6.0;
 
 /// Smallest sine of the angle between ray and curve in the footprint: that of the rim cut.
 const MIN_SINE: f64 = 0.2;
 
-/// The curves of all lines, grouped by plane. Lines are sorted by plane.
-pub(super) fn model(
-    prepared: &Prepared<'_>,
-    axes: &SectionAxes,
-    contours: &Contours<'_>,
-) -> PartialModel {
-    let mut model = PartialModel::default();
-    let view = prepared.view();
-    let mut nodes = NodeMaker { prepared, axes, crossings: Vec::new(), upward: Vec::new() };
-    for line in contours.polylines() {
-        nodes.crossings.clear();
-        nodes.crossings.extend(line.vertices.iter().map(|v| {
-            let (kind, pair) = contours.pair(v);
-            solve(view, axes, kind, pair, line.level)
-        }));
-        tidy(&mut nodes.crossings, line.closed);
-        nodes.count_upward();
-        let Some(curve) = nodes.curve(line.closed, || ends(view, &line, contours)) else {
-            model.counts.lone += 1;
-            continue;
-        };
-        match model.planes.last_mut() {
-            Some(last) if last.plane == line.plane => last.curves.push(curve),
-            _ => model.planes.push(PlaneCurves { plane: line.plane, curves: vec![curve] }),
-        }
-    }
-    model
-}
-
-/// Drops nodes that repeat the one before: where a sample lies on the plane, up to four of its
-/// pairs cross there.
-fn tidy(crossings: &mut Vec<Crossing>, closed: bool) {
-    /// Distance at which two crossings are one, as a share of the rays' spacing: rounding.
-    const SAME: f64 = 1e-6;
-    let repeats = |a: &Crossing, b: &Crossing| {
-        let apart = (a.position - b.position).norm();
-        apart <= SAME * f64::from(a.spacing.max(b.spacing))
-    };
-    crossings.dedup_by(|b, a| repeats(a, b));
-    if let (true, [first, .., last]) = (closed, crossings.as_slice())
-        && repeats(first, last)
-    {
-        crossings.pop();
-    }
-}
-
-struct NodeMaker<'a> {
-    prepared: &'a Prepared<'a>,
-    axes: &'a SectionAxes,
-    crossings: Vec<Crossing>,
-    /// How many of the crossings before each are across rows.
-    upward: Vec<u32>,
+pub(super) struct NodeMaker<'a> {
+    pub prepared: &'a Prepared<'a>,
+    pub axes: &'a SectionAxes,
+    /// Smallest factor between range noise and the error across the curve.
+    pub least_sigma_factor: f64,
+    /// The crossings of one curve, in order.
+    pub crossings: Vec<Crossing>,
+    /// How many of the crossings before each are across rows; see [`NodeMaker::count_upward`].
+    pub upward: Vec<u32>,
 }
 
 impl NodeMaker<'_> {
-    fn count_upward(&mut self) {
+    /// To be called when there are other crossings.
+    pub fn count_upward(&mut self) {
         self.upward.clear();
         self.upward.push(0);
         let mut count = 0;
@@ -87,36 +40,46 @@ impl NodeMaker<'_> {
         }
     }
 
-    /// The curve of the crossings at hand; `None` if they are too few.
-    fn curve(
-        &self,
-        closed: bool,
-        ends: impl Fn() -> Option<[EndReason; 2]>,
-    ) -> Option<PartialCurve> {
-        let count = self.crossings.len();
-        if count < 2 + usize::from(closed) {
-            return None;
-        }
-        let nodes = (0..count).map(|k| self.node(k, closed)).collect();
-        let curve = Curve::new(nodes, closed).ok()?;
-        let pixels = self.crossings.iter().map(|c| c.pixel).collect();
-        let ends = if closed { None } else { ends() };
-        Some(PartialCurve { curve, pixels, ends, bridged: Vec::new() })
-    }
-
-    fn node(&self, k: usize, closed: bool) -> Node {
+    /// What is known at a crossing.
+    pub fn node(&self, k: usize, closed: bool) -> Node {
         let crossing = &self.crossings[k];
         let tangent = self.tangent(k, closed);
+        let across = self.across(k, closed, &tangent);
         let ray = self.axes.turn(&crossing.ray);
-        let sigma = self.prepared.sigma_at(crossing.pixel);
         let footprint = self.footprint(k, closed, &tangent, &ray);
+        let factor = sigma_factor(&tangent, &across, &ray).max(self.least_sigma_factor);
+        let sigma = self.sigma_between(crossing) * factor;
         Node {
-            sigma: (sigma * sigma_factor(&tangent, &crossing.pair, &ray)) as f32,
+            sigma: sigma as f32,
             footprint: footprint as f32,
             correlation: (footprint * self.prepared.shared_pixels(crossing.pixel)) as f32,
-            normal: surface_normal(&tangent, &crossing.pair, &ray),
+            normal: surface_normal(&tangent, &across, &ray),
             ..Node::at(crossing.position)
         }
+    }
+
+    /// Standard deviation along the ray of the surface between a pair's samples: the mean of two
+    /// errors, as far as they are not one and the same.
+    fn sigma_between(&self, crossing: &Crossing) -> f64 {
+        let (a, b) = (1.0 - f64::from(crossing.share), f64::from(crossing.share));
+        let common = self.prepared.correlation_of_neighbours(crossing.pixel);
+        let variance = a * a + b * b + 2.0 * a * b * common;
+        self.prepared.sigma_at(crossing.pixel) * variance.sqrt()
+    }
+
+    /// A step on the surface across the curve, to its high side, from all crossings around a node: a
+    /// single pair's direction is as noisy as its two samples.
+    fn across(&self, k: usize, closed: bool, tangent: &Vector2) -> Vector3 {
+        let n = self.crossings.len();
+        let (before, after) = self.neighbours(k, closed, REACH);
+        let span = (after + n - before) % n;
+        let ray = self.axes.turn(&self.crossings[k].ray);
+        // With the solid on the left, the way along the curve, the way up and the outward normal
+        // are right-handed, and the normal is against the ray. A step's own height would not do: it
+        // is as often wrong as right where the pair lies along the curve.
+        let aside = ray.cross(&Vector3::new(tangent.x, tangent.y, 0.0));
+        let steps = (0..=span).map(|step| self.crossings[(before + step) % n].across);
+        steps.map(|step| if aside.dot(&step) > 0.0 { -step } else { step }).sum()
     }
 
     /// Length along the curve that one pixel covers there: the coarser of two measures.
@@ -173,17 +136,18 @@ impl NodeMaker<'_> {
 ///
 /// A sample displaced by δ along the ray `d` moves the surface by δ (d · N) along its normal and the
 /// section by that over (m · N), with `m` across the curve in the plane. The normal is N = t × e
-/// with the curve's direction t and the pair e, both on the surface; then m · N is −e's height.
-fn sigma_factor(tangent: &Vector2, pair: &Vector3, ray: &Vector3) -> f64 {
-    let normal = Vector3::new(tangent.x, tangent.y, 0.0).cross(pair);
-    let factor = (ray.dot(&normal) / pair.z).abs();
-    if factor.is_nan() { SIGMA_FACTORS.1 } else { factor.clamp(SIGMA_FACTORS.0, SIGMA_FACTORS.1) }
+/// with the curve's direction t and a step e across it, both on the surface; then m · N is −e's
+/// height.
+fn sigma_factor(tangent: &Vector2, across: &Vector3, ray: &Vector3) -> f64 {
+    let normal = Vector3::new(tangent.x, tangent.y, 0.0).cross(across);
+    let factor = (ray.dot(&normal) / across.z).abs();
+    if factor.is_nan() { LARGEST_SIGMA_FACTOR } else { factor.min(LARGEST_SIGMA_FACTOR) }
 }
 
-/// Unit normal of the surface that holds the curve's direction and the pair, on the sensor's side;
+/// Unit normal of the surface that holds the curve's direction and a step across it, on the sensor's side;
 /// zero where the two do not span a surface.
-fn surface_normal(tangent: &Vector2, pair: &Vector3, ray: &Vector3) -> nalgebra::Vector3<f32> {
-    let normal = Vector3::new(tangent.x, tangent.y, 0.0).cross(pair).try_normalize(0.0);
+fn surface_normal(tangent: &Vector2, across: &Vector3, ray: &Vector3) -> nalgebra::Vector3<f32> {
+    let normal = Vector3::new(tangent.x, tangent.y, 0.0).cross(across).try_normalize(0.0);
     let outward = normal.map(|n| if n.dot(ray) > 0.0 { -n } else { n });
     outward.filter(|n| n.iter().all(|c| c.is_finite())).unwrap_or_default().cast()
 }
@@ -208,7 +172,7 @@ mod tests {
         let from_above = sigma_factor(&east, &Vector3::new(0.0, 1.0, 1.0), &-Vector3::z());
         assert!((from_above - 1.0).abs() < 1e-12, "45° slope seen from above: {from_above}");
         let flat = sigma_factor(&east, &Vector3::new(0.0, 1.0, 0.0), &-Vector3::z());
-        assert_eq!(flat, SIGMA_FACTORS.1, "a floor in its own plane");
+        assert_eq!(flat, LARGEST_SIGMA_FACTOR, "a floor in its own plane");
     }
 
     #[test]

@@ -98,8 +98,12 @@ impl Case<'_> {
     fn one_pass(&self, axes: SectionAxes, far: SectionAxes) -> Vec<Variant<'_>> {
         let with = |instructions| Effort { instructions, ..Effort::default() };
         let two = Effort { parts: 2, ..Effort::default() };
-        let options =
-            OnePassOptions { max_incidence_rad: 12_f64.atan(), jump_sigmas: 0.0, smooth: false };
+        let options = OnePassOptions {
+            max_incidence_rad: 12_f64.atan(),
+            jump_sigmas: 0.0,
+            smooth: false,
+            ..OnePassOptions::default()
+        };
         let mut whole = Workspace::default();
         vec![
             self.kernel(DETECTION, far, with(Instructions::Best)),

@@ -4,7 +4,7 @@ use transect_device::{DeviceFrame, ImageSize, Neighbour, Pixel};
 
 /// The pixels of a view as a grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Grid {
+pub(crate) struct Grid {
     size: ImageSize,
     wraps: bool,
 }

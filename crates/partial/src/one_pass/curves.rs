@@ -1,0 +1,199 @@
+//! From lines to curves, plane by plane.
+
+use super::OnePassOptions;
+use super::bridge::{Gaps, Solved, Strand};
+use super::contours::{Contours, Kind, Polyline};
+use super::crossing::{Crossing, solve};
+use super::ends::ends;
+use super::near_tangent::NearTangent;
+use super::nodes::NodeMaker;
+use super::pair_line::PairLines;
+use super::refine::Refinement;
+use crate::pixel_grid::Grid;
+use crate::prepared::Prepared;
+use crate::{BreakRule, EndReason, PartialCurve, PartialModel, PlaneCurves, SectionAxes};
+use transect_device::{Pixel, Vector3};
+use transect_geometry::Curve;
+
+/// Deviations of the noise over the plane beyond which a pair's rise is its surface's.
+const WIDE_SIGMAS: f64 = 6.0;
+
+/// The lines of a view, and what they were found with.
+#[derive(Clone, Copy)]
+pub(super) struct Lines<'a> {
+    pub prepared: &'a Prepared<'a>,
+    pub axes: &'a SectionAxes,
+    pub rule: &'a BreakRule,
+    pub contours: &'a Contours<'a>,
+}
+
+impl Lines<'_> {
+    /// The curves of all lines, grouped by plane. Lines are sorted by plane.
+    pub fn model(&self, options: &OnePassOptions) -> PartialModel {
+        let Self { prepared, axes, rule, contours } = *self;
+        let (view, grid) = (prepared.view(), Grid::new(prepared.view().frame()));
+        let pairs = PairLines { view, rule, grid };
+        let refinement = Refinement::new(prepared, axes, pairs, options.subpixel);
+        let gaps = Gaps { view, rule, contours, grid, gap: options.gap };
+        let mut near_tangent = NearTangent::new(prepared, axes, rule, options.excursion_sigmas);
+        let mut nodes = NodeMaker {
+            prepared,
+            axes,
+            least_sigma_factor: options.least_sigma_factor,
+            crossings: Vec::new(),
+            upward: Vec::new(),
+        };
+        let mut model = PartialModel::default();
+        let lines: Vec<Polyline<'_>> = contours.polylines().collect();
+        let mut crossings = Vec::new();
+        for lines in lines.chunk_by(|a, b| a.level == b.level) {
+            self.solve(lines, &pairs, refinement.as_ref(), &mut crossings);
+            let mut solved = with_crossings(lines, &crossings);
+            solved.retain(|line| !near_tangent.is_noise(line, contours));
+            model.counts.noise_lines += lines.len() - solved.len();
+            let mut curves = Vec::new();
+            for strand in gaps.bridge(&solved) {
+                match self.curve(&strand, &solved, &mut nodes) {
+                    Some(curve) => curves.push(curve),
+                    None => model.counts.lone += 1,
+                }
+            }
+            model.counts.bridged += curves.iter().map(|c| c.bridged.len()).sum::<usize>();
+            if let (Some(line), false) = (lines.first(), curves.is_empty()) {
+                model.planes.push(PlaneCurves { plane: line.plane, curves });
+            }
+        }
+        model
+    }
+
+    /// Crossings of all vertices of one plane's lines, in order.
+    fn solve(
+        &self,
+        lines: &[Polyline<'_>],
+        pairs: &PairLines<'_>,
+        refinement: Option<&Refinement<'_>>,
+        crossings: &mut Vec<Crossing>,
+    ) {
+        crossings.clear();
+        let Some(level) = lines.first().map(|line| line.level) else { return };
+        let refined = refinement.map(|r| (r, r.solver(level)));
+        crossings.extend(lines.iter().flat_map(|line| line.vertices).map(|vertex| {
+            let (kind, pair) = self.contours.pair(vertex);
+            let mut crossing = solve(self.prepared.view(), self.axes, kind, pair, level);
+            if let Some((refinement, solver)) = &refined {
+                refinement.refine(solver, kind, pair, &mut crossing);
+            }
+            if let Some(wide) = self.wide(&crossing, kind, pair, pairs) {
+                crossing.across = wide;
+            }
+            crossing
+        }));
+    }
+
+    /// From one sample to another one of the same line, three pixels apart, if noise may have turned
+    /// the pair itself.
+    ///
+    /// Noise picks the pairs that are crossed: they are those that it made steeper. Samples beside
+    /// them are not picked.
+    fn wide(
+        &self,
+        crossing: &Crossing,
+        kind: Kind,
+        pair: [Pixel; 2],
+        pairs: &PairLines<'_>,
+    ) -> Option<Vector3> {
+        let rise = self.axes.turn(&crossing.ray).z.abs();
+        let least = WIDE_SIGMAS * self.prepared.sigma() * rise;
+        if least == 0.0 || crossing.pair.z.abs() > least {
+            return None;
+        }
+        let line = pairs.of(kind, pair)?;
+        let (before, after) = (line.before?, line.after?);
+        let view = self.prepared.view();
+        let wide = view.point_in_sensor(after)? - view.point_in_sensor(before)?;
+        Some(self.axes.turn(&wide) / 3.0)
+    }
+
+    /// The curve of a strand; `None` if it has too few nodes.
+    fn curve(
+        &self,
+        strand: &Strand,
+        lines: &[Solved<'_>],
+        nodes: &mut NodeMaker<'_>,
+    ) -> Option<PartialCurve> {
+        collect(strand, lines, &mut nodes.crossings);
+        nodes.count_upward();
+        let count = nodes.crossings.len();
+        if count < 2 + usize::from(strand.closed) {
+            return None;
+        }
+        let units = nodes.crossings.iter().zip(0_u32..).filter(|(c, _)| c.bridged_after);
+        let bridged = units.map(|(_, k)| k).collect();
+        let all = (0..count).map(|k| nodes.node(k, strand.closed)).collect();
+        let curve = Curve::new(all, strand.closed).ok()?;
+        let pixels = nodes.crossings.iter().map(|c| c.pixel).collect();
+        let ends = if strand.closed { None } else { self.ends(strand, lines) };
+        Some(PartialCurve { curve, pixels, ends, bridged })
+    }
+
+    /// Why an open strand begins and ends where it does.
+    fn ends(&self, strand: &Strand, lines: &[Solved<'_>]) -> Option<[EndReason; 2]> {
+        let vertices = || strand.lines.iter().flat_map(|k| lines[*k].line.vertices);
+        let mut from_start = vertices();
+        let first = (from_start.next()?, from_start.next()?);
+        let mut from_end = vertices().rev();
+        let last = (from_end.next()?, from_end.next()?);
+        Some(ends(self.prepared.view(), self.contours, [first, last]))
+    }
+}
+
+/// Lines with their crossings, which lie one after the other.
+fn with_crossings<'a>(lines: &[Polyline<'a>], crossings: &'a [Crossing]) -> Vec<Solved<'a>> {
+    let mut rest = crossings;
+    let solved = lines.iter().map(|line| {
+        let (crossings, others) = rest.split_at(line.vertices.len().min(rest.len()));
+        rest = others;
+        Solved { line: *line, crossings }
+    });
+    solved.collect()
+}
+
+/// The crossings of a strand, with its bridges marked.
+fn collect(strand: &Strand, lines: &[Solved<'_>], crossings: &mut Vec<Crossing>) {
+    crossings.clear();
+    for (position, line) in strand.lines.iter().enumerate() {
+        let solved = &lines[*line];
+        crossings.extend_from_slice(solved.crossings);
+        let joined = position + 1 < strand.lines.len() || strand.closed && !solved.line.closed;
+        if let (true, Some(last)) = (joined, crossings.last_mut()) {
+            last.bridged_after = true;
+        }
+    }
+    tidy(crossings, strand.closed);
+}
+
+/// Drops nodes that repeat the one before: where a sample lies on the plane, up to four of its
+/// pairs cross there.
+fn tidy(crossings: &mut Vec<Crossing>, closed: bool) {
+    /// Distance at which two crossings are one, as a share of the rays' spacing: rounding.
+    const SAME: f64 = 1e-6;
+    let repeats = |a: &Crossing, b: &Crossing| {
+        let apart = (a.position - b.position).norm();
+        apart <= SAME * f64::from(a.spacing.max(b.spacing))
+    };
+    crossings.dedup_by(|b, a| {
+        let same = repeats(a, b);
+        // What follows the one that goes follows the one that stays.
+        a.bridged_after |= same && b.bridged_after;
+        same
+    });
+    if let (true, [first, .., last]) = (closed, crossings.as_slice())
+        && repeats(first, last)
+    {
+        let bridged = last.bridged_after;
+        crossings.pop();
+        if let (true, Some(last)) = (bridged, crossings.last_mut()) {
+            last.bridged_after = true;
+        }
+    }
+}

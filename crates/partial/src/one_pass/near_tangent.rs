@@ -1,0 +1,161 @@
+//! Curves that noise alone makes where the surface is nearly tangent to the plane.
+//!
+//! **Problem.** Where a plane runs within the noise of a surface, the samples are over and under it
+//! at random, and the section falls into loops and scraps. Their length tells nothing: a hole, a
+//! leg or the top of a ball may be as short.
+//!
+//! **Idea.** A curve parts a region of high samples from a region of low ones. It is real if both
+//! regions leave the plane by more than noise does. Noise moves a sample along its ray `d`, so its
+//! height over the plane has the standard deviation `σ |d · m|` with the plane's normal `m`: a plane
+//! that holds the rays has no such noise, however obliquely it meets the surface. A region that
+//! nowhere rises (or falls) by some of these deviations might as well not be there, and all curves
+//! around it are left out together. This is the simplification of contours by persistence
+//! (Edelsbrunner, Letscher and Zomorodian, 2002) with a threshold for each sample.
+//!
+//! **Steps**, for each line of a plane.
+//! 1. The samples beside the line: on nearly all surfaces the first few leave the plane far enough
+//!    on both sides.
+//! 2. On a side where none does, the region is followed from sample to sample, along rows and
+//!    columns and not across range jumps, until one does or it ends.
+//!
+//! **Cost.** Samples within noise of a plane are visited once for it, and others hardly at all.
+
+use super::bridge::Solved;
+use super::contours::Contours;
+use crate::pixel_grid::Grid;
+use crate::prepared::Prepared;
+use crate::{BreakRule, SectionAxes};
+use transect_device::{Pixel, View};
+
+/// Tells real curves from those that noise makes.
+pub(super) struct NearTangent<'a> {
+    prepared: &'a Prepared<'a>,
+    axes: &'a SectionAxes,
+    rule: &'a BreakRule,
+    grid: Grid,
+    /// Standard deviations that a region must leave the plane by.
+    sigmas: f64,
+    /// Of every pixel, what is known of its region for a plane.
+    seen: Vec<Seen>,
+    /// Pixels that are being followed.
+    stack: Vec<Pixel>,
+    visited: Vec<usize>,
+}
+
+/// What is known of a pixel's region on the plane at a level.
+#[derive(Debug, Clone, Copy)]
+struct Seen {
+    level: i32,
+    leaves: bool,
+}
+
+impl<'a> NearTangent<'a> {
+    pub fn new(
+        prepared: &'a Prepared<'a>,
+        axes: &'a SectionAxes,
+        rule: &'a BreakRule,
+        sigmas: f64,
+    ) -> Self {
+        let grid = Grid::new(prepared.view().frame());
+        let (seen, stack, visited) = (Vec::new(), Vec::new(), Vec::new());
+        Self { prepared, axes, rule, grid, sigmas, seen, stack, visited }
+    }
+
+    /// Whether noise alone explains a line.
+    pub fn is_noise(&mut self, solved: &Solved<'_>, contours: &Contours<'_>) -> bool {
+        if self.sigmas <= 0.0 || self.prepared.sigma() <= 0.0 {
+            return false;
+        }
+        let mut leaves = [false; 2];
+        for (vertex, crossing) in solved.line.vertices.iter().zip(solved.crossings) {
+            let heights = crossing.heights();
+            for (pixel, height) in contours.pair(vertex).1.into_iter().zip(heights) {
+                let side = usize::from(height > 0.0);
+                leaves[side] = leaves[side] || self.leaves(pixel, height);
+            }
+            if leaves == [true; 2] {
+                return false;
+            }
+        }
+        let level = solved.line.level;
+        [0, 1].into_iter().any(|side| {
+            let mut pixels = solved.line.vertices.iter().flat_map(|v| contours.pair(v).1);
+            !leaves[side]
+                && !pixels
+                    .any(|p| self.side(p, level) == Some(side) && self.region_leaves(p, level))
+        })
+    }
+
+    fn view(&self) -> &'a View {
+        self.prepared.view()
+    }
+
+    /// Height of a pixel's sample over a plane, in the length unit; `None` where missing.
+    fn height(&self, p: Pixel, level: i32) -> Option<f64> {
+        let point = self.view().point_in_sensor(p)?;
+        Some((self.axes.level().at(&point) - f64::from(level)) * self.axes.interval())
+    }
+
+    /// 1 for a high pixel, 0 for a low one; a pixel on the plane counts as low.
+    fn side(&self, p: Pixel, level: i32) -> Option<usize> {
+        self.height(p, level).map(|height| usize::from(height > 0.0))
+    }
+
+    /// Whether a sample is farther from the plane than noise explains.
+    fn leaves(&self, p: Pixel, height: f64) -> bool {
+        let Some(ray) = self.view().frame().ray(p) else { return true };
+        let rise = self.axes.turn(&ray.direction).z.abs();
+        height.abs() >= self.sigmas * self.prepared.sigma_at(p) * rise
+    }
+
+    /// Whether the region of a pixel leaves the plane somewhere.
+    fn region_leaves(&mut self, start: Pixel, level: i32) -> bool {
+        let count = self.grid.size().pixels();
+        self.seen.resize(count, Seen { level: i32::MIN, leaves: false });
+        let Some(side) = self.side(start, level) else { return true };
+        self.stack.clear();
+        self.visited.clear();
+        let mut leaves = self.enter(start, level, side);
+        while let (false, Some(p)) = (leaves, self.stack.pop()) {
+            for other in self.joined(p).into_iter().flatten() {
+                leaves = leaves || self.enter(other, level, side);
+            }
+        }
+        for index in &self.visited {
+            if let Some(seen) = self.seen.get_mut(*index) {
+                seen.leaves = leaves;
+            }
+        }
+        leaves
+    }
+
+    /// Takes a pixel to the region if it is on its side; whether it is known to leave the plane.
+    fn enter(&mut self, p: Pixel, level: i32, side: usize) -> bool {
+        let index = self.grid.index(p);
+        let Some(height) = self.height(p, level) else { return false };
+        if usize::from(height > 0.0) != side {
+            return false;
+        }
+        let leaves = self.leaves(p, height);
+        let Some(seen) = self.seen.get_mut(index) else { return true };
+        if seen.level == level {
+            return seen.leaves;
+        }
+        *seen = Seen { level, leaves };
+        self.visited.push(index);
+        self.stack.push(p);
+        leaves
+    }
+
+    /// The neighbours of a pixel on its surface.
+    fn joined(&self, p: Pixel) -> [Option<Pixel>; 4] {
+        let (view, frame) = (self.view(), self.view().frame());
+        [(-1, 0), (1, 0), (0, -1), (0, 1)].map(|(rows, cols)| {
+            let other = self.grid.step(p, rows, cols)?;
+            // As the sweep sees the pair: from the later pixel.
+            let (later, earlier) = if rows + cols > 0 { (other, p) } else { (p, other) };
+            let pair = frame.pair(view.image(), later, earlier)?;
+            self.rule.holds(&pair).then_some(other)
+        })
+    }
+}
