@@ -15,7 +15,8 @@ use transect_partial::one_pass::{OnePassOptions, partial_model};
 use transect_sensors::{AngularScan, ImagingRadar};
 
 fn model(view: &View, planes: &PlaneFamily) -> PartialModel {
-    partial_model(view, planes, &OnePassOptions::default()).unwrap()
+    let options = OnePassOptions { gap: 4, ..OnePassOptions::default() };
+    partial_model(view, planes, &options).unwrap()
 }
 
 proptest! {
