@@ -1,7 +1,7 @@
 //! Simulated scans: a scene, seen by its own sensors or by others of the reader's choice.
 //!
 //! [`Plan`] says which sensors and how many views, [`instruments`] places them, [`views`] casts
-//! their rays, [`write`] makes a scan folder of what they saw.
+//! their rays, [`write()`] makes a scan folder of what they saw.
 
 mod placing;
 mod scan_folder;
