@@ -28,7 +28,7 @@
 //!    whatever side of the plane the sensor is on, so a mirrored grid reverses all curves and a
 //!    plain one none. No range comparison per curve is needed.
 //! 7. Lines that noise alone makes where the surface is nearly tangent to the plane are left out; see
-//!    `near_tangent.rs`. Lines cut by a few missing pixels are joined, and the unit between them is
+//!    `near_tangent.rs`. If asked, lines cut by a few missing pixels are joined, and the unit between is
 //!    marked (3.5.1); see `bridge.rs`.
 //! 8. Lines become curves (`curves.rs`): places again in `f64`, by any of the ways of
 //!    [`mod@crate::subpixel`], what is known of every node (`nodes.rs`), and why open curves end
