@@ -20,6 +20,7 @@
 //! * [`Location`], [`SectionIndex`], [`ModelIndex`]: inside, outside or unknown;
 //! * [`SectionMeasures`], [`ModelVolume`], [`NestedCurve`]: area, volume with a bound, and a check on directions;
 //! * [`Model::save`], [`Model::load`], [`FileError`]: a whole model in a plain file;
+//! * [`gaps`]: what nobody saw, and where a next view would see most of it;
 //! * [`store`]: a model in a database, which grows view by view and need not fit into memory;
 //! * [`Model::check`], [`InvariantError`]: what holds of every model.
 //!
@@ -29,6 +30,7 @@ mod check;
 mod codec;
 mod edit;
 mod file;
+pub mod gaps;
 mod measure;
 mod model;
 mod nesting;

@@ -1,0 +1,176 @@
+//! Gaps: the stretches of boundary that nobody saw (dissertation, sections 2.4.3 and 6.4).
+//!
+//! Problem: a model of real scans is open where surfaces were hidden, too dark or outside all images. What
+//! is missing is as much a result as what is there: it says where to look next.
+//!
+//! Idea: the boundary of a solid has no ends. Where a curve ends, the boundary goes on unseen until it
+//! comes to where a curve begins, so the open ends of a plane pair up, an end with a beginning.
+//!
+//! 1. Every end of an open curve is paired with the beginning of one, perhaps its own, cheapest pair first. The cost is
+//!    the straight distance, times up to five if the way would have to turn back: a curve does not close over itself.
+//! 2. A pair is a [`Gap`]; its width is the straight distance, the least that the unseen boundary can measure.
+//! 3. The solid lies on a gap's left as on that of a curve, so a gap knows where it can be seen from.
+//! 4. [`FreeSpace`] is what the rays of the views passed through; [`next_views`] tries its places as places for a
+//!    sensor and counts the gaps in sight of each.
+//!
+//! Departures from the source: 6.4 names the selection of views as future work; all of this is ours.
+//!
+//! Cost: per plane O(n² log n) for n open curves. Do not take a gap's chord for a surface: the boundary between its
+//! ends can be anywhere behind what hid it.
+
+mod free_space;
+mod next_view;
+
+pub use free_space::{Cell, FreeSpace};
+pub use next_view::{NextView, NextViewOptions, UnseenPatch, next_views};
+
+use crate::{CurveIndex, Section};
+use transect_geometry::{Curve, Point2, Vector2};
+
+/// A stretch of boundary that nobody saw, between two open ends of one plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gap {
+    /// The curve whose end begins the gap.
+    pub after: CurveIndex,
+    /// The curve whose beginning ends it; may be the same.
+    pub before: CurveIndex,
+    /// Where it begins and ends, in plane coordinates.
+    pub ends: [Point2; 2],
+}
+
+impl Gap {
+    /// The straight distance between its ends, in the length unit: the least the unseen boundary can measure.
+    pub fn width(&self) -> f64 {
+        (self.ends[1] - self.ends[0]).norm()
+    }
+
+    /// Unit vector away from the solid, across the chord and in plane coordinates; `None` for a gap of no width.
+    pub fn outward(&self) -> Option<Vector2> {
+        let along = (self.ends[1] - self.ends[0]).try_normalize(0.0)?;
+        Some(Vector2::new(along.y, -along.x))
+    }
+}
+
+/// An open end of a curve: where it is and the unit vector along the curve there.
+struct OpenEnd {
+    curve: CurveIndex,
+    position: Point2,
+    along: Vector2,
+}
+
+impl OpenEnd {
+    fn of(curve: &Curve, index: usize) -> Option<[Self; 2]> {
+        let (first, last) = (curve.units().next()?, curve.units().last()?);
+        let end = |position, along: Vector2| Self {
+            curve: CurveIndex(index),
+            position,
+            along: along.try_normalize(0.0).unwrap_or_else(Vector2::zeros),
+        };
+        Some([end(first.start, first.vector()), end(last.end, last.vector())])
+    }
+}
+
+impl Section {
+    /// The gaps of this plane, widest first; as many as it has open curves.
+    pub fn gaps(&self) -> Vec<Gap> {
+        let open = self.curves().enumerate().filter(|(_, curve)| !curve.is_closed());
+        let ends: Vec<[OpenEnd; 2]> =
+            open.filter_map(|(index, curve)| OpenEnd::of(curve, index)).collect();
+        let mut pairs = Vec::with_capacity(ends.len() * ends.len());
+        for (a, [_, end]) in ends.iter().enumerate() {
+            pairs.extend(ends.iter().enumerate().map(|(b, [begin, _])| (cost(end, begin), a, b)));
+        }
+        pairs.sort_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2))));
+        let (mut ended, mut begun) = (vec![false; ends.len()], vec![false; ends.len()]);
+        let mut gaps = Vec::with_capacity(ends.len());
+        for (_, a, b) in pairs {
+            if !ended[a] && !begun[b] {
+                (ended[a], begun[b]) = (true, true);
+                let ([_, end], [begin, _]) = (&ends[a], &ends[b]);
+                gaps.push(Gap {
+                    after: end.curve,
+                    before: begin.curve,
+                    ends: [end.position, begin.position],
+                });
+            }
+        }
+        gaps.sort_by(|x, y| y.width().total_cmp(&x.width()).then(x.after.cmp(&y.after)));
+        gaps
+    }
+}
+
+/// The straight distance from an end to a beginning, more if the way there must turn.
+fn cost(end: &OpenEnd, begin: &OpenEnd) -> f64 {
+    let across = begin.position - end.position;
+    let straight = across.norm();
+    let direction = across.try_normalize(0.0).unwrap_or_else(Vector2::zeros);
+    straight * (3.0 - end.along.dot(&direction) - begin.along.dot(&direction))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use transect_geometry::Node;
+
+    fn curve(points: &[(f64, f64)], closed: bool) -> Curve {
+        let nodes = points.iter().map(|&(x, y)| Node::at(Point2::new(x, y))).collect();
+        Curve::new(nodes, closed).unwrap()
+    }
+
+    #[test]
+    fn the_open_side_of_a_square_is_its_gap() {
+        // Solid on the left: the square runs counter-clockwise and lacks its left side.
+        let square = curve(&[(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)], false);
+        let gaps = Section::new(vec![square]).unwrap().gaps();
+        assert_eq!(gaps.len(), 1);
+        assert_eq!(gaps[0].ends, [Point2::new(0.0, 2.0), Point2::new(0.0, 0.0)]);
+        assert_eq!(gaps[0].width(), 2.0);
+        assert_eq!(gaps[0].outward(), Some(Vector2::new(-1.0, 0.0)));
+    }
+
+    #[test]
+    fn short_pieces_in_a_row_continue_each_other_and_do_not_close_over_themselves() {
+        let piece = |k: usize| {
+            let x = 0.3 * k as f64;
+            curve(&[(x, 0.0), (x + 0.1, 0.0)], false)
+        };
+        let gaps = Section::new((0..5).map(piece).collect()).unwrap().gaps();
+        let next = gaps.iter().filter(|g| g.before.0 == g.after.0 + 1).count();
+        assert_eq!(next, 4);
+        assert_eq!((gaps[0].after, gaps[0].before), (CurveIndex(4), CurveIndex(0)));
+    }
+
+    #[test]
+    fn closed_curves_have_no_gaps() {
+        let ring = curve(&[(0.0, 0.0), (2.0, 0.0), (2.0, 2.0)], true);
+        assert_eq!(Section::new(vec![ring]).unwrap().gaps(), []);
+    }
+
+    proptest! {
+        /// A ring cut into pieces is mended where it was cut, whatever the order of the pieces.
+        #[test]
+        fn a_cut_ring_is_mended_where_it_was_cut(
+            pieces in 2_usize..12,
+            offset in 0_usize..12,
+        ) {
+            let at = |k: usize| {
+                let angle = std::f64::consts::TAU * k as f64 / (8 * pieces) as f64;
+                (angle.cos(), angle.sin())
+            };
+            // Of every eight steps one is missing.
+            let piece = |k: usize| -> Curve {
+                curve(&(8 * k..8 * k + 8).map(at).collect::<Vec<_>>(), false)
+            };
+            let order: Vec<usize> = (0..pieces).map(|k| (k * 7 + offset) % pieces).collect();
+            prop_assume!((0..pieces).all(|k| order.contains(&k)));
+            let section = Section::new(order.iter().map(|&k| piece(k)).collect()).unwrap();
+            for gap in section.gaps() {
+                let (from, to) = (order[gap.after.0], order[gap.before.0]);
+                prop_assert_eq!((from + 1) % pieces, to);
+                let middle = nalgebra::center(&gap.ends[0], &gap.ends[1]);
+                prop_assert!(gap.outward().unwrap().dot(&middle.coords) > 0.0);
+            }
+        }
+    }
+}

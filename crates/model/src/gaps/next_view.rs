@@ -1,0 +1,183 @@
+//! Where a next view would close most gaps (dissertation, section 6.4).
+//!
+//! Idea: a gap is closed by seeing its chord from its free side. Places for the sensor are where rays have
+//! passed, because only there is it known that nothing is in the way.
+//!
+//! 1. Every gap is sampled along its chord; a sample stands for its share of the chord times the height that its plane
+//!    stands for, an area.
+//! 2. Candidates are places in free space, evenly thinned.
+//! 3. A candidate sees a sample that faces it, is as near as anything seen so far, and has no observed surface in
+//!    between. Unknown space does not count as in the way, so what is promised is the most that can be.
+//! 4. The candidate that sees the largest area is chosen, its samples are struck off, and so on: the greedy cover, whose
+//!    total is at least 63 % of the best one (Nemhauser, Wolsey and Fisher 1978).
+//!
+//! Limits: sensors are points that see in all directions and can be anywhere in free space. Whoever places one
+//! knows better; the list is a proposal.
+
+use super::FreeSpace;
+use transect_geometry::{Point3, Vector3};
+
+/// A piece of an unseen surface, as the gaps of a plane tell of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UnseenPatch {
+    /// Its middle, in the world.
+    pub middle: Point3,
+    /// Unit vector away from the solid, in the world.
+    pub outward: Vector3,
+    /// Its area, in the square of the length unit.
+    pub area: f64,
+}
+
+/// How to look for views.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NextViewOptions {
+    /// How many views are wanted.
+    pub views: usize,
+    /// How obliquely a surface can be seen, as the angle between ray and surface normal, in radians.
+    pub max_incidence_rad: f64,
+    /// How far a sensor can see, in the length unit.
+    pub reach: f64,
+}
+
+/// Candidates that are tried, and patches that are looked at: beyond these, evenly chosen ones stand for the rest.
+const CANDIDATES: usize = 600;
+const PATCHES: usize = 4000;
+
+/// A place from which a view would close gaps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NextView {
+    /// Where to put the sensor, in the world.
+    pub position: Point3,
+    /// What to look at: the middle of what it would see.
+    pub target: Point3,
+    /// Unseen area that would be in sight, beyond what earlier views of the list see, in the square of the length unit.
+    pub area: f64,
+}
+
+/// The places from which most of the unseen area would be in sight, best first; fewer than asked for where nothing
+/// more can be gained.
+pub fn next_views(
+    patches: &[UnseenPatch],
+    space: &FreeSpace,
+    options: &NextViewOptions,
+) -> Vec<NextView> {
+    let patches = thinned(patches);
+    let places = candidates(space);
+    let mut seen: Vec<(Point3, Vec<usize>)> = places
+        .into_iter()
+        .map(|place| {
+            let sees = |&k: &usize| in_sight(&place, &patches[k], space, options);
+            (place, (0..patches.len()).filter(sees).collect())
+        })
+        .collect();
+    let mut chosen = Vec::new();
+    while chosen.len() < options.views {
+        let area = |sees: &[usize]| sees.iter().map(|&k| patches[k].area).sum::<f64>();
+        // The first of equals, so that the answer does not depend on anything else.
+        let best = seen.iter().rev().max_by(|a, b| area(&a.1).total_cmp(&area(&b.1)));
+        let Some((position, sees)) = best.filter(|(_, sees)| area(sees) > 0.0).cloned() else {
+            break;
+        };
+        chosen.push(NextView { position, target: middle(&patches, &sees), area: area(&sees) });
+        for (_, others) in &mut seen {
+            others.retain(|k| sees.binary_search(k).is_err());
+        }
+    }
+    chosen
+}
+
+/// Evenly chosen patches, each standing for those left out beside it.
+fn thinned(patches: &[UnseenPatch]) -> Vec<UnseenPatch> {
+    let stride = patches.len().div_ceil(PATCHES).max(1);
+    let standing_for = |group: &[UnseenPatch]| {
+        let area = group.iter().map(|p| p.area).sum();
+        group.get(group.len() / 2).map(|&middle| UnseenPatch { area, ..middle })
+    };
+    patches.chunks(stride).filter_map(standing_for).collect()
+}
+
+fn candidates(space: &FreeSpace) -> Vec<Point3> {
+    let mut stride = 1;
+    loop {
+        let places = space.free_places(stride);
+        if places.len() <= CANDIDATES {
+            return places;
+        }
+        stride += 1;
+    }
+}
+
+fn in_sight(
+    place: &Point3,
+    patch: &UnseenPatch,
+    space: &FreeSpace,
+    options: &NextViewOptions,
+) -> bool {
+    let towards = place - patch.middle;
+    let distance = towards.norm();
+    let faces = towards.dot(&patch.outward) > distance * options.max_incidence_rad.cos();
+    // The edges of the gap are surface themselves: near it, a cell with surface proves nothing.
+    let slack = 2.0 * space.cell_size();
+    faces && distance <= options.reach && space.clear(place, &patch.middle, slack)
+}
+
+fn middle(patches: &[UnseenPatch], sees: &[usize]) -> Point3 {
+    let area: f64 = sees.iter().map(|&k| patches[k].area).sum();
+    let moment: Vector3 = sees.iter().map(|&k| patches[k].middle.coords * patches[k].area).sum();
+    Point3::from(moment / area)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sensor at the origin sees a wall at x = 10 with a post before it at x = 5; the wall behind the post is a gap.
+    fn scene() -> (FreeSpace, Vec<UnseenPatch>) {
+        let steps = || -40..=40;
+        let seen = steps().flat_map(|y| steps().map(move |z| (f64::from(y) * 0.1, f64::from(z) * 0.1)));
+        let hit = |(y, z): (f64, f64)| {
+            if y.abs() < 1.0 { Point3::new(5.0, y / 2.0, z / 2.0) } else { Point3::new(10.0, y, z) }
+        };
+        let rays: Vec<_> = seen.map(|p| (Point3::origin(), hit(p))).collect();
+        let patch = |k: i32| UnseenPatch {
+            middle: Point3::new(10.0, 0.1 * f64::from(k), 0.0),
+            outward: -Vector3::x(),
+            area: 0.1,
+        };
+        (FreeSpace::from_rays(&rays).unwrap(), (-9..=9).map(patch).collect())
+    }
+
+    fn options(views: usize) -> NextViewOptions {
+        NextViewOptions { views, max_incidence_rad: 1.3, reach: 20.0 }
+    }
+
+    #[test]
+    fn the_gap_behind_a_post_is_seen_from_beside_the_post() {
+        let (space, patches) = scene();
+        let origin = Point3::origin();
+        assert!(patches.iter().all(|p| !in_sight(&origin, p, &space, &options(1))));
+        let views = next_views(&patches, &space, &options(3));
+        assert!((views[0].area - 1.9).abs() < 1e-9, "{views:?}");
+        assert_eq!(views.len(), 1, "one place sees all of it");
+        let line = views[0].position + (views[0].target - views[0].position) * 0.5;
+        assert!(line.x > 5.0 || line.y.abs() > 0.5, "the post is in the way: {views:?}");
+    }
+
+    #[test]
+    fn what_faces_away_or_is_too_far_is_not_promised() {
+        let (space, mut patches) = scene();
+        let near = NextViewOptions { reach: 1e-3, ..options(1) };
+        assert_eq!(next_views(&patches, &space, &near), []);
+        patches.iter_mut().for_each(|p| p.outward = Vector3::x());
+        assert_eq!(next_views(&patches, &space, &options(1)), []);
+    }
+
+    #[test]
+    fn many_patches_keep_their_area() {
+        let (space, patches) = scene();
+        let many: Vec<_> = (0..10_001).map(|k| patches[k % patches.len()]).collect();
+        let area: f64 = thinned(&many).iter().map(|p| p.area).sum();
+        assert!((area - 1000.1).abs() < 1e-6);
+        assert!(candidates(&space).len() <= CANDIDATES);
+    }
+}
