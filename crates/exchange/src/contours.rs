@@ -9,7 +9,10 @@
 //!
 //! Points are in the world, in the model's length unit; a closed polyline does not repeat its first
 //! point; the solid is on the left, seen against the normal. `sigma` is a node's standard deviation
-//! across the curve (0 = nothing known), `views` how many views observed it (0 = bridged).
+//! across the curve (0 = nothing known), `views` how many views observed it (0 = bridged). Two keys
+//! are there only if they say something: `bridged` lists the numbers of the segments (k: from point
+//! k to the next) that cross ground nobody saw, and `ends` says why an open polyline begins and ends
+//! (`missing_pixel`, `range_jump`, `image_border`, or null where nobody knows).
 //! Numbers have the fewest digits that read back as the same number, so the same model gives the
 //! same bytes and nothing is lost far from the origin.
 
@@ -17,7 +20,9 @@ use crate::{Place, ReadError};
 use serde::{Deserialize, Serialize};
 use std::io::{self, BufReader, Write};
 use std::path::Path;
-use transect_geometry::{Curve, LengthUnit, Node, PlaneFrame, PlaneIndex, Point2, Point3, Vector3};
+use transect_geometry::{
+    Curve, EndReason, LengthUnit, Node, PlaneFrame, PlaneIndex, Point2, Point3, Vector3,
+};
 use transect_model::{Model, Section};
 
 /// The curves of a contour file.
@@ -64,6 +69,14 @@ struct PolylineText {
     sigma: Vec<f32>,
     #[serde(default)]
     views: Vec<u32>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    bridged: Vec<usize>,
+    #[serde(default, skip_serializing_if = "unknown")]
+    ends: [Option<EndReason>; 2],
+}
+
+fn unknown(ends: &[Option<EndReason>; 2]) -> bool {
+    *ends == [None; 2]
 }
 
 #[derive(Deserialize)]
@@ -98,6 +111,8 @@ fn plane_text(index: PlaneIndex, station: f64, frame: &PlaneFrame, section: &Sec
             points: nodes.iter().map(point).collect(),
             sigma: nodes.iter().map(|n| n.sigma).collect(),
             views: nodes.iter().map(|n| n.views).collect(),
+            bridged: (0..nodes.len()).filter(|k| nodes[*k].bridged).collect(),
+            ends: curve.ends(),
         }
     };
     PlaneText {
@@ -110,8 +125,8 @@ fn plane_text(index: PlaneIndex, station: f64, frame: &PlaneFrame, section: &Sec
     }
 }
 
-/// Reads a contour file by this or another program; `sigma`, `views`, `station` and `x_axis` may
-/// be missing.
+/// Reads a contour file by this or another program; `sigma`, `views`, `bridged`, `ends`,
+/// `station` and `x_axis` may be missing.
 ///
 /// # Errors
 /// [`ReadError`] if the file is not JSON of this form, a plane has no normal, or a polyline has too
@@ -144,7 +159,7 @@ fn plane(path: &Path, text: PlaneText) -> Result<ContourPlane, ReadError> {
 }
 
 fn curve(frame: &PlaneFrame, polyline: &PolylineText) -> Result<Curve, String> {
-    let PolylineText { closed, points, sigma, views } = polyline;
+    let PolylineText { closed, points, sigma, views, bridged, ends } = polyline;
     for (key, length) in [("sigma", sigma.len()), ("views", views.len())] {
         if length != 0 && length != points.len() {
             return Err(format!("{length} values of {key} for {} points", points.len()));
@@ -156,8 +171,14 @@ fn curve(frame: &PlaneFrame, polyline: &PolylineText) -> Result<Curve, String> {
         let sigma = sigma.get(i).copied().unwrap_or(0.0);
         Node { sigma, weight: views as f32, views, ..Node::at(position) }
     };
-    let nodes = points.iter().enumerate().map(node).collect();
-    Curve::new(nodes, *closed).map_err(|e| e.to_string())
+    let mut nodes: Vec<Node> = points.iter().enumerate().map(node).collect();
+    for &k in bridged {
+        let count = points.len();
+        let node = nodes.get_mut(k);
+        node.ok_or_else(|| format!("segment {k} is bridged, of {count} points"))?.bridged = true;
+    }
+    let curve = Curve::new(nodes, *closed).map_err(|e| e.to_string())?;
+    Ok(curve.with_ends(*ends))
 }
 
 #[cfg(test)]
@@ -180,9 +201,10 @@ mod tests {
         ) {
             let node = |&(x, y, sigma): &(f64, f64, f32)| {
                 let at = Node::at(Point2::new(x + 5e5, y + 5.4e6));
-                Node { sigma, views: 3, weight: 3.0, ..at }
+                Node { sigma, views: 3, weight: 3.0, bridged: sigma > 0.5, ..at }
             };
             let curve = Curve::new(points.iter().map(node).collect(), closed).unwrap();
+            let curve = curve.with_ends([Some(EndReason::RangeJump), None]);
             let model = model(normal, &[(-2, vec![curve.clone()])]);
             let mut text = Vec::new();
             write_contours(&model, &mut text).unwrap();
@@ -192,11 +214,12 @@ mod tests {
             prop_assert_eq!(frame.origin(), written.origin());
             prop_assert!((frame.x_axis() - written.x_axis()).norm() < 1e-15);
             let read = &back.planes[0].curves[0];
-            prop_assert_eq!(read.is_closed(), closed);
+            prop_assert_eq!((read.is_closed(), read.ends()), (closed, curve.ends()));
             for (a, b) in read.nodes().iter().zip(curve.nodes()) {
                 // Micrometres survive five thousand kilometres from the origin.
                 prop_assert!((a.position - b.position).norm() < 1e-8);
-                prop_assert_eq!((a.sigma, a.views), (b.sigma, b.views));
+                let known = |n: &Node| (n.sigma, n.views, n.bridged);
+                prop_assert_eq!(known(a), known(b));
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Oriented curves of nodes on a section plane (dissertation, sections 2.4 and 2.5.2).
 
-use crate::{CurveUnit, Envelope, Foot, Point2, Side, Vector2};
+use crate::{CurveUnit, EndReason, Envelope, Foot, Point2, Side, Vector2};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -24,6 +24,8 @@ pub struct Node {
     /// Outward unit normal of the surface, in plane coordinates with the plane's normal third; zero
     /// where it is not known.
     pub normal: Vector3<f32>,
+    /// Whether the curve unit that begins here crosses ground that nobody saw.
+    pub bridged: bool,
 }
 
 impl Node {
@@ -37,6 +39,7 @@ impl Node {
             views: 1,
             correlation: 0.0,
             normal: Vector3::zeros(),
+            bridged: false,
         }
     }
 }
@@ -71,6 +74,7 @@ pub enum CurveError {
 pub struct Curve {
     nodes: Vec<Node>,
     closed: bool,
+    ends: [Option<EndReason>; 2],
 }
 
 /// A curve as it comes from a file, not yet checked.
@@ -78,22 +82,25 @@ pub struct Curve {
 struct Parts {
     nodes: Vec<Node>,
     closed: bool,
+    ends: [Option<EndReason>; 2],
 }
 
 impl TryFrom<Parts> for Curve {
     type Error = CurveError;
 
     fn try_from(parts: Parts) -> Result<Self, CurveError> {
-        Self::new(parts.nodes, parts.closed)
+        Ok(Self::new(parts.nodes, parts.closed)?.with_ends(parts.ends))
     }
 }
 
 impl Curve {
-    /// A curve through the nodes in order.
+    /// A curve through the nodes in order; nothing is known of its ends.
+    ///
+    /// The last node of an open curve begins no unit, so its mark of bridged ground is cleared.
     ///
     /// # Errors
     /// [`CurveError`] if there are too few nodes, or one has values that are no measurements.
-    pub fn new(nodes: Vec<Node>, closed: bool) -> Result<Self, CurveError> {
+    pub fn new(mut nodes: Vec<Node>, closed: bool) -> Result<Self, CurveError> {
         if nodes.len() < 2 + usize::from(closed) {
             return Err(CurveError::TooFewNodes { nodes: nodes.len(), closed });
         }
@@ -108,8 +115,24 @@ impl Curve {
         };
         match nodes.iter().position(|n| !measured(n)) {
             Some(bad) => Err(CurveError::BadAttribute(bad)),
-            None => Ok(Self { nodes, closed }),
+            None => {
+                if let (false, Some(last)) = (closed, nodes.last_mut()) {
+                    last.bridged = false;
+                }
+                Ok(Self { nodes, closed, ends: [None; 2] })
+            }
         }
+    }
+
+    /// The same curve with the reasons why it begins and ends where it does; a closed curve has none.
+    #[must_use]
+    pub fn with_ends(self, ends: [Option<EndReason>; 2]) -> Self {
+        Self { ends: if self.closed { [None; 2] } else { ends }, ..self }
+    }
+
+    /// Why the curve begins and ends where it does; `None` where nobody knows, and of closed curves.
+    pub fn ends(&self) -> [Option<EndReason>; 2] {
+        self.ends
     }
 
     /// The nodes in the direction of the curve.
@@ -161,7 +184,17 @@ impl Curve {
     /// The same curve walked the other way round, its solid therefore on the other side.
     #[must_use]
     pub fn reversed(&self) -> Self {
-        Self { nodes: self.nodes.iter().rev().copied().collect(), closed: self.closed }
+        let mut nodes: Vec<Node> = self.nodes.iter().rev().copied().collect();
+        // The unit that began at a node ends there now: marks move up to the node before it.
+        let first = nodes.first().is_some_and(|n| n.bridged);
+        for k in 1..nodes.len() {
+            nodes[k - 1].bridged = nodes[k].bridged;
+        }
+        if let Some(last) = nodes.last_mut() {
+            last.bridged = first;
+        }
+        let [begin, end] = self.ends;
+        Self { nodes, closed: self.closed, ends: [end, begin] }
     }
 
     /// The point of the curve nearest to `p`; the first one if several are equally near.
@@ -254,6 +287,31 @@ mod tests {
         assert_eq!(s.length(), 8.0);
         let inside = Point2::new(1.9, 1.0);
         assert_eq!(s.side_at(&s.foot(&inside), &inside), Some(Side::Inside));
+    }
+
+    #[test]
+    fn reversing_takes_marks_and_reasons_along() {
+        let seam = |closed: bool, marked: usize| {
+            let mut nodes = square().into_nodes();
+            nodes[marked].bridged = true;
+            Curve::new(nodes, closed).unwrap()
+        };
+        let bridged = |c: &Curve| -> Vec<(Point2, Point2)> {
+            let marked = c.units().zip(c.nodes()).filter(|(_, n)| n.bridged);
+            marked.map(|(u, _)| (u.start, u.end)).collect()
+        };
+        for (closed, marked) in [(false, 0), (false, 2), (true, 0), (true, 3)] {
+            let curve = seam(closed, marked);
+            let swapped: Vec<_> = bridged(&curve).into_iter().map(|(a, b)| (b, a)).collect();
+            assert_eq!(swapped.len(), 1);
+            assert_eq!(bridged(&curve.reversed()), swapped, "{closed} {marked}");
+            assert_eq!(curve.reversed().reversed(), curve);
+        }
+        // An open curve has no unit behind its last node.
+        assert!(bridged(&seam(false, 3)).is_empty());
+        let ends = [Some(EndReason::RangeJump), None];
+        assert_eq!(seam(false, 0).with_ends(ends).reversed().ends(), [ends[1], ends[0]]);
+        assert_eq!(seam(true, 0).with_ends(ends).ends(), [None; 2]);
     }
 
     #[test]

@@ -9,10 +9,11 @@
 //!
 //! * [`LengthUnit`]: what the lengths are;
 //! * [`StraightGuide`], [`PlaneFamily`], [`PlaneIndex`], [`PlaneFrame`]: where the planes are;
-//! * [`Node`], [`Curve`], [`Envelope`]: what lies on them;
+//! * [`Node`], [`Curve`], [`EndReason`], [`Envelope`]: what lies on them;
 //! * [`CurveUnit`], [`Foot`], [`Side`]: how far a point is from a curve, and on which side.
 
 mod curve;
+mod end_reason;
 mod envelope;
 mod guide;
 mod length_unit;
@@ -20,6 +21,7 @@ mod plane_frame;
 mod unit;
 
 pub use curve::{Curve, CurveError, Node};
+pub use end_reason::EndReason;
 pub use envelope::Envelope;
 pub use guide::{GuideError, PlaneFamily, PlaneIndex, StraightGuide};
 pub use length_unit::{LengthError, LengthUnit};

@@ -26,7 +26,7 @@ const MAGIC: [u8; 8] = *b"TRANSECT";
 const HEADER_SIZE: usize = 28;
 
 /// Version of the file layout; a program reads only its own. 2 is that of a store.
-pub const SCHEMA_VERSION: u32 = 3;
+pub const SCHEMA_VERSION: u32 = 4;
 
 /// Why bytes are not a model, or a model could not be turned into bytes.
 #[derive(Debug, thiserror::Error)]

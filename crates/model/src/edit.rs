@@ -101,10 +101,14 @@ impl Model {
                 return Err(EditError::EndsApart { distance });
             }
         }
+        // The node of both ends is the second's: it knows the unit that follows.
+        let head = &head[..head.len() - 1];
         if first == second {
-            return Ok(Curve::new(head[..head.len() - 1].to_vec(), true)?);
+            return Ok(Curve::new(head.to_vec(), true)?);
         }
-        Ok(Curve::new([head, &tail[1..]].concat(), false)?)
+        let end = |curve, at: usize| Ok::<_, EditError>(self.curve(plane, curve)?.ends()[at]);
+        let ends = [end(first, 0)?, end(second, 1)?];
+        Ok(Curve::new([head, tail].concat(), false)?.with_ends(ends))
     }
 
     pub(crate) fn curve(&self, plane: PlaneIndex, curve: CurveIndex) -> Result<&Curve, EditError> {
@@ -127,8 +131,10 @@ fn split(curve: &Curve, node: NodeIndex) -> Result<(Curve, Option<Curve>), EditE
         let opened = [&nodes[at..], &nodes[..=at]].concat();
         return Ok((Curve::new(opened, false)?, None));
     }
-    let first = Curve::new(nodes[..=at].to_vec(), false)?;
-    Ok((first, Some(Curve::new(nodes[at..].to_vec(), false)?)))
+    // Why a curve was cut is not known to it.
+    let [begin, end] = curve.ends();
+    let first = Curve::new(nodes[..=at].to_vec(), false)?.with_ends([begin, None]);
+    Ok((first, Some(Curve::new(nodes[at..].to_vec(), false)?.with_ends([None, end]))))
 }
 
 #[cfg(test)]

@@ -67,9 +67,9 @@ impl Model {
         change: impl FnOnce(&mut Vec<Node>) -> Result<T, EditError>,
     ) -> Result<T, EditError> {
         let curve = self.curve(plane, index)?;
-        let (mut nodes, closed) = (curve.nodes().to_vec(), curve.is_closed());
+        let (mut nodes, closed, ends) = (curve.nodes().to_vec(), curve.is_closed(), curve.ends());
         let result = change(&mut nodes)?;
-        let changed = Curve::new(nodes, closed)?;
+        let changed = Curve::new(nodes, closed)?.with_ends(ends);
         let mut curves = self.take_curves(plane);
         curves[index.0] = changed;
         self.set_curves(plane, curves);

@@ -30,7 +30,8 @@ pub use axes::{MAX_LEVELS, SectionAxes};
 pub use breaks::BreakRule;
 pub use method::{Method, partial_model};
 pub use noise::{RangeNoise, estimate_sigma, estimate_value_sigma, length_per_value};
-pub use partial_curve::{EndReason, PartialCurve, PlaneCurves};
+pub use partial_curve::{PartialCurve, PlaneCurves};
+pub use transect_geometry::EndReason;
 
 /// The curves of one view: its partial model.
 #[derive(Debug, Clone, Default)]

@@ -1,7 +1,7 @@
 //! The curves of one view, with what only that view knows of them.
 
 use transect_device::Pixel;
-use transect_geometry::{Curve, PlaneIndex};
+use transect_geometry::{Curve, EndReason, Node, PlaneIndex};
 
 /// The curves of one view on one plane.
 #[derive(Debug, Clone)]
@@ -15,7 +15,7 @@ pub struct PlaneCurves {
 /// A curve of one view, with what only that view knows of it.
 #[derive(Debug, Clone)]
 pub struct PartialCurve {
-    /// The curve, solid on the left.
+    /// The curve, solid on the left; it carries the reasons for its ends and the bridged units too.
     pub curve: Curve,
     /// Of every node, the pixel nearest to it: row and column in the view (provenance).
     pub pixels: Vec<Pixel>,
@@ -26,24 +26,21 @@ pub struct PartialCurve {
     pub bridged: Vec<u32>,
 }
 
-/// Why a curve ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum EndReason {
-    /// A pixel beside the end is missing.
-    MissingPixel,
-    /// The surface ends or hides behind another one: neighbouring pixels belong to different ones.
-    RangeJump,
-    /// The image ends.
-    ImageBorder,
-}
-
-impl std::fmt::Display for EndReason {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::MissingPixel => "missing pixel",
-            Self::RangeJump => "range jump",
-            Self::ImageBorder => "image border",
-        })
+impl PartialCurve {
+    /// A curve through the nodes, which gets the ends' reasons and the marks of bridged units.
+    ///
+    /// `None` if the nodes are too few, or no measurements.
+    pub(crate) fn new(
+        (mut nodes, closed): (Vec<Node>, bool),
+        pixels: Vec<Pixel>,
+        ends: Option<[EndReason; 2]>,
+        bridged: Vec<u32>,
+    ) -> Option<Self> {
+        for &k in &bridged {
+            nodes.get_mut(k as usize)?.bridged = true;
+        }
+        let curve = Curve::new(nodes, closed).ok()?;
+        let curve = curve.with_ends(ends.map_or([None; 2], |e| e.map(Some)));
+        Some(Self { curve, pixels, ends, bridged })
     }
 }

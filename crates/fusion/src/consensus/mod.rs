@@ -166,6 +166,7 @@ impl Kept {
             views: self.views,
             correlation: self.correlation as f32,
             normal: self.normal,
+            bridged: false,
         }
     }
 }

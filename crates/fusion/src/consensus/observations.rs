@@ -144,6 +144,7 @@ pub(crate) fn canonical(a: &Curve, b: &Curve) -> Ordering {
             .then(a.weight.total_cmp(&b.weight))
             .then(a.views.cmp(&b.views))
             .then(a.correlation.total_cmp(&b.correlation))
+            .then(a.bridged.cmp(&b.bridged))
             .then_with(|| {
                 let differing = a.normal.iter().zip(&b.normal).map(|(a, b)| a.total_cmp(b));
                 differing.fold(Ordering::Equal, Ordering::then)
@@ -153,6 +154,7 @@ pub(crate) fn canonical(a: &Curve, b: &Curve) -> Ordering {
     differing
         .unwrap_or(a.nodes().len().cmp(&b.nodes().len()))
         .then(a.is_closed().cmp(&b.is_closed()))
+        .then(a.ends().cmp(&b.ends()))
 }
 
 /// Arc lengths along a curve.

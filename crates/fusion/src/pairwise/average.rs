@@ -268,6 +268,7 @@ impl Walk<'_> {
             views: (sum.views + a.views.max(b.views)).min(self.views),
             correlation: 0.5 * (a.correlation + b.correlation),
             normal: (a.normal + b.normal).try_normalize(0.0).unwrap_or_default(),
+            bridged: false,
         };
         let passed = std::mem::take(&mut self.result.passed);
         // Nodes that a strand keeps before the first new one are no concern of this chord.

@@ -14,13 +14,17 @@
 //! station the partial curves of each view, in order of ids, and the fused ones; the end. A rotation is a
 //! quaternion `[i, j, k, w]`. A node is `[x, y, sigma, footprint, weight, views, correlation, normal]`: plane coordinates,
 //! standard deviation and sample spacing in the model's unit, weight, number of views, length over which errors are
-//! shared, and the surface's normal in plane coordinates. The last line's hash is FNV-1a (64 bits, hexadecimal) of all bytes before that line, newlines included.
+//! shared, and the surface's normal in plane coordinates. Where there are any, `"bridged"` lists the
+//! nodes whose following unit nobody saw, and `"ends"` why an open curve begins and ends (`"missing_pixel"`, `"range_jump"`,
+//! `"image_border"`, or null). The last line's hash is FNV-1a (64 bits, hexadecimal) of all bytes before that line, newlines included.
 //!
 //! Numbers have the fewest digits that read back as the same number: exporting what was imported gives the same bytes.
 
 use super::view::{StoreHeader, ViewEntry, ViewId};
 use serde::{Deserialize, Serialize};
-use transect_geometry::{Curve, CurveError, Isometry3, LengthUnit, Node, PlaneFamily, Point2};
+use transect_geometry::{
+    Curve, CurveError, EndReason, Isometry3, LengthUnit, Node, PlaneFamily, Point2,
+};
 
 /// Value of the key `format` in the first line.
 pub(super) const FORMAT: &str = "transect-model";
@@ -88,6 +92,14 @@ pub(super) struct EndLine {
 pub(super) struct CurveText {
     closed: bool,
     nodes: Vec<NodeText>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    bridged: Vec<u32>,
+    #[serde(default, skip_serializing_if = "unknown")]
+    ends: [Option<EndReason>; 2],
+}
+
+fn unknown(ends: &[Option<EndReason>; 2]) -> bool {
+    *ends == [None; 2]
 }
 
 /// x, y, sigma, footprint, weight, views, correlation, normal.
@@ -124,10 +136,16 @@ impl From<ViewLine> for ViewEntry {
 impl From<&Curve> for CurveText {
     fn from(curve: &Curve) -> Self {
         let node = |n: &Node| {
-            let Node { position, sigma, footprint, weight, views, correlation, normal } = *n;
+            let Node { position, sigma, footprint, weight, views, correlation, normal, .. } = *n;
             (position.x, position.y, sigma, footprint, weight, views, correlation, normal.into())
         };
-        Self { closed: curve.is_closed(), nodes: curve.nodes().iter().map(node).collect() }
+        let numbered = (0_u32..).zip(curve.nodes());
+        Self {
+            closed: curve.is_closed(),
+            nodes: curve.nodes().iter().map(node).collect(),
+            bridged: numbered.filter(|(_, n)| n.bridged).map(|(k, _)| k).collect(),
+            ends: curve.ends(),
+        }
     }
 }
 
@@ -137,8 +155,16 @@ impl TryFrom<CurveText> for Curve {
     fn try_from(text: CurveText) -> Result<Self, CurveError> {
         let node = |(x, y, sigma, footprint, weight, views, correlation, normal): NodeText| {
             let (position, normal) = (Point2::new(x, y), normal.into());
-            Node { position, sigma, footprint, weight, views, correlation, normal }
+            let bridged = false;
+            Node { position, sigma, footprint, weight, views, correlation, normal, bridged }
         };
-        Self::new(text.nodes.into_iter().map(node).collect(), text.closed)
+        let mut nodes: Vec<Node> = text.nodes.into_iter().map(node).collect();
+        for k in text.bridged {
+            // A number past the end marks nothing.
+            if let Some(node) = nodes.get_mut(k as usize) {
+                node.bridged = true;
+            }
+        }
+        Ok(Self::new(nodes, text.closed)?.with_ends(text.ends))
     }
 }

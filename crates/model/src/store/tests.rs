@@ -341,7 +341,7 @@ fn a_whole_model_is_no_store_and_a_store_no_whole_model() {
     Store::create(&store, &header()).unwrap();
     let refused = crate::Model::load(&store).unwrap_err();
     let cause = std::error::Error::source(&refused).unwrap().to_string();
-    assert_eq!(cause, "model file version 2; this program reads version 3");
+    assert_eq!(cause, "model file version 2; this program reads version 4");
 }
 
 proptest! {

@@ -9,7 +9,7 @@ use crate::PartialCurve;
 use crate::prepared::Prepared;
 use crate::subpixel::{PairLine, Solver};
 use transect_device::{Neighbour, Pixel, Point3, SensorPlane, Vector3};
-use transect_geometry::{Curve, Node, Point2, Vector2};
+use transect_geometry::{Node, Point2, Vector2};
 
 /// Bounds of the factor between range noise and the error across the curve: planes nearly tangent
 /// to the surface would claim any error, oblique surfaces an accuracy their normal does not support.
@@ -66,14 +66,10 @@ impl Maker<'_> {
         }
         let normals: Vec<Vector3> = crossings.iter().map(|c| self.normal(c)).collect();
         let node = |k: usize| self.node(&crossings, k, closed, &normals[k]);
-        let curve = Curve::new((0..crossings.len()).map(node).collect(), closed).ok()?;
+        let nodes = (0..crossings.len()).map(node).collect();
         let units = crossings.iter().zip(0_u32..).filter(|(c, _)| c.bridged_after);
-        Some(PartialCurve {
-            pixels: crossings.iter().map(|c| c.nearest).collect(),
-            ends,
-            bridged: units.map(|(_, k)| k).collect(),
-            curve,
-        })
+        let pixels = crossings.iter().map(|c| c.nearest).collect();
+        PartialCurve::new((nodes, closed), pixels, ends, units.map(|(_, k)| k).collect())
     }
 
     /// The nodes' places, in the order of the trace.

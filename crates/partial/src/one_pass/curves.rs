@@ -13,7 +13,6 @@ use crate::pixel_grid::Grid;
 use crate::prepared::Prepared;
 use crate::{BreakRule, EndReason, PartialCurve, PartialModel, PlaneCurves, SectionAxes};
 use transect_device::{Pixel, Vector3};
-use transect_geometry::Curve;
 
 /// Deviations of the noise over the plane beyond which a pair's rise is its surface's.
 const WIDE_SIGMAS: f64 = 6.0;
@@ -130,10 +129,9 @@ impl Lines<'_> {
         let units = nodes.crossings.iter().zip(0_u32..).filter(|(c, _)| c.bridged_after);
         let bridged = units.map(|(_, k)| k).collect();
         let all = (0..count).map(|k| nodes.node(k, strand.closed)).collect();
-        let curve = Curve::new(all, strand.closed).ok()?;
         let pixels = nodes.crossings.iter().map(|c| c.pixel).collect();
         let ends = if strand.closed { None } else { self.ends(strand, lines) };
-        Some(PartialCurve { curve, pixels, ends, bridged })
+        PartialCurve::new((all, strand.closed), pixels, ends, bridged)
     }
 
     /// Why an open strand begins and ends where it does.

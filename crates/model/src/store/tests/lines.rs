@@ -10,21 +10,34 @@ fn import(text: &str) -> Result<String, StoreProblem> {
 }
 
 fn wild_numbers() -> impl Strategy<Value = Vec<Curve>> {
-    use transect_geometry::{Node, Point2};
+    use transect_geometry::{EndReason, Node, Point2};
     let coordinate =
         || prop_oneof![any::<f64>().prop_filter("finite", |x| x.is_finite()), -2.0..2.0];
     let measure = || any::<f32>().prop_map(f32::abs).prop_filter("finite", |x| x.is_finite());
     let measures = (measure(), measure(), measure(), measure());
-    let node =
-        (coordinate(), coordinate(), measures, any::<u32>(), [measure(), measure(), measure()]);
-    let node = node.prop_map(|(x, y, measures, views, normal)| {
+    let node = (
+        coordinate(),
+        coordinate(),
+        measures,
+        any::<u32>(),
+        [measure(), measure(), measure()],
+        any::<bool>(),
+    );
+    let node = node.prop_map(|(x, y, measures, views, normal, bridged)| {
         let (sigma, footprint, weight, correlation) = measures;
         let (position, normal) = (Point2::new(x, y), normal.into());
-        Node { position, sigma, footprint, weight, views, correlation, normal }
+        Node { position, sigma, footprint, weight, views, correlation, normal, bridged }
     });
-    let curve = (prop::collection::vec(node, 3..6), any::<bool>());
+    let reason = prop_oneof![
+        Just(None),
+        Just(Some(EndReason::MissingPixel)),
+        Just(Some(EndReason::RangeJump)),
+        Just(Some(EndReason::ImageBorder)),
+    ];
+    let ends = [reason.clone(), reason];
+    let curve = (prop::collection::vec(node, 3..6), any::<bool>(), ends);
     prop::collection::vec(
-        curve.prop_map(|(nodes, closed)| Curve::new(nodes, closed).unwrap()),
+        curve.prop_map(|(nodes, closed, ends)| Curve::new(nodes, closed).unwrap().with_ends(ends)),
         1..3,
     )
 }
