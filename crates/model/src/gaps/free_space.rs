@@ -90,9 +90,8 @@ impl FreeSpace {
         let steps = |n: usize| (stride / 2..n).step_by(stride);
         let cells =
             steps(nz).flat_map(|z| steps(ny).flat_map(move |y| steps(nx).map(move |x| [x, y, z])));
-        let centre = |cell: [usize; 3]| {
-            self.low + Vector3::from(cell.map(|c| c as f64 + 0.5)) * self.size
-        };
+        let centre =
+            |cell: [usize; 3]| self.low + Vector3::from(cell.map(|c| c as f64 + 0.5)) * self.size;
         cells.map(centre).filter(|p| self.at(p) == Cell::Free).collect()
     }
 

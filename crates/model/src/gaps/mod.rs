@@ -25,7 +25,10 @@ pub use free_space::{Cell, FreeSpace};
 pub use next_view::{NextView, NextViewOptions, UnseenPatch, next_views};
 
 use crate::{CurveIndex, Section};
-use transect_geometry::{Curve, Point2, Vector2};
+use transect_geometry::{Curve, EndReason, PlaneFrame, Point2, Vector2};
+
+/// Pieces of one gap; more would only weigh down the search for views.
+const MOST_PATCHES: usize = 256;
 
 /// A stretch of boundary that nobody saw, between two open ends of one plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,12 +39,41 @@ pub struct Gap {
     pub before: CurveIndex,
     /// Where it begins and ends, in plane coordinates.
     pub ends: [Point2; 2],
+    /// Why the curve before it stops, and why the one behind it does not begin sooner; `None` where nobody knows.
+    pub reasons: [Option<EndReason>; 2],
 }
 
 impl Gap {
+    fn between(end: &OpenEnd, begin: &OpenEnd) -> Self {
+        Self {
+            after: end.curve,
+            before: begin.curve,
+            ends: [end.position, begin.position],
+            reasons: [end.reason, begin.reason],
+        }
+    }
+
     /// The straight distance between its ends, in the length unit: the least the unseen boundary can measure.
     pub fn width(&self) -> f64 {
         (self.ends[1] - self.ends[0]).norm()
+    }
+
+    /// The gap as pieces of unseen surface in space, each at most `spacing` wide, if its plane stands for
+    /// `height` along the guide; all in the length unit.
+    pub fn patches(&self, frame: &PlaneFrame, spacing: f64, height: f64) -> Vec<UnseenPatch> {
+        let (width, most) = (self.width(), MOST_PATCHES as f64);
+        let Some(outward) = self.outward().filter(|_| spacing > 0.0) else {
+            return Vec::new();
+        };
+        let count = (width / spacing).ceil().clamp(1.0, most) as usize;
+        let outward = frame.x_axis() * outward.x + frame.y_axis() * outward.y;
+        let patch = |k: usize| {
+            let share = (k as f64 + 0.5) / count as f64;
+            let middle = self.ends[0] + (self.ends[1] - self.ends[0]) * share;
+            let area = width * height / count as f64;
+            UnseenPatch { middle: frame.world_from_plane(&middle), outward, area }
+        };
+        (0..count).map(patch).collect()
     }
 
     /// Unit vector away from the solid, across the chord and in plane coordinates; `None` for a gap of no width.
@@ -56,17 +88,23 @@ struct OpenEnd {
     curve: CurveIndex,
     position: Point2,
     along: Vector2,
+    reason: Option<EndReason>,
 }
 
 impl OpenEnd {
     fn of(curve: &Curve, index: usize) -> Option<[Self; 2]> {
         let (first, last) = (curve.units().next()?, curve.units().last()?);
-        let end = |position, along: Vector2| Self {
+        let [begin_reason, end_reason] = curve.ends();
+        let end = |position, along: Vector2, reason| Self {
             curve: CurveIndex(index),
             position,
             along: along.try_normalize(0.0).unwrap_or_else(Vector2::zeros),
+            reason,
         };
-        Some([end(first.start, first.vector()), end(last.end, last.vector())])
+        Some([
+            end(first.start, first.vector(), begin_reason),
+            end(last.end, last.vector(), end_reason),
+        ])
     }
 }
 
@@ -86,12 +124,7 @@ impl Section {
         for (_, a, b) in pairs {
             if !ended[a] && !begun[b] {
                 (ended[a], begun[b]) = (true, true);
-                let ([_, end], [begin, _]) = (&ends[a], &ends[b]);
-                gaps.push(Gap {
-                    after: end.curve,
-                    before: begin.curve,
-                    ends: [end.position, begin.position],
-                });
+                gaps.push(Gap::between(&ends[a][1], &ends[b][0]));
             }
         }
         gaps.sort_by(|x, y| y.width().total_cmp(&x.width()).then(x.after.cmp(&y.after)));
@@ -121,10 +154,12 @@ mod tests {
     #[test]
     fn the_open_side_of_a_square_is_its_gap() {
         // Solid on the left: the square runs counter-clockwise and lacks its left side.
-        let square = curve(&[(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)], false);
+        let square = curve(&[(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)], false)
+            .with_ends([Some(EndReason::ImageBorder), Some(EndReason::RangeJump)]);
         let gaps = Section::new(vec![square]).unwrap().gaps();
         assert_eq!(gaps.len(), 1);
         assert_eq!(gaps[0].ends, [Point2::new(0.0, 2.0), Point2::new(0.0, 0.0)]);
+        assert_eq!(gaps[0].reasons, [Some(EndReason::RangeJump), Some(EndReason::ImageBorder)]);
         assert_eq!(gaps[0].width(), 2.0);
         assert_eq!(gaps[0].outward(), Some(Vector2::new(-1.0, 0.0)));
     }
@@ -139,6 +174,22 @@ mod tests {
         let next = gaps.iter().filter(|g| g.before.0 == g.after.0 + 1).count();
         assert_eq!(next, 4);
         assert_eq!((gaps[0].after, gaps[0].before), (CurveIndex(4), CurveIndex(0)));
+    }
+
+    #[test]
+    fn patches_share_the_area_of_a_gap_and_look_away_from_the_solid() {
+        let square = curve(&[(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)], false);
+        let gap = Section::new(vec![square]).unwrap().gaps()[0];
+        let origin = transect_geometry::Point3::new(7.0, 8.0, 9.0);
+        let frame = PlaneFrame::new(origin, transect_geometry::Vector3::z()).unwrap();
+        let patches = gap.patches(&frame, 0.3, 0.5);
+        assert_eq!(patches.len(), 7);
+        assert!((patches.iter().map(|p| p.area).sum::<f64>() - 1.0).abs() < 1e-12);
+        let middle = frame.world_from_plane(&Point2::new(0.0, 1.0));
+        assert!((patches[3].middle - middle).norm() < 1e-12);
+        assert!((patches[3].outward + frame.x_axis()).norm() < 1e-12);
+        assert_eq!(gap.patches(&frame, 0.0, 0.5), []);
+        assert_eq!(gap.patches(&frame, 1e-9, 0.5).len(), MOST_PATCHES);
     }
 
     #[test]

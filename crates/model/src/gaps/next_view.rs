@@ -134,7 +134,8 @@ mod tests {
     /// A sensor at the origin sees a wall at x = 10 with a post before it at x = 5; the wall behind the post is a gap.
     fn scene() -> (FreeSpace, Vec<UnseenPatch>) {
         let steps = || -40..=40;
-        let seen = steps().flat_map(|y| steps().map(move |z| (f64::from(y) * 0.1, f64::from(z) * 0.1)));
+        let seen =
+            steps().flat_map(|y| steps().map(move |z| (f64::from(y) * 0.1, f64::from(z) * 0.1)));
         let hit = |(y, z): (f64, f64)| {
             if y.abs() < 1.0 { Point3::new(5.0, y / 2.0, z / 2.0) } else { Point3::new(10.0, y, z) }
         };
