@@ -7,7 +7,7 @@
 //!
 //! It refuses to know algorithms: it neither makes curves nor judges them.
 //!
-//! Read: [`Scan`] (`scan.json`, Stanford `.conf`, depth folders), [`read_calibration`] (text),
+//! Read: [`Scan`] (`scan.json`, Stanford `.conf`, depth folders), [`read_calibration`] (text), [`read_guide`] (CSV, GeoJSON, DXF),
 //! [`read_mesh`] (PLY, STL, OBJ), [`read_truth`] (`.npz`), [`read_contours`] (`contours.json`).
 //! Written: [`write_contours`], [`write_dxf`], [`svg`], [`write_manifest`], [`write_truth`],
 //! [`write_npy_image`], [`write_npy_stack`], [`write_png_image`], [`write_calibration`]; all into any [`std::io::Write`], or whole files through [`write_file`].
@@ -18,6 +18,7 @@ mod contours;
 mod depth_folder;
 mod dxf;
 mod error;
+mod guide_file;
 mod image_file;
 mod image_stack;
 mod manifest;
@@ -41,6 +42,7 @@ pub use contours::{ContourPlane, Contours, read_contours, write_contours};
 pub use depth_folder::{FileNames, depth_folder_manifest};
 pub use dxf::{DxfFrame, write_dxf};
 pub use error::{Place, ReadError, Unusable, WriteError};
+pub use guide_file::read_guide;
 pub use image_file::write_npy_image;
 pub use image_stack::{Counts, write_npy_stack, write_png_image};
 pub use manifest::{

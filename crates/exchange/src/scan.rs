@@ -7,11 +7,13 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use transect_device::{ImageSize, Isometry3, RangeImage, View};
-use transect_geometry::{GuideError, LengthUnit, PlaneFamily, StraightGuide, Vector3};
+use transect_geometry::{
+    CurvedGuide, Guide, GuideError, LengthUnit, PlaneFamily, StraightGuide, Vector3,
+};
 use transect_sensors::SensorError;
 
 /// The planes a scan's manifest asks for: plane k is `normal · p = offset + k · interval`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlanesEntry {
     /// Direction of the guide in the world; need not have unit length.
     pub normal: [f64; 3],
@@ -19,6 +21,9 @@ pub struct PlanesEntry {
     pub offset: f64,
     /// Distance between neighbouring planes, in the model's length unit.
     pub interval: f64,
+    /// A curved guide, along which stations count instead; the normal then means nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub guide: Option<Arc<CurvedGuide>>,
 }
 
 impl PlanesEntry {
@@ -28,7 +33,10 @@ impl PlanesEntry {
     /// [`GuideError`] if the normal has no direction, the interval is not positive or the offset not
     /// finite.
     pub fn family(&self) -> Result<PlaneFamily, GuideError> {
-        let guide = StraightGuide::along(Vector3::from(self.normal))?;
+        let guide = match &self.guide {
+            Some(guide) => Arc::clone(guide).into(),
+            None => Guide::from(StraightGuide::along(Vector3::from(self.normal))?),
+        };
         PlaneFamily::new(guide, self.offset, self.interval)
     }
 }

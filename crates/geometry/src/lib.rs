@@ -8,7 +8,7 @@
 //! unit, whatever that is; all coordinates are `f64`.
 //!
 //! * [`LengthUnit`]: what the lengths are;
-//! * [`StraightGuide`], [`PlaneFamily`], [`PlaneIndex`], [`PlaneFrame`]: where the planes are;
+//! * [`Guide`], [`StraightGuide`], [`CurvedGuide`], [`PlaneFamily`], [`PlaneIndex`], [`PlaneFrame`]: where the planes are;
 //! * [`Node`], [`Curve`], [`EndReason`], [`Envelope`]: what lies on them;
 //! * [`CurveUnit`], [`Foot`], [`Side`]: how far a point is from a curve, and on which side.
 
@@ -23,7 +23,10 @@ mod unit;
 pub use curve::{Curve, CurveError, Node};
 pub use end_reason::EndReason;
 pub use envelope::Envelope;
-pub use guide::{GuideError, PlaneFamily, PlaneIndex, StraightGuide};
+pub use guide::{
+    CurvedGuide, Guide, GuideError, GuideKind, MAX_GUIDE_POINTS, NoStation, PlaneFamily,
+    PlaneIndex, StraightGuide,
+};
 pub use length_unit::{LengthError, LengthUnit};
 pub use plane_frame::PlaneFrame;
 pub use unit::{CurveUnit, Foot, Side};

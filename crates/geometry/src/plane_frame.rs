@@ -56,6 +56,11 @@ impl PlaneFrame {
         Some(Self { origin, x_axis, y_axis, normal: n })
     }
 
+    /// The frame with a unit normal and a unit x axis perpendicular to it.
+    pub(crate) fn carried(origin: Point3, normal: Vector3, x_axis: Vector3) -> Self {
+        Self { origin, x_axis, y_axis: normal.cross(&x_axis), normal }
+    }
+
     /// The same axes at another origin.
     #[must_use]
     pub fn moved_to(&self, origin: Point3) -> Self {

@@ -25,7 +25,7 @@ pub(crate) mod values;
 const MAGIC: [u8; 8] = *b"TRANSECT";
 const HEADER_SIZE: usize = 28;
 
-/// Version of the file layout; a program reads only its own. 2 is that of a store.
+/// Version of the file layout; a program reads only its own. 5 is that of a store.
 pub const SCHEMA_VERSION: u32 = 4;
 
 /// Why bytes are not a model, or a model could not be turned into bytes.
@@ -149,7 +149,7 @@ fn read_header(input: &mut impl Read) -> Result<(u64, u64), CodecError> {
 fn encode(model: &Model) -> Result<Vec<u8>, CodecError> {
     let payload = Payload {
         unit: model.unit(),
-        planes: *model.planes(),
+        planes: model.planes().clone(),
         views: model.views().iter().map(StoredView::from).collect(),
         sections: model.sections().map(|(k, section)| (k, Cow::Borrowed(section))).collect(),
     };

@@ -212,7 +212,7 @@ impl<'a> ModelIndex<'a> {
     /// Indexes every section of a model.
     pub fn new(model: &'a Model) -> Self {
         let sections = model.sections().map(|(k, section)| (k, SectionIndex::new(section)));
-        Self { planes: *model.planes(), sections: sections.collect() }
+        Self { planes: model.planes().clone(), sections: sections.collect() }
     }
 
     /// The same answer as [`Model::locate`], without asking every curve.

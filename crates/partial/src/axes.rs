@@ -26,8 +26,11 @@ impl SectionAxes {
     /// The axes of a plane family, seen from a view.
     ///
     /// # Errors
-    /// [`PartialError::TooManyPlanes`] if the view's sensing volume spans more than [`MAX_LEVELS`].
+    /// [`PartialError::CurvedGuide`] if the planes are not parallel, [`PartialError::TooManyPlanes`] if the view's sensing volume spans more than [`MAX_LEVELS`].
     pub fn new(view: &View, planes: &PlaneFamily) -> Result<Self, PartialError> {
+        if planes.guide().straight().is_none() {
+            return Err(PartialError::CurvedGuide);
+        }
         let frame = planes.frame(PlaneIndex(0));
         let interval = planes.interval();
         let mut axes = Self {

@@ -4,7 +4,7 @@
 //! neighbours, and not among points in space. It refuses to know other views and storage.
 //!
 //! * [`partial_model`]: by either [`Method`];
-//! * [`one_pass`]: all planes of a straight guide in one sweep over the image;
+//! * [`one_pass`]: all planes in one sweep over the image;
 //! * [`dissertation`]: plane by plane, in the dissertation's own steps;
 //! * [`subpixel`]: where a plane passes between two pixels (3.6);
 //! * [`BreakRule`]: where neighbouring pixels do not belong to one surface (3.4.2);
@@ -62,6 +62,10 @@ pub struct PartialCounts {
     pub sigma_after: f64,
     /// Pixels that smoothing changed; those that no plane can come near are not smoothed.
     pub smoothed: usize,
+    /// Pixels that count as missing since they lie beyond an end of a curved guide.
+    pub beyond_ends: usize,
+    /// Pixels that count as missing since planes along a curved guide may cross where they are.
+    pub beyond_reach: usize,
     /// Diameter of the window that it looked at, at the median of them, in pixels; 0 if none.
     pub window: f64,
 }
@@ -90,6 +94,11 @@ pub enum PartialError {
         /// The interval, in the model's length unit.
         interval: f64,
     },
+    /// The method is for parallel planes alone.
+    #[error(
+        "this method is for planes along a straight guide; along a curved one use the method `one_pass`"
+    )]
+    CurvedGuide,
     /// The method needs the inverse mapping F, which the sensor of the view does not have.
     #[error(
         "the method `{method}` needs a sensor with an inverse mapping, which that of view {view} \

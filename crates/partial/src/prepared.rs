@@ -9,6 +9,8 @@ pub(crate) struct Prepared<'a> {
     given: &'a View,
     noise: RangeNoise,
     smoothed: Option<Smoothed>,
+    /// The view in other coordinates, if curves are to be found in those.
+    turned: Option<View>,
 }
 
 impl<'a> Prepared<'a> {
@@ -26,12 +28,18 @@ impl<'a> Prepared<'a> {
         // An image that cannot be smoothed is used as it is.
         let smoothed = smoothing
             .and_then(|extent| smooth_with(view, &noise, &rule(noise.length()), extent).ok());
-        Self { given: view, noise, smoothed }
+        Self { given: view, noise, smoothed, turned: None }
     }
 
     /// The view in which curves are found.
     pub fn view(&self) -> &View {
-        self.smoothed.as_ref().map_or(self.given, |s| &s.view)
+        let prepared = self.smoothed.as_ref().map_or(self.given, |s| &s.view);
+        self.turned.as_ref().unwrap_or(prepared)
+    }
+
+    /// Puts the prepared view in other coordinates: the same samples, some of which may be missing now.
+    pub fn turn(&mut self, view: View) {
+        self.turned = Some(view);
     }
 
     /// Range noise before smoothing, as a length. Pixels that smoothing leaves alone still have it,

@@ -59,11 +59,15 @@ pub const BUNDLED_THIN_SHEET: &str = include_str!("../../../fixtures/thin_sheet.
 /// A straight tunnel ([`fixtures::tunnel`]) with a walkway and pipes, scanned from inside.
 pub const BUNDLED_TUNNEL: &str = include_str!("../../../fixtures/tunnel.scene.toml");
 
+/// A tunnel along a bend ([`fixtures::bend_tunnel`]) with a curved guide, scanned from inside.
+pub const BUNDLED_BEND_TUNNEL: &str = include_str!("../../../fixtures/bend_tunnel.scene.toml");
+
 /// All bundled descriptions with their names.
-pub const BUNDLED_SCENES: [(&str, &str); 5] = [
+pub const BUNDLED_SCENES: [(&str, &str); 6] = [
     ("room", BUNDLED_ROOM),
     ("face_mask", BUNDLED_FACE_MASK),
     ("machined_part", BUNDLED_MACHINED_PART),
     ("thin_sheet", BUNDLED_THIN_SHEET),
     ("tunnel", BUNDLED_TUNNEL),
+    ("bend_tunnel", BUNDLED_BEND_TUNNEL),
 ];

@@ -14,12 +14,12 @@ use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 use transect_device::Isometry3;
 use transect_fusion::{Agreement, FusedPlane, FusionMethod, agreement, fuse_plane};
-use transect_geometry::{Curve, LengthUnit, PlaneFamily, PlaneIndex};
+use transect_geometry::{Curve, Guide, LengthUnit, PlaneFamily, PlaneIndex};
 use transect_model::{Model, ViewRecord};
 use transect_partial::{Method, PartialCounts, PartialError, partial_model};
 
 /// What a model is made with.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Setup {
     /// The unit of every length.
     pub unit: LengthUnit,
@@ -77,6 +77,19 @@ pub enum ReconstructError {
         high: f64,
         /// The model's unit.
         unit: LengthUnit,
+    },
+    /// No plane along a curved guide crosses what the views saw.
+    #[error(
+        "{views} views, but no section plane along the guide crosses what they saw; {beyond_ends} of their \
+         pixels lie beyond its ends, {beyond_reach} too far from it"
+    )]
+    OffGuide {
+        /// How many views there were.
+        views: usize,
+        /// Pixels beyond the guide's ends.
+        beyond_ends: usize,
+        /// Pixels beyond its reach.
+        beyond_reach: usize,
     },
     /// Planes cross what the views saw, but no view has two crossings beside each other.
     #[error(
@@ -201,7 +214,11 @@ fn model_view<S: ViewSource>(source: &S, setup: &Setup) -> Result<ModelledView, 
 /// Bounds of the stations a view can have points at.
 fn stations(view: &transect_device::View, planes: &PlaneFamily) -> (f64, f64) {
     let pose = view.world_from_sensor();
-    let direction = planes.guide().direction();
+    // Of a curved guide: those of the whole of it, until something better is known.
+    let Guide::Straight(guide) = planes.guide() else {
+        return (0.0, planes.guide().curved().map_or(0.0, |guide| guide.length()));
+    };
+    let direction = guide.direction();
     let in_sensor = pose.rotation.inverse_transform_vector(&direction);
     let Some((near, far)) = view.image().extremes() else { return (0.0, 0.0) };
     let (low, high) = view.frame().extent(&in_sensor, f64::from(near), f64::from(far));
@@ -213,6 +230,11 @@ fn nothing(views: &[ModelledView], setup: &Setup) -> ReconstructError {
     let crossings = views.iter().map(|v| v.counts.crossings).sum();
     if crossings > 0 {
         return ReconstructError::NoCurves { views: views.len(), crossings };
+    }
+    if setup.planes.guide().curved().is_some() {
+        let sum = |of: fn(&PartialCounts) -> usize| views.iter().map(|v| of(&v.counts)).sum();
+        let (beyond_ends, beyond_reach) = (sum(|c| c.beyond_ends), sum(|c| c.beyond_reach));
+        return ReconstructError::OffGuide { views: views.len(), beyond_ends, beyond_reach };
     }
     let low = views.iter().map(|v| v.stations.0).fold(f64::INFINITY, f64::min);
     let high = views.iter().map(|v| v.stations.1).fold(f64::NEG_INFINITY, f64::max);
@@ -265,6 +287,8 @@ fn report(views: &[ModelledView], fused: &[Fused], timings: Timings) -> Report {
         name: v.name.clone(),
         pixels: v.pixels,
         valid_pixels: v.valid,
+        beyond_guide_ends: v.counts.beyond_ends,
+        beyond_guide_reach: v.counts.beyond_reach,
         sigma: v.counts.sigma,
         sigma_given: v.sigma.is_some(),
         planes: v.planes.len(),
@@ -298,7 +322,7 @@ fn alone(views: &[ModelledView], agreements: &[Agreement]) -> Vec<String> {
 }
 
 fn assemble(setup: &Setup, views: Vec<ModelledView>, fused: Vec<Fused>) -> Model {
-    let mut model = Model::new(setup.unit, setup.planes);
+    let mut model = Model::new(setup.unit, setup.planes.clone());
     for view in views {
         model.add_view(ViewRecord {
             source: view.name.clone(),

@@ -36,6 +36,11 @@ impl Report {
     }
 }
 
+/// Whether nothing was counted: counts of curved guides are not written for straight ones.
+fn is_zero(count: &usize) -> bool {
+    *count == 0
+}
+
 /// What became of one view.
 #[derive(Debug, Clone, Serialize)]
 pub struct ViewReport {
@@ -45,6 +50,12 @@ pub struct ViewReport {
     pub pixels: usize,
     /// Pixels that are not missing.
     pub valid_pixels: usize,
+    /// Of these, pixels beyond the ends of a curved guide, which are left out.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub beyond_guide_ends: usize,
+    /// Pixels so far from a curved guide that its planes may cross there, which are left out.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub beyond_guide_reach: usize,
     /// Range noise, given or estimated.
     pub sigma: f64,
     /// Whether the noise was given.

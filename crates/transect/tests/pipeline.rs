@@ -138,8 +138,8 @@ fn assert_same_far_away(normal: Vector3) {
     let model = |views: &[View], planes| {
         curves(&reconstruct(views, &Setup::new(LengthUnit::Metre, planes), &Unwatched).unwrap())
     };
-    let here = model(&views, near);
-    let there = model(&views.iter().map(|v| moved(v, &FAR)).collect::<Vec<_>>(), far);
+    let here = model(&views, near.clone());
+    let there = model(&views.iter().map(|v| moved(v, &FAR)).collect::<Vec<_>>(), far.clone());
     assert!(here.len() >= 10 && here.keys().eq(there.keys()), "other planes");
     for ((k, a), b) in here.iter().zip(there.values()) {
         let shape = |c: &Curve| (c.is_closed(), c.nodes().len());

@@ -94,7 +94,7 @@ pub struct Scored {
 /// Scores the model in a folder.
 pub fn score(folder: &Path, reference: &Reference, limits: &Limits) -> Result<Scored, Failure> {
     let model = Model::load(folder.join("model.transect"))?;
-    let (planes, unit) = (*model.planes(), model.unit());
+    let (planes, unit) = (model.planes().clone(), model.unit());
     let options = limits.options(&model)?;
     let curves: BTreeMap<PlaneIndex, Vec<Curve>> =
         model.sections().map(|(k, s)| (k, s.curves().cloned().collect())).collect();

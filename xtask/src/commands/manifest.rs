@@ -33,6 +33,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             normal: parse_vector(normal)?.into(),
             offset: 0.0,
             interval: parse_length(LengthUnit::Metre, "--interval", interval)?,
+            guide: None,
         };
         planes.family().map_err(|e| Failure::Usage(e.to_string()))?;
         manifest.planes = Some(planes);

@@ -1,9 +1,20 @@
 //! The plane options that several commands take.
 
 use crate::failure::Failure;
-use clap::Args;
-use transect_exchange::Scan;
-use transect_geometry::{LengthUnit, PlaneFamily, StraightGuide, Vector3};
+use clap::{Args, ValueEnum};
+use std::path::{Path, PathBuf};
+use transect_exchange::{PlanesEntry, Scan, read_guide};
+use transect_geometry::{Guide, GuideKind, LengthUnit, PlaneFamily, StraightGuide, Vector3};
+
+/// What the points of a guide file are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[value(rename_all = "snake_case")]
+pub enum GuideShape {
+    /// Corners of straight pieces, rounded by arcs.
+    Polyline,
+    /// Points that a cubic spline passes through.
+    Spline,
+}
 
 /// Where the section planes are: plane k is at normal · p = offset + k · interval.
 #[derive(Debug, Args)]
@@ -14,6 +25,18 @@ pub struct PlaneArguments {
     /// Normal of the planes in the world, as X,Y,Z of any length [default: the scan's own, else 0,0,1].
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     normal: Option<String>,
+    /// Curve that the planes are perpendicular to, instead of a normal: .csv, .geojson or .dxf; see docs/guides.md.
+    #[arg(long, value_name = "FILE", conflicts_with = "normal")]
+    guide: Option<PathBuf>,
+    /// What the guide's points are: corners, which are rounded by arcs, or points of a cubic spline.
+    #[arg(long, value_enum, default_value_t = GuideShape::Spline, value_name = "KIND")]
+    guide_kind: GuideShape,
+    /// Largest radius of a polyline's corners [default: as large as there is room for].
+    #[arg(long, value_name = "LENGTH", requires = "guide")]
+    guide_radius: Option<String>,
+    /// Distance from the guide that is to be covered; an error if planes cross within it.
+    #[arg(long, value_name = "LENGTH", requires = "guide")]
+    guide_reach: Option<String>,
     /// Distance between neighbouring planes [default: the scan's own].
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     interval: Option<String>,
@@ -26,10 +49,7 @@ impl PlaneArguments {
     /// The planes of a scan: what the command line says, else what the scan says.
     pub fn family(&self, scan: &Scan) -> Result<PlaneFamily, Failure> {
         let own = scan.planes.as_ref();
-        let normal = match &self.normal {
-            Some(text) => parse_vector(text)?,
-            None => own.map_or(Vector3::z(), |p| Vector3::from(p.normal)),
-        };
+        let guide = self.guide(scan)?;
         let interval = match (&self.interval, own) {
             (Some(text), _) => parse_length(scan.unit, "--interval", text)?,
             (None, Some(own)) => own.interval,
@@ -42,9 +62,45 @@ impl PlaneArguments {
             Some(text) => parse_length(scan.unit, "--offset", text)?,
             None => own.map_or(0.0, |p| p.offset),
         };
-        let family =
-            StraightGuide::along(normal).and_then(|g| PlaneFamily::new(g, offset, interval));
-        family.map_err(|e| Failure::Usage(e.to_string()))
+        PlaneFamily::new(guide, offset, interval).map_err(|e| Failure::Usage(e.to_string()))
+    }
+
+    /// The guide: what the command line says, else what the scan says, else upright.
+    fn guide(&self, scan: &Scan) -> Result<Guide, Failure> {
+        if let Some(path) = &self.guide {
+            return self.curve(scan.unit, path);
+        }
+        let own = scan.planes.as_ref();
+        let normal = match (&self.normal, own) {
+            (Some(text), _) => parse_vector(text)?,
+            (None, Some(PlanesEntry { guide: Some(guide), .. })) => {
+                return Ok(guide.clone().into());
+            }
+            (None, own) => own.map_or(Vector3::z(), |p| Vector3::from(p.normal)),
+        };
+        let guide = StraightGuide::along(normal).map_err(|e| Failure::Usage(e.to_string()))?;
+        Ok(guide.into())
+    }
+
+    /// The guide of a file.
+    fn curve(&self, unit: LengthUnit, path: &Path) -> Result<Guide, Failure> {
+        let length = |argument: &str, text: &Option<String>| {
+            text.as_ref().map(|text| parse_length(unit, argument, text)).transpose()
+        };
+        let radius = length("--guide-radius", &self.guide_radius)?;
+        let kind = match self.guide_kind {
+            GuideShape::Polyline => GuideKind::Polyline(radius),
+            GuideShape::Spline if radius.is_some() => {
+                let problem = "--guide-radius is for --guide-kind polyline";
+                return Err(Failure::Usage(problem.to_owned()));
+            }
+            GuideShape::Spline => GuideKind::Spline,
+        };
+        let guide = read_guide(path, kind)?;
+        if let Some(reach) = length("--guide-reach", &self.guide_reach)? {
+            guide.require_reach(reach).map_err(|e| Failure::with_file(path, e))?;
+        }
+        Ok(guide.into())
     }
 }
 

@@ -7,9 +7,11 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use transect::{Report, Setup};
 use transect_exchange::{Scan, write_file};
 use transect_fusion::FusionMethod;
+use transect_geometry::CurvedGuide;
 use transect_partial::Method;
 
 /// What a stage cost.
@@ -49,6 +51,8 @@ pub struct ReportFile<'a> {
 #[derive(Debug, Serialize)]
 struct Settings {
     normal: [f64; 3],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    guide: Option<Arc<CurvedGuide>>,
     offset: f64,
     interval: f64,
     /// How each view's curves were found, and with what.
@@ -113,7 +117,8 @@ impl<'a> ReportFile<'a> {
             scan: std::path::absolute(path).unwrap_or_else(|_| path.to_owned()),
             unit: scan.unit.symbol(),
             settings: Settings {
-                normal: setup.planes.guide().direction().into(),
+                normal: setup.planes.guide().direction(0.0).into(),
+                guide: setup.planes.guide().curved().cloned(),
                 offset: setup.planes.offset(),
                 interval: setup.planes.interval(),
                 partial: partial_settings(&setup.partial),

@@ -10,7 +10,7 @@ use transect_scene::{BitDepth, Description, Noise, StripeCamera};
 /// Options of `simulate`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Scene file (TOML), or a bundled scene: room, face_mask, machined_part, thin_sheet or tunnel.
+    /// Scene file (TOML), or a bundled scene: room, face_mask, machined_part, thin_sheet, tunnel or bend_tunnel.
     #[arg(default_value = "room")]
     scene: PathBuf,
     /// Sensor at all stations, in place of the scene's own.

@@ -142,8 +142,9 @@ fn values(image: &RangeImage) -> Vec<f32> {
 fn planes_entry(stage: &Stage) -> PlanesEntry {
     let planes = &stage.description.planes;
     PlanesEntry {
-        normal: planes.guide().direction().into(),
+        normal: planes.guide().direction(0.0).into(),
         offset: planes.offset(),
         interval: planes.interval(),
+        guide: planes.guide().curved().cloned(),
     }
 }

@@ -14,6 +14,7 @@
 //! | `unit` | length unit of everything: `m dm cm mm um in ft`; no default |
 //! | `sigma` | standard deviation of a range along its ray; optional |
 //! | `planes` | plane k is normal · p = offset + k · interval; optional |
+//! | `planes.guide` | a curve instead of the normal: `{"kind": "spline", "points": [[x, y, z], …]}`; `"kind": {"polyline": RADIUS}` is straight pieces with corners rounded by arcs up to that radius |
 //! | `file` | the image, relative to the manifest |
 //! | `pose` | 16 numbers, row-major, sensor to world |
 //! | `pose_true` | the same, if it is known to be better; kept as information, never used |
@@ -127,7 +128,7 @@ pub(crate) fn to_scan(
     unit: Option<LengthUnit>,
 ) -> Result<Scan, ReadError> {
     let unit = crate::scan::settle_unit(path, manifest.unit, unit)?;
-    if let Some(planes) = manifest.planes {
+    if let Some(planes) = &manifest.planes {
         let usable = planes.family();
         usable.map_err(|e| ReadError::unusable(path, Place::Whole, "\"planes\"", e))?;
     }
@@ -157,7 +158,7 @@ pub(crate) fn to_scan(
         name: manifest.name.clone(),
         unit,
         sigma: manifest.sigma,
-        planes: manifest.planes,
+        planes: manifest.planes.clone(),
         inputs: files(&views)?,
         notes: repairs.note(path, views.len()).into_iter().collect(),
         views,
@@ -237,7 +238,7 @@ pub fn write_manifest(manifest: &Manifest, out: &mut dyn Write) -> io::Result<()
     if let Some(sigma) = manifest.sigma {
         writeln!(out, "  \"sigma\": {},", serde_json::to_string(&sigma)?)?;
     }
-    if let Some(planes) = manifest.planes {
+    if let Some(planes) = &manifest.planes {
         writeln!(out, "  \"planes\": {},", serde_json::to_string(&planes)?)?;
     }
     if let Some(size) = manifest.size {

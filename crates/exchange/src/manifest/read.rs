@@ -3,9 +3,11 @@
 use super::keys::Keys;
 use super::{Manifest, SensorEntry, ViewEntry};
 use crate::{Place, PlanesEntry, ReadError};
+use serde::Deserialize;
 use serde_json::Value;
 use std::path::Path;
-use transect_geometry::LengthUnit;
+use std::sync::Arc;
+use transect_geometry::{CurvedGuide, LengthUnit};
 
 /// Keys of other programs, at the top and in views, that say nothing to the reader.
 const NOTES_OF_OTHERS: [&str; 7] =
@@ -51,10 +53,17 @@ fn unit(keys: &Keys<'_>) -> Result<Option<LengthUnit>, ReadError> {
 
 fn planes(path: &Path, value: &Value, notes: &mut Vec<String>) -> Result<PlanesEntry, ReadError> {
     let keys = Keys::of(path, Place::Whole, "planes.", value)?;
+    let guide = keys.get("guide").map(|v| CurvedGuide::deserialize(v).map(Arc::new)).transpose();
+    let guide = guide.map_err(|e| keys.wrong("guide", &format!("a kind and points: {e}")))?;
     let entry = PlanesEntry {
-        normal: keys.required_numbers("normal")?,
+        // Along a curve there is no one normal to be given.
+        normal: match guide {
+            Some(_) => keys.numbers("normal")?.unwrap_or([0.0, 0.0, 1.0]),
+            None => keys.required_numbers("normal")?,
+        },
         offset: keys.required_number("offset")?,
         interval: keys.required_number("interval")?,
+        guide,
     };
     notes.extend(keys.unknown());
     Ok(entry)

@@ -287,7 +287,12 @@ fn a_written_manifest_reads_back() {
         name: "a \"room\"".to_owned(),
         unit: Some(LengthUnit::Foot),
         sigma: Some(0.1 + 0.2),
-        planes: Some(PlanesEntry { normal: [0.0, 0.6, 0.8], offset: -1.5, interval: 1e-3 }),
+        planes: Some(PlanesEntry {
+            normal: [0.0, 0.6, 0.8],
+            offset: -1.5,
+            interval: 1e-3,
+            guide: None,
+        }),
         size: Some(4.25),
         views: vec![
             ViewEntry { rows: Some(2), cols: Some(3), pose: far, ..view("a.npy", spherical) },

@@ -5,7 +5,8 @@ use super::canvas;
 use super::ruler::{round_down, tidy};
 use std::io::{self, Write};
 use transect_geometry::{
-    Envelope, LengthUnit, PlaneFamily, PlaneIndex, Point2, Point3, Vector2, Vector3,
+    Envelope, Guide, LengthUnit, PlaneFamily, PlaneFrame, PlaneIndex, Point2, Point3, Vector2,
+    Vector3,
 };
 
 /// Left, top, right and bottom of the room for the drawing, as distances from the picture's edges.
@@ -26,7 +27,11 @@ pub(super) struct Camera {
 
 impl Camera {
     fn looking(planes: &PlaneFamily, centre: Point3, options: &OverviewOptions) -> Self {
-        let frame = planes.frame(PlaneIndex(0));
+        // Along a curved guide the planes have no common normal: the world's up is upright there.
+        let frame = match planes.guide() {
+            Guide::Straight(_) => planes.frame(PlaneIndex(0)),
+            Guide::Curved(_) => PlaneFrame::WORLD,
+        };
         let (sin, cos) = options.azimuth_deg.to_radians().sin_cos();
         let (sin_up, cos_up) = options.elevation_deg.to_radians().sin_cos();
         let level = frame.x_axis() * cos + frame.y_axis() * sin;
@@ -69,9 +74,16 @@ impl Camera {
         self.middle + self.scale * Vector2::new(self.right.dot(&d), -self.up.dot(&d))
     }
 
+    /// How near to the viewer a point is; grows towards the viewer.
+    pub(super) fn nearness(&self, in_world: &Point3) -> f64 {
+        self.towards.dot(&(in_world - self.centre))
+    }
+
     /// As wide as neighbouring planes leave room for.
     pub(super) fn line_width(&self, planes: &PlaneFamily) -> f64 {
-        let spacing = planes.interval() * self.scale * self.up.dot(&planes.guide().direction());
+        // Along a curved guide the shortest spacing is anywhere; half of the longest is a fair guess.
+        let shown = planes.guide().straight().map_or(0.5, |g| self.up.dot(&g.direction()));
+        let spacing = planes.interval() * self.scale * shown;
         (0.3 * spacing).clamp(0.5, 1.8)
     }
 

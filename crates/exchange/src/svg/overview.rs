@@ -12,7 +12,7 @@ use super::regions;
 use super::ruler::tidy;
 use super::simplify::simplified;
 use std::io::{self, Write};
-use transect_geometry::{Curve, PlaneFrame, PlaneIndex, Point2, Point3};
+use transect_geometry::{Curve, Guide, PlaneFrame, PlaneIndex, Point2, Point3};
 use transect_model::{Model, Section};
 
 /// Steps of drawn coordinates per pixel: 0.05 px.
@@ -126,12 +126,17 @@ struct DrawnPlane {
 /// The planes from the far one to the near one.
 fn drawn_planes(model: &Model, camera: &Camera) -> Vec<DrawnPlane> {
     let range = station_range(model);
-    let draw = |(index, section)| drawn_plane(model, camera, index, section, range);
-    let mut planes: Vec<_> = model.sections().map(draw).collect();
-    if camera.towards.dot(&model.planes().guide().direction()) < 0.0 {
-        planes.reverse();
+    let mut order: Vec<_> = model.sections().collect();
+    match model.planes().guide() {
+        Guide::Straight(guide) if camera.towards.dot(&guide.direction()) < 0.0 => order.reverse(),
+        Guide::Straight(_) => (),
+        Guide::Curved(_) => {
+            let nearness = |k: PlaneIndex| camera.nearness(&model.planes().frame(k).origin());
+            order.sort_by(|(a, _), (b, _)| nearness(*a).total_cmp(&nearness(*b)));
+        }
     }
-    planes
+    let draw = |(index, section)| drawn_plane(model, camera, index, section, range);
+    order.into_iter().map(draw).collect()
 }
 
 /// First and last station that has curves.

@@ -32,7 +32,8 @@ pub fn write_points(
     let range = stations(points, planes);
     let mut paths: Vec<_> = (0..COLOURS).map(|_| PathData::new(STEPS)).collect();
     for point in points {
-        let along = (planes.guide().station(point) - range.0) / (range.1 - range.0);
+        let station = planes.guide().station(point).unwrap_or(range.0);
+        let along = (station - range.0) / (range.1 - range.0);
         let colour = (along * COLOURS as f64) as usize;
         if let Some(path) = paths.get_mut(colour.min(COLOURS - 1)) {
             path.polyline([&camera.place(point)], false);
@@ -58,7 +59,7 @@ pub fn write_points(
 
 /// First and last station of the points.
 fn stations(points: &[Point3], planes: &PlaneFamily) -> (f64, f64) {
-    let stations = points.iter().map(|p| planes.guide().station(p));
+    let stations = points.iter().filter_map(|p| planes.guide().station(p));
     let range = stations
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| (low.min(s), high.max(s)));
     if range.0.is_finite() { range } else { (0.0, 0.0) }

@@ -135,16 +135,16 @@ fn lengths_beyond_the_file_set_no_memory_aside() {
     announced[12..20].copy_from_slice(&u64::MAX.to_le_bytes());
     assert!(matches!(read(&announced[..]), Err(CodecError::Truncated { .. })));
 
-    // Unit, then direction, offset and interval of the planes, then a list that claims 2^60 items
+    // Unit, the tag of a straight guide, then direction, offset and interval of the planes, then a list that claims 2^60 items
     // or a view's name that claims as many bytes; 253 announces a 64-bit integer.
     let planes = [0.0, 0.0, 1.0, 0.0, 0.5].map(f64::to_le_bytes).concat();
     let wild = [&[253][..], &(1_u64 << 60).to_le_bytes()].concat();
     for views in [&wild[..], &[&[1][..], &wild].concat()] {
-        let payload = [&[0][..], &planes, views].concat();
+        let payload = [&[0, 0][..], &planes, views].concat();
         assert!(matches!(read(&file_around(&payload)[..]), Err(CodecError::Layout(_))));
     }
     // The beginning of that payload is right: with empty lists it is a model.
-    let sound = [&[0][..], &planes, &[0, 0]].concat();
+    let sound = [&[0, 0][..], &planes, &[0, 0]].concat();
     assert_eq!(read(&file_around(&sound)[..]).unwrap().curve_count(), 0);
 }
 
@@ -164,7 +164,7 @@ fn forged(sections: Vec<(PlaneIndex, Section)>) -> Result<Model, CodecError> {
     let model = empty();
     let sections = sections.into_iter().map(|(k, s)| (k, Cow::Owned(s))).collect();
     let payload =
-        Payload { unit: model.unit(), planes: *model.planes(), views: Vec::new(), sections };
+        Payload { unit: model.unit(), planes: model.planes().clone(), views: Vec::new(), sections };
     let bytes = bincode::serde::encode_to_vec(&payload, bincode::config::standard()).unwrap();
     read(&file_around(&bytes)[..])
 }
@@ -214,4 +214,29 @@ fn a_curve_without_nodes_cannot_even_be_decoded() {
     let bytes = bincode::serde::encode_to_vec(&section, config).unwrap();
     let refused = bincode::serde::decode_from_slice::<Section, _>(&bytes, config).unwrap_err();
     assert!(refused.to_string().contains("0 nodes cannot make a closed curve"), "{refused}");
+}
+
+#[test]
+fn a_curved_guide_comes_back_with_its_frames() {
+    use transect_geometry::{CurvedGuide, GuideKind, Point3};
+    let points = [(0.0, 0.0, 0.0), (9.0, 1.0, 0.0), (15.0, 8.0, 2.0), (15.0, 20.0, 2.5)];
+    let points: Vec<_> = points.map(|(x, y, z)| Point3::new(x, y, z)).to_vec();
+    let kinds = [GuideKind::Spline, GuideKind::Polyline(None), GuideKind::Polyline(Some(2.0))];
+    for guide in kinds.map(|kind| CurvedGuide::new(kind, points.clone()).unwrap()) {
+        let planes = PlaneFamily::new(guide, 0.3, 0.5).unwrap();
+        let mut model = Model::new(LengthUnit::Metre, planes.clone());
+        model.set_curves(PlaneIndex(11), vec![rectangle(0.0, 0.0, 1.0, 2.0)]);
+        let back = read(&bytes_of(&model)[..]).unwrap();
+        assert_eq!(back, model);
+        assert_eq!(back.planes().frame(PlaneIndex(11)), planes.frame(PlaneIndex(11)));
+    }
+}
+
+#[test]
+fn a_guide_that_is_none_is_refused() {
+    // Unit, then the tags of a curved guide and of a spline, and a single point.
+    let planes = [0.0, 0.0, 1.0, 0.0, 0.5].map(f64::to_le_bytes).concat();
+    let bytes = file_around(&[&[0, 1, 1, 1][..], &planes, &[0, 0]].concat());
+    let error = read(&bytes[..]).unwrap_err().to_string();
+    assert!(error.contains("a guide has 1 points"), "{error}");
 }

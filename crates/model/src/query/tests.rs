@@ -122,7 +122,7 @@ fn both_neighbouring_planes_must_agree() {
 
 #[test]
 fn far_from_the_origin_a_point_on_a_plane_is_still_on_it() {
-    let (guide, interval) = (empty().planes().guide(), 1e-3);
+    let (guide, interval) = (empty().planes().guide().clone(), 1e-3);
     let planes = PlaneFamily::new(guide, 5.4e6, interval).unwrap();
     for k in 0..100 {
         let on_plane = Point3::new(0.0, 0.0, 5.4e6 + f64::from(k) * interval);
@@ -166,7 +166,7 @@ fn the_distance_between_planes_is_the_one_in_space() {
 fn hollow_ball(interval: f64, nodes: usize) -> (Model, impl Fn(&Point3) -> f64) {
     let guide = transect_geometry::StraightGuide::along(transect_geometry::Vector3::z()).unwrap();
     let planes = PlaneFamily::new(guide, 0.3 * interval, interval).unwrap();
-    let mut model = Model::new(transect_geometry::LengthUnit::Metre, planes);
+    let mut model = Model::new(transect_geometry::LengthUnit::Metre, planes.clone());
     let reach = (1.0 / interval) as i64 + 1;
     for k in (-reach..=reach).map(PlaneIndex) {
         let z = planes.station(k);

@@ -1,7 +1,7 @@
 //! The exchange form of a store: lines of JSON, which outlive the database's format.
 //!
 //! ```json
-//! {"store":{"format":"transect-model","version":1,"unit":"m","planes":{"guide":{"direction":[0.0,0.0,1.0]},
+//! {"store":{"format":"transect-model","version":2,"unit":"m","planes":{"guide":{"straight":{"direction":[0.0,0.0,1.0]}},
 //!     "offset":0.0,"interval":0.5},"options":"…","tool":"transect 0.1.0"}}
 //! {"view":{"id":"front","name":"front","sensor":"…","source":"front.npy","source_hash":"…",
 //!     "world_from_sensor":{"rotation":[0.0,0.0,0.0,1.0],"translation":[0.0,0.0,0.0]},"sigma":0.001}}
@@ -9,6 +9,9 @@
 //! {"fused":{"plane":3,"curves":[…]}}
 //! {"end":{"views":1,"planes":1,"hash":"…"}}
 //! ```
+//!
+//! A curved guide is `{"curved":{"kind":…,"points":[[x,y,z],…]}}`; its kind is `"spline"` or
+//! `{"polyline":RADIUS}`, the radius `null` if there is no limit to that of its corners.
 //!
 //! One line each (broken here to fit the page): the store; its views in order of ids; then plane by plane in order of
 //! station the partial curves of each view, in order of ids, and the fused ones; the end. A rotation is a
@@ -29,7 +32,7 @@ use transect_geometry::{
 /// Value of the key `format` in the first line.
 pub(super) const FORMAT: &str = "transect-model";
 /// Version of this form; an import reads only its own.
-pub const LINES_VERSION: u32 = 1;
+pub const LINES_VERSION: u32 = 2;
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]

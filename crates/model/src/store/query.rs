@@ -45,7 +45,7 @@ impl SpaceQuery {
     /// # Errors
     /// If the store is damaged.
     pub fn locate(&mut self, in_world: &Point3) -> Result<SpaceAnswer, StoreError> {
-        let family = self.snapshot.header().planes;
+        let family = self.snapshot.header().planes.clone();
         self.questions += 1;
         for plane in planes_around(&family, in_world) {
             self.keep(plane)?;

@@ -141,7 +141,7 @@ impl Snapshot {
     /// # Errors
     /// If the store is damaged.
     pub fn model(&self) -> Result<Model, StoreError> {
-        let mut model = Model::new(self.header.unit, self.header.planes);
+        let mut model = Model::new(self.header.unit, self.header.planes.clone());
         for view in self.views()? {
             let ViewEntry { name, source, world_from_sensor, sigma, .. } = view.entry;
             model.add_view(ViewRecord {

@@ -78,7 +78,7 @@ impl StoreHeader {
 
     pub(crate) fn encode(&self) -> Result<Vec<u8>, StoreProblem> {
         let Self { unit, planes, options, tool } = self;
-        encode(&HeaderValue { unit: *unit, planes: *planes, options, tool })
+        encode(&HeaderValue { unit: *unit, planes: planes.clone(), options, tool })
             .map_err(StoreProblem::value("header"))
     }
 

@@ -73,7 +73,7 @@ pub(super) fn solve(
 ///
 /// Clamped: labels are decided in `f32`, heights here in `f64`, so a sample that is on the plane
 /// within rounding may have the other sign.
-fn parameter(height_a: f64, height_b: f64) -> f64 {
+pub(super) fn parameter(height_a: f64, height_b: f64) -> f64 {
     let t = height_a / (height_a - height_b);
     if t.is_nan() { 0.5 } else { t.clamp(0.0, 1.0) }
 }

@@ -1,6 +1,7 @@
 //! From lines to curves, plane by plane.
 
 use super::OnePassOptions;
+use super::along_guide::AlongGuide;
 use super::bridge::{Gaps, Solved, Strand};
 use super::contours::{Contours, Kind, Polyline};
 use super::crossing::{Crossing, solve};
@@ -13,6 +14,7 @@ use crate::pixel_grid::Grid;
 use crate::prepared::Prepared;
 use crate::{BreakRule, EndReason, PartialCurve, PartialModel, PlaneCurves, SectionAxes};
 use transect_device::{Pixel, Vector3};
+use transect_geometry::PlaneFrame;
 
 /// Deviations of the noise over the plane beyond which a pair's rise is its surface's.
 const WIDE_SIGMAS: f64 = 6.0;
@@ -24,15 +26,18 @@ pub(super) struct Lines<'a> {
     pub axes: &'a SectionAxes,
     pub rule: &'a BreakRule,
     pub contours: &'a Contours<'a>,
+    /// Where crossings are solved along a curved guide.
+    pub along: Option<&'a AlongGuide>,
 }
 
 impl Lines<'_> {
     /// The curves of all lines, grouped by plane. Lines are sorted by plane.
     pub fn model(&self, options: &OnePassOptions) -> PartialModel {
-        let Self { prepared, axes, rule, contours } = *self;
+        let Self { prepared, axes, rule, contours, along } = *self;
         let (view, grid) = (prepared.view(), Grid::new(prepared.view().frame()));
         let pairs = PairLines { view, rule, grid };
-        let refinement = Refinement::new(prepared, axes, pairs, options.subpixel);
+        let refined = Refinement::new(prepared, axes, pairs, options.subpixel);
+        let refinement = refined.filter(|_| along.is_none());
         let gaps = Gaps { view, rule, contours, grid, gap: options.gap };
         let mut near_tangent = NearTangent::new(prepared, axes, rule, options.excursion_sigmas);
         let mut nodes = NodeMaker {
@@ -75,14 +80,19 @@ impl Lines<'_> {
     ) {
         crossings.clear();
         let Some(level) = lines.first().map(|line| line.level) else { return };
+        let along = self.along.map(|along| (along, along.frame(self.axes.plane(level))));
         let refined = refinement.map(|r| (r, r.solver(level)));
         crossings.extend(lines.iter().flat_map(|line| line.vertices).map(|vertex| {
             let (kind, pair) = self.contours.pair(vertex);
-            let mut crossing = solve(self.prepared.view(), self.axes, kind, pair, level);
+            let mut crossing = match &along {
+                Some((along, plane)) => along.solve(kind, pair, plane),
+                None => solve(self.prepared.view(), self.axes, kind, pair, level),
+            };
             if let Some((refinement, solver)) = &refined {
                 refinement.refine(solver, kind, pair, &mut crossing);
             }
-            if let Some(wide) = self.wide(&crossing, kind, pair, pairs) {
+            let along = along.as_ref().map(|(along, plane)| (*along, plane));
+            if let Some(wide) = self.wide(&crossing, (kind, pair), pairs, along) {
                 crossing.across = wide;
             }
             crossing
@@ -97,9 +107,9 @@ impl Lines<'_> {
     fn wide(
         &self,
         crossing: &Crossing,
-        kind: Kind,
-        pair: [Pixel; 2],
+        (kind, pair): (Kind, [Pixel; 2]),
         pairs: &PairLines<'_>,
+        along: Option<(&AlongGuide, &PlaneFrame)>,
     ) -> Option<Vector3> {
         let rise = self.axes.turn(&crossing.ray).z.abs();
         let least = WIDE_SIGMAS * self.prepared.sigma() * rise;
@@ -108,6 +118,9 @@ impl Lines<'_> {
         }
         let line = pairs.of(kind, pair)?;
         let (before, after) = (line.before?, line.after?);
+        if let Some((along, plane)) = along {
+            return Some(along.step([before, after], plane)? / 3.0);
+        }
         let view = self.prepared.view();
         let wide = view.point_in_sensor(after)? - view.point_in_sensor(before)?;
         Some(self.axes.turn(&wide) / 3.0)

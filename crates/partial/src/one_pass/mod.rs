@@ -47,8 +47,12 @@
 //! **Departures from the source.** No thinning: curves of a scalar image are one crossing wide.
 //!
 //! **Cost.** One visit per pixel, one per crossing. Memory, kept in a [`Workspace`]: some rows, one band,
-//! and 32 bytes per crossing. Not for curved guides, whose levels are not an affine function of the point.
+//! and 32 bytes per crossing.
+//!
+//! **Curved guides.** Levels along them are not an affine function of the point; `along_guide.rs` gives samples
+//! coordinates in which they are.
 
+mod along_guide;
 mod band;
 mod bridge;
 mod cell;
@@ -76,8 +80,10 @@ use crate::prepared::Prepared;
 use crate::smooth::Extent;
 use crate::subpixel::Subpixel;
 use crate::{BreakRule, PartialError, PartialModel, SectionAxes};
+use along_guide::AlongGuide;
+use std::sync::Arc;
 use transect_device::View;
-use transect_geometry::PlaneFamily;
+use transect_geometry::{CurvedGuide, PlaneFamily};
 
 /// What can be set.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -147,6 +153,9 @@ pub fn partial_model_with(
     effort: &Effort,
     work: &mut Workspace,
 ) -> Result<PartialModel, PartialError> {
+    if let Some(guide) = planes.guide().curved() {
+        return along_guide(view, (planes, guide), options, effort, work);
+    }
     let rule = |sigma| BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma);
     let axes = SectionAxes::new(view, planes)?;
     let near = (!effort.smooth_all).then_some(&axes);
@@ -154,11 +163,59 @@ pub fn partial_model_with(
     let prepared = Prepared::new(view, options.smooth.then_some(&extent), rule);
     let rule = rule(prepared.sigma());
     let contours = contours(prepared.view(), &axes, &rule, effort, work)?;
-    let lines =
-        curves::Lines { prepared: &prepared, axes: &axes, rule: &rule, contours: &contours };
-    let mut model = lines.model(options);
-    model.counts.crossings = contours.vertex_count();
-    model.counts.jumps = contours.jumps();
-    prepared.count(&mut model.counts);
+    let lines = curves::Lines {
+        prepared: &prepared,
+        axes: &axes,
+        rule: &rule,
+        contours: &contours,
+        along: None,
+    };
+    Ok(counted(lines, options))
+}
+
+/// The same on planes along a curved guide; see `along_guide.rs`.
+fn along_guide(
+    view: &View,
+    (planes, guide): (&PlaneFamily, &Arc<CurvedGuide>),
+    options: &OnePassOptions,
+    effort: &Effort,
+    work: &mut Workspace,
+) -> Result<PartialModel, PartialError> {
+    let rule = |sigma| BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma);
+    let extent = Extent { near: None, instructions: effort.instructions };
+    let mut prepared = Prepared::new(view, options.smooth.then_some(&extent), rule);
+    let rule = rule(prepared.sigma());
+    let mut model = PartialModel::default();
+    let off_guide = match AlongGuide::new(prepared.view(), planes, guide)? {
+        Err(off_guide) => {
+            prepared.count(&mut model.counts);
+            off_guide
+        }
+        Ok(along) => {
+            prepared.turn(along.view.clone());
+            let axes = SectionAxes::new(&along.view, &along.planes)?;
+            let contours = contours(&along.view, &axes, &rule, effort, work)?;
+            let lines = curves::Lines {
+                prepared: &prepared,
+                axes: &axes,
+                rule: &rule,
+                contours: &contours,
+                along: Some(&along),
+            };
+            model = counted(lines, options);
+            along.off_guide
+        }
+    };
+    model.counts.beyond_ends = off_guide.beyond_ends;
+    model.counts.beyond_reach = off_guide.beyond_reach;
     Ok(model)
+}
+
+/// The curves of all lines, with what is counted of them.
+fn counted(lines: curves::Lines<'_>, options: &OnePassOptions) -> PartialModel {
+    let mut model = lines.model(options);
+    model.counts.crossings = lines.contours.vertex_count();
+    model.counts.jumps = lines.contours.jumps();
+    lines.prepared.count(&mut model.counts);
+    model
 }

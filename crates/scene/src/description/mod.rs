@@ -77,7 +77,9 @@ use serde::Deserialize;
 use solid::{Library, MaterialEntry, SolidEntry};
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
-use transect_geometry::{GuideError, LengthUnit, PlaneFamily, StraightGuide, Vector3};
+use transect_geometry::{
+    CurvedGuide, Guide, GuideError, LengthUnit, PlaneFamily, StraightGuide, Vector3,
+};
 
 /// A scene description that has been checked.
 #[derive(Debug, Clone)]
@@ -190,22 +192,29 @@ struct File {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PlanesEntry {
-    normal: [f64; 3],
+    /// Needed unless there is a guide.
+    normal: Option<[f64; 3]>,
+    guide: Option<CurvedGuide>,
     offset: f64,
     interval: f64,
 }
 
 impl PlanesEntry {
-    fn build(&self) -> Result<PlaneFamily, Problem> {
-        let family = StraightGuide::along(Vector3::from(self.normal))
-            .and_then(|guide| PlaneFamily::new(guide, self.offset, self.interval));
+    fn build(self) -> Result<PlaneFamily, Problem> {
+        let place = Place::new("planes");
+        let guide = match (self.guide, self.normal) {
+            (Some(guide), _) => Ok(guide.into()),
+            (None, Some(normal)) => StraightGuide::along(Vector3::from(normal)).map(Guide::from),
+            (None, None) => return Err(place.problem("normal", "it is missing, and so is a guide")),
+        };
+        let family = guide.and_then(|guide| PlaneFamily::new(guide, self.offset, self.interval));
         family.map_err(|error| {
             let key = match error {
                 GuideError::BadInterval(_) => "interval",
                 GuideError::BadOffset(_) => "offset",
                 _ => "normal",
             };
-            Place::new("planes").problem(key, error)
+            place.problem(key, error)
         })
     }
 }

@@ -23,7 +23,9 @@ use crate::mesh::check_parts;
 use crate::{Mesh, MeshError};
 use link::{Chain, EdgeKey, Segment, link};
 use std::collections::BTreeMap;
-use transect_geometry::{Curve, Node, PlaneFamily, PlaneIndex, Point2, Point3};
+use transect_geometry::{
+    Curve, CurvedGuide, Node, PlaneFamily, PlaneFrame, PlaneIndex, Point2, Point3,
+};
 
 /// Most section planes that a mesh may cross; more are taken for a wrong unit or interval.
 pub const MAX_PLANES: usize = 1 << 24;
@@ -41,7 +43,7 @@ pub fn slice_mesh(
     check_parts(vertices, faces)?;
     let lifted = lift(vertices, planes);
     let segments = faces.iter().filter_map(|face| crossing(face, &lifted, k.0 as f64));
-    Ok(curves(segments.collect(), &lifted, k.0 as f64))
+    Ok(curves(segments.collect(), &Cut::new(planes, &lifted, vertices, k.0)))
 }
 
 /// The sections of a mesh by all planes of a family that it crosses.
@@ -56,8 +58,11 @@ pub fn sections(
     mesh.check()?;
     let lifted = lift(&mesh.vertices, planes);
     let (first, buckets) = bucket(&mesh.faces, &lifted)?;
-    let cut = buckets.into_iter().zip(first..).filter(|(segments, _)| !segments.is_empty());
-    Ok(cut.map(|(segments, k)| (PlaneIndex(k), curves(segments, &lifted, k as f64))).collect())
+    let ends = planes.ends();
+    let exists = |k: i64| ends.is_none_or(|(a, b)| (a.0..=b.0).contains(&k));
+    let cut = buckets.into_iter().zip(first..).filter(|(s, k)| !s.is_empty() && exists(*k));
+    let curves_on = |segments, k| curves(segments, &Cut::new(planes, &lifted, &mesh.vertices, k));
+    Ok(cut.map(|(segments, k)| (PlaneIndex(k), curves_on(segments, k))).collect())
 }
 
 /// A vertex as the planes see it.
@@ -67,9 +72,25 @@ struct Lifted {
     in_plane: Point2,
 }
 
+/// Of a curved guide, points beyond its ends have a level beyond its planes, and points beyond its reach
+/// have none. Faces are to be small against the guide's bends: only their corners are asked.
+fn lift_along(guide: &CurvedGuide, vertices: &[Point3], planes: &PlaneFamily) -> Vec<Lifted> {
+    let mut hint = None;
+    let one = |p: &Point3| {
+        let station = guide.extended_station(p, hint).ok();
+        hint = station.or(hint);
+        let level = station.map_or(f64::NAN, |s| (s - planes.offset()) / planes.interval());
+        Lifted { level, in_plane: Point2::origin() }
+    };
+    vertices.iter().map(one).collect()
+}
+
 /// All planes of a straight guide have one pair of axes and their origins on one normal, so plane
 /// coordinates are the same in every plane.
 fn lift(vertices: &[Point3], planes: &PlaneFamily) -> Vec<Lifted> {
+    if let Some(guide) = planes.guide().curved() {
+        return lift_along(guide, vertices, planes);
+    }
     let frame = planes.frame(PlaneIndex(0));
     let one = |p: &Point3| Lifted { level: planes.level(p), in_plane: frame.plane_from_world(p) };
     vertices.iter().map(one).collect()
@@ -79,9 +100,13 @@ fn corners(face: &[u32; 3], lifted: &[Lifted]) -> [f64; 3] {
     face.map(|i| lifted.get(i as usize).map_or(f64::NAN, |v| v.level))
 }
 
-/// The segment in which a plane crosses a triangle.
+/// The segment in which a plane crosses a triangle; none of a triangle a corner of which has no level.
 fn crossing(face: &[u32; 3], lifted: &[Lifted], k: f64) -> Option<Segment> {
-    let high = corners(face, lifted).map(|level| level > k);
+    let levels = corners(face, lifted);
+    if levels.iter().any(|level| level.is_nan()) {
+        return None;
+    }
+    let high = levels.map(|level| level > k);
     let edge = |descending: bool| {
         let side = (0..3).find(|&i| high[i] == descending && high[(i + 1) % 3] != descending)?;
         Some(EdgeKey::new(face[side], face[(side + 1) % 3]))
@@ -111,27 +136,52 @@ fn bucket(faces: &[[u32; 3]], lifted: &[Lifted]) -> Result<(i64, Vec<Vec<Segment
     Ok((first as i64, buckets))
 }
 
-fn curves(segments: Vec<Segment>, lifted: &[Lifted], k: f64) -> Vec<Curve> {
-    link(segments).into_iter().filter_map(|chain| curve(&chain, lifted, k)).collect()
+fn curves(segments: Vec<Segment>, cut: &Cut<'_>) -> Vec<Curve> {
+    link(segments).into_iter().filter_map(|chain| curve(&chain, cut)).collect()
+}
+
+/// One plane and what it cuts.
+struct Cut<'a> {
+    lifted: &'a [Lifted],
+    k: f64,
+    /// Of a plane along a curved guide: its own frame, and the vertices in the world.
+    turned: Option<(PlaneFrame, &'a [Point3])>,
+}
+
+impl<'a> Cut<'a> {
+    fn new(planes: &PlaneFamily, lifted: &'a [Lifted], vertices: &'a [Point3], k: i64) -> Self {
+        let curved = planes.guide().curved().is_some();
+        let turned = curved.then(|| (planes.frame(PlaneIndex(k)), vertices));
+        Self { lifted, k: k as f64, turned }
+    }
+
+    /// Where a mesh edge meets the plane; the same bits from both sides of the edge.
+    fn edge_point(&self, edge: &EdgeKey) -> Option<Point2> {
+        let (low, high) = (edge.low() as usize, edge.high() as usize);
+        let (t, a, b) = if let Some((frame, vertices)) = &self.turned {
+            let (a, b) = (vertices.get(low)?, vertices.get(high)?);
+            let (below, above) = (frame.height(a), frame.height(b));
+            // Stations tell which side a vertex is on, and heights of rounding may differ.
+            let t = (below / (below - above)).clamp(0.0, 1.0);
+            (t, frame.plane_from_world(a), frame.plane_from_world(b))
+        } else {
+            let (a, b) = (self.lifted.get(low)?, self.lifted.get(high)?);
+            ((self.k - a.level) / (b.level - a.level), a.in_plane, b.in_plane)
+        };
+        // This form returns either end exactly.
+        Some(Point2::from(a.coords * (1.0 - t) + b.coords * t))
+    }
 }
 
 /// The curve along a chain of mesh edges; `None` if it shrinks to less than a curve, as around a
 /// vertex that lies on the plane.
-fn curve(chain: &Chain, lifted: &[Lifted], k: f64) -> Option<Curve> {
-    let mut points: Vec<_> = chain.edges.iter().filter_map(|e| edge_point(e, lifted, k)).collect();
+fn curve(chain: &Chain, cut: &Cut<'_>) -> Option<Curve> {
+    let mut points: Vec<_> = chain.edges.iter().filter_map(|e| cut.edge_point(e)).collect();
     points.dedup();
     while chain.closed && points.len() > 1 && points.first() == points.last() {
         points.pop();
     }
     Curve::new(points.into_iter().map(Node::at).collect(), chain.closed).ok()
-}
-
-/// Where a mesh edge meets the plane; the same bits from both sides of the edge.
-fn edge_point(edge: &EdgeKey, lifted: &[Lifted], k: f64) -> Option<Point2> {
-    let (a, b) = (lifted.get(edge.low() as usize)?, lifted.get(edge.high() as usize)?);
-    let t = (k - a.level) / (b.level - a.level);
-    // This form returns either end exactly.
-    Some(Point2::from(a.in_plane.coords * (1.0 - t) + b.in_plane.coords * t))
 }
 
 #[cfg(test)]

@@ -80,7 +80,7 @@ impl Case<'_> {
     fn run(&self) -> Result<(), Failure> {
         let axes = SectionAxes::new(self.view, self.planes)?;
         // Planes that nothing meets: what finding out costs.
-        let far = PlaneFamily::new(self.planes.guide(), 1e6, 1e5)?;
+        let far = PlaneFamily::new(self.planes.guide().clone(), 1e6, 1e5)?;
         let far = SectionAxes::new(self.view, &far)?;
         let seen = seen(self.view, &axes, &rule(), Instructions::Best);
         let baselines = Baselines::new(self.view, &axes, &seen);

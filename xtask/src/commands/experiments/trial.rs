@@ -26,7 +26,7 @@ pub struct Outcome {
 pub fn run(stage: &Stage, plan: &Plan) -> Result<Outcome, Failure> {
     let placed = simulation::instruments(stage, plan)?;
     let views = simulation::views(stage, placed)?.views;
-    let setup = Setup::new(stage.description.unit, stage.description.planes);
+    let setup = Setup::new(stage.description.unit, stage.description.planes.clone());
     let model = reconstruct(&views, &setup, &Unwatched)?.model;
     Ok(Outcome { views, model })
 }
@@ -34,7 +34,7 @@ pub fn run(stage: &Stage, plan: &Plan) -> Result<Outcome, Failure> {
 impl Outcome {
     /// Scores the model on what the views could see of the scene.
     pub fn accuracy(&self, stage: &Stage) -> Result<Accuracy, Failure> {
-        let planes = stage.description.planes;
+        let planes = stage.description.planes.clone();
         let truth = sections(&stage.truth, &planes)?;
         let united = truth.into_iter().map(|(k, c)| (k, merge_overlaps(c))).collect();
         let visible = Visibility::new(&stage.truth, self.views.clone())?;

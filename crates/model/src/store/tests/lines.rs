@@ -78,7 +78,7 @@ fn sample() -> String {
 fn the_lines_are_the_documented_ones() {
     let curves = "[{\"closed\":true,\"nodes\":[[0.0,0.0,0.0,0.0,1.0,1,0.0,[0.0,0.0,0.0]],[1.0,0.0,0.0,0.0,1.0,1,0.0,[0.0,0.0,0.0]],[0.0,0.1,0.0,0.0,1.0,1,0.0,[0.0,0.0,0.0]]]}]";
     let expected = [
-        "{\"store\":{\"format\":\"transect-model\",\"version\":1,\"unit\":\"mm\",\"planes\":{\"guide\":{\"direction\":[0.0,0.0,1.0]},\"offset\":0.0,\"interval\":0.5},\"options\":\"{\\\"order\\\":2}\",\"tool\":\"transect 0.1.0\"}}".to_owned(),
+        "{\"store\":{\"format\":\"transect-model\",\"version\":2,\"unit\":\"mm\",\"planes\":{\"guide\":{\"straight\":{\"direction\":[0.0,0.0,1.0]}},\"offset\":0.0,\"interval\":0.5},\"options\":\"{\\\"order\\\":2}\",\"tool\":\"transect 0.1.0\"}}".to_owned(),
         "{\"view\":{\"id\":\"a\",\"name\":\"view a\",\"sensor\":\"pinhole\",\"source\":\"a.npy\",\"source_hash\":\"0123abcd\",\"world_from_sensor\":{\"rotation\":[0.0,0.0,0.0,1.0],\"translation\":[0.0,0.0,0.0]},\"sigma\":0.1}}".to_owned(),
         format!("{{\"partial\":{{\"plane\":3,\"view\":\"a\",\"curves\":{curves}}}}}"),
         format!("{{\"fused\":{{\"plane\":3,\"curves\":{curves}}}}}"),
@@ -128,8 +128,8 @@ fn damaged_lines_are_named() {
     }
     assert_eq!(refusal(&text.replace("0.1,", "0.2,")).1, "the lines do not match their hash");
     assert_eq!(refusal(&format!("{text}\n")).1, "there is more behind the end");
-    let (line, problem) = refusal(&text.replacen("\"version\":1", "\"version\":7", 1));
-    assert_eq!((line, problem.as_str()), (1, "version 7; this program reads version 1"));
+    let (line, problem) = refusal(&text.replacen("\"version\":2", "\"version\":7", 1));
+    assert_eq!((line, problem.as_str()), (1, "version 7; this program reads version 2"));
     let (line, problem) = refusal(&text.replace("[0.0,0.1,", "[0.0,1e999,"));
     assert_eq!(line, 3);
     assert!(problem.contains("number out of range"), "{problem}");
@@ -147,4 +147,19 @@ fn a_line_cut_or_changed_anywhere_is_refused() {
         // Without the last newline nothing is missing.
         assert_eq!(import(&text[..end]).is_ok(), end + 1 == text.len(), "{end}");
     }
+}
+
+#[test]
+fn a_curved_guide_is_exported_as_documented() {
+    let points = [(0.0, 0.0), (9.0, 0.0), (9.0, 9.0)];
+    let points = points.map(|(x, y)| transect_geometry::Point3::new(x, y, 0.5)).to_vec();
+    let guide = transect_geometry::CurvedGuide::polyline(points, Some(2.0)).unwrap();
+    let planes = transect_geometry::PlaneFamily::new(guide, 0.0, 0.5).unwrap();
+    let line = serde_json::to_string(&planes).unwrap();
+    let wanted = concat!(
+        r#"{"guide":{"curved":{"kind":{"polyline":2.0},"#,
+        r#""points":[[0.0,0.0,0.5],[9.0,0.0,0.5],[9.0,9.0,0.5]]}},"offset":0.0,"interval":0.5}"#
+    );
+    assert_eq!(line, wanted);
+    assert_eq!(serde_json::from_str::<transect_geometry::PlaneFamily>(&line).unwrap(), planes);
 }

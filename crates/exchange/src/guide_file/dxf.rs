@@ -1,0 +1,168 @@
+//! The points of a polyline in a DXF drawing.
+//!
+//! A drawing is a list of pairs of lines: a group code and a value (Autodesk, DXF reference). Only the
+//! section ENTITIES is looked at, and in it only the entities that can be a guide.
+
+use super::{Placed, Problem};
+use crate::Place;
+use transect_geometry::Point3;
+
+/// A group: its code, its value and the line of the value.
+#[derive(Debug, Clone, Copy)]
+struct Group<'a> {
+    code: i32,
+    value: &'a str,
+    line: usize,
+}
+
+impl Group<'_> {
+    fn number(&self) -> Result<f64, Problem> {
+        let problem = || (Place::Line(self.line), format!("{:?} is no number", self.value));
+        self.value.parse().map_err(|_| problem())
+    }
+}
+
+/// An entity: its name and groups.
+struct Entity<'a> {
+    name: &'a str,
+    line: usize,
+    groups: Vec<Group<'a>>,
+}
+
+impl Entity<'_> {
+    /// The first number of a code.
+    fn number(&self, code: i32) -> Result<Option<f64>, Problem> {
+        self.groups.iter().find(|g| g.code == code).map(Group::number).transpose()
+    }
+
+    /// The point whose coordinates have these codes; a missing third one is 0.
+    fn point(&self, [x, y, z]: [i32; 3]) -> Result<Placed, Problem> {
+        let missing = |code| (Place::Line(self.line), format!("{} has no group {code}", self.name));
+        let needed = |code| self.number(code)?.ok_or_else(|| missing(code));
+        let z = self.number(z)?.unwrap_or(0.0);
+        Ok((Point3::new(needed(x)?, needed(y)?, z), Place::Line(self.line)))
+    }
+
+    /// Refuses what a guide cannot be.
+    fn check(&self) -> Result<(), Problem> {
+        let refuse =
+            |what: &str| Err((Place::Line(self.line), format!("the {} {what}", self.name)));
+        if self.name != "VERTEX" && (self.number(70)?.unwrap_or(0.0) as i64) & 1 == 1 {
+            return refuse("is closed; a guide has two ends");
+        }
+        for group in self.groups.iter().filter(|g| g.code == 42) {
+            if group.number()? != 0.0 {
+                return refuse("has arcs (bulges); draw it as straight pieces");
+            }
+        }
+        let extrusion = [self.number(210)?, self.number(220)?, self.number(230)?];
+        if extrusion.iter().zip([0.0, 0.0, 1.0]).any(|(e, up)| e.is_some_and(|e| e != up)) {
+            return refuse("is drawn in a turned coordinate system");
+        }
+        Ok(())
+    }
+}
+
+pub(super) fn points(text: &str) -> Result<Vec<Placed>, Problem> {
+    if text.starts_with("AutoCAD Binary DXF") {
+        return Err((Place::Whole, "a binary DXF; save it as text".to_owned()));
+    }
+    let mut curves: Vec<Vec<Placed>> = Vec::new();
+    let mut vertices: Option<Vec<Placed>> = None;
+    for entity in entities(&groups(text)?) {
+        match entity.name {
+            "LWPOLYLINE" => {
+                entity.check()?;
+                curves.push(light(&entity)?);
+            }
+            "POLYLINE" => {
+                entity.check()?;
+                vertices = Some(Vec::new());
+            }
+            "VERTEX" => {
+                entity.check()?;
+                if let Some(vertices) = &mut vertices {
+                    vertices.push(entity.point([10, 20, 30])?);
+                }
+            }
+            "SEQEND" => curves.extend(vertices.take()),
+            "LINE" => {
+                let (start, end) = (entity.point([10, 20, 30])?, entity.point([11, 21, 31])?);
+                match curves.last_mut().filter(|c| c.last().map(|p| p.0) == Some(start.0)) {
+                    Some(chain) => chain.push(end),
+                    None => curves.push(vec![start, end]),
+                }
+            }
+            _ => (),
+        }
+    }
+    if vertices.is_some() {
+        return Err((Place::Whole, "a POLYLINE has no SEQEND: the file is cut off".to_owned()));
+    }
+    if curves.len() == 1 {
+        return Ok(curves.pop().unwrap_or_default());
+    }
+    let problem = format!("{} separate polylines or lines; a guide is one", curves.len());
+    Err((Place::Whole, problem))
+}
+
+/// The points of a light polyline, which are as high as its elevation.
+fn light(entity: &Entity<'_>) -> Result<Vec<Placed>, Problem> {
+    let z = entity.number(38)?.unwrap_or(0.0);
+    let mut points: Vec<Placed> = Vec::new();
+    let mut open = false;
+    for group in &entity.groups {
+        match (group.code, points.last_mut()) {
+            (10, _) => {
+                let x = group.number()?;
+                points.push((Point3::new(x, f64::NAN, z), Place::Line(group.line)));
+                open = true;
+            }
+            (20, Some(point)) if open => {
+                point.0.y = group.number()?;
+                open = false;
+            }
+            _ => (),
+        }
+    }
+    Ok(points)
+}
+
+fn groups(text: &str) -> Result<Vec<Group<'_>>, Problem> {
+    let mut groups = Vec::new();
+    let mut lines = (1..).zip(text.lines());
+    while let Some((number, code)) = lines.next() {
+        if code.trim().is_empty() && lines.clone().all(|(_, rest)| rest.trim().is_empty()) {
+            break;
+        }
+        let code = code.trim().parse();
+        let code =
+            code.map_err(|_| (Place::Line(number), "a group code was expected".to_owned()))?;
+        let cut = || (Place::Line(number), "the file ends within a group".to_owned());
+        let (line, value) = lines.next().ok_or_else(cut)?;
+        groups.push(Group { code, value: value.trim(), line });
+    }
+    Ok(groups)
+}
+
+/// The entities of the section ENTITIES.
+fn entities<'a>(groups: &[Group<'a>]) -> Vec<Entity<'a>> {
+    let mut entities: Vec<Entity<'a>> = Vec::new();
+    let mut inside = false;
+    for group in groups {
+        match (group.code, group.value) {
+            (2, "ENTITIES") if !inside => inside = true,
+            (0, "ENDSEC") => inside = false,
+            (0, name) if inside => {
+                entities.push(Entity { name, line: group.line, groups: Vec::new() });
+            }
+            _ if inside => {
+                if let Some(entity) = entities.last_mut() {
+                    entity.groups.push(*group);
+                }
+            }
+            _ => (),
+        }
+    }
+    entities
+}

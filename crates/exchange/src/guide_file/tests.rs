@@ -1,0 +1,100 @@
+use super::*;
+use crate::test_data::write_to_folder;
+use proptest::prelude::*;
+
+fn read(name: &str, text: &str) -> Result<Vec<Point3>, ReadError> {
+    let (_folder, path) = write_to_folder(name, text.as_bytes());
+    read_guide(&path, GuideKind::Polyline(None)).map(|guide| guide.points().to_vec())
+}
+
+fn problem(name: &str, text: &str) -> String {
+    let error = read(name, text).unwrap_err();
+    let cause = std::error::Error::source(&error).map(ToString::to_string).unwrap_or_default();
+    format!("{error}: {cause}")
+}
+
+fn wanted() -> Vec<Point3> {
+    [(1.0, 2.0, 3.0), (4.0, 5.0, 3.0), (4.5, 9.0, 3.0)]
+        .map(|(x, y, z)| Point3::new(x, y, z))
+        .to_vec()
+}
+
+/// A drawing whose entities are these pairs of code and value.
+fn drawing(entities: &str) -> String {
+    let pairs = entities.split_whitespace().collect::<Vec<_>>().join("\n");
+    format!("999\nby hand\n0\nSECTION\n2\nENTITIES\n{pairs}\n0\nENDSEC\n0\nEOF\n")
+}
+
+#[test]
+fn all_forms_give_the_same_points() {
+    let table = "x,y,z\n1,2,3\n# a comment\n4; 5; 3\n4.5 9 3  # the last one\n";
+    let line = r#"{"type":"LineString","coordinates":[[1,2,3],[4,5,3],[4.5,9,3]]}"#;
+    let feature = format!(r#"{{"type":"Feature","properties":{{}},"geometry":{line}}}"#);
+    let collection = format!(r#"{{"type":"FeatureCollection","features":[{feature}]}}"#);
+    let light = "0 LWPOLYLINE 8 axis 90 3 70 0 38 3.0 10 1 20 2 10 4 20 5 10 4.5 20 9";
+    let heavy = "0 POLYLINE 66 1 70 8 0 VERTEX 10 1 20 2 30 3 0 VERTEX 10 4 20 5 30 3 \
+                 0 VERTEX 10 4.5 20 9 30 3 0 SEQEND";
+    let lines = "0 LINE 10 1 20 2 30 3 11 4 21 5 31 3 0 LINE 10 4 20 5 30 3 11 4.5 21 9 31 3";
+    assert_eq!(read("a.csv", table).unwrap(), wanted());
+    for text in [line, &feature, &collection] {
+        assert_eq!(read("a.geojson", text).unwrap(), wanted());
+    }
+    for entities in [light, heavy, lines] {
+        assert_eq!(read("a.dxf", &drawing(entities)).unwrap(), wanted(), "{entities}");
+    }
+}
+
+#[test]
+fn what_is_wrong_is_named_with_its_line() {
+    for (name, text, wanted) in [
+        ("a.csv", "1,2,3\n4,5\n", "line 2: 2 numbers"),
+        ("a.csv", "1,2,3\n4,five,6\n", "line 2: \"4,five,6\" is not three numbers"),
+        ("a.csv", "1,2,3\n\n1,2,3\n", "line 3: the point repeats"),
+        ("a.csv", "1,2,3\nnan,2,3\n", "line 2: a coordinate is not finite"),
+        ("a.csv", "1,2,3\n", "a guide has 1 points"),
+        ("a.csv", "0,0,0\n1,0,0\n0.5,0,0\n", "turns back on itself at point 1"),
+        ("a.tex", "1,2,3\n", "ends in .csv"),
+        ("a.json", "{\"type\":\n\"Point\"", "line 2: not valid JSON"),
+        ("a.json", r#"{"type":"Point","coordinates":[1,2,3]}"#, "0 objects of type LineString"),
+        (
+            "a.json",
+            r#"{"type":"LineString","coordinates":[[1,2,3],[1,2]]}"#,
+            "position 1: [1,2] is not",
+        ),
+    ] {
+        let found = problem(name, text);
+        assert!(found.contains(wanted), "{found}\n{wanted}");
+    }
+    for (entities, wanted) in [
+        ("0 LWPOLYLINE 70 1 10 1 20 2 10 3 20 4", "line 8: the LWPOLYLINE is closed"),
+        ("0 LWPOLYLINE 10 1 20 2 42 0.5 10 3 20 4", "has arcs"),
+        ("0 LINE 10 1 20 2 11 3 21 4 0 LINE 10 9 20 2 11 3 21 4", "2 separate"),
+        ("0 LINE 10 1 20 two 11 3 21 4", "line 12: \"two\" is no number"),
+        ("0 LINE 10 1 11 3 21 4", "LINE has no group 20"),
+        ("0 POLYLINE 0 VERTEX 10 1 20 2", "no SEQEND"),
+        ("0 LWPOLYLINE 10 1 20 2 10 3", "not finite"),
+        ("0 LWPOLYLINE 230 -1 10 1 20 2 10 3 20 4", "turned coordinate system"),
+    ] {
+        let found = problem("a.dxf", &drawing(entities));
+        assert!(found.contains(wanted), "{found}\n{wanted}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn random_files_are_a_guide_or_an_error(
+        text in "[-0-9a-zA-Z,;:.{}\\[\\]\" \n]{0,200}", name in 0..3_usize,
+        cut in 0..400_usize, change in any::<u8>(),
+    ) {
+        let name = ["a.csv", "a.json", "a.dxf"][name];
+        let _ = read(name, &text);
+        let light = drawing("0 LWPOLYLINE 90 3 38 3.0 10 1 20 2 10 4 20 5 10 4.5 20 9");
+        let mut bytes = light.into_bytes();
+        bytes.truncate(cut);
+        if let Some(byte) = bytes.last_mut() {
+            *byte = change;
+        }
+        let (_folder, path) = write_to_folder("a.dxf", &bytes);
+        let _ = read_guide(&path, GuideKind::Spline);
+    }
+}

@@ -1,0 +1,184 @@
+use super::*;
+use proptest::prelude::*;
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// 10 along x, a quarter circle of radius 4 to the left, 10 along y.
+fn bend() -> CurvedGuide {
+    let points = [(0.0, 0.0), (14.0, 0.0), (14.0, 14.0)];
+    let points = points.map(|(x, y)| Point3::new(x, y, 1.0));
+    CurvedGuide::polyline(points.to_vec(), Some(4.0)).unwrap()
+}
+
+fn helix(points: usize) -> (CurvedGuide, impl Fn(f64) -> Point3) {
+    let at = |a: f64| Point3::new(5.0 * a.cos(), 5.0 * a.sin(), 1.5 * a);
+    let angle = move |k: usize| 2.0 * TAU * k as f64 / (points - 1) as f64;
+    (CurvedGuide::spline((0..points).map(|k| at(angle(k))).collect()).unwrap(), at)
+}
+
+/// The nearest of many points of the guide: the slow and obvious way.
+fn brute_station(guide: &CurvedGuide, p: &Point3) -> f64 {
+    let count = 40_000;
+    let station = |k: usize| guide.length() * k as f64 / count as f64;
+    let distance = |s: f64| (guide.frame(s).origin() - p).norm();
+    (0..=count).map(station).min_by(|a, b| distance(*a).total_cmp(&distance(*b))).unwrap()
+}
+
+#[test]
+fn a_bend_has_the_stations_of_its_lines_and_its_arc() {
+    let guide = bend();
+    assert!((guide.length() - (20.0 + 4.0 * FRAC_PI_2)).abs() < 1e-12);
+    assert!((guide.reach() - 3.6).abs() < 1e-9, "{}", guide.reach());
+    let middle = guide.frame(10.0 + 2.0 * FRAC_PI_2);
+    let half = 0.5_f64.sqrt();
+    let wanted = Point3::new(10.0 + 4.0 * half, 4.0 - 4.0 * half, 1.0);
+    assert!((middle.origin() - wanted).norm() < 1e-12);
+    assert!((middle.normal() - Vector3::new(half, half, 0.0)).norm() < 1e-12);
+    let inside = wanted + Vector3::new(-1.0, 1.0, 0.0);
+    assert!((guide.station(&inside, None).unwrap() - (10.0 + 2.0 * FRAC_PI_2)).abs() < 1e-12);
+    assert!(
+        (guide.stretch(10.0 + 2.0 * FRAC_PI_2, &inside) - (1.0 - 2.0 * half / 4.0)).abs() < 1e-12
+    );
+    assert_eq!(guide.station(&Point3::new(-0.1, 0.0, 1.0), None), Err(NoStation::BeyondEnds));
+    assert!(
+        (guide.extended_station(&Point3::new(-0.1, 0.5, 1.0), None).unwrap() + 0.1).abs() < 1e-12
+    );
+    assert_eq!(guide.station(&Point3::new(10.0, 4.0, 1.0), None), Err(NoStation::BeyondReach));
+}
+
+#[test]
+fn the_axes_of_a_plane_curve_do_not_turn_about_it() {
+    let guide = bend();
+    let first = guide.frame(0.0);
+    for k in 0..=200 {
+        let frame = guide.frame(guide.length() * f64::from(k) / 200.0);
+        // In the plane of the curve "up" stays up: its share of both axes is what it was.
+        let up = |f: &PlaneFrame| (f.x_axis().z, f.y_axis().z);
+        assert!((up(&frame).0 - up(&first).0).abs() < 1e-12, "{k}");
+        assert!((up(&frame).1 - up(&first).1).abs() < 1e-12, "{k}");
+    }
+}
+
+#[test]
+fn frames_of_a_helix_turn_by_its_torsion_alone() {
+    // A frame that does not turn about a helix turns against its bend by −torsion · length.
+    let (guide, _) = helix(49);
+    let torsion = 1.5 / (25.0 + 2.25);
+    let angle = |s: f64| {
+        let (frame, at) = (guide.frame(s), guide.path.at(s));
+        at.bend.dot(&frame.y_axis()).atan2(at.bend.dot(&frame.x_axis()))
+    };
+    // Away from the ends, where a natural spline does not bend.
+    let (from, to) = (guide.length() * 0.3, guide.length() * 0.7);
+    let turned = (angle(to) - angle(from) - torsion * (to - from)).rem_euclid(TAU);
+    let off = turned.min(TAU - turned);
+    assert!(off < 1e-3, "{off}");
+    // Against steps that are sixteen times as short: the carrying itself.
+    let mut at = guide.path.at(0.0);
+    let mut x = guide.frame(0.0).x_axis();
+    let steps = 16 * (guide.path.starts().len() - 1);
+    for k in 1..=steps {
+        let next = guide.path.at(guide.length() * k as f64 / steps as f64);
+        x = carry(&x, &at, &next);
+        at = next;
+    }
+    let apart = (guide.frame(guide.length()).x_axis() - x).norm();
+    assert!(apart < 1e-7, "{apart}");
+}
+
+#[test]
+fn a_spline_passes_its_points_and_has_their_curves_length() {
+    let (guide, at) = helix(49);
+    let exact = 2.0 * TAU * 5.0_f64.hypot(1.5);
+    assert!((guide.length() - exact).abs() < 5e-3, "{} {exact}", guide.length());
+    let p = at(TAU * 1.25);
+    let station = guide.station(&p, None).unwrap();
+    assert!((guide.frame(station).origin() - p).norm() < 1e-9);
+    // Length by the obvious sum of chords.
+    let count = 200_000;
+    let points: Vec<_> = (0..=count)
+        .map(|k| guide.frame(guide.length() * k as f64 / count as f64).origin())
+        .collect();
+    let sum: f64 = points.windows(2).map(|w| (w[1] - w[0]).norm()).sum();
+    assert!((guide.length() - sum).abs() < 1e-7, "{} {sum}", guide.length());
+}
+
+#[test]
+fn parts_that_come_close_limit_the_reach() {
+    let points = [(0.0, 0.0), (20.0, 0.0), (20.0, 6.0), (0.0, 6.0)];
+    let points = points.map(|(x, y)| Point3::new(x, y, 0.0)).to_vec();
+    let guide = CurvedGuide::polyline(points, None).unwrap();
+    // Arms six apart, arcs of radius three.
+    assert!((guide.reach() - 2.7).abs() < 1e-6, "{}", guide.reach());
+    assert_eq!(guide.require_reach(2.0), Ok(()));
+    let error = guide.require_reach(3.0).unwrap_err();
+    assert!(matches!(error, GuideError::TooCurved { needed, .. } if needed == 3.0), "{error}");
+}
+
+#[test]
+fn bad_points_are_named() {
+    let p = |x: f64| Point3::new(x, 0.0, 0.0);
+    let error = |points: Vec<Point3>| CurvedGuide::polyline(points, None).unwrap_err();
+    assert_eq!(error(vec![p(1.0)]), GuideError::PointCount(1));
+    assert_eq!(error(vec![p(1.0), p(f64::NAN), p(2.0)]), GuideError::NotFinite(1));
+    assert_eq!(error(vec![p(1.0), p(2.0), p(2.0)]), GuideError::Repeated(2));
+    assert_eq!(error(vec![p(1.0), p(2.0), p(0.5)]), GuideError::TurnsBack(1));
+    assert_eq!(
+        CurvedGuide::polyline(vec![p(1.0), p(2.0)], Some(0.0)).unwrap_err(),
+        GuideError::BadRadius(0.0)
+    );
+    assert_eq!(error(vec![p(0.0); MAX_GUIDE_POINTS + 1]), GuideError::PointCount(10_001));
+}
+
+/// Points of a smooth random curve.
+fn guides() -> impl Strategy<Value = CurvedGuide> {
+    let turns = prop::collection::vec((-0.5..0.5f64, -0.4..0.4f64), 3..9);
+    (turns, any::<bool>(), -1.0..1.0f64).prop_map(|(turns, spline, far)| {
+        let mut at = Point3::new(5e5 * far, 5.4e6 * far, 300.0);
+        let (mut heading, mut climb) = (0.3, 0.0);
+        let mut points = vec![at];
+        for (left, up) in turns {
+            heading += left;
+            climb += up * 0.3;
+            let direction = Vector3::new(heading.cos(), heading.sin(), climb).normalize();
+            at += direction * 10.0;
+            points.push(at);
+        }
+        let kind = if spline { GuideKind::Spline } else { GuideKind::Polyline(None) };
+        CurvedGuide::new(kind, points).unwrap()
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn the_plane_at_a_points_station_holds_the_point(
+        guide in guides(), share in 0.02..0.98f64, x in -1.0..1.0f64, y in -1.0..1.0f64,
+        hint in 0.0..1.0f64,
+    ) {
+        let reach = guide.reach().min(3.0) * 0.7;
+        let frame = guide.frame(share * guide.length());
+        let p = frame.origin() + (frame.x_axis() * x + frame.y_axis() * y) * reach;
+        let station = guide.station(&p, None).unwrap();
+        prop_assert!((station - share * guide.length()).abs() < 1e-6, "{station}");
+        prop_assert!(guide.frame(station).height(&p).abs() < 1e-7);
+        let hinted = guide.station(&p, Some(hint * guide.length())).unwrap();
+        prop_assert!((hinted - station).abs() < 1e-9);
+        prop_assert!((brute_station(&guide, &p) - station).abs() < 1e-2);
+    }
+
+    #[test]
+    fn frames_are_orthonormal_and_follow_the_guide(guide in guides(), share in 0.0..1.0f64) {
+        let s = share * guide.length();
+        let frame = guide.frame(s);
+        prop_assert!((frame.x_axis().cross(&frame.y_axis()) - frame.normal()).norm() < 1e-12);
+        prop_assert!(frame.x_axis().dot(&frame.normal()).abs() < 1e-12);
+        let h = 1e-3;
+        let along = (guide.frame(s + h).origin() - guide.frame(s - h).origin()) / (2.0 * h);
+        prop_assert!((along - frame.normal()).norm() < 1e-4, "{along} {}", frame.normal());
+        let next = guide.frame(s + h);
+        // No turn about the guide: the change of an axis lies along the tangent.
+        let change = (next.x_axis() - frame.x_axis()) / h;
+        prop_assert!(change.dot(&frame.y_axis()).abs() < 1e-3, "{change}");
+    }
+}

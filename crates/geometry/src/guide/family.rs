@@ -1,0 +1,150 @@
+//! Equally spaced section planes along a guide.
+
+use super::{CurvedGuide, Guide, GuideError, StraightGuide};
+use crate::{PlaneFrame, Point3};
+use serde::{Deserialize, Serialize};
+
+/// Number of a section plane; plane `k` is at station `offset + k · interval`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct PlaneIndex(pub i64);
+
+impl std::fmt::Display for PlaneIndex {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+/// Equally spaced section planes perpendicular to a guide.
+///
+/// Of a straight guide, plane `k` is `direction · p = offset + k · interval` with a unit direction
+/// (errata to 3.4.1), and all planes share one orientation of their in-plane axes. Of a curved one,
+/// plane `k` is perpendicular to the curve at station `offset + k · interval` from its first point;
+/// axes are carried along without turning about it ([`CurvedGuide::frame`]).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PlaneFamily {
+    guide: Guide,
+    /// Station of plane 0, in the model's length unit.
+    offset: f64,
+    /// Distance from each plane to the next along the guide, in the model's length unit.
+    interval: f64,
+}
+
+impl PlaneFamily {
+    /// Planes every `interval` along the guide, plane 0 at station `offset`.
+    ///
+    /// # Errors
+    /// [`GuideError::BadInterval`] unless `interval` is positive and finite,
+    /// [`GuideError::BadOffset`] unless `offset` is finite.
+    pub fn new(guide: impl Into<Guide>, offset: f64, interval: f64) -> Result<Self, GuideError> {
+        if !(interval.is_finite() && interval > 0.0) {
+            return Err(GuideError::BadInterval(interval));
+        }
+        if !offset.is_finite() {
+            return Err(GuideError::BadOffset(offset));
+        }
+        Ok(Self { guide: guide.into(), offset, interval })
+    }
+
+    /// The guide that the planes are perpendicular to.
+    pub fn guide(&self) -> &Guide {
+        &self.guide
+    }
+
+    /// Distance between neighbouring planes along the guide, in the model's length unit.
+    pub fn interval(&self) -> f64 {
+        self.interval
+    }
+
+    /// Station of plane 0, in the model's length unit.
+    pub fn offset(&self) -> f64 {
+        self.offset
+    }
+
+    /// Station of a plane, in the model's length unit.
+    pub fn station(&self, plane: PlaneIndex) -> f64 {
+        self.offset + plane.0 as f64 * self.interval
+    }
+
+    /// Level of a point: its station over that of plane 0, in intervals. Plane `k` is crossed at level
+    /// `k`. NaN for points that have no station, see [`Guide::station`].
+    pub fn level(&self, in_world: &Point3) -> f64 {
+        (self.guide.station(in_world).unwrap_or(f64::NAN) - self.offset) / self.interval
+    }
+
+    /// The local frame of a plane; its origin is where the guide meets the plane.
+    ///
+    /// A curved guide goes on straight beyond its ends; use [`PlaneFamily::ends`] to stay on it.
+    pub fn frame(&self, plane: PlaneIndex) -> PlaneFrame {
+        let station = self.station(plane);
+        match &self.guide {
+            Guide::Straight(guide) => straight_frame(guide, station),
+            Guide::Curved(guide) => guide.frame(station),
+        }
+    }
+
+    /// First plane whose station is at least `station`.
+    pub fn first_at_or_above(&self, station: f64) -> PlaneIndex {
+        // A plane meant to lie at the bound must not be lost to the rounding of the division.
+        const ROUNDING: f64 = 1e-9;
+        PlaneIndex(((station - self.offset) / self.interval - ROUNDING).ceil() as i64)
+    }
+
+    /// First and last plane on a curved guide, the second below the first if there is none between its
+    /// ends; `None` for a straight guide, which has no ends.
+    pub fn ends(&self) -> Option<(PlaneIndex, PlaneIndex)> {
+        let guide: &CurvedGuide = self.guide.curved()?;
+        let first = self.first_at_or_above(0.0);
+        // The mirror image of the first one, so that both ends are treated alike.
+        let last = ((guide.length() - self.offset) / self.interval + 1e-9).floor() as i64;
+        Some((first, PlaneIndex(last)))
+    }
+}
+
+fn straight_frame(guide: &StraightGuide, station: f64) -> PlaneFrame {
+    let normal = guide.direction();
+    let origin = Point3::from(normal * station);
+    // The guide's direction has unit length by construction, so the frame always exists.
+    PlaneFrame::new(Point3::origin(), normal).unwrap_or(PlaneFrame::WORLD).moved_to(origin)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Vector3;
+
+    #[test]
+    fn planes_lie_where_the_manifest_says() {
+        let guide = StraightGuide::along(Vector3::new(0.0, 2.0, 0.0)).unwrap();
+        let planes = PlaneFamily::new(guide, 0.05, 0.1).unwrap();
+        let frame = planes.frame(PlaneIndex(3));
+        assert!((frame.origin() - Point3::new(0.0, 0.35, 0.0)).norm() < 1e-15);
+        assert!((planes.level(&Point3::new(7.0, 0.35, -2.0)) - 3.0).abs() < 1e-12);
+        assert_eq!(planes.first_at_or_above(0.35), PlaneIndex(3));
+        assert_eq!(planes.first_at_or_above(0.351), PlaneIndex(4));
+        assert_eq!(planes.ends(), None);
+    }
+
+    #[test]
+    fn a_curved_guide_has_planes_between_its_ends() {
+        let ends = [Point3::new(1.0, 0.0, 0.0), Point3::new(1.0, 2.0, 0.0)];
+        let guide = CurvedGuide::polyline(ends.to_vec(), None).unwrap();
+        let planes = PlaneFamily::new(guide, 0.1, 0.1).unwrap();
+        assert_eq!(planes.ends(), Some((PlaneIndex(-1), PlaneIndex(19))));
+        let frame = planes.frame(PlaneIndex(4));
+        assert!((frame.origin() - Point3::new(1.0, 0.5, 0.0)).norm() < 1e-12);
+        assert!((frame.normal() - Vector3::y()).norm() < 1e-12);
+        assert!((planes.level(&Point3::new(1.3, 0.5, -2.0)) - 4.0).abs() < 1e-12);
+        assert!(planes.level(&Point3::new(1.3, 2.5, -2.0)).is_nan());
+    }
+
+    #[test]
+    fn bad_families_are_refused_with_the_value() {
+        let guide = StraightGuide::along(Vector3::z()).unwrap();
+        let zero = PlaneFamily::new(guide, 0.0, 0.0).unwrap_err();
+        assert_eq!(zero.to_string(), "the plane interval must be a positive length, got 0");
+        assert!(PlaneFamily::new(guide, 0.0, -1.0).is_err());
+        assert!(PlaneFamily::new(guide, 0.0, f64::NAN).is_err());
+        assert!(PlaneFamily::new(guide, f64::INFINITY, 1.0).is_err());
+        assert!(StraightGuide::along(Vector3::zeros()).is_err());
+    }
+}

@@ -1,0 +1,156 @@
+//! The guide curve that section planes are perpendicular to (dissertation, section 2.4).
+
+mod curved;
+mod family;
+mod path;
+mod reach;
+mod rounded;
+mod spline;
+mod transport;
+
+pub use curved::{CurvedGuide, GuideKind, MAX_GUIDE_POINTS, NoStation};
+pub use family::{PlaneFamily, PlaneIndex};
+
+use crate::{Point3, Vector3};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// What can be wrong with a guide or a plane family.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GuideError {
+    /// The normal is zero, or one of its components is NaN or infinite.
+    #[error("the plane normal ({0}, {1}, {2}) has no direction")]
+    NoDirection(f64, f64, f64),
+    /// The interval is zero, negative, NaN or infinite.
+    #[error("the plane interval must be a positive length, got {0}")]
+    BadInterval(f64),
+    /// The offset is NaN or infinite.
+    #[error("the plane offset must be a finite length, got {0}")]
+    BadOffset(f64),
+    /// A curved guide has fewer than two points or more than [`MAX_GUIDE_POINTS`].
+    #[error("a guide has {0} points; it needs 2 to {MAX_GUIDE_POINTS}")]
+    PointCount(usize),
+    /// A coordinate of a guide's point is NaN or infinite.
+    #[error("point {0} of the guide is not finite")]
+    NotFinite(usize),
+    /// A point of a guide is where the one before it is, as far as numbers of their size tell.
+    #[error("point {0} of the guide repeats the one before it")]
+    Repeated(usize),
+    /// A polyline turns back on itself, so that no arc rounds its corner.
+    #[error("the guide turns back on itself at point {0}")]
+    TurnsBack(usize),
+    /// The radius for a polyline's corners is not positive.
+    #[error("the radius of the guide's corners must be a positive length, got {0}")]
+    BadRadius(f64),
+    /// Planes would cross within the distance from the guide that is to be covered.
+    #[error(
+        "planes along the guide cross {reach} away from it at station {station}; {needed} are needed: \
+         it bends too sharply there, or comes too close to another part of itself"
+    )]
+    TooCurved {
+        /// Where, in the model's length unit.
+        station: f64,
+        /// Distance up to which planes do not cross, in the model's length unit.
+        reach: f64,
+        /// Distance that was asked for, in the model's length unit.
+        needed: f64,
+    },
+}
+
+/// A straight guide: the line through the world's origin along a unit direction.
+///
+/// The station of a point is its signed distance along that line, so that the plane at station `s`
+/// is `direction · p = s`, which is how scan manifests give planes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct StraightGuide {
+    direction: Vector3,
+}
+
+impl StraightGuide {
+    /// The guide along a direction of any positive length.
+    ///
+    /// # Errors
+    /// [`GuideError::NoDirection`] if it is zero or not finite.
+    pub fn along(direction: Vector3) -> Result<Self, GuideError> {
+        let length = direction.norm();
+        if length.is_finite() && length > 0.0 {
+            Ok(Self { direction: direction / length })
+        } else {
+            Err(GuideError::NoDirection(direction.x, direction.y, direction.z))
+        }
+    }
+
+    /// Unit direction of the guide, which is the normal of every section plane.
+    pub fn direction(&self) -> Vector3 {
+        self.direction
+    }
+
+    /// Arc length along the guide at the point of it nearest to `in_world`.
+    pub fn station(&self, in_world: &Point3) -> f64 {
+        self.direction.dot(&in_world.coords)
+    }
+}
+
+/// A guide of either kind; cloning it is cheap.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Guide {
+    /// A line, without ends.
+    Straight(StraightGuide),
+    /// A curve, with a first and a last station.
+    Curved(Arc<CurvedGuide>),
+}
+
+impl Guide {
+    /// The guide as a line; `None` if it is curved.
+    pub fn straight(&self) -> Option<&StraightGuide> {
+        match self {
+            Self::Straight(guide) => Some(guide),
+            Self::Curved(_) => None,
+        }
+    }
+
+    /// The guide as a curve; `None` if it is a line.
+    pub fn curved(&self) -> Option<&Arc<CurvedGuide>> {
+        match self {
+            Self::Straight(_) => None,
+            Self::Curved(guide) => Some(guide),
+        }
+    }
+
+    /// Arc length along the guide at the point of it nearest to `in_world`; `None` beyond the ends of
+    /// a curved guide and farther from it than [`CurvedGuide::reach`].
+    pub fn station(&self, in_world: &Point3) -> Option<f64> {
+        match self {
+            Self::Straight(guide) => Some(guide.station(in_world)),
+            Self::Curved(guide) => guide.station(in_world, None).ok(),
+        }
+    }
+
+    /// Unit direction of the guide at a station.
+    pub fn direction(&self, station: f64) -> Vector3 {
+        match self {
+            Self::Straight(guide) => guide.direction(),
+            Self::Curved(guide) => guide.frame(station).normal(),
+        }
+    }
+}
+
+impl From<StraightGuide> for Guide {
+    fn from(guide: StraightGuide) -> Self {
+        Self::Straight(guide)
+    }
+}
+
+impl From<CurvedGuide> for Guide {
+    fn from(guide: CurvedGuide) -> Self {
+        Self::Curved(Arc::new(guide))
+    }
+}
+
+impl From<Arc<CurvedGuide>> for Guide {
+    fn from(guide: Arc<CurvedGuide>) -> Self {
+        Self::Curved(guide)
+    }
+}

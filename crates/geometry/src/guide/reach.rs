@@ -1,0 +1,35 @@
+//! How far from a curve its perpendicular planes stay apart.
+//!
+//! Within the *reach* of a curve every point has one nearest point on it, and that point's plane alone
+//! (H. Federer, Curvature measures, Transactions of the AMS 93, 1959, Theorem 4.18):
+//! the infimum over pairs a, b of `|b − a|² / (2 · distance of b from the tangent at a)`. It is at most
+//! the radius of curvature, and at most half the distance between parts that come close.
+
+use super::path::{Path, PathPoint};
+
+/// Samples whose pairs are compared.
+const SAMPLES: usize = 800;
+
+/// Reach of a curve that goes on straight for a while beyond its ends, and where it is least.
+pub(super) fn reach(path: &Path, beyond: f64) -> (f64, f64) {
+    let sharpest = match path {
+        Path::Rounded(path) => path.sharpest(),
+        Path::Spline(path) => path.sharpest(),
+    };
+    let (first, last) = (-beyond, path.length() + beyond);
+    let station = |k: usize| first + (last - first) * k as f64 / (SAMPLES - 1) as f64;
+    let samples: Vec<PathPoint> = (0..SAMPLES).map(|k| path.at(station(k))).collect();
+    let mut least = sharpest;
+    for (k, a) in samples.iter().enumerate() {
+        for b in &samples {
+            let d = b.point - a.point;
+            let aside = (d - a.tangent * d.dot(&a.tangent)).norm();
+            // A quotient that rounding makes of points in line would not be a small one.
+            let radius = d.norm_squared() / (2.0 * aside);
+            if radius < least.0 {
+                least = (radius, station(k).clamp(0.0, path.length()));
+            }
+        }
+    }
+    least
+}

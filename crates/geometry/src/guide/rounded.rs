@@ -1,0 +1,139 @@
+//! A polyline whose corners are rounded by circular arcs.
+//!
+//! Problem: planes perpendicular to the two sides of a sharp corner cross right beside it.
+//!
+//! Idea: what road and tunnel alignments do. An arc tangent to both sides replaces the corner; it takes
+//! no more than half of a side that has two corners, so that neighbouring arcs never meet. The curve is then made of
+//! straight and circular pieces, whose arc lengths, nearest points and frames are closed forms.
+//!
+//! A polyline with many points on a smooth curve becomes a smooth curve that passes each of its
+//! points at a distance of about an eighth of the square of a side over the radius.
+
+use super::GuideError;
+use super::path::PathPoint;
+use crate::{Point3, Vector3};
+
+/// Sides whose directions differ by less than this many radians are one: rounding.
+const STRAIGHT: f64 = 1e-9;
+
+/// Turns within this many radians of a half-turn have no arc.
+const TURNS_BACK: f64 = 1e-3;
+
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Rounded {
+    /// Stations where pieces begin, and the end of the last one.
+    pub starts: Vec<f64>,
+    pieces: Vec<Piece>,
+}
+
+/// A straight piece, or an arc if it bends; from its beginning.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Piece {
+    start: Point3,
+    tangent: Vector3,
+    /// Towards the centre, one over the radius long; zero for a straight piece.
+    bend: Vector3,
+}
+
+impl Piece {
+    fn at(&self, way: f64) -> PathPoint {
+        let Self { start, tangent, bend } = *self;
+        let curvature = bend.norm();
+        if curvature == 0.0 {
+            return PathPoint { point: start + tangent * way, tangent, bend };
+        }
+        let (sin, cos) = (way * curvature).sin_cos();
+        let inward = bend / curvature;
+        // 1 − cos without cancellation on shallow arcs.
+        let rise = 2.0 * (0.5 * way * curvature).sin().powi(2);
+        PathPoint {
+            point: start + (tangent * sin + inward * rise) / curvature,
+            tangent: tangent * cos + inward * sin,
+            bend: (inward * cos - tangent * sin) * curvature,
+        }
+    }
+}
+
+/// An arc in place of a corner.
+struct Corner {
+    /// What it takes off either side.
+    cut: f64,
+    /// Its length.
+    length: f64,
+    bend: Vector3,
+}
+
+impl Rounded {
+    /// The curve along points no two neighbours of which are equal; arcs are as large as there is room
+    /// for, but no larger than `radius`.
+    pub fn new(points: &[Point3], radius: Option<f64>) -> Result<Self, GuideError> {
+        let sides: Vec<Vector3> = points.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let mut path = Self { starts: vec![0.0], pieces: Vec::with_capacity(2 * sides.len()) };
+        let mut cut_before = 0.0;
+        for (k, side) in sides.iter().enumerate() {
+            let length = side.norm();
+            let direction = side / length;
+            let corner = match sides.get(k + 1) {
+                Some(next) => {
+                    // The first and the last side have one corner, the others share theirs.
+                    let room =
+                        |side: &Vector3, whole: bool| side.norm() * if whole { 1.0 } else { 0.5 };
+                    let room = room(side, k == 0).min(room(next, k + 2 == sides.len()));
+                    corner((side, next), (room, radius), k + 1)?
+                }
+                None => None,
+            };
+            let cut = corner.as_ref().map_or(0.0, |c| c.cut);
+            let start = points[k] + direction * cut_before;
+            let straight = Piece { start, tangent: direction, bend: Vector3::zeros() };
+            path.push(straight, length - cut_before - cut);
+            if let Some(corner) = corner {
+                let start = points[k + 1] - direction * corner.cut;
+                path.push(Piece { start, tangent: direction, bend: corner.bend }, corner.length);
+            }
+            cut_before = cut;
+        }
+        Ok(path)
+    }
+
+    fn push(&mut self, piece: Piece, length: f64) {
+        let start = self.starts.last().copied().unwrap_or(0.0);
+        // Where two arcs share a side, rounding alone is left between them.
+        if start + length > start {
+            self.starts.push(start + length);
+            self.pieces.push(piece);
+        }
+    }
+
+    pub fn at(&self, piece: usize, station: f64) -> PathPoint {
+        self.pieces[piece].at(station - self.starts[piece])
+    }
+
+    /// Smallest radius, and the station in the middle of its arc; infinite if nothing bends.
+    pub fn sharpest(&self) -> (f64, f64) {
+        let middle = |k: usize| 0.5 * (self.starts[k] + self.starts[k + 1]);
+        let radii = self.pieces.iter().enumerate().map(|(k, p)| (1.0 / p.bend.norm(), middle(k)));
+        radii.fold((f64::INFINITY, 0.0), |a, b| if b.0 < a.0 { b } else { a })
+    }
+}
+
+/// The arc at the corner between two sides; `None` if they are in line.
+fn corner(
+    (before, after): (&Vector3, &Vector3),
+    (room, radius): (f64, Option<f64>),
+    point: usize,
+) -> Result<Option<Corner>, GuideError> {
+    let (a, b) = (before.normalize(), after.normalize());
+    let turn = 2.0 * (b - a).norm().atan2((a + b).norm());
+    if turn < STRAIGHT {
+        return Ok(None);
+    }
+    if turn > std::f64::consts::PI - TURNS_BACK {
+        return Err(GuideError::TurnsBack(point));
+    }
+    let half_tan = (0.5 * turn).tan();
+    let radius = radius.unwrap_or(f64::INFINITY).min(room / half_tan);
+    // Perpendicular to the side before, in the plane of both.
+    let inward = (b - a * a.dot(&b)).normalize();
+    Ok(Some(Corner { cut: radius * half_tan, length: radius * turn, bend: inward / radius }))
+}
