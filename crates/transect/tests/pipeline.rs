@@ -10,7 +10,7 @@
 
 mod objects;
 
-use objects::{description, frame, noisy_views, setup, views};
+use objects::{description, frame_of, noisy_views, setup, views};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
@@ -92,10 +92,6 @@ fn moved(view: &View, by: &Vector3) -> View {
     let pose = Isometry3::translation(by.x, by.y, by.z) * view.world_from_sensor();
     let frame = frame_of(view.name());
     View::new(view.name(), view.image().clone(), frame, pose, view.sigma()).unwrap()
-}
-
-fn frame_of(name: &str) -> Arc<dyn DeviceFrame> {
-    frame(description().stations.iter().find(|s| s.name == name).unwrap())
 }
 
 /// The same images under poses and planes that were moved together. Plane k of the moved family is

@@ -47,3 +47,8 @@ pub fn noisy_views() -> Vec<View> {
 pub fn setup() -> Setup {
     Setup::new(LengthUnit::Metre, description().planes)
 }
+
+/// The sensor of the station of a name.
+pub fn frame_of(name: &str) -> Arc<dyn DeviceFrame> {
+    frame(description().stations.iter().find(|s| s.name == name).unwrap())
+}
