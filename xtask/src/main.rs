@@ -13,7 +13,8 @@ mod table;
 
 use clap::{Parser, Subcommand};
 use commands::{
-    bench, check, evaluate, experiments, inspect, manifest, reconstruct, simulate, test,
+    bench, check, compact, evaluate, experiments, export, import, inspect, list_views, manifest,
+    measure, query, reconstruct, remove_view, replace_view, simulate, test, verify,
 };
 use std::process::ExitCode;
 
@@ -33,8 +34,26 @@ enum Command {
     Simulate(simulate::Arguments),
     /// Score a model against a reference mesh, or against the truth that simulation left.
     Evaluate(evaluate::Arguments),
-    /// Say what is in a scan: views, sizes, noise, extent, and what its reader found odd.
+    /// Say what is in a scan, or in a model: views, sizes, noise, extent, and what its reader found odd.
     Inspect(inspect::Arguments),
+    /// List the views of a model store.
+    ListViews(list_views::Arguments),
+    /// Take a view out of a model store.
+    RemoveView(remove_view::Arguments),
+    /// Put a new image or a new pose in a view's place in a model store.
+    ReplaceView(replace_view::Arguments),
+    /// Check a model or a model store: checksums, and everything that is promised of its contents.
+    Verify(verify::Arguments),
+    /// Give the space of removed views back to the disk.
+    Compact(compact::Arguments),
+    /// Say whether points are inside or outside of the solid, or unknown, and how far its curves are.
+    Query(query::Arguments),
+    /// Measure each plane of a model, and the volume between them.
+    Measure(measure::Arguments),
+    /// Write the curves of a model as files for others, or a whole store as lines of JSON.
+    Export(export::Arguments),
+    /// Make a model store of lines of JSON.
+    Import(import::Arguments),
     /// Write a scan.json for a folder of depth images with poses.
     Manifest(manifest::Arguments),
     /// Measure what the documentation states, such as every sensor's accuracy.
@@ -53,6 +72,15 @@ fn main() -> ExitCode {
         Command::Simulate(a) => simulate::run(&a),
         Command::Evaluate(a) => evaluate::run(&a),
         Command::Inspect(a) => inspect::run(&a),
+        Command::ListViews(a) => list_views::run(&a),
+        Command::RemoveView(a) => remove_view::run(&a),
+        Command::ReplaceView(a) => replace_view::run(&a),
+        Command::Verify(a) => verify::run(&a),
+        Command::Compact(a) => compact::run(&a),
+        Command::Query(a) => query::run(&a),
+        Command::Measure(a) => measure::run(&a),
+        Command::Export(a) => export::run(&a),
+        Command::Import(a) => import::run(&a),
         Command::Manifest(a) => manifest::run(&a),
         Command::Experiments(a) => experiments::run(&a),
         Command::Test(a) => test::run(&a),

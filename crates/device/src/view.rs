@@ -74,6 +74,15 @@ impl View {
         Self::new(name, image, frame, self.world_from_sensor, self.sigma)
     }
 
+    /// The same view at another place, such as after a better registration.
+    ///
+    /// # Errors
+    /// [`ViewError::PoseNotFinite`].
+    pub fn with_pose(&self, world_from_sensor: Isometry3) -> Result<Self, ViewError> {
+        let (name, frame) = (self.name.clone(), Arc::clone(&self.frame));
+        Self::new(name, self.image.clone(), frame, world_from_sensor, self.sigma)
+    }
+
     /// What reports call this view.
     pub fn name(&self) -> &str {
         &self.name

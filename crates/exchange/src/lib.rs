@@ -51,7 +51,7 @@ pub use manifest::{
 };
 pub use mesh::{MeshFile, TriangleMesh, read_mesh};
 pub use ply::{RangeGrid, read_range_grid};
-pub use pose::row_major;
+pub use pose::{pose_of_row_major, row_major};
 pub use scan::{PlanesEntry, Scan, ScanView};
 pub use truth::{read_truth, write_truth};
 pub use write_file::write_file;

@@ -49,6 +49,14 @@ pub(crate) fn from_row_major(numbers: &[f64; 16]) -> Result<Pose, String> {
     Ok(Pose { world_from_sensor, repaired: (!exact).then_some(deviation) })
 }
 
+/// The pose of a row-major homogeneous matrix, sensor to world, as a person would give it.
+///
+/// # Errors
+/// A sentence: why it is no rigid motion.
+pub fn pose_of_row_major(numbers: &[f64; 16]) -> Result<Isometry3, String> {
+    Ok(from_row_major(numbers)?.world_from_sensor)
+}
+
 /// The polar factor U Vᵀ; `None` if the decomposition does not converge.
 fn nearest_rotation(matrix: Matrix3<f64>) -> Option<Matrix3<f64>> {
     let svd = SVD::try_new(matrix, true, true, f64::EPSILON, 100)?;

@@ -36,7 +36,7 @@ impl Section {
     /// Curves that cross themselves or each other count overlaps twice.
     pub fn measures(&self) -> SectionMeasures {
         let (closed, open): (Vec<_>, Vec<_>) = self.curves().partition(|curve| curve.is_closed());
-        let length = |curves: &[&Curve]| curves.iter().map(|curve| curve.length()).sum();
+        let length = |curves: &[&Curve]| curves.iter().fold(0.0, |sum, curve| sum + curve.length());
         let outer = closed.iter().filter(|c| c.signed_area().is_some_and(|a| a > 0.0)).count();
         let anchor = self.envelope().min;
         let moments = closed.iter().map(|curve| moments(curve, &anchor));

@@ -5,6 +5,7 @@
 //! [`ViewSource`], progress and cancelling go through [`Watch`].
 //!
 //! * [`reconstruct`], [`Setup`], [`Report`]: the modeler;
+//! * [`Grower`]: the same, view by view into a model store that survives crashes and lets views leave;
 //! * [`evaluate`]: how accurate a model is, against sections that are known.
 //!
 //! ```
@@ -34,11 +35,14 @@
 #[cfg(doctest)]
 mod doc_tests;
 pub mod evaluate;
+mod fingerprint;
+mod grow;
 mod pipeline;
 mod report;
 mod source;
 mod watch;
 
+pub use grow::{GrowError, Grower, Growth};
 pub use pipeline::{ReconstructError, Reconstruction, Setup, reconstruct};
 pub use report::{FusionReport, Report, Timings, ViewReport};
 pub use source::{LoadedView, SourceError, ViewSource};

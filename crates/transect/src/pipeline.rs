@@ -131,7 +131,7 @@ pub fn reconstruct<S: ViewSource>(
     let views_done = Instant::now();
     let planes = by_plane(&views);
     if planes.is_empty() {
-        return Err(nothing(&views, setup));
+        return Err(nothing(views.iter().map(ModelledView::extent), setup));
     }
     let fused = fuse(&planes, setup, watch)?;
     let timings = Timings {
@@ -145,19 +145,19 @@ pub fn reconstruct<S: ViewSource>(
 }
 
 /// What is kept of a view.
-struct ModelledView {
-    name: String,
-    notes: Vec<String>,
-    world_from_sensor: Isometry3,
-    sigma: Option<f64>,
+pub(crate) struct ModelledView {
+    pub name: String,
+    pub notes: Vec<String>,
+    pub world_from_sensor: Isometry3,
+    pub sigma: Option<f64>,
     pixels: usize,
     valid: usize,
     stations: (f64, f64),
     /// The planes it crosses, sorted, each with its curves.
-    planes: Vec<(PlaneIndex, Vec<Curve>)>,
-    counts: PartialCounts,
-    reading: Duration,
-    modelling: Duration,
+    pub planes: Vec<(PlaneIndex, Vec<Curve>)>,
+    pub counts: PartialCounts,
+    pub reading: Duration,
+    pub modelling: Duration,
 }
 
 fn model_views<S: ViewSource>(
@@ -183,11 +183,25 @@ fn model_views<S: ViewSource>(
 }
 
 fn model_view<S: ViewSource>(source: &S, setup: &Setup) -> Result<ModelledView, ReconstructError> {
-    let name = source.name().to_owned();
+    let (loaded, reading) = load(source)?;
+    model_loaded(source.name(), loaded, reading, setup)
+}
+
+/// A view, and how long it took to load it.
+pub(crate) fn load<S: ViewSource>(source: &S) -> Result<(LoadedView, Duration), ReconstructError> {
     let started = Instant::now();
-    let load_failed = |e| ReconstructError::Load { view: name.clone(), source: e };
-    let LoadedView { view, notes } = source.load().map_err(load_failed)?;
-    let read = Instant::now();
+    let failed = |e| ReconstructError::Load { view: source.name().to_owned(), source: e };
+    let loaded = source.load().map_err(failed)?;
+    Ok((loaded, started.elapsed()))
+}
+
+pub(crate) fn model_loaded(
+    name: &str,
+    LoadedView { view, notes }: LoadedView,
+    reading: Duration,
+    setup: &Setup,
+) -> Result<ModelledView, ReconstructError> {
+    let (name, read) = (name.to_owned(), Instant::now());
     let partial = partial_model(&view, &setup.planes, &setup.partial)
         .map_err(|e| ReconstructError::Partial { view: name.clone(), source: e })?;
     let modelling = read.elapsed();
@@ -205,7 +219,7 @@ fn model_view<S: ViewSource>(source: &S, setup: &Setup) -> Result<ModelledView, 
         pixels: view.image().size().pixels(),
         valid: view.image().valid_count(),
         stations: stations(&view, &setup.planes),
-        reading: read - started,
+        reading,
         modelling,
         name,
     })
@@ -226,19 +240,59 @@ fn stations(view: &transect_device::View, planes: &PlaneFamily) -> (f64, f64) {
     (sensor + low, sensor + high)
 }
 
-fn nothing(views: &[ModelledView], setup: &Setup) -> ReconstructError {
-    let crossings = views.iter().map(|v| v.counts.crossings).sum();
+/// Why views without a single curve have none.
+pub(crate) fn nothing(
+    views: impl ExactSizeIterator<Item = Extent> + Clone,
+    setup: &Setup,
+) -> ReconstructError {
+    let crossings = views.clone().map(|v| v.crossings).sum();
     if crossings > 0 {
         return ReconstructError::NoCurves { views: views.len(), crossings };
     }
     if setup.planes.guide().curved().is_some() {
-        let sum = |of: fn(&PartialCounts) -> usize| views.iter().map(|v| of(&v.counts)).sum();
-        let (beyond_ends, beyond_reach) = (sum(|c| c.beyond_ends), sum(|c| c.beyond_reach));
+        let sum = |of: fn(&Extent) -> usize| views.clone().map(|v| of(&v)).sum();
+        let (beyond_ends, beyond_reach) = (sum(|v| v.beyond_ends), sum(|v| v.beyond_reach));
         return ReconstructError::OffGuide { views: views.len(), beyond_ends, beyond_reach };
     }
-    let low = views.iter().map(|v| v.stations.0).fold(f64::INFINITY, f64::min);
-    let high = views.iter().map(|v| v.stations.1).fold(f64::NEG_INFINITY, f64::max);
+    let low = views.clone().map(|v| v.stations.0).fold(f64::INFINITY, f64::min);
+    let high = views.clone().map(|v| v.stations.1).fold(f64::NEG_INFINITY, f64::max);
     ReconstructError::Nothing { views: views.len(), low, high, unit: setup.unit }
+}
+
+/// Where a view's points can be, and how often planes cross what it saw.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Extent {
+    crossings: usize,
+    stations: (f64, f64),
+    beyond_ends: usize,
+    beyond_reach: usize,
+}
+
+impl ModelledView {
+    pub(crate) fn extent(&self) -> Extent {
+        let PartialCounts { crossings, beyond_ends, beyond_reach, .. } = self.counts;
+        Extent { crossings, stations: self.stations, beyond_ends, beyond_reach }
+    }
+
+    /// The view's own part of the report; how it agrees with others is not known yet.
+    pub(crate) fn report(&self) -> ViewReport {
+        ViewReport {
+            name: self.name.clone(),
+            pixels: self.pixels,
+            valid_pixels: self.valid,
+            beyond_guide_ends: self.counts.beyond_ends,
+            beyond_guide_reach: self.counts.beyond_reach,
+            sigma: self.counts.sigma,
+            sigma_given: self.sigma.is_some(),
+            planes: self.planes.len(),
+            curves: self.planes.iter().map(|(_, curves)| curves.len()).sum(),
+            crossings: self.counts.crossings,
+            range_jumps: self.counts.jumps,
+            samples_close_to_other_views: 0,
+            samples_abreast_of_other_views: 0,
+            contradicted: false,
+        }
+    }
 }
 
 /// The curves that each plane has from each view; empty where a view has none.
@@ -283,42 +337,17 @@ fn report(views: &[ModelledView], fused: &[Fused], timings: Timings) -> Report {
     for plane in fused {
         agreements.iter_mut().zip(&plane.agreement).for_each(|(sum, a)| sum.add(a));
     }
-    let view_reports = views.iter().zip(&agreements).map(|(v, a)| ViewReport {
-        name: v.name.clone(),
-        pixels: v.pixels,
-        valid_pixels: v.valid,
-        beyond_guide_ends: v.counts.beyond_ends,
-        beyond_guide_reach: v.counts.beyond_reach,
-        sigma: v.counts.sigma,
-        sigma_given: v.sigma.is_some(),
-        planes: v.planes.len(),
-        curves: v.planes.iter().map(|(_, curves)| curves.len()).sum(),
-        crossings: v.counts.crossings,
-        range_jumps: v.counts.jumps,
-        samples_close_to_other_views: a.close,
-        samples_abreast_of_other_views: a.abreast,
-        contradicted: a.is_contradicted(),
+    let reported = views.iter().zip(&agreements).map(|(view, agreement)| {
+        let mut report = view.report();
+        report.set_agreement(agreement);
+        report
     });
-    Report {
-        views: view_reports.collect(),
-        fusion: FusionReport::new(fused.iter().map(|f| &f.plane)),
-        notes: views
-            .iter()
-            .flat_map(|v| v.notes.clone())
-            .chain(alone(views, &agreements))
-            .collect(),
-        timings,
-    }
-}
-
-/// Notes on views that share no ground with any other, of whose poses nothing can be said.
-fn alone(views: &[ModelledView], agreements: &[Agreement]) -> Vec<String> {
+    let reports: Vec<ViewReport> = reported.collect();
     let several = views.len() > 1;
-    let untold = views.iter().zip(agreements).filter(|(_, a)| several && a.close + a.abreast == 0);
-    let note = |(v, _): (&ModelledView, &Agreement)| {
-        format!("view {} overlaps no other view: nothing tells whether its pose is right", v.name)
-    };
-    untold.map(note).collect()
+    let alone = reports.iter().filter(|_| several).filter_map(ViewReport::note_if_alone);
+    let notes = views.iter().flat_map(|v| v.notes.clone()).chain(alone).collect();
+    let fusion = FusionReport::new(fused.iter().map(|f| &f.plane));
+    Report { fusion, notes, timings, views: reports }
 }
 
 fn assemble(setup: &Setup, views: Vec<ModelledView>, fused: Vec<Fused>) -> Model {

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use std::time::Duration;
-use transect_fusion::FusedPlane;
+use transect_fusion::{Agreement, FusedPlane};
 use transect_geometry::Curve;
 
 /// A run's report. Lengths are in the model's length unit.
@@ -76,6 +76,23 @@ pub struct ViewReport {
     pub contradicted: bool,
 }
 
+impl ViewReport {
+    pub(crate) fn set_agreement(&mut self, agreement: &Agreement) {
+        self.samples_close_to_other_views = agreement.close;
+        self.samples_abreast_of_other_views = agreement.abreast;
+        self.contradicted = agreement.is_contradicted();
+    }
+
+    /// What to note on a view that shares no ground with any other, of whose pose nothing can be said.
+    pub(crate) fn note_if_alone(&self) -> Option<String> {
+        let alone = self.samples_close_to_other_views + self.samples_abreast_of_other_views == 0;
+        alone.then(|| {
+            let name = &self.name;
+            format!("view {name} overlaps no other view: nothing tells whether its pose is right")
+        })
+    }
+}
+
 /// What fusion did over all planes.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct FusionReport {
@@ -103,22 +120,61 @@ pub struct FusionReport {
 
 impl FusionReport {
     /// Sums up the planes.
-    pub fn new<'a>(planes: impl Iterator<Item = &'a FusedPlane> + Clone) -> Self {
-        let used = planes.clone().filter(|p| !p.curves.is_empty());
-        let curves = || used.clone().flat_map(|p| &p.curves);
-        let closed_only = |p: &&FusedPlane| p.curves.iter().all(Curve::is_closed);
+    pub fn new<'a>(planes: impl Iterator<Item = &'a FusedPlane>) -> Self {
+        Self::of(&planes.map(PlaneSummary::of_fused).collect::<Vec<_>>())
+    }
+
+    pub(crate) fn of(planes: &[PlaneSummary]) -> Self {
+        let used = || planes.iter().filter(|p| p.curves > 0);
         Self {
-            planes: used.clone().count(),
-            planes_closed_only: used.clone().filter(closed_only).count(),
-            curves: curves().count(),
-            closed: curves().filter(|c| c.is_closed()).count(),
-            nodes: curves().map(|c| c.nodes().len()).sum(),
-            length: curves().map(Curve::length).sum(),
-            observations: planes.clone().map(|p| p.counts.observations).sum(),
-            dropped: planes.clone().map(|p| p.counts.dropped).sum(),
-            spread: median(planes.clone().map(|p| p.spread)),
-            threshold: median(planes.map(|p| p.threshold)),
+            planes: used().count(),
+            planes_closed_only: used().filter(|p| p.curves == p.closed).count(),
+            curves: used().map(|p| p.curves).sum(),
+            closed: used().map(|p| p.closed).sum(),
+            nodes: used().map(|p| p.nodes).sum(),
+            length: used().map(|p| p.length).sum(),
+            observations: planes.iter().map(|p| p.observations).sum(),
+            dropped: planes.iter().map(|p| p.dropped).sum(),
+            spread: median(planes.iter().filter_map(|p| p.spread)),
+            threshold: median(planes.iter().filter_map(|p| p.threshold)),
         }
+    }
+}
+
+/// What a plane adds to the report.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct PlaneSummary {
+    curves: usize,
+    closed: usize,
+    nodes: usize,
+    length: f64,
+    observations: usize,
+    dropped: usize,
+    /// Unknown of a plane that was fused earlier, as is the threshold.
+    spread: Option<f64>,
+    threshold: Option<f64>,
+}
+
+impl PlaneSummary {
+    pub(crate) fn of_fused(plane: &FusedPlane) -> Self {
+        Self {
+            observations: plane.counts.observations,
+            dropped: plane.counts.dropped,
+            spread: Some(plane.spread),
+            threshold: Some(plane.threshold),
+            ..Self::of_curves(plane.curves.iter())
+        }
+    }
+
+    /// Of a plane that was fused earlier.
+    pub(crate) fn of_curves<'a>(curves: impl Iterator<Item = &'a Curve>) -> Self {
+        curves.fold(Self::default(), |sum, curve| Self {
+            curves: sum.curves + 1,
+            closed: sum.closed + usize::from(curve.is_closed()),
+            nodes: sum.nodes + curve.nodes().len(),
+            length: sum.length + curve.length(),
+            ..sum
+        })
     }
 }
 

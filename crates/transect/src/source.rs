@@ -10,6 +10,16 @@ pub trait ViewSource: Sync {
     /// What reports call the view.
     fn name(&self) -> &str;
 
+    /// What tells the view from all others in a model store; its name, unless said otherwise.
+    fn id(&self) -> &str {
+        self.name()
+    }
+
+    /// Where the view comes from, for whoever asks a model store later; its name, unless said otherwise.
+    fn origin(&self) -> String {
+        self.name().to_owned()
+    }
+
     /// Loads the view.
     ///
     /// # Errors

@@ -8,6 +8,9 @@
     reason = "test helpers fail loudly"
 )]
 
+mod objects;
+
+use objects::{description, frame_of, noisy_views, setup, views};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
@@ -32,40 +35,6 @@ const SAMPLING: f64 = 0.02;
 
 /// How far the truth's inscribed ball is from the round one, in metres.
 const CHORD_ERROR: f64 = 1e-5;
-
-fn description() -> Description {
-    Description::parse(include_str!("../../../fixtures/objects.scene.toml")).unwrap()
-}
-
-fn frame(station: &Station) -> Arc<dyn DeviceFrame> {
-    match station.sensor {
-        SensorParameters::Spherical { theta0, dtheta, phi0, dphi } => {
-            let theta = AngularScan::from_radians(theta0, dtheta);
-            let phi = AngularScan::from_radians(phi0, dphi);
-            Arc::new(ImagingRadar::new(station.size, theta, phi).unwrap())
-        }
-        SensorParameters::Pinhole { fx, fy, cx, cy } => {
-            Arc::new(Pinhole::new(station.size, Intrinsics { fx, fy, cx, cy }).unwrap())
-        }
-    }
-}
-
-fn views(noise: &Noise) -> Vec<View> {
-    let description = description();
-    let scene = description.scene();
-    let view = |(k, s): (usize, &Station)| {
-        scene.view(s.name.clone(), frame(s), s.world_from_sensor, noise, k as u64).unwrap()
-    };
-    description.stations.iter().enumerate().map(view).collect()
-}
-
-fn noisy_views() -> Vec<View> {
-    views(&description().noise)
-}
-
-fn setup() -> Setup {
-    Setup::new(LengthUnit::Metre, description().planes)
-}
 
 fn run(views: &[View]) -> Reconstruction {
     reconstruct(views, &setup(), &Unwatched).unwrap()
@@ -123,10 +92,6 @@ fn moved(view: &View, by: &Vector3) -> View {
     let pose = Isometry3::translation(by.x, by.y, by.z) * view.world_from_sensor();
     let frame = frame_of(view.name());
     View::new(view.name(), view.image().clone(), frame, pose, view.sigma()).unwrap()
-}
-
-fn frame_of(name: &str) -> Arc<dyn DeviceFrame> {
-    frame(description().stations.iter().find(|s| s.name == name).unwrap())
 }
 
 /// The same images under poses and planes that were moved together. Plane k of the moved family is

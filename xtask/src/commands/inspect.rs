@@ -1,6 +1,6 @@
-//! `cargo xtask inspect`: what is in a scan, before any time is spent on it.
+//! `cargo xtask inspect`: what is in a scan, before any time is spent on it, or in a model.
 
-use super::FileView;
+use super::{FileView, inspect_model, model_file};
 use crate::failure::Failure;
 use crate::table::{Row, digits, print};
 use rayon::prelude::*;
@@ -14,7 +14,8 @@ use transect_partial::estimate_sigma;
 /// Options of `inspect`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Scan: a folder with scan.json, a scan.json, a Stanford .conf, or a folder of depth images.
+    /// Scan: a folder with scan.json, a scan.json, a Stanford .conf, or a folder of depth images; or a
+    /// model file or model store.
     scan: PathBuf,
     /// Length unit of a scan that does not state one.
     #[arg(long)]
@@ -23,6 +24,9 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if model_file::looks_like_one(&arguments.scan) {
+        return inspect_model::run(&arguments.scan);
+    }
     let scan = Scan::open_with_unit(&arguments.scan, arguments.unit)?;
     let load = |view| FileView(view).load().map_err(|e| chain(e.as_ref()));
     let loaded: Vec<Result<LoadedView, String>> = scan.views.par_iter().map(load).collect();

@@ -2,14 +2,26 @@
 
 pub mod bench;
 pub mod check;
+pub mod compact;
 pub mod evaluate;
 pub mod experiments;
+pub mod export;
+pub mod import;
 pub mod inspect;
+pub mod list_views;
 pub mod manifest;
+pub mod measure;
+pub mod query;
 pub mod reconstruct;
+pub mod remove_view;
+pub mod replace_view;
 pub mod simulate;
 pub mod test;
+pub mod verify;
 
+mod growing;
+mod inspect_model;
+mod model_file;
 mod outputs;
 mod planes;
 mod report_file;

@@ -46,6 +46,11 @@ pub struct PlaneArguments {
 }
 
 impl PlaneArguments {
+    /// Whether the command line says nothing about planes.
+    pub fn say_nothing(&self) -> bool {
+        self.normal.is_none() && self.interval.is_none() && self.offset.is_none()
+    }
+
     /// The planes of a scan: what the command line says, else what the scan says.
     pub fn family(&self, scan: &Scan) -> Result<PlaneFamily, Failure> {
         let own = scan.planes.as_ref();

@@ -4,7 +4,7 @@ use super::evaluate::{self, Reference};
 use super::outputs::{self, DrawingFrame};
 use super::planes::PlaneArguments;
 use super::report_file::{ReportFile, StageCost};
-use super::{FileView, default_out, simulate};
+use super::{FileView, default_out, growing, simulate};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::simulation;
@@ -29,7 +29,7 @@ pub enum Method {
 }
 
 impl Method {
-    fn options(self) -> transect_partial::Method {
+    pub(super) fn options(self) -> transect_partial::Method {
         match self {
             Self::OnePass => transect_partial::Method::OnePass(Default::default()),
             Self::Dissertation => transect_partial::Method::Dissertation(Default::default()),
@@ -49,7 +49,7 @@ pub enum Fusion {
 }
 
 impl Fusion {
-    fn options(self) -> FusionMethod {
+    pub(super) fn options(self) -> FusionMethod {
         match self {
             Self::Consensus => FusionMethod::Consensus(Default::default()),
             Self::Pairwise => FusionMethod::Pairwise(Default::default()),
@@ -69,6 +69,8 @@ pub struct Arguments {
     /// Folder for the results [default: target/transect/NAME].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    store: growing::StoreArguments,
     /// Frame of the curves in model.dxf.
     #[arg(long, value_enum, default_value_t = DrawingFrame::World, value_name = "FRAME")]
     dxf: DrawingFrame,
@@ -99,21 +101,27 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scan = Scan::open_with_unit(&path, arguments.unit)?;
     // Before anything can fail: a note may well be the reason.
     scan.notes.iter().for_each(|note| eprintln!("note: {note}"));
-    let mut setup = Setup::new(scan.unit, arguments.planes.family(&scan)?);
+    let planes = match arguments.store.planes(&scan, &arguments.planes)? {
+        Some(planes) => planes,
+        None => arguments.planes.family(&scan)?,
+    };
+    let mut setup = Setup::new(scan.unit, planes);
     setup.partial = arguments.method.options();
     setup.fusion = arguments.fusion.options();
     let out = arguments.out.clone().unwrap_or_else(|| default_out(&scan.name));
 
     let progress = Progress::new(arguments.quiet);
-    let views: Vec<FileView> = scan.views.iter().map(FileView).collect();
-    let result = reconstruct(&views, &setup, &progress);
+    let result = model(arguments, &path, &scan, &setup, &progress);
     progress.finish();
-    let result = result?;
+    let (result, store_rows) = result?;
     stages.modelled(&result);
 
     outputs::write(&out, &scan.name, &result.model, arguments.dxf)?;
     stages.end("writing");
     let mut rows = result_rows(&scan, &result);
+    // A store that had all views already is not read again to count pixels.
+    rows.retain(|row| row.metric != "valid pixels" || !result.report.views.is_empty());
+    rows.extend(store_rows);
     let accuracy = accuracy_rows(&path, &out)?;
     if !accuracy.is_empty() {
         stages.end("scoring");
@@ -124,6 +132,21 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     report.write(&out.join("report.json"), &rows, &stages.costs)?;
     finish(&result, &rows, &out);
     Ok(())
+}
+
+/// The model of a scan, in one run or by growing a store, and what there is to say of the store.
+fn model(
+    arguments: &Arguments,
+    path: &Path,
+    scan: &Scan,
+    setup: &Setup,
+    progress: &Progress,
+) -> Result<(Reconstruction, Vec<Row>), Failure> {
+    if let Some(grown) = arguments.store.grow(path, scan, setup, progress) {
+        return grown;
+    }
+    let views: Vec<FileView> = scan.views.iter().map(FileView).collect();
+    Ok((reconstruct(&views, setup, progress)?, Vec::new()))
 }
 
 /// The scene that is simulated where no scan is given.
@@ -155,7 +178,7 @@ fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
     let percent = |part: usize, whole: usize| digits(100.0 * part as f64 / whole.max(1) as f64);
     vec![
         Row::new("scan", scan.name.clone(), ""),
-        Row::count("views", report.views.len()),
+        Row::count("views", result.model.views().len()),
         Row::new("valid pixels", percent(valid, pixels), "%"),
         Row::count("planes with curves", fusion.planes),
         Row::new(

@@ -4,7 +4,7 @@ use super::Store;
 use super::error::{StoreError, StoreProblem};
 use super::fuse::{Fuse, PlaneInputs};
 use super::tables::{
-    FUSED, PARTIALS, VIEWS, encode_curves, encode_fused, read_partials, read_view,
+    FUSED, PARTIALS, PENDING, VIEWS, encode_curves, encode_fused, read_partials, read_view,
 };
 use super::view::{StoredView, ViewEntry, ViewId};
 use redb::WriteTransaction;
@@ -144,6 +144,27 @@ impl ViewTransaction<'_> {
         })
     }
 
+    /// Puts in the view's curves on several planes and leaves fusing them to [`Store::fuse_pending`].
+    ///
+    /// For many views that come at once: a plane that all of them touch is fused once.
+    ///
+    /// # Errors
+    /// As for [`ViewTransaction::add_plane`].
+    pub fn defer_planes(
+        &mut self,
+        curves: impl IntoIterator<Item = (PlaneIndex, Vec<Curve>)>,
+    ) -> Result<(), StoreError> {
+        self.step(|transaction, view| {
+            let mut pending = transaction.open_table(PENDING)?;
+            for (plane, curves) in curves {
+                if put_in(transaction, view, plane, &curves)? {
+                    pending.insert(plane.0, ())?;
+                }
+            }
+            Ok(())
+        })
+    }
+
     fn step(
         &mut self,
         step: impl FnOnce(&WriteTransaction, &mut StoredView) -> Result<(), StoreProblem>,
@@ -213,7 +234,7 @@ fn take_out(transaction: &WriteTransaction, id: &ViewId) -> Result<StoredView, S
 }
 
 /// Fuses planes anew from their partial curves; planes without any lose their section.
-fn fuse_again(
+pub(super) fn fuse_again(
     transaction: &WriteTransaction,
     planes: impl IntoIterator<Item = PlaneIndex>,
     fuse: &impl Fuse,
@@ -221,6 +242,7 @@ fn fuse_again(
     let (mut batch, mut hashes, mut size) = (Vec::new(), Vec::new(), 0);
     for plane in planes {
         let found = read_partials(&transaction.open_table(PARTIALS)?, plane)?;
+        transaction.open_table(PENDING)?.remove(plane.0)?;
         if found.by_view.is_empty() {
             transaction.open_table(FUSED)?.remove(plane.0)?;
             continue;

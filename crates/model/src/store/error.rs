@@ -59,14 +59,17 @@ pub enum StoreProblem {
     #[error("would not be sound")]
     Invariant(#[from] InvariantError),
     /// There is no such view.
-    #[error("has no view {0:?}")]
+    #[error("has no view \"{0}\"")]
     NoSuchView(ViewId),
     /// There is such a view already.
-    #[error("has a view {0:?} already")]
+    #[error("has a view \"{0}\" already")]
     ViewExists(ViewId),
     /// A view gave curves of one plane twice.
     #[error("was given plane {0} twice by one view")]
     PlaneTwice(PlaneIndex),
+    /// Planes wait for being fused, and what was asked needs their fused curves.
+    #[error("has {0} planes that are still to be fused; finish what was interrupted")]
+    Pending(u64),
     /// The lines of an export could not be written.
     #[error("could not be exported")]
     Export(#[source] io::Error),

@@ -30,6 +30,7 @@ impl Snapshot {
     }
 
     fn write_lines(&self, out: impl Write) -> Result<(), StoreProblem> {
+        self.check_fused()?;
         let mut out = Lines { out, hash: HASH_OF_NOTHING };
         out.write(&Line::Store(StoreLine::from(self.header())))?;
         let views = read_views(&self.views)?;

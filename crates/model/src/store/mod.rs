@@ -12,6 +12,8 @@
 //! 1. Each view comes, leaves or is replaced in one transaction; after a crash at any moment the file holds a whole
 //!    number of views.
 //! 2. Only the planes that a view touches are read and written, a batch in memory at a time.
+//!    Where many views come at once, fusing can wait for the last of them ([`ViewTransaction::defer_planes`],
+//!    [`Store::fuse_pending`]); nobody is shown curves that wait.
 //! 3. A [`Snapshot`] sees the last whole view, also while the next one is written.
 //! 4. Below the database (redb) every block has a checksum (`blocks`), so a damaged file gives an error and
 //!    neither a wrong answer nor a panic.
@@ -68,6 +70,7 @@ mod fuse;
 mod import;
 mod lines;
 mod medium;
+mod pending;
 mod query;
 mod snapshot;
 mod tables;
@@ -95,7 +98,7 @@ use medium::Medium;
 use redb::{Database, ReadableDatabase, WriteTransaction};
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
-use tables::{FUSED, HEADER, PARTIALS, VIEWS};
+use tables::{FUSED, HEADER, PARTIALS, PENDING, VIEWS};
 use transect_geometry::PlaneIndex;
 
 /// Memory for pages of the file; larger only saves reading pages again.
@@ -153,6 +156,7 @@ impl Store {
         transaction.open_table(VIEWS)?;
         transaction.open_table(PARTIALS)?;
         transaction.open_table(FUSED)?;
+        transaction.open_table(PENDING)?;
         transaction.commit()?;
         Ok(store)
     }

@@ -2,7 +2,7 @@
 
 use super::error::{StoreError, StoreProblem};
 use super::tables::{
-    FUSED, HEADER, PARTIALS, VIEWS, decode_fused, read_partials, read_view, read_views,
+    FUSED, HEADER, PARTIALS, PENDING, VIEWS, decode_fused, read_partials, read_view, read_views,
 };
 use super::view::{StoreHeader, StoredView, ViewEntry, ViewId};
 use crate::{Model, Section, ViewRecord};
@@ -21,6 +21,7 @@ pub struct Snapshot {
     pub(super) views: ReadOnlyTable<&'static str, &'static [u8]>,
     pub(super) partials: ReadOnlyTable<(i64, &'static str), &'static [u8]>,
     pub(super) fused: ReadOnlyTable<i64, &'static [u8]>,
+    pub(super) pending: ReadOnlyTable<i64, ()>,
 }
 
 impl std::fmt::Debug for Snapshot {
@@ -41,6 +42,7 @@ impl Snapshot {
             views: transaction.open_table(VIEWS)?,
             partials: transaction.open_table(PARTIALS)?,
             fused: transaction.open_table(FUSED)?,
+            pending: transaction.open_table(PENDING)?,
         })
     }
 
@@ -68,20 +70,22 @@ impl Snapshot {
     /// How many planes have partial curves; some of them may have lost all their curves in fusion.
     ///
     /// # Errors
-    /// If the store is damaged.
+    /// If the store is damaged, or planes wait for being fused.
     pub fn plane_count(&self) -> Result<u64, StoreError> {
-        self.fused.len().map_err(|error| StoreProblem::from(error).at(&self.path))
+        let count = || Ok(self.check_fused().and(self.fused.len().map_err(StoreProblem::from))?);
+        count().map_err(|problem: StoreProblem| problem.at(&self.path))
     }
 
     /// The fused curves of a plane; `None` if it has none.
     ///
     /// # Errors
-    /// If the store is damaged.
+    /// If the store is damaged, or planes wait for being fused ([`StoreProblem::Pending`]).
     pub fn plane(&self, plane: PlaneIndex) -> Result<Option<Section>, StoreError> {
         self.read_plane(plane).map_err(|problem| problem.at(&self.path))
     }
 
     fn read_plane(&self, plane: PlaneIndex) -> Result<Option<Section>, StoreProblem> {
+        self.check_fused()?;
         let Some(value) = self.fused.get(plane.0)? else {
             return Ok(None);
         };
@@ -100,7 +104,7 @@ impl Snapshot {
     /// The planes that have curves, in order of station, one in memory at a time.
     ///
     /// # Errors
-    /// If the store is damaged; each item may report that too.
+    /// If the store is damaged, or planes wait for being fused; each item may report damage too.
     pub fn planes(
         &self,
     ) -> Result<
@@ -122,6 +126,7 @@ impl Snapshot {
         impl DoubleEndedIterator<Item = Result<(PlaneIndex, Section), StoreError>>,
         StoreError,
     > {
+        self.check_fused().map_err(|problem| problem.at(&self.path))?;
         let range = (range.start_bound().map(|k| k.0), range.end_bound().map(|k| k.0));
         let found = ReadableTable::range(&self.fused, range);
         let found = found.map_err(|error| StoreProblem::from(error).at(&self.path))?;

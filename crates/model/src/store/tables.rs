@@ -5,6 +5,7 @@
 //! views     id              → name, sensor, source, its hash, pose, sigma, counts, planes
 //! partials  (plane, id)     → curves of one view on one plane
 //! fused     plane           → hash of the partials they were made of, curves
+//! pending   plane           → nothing; the plane's fused curves are still to be made
 //! ```
 
 use super::error::StoreProblem;
@@ -20,6 +21,7 @@ pub(super) const VIEWS: TableDefinition<'_, &str, &[u8]> = TableDefinition::new(
 pub(super) const PARTIALS: TableDefinition<'_, (i64, &str), &[u8]> =
     TableDefinition::new("partials");
 pub(super) const FUSED: TableDefinition<'_, i64, &[u8]> = TableDefinition::new("fused");
+pub(super) const PENDING: TableDefinition<'_, i64, ()> = TableDefinition::new("pending");
 
 /// The partial curves of a plane, by view, with the hash of their bytes.
 #[derive(Debug, Default)]

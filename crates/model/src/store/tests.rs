@@ -83,6 +83,9 @@ enum Step {
     Remove(u8),
     Replace(u8, u8, Curves),
     GiveUp(u8, Curves),
+    /// Adds views at once, whose planes are fused at the end, or only after the next step.
+    Defer(u8, Curves),
+    Settle,
     Compact,
     Reopen,
 }
@@ -94,6 +97,8 @@ fn steps() -> impl Strategy<Value = Vec<Step>> {
         2 => id().prop_map(Step::Remove),
         2 => (id(), id(), curves()).prop_map(|(a, b, curves)| Step::Replace(a, b, curves)),
         1 => (id(), curves()).prop_map(|(id, curves)| Step::GiveUp(id, curves)),
+        3 => (id(), curves()).prop_map(|(id, curves)| Step::Defer(id, curves)),
+        1 => Just(Step::Settle),
         1 => Just(Step::Compact),
         1 => Just(Step::Reopen),
     ];
@@ -130,6 +135,14 @@ fn take(step: Step, store: &mut Store, memory: &mut Memory, views: &mut BTreeMap
                 view.add_planes(curves, &fuse).unwrap();
             }
         }
+        Step::Defer(id, curves) => {
+            if let Ok(mut view) = store.begin_view(entry(&name(id))) {
+                view.defer_planes(curves.clone()).unwrap();
+                view.commit().unwrap();
+                views.insert(name(id), curves);
+            }
+        }
+        Step::Settle => _ = store.fuse_pending(&fuse).unwrap(),
         Step::Compact => _ = store.compact().unwrap(),
         Step::Reopen => {
             // As after a crash: the store was not closed.
@@ -148,9 +161,17 @@ proptest! {
         let mut views = BTreeMap::new();
         for step in steps {
             take(step, &mut store, &mut memory, &mut views);
-            store.verify().unwrap();
-            prop_assert_eq!(export(&store), fresh(&views));
+            let pending = store.verify().unwrap().pending;
+            prop_assert_eq!(store.read().unwrap().pending().unwrap().len() as u64, pending);
+            if pending == 0 {
+                prop_assert_eq!(export(&store), fresh(&views));
+            } else {
+                check_that_nothing_old_is_shown(&store, pending);
+            }
         }
+        store.fuse_pending(&fuse).unwrap();
+        store.verify().unwrap();
+        prop_assert_eq!(export(&store), fresh(&views));
     }
 
     #[test]
@@ -169,6 +190,25 @@ proptest! {
             add(&other, id, curves).unwrap();
         }
         prop_assert_eq!(store.verify().unwrap(), other.verify().unwrap());
+    }
+}
+
+fn check_that_nothing_old_is_shown(store: &Store, pending: u64) {
+    let snapshot = store.read().unwrap();
+    let refused = [
+        snapshot.plane(PlaneIndex(0)).map(drop),
+        snapshot.planes().map(drop),
+        snapshot.model().map(drop),
+        snapshot.volume().map(drop),
+        snapshot.plane_count().map(drop),
+        snapshot.export(Vec::new()),
+        snapshot.stale_planes(&fuse).map(drop),
+    ];
+    for refused in refused {
+        match refused.unwrap_err().problem {
+            StoreProblem::Pending(count) => assert_eq!(count, pending),
+            other => panic!("{other}"),
+        }
     }
 }
 
@@ -255,7 +295,7 @@ fn what_cannot_be_done_says_why_and_changes_nothing() {
     let again = add(&store, "a", &Vec::new()).unwrap_err();
     assert!(matches!(again.problem, StoreProblem::ViewExists(_)), "{again}");
     let missing = store.remove_view(&"z".into(), &fuse).unwrap_err();
-    assert_eq!(missing.problem.to_string(), "has no view ViewId(\"z\")");
+    assert_eq!(missing.problem.to_string(), "has no view \"z\"");
     let lost = ViewEntry { sigma: Some(f64::NAN), ..entry("b") };
     assert!(matches!(store.begin_view(lost).unwrap_err().problem, StoreProblem::Invariant(_)));
 
@@ -337,11 +377,15 @@ fn a_whole_model_is_no_store_and_a_store_no_whole_model() {
     let (model, store) = (folder.path().join("model"), folder.path().join("store"));
     crate::samples::small().save(&model).unwrap();
     let refused = Store::open(&model).unwrap_err();
-    assert!(matches!(refused.problem, StoreProblem::Damaged(Damage::WrongVersion { found: 4 })));
+    assert!(matches!(
+        refused.problem,
+        StoreProblem::Damaged(Damage::WrongVersion { found: crate::SCHEMA_VERSION })
+    ));
     Store::create(&store, &header()).unwrap();
     let refused = crate::Model::load(&store).unwrap_err();
     let cause = std::error::Error::source(&refused).unwrap().to_string();
-    assert_eq!(cause, "model file version 5; this program reads version 4");
+    let (store, model) = (STORE_VERSION, crate::SCHEMA_VERSION);
+    assert_eq!(cause, format!("model file version {store}; this program reads version {model}"));
 }
 
 proptest! {

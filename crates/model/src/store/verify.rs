@@ -19,6 +19,8 @@ pub struct Verification {
     pub views: u64,
     /// Planes with partial curves.
     pub planes: u64,
+    /// Planes among them that are still to be fused.
+    pub pending: u64,
     /// Partial curves of all views.
     pub partial_curves: u64,
     /// Nodes of the partial curves.
@@ -38,7 +40,8 @@ impl Store {
     ///   reference to it.
     /// * Every value decodes; headers, poses and curves are sound.
     /// * Views and partial curves name each other, with right counts.
-    /// * Every plane with partial curves has been fused, from the very curves that are there.
+    /// * Every plane with partial curves has been fused, from the very curves that are there, or is
+    ///   marked as waiting for it.
     ///
     /// Whether fusing again gives the same curves is [`Snapshot::stale_planes`].
     ///
@@ -65,6 +68,7 @@ impl Snapshot {
     }
 
     fn find_stale(&self, fuse: &impl Fuse) -> Result<Vec<PlaneIndex>, StoreProblem> {
+        self.check_fused()?;
         let mut stale = Vec::new();
         for entry in ReadableTable::iter(&self.fused)? {
             let (plane, value) = entry?;
@@ -96,8 +100,8 @@ impl Snapshot {
             seen.add_partial(PlaneIndex(k), id, value.value())?;
         }
         self.finish_plane(&mut seen)?;
-        if self.fused.len()? != seen.counts.planes {
-            let problem = "there are sections on planes without partial models";
+        if (self.fused.len()?, self.pending.len()?) != (seen.sections, seen.counts.pending) {
+            let problem = "there are sections or marks on planes without partial models";
             return Err(StoreProblem::Unsound(problem.to_owned()));
         }
         check_views(&views, &seen.by_view)?;
@@ -109,16 +113,33 @@ impl Snapshot {
         let Some(plane) = seen.plane.take() else {
             return Ok(());
         };
+        seen.counts.planes += 1;
+        if self.pending.get(plane.0)?.is_some() {
+            return self.finish_pending(plane, seen);
+        }
         let unsound = |what: &str| StoreProblem::Unsound(format!("plane {plane} {what}"));
         let value = self.fused.get(plane.0)?.ok_or_else(|| unsound("was not fused"))?;
         let (made_of, curves) = decode_fused(plane, value.value())?;
         if made_of != seen.made_of {
             return Err(unsound("was fused from other curves than it has"));
         }
-        seen.counts.planes += 1;
+        seen.sections += 1;
         seen.counts.curves += curves.len() as u64;
         seen.counts.nodes += node_count(&curves);
         seen.add_hash(&plane.0.to_le_bytes(), value.value());
+        Ok(())
+    }
+}
+
+impl Snapshot {
+    /// The fused curves of a plane that waits for being fused are out of date or missing, but no litter.
+    fn finish_pending(&self, plane: PlaneIndex, seen: &mut Seen) -> Result<(), StoreProblem> {
+        seen.counts.pending += 1;
+        if let Some(value) = self.fused.get(plane.0)? {
+            decode_fused(plane, value.value())?;
+            seen.sections += 1;
+        }
+        seen.add_hash(&plane.0.to_le_bytes(), b"pending");
         Ok(())
     }
 }
@@ -127,6 +148,8 @@ impl Snapshot {
 #[derive(Default)]
 struct Seen {
     counts: Verification,
+    /// Planes that were fused at some time.
+    sections: u64,
     /// The plane whose partial curves are being read, and the hash of those so far.
     plane: Option<PlaneIndex>,
     made_of: u64,

@@ -3,11 +3,12 @@
 //! Each is a question that somebody who builds on the system would ask; what they print is what the
 //! documentation states.
 
+mod database;
 mod orders;
 mod partial;
 mod pictures;
 mod sensors;
-mod table;
+pub(super) mod table;
 mod trial;
 
 use crate::failure::Failure;
@@ -27,6 +28,8 @@ enum Experiment {
     Orders(orders::Arguments),
     /// How accurate are one view's curves, by method, noise, surface and angle?
     Partial(partial::Arguments),
+    /// What does the model database promise, and is it so?
+    Database(database::Arguments),
     /// Draw what the sensors see and what is made of it.
     Pictures(pictures::Arguments),
 }
@@ -37,6 +40,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Experiment::Sensors(a) => sensors::run(a),
         Experiment::Orders(a) => orders::run(a),
         Experiment::Partial(a) => partial::run(a),
+        Experiment::Database(a) => database::run(a),
         Experiment::Pictures(a) => pictures::run(a),
     }
 }

@@ -51,8 +51,12 @@ fn verifying_finds_every_broken_promise() {
         ("plane 0 was fused from other curves than it has", unsound(put_partial(0, "a", &curves))),
         ("plane 7 was not fused", unsound(put_partial(7, "a", &curves))),
         (
-            "there are sections on planes without partial models",
+            "there are sections or marks on planes without partial models",
             unsound(put_fused(7, encode_fused(0, &square(0.0)).unwrap())),
+        ),
+        (
+            "there are sections or marks on planes without partial models",
+            unsound(|t| _ = t.open_table(tables::PENDING).unwrap().insert(7, ()).unwrap()),
         ),
         (
             "there are curves of a view b, which is not there",

@@ -1,0 +1,58 @@
+//! Planes whose fused curves are still to be made, because many views came at once.
+//!
+//! Idea: a view is stored whole in its own transaction, with a mark on every plane that it touched. The marked
+//! planes are fused in one transaction after the last view. As long as there is a mark, whatever needs
+//! fused curves says [`StoreProblem::Pending`]; after a crash the marks are still there.
+
+use super::Store;
+use super::change::fuse_again;
+use super::error::{StoreError, StoreProblem};
+use super::fuse::Fuse;
+use super::snapshot::Snapshot;
+use super::tables::PENDING;
+use redb::{ReadableTable, ReadableTableMetadata};
+use transect_geometry::PlaneIndex;
+
+impl Store {
+    /// Fuses the planes that wait for it, in one transaction, and returns how many they were.
+    ///
+    /// # Errors
+    /// If the store cannot be read or written; the planes still wait then.
+    pub fn fuse_pending(&self, fuse: &impl Fuse) -> Result<u64, StoreError> {
+        self.fuse_marked(fuse).map_err(|problem| self.error(problem))
+    }
+
+    fn fuse_marked(&self, fuse: &impl Fuse) -> Result<u64, StoreProblem> {
+        let transaction = self.write()?;
+        let marked = planes(&transaction.open_table(PENDING)?)?;
+        if marked.is_empty() {
+            return Ok(0);
+        }
+        fuse_again(&transaction, marked.iter().copied(), fuse)?;
+        transaction.commit()?;
+        Ok(marked.len() as u64)
+    }
+}
+
+impl Snapshot {
+    /// The planes that wait for being fused, in order of station.
+    ///
+    /// # Errors
+    /// If the store is damaged.
+    pub fn pending(&self) -> Result<Vec<PlaneIndex>, StoreError> {
+        planes(&self.pending).map_err(|problem| self.error(problem))
+    }
+
+    /// Refuses if planes wait for being fused.
+    pub(super) fn check_fused(&self) -> Result<(), StoreProblem> {
+        match self.pending.len()? {
+            0 => Ok(()),
+            waiting => Err(StoreProblem::Pending(waiting)),
+        }
+    }
+}
+
+fn planes(table: &impl ReadableTable<i64, ()>) -> Result<Vec<PlaneIndex>, StoreProblem> {
+    let planes = table.iter()?.map(|entry| Ok(PlaneIndex(entry?.0.value())));
+    planes.collect()
+}

@@ -1,0 +1,86 @@
+//! What tells a view from another one that goes by the same name.
+
+use std::fmt::Write;
+use transect_device::{Pixel, View};
+
+/// A hash of what a view saw: its size, the points of all pixels in the sensor's frame, where their rays
+/// begin, and the noise it was given. Neither its pose nor the names of files are in it.
+///
+/// 64 bits find accidents such as an image that was taken anew under its old name, not attacks.
+pub(crate) fn fingerprint(view: &View) -> String {
+    let (size, frame) = (view.image().size(), view.frame());
+    let mut hash = mix(mix(SEED, size.rows as u64), size.cols as u64);
+    hash = mix(hash, view.sigma().map_or(u64::MAX, f64::to_bits));
+    for row in 0..size.rows {
+        for col in 0..size.cols {
+            let pixel = Pixel::new(row, col);
+            let Some(point) = view.point_in_sensor(pixel) else {
+                hash = mix(hash, 0);
+                continue;
+            };
+            hash = point.iter().fold(hash, |hash, c| mix(hash, c.to_bits()));
+        }
+        let starts = frame.ray(Pixel::new(row, size.cols / 2)).map(|ray| ray.start);
+        let starts = starts.iter().flat_map(|start| start.iter());
+        hash = starts.fold(hash, |hash, c| mix(hash, c.to_bits()));
+    }
+    format!("{hash:016x}")
+}
+
+const SEED: u64 = 0xcbf2_9ce4_8422_2325;
+
+/// One to one in the hash so far, so that a change of a single number is always found.
+fn mix(hash: u64, word: u64) -> u64 {
+    const ODD: u64 = 0x9e37_79b9_7f4a_7c15;
+    (hash ^ word).wrapping_mul(ODD).rotate_left(29)
+}
+
+/// The kind of a view's sensor: the name of its device frame's type.
+pub(crate) fn sensor_kind(view: &View) -> String {
+    let mut kind = Kind(String::new());
+    // It stops with an error where the name ends, before the numbers are written, which may be many.
+    let _ = write!(kind, "{:?}", view.frame());
+    kind.0
+}
+
+struct Kind(String);
+
+impl Write for Kind {
+    fn write_str(&mut self, text: &str) -> std::fmt::Result {
+        let end = text.find(|c: char| !(c.is_alphanumeric() || c == '_'));
+        self.0.push_str(text.get(..end.unwrap_or(text.len())).unwrap_or_default());
+        if end.is_some() { Err(std::fmt::Error) } else { Ok(()) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+    use transect_device::{ImageSize, Isometry3, RangeImage};
+    use transect_sensors::{Intrinsics, Pinhole};
+
+    fn view(fx: f64, depth: f32, sigma: Option<f64>) -> View {
+        let size = ImageSize { rows: 2, cols: 3 };
+        let camera = Pinhole::new(size, Intrinsics { fx, fy: 5.0, cx: 1.0, cy: 0.5 }).unwrap();
+        let image = RangeImage::from_values(size, vec![1.0, 2.0, f32::NAN, 1.5, depth, 3.0]);
+        let pose = Isometry3::identity();
+        View::new("v", image.unwrap(), Arc::new(camera), pose, sigma).unwrap()
+    }
+
+    #[test]
+    fn image_sensor_and_noise_count_and_the_pose_does_not() {
+        let print = fingerprint(&view(5.0, 1.0, None));
+        let moved = view(5.0, 1.0, None).with_pose(Isometry3::translation(1.0, 0.0, 0.0));
+        assert_eq!(fingerprint(&moved.unwrap()), print);
+        let others = [view(6.0, 1.0, None), view(5.0, 1.0000001, None), view(5.0, 1.0, Some(0.0))];
+        for other in others {
+            assert_ne!(fingerprint(&other), print);
+        }
+    }
+
+    #[test]
+    fn a_sensor_is_called_by_its_kind() {
+        assert_eq!(sensor_kind(&view(5.0, 1.0, None)), "Pinhole");
+    }
+}

@@ -1,0 +1,26 @@
+//! `cargo xtask compact`: gives the space of removed and replaced views back to the disk.
+
+use super::model_file::open_store;
+use crate::failure::Failure;
+use crate::table::{Row, digits, print};
+use std::path::PathBuf;
+
+/// Options of `compact`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Model store.
+    file: PathBuf,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let path = &arguments.file;
+    let size = || std::fs::metadata(path).map(|m| m.len()).map_err(|e| Failure::with_file(path, e));
+    let mut store = open_store(path)?;
+    let before = size()?;
+    store.compact()?;
+    store.close()?;
+    let mib = |bytes: u64| digits(bytes as f64 / f64::from(1 << 20));
+    print(&[Row::new("before", mib(before), "MiB"), Row::new("after", mib(size()?), "MiB")]);
+    Ok(())
+}
