@@ -33,7 +33,7 @@ fn contours(model: &Model) -> Vec<u8> {
 /// The contour file of one run over some views, in order of their names.
 fn at_once(views: &[View], setup: &Setup) -> Vec<u8> {
     if views.is_empty() {
-        return contours(&Model::new(setup.unit, setup.planes));
+        return contours(&Model::new(setup.unit, setup.planes.clone()));
     }
     let mut sorted = views.to_vec();
     sorted.sort_by(|a, b| a.name().cmp(b.name()));
@@ -227,9 +227,9 @@ fn a_store_of_other_settings_says_which() {
     with_store(&setup, |store| {
         let planes = PlaneFamily::new(StraightGuide::along(Vector3::z()).unwrap(), 0.0137, 0.1);
         let others = [
-            (Setup { unit: LengthUnit::Millimetre, ..setup }, "its unit is m, not mm"),
-            (Setup { planes: planes.unwrap(), ..setup }, "every 0.08 m from 0.0137 m along"),
-            (methods()[1], "its options are"),
+            (Setup { unit: LengthUnit::Millimetre, ..setup.clone() }, "its unit is m, not mm"),
+            (Setup { planes: planes.unwrap(), ..setup.clone() }, "every 0.08 m from 0.0137 m along"),
+            (methods()[1].clone(), "its options are"),
         ];
         for (other, text) in others {
             let error = Grower::new(store, &other).unwrap_err().to_string();
