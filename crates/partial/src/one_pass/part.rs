@@ -15,6 +15,9 @@ use crate::{MAX_CROSSINGS, PartialError};
 use fearless_simd::{Simd, dispatch};
 use std::ops::Range;
 
+/// One crossed pair in so many pixels makes it worth while to find the places of all of them at once.
+const MANY: usize = 16;
+
 /// Work space and result of one part.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Part {
@@ -110,17 +113,19 @@ impl Part {
     ) -> Result<(), PartialError> {
         row.read(simd, source, i, above);
         self.jumps += row.jumps;
-        let any = |pairs: &Pairs| pairs.crossed.iter().any(|mask| *mask != 0);
-        let crossed = any(&row.up) || any(&row.left) || any(&above.left);
-        if crossed {
-            source.place(i, row);
-            source.place(i.wrapping_sub(1), above);
+        let count = |pairs: &Pairs| pairs.crossed.iter().map(|mask| mask.count_ones()).sum::<u32>();
+        let crossed = count(&row.up) + count(&row.left);
+        let above_crossed = crossed > 0 || above.left.crossed.iter().any(|mask| *mask != 0);
+        if above_crossed {
+            let many = crossed as usize > source.cols / MANY;
+            source.place(simd, i, row, many);
+            source.place(simd, i.wrapping_sub(1), above, many);
         }
         emit_up(source, i, (above, row), &mut self.band, &mut self.columns);
         emit_left(source, i, row, &mut self.band, &mut self.columns);
         // Links of crossings that were not emitted would lead nowhere.
-        if !self.band.full && i > 0 && crossed {
-            link_row(source, i, (above, row), &mut self.band, &mut self.cells);
+        if !self.band.full && i > 0 && above_crossed {
+            link_row(simd, source, i, (above, row), &mut self.band, &mut self.cells);
         }
         if self.band.full {
             return Err(PartialError::TooManyCrossings { interval: source.axes.interval() });
