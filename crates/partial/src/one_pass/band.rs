@@ -38,7 +38,21 @@ pub(super) struct Band {
     pub full: bool,
 }
 
+/// Memory that a list holds, in bytes.
+pub(super) fn capacity_bytes<T>(list: &Vec<T>) -> usize {
+    list.capacity() * size_of::<T>()
+}
+
 impl Band {
+    /// Memory it holds, in bytes.
+    pub fn bytes(&self) -> usize {
+        let Self { vertices, levels, next, marks, .. } = self;
+        capacity_bytes(vertices)
+            + capacity_bytes(levels)
+            + capacity_bytes(next)
+            + capacity_bytes(marks)
+    }
+
     /// Makes room for crossings up to a number; false beyond the limit.
     #[inline(always)]
     pub fn reach(&mut self, count: usize) -> bool {

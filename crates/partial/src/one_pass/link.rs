@@ -1,6 +1,6 @@
 //! Linking: in every cell of four pixels, what enters leads to what leaves.
 
-use super::band::{Band, FOLLOWS};
+use super::band::{Band, FOLLOWS, capacity_bytes};
 use super::cell::{self, LINKS, SADDLE_TL_BR, SADDLE_TR_BL, Shapes};
 use super::contours::{Kind, edge_code};
 use super::emit::{Samples, cross_one};
@@ -79,6 +79,13 @@ pub(super) struct Cells {
     /// All four pairs joined.
     whole: Vec<u64>,
     columns: Vec<u32>,
+}
+
+impl Cells {
+    /// Memory it holds, in bytes.
+    pub fn bytes(&self) -> usize {
+        capacity_bytes(&self.whole) + capacity_bytes(&self.columns)
+    }
 }
 
 /// Links the crossings of the cells between row `i` and the one above.

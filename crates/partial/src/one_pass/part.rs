@@ -4,7 +4,7 @@
 //! processor's cache while they are made and followed. Where the cuts are changes nothing in the
 //! result: neither between bands nor between parts.
 
-use super::band::Band;
+use super::band::{Band, capacity_bytes};
 use super::contours::{Instructions, Vertex};
 use super::emit::{emit_left, emit_up, number_guests, runs_up};
 use super::link::{Cells, link_row};
@@ -76,13 +76,26 @@ impl Part {
             }
             let enough = self.band.count > band_size + self.band.guests;
             if enough || i + 1 == rows.end {
-                self.finish_band(&mut row, first_band);
+                let share = (i + 1 - rows.start) as f64 / rows.len() as f64;
+                self.finish_band(&mut row, first_band, share);
                 first_band = false;
             }
             std::mem::swap(&mut above, &mut row);
         }
         self.rows = [above, row];
         found
+    }
+
+    /// Memory it holds, in bytes.
+    pub fn bytes(&self) -> usize {
+        let borders = [&self.top, &self.bottom].into_iter().chain(&self.inner);
+        self.rows.iter().map(Row::bytes).sum::<usize>()
+            + self.band.bytes()
+            + self.cells.bytes()
+            + capacity_bytes(&self.columns)
+            + capacity_bytes(&self.vertices)
+            + capacity_bytes(&self.pieces)
+            + borders.map(Border::bytes).sum::<usize>()
     }
 
     /// Reads the row before the first one, whose left pairs are the guests.
@@ -134,13 +147,18 @@ impl Part {
     }
 
     /// Follows the band's links, joins its pieces to those above and makes `row` the guests of the
-    /// next band.
+    /// next band. `share` of the part's rows are done.
     #[inline(always)]
-    fn finish_band(&mut self, row: &mut Row, first: bool) {
+    fn finish_band(&mut self, row: &mut Row, first: bool, share: f64) {
+        /// What the estimate allows for rows that hold more than those before.
+        const MARGIN: f64 = 1.1;
+        let expected = ((self.used + self.band.count) as f64 * MARGIN / share) as usize;
+        let expected = expected.min(MAX_CROSSINGS + self.band.count);
         let [over, under] = &mut self.inner;
         let mut out = Pieces {
             vertices: &mut self.vertices,
             used: &mut self.used,
+            expected,
             pieces: &mut self.pieces,
             top: if first { &mut self.top } else { under },
             bottom: &mut self.bottom,

@@ -7,6 +7,7 @@
 //! Numbers: `f32`, and multiplications and additions are never contracted, so every instruction set
 //! gives the same bits.
 
+use super::band::capacity_bytes;
 use super::source::{PairTest, Source, Tables};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -73,6 +74,18 @@ impl Row {
             pairs.bases.resize(places, 0);
         }
         self.placed = false;
+    }
+
+    /// Memory it holds, in bytes.
+    pub fn bytes(&self) -> usize {
+        let floats = [&self.values, &self.levels].into_iter().chain(&self.places);
+        let masks = [&self.left, &self.up].into_iter().flat_map(|p| [&p.joined, &p.crossed]);
+        let bases = capacity_bytes(&self.left.bases) + capacity_bytes(&self.up.bases);
+        floats.map(capacity_bytes).sum::<usize>()
+            + masks.chain([&self.valid]).map(capacity_bytes).sum::<usize>()
+            + bases
+            + capacity_bytes(&self.ceilings)
+            + capacity_bytes(&self.geometry)
     }
 
     /// Reads row `i` of the image; `above` is the row before it, or one without values.

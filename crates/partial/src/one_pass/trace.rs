@@ -1,6 +1,6 @@
 //! From links to pieces: what a band holds of each curve, its vertices in order.
 
-use super::band::{Band, FOLLOWS, NONE, TAKEN};
+use super::band::{Band, FOLLOWS, NONE, TAKEN, capacity_bytes};
 use super::contours::Vertex;
 
 /// Consecutive vertices of one curve, from one band.
@@ -32,6 +32,12 @@ pub(super) struct Border {
 }
 
 impl Border {
+    /// Memory it holds, in bytes.
+    pub fn bytes(&self) -> usize {
+        let Self { heads, tails, runs_up } = self;
+        capacity_bytes(heads) + capacity_bytes(tails) + capacity_bytes(runs_up)
+    }
+
     pub fn clear(&mut self, count: usize) {
         for ends in [&mut self.heads, &mut self.tails] {
             ends.clear();
@@ -50,6 +56,8 @@ pub(super) struct Pieces<'a> {
     /// Vertices of all pieces; the list is longer than what is used of it.
     pub vertices: &'a mut Vec<Vertex>,
     pub used: &'a mut usize,
+    /// How many vertices the part will have, from those of its rows so far.
+    pub expected: usize,
     pub pieces: &'a mut Vec<Piece>,
     pub top: &'a mut Border,
     pub bottom: &'a mut Border,
@@ -62,7 +70,9 @@ pub(super) fn trace(band: &mut Band, out: &mut Pieces<'_>) {
     out.bottom.clear(band.last_row.len());
     let room = *out.used + band.count;
     if out.vertices.len() < room {
-        out.vertices.reserve(room / 2);
+        // Once and for all, if the rest of the rows is like those so far: new memory costs as much as
+        // the work itself.
+        out.vertices.reserve_exact(out.expected.max(room + room / 4) - out.vertices.len());
         out.vertices.resize(room, Vertex::default());
     }
     let (count, levels) = (band.count, band.levels.as_slice());
