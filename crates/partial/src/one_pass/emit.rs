@@ -4,8 +4,10 @@
 
 use super::band::Band;
 use super::contours::{Kind, Vertex, edge_code};
+use super::part::apart;
 use super::rows::{PAD, Row, columns};
 use super::source::{PlaceAt, Places, Source};
+use fearless_simd::Simd;
 
 /// Vertices that are made together, whether they are all wanted or not: most pairs have fewer, and a
 /// loop that stops after one or two is guessed wrong more often than not.
@@ -46,7 +48,8 @@ impl<'a, P: PlaceAt> Samples<'a, P> {
 
 /// The crossings of the pairs of row `i` with the row above it.
 #[inline(always)]
-pub(super) fn emit_up(
+pub(super) fn emit_up<S: Simd>(
+    simd: S,
     source: &Source<'_>,
     i: usize,
     (above, row): (&Row, &mut Row),
@@ -60,7 +63,7 @@ pub(super) fn emit_up(
     let over = source.places(i.wrapping_sub(1), above, 0, len).map(|places| (above, 0, places));
     let here = source.places(i, row, 0, len).map(|places| (&*row, 0, places));
     if let (Some(over), Some(here)) = (over, here) {
-        emit((pairs, len), edge, over, here, &mut bases, band);
+        emit(simd, (pairs, len), edge, over, here, &mut bases, band);
     }
     bases[PAD - 1] = bases[PAD + source.cols - 1];
     row.up.bases = bases;
@@ -68,7 +71,8 @@ pub(super) fn emit_up(
 
 /// The crossings of the pairs of row `i` with their left neighbours.
 #[inline(always)]
-pub(super) fn emit_left(
+pub(super) fn emit_left<S: Simd>(
+    simd: S,
     source: &Source<'_>,
     i: usize,
     row: &mut Row,
@@ -83,7 +87,7 @@ pub(super) fn emit_left(
     let before = source.places(i, row, 1, len).map(|places| (&*row, 1, places));
     let here = source.places(i, row, 0, len).map(|places| (&*row, 0, places));
     if let (Some(before), Some(here)) = (before, here) {
-        emit((pairs, len), edge, before, here, &mut bases, band);
+        emit(simd, (pairs, len), edge, before, here, &mut bases, band);
     }
     row.left.bases = bases;
     band.last_row = first..band.count;
@@ -94,7 +98,8 @@ type Side<'a> = (&'a Row, usize, Places<'a>);
 
 /// The crossings of the pairs of some columns, of a number of them.
 #[inline(always)]
-fn emit(
+fn emit<S: Simd>(
+    simd: S,
     (pairs, len): (&[u32], usize),
     edge: u32,
     (above, shift, over): Side<'_>,
@@ -102,19 +107,31 @@ fn emit(
     bases: &mut [u32],
     band: &mut Band,
 ) {
-    let Some(bases) = bases.get_mut(PAD..PAD + len) else { return };
+    let Some(bases) = bases.get_mut(PAD..PAD + len).filter(|_| !pairs.is_empty()) else { return };
     match (over, here) {
         (Places::Tables(over), Places::Tables(here)) => {
             let (a, b) = (Samples::new(above, shift, len, over), Samples::new(row, 0, len, here));
-            emit_pairs(pairs, edge, a.zip(b), bases, band);
+            apart(
+                simd,
+                #[inline(always)]
+                || emit_pairs(pairs, edge, a.zip(b), bases, band),
+            );
         }
         (Places::Stored(over), Places::Stored(here)) => {
             let (a, b) = (Samples::new(above, shift, len, over), Samples::new(row, 0, len, here));
-            emit_pairs(pairs, edge, a.zip(b), bases, band);
+            apart(
+                simd,
+                #[inline(always)]
+                || emit_pairs(pairs, edge, a.zip(b), bases, band),
+            );
         }
         (over, here) => {
             let (a, b) = (Samples::new(above, shift, len, over), Samples::new(row, 0, len, here));
-            emit_pairs(pairs, edge, a.zip(b), bases, band);
+            apart(
+                simd,
+                #[inline(always)]
+                || emit_pairs(pairs, edge, a.zip(b), bases, band),
+            );
         }
     }
 }

@@ -4,6 +4,7 @@ use super::band::{Band, FOLLOWS, capacity_bytes};
 use super::cell::{self, LINKS, SADDLE_TL_BR, SADDLE_TR_BL, Shapes};
 use super::contours::{Kind, edge_code};
 use super::emit::{Samples, cross_one};
+use super::part::apart;
 use super::rows::{PAD, Row, columns};
 use super::source::{Places, Source};
 use fearless_simd::prelude::*;
@@ -98,10 +99,8 @@ pub(super) fn link_row<S: Simd>(
     band: &mut Band,
     cells: &mut Cells,
 ) {
-    let (Some(rows), Some(corners)) = (Rows::new(above, row), Corners::new(source, i, above, row))
-    else {
-        return;
-    };
+    let Some(rows) = Rows::new(above, row) else { return };
+    let mut corners = None;
     let (mut joined_before, mut crossed_before) = before_first(source, row);
     cells.whole.clear();
     for word in 0..row.up.joined.len() {
@@ -129,12 +128,19 @@ pub(super) fn link_row<S: Simd>(
             });
             each(triangles, word, |j| {
                 let corner = shapes.without.iter().position(|mask| mask >> (j % 64) & 1 == 1);
-                link_triangle(&corners, &rows, (j, corner.unwrap_or(0)), band);
+                let corners = corners.get_or_insert_with(|| Corners::new(source, i, above, row));
+                if let Some(corners) = corners {
+                    link_triangle(corners, &rows, (j, corner.unwrap_or(0)), band);
+                }
             });
         }
     }
     let whole = columns(cells.whole.iter().copied(), &mut cells.columns);
-    link_whole(simd, &rows, whole, band);
+    apart(
+        simd,
+        #[inline(always)]
+        || link_whole(simd, &rows, whole, band),
+    );
 }
 
 /// Links whole cells: every crossing that enters one leaves it again.

@@ -18,6 +18,13 @@ use std::ops::Range;
 /// One crossed pair in so many pixels makes it worth while to find the places of all of them at once.
 const MANY: usize = 16;
 
+/// Runs a loop as a function of its own, with the same instructions: in one function with all the other
+/// loops, it would have too few registers.
+#[inline(never)]
+pub(super) fn apart<S: Simd, R>(simd: S, act: impl FnOnce() -> R) -> R {
+    simd.vectorize(act)
+}
+
 /// Work space and result of one part.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Part {
@@ -77,7 +84,7 @@ impl Part {
             let enough = self.band.count > band_size + self.band.guests;
             if enough || i + 1 == rows.end {
                 let share = (i + 1 - rows.start) as f64 / rows.len() as f64;
-                self.finish_band(&mut row, first_band, share);
+                self.finish_band(simd, &mut row, first_band, share);
                 first_band = false;
             }
             std::mem::swap(&mut above, &mut row);
@@ -134,8 +141,8 @@ impl Part {
             source.place(simd, i, row, many);
             source.place(simd, i.wrapping_sub(1), above, many);
         }
-        emit_up(source, i, (above, row), &mut self.band, &mut self.columns);
-        emit_left(source, i, row, &mut self.band, &mut self.columns);
+        emit_up(simd, source, i, (above, row), &mut self.band, &mut self.columns);
+        emit_left(simd, source, i, row, &mut self.band, &mut self.columns);
         // Links of crossings that were not emitted would lead nowhere.
         if !self.band.full && i > 0 && above_crossed {
             link_row(simd, source, i, (above, row), &mut self.band, &mut self.cells);
@@ -149,7 +156,7 @@ impl Part {
     /// Follows the band's links, joins its pieces to those above and makes `row` the guests of the
     /// next band. `share` of the part's rows are done.
     #[inline(always)]
-    fn finish_band(&mut self, row: &mut Row, first: bool, share: f64) {
+    fn finish_band<S: Simd>(&mut self, simd: S, row: &mut Row, first: bool, share: f64) {
         /// What the estimate allows for rows that hold more than those before.
         const MARGIN: f64 = 1.1;
         let expected = ((self.used + self.band.count) as f64 * MARGIN / share) as usize;
@@ -163,7 +170,11 @@ impl Part {
             top: if first { &mut self.top } else { under },
             bottom: &mut self.bottom,
         };
-        trace(&mut self.band, &mut out);
+        apart(
+            simd,
+            #[inline(always)]
+            || trace(&mut self.band, &mut out),
+        );
         if !first {
             stitch(&mut self.pieces, over, under);
         }

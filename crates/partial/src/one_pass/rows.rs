@@ -189,86 +189,48 @@ impl Row {
     #[inline(always)]
     fn compare<S: Simd, T: Test<S>>(&mut self, simd: S, above: &Self, [left, up]: [T; 2]) {
         let mut valid_before = u64::from(!self.values[PAD - 1].is_nan());
-        let (values, ceilings) = (self.values.as_slice(), self.ceilings.as_slice());
-        let values =
-            blocks(values, PAD).zip(blocks(values, PAD - 1)).zip(blocks(&above.values, PAD));
-        let ceilings =
-            blocks(ceilings, PAD).zip(blocks(ceilings, PAD - 1)).zip(blocks(&above.ceilings, PAD));
-        let pairs = self.left.masks().zip(self.up.masks());
-        let valid = self.valid.iter_mut().zip(&above.valid);
-        let words = (0..).step_by(WORD).zip(values.zip(ceilings)).zip(pairs.zip(valid));
-        let mut jumps = 0;
-        for ((column, (values, ceilings)), ((of_left, of_up), (valid, valid_above))) in words {
-            let found = Found64::of(simd, column, values, ceilings, (&left, &up));
-            let joined_left = left.joined(found.joined_left, *of_left.0);
-            let joined_up = up.joined(found.joined_up, *of_up.0);
-            *of_left.0 = joined_left;
-            *of_left.1 = joined_left & !found.level_left;
-            *of_up.0 = joined_up;
-            *of_up.1 = joined_up & !found.level_up;
-            let beside = found.valid << 1 | valid_before;
-            valid_before = found.valid >> (WORD - 1);
-            let jumps_left = found.valid & beside & !joined_left;
-            let jumps_up = found.valid & valid_above & !joined_up;
-            jumps += jumps_left.count_ones() + jumps_up.count_ones();
-            *valid = found.valid;
+        for word in 0..self.valid.len() {
+            let at = PAD + word * WORD;
+            let (Some(here), Some(before), Some(over)) =
+                (block(&self.values, at), block(&self.values, at - 1), block(&above.values, at))
+            else {
+                return;
+            };
+            let (Some(ceilings), Some(ceilings_before), Some(ceilings_over)) = (
+                block(&self.ceilings, at),
+                block(&self.ceilings, at - 1),
+                block(&above.ceilings, at),
+            ) else {
+                return;
+            };
+            let (mut joined_left, mut joined_up) = (0, 0);
+            let (mut level_left, mut level_up, mut valid) = (0, 0, 0);
+            for k in 0..WORD / S::f32s::LEN {
+                let shift = S::f32s::LEN * k;
+                let column = at - PAD + shift;
+                let a = part(simd, here, k);
+                valid |= a.simd_eq(a).to_bitmask() << shift;
+                joined_left |= left.holds(simd, a, part(simd, before, k), column) << shift;
+                joined_up |= up.holds(simd, a, part(simd, over, k), column) << shift;
+                let c = whole_part(simd, ceilings, k);
+                let same = c.simd_eq(whole_part(simd, ceilings_before, k));
+                level_left |= same.to_bitmask() << shift;
+                let same = c.simd_eq(whole_part(simd, ceilings_over, k));
+                level_up |= same.to_bitmask() << shift;
+            }
+            let joined_left = left.joined(joined_left, self.left.joined[word]);
+            let joined_up = up.joined(joined_up, self.up.joined[word]);
+            let beside = valid << 1 | valid_before;
+            valid_before = valid >> (WORD - 1);
+            let jumps_left = valid & beside & !joined_left;
+            let jumps_up = valid & above.valid[word] & !joined_up;
+            self.jumps += (jumps_left.count_ones() + jumps_up.count_ones()) as usize;
+            (self.left.joined[word], self.left.crossed[word]) =
+                (joined_left, joined_left & !level_left);
+            (self.up.joined[word], self.up.crossed[word]) = (joined_up, joined_up & !level_up);
+            self.valid[word] = valid;
         }
-        self.jumps += jumps as usize;
     }
-}
-
-impl Pairs {
-    /// Joined and crossed pairs, word by word.
-    fn masks(&mut self) -> impl Iterator<Item = (&mut u64, &mut u64)> {
-        self.joined.iter_mut().zip(&mut self.crossed)
-    }
-}
-
-/// What is found of 64 pixels, one bit each.
-#[derive(Default)]
-struct Found64 {
-    valid: u64,
-    joined_left: u64,
-    joined_up: u64,
-    /// No plane between the pixel and its neighbour, missing or not.
-    level_left: u64,
-    level_up: u64,
-}
-
-/// The pixels themselves, those before them, those above them.
-type Blocks<'a, T> = ((&'a [T; WORD], &'a [T; WORD]), &'a [T; WORD]);
-
-impl Found64 {
-    #[inline(always)]
-    fn of<S: Simd, T: Test<S>>(
-        simd: S,
-        column: usize,
-        ((here, before), over): Blocks<'_, f32>,
-        ((ceilings, ceilings_before), ceilings_over): Blocks<'_, i32>,
-        (left, up): (&T, &T),
-    ) -> Self {
-        let mut found = Self::default();
-        for k in 0..WORD / S::f32s::LEN {
-            let shift = S::f32s::LEN * k;
-            let a = part(simd, here, k);
-            found.valid |= a.simd_eq(a).to_bitmask() << shift;
-            let (before, over) = (part(simd, before, k), part(simd, over, k));
-            found.joined_left |= left.holds(simd, a, before, column + shift) << shift;
-            found.joined_up |= up.holds(simd, a, over, column + shift) << shift;
-            let c = whole_part(simd, ceilings, k);
-            let same = c.simd_eq(whole_part(simd, ceilings_before, k));
-            found.level_left |= same.to_bitmask() << shift;
-            let same = c.simd_eq(whole_part(simd, ceilings_over, k));
-            found.level_up |= same.to_bitmask() << shift;
-        }
-        found
-    }
-}
-
-/// Blocks of 64 from a place on.
-#[inline(always)]
-fn blocks<T>(values: &[T], at: usize) -> impl Iterator<Item = &[T; WORD]> {
-    values.get(at..).unwrap_or(&[]).as_chunks().0.iter()
 }
 
 /// `ceil` of levels, which are far below 2³¹; any number for NaN.
@@ -317,6 +279,11 @@ pub(super) fn columns(mask: impl ExactSizeIterator<Item = u64>, list: &mut Vec<u
         count = end;
     }
     list.get(..count).unwrap_or(&[])
+}
+
+#[inline(always)]
+fn block<T>(values: &[T], at: usize) -> Option<&[T; WORD]> {
+    values.get(at..)?.first_chunk()
 }
 
 /// Whether samples `a` and their neighbours `b` belong to one surface, one bit per pair.
