@@ -23,9 +23,9 @@ pub(super) struct Band {
     pub vertices: Vec<Vertex>,
     /// Level from the base plane.
     pub levels: Vec<i32>,
-    /// Number of the crossing that follows, or [`NONE`].
+    /// Number of the crossing that follows, or [`NONE`], as beyond the last crossing.
     pub next: Vec<u32>,
-    /// [`HEAD`], [`FOLLOWS`] or [`TAKEN`].
+    /// [`HEAD`], as beyond the last crossing, [`FOLLOWS`] or [`TAKEN`].
     pub marks: Vec<u8>,
     /// How many crossings there are.
     pub count: usize,
@@ -38,7 +38,21 @@ pub(super) struct Band {
     pub full: bool,
 }
 
+/// Memory that a list holds, in bytes.
+pub(super) fn capacity_bytes<T>(list: &Vec<T>) -> usize {
+    list.capacity() * size_of::<T>()
+}
+
 impl Band {
+    /// Memory it holds, in bytes.
+    pub fn bytes(&self) -> usize {
+        let Self { vertices, levels, next, marks, .. } = self;
+        capacity_bytes(vertices)
+            + capacity_bytes(levels)
+            + capacity_bytes(next)
+            + capacity_bytes(marks)
+    }
+
     /// Makes room for crossings up to a number; false beyond the limit.
     #[inline(always)]
     pub fn reach(&mut self, count: usize) -> bool {
@@ -59,27 +73,19 @@ impl Band {
         true
     }
 
-    /// Takes the crossings up to a number for emitted: nothing follows them and they follow nothing.
-    pub fn add(&mut self, end: usize) {
-        if end == self.count {
-            return;
-        }
+    /// Empties the band for the rows after a row that has a number of left crossings.
+    pub fn restart(&mut self, guests: usize, limit: usize) {
         if let (Some(next), Some(marks)) =
-            (self.next.get_mut(self.count..end), self.marks.get_mut(self.count..end))
+            (self.next.get_mut(..self.count), self.marks.get_mut(..self.count))
         {
             next.fill(NONE);
             marks.fill(HEAD);
         }
-        self.count = end;
-    }
-
-    /// Empties the band for the rows after a row that has a number of left crossings.
-    pub fn restart(&mut self, guests: usize, limit: usize) {
         (self.limit, self.full, self.count) = (limit, false, 0);
         self.last_row = 0..guests;
         self.guests = guests;
         if self.reach(guests) {
-            self.add(guests);
+            self.count = guests;
         }
     }
 }

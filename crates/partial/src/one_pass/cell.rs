@@ -67,14 +67,41 @@ pub(super) struct Triangle {
     pub diagonal: u8,
     /// Whether the diagonal runs from TL to BR; the other one from TR to BL.
     pub falls: bool,
+    /// Which edges can be crossed: the two pairs of the corner opposite the missing one, and the
+    /// diagonal.
+    pub joined: [bool; 4],
 }
 
 /// The triangles left without each corner: TL, TR, BL, BR.
 pub(super) const TRIANGLES: [Triangle; 4] = [
-    Triangle { missing: 0, onto: 1, diagonal: LEFT, falls: false },
-    Triangle { missing: 1, onto: 0, diagonal: RIGHT, falls: true },
-    Triangle { missing: 2, onto: 3, diagonal: LEFT, falls: true },
-    Triangle { missing: 3, onto: 2, diagonal: RIGHT, falls: false },
+    Triangle {
+        missing: 0,
+        onto: 1,
+        diagonal: LEFT,
+        falls: false,
+        joined: [false, true, true, true],
+    },
+    Triangle {
+        missing: 1,
+        onto: 0,
+        diagonal: RIGHT,
+        falls: true,
+        joined: [false, true, true, true],
+    },
+    Triangle {
+        missing: 2,
+        onto: 3,
+        diagonal: LEFT,
+        falls: true,
+        joined: [true, true, true, false],
+    },
+    Triangle {
+        missing: 3,
+        onto: 2,
+        diagonal: RIGHT,
+        falls: false,
+        joined: [true, true, true, false],
+    },
 ];
 
 /// Which cells of a word of 64 still carry curves when some of their pairs are broken.

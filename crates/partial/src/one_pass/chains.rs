@@ -1,6 +1,6 @@
 //! From pieces to whole lines, in their final order and place.
 
-use super::band::NONE;
+use super::band::{NONE, capacity_bytes};
 use super::contours::Vertex;
 use super::part::Part;
 use super::trace::Piece;
@@ -44,6 +44,13 @@ pub(super) struct Scratch {
     counts: Vec<u32>,
 }
 
+impl Scratch {
+    /// Memory it holds, in bytes.
+    pub fn bytes(&self) -> usize {
+        capacity_bytes(&self.chains) + capacity_bytes(&self.sorted) + capacity_bytes(&self.counts)
+    }
+}
+
 /// Makes lines of pieces.
 ///
 /// Pieces are in the order of their parts, bands and heads, and a head's number grows with its pair;
@@ -58,6 +65,8 @@ pub(super) fn assemble(
     vertices: &mut Vec<Vertex>,
 ) {
     scratch.chains.clear();
+    // At most one chain begins in each.
+    scratch.chains.reserve(pieces.iter().filter(|piece| !piece.follows).count());
     for first in 0..pieces.len() {
         if !pieces[first].follows {
             scratch.chains.extend(open_chain(pieces, first));
@@ -174,7 +183,7 @@ impl Place<'_> {
     fn all(self, chains: &[Chain], total: usize, vertices: &mut Vec<Vertex>) {
         vertices.clear();
         if self.parts.len() < 2 {
-            vertices.reserve(total);
+            vertices.reserve_exact(total);
             for chain in chains {
                 let start = vertices.len();
                 self.slices(chain, |part| vertices.extend_from_slice(part));

@@ -1,5 +1,6 @@
 //! Linked level lines of a view, for all planes of a family at once.
 
+use super::band::capacity_bytes;
 use super::chains::{Line, assemble};
 use super::part::Part;
 use super::source::Source;
@@ -116,6 +117,17 @@ pub struct Workspace {
     chains: super::chains::Scratch,
     lines: Vec<Line>,
     vertices: Vec<Vertex>,
+}
+
+impl Workspace {
+    /// Memory it holds, in bytes: all that was needed beyond the image, with the lines themselves.
+    pub fn bytes(&self) -> usize {
+        self.parts.iter().map(Part::bytes).sum::<usize>()
+            + capacity_bytes(&self.pieces)
+            + self.chains.bytes()
+            + capacity_bytes(&self.lines)
+            + capacity_bytes(&self.vertices)
+    }
 }
 
 /// The level lines of a view on all planes.

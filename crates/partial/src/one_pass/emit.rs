@@ -4,8 +4,10 @@
 
 use super::band::Band;
 use super::contours::{Kind, Vertex, edge_code};
+use super::part::apart;
 use super::rows::{PAD, Row, columns};
 use super::source::{PlaceAt, Places, Source};
+use fearless_simd::Simd;
 
 /// Vertices that are made together, whether they are all wanted or not: most pairs have fewer, and a
 /// loop that stops after one or two is guessed wrong more often than not.
@@ -19,9 +21,35 @@ pub(super) struct Sample {
     pub place: [f32; 2],
 }
 
+/// The samples of a row by column. All slices are of one length, so that the processor tests an index
+/// once and not for each of them.
+#[derive(Clone, Copy)]
+pub(super) struct Samples<'a, P> {
+    levels: &'a [f32],
+    ceilings: &'a [i32],
+    places: P,
+}
+
+impl<'a, P: PlaceAt> Samples<'a, P> {
+    /// The samples of a row, or those one column before, with their places.
+    #[inline(always)]
+    pub fn new(row: &'a Row, before: usize, len: usize, places: P) -> Option<Self> {
+        let first = PAD - before;
+        let levels = row.levels.get(first..first + len)?;
+        Some(Self { levels, ceilings: row.ceilings.get(first..first + len)?, places })
+    }
+
+    #[inline(always)]
+    pub fn at(&self, col: usize) -> Option<Sample> {
+        let (level, ceiling) = (*self.levels.get(col)?, *self.ceilings.get(col)?);
+        Some(Sample { level, ceiling, place: self.places.at(col)? })
+    }
+}
+
 /// The crossings of the pairs of row `i` with the row above it.
 #[inline(always)]
-pub(super) fn emit_up(
+pub(super) fn emit_up<S: Simd>(
+    simd: S,
     source: &Source<'_>,
     i: usize,
     (above, row): (&Row, &mut Row),
@@ -31,37 +59,20 @@ pub(super) fn emit_up(
     let mut bases = std::mem::take(&mut row.up.bases);
     let pairs = columns(row.up.crossed.iter().copied(), list);
     let edge = edge_code(i, Kind::Up, 0, source.cols);
-    match (source.places(i.wrapping_sub(1), above), source.places(i, row)) {
-        (Places::Tables(over), Places::Tables(here)) => {
-            emit_pairs(pairs, edge, (above, over), (row, here), &mut bases, band);
-        }
-        (over, here) => emit_pairs(pairs, edge, (above, over), (row, here), &mut bases, band),
+    let len = source.padded_cols();
+    let over = source.places(i.wrapping_sub(1), above, 0, len).map(|places| (above, 0, places));
+    let here = source.places(i, row, 0, len).map(|places| (&*row, 0, places));
+    if let (Some(over), Some(here)) = (over, here) {
+        emit(simd, (pairs, len), edge, over, here, &mut bases, band);
     }
     bases[PAD - 1] = bases[PAD + source.cols - 1];
     row.up.bases = bases;
 }
 
-/// The crossings of pairs of one column each.
-#[inline(always)]
-fn emit_pairs<P: PlaceAt>(
-    pairs: &[u32],
-    edge: u32,
-    (above, over): (&Row, P),
-    (row, here): (&Row, P),
-    bases: &mut [u32],
-    band: &mut Band,
-) {
-    let mut at = band.count;
-    for &j in pairs {
-        let (a, b) = (sample(above, &over, j as usize, 0), sample(row, &here, j as usize, 0));
-        bases[PAD + j as usize] = cross(band, &mut at, edge.wrapping_add(j), a, b);
-    }
-    band.add(at);
-}
-
 /// The crossings of the pairs of row `i` with their left neighbours.
 #[inline(always)]
-pub(super) fn emit_left(
+pub(super) fn emit_left<S: Simd>(
+    simd: S,
     source: &Source<'_>,
     i: usize,
     row: &mut Row,
@@ -72,40 +83,160 @@ pub(super) fn emit_left(
     let pairs = columns(row.left.crossed.iter().copied(), list);
     let edge = edge_code(i, Kind::Left, 0, source.cols);
     let first = band.count;
-    let mut at = first;
-    // The pair across the seam, whose first sample is in the last column.
-    let (seam, others) = pairs.split_at(usize::from(pairs.first() == Some(&0)));
-    let places = source.places(i, row);
-    if !seam.is_empty() {
-        let last = source.cols - 1;
-        let (a, b) = (sample(row, &places, last, 0), sample(row, &places, 0, 0));
-        bases[PAD] = cross(band, &mut at, edge, a, b);
-    }
-    match places {
-        Places::Tables(places) => {
-            emit_beside(others, edge, row, places, (&mut at, &mut bases), band)
-        }
-        places => emit_beside(others, edge, row, places, (&mut at, &mut bases), band),
+    let len = source.padded_cols();
+    let before = source.places(i, row, 1, len).map(|places| (&*row, 1, places));
+    let here = source.places(i, row, 0, len).map(|places| (&*row, 0, places));
+    if let (Some(before), Some(here)) = (before, here) {
+        emit(simd, (pairs, len), edge, before, here, &mut bases, band);
     }
     row.left.bases = bases;
-    band.last_row = first..at;
-    band.add(at);
+    band.last_row = first..band.count;
 }
 
-/// The crossings of pairs of two columns each.
+/// A row, from how many columns before, and its places.
+type Side<'a> = (&'a Row, usize, Places<'a>);
+
+/// The crossings of the pairs of some columns, of a number of them.
 #[inline(always)]
-fn emit_beside<P: PlaceAt>(
-    pairs: &[u32],
+fn emit<S: Simd>(
+    simd: S,
+    (pairs, len): (&[u32], usize),
     edge: u32,
-    row: &Row,
-    places: P,
-    (at, bases): (&mut usize, &mut [u32]),
+    (above, shift, over): Side<'_>,
+    (row, _, here): Side<'_>,
+    bases: &mut [u32],
     band: &mut Band,
 ) {
-    for &j in pairs {
-        let (a, b) = (sample(row, &places, j as usize, 1), sample(row, &places, j as usize, 0));
-        bases[PAD + j as usize] = cross(band, at, edge.wrapping_add(j), a, b);
+    let Some(bases) = bases.get_mut(PAD..PAD + len).filter(|_| !pairs.is_empty()) else { return };
+    match (over, here) {
+        (Places::Tables(over), Places::Tables(here)) => {
+            let (a, b) = (Samples::new(above, shift, len, over), Samples::new(row, 0, len, here));
+            apart(
+                simd,
+                #[inline(always)]
+                || emit_pairs(pairs, edge, a.zip(b), bases, band),
+            );
+        }
+        (Places::Stored(over), Places::Stored(here)) => {
+            let (a, b) = (Samples::new(above, shift, len, over), Samples::new(row, 0, len, here));
+            apart(
+                simd,
+                #[inline(always)]
+                || emit_pairs(pairs, edge, a.zip(b), bases, band),
+            );
+        }
+        (over, here) => {
+            let (a, b) = (Samples::new(above, shift, len, over), Samples::new(row, 0, len, here));
+            apart(
+                simd,
+                #[inline(always)]
+                || emit_pairs(pairs, edge, a.zip(b), bases, band),
+            );
+        }
     }
+}
+
+#[inline(always)]
+fn emit_pairs<P: PlaceAt>(
+    pairs: &[u32],
+    edge: u32,
+    samples: Option<(Samples<'_, P>, Samples<'_, P>)>,
+    bases: &mut [u32],
+    band: &mut Band,
+) {
+    let Some((a, b)) = samples else { return };
+    let mut rest = pairs;
+    // Room is made between runs of pairs, so that lists stay in place during one.
+    while !rest.is_empty() && band.reach(band.count + AT_ONCE) {
+        let done = emit_run(rest, edge, (&a, &b), bases, band);
+        rest = rest.get(done..).unwrap_or(&[]);
+        if done == 0 {
+            let wanted = rest.first().and_then(|j| a.at(*j as usize).zip(b.at(*j as usize)));
+            let wanted = wanted.map_or(0, |(a, b)| a.ceiling.abs_diff(b.ceiling) as usize);
+            if wanted == 0 || !band.reach(band.count + wanted + AT_ONCE) {
+                return;
+            }
+        }
+    }
+}
+
+/// The crossings of pairs for which there is room; returns how many pairs these are.
+#[inline(always)]
+fn emit_run<P: PlaceAt>(
+    pairs: &[u32],
+    edge: u32,
+    (a, b): (&Samples<'_, P>, &Samples<'_, P>),
+    bases: &mut [u32],
+    band: &mut Band,
+) -> usize {
+    let mut at = band.count;
+    let room = band.vertices.len();
+    let Some(levels) = band.levels.get_mut(..room) else { return 0 };
+    let out = &mut Out { vertices: &mut band.vertices, levels };
+    let mut done = 0;
+    for &j in pairs {
+        let column = j as usize;
+        let (Some(a), Some(b), Some(base)) = (a.at(column), b.at(column), bases.get_mut(column))
+        else {
+            break;
+        };
+        let Some(number) = cross(out, &mut at, edge.wrapping_add(j), a, b) else { break };
+        *base = number;
+        done += 1;
+    }
+    band.count = at;
+    done
+}
+
+/// Where crossings go; lists of one length.
+struct Out<'a> {
+    vertices: &'a mut [Vertex],
+    levels: &'a mut [i32],
+}
+
+/// Emits the crossings of one pair, if there is room; returns its number at level 0.
+///
+/// `t = (level_a − k) / (level_a − level_b)`: the linear subpixel solution (3.6, errata).
+#[inline(always)]
+fn cross(out: &mut Out<'_>, at: &mut usize, edge: u32, a: Sample, b: Sample) -> Option<u32> {
+    let (low, high) = (a.ceiling.min(b.ceiling), a.ceiling.max(b.ceiling));
+    let first = *at;
+    let end = first + high.abs_diff(low) as usize;
+    if end + AT_ONCE > out.vertices.len() {
+        return None;
+    }
+    *at = end;
+    let per_level = 1.0 / (a.level - b.level);
+    let [dx, dy] = [b.place[0] - a.place[0], b.place[1] - a.place[1]];
+    let rounded = (end - first).next_multiple_of(AT_ONCE);
+    let (Some(vertices), Some(levels)) =
+        (out.vertices.get_mut(first..first + rounded), out.levels.get_mut(first..first + rounded))
+    else {
+        return None;
+    };
+    let vertices = vertices.as_chunks_mut::<AT_ONCE>().0.iter_mut();
+    let mut level = low;
+    for (vertices, levels) in vertices.zip(levels.as_chunks_mut::<AT_ONCE>().0) {
+        for (k, (vertex, place)) in (level..).zip(vertices.iter_mut().zip(levels)) {
+            let t = ((a.level - k as f32) * per_level).min(1.0);
+            *vertex = Vertex { edge, t, x: a.place[0] + t * dx, y: a.place[1] + t * dy };
+            *place = k;
+        }
+        level += AT_ONCE as i32;
+    }
+    Some((first as u32).wrapping_sub(low as u32))
+}
+
+/// Emits the crossings of a single pair; returns its number at level 0.
+pub(super) fn cross_one(band: &mut Band, edge: u32, a: Sample, b: Sample) -> u32 {
+    let wanted = a.ceiling.abs_diff(b.ceiling) as usize + AT_ONCE;
+    if !band.reach(band.count + wanted) {
+        return 0;
+    }
+    let room = band.vertices.len();
+    let Some(levels) = band.levels.get_mut(..room) else { return 0 };
+    let out = &mut Out { vertices: &mut band.vertices, levels };
+    cross(out, &mut band.count, edge, a, b).unwrap_or_default()
 }
 
 /// Numbers the crossings of a row's left pairs without making vertices: the guests of a band. Returns
@@ -137,45 +268,4 @@ pub(super) fn runs_up(row: &Row, out: &mut Vec<bool>) {
             out.resize(out.len() + a.abs_diff(b) as usize, a > b);
         }
     }
-}
-
-/// The sample a number of columns before column `j`.
-#[inline(always)]
-pub(super) fn sample<P: PlaceAt>(row: &Row, places: &P, j: usize, before: usize) -> Sample {
-    let at = PAD + j - before;
-    let (levels, ceilings) = (row.levels.as_slice(), row.ceilings.as_slice());
-    Sample { level: levels[at], ceiling: ceilings[at], place: places.at(j - before) }
-}
-
-/// Emits the crossings of one pair; returns its number at level 0.
-///
-/// `t = (level_a − k) / (level_a − level_b)`: the linear subpixel solution (3.6, errata).
-#[inline(always)]
-pub(super) fn cross(band: &mut Band, at: &mut usize, edge: u32, a: Sample, b: Sample) -> u32 {
-    let (low, high) = (a.ceiling.min(b.ceiling), a.ceiling.max(b.ceiling));
-    let first = *at;
-    let end = first + high.abs_diff(low) as usize;
-    if !band.reach(end + AT_ONCE) {
-        return 0;
-    }
-    *at = end;
-    let per_level = 1.0 / (a.level - b.level);
-    let [dx, dy] = [b.place[0] - a.place[0], b.place[1] - a.place[1]];
-    let mut level = low;
-    let mut next = first;
-    while let (Some(vertices), Some(levels)) =
-        (band.vertices.get_mut(next..next + AT_ONCE), band.levels.get_mut(next..next + AT_ONCE))
-    {
-        for (k, (vertex, place)) in (level..).zip(vertices.iter_mut().zip(levels)) {
-            let t = ((a.level - k as f32) * per_level).min(1.0);
-            *vertex = Vertex { edge, t, x: a.place[0] + t * dx, y: a.place[1] + t * dy };
-            *place = k;
-        }
-        level += AT_ONCE as i32;
-        next += AT_ONCE;
-        if level >= high {
-            break;
-        }
-    }
-    (first as u32).wrapping_sub(low as u32)
 }

@@ -4,7 +4,7 @@
 //! processor's cache while they are made and followed. Where the cuts are changes nothing in the
 //! result: neither between bands nor between parts.
 
-use super::band::Band;
+use super::band::{Band, capacity_bytes};
 use super::contours::{Instructions, Vertex};
 use super::emit::{emit_left, emit_up, number_guests, runs_up};
 use super::link::{Cells, link_row};
@@ -14,6 +14,16 @@ use super::trace::{Border, Piece, Pieces, stitch, trace};
 use crate::{MAX_CROSSINGS, PartialError};
 use fearless_simd::{Simd, dispatch};
 use std::ops::Range;
+
+/// One crossed pair in so many pixels makes it worth while to find the places of all of them at once.
+const MANY: usize = 16;
+
+/// Runs a loop as a function of its own, with the same instructions: in one function with all the other
+/// loops, it would have too few registers.
+#[inline(never)]
+pub(super) fn apart<S: Simd, R>(simd: S, act: impl FnOnce() -> R) -> R {
+    simd.vectorize(act)
+}
 
 /// Work space and result of one part.
 #[derive(Debug, Clone, Default)]
@@ -73,13 +83,26 @@ impl Part {
             }
             let enough = self.band.count > band_size + self.band.guests;
             if enough || i + 1 == rows.end {
-                self.finish_band(&mut row, first_band);
+                let share = (i + 1 - rows.start) as f64 / rows.len() as f64;
+                self.finish_band(simd, &mut row, first_band, share);
                 first_band = false;
             }
             std::mem::swap(&mut above, &mut row);
         }
         self.rows = [above, row];
         found
+    }
+
+    /// Memory it holds, in bytes.
+    pub fn bytes(&self) -> usize {
+        let borders = [&self.top, &self.bottom].into_iter().chain(&self.inner);
+        self.rows.iter().map(Row::bytes).sum::<usize>()
+            + self.band.bytes()
+            + self.cells.bytes()
+            + capacity_bytes(&self.columns)
+            + capacity_bytes(&self.vertices)
+            + capacity_bytes(&self.pieces)
+            + borders.map(Border::bytes).sum::<usize>()
     }
 
     /// Reads the row before the first one, whose left pairs are the guests.
@@ -110,17 +133,19 @@ impl Part {
     ) -> Result<(), PartialError> {
         row.read(simd, source, i, above);
         self.jumps += row.jumps;
-        let any = |pairs: &Pairs| pairs.crossed.iter().any(|mask| *mask != 0);
-        let crossed = any(&row.up) || any(&row.left) || any(&above.left);
-        if crossed {
-            source.place(i, row);
-            source.place(i.wrapping_sub(1), above);
+        let count = |pairs: &Pairs| pairs.crossed.iter().map(|mask| mask.count_ones()).sum::<u32>();
+        let crossed = count(&row.up) + count(&row.left);
+        let above_crossed = crossed > 0 || above.left.crossed.iter().any(|mask| *mask != 0);
+        if above_crossed {
+            let many = crossed as usize > source.cols / MANY;
+            source.place(simd, i, row, many);
+            source.place(simd, i.wrapping_sub(1), above, many);
         }
-        emit_up(source, i, (above, row), &mut self.band, &mut self.columns);
-        emit_left(source, i, row, &mut self.band, &mut self.columns);
+        emit_up(simd, source, i, (above, row), &mut self.band, &mut self.columns);
+        emit_left(simd, source, i, row, &mut self.band, &mut self.columns);
         // Links of crossings that were not emitted would lead nowhere.
-        if !self.band.full && i > 0 && crossed {
-            link_row(source, i, (above, row), &mut self.band, &mut self.cells);
+        if !self.band.full && i > 0 && above_crossed {
+            link_row(simd, source, i, (above, row), &mut self.band, &mut self.cells);
         }
         if self.band.full {
             return Err(PartialError::TooManyCrossings { interval: source.axes.interval() });
@@ -129,18 +154,27 @@ impl Part {
     }
 
     /// Follows the band's links, joins its pieces to those above and makes `row` the guests of the
-    /// next band.
+    /// next band. `share` of the part's rows are done.
     #[inline(always)]
-    fn finish_band(&mut self, row: &mut Row, first: bool) {
+    fn finish_band<S: Simd>(&mut self, simd: S, row: &mut Row, first: bool, share: f64) {
+        /// What the estimate allows for rows that hold more than those before.
+        const MARGIN: f64 = 1.1;
+        let expected = ((self.used + self.band.count) as f64 * MARGIN / share) as usize;
+        let expected = expected.min(MAX_CROSSINGS + self.band.count);
         let [over, under] = &mut self.inner;
         let mut out = Pieces {
             vertices: &mut self.vertices,
             used: &mut self.used,
+            expected,
             pieces: &mut self.pieces,
             top: if first { &mut self.top } else { under },
             bottom: &mut self.bottom,
         };
-        trace(&mut self.band, &mut out);
+        apart(
+            simd,
+            #[inline(always)]
+            || trace(&mut self.band, &mut out),
+        );
         if !first {
             stitch(&mut self.pieces, over, under);
         }

@@ -7,7 +7,8 @@
 //! Numbers: `f32`, and multiplications and additions are never contracted, so every instruction set
 //! gives the same bits.
 
-use super::source::{PairTest, Source};
+use super::band::capacity_bytes;
+use super::source::{PairTest, Source, Tables};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use transect_device::{Neighbour, PairGeometry};
@@ -43,7 +44,7 @@ pub(super) struct Row {
     pub up: Pairs,
     /// Which pixels are valid.
     valid: Vec<u64>,
-    /// In-plane coordinates of the pixels, if they do not come from tables and `placed` is set.
+    /// In-plane coordinates of the pixel before column 0 and of all others, if `placed` is set.
     pub places: [Vec<f32>; 2],
     pub placed: bool,
     /// Pairs of valid pixels in this row that are not joined.
@@ -73,6 +74,18 @@ impl Row {
             pairs.bases.resize(places, 0);
         }
         self.placed = false;
+    }
+
+    /// Memory it holds, in bytes.
+    pub fn bytes(&self) -> usize {
+        let floats = [&self.values, &self.levels].into_iter().chain(&self.places);
+        let masks = [&self.left, &self.up].into_iter().flat_map(|p| [&p.joined, &p.crossed]);
+        let bases = capacity_bytes(&self.left.bases) + capacity_bytes(&self.up.bases);
+        floats.map(capacity_bytes).sum::<usize>()
+            + masks.chain([&self.valid]).map(capacity_bytes).sum::<usize>()
+            + bases
+            + capacity_bytes(&self.ceilings)
+            + capacity_bytes(&self.geometry)
     }
 
     /// Reads row `i` of the image; `above` is the row before it, or one without values.
@@ -109,6 +122,29 @@ impl Row {
                 *word = pixels.iter().enumerate().map(bit).sum();
             }
         }
+    }
+
+    /// In-plane coordinates of the whole row, by the same operations as one by one.
+    #[inline(always)]
+    pub fn place<S: Simd>(&mut self, simd: S, tables: &Tables, i: usize) {
+        let lanes = S::f32s::LEN;
+        let values = &self.values[PAD..];
+        for (form, places) in tables.places.iter().zip(&mut self.places) {
+            let [factor, addend] = form.rows.get(i).copied().unwrap_or_default();
+            places.resize(values.len() + 1, f32::NAN);
+            let (Some((first, out)), Some((before, columns))) =
+                (places.split_first_mut(), form.columns.split_first())
+            else {
+                continue;
+            };
+            *first = self.values[PAD - 1] * (factor * before + addend);
+            let out = values.chunks_exact(lanes).zip(out.chunks_exact_mut(lanes));
+            for ((value, place), column) in out.zip(columns.chunks_exact(lanes)) {
+                let per_value = S::f32s::from_slice(simd, column) * factor + addend;
+                (S::f32s::from_slice(simd, value) * per_value).store_slice(place);
+            }
+        }
+        self.placed = true;
     }
 
     #[inline(always)]

@@ -2,13 +2,15 @@
 
 use super::rows::{PAD, Row};
 use crate::{BreakRule, SectionAxes};
+use fearless_simd::Simd;
 use transect_device::{LinearForm, Neighbour, RayProducts, SeparableForm, View};
 
 /// Level and in-plane coordinates of a sensor whose forms are separable.
 #[derive(Debug, Clone)]
 pub(super) struct Tables {
     pub level: SeparableForm,
-    /// In-plane coordinates, from the sensor's.
+    /// In-plane coordinates, from the sensor's; their columns begin with the one before column 0, as
+    /// rows do.
     pub places: [SeparableForm; 2],
 }
 
@@ -76,8 +78,13 @@ impl<'a> Source<'a> {
         let in_plane =
             axes.in_plane_gradients().map(|gradient| LinearForm { gradient, constant: 0.0 });
         let tables = || {
-            let places = [form(&in_plane[0])?, form(&in_plane[1])?];
-            Some(Tables { level: form(axes.level())?, places })
+            let place = |k: usize| {
+                let mut tables = form(&in_plane[k])?;
+                let before = tables.columns.get(size.cols - 1).copied().unwrap_or_default();
+                tables.columns.insert(0, before);
+                Some(tables)
+            };
+            Some(Tables { level: form(axes.level())?, places: [place(0)?, place(1)?] })
         };
         let test = |neighbour| {
             let products = frame.ray_products(neighbour)?;
@@ -89,34 +96,63 @@ impl<'a> Source<'a> {
         Self { view, axes, rule, cols: size.cols, rows: size.rows, wraps, tables, tests, in_plane }
     }
 
-    /// Makes in-plane coordinates of a row available to [`Places`].
-    pub fn place(&self, i: usize, row: &mut Row) {
-        if self.tables.is_some() || row.placed {
-            return;
+    /// Makes in-plane coordinates of a row available to [`Places`]; `many` if most of the row's pixels
+    /// will be asked for.
+    #[inline(always)]
+    pub fn place<S: Simd>(&self, simd: S, i: usize, row: &mut Row, many: bool) {
+        match &self.tables {
+            _ if row.placed => {}
+            Some(tables) if many => row.place(simd, tables, i),
+            Some(_) => {}
+            None => self.place_one_by_one(i, row),
         }
+    }
+
+    /// Columns that rows have room for: whole words of masks.
+    pub fn padded_cols(&self) -> usize {
+        self.cols.next_multiple_of(64)
+    }
+
+    fn place_one_by_one(&self, i: usize, row: &mut Row) {
         let (frame, image) = (self.view.frame(), self.view.image());
+        let len = row.values.len() - PAD + 1;
         for (form, places) in self.in_plane.iter().zip(&mut row.places) {
             places.clear();
-            places.resize(self.cols, f32::NAN);
-            frame.form_row(image, i, form, places);
+            places.resize(len, f32::NAN);
+            if let Some(places) = places.get_mut(1..=self.cols) {
+                frame.form_row(image, i, form, places);
+            }
+            places[0] = places[self.cols];
         }
         row.placed = true;
     }
 
-    /// In-plane coordinates of the pixels of row `i`, from the sensor's.
-    pub fn places<'r>(&'r self, i: usize, row: &'r Row) -> Places<'r> {
-        let Some(tables) = &self.tables else {
-            return Places::Stored(Stored(row.places.each_ref().map(Vec::as_slice)));
+    /// In-plane coordinates of the pixels of row `i`, from the sensor's, beginning some columns before
+    /// column 0, none or one, and a number of columns long.
+    #[inline(always)]
+    pub fn places<'r>(
+        &'r self,
+        i: usize,
+        row: &'r Row,
+        before: usize,
+        len: usize,
+    ) -> Option<Places<'r>> {
+        let first = 1 - before;
+        let tables = match &self.tables {
+            Some(tables) if !row.placed => tables,
+            _ => {
+                let [x, y] = &row.places;
+                let places = [x.get(first..first + len)?, y.get(first..first + len)?];
+                return Some(Places::Stored(Stored(places)));
+            }
         };
-        let values = &row.values[PAD..];
-        let terms = |form: &SeparableForm| form.rows.get(i).copied().unwrap_or_default();
-        let columns = |form: &'r SeparableForm| form.columns.get(..values.len()).unwrap_or(&[]);
         let [x, y] = &tables.places;
-        Places::Tables(TableRow {
-            values,
+        let terms = |form: &SeparableForm| form.rows.get(i).copied().unwrap_or_default();
+        Some(Places::Tables(TableRow {
+            values: row.values.get(PAD - before..PAD - before + len)?,
             terms: [terms(x), terms(y)],
-            columns: [columns(x), columns(y)],
-        })
+            columns: [x.columns.get(first..first + len)?, y.columns.get(first..first + len)?],
+        }))
     }
 }
 
@@ -141,28 +177,29 @@ pub(super) struct TableRow<'a> {
 
 /// In-plane coordinates by column.
 pub(super) trait PlaceAt: Copy {
-    fn at(&self, col: usize) -> [f32; 2];
+    fn at(&self, col: usize) -> Option<[f32; 2]>;
 }
 
 impl PlaceAt for Stored<'_> {
     #[inline(always)]
-    fn at(&self, col: usize) -> [f32; 2] {
-        self.0.map(|p| p[col])
+    fn at(&self, col: usize) -> Option<[f32; 2]> {
+        let [x, y] = self.0;
+        Some([*x.get(col)?, *y.get(col)?])
     }
 }
 
 impl PlaceAt for TableRow<'_> {
     #[inline(always)]
-    fn at(&self, col: usize) -> [f32; 2] {
+    fn at(&self, col: usize) -> Option<[f32; 2]> {
         let ([[fx, ax], [fy, ay]], [x, y]) = (self.terms, self.columns);
-        let value = self.values[col];
-        [value * (fx * x[col] + ax), value * (fy * y[col] + ay)]
+        let value = *self.values.get(col)?;
+        Some([value * (fx * *x.get(col)? + ax), value * (fy * *y.get(col)? + ay)])
     }
 }
 
 impl PlaceAt for Places<'_> {
     #[inline(always)]
-    fn at(&self, col: usize) -> [f32; 2] {
+    fn at(&self, col: usize) -> Option<[f32; 2]> {
         match self {
             Places::Stored(places) => places.at(col),
             Places::Tables(places) => places.at(col),

@@ -1,6 +1,6 @@
 //! From links to pieces: what a band holds of each curve, its vertices in order.
 
-use super::band::{Band, FOLLOWS, HEAD, NONE, TAKEN};
+use super::band::{Band, FOLLOWS, NONE, TAKEN, capacity_bytes};
 use super::contours::Vertex;
 
 /// Consecutive vertices of one curve, from one band.
@@ -32,6 +32,12 @@ pub(super) struct Border {
 }
 
 impl Border {
+    /// Memory it holds, in bytes.
+    pub fn bytes(&self) -> usize {
+        let Self { heads, tails, runs_up } = self;
+        capacity_bytes(heads) + capacity_bytes(tails) + capacity_bytes(runs_up)
+    }
+
     pub fn clear(&mut self, count: usize) {
         for ends in [&mut self.heads, &mut self.tails] {
             ends.clear();
@@ -50,6 +56,8 @@ pub(super) struct Pieces<'a> {
     /// Vertices of all pieces; the list is longer than what is used of it.
     pub vertices: &'a mut Vec<Vertex>,
     pub used: &'a mut usize,
+    /// How many vertices the part will have, from those of its rows so far.
+    pub expected: usize,
     pub pieces: &'a mut Vec<Piece>,
     pub top: &'a mut Border,
     pub bottom: &'a mut Border,
@@ -62,7 +70,9 @@ pub(super) fn trace(band: &mut Band, out: &mut Pieces<'_>) {
     out.bottom.clear(band.last_row.len());
     let room = *out.used + band.count;
     if out.vertices.len() < room {
-        out.vertices.reserve(room / 2);
+        // Once and for all, if the rest of the rows is like those so far: new memory costs as much as
+        // the work itself.
+        out.vertices.reserve_exact(out.expected.max(room + room / 4) - out.vertices.len());
         out.vertices.resize(room, Vertex::default());
     }
     let (count, levels) = (band.count, band.levels.as_slice());
@@ -74,26 +84,41 @@ pub(super) fn trace(band: &mut Band, out: &mut Pieces<'_>) {
     let to = out.vertices.as_mut_slice();
     let mut follow = Follow { vertices, next, marks, to, at: *out.used };
     let mut taken = 0;
-    for (head, &level) in levels.iter().enumerate().take(count) {
-        if follow.marks[head] == HEAD {
+    for first in (0..count).step_by(8) {
+        // Heads are the bytes without a bit; there are no others while open chains are followed.
+        let word = follow.eight(first);
+        let mut heads = !(word | word >> 1) & ONES;
+        while heads != 0 {
+            let head = first + heads.trailing_zeros() as usize / 8;
+            heads &= heads - 1;
             let (start, piece) = (follow.at, out.pieces.len() as u32);
             let tail = follow.open(head, band.guests, &mut taken);
             let borders = (&mut *out.top, &mut *out.bottom);
             note_ends(band.last_row.start, (head, tail), piece, borders);
+            let level = levels.get(head).copied().unwrap_or_default();
             out.pieces.push(Piece::new(start..follow.at, level, NONE));
         }
     }
     let mut first = 0;
     while taken < count && first < count {
-        if follow.marks[first] == FOLLOWS {
-            let (start, piece) = (follow.at, out.pieces.len() as u32);
-            taken += follow.chain(first).1;
-            out.pieces.push(Piece::new(start..follow.at, levels[first], piece));
+        let mut others = follow.eight(first) & ONES;
+        while others != 0 {
+            let begin = first + others.trailing_zeros() as usize / 8;
+            others &= others - 1;
+            if follow.marks.get(begin) == Some(&FOLLOWS) {
+                let (start, piece) = (follow.at, out.pieces.len() as u32);
+                taken += follow.chain(begin).1;
+                let level = levels.get(begin).copied().unwrap_or_default();
+                out.pieces.push(Piece::new(start..follow.at, level, piece));
+            }
         }
-        first += 1;
+        first += 8;
     }
     *out.used = follow.at;
 }
+
+/// One in each of eight bytes.
+const ONES: u64 = 0x0101_0101_0101_0101;
 
 impl Piece {
     /// A piece of some vertices; a loop if it goes on with another than none, which is itself.
@@ -113,27 +138,44 @@ struct Follow<'a> {
 }
 
 impl Follow<'_> {
-    /// Takes the crossings from one to where nothing follows or all is taken; returns the last one
-    /// and their number.
+    /// Eight marks, of which those beyond the last crossing are [`TAKEN`].
+    #[inline(always)]
+    fn eight(&self, first: usize) -> u64 {
+        if let Some(marks) = self.marks.get(first..).and_then(|marks| marks.first_chunk()) {
+            return u64::from_le_bytes(*marks);
+        }
+        let mut eight = [TAKEN; 8];
+        for (mark, place) in self.marks.iter().skip(first).zip(&mut eight) {
+            *place = *mark;
+        }
+        u64::from_le_bytes(eight)
+    }
+
+    /// Takes the crossings from one to where nothing follows or the first one does; returns the last
+    /// one and their number.
     #[inline(always)]
     fn chain(&mut self, first: usize) -> (usize, usize) {
-        let start = self.at;
-        let mut last = first;
-        let mut at = first;
+        let count = self.next.len();
+        let (Some(vertices), Some(marks), Some(to)) =
+            (self.vertices.get(..count), self.marks.get_mut(..count), self.to.get_mut(self.at..))
+        else {
+            return (first, 0);
+        };
+        let (mut at, mut last, mut length) = (first, first, 0);
         // NONE is beyond every list.
-        while let (Some(vertex), Some(mark), Some(place)) =
-            (self.vertices.get(at), self.marks.get_mut(at), self.to.get_mut(self.at))
-        {
-            if *mark == TAKEN {
+        for place in to {
+            let Some(next) = self.next.get(at) else { break };
+            marks[at] = TAKEN;
+            *place = vertices[at];
+            length += 1;
+            last = at;
+            at = *next as usize;
+            if at == first {
                 break;
             }
-            *mark = TAKEN;
-            *place = *vertex;
-            self.at += 1;
-            last = at;
-            at = self.next[at] as usize;
         }
-        (last, self.at - start)
+        self.at += length;
+        (last, length)
     }
 
     /// Takes the open chain that begins with a crossing; returns the last one.

@@ -20,6 +20,9 @@ const SAMPLE_PLANES: usize = 8;
 
 const DETECTION: &str = "one pass, no plane met";
 const OURS: &str = "one pass, AVX2";
+const BEST: &str = "one pass, best";
+const FRESH: &str = "one pass, fresh memory";
+const ROW_BY_ROW: &str = "dissertation, row by row";
 
 /// Options of `bench partial`.
 #[derive(Debug, clap::Args)]
@@ -33,7 +36,8 @@ pub struct Arguments {
     /// Where pixels are missing.
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Gaps::Single, Gaps::Clustered])]
     gaps: Vec<Gaps>,
-    /// Also time contourpy and GDAL, where a Python has them (TRANSECT_PYTHON names it).
+    /// Also time contourpy and GDAL, each in the first Python that has it: the one named by
+    /// TRANSECT_PYTHON, python3, /usr/bin/python3.
     #[arg(long)]
     peers: bool,
     /// How often each variant is timed.
@@ -88,16 +92,24 @@ impl Case<'_> {
         let mut work = Workspace::default();
         let found = contours(self.view, &axes, &rule(), &Effort::default(), &mut work)?;
         let (vertices, lines) = (found.vertex_count(), found.polylines().len());
+        let bytes = work.bytes();
         let mut variants = self.one_pass(axes, far);
         variants.extend(self.others(&baselines));
         let seconds = time(&mut variants, self.rounds);
         self.print(&variants, &seconds, (vertices, lines));
+        // A workspace only grows, so what it holds at the end is the most that it needed.
+        say(&format!(
+            "memory beyond the image: {:.2} MB, {:.0} bytes per vertex, {:.2} per pixel",
+            bytes as f64 * 1e-6,
+            bytes as f64 / vertices as f64,
+            bytes as f64 / self.view.image().size().pixels() as f64,
+        ));
         Ok(())
     }
 
     fn one_pass(&self, axes: SectionAxes, far: SectionAxes) -> Vec<Variant<'_>> {
         let with = |instructions| Effort { instructions, ..Effort::default() };
-        let two = Effort { parts: 2, ..Effort::default() };
+        let two = |instructions| Effort { parts: 2, ..with(instructions) };
         let options = OnePassOptions {
             max_incidence_rad: 12_f64.atan(),
             jump_sigmas: 0.0,
@@ -109,11 +121,13 @@ impl Case<'_> {
             self.kernel(DETECTION, far, with(Instructions::Best)),
             self.kernel("one pass, portable", axes, with(Instructions::Portable)),
             self.kernel(OURS, axes, with(Instructions::Avx2)),
-            self.kernel("one pass, best", axes, with(Instructions::Best)),
-            Variant::new("one pass, fresh memory", move || {
+            self.kernel(BEST, axes, with(Instructions::Best)),
+            Variant::new(FRESH, move || {
                 lines_of(self.view, &axes, &Effort::default(), &mut Workspace::default());
             }),
-            self.kernel("one pass, two threads", axes, two).threaded(),
+            self.kernel("portable, two threads", axes, two(Instructions::Portable)).threaded(),
+            self.kernel("AVX2, two threads", axes, two(Instructions::Avx2)).threaded(),
+            self.kernel("best, two threads", axes, two(Instructions::Best)).threaded(),
             Variant::new("curves with all attributes", move || {
                 let effort = Effort::default();
                 let model =
@@ -152,7 +166,7 @@ impl Case<'_> {
             Variant::new("read + heights + levels", || {
                 black_box(baselines.borrow_mut().levels());
             }),
-            per_plane("dissertation, row by row", Baselines::fused),
+            per_plane(ROW_BY_ROW, Baselines::fused),
             per_plane("dissertation, images stored", Baselines::stored),
             // The points are made once, whatever the number of planes.
             Variant::new("Cartesian, points", || {
@@ -180,6 +194,11 @@ impl Case<'_> {
             let (name, times) = (variant.name, s / ours);
             say(&format!("{name:<30} {per_pixel:>8.3}  {beyond:>26}  {times:>10.2}"));
         }
+        say(&format!(
+            "fresh memory takes {:.2} times a kept workspace; the dissertation's way row by row {:.1} times one pass",
+            of(FRESH) / of(BEST),
+            of(ROW_BY_ROW) / of(BEST),
+        ));
     }
 }
 
