@@ -33,7 +33,7 @@ struct Checked {
 }
 
 fn checked(view: &View, surface: Distance, smooth: bool) -> Vec<Checked> {
-    let options = OnePassOptions { smooth, least_sigma_factor: 0.25, ..OnePassOptions::default() };
+    let options = OnePassOptions { smooth, ..OnePassOptions::default() };
     let mut found = Vec::new();
     for k in 0..12 {
         let (turn, lean) = (0.55 * f64::from(k), 0.13 * f64::from(k));

@@ -190,6 +190,37 @@ fn pixels_beside_a_crossed_pair_are_smoothed_too() {
     }
 }
 
+/// A bowl that bends by three deviations within a pixel, and whose lowest sample errs by three, too:
+/// smoothing takes that one most of the way back, through a plane that lies more than a deviation
+/// beyond all samples.
+#[test]
+fn a_sample_that_smoothing_moves_by_most_of_what_it_may_counts() {
+    let (frame, sigma) = (camera(), 0.1 * 3.0 / 120.0);
+    let middle = Pixel::new(frame.size().rows / 2, frame.size().cols / 2);
+    let value = |p: Pixel| {
+        let (rows, cols) = (p.row.abs_diff(middle.row), p.col.abs_diff(middle.col));
+        let squared = (rows * rows + cols * cols).min(25) as f64;
+        let error = if p == middle { 3.0 * sigma } else { 0.0 };
+        let plane =
+            SensorPlane { normal: Vector3::z(), offset: 3.0 + 3.0 * sigma * squared + error };
+        frame.plane_value(p, &plane).unwrap() as f32
+    };
+    let image = RangeImage::from_values(frame.size(), pixels(frame.size()).map(value).collect());
+    let pose = Isometry3::identity();
+    let view = View::new("bowl", image.unwrap(), frame.clone(), pose, Some(sigma)).unwrap();
+    let options = OnePassOptions { excursion_sigmas: 0.0, ..OnePassOptions::default() };
+    let with = |effort, smooth| {
+        let options = OnePassOptions { smooth, ..options };
+        let planes = planes(Vector3::z(), 3.0 + 1.5 * sigma, 50.0);
+        let mut work = Workspace::default();
+        let model = partial_model_with(&view, &planes, &options, &effort, &mut work).unwrap();
+        model.planes.iter().map(|p| p.curves.len()).sum::<usize>()
+    };
+    assert_eq!(with(Effort::default(), false), 0);
+    assert_eq!(with(Effort { smooth_all: true, ..Effort::default() }, true), 1);
+    assert_eq!(with(Effort::default(), true), 1);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 

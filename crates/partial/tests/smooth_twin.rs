@@ -13,7 +13,7 @@ use transect_partial::smooth::smooth;
 use transect_partial::{BreakRule, RangeNoise, length_per_value};
 use transect_sensors::{AngularScan, ImagingRadar};
 
-const REACH: i64 = 7;
+const REACH: i64 = 10;
 const CUT: f64 = 4.685;
 
 struct Twin<'a> {
@@ -114,56 +114,78 @@ impl Twin<'_> {
             (radius * spacing / down).clamp(1.0, 7.5),
             (radius * spacing / across).clamp(1.0, 7.5),
         );
-        let samples: Vec<(Vector6<f64>, f64, f64)> = self
-            .connected(pixel)
-            .iter()
-            .filter_map(|&(dy, dx)| {
+        let of = |rows: f64, cols: f64| -> Vec<Sample> {
+            let sample = |&(dy, dx): &(i64, i64)| {
                 let value = f64::from(image.get(self.at(pixel, dy, dx)?)?);
                 let (y, x) = (dy as f64, dx as f64);
                 let squared = (y / rows).powi(2) + (x / cols).powi(2);
                 let weight = (1.0 - squared * squared).max(0.0).powi(2);
                 let residual = (1.0 / value - 1.0 / d3) / (CUT * sigma / (d3 * d3));
                 Some((Vector6::new(1.0, x, y, x * x, x * y, y * y), residual, weight))
-            })
-            .collect();
-        self.solve(&samples, d3, CUT * sigma / (d3 * d3))
-    }
-
-    fn solve(&self, samples: &[(Vector6<f64>, f64, f64)], d3: f64, cut: f64) -> Expected {
-        let mut fit: Option<Vector6<f64>> = None;
-        let (mut change, mut variance) = (0.0, 0.0);
-        for _ in 0..3 {
-            let weight = |x: &Vector6<f64>, v: f64, w: f64| {
-                let residual = fit.map_or(0.0, |fit| v - fit.dot(x));
-                w * (1.0 - residual * residual).max(0.0).powi(2)
             };
-            let mut gram = Matrix6::zeros();
-            let mut right = Vector6::zeros();
-            for (x, v, w) in samples {
-                gram += x * x.transpose() * weight(x, *v, *w);
-                right += x * (weight(x, *v, *w) * v);
-            }
-            let scale = gram.diagonal().map(|d| if d > 0.0 { d.sqrt().recip() } else { 0.0 });
-            let scaled = Matrix6::from_diagonal(&scale) * gram * Matrix6::from_diagonal(&scale);
-            if scaled.symmetric_eigenvalues().min() < 2e-3 {
-                return Expected::Close;
-            }
-            let inverse = gram.try_inverse().unwrap();
-            let centre = inverse.column(0).into_owned();
-            let shares = samples.iter().map(|(x, v, w)| (weight(x, *v, *w) * centre.dot(x), *v));
-            (change, variance) =
-                shares.fold((0.0, 0.0), |(c, q), (share, v)| (c + share * v, q + share * share));
-            fit = Some(inverse * right);
-        }
-        if (change.abs() - 1.0).abs() < 0.01 || (variance - 1.0).abs() < 0.01 {
-            return Expected::Close;
-        }
-        if change.abs() > 1.0 || variance > 1.0 {
-            return Expected::Stays;
-        }
-        let value = 1.0 / (1.0 / d3 + change * cut);
-        Expected::Changes { value, factor: variance.sqrt() }
+            self.connected(pixel).iter().filter_map(sample).collect()
+        };
+        let wider = |radius: f64| (1.4 * radius).min(10.5);
+        let windows = [of(rows, cols), of(wider(rows), wider(cols))];
+        solve(&windows, d3, CUT * sigma / (d3 * d3)).unwrap_or(Expected::Close)
     }
+}
+
+/// Terms at the place, value, weight by distance.
+type Sample = (Vector6<f64>, f64, f64);
+
+/// Change and variance at the centre, and the polynomial; `None` where rounding decides.
+fn fit(samples: &[Sample], last: Option<&Vector6<f64>>) -> Option<(f64, f64, Vector6<f64>)> {
+    let weight = |x: &Vector6<f64>, v: f64, w: f64| {
+        let residual = last.map_or(0.0, |last| v - last.dot(x));
+        w * (1.0 - residual * residual).max(0.0).powi(2)
+    };
+    let (mut gram, mut right) = (Matrix6::zeros(), Vector6::zeros());
+    for (x, v, w) in samples {
+        gram += x * x.transpose() * weight(x, *v, *w);
+        right += x * (weight(x, *v, *w) * v);
+    }
+    let scale = gram.diagonal().map(|d| if d > 0.0 { d.sqrt().recip() } else { 0.0 });
+    let scaled = Matrix6::from_diagonal(&scale) * gram * Matrix6::from_diagonal(&scale);
+    if scaled.symmetric_eigenvalues().min() < 2e-3 {
+        return None;
+    }
+    let inverse = gram.try_inverse().unwrap();
+    let centre = inverse.column(0).into_owned();
+    let shares = samples.iter().map(|(x, v, w)| (weight(x, *v, *w) * centre.dot(x), *v));
+    let (change, variance) =
+        shares.fold((0.0, 0.0), |(c, q), (share, v)| (c + share * v, q + share * share));
+    Some((change, variance, inverse * right))
+}
+
+fn close_to(a: f64, b: f64) -> bool {
+    (a - b).abs() < 0.01 * b
+}
+
+fn solve([narrow, wide]: &[Vec<Sample>; 2], d3: f64, cut: f64) -> Option<Expected> {
+    let (_, _, first) = fit(narrow, None)?;
+    let (_, _, second) = fit(narrow, Some(&first))?;
+    let (mut change, mut variance, _) = fit(narrow, Some(&second))?;
+    let (wide_change, wide_variance, _) = fit(wide, Some(&second))?;
+    let limits = [change.abs(), variance, wide_change.abs()];
+    if limits.iter().any(|v| close_to(*v, 1.0)) || (variance - wide_variance).abs() < 1e-3 {
+        return None;
+    }
+    if change.abs() > 1.0 || variance > 1.0 {
+        return Some(Expected::Stays);
+    }
+    if wide_variance < variance && wide_change.abs() < 1.0 {
+        let apart = (CUT * (wide_change - change)).powi(2);
+        let share = (1.0 - apart / (variance - wide_variance) / 9.0).max(0.0).powi(2);
+        change += share * (wide_change - change);
+        variance += share * (wide_variance - variance) + 0.7 * apart.min(1.0);
+    }
+    if close_to(variance, 1.0) {
+        return None;
+    }
+    let value = 1.0 / (1.0 / d3 + change * cut);
+    let stays = variance > 1.0;
+    Some(if stays { Expected::Stays } else { Expected::Changes { value, factor: variance.sqrt() } })
 }
 
 /// Compares all pixels; the shares of the pixels that changed, and that could not be compared.

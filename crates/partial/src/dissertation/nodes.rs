@@ -13,7 +13,7 @@ use transect_geometry::{Node, Point2, Vector2};
 
 /// Bounds of the factor between range noise and the error across the curve: planes nearly tangent
 /// to the surface would claim any error, oblique surfaces an accuracy their normal does not support.
-const SIGMA_FACTORS: (f64, f64) = (1.0, 6.0);
+const SIGMA_FACTORS: (f64, f64) = (0.25, 12.0);
 
 /// Smallest sine of the angle between ray and curve in the footprint.
 const MIN_SINE: f64 = 0.2;

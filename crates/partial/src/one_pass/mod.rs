@@ -125,7 +125,7 @@ impl Default for OnePassOptions {
             subpixel: Subpixel::Cartesian,
             gap: 0,
             excursion_sigmas: 4.0,
-            least_sigma_factor: 1.0,
+            least_sigma_factor: 0.25,
         }
     }
 }

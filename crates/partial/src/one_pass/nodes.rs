@@ -12,7 +12,7 @@ const REACH: usize = 3;
 
 /// Upper bound of the factor between range noise and the error across the curve: planes nearly
 /// tangent to the surface would otherwise claim any error at all. The lower bound is an option.
-const LARGEST_SIGMA_FACTOR: f64 = 6.0;
+const LARGEST_SIGMA_FACTOR: f64 = 12.0;
 
 /// Smallest sine of the angle between ray and curve in the footprint: that of the rim cut.
 const MIN_SINE: f64 = 0.2;

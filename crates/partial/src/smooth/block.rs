@@ -4,13 +4,25 @@ use super::grid::Grid;
 use super::lanes::{LANES, Lanes, all, positive};
 use super::links::WIDTH;
 use super::normal_equations::{Coefficients, RowPolynomial, RowSums, Sums};
-use super::{REACH, Window};
+use super::{REACH, Window, window};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, u32x8};
 
 /// Residuals beyond this many standard deviations do not count: Tukey's biweight is 95 % as
 /// efficient as least squares on normal noise with 4.685.
 pub(super) const CUT: f64 = 4.685;
+
+/// Standard deviations of their difference by which the estimates of two windows may differ and still
+/// have the wider one count.
+const AGREEMENT: f32 = 3.0;
+
+/// Share of the windows' squared difference that counts as the result's variance, and how large that
+/// difference is for it at most, in variances of a sample.
+///
+/// On walls a third of it would do, for what taking sides by the difference costs; where surfaces bend
+/// both windows err, and more.
+const DOUBT: f32 = 0.7;
+const MOST_DOUBT: f32 = 1.0;
 
 /// Pixels of the largest window.
 const PIXELS: usize = WIDTH * WIDTH;
@@ -22,6 +34,8 @@ pub(super) struct Block {
     first: usize,
     /// `1 / radius²` in rows and columns; 0 for pixels that are not fitted.
     inverse_radii: [[f32; LANES]; 2],
+    /// The same for the wider windows.
+    wider: [[f32; LANES]; 2],
     inverse_cut: [f32; LANES],
     /// Largest radius of any pixel, in rows and in columns.
     largest: (f64, f64),
@@ -31,9 +45,29 @@ pub(super) struct Block {
 /// The outcome for the pixels of a block.
 #[derive(Debug)]
 pub(super) struct BlockFit {
-    change: [f32; LANES],
-    variance: [f32; LANES],
+    narrow: [Estimate; LANES],
+    wide: [Estimate; LANES],
     inverse_cut: [f32; LANES],
+}
+
+/// What becomes of a pixel.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Fitted {
+    /// Of its quantity.
+    pub change: f32,
+    /// Of its standard deviation.
+    pub factor: f32,
+    /// Share of the wider window in it.
+    pub share: f32,
+}
+
+/// What a fit says of its centre.
+#[derive(Debug, Clone, Copy)]
+struct Estimate {
+    /// By how many cuts the quantity changes.
+    change: f32,
+    /// Of the result, as a share of that of the sample.
+    variance: f32,
 }
 
 /// The weights of a block's windows, and where in the window they are; a work space that blocks use
@@ -96,6 +130,7 @@ impl Block {
             row,
             first,
             inverse_radii: [[0.0; LANES]; 2],
+            wider: [[0.0; LANES]; 2],
             inverse_cut: [0.0; LANES],
             largest: (0.0, 0.0),
             radii: [0.0; LANES],
@@ -106,6 +141,9 @@ impl Block {
         let (rows, cols) = window.radii;
         self.inverse_radii[0][lane] = (1.0 / (rows * rows)) as f32;
         self.inverse_radii[1][lane] = (1.0 / (cols * cols)) as f32;
+        for (axis, radius) in [rows, cols].into_iter().enumerate() {
+            self.wider[axis][lane] = (1.0 / window::wider(radius).powi(2)) as f32;
+        }
         self.inverse_cut[lane] = (1.0 / (CUT * window.sigma)) as f32;
         self.largest = (self.largest.0.max(rows), self.largest.1.max(cols));
         self.radii[lane] = (rows * cols).sqrt() as f32;
@@ -115,8 +153,10 @@ impl Block {
         self.largest.0 == 0.0
     }
 
-    pub fn radius(&self, lane: usize) -> f32 {
-        self.radii[lane]
+    /// Radius of a window of which the wider one has a share.
+    pub fn radius(&self, lane: usize, share: f32) -> f32 {
+        let (radius, wider) = (self.radii[lane], window::wider(f64::from(self.radii[lane])));
+        radius + share * (wider as f32 - radius)
     }
 
     /// Fits all pixels. The unit of values is the cut, so that single precision never runs out.
@@ -132,12 +172,33 @@ impl Block {
         weights.frame(self.largest);
         let first = self.first_pass(&values, weights).fit();
         let second = pass::<S, true>(&values, weights, &first).fit();
-        let centre = pass::<S, false>(&values, weights, &second).centre_weights();
-        let (change, variance) = at_centre(&values, weights, &centre);
-        BlockFit {
-            change: change.to_array(),
-            variance: variance.to_array(),
-            inverse_cut: self.inverse_cut,
+        let narrow = at_centre(&values, weights, &second);
+        weights.frame((window::wider(self.largest.0), window::wider(self.largest.1)));
+        self.weigh_wider(&values, weights);
+        let wide = at_centre(&values, weights, &second);
+        BlockFit { narrow, wide, inverse_cut: self.inverse_cut }
+    }
+
+    /// Weights of the wider windows by distance alone.
+    #[inline(always)]
+    fn weigh_wider<S: Simd>(&self, values: &Values<'_, S>, weights: &mut Weights) {
+        let simd = values.simd;
+        let connected = values.grid.links.connected(simd, self.row, self.first);
+        let [per_row, per_col] = self.wider.map(|r| Lanes::load_array(simd, r));
+        let (one, zero, none) = (all(simd, 1.0), all(simd, 0.0), u32x8::splat(simd, 0));
+        let (top, bottom) = weights.rows;
+        for (k, connected) in connected.iter().enumerate().take(bottom).skip(top) {
+            let y = k as f32 - REACH as f32;
+            let half = weights.half_widths[k];
+            let from_row = per_row * (y * y);
+            for c in REACH - half..=REACH + half {
+                let x = c as f32 - REACH as f32;
+                let squared = from_row + per_col * (x * x);
+                let fall = positive(simd, one - squared * squared);
+                let apart = (*connected & (1_u32 << c)).simd_eq(none);
+                let weight = apart.select(zero, fall * fall);
+                weight.store_slice(&mut weights.spatial[k * WIDTH + c]);
+            }
         }
     }
 
@@ -206,18 +267,20 @@ fn pass<S: Simd, const WITH_VALUES: bool>(
     sums
 }
 
-/// The fit at the centre as a weighted sum of values, and the sum of its squared weights.
+/// The fit at the centre with weights by the residuals of the last fit: a weighted sum of values,
+/// and the sum of its squared weights.
 #[inline(always)]
 fn at_centre<S: Simd>(
     values: &Values<'_, S>,
-    weights: &Weights,
-    polynomial: &Coefficients<S>,
-) -> (Lanes<S>, Lanes<S>) {
+    weights: &mut Weights,
+    last: &Coefficients<S>,
+) -> [Estimate; LANES] {
+    let polynomial = pass::<S, false>(values, weights, last).centre_weights();
     let zero = all(values.simd, 0.0);
     let (mut change, mut variance) = (zero, zero);
     for k in weights.rows.0..weights.rows.1 {
         let half = weights.half_widths[k];
-        let of_row = RowPolynomial::new(polynomial, k as f32 - REACH as f32);
+        let of_row = RowPolynomial::new(&polynomial, k as f32 - REACH as f32);
         for c in REACH - half..=REACH + half {
             let robust = Lanes::load_array_ref(values.simd, &weights.robust[k * WIDTH + c]);
             let share = robust * of_row.at(c as f32 - REACH as f32);
@@ -225,17 +288,47 @@ fn at_centre<S: Simd>(
             variance += share * share;
         }
     }
-    (change, variance)
+    let (change, variance) = (change.to_array(), variance.to_array());
+    std::array::from_fn(|lane| Estimate { change: change[lane], variance: variance[lane] })
+}
+
+impl Estimate {
+    /// Whether it is one of the surface that the centre belongs to, and better than the sample.
+    fn holds(&self) -> bool {
+        // A fit without pixels has variance 0. One that differs by a cut is of another surface.
+        self.variance > 0.0 && self.variance < 1.0 && self.change.abs() < 1.0
+    }
+
+    /// The better estimate of this and that of a wider window: that one where noise explains their
+    /// difference, this one where it does not, and a mean of both in between; and the other's share.
+    ///
+    /// A share that falls smoothly keeps neighbouring pixels from taking different sides.
+    fn or_wider(&self, wide: &Self) -> (Self, f32) {
+        if !wide.holds() || wide.variance >= self.variance {
+            return (*self, 0.0);
+        }
+        // Of nested windows, the variance of the difference is the difference of the variances.
+        let (gain, apart) =
+            (self.variance - wide.variance, CUT as f32 * (self.change - wide.change));
+        let squared = apart * apart;
+        let fall = (1.0 - squared / (gain * AGREEMENT * AGREEMENT)).max(0.0);
+        let share = fall * fall;
+        let mix = |this: f32, wide: f32| this + share * (wide - this);
+        let doubt = DOUBT * squared.min(MOST_DOUBT);
+        let variance = mix(self.variance, wide.variance) + doubt;
+        (Self { change: mix(self.change, wide.change), variance }, share)
+    }
 }
 
 impl BlockFit {
-    /// The change of a pixel's quantity, and the factor of its standard deviation; `None` where the
-    /// pixel stays as it is.
-    pub fn at(&self, lane: usize) -> Option<(f32, f32)> {
-        let (change, variance) = (self.change[lane], self.variance[lane]);
+    /// What becomes of a pixel; `None` where it stays as it is.
+    pub fn at(&self, lane: usize) -> Option<Fitted> {
         let inverse_cut = self.inverse_cut[lane];
-        // A fit without pixels has variance 0. One that differs by a cut is of another surface.
-        let better = variance > 0.0 && variance < 1.0 && change.abs() < 1.0;
-        (inverse_cut > 0.0 && better).then(|| (change / inverse_cut, variance.sqrt()))
+        if inverse_cut == 0.0 || !self.narrow[lane].holds() {
+            return None;
+        }
+        let (best, share) = self.narrow[lane].or_wider(&self.wide[lane]);
+        let (change, factor) = (best.change / inverse_cut, best.variance.sqrt());
+        best.holds().then_some(Fitted { change, factor, share })
     }
 }

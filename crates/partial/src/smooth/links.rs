@@ -78,7 +78,7 @@ fn spread<S: Simd>(seen: u32x8<S>, left: u32x8<S>) -> u32x8<S> {
     // pairs are unbroken.
     let (mut right, mut back) = (left, left >> 1);
     let (mut upward, mut downward) = (seen, seen);
-    for step in [1, 2, 4, 8] {
+    for step in [1, 2, 4, 8, 16] {
         upward |= right & (upward << step);
         downward |= back & (downward >> step);
         right &= right << step;
@@ -108,6 +108,8 @@ mod tests {
             (0b0001_0000, 0b0111_1000, 0b0111_1100),
             (0b0000_0001, 0, 1),
             (1 << 7, 0x7fff, 0x7fff),
+            (1, (1 << WIDTH) - 1, (1 << WIDTH) - 1),
+            (1 << (WIDTH - 1), (1 << WIDTH) - 1, (1 << WIDTH) - 1),
             (0, 0x7fff, 0),
         ];
         for (seen, left, expected) in cases {
@@ -120,7 +122,7 @@ mod tests {
 
     #[test]
     fn windows_reach_across_words_and_stop_at_jumps() {
-        let (rows, cols) = (20, 150);
+        let (rows, cols) = (26, 150);
         let mut links = Links::new(rows, cols);
         for row in 0..rows {
             for col in 0..cols {
@@ -129,7 +131,7 @@ mod tests {
             }
         }
         for (col, lowest) in [(64, 0), (66, REACH), (67, REACH - 1)] {
-            let window = first_window(&links, 10, col);
+            let window = first_window(&links, 12, col);
             let highest = if col < 66 { 65 - col + REACH } else { WIDTH - 1 };
             let expected = (1 << (highest + 1)) - (1 << lowest);
             assert_eq!(window, [expected; WIDTH], "column {col}: {window:x?}");

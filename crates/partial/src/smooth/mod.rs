@@ -18,13 +18,17 @@
 //!    smoothed across a range jump.
 //! 3. Three fits of the quantity in which planes are flat, see `quantity.rs`: the first one with
 //!    the weights of 1, then with those of the residuals.
-//! 4. The pixel takes the polynomial's value, with a standard deviation that follows from the
-//!    weights, unless that is no smaller, or the pixel itself is none of the fit's surface.
+//! 4. The same in a wider window, whose weights follow from the residuals of the last fit. Where both
+//!    agree within noise the wider one counts, where they do not the narrower one, and in between a
+//!    mean of both: two steps of the method of intersecting confidence intervals (Goldenshluger and
+//!    Nemirovski, 1997). Walls get the gain of wide windows, and what bends stays.
+//! 5. The pixel takes that value, with a standard deviation that follows from the weights, unless
+//!    that is no smaller, or the pixel itself is none of the fit's surface.
 //!
 //! Missing pixels stay missing, and where noise is negligible against the spacing of the rays no
 //! bit changes. Noise of a result is shared with its neighbours over the window.
 //!
-//! **Cost.** Three passes over the window's pixels, several pixels side by side; see `lanes.rs`. Where
+//! **Cost.** Three passes over the window's pixels and one over the wider one's, several pixels side by side; see `lanes.rs`. Where
 //! section planes are far apart, most pixels can be left as they are; see `reach.rs`.
 
 mod block;
@@ -46,7 +50,7 @@ use quantity::Quantity;
 use transect_device::{Pixel, RangeImage, View, ViewError};
 
 /// Pixels from a window's centre to its border at most.
-const REACH: usize = 7;
+const REACH: usize = 10;
 
 /// A view after smoothing.
 #[derive(Debug, Clone)]
@@ -221,16 +225,16 @@ impl<'a> Smoother<'a> {
         (lane, pixel): (usize, usize),
         output: &mut Output,
     ) {
-        let Some((change, factor)) = fit.at(lane) else { return };
+        let Some(fitted) = fit.at(lane) else { return };
         let old = self.quantity.of_value(f64::from(output.values[pixel]));
-        let value = self.quantity.value(old + f64::from(change)) as f32;
+        let value = self.quantity.value(old + f64::from(fitted.change)) as f32;
         // Noise as large as the range itself could turn a sample into a missing one.
         if !(value > 0.0 && value.is_finite()) {
             return;
         }
         output.values[pixel] = value;
-        output.sigma_factors[pixel] = factor;
-        output.radii.push(block.radius(lane));
+        output.sigma_factors[pixel] = fitted.factor;
+        output.radii.push(block.radius(lane, fitted.share));
     }
 
     /// `None` where the pixel is missing or stays as it is.

@@ -11,13 +11,22 @@ const RADIUS: f64 = 6.0;
 /// Radius below which a window holds too few pixels to lower noise.
 pub(super) const SMALLEST: f64 = 2.3;
 
-/// Radius of the largest window; the pixels on its rim weigh nothing.
-pub(super) const LARGEST: f64 = REACH as f64 + 0.5;
+/// Radius of the largest window that is not a wider one.
+pub(super) const LARGEST: f64 = 7.5;
+
+/// Radius of the largest wider window; the pixels on its rim weigh nothing.
+const WIDEST: f64 = REACH as f64 + 0.5;
 
 /// Radius of the window in pixels; 0 where noise is negligible against the spacing.
 pub(super) fn radius(sigma: f64, spacing: f64) -> f64 {
     let radius = RADIUS * (sigma / spacing).cbrt();
     if radius >= SMALLEST { radius.min(LARGEST) } else { 0.0 }
+}
+
+/// Radius of the wider window that is tried, too: twice the pixels.
+pub(super) fn wider(radius: f64) -> f64 {
+    const FACTOR: f64 = 1.4;
+    (FACTOR * radius).min(WIDEST)
 }
 
 #[cfg(test)]
