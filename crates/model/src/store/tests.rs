@@ -337,7 +337,7 @@ fn a_whole_model_is_no_store_and_a_store_no_whole_model() {
     let (model, store) = (folder.path().join("model"), folder.path().join("store"));
     crate::samples::small().save(&model).unwrap();
     let refused = Store::open(&model).unwrap_err();
-    assert!(matches!(refused.problem, StoreProblem::Damaged(Damage::WrongVersion { found: 3 })));
+    assert!(matches!(refused.problem, StoreProblem::Damaged(Damage::WrongVersion { found: 4 })));
     Store::create(&store, &header()).unwrap();
     let refused = crate::Model::load(&store).unwrap_err();
     let cause = std::error::Error::source(&refused).unwrap().to_string();
