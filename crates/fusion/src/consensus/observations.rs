@@ -120,8 +120,11 @@ impl Observations {
             return;
         }
         let mean_step = arc.length / nodes.len() as f64;
-        let first = self.all.len() as u32;
-        for (k, node) in nodes.iter().enumerate() {
+        let seen = seen(curve);
+        let (Some(&first), Some(last)) = (seen.first(), seen.len().checked_sub(1)) else { return };
+        let start = self.all.len() as u32;
+        for (number, &k) in seen.iter().enumerate() {
+            let node = &nodes[k];
             // Where nobody says how far the samples are apart, the nodes do.
             let known = f64::from(node.footprint) > LEAST_FOOTPRINT * mean_step;
             let footprint = if known { f64::from(node.footprint) } else { mean_step };
@@ -131,14 +134,12 @@ impl Observations {
             let taper =
                 (arc.to_open_end(k) / (TAPER_FOOTPRINTS * footprint)).clamp(LEAST_TAPER, 1.0);
             let credit = f64::from(node.weight) * taper;
-            let last = k + 1 == nodes.len();
-            let next = if !last {
-                first + k as u32 + 1
-            } else if curve.is_closed() {
-                first
-            } else {
-                NONE
+            let next = match seen.get(number + 1) {
+                Some(_) => start + number as u32 + 1,
+                None if curve.is_closed() => start,
+                None => NONE,
             };
+            let follower = seen.get(number + 1).copied().unwrap_or(first);
             self.all.push(Observation {
                 position: node.position,
                 tangent: arc.tangent(k, reach(footprint, node)),
@@ -150,15 +151,26 @@ impl Observations {
                 weight: credit / (sigma * sigma),
                 view,
                 next,
-                bridged: node.bridged,
+                bridged: node.bridged || follower != (k + 1) % nodes.len(),
             });
         }
-        for (reason, (observation, is_last)) in
-            curve.ends().into_iter().zip([(first, false), (first + nodes.len() as u32 - 1, true)])
-        {
+        let ends = [(start, false), (start + last as u32, true)];
+        for (reason, (observation, is_last)) in curve.ends().into_iter().zip(ends) {
             self.ends.extend(reason.map(|reason| ViewEnd { observation, is_last, reason }));
         }
     }
+}
+
+/// The nodes of a curve with a unit that was seen: one between two bridges has no direction.
+fn seen(curve: &Curve) -> Vec<usize> {
+    let nodes = curve.nodes();
+    let n = nodes.len();
+    let before = |k: usize| {
+        let before = if k > 0 { Some(k - 1) } else { curve.is_closed().then_some(n - 1) };
+        before.is_some_and(|b| !nodes[b].bridged)
+    };
+    let after = |k: usize| !nodes[k].bridged && (k + 1 < n || curve.is_closed());
+    (0..n).filter(|&k| before(k) || after(k)).collect()
 }
 
 fn reach(footprint: f64, node: &Node) -> f64 {
