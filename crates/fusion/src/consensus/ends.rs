@@ -33,7 +33,7 @@ pub(super) const SMOOTH: JoinRule =
 
 /// A sharp bend or a thin tip, where the curve turns back on itself.
 pub(super) const HAIRPIN: JoinRule =
-    JoinRule { gap_footprints: 3.0, turn_cosine: (-1.0, 0.5), backward: -0.5, cut_nodes: 0 };
+    JoinRule { gap_footprints: 4.0, turn_cosine: (-1.0, 0.5), backward: -0.7, cut_nodes: 0 };
 
 /// Ends that overshoot a rim and cross, or pass each other.
 pub(super) const CROSSING: JoinRule =
@@ -154,13 +154,16 @@ fn fit(
     let largest = tail.footprint.max(head.footprint);
     let shortest = a.nodes.len().min(b.nodes.len());
     let most = rule.cut_nodes.min(if itself { shortest / 3 } else { shortest / 2 });
-    let (leaving, arriving) = (a.direction(kept, true), b.direction(kept, false));
-    let turn = leaving.dot(&arriving);
-    if turn < rule.turn_cosine.0 || turn > rule.turn_cosine.1 + 1e-9 {
-        return None;
-    }
+    // What overshoots points elsewhere than the curve it is cut back to.
+    let leaving: Vec<Vector2> = (0..=most).map(|cut| a.direction(kept, true, cut)).collect();
+    let arriving: Vec<Vector2> = (0..=most).map(|cut| b.direction(kept, false, cut)).collect();
     let mut best: Option<(f64, (usize, usize))> = None;
     for (cut_a, cut_b) in (0..=most).flat_map(|a| (0..=most).map(move |b| (a, b))) {
+        let (leaving, arriving) = (leaving[cut_a], arriving[cut_b]);
+        let turn = leaving.dot(&arriving);
+        if turn < rule.turn_cosine.0 || turn > rule.turn_cosine.1 + 1e-9 {
+            continue;
+        }
         let p = kept[a.nodes[a.nodes.len() - 1 - cut_a] as usize];
         let q = kept[b.nodes[cut_b] as usize];
         let gap = q.position - p.position;

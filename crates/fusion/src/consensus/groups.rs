@@ -32,20 +32,30 @@ pub(super) struct Group {
     pub footprint: f64,
     /// Weight over footprint of the best of them.
     pub quality: f64,
-    /// The views they come from, a bit for each; from the 65th on views share bits.
-    pub views: u64,
 }
 
 /// The groups, and for every observation the number of its group.
 pub(super) struct Groups {
     pub all: Vec<Group>,
     pub of: Vec<u32>,
+    /// For each group the views its members come from, a bit for each; `words` numbers a group.
+    pub views: Vec<u64>,
+    pub words: usize,
+}
+
+impl Groups {
+    /// The bits of one group's views.
+    pub fn views(&self, group: usize) -> &[u64] {
+        &self.views[group * self.words..][..self.words]
+    }
 }
 
 /// Groups observations, each ungrouped one in canonical order taking in those beside it.
 pub(super) fn group(observations: &Observations, grid: &PointGrid, scale: &Scale) -> Groups {
     let seen = &observations.all;
-    let mut groups = Groups { all: Vec::new(), of: vec![NONE; seen.len()] };
+    let words = observations.sources.len().div_ceil(64).max(1);
+    let of = vec![NONE; seen.len()];
+    let mut groups = Groups { all: Vec::new(), of, views: Vec::new(), words };
     for (k, here) in seen.iter().enumerate() {
         if groups.of[k] != NONE {
             continue;
@@ -59,7 +69,9 @@ pub(super) fn group(observations: &Observations, grid: &PointGrid, scale: &Scale
             across: ACROSS_SHARE * scale.across(here.sigma),
             same_way: SAME_WAY,
         };
-        let of = &mut groups.of;
+        groups.views.resize((number as usize + 1) * words, 0);
+        let (of, views) = (&mut groups.of, &mut groups.views[number as usize * words..]);
+        mark(views, here);
         let mut sums = Sums::of(here);
         window.visit(
             grid,
@@ -69,6 +81,7 @@ pub(super) fn group(observations: &Observations, grid: &PointGrid, scale: &Scale
                 if of[j] == NONE && x.abs() <= ALONG_FOOTPRINTS * seen[j].footprint {
                     of[j] = number;
                     sums.add(here, &seen[j]);
+                    mark(views, &seen[j]);
                 }
             },
         );
@@ -84,7 +97,6 @@ struct Sums {
     weight: f64,
     footprint: f64,
     best: Observation,
-    views: u64,
 }
 
 impl Sums {
@@ -96,7 +108,6 @@ impl Sums {
             weight: first.weight,
             footprint: first.weight * first.footprint,
             best: *first,
-            views: bit(first),
         }
     }
 
@@ -105,7 +116,6 @@ impl Sums {
         self.tangent += o.tangent * o.weight;
         self.weight += o.weight;
         self.footprint += o.weight * o.footprint;
-        self.views |= bit(o);
         if quality(o) > quality(&self.best) {
             self.best = *o;
         }
@@ -121,7 +131,6 @@ impl Sums {
             sigma: self.best.sigma,
             footprint: if share > 0.0 { self.footprint * share } else { first.footprint },
             quality: quality(&self.best),
-            views: self.views,
         }
     }
 }
@@ -130,8 +139,8 @@ fn quality(o: &Observation) -> f64 {
     o.weight / o.footprint
 }
 
-fn bit(o: &Observation) -> u64 {
-    1 << (o.view % 64)
+fn mark(views: &mut [u64], o: &Observation) {
+    views[o.view as usize / 64] |= 1 << (o.view % 64);
 }
 
 #[cfg(test)]
@@ -155,7 +164,11 @@ mod tests {
 
     fn grouped(observations: &Observations) -> Groups {
         let grid = PointGrid::new(&observations.positions(), 0.02);
-        group(observations, &grid, &Scale { spacing: 0.02, threshold: 0.02, same_way: 0.6 })
+        group(
+            observations,
+            &grid,
+            &Scale { spacing: 0.02, threshold: 0.02, same_way: 0.6, common: 0.0 },
+        )
     }
 
     #[test]
@@ -172,9 +185,10 @@ mod tests {
         for (o, &g) in observations.all.iter().zip(&groups.of) {
             weights[g as usize] += o.weight;
         }
-        for (found, g) in weights.iter().zip(&groups.all) {
+        for (k, (found, g)) in weights.iter().zip(&groups.all).enumerate() {
             assert!((found / g.weight - 1.0).abs() < 1e-9);
-            assert_eq!(g.views.count_ones(), 64);
+            let views: u32 = groups.views(k).iter().map(|w| w.count_ones()).sum();
+            assert_eq!(views, 70);
         }
     }
 }

@@ -36,7 +36,11 @@ pub(super) fn link(
     ahead(kept, scale, &mut candidates);
     witnessed(kept, absorbed_by, observations, &mut candidates);
     candidates.sort_unstable_by(|a, b| {
-        a.cost.total_cmp(&b.cost).then(a.from.cmp(&b.from)).then(a.to.cmp(&b.to))
+        // Bridged ground comes last: it never keeps seen nodes from each other.
+        (a.bridged.cmp(&b.bridged))
+            .then(a.cost.total_cmp(&b.cost))
+            .then(a.from.cmp(&b.from))
+            .then(a.to.cmp(&b.to))
     });
     let mut next = vec![NONE; kept.len()];
     let mut previous = vec![NONE; kept.len()];
@@ -55,6 +59,7 @@ struct Candidate {
     cost: f64,
     from: u32,
     to: u32,
+    bridged: bool,
 }
 
 /// Pairs of nodes that lie ahead of each other.
@@ -77,7 +82,8 @@ fn ahead(kept: &[Kept], scale: &Scale, candidates: &mut Vec<Candidate>) {
                 (kept[from].tangent.dot(&step) / distance, kept[to].tangent.dot(&step) / distance);
             if leave.min(arrive) > SMALLEST_TURN_COSINE {
                 let cost = distance * (2.0 - leave) * (2.0 - arrive);
-                candidates.push(Candidate { cost, from: from as u32, to: to as u32 });
+                let (from, to) = (from as u32, to as u32);
+                candidates.push(Candidate { cost, from, to, bridged: false });
             }
         });
     }
@@ -104,7 +110,7 @@ fn witnessed(
         let least = if straight { SIDEWAYS } else { BACKWARD };
         if leave >= least && arrive >= least {
             let cost = WITNESSED * distance * (2.0 - leave) * (2.0 - arrive);
-            candidates.push(Candidate { cost, from, to });
+            candidates.push(Candidate { cost, from, to, bridged: o.bridged });
         }
     }
 }

@@ -31,11 +31,13 @@
 //! is only grouped and added to its cluster. Open ends are found through a grid as well. Not for
 //! views whose poses are wrong by more than the overlap threshold: it cannot repair registration.
 
+mod arc;
 mod ends;
 mod fit;
 mod groups;
 mod link;
 pub(crate) mod observations;
+mod output;
 mod pieces;
 mod place;
 mod spread;
@@ -72,10 +74,6 @@ impl Default for ConsensusOptions {
     }
 }
 
-/// Distance between neighbouring nodes, in footprints, from which the ground between them counts as
-/// bridged: thinning leaves up to twice its own reach, and a single missing pixel is no gap.
-const BRIDGED_FOOTPRINTS: f64 = 3.0;
-
 /// Shortest piece that takes part in joining, in footprints.
 const SHORTEST_PART: f64 = 2.0;
 
@@ -88,6 +86,8 @@ struct Scale {
     threshold: f64,
     /// Cosine of the largest angle between observations of one surface.
     same_way: f64,
+    /// Standard deviation of what the nodes of one view err by in common.
+    common: f64,
 }
 
 impl Scale {
@@ -104,10 +104,12 @@ impl Scale {
         let sigma = median(observations.all.iter().map(|o| o.sigma));
         let same_way = options.direction_limit_rad.cos();
         // One view says nothing about the spread between views; its own error is all there is.
-        let between = spread::between_views(observations, grid, same_way).unwrap_or(sigma);
+        let spread = spread::between_views(observations, grid, same_way)
+            .unwrap_or(spread::Spread { between: sigma, common: 0.0 });
+        let between = spread.between;
         let least = (Self::SIGMAS * sigma).max(Self::FOOTPRINTS * spacing);
         let threshold = (options.threshold_spreads * between).max(least);
-        (Self { spacing, threshold, same_way }, between)
+        (Self { spacing, threshold, same_way, common: spread.common }, between)
     }
 
     /// Overlap threshold for a node: wider where its own error is larger.
@@ -132,6 +134,8 @@ struct Kept {
     /// Sum of the credits of what this node absorbed.
     credit: f64,
     views: u32,
+    /// Variance of what its views err by in common.
+    common_variance: f64,
     /// Length along the curve over which it shares its error with its neighbours.
     correlation: f64,
     /// Outward unit normal of the surface, or zero.
@@ -152,6 +156,7 @@ impl Kept {
             weight: 0.0,
             credit: 0.0,
             views: 0,
+            common_variance: 0.0,
             correlation: 0.0,
             normal: Vector3::zeros(),
         }
@@ -195,12 +200,13 @@ pub(crate) fn measure(views: &[&[Curve]], options: &ConsensusOptions) -> Option<
 
 /// Fuses the curves of one plane; one slice of curves per view, in any order.
 pub fn consensus(views: &[&[Curve]], options: &ConsensusOptions) -> FusedPlane {
-    let observations = Observations::collect(views);
+    let mut observations = Observations::collect(views);
     if observations.all.is_empty() {
         return FusedPlane::default();
     }
     let grid = PointGrid::new(&observations.positions(), observations.spacing());
     let (scale, between) = Scale::new(&observations, &grid, options);
+    observations.weigh(scale.common);
     let mut thinned = thin::thin(&observations, &grid, &scale);
     place::place(&mut thinned.kept, &scale);
     let next = link::link(&thinned.kept, &thinned.absorbed_by, &observations, &scale);
@@ -210,7 +216,8 @@ pub fn consensus(views: &[&[Curve]], options: &ConsensusOptions) -> FusedPlane {
         FusionCounts { observations: observations.all.len(), ..FusionCounts::default() },
     );
     let (tidied, dropped) = tidy(kept, traced, &scale, options);
-    let curves = curves(kept, tidied);
+    let ends = output::Ends::new(&observations, &thinned.absorbed_by, kept);
+    let curves = output::curves(kept, tidied, &ends);
     let counts = FusionCounts { kept: kept.len(), dropped, ..counts };
     FusedPlane { curves, spread: between, threshold: scale.threshold, counts }
 }
@@ -229,7 +236,8 @@ fn tidy(
     }
     // What joining made longer may lie beside others, and what stayed short is no curve.
     let (pieces, short) = pieces::cover(kept, pieces, scale, options.shortest_footprints);
-    dropped += short;
+    let (pieces, spurs) = pieces::without_spurs(kept, pieces, scale);
+    dropped += short + spurs;
     let mut pieces = pieces;
     for piece in &mut pieces {
         let before = piece.nodes.len();
@@ -240,38 +248,4 @@ fn tidy(
     pieces.retain(|p| p.has_direction(kept));
     let left: usize = pieces.iter().map(|p| p.nodes.len()).sum();
     (pieces, dropped + all - left)
-}
-
-/// The curves of the pieces, longest first.
-fn curves(kept: &[Kept], pieces: Vec<Piece>) -> Vec<Curve> {
-    let curve = |p: &Piece| Curve::new(nodes(kept, p), p.closed).ok();
-    pieces::by_length(kept, pieces).iter().filter_map(curve).collect()
-}
-
-/// The nodes of a piece, with one that nobody saw in the middle of every bridged gap.
-fn nodes(kept: &[Kept], piece: &Piece) -> Vec<Node> {
-    let at = |k: u32| &kept[k as usize];
-    let mut nodes = Vec::with_capacity(piece.nodes.len());
-    for (k, &number) in piece.nodes.iter().enumerate() {
-        nodes.push(at(number).node());
-        let next = piece.nodes.get(k + 1).or(piece.nodes.first().filter(|_| piece.closed));
-        nodes.extend(next.and_then(|&next| bridge(at(number), at(next))));
-    }
-    nodes
-}
-
-/// The mark of a gap: a node without views, if two neighbours are too far apart to have been seen
-/// side by side.
-fn bridge(a: &Kept, b: &Kept) -> Option<Node> {
-    let gap = (b.position - a.position).norm();
-    let footprint = a.footprint.max(b.footprint);
-    (gap > BRIDGED_FOOTPRINTS * footprint).then(|| Node {
-        position: a.position + (b.position - a.position) * 0.5,
-        // Nothing is known in between but the two ends and their distance.
-        sigma: (0.25 * gap) as f32,
-        footprint: gap as f32,
-        weight: 0.0,
-        views: 0,
-        ..Node::at(a.position)
-    })
 }

@@ -1,8 +1,9 @@
 //! All nodes of all views on a plane, in canonical order, with direction and weight.
 
+use super::arc::Arc;
 use nalgebra::Vector3;
 use std::cmp::Ordering;
-use transect_geometry::{Curve, Node, Point2, Vector2};
+use transect_geometry::{Curve, EndReason, Node, Point2, Vector2};
 
 /// No observation.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -18,8 +19,9 @@ const LEAST_TAPER: f64 = 0.02;
 const TANGENT_FOOTPRINTS: f64 = 2.5;
 const TANGENT_SIGMAS: f64 = 3.0;
 
-/// Sampling error of a node as a share of its footprint, which keeps noise-free data finite.
-const SAMPLING_SHARE: f64 = 0.06;
+/// Bounds of the sampling error of a node, as shares of its footprint: where a curve bends sharply no
+/// more is said of it, and the least keeps noise-free data finite.
+const SAMPLING_SHARES: (f64, f64) = (0.002, 0.06);
 
 /// Smallest believable footprint, as a share of the mean distance between a curve's nodes.
 const LEAST_FOOTPRINT: f64 = 1e-3;
@@ -30,7 +32,7 @@ pub(crate) struct Observation {
     pub position: Point2,
     /// Unit direction of the view's curve.
     pub tangent: Vector2,
-    /// Standard deviation across the curve: noise and sampling.
+    /// Standard deviation across the curve: noise and sampling, not what its view has in common.
     pub sigma: f64,
     pub footprint: f64,
     /// Length along the curve over which nodes of its view share their errors.
@@ -39,12 +41,24 @@ pub(crate) struct Observation {
     pub normal: Vector3<f32>,
     /// How much it counts as an observation: the node's weight, less towards open ends.
     pub credit: f64,
-    /// Weight in an average: the credit over the variance.
+    /// Weight in an average: the credit over the variance, of which [`Observations::weigh`] has a say.
     pub weight: f64,
     /// Number of the view in canonical order.
     pub view: u32,
     /// The observation that follows on the view's curve, or [`NONE`].
     pub next: u32,
+    /// Whether the view did not see the ground up to the next.
+    pub bridged: bool,
+}
+
+/// Where a view's curve begins or ends.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ViewEnd {
+    /// Number of the observation there.
+    pub observation: u32,
+    /// Whether the curve ends there; else it begins.
+    pub is_last: bool,
+    pub reason: EndReason,
 }
 
 /// All observations of a plane.
@@ -53,6 +67,8 @@ pub(crate) struct Observations {
     pub all: Vec<Observation>,
     /// For each different view in canonical order, its place among the views as given.
     pub sources: Vec<usize>,
+    /// Where the views' curves begin and end, as far as anyone knows why.
+    pub ends: Vec<ViewEnd>,
 }
 
 impl Observations {
@@ -83,6 +99,14 @@ impl Observations {
         self.all.iter().map(|o| o.position).collect()
     }
 
+    /// Takes into account, in all weights, what the nodes of a view err by in common: a view whose own
+    /// nodes agree ever so well is no nearer to the truth than views agree with each other.
+    pub fn weigh(&mut self, common: f64) {
+        for o in &mut self.all {
+            o.weight = o.credit / (o.sigma * o.sigma + common * common);
+        }
+    }
+
     /// Median footprint.
     pub fn spacing(&self) -> f64 {
         median(self.all.iter().map(|o| o.footprint))
@@ -96,23 +120,26 @@ impl Observations {
             return;
         }
         let mean_step = arc.length / nodes.len() as f64;
-        let first = self.all.len() as u32;
-        for (k, node) in nodes.iter().enumerate() {
+        let seen = seen(curve);
+        let (Some(&first), Some(last)) = (seen.first(), seen.len().checked_sub(1)) else { return };
+        let start = self.all.len() as u32;
+        for (number, &k) in seen.iter().enumerate() {
+            let node = &nodes[k];
             // Where nobody says how far the samples are apart, the nodes do.
             let known = f64::from(node.footprint) > LEAST_FOOTPRINT * mean_step;
             let footprint = if known { f64::from(node.footprint) } else { mean_step };
-            let sigma = f64::from(node.sigma).hypot(SAMPLING_SHARE * footprint);
+            let (least, most) = SAMPLING_SHARES;
+            let sampling = arc.roughness(k).clamp(least * footprint, most * footprint);
+            let sigma = f64::from(node.sigma).hypot(sampling);
             let taper =
                 (arc.to_open_end(k) / (TAPER_FOOTPRINTS * footprint)).clamp(LEAST_TAPER, 1.0);
             let credit = f64::from(node.weight) * taper;
-            let last = k + 1 == nodes.len();
-            let next = if !last {
-                first + k as u32 + 1
-            } else if curve.is_closed() {
-                first
-            } else {
-                NONE
+            let next = match seen.get(number + 1) {
+                Some(_) => start + number as u32 + 1,
+                None if curve.is_closed() => start,
+                None => NONE,
             };
+            let follower = seen.get(number + 1).copied().unwrap_or(first);
             self.all.push(Observation {
                 position: node.position,
                 tangent: arc.tangent(k, reach(footprint, node)),
@@ -124,9 +151,26 @@ impl Observations {
                 weight: credit / (sigma * sigma),
                 view,
                 next,
+                bridged: node.bridged || follower != (k + 1) % nodes.len(),
             });
         }
+        let ends = [(start, false), (start + last as u32, true)];
+        for (reason, (observation, is_last)) in curve.ends().into_iter().zip(ends) {
+            self.ends.extend(reason.map(|reason| ViewEnd { observation, is_last, reason }));
+        }
     }
+}
+
+/// The nodes of a curve with a unit that was seen: one between two bridges has no direction.
+fn seen(curve: &Curve) -> Vec<usize> {
+    let nodes = curve.nodes();
+    let n = nodes.len();
+    let before = |k: usize| {
+        let before = if k > 0 { Some(k - 1) } else { curve.is_closed().then_some(n - 1) };
+        before.is_some_and(|b| !nodes[b].bridged)
+    };
+    let after = |k: usize| !nodes[k].bridged && (k + 1 < n || curve.is_closed());
+    (0..n).filter(|&k| before(k) || after(k)).collect()
 }
 
 fn reach(footprint: f64, node: &Node) -> f64 {
@@ -155,74 +199,6 @@ pub(crate) fn canonical(a: &Curve, b: &Curve) -> Ordering {
         .unwrap_or(a.nodes().len().cmp(&b.nodes().len()))
         .then(a.is_closed().cmp(&b.is_closed()))
         .then(a.ends().cmp(&b.ends()))
-}
-
-/// Arc lengths along a curve.
-struct Arc<'a> {
-    curve: &'a Curve,
-    /// Arc length at each node, from the first.
-    at: Vec<f64>,
-    length: f64,
-}
-
-impl<'a> Arc<'a> {
-    fn new(curve: &'a Curve) -> Self {
-        let mut length = 0.0;
-        let mut at = vec![0.0];
-        at.extend(curve.units().map(|u| {
-            length += u.vector().norm();
-            length
-        }));
-        at.truncate(curve.nodes().len());
-        Self { curve, at, length }
-    }
-
-    fn to_open_end(&self, k: usize) -> f64 {
-        if self.curve.is_closed() {
-            f64::INFINITY
-        } else {
-            self.at[k].min(self.length - self.at[k])
-        }
-    }
-
-    /// Unit direction at a node: from the mean of the nodes within `reach` before it to the mean of
-    /// those after it.
-    fn tangent(&self, k: usize, reach: f64) -> Vector2 {
-        let d = self.mean_offset(k, reach, true) - self.mean_offset(k, reach, false);
-        d.try_normalize(0.0).unwrap_or_else(|| self.chord(k))
-    }
-
-    fn mean_offset(&self, k: usize, reach: f64, ahead: bool) -> Vector2 {
-        let nodes = self.curve.nodes();
-        let here = nodes[k].position;
-        let (mut sum, mut count, mut walked, mut at) = (Vector2::zeros(), 0.0, 0.0, k);
-        while let Some(to) = self.step(at, ahead) {
-            walked += (nodes[to].position - nodes[at].position).norm();
-            // The nearest node always counts, however far it is.
-            if (walked > reach && count > 0.0) || to == k {
-                break;
-            }
-            sum += nodes[to].position - here;
-            count += 1.0;
-            at = to;
-        }
-        if count > 0.0 { sum / count } else { Vector2::zeros() }
-    }
-
-    fn step(&self, at: usize, ahead: bool) -> Option<usize> {
-        let n = self.curve.nodes().len();
-        match (ahead, self.curve.is_closed()) {
-            (true, true) => Some((at + 1) % n),
-            (false, true) => Some((at + n - 1) % n),
-            (true, false) => (at + 1 < n).then_some(at + 1),
-            (false, false) => at.checked_sub(1),
-        }
-    }
-
-    fn chord(&self, k: usize) -> Vector2 {
-        let unit = self.curve.units().nth(k.min(self.curve.units().len() - 1));
-        unit.and_then(|u| u.vector().try_normalize(0.0)).unwrap_or_else(Vector2::x)
-    }
 }
 
 /// The median of some values; 0 without values.

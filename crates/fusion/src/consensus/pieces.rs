@@ -61,11 +61,11 @@ impl Piece {
         (place(after) - place(before)).try_normalize(0.0).unwrap_or(own)
     }
 
-    /// Mean direction of the nodes at one end, towards the end of the curve.
-    pub fn direction(&self, kept: &[Kept], at_end: bool) -> Vector2 {
+    /// Mean direction of the nodes at one end, towards the end of the curve, when some are cut off.
+    pub fn direction(&self, kept: &[Kept], at_end: bool, cut: usize) -> Vector2 {
         const NODES: usize = 4;
         let sum = |nodes: &mut dyn Iterator<Item = &u32>| {
-            nodes.take(NODES).map(|&k| kept[k as usize].tangent).sum::<Vector2>()
+            nodes.skip(cut).take(NODES).map(|&k| kept[k as usize].tangent).sum::<Vector2>()
         };
         let mean =
             if at_end { sum(&mut self.nodes.iter().rev()) } else { sum(&mut self.nodes.iter()) };
@@ -176,6 +176,35 @@ pub(super) fn cover(
     (result, dropped)
 }
 
+/// Open pieces that one view saw, all along a closed piece of the same direction and closer to it than
+/// this many thresholds: between two boundaries with their solid on one side runs a third the other
+/// way, so where nobody saw one, that view is wrong.
+const SPUR_THRESHOLDS: f64 = 3.0;
+
+/// Largest mean number of views of a spur.
+const SPUR_VIEWS: f64 = 1.5;
+
+/// Takes out spurs; returns the others and how many nodes went.
+pub(super) fn without_spurs(
+    kept: &[Kept],
+    pieces: Vec<Piece>,
+    scale: &Scale,
+) -> (Vec<Piece>, usize) {
+    let weak = |p: &Piece| {
+        let views: u32 = p.nodes.iter().map(|&k| kept[k as usize].views).sum();
+        !p.closed && f64::from(views) <= SPUR_VIEWS * p.nodes.len() as f64
+    };
+    if !pieces.iter().any(weak) || !pieces.iter().any(|p| p.closed) {
+        return (pieces, 0);
+    }
+    let mut cover = Cover::new(kept, &pieces, scale);
+    pieces.iter().filter(|p| p.closed).for_each(|p| cover.accept(p));
+    let beside = |&k: &u32| cover.lies_within(k, SPUR_THRESHOLDS * scale.threshold);
+    let is_spur = |p: &Piece| weak(p) && p.nodes.iter().all(beside);
+    let (spurs, others): (Vec<Piece>, Vec<Piece>) = pieces.into_iter().partition(is_spur);
+    (others, spurs.iter().map(|p| p.nodes.len()).sum())
+}
+
 /// What has been accepted so far.
 struct Cover<'a> {
     kept: &'a [Kept],
@@ -214,7 +243,12 @@ impl<'a> Cover<'a> {
     /// Whether a node lies beside an accepted piece of the same direction.
     fn lies_beside(&self, k: u32) -> bool {
         let here = &self.kept[k as usize];
-        let width = self.scale.across(here.cluster_sigma).max(here.footprint);
+        self.lies_within(k, self.scale.across(here.cluster_sigma).max(here.footprint))
+    }
+
+    /// Whether a node lies within a width of an accepted piece of the same direction.
+    fn lies_within(&self, k: u32, width: f64) -> bool {
+        let here = &self.kept[k as usize];
         let reach = LONGEST_UNIT_FOOTPRINTS * here.footprint.max(self.scale.spacing);
         let mut beside = false;
         self.grid.within(&here.position, width.hypot(reach), |j, d| {

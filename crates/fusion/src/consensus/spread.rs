@@ -25,13 +25,22 @@ const SEARCH_SIGMAS: f64 = 6.0;
 /// Median of |x| for a normal x of standard deviation 1.
 const MEDIAN_OF_NORMAL: f64 = 0.6745;
 
-/// Standard deviation of one view's curve against the common one, registration included, in the
-/// length unit; `None` where no two views overlap.
+/// Spread between views, in the length unit.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Spread {
+    /// Standard deviation of one view's curve against the common one, registration included.
+    pub between: f64,
+    /// The part of it that the nodes' own errors do not explain: what a view's neighbouring nodes err
+    /// by in common (random effects model).
+    pub common: f64,
+}
+
+/// The spread between views; `None` where no two views overlap.
 pub(super) fn between_views(
     observations: &Observations,
     grid: &PointGrid,
     same_way: f64,
-) -> Option<f64> {
+) -> Option<Spread> {
     if observations.sources.len() < 2 {
         return None;
     }
@@ -39,38 +48,51 @@ pub(super) fn between_views(
     let least = if count > FEW { LEAST_STEP } else { 1 };
     let step = count.div_ceil(SAMPLES).max(least);
     let samples = (0..observations.all.len()).step_by(step);
-    let mut distances: Vec<f64> =
+    let mut pairs: Vec<Pair> =
         samples.filter_map(|k| distance_to_other(observations, grid, k, same_way)).collect();
-    if distances.len() < FEWEST_SAMPLES {
+    if pairs.len() < FEWEST_SAMPLES {
         return None;
     }
     // Pairs of different surfaces are in the sample; a shrinking cut leaves them behind.
     for _ in 0..3 {
-        let spread = median(distances.iter().copied()) / MEDIAN_OF_NORMAL;
-        distances.retain(|d| *d <= 4.0 * spread);
+        let spread = median(pairs.iter().map(|p| p.distance)) / MEDIAN_OF_NORMAL;
+        pairs.retain(|p| p.distance <= 4.0 * spread);
     }
-    let spread = median(distances.iter().copied()) / MEDIAN_OF_NORMAL;
-    Some(spread / std::f64::consts::SQRT_2)
+    let between = median(pairs.iter().map(|p| p.distance)) / MEDIAN_OF_NORMAL;
+    let between = between / std::f64::consts::SQRT_2;
+    let own = 0.5 * median(pairs.iter().map(|p| p.variance));
+    Some(Spread { between, common: (between * between - own).max(0.0).sqrt() })
+}
+
+/// Two nodes of different views beside each other.
+#[derive(Debug, Clone, Copy)]
+struct Pair {
+    /// Across the curve.
+    distance: f64,
+    /// Sum of the variances of both by their own errors.
+    variance: f64,
 }
 
 /// Distance across the curve to one other view, drawn by the node's number, at its node that lies
 /// most nearly beside: the nearest one would be near across the curve too, and read too low.
-fn distance_to_other(o: &Observations, grid: &PointGrid, k: usize, same_way: f64) -> Option<f64> {
+fn distance_to_other(o: &Observations, grid: &PointGrid, k: usize, same_way: f64) -> Option<Pair> {
     let here = &o.all[k];
     let others = o.sources.len() as u64 - 1;
     let drawn = (here.view as u64 + 1 + mixed(k as u64) % others) % o.sources.len() as u64;
     let radius = SEARCH_FOOTPRINTS * here.footprint + SEARCH_SIGMAS * here.sigma;
-    let mut nearest: Option<(f64, f64)> = None;
+    let mut nearest: Option<(f64, Pair)> = None;
     grid.within(&here.position, radius, |j, d| {
         let there = &o.all[j];
         if u64::from(there.view) == drawn && there.tangent.dot(&here.tangent) >= same_way {
             let distance = d.dot(&there.tangent).abs();
             if nearest.is_none_or(|(n, _)| distance < n) {
-                nearest = Some((distance, there.tangent.perp(&d).abs()));
+                let variance = here.sigma.powi(2) + there.sigma.powi(2);
+                nearest =
+                    Some((distance, Pair { distance: there.tangent.perp(&d).abs(), variance }));
             }
         }
     });
-    nearest.map(|(_, across)| across)
+    nearest.map(|(_, pair)| pair)
 }
 
 /// A number without relation to its neighbours (the finaliser of SplitMix64).

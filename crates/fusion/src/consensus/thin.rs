@@ -46,14 +46,14 @@ pub(super) fn thin(observations: &Observations, grid: &PointGrid, scale: &Scale)
         })
         .collect();
     let absorbed_by: Vec<u32> = groups.of.iter().map(|&g| group_absorbed_by[g as usize]).collect();
-    cluster(observations, &absorbed_by, &mut kept);
+    cluster(observations, &absorbed_by, &mut kept, scale.common);
     Thinned { kept, absorbed_by }
 }
 
 fn project(groups: &Groups, scale: &Scale) -> Vec<Projected> {
     let positions: Vec<Point2> = groups.all.iter().map(|g| g.position).collect();
     let grid = PointGrid::new(&positions, 2.0 * scale.spacing);
-    let mut samples = Vec::new();
+    let (mut samples, mut views) = (Vec::new(), vec![0_u64; groups.words]);
     let project = |here: &Group| {
         let window = Window {
             centre: here.position,
@@ -62,7 +62,7 @@ fn project(groups: &Groups, scale: &Scale) -> Vec<Projected> {
             across: scale.across(here.sigma),
             same_way: scale.same_way,
         };
-        let mut views = 0;
+        views.fill(0);
         samples.clear();
         window.visit(
             &grid,
@@ -70,14 +70,14 @@ fn project(groups: &Groups, scale: &Scale) -> Vec<Projected> {
             |j, x, y| {
                 let g = &groups.all[j];
                 samples.push(Sample { x, y, weight: g.weight, ..Sample::default() });
-                views |= g.views;
+                views.iter_mut().zip(groups.views(j)).for_each(|(all, v)| *all |= v);
             },
         );
         let fit = line(&samples, window.reach, window.across).unwrap_or_default();
         let normal = window.normal();
         let tangent = (here.tangent + normal * fit.slope).normalize();
         let position = here.position + normal * fit.place;
-        Projected { position, tangent, views: views.count_ones() }
+        Projected { position, tangent, views: views.iter().map(|w| w.count_ones()).sum() }
     };
     groups.all.iter().map(project).collect()
 }
@@ -128,7 +128,7 @@ fn by_support(groups: &Groups, projected: &[Projected]) -> Vec<u32> {
 }
 
 /// Gathers the original places of what each kept node absorbed.
-fn cluster(observations: &Observations, absorbed_by: &[u32], kept: &mut [Kept]) {
+fn cluster(observations: &Observations, absorbed_by: &[u32], kept: &mut [Kept], common: f64) {
     let mut sums = vec![Sums::default(); kept.len()];
     for (o, &by) in observations.all.iter().zip(absorbed_by) {
         let k = &kept[by as usize];
@@ -138,7 +138,7 @@ fn cluster(observations: &Observations, absorbed_by: &[u32], kept: &mut [Kept]) 
         k.views = s.views;
         if s.weight > 0.0 {
             // Nodes of no weight stand for themselves.
-            s.give(k);
+            s.give(k, common);
         }
     }
 }
@@ -159,6 +159,9 @@ struct Sums {
     variance: f64,
     /// Weighted error of earlier members of the same view that the next one shares.
     shared: f64,
+    /// Weight of the members of the last view, and sum of the squares of that of earlier ones.
+    of_view: f64,
+    of_views: f64,
 }
 
 impl Default for Sums {
@@ -176,6 +179,8 @@ impl Default for Sums {
             last_along: 0.0,
             variance: 0.0,
             shared: 0.0,
+            of_view: 0.0,
+            of_views: 0.0,
         }
     }
 }
@@ -185,6 +190,8 @@ impl Sums {
         if self.last_view != o.view {
             // Views err independently.
             (self.last_view, self.shared) = (o.view, 0.0);
+            self.of_views += self.of_view * self.of_view;
+            self.of_view = 0.0;
             self.views += 1;
         }
         let error = o.weight * o.sigma;
@@ -193,6 +200,7 @@ impl Sums {
         self.shared += error;
         self.last_along = along;
         self.weight += o.weight;
+        self.of_view += o.weight;
         self.credit += o.credit;
         self.position += o.position.coords * o.weight;
         self.along += o.weight * along;
@@ -201,12 +209,14 @@ impl Sums {
         self.correlation += o.weight * o.correlation;
     }
 
-    fn give(&self, k: &mut Kept) {
+    fn give(&self, k: &mut Kept, common: f64) {
         k.cluster = Point2::from(self.position / self.weight);
         k.cluster_sigma = self.variance.sqrt() / self.weight;
         let along = self.along / self.weight;
         k.along_variance = (self.along_squared / self.weight - along * along).max(0.0);
-        k.sigma = k.cluster_sigma;
+        let squares = self.of_views + self.of_view * self.of_view;
+        k.common_variance = squares * (common / self.weight).powi(2);
+        k.sigma = k.cluster_sigma.hypot(k.common_variance.sqrt());
         k.weight = self.weight;
         k.credit = self.credit;
         k.correlation = self.correlation / self.weight;

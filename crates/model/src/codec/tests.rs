@@ -210,7 +210,8 @@ fn a_curve_without_nodes_cannot_even_be_decoded() {
     let envelope = rectangle(0.0, 0.0, 1.0, 1.0).envelope();
     let nodes: Vec<transect_geometry::Node> = Vec::new();
     let config = bincode::config::standard();
-    let section = (envelope, vec![(envelope, (nodes, true))]);
+    let ends = [None::<transect_geometry::EndReason>; 2];
+    let section = (envelope, vec![(envelope, (nodes, true, ends))]);
     let bytes = bincode::serde::encode_to_vec(&section, config).unwrap();
     let refused = bincode::serde::decode_from_slice::<Section, _>(&bytes, config).unwrap_err();
     assert!(refused.to_string().contains("0 nodes cannot make a closed curve"), "{refused}");

@@ -100,9 +100,8 @@ pub struct OnePassOptions {
     /// points take twice the time for nodes, and noise that neighbours share, which no estimate
     /// sees, bends them: they are for ranges known to be clean.
     pub subpixel: Subpixel,
-    /// Most missing pixels in a row that a curve is continued across, 4 in the source; 0, the default,
-    /// bridges nothing. Of several views another one mostly sees the gap, and fusion, which closes
-    /// what remains and marks it as not seen, does not know bridged units from seen ones.
+    /// Most missing pixels in a row that a curve is continued across, 4 as in the source; 0 bridges
+    /// nothing. Bridged units are marked: fusion never lets them keep seen nodes from each other.
     pub gap: usize,
     /// Standard deviations by which the surface must leave the plane on both sides of a curve; 0
     /// keeps what noise alone makes where the surface is nearly tangent to the plane.
@@ -123,7 +122,7 @@ impl Default for OnePassOptions {
             jump_sigmas: 4.0,
             smooth: true,
             subpixel: Subpixel::Cartesian,
-            gap: 0,
+            gap: 4,
             excursion_sigmas: 4.0,
             least_sigma_factor: 0.25,
         }

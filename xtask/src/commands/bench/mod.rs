@@ -4,7 +4,7 @@ mod baselines;
 mod partial;
 mod peers;
 mod scene;
-mod timing;
+pub mod timing;
 
 use crate::failure::Failure;
 

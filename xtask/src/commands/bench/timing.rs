@@ -49,6 +49,14 @@ pub fn time(variants: &mut [Variant<'_>], rounds: usize) -> Vec<f64> {
     seconds.iter_mut().map(|s| median(s)).collect()
 }
 
+/// Seconds that something took once: those its thread was running, where the system tells.
+pub fn once(run: impl FnOnce()) -> f64 {
+    let (began, running) = (Instant::now(), thread_seconds());
+    run();
+    let ran = thread_seconds().zip(running).map(|(end, start)| end - start);
+    ran.unwrap_or_else(|| began.elapsed().as_secs_f64())
+}
+
 pub fn median(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)

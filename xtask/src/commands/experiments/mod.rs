@@ -4,6 +4,7 @@
 //! documentation states.
 
 mod database;
+mod fusion;
 mod orders;
 mod partial;
 mod pictures;
@@ -24,6 +25,8 @@ pub struct Arguments {
 enum Experiment {
     /// How accurate is every sensor on every bundled scene, without noise?
     Sensors(sensors::Arguments),
+    /// Does fusion drift, how far does it take noise out, and what does it cost?
+    Fusion(fusion::Arguments),
     /// How does the error fall when the sensors' grids get denser?
     Orders(orders::Arguments),
     /// How accurate are one view's curves, by method, noise, surface and angle?
@@ -38,6 +41,7 @@ enum Experiment {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.experiment {
         Experiment::Sensors(a) => sensors::run(a),
+        Experiment::Fusion(a) => fusion::run(a),
         Experiment::Orders(a) => orders::run(a),
         Experiment::Partial(a) => partial::run(a),
         Experiment::Database(a) => database::run(a),

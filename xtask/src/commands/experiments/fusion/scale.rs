@@ -1,0 +1,73 @@
+//! A tunnel of a kilometre: the time of every view as the model grows.
+
+use super::super::table;
+use super::rings::Look;
+use crate::commands::bench::timing::{median, once};
+use crate::table::say;
+use std::collections::BTreeMap;
+use transect_fusion::{ConsensusOptions, consensus};
+use transect_geometry::{Curve, Node};
+
+/// Distance between planes, and between views, in metres.
+const INTERVAL: f64 = 0.5;
+
+/// Planes that a view sees: 10 m of the tunnel.
+const SEEN: u32 = 20;
+
+/// Radius of the tunnel, distance between samples and their noise, in metres.
+const RADIUS: f64 = 3.0;
+const SPACING: f64 = 0.1;
+const SIGMA: f64 = 0.01;
+
+/// What is known of a plane: what each view saw, and the fused curves.
+#[derive(Default)]
+struct Plane {
+    seen: Vec<Vec<Curve>>,
+    fused: Vec<Curve>,
+}
+
+/// Prints the table.
+pub fn print(views: u32) {
+    let mut model: BTreeMap<u32, Plane> = BTreeMap::new();
+    let mut lines = Vec::new();
+    let mut seconds = Vec::new();
+    for view in 1..=views {
+        seconds.push(once(|| add(&mut model, view)));
+        if view == 100 || view % (views / 4).max(1) == 0 {
+            lines.push(line(view, &seconds, &model));
+        }
+    }
+    let heads =
+        ["views", "ms per view, the last 100", "nodes in the model", "bytes per metre of curve"];
+    table::print(&heads, &lines);
+    say(&format!(
+        "\nScale: a tunnel of radius 3 m, planes and views every {INTERVAL} m, half of the wall of 10 m seen by each \
+         view; every plane a view touches is fused again from all that was seen of it."
+    ));
+}
+
+/// Adds what a view sees of the planes ahead of it.
+fn add(model: &mut BTreeMap<u32, Plane>, view: u32) {
+    for k in view..view + SEEN {
+        let from = 2.4 * f64::from(view);
+        let look = Look { radius: RADIUS, from, sweep: 3.2, spacing: SPACING, sigma: SIGMA };
+        let plane = model.entry(k).or_default();
+        plane.seen.push(look.curve(u64::from(view) * 64 + u64::from(k)).into_iter().collect());
+        let slices: Vec<&[Curve]> = plane.seen.iter().map(Vec::as_slice).collect();
+        plane.fused = consensus(&slices, &ConsensusOptions::default()).curves;
+    }
+}
+
+fn line(view: u32, seconds: &[f64], model: &BTreeMap<u32, Plane>) -> Vec<String> {
+    let mut last: Vec<f64> = seconds.iter().rev().take(100).copied().collect();
+    let curves = || model.values().flat_map(|p| &p.fused);
+    let nodes: usize = curves().map(|c| c.nodes().len()).sum();
+    let length: f64 = curves().map(Curve::length).sum();
+    let bytes = (nodes * size_of::<Node>()) as f64 / length;
+    vec![
+        view.to_string(),
+        format!("{:.2}", 1e3 * median(&mut last)),
+        nodes.to_string(),
+        format!("{bytes:.0}"),
+    ]
+}
