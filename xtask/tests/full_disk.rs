@@ -38,13 +38,16 @@ fn views_left(folder: &Folder, store: &Path) -> f64 {
 /// A quota on the size of files, smaller than the store will be: the same error from the same calls.
 #[test]
 fn a_quota_on_files_loses_nothing() {
-    let folder = Folder::simulated("objects.scene.toml");
+    let folder = Folder::empty();
+    let scene = common::fixture("objects.scene.toml");
+    // So many that the file outgrows the size with which it is made.
+    folder.run(&format!("simulate {} --views 24 --out scan", scene.display())).succeeded();
     folder.reconstruct("scan").succeeded();
     let store = folder.path("s.transect");
     let mut left = Vec::new();
-    for kilobytes in [40, 120, 200, 280, 360] {
-        // SIGXFSZ ignored, the write fails; the shell's unit is 512 or 1024 bytes.
-        let script = format!("trap '' XFSZ; ulimit -f {kilobytes}; exec \"$0\" \"$@\"");
+    for blocks in [1000, 2100, 2500, 3200] {
+        // With SIGXFSZ ignored the write fails; a block has 512 bytes.
+        let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
         let inner = xtask(&folder, &store);
         let output = Command::new("sh")
             .args(["-c", &script])
