@@ -13,8 +13,8 @@ mod table;
 
 use clap::{Parser, Subcommand};
 use commands::{
-    bench, check, compact, evaluate, experiments, export, import, inspect, list_views, manifest,
-    measure, query, reconstruct, remove_view, replace_view, simulate, test, verify,
+    bench, check, compact, evaluate, experiments, export, gaps, import, inspect, list_views,
+    manifest, measure, query, reconstruct, remove_view, replace_view, simulate, test, verify,
 };
 use std::process::ExitCode;
 
@@ -48,6 +48,8 @@ enum Command {
     Compact(compact::Arguments),
     /// Say whether points are inside or outside of the solid, or unknown, and how far its curves are.
     Query(query::Arguments),
+    /// List what nobody saw, and where next views would see most of it.
+    Gaps(gaps::Arguments),
     /// Measure each plane of a model, and the volume between them.
     Measure(measure::Arguments),
     /// Write the curves of a model as files for others, or a whole store as lines of JSON.
@@ -78,6 +80,7 @@ fn main() -> ExitCode {
         Command::Verify(a) => verify::run(&a),
         Command::Compact(a) => compact::run(&a),
         Command::Query(a) => query::run(&a),
+        Command::Gaps(a) => gaps::run(&a),
         Command::Measure(a) => measure::run(&a),
         Command::Export(a) => export::run(&a),
         Command::Import(a) => import::run(&a),

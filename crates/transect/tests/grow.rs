@@ -228,7 +228,10 @@ fn a_store_of_other_settings_says_which() {
         let planes = PlaneFamily::new(StraightGuide::along(Vector3::z()).unwrap(), 0.0137, 0.1);
         let others = [
             (Setup { unit: LengthUnit::Millimetre, ..setup.clone() }, "its unit is m, not mm"),
-            (Setup { planes: planes.unwrap(), ..setup.clone() }, "every 0.08 m from 0.0137 m along"),
+            (
+                Setup { planes: planes.unwrap(), ..setup.clone() },
+                "every 0.08 m from 0.0137 m along",
+            ),
             (methods()[1].clone(), "its options are"),
         ];
         for (other, text) in others {

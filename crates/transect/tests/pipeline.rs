@@ -19,13 +19,12 @@ use transect::{
     LoadedView, ReconstructError, Reconstruction, Setup, SourceError, Stage, Unwatched, ViewSource,
     Watch, reconstruct,
 };
-use transect_device::{DeviceFrame, Isometry3, View};
+use transect_device::{Isometry3, View};
 use transect_geometry::{
     Curve, CurveUnit, LengthUnit, Node, PlaneFamily, PlaneIndex, Point2, Point3, StraightGuide,
     Vector2, Vector3,
 };
-use transect_scene::{Description, Noise, SensorParameters, Station};
-use transect_sensors::{AngularScan, ImagingRadar, Intrinsics, Pinhole};
+use transect_scene::Noise;
 
 /// Two thirds of a pixel's footprint at the far side of the scene, 0.5° at 3.5 m, in metres.
 ///

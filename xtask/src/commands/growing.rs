@@ -38,7 +38,7 @@ impl StoreArguments {
     ) -> Result<Option<PlaneFamily>, Failure> {
         match &self.store {
             Some(path) if path.exists() && scan.planes.is_none() && asked.say_nothing() => {
-                Ok(Some(open_store(path)?.read()?.header().planes))
+                Ok(Some(open_store(path)?.read()?.header().planes.clone()))
             }
             _ => Ok(None),
         }

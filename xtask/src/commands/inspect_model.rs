@@ -4,6 +4,7 @@ use super::model_file::{ModelFile, open_store};
 use crate::failure::Failure;
 use crate::table::{Row, digits, print, say};
 use std::path::Path;
+use transect_geometry::Guide;
 use transect_model::SCHEMA_VERSION;
 use transect_model::store::{STORE_VERSION, Snapshot};
 
@@ -59,9 +60,15 @@ fn store_rows(snapshot: &Snapshot) -> Result<Vec<Row>, Failure> {
 
 fn plane_rows(file: &ModelFile) -> Vec<Row> {
     let (planes, unit) = (file.planes(), file.unit().symbol());
-    let normal: [f64; 3] = planes.guide().direction().into();
+    let along = match planes.guide() {
+        Guide::Straight(guide) => {
+            let normal: [f64; 3] = guide.direction().into();
+            Row::new("planes, normal", normal.map(digits).join(", "), "")
+        }
+        Guide::Curved(guide) => Row::new("guide, curved, length", digits(guide.length()), unit),
+    };
     vec![
-        Row::new("planes, normal", normal.map(digits).join(", "), ""),
+        along,
         Row::new("planes, offset", digits(planes.offset()), unit),
         Row::new("planes, interval", digits(planes.interval()), unit),
     ]

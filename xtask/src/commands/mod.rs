@@ -6,6 +6,7 @@ pub mod compact;
 pub mod evaluate;
 pub mod experiments;
 pub mod export;
+pub mod gaps;
 pub mod import;
 pub mod inspect;
 pub mod list_views;

@@ -50,7 +50,7 @@ pub fn setup_of(path: &Path, header: &StoreHeader) -> Result<Setup, Failure> {
         let setup = |fusion: &Fusion| Setup {
             partial: method.options(),
             fusion: fusion.options(),
-            ..Setup::new(header.unit, header.planes)
+            ..Setup::new(header.unit, header.planes.clone())
         };
         fusions.iter().map(setup)
     });

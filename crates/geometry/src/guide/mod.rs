@@ -143,6 +143,12 @@ impl From<StraightGuide> for Guide {
     }
 }
 
+impl From<&Guide> for Guide {
+    fn from(guide: &Guide) -> Self {
+        guide.clone()
+    }
+}
+
 impl From<CurvedGuide> for Guide {
     fn from(guide: CurvedGuide) -> Self {
         Self::Curved(Arc::new(guide))

@@ -123,7 +123,7 @@ fn tally(
     points: impl Iterator<Item = Point3>,
     sampling: f64,
 ) -> Result<Tally, Failure> {
-    let planes = stage.description.planes;
+    let planes = &stage.description.planes;
     let planes = transect_geometry::PlaneFamily::new(planes.guide(), planes.offset(), interval)?;
     let model = reconstruct(views, &Setup::new(stage.description.unit, planes), &Unwatched)?.model;
     let (index, mut tally) = (ModelIndex::new(&model), Tally::default());

@@ -23,8 +23,8 @@ pub fn run() -> Result<(), Failure> {
     let placed = simulation::instruments(&stage, &Plan::OWN)?;
     let views = simulation::views(&stage, placed)?.views;
     let far: Result<Vec<View>, _> = views.iter().map(moved).collect();
-    let (near_planes, unit) = (stage.description.planes, stage.description.unit);
-    let up = near_planes.guide().direction().dot(&FAR);
+    let (near_planes, unit) = (stage.description.planes.clone(), stage.description.unit);
+    let up = near_planes.guide().direction(0.0).dot(&FAR);
     let far_planes =
         PlaneFamily::new(near_planes.guide(), near_planes.offset() + up, near_planes.interval())?;
     let (near, far) = (model(&views, near_planes, unit)?, model(&far?, far_planes, unit)?);
