@@ -23,7 +23,8 @@ const NOISE: [f64; 3] = [0.0, 0.001, 0.005];
 
 /// Directions of the planes' normals: along no axis of any solid or of the camera. The last is that
 /// in which most of the surfaces are nearly touched.
-const NORMALS: [[f64; 3]; 4] = [[0.9, 0.3, 0.2], [-0.2, 0.8, 0.5], [0.3, -0.4, 0.8], [0.12, 0.1, 1.0]];
+const NORMALS: [[f64; 3]; 4] =
+    [[0.9, 0.3, 0.2], [-0.2, 0.8, 0.5], [0.3, -0.4, 0.8], [0.12, 0.1, 1.0]];
 
 /// Distance between planes.
 const INTERVAL: f64 = 0.023;

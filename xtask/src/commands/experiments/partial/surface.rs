@@ -154,9 +154,8 @@ impl TrueSection<'_> {
 /// Normal of the face at one of its points; `None` on another part of the mask.
 fn face_normal(at: &Point3) -> Option<Vector3> {
     const STEP: f64 = 1e-4;
-    let height = |x: f64, y: f64| {
-        face_mask_height(x * FACE_SIZE, y * FACE_SIZE).map(|h| h / FACE_SIZE)
-    };
+    let height =
+        |x: f64, y: f64| face_mask_height(x * FACE_SIZE, y * FACE_SIZE).map(|h| h / FACE_SIZE);
     let slope = |dx: f64, dy: f64| {
         Some((height(at.x + dx, at.y + dy)? - height(at.x - dx, at.y - dy)?) / (2.0 * STEP))
     };
