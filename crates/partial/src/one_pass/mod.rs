@@ -109,9 +109,9 @@ pub struct OnePassOptions {
     /// Smallest factor between range noise and a node's error across the curve.
     ///
     /// With errors along the ray alone, a surface seen obliquely moves less across the curve than
-    /// along the ray, by a factor of down to 0.25; with that as bound, the predicted errors are the
-    /// observed ones of simulated noise. Real scanners err in other ways, too, and most where they
-    /// see a surface obliquely: a bound of 1 does not claim the gain.
+    /// along the ray, by a factor of down to 0.25; with that as bound, the default, predicted errors
+    /// are the observed ones of simulated noise. Real scanners err in other ways, too, and most where
+    /// they see a surface obliquely: a bound of 1 does not claim the gain.
     pub least_sigma_factor: f64,
 }
 

@@ -59,7 +59,7 @@ fn gaps() -> Result<(), Failure> {
                 name.to_owned(),
                 missing.to_string(),
                 pieces(&cut).to_string(),
-                cut.counts.bridged.to_string(),
+                bridged(&cut).to_string(),
                 pieces(&jump).to_string(),
                 on_both_sides(&jump).to_string(),
             ]);
@@ -132,6 +132,11 @@ fn without(view: &View, first: usize, count: usize) -> Result<View, Failure> {
 
 fn pieces(model: &PartialModel) -> usize {
     model.planes.iter().map(|p| p.curves.len()).sum()
+}
+
+/// Units across missing pixels.
+fn bridged(model: &PartialModel) -> usize {
+    model.planes.iter().flat_map(|p| &p.curves).map(|c| c.bridged.len()).sum()
 }
 
 /// Curves that have nodes on both sides of the step.
