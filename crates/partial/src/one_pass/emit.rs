@@ -64,7 +64,7 @@ pub(super) fn emit_up<S: Simd>(
     let over = source.places(i.wrapping_sub(1), above, 0, len).map(|places| (above, 0, places));
     let here = source.places(i, row, 0, len).map(|places| (&*row, 0, places));
     if let (Some(over), Some(here)) = (over, here) {
-        emit(simd, (pairs, len), edge, over, here, &mut bases, band);
+        emit(simd, CrossedPairs { columns: pairs, len, edge }, over, here, &mut bases, band);
     }
     bases[PAD - 1] = bases[PAD + source.cols - 1];
     row.up.bases = bases;
@@ -88,21 +88,29 @@ pub(super) fn emit_left<S: Simd>(
     let before = source.places(i, row, 1, len).map(|places| (&*row, 1, places));
     let here = source.places(i, row, 0, len).map(|places| (&*row, 0, places));
     if let (Some(before), Some(here)) = (before, here) {
-        emit(simd, (pairs, len), edge, before, here, &mut bases, band);
+        emit(simd, CrossedPairs { columns: pairs, len, edge }, before, here, &mut bases, band);
     }
     row.left.bases = bases;
     band.last_row = first..band.count;
 }
 
+/// The crossed pairs of one kind in a row.
+struct CrossedPairs<'a> {
+    columns: &'a [u32],
+    /// How many columns there are.
+    len: usize,
+    /// What the pair of column 0 is numbered.
+    edge: u32,
+}
+
 /// A row, from how many columns before, and its places.
 type Side<'a> = (&'a Row, usize, Places<'a>);
 
-/// The crossings of the pairs of some columns, of a number of them.
+/// The crossings of some pairs.
 #[inline(always)]
 fn emit<S: Simd>(
     simd: S,
-    (pairs, len): (&[u32], usize),
-    edge: u32,
+    CrossedPairs { columns: pairs, len, edge }: CrossedPairs<'_>,
     (above, shift, over): Side<'_>,
     (row, _, here): Side<'_>,
     bases: &mut [u32],
