@@ -36,7 +36,7 @@ fn view(sigma: f64) -> View {
         let wall = RANGE + 0.2 * (5.0 * theta).sin() * (7.0 * phi).cos();
         let grain = sigma * ((k * 7919 % 1009) as f64 / 504.5 - 1.0);
         let range = if on_box { 0.7 * RANGE } else { wall };
-        if k % 49 == 0 { f32::NAN } else { (range + grain) as f32 }
+        if k.is_multiple_of(49) { f32::NAN } else { (range + grain) as f32 }
     };
     let image = RangeImage::from_values(shape, (0..SIZE * SIZE).map(value).collect());
     let radar = ImagingRadar::new(shape, scan, scan).expect("a field of 80 degrees");

@@ -41,7 +41,8 @@ impl<'a, P: PlaceAt> Samples<'a, P> {
 
     #[inline(always)]
     pub fn at(&self, col: usize) -> Option<Sample> {
-        let (level, ceiling) = (*self.levels.get(col)?, *self.ceilings.get(col)?);
+        let level = *self.levels.get(col)?;
+        let ceiling = *self.ceilings.get(col)?;
         Some(Sample { level, ceiling, place: self.places.at(col)? })
     }
 }
@@ -63,7 +64,7 @@ pub(super) fn emit_up<S: Simd>(
     let over = source.places(i.wrapping_sub(1), above, 0, len).map(|places| (above, 0, places));
     let here = source.places(i, row, 0, len).map(|places| (&*row, 0, places));
     if let (Some(over), Some(here)) = (over, here) {
-        emit(simd, (pairs, len), edge, over, here, &mut bases, band);
+        emit(simd, CrossedPairs { columns: pairs, len, edge }, over, here, &mut bases, band);
     }
     bases[PAD - 1] = bases[PAD + source.cols - 1];
     row.up.bases = bases;
@@ -87,21 +88,29 @@ pub(super) fn emit_left<S: Simd>(
     let before = source.places(i, row, 1, len).map(|places| (&*row, 1, places));
     let here = source.places(i, row, 0, len).map(|places| (&*row, 0, places));
     if let (Some(before), Some(here)) = (before, here) {
-        emit(simd, (pairs, len), edge, before, here, &mut bases, band);
+        emit(simd, CrossedPairs { columns: pairs, len, edge }, before, here, &mut bases, band);
     }
     row.left.bases = bases;
     band.last_row = first..band.count;
 }
 
+/// The crossed pairs of one kind in a row.
+struct CrossedPairs<'a> {
+    columns: &'a [u32],
+    /// How many columns there are.
+    len: usize,
+    /// What the pair of column 0 is numbered.
+    edge: u32,
+}
+
 /// A row, from how many columns before, and its places.
 type Side<'a> = (&'a Row, usize, Places<'a>);
 
-/// The crossings of the pairs of some columns, of a number of them.
+/// The crossings of some pairs.
 #[inline(always)]
 fn emit<S: Simd>(
     simd: S,
-    (pairs, len): (&[u32], usize),
-    edge: u32,
+    CrossedPairs { columns: pairs, len, edge }: CrossedPairs<'_>,
     (above, shift, over): Side<'_>,
     (row, _, here): Side<'_>,
     bases: &mut [u32],
@@ -176,10 +185,10 @@ fn emit_run<P: PlaceAt>(
     let mut done = 0;
     for &j in pairs {
         let column = j as usize;
-        let (Some(a), Some(b), Some(base)) = (a.at(column), b.at(column), bases.get_mut(column))
-        else {
-            break;
-        };
+        // One after the other, since together they would be kept as flags.
+        let Some(a) = a.at(column) else { break };
+        let Some(b) = b.at(column) else { break };
+        let Some(base) = bases.get_mut(column) else { break };
         let Some(number) = cross(out, &mut at, edge.wrapping_add(j), a, b) else { break };
         *base = number;
         done += 1;
@@ -208,21 +217,21 @@ fn cross(out: &mut Out<'_>, at: &mut usize, edge: u32, a: Sample, b: Sample) -> 
     *at = end;
     let per_level = 1.0 / (a.level - b.level);
     let [dx, dy] = [b.place[0] - a.place[0], b.place[1] - a.place[1]];
-    let rounded = (end - first).next_multiple_of(AT_ONCE);
-    let (Some(vertices), Some(levels)) =
-        (out.vertices.get_mut(first..first + rounded), out.levels.get_mut(first..first + rounded))
-    else {
-        return None;
-    };
-    let vertices = vertices.as_chunks_mut::<AT_ONCE>().0.iter_mut();
     let mut level = low;
-    for (vertices, levels) in vertices.zip(levels.as_chunks_mut::<AT_ONCE>().0) {
+    let mut next = first;
+    while let (Some(vertices), Some(levels)) =
+        (out.vertices.get_mut(next..next + AT_ONCE), out.levels.get_mut(next..next + AT_ONCE))
+    {
         for (k, (vertex, place)) in (level..).zip(vertices.iter_mut().zip(levels)) {
             let t = ((a.level - k as f32) * per_level).min(1.0);
             *vertex = Vertex { edge, t, x: a.place[0] + t * dx, y: a.place[1] + t * dy };
             *place = k;
         }
         level += AT_ONCE as i32;
+        next += AT_ONCE;
+        if level >= high {
+            break;
+        }
     }
     Some((first as u32).wrapping_sub(low as u32))
 }

@@ -47,7 +47,7 @@
 //! **Departures from the source.** No thinning: curves of a scalar image are one crossing wide.
 //!
 //! **Cost.** One visit per pixel, one per crossing. Memory, kept in a [`Workspace`]: some rows, one band,
-//! and 32 bytes per crossing.
+//! and about 42 bytes per crossing where planes are dense ([`Workspace::bytes`]), 16 of which are the lines.
 //!
 //! **Curved guides.** Levels along them are not an affine function of the point; `along_guide.rs` gives samples
 //! coordinates in which they are.
