@@ -2,7 +2,7 @@
 
 use super::evaluate::{self, Reference};
 use super::outputs::{self, DrawingFrame};
-use super::planes::PlaneArguments;
+use super::planes::{PlaneArguments, parse_length};
 use super::report_file::{ReportFile, StageCost};
 use super::{FileView, default_out, simulate};
 use crate::failure::Failure;
@@ -72,6 +72,10 @@ pub struct Arguments {
     /// Frame of the curves in model.dxf.
     #[arg(long, value_enum, default_value_t = DrawingFrame::World, value_name = "FRAME")]
     dxf: DrawingFrame,
+    /// Also write the curves as cubic B-splines no farther from them than this: splines.dxf and
+    /// splines.json.
+    #[arg(long, value_name = "TOLERANCE")]
+    splines: Option<String>,
     #[command(flatten)]
     planes: PlaneArguments,
     /// How each view's curves are found.
@@ -102,6 +106,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut setup = Setup::new(scan.unit, arguments.planes.family(&scan)?);
     setup.partial = arguments.method.options();
     setup.fusion = arguments.fusion.options();
+    let tolerance = arguments.splines.as_ref();
+    let tolerance = tolerance.map(|text| parse_length(scan.unit, "--splines", text)).transpose()?;
     let out = arguments.out.clone().unwrap_or_else(|| default_out(&scan.name));
 
     let progress = Progress::new(arguments.quiet);
@@ -114,6 +120,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     outputs::write(&out, &scan.name, &result.model, arguments.dxf)?;
     stages.end("writing");
     let mut rows = result_rows(&scan, &result);
+    if let Some(tolerance) = tolerance {
+        rows.extend(outputs::write_splines(&out, &result.model, tolerance)?);
+        stages.end("fitting splines");
+    }
     let accuracy = accuracy_rows(&path, &out)?;
     if !accuracy.is_empty() {
         stages.end("scoring");
