@@ -45,14 +45,14 @@ pub fn write_dxf(model: &Model, frame: DxfFrame, out: &mut dyn Write) -> io::Res
 }
 
 /// Letters, digits, `_`, at most 31 characters: what release 12 allows.
-fn layer_name(index: PlaneIndex) -> String {
+pub(crate) fn layer_name(index: PlaneIndex) -> String {
     let sign = if index.0 < 0 { "N" } else { "" };
     let digits = if index.0 < 0 { 3 } else { 4 };
     format!("PLANE_{sign}{:0digits$}", index.0.unsigned_abs())
 }
 
 /// The number `$INSUNITS` has for a unit.
-fn insertion_unit(unit: LengthUnit) -> i64 {
+pub(crate) fn insertion_unit(unit: LengthUnit) -> i64 {
     match unit {
         LengthUnit::Inch => 1,
         LengthUnit::Foot => 2,
@@ -65,7 +65,7 @@ fn insertion_unit(unit: LengthUnit) -> i64 {
 }
 
 /// `$MEASUREMENT`: 0 for inches, 1 for the metric system.
-fn measurement(unit: LengthUnit) -> i64 {
+pub(crate) fn measurement(unit: LengthUnit) -> i64 {
     i64::from(!matches!(unit, LengthUnit::Inch | LengthUnit::Foot))
 }
 

@@ -9,7 +9,7 @@
 //!
 //! Read: [`Scan`] (`scan.json`, Stanford `.conf`, depth folders), [`read_calibration`] (text), [`read_guide`] (CSV, GeoJSON, DXF),
 //! [`read_mesh`] (PLY, STL, OBJ), [`read_truth`] (`.npz`), [`read_contours`] (`contours.json`).
-//! Written: [`write_contours`], [`write_dxf`], [`svg`], [`write_manifest`], [`write_truth`],
+//! Written: [`write_contours`], [`write_dxf`], [`ModelSplines`], [`svg`], [`write_manifest`], [`write_truth`],
 //! [`write_npy_image`], [`write_npy_stack`], [`write_png_image`], [`write_calibration`]; all into any [`std::io::Write`], or whole files through [`write_file`].
 #![deny(clippy::indexing_slicing)]
 
@@ -30,6 +30,7 @@ mod png_file;
 mod pose;
 mod scan;
 mod sensor_source;
+mod spline_file;
 mod stanford;
 pub mod svg;
 #[cfg(test)]
@@ -53,5 +54,6 @@ pub use mesh::{MeshFile, TriangleMesh, read_mesh};
 pub use ply::{RangeGrid, read_range_grid};
 pub use pose::{pose_of_row_major, row_major};
 pub use scan::{PlanesEntry, Scan, ScanView};
+pub use spline_file::ModelSplines;
 pub use truth::{read_truth, write_truth};
 pub use write_file::write_file;

@@ -10,6 +10,7 @@
 //! * [`LengthUnit`]: what the lengths are;
 //! * [`Guide`], [`StraightGuide`], [`CurvedGuide`], [`PlaneFamily`], [`PlaneIndex`], [`PlaneFrame`]: where the planes are;
 //! * [`Node`], [`Curve`], [`EndReason`], [`Envelope`]: what lies on them;
+//! * [`fit_splines`]: a curve as cubic B-splines within a tolerance;
 //! * [`CurveUnit`], [`Foot`], [`Side`]: how far a point is from a curve, and on which side.
 
 mod curve;
@@ -18,6 +19,7 @@ mod envelope;
 mod guide;
 mod length_unit;
 mod plane_frame;
+mod splines;
 mod unit;
 
 pub use curve::{Curve, CurveError, Node};
@@ -29,6 +31,7 @@ pub use guide::{
 };
 pub use length_unit::{LengthError, LengthUnit};
 pub use plane_frame::PlaneFrame;
+pub use splines::{CubicSpline, CurveSplines, SplineError, fit_splines};
 pub use unit::{CurveUnit, Foot, Side};
 
 /// A point in space, in the model's length unit.

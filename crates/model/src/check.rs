@@ -20,6 +20,9 @@ pub enum InvariantError {
     /// The guide, offset or interval makes no plane family.
     #[error("the section planes are not usable")]
     Planes(#[source] GuideError),
+    /// A plane lies before the first or behind the last station of a curved guide.
+    #[error("plane {0} lies beyond the ends of the guide")]
+    BeyondGuide(PlaneIndex),
     /// The guide's direction does not have length 1.
     #[error("the guide direction has length {0} in place of 1")]
     GuideNotUnit(f64),
@@ -71,6 +74,10 @@ impl Model {
     /// The first [`InvariantError`] in order of views, planes and curves.
     pub fn check(&self) -> Result<(), InvariantError> {
         check_planes(self.planes())?;
+        if let Some((first, last)) = self.planes().ends() {
+            let beyond = self.sections().map(|(k, _)| k).find(|k| *k < first || *k > last);
+            beyond.map_or(Ok(()), |k| Err(InvariantError::BeyondGuide(k)))?;
+        }
         self.views().iter().try_for_each(check_view)?;
         self.sections().try_for_each(|(plane, section)| check_section(plane, section))
     }
@@ -142,6 +149,25 @@ mod tests {
     #[test]
     fn a_built_model_is_sound() {
         assert_eq!(small().check(), Ok(()));
+    }
+
+    #[test]
+    fn a_plane_beyond_a_curved_guide_is_found() {
+        let ends = vec![
+            transect_geometry::Point3::origin(),
+            transect_geometry::Point3::new(1.0, 0.0, 0.0),
+        ];
+        let guide = transect_geometry::CurvedGuide::polyline(ends, None).unwrap();
+        let planes = PlaneFamily::new(guide, 0.0, 0.5).unwrap();
+        let mut model = Model::new(transect_geometry::LengthUnit::Metre, planes);
+        let square = || vec![crate::samples::rectangle(0.0, 0.0, 1.0, 1.0)];
+        model.set_curves(PlaneIndex(2), square());
+        assert_eq!(model.check(), Ok(()));
+        for beyond in [-1, 3] {
+            let mut model = model.clone();
+            model.set_curves(PlaneIndex(beyond), square());
+            assert_eq!(model.check(), Err(InvariantError::BeyondGuide(PlaneIndex(beyond))));
+        }
     }
 
     #[test]

@@ -7,6 +7,7 @@ use crate::{CurveIndex, InvariantError, Section};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::ops::Bound::{Excluded, Unbounded};
+use std::ops::RangeInclusive;
 use transect_geometry::{Curve, Envelope, Isometry3, LengthUnit, PlaneFamily, PlaneIndex};
 
 /// One view that was put into the model.
@@ -73,6 +74,18 @@ impl Model {
         &self,
     ) -> impl ExactSizeIterator<Item = (PlaneIndex, &Section)> + DoubleEndedIterator {
         self.sections.iter().map(|(&plane, section)| (plane, section))
+    }
+
+    /// Runs of neighbouring planes with curves, in order of station: the sub-families that gaps part.
+    pub fn sub_families(&self) -> Vec<RangeInclusive<PlaneIndex>> {
+        let mut runs: Vec<RangeInclusive<PlaneIndex>> = Vec::new();
+        for &plane in self.sections.keys() {
+            match runs.last_mut().filter(|run| run.end().0.checked_add(1) == Some(plane.0)) {
+                Some(run) => *run = *run.start()..=plane,
+                None => runs.push(plane..=plane),
+            }
+        }
+        runs
     }
 
     /// The first plane with curves beyond `plane` along the guide, whether or not `plane` has any.
@@ -162,6 +175,23 @@ mod tests {
     use super::*;
     use crate::samples::{empty, rectangle, small, strip, tangles};
     use proptest::prelude::*;
+
+    #[test]
+    fn gaps_part_the_planes_into_sub_families() {
+        let mut model = empty();
+        assert!(model.sub_families().is_empty());
+        for k in [i64::MIN, -3, -2, 5, 6, 7, i64::MAX] {
+            model.set_curves(PlaneIndex(k), vec![strip()]);
+        }
+        let runs = |model: &Model| -> Vec<(i64, i64)> {
+            model.sub_families().iter().map(|run| (run.start().0, run.end().0)).collect()
+        };
+        let (first, last) = (i64::MIN, i64::MAX);
+        assert_eq!(runs(&model), [(first, first), (-3, -2), (5, 7), (last, last)]);
+        model.set_curves(PlaneIndex(6), Vec::new());
+        assert_eq!(runs(&model), [(first, first), (-3, -2), (5, 5), (7, 7), (last, last)]);
+        assert_eq!(model.check(), Ok(()));
+    }
 
     #[test]
     fn planes_are_walked_both_ways_in_order_of_station() {

@@ -1,10 +1,13 @@
 //! The files a reconstruction leaves.
 
 use crate::failure::Failure;
+use crate::table::{Row, digits};
 use rayon::prelude::*;
 use std::path::Path;
 use transect_exchange::svg::{OverviewOptions, Sheets, write_overview};
-use transect_exchange::{DxfFrame, WriteError, write_contours, write_dxf, write_file};
+use transect_exchange::{
+    DxfFrame, ModelSplines, WriteError, write_contours, write_dxf, write_file,
+};
 use transect_geometry::PlaneIndex;
 use transect_model::Model;
 
@@ -39,6 +42,18 @@ pub fn write(
     write_file(&folder.join("overview.svg"), |out| write_overview(model, &options, out))?;
     write_sheets(&sheets, model)?;
     Ok(())
+}
+
+/// Writes the curves as splines within a tolerance; the table's rows on them.
+pub fn write_splines(folder: &Path, model: &Model, tolerance: f64) -> Result<Vec<Row>, Failure> {
+    let splines = ModelSplines::fit(model, tolerance).map_err(|e| Failure::Usage(e.to_string()))?;
+    write_file(&folder.join("splines.json"), |out| splines.write_json(out))?;
+    write_file(&folder.join("splines.dxf"), |out| splines.write_dxf(out))?;
+    let deviation = digits(splines.deviation());
+    Ok(vec![
+        Row::count("control points of splines", splines.control_count()),
+        Row::new("splines within", deviation, model.unit().symbol()),
+    ])
 }
 
 fn write_sheets(folder: &Path, model: &Model) -> Result<(), WriteError> {

@@ -2,7 +2,7 @@
 
 use super::evaluate::{self, Reference};
 use super::outputs::{self, DrawingFrame};
-use super::planes::PlaneArguments;
+use super::planes::{PlaneArguments, parse_length};
 use super::report_file::{ReportFile, StageCost};
 use super::{FileView, default_out, growing, simulate};
 use crate::failure::Failure;
@@ -74,6 +74,10 @@ pub struct Arguments {
     /// Frame of the curves in model.dxf.
     #[arg(long, value_enum, default_value_t = DrawingFrame::World, value_name = "FRAME")]
     dxf: DrawingFrame,
+    /// Also write the curves as cubic B-splines no farther from them than this: splines.dxf and
+    /// splines.json.
+    #[arg(long, value_name = "TOLERANCE")]
+    splines: Option<String>,
     #[command(flatten)]
     planes: PlaneArguments,
     /// How each view's curves are found.
@@ -108,6 +112,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut setup = Setup::new(scan.unit, planes);
     setup.partial = arguments.method.options();
     setup.fusion = arguments.fusion.options();
+    let tolerance = arguments.splines.as_ref();
+    let tolerance = tolerance.map(|text| parse_length(scan.unit, "--splines", text)).transpose()?;
     let out = arguments.out.clone().unwrap_or_else(|| default_out(&scan.name));
 
     let progress = Progress::new(arguments.quiet);
@@ -122,6 +128,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     // A store that had all views already is not read again to count pixels.
     rows.retain(|row| row.metric != "valid pixels" || !result.report.views.is_empty());
     rows.extend(store_rows);
+    if let Some(tolerance) = tolerance {
+        rows.extend(outputs::write_splines(&out, &result.model, tolerance)?);
+        stages.end("fitting splines");
+    }
     let accuracy = accuracy_rows(&path, &out)?;
     if !accuracy.is_empty() {
         stages.end("scoring");

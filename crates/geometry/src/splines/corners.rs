@@ -1,0 +1,103 @@
+//! Where a curve turns at once: the corners that pieces of spline are to keep.
+//!
+//! The direction on either side of a node is taken from the first node at least a few tolerances away, since
+//! what is smaller than the tolerance is not to be told from noise. A corner turns more than anything
+//! near it, and by more than a limit.
+
+use crate::{Point2, Vector2};
+
+/// Least turn of a corner.
+const LEAST_TURN_DEG: f64 = 35.0;
+
+/// Distance, in tolerances, from which a node's directions are taken.
+const REACH: f64 = 6.0;
+
+/// Points of one spline.
+#[derive(Debug)]
+pub(super) struct Piece {
+    /// At least one; of a periodic spline the first is repeated last.
+    pub points: Vec<Point2>,
+    pub periodic: bool,
+}
+
+/// The pieces of a curve between its corners.
+pub(super) fn pieces(points: &[Point2], closed: bool, tolerance: f64) -> Vec<Piece> {
+    let corners = corners(points, closed, tolerance);
+    let n = points.len();
+    let whole = |first: usize, last: usize, periodic: bool| Piece {
+        points: (first..=last).map(|k| points[k % n]).collect(),
+        periodic,
+    };
+    match (closed && n > 2, corners.as_slice()) {
+        (false, []) => vec![whole(0, n - 1, false)],
+        (true, []) => vec![whole(0, n, true)],
+        (false, corners) => {
+            let cuts: Vec<usize> = [&[0], corners, &[n - 1]].concat();
+            cuts.windows(2).map(|cut| whole(cut[0], cut[1], false)).collect()
+        }
+        (true, corners) => {
+            let cuts: Vec<usize> = [corners, &[corners[0] + n]].concat();
+            cuts.windows(2).map(|cut| whole(cut[0], cut[1], false)).collect()
+        }
+    }
+}
+
+fn corners(points: &[Point2], closed: bool, tolerance: f64) -> Vec<usize> {
+    let n = points.len();
+    let reach = REACH * tolerance;
+    let nodes = if closed { 0..n } else { 1..n.saturating_sub(1) };
+    let mut turns = vec![0.0; n];
+    for k in nodes {
+        let ahead = toward(points, k, closed, reach, |k| k + 1);
+        let behind = toward(points, k, closed, reach, |k| k + n - 1);
+        turns[k] = match (behind, ahead) {
+            (Some(behind), Some(ahead)) => (-behind).angle(&ahead),
+            _ => 0.0,
+        };
+    }
+    let least = LEAST_TURN_DEG.to_radians();
+    // The largest turn within reach alone: its neighbours see the same corner.
+    let largest = |k: usize| {
+        let rival = |other: usize| turns[other] > turns[k] || turns[other] == turns[k] && other < k;
+        let mut near = Vec::new();
+        for step in [1, n - 1] {
+            let mut other = k;
+            for _ in 0..n / 2 {
+                if !closed && (other == 0 && step != 1 || other == n - 1 && step == 1) {
+                    break;
+                }
+                other = (other + step) % n;
+                if (points[other] - points[k]).norm() > reach {
+                    break;
+                }
+                near.push(other);
+            }
+        }
+        !near.into_iter().any(rival)
+    };
+    (0..n).filter(|k| turns[*k] > least && largest(*k)).collect()
+}
+
+/// Unit direction from a node to the first one beyond the reach, or to the end of the curve.
+fn toward(
+    points: &[Point2],
+    k: usize,
+    closed: bool,
+    reach: f64,
+    step: impl Fn(usize) -> usize,
+) -> Option<Vector2> {
+    let n = points.len();
+    let mut other = k;
+    for _ in 0..n / 2 + 1 {
+        let next = step(other) % n;
+        let wrapped = !closed && next.abs_diff(other) > 1;
+        if wrapped {
+            break;
+        }
+        other = next;
+        if (points[other] - points[k]).norm() > reach {
+            break;
+        }
+    }
+    (points[other] - points[k]).try_normalize(0.0)
+}
