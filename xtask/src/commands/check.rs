@@ -50,6 +50,8 @@ fn commands_of_the_readme() -> Result<(), Failure> {
     xtask("simulate --out target/transect/simulated")?;
     xtask("inspect target/transect/simulated")?;
     xtask("experiments orders --doublings 1")?;
+    xtask("experiments database utm")?;
+    xtask("experiments database space")?;
     xtask("experiments sensors --scene thin_sheet")?;
     xtask("experiments pictures --out target/transect/pictures")?;
     let data = workspace_root().join("../shared/data");

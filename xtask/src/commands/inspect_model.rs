@@ -30,7 +30,7 @@ pub fn run(path: &Path) -> Result<(), Failure> {
     let mut rows = store_rows(&snapshot)?;
     let waiting = snapshot.pending()?.len();
     let options = snapshot.header().options.clone();
-    let file = ModelFile::Store(snapshot, store);
+    let file = ModelFile::Store(Box::new(snapshot), store);
     rows.extend(plane_rows(&file));
     if waiting > 0 {
         rows.push(Row::count("planes still to be fused", waiting));

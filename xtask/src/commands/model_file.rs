@@ -95,7 +95,7 @@ pub enum ModelFile {
     /// In a plain file, read whole.
     Plain(Box<Model>),
     /// In a store, read plane by plane. The snapshot is dropped before the store.
-    Store(Snapshot, Store),
+    Store(Box<Snapshot>, Store),
 }
 
 impl ModelFile {
@@ -105,7 +105,7 @@ impl ModelFile {
             Ok(model) => Ok(Self::Plain(Box::new(model))),
             Err(FileError::Load { source: CodecError::WrongVersion { .. }, .. }) => {
                 let store = open_finished(path)?;
-                Ok(Self::Store(store.read()?, store))
+                Ok(Self::Store(Box::new(store.read()?), store))
             }
             Err(error) => Err(error.into()),
         }

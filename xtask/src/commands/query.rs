@@ -36,7 +36,7 @@ fn answers(file: ModelFile, points: &[Point3]) -> Result<Vec<SpaceAnswer>, Failu
     match file {
         ModelFile::Plain(model) => Ok(points.iter().map(|p| model.locate(p)).collect()),
         ModelFile::Store(snapshot, _store) => {
-            let mut query = SpaceQuery::new(snapshot, SpaceQuery::DEFAULT_CAPACITY);
+            let mut query = SpaceQuery::new(*snapshot, SpaceQuery::DEFAULT_CAPACITY);
             points.iter().map(|p| Ok(query.locate(p)?)).collect()
         }
     }

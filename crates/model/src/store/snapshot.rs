@@ -72,7 +72,7 @@ impl Snapshot {
     /// # Errors
     /// If the store is damaged, or planes wait for being fused.
     pub fn plane_count(&self) -> Result<u64, StoreError> {
-        let count = || Ok(self.check_fused().and(self.fused.len().map_err(StoreProblem::from))?);
+        let count = || self.check_fused().and(self.fused.len().map_err(StoreProblem::from));
         count().map_err(|problem: StoreProblem| problem.at(&self.path))
     }
 
