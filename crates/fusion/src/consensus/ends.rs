@@ -39,7 +39,7 @@ pub(super) const HAIRPIN: JoinRule =
 pub(super) const CROSSING: JoinRule =
     JoinRule { gap_footprints: 2.5, turn_cosine: (-1.0, 0.5), backward: -1.0, cut_nodes: 10 };
 
-/// What a node that is cut adds to the cost of a join, in footprints.
+/// What a node that is cut adds to the cost of a join, in its footprints.
 const CUT_COST: f64 = 0.3;
 
 /// Part of the overlap threshold by which gaps may be longer: ends of two views' curves may lie that
@@ -151,7 +151,6 @@ fn fit(
     rule: &JoinRule,
 ) -> Option<(f64, (usize, usize))> {
     let (tail, head) = (kept[*a.nodes.last()? as usize], kept[*b.nodes.first()? as usize]);
-    let largest = tail.footprint.max(head.footprint);
     let shortest = a.nodes.len().min(b.nodes.len());
     let most = rule.cut_nodes.min(if itself { shortest / 3 } else { shortest / 2 });
     // What overshoots points elsewhere than the curve it is cut back to.
@@ -171,8 +170,8 @@ fn fit(
             rule.gap_footprints * p.footprint.max(q.footprint) + GAP_SHARE * scale.threshold;
         let (leave, arrive) = (gap_cosine(&gap, &leaving), gap_cosine(&gap, &arriving));
         let fits = gap.norm() <= longest && leave.min(arrive) >= rule.backward;
-        let cost =
-            gap.norm() * (3.0 - leave - arrive) + (cut_a + cut_b) as f64 * CUT_COST * largest;
+        let lost = cut_a as f64 * tail.footprint + cut_b as f64 * head.footprint;
+        let cost = gap.norm() * (3.0 - leave - arrive) + CUT_COST * lost;
         if fits && best.is_none_or(|(c, _)| cost < c) {
             best = Some((cost, (cut_a, cut_b)));
         }

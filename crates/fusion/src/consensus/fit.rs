@@ -44,13 +44,9 @@ impl Fit {
 ///
 /// Samples farther from it than `across` do not count. `None` without samples.
 pub(super) fn line(samples: &[Sample], reach: f64, across: f64) -> Option<Fit> {
-    let mut fit = weighted_line(samples, |s| kernel(s.x / reach))?;
-    for _ in 0..2 {
-        let last = fit;
-        let weight = |s: &Sample| kernel(s.x / reach) * biweight(last.residual(s) / across);
-        fit = weighted_line(samples, weight).unwrap_or(last);
-    }
-    Some(fit)
+    let rough = weighted_line(samples, |s| kernel(s.x / reach))?;
+    let weight = |s: &Sample| kernel(s.x / reach) * biweight(rough.residual(s) / across);
+    Some(weighted_line(samples, weight).unwrap_or(rough))
 }
 
 fn weighted_line(samples: &[Sample], weight: impl Fn(&Sample) -> f64) -> Option<Fit> {
@@ -99,8 +95,8 @@ const MIDDLE: f64 = 1e-3;
 /// Samples behind and ahead of the middle: one there is on neither side, whatever rounding makes of
 /// its place.
 fn sides(samples: &[Sample], reach: f64) -> (usize, usize) {
-    let behind = samples.iter().filter(|s| s.x < -MIDDLE * reach).count();
-    let ahead = samples.iter().filter(|s| s.x > MIDDLE * reach).count();
+    let behind = samples.partition_point(|s| s.x < -MIDDLE * reach);
+    let ahead = samples.len() - samples.partition_point(|s| s.x <= MIDDLE * reach);
     (behind, ahead)
 }
 

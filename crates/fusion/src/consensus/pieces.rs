@@ -100,7 +100,9 @@ pub(super) fn trace(next: &[u32]) -> Vec<Piece> {
 }
 
 /// Takes out sideways steps: a unit that leads across, or back, between nodes of one direction is
-/// where a curve changed from one view's layer to another's, and its less seen node goes.
+/// where a curve changed from one view's layer to another's, and its less seen node goes. So it does
+/// where two views' nodes of one corner follow each other the wrong way round, and a node that says
+/// nothing between two far better ones.
 pub(super) fn straighten(kept: &[Kept], piece: &mut Piece) {
     const PASSES: usize = 4;
     for _ in 0..PASSES {
@@ -110,8 +112,10 @@ pub(super) fn straighten(kept: &[Kept], piece: &mut Piece) {
         for k in 0..units {
             let (a, b) = (k, (k + 1) % n);
             let (p, q) = (&kept[piece.nodes[a] as usize], &kept[piece.nodes[b] as usize]);
-            if !goes[a] && steps_sideways(p, q) {
+            if !goes[a] && (steps_sideways(p, q) || steps_back(kept, piece, a)) {
                 goes[if p.weight < q.weight { a } else { b }] = true;
+            } else if !goes[a] && says_nothing(kept, piece, a) {
+                goes[b] = true;
             }
         }
         if !goes.contains(&true) || n < FEWEST_TO_STRAIGHTEN {
@@ -120,6 +124,40 @@ pub(super) fn straighten(kept: &[Kept], piece: &mut Piece) {
         let mut goes = goes.iter();
         piece.nodes.retain(|_| goes.next() != Some(&true));
     }
+}
+
+/// Whether the node behind `a` lies within its error of the chord between its neighbours, both far more
+/// accurate and close to each other: a view that cuts a corner another one saw.
+fn says_nothing(kept: &[Kept], piece: &Piece, a: usize) -> bool {
+    const BETTER: f64 = 4.0;
+    const SIGMAS: f64 = 4.0;
+    const CLOSE: f64 = 1.5;
+    let n = piece.nodes.len();
+    if !piece.closed && a + 2 >= n {
+        return false;
+    }
+    let at = |k: usize| &kept[piece.nodes[k % n] as usize];
+    let (p, here, q) = (at(a), at(a + 1), at(a + 2));
+    let chord = q.position - p.position;
+    let off = chord.perp(&(here.position - p.position)).abs();
+    here.sigma > BETTER * p.sigma.max(q.sigma)
+        && chord.norm() < CLOSE * here.footprint
+        && off <= SIGMAS * here.sigma * chord.norm()
+}
+
+/// Whether a unit shorter than half a footprint runs against the way from the node before it to the one
+/// behind it.
+fn steps_back(kept: &[Kept], piece: &Piece, a: usize) -> bool {
+    const SHORT: f64 = 0.5;
+    let n = piece.nodes.len();
+    let at = |k: usize| &kept[piece.nodes[k % n] as usize];
+    if !piece.closed && (a == 0 || a + 2 >= n) {
+        return false;
+    }
+    let (p, q) = (at(a), at(a + 1));
+    let step = q.position - p.position;
+    let around = at(a + 2).position - at(a + n - 1).position;
+    step.norm() < SHORT * p.footprint.max(q.footprint) && step.dot(&around) < 0.0
 }
 
 fn steps_sideways(p: &Kept, q: &Kept) -> bool {
@@ -226,7 +264,7 @@ impl<'a> Cover<'a> {
                 directions[k as usize] = piece.chord(kept, at);
             }
         }
-        let grid = PointGrid::new(&positions, 2.0 * scale.spacing);
+        let grid = PointGrid::new(&positions, LONGEST_UNIT_FOOTPRINTS * scale.spacing);
         Self { kept, scale, grid, directions, following: vec![NONE; kept.len()] }
     }
 

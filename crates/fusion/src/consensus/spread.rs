@@ -10,7 +10,7 @@ use crate::grid::PointGrid;
 /// Nodes looked at: the median of this many is good to a few percent, and of more than this share of
 /// all nodes to no less, as neighbours say the same.
 const SAMPLES: usize = 1000;
-const LEAST_STEP: usize = 6;
+const LEAST_STEP: usize = 12;
 
 /// So few nodes are all looked at.
 const FEW: usize = 300;
