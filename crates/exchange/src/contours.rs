@@ -111,7 +111,7 @@ fn plane_text(index: PlaneIndex, station: f64, frame: &PlaneFrame, section: &Sec
             points: nodes.iter().map(point).collect(),
             sigma: nodes.iter().map(|n| n.sigma).collect(),
             views: nodes.iter().map(|n| n.views).collect(),
-            bridged: (0..nodes.len()).filter(|k| nodes[*k].bridged).collect(),
+            bridged: nodes.iter().enumerate().filter(|(_, n)| n.bridged).map(|(k, _)| k).collect(),
             ends: curve.ends(),
         }
     };

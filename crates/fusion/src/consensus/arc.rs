@@ -55,7 +55,7 @@ impl<'a> Arc<'a> {
                 (sum, count) = (sum + r, count + 1.0);
             }
         }
-        if count > 0.0 { (sum / count as f64).sqrt() } else { f64::INFINITY }
+        if count > 0.0 { (sum / count).sqrt() } else { f64::INFINITY }
     }
 
     /// Unit direction at a node: from the mean of the nodes within `reach` before it to the mean of
@@ -118,7 +118,8 @@ fn residual(four: [&Node; 4]) -> f64 {
     let local = four.map(|node| node.position - begin);
     let (x, y) = (local.map(|d| d.dot(&along)), local.map(|d| along.perp(&d)));
     let seen = four[..3].iter().all(|node| !node.bridged);
-    if !seen || !(x[0] < x[1] && x[1] < x[2] && x[2] < x[3]) {
+    let forward = x[0] < x[1] && x[1] < x[2] && x[2] < x[3];
+    if !(seen && forward) {
         return f64::INFINITY;
     }
     let share = |i: usize| {
