@@ -115,7 +115,8 @@ impl PlaneSplines {
             station: self.station,
             origin: self.frame.origin().coords.into(),
             x_axis: self.frame.x_axis().into(),
-            y_axis: self.frame.y_axis().into(),
+            // A negative zero becomes a plain one.
+            y_axis: self.frame.y_axis().map(|c| c + 0.0).into(),
             curves: self.curves.iter().map(curve_text).collect(),
         }
     }

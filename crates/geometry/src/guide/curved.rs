@@ -13,11 +13,11 @@
 //! 3. The station of a point: nearest of equally spaced samples, none of which is left out that could be
 //!    nearest, then Newton's method for `(p − g(s)) · g′(s) = 0`.
 //!
-//! Accuracy: stations and frames of straight and circular pieces are exact to rounding. A spline's
-//! lengths err by less than 1e-9 of a span between two points that turns by up to 60°, its
-//! axes by less than 1e-7 radians per turn of a helix with 12 points per turn.
+//! Accuracy: stations and frames of straight and circular pieces are exact to rounding. Of a
+//! spline along a helix with 24 points per turn, the length of two turns is that of 200 000 chords within 1e-7
+//! length units of 65.6, and the axes at its end are those of steps a sixteenth as long within 1e-7 (tests).
 //!
-//! Cost: a station takes about a microsecond with a near hint. Do not use it for closed guides: both
+//! Cost: a station takes some steps over samples and some of Newton's, fewer with a near hint. Do not use it for closed guides: both
 //! ends would claim the same points.
 
 use super::GuideError;

@@ -21,7 +21,7 @@
 //! limit of the reach and 1 on the guide. Crossings are solved linearly, whatever [`Subpixel`] says.
 //! Samples a little beyond an end of the guide keep their neighbours joined, as on any other plane.
 //!
-//! **Cost.** 24 bytes and about a microsecond per sample.
+//! **Cost.** 24 bytes and the search for a station per sample.
 //!
 //! [`Subpixel`]: crate::subpixel::Subpixel
 
