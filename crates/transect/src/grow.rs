@@ -49,7 +49,7 @@
 //! assert_eq!(store.views()?.len(), 1);
 //!
 //! // One centimetre below the floor, in the middle of what the second view saw of it.
-//! let below = Point3::from(floor.normal * 1.01) + Vector3::new(0.52, 0.0, 0.0);
+//! let below = Point3::new(0.52, 0.0, 2_f64.sqrt()) + floor.normal * 0.01;
 //! let mut query = SpaceQuery::new(store.read()?, SpaceQuery::DEFAULT_CAPACITY);
 //! assert_eq!(query.locate(&below)?.location, Location::Inside);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
