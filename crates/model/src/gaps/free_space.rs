@@ -74,13 +74,18 @@ impl FreeSpace {
         known.and_then(|n| self.cells.get(n)).copied().unwrap_or(Cell::Unknown)
     }
 
-    /// Whether no surface was seen between two points, further than `slack` from the second.
-    ///
-    /// Unknown cells count as passable: what hides in them is not known.
-    pub fn clear(&self, from: &Point3, to: &Point3, slack: f64) -> bool {
+    /// How much of the way from one point to another is known to be free, from 0 to 1; 0 if a surface that was
+    /// seen lies in between, further than `slack` from the second point.
+    pub fn free_share(&self, from: &Point3, to: &Point3, slack: f64) -> f64 {
         let length = (to - from).norm();
         let stop = (length - slack).max(0.0);
-        self.walk(from, to, |at, cell| at >= stop || cell != Cell::Occupied)
+        let (mut cells, mut free) = (0_u32, 0_u32);
+        let clear = self.walk(from, to, |at, cell| {
+            cells += 1;
+            free += u32::from(cell == Cell::Free || at >= stop);
+            at >= stop || cell != Cell::Occupied
+        });
+        if clear && cells > 0 { f64::from(free) / f64::from(cells) } else { 0.0 }
     }
 
     /// Centres of every `stride`-th free cell in each direction, in order.
@@ -202,11 +207,21 @@ mod tests {
 
     #[test]
     fn a_wall_hides_what_is_behind_it_but_not_what_is_before_it() {
-        let space = wall();
-        let (before, behind) = (point(9.0, 0.0, 0.0), point(10.15, 0.0, 0.0));
-        assert!(space.clear(&Point3::origin(), &before, 0.0));
-        assert!(!space.clear(&Point3::origin(), &point(10.0, 0.5, 0.5), 0.0));
-        assert!(space.clear(&Point3::origin(), &behind, 0.5), "within the slack");
+        let (space, sensor) = (wall(), Point3::origin());
+        assert_eq!(space.free_share(&sensor, &point(9.0, 0.0, 0.0), 0.0), 1.0);
+        assert_eq!(space.free_share(&sensor, &point(10.0, 0.5, 0.5), 0.0), 0.0);
+        assert_eq!(
+            space.free_share(&sensor, &point(10.0, 0.5, 0.5), 0.5),
+            1.0,
+            "within the slack"
+        );
+    }
+
+    #[test]
+    fn a_way_through_unknown_space_counts_for_what_is_known_of_it() {
+        // From the rays' cone straight up, out of it halfway: it is as wide as it is long times 0.4.
+        let share = wall().free_share(&point(5.0, 0.0, 0.0), &point(5.0, 3.9, 0.0), 0.0);
+        assert!((share - 2.0 / 3.9).abs() < 0.05, "{share}");
     }
 
     #[test]

@@ -11,7 +11,7 @@
 //! 2. A pair is a [`Gap`]; its width is the straight distance, the least that the unseen boundary can measure.
 //! 3. The solid lies on a gap's left as on that of a curve, so a gap knows where it can be seen from.
 //! 4. [`FreeSpace`] is what the rays of the views passed through; [`next_views`] tries its places as places for a
-//!    sensor and counts the gaps in sight of each.
+//!    sensor and adds up the gaps in sight of each.
 //!
 //! Departures from the source: 6.4 names the selection of views as future work; all of this is ours.
 //!

@@ -7,12 +7,13 @@
 //!    stands for, an area.
 //! 2. Candidates are places in free space, evenly thinned.
 //! 3. A candidate sees a sample that faces it, is as near as anything seen so far, and has no observed surface in
-//!    between. Unknown space does not count as in the way, so what is promised is the most that can be.
-//! 4. The candidate that sees the largest area is chosen, its samples are struck off, and so on: the greedy cover, whose
-//!    total is at least 63 % of the best one (Nemhauser, Wolsey and Fisher 1978).
+//!    between. Unknown space may hide one: the sample counts for the share of the way to it that is known to be free.
+//! 4. The candidate that sees the largest area is chosen, its part of each sample is struck off, and so on: the greedy
+//!    cover, whose total is at least 63 % of the best one (Nemhauser, Wolsey and Fisher 1978).
 //!
 //! Limits: sensors are points that see in all directions and can be anywhere in free space. Whoever places one
-//! knows better; the list is a proposal.
+//! knows better; the list is a proposal. Faces that lie along the section planes, such as the top of a table on level
+//! sections, are in no section, so only unknown space hints at them.
 
 use super::FreeSpace;
 use transect_geometry::{Point3, Vector3};
@@ -50,9 +51,12 @@ pub struct NextView {
     pub position: Point3,
     /// What to look at: the middle of what it would see.
     pub target: Point3,
-    /// Unseen area that would be in sight, beyond what earlier views of the list see, in the square of the length unit.
+    /// Unseen area expected in sight, beyond what earlier views of the list see, in the square of the length unit.
     pub area: f64,
 }
+
+/// What a place sees: numbers of patches, and the share of each.
+type Sight = Vec<(usize, f64)>;
 
 /// The places from which most of the unseen area would be in sight, best first; fewer than asked for where nothing
 /// more can be gained.
@@ -61,29 +65,28 @@ pub fn next_views(
     space: &FreeSpace,
     options: &NextViewOptions,
 ) -> Vec<NextView> {
-    let patches = thinned(patches);
-    let places = candidates(space);
-    let mut seen: Vec<(Point3, Vec<usize>)> = places
-        .into_iter()
-        .map(|place| {
-            let sees = |&k: &usize| in_sight(&place, &patches[k], space, options);
-            (place, (0..patches.len()).filter(sees).collect())
-        })
-        .collect();
+    let mut patches = thinned(patches);
+    let look = |place: Point3| {
+        let sees = |(k, patch)| Some((k, share_in_sight(&place, patch, space, options)?));
+        (place, patches.iter().enumerate().filter_map(sees).collect())
+    };
+    let sights: Vec<(Point3, Sight)> = candidates(space).into_iter().map(look).collect();
     let mut chosen = Vec::new();
     while chosen.len() < options.views {
-        let area = |sees: &[usize]| sees.iter().map(|&k| patches[k].area).sum::<f64>();
         // The first of equals, so that the answer does not depend on anything else.
-        let best = seen.iter().rev().max_by(|a, b| area(&a.1).total_cmp(&area(&b.1)));
-        let Some((position, sees)) = best.filter(|(_, sees)| area(sees) > 0.0).cloned() else {
-            break;
-        };
-        chosen.push(NextView { position, target: middle(&patches, &sees), area: area(&sees) });
-        for (_, others) in &mut seen {
-            others.retain(|k| sees.binary_search(k).is_err());
+        let areas = sights.iter().map(|(_, sight)| area(&patches, sight));
+        let best = areas.zip(&sights).rev().max_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((area, (position, sight))) = best.filter(|(area, _)| *area > 0.0) else { break };
+        chosen.push(NextView { position: *position, target: middle(&patches, sight), area });
+        for &(k, share) in sight {
+            patches[k].area *= 1.0 - share;
         }
     }
     chosen
+}
+
+fn area(patches: &[UnseenPatch], sight: &Sight) -> f64 {
+    sight.iter().map(|&(k, share)| patches[k].area * share).sum()
 }
 
 /// Evenly chosen patches, each standing for those left out beside it.
@@ -107,24 +110,28 @@ fn candidates(space: &FreeSpace) -> Vec<Point3> {
     }
 }
 
-fn in_sight(
+/// How much of a patch is expected in sight; `None` if nothing.
+fn share_in_sight(
     place: &Point3,
     patch: &UnseenPatch,
     space: &FreeSpace,
     options: &NextViewOptions,
-) -> bool {
+) -> Option<f64> {
     let towards = place - patch.middle;
     let distance = towards.norm();
     let faces = towards.dot(&patch.outward) > distance * options.max_incidence_rad.cos();
+    if !faces || distance > options.reach {
+        return None;
+    }
     // The edges of the gap are surface themselves: near it, a cell with surface proves nothing.
-    let slack = 2.0 * space.cell_size();
-    faces && distance <= options.reach && space.clear(place, &patch.middle, slack)
+    let share = space.free_share(place, &patch.middle, 2.0 * space.cell_size());
+    (share > 0.0).then_some(share)
 }
 
-fn middle(patches: &[UnseenPatch], sees: &[usize]) -> Point3 {
-    let area: f64 = sees.iter().map(|&k| patches[k].area).sum();
-    let moment: Vector3 = sees.iter().map(|&k| patches[k].middle.coords * patches[k].area).sum();
-    Point3::from(moment / area)
+fn middle(patches: &[UnseenPatch], sight: &Sight) -> Point3 {
+    let moment = |&(k, share): &(usize, f64)| patches[k].middle.coords * (patches[k].area * share);
+    let moments: Vector3 = sight.iter().map(moment).sum();
+    Point3::from(moments / area(patches, sight))
 }
 
 #[cfg(test)]
@@ -156,10 +163,12 @@ mod tests {
     fn the_gap_behind_a_post_is_seen_from_beside_the_post() {
         let (space, patches) = scene();
         let origin = Point3::origin();
-        assert!(patches.iter().all(|p| !in_sight(&origin, p, &space, &options(1))));
+        let hidden = |p: &UnseenPatch| share_in_sight(&origin, p, &space, &options(1)).is_none();
+        assert!(patches.iter().all(hidden));
         let views = next_views(&patches, &space, &options(3));
-        assert!((views[0].area - 1.9).abs() < 1e-9, "{views:?}");
-        assert_eq!(views.len(), 1, "one place sees all of it");
+        assert!(views[0].area > 1.4 && views[0].area <= 1.9, "{views:?}");
+        let total: f64 = views.iter().map(|v| v.area).sum();
+        assert!(views.windows(2).all(|v| v[0].area >= v[1].area) && total <= 1.9, "{views:?}");
         let line = views[0].position + (views[0].target - views[0].position) * 0.5;
         assert!(line.x > 5.0 || line.y.abs() > 0.5, "the post is in the way: {views:?}");
     }
