@@ -116,6 +116,13 @@ pub(super) struct Shapes {
 }
 
 impl Shapes {
+    /// Cells that are triangles, whichever corner is missing.
+    #[inline(always)]
+    pub fn triangles(&self) -> u64 {
+        let [a, b, c, d] = self.without;
+        a | b | c | d
+    }
+
     /// From which pairs are joined: top, left, right, bottom.
     #[inline(always)]
     pub fn of([top, left, right, bottom]: [u64; 4]) -> Self {

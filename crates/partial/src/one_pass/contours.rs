@@ -12,7 +12,7 @@ use transect_device::{Pixel, View};
 use transect_geometry::PlaneIndex;
 
 /// Crossings per band: with 25 bytes for each, a band fits a processor's second cache level.
-const BAND_SIZE: usize = 1 << 15;
+const BAND_SIZE: usize = 1 << 14;
 
 /// A plane crossing a pair of neighbouring samples, with its linear subpixel solution.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -5,7 +5,7 @@
 use super::band::Band;
 use super::contours::{Kind, Vertex, edge_code};
 use super::part::apart;
-use super::rows::{PAD, Row, columns};
+use super::rows::{PAD, Row};
 use super::source::{PlaceAt, Places, Source};
 use fearless_simd::Simd;
 
@@ -47,101 +47,102 @@ impl<'a, P: PlaceAt> Samples<'a, P> {
     }
 }
 
-/// The crossings of the pairs of row `i` with the row above it.
+/// The sample of row `i` in column `j`, or some columns before, none or one.
+pub(super) fn sample(
+    source: &Source<'_>,
+    i: usize,
+    row: &Row,
+    (j, before): (usize, usize),
+) -> Option<Sample> {
+    let at = PAD - before + j;
+    let (level, ceiling) = (*row.levels.get(at)?, *row.ceilings.get(at)?);
+    Some(Sample { level, ceiling, place: source.place_at(i, row, (j, before))? })
+}
+
+/// The crossings of row `i`: of the pairs with the row above it, then of those with left neighbours, in
+/// the columns of two lists.
 #[inline(always)]
-pub(super) fn emit_up<S: Simd>(
+pub(super) fn emit_row<S: Simd>(
     simd: S,
     source: &Source<'_>,
     i: usize,
     (above, row): (&Row, &mut Row),
     band: &mut Band,
-    list: &mut Vec<u32>,
+    pairs: [&[u32]; 2],
 ) {
-    let mut bases = std::mem::take(&mut row.up.bases);
-    let pairs = columns(row.up.crossed.iter().copied(), list);
-    let edge = edge_code(i, Kind::Up, 0, source.cols);
+    let edges = [Kind::Up, Kind::Left].map(|kind| edge_code(i, kind, 0, source.cols));
     let len = source.padded_cols();
-    let over = source.places(i.wrapping_sub(1), above, 0, len).map(|places| (above, 0, places));
-    let here = source.places(i, row, 0, len).map(|places| (&*row, 0, places));
-    if let (Some(over), Some(here)) = (over, here) {
-        emit(simd, CrossedPairs { columns: pairs, len, edge }, over, here, &mut bases, band);
+    let mut lists = [std::mem::take(&mut row.up.bases), std::mem::take(&mut row.left.bases)];
+    let places = (
+        source.places(i.wrapping_sub(1), above, 0, len),
+        source.places(i, row, 1, len),
+        source.places(i, row, 0, len),
+    );
+    if let [Some(up), Some(left)] = lists.each_mut().map(|bases| bases.get_mut(PAD..PAD + len)) {
+        let mut emission = Emission { rows: (above, row), pairs, edges, bases: [up, left], band };
+        match places {
+            (
+                Some(Places::Tables(over)),
+                Some(Places::Tables(before)),
+                Some(Places::Tables(here)),
+            ) => {
+                apart(
+                    simd,
+                    #[inline(always)]
+                    || emission.all(over, before, here),
+                );
+            }
+            (
+                Some(Places::Stored(over)),
+                Some(Places::Stored(before)),
+                Some(Places::Stored(here)),
+            ) => {
+                apart(
+                    simd,
+                    #[inline(always)]
+                    || emission.all(over, before, here),
+                );
+            }
+            (over, Some(before), Some(here)) => {
+                apart(
+                    simd,
+                    #[inline(always)]
+                    || emission.all(over.unwrap_or(here), before, here),
+                );
+            }
+            _ => {}
+        }
     }
-    bases[PAD - 1] = bases[PAD + source.cols - 1];
-    row.up.bases = bases;
+    let [up, left] = &mut lists;
+    up[PAD - 1] = up[PAD + source.cols - 1];
+    std::mem::swap(&mut row.up.bases, up);
+    std::mem::swap(&mut row.left.bases, left);
 }
 
-/// The crossings of the pairs of row `i` with their left neighbours.
-#[inline(always)]
-pub(super) fn emit_left<S: Simd>(
-    simd: S,
-    source: &Source<'_>,
-    i: usize,
-    row: &mut Row,
-    band: &mut Band,
-    list: &mut Vec<u32>,
-) {
-    let mut bases = std::mem::take(&mut row.left.bases);
-    let pairs = columns(row.left.crossed.iter().copied(), list);
-    let edge = edge_code(i, Kind::Left, 0, source.cols);
-    let first = band.count;
-    let len = source.padded_cols();
-    let before = source.places(i, row, 1, len).map(|places| (&*row, 1, places));
-    let here = source.places(i, row, 0, len).map(|places| (&*row, 0, places));
-    if let (Some(before), Some(here)) = (before, here) {
-        emit(simd, CrossedPairs { columns: pairs, len, edge }, before, here, &mut bases, band);
-    }
-    row.left.bases = bases;
-    band.last_row = first..band.count;
+/// What is emitted of a row; of two, the pairs with the row above and with left neighbours.
+struct Emission<'a> {
+    /// The row above and the row.
+    rows: (&'a Row, &'a Row),
+    pairs: [&'a [u32]; 2],
+    /// What the pairs of column 0 are numbered.
+    edges: [u32; 2],
+    bases: [&'a mut [u32]; 2],
+    band: &'a mut Band,
 }
 
-/// The crossed pairs of one kind in a row.
-struct CrossedPairs<'a> {
-    columns: &'a [u32],
-    /// How many columns there are.
-    len: usize,
-    /// What the pair of column 0 is numbered.
-    edge: u32,
-}
-
-/// A row, from how many columns before, and its places.
-type Side<'a> = (&'a Row, usize, Places<'a>);
-
-/// The crossings of some pairs.
-#[inline(always)]
-fn emit<S: Simd>(
-    simd: S,
-    CrossedPairs { columns: pairs, len, edge }: CrossedPairs<'_>,
-    (above, shift, over): Side<'_>,
-    (row, _, here): Side<'_>,
-    bases: &mut [u32],
-    band: &mut Band,
-) {
-    let Some(bases) = bases.get_mut(PAD..PAD + len).filter(|_| !pairs.is_empty()) else { return };
-    match (over, here) {
-        (Places::Tables(over), Places::Tables(here)) => {
-            let (a, b) = (Samples::new(above, shift, len, over), Samples::new(row, 0, len, here));
-            apart(
-                simd,
-                #[inline(always)]
-                || emit_pairs(pairs, edge, a.zip(b), bases, band),
-            );
-        }
-        (Places::Stored(over), Places::Stored(here)) => {
-            let (a, b) = (Samples::new(above, shift, len, over), Samples::new(row, 0, len, here));
-            apart(
-                simd,
-                #[inline(always)]
-                || emit_pairs(pairs, edge, a.zip(b), bases, band),
-            );
-        }
-        (over, here) => {
-            let (a, b) = (Samples::new(above, shift, len, over), Samples::new(row, 0, len, here));
-            apart(
-                simd,
-                #[inline(always)]
-                || emit_pairs(pairs, edge, a.zip(b), bases, band),
-            );
-        }
+impl Emission<'_> {
+    /// Emits all pairs, from the places of the row above, of the columns before, and of the row.
+    #[inline(always)]
+    fn all<P: PlaceAt>(&mut self, over: P, before: P, here: P) {
+        let Self { rows: (above, row), pairs, edges, bases: [up, left], band } = self;
+        let len = up.len();
+        let b = Samples::new(row, 0, len, here);
+        let a = Samples::new(above, 0, len, over);
+        emit_pairs(pairs[0], edges[0], a.zip(b), up, band);
+        let first = band.count;
+        let a = Samples::new(row, 1, len, before);
+        emit_pairs(pairs[1], edges[1], a.zip(b), left, band);
+        band.last_row = first..band.count;
     }
 }
 

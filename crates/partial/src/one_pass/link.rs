@@ -3,10 +3,10 @@
 use super::band::{Band, FOLLOWS, capacity_bytes};
 use super::cell::{self, LINKS, SADDLE_TL_BR, SADDLE_TR_BL, Shapes};
 use super::contours::{Kind, edge_code};
-use super::emit::{Samples, cross_one};
+use super::emit::{Sample, cross_one, sample};
 use super::part::apart;
-use super::rows::{PAD, Row, columns};
-use super::source::{Places, Source};
+use super::rows::{PAD, Pairs, Row, WORDS, columns};
+use super::source::Source;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, i32x4};
 
@@ -79,14 +79,96 @@ impl<'a> Rows<'a> {
 pub(super) struct Cells {
     /// All four pairs joined.
     whole: Vec<u64>,
+    /// Some pairs broken, but still with curves.
+    broken: Vec<u64>,
     columns: Vec<u32>,
 }
 
 impl Cells {
     /// Memory it holds, in bytes.
     pub fn bytes(&self) -> usize {
-        capacity_bytes(&self.whole) + capacity_bytes(&self.columns)
+        capacity_bytes(&self.whole) + capacity_bytes(&self.broken) + capacity_bytes(&self.columns)
     }
+}
+
+/// The masks of the four pairs of each cell.
+struct Masks<'a> {
+    above: &'a Pairs,
+    up: &'a Pairs,
+    left: &'a Pairs,
+    /// Whether the upward pair to the left of column 0 is joined, and whether it is crossed.
+    before_first: [u64; 2],
+}
+
+impl<'a> Masks<'a> {
+    #[inline(always)]
+    fn new(source: &Source<'_>, above: &'a Row, row: &'a Row) -> Self {
+        let last = source.cols - 1;
+        let bit = |mask: &[u64]| if source.wraps { mask[last / 64] >> (last % 64) & 1 } else { 0 };
+        let before_first = [bit(&row.up.joined), bit(&row.up.crossed)];
+        Self { above: &above.left, up: &row.up, left: &row.left, before_first }
+    }
+
+    /// Marks the cells that carry crossings; returns whether any of them has broken pairs.
+    #[inline(always)]
+    fn mark(&self, cells: &mut Cells) -> bool {
+        let words = self.up.joined.len();
+        cells.whole.resize(words, 0);
+        cells.broken.resize(words, 0);
+        let joined = blocks(&self.above.joined).zip(blocks(&self.up.joined));
+        let joined = joined.zip(blocks(&self.left.joined));
+        let crossed = blocks(&self.above.crossed).zip(blocks(&self.up.crossed));
+        let crossed = crossed.zip(blocks(&self.left.crossed));
+        let (whole, _) = cells.whole.as_chunks_mut::<WORDS>();
+        let (broken, _) = cells.broken.as_chunks_mut::<WORDS>();
+        let [mut joined_before, mut crossed_before] = self.before_first;
+        let mut any = [0; WORDS];
+        for ((joined, crossed), (whole, broken)) in
+            joined.zip(crossed).zip(whole.iter_mut().zip(broken))
+        {
+            let ((top, right), bottom) = joined;
+            let left = beside(right, &mut joined_before);
+            let ((crossed_top, crossed_right), crossed_bottom) = crossed;
+            let crossed_left = beside(crossed_right, &mut crossed_before);
+            for k in 0..WORDS {
+                let crossed =
+                    crossed_top[k] | crossed_left[k] | crossed_right[k] | crossed_bottom[k];
+                let shapes = Shapes::of([top[k], left[k], right[k], bottom[k]]);
+                whole[k] = shapes.whole & crossed;
+                broken[k] = (shapes.open | shapes.triangles()) & crossed;
+                any[k] |= broken[k];
+            }
+        }
+        any != [0; WORDS]
+    }
+
+    /// Which pairs of a cell are joined: top, left, right, bottom.
+    fn joined(&self, j: usize) -> [bool; 4] {
+        let bit = |mask: &[u64], j: usize| mask[j / 64] >> (j % 64) & 1 == 1;
+        let left = match j.checked_sub(1) {
+            Some(before) => bit(&self.up.joined, before),
+            None => self.before_first[0] == 1,
+        };
+        let Self { above, up, left: bottom, .. } = self;
+        [bit(&above.joined, j), left, bit(&up.joined, j), bit(&bottom.joined, j)]
+    }
+}
+
+/// A mask, some words at a time.
+#[inline(always)]
+fn blocks(mask: &[u64]) -> impl Iterator<Item = &[u64; WORDS]> {
+    mask.as_chunks().0.iter()
+}
+
+/// The bits one column to the left; `before` is the bit before the first, and then that before the
+/// next block.
+#[inline(always)]
+fn beside(mask: &[u64; WORDS], before: &mut u64) -> [u64; WORDS] {
+    let mut carry = mask.map(|word| word >> 63);
+    carry.rotate_right(1);
+    let next = std::mem::replace(&mut carry[0], *before);
+    *before = next;
+    std::array::from_fn(|k| mask[k] << 1 | carry[k])
 }
 
 /// Links the crossings of the cells between row `i` and the one above.
@@ -100,47 +182,45 @@ pub(super) fn link_row<S: Simd>(
     cells: &mut Cells,
 ) {
     let Some(rows) = Rows::new(above, row) else { return };
-    let mut corners = None;
-    let (mut joined_before, mut crossed_before) = before_first(source, row);
-    cells.whole.clear();
-    for word in 0..row.up.joined.len() {
-        let (joined_up, crossed_up) = (row.up.joined[word], row.up.crossed[word]);
-        let joined = [
-            above.left.joined[word],
-            joined_up << 1 | joined_before,
-            joined_up,
-            row.left.joined[word],
-        ];
-        let crossed = above.left.crossed[word]
-            | (crossed_up << 1 | crossed_before)
-            | crossed_up
-            | row.left.crossed[word];
-        (joined_before, crossed_before) = (joined_up >> 63, crossed_up >> 63);
-        let shapes = Shapes::of(joined);
-        cells.whole.push(shapes.whole & crossed);
-        let triangles = shapes.without.iter().fold(0, |all, mask| all | mask) & crossed;
-        if shapes.open & crossed | triangles != 0 {
-            each(shapes.open & crossed, word, |j| {
-                if let Some(cell) = rows.cell(j) {
-                    let joined = joined.map(|mask| mask >> (j % 64) & 1 == 1);
-                    link(&rows, (j, &cell), &joined, band);
-                }
-            });
-            each(triangles, word, |j| {
-                let corner = shapes.without.iter().position(|mask| mask >> (j % 64) & 1 == 1);
-                let corners = corners.get_or_insert_with(|| Corners::new(source, i, above, row));
-                if let Some(corners) = corners {
-                    link_triangle(corners, &rows, (j, corner.unwrap_or(0)), band);
-                }
-            });
-        }
-    }
-    let whole = columns(cells.whole.iter().copied(), &mut cells.columns);
+    let masks = Masks::new(source, above, row);
+    let (broken, count) = apart(
+        simd,
+        #[inline(always)]
+        || {
+            let broken = masks.mark(cells);
+            (broken, columns(&cells.whole, &mut cells.columns).len())
+        },
+    );
+    let whole = cells.columns.get(..count).unwrap_or(&[]);
     apart(
         simd,
         #[inline(always)]
         || link_whole(simd, &rows, whole, band),
     );
+    if broken {
+        let edge = edge_code(i, Kind::Rising, 0, source.cols) as usize;
+        let corners = Corners { source, i, above, row, rows: &rows, edge };
+        link_broken(&corners, &masks, band, cells);
+    }
+}
+
+/// Links the cells that have broken pairs.
+#[inline(never)]
+fn link_broken(corners: &Corners<'_>, masks: &Masks<'_>, band: &mut Band, cells: &Cells) {
+    for (word, broken) in cells.broken.iter().enumerate() {
+        each(*broken, word, |j| {
+            let joined = masks.joined(j);
+            let shapes = Shapes::of(joined.map(u64::from));
+            if shapes.open & 1 == 1 {
+                if let Some(cell) = corners.rows.cell(j) {
+                    link(corners.rows, (j, &cell), &joined, band);
+                }
+            } else {
+                let corner = shapes.without.iter().position(|mask| mask & 1 == 1);
+                link_triangle(corners, (j, corner.unwrap_or(0)), band);
+            }
+        });
+    }
 }
 
 /// Links whole cells: every crossing that enters one leaves it again.
@@ -179,13 +259,6 @@ fn link_whole<S: Simd>(simd: S, rows: &Rows<'_>, columns: &[u32], band: &mut Ban
     }
 }
 
-/// The bits of the upward pair to the left of column 0.
-fn before_first(source: &Source<'_>, row: &Row) -> (u64, u64) {
-    let last = source.cols - 1;
-    let bit = |mask: &[u64]| if source.wraps { mask[last / 64] >> (last % 64) & 1 } else { 0 };
-    (bit(&row.up.joined), bit(&row.up.crossed))
-}
-
 #[inline(always)]
 fn each(mut bits: u64, word: usize, mut act: impl FnMut(usize)) {
     while bits != 0 {
@@ -222,45 +295,41 @@ fn connect(cell: &Cell, joined: &[bool; 4], level: i32, [from, to]: [u8; 2], ban
     }
 }
 
-/// The samples at a cell's corners, for those that become triangles.
+/// Where the samples at the corners of cells are, for those that become triangles.
 struct Corners<'a> {
-    /// Of the row above and of the row, each of the columns before and of the columns themselves.
-    samples: [[Samples<'a, Places<'a>>; 2]; 2],
+    source: &'a Source<'a>,
+    i: usize,
+    above: &'a Row,
+    row: &'a Row,
+    rows: &'a Rows<'a>,
     /// The cells' diagonals are numbered from here on.
     edge: usize,
 }
 
-impl<'a> Corners<'a> {
-    #[inline(always)]
-    fn new(source: &'a Source<'_>, i: usize, above: &'a Row, row: &'a Row) -> Option<Self> {
-        let samples = |i: usize, row: &'a Row| {
-            let len = source.padded_cols();
-            let of = |before| Samples::new(row, before, len, source.places(i, row, before, len)?);
-            Some([of(1)?, of(0)?])
-        };
-        let edge = edge_code(i, Kind::Rising, 0, source.cols) as usize;
-        Some(Self { samples: [samples(i.checked_sub(1)?, above)?, samples(i, row)?], edge })
+impl Corners<'_> {
+    /// The sample of the row above, in column `j` or some columns before.
+    fn above(&self, j: usize, before: usize) -> Option<Sample> {
+        sample(self.source, self.i.checked_sub(1)?, self.above, (j, before))
+    }
+
+    /// That of the row.
+    fn row(&self, j: usize, before: usize) -> Option<Sample> {
+        sample(self.source, self.i, self.row, (j, before))
     }
 }
 
 /// Links three corners of a cell; a crossing of the diagonal ends or begins a curve.
-fn link_triangle(
-    corners: &Corners<'_>,
-    rows: &Rows<'_>,
-    (j, corner): (usize, usize),
-    band: &mut Band,
-) {
+fn link_triangle(corners: &Corners<'_>, (j, corner): (usize, usize), band: &mut Band) {
     let triangle = &cell::TRIANGLES[corner];
-    let Some(mut cell) = rows.cell(j) else { return };
+    let Some(mut cell) = corners.rows.cell(j) else { return };
     cell.ceilings[triangle.missing] = cell.ceilings[triangle.onto];
-    let [above, row] = &corners.samples;
-    let (from, to) = if triangle.falls { (&above[0], &row[1]) } else { (&above[1], &row[0]) };
-    let (Some(a), Some(b)) = (from.at(j), to.at(j)) else { return };
+    let (from, to) = if triangle.falls { (1, 0) } else { (0, 1) };
+    let (Some(a), Some(b)) = (corners.above(j, from), corners.row(j, to)) else { return };
     let edge = corners.edge + 2 * j + usize::from(triangle.falls);
     cell.bases[usize::from(triangle.diagonal)] = cross_one(band, edge as u32, a, b);
     if band.full {
         // The diagonal has no crossings to link; the sweep ends after this row.
         return;
     }
-    link(rows, (j, &cell), &triangle.joined, band);
+    link(corners.rows, (j, &cell), &triangle.joined, band);
 }

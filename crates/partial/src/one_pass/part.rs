@@ -6,9 +6,9 @@
 
 use super::band::{Band, capacity_bytes};
 use super::contours::{Instructions, Vertex};
-use super::emit::{emit_left, emit_up, number_guests, runs_up};
+use super::emit::{emit_row, number_guests, runs_up};
 use super::link::{Cells, link_row};
-use super::rows::{Pairs, Row};
+use super::rows::{Row, columns};
 use super::source::Source;
 use super::trace::{Border, Piece, Pieces, stitch, trace};
 use crate::{MAX_CROSSINGS, PartialError};
@@ -30,8 +30,8 @@ pub(super) fn apart<S: Simd, R>(simd: S, act: impl FnOnce() -> R) -> R {
 pub(super) struct Part {
     rows: [Row; 2],
     band: Band,
-    /// Work space for lists of columns.
-    columns: Vec<u32>,
+    /// Work space for the columns of crossed pairs: upward, left.
+    columns: [Vec<u32>; 2],
     cells: Cells,
     /// Vertices of all pieces; the list is longer than what is used of it.
     pub vertices: Vec<Vertex>,
@@ -99,7 +99,7 @@ impl Part {
         self.rows.iter().map(Row::bytes).sum::<usize>()
             + self.band.bytes()
             + self.cells.bytes()
-            + capacity_bytes(&self.columns)
+            + self.columns.iter().map(capacity_bytes).sum::<usize>()
             + capacity_bytes(&self.vertices)
             + capacity_bytes(&self.pieces)
             + borders.map(Border::bytes).sum::<usize>()
@@ -133,16 +133,20 @@ impl Part {
     ) -> Result<(), PartialError> {
         row.read(simd, source, i, above);
         self.jumps += row.jumps;
-        let count = |pairs: &Pairs| pairs.crossed.iter().map(|mask| mask.count_ones()).sum::<u32>();
-        let crossed = count(&row.up) + count(&row.left);
-        let above_crossed = crossed > 0 || above.left.crossed.iter().any(|mask| *mask != 0);
+        let [ups, lefts] = &mut self.columns;
+        let ups = columns(&row.up.crossed, ups);
+        let lefts = columns(&row.left.crossed, lefts);
+        let crossed = ups.len() + lefts.len();
+        let above_crossed = crossed > 0 || !self.band.last_row.is_empty();
+        self.band.last_row = self.band.count..self.band.count;
         if above_crossed {
-            let many = crossed as usize > source.cols / MANY;
+            let many = crossed > source.cols / MANY;
             source.place(simd, i, row, many);
             source.place(simd, i.wrapping_sub(1), above, many);
         }
-        emit_up(simd, source, i, (above, row), &mut self.band, &mut self.columns);
-        emit_left(simd, source, i, row, &mut self.band, &mut self.columns);
+        if crossed > 0 {
+            emit_row(simd, source, i, (above, row), &mut self.band, [ups, lefts]);
+        }
         // Links of crossings that were not emitted would lead nowhere.
         if !self.band.full && i > 0 && above_crossed {
             link_row(simd, source, i, (above, row), &mut self.band, &mut self.cells);

@@ -17,6 +17,8 @@ use transect_device::{Neighbour, PairGeometry};
 pub(super) const PAD: usize = 16;
 /// Pixels per word of a mask.
 const WORD: usize = 64;
+/// Words of masks that are combined at a time; masks are filled up to a multiple of it.
+pub(super) const WORDS: usize = 4;
 
 /// One bit per pixel: its pair with one of its neighbours.
 #[derive(Debug, Clone, Default)]
@@ -68,7 +70,7 @@ impl Row {
         for pairs in [&mut self.left, &mut self.up] {
             for mask in [&mut pairs.joined, &mut pairs.crossed] {
                 mask.clear();
-                mask.resize(words, 0);
+                mask.resize(words.next_multiple_of(WORDS), 0);
             }
             pairs.bases.clear();
             pairs.bases.resize(places, 0);
@@ -254,29 +256,38 @@ fn whole_part<S: Simd>(simd: S, block: &[i32; WORD], k: usize) -> S::i32s {
 
 /// The columns whose bits are set, in ascending order, in a list that is used again and again.
 ///
-/// Four are written per word whether they are there or not: sparse words, the most frequent ones, then
-/// need no branch that the processor could guess wrong.
+/// Words without any are left out, and of the others four are written at least, whether they are there
+/// or not: sparse masks, the most frequent ones, then need few branches that the processor could guess
+/// wrong.
 #[inline(always)]
-pub(super) fn columns(mask: impl ExactSizeIterator<Item = u64>, list: &mut Vec<u32>) -> &[u32] {
+pub(super) fn columns<'a>(mask: &[u64], list: &'a mut Vec<u32>) -> &'a [u32] {
     const AT_ONCE: usize = 4;
     let most = mask.len() * WORD + AT_ONCE;
     if list.len() < most {
         list.resize(most, 0);
     }
     let mut count = 0;
-    for (first, mut bits) in (0..).step_by(WORD).zip(mask) {
-        let end = count + bits.count_ones() as usize;
-        while let Some(next) = list.get_mut(count..count + AT_ONCE) {
-            for column in next {
-                *column = first + bits.trailing_zeros();
-                bits &= bits.wrapping_sub(1);
+    for (start, words) in (0..).step_by(WORD * WORD).zip(mask.chunks(WORD)) {
+        let some = |(k, word): (usize, &u64)| u64::from(*word != 0) << k;
+        let mut filled = words.iter().enumerate().map(some).fold(0, |all, bit| all | bit);
+        while filled != 0 {
+            let word = filled.trailing_zeros();
+            filled &= filled - 1;
+            let first = start + WORD as u32 * word;
+            let mut bits = words.get(word as usize).copied().unwrap_or_default();
+            let end = count + bits.count_ones() as usize;
+            while let Some(next) = list.get_mut(count..count + AT_ONCE) {
+                for column in next {
+                    *column = first + bits.trailing_zeros();
+                    bits &= bits.wrapping_sub(1);
+                }
+                count += AT_ONCE;
+                if count >= end {
+                    break;
+                }
             }
-            count += AT_ONCE;
-            if count >= end {
-                break;
-            }
+            count = end;
         }
-        count = end;
     }
     list.get(..count).unwrap_or(&[])
 }

@@ -101,9 +101,10 @@ impl<'a> Source<'a> {
     #[inline(always)]
     pub fn place<S: Simd>(&self, simd: S, i: usize, row: &mut Row, many: bool) {
         match &self.tables {
+            // Both rows of a pair in the same way, whatever was done for the pair before.
+            Some(_) if !many => row.placed = false,
             _ if row.placed => {}
-            Some(tables) if many => row.place(simd, tables, i),
-            Some(_) => {}
+            Some(tables) => row.place(simd, tables, i),
             None => self.place_one_by_one(i, row),
         }
     }
@@ -125,6 +126,23 @@ impl<'a> Source<'a> {
             places[0] = places[self.cols];
         }
         row.placed = true;
+    }
+
+    /// In-plane coordinates of the pixel of row `i` in column `j`, or some columns before, none or one.
+    pub fn place_at(&self, i: usize, row: &Row, (j, before): (usize, usize)) -> Option<[f32; 2]> {
+        let at = 1 - before + j;
+        match &self.tables {
+            Some(tables) if !row.placed => {
+                let value = *row.values.get(PAD - before + j)?;
+                let place = |form: &SeparableForm| {
+                    let [factor, addend] = form.rows.get(i).copied().unwrap_or_default();
+                    Some(value * (factor * *form.columns.get(at)? + addend))
+                };
+                let [x, y] = &tables.places;
+                Some([place(x)?, place(y)?])
+            }
+            _ => Some([*row.places[0].get(at)?, *row.places[1].get(at)?]),
+        }
     }
 
     /// In-plane coordinates of the pixels of row `i`, from the sensor's, beginning some columns before
