@@ -11,7 +11,7 @@
 //! 1. The family of planes has the smallest interval, the interval asked for halved so many times. Views are
 //!    modelled once, on all its planes; that costs far less than fusing them.
 //! 2. The planes of the interval asked for are fused, with one beyond what was seen on either side.
-//! 3. Every two neighbouring planes are compared ([`difference`](difference::difference)).
+//! 3. Every two neighbouring planes are compared (`difference`).
 //! 4. Where they differ and a plane lies between them, the middle one is fused and makes two new pairs;
 //!    steps 3 and 4 are repeated with those. Where none lies between, the report says so.
 //!

@@ -59,9 +59,7 @@ pub(super) fn difference(lower: &[Curve], upper: &[Curve], tolerance: f64) -> Op
     let (up, down) = (walk(lower, &above), walk(upper, &below));
     let far = || up.iter().chain(&down).filter(|walked| walked.far > 0.0);
     let length: f64 = far().map(|walked| walked.far).sum();
-    if far().next().is_none() {
-        return None;
-    }
+    far().next()?;
     let alone = |own: &[Walked], others: &[Walked]| -> f64 {
         let alone = |(k, w): &(usize, &Walked)| w.far > 0.0 && w.is_alone(*k, others);
         own.iter().enumerate().filter(alone).map(|(_, walked)| walked.far).sum()
