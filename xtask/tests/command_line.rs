@@ -299,6 +299,46 @@ fn evaluations_that_make_no_sense_end_with_2() {
 }
 
 #[test]
+fn planes_are_refined_and_the_report_says_where() {
+    let folder = Folder::simulated("objects.scene.toml");
+    for (refine, reason) in [
+        (
+            "30mm,0.03",
+            "the smallest interval 0.03 is not 0.08 halved 1 to 10 times: 0.04, 0.02, 0.01",
+        ),
+        ("0", "--refine: the tolerance must be a positive length, got 0 (in m)"),
+        ("x", "--refine: \"x\" is not a length"),
+        ("30mm --store s.transect", "cannot be used with '--store <FILE>'"),
+    ] {
+        folder.reconstruct(&format!("scan --refine {refine}")).failed_with(2, &[reason]);
+        assert!(!folder.path("out").exists(), "{refine} left results");
+    }
+    let run = folder.reconstruct("scan --refine 30mm,20mm").succeeded();
+    let report = folder.json("out/report.json");
+    let count = |key: &str| report["refinement"][key].as_u64().unwrap();
+    let inserted = count("planes_inserted");
+    assert!(inserted > 4 && count("planes") > inserted);
+    for (metric, value) in [
+        ("planes inserted", inserted),
+        ("intervals still above the tolerance", count("intervals_above_tolerance")),
+    ] {
+        let row = |line: &str| line.starts_with(metric) && line.ends_with(&format!(" {value}"));
+        assert!(run.stdout.lines().any(row), "{metric} {value}: {}", run.stdout);
+    }
+    let gaps = report["refinement"]["gaps"].as_array().unwrap();
+    let with_plane = gaps.iter().filter(|gap| gap["inserted"].is_i64()).count() as u64;
+    assert_eq!(with_plane, inserted);
+    assert!(gaps.iter().all(|gap| gap["reason"].is_string() && gap["length"].is_number()));
+    // The truth counts on planes that were asked for and no others: the planes between lack nothing.
+    let evaluated = folder.run("evaluate out --tolerance 16mm").succeeded();
+    let completeness = evaluated.stdout.lines().find(|line| line.starts_with("completeness"));
+    let mut words = completeness.unwrap().split_whitespace();
+    let share: f64 = words.find_map(|word| word.parse().ok()).unwrap();
+    assert!(share > 80.0, "{}", evaluated.stdout);
+    folder.run("inspect out/model.transect").succeeded();
+}
+
+#[test]
 fn a_scan_without_planes_asks_for_an_interval() {
     let folder = Folder::simulated("objects.scene.toml");
     folder.edit_json("scan/scan.json", "scan/bare.json", |manifest| {

@@ -23,6 +23,9 @@ pub enum InvariantError {
     /// A plane lies before the first or behind the last station of a curved guide.
     #[error("plane {0} lies beyond the ends of the guide")]
     BeyondGuide(PlaneIndex),
+    /// A plane has curves that nobody asked for.
+    #[error("plane {0} has curves but was not asked for")]
+    NotSelected(PlaneIndex),
     /// The guide's direction does not have length 1.
     #[error("the guide direction has length {0} in place of 1")]
     GuideNotUnit(f64),
@@ -75,9 +78,13 @@ impl Model {
     pub fn check(&self) -> Result<(), InvariantError> {
         check_planes(self.planes())?;
         if let Some((first, last)) = self.planes().ends() {
-            let beyond = self.sections().map(|(k, _)| k).find(|k| *k < first || *k > last);
+            let selected = self.selected().into_iter().flatten().copied();
+            let mut used = self.sections().map(|(k, _)| k).chain(selected);
+            let beyond = used.find(|k| *k < first || *k > last);
             beyond.map_or(Ok(()), |k| Err(InvariantError::BeyondGuide(k)))?;
         }
+        let stray = self.sections().map(|(k, _)| k).find(|k| !self.selection().contains(*k));
+        stray.map_or(Ok(()), |k| Err(InvariantError::NotSelected(k)))?;
         self.views().iter().try_for_each(check_view)?;
         self.sections().try_for_each(|(plane, section)| check_section(plane, section))
     }

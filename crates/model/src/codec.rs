@@ -71,6 +71,8 @@ pub enum CodecError {
 struct Payload<'a> {
     unit: LengthUnit,
     planes: PlaneFamily,
+    /// The planes that were asked for, in order, if they are not all of the family.
+    selected: Option<Vec<PlaneIndex>>,
     #[serde(borrow)]
     views: Vec<StoredView<'a>>,
     sections: Vec<(PlaneIndex, Cow<'a, Section>)>,
@@ -150,6 +152,7 @@ fn encode(model: &Model) -> Result<Vec<u8>, CodecError> {
     let payload = Payload {
         unit: model.unit(),
         planes: model.planes().clone(),
+        selected: model.selected().map(|planes| planes.iter().copied().collect()),
         views: model.views().iter().map(StoredView::from).collect(),
         sections: model.sections().map(|(k, section)| (k, Cow::Borrowed(section))).collect(),
     };
@@ -170,7 +173,7 @@ fn decode(bytes: &[u8]) -> Result<Model, CodecError> {
     }
     let views = payload.views.into_iter().map(ViewRecord::from).collect();
     let sections = payload.sections.into_iter().map(|(k, s)| (k, s.into_owned())).collect();
-    Ok(Model::from_parts(payload.unit, payload.planes, views, sections)?)
+    Ok(Model::from_parts(payload.unit, payload.planes, payload.selected, views, sections)?)
 }
 
 impl<'a> From<&'a ViewRecord> for StoredView<'a> {

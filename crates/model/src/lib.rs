@@ -16,6 +16,7 @@
 //! are in the model's one length unit; points of a plane in its [`PlaneFrame`], others in the world.
 //!
 //! * [`Model`], [`Section`], [`CurveRecord`], [`ViewRecord`]: the tree, and walking along it;
+//! * [`PlaneSelection`]: the planes of the family that the model was asked for, where not all were;
 //! * [`EditError`]: splitting and joining curves, inserting and deleting nodes;
 //! * [`Location`], [`SectionIndex`], [`ModelIndex`]: inside, outside or unknown;
 //! * [`SectionMeasures`], [`ModelVolume`], [`NestedCurve`]: area, volume with a bound, and a check on directions;
@@ -37,6 +38,7 @@ mod nesting;
 mod nodes;
 mod query;
 mod section;
+mod selection;
 pub mod store;
 mod volume;
 
@@ -52,4 +54,5 @@ pub use model::{Model, ViewRecord};
 pub use nesting::NestedCurve;
 pub use query::{Location, ModelIndex, PlaneAnswer, SectionIndex, SpaceAnswer, locate_in_plane};
 pub use section::{CurveIndex, CurveRecord, NodeIndex, Section};
+pub use selection::PlaneSelection;
 pub use volume::{ModelVolume, RunVolume, VolumeSum};

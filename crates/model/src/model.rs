@@ -3,9 +3,9 @@
 //! Departures from the dissertation: its plane nodes are linked both ways by pointers and carry the
 //! frame of their plane; here a sorted map gives both neighbours, and [`PlaneFamily`] the frames.
 
-use crate::{CurveIndex, InvariantError, Section};
+use crate::{CurveIndex, InvariantError, PlaneSelection, Section};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Bound::{Excluded, Unbounded};
 use std::ops::RangeInclusive;
 use transect_geometry::{Curve, Envelope, Isometry3, LengthUnit, PlaneFamily, PlaneIndex};
@@ -34,6 +34,7 @@ pub struct ViewRecord {
 pub struct Model {
     unit: LengthUnit,
     planes: PlaneFamily,
+    selection: PlaneSelection,
     views: Vec<ViewRecord>,
     sections: BTreeMap<PlaneIndex, Section>,
 }
@@ -41,7 +42,16 @@ pub struct Model {
 impl Model {
     /// A model without curves or views.
     pub fn new(unit: LengthUnit, planes: PlaneFamily) -> Self {
-        Self { unit, planes, views: Vec::new(), sections: BTreeMap::new() }
+        let selection = PlaneSelection::ALL;
+        Self { unit, planes, selection, views: Vec::new(), sections: BTreeMap::new() }
+    }
+
+    /// The same model, asked for these planes of its family and for those that it has curves on.
+    #[must_use]
+    pub fn with_selection(mut self, planes: impl IntoIterator<Item = PlaneIndex>) -> Self {
+        let own: Vec<PlaneIndex> = self.sections.keys().copied().collect();
+        self.selection = PlaneSelection::of(planes.into_iter().chain(own));
+        self
     }
 
     /// The unit of every length in the model.
@@ -52,6 +62,16 @@ impl Model {
     /// Where the section planes are.
     pub fn planes(&self) -> &PlaneFamily {
         &self.planes
+    }
+
+    /// The planes that were asked for. Neighbours are neighbours among them.
+    pub fn selection(&self) -> &PlaneSelection {
+        &self.selection
+    }
+
+    /// The planes that were asked for, in order of station; `None` if all of the family were.
+    pub fn selected(&self) -> Option<&BTreeSet<PlaneIndex>> {
+        self.selection.planes()
     }
 
     /// The views that were put in, in the order in which they were.
@@ -80,7 +100,8 @@ impl Model {
     pub fn sub_families(&self) -> Vec<RangeInclusive<PlaneIndex>> {
         let mut runs: Vec<RangeInclusive<PlaneIndex>> = Vec::new();
         for &plane in self.sections.keys() {
-            match runs.last_mut().filter(|run| run.end().0.checked_add(1) == Some(plane.0)) {
+            let previous = self.selection.previous_before(plane);
+            match runs.last_mut().filter(|run| Some(*run.end()) == previous) {
                 Some(run) => *run = *run.start()..=plane,
                 None => runs.push(plane..=plane),
             }
@@ -100,10 +121,14 @@ impl Model {
         Some((previous, section))
     }
 
-    /// Replaces all curves of a plane; no curves remove its section.
+    /// Replaces all curves of a plane; no curves remove its section. A plane that is given curves counts
+    /// as asked for.
     pub fn set_curves(&mut self, plane: PlaneIndex, curves: Vec<Curve>) {
         match Section::new(curves) {
-            Some(section) => self.sections.insert(plane, section),
+            Some(section) => {
+                self.selection.insert(plane);
+                self.sections.insert(plane, section)
+            }
             None => self.sections.remove(&plane),
         };
     }
@@ -158,6 +183,7 @@ impl Model {
     pub(crate) fn from_parts(
         unit: LengthUnit,
         planes: PlaneFamily,
+        selected: Option<Vec<PlaneIndex>>,
         views: Vec<ViewRecord>,
         sections: Vec<(PlaneIndex, Section)>,
     ) -> Result<Self, InvariantError> {
@@ -165,7 +191,13 @@ impl Model {
         if let Some(((_, _), (plane, _))) = neighbours.find(|((a, _), (b, _))| a >= b) {
             return Err(InvariantError::PlaneOutOfOrder(*plane));
         }
-        let model = Self { unit, planes, views, sections: sections.into_iter().collect() };
+        let mut pairs = selected.iter().flat_map(|planes| planes.iter().zip(planes.iter().skip(1)));
+        if let Some((_, plane)) = pairs.find(|(a, b)| a >= b) {
+            return Err(InvariantError::PlaneOutOfOrder(*plane));
+        }
+        let selection = selected.map_or(PlaneSelection::ALL, PlaneSelection::of);
+        let sections = sections.into_iter().collect();
+        let model = Self { unit, planes, selection, views, sections };
         model.check().map(|()| model)
     }
 }
@@ -191,6 +223,23 @@ mod tests {
         model.set_curves(PlaneIndex(6), Vec::new());
         assert_eq!(runs(&model), [(first, first), (-3, -2), (5, 5), (7, 7), (last, last)]);
         assert_eq!(model.check(), Ok(()));
+    }
+
+    #[test]
+    fn planes_that_nobody_asked_for_make_no_gap() {
+        let mut model = empty();
+        for k in [0, 4, 5, 8] {
+            model.set_curves(PlaneIndex(k), vec![strip()]);
+        }
+        let mut model = model.with_selection([-4, 7].map(PlaneIndex));
+        let runs: Vec<_> =
+            model.sub_families().iter().map(|run| (run.start().0, run.end().0)).collect();
+        assert_eq!(runs, [(0, 5), (8, 8)]);
+        model.set_curves(PlaneIndex(7), vec![strip()]);
+        assert_eq!(model.sub_families().len(), 1);
+        model.set_curves(PlaneIndex(2), vec![strip()]);
+        let selected: Vec<i64> = model.selected().unwrap().iter().map(|k| k.0).collect();
+        assert_eq!((selected, model.check()), (vec![-4, 0, 2, 4, 5, 7, 8], Ok(())));
     }
 
     #[test]

@@ -23,7 +23,7 @@
 //! Cost: building an index O(n log n) for n units, a question O(log n) on average; without an
 //! index O(n). Do not use it for points within rounding of a curve: those count as inside.
 
-use crate::{Model, Section};
+use crate::{Model, PlaneSelection, Section};
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -205,6 +205,7 @@ fn foot_on(indexed: &IndexedUnit, p: &Point2) -> Foot {
 #[derive(Debug, Clone)]
 pub struct ModelIndex<'a> {
     planes: PlaneFamily,
+    selection: PlaneSelection,
     sections: BTreeMap<PlaneIndex, SectionIndex<'a>>,
 }
 
@@ -212,32 +213,37 @@ impl<'a> ModelIndex<'a> {
     /// Indexes every section of a model.
     pub fn new(model: &'a Model) -> Self {
         let sections = model.sections().map(|(k, section)| (k, SectionIndex::new(section)));
-        Self { planes: model.planes().clone(), sections: sections.collect() }
+        let (planes, selection) = (model.planes().clone(), model.selection().clone());
+        Self { planes, selection, sections: sections.collect() }
     }
 
     /// The same answer as [`Model::locate`], without asking every curve.
     pub fn locate(&self, in_world: &Point3) -> SpaceAnswer {
-        locate_between(&self.planes, in_world, |k, p| Some(self.sections.get(&k)?.locate(p)))
+        let around = planes_around(&self.planes, &self.selection, in_world);
+        let ask = |k, p: &Point2| Some(self.sections.get(&k)?.locate(p));
+        locate_between(&self.planes, &around, in_world, ask)
     }
 }
 
 impl Model {
     /// Where a world point is, from the plane it is on or the two planes it is between.
     ///
-    /// A point between planes `k` and `k + 1` is projected onto both; it is unknown unless both
+    /// A point between neighbouring planes that were asked for is projected onto both; it is unknown unless both
     /// have curves and agree. That leaves features thinner than the interval unknown rather than
     /// guessed. Asks every curve of those planes; for many questions build a [`ModelIndex`].
     pub fn locate(&self, in_world: &Point3) -> SpaceAnswer {
-        locate_between(self.planes(), in_world, |k, p| Some(locate_in_plane(self.section(k)?, p)))
+        let around = planes_around(self.planes(), self.selection(), in_world);
+        let ask = |k, p: &Point2| Some(locate_in_plane(self.section(k)?, p));
+        locate_between(self.planes(), &around, in_world, ask)
     }
 }
 
 pub(crate) fn locate_between(
     planes: &PlaneFamily,
+    around: &[PlaneIndex],
     in_world: &Point3,
     ask: impl Fn(PlaneIndex, &Point2) -> Option<PlaneAnswer>,
 ) -> SpaceAnswer {
-    let around = planes_around(planes, in_world);
     let said = |k: &PlaneIndex| {
         let in_plane = planes.frame(*k).plane_from_world(in_world);
         Some((*k, ask(*k, &in_plane)?))
@@ -258,8 +264,12 @@ pub(crate) fn locate_between(
     SpaceAnswer { location, distance_to_nearest_curve, planes: answers }
 }
 
-/// The plane a point is on, or the two it is between; none if its level is no number.
-pub(crate) fn planes_around(planes: &PlaneFamily, in_world: &Point3) -> Vec<PlaneIndex> {
+/// The plane a point is on, or the two it is between, of those that were asked for; none if its level is no number.
+pub(crate) fn planes_around(
+    planes: &PlaneFamily,
+    selection: &PlaneSelection,
+    in_world: &Point3,
+) -> Vec<PlaneIndex> {
     /// Part of an interval that still counts as on the plane; as in `PlaneFamily`.
     const ROUNDING: f64 = 1e-9;
     let level = planes.level(in_world);
@@ -273,10 +283,10 @@ pub(crate) fn planes_around(planes: &PlaneFamily, in_world: &Point3) -> Vec<Plan
         return Vec::new();
     }
     if (level - level.round()).abs() <= rounding {
-        return vec![PlaneIndex(level.round() as i64)];
+        let plane = PlaneIndex(level.round() as i64);
+        return if selection.contains(plane) { vec![plane] } else { selection.around(plane) };
     }
-    let below = level.floor() as i64;
-    vec![PlaneIndex(below), PlaneIndex(below + 1)]
+    selection.around(PlaneIndex(level.floor() as i64))
 }
 
 #[cfg(test)]

@@ -2,12 +2,13 @@
 //!
 //! Problem: the area of a solid is known on planes an interval `h` apart; what is its volume?
 //!
-//! Idea: count each plane's area for one interval, half on either side: `V = h · Σ A_k`. The solid begins and
-//! ends within one interval of a run of planes, where its area is taken to be 0.
+//! Idea: between two planes that were asked for the area changes evenly (trapezoids). The solid begins and ends
+//! within the interval before and behind a run of planes, where its area is taken to be 0. With one interval
+//! everywhere that is `V = h · Σ A_k`; where refinement inserted planes every gap has its own interval.
 //!
 //! **Bound.** If between neighbouring planes (and from the last one to the end of the solid) the area
 //! only grows or only shrinks, each gap's volume lies between `h` times its smaller and `h` times its larger area, and
-//! `V` takes the middle. The error is then at most `h / 2 · Σ |A_k+1 − A_k|`, ends included. Area that
+//! `V` takes the middle. The error is then at most `Σ h / 2 · |A_k+1 − A_k|`, ends included. Area that
 //! swells and shrinks again within one gap breaks the premise; a smaller interval restores it.
 //!
 //! The bound falls in proportion to the interval. The error itself falls faster where the solid is smooth.
@@ -16,10 +17,10 @@
 //! Along a curved guide a slice between two planes is thinner on the inside of the bend: each area counts
 //! with the spacing at its centre of mass, which is exact for slices between planes that turn evenly.
 //!
-//! Planes without curves between planes with curves end a run: nothing tells free space from space that
+//! Planes that were asked for and have no curves, between planes with curves, end a run: nothing tells free space from space that
 //! nobody saw.
 
-use crate::{Model, Section, SectionMeasures};
+use crate::{Model, PlaneSelection, Section, SectionMeasures};
 use std::ops::RangeInclusive;
 use transect_geometry::{PlaneFamily, PlaneIndex};
 
@@ -63,21 +64,24 @@ impl ModelVolume {
 #[derive(Debug)]
 pub struct VolumeSum {
     planes: PlaneFamily,
+    selection: PlaneSelection,
     runs: Vec<RunVolume>,
     /// The plane that went by last, and its area.
     last: Option<(PlaneIndex, f64)>,
 }
 
 impl VolumeSum {
-    /// Nothing yet, of a family of planes.
-    pub fn new(planes: &PlaneFamily) -> Self {
-        Self { planes: planes.clone(), runs: Vec::new(), last: None }
+    /// Nothing yet, of a family of planes and those of them that were asked for.
+    pub fn new(planes: &PlaneFamily, selection: &PlaneSelection) -> Self {
+        let (planes, selection) = (planes.clone(), selection.clone());
+        Self { planes, selection, runs: Vec::new(), last: None }
     }
 
     /// Adds the next plane along the guide.
     pub fn add(&mut self, plane: PlaneIndex, section: &Section) {
         let area = self.area(plane, section);
-        let next_to = self.last.filter(|(last, _)| last.0.checked_add(1) == Some(plane.0));
+        let previous = self.selection.previous_before(plane);
+        let next_to = self.last.filter(|(last, _)| Some(*last) == previous);
         if next_to.is_none() {
             self.end_run();
             self.runs.push(RunVolume {
@@ -88,10 +92,10 @@ impl VolumeSum {
             });
         }
         let before = next_to.map_or(0.0, |(_, area)| area);
-        let interval = self.planes.interval();
+        let interval = self.planes.interval() * self.selection.steps(plane).0;
         if let Some(run) = self.runs.last_mut() {
             run.planes = *run.planes.start()..=plane;
-            run.volume += interval * area;
+            run.volume += 0.5 * interval * (before + area);
             run.error_bound += 0.5 * interval * (area - before).abs();
             run.planes_with_open_curves += usize::from(section.open_curve_count() > 0);
         }
@@ -113,10 +117,12 @@ impl VolumeSum {
         ModelVolume { runs: self.runs }
     }
 
-    /// Beyond its last plane the solid ends within an interval.
+    /// Beyond its last plane the solid ends before the next one that was asked for.
     fn end_run(&mut self) {
-        if let (Some(run), Some((_, area))) = (self.runs.last_mut(), self.last) {
-            run.error_bound += 0.5 * self.planes.interval() * area.abs();
+        if let (Some(run), Some((plane, area))) = (self.runs.last_mut(), self.last) {
+            let interval = self.planes.interval() * self.selection.steps(plane).1;
+            run.volume += 0.5 * interval * area;
+            run.error_bound += 0.5 * interval * area.abs();
         }
     }
 }
@@ -124,7 +130,7 @@ impl VolumeSum {
 impl Model {
     /// The volume of the solid; negative where the solid surrounds what was seen, as in a room.
     pub fn volume(&self) -> ModelVolume {
-        let mut sum = VolumeSum::new(self.planes());
+        let mut sum = VolumeSum::new(self.planes(), self.selection());
         self.sections().for_each(|(plane, section)| sum.add(plane, section));
         sum.finish()
     }
@@ -217,6 +223,33 @@ mod tests {
         let exact = PI * 0.16 * 3.5 * PI / 2.0;
         assert!((found.volume() - exact).abs() < 0.005 * exact, "{} {exact}", found.volume());
         assert!((found.volume() - exact).abs() <= found.error_bound().unwrap());
+    }
+
+    /// Every plane of a ball, or only some of them near its poles and few in between.
+    #[test]
+    fn every_gap_counts_with_its_own_interval() {
+        let ball = |z: f64| disc((1.0 - z * z).max(0.0).sqrt());
+        let all = model(0.0625, 0.0, ball);
+        let some = |keep: fn(i64) -> bool| {
+            let kept: Vec<PlaneIndex> = (-24..=24).filter(|k| keep(*k)).map(PlaneIndex).collect();
+            let mut few = Model::new(LengthUnit::Metre, all.planes().clone()).with_selection(kept);
+            for (k, section) in all.sections().filter(|(k, _)| keep(k.0)) {
+                few.set_curves(k, section.curves().cloned().collect());
+            }
+            few.volume()
+        };
+        let exact = 4.0 / 3.0 * PI;
+        let error = |found: &ModelVolume| (found.volume() - exact).abs();
+        let (coarse, refined) =
+            (some(|k| k % 8 == 0), some(|k| k % 8 == 0 || (k % 4 == 0) || k.abs() > 12));
+        assert_eq!((coarse.runs.len(), refined.runs.len()), (1, 1));
+        assert!(error(&refined) < 0.4 * error(&coarse), "{refined:?} {coarse:?}");
+        assert!(error(&refined) <= refined.error_bound().unwrap());
+        assert!(refined.error_bound() < coarse.error_bound());
+        // The trapezoids by hand: planes at -1.5, -1, -0.5, ... 1.5.
+        let by_hand: f64 = [-0.5_f64, 0.0, 0.5].iter().map(|z| 0.5 * PI * (1.0 - z * z)).sum();
+        assert!((coarse.volume() - by_hand).abs() < 1e-4, "{} {by_hand}", coarse.volume());
+        assert_eq!(some(|_| true), all.volume());
     }
 
     #[test]

@@ -95,6 +95,12 @@ pub enum GrowError {
         /// What is different.
         what: &'static str,
     },
+    /// Planes were to be refined.
+    #[error(
+        "planes are not refined in a store, whose planes are the same for every view to come; choose a smaller \
+         interval, or reconstruct without a store"
+    )]
+    Refinement,
     /// Two of the views that came have one id.
     #[error("two views go by the name {0}")]
     SameId(String),
@@ -187,8 +193,12 @@ impl<'a> Grower<'a> {
     /// Grows a store with the settings that it was made with.
     ///
     /// # Errors
-    /// [`GrowError::OtherSettings`] saying which of them are others.
+    /// [`GrowError::OtherSettings`] saying which of them are others, [`GrowError::Refinement`] if planes are
+    /// to be refined.
     pub fn new(store: &'a Store, setup: &'a Setup) -> Result<Self, GrowError> {
+        if setup.refinement.is_some() {
+            return Err(GrowError::Refinement);
+        }
         match setup.difference(store.read()?.header()) {
             Some(difference) => Err(GrowError::OtherSettings(difference)),
             None => Ok(Self { store, setup }),
@@ -369,7 +379,8 @@ impl<'a> Grower<'a> {
         notes.extend(reports.iter().filter(|_| several).filter_map(ViewReport::note_if_alone));
         let fusion = whole_fusion(&snapshot, &fuser)?;
         let fused = fuser.summaries().len();
-        Ok(Growth { present, report: Report { views: reports, fusion, notes, timings }, fused })
+        let report = Report { views: reports, fusion, refinement: None, notes, timings };
+        Ok(Growth { present, report, fused })
     }
 }
 

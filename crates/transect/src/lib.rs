@@ -5,6 +5,7 @@
 //! [`ViewSource`], progress and cancelling go through [`Watch`].
 //!
 //! * [`reconstruct`], [`Setup`], [`Report`]: the modeler;
+//! * [`Refinement`]: more planes where the curves of neighbouring planes differ;
 //! * [`Grower`]: the same, view by view into a model store that survives crashes and lets views leave;
 //! * [`evaluate`]: how accurate a model is, against sections that are known.
 //!
@@ -38,12 +39,14 @@ pub mod evaluate;
 mod fingerprint;
 mod grow;
 mod pipeline;
+mod refine;
 mod report;
 mod source;
 mod watch;
 
 pub use grow::{GrowError, Grower, Growth};
 pub use pipeline::{ReconstructError, Reconstruction, Setup, reconstruct};
+pub use refine::{DifferenceReason, RefinedGap, Refinement, RefinementError, RefinementReport};
 pub use report::{FusionReport, Report, Timings, ViewReport};
 pub use source::{LoadedView, SourceError, ViewSource};
 pub use watch::{Stage, Unwatched, Watch};

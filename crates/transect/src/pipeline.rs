@@ -2,19 +2,21 @@
 //!
 //! 1. Each view is loaded, its curves on every plane it involves are found, and it is dropped.
 //! 2. Each plane's curves from all views are fused, independent of every other plane.
+//!    With [`Refinement`], planes are inserted where neighbours differ.
 //! 3. The fused planes make the model; what happened on the way makes the report.
 //!
 //! Views and planes run in parallel. Results are gathered in the order of views and planes, and no
 //! sum crosses them, so the same input gives the same bytes for any number of threads.
 
+use crate::refine::{Observed, Refined, refine};
 use crate::report::{FusionReport, Report, Timings, ViewReport};
-use crate::{LoadedView, SourceError, Stage, ViewSource, Watch};
+use crate::{LoadedView, Refinement, SourceError, Stage, ViewSource, Watch};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 use transect_device::Isometry3;
 use transect_fusion::{Agreement, FusedPlane, FusionMethod, agreement, fuse_plane};
-use transect_geometry::{Curve, Guide, LengthUnit, PlaneFamily, PlaneIndex};
+use transect_geometry::{Curve, Guide, GuideError, LengthUnit, PlaneFamily, PlaneIndex};
 use transect_model::{Model, ViewRecord};
 use transect_partial::{Method, PartialCounts, PartialError, partial_model};
 
@@ -29,13 +31,15 @@ pub struct Setup {
     pub partial: Method,
     /// How the views' curves are fused.
     pub fusion: FusionMethod,
+    /// Where planes are inserted between these; `None` for nowhere.
+    pub refinement: Option<Refinement>,
 }
 
 impl Setup {
     /// Planes in a unit, with default options.
     pub fn new(unit: LengthUnit, planes: PlaneFamily) -> Self {
         let (partial, fusion) = (Method::default(), FusionMethod::default());
-        Self { unit, planes, partial, fusion }
+        Self { unit, planes, partial, fusion, refinement: None }
     }
 }
 
@@ -102,6 +106,9 @@ pub enum ReconstructError {
         /// How many crossings.
         crossings: usize,
     },
+    /// The smallest interval that planes are refined to is none.
+    #[error("the section planes cannot be refined")]
+    Refine(#[source] GuideError),
     /// The watcher asked to stop.
     #[error("cancelled")]
     Cancelled,
@@ -127,21 +134,48 @@ pub fn reconstruct<S: ViewSource>(
     watch: &dyn Watch,
 ) -> Result<Reconstruction, ReconstructError> {
     let started = Instant::now();
+    let setup = &setup.with_least_interval()?;
     let views = model_views(sources, setup, watch)?;
     let views_done = Instant::now();
     let planes = by_plane(&views);
     if planes.is_empty() {
         return Err(nothing(views.iter().map(ModelledView::extent), setup));
     }
-    let fused = fuse(&planes, setup, watch)?;
+    let fuse = |asked: &[PlaneIndex]| fuse(asked, &planes, setup, watch);
+    let (fused, refined) = match &setup.refinement {
+        None => (fuse(&planes.keys().copied().collect::<Vec<_>>())?, None),
+        Some(refinement) => {
+            let Refined { fused, selected, report } =
+                refine(refinement, &setup.planes, &planes, fuse)?;
+            (fused, Some((selected, report)))
+        }
+    };
     let timings = Timings {
         views: views_done - started,
         reading: views.iter().map(|v| v.reading).sum(),
         modelling: views.iter().map(|v| v.modelling).sum(),
         fusion: views_done.elapsed(),
     };
-    let report = report(&views, &fused, timings);
-    Ok(Reconstruction { model: assemble(setup, views, fused), report })
+    let mut report = report(&views, &fused, timings);
+    let mut model = assemble(setup, views, fused);
+    if let Some((selected, refinement)) = refined {
+        model = model.with_selection(selected);
+        report.refinement = Some(refinement);
+    }
+    Ok(Reconstruction { model, report })
+}
+
+impl Setup {
+    /// The same with the planes of the smallest interval that refinement may come to.
+    fn with_least_interval(&self) -> Result<Self, ReconstructError> {
+        let planes = match &self.refinement {
+            None => self.planes.clone(),
+            Some(refinement) => {
+                refinement.family(&self.planes).map_err(ReconstructError::Refine)?
+            }
+        };
+        Ok(Self { planes, ..self.clone() })
+    }
 }
 
 /// What is kept of a view.
@@ -296,8 +330,8 @@ impl ModelledView {
 }
 
 /// The curves that each plane has from each view; empty where a view has none.
-fn by_plane(views: &[ModelledView]) -> BTreeMap<PlaneIndex, Vec<&[Curve]>> {
-    let mut planes: BTreeMap<PlaneIndex, Vec<&[Curve]>> = BTreeMap::new();
+fn by_plane(views: &[ModelledView]) -> Observed<'_> {
+    let mut planes: Observed<'_> = BTreeMap::new();
     for (k, view) in views.iter().enumerate() {
         for (plane, found) in &view.planes {
             let curves = planes.entry(*plane).or_insert_with(|| vec![&[]; views.len()]);
@@ -308,19 +342,22 @@ fn by_plane(views: &[ModelledView]) -> BTreeMap<PlaneIndex, Vec<&[Curve]>> {
 }
 
 /// The fused curves of a plane, and how its views agree.
-struct Fused {
-    index: PlaneIndex,
-    plane: FusedPlane,
-    agreement: Vec<Agreement>,
+pub(crate) struct Fused {
+    pub index: PlaneIndex,
+    pub plane: FusedPlane,
+    pub agreement: Vec<Agreement>,
 }
 
+/// Fuses those of some planes that views have curves on.
 fn fuse(
-    planes: &BTreeMap<PlaneIndex, Vec<&[Curve]>>,
+    asked: &[PlaneIndex],
+    planes: &Observed<'_>,
     setup: &Setup,
     watch: &dyn Watch,
 ) -> Result<Vec<Fused>, ReconstructError> {
-    watch.begin(Stage::Planes, planes.len());
-    let fuse = |(index, views): (&PlaneIndex, &Vec<&[Curve]>)| {
+    let asked: Vec<_> = asked.iter().filter_map(|k| planes.get_key_value(k)).collect();
+    watch.begin(Stage::Planes, asked.len());
+    let fuse = |&(index, views): &(&PlaneIndex, &Vec<&[Curve]>)| {
         if watch.cancelled() {
             return Err(ReconstructError::Cancelled);
         }
@@ -329,7 +366,7 @@ fn fuse(
         watch.step(Stage::Planes);
         Ok(fused)
     };
-    planes.par_iter().map(fuse).collect()
+    asked.par_iter().map(fuse).collect()
 }
 
 fn report(views: &[ModelledView], fused: &[Fused], timings: Timings) -> Report {
@@ -347,7 +384,7 @@ fn report(views: &[ModelledView], fused: &[Fused], timings: Timings) -> Report {
     let alone = reports.iter().filter(|_| several).filter_map(ViewReport::note_if_alone);
     let notes = views.iter().flat_map(|v| v.notes.clone()).chain(alone).collect();
     let fusion = FusionReport::new(fused.iter().map(|f| &f.plane));
-    Report { fusion, notes, timings, views: reports }
+    Report { fusion, refinement: None, notes, timings, views: reports }
 }
 
 fn assemble(setup: &Setup, views: Vec<ModelledView>, fused: Vec<Fused>) -> Model {

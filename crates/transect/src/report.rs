@@ -1,5 +1,6 @@
 //! What happened in a run.
 
+use crate::RefinementReport;
 use serde::Serialize;
 use std::time::Duration;
 use transect_fusion::{Agreement, FusedPlane};
@@ -12,6 +13,9 @@ pub struct Report {
     pub views: Vec<ViewReport>,
     /// What fusion did.
     pub fusion: FusionReport,
+    /// Where planes were inserted and why; `None` if that was not asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refinement: Option<RefinementReport>,
     /// What readers assumed, repaired or ignored.
     pub notes: Vec<String>,
     /// Where the time went. Not serialised, so that equal runs make equal reports.
@@ -60,7 +64,7 @@ pub struct ViewReport {
     pub sigma: f64,
     /// Whether the noise was given.
     pub sigma_given: bool,
-    /// Planes it has curves on.
+    /// Planes it has curves on; with refinement, of those with the smallest interval.
     pub planes: usize,
     /// Its curves before fusion.
     pub curves: usize,

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use transect::evaluate::{EvaluateOptions, duplication, evaluate, evaluate_seen};
 use transect_device::View;
 use transect_exchange::{Scan, TriangleMesh, read_mesh, read_truth};
-use transect_geometry::{Curve, PlaneFamily, PlaneIndex, Point2};
+use transect_geometry::{Curve, PlaneIndex, Point2};
 use transect_model::Model;
 use transect_scene::{Mesh, Visibility, merge_overlaps, sections};
 
@@ -36,7 +36,8 @@ pub struct Limits {
     /// Only planes from this station on; a bare number is in the model's unit.
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     from: Option<String>,
-    /// Distance within which a curve counts as right [default: a fifth of the plane interval].
+    /// Distance within which a curve counts as right [default: a fifth of the plane interval; where planes were
+    /// inserted, of the widest that is left].
     #[arg(long, value_name = "LENGTH")]
     tolerance: Option<String>,
 }
@@ -105,12 +106,12 @@ pub fn score(folder: &Path, reference: &Reference, limits: &Limits) -> Result<Sc
         }
         Reference::Mesh(path) => {
             let mesh = read_mesh(path)?.mesh;
-            let truth = cut(path, &solid(mesh), &planes)?;
+            let truth = cut(path, &solid(mesh), &model)?;
             evaluate(&planes, &curves, &truth, &options)?
         }
         Reference::Simulated { truth, scan } => {
             let surface = solid(read_truth(truth)?);
-            let sections = cut(truth, &surface, &planes)?;
+            let sections = cut(truth, &surface, &model)?;
             // Solids of a scene may overlap: what lies inside another is no surface.
             let united = sections.into_iter().map(|(k, c)| (k, merge_overlaps(c))).collect();
             let visible = Visibility::new(&surface, views(scan)?)?;
@@ -129,7 +130,7 @@ impl Limits {
         let unit = model.unit();
         let tolerance = match &self.tolerance {
             Some(text) => parse_length(unit, "--tolerance", text)?,
-            None => TOLERANCE_SHARE * model.planes().interval(),
+            None => TOLERANCE_SHARE * widest_interval(model),
         };
         if tolerance <= 0.0 {
             return Err(Failure::Usage(format!("--tolerance must be positive, got {tolerance}")));
@@ -147,12 +148,25 @@ fn solid(mesh: TriangleMesh) -> Mesh {
     Mesh { vertices: mesh.vertices, faces: mesh.faces }
 }
 
+/// The widest interval between neighbouring planes that both have curves.
+fn widest_interval(model: &Model) -> f64 {
+    let pairs = model.sections().zip(model.sections().skip(1));
+    let neighbours = pairs
+        .map(|((a, _), (b, _))| (a, b))
+        .filter(|(a, b)| model.selection().next_after(*a) == Some(*b));
+    let steps = neighbours.map(|(a, b)| b.0.abs_diff(a.0)).max().unwrap_or(1);
+    model.planes().interval() * steps as f64
+}
+
+/// The truth on the planes that the model was asked for.
 fn cut(
     path: &Path,
     mesh: &Mesh,
-    planes: &PlaneFamily,
+    model: &Model,
 ) -> Result<BTreeMap<PlaneIndex, Vec<Curve>>, Failure> {
-    sections(mesh, planes).map_err(|e| Failure::with_file(path, e))
+    let mut cut = sections(mesh, model.planes()).map_err(|e| Failure::with_file(path, e))?;
+    cut.retain(|k, _| model.selection().contains(*k));
+    Ok(cut)
 }
 
 fn views(scan: &Path) -> Result<Vec<View>, Failure> {

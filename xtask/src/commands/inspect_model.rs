@@ -19,8 +19,10 @@ pub fn run(path: &Path) -> Result<(), Failure> {
             let value = format!("{} nodes, noise {}", view.nodes, noise(view.sigma));
             Row::new(format!("view {}", view.name), value, model.unit().symbol())
         }));
+        let asked = model.selected().map(std::collections::BTreeSet::len);
         let file = ModelFile::Plain(Box::new(model));
         rows.extend(plane_rows(&file));
+        rows.extend(asked.map(|count| Row::count("planes asked for", count)));
         rows.extend(curve_rows(&file)?);
         print(&rows);
         return Ok(());

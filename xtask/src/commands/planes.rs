@@ -3,6 +3,7 @@
 use crate::failure::Failure;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
+use transect::{Refinement, Setup};
 use transect_exchange::{PlanesEntry, Scan, read_guide};
 use transect_geometry::{Guide, GuideKind, LengthUnit, PlaneFamily, StraightGuide, Vector3};
 
@@ -107,6 +108,18 @@ impl PlaneArguments {
         }
         Ok(guide.into())
     }
+}
+
+/// A tolerance and, behind a comma, the smallest interval; without it a sixteenth of the interval.
+pub fn parse_refinement(setup: &Setup, text: &str) -> Result<Refinement, Failure> {
+    let length = |text: &str| parse_length(setup.unit, "--refine", text.trim());
+    let refinement = match text.split_once(',') {
+        None => Refinement::new(length(text)?, Refinement::DEFAULT_LEVELS),
+        Some((tolerance, least)) => {
+            Refinement::down_to(length(tolerance)?, setup.planes.interval(), length(least)?)
+        }
+    };
+    refinement.map_err(|e| Failure::Usage(format!("--refine: {e} (in {})", setup.unit)))
 }
 
 /// A length in the model's unit from an argument.

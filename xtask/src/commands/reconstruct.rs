@@ -2,7 +2,7 @@
 
 use super::evaluate::{self, Reference};
 use super::outputs::{self, DrawingFrame};
-use super::planes::{PlaneArguments, parse_length};
+use super::planes::{PlaneArguments, parse_length, parse_refinement};
 use super::report_file::{ReportFile, StageCost};
 use super::{FileView, default_out, growing, simulate};
 use crate::failure::Failure;
@@ -12,7 +12,7 @@ use crate::table::{Row, digits, print, say};
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use transect::{Reconstruction, Setup, reconstruct};
+use transect::{Reconstruction, RefinementReport, Setup, reconstruct};
 use transect_exchange::Scan;
 use transect_fusion::FusionMethod;
 use transect_geometry::LengthUnit;
@@ -78,6 +78,10 @@ pub struct Arguments {
     /// splines.json.
     #[arg(long, value_name = "TOLERANCE")]
     splines: Option<String>,
+    /// Insert planes where the curves of neighbouring planes are farther than this from each other, down to a
+    /// smallest interval: the interval halved a whole number of times [default: a sixteenth of it].
+    #[arg(long, value_name = "TOLERANCE[,SMALLEST]", conflicts_with = "store")]
+    refine: Option<String>,
     #[command(flatten)]
     planes: PlaneArguments,
     /// How each view's curves are found.
@@ -112,6 +116,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut setup = Setup::new(scan.unit, planes);
     setup.partial = arguments.method.options();
     setup.fusion = arguments.fusion.options();
+    let refine = arguments.refine.as_ref();
+    setup.refinement = refine.map(|text| parse_refinement(&setup, text)).transpose()?;
     let tolerance = arguments.splines.as_ref();
     let tolerance = tolerance.map(|text| parse_length(scan.unit, "--splines", text)).transpose()?;
     let out = arguments.out.clone().unwrap_or_else(|| default_out(&scan.name));
@@ -182,11 +188,13 @@ fn accuracy_rows(scan: &Path, out: &Path) -> Result<Vec<Row>, Failure> {
 
 fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
     let (report, unit) = (&result.report, scan.unit.symbol());
+    let refinement =
+        report.refinement.iter().flat_map(|refinement| refinement_rows(refinement, unit));
     let fusion = &report.fusion;
     let valid: usize = report.views.iter().map(|v| v.valid_pixels).sum();
     let pixels: usize = report.views.iter().map(|v| v.pixels).sum();
     let percent = |part: usize, whole: usize| digits(100.0 * part as f64 / whole.max(1) as f64);
-    vec![
+    let rows = vec![
         Row::new("scan", scan.name.clone(), ""),
         Row::count("views", result.model.views().len()),
         Row::new("valid pixels", percent(valid, pixels), "%"),
@@ -203,6 +211,16 @@ fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
         Row::new("curve length", digits(fusion.length), unit),
         Row::new("spread between views", digits(fusion.spread), unit),
         Row::new("overlap threshold", digits(fusion.threshold), unit),
+    ];
+    rows.into_iter().chain(refinement).collect()
+}
+
+fn refinement_rows(refinement: &RefinementReport, unit: &str) -> [Row; 4] {
+    [
+        Row::new("smallest interval", digits(refinement.least_interval), unit),
+        Row::count("planes asked for", refinement.planes),
+        Row::count("planes inserted", refinement.planes_inserted),
+        Row::count("intervals still above the tolerance", refinement.intervals_above_tolerance),
     ]
 }
 

@@ -55,6 +55,9 @@ struct Settings {
     guide: Option<Arc<CurvedGuide>>,
     offset: f64,
     interval: f64,
+    /// Tolerance and smallest interval, where planes were inserted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    refine: Option<[f64; 2]>,
     /// How each view's curves were found, and with what.
     partial: Value,
     /// How the views' curves were fused, and with what.
@@ -121,6 +124,7 @@ impl<'a> ReportFile<'a> {
                 guide: setup.planes.guide().curved().cloned(),
                 offset: setup.planes.offset(),
                 interval: setup.planes.interval(),
+                refine: report.refinement.as_ref().map(|r| [r.tolerance, r.least_interval]),
                 partial: partial_settings(&setup.partial),
                 fusion: fusion_settings(&setup.fusion),
             },

@@ -227,9 +227,11 @@ fn write_heading(model: &Model, options: &OverviewOptions, out: &mut dyn Write) 
     canvas::text(out, (40.0, 46.0), "font-size=\"26\" font-weight=\"bold\"", &options.title)?;
     let (planes, unit) = (model.sections().len(), model.unit());
     let interval = model.planes().interval();
+    // Where planes were inserted the interval is the smallest of several.
+    let every = if model.selected().is_some() { "no nearer than" } else { "every" };
     let open: usize = model.sections().map(|(_, s)| s.open_curve_count()).sum();
     let counts = format!(
-        "{planes} planes every {} {unit} · {} curves, {open} of them open · {} nodes",
+        "{planes} planes {every} {} {unit} · {} curves, {open} of them open · {} nodes",
         tidy(interval, interval * 1e-3),
         model.curve_count(),
         model.node_count()

@@ -135,16 +135,17 @@ fn lengths_beyond_the_file_set_no_memory_aside() {
     announced[12..20].copy_from_slice(&u64::MAX.to_le_bytes());
     assert!(matches!(read(&announced[..]), Err(CodecError::Truncated { .. })));
 
-    // Unit, the tag of a straight guide, then direction, offset and interval of the planes, then a list that claims 2^60 items
-    // or a view's name that claims as many bytes; 253 announces a 64-bit integer.
+    // Unit, the tag of a straight guide, then direction, offset and interval of the planes, then the mark of all planes and
+    // a list that claims 2^60 items, of planes or views, or a view's name that claims as many bytes; 253 announces a 64-bit integer.
     let planes = [0.0, 0.0, 1.0, 0.0, 0.5].map(f64::to_le_bytes).concat();
     let wild = [&[253][..], &(1_u64 << 60).to_le_bytes()].concat();
-    for views in [&wild[..], &[&[1][..], &wild].concat()] {
-        let payload = [&[0, 0][..], &planes, views].concat();
+    let after = |begin: &[u8]| [begin, &wild].concat();
+    for lists in [after(&[1]), after(&[0]), after(&[0, 1])] {
+        let payload = [&[0, 0][..], &planes, &lists].concat();
         assert!(matches!(read(&file_around(&payload)[..]), Err(CodecError::Layout(_))));
     }
     // The beginning of that payload is right: with empty lists it is a model.
-    let sound = [&[0, 0][..], &planes, &[0, 0]].concat();
+    let sound = [&[0, 0][..], &planes, &[0, 0, 0]].concat();
     assert_eq!(read(&file_around(&sound)[..]).unwrap().curve_count(), 0);
 }
 
@@ -161,12 +162,39 @@ fn another_version_and_other_files_say_so() {
 
 /// Encodes a payload that no constructor would make.
 fn forged(sections: Vec<(PlaneIndex, Section)>) -> Result<Model, CodecError> {
+    forged_selection(None, sections)
+}
+
+fn forged_selection(
+    selected: Option<Vec<i64>>,
+    sections: Vec<(PlaneIndex, Section)>,
+) -> Result<Model, CodecError> {
     let model = empty();
+    let selected = selected.map(|planes| planes.into_iter().map(PlaneIndex).collect());
     let sections = sections.into_iter().map(|(k, s)| (k, Cow::Owned(s))).collect();
-    let payload =
-        Payload { unit: model.unit(), planes: model.planes().clone(), views: Vec::new(), sections };
+    let (unit, planes) = (model.unit(), model.planes().clone());
+    let payload = Payload { unit, planes, selected, views: Vec::new(), sections };
     let bytes = bincode::serde::encode_to_vec(&payload, bincode::config::standard()).unwrap();
     read(&file_around(&bytes)[..])
+}
+
+#[test]
+fn the_planes_that_were_asked_for_are_kept_and_checked() {
+    let model = small().with_selection([-3, 7, 9].map(PlaneIndex));
+    assert_eq!(read(&bytes_of(&model)[..]).unwrap(), model);
+    let section =
+        || vec![(PlaneIndex(4), Section::new(vec![rectangle(0.0, 0.0, 1.0, 1.0)]).unwrap())];
+    assert!(forged_selection(Some(vec![3, 4]), section()).is_ok());
+    for (selected, error) in [
+        (vec![3, 5], InvariantError::NotSelected(PlaneIndex(4))),
+        (vec![4, 4], InvariantError::PlaneOutOfOrder(PlaneIndex(4))),
+        (vec![5, 4], InvariantError::PlaneOutOfOrder(PlaneIndex(4))),
+    ] {
+        match forged_selection(Some(selected), section()) {
+            Err(CodecError::Invariant(found)) => assert_eq!(found, error),
+            other => panic!("not refused as unsound: {other:?}"),
+        }
+    }
 }
 
 fn broken(sections: Vec<(PlaneIndex, Section)>) -> InvariantError {

@@ -121,12 +121,40 @@ fn both_neighbouring_planes_must_agree() {
 }
 
 #[test]
+fn planes_that_nobody_asked_for_are_not_asked() {
+    // Planes at heights 0 and 2, and one between them that only the first model looked at.
+    let mut model = empty();
+    model.set_curves(PlaneIndex(0), vec![rectangle(0.0, 0.0, 4.0, 4.0)]);
+    model.set_curves(PlaneIndex(4), vec![rectangle(1.0, 1.0, 3.0, 3.0)]);
+    let between = Point3::new(2.0, 2.0, 0.5);
+    assert_eq!(model.locate(&between).location, Location::Unknown);
+    let some = model.clone().with_selection([]);
+    for (p, expected) in [
+        (between, Location::Inside),
+        (Point3::new(2.0, 2.0, 1.8), Location::Inside),
+        (Point3::new(0.5, 2.0, 1.8), Location::Unknown),
+        (Point3::new(2.0, 2.0, 2.1), Location::Unknown),
+        (Point3::new(2.0, 2.0, -0.1), Location::Unknown),
+        (Point3::new(0.5, 2.0, 0.0), Location::Inside),
+    ] {
+        let answer = some.locate(&p);
+        assert_eq!(answer.location, expected, "{p}");
+        assert_eq!(ModelIndex::new(&some).locate(&p), answer, "{p}");
+    }
+    let asked = model.with_selection([PlaneIndex(2)]);
+    assert_eq!(asked.locate(&between).location, Location::Unknown);
+}
+
+#[test]
 fn far_from_the_origin_a_point_on_a_plane_is_still_on_it() {
     let (guide, interval) = (empty().planes().guide().clone(), 1e-3);
     let planes = PlaneFamily::new(guide, 5.4e6, interval).unwrap();
     for k in 0..100 {
         let on_plane = Point3::new(0.0, 0.0, 5.4e6 + f64::from(k) * interval);
-        assert_eq!(planes_around(&planes, &on_plane), [PlaneIndex(i64::from(k))]);
+        assert_eq!(
+            planes_around(&planes, &PlaneSelection::ALL, &on_plane),
+            [PlaneIndex(i64::from(k))]
+        );
     }
 }
 

@@ -3,7 +3,7 @@
 use super::error::StoreError;
 use super::snapshot::Snapshot;
 use crate::query::{locate_between, planes_around};
-use crate::{ModelVolume, SectionIndex, SpaceAnswer, VolumeSum};
+use crate::{ModelVolume, PlaneSelection, SectionIndex, SpaceAnswer, VolumeSum};
 use std::collections::BTreeMap;
 use transect_geometry::{PlaneIndex, Point3};
 
@@ -47,11 +47,12 @@ impl SpaceQuery {
     pub fn locate(&mut self, in_world: &Point3) -> Result<SpaceAnswer, StoreError> {
         let family = self.snapshot.header().planes.clone();
         self.questions += 1;
-        for plane in planes_around(&family, in_world) {
+        let around = planes_around(&family, &PlaneSelection::ALL, in_world);
+        for &plane in &around {
             self.keep(plane)?;
         }
         self.forget();
-        Ok(locate_between(&family, in_world, |plane, p| {
+        Ok(locate_between(&family, &around, in_world, |plane, p| {
             Some(self.planes.get(&plane)?.index.as_ref()?.locate(p))
         }))
     }
@@ -87,7 +88,7 @@ impl Snapshot {
     /// # Errors
     /// If the store is damaged.
     pub fn volume(&self) -> Result<ModelVolume, StoreError> {
-        let mut sum = VolumeSum::new(&self.header().planes);
+        let mut sum = VolumeSum::new(&self.header().planes, &PlaneSelection::ALL);
         for entry in self.planes()? {
             let (plane, section) = entry?;
             sum.add(plane, &section);
