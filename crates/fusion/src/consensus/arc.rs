@@ -7,6 +7,8 @@ pub(super) struct Arc<'a> {
     curve: &'a Curve,
     /// Arc length at each node, from the first.
     at: Vec<f64>,
+    /// Length of the unit that begins at each node.
+    steps: Vec<f64>,
     pub length: f64,
     /// Squared error of the nodes of four in a row, from where it begins; infinite if unknown.
     residuals: Vec<f64>,
@@ -15,14 +17,15 @@ pub(super) struct Arc<'a> {
 impl<'a> Arc<'a> {
     pub fn new(curve: &'a Curve) -> Self {
         let mut length = 0.0;
+        let steps: Vec<f64> = curve.units().map(|u| u.vector().norm()).collect();
         let mut at = vec![0.0];
-        at.extend(curve.units().map(|u| {
-            length += u.vector().norm();
+        at.extend(steps.iter().map(|step| {
+            length += step;
             length
         }));
         at.truncate(curve.nodes().len());
         let residuals = residuals(curve);
-        Self { curve, at, length, residuals }
+        Self { curve, at, steps, length, residuals }
     }
 
     pub fn to_open_end(&self, k: usize) -> f64 {
@@ -71,10 +74,11 @@ impl<'a> Arc<'a> {
         let (mut sum, mut count, mut walked, mut at) = (Vector2::zeros(), 0.0, 0.0, k);
         while let Some(to) = self.step(at, ahead) {
             // Over ground that nobody saw a direction says nothing.
-            if nodes[if ahead { at } else { to }].bridged {
+            let unit = if ahead { at } else { to };
+            if nodes[unit].bridged {
                 break;
             }
-            walked += (nodes[to].position - nodes[at].position).norm();
+            walked += self.steps[unit];
             // The nearest node always counts, however far it is.
             if (walked > reach && count > 0.0) || to == k {
                 break;
@@ -89,8 +93,8 @@ impl<'a> Arc<'a> {
     fn step(&self, at: usize, ahead: bool) -> Option<usize> {
         let n = self.curve.nodes().len();
         match (ahead, self.curve.is_closed()) {
-            (true, true) => Some((at + 1) % n),
-            (false, true) => Some((at + n - 1) % n),
+            (true, true) => Some(if at + 1 < n { at + 1 } else { 0 }),
+            (false, true) => Some(if at > 0 { at - 1 } else { n - 1 }),
             (true, false) => (at + 1 < n).then_some(at + 1),
             (false, false) => at.checked_sub(1),
         }
