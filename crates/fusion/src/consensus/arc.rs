@@ -18,7 +18,8 @@ impl<'a> Arc<'a> {
     pub fn new(curve: &'a Curve) -> Self {
         let mut length = 0.0;
         let steps: Vec<f64> = curve.units().map(|u| u.vector().norm()).collect();
-        let mut at = vec![0.0];
+        let mut at = Vec::with_capacity(steps.len() + 1);
+        at.push(0.0);
         at.extend(steps.iter().map(|step| {
             length += step;
             length
@@ -45,17 +46,20 @@ impl<'a> Arc<'a> {
         // Fours that hold the node, and one more on each side.
         const AROUND: usize = 6;
         let n = self.residuals.len();
+        let closed = self.curve.is_closed();
+        // The first of them, counted from one round before where a closed curve begins.
+        let (first, round) =
+            if closed { ((k + AROUND * n + 2 - AROUND) % n, 0) } else { (k + 1, AROUND - 1) };
         let (mut sum, mut count) = (0.0, 0.0);
-        for step in 0..AROUND {
-            let at = (k + 1 + step).checked_sub(AROUND - 1);
-            let at = if self.curve.is_closed() {
-                Some((k + AROUND * n + step + 2 - AROUND) % n)
-            } else {
-                at
-            };
-            let found = at.and_then(|at| self.residuals.get(at));
+        let mut at = first;
+        for _ in 0..AROUND {
+            let found = at.checked_sub(round).and_then(|at| self.residuals.get(at));
             if let Some(r) = found.filter(|r| r.is_finite()) {
                 (sum, count) = (sum + r, count + 1.0);
+            }
+            at += 1;
+            if closed && at == n {
+                at = 0;
             }
         }
         if count > 0.0 { (sum / count).sqrt() } else { f64::INFINITY }
@@ -112,7 +116,8 @@ fn residuals(curve: &Curve) -> Vec<f64> {
     let nodes = curve.nodes();
     let n = nodes.len();
     let count = if curve.is_closed() { n } else { n.saturating_sub(3) };
-    let four = |k: usize| [k, k + 1, k + 2, k + 3].map(|i| &nodes[i % n]);
+    let wrapped = |i: usize| if i < n { i } else { i % n };
+    let four = |k: usize| [k, k + 1, k + 2, k + 3].map(|i| &nodes[wrapped(i)]);
     (0..count).map(|k| residual(four(k))).collect()
 }
 
