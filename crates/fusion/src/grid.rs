@@ -1,9 +1,14 @@
 //! A uniform grid over points of a plane, for gathering neighbours.
 //!
-//! Cells are hashed into as many buckets as there are points. So the size of a cell never depends on
+//! Cells are hashed into about as many buckets as there are points, side by side in blocks of
+//! [`BLOCK`] columns: a row of cells is a few runs of points. So the size of a cell never depends on
 //! the extent of the plane: a long thin curve, or one node far from all others, costs nothing.
 
 use transect_geometry::{Envelope, Point2, Vector2};
+
+/// Columns of a block, as a power of two.
+const BLOCK_BITS: u32 = 2;
+const BLOCK: u32 = 1 << BLOCK_BITS;
 
 /// Points sorted into square cells. Neighbours come in an order that depends on the points alone.
 #[derive(Debug)]
@@ -12,7 +17,7 @@ pub(crate) struct PointGrid {
     per_length: f64,
     /// Largest column and row in use.
     last: Cell,
-    /// A bucket's number is the top bits of a hash.
+    /// A block's first bucket has the top bits of a hash for its number.
     shift: u32,
     /// Where each bucket begins in `items`; one entry more than there are buckets.
     starts: Vec<u32>,
@@ -38,13 +43,14 @@ impl PointGrid {
         // Smaller cells than this could not be numbered.
         let least = size.x.max(size.y) / f64::from(u32::MAX - 1);
         let per_length = 1.0 / cell.max(least).max(f64::MIN_POSITIVE);
-        let buckets = points.len().next_power_of_two().max(2);
+        // Twice the points, as a steep curve fills but one column of its blocks.
+        let blocks = (2 * points.len() / BLOCK as usize).next_power_of_two().max(2);
         let mut grid = Self {
             origin: around.min,
             per_length,
             last: (u32::MAX, u32::MAX),
-            shift: 64 - buckets.trailing_zeros(),
-            starts: vec![0; buckets + 1],
+            shift: 64 - blocks.trailing_zeros(),
+            starts: vec![0; blocks * BLOCK as usize + 1],
             items: Vec::new(),
         };
         grid.last = grid.cell(&(around.max - around.min));
@@ -79,10 +85,16 @@ impl PointGrid {
     }
 
     fn bucket(&self, (column, row): Cell) -> usize {
-        let key = u64::from(column) << 32 | u64::from(row);
+        self.first_bucket(column >> BLOCK_BITS, row) + (column % BLOCK) as usize
+    }
+
+    /// The bucket of a block's first column in a row.
+    fn first_bucket(&self, block: u32, row: u32) -> usize {
+        let key = u64::from(block) << 32 | u64::from(row);
         // Fibonacci hashing twice, so that neighbouring rows do not follow each other.
         let mixed = (key ^ (key >> 29)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        ((mixed ^ (mixed >> 32)).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> self.shift) as usize
+        let hash = (mixed ^ (mixed >> 32)).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> self.shift;
+        (hash as usize) << BLOCK_BITS
     }
 
     /// Calls `visit` with the number of every point within a radius, and where it is from `centre`.
@@ -104,11 +116,15 @@ impl PointGrid {
             return self.items.iter().for_each(|i| visit(i.number as usize, i.point - centre));
         }
         for row in first.1..=last.1 {
-            for column in first.0..=last.0 {
-                let b = self.bucket((column, row));
-                let bucket = self.starts[b] as usize..self.starts[b + 1] as usize;
-                for i in self.items[bucket].iter().filter(|i| i.cell == (column, row)) {
-                    visit(i.number as usize, i.point - centre);
+            for block in first.0 >> BLOCK_BITS..=last.0 >> BLOCK_BITS {
+                let start = block << BLOCK_BITS;
+                let bucket = self.first_bucket(block, row);
+                let from = self.starts[bucket + (first.0.max(start) - start) as usize];
+                let to = self.starts[bucket + (last.0 - start).min(BLOCK - 1) as usize + 1];
+                for i in &self.items[from as usize..to as usize] {
+                    if i.cell.1 == row && i.cell.0 >> BLOCK_BITS == block {
+                        visit(i.number as usize, i.point - centre);
+                    }
                 }
             }
         }

@@ -17,7 +17,7 @@ pub mod pattern;
 pub mod screening;
 
 pub use agreement::{Agreement, agreement};
-pub use consensus::{ConsensusOptions, consensus};
+pub use consensus::{ConsensusOptions, Measured, consensus, measure};
 pub use pairwise::{PairwiseOptions, pairwise};
 
 use transect_geometry::Curve;

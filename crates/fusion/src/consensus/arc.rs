@@ -7,6 +7,8 @@ pub(super) struct Arc<'a> {
     curve: &'a Curve,
     /// Arc length at each node, from the first.
     at: Vec<f64>,
+    /// Length of the unit that begins at each node.
+    steps: Vec<f64>,
     pub length: f64,
     /// Squared error of the nodes of four in a row, from where it begins; infinite if unknown.
     residuals: Vec<f64>,
@@ -15,14 +17,16 @@ pub(super) struct Arc<'a> {
 impl<'a> Arc<'a> {
     pub fn new(curve: &'a Curve) -> Self {
         let mut length = 0.0;
-        let mut at = vec![0.0];
-        at.extend(curve.units().map(|u| {
-            length += u.vector().norm();
+        let steps: Vec<f64> = curve.units().map(|u| u.vector().norm()).collect();
+        let mut at = Vec::with_capacity(steps.len() + 1);
+        at.push(0.0);
+        at.extend(steps.iter().map(|step| {
+            length += step;
             length
         }));
         at.truncate(curve.nodes().len());
         let residuals = residuals(curve);
-        Self { curve, at, length, residuals }
+        Self { curve, at, steps, length, residuals }
     }
 
     pub fn to_open_end(&self, k: usize) -> f64 {
@@ -42,17 +46,20 @@ impl<'a> Arc<'a> {
         // Fours that hold the node, and one more on each side.
         const AROUND: usize = 6;
         let n = self.residuals.len();
+        let closed = self.curve.is_closed();
+        // The first of them, counted from one round before where a closed curve begins.
+        let (first, round) =
+            if closed { ((k + AROUND * n + 2 - AROUND) % n, 0) } else { (k + 1, AROUND - 1) };
         let (mut sum, mut count) = (0.0, 0.0);
-        for step in 0..AROUND {
-            let at = (k + 1 + step).checked_sub(AROUND - 1);
-            let at = if self.curve.is_closed() {
-                Some((k + AROUND * n + step + 2 - AROUND) % n)
-            } else {
-                at
-            };
-            let found = at.and_then(|at| self.residuals.get(at));
+        let mut at = first;
+        for _ in 0..AROUND {
+            let found = at.checked_sub(round).and_then(|at| self.residuals.get(at));
             if let Some(r) = found.filter(|r| r.is_finite()) {
                 (sum, count) = (sum + r, count + 1.0);
+            }
+            at += 1;
+            if closed && at == n {
+                at = 0;
             }
         }
         if count > 0.0 { (sum / count).sqrt() } else { f64::INFINITY }
@@ -71,10 +78,11 @@ impl<'a> Arc<'a> {
         let (mut sum, mut count, mut walked, mut at) = (Vector2::zeros(), 0.0, 0.0, k);
         while let Some(to) = self.step(at, ahead) {
             // Over ground that nobody saw a direction says nothing.
-            if nodes[if ahead { at } else { to }].bridged {
+            let unit = if ahead { at } else { to };
+            if nodes[unit].bridged {
                 break;
             }
-            walked += (nodes[to].position - nodes[at].position).norm();
+            walked += self.steps[unit];
             // The nearest node always counts, however far it is.
             if (walked > reach && count > 0.0) || to == k {
                 break;
@@ -89,8 +97,8 @@ impl<'a> Arc<'a> {
     fn step(&self, at: usize, ahead: bool) -> Option<usize> {
         let n = self.curve.nodes().len();
         match (ahead, self.curve.is_closed()) {
-            (true, true) => Some((at + 1) % n),
-            (false, true) => Some((at + n - 1) % n),
+            (true, true) => Some(if at + 1 < n { at + 1 } else { 0 }),
+            (false, true) => Some(if at > 0 { at - 1 } else { n - 1 }),
             (true, false) => (at + 1 < n).then_some(at + 1),
             (false, false) => at.checked_sub(1),
         }
@@ -108,7 +116,8 @@ fn residuals(curve: &Curve) -> Vec<f64> {
     let nodes = curve.nodes();
     let n = nodes.len();
     let count = if curve.is_closed() { n } else { n.saturating_sub(3) };
-    let four = |k: usize| [k, k + 1, k + 2, k + 3].map(|i| &nodes[i % n]);
+    let wrapped = |i: usize| if i < n { i } else { i % n };
+    let four = |k: usize| [k, k + 1, k + 2, k + 3].map(|i| &nodes[wrapped(i)]);
     (0..count).map(|k| residual(four(k))).collect()
 }
 

@@ -13,9 +13,18 @@ pub(super) struct Sample {
     pub along_variance: f64,
     /// Length along the curve over which samples share their errors; 0 if each has its own.
     pub correlation: f64,
+    /// Place along of the sample that comes before it, and what it shares with that one's error:
+    /// known once for all windows with both.
+    pub before: f64,
+    pub shared: f64,
 }
 
 impl Sample {
+    /// Correlation of its error with that of a sample at `x`, which comes before it.
+    fn shared_from(&self, x: f64) -> f64 {
+        if x == self.before { self.shared } else { shared(self.x - x, self.correlation) }
+    }
+
     /// Mean of x² over the places.
     fn square(&self) -> f64 {
         self.x * self.x + self.along_variance
@@ -40,21 +49,38 @@ impl Fit {
     }
 }
 
-/// A robust weighted line through samples with `|x| <= reach`, with weights that fall to the reach.
-///
-/// Samples farther from it than `across` do not count. `None` without samples.
-pub(super) fn line(samples: &[Sample], reach: f64, across: f64) -> Option<Fit> {
-    let rough = weighted_line(samples, |s| kernel(s.x / reach))?;
-    let weight = |s: &Sample| kernel(s.x / reach) * biweight(rough.residual(s) / across);
+/// A sample of a line: its place along and across, and its weight.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LineSample {
+    pub x: f64,
+    pub y: f64,
+    pub weight: f64,
+    /// Share of the weight by its distance along the curve.
+    near: f64,
+}
+
+impl LineSample {
+    /// A sample with `|x| <= reach`, with a weight that falls to the reach.
+    pub fn new((x, y): (f64, f64), weight: f64, reach: f64) -> Self {
+        Self { x, y, weight, near: kernel(x / reach) }
+    }
+}
+
+/// A robust weighted line. Samples farther from it than `across` do not count. `None` without samples.
+pub(super) fn line(samples: &[LineSample], across: f64) -> Option<Fit> {
+    let rough = weighted_line(samples, |s| s.near)?;
+    let residual = |s: &LineSample| s.y - (rough.place + rough.slope * s.x);
+    let weight = |s: &LineSample| s.near * biweight(residual(s) / across);
     Some(weighted_line(samples, weight).unwrap_or(rough))
 }
 
-fn weighted_line(samples: &[Sample], weight: impl Fn(&Sample) -> f64) -> Option<Fit> {
+fn weighted_line(samples: &[LineSample], weight: impl Fn(&LineSample) -> f64) -> Option<Fit> {
     let (mut w, mut wx, mut wy, mut wxx, mut wxy) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for s in samples {
         let k = s.weight * weight(s);
-        (w, wx, wy) = (w + k, wx + k * s.x, wy + k * s.y);
-        (wxx, wxy) = (wxx + k * s.x * s.x, wxy + k * s.x * s.y);
+        let kx = k * s.x;
+        (w, wx, wy) = (w + k, wx + kx, wy + k * s.y);
+        (wxx, wxy) = (wxx + kx * s.x, wxy + kx * s.y);
     }
     if w <= 0.0 {
         return None;
@@ -73,19 +99,36 @@ pub(super) fn shared(apart: f64, correlation: f64) -> f64 {
     if correlation > 0.0 { (-2.0 * apart.abs() / correlation).exp() } else { 0.0 }
 }
 
-/// A robust weighted parabola through samples with `|x| <= reach`, sorted by x.
+/// Orders samples along the curve, and notes for each what it shares with the one before.
+pub(super) fn in_order(samples: &mut [Sample]) {
+    samples.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    let mut before = f64::NEG_INFINITY;
+    for s in samples {
+        (s.before, s.shared) = (before, shared(s.x - before, s.correlation));
+        before = s.x;
+    }
+}
+
+/// A robust weighted parabola through samples with `|x| <= reach`, sorted by [`in_order`].
 ///
-/// `None` unless samples lie on both sides and determine it.
-pub(super) fn parabola(samples: &[Sample], reach: f64, across: f64) -> Option<Fit> {
+/// `None` unless samples lie on both sides and determine it. What `weights` held is lost.
+pub(super) fn parabola(
+    samples: &[Sample],
+    reach: f64,
+    across: f64,
+    weights: &mut Vec<f64>,
+) -> Option<Fit> {
     let (behind, ahead) = sides(samples, reach);
     if behind < 2 || ahead < 2 {
         return None;
     }
-    let rough = Moments::of(samples, reach, |_| 1.0).solve(reach)?;
-    let robust = |s: &Sample| biweight(rough.residual(s) / across);
-    let moments = Moments::of(samples, reach, robust);
+    let rough = Moments::of(samples.iter().map(|s| (s, s.weight)), reach).solve(reach)?;
+    weights.clear();
+    weights.extend(samples.iter().map(|s| s.weight * biweight(rough.residual(s) / across)));
+    let weighted = || samples.iter().zip(weights.iter().copied());
+    let moments = Moments::of(weighted(), reach);
     let fit = moments.solve(reach)?;
-    let [place, bend] = moments.sigmas(samples, reach, robust)?;
+    let [place, bend] = moments.sigmas(weighted(), reach)?;
     Some(Fit { place_sigma: place, bend_sigma: bend / (reach * reach), ..fit })
 }
 
@@ -110,11 +153,11 @@ struct Moments {
 }
 
 impl Moments {
-    fn of(samples: &[Sample], reach: f64, robust: impl Fn(&Sample) -> f64) -> Self {
+    /// Of samples and their weights.
+    fn of<'a>(samples: impl Iterator<Item = (&'a Sample, f64)>, reach: f64) -> Self {
         let scale = 1.0 / reach;
         let mut m = Self::default();
-        for s in samples {
-            let w = s.weight * robust(s);
+        for (s, w) in samples {
             let (u, q) = (s.x * scale, s.square() * scale * scale);
             let (wu, wq, wy) = (w * u, w * q, w * s.y);
             let (left, right) = (&mut m.left, &mut m.right);
@@ -162,20 +205,19 @@ impl Moments {
     ///
     /// Both are sums of sample errors with known coefficients. With an exponential correlation, what
     /// a sample shares with all before it is carried along in one number.
-    fn sigmas(
+    fn sigmas<'a>(
         &self,
-        samples: &[Sample],
+        samples: impl Iterator<Item = (&'a Sample, f64)>,
         reach: f64,
-        robust: impl Fn(&Sample) -> f64,
     ) -> Option<[f64; 2]> {
         let ([a, b, c, _, e, f], determinant) = self.cofactors()?;
         let scale = 1.0 / reach;
         let (mut variance, mut carried, mut last) = ([0.0; 2], [0.0; 2], 0.0);
-        for s in samples {
-            let error = s.weight * robust(s) * s.sigma / determinant;
+        for (s, weight) in samples {
+            let error = weight * s.sigma / determinant;
             let (u, q) = (s.x * scale, s.square() * scale * scale);
             let errors = [error * (a + b * u + c * q), error * (c + e * u + f * q)];
-            let kept = shared(s.x - last, s.correlation);
+            let kept = s.shared_from(last);
             for k in 0..2 {
                 carried[k] *= kept;
                 variance[k] += errors[k] * (errors[k] + 2.0 * carried[k]);
@@ -214,7 +256,7 @@ mod tests {
     fn a_parabola_is_found_exactly_and_a_stray_sample_ignored() {
         let mut s = samples(|x| 0.3 - 0.2 * x + 0.1 * x * x);
         s[3].y += 5.0;
-        let fit = parabola(&s, 2.0, 1.0).unwrap();
+        let fit = parabola(&s, 2.0, 1.0, &mut Vec::new()).unwrap();
         assert!((fit.place - 0.3).abs() < 1e-9, "{fit:?}");
         assert!((fit.slope + 0.2).abs() < 1e-9 && (fit.bend - 0.1).abs() < 1e-9, "{fit:?}");
     }
@@ -224,14 +266,14 @@ mod tests {
         // Each sample stands for places of variance 0.04 along y = x².
         let spread = |s: Sample| Sample { y: s.y + 0.04, along_variance: 0.04, ..s };
         let means: Vec<_> = samples(|x| x * x).into_iter().map(spread).collect();
-        let fit = parabola(&means, 2.0, 10.0).unwrap();
+        let fit = parabola(&means, 2.0, 10.0, &mut Vec::new()).unwrap();
         assert!(fit.place.abs() < 1e-9 && (fit.bend - 1.0).abs() < 1e-9, "{fit:?}");
     }
 
     #[test]
     fn the_predicted_spread_of_a_mean_of_line_samples_is_right() {
         // A parabola through n even samples has 9/4 the variance of their mean at its middle.
-        let fit = parabola(&samples(|_| 0.0), 2.0, 1.0).unwrap();
+        let fit = parabola(&samples(|_| 0.0), 2.0, 1.0, &mut Vec::new()).unwrap();
         let expected = 0.1 * (2.25 / 17.0_f64).sqrt();
         assert!((fit.place_sigma / expected - 1.0).abs() < 0.05, "{fit:?}");
     }
@@ -239,8 +281,10 @@ mod tests {
     #[test]
     fn one_sided_samples_do_not_make_a_parabola() {
         let right: Vec<_> = samples(|x| x).into_iter().filter(|s| s.x > 0.0).collect();
-        assert_eq!(parabola(&right, 2.0, 1.0), None);
-        let line = line(&right, 3.0, 1.0).unwrap();
+        assert_eq!(parabola(&right, 2.0, 1.0, &mut Vec::new()), None);
+        let right: Vec<_> =
+            right.iter().map(|s| LineSample::new((s.x, s.y), s.weight, 3.0)).collect();
+        let line = line(&right, 1.0).unwrap();
         assert!((line.slope - 1.0).abs() < 1e-9);
     }
 }

@@ -32,19 +32,12 @@ pub(super) fn link(
     observations: &Observations,
     scale: &Scale,
 ) -> Vec<u32> {
-    let mut candidates = Vec::new();
+    let mut candidates = Candidates::new(kept.len());
     ahead(kept, scale, &mut candidates);
     witnessed(kept, absorbed_by, observations, &mut candidates);
-    candidates.sort_unstable_by(|a, b| {
-        // Bridged ground comes last: it never keeps seen nodes from each other.
-        (a.bridged.cmp(&b.bridged))
-            .then(a.cost.total_cmp(&b.cost))
-            .then(a.from.cmp(&b.from))
-            .then(a.to.cmp(&b.to))
-    });
     let mut next = vec![NONE; kept.len()];
     let mut previous = vec![NONE; kept.len()];
-    for c in candidates {
+    for c in candidates.cheapest_first() {
         let (from, to) = (c.from as usize, c.to as usize);
         let back_and_forth = next[to] == c.from;
         if next[from] == NONE && previous[to] == NONE && !back_and_forth {
@@ -55,35 +48,75 @@ pub(super) fn link(
     next
 }
 
+/// A possible link. Its order is that in which links are made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Candidate {
-    cost: f64,
+    /// The bits of the cost, which is positive, so that they have its order. Bridged ground, by the
+    /// highest bit, comes last: it never keeps seen nodes from each other.
+    cost: u64,
     from: u32,
     to: u32,
-    bridged: bool,
+}
+
+/// Possible links, each pair of nodes once at its least cost: many views witness the same one.
+#[derive(Debug)]
+struct Candidates {
+    /// Each with the number of an earlier one from the same node, or [`NONE`].
+    all: Vec<(Candidate, u32)>,
+    /// The last one from each node.
+    last: Vec<u32>,
+}
+
+impl Candidates {
+    fn new(nodes: usize) -> Self {
+        Self { all: Vec::with_capacity(4 * nodes), last: vec![NONE; nodes] }
+    }
+
+    fn add(&mut self, (from, to): (usize, usize), cost: f64, bridged: bool) {
+        let cost = cost.to_bits() | u64::from(bridged) << 63;
+        let mut at = self.last[from];
+        while let Some((candidate, earlier)) = self.all.get_mut(at as usize) {
+            if candidate.to == to as u32 {
+                candidate.cost = candidate.cost.min(cost);
+                return;
+            }
+            at = *earlier;
+        }
+        let number = self.all.len() as u32;
+        let candidate = Candidate { cost, from: from as u32, to: to as u32 };
+        self.all.push((candidate, std::mem::replace(&mut self.last[from], number)));
+    }
+
+    fn cheapest_first(self) -> Vec<Candidate> {
+        let mut all: Vec<Candidate> = self.all.into_iter().map(|(c, _)| c).collect();
+        all.sort_unstable();
+        all
+    }
 }
 
 /// Pairs of nodes that lie ahead of each other.
-fn ahead(kept: &[Kept], scale: &Scale, candidates: &mut Vec<Candidate>) {
+fn ahead(kept: &[Kept], scale: &Scale, candidates: &mut Candidates) {
     let positions: Vec<Point2> = kept.iter().map(|k| k.position).collect();
     let grid = PointGrid::new(&positions, REACH_FOOTPRINTS * scale.spacing);
     for (k, here) in kept.iter().enumerate() {
         let reach = REACH_FOOTPRINTS * here.footprint;
         grid.within(&here.position, reach, |j, d| {
             let there = &kept[j];
-            let distance = d.norm();
-            let turn = here.tangent.dot(&there.tangent);
-            if j == k || distance <= 0.0 || turn < SMALLEST_TURN_COSINE {
+            // Each pair once, from the node with the larger footprint, which looks farther.
+            let mine = (there.footprint, k) < (here.footprint, j);
+            if !mine || here.tangent.dot(&there.tangent) < SMALLEST_TURN_COSINE {
                 return;
             }
-            // Seen from either node: the one with the larger footprint looks farther.
+            let distance = d.norm();
+            if distance <= 0.0 {
+                return;
+            }
             let (from, to) = if d.dot(&here.tangent) > 0.0 { (k, j) } else { (j, k) };
             let step = kept[to].position - kept[from].position;
             let (leave, arrive) =
                 (kept[from].tangent.dot(&step) / distance, kept[to].tangent.dot(&step) / distance);
             if leave.min(arrive) > SMALLEST_TURN_COSINE {
-                let cost = distance * (2.0 - leave) * (2.0 - arrive);
-                let (from, to) = (from as u32, to as u32);
-                candidates.push(Candidate { cost, from, to, bridged: false });
+                candidates.add((from, to), distance * (2.0 - leave) * (2.0 - arrive), false);
             }
         });
     }
@@ -94,7 +127,7 @@ fn witnessed(
     kept: &[Kept],
     absorbed_by: &[u32],
     observations: &Observations,
-    candidates: &mut Vec<Candidate>,
+    candidates: &mut Candidates,
 ) {
     for (o, &from) in observations.all.iter().zip(absorbed_by) {
         let Some(&to) = absorbed_by.get(o.next as usize) else { continue };
@@ -110,7 +143,7 @@ fn witnessed(
         let least = if straight { SIDEWAYS } else { BACKWARD };
         if leave >= least && arrive >= least {
             let cost = WITNESSED * distance * (2.0 - leave) * (2.0 - arrive);
-            candidates.push(Candidate { cost, from, to, bridged: o.bridged });
+            candidates.add((from as usize, to as usize), cost, o.bridged);
         }
     }
 }

@@ -177,8 +177,8 @@ impl Kept {
 }
 
 /// What the views of a plane say about their own errors, in the length unit.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Measured {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measured {
     /// Standard deviation of one view's curve against the common one.
     pub spread: f64,
     /// Overlap threshold.
@@ -188,7 +188,7 @@ pub(crate) struct Measured {
 }
 
 /// The errors of the views as [`consensus`] measures them; `None` without nodes.
-pub(crate) fn measure(views: &[&[Curve]], options: &ConsensusOptions) -> Option<Measured> {
+pub fn measure(views: &[&[Curve]], options: &ConsensusOptions) -> Option<Measured> {
     let observations = Observations::collect(views);
     if observations.all.is_empty() {
         return None;

@@ -5,7 +5,7 @@
 //! that neighbours share leave narrow windows in agreement whatever their width; so it is the
 //! *difference* that is judged, by its own standard deviation, and not each estimate by its own.
 
-use super::fit::{Fit, Sample, parabola};
+use super::fit::{Fit, Sample, in_order, parabola};
 use super::window::{Window, left_of};
 use super::{Kept, Scale};
 use crate::grid::PointGrid;
@@ -82,7 +82,7 @@ fn widest_fit(
             let farthest = reach((step + GATHER_AHEAD).min(WINDOWS - 1));
             near.gather(kept, here, grid, (farthest, threshold, scale.same_way));
         }
-        let Some(fit) = parabola(near.window(reach_now, threshold), reach_now, threshold) else {
+        let Some(fit) = near.fit(reach_now, threshold) else {
             // A first fit across a gap would rest on far ground alone.
             if step < LAST_FIRST_WINDOW {
                 continue;
@@ -108,6 +108,8 @@ struct Near {
     all: Vec<Sample>,
     /// Those of one window.
     inside: Vec<Sample>,
+    /// Weights of their samples.
+    weights: Vec<f64>,
     /// Fits in the windows accepted so far.
     narrower: Vec<Fit>,
 }
@@ -145,20 +147,33 @@ impl Near {
             |j, x, y| {
                 let Kept { weight, cluster_sigma: sigma, along_variance, correlation, .. } =
                     kept[j];
-                all.push(Sample { x, y, weight, sigma, along_variance, correlation });
+                all.push(Sample {
+                    x,
+                    y,
+                    weight,
+                    sigma,
+                    along_variance,
+                    correlation,
+                    ..Sample::default()
+                });
             },
         );
-        all.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+        in_order(all);
         self.reach = reach;
     }
 
-    /// The samples of a window not wider than the one gathered.
-    fn window(&mut self, reach: f64, threshold: f64) -> &[Sample] {
+    /// The parabola in a window not wider than the one gathered.
+    fn fit(&mut self, reach: f64, threshold: f64) -> Option<Fit> {
         let across = across(threshold, reach);
-        let inside = |s: &&Sample| s.x.abs() <= reach && s.y.abs() <= across;
+        let from = self.all.partition_point(|s| s.x < -reach);
+        let to = self.all.partition_point(|s| s.x <= reach);
+        let along = self.all.get(from..to)?;
+        if along.iter().all(|s| s.y.abs() <= across) {
+            return parabola(along, reach, threshold, &mut self.weights);
+        }
         self.inside.clear();
-        self.inside.extend(self.all.iter().filter(inside));
-        &self.inside
+        self.inside.extend(along.iter().filter(|s| s.y.abs() <= across));
+        parabola(&self.inside, reach, threshold, &mut self.weights)
     }
 }
 

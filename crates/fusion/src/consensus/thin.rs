@@ -1,6 +1,6 @@
 //! First place, thinning and clusters: from all observations to one kept node per footprint.
 
-use super::fit::{self, Sample, line};
+use super::fit::{self, LineSample, line};
 use super::groups::{self, Group, Groups};
 use super::observations::{NONE, Observation, Observations};
 use super::window::Window;
@@ -69,11 +69,11 @@ fn project(groups: &Groups, scale: &Scale) -> Vec<Projected> {
             |j| groups.all[j].tangent,
             |j, x, y| {
                 let g = &groups.all[j];
-                samples.push(Sample { x, y, weight: g.weight, ..Sample::default() });
+                samples.push(LineSample::new((x, y), g.weight, window.reach));
                 views.iter_mut().zip(groups.views(j)).for_each(|(all, v)| *all |= v);
             },
         );
-        let fit = line(&samples, window.reach, window.across).unwrap_or_default();
+        let fit = line(&samples, window.across).unwrap_or_default();
         let normal = window.normal();
         let tangent = (here.tangent + normal * fit.slope).normalize();
         let position = here.position + normal * fit.place;
@@ -118,13 +118,14 @@ fn choose(groups: &Groups, projected: &[Projected], scale: &Scale) -> (Vec<u32>,
 
 /// Groups with more views around them first, then the better seen, then canonical order.
 fn by_support(groups: &Groups, projected: &[Projected]) -> Vec<u32> {
-    let quality = |k: u32| groups.all[k as usize].quality;
-    let views = |k: u32| projected[k as usize].views;
-    let mut order: Vec<u32> = (0..projected.len() as u32).collect();
-    order.sort_by(|&a, &b| {
-        views(b).cmp(&views(a)).then(quality(b).total_cmp(&quality(a))).then(a.cmp(&b))
-    });
-    order
+    // Numbers that have the order wanted are faster sorted than what they come from.
+    let key = |(k, (p, g)): (usize, (&Projected, &Group))| {
+        let quality = g.quality.max(0.0).to_bits();
+        (u32::MAX - p.views, u64::MAX - quality, k as u32)
+    };
+    let mut order: Vec<_> = projected.iter().zip(&groups.all).enumerate().map(key).collect();
+    order.sort_unstable();
+    order.into_iter().map(|(_, _, k)| k).collect()
 }
 
 /// Gathers the original places of what each kept node absorbed.

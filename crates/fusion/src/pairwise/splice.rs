@@ -15,14 +15,14 @@
 //!
 //! **Departures from the source.** The dissertation averages, and does not say what happens at the
 //! ends: as printed, the merged curve would lose half a unit at each free end with every merge. The
-//! outermost node stays. Step 5 is not in the source.
+//! outermost node stays, and with it the reason why its curve ends there. Step 5 is not in the source.
 
 use super::average::{Averaged, average, lost_by};
 use super::strand::Strand;
 use super::verify::{Limits, verify};
 use crate::envelopes::UnitIndex;
 use crate::pattern::{Fork, Overlap, OverlapTolerance, Overlaps, Parts, Relation, Verdict};
-use transect_geometry::{Curve, Node};
+use transect_geometry::{Curve, EndReason, Node};
 
 /// What became of two curves.
 #[derive(Debug, Clone)]
@@ -129,6 +129,7 @@ impl Merger<'_> {
                 (curve, lost, false)
             }
         };
+        let curve = if closed { curve } else { curve.with_ends(ends.reasons(&strands)) };
         Some(Merged { curve, ring: false, averaged, dropped: lost.total() })
     }
 
@@ -229,6 +230,11 @@ impl Ends {
             _ => usize::from(b.outside[side] > a.outside[side]),
         };
         Self { before: longer(0), behind: longer(1) }
+    }
+
+    /// Why the merged curve begins and ends: as the strand that stays there.
+    fn reasons(self, strands: &[Strand; 2]) -> [Option<EndReason>; 2] {
+        [strands[self.before].ends[0], strands[self.behind].ends[1]]
     }
 }
 

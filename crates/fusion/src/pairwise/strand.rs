@@ -6,7 +6,7 @@
 
 use crate::pattern::CurveRange;
 use std::ops::Range;
-use transect_geometry::{Curve, CurveUnit, Node, Vector2};
+use transect_geometry::{Curve, CurveUnit, EndReason, Node, Vector2};
 
 /// Share of a curve's length within which two arc lengths are one: rounding of the sums.
 const ARC_ROUNDING: f64 = 1e-12;
@@ -22,6 +22,8 @@ pub(super) struct Strand {
     pub outside: [f64; 2],
     /// Whether the curve is closed.
     pub closed: bool,
+    /// Why the curve begins and ends, as far as anyone knows.
+    pub ends: [Option<EndReason>; 2],
 }
 
 impl Strand {
@@ -40,6 +42,7 @@ impl Strand {
             enclosed: from..to.max(from),
             outside: [overlap.from, (length - overlap.to).max(0.0)],
             closed: false,
+            ends: curve.ends(),
         }
     }
 
@@ -61,7 +64,7 @@ impl Strand {
         // The cut is node 0 of the strand.
         let from = 1 + places.partition_point(|s| *s < outside - rounding);
         let to = 1 + places.partition_point(|s| *s <= length - outside + rounding);
-        Self { nodes, enclosed: from..to, outside: [outside; 2], closed: true }
+        Self { nodes, enclosed: from..to, outside: [outside; 2], closed: true, ends: [None; 2] }
     }
 
     /// The unit that begins at a node.
