@@ -106,7 +106,7 @@ fn sweep(criterion: &mut Criterion) {
     let view = view(0.0);
     let mut group = criterion.benchmark_group("lines");
     for (count, band_size) in
-        [(16, 1 << 15), (256, 1 << 15), (1024, 1 << 15), (1024, 1 << 12), (1024, 1 << 20)]
+        [(16, 1 << 14), (256, 1 << 14), (1024, 1 << 14), (1024, 1 << 12), (1024, 1 << 20)]
     {
         let planes = planes(count);
         let axes = SectionAxes::new(&view, &planes).expect("few planes");
