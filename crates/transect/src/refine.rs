@@ -162,8 +162,8 @@ pub struct RefinementReport {
     pub planes_inserted: usize,
     /// Intervals of the result whose planes still differ by more than the tolerance.
     pub intervals_above_tolerance: usize,
-    /// Every pair of neighbours that differed, in order of station; those first in which a plane was inserted
-    /// into an interval that begins at the same plane.
+    /// Every pair of neighbours that differed, in order of station; of those that begin at one plane the widest
+    /// first.
     pub gaps: Vec<RefinedGap>,
 }
 
