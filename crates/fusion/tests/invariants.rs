@@ -34,7 +34,7 @@ proptest! {
         outline in outlines(), looks in looks(), sigma in 0.0..0.004_f64,
     ) {
         let once = fuse(&views_of(&outline, &looks, sigma)).curves;
-        let twice = fuse(&[once.clone()]).curves;
+        let twice = fuse(std::slice::from_ref(&once)).curves;
         let near = SPACING + 2.0 * sigma;
         prop_assert!(farthest(&twice, &once) < near, "{}", farthest(&twice, &once));
         prop_assert!(farthest(&once, &twice) < 4.0 * near, "{}", farthest(&once, &twice));

@@ -1,4 +1,5 @@
 //! Curves as views would see them, for tests of whole planes.
+#![allow(dead_code, reason = "each file of tests uses a part")]
 
 use proptest::prelude::*;
 use std::f64::consts::TAU;
@@ -67,7 +68,6 @@ pub fn slices(views: &[Vec<Curve>]) -> Vec<&[Curve]> {
     views.iter().map(Vec::as_slice).collect()
 }
 
-#[allow(dead_code, reason = "not every test file moves curves")]
 pub fn moved(curve: &Curve, angle: f64, shift: Vector2) -> Curve {
     let (sin, cos) = angle.sin_cos();
     let turn = |p: Point2| Point2::new(cos * p.x - sin * p.y, sin * p.x + cos * p.y) + shift;
@@ -75,12 +75,10 @@ pub fn moved(curve: &Curve, angle: f64, shift: Vector2) -> Curve {
     Curve::new(nodes.collect(), curve.is_closed()).unwrap()
 }
 
-#[allow(dead_code, reason = "not every test file draws outlines")]
 pub fn outlines() -> impl Strategy<Value = Outline> {
     (0.0..0.2_f64, 2..6_u32).prop_map(|(bump, lobes)| Outline { bump, lobes: f64::from(lobes) })
 }
 
-#[allow(dead_code, reason = "not every test file draws looks")]
 pub fn looks() -> impl Strategy<Value = Vec<Look>> {
     let look = (0.0..TAU, 1.0..4.0_f64, 0.015..0.025_f64, any::<u64>())
         .prop_map(|(from, sweep, spacing, seed)| Look { from, sweep, spacing, seed });
