@@ -126,8 +126,9 @@ fn a_guide_that_does_not_bend_gives_the_curves_of_a_line() {
             differing += usize::from((a.position - b.position).norm() > 1e-6);
         }
     }
-    // Levels are rounded to f32 in other ways, which may turn a sample on a plane to its other side.
-    assert!(nodes > 5000 && differing <= nodes / 500, "{differing} of {nodes}");
+    // Levels are rounded to f32 in other ways, which may turn a sample on a plane to its other side, and what
+    // fusion makes of its neighbours.
+    assert!(nodes > 5000 && differing <= nodes / 250, "{differing} of {nodes}");
 }
 
 #[test]
