@@ -210,11 +210,7 @@ mod tests {
         let (space, sensor) = (wall(), Point3::origin());
         assert_eq!(space.free_share(&sensor, &point(9.0, 0.0, 0.0), 0.0), 1.0);
         assert_eq!(space.free_share(&sensor, &point(10.0, 0.5, 0.5), 0.0), 0.0);
-        assert_eq!(
-            space.free_share(&sensor, &point(10.0, 0.5, 0.5), 0.5),
-            1.0,
-            "within the slack"
-        );
+        assert_eq!(space.free_share(&sensor, &point(10.0, 0.5, 0.5), 0.5), 1.0, "within the slack");
     }
 
     #[test]
