@@ -17,7 +17,7 @@ pub struct Arguments {
     /// One part only [default: all].
     #[arg(value_enum)]
     part: Option<Part>,
-    /// Planes of the large store; 2000 make ten million fused nodes and a file of 4 GB.
+    /// Planes of the large store; 2000 make ten million fused nodes and a file of 2.6 GB.
     #[arg(long, default_value_t = 200, value_name = "NUMBER", value_parser = clap::value_parser!(i64).range(50..))]
     planes: i64,
     /// Folder for the large store [default: the system's own for such files].
