@@ -17,6 +17,32 @@
 //!
 //! Cost: per plane O(n² log n) for n open curves. Do not take a gap's chord for a surface: the boundary between its
 //! ends can be anywhere behind what hid it.
+//!
+//! ```
+//! use transect_geometry::{Curve, Node, PlaneFrame, Point2, Point3, Vector3};
+//! use transect_model::Section;
+//! use transect_model::gaps::{FreeSpace, NextViewOptions, next_views};
+//!
+//! // A square that lacks its right side, which a sensor on the left has not seen.
+//! let corners = [(2.0, 2.0), (0.0, 2.0), (0.0, 0.0), (2.0, 0.0)];
+//! let nodes = corners.map(|(x, y)| Node::at(Point2::new(x, y))).to_vec();
+//! let section = Section::new(vec![Curve::new(nodes, false)?]).ok_or("no curves")?;
+//! let gap = section.gaps()[0];
+//! assert_eq!((gap.width(), gap.ends[0]), (2.0, Point2::new(2.0, 0.0)));
+//!
+//! let frame = PlaneFrame::new(Point3::origin(), Vector3::z()).ok_or("no normal")?;
+//! let patches = gap.patches(&frame, 0.1, 0.5);
+//! // What is free: rays above and below the square, from left to right.
+//! let ray = |k: i32| {
+//!     let y = 3.0 + 0.01 * f64::from(k % 100) - if k < 100 { 0.0 } else { 4.5 };
+//!     (Point3::new(-3.0, y, 0.0), Point3::new(5.0, y, 0.0))
+//! };
+//! let space = FreeSpace::from_rays(&(0..200).map(ray).collect::<Vec<_>>()).ok_or("no rays")?;
+//! let options = NextViewOptions { views: 1, max_incidence_rad: 1.3, reach: 10.0 };
+//! let view = next_views(&patches, &space, &options)[0];
+//! assert!(view.position.x > 2.0, "the right side is seen from the right");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod free_space;
 mod next_view;
