@@ -34,9 +34,12 @@ fn ezdxf_reads_the_splines_back_near_the_nodes() {
     let Some(python) = python_with("ezdxf") else { return };
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("splines.dxf");
-    let (model, tolerance) = (sample(), 1e-3);
+    // More than the ring's chords are off the ellipse, which a spline need not follow then.
+    let (model, tolerance) = (sample(), 4e-3);
     let splines = ModelSplines::fit(&model, tolerance).unwrap();
-    assert!(splines.deviation() <= tolerance && splines.control_count() < 80);
+    let count = splines.control_count();
+    assert!(splines.deviation() <= tolerance, "{}", splines.deviation());
+    assert!(count < 80, "{count}");
     crate::write_file(&path, |out| splines.write_dxf(out)).unwrap();
     // Of every spline its layer, kind and many of its points.
     let script = "import sys, ezdxf\n\
