@@ -2,10 +2,11 @@
 #![allow(clippy::unwrap_used, reason = "test code; shared strategies are outside test functions")]
 
 mod dissertation_scene;
+#[macro_use]
 mod gaps;
 
 use dissertation_scene::*;
-use gaps::{Step, check_cuts};
+use gaps::Step;
 use proptest::prelude::*;
 use std::sync::Arc;
 use transect_device::{ImageSize, Isometry3, RangeImage, Vector3, View};
@@ -19,34 +20,7 @@ fn model(view: &View, planes: &PlaneFamily) -> PartialModel {
     partial_model(view, planes, &options).unwrap()
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(20))]
-
-    #[test]
-    fn a_curve_cut_by_one_to_four_missing_pixels_is_one_again_and_by_five_it_is_two(
-        rig in rigs(), setting in settings(), axis in directions(), angle in 0.0..3.1_f64,
-        normal in directions(),
-    ) {
-        let pose = rig.pose(axis * angle);
-        let solids = setting.solids(&rig.line_of_sight(&pose), rig.scale);
-        let whole = look(rig.frame.clone(), pose, &solids, |_| false);
-        prop_assume!(whole.is_some());
-        let seen = Seen { rig: rig.clone(), view: whole.unwrap(), solids };
-        prop_assume!(check_cuts(&rig, &seen, normal, model).is_some());
-    }
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(30))]
-
-    #[test]
-    fn a_jump_is_never_bridged(
-        step in 1.0..2.0_f64, tilt in -0.4..0.4_f64, slant in -0.4..0.4_f64, normal in directions(),
-        missing in prop::collection::vec(0..=4_usize, 48), upright in any::<bool>(),
-    ) {
-        Step { step, tilt, slant, missing, upright }.check(normal, model);
-    }
-}
+gap_laws!(model);
 
 /// A round room seen by a scanner of a full circle in its middle; some pixels are missing.
 fn round_room(missing: impl Fn(usize, usize) -> bool) -> PartialModel {

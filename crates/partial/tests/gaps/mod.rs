@@ -8,6 +8,41 @@ use transect_geometry::{PlaneFamily, PlaneIndex};
 use transect_partial::{EndReason, PartialCurve, PartialModel};
 use transect_sensors::{AngularScan, ImagingRadar};
 
+/// The laws of gaps and jumps, as tests of a file that has a [`Modeler`] by this name.
+macro_rules! gap_laws {
+    ($model:ident) => {
+        proptest! {
+            #![proptest_config(ProptestConfig::with_cases(20))]
+
+            #[test]
+            fn a_curve_cut_by_one_to_four_missing_pixels_is_one_again_and_by_five_it_is_two(
+                rig in rigs(), setting in settings(), axis in directions(), angle in 0.0..3.1_f64,
+                normal in directions(),
+            ) {
+                let pose = rig.pose(axis * angle);
+                let solids = setting.solids(&rig.line_of_sight(&pose), rig.scale);
+                let whole = look(rig.frame.clone(), pose, &solids, |_| false);
+                prop_assume!(whole.is_some());
+                let seen = Seen { rig: rig.clone(), view: whole.unwrap(), solids };
+                prop_assume!(gaps::check_cuts(&rig, &seen, normal, $model).is_some());
+            }
+        }
+
+        proptest! {
+            #![proptest_config(ProptestConfig::with_cases(30))]
+
+            #[test]
+            fn a_jump_is_never_bridged(
+                step in 1.0..2.0_f64, tilt in -0.4..0.4_f64, slant in -0.4..0.4_f64,
+                normal in directions(), missing in prop::collection::vec(0..=4_usize, 48),
+                upright in any::<bool>(),
+            ) {
+                gaps::Step { step, tilt, slant, missing, upright }.check(normal, $model);
+            }
+        }
+    };
+}
+
 /// A way to find curves.
 pub type Modeler = fn(&View, &PlaneFamily) -> PartialModel;
 
