@@ -40,6 +40,7 @@ mod query;
 mod section;
 mod selection;
 pub mod store;
+mod unit_tree;
 mod volume;
 
 #[cfg(test)]
@@ -55,4 +56,5 @@ pub use nesting::NestedCurve;
 pub use query::{Location, ModelIndex, PlaneAnswer, SectionIndex, SpaceAnswer, locate_in_plane};
 pub use section::{CurveIndex, CurveRecord, NodeIndex, Section};
 pub use selection::PlaneSelection;
+pub use unit_tree::InTree;
 pub use volume::{ModelVolume, RunVolume, VolumeSum};

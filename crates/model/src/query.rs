@@ -23,8 +23,8 @@
 //! Cost: building an index O(n log n) for n units, a question O(log n) on average; without an
 //! index O(n). Do not use it for points within rounding of a curve: those count as inside.
 
-use crate::{Model, PlaneSelection, Section};
-use rstar::{AABB, PointDistance, RTree, RTreeObject};
+use crate::{InTree, Model, PlaneSelection, Section};
+use rstar::RTree;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use transect_geometry::{Curve, CurveUnit, Foot, PlaneFamily, PlaneIndex, Point2, Point3, Side};
@@ -108,19 +108,9 @@ struct IndexedUnit {
     index: usize,
 }
 
-impl RTreeObject for IndexedUnit {
-    type Envelope = AABB<[f64; 2]>;
-
-    fn envelope(&self) -> Self::Envelope {
-        AABB::from_corners(self.unit.start.into(), self.unit.end.into())
-    }
-}
-
-impl PointDistance for IndexedUnit {
-    fn distance_2(&self, point: &[f64; 2]) -> f64 {
-        let distance = self.unit.distance(&Point2::from(*point));
-        // Coordinates near the largest f64 overflow into NaN, which the tree could not sort.
-        if distance.is_nan() { f64::INFINITY } else { distance * distance }
+impl AsRef<CurveUnit> for IndexedUnit {
+    fn as_ref(&self) -> &CurveUnit {
+        &self.unit
     }
 }
 
@@ -132,7 +122,7 @@ const TREE_ROUNDING: f64 = 1e-12;
 #[derive(Debug, Clone)]
 pub struct SectionIndex<'a> {
     section: Cow<'a, Section>,
-    tree: RTree<IndexedUnit>,
+    tree: RTree<InTree<IndexedUnit>>,
 }
 
 impl SectionIndex<'static> {
@@ -170,7 +160,7 @@ impl<'a> SectionIndex<'a> {
     }
 
     /// The answer of the nearest among some units.
-    fn answer_of(&self, near: &[&IndexedUnit], p: &Point2) -> PlaneAnswer {
+    fn answer_of(&self, near: &[&InTree<IndexedUnit>], p: &Point2) -> PlaneAnswer {
         let nearest = near.iter().map(|u| u.unit.distance(p)).fold(f64::INFINITY, f64::min);
         // Only the first nearest foot of each curve decides, as in `Curve::foot`.
         let mut first_units = BTreeMap::new();
@@ -188,9 +178,9 @@ impl<'a> SectionIndex<'a> {
     }
 }
 
-fn tree_of(section: &Section) -> RTree<IndexedUnit> {
+fn tree_of(section: &Section) -> RTree<InTree<IndexedUnit>> {
     let units = section.curves().enumerate().flat_map(|(curve, c)| {
-        c.units().enumerate().map(move |(index, unit)| IndexedUnit { unit, curve, index })
+        c.units().enumerate().map(move |(index, unit)| InTree(IndexedUnit { unit, curve, index }))
     });
     RTree::bulk_load(units.collect())
 }

@@ -1,8 +1,9 @@
 //! The curve units of one plane in a spatial index.
 
 use super::sample::{PlacedUnit, placed_units};
-use rstar::{AABB, PointDistance, RTree, RTreeObject};
-use transect_geometry::{Curve, Point2, Vector2};
+use rstar::RTree;
+use transect_geometry::{Curve, CurveUnit, Point2, Vector2};
+use transect_model::InTree;
 
 /// Units count as equally near if their squared distances differ by less than this share: rounding
 /// at the common end of two units stays far below it.
@@ -17,19 +18,9 @@ pub(super) struct IndexedUnit {
     pub curve: usize,
 }
 
-impl RTreeObject for IndexedUnit {
-    type Envelope = AABB<[f64; 2]>;
-
-    fn envelope(&self) -> Self::Envelope {
-        AABB::from_corners(self.placed.unit.start.into(), self.placed.unit.end.into())
-    }
-}
-
-impl PointDistance for IndexedUnit {
-    fn distance_2(&self, point: &[f64; 2]) -> f64 {
-        let distance = self.placed.unit.distance(&Point2::from(*point));
-        // Coordinates near the largest f64 overflow into NaN, which the tree could not sort.
-        if distance.is_nan() { f64::INFINITY } else { distance * distance }
+impl AsRef<CurveUnit> for IndexedUnit {
+    fn as_ref(&self) -> &CurveUnit {
+        &self.placed.unit
     }
 }
 
@@ -44,14 +35,14 @@ pub(super) struct Nearest {
 
 /// All units with a length of some curves of one plane.
 pub(super) struct UnitIndex {
-    tree: RTree<IndexedUnit>,
+    tree: RTree<InTree<IndexedUnit>>,
 }
 
 impl UnitIndex {
     /// Sorts the units of the curves into a tree.
     pub fn new(curves: &[Curve]) -> Self {
         let units = curves.iter().enumerate().flat_map(|(curve, c)| {
-            placed_units(c).map(move |placed| IndexedUnit { placed, curve })
+            placed_units(c).map(move |placed| InTree(IndexedUnit { placed, curve }))
         });
         Self { tree: RTree::bulk_load(units.collect()) }
     }
@@ -77,7 +68,7 @@ impl UnitIndex {
 
     /// The units no farther than `reach` from a point, in no particular order.
     pub fn within(&self, p: &Point2, reach: f64) -> impl Iterator<Item = &IndexedUnit> {
-        self.tree.locate_within_distance((*p).into(), reach * reach)
+        self.tree.locate_within_distance((*p).into(), reach * reach).map(|entry| &entry.0)
     }
 }
 

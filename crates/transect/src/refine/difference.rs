@@ -4,9 +4,10 @@
 //! same way. A sample is far if that is beyond the tolerance and three standard deviations of both; a stretch of far
 //! samples counts if it is longer than a few footprints, so that neither noise nor ragged ends count.
 
-use rstar::{AABB, PointDistance, RTree, RTreeObject};
+use rstar::RTree;
 use serde::Serialize;
-use transect_geometry::{Curve, CurveUnit, Node, Point2};
+use transect_geometry::{Curve, CurveUnit, Node};
+use transect_model::InTree;
 
 /// In which way the curves of two neighbouring planes differ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -172,25 +173,15 @@ struct IndexedUnit {
     ends: [bool; 2],
 }
 
-impl RTreeObject for IndexedUnit {
-    type Envelope = AABB<[f64; 2]>;
-
-    fn envelope(&self) -> Self::Envelope {
-        AABB::from_corners(self.unit.start.into(), self.unit.end.into())
-    }
-}
-
-impl PointDistance for IndexedUnit {
-    fn distance_2(&self, point: &[f64; 2]) -> f64 {
-        let distance = self.unit.distance(&Point2::from(*point));
-        // Coordinates near the largest f64 overflow into NaN, which the tree could not sort.
-        if distance.is_nan() { f64::INFINITY } else { distance * distance }
+impl AsRef<CurveUnit> for IndexedUnit {
+    fn as_ref(&self) -> &CurveUnit {
+        &self.unit
     }
 }
 
 /// All units of a plane's curves.
 struct Units {
-    tree: RTree<IndexedUnit>,
+    tree: RTree<InTree<IndexedUnit>>,
 }
 
 impl Units {
@@ -199,7 +190,7 @@ impl Units {
             let (last, open) = (c.units().len() - 1, !c.is_closed());
             let of = move |(k, (unit, node)): (usize, (CurveUnit, &Node))| {
                 let ends = [open && k == 0, open && k == last];
-                IndexedUnit { unit, curve, sigma: f64::from(node.sigma), ends }
+                InTree(IndexedUnit { unit, curve, sigma: f64::from(node.sigma), ends })
             };
             c.units().zip(c.nodes()).enumerate().map(of)
         });

@@ -1,4 +1,5 @@
 use super::*;
+use transect_geometry::Point2;
 
 /// A polyline whose nodes have a footprint and a noise.
 fn polyline(points: &[(f64, f64)], closed: bool, footprint: f32, sigma: f32) -> Curve {
