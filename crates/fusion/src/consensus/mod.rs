@@ -22,6 +22,7 @@
 //! 7. Links: shortest first, one successor and one predecessor; the views' own curves are asked.
 //! 8. Cover: longest piece first, what lies beside an accepted piece is cut away.
 //! 9. Ends: joined where the curve goes on, turned round thin tips, cut back where they cross.
+//! 10. Corners: where two sides meet at an angle, the curve goes through the place at which they do.
 //!
 //! **Departures from the source.** Everything from step 3 on replaces 5.5.2. The rule table of 5.4
 //! holds for the result as an invariant instead of deciding each merge.
@@ -32,6 +33,7 @@
 //! views whose poses are wrong by more than the overlap threshold: it cannot repair registration.
 
 mod arc;
+mod corners;
 mod ends;
 mod fit;
 mod groups;
@@ -211,14 +213,17 @@ pub fn consensus(views: &[&[Curve]], options: &ConsensusOptions) -> FusedPlane {
     place::place(&mut thinned.kept, &scale);
     let next = link::link(&thinned.kept, &thinned.absorbed_by, &observations, &scale);
     let traced = pieces::trace(&next);
-    let (kept, counts) = (
-        &thinned.kept,
-        FusionCounts { observations: observations.all.len(), ..FusionCounts::default() },
-    );
-    let (tidied, dropped) = tidy(kept, traced, &scale, options);
+    let (mut tidied, dropped) = tidy(&thinned.kept, traced, &scale, options);
+    let counts = FusionCounts {
+        observations: observations.all.len(),
+        kept: thinned.kept.len(),
+        dropped,
+        ..FusionCounts::default()
+    };
+    let kept = &mut thinned.kept;
+    corners::sharpen(kept, &mut tidied, observations.pixel_noise());
     let ends = output::Ends::new(&observations, &thinned.absorbed_by, kept);
     let curves = output::curves(kept, tidied, &ends);
-    let counts = FusionCounts { kept: kept.len(), dropped, ..counts };
     FusedPlane { curves, spread: between, threshold: scale.threshold, counts }
 }
 

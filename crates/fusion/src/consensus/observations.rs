@@ -112,6 +112,13 @@ impl Observations {
         median(self.all.iter().map(|o| o.footprint))
     }
 
+    /// Median standard deviation across a curve of a single pixel: errors shared over n pixels are what
+    /// is left of one n times as large.
+    pub fn pixel_noise(&self) -> f64 {
+        let of_pixel = |o: &Observation| o.sigma * (o.correlation / o.footprint).max(1.0);
+        median(self.all.iter().map(of_pixel))
+    }
+
     fn push(&mut self, curve: &Curve, view: u32) {
         let nodes = curve.nodes();
         let arc = Arc::new(curve);

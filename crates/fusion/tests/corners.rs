@@ -1,0 +1,133 @@
+//! Corners of sections come out sharp, and what is round stays round.
+#![allow(clippy::unwrap_used, reason = "test code; shared helpers are outside test functions")]
+
+use proptest::prelude::*;
+use std::f64::consts::{FRAC_PI_2, TAU};
+use transect_fusion::{ConsensusOptions, consensus};
+use transect_geometry::{Curve, Node, Point2, Vector2};
+
+/// Distance between neighbouring nodes, and a node's standard deviation.
+const SPACING: f64 = 0.02;
+const SIGMA: f64 = 0.0005;
+
+/// A square from -1 to 1 whose corners are rounded with a radius; 0 for sharp ones.
+#[derive(Debug, Clone, Copy)]
+struct Square {
+    radius: f64,
+}
+
+impl Square {
+    /// Length of a straight side, and of one with the arc behind it.
+    fn lengths(&self) -> (f64, f64) {
+        let side = 2.0 * (1.0 - self.radius);
+        (side, side + self.radius * FRAC_PI_2)
+    }
+
+    /// The place at an arc length, counter-clockwise, so that the solid lies to the left.
+    fn at(&self, s: f64) -> Point2 {
+        let (side, period) = self.lengths();
+        let (s, corner) = (s.rem_euclid(period), s.div_euclid(period));
+        let r = self.radius;
+        let local = if s <= side {
+            Vector2::new(s - 0.5 * side, -1.0)
+        } else {
+            let (sin, cos) = ((s - side) / r).sin_cos();
+            Vector2::new(0.5 * side + r * sin, r - 1.0 - r * cos)
+        };
+        let (sin, cos) = (corner * FRAC_PI_2).sin_cos();
+        Point2::new(cos * local.x - sin * local.y, sin * local.x + cos * local.y)
+    }
+
+    fn seen(&self, view: u64, sigma: f64) -> Vec<Curve> {
+        let length = 4.0 * self.lengths().1;
+        let count = (length / SPACING) as u64;
+        let node = |k: u64| {
+            let s = (k as f64 + 0.31 * view as f64) * length / count as f64;
+            let error = Vector2::new(noise(view, 2 * k), noise(view, 2 * k + 1)) * sigma;
+            Node {
+                sigma: sigma.max(1e-6) as f32,
+                footprint: SPACING as f32,
+                ..Node::at(self.at(s) + error)
+            }
+        };
+        vec![Curve::new((0..count).map(node).collect(), true).unwrap()]
+    }
+
+    fn fused(&self, sigma: f64) -> Vec<Curve> {
+        let views: Vec<Vec<Curve>> = (0..6).map(|view| self.seen(view, sigma)).collect();
+        let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+        consensus(&slices, &ConsensusOptions::default()).curves
+    }
+
+    /// Largest distance of the square's outline from a curve.
+    fn farthest_from(&self, curve: &Curve) -> f64 {
+        let length = 4.0 * self.lengths().1;
+        let places = (0..4000).map(|k| self.at(f64::from(k) * length / 4000.0));
+        places.map(|p| curve.foot(&p).distance).fold(0.0, f64::max)
+    }
+}
+
+/// A number of about normal distribution, by view and node.
+fn noise(view: u64, k: u64) -> f64 {
+    let mut x = (view << 32 | k).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let mut uniform = || {
+        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((x ^ (x >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+}
+
+#[test]
+fn corners_between_samples_come_out_sharp() {
+    let square = Square { radius: 0.0 };
+    for sigma in [0.0, SIGMA] {
+        let curves = square.fused(sigma);
+        assert_eq!(curves.len(), 1);
+        for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+            let off = curves[0].foot(&Point2::new(x, y)).distance;
+            // Chords between nodes a footprint apart cut off up to a third of one.
+            assert!(off <= 0.05 * SPACING + sigma, "({x}, {y}) at {sigma}: {off}");
+        }
+    }
+}
+
+#[test]
+fn fillets_of_three_footprints_stay_round() {
+    for sigma in [0.0, SIGMA] {
+        let square = Square { radius: 3.0 * SPACING };
+        let curves = square.fused(sigma);
+        assert_eq!(curves.len(), 1);
+        // The sharp corner lies 0.41 radii off.
+        let off = square.farthest_from(&curves[0]);
+        assert!(off < 0.12 * SPACING + 3.0 * sigma, "{sigma}: {off}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// Rings have no corner, however few nodes they have.
+    #[test]
+    fn rings_get_no_corners(footprints in 2.0_f64..30.0, phase in 0.0_f64..1.0, sigma in 0.0..SIGMA) {
+        let radius: f64 = footprints * SPACING;
+        let count = f64::ceil(TAU * footprints) as u64;
+        let view = |view: u64| {
+            let node = |k: u64| {
+                let a = (k as f64 + phase + 0.31 * view as f64) * TAU / count as f64;
+                let r: f64 = radius + sigma * noise(view, k);
+                let sigma = sigma.max(1e-6) as f32;
+                Node { sigma, footprint: SPACING as f32, ..Node::at(Point2::new(r * a.cos(), r * a.sin())) }
+            };
+            vec![Curve::new((0..count).map(node).collect(), true).unwrap()]
+        };
+        let views: Vec<Vec<Curve>> = (0..6).map(view).collect();
+        let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+        let fused = consensus(&slices, &ConsensusOptions::default());
+        for node in fused.curves.iter().flat_map(Curve::nodes) {
+            // A corner on three footprints of arc would lie a third of one outside.
+            let off = node.position.coords.norm() - radius;
+            prop_assert!(off < 4.0 * sigma + 0.05 * SPACING, "{off}");
+        }
+    }
+}
