@@ -39,6 +39,7 @@ mod groups;
 mod link;
 pub(crate) mod observations;
 mod output;
+mod parabola;
 mod pieces;
 mod place;
 mod spread;
