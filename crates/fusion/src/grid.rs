@@ -30,7 +30,8 @@ type Cell = (u32, u32);
 #[derive(Debug, Clone, Copy)]
 struct Item {
     point: Point2,
-    cell: Cell,
+    /// Block and row.
+    key: u64,
     number: u32,
 }
 
@@ -68,11 +69,12 @@ impl PointGrid {
             self.starts[b] += self.starts[b - 1];
         }
         let mut places = self.starts.clone();
-        let empty = Item { point: Point2::origin(), cell: (0, 0), number: 0 };
+        let empty = Item { point: Point2::origin(), key: 0, number: 0 };
         self.items = vec![empty; points.len()];
         for (k, (&cell, &point)) in cells.iter().zip(points).enumerate() {
             let place = &mut places[self.bucket(cell)];
-            self.items[*place as usize] = Item { point, cell, number: k as u32 };
+            let key = key(cell.0 >> BLOCK_BITS, cell.1);
+            self.items[*place as usize] = Item { point, key, number: k as u32 };
             *place += 1;
         }
     }
@@ -85,12 +87,11 @@ impl PointGrid {
     }
 
     fn bucket(&self, (column, row): Cell) -> usize {
-        self.first_bucket(column >> BLOCK_BITS, row) + (column % BLOCK) as usize
+        self.first_bucket(key(column >> BLOCK_BITS, row)) + (column % BLOCK) as usize
     }
 
     /// The bucket of a block's first column in a row.
-    fn first_bucket(&self, block: u32, row: u32) -> usize {
-        let key = u64::from(block) << 32 | u64::from(row);
+    fn first_bucket(&self, key: u64) -> usize {
         // Fibonacci hashing twice, so that neighbouring rows do not follow each other.
         let mixed = (key ^ (key >> 29)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let hash = (mixed ^ (mixed >> 32)).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> self.shift;
@@ -118,17 +119,22 @@ impl PointGrid {
         for row in first.1..=last.1 {
             for block in first.0 >> BLOCK_BITS..=last.0 >> BLOCK_BITS {
                 let start = block << BLOCK_BITS;
-                let bucket = self.first_bucket(block, row);
+                let key = key(block, row);
+                let bucket = self.first_bucket(key);
                 let from = self.starts[bucket + (first.0.max(start) - start) as usize];
                 let to = self.starts[bucket + (last.0 - start).min(BLOCK - 1) as usize + 1];
                 for i in &self.items[from as usize..to as usize] {
-                    if i.cell.1 == row && i.cell.0 >> BLOCK_BITS == block {
+                    if i.key == key {
                         visit(i.number as usize, i.point - centre);
                     }
                 }
             }
         }
     }
+}
+
+fn key(block: u32, row: u32) -> u64 {
+    u64::from(block) << 32 | u64::from(row)
 }
 
 #[cfg(test)]

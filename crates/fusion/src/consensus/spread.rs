@@ -22,6 +22,9 @@ const FEWEST_SAMPLES: usize = 8;
 const SEARCH_FOOTPRINTS: f64 = 4.0;
 const SEARCH_SIGMAS: f64 = 6.0;
 
+/// Share of that distance looked at first.
+const NEARBY: f64 = 0.4;
+
 /// Median of |x| for a normal x of standard deviation 1.
 const MEDIAN_OF_NORMAL: f64 = 0.6745;
 
@@ -80,19 +83,36 @@ fn distance_to_other(o: &Observations, grid: &PointGrid, k: usize, same_way: f64
     let others = o.sources.len() as u64 - 1;
     let drawn = (here.view as u64 + 1 + mixed(k as u64) % others) % o.sources.len() as u64;
     let radius = SEARCH_FOOTPRINTS * here.footprint + SEARCH_SIGMAS * here.sigma;
+    // A node within half a footprint of the place beside is the one, as a rule soon found.
+    let close = beside(o, grid, (k, drawn as u32), (NEARBY * radius, same_way));
+    let found = match close {
+        Some((along, pair)) if along <= 0.5 * here.footprint => Some((along, pair)),
+        _ => beside(o, grid, (k, drawn as u32), (radius, same_way)),
+    };
+    found.map(|(_, pair)| pair)
+}
+
+/// The node of a view within a radius that lies most nearly beside another one, and how far along.
+fn beside(
+    o: &Observations,
+    grid: &PointGrid,
+    (k, view): (usize, u32),
+    (radius, same_way): (f64, f64),
+) -> Option<(f64, Pair)> {
+    let here = &o.all[k];
     let mut nearest: Option<(f64, Pair)> = None;
     grid.within(&here.position, radius, |j, d| {
         let there = &o.all[j];
-        if u64::from(there.view) == drawn && there.tangent.dot(&here.tangent) >= same_way {
-            let distance = d.dot(&there.tangent).abs();
-            if nearest.is_none_or(|(n, _)| distance < n) {
+        if there.view == view && there.tangent.dot(&here.tangent) >= same_way {
+            let along = d.dot(&there.tangent).abs();
+            if nearest.is_none_or(|(n, _)| along < n) {
                 let variance = here.sigma.powi(2) + there.sigma.powi(2);
-                nearest =
-                    Some((distance, Pair { distance: there.tangent.perp(&d).abs(), variance }));
+                let distance = there.tangent.perp(&d).abs();
+                nearest = Some((along, Pair { distance, variance }));
             }
         }
     });
-    nearest.map(|(_, pair)| pair)
+    nearest
 }
 
 /// A number without relation to its neighbours (the finaliser of SplitMix64).

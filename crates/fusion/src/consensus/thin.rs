@@ -5,10 +5,10 @@
 //! The window is some spreads wide, so that few are missed; one that is moves onto its own line when
 //! its turn comes, and goes to the kept node in whose window it then lies.
 
-use super::fit::{self, LineSample, line};
+use super::fit::{self, Fit, LineSample, line};
 use super::groups::{self, Group, Groups};
 use super::observations::{NONE, Observation, Observations};
-use super::window::Window;
+use super::window::{Window, left_of};
 use super::{Kept, Scale};
 use crate::grid::PointGrid;
 use nalgebra::Vector3;
@@ -22,13 +22,6 @@ const ROUGH_SIGMAS: f64 = 3.0;
 /// share of the overlap threshold across it.
 const ABSORB_FOOTPRINTS: f64 = 0.7;
 const ABSORB_SHARE: f64 = 0.6;
-
-/// A group moved onto the robust line through its neighbours of all views.
-#[derive(Debug, Clone, Copy)]
-struct Projected {
-    position: Point2,
-    tangent: Vector2,
-}
 
 /// The kept nodes, and for every observation the kept node that absorbed it.
 pub(super) struct Thinned {
@@ -72,16 +65,24 @@ struct Choice<'a> {
     windows: Vec<Window>,
     /// For each group the kept node that absorbed it.
     absorbed_by: Vec<u32>,
+    /// The neighbours of the group whose turn it is: numbers, and places along and across.
+    near: Vec<u32>,
     samples: Vec<LineSample>,
 }
 
 impl<'a> Choice<'a> {
     fn new(groups: &'a Groups, scale: &'a Scale) -> Self {
         let positions: Vec<Point2> = groups.all.iter().map(|g| g.position).collect();
-        let grid = PointGrid::new(&positions, 2.0 * scale.spacing);
-        let absorbed_by = vec![NONE; positions.len()];
-        let (kept, windows, samples) = (Vec::new(), Vec::new(), Vec::new());
-        Self { groups, scale, grid, kept, windows, absorbed_by, samples }
+        Self {
+            groups,
+            scale,
+            grid: PointGrid::new(&positions, 2.0 * scale.spacing),
+            kept: Vec::new(),
+            windows: Vec::new(),
+            absorbed_by: vec![NONE; positions.len()],
+            near: Vec::new(),
+            samples: Vec::new(),
+        }
     }
 
     /// Keeps a group, if nothing kept has absorbed it or lies where it belongs.
@@ -90,72 +91,68 @@ impl<'a> Choice<'a> {
             return;
         }
         let group = &self.groups.all[k];
-        let Projected { position, tangent } = self.project(group);
+        let across = self.scale.across(group.sigma);
+        let line = self.line(group, across);
+        let normal = left_of(&group.tangent);
         let window = Window {
-            centre: position,
-            tangent,
+            centre: group.position + normal * line.place,
+            tangent: (group.tangent + normal * line.slope).normalize(),
             reach: ABSORB_FOOTPRINTS * group.footprint,
-            across: ABSORB_SHARE * self.scale.across(group.sigma),
+            across: ABSORB_SHARE * across,
             same_way: self.scale.same_way,
         };
-        self.absorbed_by[k] = match self.kept_around(&window) {
-            Some(kept) => kept,
-            None => {
-                self.absorb(&window);
-                self.windows.push(window);
-                self.kept.push(Kept::new(position, tangent, group.footprint));
-                self.kept.len() as u32 - 1
-            }
-        };
-    }
-
-    /// The first kept node in whose window the middle of another one lies.
-    fn kept_around(&self, window: &Window) -> Option<u32> {
-        let mut found = NONE;
-        window.visit_nearby(&self.grid, |j| {
-            let by = self.absorbed_by[j];
-            if by < found && self.windows[by as usize].holds(window) {
-                found = by;
-            }
+        self.absorbed_by[k] = self.kept_around(&window).unwrap_or_else(|| {
+            self.absorb(&window, &line);
+            self.windows.push(window);
+            self.kept.push(Kept::new(window.centre, window.tangent, group.footprint));
+            self.kept.len() as u32 - 1
         });
-        (found != NONE).then_some(found)
     }
 
-    /// Gives the groups in a window to the node that is kept next.
-    fn absorb(&mut self, window: &Window) {
-        let (number, absorbed_by) = (self.kept.len() as u32, &mut self.absorbed_by);
-        window.visit(
-            &self.grid,
-            |j| self.groups.all[j].tangent,
-            |j, _, _| {
-                if absorbed_by[j] == NONE {
-                    absorbed_by[j] = number;
-                }
-            },
-        );
-    }
-
-    /// Moves a group across the curve onto a robust line through its neighbours, which stay.
-    fn project(&mut self, here: &Group) -> Projected {
+    /// A robust line through a group's neighbours, in the group's own direction.
+    fn line(&mut self, here: &Group, across: f64) -> Fit {
         let window = Window {
             centre: here.position,
             tangent: here.tangent,
             reach: (ROUGH_FOOTPRINTS * here.footprint).max(ROUGH_SIGMAS * here.sigma),
-            across: self.scale.across(here.sigma),
+            across,
             same_way: self.scale.same_way,
         };
-        let (groups, samples) = (&self.groups.all, &mut self.samples);
+        let (groups, near, samples) = (&self.groups.all, &mut self.near, &mut self.samples);
+        near.clear();
         samples.clear();
         window.visit(
             &self.grid,
             |j| groups[j].tangent,
-            |j, x, y| samples.push(LineSample::new((x, y), groups[j].weight, window.reach)),
+            |j, x, y| {
+                near.push(j as u32);
+                samples.push(LineSample::new((x, y), groups[j].weight, window.reach));
+            },
         );
-        let fit = line(samples, window.across).unwrap_or_default();
-        let normal = window.normal();
-        Projected {
-            position: here.position + normal * fit.place,
-            tangent: (here.tangent + normal * fit.slope).normalize(),
+        line(samples, across).unwrap_or_default()
+    }
+
+    /// The first kept node that absorbed a neighbour, and in whose window the middle of this one lies.
+    fn kept_around(&self, window: &Window) -> Option<u32> {
+        let mut found = NONE;
+        for &j in &self.near {
+            let by = self.absorbed_by[j as usize];
+            if by < found && self.windows[by as usize].holds(window) {
+                found = by;
+            }
+        }
+        (found != NONE).then_some(found)
+    }
+
+    /// Gives the neighbours along a line to the node that is kept next.
+    fn absorb(&mut self, window: &Window, line: &Fit) {
+        let number = self.kept.len() as u32;
+        for (&j, s) in self.near.iter().zip(&self.samples) {
+            let off = s.y - (line.place + line.slope * s.x);
+            let by = &mut self.absorbed_by[j as usize];
+            if *by == NONE && s.x.abs() <= window.reach && off.abs() <= window.across {
+                *by = number;
+            }
         }
     }
 }

@@ -40,11 +40,6 @@ impl Window {
         });
     }
 
-    /// Visits all in the window, and others nearby.
-    pub fn visit_nearby(&self, grid: &PointGrid, mut visit: impl FnMut(usize)) {
-        grid.around(&self.centre, &self.half(), |k, _| visit(k));
-    }
-
     /// Whether the middle of another window lies in this one and runs the same way.
     pub fn holds(&self, other: &Self) -> bool {
         let d = other.centre - self.centre;
