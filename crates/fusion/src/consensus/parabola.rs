@@ -81,12 +81,12 @@ impl Windows {
         self.grow(reach);
         let along = self.samples.get(self.from..self.to)?;
         if self.farthest <= across {
-            return fit(along, &self.sums, reach, threshold);
+            return fit(along, (&self.sums, self.farthest), reach, threshold);
         }
         self.inside.clear();
         self.inside.extend(along.iter().filter(|s| s.y.abs() <= across));
         let weighted = self.inside.iter().map(|s| (s, s.weight));
-        fit(&self.inside, &Sums::of(weighted, self.sums.unit), reach, threshold)
+        fit(&self.inside, (&Sums::of(weighted, self.sums.unit), across), reach, threshold)
     }
 
     fn grow(&mut self, reach: f64) {
@@ -107,21 +107,32 @@ impl Windows {
     }
 }
 
-fn fit(samples: &[Sample], sums: &Sums, reach: f64, threshold: f64) -> Option<Fit> {
+/// The parabola of samples with these sums, none of them farther across than given.
+fn fit(
+    samples: &[Sample],
+    (sums, farthest): (&Sums, f64),
+    reach: f64,
+    threshold: f64,
+) -> Option<Fit> {
     if !lies_on_both_sides(samples, reach) {
         return None;
     }
     let plain = sums.solve(reach)?;
     let most = FLAT * threshold;
-    if samples.iter().all(|s| residual(&plain, s).abs() <= most) {
+    // As a rule no sample can be so far off, whichever it is.
+    let deepest = reach * (plain.slope.abs() + reach * plain.bend.abs());
+    if farthest + plain.place.abs() + deepest <= most
+        || samples.iter().all(|s| residual(&plain, s).abs() <= most)
+    {
         return Some(plain);
     }
     let weighted = samples.iter().map(|s| (s, s.weight * trust(residual(&plain, s) / threshold)));
     Sums::of(weighted, sums.unit).solve(reach)
 }
 
+/// Distance of a sample from a parabola.
 fn residual(fit: &Fit, s: &Sample) -> f64 {
-    s.y - (fit.place + fit.slope * s.x + fit.bend * s.square())
+    s.y - (fit.place + s.x * (fit.slope + fit.bend * s.x))
 }
 
 /// Whether two samples lie behind the middle and two ahead of it: one there is on neither side,

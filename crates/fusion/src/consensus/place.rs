@@ -34,7 +34,8 @@ const LEAST_NEWS: f64 = 0.1;
 /// Largest curvature times half-width for which a parabola stands for the curve.
 const LARGEST_TURN: f64 = 0.13;
 
-/// Windows for which the neighbours are gathered at once, beyond the one that asks.
+/// Windows for which the neighbours are gathered at once, beyond the one that asks, unless most nodes
+/// so far needed more.
 const GATHER_AHEAD: i32 = 2;
 
 /// Length over which neighbouring fits share their errors, as a share of their half-width: a parabola
@@ -69,10 +70,13 @@ fn widest_fit(here: &Kept, scale: &Scale, near: &mut Near) -> Option<Placed> {
     let mut best: Option<Placed> = None;
     near.narrower.clear();
     near.reach = 0.0;
+    let mut tried = 0;
     for step in 0..WINDOWS {
+        tried = step;
         let reach_now = reach(step);
         if reach_now > near.reach {
-            let farthest = reach((step + GATHER_AHEAD).min(WINDOWS - 1));
+            let ahead = if near.far > 0 { WINDOWS } else { GATHER_AHEAD };
+            let farthest = reach((step + ahead).min(WINDOWS - 1));
             near.gather(here, (farthest, threshold, scale.same_way));
         }
         let across = across(threshold, reach_now);
@@ -91,6 +95,7 @@ fn widest_fit(here: &Kept, scale: &Scale, near: &mut Near) -> Option<Placed> {
         near.narrower.push(fit);
         best = Some(Placed { fit, reach: reach_now });
     }
+    near.far += if tried > GATHER_AHEAD { 1 } else { -1 };
     best.filter(|b| b.fit.place.abs() <= threshold)
 }
 
@@ -133,6 +138,8 @@ struct Near {
     grid: PointGrid,
     /// How far along the curve clusters have been gathered.
     reach: f64,
+    /// How many more nodes went beyond the first windows than did not.
+    far: i32,
     /// Number and place of what was gathered.
     found: Vec<(u32, f64, f64)>,
     /// Its order along the curve.
@@ -149,6 +156,7 @@ impl Near {
             clusters: kept.iter().map(Cluster::of).collect(),
             grid: PointGrid::new(&places, cell),
             reach: 0.0,
+            far: 0,
             found: Vec::new(),
             order: Vec::new(),
             windows: Windows::default(),
