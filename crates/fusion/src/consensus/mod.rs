@@ -106,7 +106,7 @@ impl Scale {
         let sigma = median(observations.all.iter().map(|o| o.sigma));
         let same_way = options.direction_limit_rad.cos();
         // One view says nothing about the spread between views; its own error is all there is.
-        let spread = spread::between_views(observations, grid, same_way)
+        let spread = spread::between_views(observations, grid, spacing, same_way)
             .unwrap_or(spread::Spread { between: sigma, common: 0.0 });
         let between = spread.between;
         let least = (Self::SIGMAS * sigma).max(Self::FOOTPRINTS * spacing);
