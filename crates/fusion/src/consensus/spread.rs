@@ -58,7 +58,9 @@ pub(super) fn between_views(
 fn measure(o: &Observations, grid: &PointGrid, share: f64, same_way: f64) -> Option<Spread> {
     let count = o.all.len();
     let step = count.div_ceil(MANY).max(STEP).min(count.div_ceil(FEW));
-    let samples = (0..count).step_by(step);
+    // One anywhere in each stretch: views with as many nodes each are not to be asked in one place.
+    let anywhere = |first: usize| first + (mixed(first as u64) % step as u64) as usize;
+    let samples = (0..count).step_by(step).map(anywhere).filter(|k| *k < count);
     let pair = |k| distance_to_other(o, grid, k, (share, same_way));
     let mut pairs: Vec<Pair> = samples.filter_map(pair).collect();
     if pairs.len() < FEWEST_SAMPLES {
