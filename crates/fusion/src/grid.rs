@@ -1,14 +1,16 @@
 //! A uniform grid over points of a plane, for gathering neighbours.
 //!
-//! Cells are hashed into about as many buckets as there are points, side by side in blocks of
-//! [`BLOCK`] columns: a row of cells is a few runs of points. So the size of a cell never depends on
-//! the extent of the plane: a long thin curve, or one node far from all others, costs nothing.
+//! Cells have one of about twice as many slots as there are points, whatever the extent of the plane: a
+//! long thin curve, or one node far from all others, costs nothing. The slots of a row follow each other
+//! round a circle, so that a row of a neighbourhood is one run of points. Each row begins a golden
+//! section of the circle behind the one before: so h rows lie at least 0.38 / h of it from each other,
+//! and no neighbourhood with fewer cells than that meets a point twice. Cells that share a slot are far
+//! apart; who gathers looks at places anyway.
 
 use transect_geometry::{Envelope, Point2, Vector2};
 
-/// Columns of a block, as a power of two.
-const BLOCK_BITS: u32 = 2;
-const BLOCK: u32 = 1 << BLOCK_BITS;
+/// The golden section of a circle of 2³².
+const GOLDEN: u32 = 0x9e37_79b9;
 
 /// Points sorted into square cells. Neighbours come in an order that depends on the points alone.
 #[derive(Debug)]
@@ -17,9 +19,9 @@ pub(crate) struct PointGrid {
     per_length: f64,
     /// Largest column and row in use.
     last: Cell,
-    /// A block's first bucket has the top bits of a hash for its number.
-    shift: u32,
-    /// Where each bucket begins in `items`; one entry more than there are buckets.
+    /// How much farther each row begins, in slots.
+    stride: u32,
+    /// Where each slot begins in `items`; one entry more than there are slots, a power of two.
     starts: Vec<u32>,
     items: Vec<Item>,
 }
@@ -30,7 +32,6 @@ type Cell = (u32, u32);
 #[derive(Debug, Clone, Copy)]
 struct Item {
     point: Point2,
-    cell: Cell,
     number: u32,
 }
 
@@ -43,14 +44,13 @@ impl PointGrid {
         // Smaller cells than this could not be numbered.
         let least = size.x.max(size.y) / f64::from(u32::MAX - 1);
         let per_length = 1.0 / cell.max(least).max(f64::MIN_POSITIVE);
-        // Twice the points, as a steep curve fills but one column of its blocks.
-        let blocks = (2 * points.len() / BLOCK as usize).next_power_of_two().max(2);
+        let bits = (2 * points.len()).max(2).next_power_of_two().trailing_zeros().min(31);
         let mut grid = Self {
             origin: around.min,
             per_length,
             last: (u32::MAX, u32::MAX),
-            shift: 64 - blocks.trailing_zeros(),
-            starts: vec![0; blocks * BLOCK as usize + 1],
+            stride: GOLDEN >> (32 - bits),
+            starts: vec![0; (1 << bits) + 1],
             items: Vec::new(),
         };
         grid.last = grid.cell(&(around.max - around.min));
@@ -59,21 +59,23 @@ impl PointGrid {
     }
 
     fn sort(&mut self, points: &[Point2]) {
-        let cells: Vec<Cell> = points.iter().map(|p| self.cell(&(p - self.origin))).collect();
-        for &c in &cells {
-            let bucket = self.bucket(c);
-            self.starts[bucket + 1] += 1;
+        let slots: Vec<u32> =
+            points.iter().map(|p| self.slot(self.cell(&(p - self.origin)))).collect();
+        for &slot in &slots {
+            self.starts[slot as usize] += 1;
         }
-        for b in 1..self.starts.len() {
-            self.starts[b] += self.starts[b - 1];
+        let mut sum = 0;
+        for start in &mut self.starts {
+            sum += *start;
+            *start = sum;
         }
-        let mut places = self.starts.clone();
-        let empty = Item { point: Point2::origin(), cell: (0, 0), number: 0 };
+        // Each is where its slot ends. Places are taken from there, last point first: begins remain.
+        let empty = Item { point: Point2::origin(), number: 0 };
         self.items = vec![empty; points.len()];
-        for (k, (&cell, &point)) in cells.iter().zip(points).enumerate() {
-            let place = &mut places[self.bucket(cell)];
-            self.items[*place as usize] = Item { point, cell, number: k as u32 };
-            *place += 1;
+        for (number, (&slot, &point)) in slots.iter().zip(points).enumerate().rev() {
+            let end = &mut self.starts[slot as usize];
+            *end -= 1;
+            self.items[*end as usize] = Item { point, number: number as u32 };
         }
     }
 
@@ -84,17 +86,12 @@ impl PointGrid {
         (along(offset.x, self.last.0), along(offset.y, self.last.1))
     }
 
-    fn bucket(&self, (column, row): Cell) -> usize {
-        self.first_bucket(column >> BLOCK_BITS, row) + (column % BLOCK) as usize
+    fn slot(&self, (column, row): Cell) -> u32 {
+        row.wrapping_mul(self.stride).wrapping_add(column) & self.mask()
     }
 
-    /// The bucket of a block's first column in a row.
-    fn first_bucket(&self, block: u32, row: u32) -> usize {
-        let key = u64::from(block) << 32 | u64::from(row);
-        // Fibonacci hashing twice, so that neighbouring rows do not follow each other.
-        let mixed = (key ^ (key >> 29)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        let hash = (mixed ^ (mixed >> 32)).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> self.shift;
-        (hash as usize) << BLOCK_BITS
+    fn mask(&self) -> u32 {
+        self.starts.len() as u32 - 2
     }
 
     /// Calls `visit` with the number of every point within a radius, and where it is from `centre`.
@@ -107,25 +104,30 @@ impl PointGrid {
     }
 
     /// Calls `visit` with every point that may lie in the rectangle of the given half-widths around
-    /// `centre`: all that do, and others of the same cells.
+    /// `centre`: all that do, and others.
     pub fn around(&self, centre: &Point2, half: &Vector2, mut visit: impl FnMut(usize, Vector2)) {
         let d = centre - self.origin;
         let (first, last) = (self.cell(&(d - half)), self.cell(&(d + half)));
-        let cells = (u64::from(last.0 - first.0) + 1) * (u64::from(last.1 - first.1) + 1);
-        if cells > self.items.len() as u64 {
-            return self.items.iter().for_each(|i| visit(i.number as usize, i.point - centre));
+        let (columns, rows) = (u64::from(last.0 - first.0) + 1, u64::from(last.1 - first.1) + 1);
+        let mut run = |items: &[Item]| {
+            for i in items {
+                visit(i.number as usize, i.point - centre);
+            }
+        };
+        if 3 * rows.saturating_mul(rows + columns) > u64::from(self.mask()) {
+            return run(&self.items);
         }
         for row in first.1..=last.1 {
-            for block in first.0 >> BLOCK_BITS..=last.0 >> BLOCK_BITS {
-                let start = block << BLOCK_BITS;
-                let bucket = self.first_bucket(block, row);
-                let from = self.starts[bucket + (first.0.max(start) - start) as usize];
-                let to = self.starts[bucket + (last.0 - start).min(BLOCK - 1) as usize + 1];
-                for i in &self.items[from as usize..to as usize] {
-                    if i.cell.1 == row && i.cell.0 >> BLOCK_BITS == block {
-                        visit(i.number as usize, i.point - centre);
-                    }
-                }
+            let from = self.slot((first.0, row)) as usize;
+            let to = from + columns as usize;
+            if let Some(&[begin, .., end]) = self.starts.get(from..=to) {
+                run(self.items.get(begin as usize..end as usize).unwrap_or_default());
+            } else {
+                // The row goes on where the circle begins.
+                let to = to - (self.mask() as usize + 1);
+                let (begin, end) = (self.starts[from] as usize, self.starts[to] as usize);
+                run(&self.items[begin..]);
+                run(&self.items[..end]);
             }
         }
     }

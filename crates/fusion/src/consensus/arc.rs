@@ -10,23 +10,31 @@ pub(super) struct Arc<'a> {
     /// Length of the unit that begins at each node.
     steps: Vec<f64>,
     pub length: f64,
-    /// Squared error of the nodes of four in a row, from where it begins; infinite if unknown.
-    residuals: Vec<f64>,
+    /// Squared error of the nodes of four in a row, from where it begins, and 1; zeros if unknown.
+    residuals: Vec<(f64, f64)>,
+    /// Whether all units were seen.
+    whole: bool,
 }
 
 impl<'a> Arc<'a> {
     pub fn new(curve: &'a Curve) -> Self {
-        let mut length = 0.0;
-        let steps: Vec<f64> = curve.units().map(|u| u.vector().norm()).collect();
-        let mut at = Vec::with_capacity(steps.len() + 1);
-        at.push(0.0);
-        at.extend(steps.iter().map(|step| {
+        let nodes = curve.nodes();
+        let closing = nodes.first().filter(|_| curve.is_closed());
+        let follows = nodes.iter().skip(1).chain(closing);
+        let (mut at, mut steps) =
+            (Vec::with_capacity(nodes.len()), Vec::with_capacity(nodes.len()));
+        let (mut length, mut whole) = (0.0, true);
+        for (node, next) in nodes.iter().zip(follows) {
+            let step = (next.position - node.position).norm();
+            at.push(length);
+            steps.push(step);
             length += step;
-            length
-        }));
-        at.truncate(curve.nodes().len());
-        let residuals = residuals(curve);
-        Self { curve, at, steps, length, residuals }
+            whole &= !node.bridged;
+        }
+        if !curve.is_closed() {
+            at.push(length);
+        }
+        Self { curve, at, steps, length, residuals: residuals(curve), whole }
     }
 
     pub fn to_open_end(&self, k: usize) -> f64 {
@@ -46,23 +54,20 @@ impl<'a> Arc<'a> {
         // Fours that hold the node, and one more on each side.
         const AROUND: usize = 6;
         let n = self.residuals.len();
-        let closed = self.curve.is_closed();
-        // The first of them, counted from one round before where a closed curve begins.
-        let (first, round) =
-            if closed { ((k + AROUND * n + 2 - AROUND) % n, 0) } else { (k + 1, AROUND - 1) };
-        let (mut sum, mut count) = (0.0, 0.0);
-        let mut at = first;
-        for _ in 0..AROUND {
-            let found = at.checked_sub(round).and_then(|at| self.residuals.get(at));
-            if let Some(r) = found.filter(|r| r.is_finite()) {
-                (sum, count) = (sum + r, count + 1.0);
+        let sum = match (k + 2).checked_sub(AROUND).and_then(|k| self.residuals.get(k..k + AROUND))
+        {
+            Some(inside) => add(inside),
+            None if self.curve.is_closed() => {
+                let first = k + AROUND * n + 2 - AROUND;
+                let around = [0, 1, 2, 3, 4, 5].map(|i| self.residuals[(first + i) % n]);
+                add(&around)
             }
-            at += 1;
-            if closed && at == n {
-                at = 0;
+            None => {
+                let (first, end) = ((k + 2).saturating_sub(AROUND), (k + 2).min(n));
+                add(self.residuals.get(first..end).unwrap_or_default())
             }
-        }
-        if count > 0.0 { (sum / count).sqrt() } else { f64::INFINITY }
+        };
+        if sum.1 > 0.0 { (sum.0 / sum.1).sqrt() } else { f64::INFINITY }
     }
 
     /// Unit direction at a node: from the mean of the nodes within `reach` before it to the mean of
@@ -73,6 +78,39 @@ impl<'a> Arc<'a> {
     }
 
     fn mean_offset(&self, k: usize, reach: f64, ahead: bool) -> Vector2 {
+        if self.whole {
+            if let Some(offset) = self.mean_within(k, reach, ahead) {
+                return offset;
+            }
+        }
+        self.mean_walked(k, reach, ahead)
+    }
+
+    /// Mean place, seen from a node, of those within `reach` on one side; the nearest one always counts.
+    /// `None` where that leads over the ends of the list of nodes.
+    fn mean_within(&self, k: usize, reach: f64, ahead: bool) -> Option<Vector2> {
+        let (nodes, at) = (self.curve.nodes(), self.at[k]);
+        let here = nodes[k].position;
+        let (mut sum, mut count) = (Vector2::zeros(), 0.0);
+        // Adds a node; tells whether it was too far.
+        let mut add = |node: &Node, there: f64| {
+            let far = (there - at).abs() > reach && count > 0.0;
+            if !far {
+                sum += node.position - here;
+                count += 1.0;
+            }
+            far
+        };
+        let ended = if ahead {
+            nodes[k + 1..].iter().zip(&self.at[k + 1..]).any(|(node, at)| add(node, *at))
+        } else {
+            nodes[..k].iter().zip(&self.at[..k]).rev().any(|(node, at)| add(node, *at))
+        };
+        ended.then(|| sum / count)
+    }
+
+    /// The same, step by step: round closed curves, and not over ground that nobody saw.
+    fn mean_walked(&self, k: usize, reach: f64, ahead: bool) -> Vector2 {
         let nodes = self.curve.nodes();
         let here = nodes[k].position;
         let (mut sum, mut count, mut walked, mut at) = (Vector2::zeros(), 0.0, 0.0, k);
@@ -110,32 +148,45 @@ impl<'a> Arc<'a> {
     }
 }
 
+/// Sums of errors and of their number.
+fn add(residuals: &[(f64, f64)]) -> (f64, f64) {
+    residuals.iter().fold((0.0, 0.0), |sum, r| (sum.0 + r.0, sum.1 + r.1))
+}
+
 /// Of every four nodes in a row the squared error of one, if all lie on a parabola but for errors of
-/// their own: the third difference, over what unit errors would make it.
-fn residuals(curve: &Curve) -> Vec<f64> {
+/// their own, and 1; zeros where that is unknown.
+fn residuals(curve: &Curve) -> Vec<(f64, f64)> {
     let nodes = curve.nodes();
     let n = nodes.len();
     let count = if curve.is_closed() { n } else { n.saturating_sub(3) };
-    let wrapped = |i: usize| if i < n { i } else { i % n };
-    let four = |k: usize| [k, k + 1, k + 2, k + 3].map(|i| &nodes[wrapped(i)]);
-    (0..count).map(|k| residual(four(k))).collect()
+    let inside = nodes.windows(4).map(|w| residual([&w[0], &w[1], &w[2], &w[3]]));
+    let wrapped = |k: usize| residual([k, k + 1, k + 2, k + 3].map(|i| &nodes[i % n]));
+    let mut residuals = Vec::with_capacity(count);
+    residuals.extend(inside.map(known));
+    residuals.extend((residuals.len()..count).map(wrapped).map(known));
+    residuals
 }
 
-fn residual(four: [&Node; 4]) -> f64 {
-    let begin = four[0].position;
-    let Some(along) = (four[3].position - begin).try_normalize(0.0) else { return f64::INFINITY };
-    let local = four.map(|node| node.position - begin);
-    let (x, y) = (local.map(|d| d.dot(&along)), local.map(|d| along.perp(&d)));
-    let seen = four[..3].iter().all(|node| !node.bridged);
-    let forward = x[0] < x[1] && x[1] < x[2] && x[2] < x[3];
-    if !(seen && forward) {
-        return f64::INFINITY;
+fn known(residual: Option<f64>) -> (f64, f64) {
+    residual.filter(|r| r.is_finite()).map_or((0.0, 0.0), |r| (r, 1.0))
+}
+
+/// The third difference, over what unit errors would make it. Its factors are the products of the
+/// distances between the other three nodes, signs in turn, so that one division does.
+fn residual([a, b, c, d]: [&Node; 4]) -> Option<f64> {
+    let along = d.position - a.position;
+    let (to_b, to_c) = (b.position - a.position, c.position - a.position);
+    // Places along and across, times the length of the chord.
+    let (length, x1, x2, x3) =
+        (along.norm_squared(), along.dot(&to_b), along.dot(&to_c), along.dot(&along));
+    let (y1, y2) = (along.perp(&to_b), along.perp(&to_c));
+    let seen = !(a.bridged || b.bridged || c.bridged);
+    if !(seen && 0.0 < x1 && x1 < x2 && x2 < x3) {
+        return None;
     }
-    let share = |i: usize| {
-        let product: f64 = (0..4).filter(|j| *j != i).map(|j| x[i] - x[j]).product();
-        1.0 / product
-    };
-    let shares = [share(0), share(1), share(2), share(3)];
-    let difference: f64 = shares.iter().zip(&y).map(|(s, y)| s * y).sum();
-    difference * difference / shares.iter().map(|s| s * s).sum::<f64>()
+    let (x21, x31, x32) = (x2 - x1, x3 - x1, x3 - x2);
+    let shares = [x21 * x31 * x32, -x2 * x3 * x32, x1 * x3 * x31, -x1 * x2 * x21];
+    let difference = shares[1] * y1 + shares[2] * y2;
+    let squares: f64 = shares.iter().map(|s| s * s).sum();
+    Some(difference * difference / (squares * length))
 }

@@ -30,32 +30,18 @@ pub(super) struct Group {
     pub sigma: f64,
     /// Their weighted mean footprint.
     pub footprint: f64,
-    /// Weight over footprint of the best of them.
-    pub quality: f64,
 }
 
 /// The groups, and for every observation the number of its group.
 pub(super) struct Groups {
     pub all: Vec<Group>,
     pub of: Vec<u32>,
-    /// For each group the views its members come from, a bit for each; `words` numbers a group.
-    pub views: Vec<u64>,
-    pub words: usize,
-}
-
-impl Groups {
-    /// The bits of one group's views.
-    pub fn views(&self, group: usize) -> &[u64] {
-        &self.views[group * self.words..][..self.words]
-    }
 }
 
 /// Groups observations, each ungrouped one in canonical order taking in those beside it.
 pub(super) fn group(observations: &Observations, grid: &PointGrid, scale: &Scale) -> Groups {
     let seen = &observations.all;
-    let words = observations.sources.len().div_ceil(64).max(1);
-    let of = vec![NONE; seen.len()];
-    let mut groups = Groups { all: Vec::new(), of, views: Vec::new(), words };
+    let mut groups = Groups { all: Vec::new(), of: vec![NONE; seen.len()] };
     for (k, here) in seen.iter().enumerate() {
         if groups.of[k] != NONE {
             continue;
@@ -69,10 +55,7 @@ pub(super) fn group(observations: &Observations, grid: &PointGrid, scale: &Scale
             across: ACROSS_SHARE * scale.across(here.sigma),
             same_way: SAME_WAY,
         };
-        groups.views.resize((number as usize + 1) * words, 0);
-        let (of, views) = (&mut groups.of, &mut groups.views[number as usize * words..]);
-        mark(views, here);
-        let mut sums = Sums::of(here);
+        let (of, mut sums) = (&mut groups.of, Sums::of(here));
         window.visit(
             grid,
             |j| seen[j].tangent,
@@ -81,7 +64,6 @@ pub(super) fn group(observations: &Observations, grid: &PointGrid, scale: &Scale
                 if of[j] == NONE && x.abs() <= ALONG_FOOTPRINTS * seen[j].footprint {
                     of[j] = number;
                     sums.add(here, &seen[j]);
-                    mark(views, &seen[j]);
                 }
             },
         );
@@ -96,7 +78,8 @@ struct Sums {
     tangent: Vector2,
     weight: f64,
     footprint: f64,
-    best: Observation,
+    /// Highest quality, and the standard deviation of the one that has it.
+    best: (f64, f64),
 }
 
 impl Sums {
@@ -107,7 +90,7 @@ impl Sums {
             tangent,
             weight: first.weight,
             footprint: first.weight * first.footprint,
-            best: *first,
+            best: (quality(first), first.sigma),
         }
     }
 
@@ -116,8 +99,9 @@ impl Sums {
         self.tangent += o.tangent * o.weight;
         self.weight += o.weight;
         self.footprint += o.weight * o.footprint;
-        if quality(o) > quality(&self.best) {
-            self.best = *o;
+        let quality = quality(o);
+        if quality > self.best.0 {
+            self.best = (quality, o.sigma);
         }
     }
 
@@ -128,19 +112,14 @@ impl Sums {
             position: first.position + self.place * share,
             tangent: self.tangent.try_normalize(0.0).unwrap_or(first.tangent),
             weight: self.weight,
-            sigma: self.best.sigma,
+            sigma: self.best.1,
             footprint: if share > 0.0 { self.footprint * share } else { first.footprint },
-            quality: quality(&self.best),
         }
     }
 }
 
 fn quality(o: &Observation) -> f64 {
     o.weight / o.footprint
-}
-
-fn mark(views: &mut [u64], o: &Observation) {
-    views[o.view as usize / 64] |= 1 << (o.view % 64);
 }
 
 #[cfg(test)]
@@ -185,10 +164,8 @@ mod tests {
         for (o, &g) in observations.all.iter().zip(&groups.of) {
             weights[g as usize] += o.weight;
         }
-        for (k, (found, g)) in weights.iter().zip(&groups.all).enumerate() {
+        for (found, g) in weights.iter().zip(&groups.all) {
             assert!((found / g.weight - 1.0).abs() < 1e-9);
-            let views: u32 = groups.views(k).iter().map(|w| w.count_ones()).sum();
-            assert_eq!(views, 70);
         }
     }
 }

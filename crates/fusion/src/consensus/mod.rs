@@ -13,9 +13,10 @@
 //! 1. Observations: nodes of all views in an order that depends on what was seen alone, with
 //!    direction, and with weights that fall towards open ends, where real scanners overshoot.
 //! 2. Spread between views, measured; it sets the overlap threshold.
-//! 3. First place: observations beside each other form a group; each group moves, across the curve,
-//!    onto a robust line through its neighbours. The neighbours never move, so nothing drifts.
-//! 4. Thinning: best supported first, each kept group absorbs what lies beside it.
+//! 3. Groups of observations beside each other; one place stands for all of a group in rough fits.
+//! 4. Thinning: best supported first, a group moves, across the curve, onto a robust line through its
+//!    neighbours, and absorbs what lies beside it. The neighbours never move, so nothing drifts.
+//!    What was absorbed before its turn needs no line: only every third to sixth group gets one.
 //! 5. Clusters: each kept node takes the weighted mean of the *original* places it absorbed. Members
 //!    of one view that share their errors count as fewer.
 //! 6. Final place: a robust parabola, its window the widest that agrees with all narrower ones.
@@ -40,6 +41,7 @@ mod groups;
 mod link;
 pub(crate) mod observations;
 mod output;
+mod parabola;
 mod pieces;
 mod place;
 mod spread;
@@ -106,7 +108,7 @@ impl Scale {
         let sigma = median(observations.all.iter().map(|o| o.sigma));
         let same_way = options.direction_limit_rad.cos();
         // One view says nothing about the spread between views; its own error is all there is.
-        let spread = spread::between_views(observations, grid, same_way)
+        let spread = spread::between_views(observations, grid, spacing, same_way)
             .unwrap_or(spread::Spread { between: sigma, common: 0.0 });
         let between = spread.between;
         let least = (Self::SIGMAS * sigma).max(Self::FOOTPRINTS * spacing);

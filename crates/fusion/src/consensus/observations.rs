@@ -88,6 +88,8 @@ impl Observations {
         sorted.sort_by(|(_, a), (_, b)| order(a, b));
         sorted.dedup_by(|(_, b), (_, a)| order(a, b).is_eq());
         let mut observations = Self::default();
+        let curves = sorted.iter().flat_map(|(_, curves)| curves);
+        observations.all.reserve(curves.map(|c| c.nodes().len()).sum());
         for (view, (source, curves)) in sorted.iter().enumerate() {
             observations.sources.push(*source);
             curves.iter().for_each(|c| observations.push(c, view as u32));
@@ -137,7 +139,8 @@ impl Observations {
             let footprint = if known { f64::from(node.footprint) } else { mean_step };
             let (least, most) = SAMPLING_SHARES;
             let sampling = arc.roughness(k).clamp(least * footprint, most * footprint);
-            let sigma = f64::from(node.sigma).hypot(sampling);
+            let own = f64::from(node.sigma);
+            let sigma = (own * own + sampling * sampling).sqrt();
             let taper =
                 (arc.to_open_end(k) / (TAPER_FOOTPRINTS * footprint)).clamp(LEAST_TAPER, 1.0);
             let credit = f64::from(node.weight) * taper;
@@ -172,6 +175,9 @@ impl Observations {
 fn seen(curve: &Curve) -> Vec<usize> {
     let nodes = curve.nodes();
     let n = nodes.len();
+    if !nodes.iter().any(|node| node.bridged) {
+        return (0..n).collect();
+    }
     let before = |k: usize| {
         let before = if k > 0 { Some(k - 1) } else { curve.is_closed().then_some(n - 1) };
         before.is_some_and(|b| !nodes[b].bridged)

@@ -5,11 +5,12 @@
 //! that neighbours share leave narrow windows in agreement whatever their width; so it is the
 //! *difference* that is judged, by its own standard deviation, and not each estimate by its own.
 
-use super::fit::{Fit, Sample, in_order, parabola};
+use super::fit::Fit;
+use super::parabola::{Sample, Windows};
 use super::window::{Window, left_of};
 use super::{Kept, Scale};
 use crate::grid::PointGrid;
-use transect_geometry::Point2;
+use transect_geometry::{Point2, Vector2};
 
 /// Half-width of the narrowest window, in footprints.
 const NARROWEST_FOOTPRINTS: f64 = 2.5;
@@ -33,7 +34,8 @@ const LEAST_NEWS: f64 = 0.1;
 /// Largest curvature times half-width for which a parabola stands for the curve.
 const LARGEST_TURN: f64 = 0.13;
 
-/// Windows for which the neighbours are gathered at once, beyond the one that asks.
+/// Windows for which the neighbours are gathered at once, beyond the one that asks, unless most nodes
+/// so far needed more.
 const GATHER_AHEAD: i32 = 2;
 
 /// Length over which neighbouring fits share their errors, as a share of their half-width: a parabola
@@ -42,11 +44,9 @@ const SHARED_WINDOW: f64 = 8.0 / 9.0;
 
 /// Moves every kept node to its final place and direction.
 pub(super) fn place(kept: &mut [Kept], scale: &Scale) {
-    let clusters: Vec<Point2> = kept.iter().map(|k| k.cluster).collect();
-    let grid = PointGrid::new(&clusters, 2.0 * NARROWEST_FOOTPRINTS * scale.spacing);
-    let mut near = Near::default();
+    let mut near = Near::new(kept, 2.0 * NARROWEST_FOOTPRINTS * scale.spacing);
     let placed: Vec<Option<Placed>> =
-        kept.iter().map(|here| widest_fit(kept, here, &grid, scale, &mut near)).collect();
+        kept.iter().map(|here| widest_fit(here, scale, &mut near)).collect();
     for (k, placed) in kept.iter_mut().zip(placed) {
         let Some(Placed { fit, reach }) = placed else { continue };
         let normal = left_of(&k.tangent);
@@ -64,25 +64,23 @@ struct Placed {
     reach: f64,
 }
 
-fn widest_fit(
-    kept: &[Kept],
-    here: &Kept,
-    grid: &PointGrid,
-    scale: &Scale,
-    near: &mut Near,
-) -> Option<Placed> {
+fn widest_fit(here: &Kept, scale: &Scale, near: &mut Near) -> Option<Placed> {
     let threshold = scale.across(here.cluster_sigma);
     let reach = |step| NARROWEST_FOOTPRINTS * here.footprint * WINDOW_GROWTH.powi(step);
     let mut best: Option<Placed> = None;
     near.narrower.clear();
     near.reach = 0.0;
+    let mut tried = 0;
     for step in 0..WINDOWS {
+        tried = step;
         let reach_now = reach(step);
         if reach_now > near.reach {
-            let farthest = reach((step + GATHER_AHEAD).min(WINDOWS - 1));
-            near.gather(kept, here, grid, (farthest, threshold, scale.same_way));
+            let ahead = if near.far > 0 { WINDOWS } else { GATHER_AHEAD };
+            let farthest = reach((step + ahead).min(WINDOWS - 1));
+            near.gather(here, (farthest, threshold, scale.same_way));
         }
-        let Some(fit) = near.fit(reach_now, threshold) else {
+        let across = across(threshold, reach_now);
+        let Some(fit) = near.windows.fit(reach_now, across, threshold) else {
             // A first fit across a gap would rest on far ground alone.
             if step < LAST_FIRST_WINDOW {
                 continue;
@@ -97,21 +95,8 @@ fn widest_fit(
         near.narrower.push(fit);
         best = Some(Placed { fit, reach: reach_now });
     }
+    near.far += if tried > GATHER_AHEAD { 1 } else { -1 };
     best.filter(|b| b.fit.place.abs() <= threshold)
-}
-
-/// The clusters around a node, gathered for several windows at once.
-#[derive(Debug, Default)]
-struct Near {
-    reach: f64,
-    /// Sorted by x.
-    all: Vec<Sample>,
-    /// Those of one window.
-    inside: Vec<Sample>,
-    /// Weights of their samples.
-    weights: Vec<f64>,
-    /// Fits in the windows accepted so far.
-    narrower: Vec<Fit>,
 }
 
 /// Whether a fit differs from one in a narrower window by no more than random errors make it.
@@ -124,57 +109,90 @@ fn agree(narrow: &Fit, wide: &Fit) -> bool {
     (wide.place - narrow.place).powi(2) <= CONFIDENCE * CONFIDENCE * variance
 }
 
-impl Near {
-    fn gather(
-        &mut self,
-        kept: &[Kept],
-        here: &Kept,
-        grid: &PointGrid,
-        (reach, threshold, same_way): (f64, f64, f64),
-    ) {
-        let window = Window {
-            centre: here.position,
-            tangent: here.tangent,
-            reach,
-            across: across(threshold, reach),
-            same_way,
-        };
-        let all = &mut self.all;
-        all.clear();
-        window.visit(
-            grid,
-            |j| kept[j].tangent,
-            |j, x, y| {
-                let Kept { weight, cluster_sigma: sigma, along_variance, correlation, .. } =
-                    kept[j];
-                all.push(Sample {
-                    x,
-                    y,
-                    weight,
-                    sigma,
-                    along_variance,
-                    correlation,
-                    ..Sample::default()
-                });
-            },
-        );
-        in_order(all);
-        self.reach = reach;
+/// What fits need of a kept node, side by side.
+#[derive(Debug, Clone, Copy)]
+struct Cluster {
+    tangent: Vector2,
+    weight: f64,
+    sigma: f64,
+    along_variance: f64,
+    correlation: f64,
+}
+
+impl Cluster {
+    fn of(k: &Kept) -> Self {
+        let Kept { tangent, weight, cluster_sigma: sigma, along_variance, correlation, .. } = *k;
+        Self { tangent, weight, sigma, along_variance, correlation }
     }
 
-    /// The parabola in a window not wider than the one gathered.
-    fn fit(&mut self, reach: f64, threshold: f64) -> Option<Fit> {
-        let across = across(threshold, reach);
-        let from = self.all.partition_point(|s| s.x < -reach);
-        let to = self.all.partition_point(|s| s.x <= reach);
-        let along = self.all.get(from..to)?;
-        if along.iter().all(|s| s.y.abs() <= across) {
-            return parabola(along, reach, threshold, &mut self.weights);
-        }
-        self.inside.clear();
-        self.inside.extend(along.iter().filter(|s| s.y.abs() <= across));
-        parabola(&self.inside, reach, threshold, &mut self.weights)
+    fn at(&self, x: f64, y: f64) -> Sample {
+        let Self { weight, sigma, along_variance, correlation, .. } = *self;
+        Sample { x, y, weight, sigma, along_variance, correlation }
     }
+}
+
+/// The clusters around a node, gathered for several windows at once.
+#[derive(Debug)]
+struct Near {
+    clusters: Vec<Cluster>,
+    grid: PointGrid,
+    /// How far along the curve clusters have been gathered.
+    reach: f64,
+    /// How many more nodes went beyond the first windows than did not.
+    far: i32,
+    /// Number and place of what was gathered.
+    found: Vec<(u32, f64, f64)>,
+    /// Its order along the curve.
+    order: Vec<u64>,
+    windows: Windows,
+    /// Fits in the windows accepted so far.
+    narrower: Vec<Fit>,
+}
+
+impl Near {
+    fn new(kept: &[Kept], cell: f64) -> Self {
+        let places: Vec<Point2> = kept.iter().map(|k| k.cluster).collect();
+        Self {
+            clusters: kept.iter().map(Cluster::of).collect(),
+            grid: PointGrid::new(&places, cell),
+            reach: 0.0,
+            far: 0,
+            found: Vec::new(),
+            order: Vec::new(),
+            windows: Windows::default(),
+            narrower: Vec::new(),
+        }
+    }
+
+    fn gather(&mut self, here: &Kept, (reach, threshold, same_way): (f64, f64, f64)) {
+        let (centre, tangent) = (here.position, here.tangent);
+        let window = Window { centre, tangent, reach, across: across(threshold, reach), same_way };
+        let Self { clusters, found, order, .. } = self;
+        found.clear();
+        order.clear();
+        window.visit(
+            &self.grid,
+            |j| clusters[j].tangent,
+            |j, x, y| {
+                order.push(u64::from(ordered(x as f32)) << 32 | found.len() as u64);
+                found.push((j as u32, x, y));
+            },
+        );
+        // Numbers are faster sorted than what they come from.
+        order.sort_unstable();
+        let sample = |key: &u64| {
+            let (j, x, y) = found[(key & u64::from(u32::MAX)) as usize];
+            clusters[j as usize].at(x, y)
+        };
+        self.windows.begin(order.iter().map(sample), NARROWEST_FOOTPRINTS * here.footprint);
+        self.reach = reach;
+    }
+}
+
+/// A number that has the order of a value.
+fn ordered(value: f32) -> u32 {
+    let bits = value.to_bits();
+    if bits >> 31 == 0 { bits | 1 << 31 } else { !bits }
 }
 
 /// Half-width of a window across: a bend leaves the tangent by up to half the reach where

@@ -7,13 +7,11 @@
 use super::observations::{Observations, median};
 use crate::grid::PointGrid;
 
-/// Nodes looked at: the median of this many is good to a few percent, and of more than this share of
-/// all nodes to no less, as neighbours say the same.
-const SAMPLES: usize = 1000;
-const LEAST_STEP: usize = 12;
-
-/// So few nodes are all looked at.
-const FEW: usize = 300;
+/// Nodes looked at: one of so many, as neighbours say the same, but the median of so few is off by more
+/// than a tenth, and that of so many good to a few percent.
+const STEP: usize = 20;
+const FEW: usize = 150;
+const MANY: usize = 500;
 
 /// Fewest distances that make a spread.
 const FEWEST_SAMPLES: usize = 8;
@@ -21,6 +19,10 @@ const FEWEST_SAMPLES: usize = 8;
 /// How far another view is looked for, in footprints and standard deviations of the node.
 const SEARCH_FOOTPRINTS: f64 = 4.0;
 const SEARCH_SIGMAS: f64 = 6.0;
+
+/// Share of that distance looked at first, and how many spreads it must hold.
+const NEARBY: f64 = 0.4;
+const RADIUS_SPREADS: f64 = 4.5;
 
 /// Median of |x| for a normal x of standard deviation 1.
 const MEDIAN_OF_NORMAL: f64 = 0.6745;
@@ -39,17 +41,28 @@ pub(super) struct Spread {
 pub(super) fn between_views(
     observations: &Observations,
     grid: &PointGrid,
+    spacing: f64,
     same_way: f64,
 ) -> Option<Spread> {
     if observations.sources.len() < 2 {
         return None;
     }
-    let count = observations.all.len();
-    let least = if count > FEW { LEAST_STEP } else { 1 };
-    let step = count.div_ceil(SAMPLES).max(least);
-    let samples = (0..observations.all.len()).step_by(step);
-    let mut pairs: Vec<Pair> =
-        samples.filter_map(|k| distance_to_other(observations, grid, k, same_way)).collect();
+    // As a rule views lie so close to each other that a look nearby misses none of them.
+    let near = measure(observations, grid, NEARBY, same_way);
+    let all_seen = NEARBY * SEARCH_FOOTPRINTS * spacing;
+    near.filter(|s| RADIUS_SPREADS * s.between <= all_seen)
+        .or_else(|| measure(observations, grid, 1.0, same_way))
+}
+
+/// The spread within a share of the search distance.
+fn measure(o: &Observations, grid: &PointGrid, share: f64, same_way: f64) -> Option<Spread> {
+    let count = o.all.len();
+    let step = count.div_ceil(MANY).max(STEP).min(count.div_ceil(FEW));
+    // One anywhere in each stretch: views with as many nodes each are not to be asked in one place.
+    let anywhere = |first: usize| first + (mixed(first as u64) % step as u64) as usize;
+    let samples = (0..count).step_by(step).map(anywhere).filter(|k| *k < count);
+    let pair = |k| distance_to_other(o, grid, k, (share, same_way));
+    let mut pairs: Vec<Pair> = samples.filter_map(pair).collect();
     if pairs.len() < FEWEST_SAMPLES {
         return None;
     }
@@ -73,26 +86,32 @@ struct Pair {
     variance: f64,
 }
 
-/// Distance across the curve to one other view, drawn by the node's number, at its node that lies
-/// most nearly beside: the nearest one would be near across the curve too, and read too low.
-fn distance_to_other(o: &Observations, grid: &PointGrid, k: usize, same_way: f64) -> Option<Pair> {
+/// Distance across the curve to one other view, drawn from those that saw this place, at its node that
+/// lies most nearly beside: the nearest one would be near across the curve too, and read too low.
+fn distance_to_other(
+    o: &Observations,
+    grid: &PointGrid,
+    k: usize,
+    (share, same_way): (f64, f64),
+) -> Option<Pair> {
     let here = &o.all[k];
-    let others = o.sources.len() as u64 - 1;
-    let drawn = (here.view as u64 + 1 + mixed(k as u64) % others) % o.sources.len() as u64;
-    let radius = SEARCH_FOOTPRINTS * here.footprint + SEARCH_SIGMAS * here.sigma;
-    let mut nearest: Option<(f64, Pair)> = None;
+    let radius = share * (SEARCH_FOOTPRINTS * here.footprint + SEARCH_SIGMAS * here.sigma);
+    let (mut drawn, mut along, mut pair) = (u64::MAX, f64::INFINITY, None);
     grid.within(&here.position, radius, |j, d| {
         let there = &o.all[j];
-        if u64::from(there.view) == drawn && there.tangent.dot(&here.tangent) >= same_way {
-            let distance = d.dot(&there.tangent).abs();
-            if nearest.is_none_or(|(n, _)| distance < n) {
-                let variance = here.sigma.powi(2) + there.sigma.powi(2);
-                nearest =
-                    Some((distance, Pair { distance: there.tangent.perp(&d).abs(), variance }));
-            }
+        if there.view == here.view || there.tangent.dot(&here.tangent) < same_way {
+            return;
+        }
+        // The view of the lowest number drawn is the one.
+        let number = mixed((k as u64) << 32 | u64::from(there.view));
+        let how_far = d.dot(&there.tangent).abs();
+        if (number, how_far) < (drawn, along) {
+            (drawn, along) = (number, how_far);
+            let variance = here.sigma.powi(2) + there.sigma.powi(2);
+            pair = Some(Pair { distance: there.tangent.perp(&d).abs(), variance });
         }
     });
-    nearest.map(|(_, pair)| pair)
+    pair
 }
 
 /// A number without relation to its neighbours (the finaliser of SplitMix64).

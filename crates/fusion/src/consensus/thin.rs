@@ -1,9 +1,14 @@
 //! First place, thinning and clusters: from all observations to one kept node per footprint.
+//!
+//! Groups take their turns from the best supported on. One that is not absorbed by then moves onto a
+//! robust line through its neighbours and absorbs those in a window around its new place, as they lie.
+//! The window is some spreads wide, so that few are missed; one that is moves onto its own line when
+//! its turn comes, and goes to the kept node in whose window it then lies.
 
-use super::fit::{self, LineSample, line};
+use super::fit::{self, Fit, LineSample, line};
 use super::groups::{self, Group, Groups};
 use super::observations::{NONE, Observation, Observations};
-use super::window::Window;
+use super::window::{Window, left_of};
 use super::{Kept, Scale};
 use crate::grid::PointGrid;
 use nalgebra::Vector3;
@@ -18,15 +23,6 @@ const ROUGH_SIGMAS: f64 = 3.0;
 const ABSORB_FOOTPRINTS: f64 = 0.7;
 const ABSORB_SHARE: f64 = 0.6;
 
-/// A group moved onto the robust line through its neighbours of all views.
-#[derive(Debug, Clone, Copy)]
-struct Projected {
-    position: Point2,
-    tangent: Vector2,
-    /// How many views are among the neighbours.
-    views: u32,
-}
-
 /// The kept nodes, and for every observation the kept node that absorbed it.
 pub(super) struct Thinned {
     pub kept: Vec<Kept>,
@@ -36,96 +32,129 @@ pub(super) struct Thinned {
 /// Keeps the best-supported groups and clusters the observations of the others around them.
 pub(super) fn thin(observations: &Observations, grid: &PointGrid, scale: &Scale) -> Thinned {
     let groups = groups::group(observations, grid, scale);
-    let projected = project(&groups, scale);
-    let (chosen, group_absorbed_by) = choose(&groups, &projected, scale);
-    let mut kept: Vec<Kept> = chosen
-        .iter()
-        .map(|&k| {
-            let (p, g) = (&projected[k as usize], &groups.all[k as usize]);
-            Kept::new(p.position, p.tangent, g.footprint)
-        })
-        .collect();
-    let absorbed_by: Vec<u32> = groups.of.iter().map(|&g| group_absorbed_by[g as usize]).collect();
+    let mut choice = Choice::new(&groups, scale);
+    by_support(&groups).into_iter().for_each(|k| choice.take(k as usize));
+    let Choice { mut kept, absorbed_by, .. } = choice;
+    let absorbed_by: Vec<u32> = groups.of.iter().map(|&g| absorbed_by[g as usize]).collect();
     cluster(observations, &absorbed_by, &mut kept, scale.common);
     Thinned { kept, absorbed_by }
 }
 
-fn project(groups: &Groups, scale: &Scale) -> Vec<Projected> {
-    let positions: Vec<Point2> = groups.all.iter().map(|g| g.position).collect();
-    let grid = PointGrid::new(&positions, 2.0 * scale.spacing);
-    let (mut samples, mut views) = (Vec::new(), vec![0_u64; groups.words]);
-    let project = |here: &Group| {
+/// Groups in order of weight times footprint, then canonical order.
+///
+/// What many views saw well is in the middle of what all saw. Of equal weight the coarser one covers more
+/// ground; where the surface bends, its sampling error makes it the lighter one.
+fn by_support(groups: &Groups) -> Vec<u32> {
+    // Numbers that have the order wanted are faster sorted than what they come from.
+    let key = |(k, g): (usize, &Group)| {
+        let support = (g.weight * g.footprint).max(0.0).to_bits();
+        (u64::MAX - support, k as u32)
+    };
+    let mut order: Vec<_> = groups.all.iter().enumerate().map(key).collect();
+    order.sort_unstable();
+    order.into_iter().map(|(_, k)| k).collect()
+}
+
+/// The groups kept so far, each moved to its place, and what they absorbed.
+struct Choice<'a> {
+    groups: &'a Groups,
+    scale: &'a Scale,
+    grid: PointGrid,
+    kept: Vec<Kept>,
+    /// For each kept node the window in which it absorbs.
+    windows: Vec<Window>,
+    /// For each group the kept node that absorbed it.
+    absorbed_by: Vec<u32>,
+    /// The neighbours of the group whose turn it is: numbers, and places along and across.
+    near: Vec<u32>,
+    samples: Vec<LineSample>,
+}
+
+impl<'a> Choice<'a> {
+    fn new(groups: &'a Groups, scale: &'a Scale) -> Self {
+        let positions: Vec<Point2> = groups.all.iter().map(|g| g.position).collect();
+        Self {
+            groups,
+            scale,
+            grid: PointGrid::new(&positions, 2.0 * scale.spacing),
+            kept: Vec::new(),
+            windows: Vec::new(),
+            absorbed_by: vec![NONE; positions.len()],
+            near: Vec::new(),
+            samples: Vec::new(),
+        }
+    }
+
+    /// Keeps a group, if nothing kept has absorbed it or lies where it belongs.
+    fn take(&mut self, k: usize) {
+        if self.absorbed_by[k] != NONE {
+            return;
+        }
+        let group = &self.groups.all[k];
+        let across = self.scale.across(group.sigma);
+        let line = self.line(group, across);
+        let normal = left_of(&group.tangent);
+        let window = Window {
+            centre: group.position + normal * line.place,
+            tangent: (group.tangent + normal * line.slope).normalize(),
+            reach: ABSORB_FOOTPRINTS * group.footprint,
+            across: ABSORB_SHARE * across,
+            same_way: self.scale.same_way,
+        };
+        self.absorbed_by[k] = self.kept_around(&window).unwrap_or_else(|| {
+            self.absorb(&window, &line);
+            self.windows.push(window);
+            self.kept.push(Kept::new(window.centre, window.tangent, group.footprint));
+            self.kept.len() as u32 - 1
+        });
+    }
+
+    /// A robust line through a group's neighbours, in the group's own direction.
+    fn line(&mut self, here: &Group, across: f64) -> Fit {
         let window = Window {
             centre: here.position,
             tangent: here.tangent,
             reach: (ROUGH_FOOTPRINTS * here.footprint).max(ROUGH_SIGMAS * here.sigma),
-            across: scale.across(here.sigma),
-            same_way: scale.same_way,
+            across,
+            same_way: self.scale.same_way,
         };
-        views.fill(0);
+        let (groups, near, samples) = (&self.groups.all, &mut self.near, &mut self.samples);
+        near.clear();
         samples.clear();
         window.visit(
-            &grid,
-            |j| groups.all[j].tangent,
+            &self.grid,
+            |j| groups[j].tangent,
             |j, x, y| {
-                let g = &groups.all[j];
-                samples.push(LineSample::new((x, y), g.weight, window.reach));
-                views.iter_mut().zip(groups.views(j)).for_each(|(all, v)| *all |= v);
+                near.push(j as u32);
+                samples.push(LineSample::new((x, y), groups[j].weight, window.reach));
             },
         );
-        let fit = line(&samples, window.across).unwrap_or_default();
-        let normal = window.normal();
-        let tangent = (here.tangent + normal * fit.slope).normalize();
-        let position = here.position + normal * fit.place;
-        Projected { position, tangent, views: views.iter().map(|w| w.count_ones()).sum() }
-    };
-    groups.all.iter().map(project).collect()
-}
-
-/// Chooses groups in order of support, each absorbing what lies beside it.
-fn choose(groups: &Groups, projected: &[Projected], scale: &Scale) -> (Vec<u32>, Vec<u32>) {
-    let positions: Vec<Point2> = projected.iter().map(|p| p.position).collect();
-    let grid = PointGrid::new(&positions, scale.spacing);
-    let mut absorbed_by = vec![NONE; projected.len()];
-    let mut chosen = Vec::new();
-    for k in by_support(groups, projected) {
-        if absorbed_by[k as usize] != NONE {
-            continue;
-        }
-        let number = chosen.len() as u32;
-        chosen.push(k);
-        let (here, group) = (&projected[k as usize], &groups.all[k as usize]);
-        let window = Window {
-            centre: here.position,
-            tangent: here.tangent,
-            reach: ABSORB_FOOTPRINTS * group.footprint,
-            across: ABSORB_SHARE * scale.across(group.sigma),
-            same_way: scale.same_way,
-        };
-        window.visit(
-            &grid,
-            |j| projected[j].tangent,
-            |j, _, _| {
-                if absorbed_by[j] == NONE {
-                    absorbed_by[j] = number;
-                }
-            },
-        );
-        absorbed_by[k as usize] = number;
+        line(samples, across).unwrap_or_default()
     }
-    (chosen, absorbed_by)
-}
 
-/// Groups with more views around them first, then the better seen, then canonical order.
-fn by_support(groups: &Groups, projected: &[Projected]) -> Vec<u32> {
-    // Numbers that have the order wanted are faster sorted than what they come from.
-    let key = |(k, (p, g)): (usize, (&Projected, &Group))| {
-        let quality = g.quality.max(0.0).to_bits();
-        (u32::MAX - p.views, u64::MAX - quality, k as u32)
-    };
-    let mut order: Vec<_> = projected.iter().zip(&groups.all).enumerate().map(key).collect();
-    order.sort_unstable();
-    order.into_iter().map(|(_, _, k)| k).collect()
+    /// The first kept node that absorbed a neighbour, and in whose window the middle of this one lies.
+    fn kept_around(&self, window: &Window) -> Option<u32> {
+        let mut found = NONE;
+        for &j in &self.near {
+            let by = self.absorbed_by[j as usize];
+            if by < found && self.windows[by as usize].holds(window) {
+                found = by;
+            }
+        }
+        (found != NONE).then_some(found)
+    }
+
+    /// Gives the neighbours along a line to the node that is kept next.
+    fn absorb(&mut self, window: &Window, line: &Fit) {
+        let number = self.kept.len() as u32;
+        for (&j, s) in self.near.iter().zip(&self.samples) {
+            let off = s.y - (line.place + line.slope * s.x);
+            let by = &mut self.absorbed_by[j as usize];
+            if *by == NONE && s.x.abs() <= window.reach && off.abs() <= window.across {
+                *by = number;
+            }
+        }
+    }
 }
 
 /// Gathers the original places of what each kept node absorbed.

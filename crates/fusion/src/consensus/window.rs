@@ -31,15 +31,26 @@ impl Window {
         mut visit: impl FnMut(usize, f64, f64),
     ) {
         let normal = self.normal();
-        // The upright rectangle around the slanted one.
-        let half = self.tangent.abs() * self.reach + normal.abs() * self.across;
-        grid.around(&self.centre, &half, |k, d| {
+        grid.around(&self.centre, &self.half(), |k, d| {
             let (x, y) = (d.dot(&self.tangent), d.dot(&normal));
             let inside = x.abs() <= self.reach && y.abs() <= self.across;
             if inside && tangent_of(k).dot(&self.tangent) >= self.same_way {
                 visit(k, x, y);
             }
         });
+    }
+
+    /// Whether the middle of another window lies in this one and runs the same way.
+    pub fn holds(&self, other: &Self) -> bool {
+        let d = other.centre - self.centre;
+        d.dot(&self.tangent).abs() <= self.reach
+            && d.dot(&self.normal()).abs() <= self.across
+            && other.tangent.dot(&self.tangent) >= self.same_way
+    }
+
+    /// Half-widths of the upright rectangle around the slanted one.
+    fn half(&self) -> Vector2 {
+        self.tangent.abs() * self.reach + self.normal().abs() * self.across
     }
 }
 

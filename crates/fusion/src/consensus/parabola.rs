@@ -1,0 +1,409 @@
+//! A robust parabola in windows that grow.
+//!
+//! **Problem.** The final place of a node asks for the same fit in up to six nested windows, with the
+//! standard deviation of the fit from errors that neighbouring samples share.
+//!
+//! **Idea.** All of a least-squares fit follows from sums over samples, and so does its error: it is a
+//! quadratic form in the coefficients. A wider window adds samples on both sides and to the sums, so
+//! that six windows cost as much as the widest alone.
+//!
+//! **Steps.**
+//! 1. Samples in order along the curve; those in the window add to the sums.
+//! 2. The parabola of the sums. If no residual exceeds half the threshold, that is the fit.
+//! 3. Else once more, with weights that fall from 1 at half the threshold to 0 at all of it. They leave
+//!    1 with no step and no bend, so that a sample on its way out changes the fit gradually.
+//!
+//! **Shared errors.** The correlation of two samples is the product of those of the neighbours between
+//! them (an exponential law). So what all samples of a window share with its outermost one is a single
+//! number on each side, which the next sample takes over.
+
+use super::fit::{Fit, shared};
+
+/// One cluster in a local frame along (x) and across (y) a curve.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Sample {
+    pub x: f64,
+    pub y: f64,
+    pub weight: f64,
+    /// Standard deviation of y.
+    pub sigma: f64,
+    /// Variance along the curve of the places it is the mean of; 0 for a single place. The mean of
+    /// places on a bend lies inside the bend, by this much times the bend.
+    pub along_variance: f64,
+    /// Length along the curve over which samples share their errors; 0 if each has its own.
+    pub correlation: f64,
+}
+
+impl Sample {
+    /// Mean of x² over the places.
+    fn square(&self) -> f64 {
+        self.x * self.x + self.along_variance
+    }
+}
+
+/// Half-width of the middle of a window, as a share of its reach.
+const MIDDLE: f64 = 1e-3;
+
+/// Share of the threshold up to which samples have their whole weight.
+const FLAT: f64 = 0.5;
+
+/// Samples along a curve, and the sums over those of a window that grows.
+#[derive(Debug, Default)]
+pub(super) struct Windows {
+    /// Sorted by x.
+    samples: Vec<Sample>,
+    /// First in the window, and first beyond it.
+    from: usize,
+    to: usize,
+    sums: Sums,
+    /// Largest distance across in the window.
+    farthest: f64,
+    /// Those of a window that is narrower across.
+    inside: Vec<Sample>,
+}
+
+impl Windows {
+    /// Takes samples sorted by x. Lengths are summed in the unit given, that of the narrowest window.
+    pub fn begin(&mut self, samples: impl Iterator<Item = Sample>, unit: f64) {
+        self.samples.clear();
+        self.samples.extend(samples);
+        self.from = self.samples.partition_point(|s| s.x < 0.0);
+        self.to = self.from;
+        self.sums = Sums::new(unit);
+        self.farthest = 0.0;
+    }
+
+    /// The parabola through the samples with `|x| <= reach` and `|y| <= across`; those farther from it
+    /// than `threshold` do not count. The reach never shrinks.
+    ///
+    /// `None` unless samples lie on both sides and determine it.
+    pub fn fit(&mut self, reach: f64, across: f64, threshold: f64) -> Option<Fit> {
+        self.grow(reach);
+        let along = self.samples.get(self.from..self.to)?;
+        if self.farthest <= across {
+            return fit(along, (&self.sums, self.farthest), reach, threshold);
+        }
+        self.inside.clear();
+        self.inside.extend(along.iter().filter(|s| s.y.abs() <= across));
+        let weighted = self.inside.iter().map(|s| (s, s.weight));
+        fit(&self.inside, (&Sums::of(weighted, self.sums.unit), across), reach, threshold)
+    }
+
+    fn grow(&mut self, reach: f64) {
+        while let Some(s) = self.samples.get(self.to).filter(|s| s.x <= reach) {
+            self.sums.add_ahead(s, s.weight);
+            self.farthest = self.farthest.max(s.y.abs());
+            self.to += 1;
+        }
+        while let Some(before) = self.from.checked_sub(1) {
+            let s = &self.samples[before];
+            if s.x < -reach {
+                break;
+            }
+            self.sums.add_behind(s, s.weight);
+            self.farthest = self.farthest.max(s.y.abs());
+            self.from = before;
+        }
+    }
+}
+
+/// The parabola of samples with these sums, none of them farther across than given.
+fn fit(
+    samples: &[Sample],
+    (sums, farthest): (&Sums, f64),
+    reach: f64,
+    threshold: f64,
+) -> Option<Fit> {
+    if !lies_on_both_sides(samples, reach) {
+        return None;
+    }
+    let plain = sums.solve(reach)?;
+    let most = FLAT * threshold;
+    // As a rule no sample can be so far off, whichever it is.
+    let deepest = reach * (plain.slope.abs() + reach * plain.bend.abs());
+    if farthest + plain.place.abs() + deepest <= most
+        || samples.iter().all(|s| residual(&plain, s).abs() <= most)
+    {
+        return Some(plain);
+    }
+    let weighted = samples.iter().map(|s| (s, s.weight * trust(residual(&plain, s) / threshold)));
+    Sums::of(weighted, sums.unit).solve(reach)
+}
+
+/// Distance of a sample from a parabola.
+fn residual(fit: &Fit, s: &Sample) -> f64 {
+    s.y - (fit.place + s.x * (fit.slope + fit.bend * s.x))
+}
+
+/// Whether two samples lie behind the middle and two ahead of it: one there is on neither side,
+/// whatever rounding makes of its place.
+fn lies_on_both_sides(samples: &[Sample], reach: f64) -> bool {
+    match samples {
+        [_, behind, ..] if samples.len() >= 4 => {
+            let ahead = &samples[samples.len() - 2];
+            behind.x < -MIDDLE * reach && ahead.x > MIDDLE * reach
+        }
+        _ => false,
+    }
+}
+
+/// Tukey's biweight, but 1 up to [`FLAT`].
+fn trust(u: f64) -> f64 {
+    let u = (u.abs() - FLAT).max(0.0) / (1.0 - FLAT);
+    let rest = (1.0 - u * u).max(0.0);
+    rest * rest
+}
+
+/// The sums of a parabola in u = x / unit, with q for the mean of u² over a sample's places.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    unit: f64,
+    /// Sums of weight × 1, u, q, u², uq, q².
+    left: [f64; 6],
+    /// Sums of weight × y × 1, u, q.
+    right: [f64; 3],
+    /// Covariances of the errors of `right`, in the order of `left`.
+    errors: [f64; 6],
+    /// Errors of `right` as far as the outermost sample on a side shares them.
+    behind: [f64; 3],
+    ahead: [f64; 3],
+    /// Correlation of the outermost samples.
+    through: f64,
+    /// Places and correlation lengths of the outermost samples.
+    first: (f64, f64),
+    last: (f64, f64),
+}
+
+impl Sums {
+    fn new(unit: f64) -> Self {
+        // No sample shares an error with one at infinity.
+        let (first, last) = ((f64::INFINITY, 0.0), (f64::NEG_INFINITY, 0.0));
+        Self { unit, first, last, ..Self::default() }
+    }
+
+    /// Of samples sorted by x, and their weights.
+    fn of<'a>(samples: impl Iterator<Item = (&'a Sample, f64)>, unit: f64) -> Self {
+        let mut sums = Self::new(unit);
+        samples.for_each(|(s, weight)| sums.add_ahead(s, weight));
+        sums
+    }
+
+    fn add_ahead(&mut self, s: &Sample, weight: f64) {
+        let (here, error) = ((s.x, s.correlation), self.add(s, weight));
+        let shared = shared(s.x - self.last.0, 0.5 * (s.correlation + self.last.1));
+        self.through *= shared;
+        self.ahead = add_error(&mut self.errors, self.ahead.map(|v| v * shared), error);
+        if self.first.0 > self.last.0 {
+            (self.first, self.behind, self.through) = (here, error, 1.0);
+        } else {
+            for (sum, e) in self.behind.iter_mut().zip(error) {
+                *sum += self.through * e;
+            }
+        }
+        self.last = here;
+    }
+
+    fn add_behind(&mut self, s: &Sample, weight: f64) {
+        let (here, error) = ((s.x, s.correlation), self.add(s, weight));
+        let shared = shared(self.first.0 - s.x, 0.5 * (s.correlation + self.first.1));
+        self.through *= shared;
+        self.behind = add_error(&mut self.errors, self.behind.map(|v| v * shared), error);
+        if self.first.0 > self.last.0 {
+            (self.last, self.ahead, self.through) = (here, error, 1.0);
+        } else {
+            for (sum, e) in self.ahead.iter_mut().zip(error) {
+                *sum += self.through * e;
+            }
+        }
+        self.first = here;
+    }
+
+    /// Adds a sample to the moments; returns its error in each of those on the right.
+    fn add(&mut self, s: &Sample, w: f64) -> [f64; 3] {
+        let scale = 1.0 / self.unit;
+        let (u, q) = (s.x * scale, s.square() * scale * scale);
+        let (wu, wq) = (w * u, w * q);
+        for (sum, new) in self.left.iter_mut().zip([w, wu, wq, wu * u, wu * q, wq * q]) {
+            *sum += new;
+        }
+        for (sum, new) in self.right.iter_mut().zip([w, wu, wq]) {
+            *sum += new * s.y;
+        }
+        [w * s.sigma, wu * s.sigma, wq * s.sigma]
+    }
+
+    /// The parabola with the standard deviations of its place and bend from random errors, if the
+    /// samples determine one in a window of this reach.
+    fn solve(&self, reach: f64) -> Option<Fit> {
+        let [a, b, c, d, e, f] = self.left;
+        // Cofactors of the symmetric matrix.
+        let place = [d * f - e * e, c * e - b * f, b * e - c * d];
+        let slope = [place[1], a * f - c * c, b * c - a * e];
+        let bend = [place[2], slope[2], a * d - b * b];
+        let determinant = a * place[0] + b * place[1] + c * place[2];
+        // Well determined as seen in the window's own unit, in which u is up to 1.
+        if determinant * (self.unit / reach).powi(6) <= 1e-9 * a * a * a || determinant.is_nan() {
+            return None;
+        }
+        let (scale, of) = (1.0 / self.unit, 1.0 / determinant);
+        let value = |row: &[f64; 3]| dot(row, &self.right) * of;
+        let sigma = |row: &[f64; 3]| self.variance(row).max(0.0).sqrt() * of;
+        Some(Fit {
+            place: value(&place),
+            slope: value(&slope) * scale,
+            bend: value(&bend) * scale * scale,
+            place_sigma: sigma(&place),
+            bend_sigma: sigma(&bend) * scale * scale,
+        })
+    }
+
+    /// Variance of a sum of the moments on the right with these factors.
+    fn variance(&self, [a, b, c]: &[f64; 3]) -> f64 {
+        let [one, u, q, uu, uq, qq] = self.errors;
+        a * (a * one + 2.0 * (b * u + c * q)) + b * (b * uu + 2.0 * c * uq) + c * c * qq
+    }
+}
+
+/// Adds to covariances an error and what it has in common with others; returns the sum of both.
+fn add_error(covariances: &mut [f64; 6], common: [f64; 3], error: [f64; 3]) -> [f64; 3] {
+    let both = [common[0] + error[0], common[1] + error[1], common[2] + error[2]];
+    // e e' + e c' + c e' = (e + c) (e + c)' - c c'
+    for (sum, (i, j)) in
+        covariances.iter_mut().zip([(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)])
+    {
+        *sum += both[i] * both[j] - common[i] * common[j];
+    }
+    both
+}
+
+fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn samples(f: impl Fn(f64) -> f64) -> Vec<Sample> {
+        let at = |k: i32| f64::from(k) * 0.25;
+        (-8..=8)
+            .map(|k| Sample { x: at(k), y: f(at(k)), weight: 1.0, sigma: 0.1, ..Sample::default() })
+            .collect()
+    }
+
+    fn parabola(samples: &[Sample], threshold: f64) -> Option<Fit> {
+        let mut windows = Windows::default();
+        windows.begin(samples.iter().copied(), 0.7);
+        windows.fit(2.0, f64::INFINITY, threshold)
+    }
+
+    #[test]
+    fn a_parabola_is_found_exactly_and_a_stray_sample_ignored() {
+        let mut s = samples(|x| 0.3 - 0.2 * x + 0.1 * x * x);
+        s[3].y += 5.0;
+        let fit = parabola(&s, 1.0).unwrap();
+        assert!((fit.place - 0.3).abs() < 1e-9, "{fit:?}");
+        assert!((fit.slope + 0.2).abs() < 1e-9 && (fit.bend - 0.1).abs() < 1e-9, "{fit:?}");
+    }
+
+    #[test]
+    fn means_of_places_on_a_bend_do_not_pull_the_curve_inside() {
+        // Each sample stands for places of variance 0.04 along y = x².
+        let spread = |s: Sample| Sample { y: s.y + 0.04, along_variance: 0.04, ..s };
+        let means: Vec<_> = samples(|x| x * x).into_iter().map(spread).collect();
+        let fit = parabola(&means, 10.0).unwrap();
+        assert!(fit.place.abs() < 1e-9 && (fit.bend - 1.0).abs() < 1e-9, "{fit:?}");
+    }
+
+    #[test]
+    fn the_predicted_spread_of_a_mean_of_line_samples_is_right() {
+        // A parabola through n even samples has 9/4 the variance of their mean at its middle.
+        let fit = parabola(&samples(|_| 0.0), 1.0).unwrap();
+        let expected = 0.1 * (2.25 / 17.0_f64).sqrt();
+        assert!((fit.place_sigma / expected - 1.0).abs() < 0.05, "{fit:?}");
+    }
+
+    #[test]
+    fn one_sided_samples_do_not_make_a_parabola() {
+        let right: Vec<_> = samples(|x| x).into_iter().filter(|s| s.x > 0.0).collect();
+        assert_eq!(parabola(&right, 1.0), None);
+    }
+
+    #[test]
+    fn a_sample_on_its_way_out_changes_the_fit_gradually() {
+        let place = |off: f64| {
+            let mut s = samples(|_| 0.0);
+            s[9].y = off;
+            parabola(&s, 1.0).unwrap().place
+        };
+        for k in 0..400 {
+            let off = f64::from(k) * 0.005;
+            assert!((place(off + 0.005) - place(off)).abs() < 0.005, "{off}");
+        }
+        assert_eq!(place(5.0), 0.0);
+    }
+
+    /// Uneven samples that share errors over lengths of their own.
+    fn uneven(count: u32) -> Vec<Sample> {
+        let sample = |k: u32| {
+            let r = |m: u32| f64::from((k + 1) * m % 101) / 101.0;
+            let x = 4.0 * (f64::from(k) + 0.5 * r(37)) / f64::from(count) - 2.1;
+            let (weight, sigma, correlation) = (0.2 + r(53), 0.1 + 0.1 * r(71), 0.4 * r(29));
+            Sample { x, y: 0.2 * r(19), weight, sigma, along_variance: 0.01 * r(11), correlation }
+        };
+        (0..count).map(sample).collect()
+    }
+
+    #[test]
+    fn growing_windows_have_the_sums_of_their_samples() {
+        let all = uneven(40);
+        let mut windows = Windows::default();
+        windows.begin(all.iter().copied(), 0.5);
+        for reach in [0.5, 0.9, 1.7, 3.0] {
+            let inside: Vec<_> = all.iter().filter(|s| s.x.abs() <= reach).copied().collect();
+            let found = windows.fit(reach, f64::INFINITY, 10.0).unwrap();
+            let expected = slow(&inside);
+            for (found, expected) in [
+                (found.place, expected.place),
+                (found.slope, expected.slope),
+                (found.bend, expected.bend),
+                (found.place_sigma, expected.place_sigma),
+                (found.bend_sigma, expected.bend_sigma),
+            ] {
+                assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{reach}");
+            }
+        }
+    }
+
+    /// The fit by matrices, with the correlation of every pair written out.
+    fn slow(samples: &[Sample]) -> Fit {
+        use nalgebra::{DMatrix, DVector};
+        let n = samples.len();
+        let row = |k: usize, c: usize| [1.0, samples[k].x, samples[k].square()][c];
+        let design = DMatrix::from_fn(n, 3, row);
+        let weights = DMatrix::from_diagonal(&DVector::from_fn(n, |k, _| samples[k].weight));
+        let places = DVector::from_fn(n, |k, _| samples[k].y);
+        let inverse = (design.transpose() * &weights * &design).try_inverse().unwrap();
+        let solve = inverse * design.transpose() * weights;
+        let (fit, covariance) = (&solve * places, covariance(samples));
+        let errors = &solve * covariance * solve.transpose();
+        Fit {
+            place: fit[0],
+            slope: fit[1],
+            bend: fit[2],
+            place_sigma: errors[(0, 0)].sqrt(),
+            bend_sigma: errors[(2, 2)].sqrt(),
+        }
+    }
+
+    fn covariance(samples: &[Sample]) -> nalgebra::DMatrix<f64> {
+        let step = |k: usize| {
+            let (a, b) = (&samples[k], &samples[k + 1]);
+            shared(b.x - a.x, 0.5 * (a.correlation + b.correlation))
+        };
+        nalgebra::DMatrix::from_fn(samples.len(), samples.len(), |i, j| {
+            let between: f64 = (i.min(j)..i.max(j)).map(step).product();
+            samples[i].sigma * samples[j].sigma * between
+        })
+    }
+}
