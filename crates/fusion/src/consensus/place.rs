@@ -4,6 +4,9 @@
 //! than random errors make it (Lepski's rule): wide along smooth curves, narrow at detail. Errors
 //! that neighbours share leave narrow windows in agreement whatever their width; so it is the
 //! *difference* that is judged, by its own standard deviation, and not each estimate by its own.
+//!
+//! With a handful of windows one of them differs by chance at every fifth node. So a single one is
+//! passed over if the next wider one agrees again, and two in a row end the search.
 
 use super::fit::Fit;
 use super::parabola::{Sample, Windows};
@@ -71,6 +74,7 @@ fn widest_fit(here: &Kept, scale: &Scale, near: &mut Near) -> Option<Placed> {
     near.narrower.clear();
     near.reach = 0.0;
     let mut tried = 0;
+    let mut doubted = false;
     for step in 0..WINDOWS {
         tried = step;
         let reach_now = reach(step);
@@ -89,9 +93,14 @@ fn widest_fit(here: &Kept, scale: &Scale, near: &mut Near) -> Option<Placed> {
         };
         let agrees = near.narrower.iter().all(|n| agree(n, &fit));
         let turns = 2.0 * (fit.bend.abs() - 2.0 * fit.bend_sigma) * reach_now > LARGEST_TURN;
-        if best.is_some() && (!agrees || turns) {
+        if best.is_some() && (turns || (!agrees && doubted)) {
             break;
         }
+        if best.is_some() && !agrees {
+            doubted = true;
+            continue;
+        }
+        doubted = false;
         near.narrower.push(fit);
         best = Some(Placed { fit, reach: reach_now });
     }
