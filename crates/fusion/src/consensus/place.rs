@@ -34,8 +34,15 @@ const CONFIDENCE: f64 = 2.0;
 /// Smallest variance of the difference of two fits, as a share of that of the narrower.
 const LEAST_NEWS: f64 = 0.1;
 
-/// Largest curvature times half-width for which a parabola stands for the curve.
+/// Largest curvature times half-width for which a parabola stands for the curve, whatever the noise, and
+/// where its error is small against noise.
 const LARGEST_TURN: f64 = 0.13;
+const LARGEST_NOISY_TURN: f64 = 0.6;
+
+/// Error of a parabola in the middle of an arc, over (curvature × half-width)³ × half-width: what an
+/// evenly sampled fit makes of the arc's fourth order. And how large it may be, in standard deviations.
+const ARC_ERROR: f64 = 0.0107;
+const ERROR_SHARE: f64 = 0.5;
 
 /// Windows for which the neighbours are gathered at once, beyond the one that asks, unless most nodes
 /// so far needed more.
@@ -92,8 +99,8 @@ fn widest_fit(here: &Kept, scale: &Scale, near: &mut Near) -> Option<Placed> {
             break;
         };
         let agrees = near.narrower.iter().all(|n| agree(n, &fit));
-        let turns = 2.0 * (fit.bend.abs() - 2.0 * fit.bend_sigma) * reach_now > LARGEST_TURN;
-        if best.is_some() && (turns || (!agrees && doubted)) {
+        let (error, small) = arc_error(&fit, reach_now);
+        if best.is_some() && (!small || (!agrees && doubted)) {
             break;
         }
         if best.is_some() && !agrees {
@@ -102,10 +109,21 @@ fn widest_fit(here: &Kept, scale: &Scale, near: &mut Near) -> Option<Placed> {
         }
         doubted = false;
         near.narrower.push(fit);
-        best = Some(Placed { fit, reach: reach_now });
+        let place_sigma = fit.place_sigma.hypot(error);
+        best = Some(Placed { fit: Fit { place_sigma, ..fit }, reach: reach_now });
     }
     near.far += if tried > GATHER_AHEAD { 1 } else { -1 };
     best.filter(|b| b.fit.place.abs() <= threshold)
+}
+
+/// How far a parabola is off in the middle of an arc of its bend, and whether that is no matter: hidden by
+/// noise, or of a bend that is not known to be too much for a parabola.
+fn arc_error(fit: &Fit, reach: f64) -> (f64, bool) {
+    let turn = 2.0 * fit.bend.abs() * reach;
+    let error = ARC_ERROR * turn.powi(3) * reach;
+    let hidden = turn <= LARGEST_NOISY_TURN && error <= ERROR_SHARE * fit.place_sigma;
+    let known = turn - 4.0 * fit.bend_sigma * reach;
+    (error, hidden || known <= LARGEST_TURN)
 }
 
 /// Whether a fit differs from one in a narrower window by no more than random errors make it.
