@@ -269,12 +269,16 @@ impl Sums {
 fn add_error(covariances: &mut [f64; 6], common: [f64; 3], error: [f64; 3]) -> [f64; 3] {
     let both = [common[0] + error[0], common[1] + error[1], common[2] + error[2]];
     // e e' + e c' + c e' = (e + c) (e + c)' - c c'
-    for (sum, (i, j)) in
-        covariances.iter_mut().zip([(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)])
-    {
-        *sum += both[i] * both[j] - common[i] * common[j];
+    let (new, old) = (products(&both), products(&common));
+    for k in 0..6 {
+        covariances[k] += new[k] - old[k];
     }
     both
+}
+
+/// The products of three numbers with each other, by rows from the diagonal on.
+fn products([a, b, c]: &[f64; 3]) -> [f64; 6] {
+    [a * a, a * b, a * c, b * b, b * c, c * c]
 }
 
 fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
