@@ -78,12 +78,8 @@ impl<'a> Arc<'a> {
     }
 
     fn mean_offset(&self, k: usize, reach: f64, ahead: bool) -> Vector2 {
-        if self.whole {
-            if let Some(offset) = self.mean_within(k, reach, ahead) {
-                return offset;
-            }
-        }
-        self.mean_walked(k, reach, ahead)
+        let within = self.whole.then(|| self.mean_within(k, reach, ahead)).flatten();
+        within.unwrap_or_else(|| self.mean_walked(k, reach, ahead))
     }
 
     /// Mean place, seen from a node, of those within `reach` on one side; the nearest one always counts.
