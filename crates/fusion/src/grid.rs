@@ -49,7 +49,7 @@ impl PointGrid {
             origin: around.min,
             per_length,
             last: (u32::MAX, u32::MAX),
-            stride: GOLDEN >> (32 - bits),
+            stride: (GOLDEN >> (31 - bits)).div_ceil(2),
             starts: vec![0; (1 << bits) + 1],
             items: Vec::new(),
         };
@@ -109,28 +109,32 @@ impl PointGrid {
         let d = centre - self.origin;
         let (first, last) = (self.cell(&(d - half)), self.cell(&(d + half)));
         let (columns, rows) = (u64::from(last.0 - first.0) + 1, u64::from(last.1 - first.1) + 1);
-        let mut run = |items: &[Item]| {
-            for i in items {
-                visit(i.number as usize, i.point - centre);
-            }
-        };
-        if 3 * rows.saturating_mul(rows + columns) > u64::from(self.mask()) {
-            return run(&self.items);
+        // Rows begin at least 0.38 / rows of the circle from each other, less half a slot each.
+        if 4 * rows.saturating_mul(rows + 2 * columns) > 3 * u64::from(self.mask()) {
+            return visit_all(&self.items, centre, &mut visit);
         }
         for row in first.1..=last.1 {
             let from = self.slot((first.0, row)) as usize;
             let to = from + columns as usize;
-            if let Some(&[begin, .., end]) = self.starts.get(from..=to) {
-                run(self.items.get(begin as usize..end as usize).unwrap_or_default());
-            } else {
+            let Some(&[begin, .., end]) = self.starts.get(from..=to) else {
                 // The row goes on where the circle begins.
                 let to = to - (self.mask() as usize + 1);
                 let (begin, end) = (self.starts[from] as usize, self.starts[to] as usize);
-                run(&self.items[begin..]);
-                run(&self.items[..end]);
+                visit_all(&self.items[begin..], centre, &mut visit);
+                visit_all(&self.items[..end], centre, &mut visit);
+                continue;
+            };
+            for i in self.items.get(begin as usize..end as usize).unwrap_or_default() {
+                visit(i.number as usize, i.point - centre);
             }
         }
     }
+}
+
+/// Rare, and so not part of each place that gathers.
+#[cold]
+fn visit_all(items: &[Item], centre: &Point2, visit: &mut dyn FnMut(usize, Vector2)) {
+    items.iter().for_each(|i| visit(i.number as usize, i.point - centre));
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! What lies along one view's curve: arc lengths, directions, and how rough it is.
 
-use transect_geometry::{Curve, Node, Vector2};
+use transect_geometry::{Curve, Node, Point2, Vector2};
 
 /// Arc lengths along a curve.
 pub(super) struct Arc<'a> {
@@ -78,35 +78,22 @@ impl<'a> Arc<'a> {
     }
 
     fn mean_offset(&self, k: usize, reach: f64, ahead: bool) -> Vector2 {
-        if self.whole {
-            if let Some(offset) = self.mean_within(k, reach, ahead) {
-                return offset;
-            }
-        }
-        self.mean_walked(k, reach, ahead)
+        let within = self.whole.then(|| self.mean_within(k, reach, ahead)).flatten();
+        within.unwrap_or_else(|| self.mean_walked(k, reach, ahead))
     }
 
     /// Mean place, seen from a node, of those within `reach` on one side; the nearest one always counts.
     /// `None` where that leads over the ends of the list of nodes.
     fn mean_within(&self, k: usize, reach: f64, ahead: bool) -> Option<Vector2> {
-        let (nodes, at) = (self.curve.nodes(), self.at[k]);
-        let here = nodes[k].position;
-        let (mut sum, mut count) = (Vector2::zeros(), 0.0);
-        // Adds a node; tells whether it was too far.
-        let mut add = |node: &Node, there: f64| {
-            let far = (there - at).abs() > reach && count > 0.0;
-            if !far {
-                sum += node.position - here;
-                count += 1.0;
-            }
-            far
-        };
-        let ended = if ahead {
-            nodes[k + 1..].iter().zip(&self.at[k + 1..]).any(|(node, at)| add(node, *at))
+        let (nodes, at) = (self.curve.nodes(), self.at.as_slice());
+        let (here, from) = (nodes[k].position, at[k]);
+        if ahead {
+            let others = nodes[k + 1..].iter().zip(&at[k + 1..]);
+            mean_offset(&here, others.map(|(node, at)| (node, at - from)), reach)
         } else {
-            nodes[..k].iter().zip(&self.at[..k]).rev().any(|(node, at)| add(node, *at))
-        };
-        ended.then(|| sum / count)
+            let others = nodes[..k].iter().zip(&at[..k]).rev();
+            mean_offset(&here, others.map(|(node, at)| (node, from - at)), reach)
+        }
     }
 
     /// The same, step by step: round closed curves, and not over ground that nobody saw.
@@ -146,6 +133,23 @@ impl<'a> Arc<'a> {
         let unit = self.curve.units().nth(k.min(self.curve.units().len() - 1));
         unit.and_then(|u| u.vector().try_normalize(0.0)).unwrap_or_else(Vector2::x)
     }
+}
+
+/// Mean place, seen from one, of the first of some nodes and those within `reach`; `None` if all are.
+fn mean_offset<'a>(
+    here: &Point2,
+    mut nodes: impl Iterator<Item = (&'a Node, f64)>,
+    reach: f64,
+) -> Option<Vector2> {
+    let (mut sum, mut count) = (nodes.next()?.0.position - here, 1.0);
+    for (node, how_far) in nodes {
+        if how_far > reach {
+            return Some(sum / count);
+        }
+        sum += node.position - here;
+        count += 1.0;
+    }
+    None
 }
 
 /// Sums of errors and of their number.

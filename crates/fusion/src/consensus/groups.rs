@@ -12,7 +12,7 @@ use transect_geometry::{Point2, Vector2};
 
 /// Half-widths of a group: along, in footprints, and across, as a share of the overlap threshold.
 const ALONG_FOOTPRINTS: f64 = 0.3;
-const ACROSS_SHARE: f64 = 0.15;
+const ACROSS_SHARE: f64 = 0.25;
 
 /// Smallest cosine between directions within a group (25°).
 const SAME_WAY: f64 = 0.906;

@@ -69,6 +69,8 @@ pub(crate) struct Observations {
     pub sources: Vec<usize>,
     /// Where the views' curves begin and end, as far as anyone knows why.
     pub ends: Vec<ViewEnd>,
+    /// Median footprint.
+    spacing: f64,
 }
 
 impl Observations {
@@ -94,11 +96,17 @@ impl Observations {
             observations.sources.push(*source);
             curves.iter().for_each(|c| observations.push(c, view as u32));
         }
+        observations.spacing = median(observations.all.iter().map(|o| o.footprint));
         observations
     }
 
     pub fn positions(&self) -> Vec<Point2> {
         self.all.iter().map(|o| o.position).collect()
+    }
+
+    /// Median footprint.
+    pub fn spacing(&self) -> f64 {
+        self.spacing
     }
 
     /// Takes into account, in all weights, what the nodes of a view err by in common: a view whose own
@@ -107,11 +115,6 @@ impl Observations {
         for o in &mut self.all {
             o.weight = o.credit / (o.sigma * o.sigma + common * common);
         }
-    }
-
-    /// Median footprint.
-    pub fn spacing(&self) -> f64 {
-        median(self.all.iter().map(|o| o.footprint))
     }
 
     /// Median standard deviation across a curve of a single pixel: errors shared over n pixels are what

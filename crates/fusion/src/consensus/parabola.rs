@@ -158,6 +158,7 @@ fn trust(u: f64) -> f64 {
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     unit: f64,
+    per_unit: f64,
     /// Sums of weight × 1, u, q, u², uq, q².
     left: [f64; 6],
     /// Sums of weight × y × 1, u, q.
@@ -178,7 +179,7 @@ impl Sums {
     fn new(unit: f64) -> Self {
         // No sample shares an error with one at infinity.
         let (first, last) = ((f64::INFINITY, 0.0), (f64::NEG_INFINITY, 0.0));
-        Self { unit, first, last, ..Self::default() }
+        Self { unit, per_unit: 1.0 / unit, first, last, ..Self::default() }
     }
 
     /// Of samples sorted by x, and their weights.
@@ -220,7 +221,7 @@ impl Sums {
 
     /// Adds a sample to the moments; returns its error in each of those on the right.
     fn add(&mut self, s: &Sample, w: f64) -> [f64; 3] {
-        let scale = 1.0 / self.unit;
+        let scale = self.per_unit;
         let (u, q) = (s.x * scale, s.square() * scale * scale);
         let (wu, wq) = (w * u, w * q);
         for (sum, new) in self.left.iter_mut().zip([w, wu, wq, wu * u, wu * q, wq * q]) {
@@ -245,7 +246,7 @@ impl Sums {
         if determinant * (self.unit / reach).powi(6) <= 1e-9 * a * a * a || determinant.is_nan() {
             return None;
         }
-        let (scale, of) = (1.0 / self.unit, 1.0 / determinant);
+        let (scale, of) = (self.per_unit, 1.0 / determinant);
         let value = |row: &[f64; 3]| dot(row, &self.right) * of;
         let sigma = |row: &[f64; 3]| self.variance(row).max(0.0).sqrt() * of;
         Some(Fit {
@@ -268,12 +269,16 @@ impl Sums {
 fn add_error(covariances: &mut [f64; 6], common: [f64; 3], error: [f64; 3]) -> [f64; 3] {
     let both = [common[0] + error[0], common[1] + error[1], common[2] + error[2]];
     // e e' + e c' + c e' = (e + c) (e + c)' - c c'
-    for (sum, (i, j)) in
-        covariances.iter_mut().zip([(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)])
-    {
-        *sum += both[i] * both[j] - common[i] * common[j];
+    let (new, old) = (products(&both), products(&common));
+    for k in 0..6 {
+        covariances[k] += new[k] - old[k];
     }
     both
+}
+
+/// The products of three numbers with each other, by rows from the diagonal on.
+fn products([a, b, c]: &[f64; 3]) -> [f64; 6] {
+    [a * a, a * b, a * c, b * b, b * c, c * c]
 }
 
 fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {

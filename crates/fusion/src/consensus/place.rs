@@ -62,7 +62,7 @@ pub(super) fn place(kept: &mut [Kept], scale: &Scale) {
         let normal = left_of(&k.tangent);
         k.position += normal * fit.place;
         k.tangent = (k.tangent + normal * fit.slope).normalize();
-        k.sigma = fit.place_sigma.hypot(k.common_variance.sqrt());
+        k.sigma = (fit.place_sigma.powi(2) + k.common_variance).sqrt();
         k.correlation = k.correlation.max(SHARED_WINDOW * reach);
     }
 }

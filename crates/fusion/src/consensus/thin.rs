@@ -47,12 +47,12 @@ pub(super) fn thin(observations: &Observations, grid: &PointGrid, scale: &Scale)
 fn by_support(groups: &Groups) -> Vec<u32> {
     // Numbers that have the order wanted are faster sorted than what they come from.
     let key = |(k, g): (usize, &Group)| {
-        let support = (g.weight * g.footprint).max(0.0).to_bits();
-        (u64::MAX - support, k as u32)
+        let support = ((g.weight * g.footprint) as f32).max(0.0).to_bits();
+        u64::from(u32::MAX - support) << 32 | k as u64
     };
-    let mut order: Vec<_> = groups.all.iter().enumerate().map(key).collect();
+    let mut order: Vec<u64> = groups.all.iter().enumerate().map(key).collect();
     order.sort_unstable();
-    order.into_iter().map(|(_, k)| k).collect()
+    order.into_iter().map(|key| key as u32).collect()
 }
 
 /// The groups kept so far, each moved to its place, and what they absorbed.
@@ -246,7 +246,7 @@ impl Sums {
         k.along_variance = (self.along_squared / self.weight - along * along).max(0.0);
         let squares = self.of_views + self.of_view * self.of_view;
         k.common_variance = squares * (common / self.weight).powi(2);
-        k.sigma = k.cluster_sigma.hypot(k.common_variance.sqrt());
+        k.sigma = (k.cluster_sigma.powi(2) + k.common_variance).sqrt();
         k.weight = self.weight;
         k.credit = self.credit;
         k.correlation = self.correlation / self.weight;

@@ -49,8 +49,10 @@ impl Window {
     }
 
     /// Half-widths of the upright rectangle around the slanted one.
+    #[inline]
     fn half(&self) -> Vector2 {
-        self.tangent.abs() * self.reach + self.normal().abs() * self.across
+        let (x, y) = (self.tangent.x.abs(), self.tangent.y.abs());
+        Vector2::new(x * self.reach + y * self.across, y * self.reach + x * self.across)
     }
 }
 
