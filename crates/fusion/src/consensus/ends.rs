@@ -21,9 +21,9 @@ pub(super) struct JoinRule {
 }
 
 impl JoinRule {
-    /// How far apart two ends may be before anything is cut, if this is their larger footprint.
-    fn farthest(&self, footprint: f64, scale: &Scale) -> f64 {
-        ((2 * self.cut_nodes) as f64 + self.gap_footprints) * footprint + scale.threshold
+    /// How far apart two ends may be before anything is cut, if this is their larger spacing.
+    fn farthest(&self, spacing: f64, scale: &Scale) -> f64 {
+        ((2 * self.cut_nodes) as f64 + self.gap_footprints) * spacing + scale.threshold
     }
 }
 
@@ -88,7 +88,7 @@ fn candidates(kept: &[Kept], slots: &[Option<Piece>], scale: &Scale, rule: &Join
         let node = if last { nodes.last() } else { nodes.first() };
         node.map(|&n| End {
             position: kept[n as usize].position,
-            footprint: kept[n as usize].footprint,
+            spacing: kept[n as usize].spacing,
         })
     };
     let tails: Vec<End> = open.iter().filter_map(|k| end(k, true)).collect();
@@ -109,10 +109,10 @@ fn candidates(kept: &[Kept], slots: &[Option<Piece>], scale: &Scale, rule: &Join
 #[derive(Debug, Clone, Copy)]
 struct End {
     position: Point2,
-    footprint: f64,
+    spacing: f64,
 }
 
-/// Visits every tail and head close enough for the rule. How close depends on the larger footprint
+/// Visits every tail and head close enough for the rule. How close depends on the larger spacing
 /// of the two, so each pair is found from that one.
 fn neighbours(
     tails: &[End],
@@ -126,15 +126,15 @@ fn neighbours(
     let (tail_grid, head_grid) =
         (PointGrid::new(&places(tails), cell), PointGrid::new(&places(heads), cell));
     for (t, tail) in tails.iter().enumerate() {
-        head_grid.within(&tail.position, rule.farthest(tail.footprint, scale), |h, _| {
-            if heads[h].footprint <= tail.footprint {
+        head_grid.within(&tail.position, rule.farthest(tail.spacing, scale), |h, _| {
+            if heads[h].spacing <= tail.spacing {
                 visit(t, h);
             }
         });
     }
     for (h, head) in heads.iter().enumerate() {
-        tail_grid.within(&head.position, rule.farthest(head.footprint, scale), |t, _| {
-            if tails[t].footprint < head.footprint {
+        tail_grid.within(&head.position, rule.farthest(head.spacing, scale), |t, _| {
+            if tails[t].spacing < head.spacing {
                 visit(t, h);
             }
         });
@@ -166,8 +166,7 @@ fn fit(
         let p = kept[a.nodes[a.nodes.len() - 1 - cut_a] as usize];
         let q = kept[b.nodes[cut_b] as usize];
         let gap = q.position - p.position;
-        let longest =
-            rule.gap_footprints * p.footprint.max(q.footprint) + GAP_SHARE * scale.threshold;
+        let longest = rule.gap_footprints * p.spacing.max(q.spacing) + GAP_SHARE * scale.threshold;
         let (leave, arrive) = (gap_cosine(&gap, &leaving), gap_cosine(&gap, &arriving));
         let fits = gap.norm() <= longest && leave.min(arrive) >= rule.backward;
         let lost = cut_a as f64 * tail.footprint + cut_b as f64 * head.footprint;
@@ -194,4 +193,37 @@ fn apply(slots: &mut [Option<Piece>], join: &Join) {
         tail.nodes.extend(head.nodes.into_iter().skip(join.cut.1));
     }
     slots[join.tail] = Some(tail);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::link::spread_spacing;
+    use super::*;
+
+    const SCALE: Scale = Scale { spacing: 0.003, threshold: 0.001, same_way: 0.6, common: 0.0 };
+
+    /// Adds a piece along the x axis, of nodes with the given places and footprints.
+    fn add(kept: &mut Vec<Kept>, nodes: impl IntoIterator<Item = (f64, f64)>) -> Piece {
+        let first = kept.len() as u32;
+        let node = |(x, footprint)| Kept::new(Point2::new(x, 0.0), Vector2::x(), footprint);
+        kept.extend(nodes.into_iter().map(node));
+        Piece { nodes: (first..kept.len() as u32).collect(), closed: false }
+    }
+
+    #[test]
+    fn no_gap_is_where_one_coarse_sample_lies_next_to_the_other() {
+        let fine = |from: u32, to: u32| (from..to).map(|k| (0.003 * f64::from(k), 0.003));
+        let mut kept = Vec::new();
+        // Coarse samples have taken in the fine ones around them, but for one at each end.
+        let between = [(0.39, 0.003), (0.40, 0.06), (0.46, 0.06), (0.475, 0.003)];
+        let pieces = vec![
+            add(&mut kept, fine(0, 121)),
+            add(&mut kept, between),
+            add(&mut kept, fine(170, 300)),
+        ];
+        spread_spacing(&mut kept, &SCALE);
+        let joined = join(&kept, pieces, &SCALE, &SMOOTH);
+        assert_eq!(joined.len(), 1);
+        assert_eq!(joined[0].nodes.len(), kept.len(), "nothing need be cut");
+    }
 }

@@ -25,6 +25,27 @@ const SIDEWAYS: f64 = 0.3;
 /// A carried-over unit counts as this share of its length.
 const WITNESSED: f64 = 0.7;
 
+/// Gives every node the footprint of the coarsest one whose sample it lies within.
+///
+/// A coarse node stands for the fine ones beside it and leaves others out on both sides. What is left
+/// of the fine ones is as far apart as the coarse samples are, and no gap.
+pub(super) fn spread_spacing(kept: &mut [Kept], scale: &Scale) {
+    let positions: Vec<Point2> = kept.iter().map(|k| k.position).collect();
+    let grid = PointGrid::new(&positions, scale.spacing);
+    for k in 0..kept.len() {
+        let Kept { position, tangent, footprint, cluster_sigma, .. } = kept[k];
+        let across = scale.across(cluster_sigma);
+        grid.within(&position, footprint, |j, d| {
+            let there = &mut kept[j];
+            let beside =
+                there.tangent.dot(&tangent) >= scale.same_way && d.perp(&tangent).abs() <= across;
+            if beside && there.spacing < footprint {
+                there.spacing = footprint;
+            }
+        });
+    }
+}
+
 /// Successor of every kept node, or [`NONE`].
 pub(super) fn link(
     kept: &[Kept],

@@ -125,6 +125,9 @@ struct Kept {
     tangent: Vector2,
     sigma: f64,
     footprint: f64,
+    /// Footprint of the coarsest node whose sample this one lies within: a gap no longer than that is
+    /// none.
+    spacing: f64,
     /// Weighted mean of the original places of what this node absorbed.
     cluster: Point2,
     cluster_sigma: f64,
@@ -150,6 +153,7 @@ impl Kept {
             tangent,
             sigma,
             footprint,
+            spacing: footprint,
             cluster,
             cluster_sigma: sigma,
             along_variance: 0.0,
@@ -209,6 +213,7 @@ pub fn consensus(views: &[&[Curve]], options: &ConsensusOptions) -> FusedPlane {
     observations.weigh(scale.common);
     let mut thinned = thin::thin(&observations, &grid, &scale);
     place::place(&mut thinned.kept, &scale);
+    link::spread_spacing(&mut thinned.kept, &scale);
     let next = link::link(&thinned.kept, &thinned.absorbed_by, &observations, &scale);
     let traced = pieces::trace(&next);
     let (kept, counts) = (
