@@ -48,7 +48,7 @@ use crate::grid::PointGrid;
 use crate::{FusedPlane, FusionCounts};
 use nalgebra::Vector3;
 use observations::{Observations, median};
-use pieces::Piece;
+use pieces::{Piece, Shortest};
 use transect_geometry::{Curve, Node, Point2, Vector2};
 
 /// What can be set. Nothing is in the user's unit: lengths follow from measured spreads and
@@ -60,7 +60,7 @@ pub struct ConsensusOptions {
     pub threshold_spreads: f64,
     /// Largest angle between the directions of two observations of one surface, in radians.
     pub direction_limit_rad: f64,
-    /// Shortest curve that is kept, in footprints.
+    /// Shortest curve that is kept, in footprints that were seen: gaps do not count.
     pub shortest_footprints: f64,
 }
 
@@ -73,9 +73,6 @@ impl Default for ConsensusOptions {
         }
     }
 }
-
-/// Shortest piece that takes part in joining, in footprints.
-const SHORTEST_PART: f64 = 2.0;
 
 /// Lengths of a plane that the steps share.
 #[derive(Debug, Clone, Copy)]
@@ -234,13 +231,14 @@ fn tidy(
     scale: &Scale,
     options: &ConsensusOptions,
 ) -> (Vec<Piece>, usize) {
-    let (covered, mut dropped) = pieces::cover(kept, traced, scale, SHORTEST_PART);
+    let (covered, mut dropped) = pieces::cover(kept, traced, scale, Shortest::PART);
     let mut pieces = covered;
     for rule in [ends::SMOOTH, ends::HAIRPIN, ends::CROSSING] {
         pieces = ends::join(kept, pieces, scale, &rule);
     }
     // What joining made longer may lie beside others, and what stayed short is no curve.
-    let (pieces, short) = pieces::cover(kept, pieces, scale, options.shortest_footprints);
+    let (pieces, short) =
+        pieces::cover(kept, pieces, scale, Shortest::curve(options.shortest_footprints));
     let (pieces, spurs) = pieces::without_spurs(kept, pieces, scale);
     dropped += short + spurs;
     let mut pieces = pieces;

@@ -1,0 +1,42 @@
+//! How many curves come out: what belongs together is one, what is none is left out.
+#![allow(clippy::unwrap_used, reason = "test code; helpers are outside test functions")]
+
+use transect_fusion::{ConsensusOptions, FusedPlane, consensus};
+use transect_geometry::{Curve, Node, Point2};
+
+/// What one view sees of a polyline: nodes every `step` along each of its sides, none at its corners.
+fn seen(corners: &[[f64; 2]], step: f64) -> Vec<Curve> {
+    let mut nodes = Vec::new();
+    for side in corners.windows(2) {
+        let (from, to) = (Point2::from(side[0]), Point2::from(side[1]));
+        let count = ((to - from).norm() / step).floor().max(1.0);
+        nodes.extend((0..count as u32).map(|k| Node {
+            sigma: 1e-5,
+            footprint: step as f32,
+            ..Node::at(from + (to - from) * ((f64::from(k) + 0.5) / count))
+        }));
+    }
+    vec![Curve::new(nodes, false).unwrap()]
+}
+
+fn fuse(views: &[Vec<Curve>]) -> FusedPlane {
+    let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+    consensus(&slices, &ConsensusOptions::default())
+}
+
+#[test]
+fn a_thin_leg_of_which_each_view_sees_two_samples_is_one_closed_curve() {
+    // A square leg 2.5 samples wide, its solid to the left of each side.
+    let corners = [[0.0, 0.0], [0.05, 0.0], [0.05, 0.05], [0.0, 0.05], [0.0, 0.0]];
+    let views: Vec<_> = corners.windows(2).map(|side| seen(side, 0.02)).collect();
+    let plane = fuse(&views);
+    assert_eq!(plane.curves.len(), 1);
+    assert!(plane.curves[0].is_closed());
+}
+
+#[test]
+fn two_scraps_with_a_gap_between_them_are_no_curve() {
+    // Six footprints from end to end, and less than half of that was seen.
+    let scrap = |x: f64| seen(&[[x, 0.0], [x + 0.03, 0.0]], 0.015);
+    assert_eq!(fuse(&[scrap(0.0), scrap(0.073)]).curves.len(), 0);
+}
