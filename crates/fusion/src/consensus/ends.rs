@@ -27,16 +27,24 @@ impl JoinRule {
     }
 }
 
+/// The rules in their order: what meets, what goes on, what turns, and what crosses.
+pub(super) const RULES: [JoinRule; 4] = [MEETING, SMOOTH, HAIRPIN, CROSSING];
+
+/// Ends that meet, whatever the turn: they belong together before anything is cut or bridged. Wider, a
+/// small gap round a corner would win over a longer one straight on.
+const MEETING: JoinRule =
+    JoinRule { gap_footprints: 0.7, turn_cosine: (-1.0, 1.0), backward: -0.7, cut_nodes: 0 };
+
 /// A smooth continuation; ends that pass beside each other are cut until the gap leads forward.
-pub(super) const SMOOTH: JoinRule =
+const SMOOTH: JoinRule =
     JoinRule { gap_footprints: 4.0, turn_cosine: (0.5, 1.0), backward: 0.3, cut_nodes: 8 };
 
 /// A sharp bend or a thin tip, where the curve turns back on itself.
-pub(super) const HAIRPIN: JoinRule =
+const HAIRPIN: JoinRule =
     JoinRule { gap_footprints: 4.0, turn_cosine: (-1.0, 0.5), backward: -0.7, cut_nodes: 0 };
 
 /// Ends that overshoot a rim and cross, or pass each other.
-pub(super) const CROSSING: JoinRule =
+const CROSSING: JoinRule =
     JoinRule { gap_footprints: 2.5, turn_cosine: (-1.0, 0.5), backward: -1.0, cut_nodes: 10 };
 
 /// What a node that is cut adds to the cost of a join, in its footprints.
@@ -202,20 +210,28 @@ mod tests {
 
     const SCALE: Scale = Scale { spacing: 0.003, threshold: 0.001, same_way: 0.6, common: 0.0 };
 
-    /// Adds a piece along the x axis, of nodes with the given places and footprints.
-    fn add(kept: &mut Vec<Kept>, nodes: impl IntoIterator<Item = (f64, f64)>) -> Piece {
+    /// Adds a piece of some nodes.
+    fn add(kept: &mut Vec<Kept>, nodes: impl IntoIterator<Item = Kept>) -> Piece {
         let first = kept.len() as u32;
-        let node = |(x, footprint)| Kept::new(Point2::new(x, 0.0), Vector2::x(), footprint);
-        kept.extend(nodes.into_iter().map(node));
+        kept.extend(nodes);
         Piece { nodes: (first..kept.len() as u32).collect(), closed: false }
+    }
+
+    fn node(x: f64, y: f64, tangent: Vector2, footprint: f64) -> Kept {
+        Kept::new(Point2::new(x, y), tangent, footprint)
+    }
+
+    /// A node on the x axis.
+    fn on_axis((x, footprint): (f64, f64)) -> Kept {
+        node(x, 0.0, Vector2::x(), footprint)
     }
 
     #[test]
     fn no_gap_is_where_one_coarse_sample_lies_next_to_the_other() {
-        let fine = |from: u32, to: u32| (from..to).map(|k| (0.003 * f64::from(k), 0.003));
+        let fine = |from: u32, to: u32| (from..to).map(|k| on_axis((0.003 * f64::from(k), 0.003)));
         let mut kept = Vec::new();
         // Coarse samples have taken in the fine ones around them, but for one at each end.
-        let between = [(0.39, 0.003), (0.40, 0.06), (0.46, 0.06), (0.475, 0.003)];
+        let between = [(0.39, 0.003), (0.40, 0.06), (0.46, 0.06), (0.475, 0.003)].map(on_axis);
         let pieces = vec![
             add(&mut kept, fine(0, 121)),
             add(&mut kept, between),
@@ -225,5 +241,25 @@ mod tests {
         let joined = join(&kept, pieces, &SCALE, &SMOOTH);
         assert_eq!(joined.len(), 1);
         assert_eq!(joined[0].nodes.len(), kept.len(), "nothing need be cut");
+    }
+
+    #[test]
+    fn a_short_jamb_is_not_cut_off() {
+        // A wall, a jamb of three samples that begins and ends where others do, and the wall behind.
+        let mut kept = Vec::new();
+        let wall = |from: f64, y: f64| {
+            (0..10).map(move |k| node(from + 0.02 * f64::from(k), y, Vector2::x(), 0.02))
+        };
+        let jamb = [-0.01, -0.03, -0.05].map(|y| node(0.0, y, -Vector2::y(), 0.02));
+        let mut pieces = vec![
+            add(&mut kept, wall(-0.18, 0.0)),
+            add(&mut kept, jamb),
+            add(&mut kept, wall(0.01, -0.06)),
+        ];
+        for rule in RULES {
+            pieces = join(&kept, pieces, &SCALE, &rule);
+        }
+        assert_eq!(pieces.len(), 1);
+        assert_eq!(pieces[0].nodes.len(), kept.len(), "nothing need be cut");
     }
 }

@@ -233,7 +233,7 @@ fn tidy(
 ) -> (Vec<Piece>, usize) {
     let (covered, mut dropped) = pieces::cover(kept, traced, scale, Shortest::PART);
     let mut pieces = covered;
-    for rule in [ends::SMOOTH, ends::HAIRPIN, ends::CROSSING] {
+    for rule in ends::RULES {
         pieces = ends::join(kept, pieces, scale, &rule);
     }
     // What joining made longer may lie beside others, and what stayed short is no curve.
