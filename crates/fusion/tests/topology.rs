@@ -40,3 +40,20 @@ fn two_scraps_with_a_gap_between_them_are_no_curve() {
     let scrap = |x: f64| seen(&[[x, 0.0], [x + 0.03, 0.0]], 0.015);
     assert_eq!(fuse(&[scrap(0.0), scrap(0.073)]).curves.len(), 0);
 }
+
+#[test]
+fn the_overshoot_of_one_view_along_a_closed_curve_is_no_curve() {
+    // Noisy views saw the whole of a wide square; another ran past one side of it and bent away.
+    let noisy = |curves: Vec<Curve>, closed: bool| {
+        let nodes = curves.iter().flat_map(Curve::nodes).map(|n| Node { sigma: 0.005, ..*n });
+        vec![Curve::new(nodes.collect(), closed).unwrap()]
+    };
+    let corners = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0], [0.0, 0.0]];
+    let square = noisy(corners.windows(2).flat_map(|side| seen(side, 0.02)).collect(), true);
+    let threshold = fuse(std::slice::from_ref(&square)).threshold;
+    let y = -2.5 * threshold;
+    let stray = seen(&[[1.0, y], [1.2, y], [1.25, y - 0.04]], 0.02);
+    let plane = fuse(&[square, noisy(stray, false)]);
+    assert_eq!(plane.curves.len(), 1);
+    assert!(plane.curves[0].is_closed());
+}

@@ -246,13 +246,17 @@ pub(super) fn cover(
     (result, dropped)
 }
 
-/// Open pieces that one view saw, all along a closed piece of the same direction and closer to it than
-/// this many thresholds: between two boundaries with their solid on one side runs a third the other
-/// way, so where nobody saw one, that view is wrong.
+/// Open pieces that one view saw, or only ends of views' curves, along a closed piece of the same
+/// direction and closer to it than this many thresholds: between two boundaries with their solid on one
+/// side runs a third the other way, so where nobody saw one, what saw the piece is wrong.
 const SPUR_THRESHOLDS: f64 = 3.0;
 
-/// Largest mean number of views of a spur.
+/// Largest mean number of views of a spur, and largest mean credit.
 const SPUR_VIEWS: f64 = 1.5;
+const SPUR_CREDIT: f64 = 1.0;
+
+/// Smallest share of a spur's nodes that lie beside the closed piece: what overshoots bends away.
+const SPUR_BESIDE: f64 = 2.0 / 3.0;
 
 /// Takes out spurs; returns the others and how many nodes went.
 pub(super) fn without_spurs(
@@ -261,16 +265,21 @@ pub(super) fn without_spurs(
     scale: &Scale,
 ) -> (Vec<Piece>, usize) {
     let weak = |p: &Piece| {
+        let nodes = p.nodes.len() as f64;
         let views: u32 = p.nodes.iter().map(|&k| kept[k as usize].views).sum();
-        !p.closed && f64::from(views) <= SPUR_VIEWS * p.nodes.len() as f64
+        let credit: f64 = p.nodes.iter().map(|&k| kept[k as usize].credit).sum();
+        !p.closed && (f64::from(views) <= SPUR_VIEWS * nodes || credit <= SPUR_CREDIT * nodes)
     };
     if !pieces.iter().any(weak) || !pieces.iter().any(|p| p.closed) {
         return (pieces, 0);
     }
     let mut cover = Cover::new(kept, &pieces, scale);
     pieces.iter().filter(|p| p.closed).for_each(|p| cover.accept(p));
-    let beside = |&k: &u32| cover.lies_within(k, SPUR_THRESHOLDS * scale.threshold);
-    let is_spur = |p: &Piece| weak(p) && p.nodes.iter().all(beside);
+    let beside = |k: &&u32| cover.lies_within(**k, SPUR_THRESHOLDS * scale.threshold);
+    let is_spur = |p: &Piece| {
+        let count = p.nodes.iter().filter(beside).count();
+        weak(p) && count as f64 >= SPUR_BESIDE * p.nodes.len() as f64
+    };
     let (spurs, others): (Vec<Piece>, Vec<Piece>) = pieces.into_iter().partition(is_spur);
     (others, spurs.iter().map(|p| p.nodes.len()).sum())
 }
