@@ -57,3 +57,10 @@ fn the_overshoot_of_one_view_along_a_closed_curve_is_no_curve() {
     assert_eq!(plane.curves.len(), 1);
     assert!(plane.curves[0].is_closed());
 }
+
+#[test]
+fn four_footprints_make_a_curve_and_three_do_not() {
+    let line = |nodes: f64| seen(&[[0.0, 0.0], [0.02 * nodes, 0.0]], 0.02);
+    assert_eq!(fuse(&[line(5.2)]).curves.len(), 1);
+    assert_eq!(fuse(&[line(4.2)]).curves.len(), 0);
+}

@@ -1,6 +1,8 @@
-//! Open ends: joined where the curve goes on, turned round thin tips, cut back where they cross.
+//! Open ends: joined where they meet and where the curve goes on, turned round thin tips, cut back where
+//! they cross.
 //!
-//! All limits are in *local footprints*: one fixed length fails where footprints differ sixfold.
+//! All limits are in *local footprints*, those of the coarsest view around: one fixed length fails where
+//! footprints differ sixfold.
 
 use super::pieces::Piece;
 use super::{Kept, Scale};

@@ -19,9 +19,11 @@
 //! 5. Clusters: each kept node takes the weighted mean of the *original* places it absorbed. Members
 //!    of one view that share their errors count as fewer.
 //! 6. Final place: a robust parabola, its window the widest that agrees with all narrower ones.
-//! 7. Links: shortest first, one successor and one predecessor; the views' own curves are asked.
+//! 7. Links: shortest first, one successor and one predecessor; the views' own curves are asked, and their
+//!    open ends trusted least.
 //! 8. Cover: longest piece first, what lies beside an accepted piece is cut away.
-//! 9. Ends: joined where the curve goes on, turned round thin tips, cut back where they cross.
+//! 9. Ends: joined where they meet and where the curve goes on, turned round thin tips, cut back where they
+//!    cross. Gaps count in samples of the coarsest view there; what was seen too little is left out.
 //!
 //! **Departures from the source.** Everything from step 3 on replaces 5.5.2. The rule table of 5.4
 //! holds for the result as an invariant instead of deciding each merge.
@@ -69,7 +71,7 @@ impl Default for ConsensusOptions {
         Self {
             threshold_spreads: 8.0,
             direction_limit_rad: 50_f64.to_radians(),
-            shortest_footprints: 5.0,
+            shortest_footprints: 4.0,
         }
     }
 }
