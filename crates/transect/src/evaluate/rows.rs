@@ -44,11 +44,6 @@ impl Accuracy {
             Row::count("closed curves", self.closed),
             Row::count("open curves", self.open),
             Row::count("curves of the truth", self.truth_pieces),
-        ]);
-        if self.is_seen_in_part() {
-            rows.push(Row::count("curves expected from what was seen", self.expected_pieces));
-        }
-        rows.extend([
             Row::count("nodes", self.vertices),
             Row::length("length", self.length, unit),
             Row::length("length of the truth", self.truth_length, unit),
@@ -57,20 +52,17 @@ impl Accuracy {
         rows
     }
 
-    fn is_seen_in_part(&self) -> bool {
-        self.truth_seen.is_some_and(|s| s < 1.0)
-    }
-
-    /// The first of those rows: how well curves and truth agree, without any counts.
+    /// The first of those rows: how well curves and truth agree, without counts of what there is.
     pub fn agreement_rows(&self, unit: LengthUnit) -> Vec<Row> {
         let mut rows = vec![
             Row::length("median distance from truth", self.median, unit),
             Row::length("95 % of distances below", self.p95, unit),
             Row::length("largest distance", self.max, unit),
         ];
-        if self.is_seen_in_part() {
+        if self.truth_seen.is_some_and(|s| s < 1.0) {
             rows.push(Row::share("truth that the views could see", self.truth_seen));
             rows.push(Row::share("completeness of that", self.completeness));
+            rows.push(Row::count("curves expected from what was seen", self.expected_pieces));
         } else {
             rows.push(Row::share("completeness", self.completeness));
         }
