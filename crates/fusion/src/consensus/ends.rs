@@ -1,6 +1,8 @@
-//! Open ends: joined where the curve goes on, turned round thin tips, cut back where they cross.
+//! Open ends: joined where they meet and where the curve goes on, turned round thin tips, cut back where
+//! they cross.
 //!
-//! All limits are in *local footprints*: one fixed length fails where footprints differ sixfold.
+//! All limits are in *local footprints*, those of the coarsest view around: one fixed length fails where
+//! footprints differ sixfold.
 
 use super::pieces::Piece;
 use super::{Kept, Scale};
@@ -21,22 +23,30 @@ pub(super) struct JoinRule {
 }
 
 impl JoinRule {
-    /// How far apart two ends may be before anything is cut, if this is their larger footprint.
-    fn farthest(&self, footprint: f64, scale: &Scale) -> f64 {
-        ((2 * self.cut_nodes) as f64 + self.gap_footprints) * footprint + scale.threshold
+    /// How far apart two ends may be before anything is cut, if this is their larger spacing.
+    fn farthest(&self, spacing: f64, scale: &Scale) -> f64 {
+        ((2 * self.cut_nodes) as f64 + self.gap_footprints) * spacing + scale.threshold
     }
 }
 
+/// The rules in their order: what meets, what goes on, what turns, and what crosses.
+pub(super) const RULES: [JoinRule; 4] = [MEETING, SMOOTH, HAIRPIN, CROSSING];
+
+/// Ends that meet, whatever the turn: they belong together before anything is cut or bridged. Wider, a
+/// small gap round a corner would win over a longer one straight on.
+const MEETING: JoinRule =
+    JoinRule { gap_footprints: 0.7, turn_cosine: (-1.0, 1.0), backward: -0.7, cut_nodes: 0 };
+
 /// A smooth continuation; ends that pass beside each other are cut until the gap leads forward.
-pub(super) const SMOOTH: JoinRule =
+const SMOOTH: JoinRule =
     JoinRule { gap_footprints: 4.0, turn_cosine: (0.5, 1.0), backward: 0.3, cut_nodes: 8 };
 
 /// A sharp bend or a thin tip, where the curve turns back on itself.
-pub(super) const HAIRPIN: JoinRule =
+const HAIRPIN: JoinRule =
     JoinRule { gap_footprints: 4.0, turn_cosine: (-1.0, 0.5), backward: -0.7, cut_nodes: 0 };
 
 /// Ends that overshoot a rim and cross, or pass each other.
-pub(super) const CROSSING: JoinRule =
+const CROSSING: JoinRule =
     JoinRule { gap_footprints: 2.5, turn_cosine: (-1.0, 0.5), backward: -1.0, cut_nodes: 10 };
 
 /// What a node that is cut adds to the cost of a join, in its footprints.
@@ -88,7 +98,7 @@ fn candidates(kept: &[Kept], slots: &[Option<Piece>], scale: &Scale, rule: &Join
         let node = if last { nodes.last() } else { nodes.first() };
         node.map(|&n| End {
             position: kept[n as usize].position,
-            footprint: kept[n as usize].footprint,
+            spacing: kept[n as usize].spacing,
         })
     };
     let tails: Vec<End> = open.iter().filter_map(|k| end(k, true)).collect();
@@ -109,10 +119,10 @@ fn candidates(kept: &[Kept], slots: &[Option<Piece>], scale: &Scale, rule: &Join
 #[derive(Debug, Clone, Copy)]
 struct End {
     position: Point2,
-    footprint: f64,
+    spacing: f64,
 }
 
-/// Visits every tail and head close enough for the rule. How close depends on the larger footprint
+/// Visits every tail and head close enough for the rule. How close depends on the larger spacing
 /// of the two, so each pair is found from that one.
 fn neighbours(
     tails: &[End],
@@ -126,15 +136,15 @@ fn neighbours(
     let (tail_grid, head_grid) =
         (PointGrid::new(&places(tails), cell), PointGrid::new(&places(heads), cell));
     for (t, tail) in tails.iter().enumerate() {
-        head_grid.within(&tail.position, rule.farthest(tail.footprint, scale), |h, _| {
-            if heads[h].footprint <= tail.footprint {
+        head_grid.within(&tail.position, rule.farthest(tail.spacing, scale), |h, _| {
+            if heads[h].spacing <= tail.spacing {
                 visit(t, h);
             }
         });
     }
     for (h, head) in heads.iter().enumerate() {
-        tail_grid.within(&head.position, rule.farthest(head.footprint, scale), |t, _| {
-            if tails[t].footprint < head.footprint {
+        tail_grid.within(&head.position, rule.farthest(head.spacing, scale), |t, _| {
+            if tails[t].spacing < head.spacing {
                 visit(t, h);
             }
         });
@@ -166,8 +176,7 @@ fn fit(
         let p = kept[a.nodes[a.nodes.len() - 1 - cut_a] as usize];
         let q = kept[b.nodes[cut_b] as usize];
         let gap = q.position - p.position;
-        let longest =
-            rule.gap_footprints * p.footprint.max(q.footprint) + GAP_SHARE * scale.threshold;
+        let longest = rule.gap_footprints * p.spacing.max(q.spacing) + GAP_SHARE * scale.threshold;
         let (leave, arrive) = (gap_cosine(&gap, &leaving), gap_cosine(&gap, &arriving));
         let fits = gap.norm() <= longest && leave.min(arrive) >= rule.backward;
         let lost = cut_a as f64 * tail.footprint + cut_b as f64 * head.footprint;
@@ -194,4 +203,65 @@ fn apply(slots: &mut [Option<Piece>], join: &Join) {
         tail.nodes.extend(head.nodes.into_iter().skip(join.cut.1));
     }
     slots[join.tail] = Some(tail);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::link::spread_spacing;
+    use super::*;
+
+    const SCALE: Scale = Scale { spacing: 0.003, threshold: 0.001, same_way: 0.6, common: 0.0 };
+
+    /// Adds a piece of some nodes.
+    fn add(kept: &mut Vec<Kept>, nodes: impl IntoIterator<Item = Kept>) -> Piece {
+        let first = kept.len() as u32;
+        kept.extend(nodes);
+        Piece { nodes: (first..kept.len() as u32).collect(), closed: false }
+    }
+
+    fn node(x: f64, y: f64, tangent: Vector2, footprint: f64) -> Kept {
+        Kept::new(Point2::new(x, y), tangent, footprint)
+    }
+
+    /// A node on the x axis.
+    fn on_axis((x, footprint): (f64, f64)) -> Kept {
+        node(x, 0.0, Vector2::x(), footprint)
+    }
+
+    #[test]
+    fn no_gap_is_where_one_coarse_sample_lies_next_to_the_other() {
+        let fine = |from: u32, to: u32| (from..to).map(|k| on_axis((0.003 * f64::from(k), 0.003)));
+        let mut kept = Vec::new();
+        // Coarse samples have taken in the fine ones around them, but for one at each end.
+        let between = [(0.39, 0.003), (0.40, 0.06), (0.46, 0.06), (0.475, 0.003)].map(on_axis);
+        let pieces = vec![
+            add(&mut kept, fine(0, 121)),
+            add(&mut kept, between),
+            add(&mut kept, fine(170, 300)),
+        ];
+        spread_spacing(&mut kept, &SCALE);
+        let joined = join(&kept, pieces, &SCALE, &SMOOTH);
+        assert_eq!(joined.len(), 1);
+        assert_eq!(joined[0].nodes.len(), kept.len(), "nothing need be cut");
+    }
+
+    #[test]
+    fn a_short_jamb_is_not_cut_off() {
+        // A wall, a jamb of three samples that begins and ends where others do, and the wall behind.
+        let mut kept = Vec::new();
+        let wall = |from: f64, y: f64| {
+            (0..10).map(move |k| node(from + 0.02 * f64::from(k), y, Vector2::x(), 0.02))
+        };
+        let jamb = [-0.01, -0.03, -0.05].map(|y| node(0.0, y, -Vector2::y(), 0.02));
+        let mut pieces = vec![
+            add(&mut kept, wall(-0.18, 0.0)),
+            add(&mut kept, jamb),
+            add(&mut kept, wall(0.01, -0.06)),
+        ];
+        for rule in RULES {
+            pieces = join(&kept, pieces, &SCALE, &rule);
+        }
+        assert_eq!(pieces.len(), 1);
+        assert_eq!(pieces[0].nodes.len(), kept.len(), "nothing need be cut");
+    }
 }

@@ -20,9 +20,11 @@
 //! 5. Clusters: each kept node takes the weighted mean of the *original* places it absorbed. Members
 //!    of one view that share their errors count as fewer.
 //! 6. Final place: a robust parabola, its window the widest that agrees with all narrower ones.
-//! 7. Links: shortest first, one successor and one predecessor; the views' own curves are asked.
+//! 7. Links: shortest first, one successor and one predecessor; the views' own curves are asked, and their
+//!    open ends trusted least.
 //! 8. Cover: longest piece first, what lies beside an accepted piece is cut away.
-//! 9. Ends: joined where the curve goes on, turned round thin tips, cut back where they cross.
+//! 9. Ends: joined where they meet and where the curve goes on, turned round thin tips, cut back where they
+//!    cross. Gaps count in samples of the coarsest view there; what was seen too little is left out.
 //! 10. Corners: where two sides meet at an angle, the curve goes through the place at which they do.
 //!
 //! **Departures from the source.** Everything from step 3 on replaces 5.5.2. The rule table of 5.4
@@ -52,7 +54,7 @@ use crate::grid::PointGrid;
 use crate::{FusedPlane, FusionCounts};
 use nalgebra::Vector3;
 use observations::{Observations, median};
-use pieces::Piece;
+use pieces::{Piece, Shortest};
 use transect_geometry::{Curve, Node, Point2, Vector2};
 
 /// What can be set. Nothing is in the user's unit: lengths follow from measured spreads and
@@ -64,7 +66,7 @@ pub struct ConsensusOptions {
     pub threshold_spreads: f64,
     /// Largest angle between the directions of two observations of one surface, in radians.
     pub direction_limit_rad: f64,
-    /// Shortest curve that is kept, in footprints.
+    /// Shortest curve that is kept, in footprints that were seen: gaps do not count.
     pub shortest_footprints: f64,
 }
 
@@ -73,13 +75,10 @@ impl Default for ConsensusOptions {
         Self {
             threshold_spreads: 8.0,
             direction_limit_rad: 50_f64.to_radians(),
-            shortest_footprints: 5.0,
+            shortest_footprints: 4.0,
         }
     }
 }
-
-/// Shortest piece that takes part in joining, in footprints.
-const SHORTEST_PART: f64 = 2.0;
 
 /// Lengths of a plane that the steps share.
 #[derive(Debug, Clone, Copy)]
@@ -129,6 +128,9 @@ struct Kept {
     tangent: Vector2,
     sigma: f64,
     footprint: f64,
+    /// Footprint of the coarsest node whose sample this one lies within: a gap no longer than that is
+    /// none.
+    spacing: f64,
     /// Weighted mean of the original places of what this node absorbed.
     cluster: Point2,
     cluster_sigma: f64,
@@ -154,6 +156,7 @@ impl Kept {
             tangent,
             sigma,
             footprint,
+            spacing: footprint,
             cluster,
             cluster_sigma: sigma,
             along_variance: 0.0,
@@ -213,6 +216,7 @@ pub fn consensus(views: &[&[Curve]], options: &ConsensusOptions) -> FusedPlane {
     observations.weigh(scale.common);
     let mut thinned = thin::thin(&observations, &grid, &scale);
     place::place(&mut thinned.kept, &scale);
+    link::spread_spacing(&mut thinned.kept, &scale);
     let next = link::link(&thinned.kept, &thinned.absorbed_by, &observations, &scale);
     let traced = pieces::trace(&next);
     let (mut tidied, dropped) = tidy(&thinned.kept, traced, &scale, options);
@@ -236,13 +240,14 @@ fn tidy(
     scale: &Scale,
     options: &ConsensusOptions,
 ) -> (Vec<Piece>, usize) {
-    let (covered, mut dropped) = pieces::cover(kept, traced, scale, SHORTEST_PART);
+    let (covered, mut dropped) = pieces::cover(kept, traced, scale, Shortest::PART);
     let mut pieces = covered;
-    for rule in [ends::SMOOTH, ends::HAIRPIN, ends::CROSSING] {
+    for rule in ends::RULES {
         pieces = ends::join(kept, pieces, scale, &rule);
     }
     // What joining made longer may lie beside others, and what stayed short is no curve.
-    let (pieces, short) = pieces::cover(kept, pieces, scale, options.shortest_footprints);
+    let (pieces, short) =
+        pieces::cover(kept, pieces, scale, Shortest::curve(options.shortest_footprints));
     let (pieces, spurs) = pieces::without_spurs(kept, pieces, scale);
     dropped += short + spurs;
     let mut pieces = pieces;

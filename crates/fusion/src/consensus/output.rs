@@ -54,8 +54,7 @@ fn nodes(kept: &[Kept], piece: &Piece) -> Vec<Node> {
 /// side by side.
 fn bridge(a: &Kept, b: &Kept) -> Option<Node> {
     let gap = (b.position - a.position).norm();
-    let footprint = a.footprint.max(b.footprint);
-    (gap > BRIDGED_FOOTPRINTS * footprint).then(|| Node {
+    (gap > BRIDGED_FOOTPRINTS * a.spacing.max(b.spacing)).then(|| Node {
         position: a.position + (b.position - a.position) * 0.5,
         // Nothing is known in between but the two ends and their distance.
         sigma: (0.25 * gap) as f32,

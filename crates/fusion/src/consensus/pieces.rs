@@ -33,10 +33,20 @@ impl Piece {
         open + closing
     }
 
-    /// Length in footprints: how much of it one view could have seen.
+    /// Length in footprints of what was seen of it: of a gap no more counts than its ends' samples.
     fn footprints(&self, kept: &[Kept]) -> f64 {
-        let footprint: f64 = self.nodes.iter().map(|&k| kept[k as usize].footprint).sum();
-        self.length(kept) * self.nodes.len() as f64 / footprint
+        let at = |k: &u32| &kept[*k as usize];
+        let seen = |a: &u32, b: &u32| {
+            let (a, b) = (at(a), at(b));
+            (b.position - a.position).norm().min(a.spacing.max(b.spacing))
+        };
+        let open: f64 = self.nodes.windows(2).map(|w| seen(&w[0], &w[1])).sum();
+        let closing = match (self.closed, self.nodes.as_slice()) {
+            (true, [first, .., last]) => seen(last, first),
+            _ => 0.0,
+        };
+        let footprint: f64 = self.nodes.iter().map(|k| at(k).footprint).sum();
+        (open + closing) * self.nodes.len() as f64 / footprint
     }
 
     /// Whether an open piece is long enough against its own error to have a direction. Shorter ones
@@ -187,22 +197,44 @@ pub(super) fn by_length(kept: &[Kept], pieces: Vec<Piece>) -> Vec<Piece> {
     measured.into_iter().map(|(_, p)| p).collect()
 }
 
+/// Shortest piece that is accepted.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shortest {
+    /// Fewest footprints and nodes of a piece no part of which lies beside another.
+    pub whole: (f64, usize),
+    /// The same of what is left of one that was cut.
+    pub rest: (f64, usize),
+}
+
+impl Shortest {
+    /// Of pieces that take part in joining: a thin leg shows a sample or two of each side. Scraps
+    /// beside another piece are no such thing.
+    pub const PART: Self = Self { whole: (0.0, 1), rest: (2.0, FEWEST_NODES) };
+
+    /// Of pieces that are curves.
+    pub fn curve(footprints: f64) -> Self {
+        Self { whole: (footprints, FEWEST_NODES), rest: (footprints, FEWEST_NODES) }
+    }
+}
+
 /// Accepts pieces, longest first, cutting away what lies beside an accepted one in the same
-/// direction, and dropping remainders too short to be a curve of their own.
+/// direction, and dropping what is too short to be a curve of its own.
 ///
 /// Returns the accepted pieces and how many nodes were cut or dropped.
 pub(super) fn cover(
     kept: &[Kept],
     pieces: Vec<Piece>,
     scale: &Scale,
-    shortest: f64,
+    shortest: Shortest,
 ) -> (Vec<Piece>, usize) {
     let mut cover = Cover::new(kept, &pieces, scale);
     let (mut result, mut dropped) = (Vec::new(), 0);
     for piece in by_length(kept, pieces) {
         let covered: Vec<bool> = piece.nodes.iter().map(|&k| cover.lies_beside(k)).collect();
+        let is_whole = !covered.contains(&true);
+        let (footprints, nodes) = if is_whole { shortest.whole } else { shortest.rest };
         for run in runs(&piece, &covered) {
-            if run.footprints(kept) < shortest || run.nodes.len() < FEWEST_NODES {
+            if run.footprints(kept) < footprints || run.nodes.len() < nodes {
                 dropped += run.nodes.len();
                 continue;
             }
@@ -214,13 +246,17 @@ pub(super) fn cover(
     (result, dropped)
 }
 
-/// Open pieces that one view saw, all along a closed piece of the same direction and closer to it than
-/// this many thresholds: between two boundaries with their solid on one side runs a third the other
-/// way, so where nobody saw one, that view is wrong.
+/// Open pieces that one view saw, or only ends of views' curves, along a closed piece of the same
+/// direction and closer to it than this many thresholds: between two boundaries with their solid on one
+/// side runs a third the other way, so where nobody saw one, what saw the piece is wrong.
 const SPUR_THRESHOLDS: f64 = 3.0;
 
-/// Largest mean number of views of a spur.
+/// Largest mean number of views of a spur, and largest mean credit.
 const SPUR_VIEWS: f64 = 1.5;
+const SPUR_CREDIT: f64 = 1.0;
+
+/// Smallest share of a spur's nodes that lie beside the closed piece: what overshoots bends away.
+const SPUR_BESIDE: f64 = 2.0 / 3.0;
 
 /// Takes out spurs; returns the others and how many nodes went.
 pub(super) fn without_spurs(
@@ -229,16 +265,21 @@ pub(super) fn without_spurs(
     scale: &Scale,
 ) -> (Vec<Piece>, usize) {
     let weak = |p: &Piece| {
+        let nodes = p.nodes.len() as f64;
         let views: u32 = p.nodes.iter().map(|&k| kept[k as usize].views).sum();
-        !p.closed && f64::from(views) <= SPUR_VIEWS * p.nodes.len() as f64
+        let credit: f64 = p.nodes.iter().map(|&k| kept[k as usize].credit).sum();
+        !p.closed && (f64::from(views) <= SPUR_VIEWS * nodes || credit <= SPUR_CREDIT * nodes)
     };
     if !pieces.iter().any(weak) || !pieces.iter().any(|p| p.closed) {
         return (pieces, 0);
     }
     let mut cover = Cover::new(kept, &pieces, scale);
     pieces.iter().filter(|p| p.closed).for_each(|p| cover.accept(p));
-    let beside = |&k: &u32| cover.lies_within(k, SPUR_THRESHOLDS * scale.threshold);
-    let is_spur = |p: &Piece| weak(p) && p.nodes.iter().all(beside);
+    let beside = |k: &&u32| cover.lies_within(**k, SPUR_THRESHOLDS * scale.threshold);
+    let is_spur = |p: &Piece| {
+        let count = p.nodes.iter().filter(beside).count();
+        weak(p) && count as f64 >= SPUR_BESIDE * p.nodes.len() as f64
+    };
     let (spurs, others): (Vec<Piece>, Vec<Piece>) = pieces.into_iter().partition(is_spur);
     (others, spurs.iter().map(|p| p.nodes.len()).sum())
 }

@@ -23,6 +23,9 @@ pub struct Accuracy {
     pub vertices: usize,
     /// Curves of the truth.
     pub truth_pieces: usize,
+    /// Curves to expect: stretches of the truth's curves that the views could see. Gaps shorter than the
+    /// tolerance do not separate them, and shorter ones do not count.
+    pub expected_pieces: usize,
     /// Length of the curves.
     pub length: f64,
     /// Length of the truth.
@@ -97,6 +100,7 @@ impl Accuracy {
             open: own.open,
             vertices: own.vertices,
             truth_pieces: closeness.truth_pieces,
+            expected_pieces: closeness.truth_stretches,
             length: own.length,
             truth_length: closeness.truth_length,
             length_without_truth: closeness.without_truth,

@@ -3,6 +3,7 @@
 use super::Ruler;
 use super::index::UnitIndex;
 use super::sample::{Sample, samples};
+use super::stretches::seen_stretches;
 use transect_geometry::{Curve, Point2};
 
 /// What the comparison of curves with the truth adds up; lengths in the model's unit.
@@ -15,6 +16,8 @@ pub(super) struct Closeness {
     /// Those of the latter that have as many curves as the truth.
     pub planes_same_loops: usize,
     pub truth_pieces: usize,
+    /// Stretches of the truth's curves that were seen.
+    pub truth_stretches: usize,
     pub truth_length: f64,
     /// Length of the truth that was seen.
     pub truth_seen: f64,
@@ -58,18 +61,26 @@ impl Closeness {
         for sample in curves.iter().flat_map(|c| samples(c, ruler.step)) {
             sums.add_curve_sample(&sample, &truth_index, ruler);
         }
-        for sample in truth.iter().flat_map(|c| samples(c, ruler.step)) {
-            sums.truth_length += sample.length;
-            if !seen(&sample.position) {
-                continue;
-            }
-            let nearest = curve_index.nearest(&sample.position);
-            sums.truth_seen += sample.length;
-            if nearest.is_some_and(|n| n.distance < ruler.tolerance) {
-                sums.truth_found += sample.length;
-            }
+        for curve in truth {
+            let looked = samples(curve, ruler.step).map(|s| (s, seen(&s.position)));
+            let looked =
+                looked.inspect(|(s, seen)| sums.add_truth_sample(s, *seen, curve_index, ruler));
+            let stretches = seen_stretches(looked, curve.is_closed(), ruler.tolerance);
+            sums.truth_stretches += stretches;
         }
         sums
+    }
+
+    fn add_truth_sample(&mut self, sample: &Sample, seen: bool, curves: &UnitIndex, ruler: &Ruler) {
+        self.truth_length += sample.length;
+        if !seen {
+            return;
+        }
+        let nearest = curves.nearest(&sample.position);
+        self.truth_seen += sample.length;
+        if nearest.is_some_and(|n| n.distance < ruler.tolerance) {
+            self.truth_found += sample.length;
+        }
     }
 
     fn add_curve_sample(&mut self, sample: &Sample, truth: &UnitIndex, ruler: &Ruler) {
@@ -103,6 +114,7 @@ impl Closeness {
         self.planes_closed_only += plane.planes_closed_only;
         self.planes_same_loops += plane.planes_same_loops;
         self.truth_pieces += plane.truth_pieces;
+        self.truth_stretches += plane.truth_stretches;
         self.truth_length += plane.truth_length;
         self.truth_seen += plane.truth_seen;
         self.truth_found += plane.truth_found;

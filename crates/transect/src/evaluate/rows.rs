@@ -52,7 +52,7 @@ impl Accuracy {
         rows
     }
 
-    /// The first of those rows: how well curves and truth agree, without any counts.
+    /// The first of those rows: how well curves and truth agree, without counts of what there is.
     pub fn agreement_rows(&self, unit: LengthUnit) -> Vec<Row> {
         let mut rows = vec![
             Row::length("median distance from truth", self.median, unit),
@@ -62,6 +62,7 @@ impl Accuracy {
         if self.truth_seen.is_some_and(|s| s < 1.0) {
             rows.push(Row::share("truth that the views could see", self.truth_seen));
             rows.push(Row::share("completeness of that", self.completeness));
+            rows.push(Row::count("curves expected from what was seen", self.expected_pieces));
         } else {
             rows.push(Row::share("completeness", self.completeness));
         }

@@ -1,0 +1,81 @@
+//! How many curves to expect of a curve of which views saw a part.
+
+use super::sample::Sample;
+
+/// Seen stretches of one curve, from its samples in order and whether each was seen.
+///
+/// What was not seen for less than `shortest` along the curve separates nothing: views have samples on
+/// both sides of it. What was seen for less than that makes no curve.
+pub(super) fn seen_stretches(
+    samples: impl Iterator<Item = (Sample, bool)>,
+    is_closed: bool,
+    shortest: f64,
+) -> usize {
+    let mut runs = Vec::new();
+    samples.for_each(|(sample, seen)| extend(&mut runs, Run { seen, length: sample.length }));
+    close(&mut runs, is_closed);
+    let mut without_gaps = Vec::new();
+    for run in runs {
+        let seen = run.seen || run.length < shortest;
+        extend(&mut without_gaps, Run { seen, ..run });
+    }
+    close(&mut without_gaps, is_closed);
+    without_gaps.iter().filter(|r| r.seen && r.length >= shortest).count()
+}
+
+/// A part of a curve that was seen as a whole, or not at all.
+#[derive(Debug, Clone, Copy)]
+struct Run {
+    seen: bool,
+    length: f64,
+}
+
+fn extend(runs: &mut Vec<Run>, more: Run) {
+    match runs.last_mut() {
+        Some(last) if last.seen == more.seen => last.length += more.length,
+        _ => runs.push(more),
+    }
+}
+
+/// On a closed curve the last run goes on in the first.
+fn close(runs: &mut Vec<Run>, is_closed: bool) {
+    if let (true, [first, .., last]) = (is_closed, runs.as_mut_slice())
+        && first.seen == last.seen
+    {
+        first.length += last.length;
+        runs.pop();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use transect_geometry::{Point2, Vector2};
+
+    /// Stretches of a curve of samples of length 1, written as `#` if seen.
+    fn count(samples: &str, is_closed: bool, shortest: f64) -> usize {
+        let sample = |(k, c): (usize, char)| {
+            let (position, direction) = (Point2::new(k as f64, 0.0), Vector2::x());
+            (Sample { position, direction, length: 1.0, along: k as f64 }, c == '#')
+        };
+        seen_stretches(samples.chars().enumerate().map(sample), is_closed, shortest)
+    }
+
+    #[test]
+    fn what_was_seen_on_both_sides_of_a_short_gap_is_one() {
+        assert_eq!(count("####.####...####", false, 2.0), 2);
+        assert_eq!(count("####.####...####", false, 1.0), 3);
+        assert_eq!(count("................", false, 2.0), 0);
+        assert_eq!(count("....#.......####", false, 2.0), 1, "a single sample is no curve");
+    }
+
+    #[test]
+    fn a_closed_curve_has_no_beginning() {
+        assert_eq!(count("################", true, 2.0), 1);
+        assert_eq!(count("####....########", true, 2.0), 1);
+        assert_eq!(count("####....########", false, 2.0), 2);
+        assert_eq!(count(".####....######.", true, 2.0), 2);
+        assert_eq!(count(".##############.", true, 3.0), 1);
+        assert_eq!(count("#...............", true, 1.0), 1);
+    }
+}
