@@ -52,6 +52,14 @@ impl RangeNoise {
         self.length
     }
 
+    /// The noise as a length along the ray, where that is the same at every pixel.
+    pub fn stated_length(&self) -> Option<f64> {
+        match self.known {
+            Known::Length(sigma) => Some(sigma),
+            Known::Value(_) => None,
+        }
+    }
+
     /// Standard deviation of the image's value at a pixel with this [`length_per_value`].
     pub fn value_sigma(&self, length_per_value: f64) -> f64 {
         match self.known {

@@ -143,7 +143,8 @@ fn all_instructions_give_the_same_bits() {
         let axes = SectionAxes::new(&view, &planes(Vector3::y(), 0.0, 0.1 * depth)).unwrap();
         for near in [None, Some(&axes)] {
             let with = |instructions| {
-                smooth_with(&view, &noise, &rule, &Extent { near, instructions }).unwrap()
+                let extent = Extent { near, instructions, ..Extent::default() };
+                smooth_with(&view, &noise, &rule, &extent).unwrap()
             };
             let best = with(Instructions::Best);
             assert!(best.changed > 100);

@@ -74,7 +74,9 @@ mod source;
 mod trace;
 
 pub use contours::{Contours, Effort, Instructions, Kind, Polyline, Vertex, Workspace, contours};
+pub(crate) use rows::Test as PairTestOf;
 pub use seen::{Seen, seen};
+pub(crate) use source::PairTests;
 
 use crate::prepared::Prepared;
 use crate::smooth::Extent;
@@ -158,7 +160,7 @@ pub fn partial_model_with(
     let rule = |sigma| BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma);
     let axes = SectionAxes::new(view, planes)?;
     let near = (!effort.smooth_all).then_some(&axes);
-    let extent = Extent { near, instructions: effort.instructions };
+    let extent = Extent { near, instructions: effort.instructions, ..Extent::default() };
     let prepared = Prepared::new(view, options.smooth.then_some(&extent), rule);
     let rule = rule(prepared.sigma());
     let contours = contours(prepared.view(), &axes, &rule, effort, work)?;
@@ -181,7 +183,7 @@ fn along_guide(
     work: &mut Workspace,
 ) -> Result<PartialModel, PartialError> {
     let rule = |sigma| BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma);
-    let extent = Extent { near: None, instructions: effort.instructions };
+    let extent = Extent { near: None, instructions: effort.instructions, ..Extent::default() };
     let mut prepared = Prepared::new(view, options.smooth.then_some(&extent), rule);
     let rule = rule(prepared.sigma());
     let mut model = PartialModel::default();

@@ -300,7 +300,7 @@ fn block<T>(values: &[T], at: usize) -> Option<&[T; WORD]> {
 /// Whether samples `a` and their neighbours `b` belong to one surface, one bit per pair.
 ///
 /// Comparisons with NaN are false, which is what a missing pixel needs.
-trait Test<S: Simd>: Copy {
+pub(crate) trait Test<S: Simd>: Copy {
     fn holds(&self, simd: S, a: S::f32s, b: S::f32s, column: usize) -> u64;
 
     /// The bits of a word: those just found, unless they were known before.

@@ -16,7 +16,7 @@ pub(super) struct Tables {
 
 /// The test for range jumps with one kind of neighbour, for all rows.
 #[derive(Debug, Clone)]
-pub(super) struct PairTests {
+pub(crate) struct PairTests {
     rows: Vec<[f32; 3]>,
     columns: Option<[Vec<f32>; 3]>,
     slack: f32,
@@ -25,7 +25,7 @@ pub(super) struct PairTests {
 /// The same for one row: `|b · other − a · here| ≤ b · across + slack · √here`, with a number of the
 /// row and one of the column for each of the three products; `across` holds the rule's tangent.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct PairTest<'a> {
+pub(crate) struct PairTest<'a> {
     pub here: f32,
     pub other: f32,
     pub across: f32,
@@ -34,7 +34,7 @@ pub(super) struct PairTest<'a> {
 }
 
 impl PairTests {
-    fn new(products: RayProducts, rule: &BreakRule, cols: usize) -> Self {
+    pub fn new(products: &RayProducts, rule: &BreakRule, cols: usize) -> Self {
         let terms =
             |p: &transect_device::RayProduct| [p.here, p.other, p.across * rule.tan_incidence()];
         let columns = (!products.columns.is_empty()).then(|| {
@@ -88,7 +88,7 @@ impl<'a> Source<'a> {
         };
         let test = |neighbour| {
             let products = frame.ray_products(neighbour)?;
-            Some(PairTests::new(products, rule, size.cols))
+            Some(PairTests::new(&products, rule, size.cols))
         };
         let tests = || Some([test(Neighbour::Left)?, test(Neighbour::Up)?]);
         let (tables, tests) = (tables(), tests());

@@ -1,8 +1,9 @@
 //! The robust fit of some neighbouring pixels of a row, side by side.
 
+use super::estimate::{Estimate, Fitted};
 use super::grid::Grid;
 use super::lanes::{LANES, Lanes, all, positive};
-use super::links::WIDTH;
+use super::links::{Connected, WIDTH};
 use super::normal_equations::{Coefficients, RowPolynomial, RowSums, Sums};
 use super::{REACH, Window, window};
 use fearless_simd::prelude::*;
@@ -11,18 +12,6 @@ use fearless_simd::{Simd, u32x8};
 /// Residuals beyond this many standard deviations do not count: Tukey's biweight is 95 % as
 /// efficient as least squares on normal noise with 4.685.
 pub(super) const CUT: f64 = 4.685;
-
-/// Standard deviations of their difference by which the estimates of two windows may differ and still
-/// have the wider one count.
-const AGREEMENT: f32 = 3.0;
-
-/// Share of the windows' squared difference that counts as the result's variance, and how large that
-/// difference is for it at most, in variances of a sample.
-///
-/// On walls a third of it would do, for what taking sides by the difference costs; where surfaces bend
-/// both windows err, and more.
-const DOUBT: f32 = 0.7;
-const MOST_DOUBT: f32 = 1.0;
 
 /// Pixels of the largest window.
 const PIXELS: usize = WIDTH * WIDTH;
@@ -48,26 +37,6 @@ pub(super) struct BlockFit {
     narrow: [Estimate; LANES],
     wide: [Estimate; LANES],
     inverse_cut: [f32; LANES],
-}
-
-/// What becomes of a pixel.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Fitted {
-    /// Of its quantity.
-    pub change: f32,
-    /// Of its standard deviation.
-    pub factor: f32,
-    /// Share of the wider window in it.
-    pub share: f32,
-}
-
-/// What a fit says of its centre.
-#[derive(Debug, Clone, Copy)]
-struct Estimate {
-    /// By how many cuts the quantity changes.
-    change: f32,
-    /// Of the result, as a share of that of the sample.
-    variance: f32,
 }
 
 /// The weights of a block's windows, and where in the window they are; a work space that blocks use
@@ -108,7 +77,7 @@ impl Weights {
 #[derive(Clone, Copy)]
 struct Values<'a, S: Simd> {
     simd: S,
-    grid: &'a Grid,
+    grid: &'a Grid<'a>,
     /// Row and column of the window's corner for the first pixel.
     corner: (usize, usize),
     centre: Lanes<S>,
@@ -161,7 +130,7 @@ impl Block {
 
     /// Fits all pixels. The unit of values is the cut, so that single precision never runs out.
     #[inline(always)]
-    pub fn fit<S: Simd>(&self, simd: S, grid: &Grid, weights: &mut Weights) -> BlockFit {
+    pub fn fit<S: Simd>(&self, simd: S, grid: &Grid<'_>, weights: &mut Weights) -> BlockFit {
         let values = Values {
             simd,
             grid,
@@ -169,21 +138,22 @@ impl Block {
             centre: grid.load(simd, self.row + REACH, self.first + REACH),
             inverse_cut: Lanes::load_array_ref(simd, &self.inverse_cut),
         };
+        let wider = (window::wider(self.largest.0), window::wider(self.largest.1));
+        let reach = (wider.0 as usize).min(REACH);
+        let connected = grid.links.connected(simd, (self.row, self.first), reach);
         weights.frame(self.largest);
-        let first = self.first_pass(&values, weights).fit();
+        let first = self.first_pass(&values, weights, &connected).fit();
         let second = pass::<S, true>(&values, weights, &first).fit();
         let narrow = at_centre(&values, weights, &second);
-        weights.frame((window::wider(self.largest.0), window::wider(self.largest.1)));
-        self.weigh_wider(&values, weights);
+        weights.frame(wider);
+        self.weigh_wider(simd, weights, &connected);
         let wide = at_centre(&values, weights, &second);
         BlockFit { narrow, wide, inverse_cut: self.inverse_cut }
     }
 
     /// Weights of the wider windows by distance alone.
     #[inline(always)]
-    fn weigh_wider<S: Simd>(&self, values: &Values<'_, S>, weights: &mut Weights) {
-        let simd = values.simd;
-        let connected = values.grid.links.connected(simd, self.row, self.first);
+    fn weigh_wider<S: Simd>(&self, simd: S, weights: &mut Weights, connected: &Connected<S>) {
         let [per_row, per_col] = self.wider.map(|r| Lanes::load_array(simd, r));
         let (one, zero, none) = (all(simd, 1.0), all(simd, 0.0), u32x8::splat(simd, 0));
         let (top, bottom) = weights.rows;
@@ -204,9 +174,13 @@ impl Block {
 
     /// The sums with weights by distance alone, 0 where a pixel is of another surface.
     #[inline(always)]
-    fn first_pass<S: Simd>(&self, values: &Values<'_, S>, weights: &mut Weights) -> Sums<S> {
+    fn first_pass<S: Simd>(
+        &self,
+        values: &Values<'_, S>,
+        weights: &mut Weights,
+        connected: &Connected<S>,
+    ) -> Sums<S> {
         let simd = values.simd;
-        let connected = values.grid.links.connected(simd, self.row, self.first);
         let [per_row, per_col] = self.inverse_radii.map(|r| Lanes::load_array(simd, r));
         let (one, zero, none) = (all(simd, 1.0), all(simd, 0.0), u32x8::splat(simd, 0));
         let mut sums = Sums::zero(simd);
@@ -292,43 +266,9 @@ fn at_centre<S: Simd>(
     std::array::from_fn(|lane| Estimate { change: change[lane], variance: variance[lane] })
 }
 
-impl Estimate {
-    /// Whether it is one of the surface that the centre belongs to, and better than the sample.
-    fn holds(&self) -> bool {
-        // A fit without pixels has variance 0. One that differs by a cut is of another surface.
-        self.variance > 0.0 && self.variance < 1.0 && self.change.abs() < 1.0
-    }
-
-    /// The better estimate of this and that of a wider window: that one where noise explains their
-    /// difference, this one where it does not, and a mean of both in between; and the other's share.
-    ///
-    /// A share that falls smoothly keeps neighbouring pixels from taking different sides.
-    fn or_wider(&self, wide: &Self) -> (Self, f32) {
-        if !wide.holds() || wide.variance >= self.variance {
-            return (*self, 0.0);
-        }
-        // Of nested windows, the variance of the difference is the difference of the variances.
-        let (gain, apart) =
-            (self.variance - wide.variance, CUT as f32 * (self.change - wide.change));
-        let squared = apart * apart;
-        let fall = (1.0 - squared / (gain * AGREEMENT * AGREEMENT)).max(0.0);
-        let share = fall * fall;
-        let mix = |this: f32, wide: f32| this + share * (wide - this);
-        let doubt = DOUBT * squared.min(MOST_DOUBT);
-        let variance = mix(self.variance, wide.variance) + doubt;
-        (Self { change: mix(self.change, wide.change), variance }, share)
-    }
-}
-
 impl BlockFit {
     /// What becomes of a pixel; `None` where it stays as it is.
     pub fn at(&self, lane: usize) -> Option<Fitted> {
-        let inverse_cut = self.inverse_cut[lane];
-        if inverse_cut == 0.0 || !self.narrow[lane].holds() {
-            return None;
-        }
-        let (best, share) = self.narrow[lane].or_wider(&self.wide[lane]);
-        let (change, factor) = (best.change / inverse_cut, best.variance.sqrt());
-        best.holds().then_some(Fitted { change, factor, share })
+        self.narrow[lane].fitted(&self.wide[lane], self.inverse_cut[lane])
     }
 }

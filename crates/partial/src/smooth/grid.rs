@@ -3,90 +3,125 @@
 use super::REACH;
 use super::lanes::{LANES, Lanes};
 use super::links::Links;
+use super::pairs::{Line, Pairs};
 use super::quantity::Quantity;
 use crate::BreakRule;
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
-use transect_device::{Neighbour, PairGeometry, View};
+use transect_device::{ImageSize, Neighbour, Pixel, View};
 
 /// The image as the fit sees it.
 #[derive(Debug)]
-pub(super) struct Grid {
+pub(super) struct Grid<'a> {
     stride: usize,
+    /// Columns beyond either side that a full circle has there once more.
+    beyond: usize,
     /// The fitted quantity, 0 where missing or outside the image.
     quantities: Vec<f32>,
     /// Which pixels belong to one surface.
     pub links: Links,
-    /// Distance between neighbouring rays of a row, and of a column, at each pixel; NaN where it
-    /// has no neighbour on its surface.
-    pub spacings: Vec<[f32; 2]>,
+    size: ImageSize,
+    pairs: Pairs<'a>,
 }
 
-impl Grid {
-    pub fn new(view: &View, rule: &BreakRule, quantity: Quantity) -> Self {
+impl<'a> Grid<'a> {
+    #[inline(always)]
+    pub fn new<S: Simd>(simd: S, view: &'a View, rule: &'a BreakRule, quantity: Quantity) -> Self {
         let size = view.image().size();
         let stride = size.cols + 2 * REACH + LANES;
+        let wraps = view.frame().columns_wrap();
         let mut grid = Self {
             stride,
+            // A full circle goes on where it began; an image smaller than a window does not.
+            beyond: if wraps && size.cols > 2 * REACH { REACH } else { 0 },
             quantities: vec![0.0; stride * (size.rows + 2 * REACH)],
             links: Links::new(size.rows, size.cols),
-            spacings: vec![[f32::NAN; 2]; size.pixels()],
+            size,
+            pairs: Pairs::new(view, rule),
         };
-        let mut pairs = [Neighbour::Left, Neighbour::Up]
-            .map(|neighbour| (neighbour, vec![PairGeometry::MISSING; size.cols]));
+        let [mut above, mut here] = [Line::missing(size.cols), Line::missing(size.cols)];
+        let mut bits = [0; 3].map(|_| vec![0; size.cols.div_ceil(64)]);
         for row in 0..size.rows {
-            grid.read_values(view, row, quantity);
-            for (neighbour, pairs) in &mut pairs {
-                view.frame().pair_row(view.image(), row, *neighbour, pairs);
-            }
-            let [(_, left), (_, up)] = &pairs;
-            grid.read_pairs(view, row, rule, (left, up));
+            let values = view.image().row(row);
+            grid.read_values(row, values, quantity);
+            here.read(values, wraps);
+            let [valid, left, up] = &mut bits;
+            grid.pairs.read(simd, row, [&above, &here], [valid, left, up]);
+            grid.links.set_row(row, bits.each_ref().map(Vec::as_slice), (size.cols, grid.beyond));
+            std::mem::swap(&mut above, &mut here);
         }
         grid
     }
 
-    /// The columns of the image, and those that a window sees beyond its sides, each with its
-    /// place counted from `REACH` columns before the image.
-    fn columns(view: &View) -> impl Iterator<Item = (usize, usize)> {
-        let cols = view.image().size().cols;
-        // A full circle goes on where it began; an image smaller than a window does not.
-        let beyond = if view.frame().columns_wrap() && cols > 2 * REACH { REACH } else { 0 };
-        let places = REACH - beyond..REACH + cols + beyond;
-        places.map(move |place| ((place + cols - REACH) % cols, place))
-    }
-
-    fn read_values(&mut self, view: &View, row: usize, quantity: Quantity) {
-        let values = view.image().row(row);
+    #[inline(always)]
+    fn read_values(&mut self, row: usize, values: &[f32], quantity: Quantity) {
         let start = (row + REACH) * self.stride;
-        for (col, place) in Self::columns(view) {
-            if !values[col].is_nan() {
-                let value = quantity.of_value(f64::from(values[col]));
-                self.quantities[start + place] = value as f32;
+        let line = &mut self.quantities[start..start + self.stride];
+        let image = &mut line[REACH..REACH + values.len()];
+        match quantity {
+            Quantity::Value => image.copy_from_slice(values),
+            Quantity::Inverse => {
+                for (quantity, value) in image.iter_mut().zip(values) {
+                    *quantity = (1.0 / f64::from(*value)) as f32;
+                }
             }
         }
+        for quantity in image {
+            *quantity = if quantity.is_nan() { 0.0 } else { *quantity };
+        }
+        let cols = values.len();
+        line.copy_within(REACH + cols - self.beyond..REACH + cols, REACH - self.beyond);
+        line.copy_within(REACH..REACH + self.beyond, REACH + cols);
     }
 
-    fn read_pairs(
-        &mut self,
-        view: &View,
-        row: usize,
-        rule: &BreakRule,
-        (left, up): (&[PairGeometry], &[PairGeometry]),
-    ) {
-        let cols = left.len();
-        for (col, place) in Self::columns(view) {
-            self.links.set(row, place, rule.holds(&left[col]), rule.holds(&up[col]));
-        }
-        for col in 0..cols {
-            let pixel = row * cols + col;
-            // The pair after the pixel counts, or else the one before: they differ by noise alone.
-            let beside = [left[(col + 1) % cols], left[col]].into_iter().find(|p| rule.holds(p));
-            self.spacings[pixel][0] = beside.map_or(f32::NAN, |pair| pair.lateral);
-            if rule.holds(&up[col]) {
-                self.spacings[pixel][1] = up[col].lateral;
-                self.spacings[pixel.saturating_sub(cols)][1] = up[col].lateral;
-            }
-        }
+    /// Whether windows go on beyond the sides.
+    pub fn wraps(&self) -> bool {
+        self.beyond > 0
+    }
+
+    /// Distances between neighbouring rays of the row, and of the column, at a pixel; `None` where it has
+    /// no neighbour on its surface.
+    pub fn spacings(&self, pixel: Pixel) -> Option<(f64, f64)> {
+        let Pixel { row, col } = pixel;
+        // The pair after the pixel counts, or else the one before: they differ by noise alone.
+        let right = Pixel { row, col: (col + 1) % self.size.cols };
+        let below = Pixel { row: row + 1, col };
+        let lateral = |joined: bool, pixel: Pixel, neighbour| {
+            joined.then(|| self.pairs.lateral(pixel, neighbour)).flatten()
+        };
+        let left =
+            |p: Pixel| lateral(self.links.left(p.row + REACH, p.col + REACH), p, Neighbour::Left);
+        let up = |p: Pixel| lateral(self.links.up(p.row + REACH, p.col + REACH), p, Neighbour::Up);
+        Some((left(right).or_else(|| left(pixel))?, up(below).or_else(|| up(pixel))?))
+    }
+
+    /// All quantities: [`REACH`] rows above and below the image's, in lines of [`Grid::stride`] places that
+    /// begin [`REACH`] columns before it.
+    pub fn quantities(&self) -> &[f32] {
+        &self.quantities
+    }
+
+    /// Places of a line.
+    pub fn stride(&self) -> usize {
+        self.stride
+    }
+
+    /// The quantity at a place; rows, too, are counted from [`REACH`] before the image.
+    pub fn at(&self, row: usize, place: usize) -> f32 {
+        self.quantities[row * self.stride + place]
+    }
+
+    /// A place of the image, and where a full circle has it once more.
+    pub fn copies(&self, place: usize) -> impl Iterator<Item = usize> {
+        let cols = self.size.cols;
+        let again = if self.beyond == 0 {
+            None
+        } else if place < 2 * REACH {
+            Some(place + cols)
+        } else {
+            place.checked_sub(cols)
+        };
+        std::iter::once(place).chain(again)
     }
 
     /// The quantity of [`LANES`] pixels from a place that is off a pixel by some rows and columns;

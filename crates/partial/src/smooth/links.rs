@@ -19,6 +19,8 @@ pub(super) struct Links {
     left: Vec<u64>,
     /// The same for the pixel above.
     up: Vec<u64>,
+    /// There is a sample.
+    valid: Vec<u64>,
 }
 
 impl Links {
@@ -27,22 +29,82 @@ impl Links {
         // One word more than the columns need, so that a window may be read across words.
         let words = (cols + 2 * REACH) / 64 + 2;
         let none = vec![0; words * (rows + 2 * REACH)];
-        Self { words, left: none.clone(), up: none }
+        Self { words, left: none.clone(), up: none.clone(), valid: none }
     }
 
-    /// Notes unbroken pairs of a pixel; `col` counts from `REACH` columns before the image.
-    pub fn set(&mut self, row: usize, col: usize, left: bool, up: bool) {
-        let at = (row + REACH) * self.words + col / 64;
-        self.left[at] |= u64::from(left) << (col % 64);
-        self.up[at] |= u64::from(up) << (col % 64);
+    /// Notes which pixels of a row of the image are valid, and which are joined to those to the left and
+    /// above, one bit each; so many columns are there once more beyond either side.
+    pub fn set_row(&mut self, row: usize, bits: [&[u64]; 3], (cols, beyond): (usize, usize)) {
+        let line = (row + REACH) * self.words..(row + REACH + 1) * self.words;
+        for (all, bits) in [&mut self.valid, &mut self.left, &mut self.up].into_iter().zip(bits) {
+            let line = &mut all[line.clone()];
+            for (at, bits) in bits.iter().enumerate() {
+                line[at] |= bits << REACH;
+                line[at + 1] |= bits >> (64 - REACH);
+            }
+            for k in 0..beyond {
+                copy(line, REACH + cols - beyond + k, REACH - beyond + k);
+                copy(line, REACH + k, REACH + cols + k);
+            }
+        }
+    }
+
+    /// Words of a row.
+    pub fn words(&self) -> usize {
+        self.words
+    }
+
+    /// The valid pixels of a word; rows are counted from `REACH` before the image.
+    pub fn valid_word(&self, row: usize, word: usize) -> u64 {
+        self.valid[row * self.words + word]
+    }
+
+    /// Whether there is a sample at a place; both are counted from `REACH` before the image.
+    pub fn valid(&self, row: usize, col: usize) -> bool {
+        self.bit(&self.valid, row, col)
+    }
+
+    /// Whether a place and the one to the left are joined.
+    pub fn left(&self, row: usize, col: usize) -> bool {
+        self.bit(&self.left, row, col)
+    }
+
+    /// Whether a place and the one above are joined.
+    pub fn up(&self, row: usize, col: usize) -> bool {
+        self.bit(&self.up, row, col)
+    }
+
+    fn bit(&self, bits: &[u64], row: usize, col: usize) -> bool {
+        bits[row * self.words + col / 64] >> (col % 64) & 1 == 1
+    }
+
+    /// Where a row of the image breaks a surface, one bit per place: missing pixels other than those that
+    /// are filled, and the right or the lower one of two samples that are not joined.
+    pub fn breaks(&self, row: usize, filled: &[u64], breaks: &mut [u64]) {
+        let start = (row + REACH) * self.words;
+        let mut before = 0;
+        for (word, breaks) in breaks.iter_mut().enumerate() {
+            let at = start + word;
+            let valid = self.valid[at];
+            let beside = valid << 1 | before;
+            before = valid >> 63;
+            let apart = beside & !self.left[at] | self.valid[at - self.words] & !self.up[at];
+            *breaks = !(valid | filled[at]) | valid & apart;
+        }
     }
 
     /// The pixels connected to each of [`LANES`] pixels of a row by ways that go up, or down, without
     /// turning back.
     ///
-    /// A way round a corner of the surface would let in what lies beyond.
+    /// A way round a corner of the surface would let in what lies beyond. Rows beyond `reach` are left
+    /// out.
     #[inline(always)]
-    pub fn connected<S: Simd>(&self, simd: S, row: usize, col: usize) -> Connected<S> {
+    pub fn connected<S: Simd>(
+        &self,
+        simd: S,
+        (row, col): (usize, usize),
+        reach: usize,
+    ) -> Connected<S> {
         // All lanes' windows side by side, each within bits of its own.
         let lanes = u32x8::load_array(simd, std::array::from_fn(|lane| lane as u32));
         let windows = u32x8::splat(simd, (1 << WIDTH) - 1) << lanes;
@@ -51,10 +113,10 @@ impl Links {
         let fill = |seen: u32x8<S>, k: usize| spread(seen, left(k)) & windows;
         let mut connected = [u32x8::splat(simd, 0); WIDTH];
         connected[REACH] = fill(u32x8::splat(simd, 1 << REACH) << lanes, REACH);
-        for k in REACH + 1..WIDTH {
+        for k in REACH + 1..=REACH + reach {
             connected[k] = fill(connected[k - 1] & up(k), k);
         }
-        for k in (0..REACH).rev() {
+        for k in (REACH - reach..REACH).rev() {
             connected[k] = fill(connected[k + 1] & up(k + 1), k);
         }
         connected.map(|row| row >> lanes)
@@ -69,6 +131,11 @@ impl Links {
         let beyond = bits[at + 1] << 1 << (63 - col % 64);
         (bits[at] >> (col % 64) | beyond) as u32
     }
+}
+
+/// Sets a bit where another one is set.
+fn copy(bits: &mut [u64], from: usize, to: usize) {
+    bits[to / 64] |= (bits[from / 64] >> (from % 64) & 1) << (to % 64);
 }
 
 /// All pixels of a row that unbroken pairs join to the given ones.
@@ -94,7 +161,7 @@ mod tests {
 
     /// The window of a pixel, which its seven neighbours to the left must see the same.
     fn first_window(links: &Links, row: usize, col: usize) -> [u32; WIDTH] {
-        let window = |first: usize, lane: usize| dispatch!(Level::new(), simd => links.connected(simd, row, first).map(|r| r[lane]));
+        let window = |first: usize, lane: usize| dispatch!(Level::new(), simd => links.connected(simd, (row, first), REACH).map(|r| r[lane]));
         let found = window(col, 0);
         for lane in 1..LANES.min(col + 1) {
             assert_eq!(window(col - lane, lane), found, "lane {lane}");
@@ -124,11 +191,12 @@ mod tests {
     fn windows_reach_across_words_and_stop_at_jumps() {
         let (rows, cols) = (26, 150);
         let mut links = Links::new(rows, cols);
+        // A wall of broken pairs left of column 66.
+        let left = [u64::MAX - 1, u64::MAX - 4, (1 << 22) - 1];
+        let all = [u64::MAX, u64::MAX, (1 << 22) - 1];
         for row in 0..rows {
-            for col in 0..cols {
-                // A wall of broken pairs left of column 66.
-                links.set(row, col + REACH, col > 0 && col != 66, row > 0);
-            }
+            let up = if row > 0 { all } else { [0; 3] };
+            links.set_row(row, [&all, &left, &up], (cols, 0));
         }
         for (col, lowest) in [(64, 0), (66, REACH), (67, REACH - 1)] {
             let window = first_window(&links, 12, col);

@@ -46,11 +46,11 @@ impl Quantity {
         }
     }
 
-    /// Standard deviation of the quantity from that of the value.
-    pub fn sigma(self, d3: f64, sigma: f64) -> f64 {
+    /// 1 over the standard deviation of the quantity from that of the value.
+    pub fn inverse_sigma(self, value: f32, inverse_sigma: f32) -> f32 {
         match self {
-            Self::Value => sigma,
-            Self::Inverse => sigma / (d3 * d3),
+            Self::Value => inverse_sigma,
+            Self::Inverse => value * value * inverse_sigma,
         }
     }
 

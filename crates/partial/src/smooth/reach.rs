@@ -5,124 +5,220 @@
 //! stretches has a plane between it and another carries no curve. The pixels of all other cells
 //! count, and one more on every side, so that curves may be interpolated from four samples in line.
 
-use super::Smoother;
 use super::block::CUT;
-use crate::{SectionAxes, length_per_value};
-use transect_device::{Pixel, RangeImage, Vector3};
+use super::quantity::Quantity;
+use super::{Samples, Smoother};
+use crate::SectionAxes;
+use fearless_simd::Simd;
+use transect_device::{RangeImage, SeparableForm, Vector3};
 
 /// Rounding of a level in single precision, as a share of the largest that the image may have.
 const LEVEL_ROUNDING: f64 = 1.0 / (1 << 20) as f64;
 
 /// Rounding of a value and of its change in single precision, as shares of each.
-const VALUE_ROUNDING: f64 = 3e-7;
-const CUT_ROUNDING: f64 = 1e-5;
+const VALUE_ROUNDING: f32 = 8e-7;
+const CUT_ROUNDING: f32 = 2e-5;
+const LARGEST_CUT: f32 = CUT as f32 * (1.0 + CUT_ROUNDING);
 
-/// What the level of a pixel may be: the lowest and the highest plane at or over it. A missing pixel's
-/// are the wrong way round.
-type Stretch = (f32, f32);
+/// An end of a stretch is known if it is at least this share of the sample, or this the share of it.
+const LEAST_END: f32 = 0.5;
 
-const MISSING: Stretch = (f32::INFINITY, f32::NEG_INFINITY);
-const ANYTHING: Stretch = (f32::NEG_INFINITY, f32::INFINITY);
+/// What the levels of a row's pixels may be: the lowest and the highest plane at or over each. A missing
+/// pixel's are the wrong way round.
+#[derive(Debug, Clone)]
+struct Stretches {
+    low: Vec<f32>,
+    high: Vec<f32>,
+}
+
+impl Stretches {
+    fn missing(cols: usize) -> Self {
+        Self { low: vec![f32::INFINITY; cols], high: vec![f32::NEG_INFINITY; cols] }
+    }
+}
 
 /// One entry per pixel, row-major: whether it can take part in a curve.
-pub(super) fn wanted(smoother: &Smoother<'_>, axes: &SectionAxes) -> Vec<bool> {
-    let image = smoother.view.image();
-    let size = image.size();
-    let Some(ends) = nearest_and_farthest(smoother) else { return vec![true; size.pixels()] };
-    let slack = slack(smoother, axes);
-    let wraps = smoother.view.frame().columns_wrap();
+#[inline(always)]
+pub(super) fn wanted<S: Simd>(simd: S, smoother: &Smoother<'_>, axes: &SectionAxes) -> Vec<bool> {
+    let samples = &smoother.samples;
+    let size = samples.view.image().size();
+    let Some(levels) = Levels::new(smoother, axes) else { return vec![true; size.pixels()] };
+    let slack = slack(samples, axes);
     let mut wanted = vec![false; size.pixels()];
-    let [mut above, mut here] = [vec![MISSING; size.cols], vec![MISSING; size.cols]];
-    let mut levels = [vec![f32::NAN; size.cols], vec![f32::NAN; size.cols]];
+    let [mut above, mut here] = [Stretches::missing(size.cols), Stretches::missing(size.cols)];
+    let mut ends = [vec![f32::NAN; size.cols], vec![f32::NAN; size.cols]];
+    let mut cells = Cells::new(size.cols, samples.view.frame().columns_wrap());
     for row in 0..size.rows {
-        for (levels, image) in levels.iter_mut().zip(&ends) {
-            smoother.view.frame().form_row(image, row, axes.level(), levels);
-        }
-        let ends = levels[0].iter().zip(&levels[1]);
-        for ((stretch, value), (a, b)) in here.iter_mut().zip(image.row(row)).zip(ends) {
-            *stretch = match (value.is_nan(), a.is_nan() || b.is_nan()) {
-                (true, _) => MISSING,
-                // The ray's end is beyond what the sensor can say.
-                (false, true) => ANYTHING,
-                (false, false) => ((a.min(*b) - slack).ceil(), (a.max(*b) + slack).ceil()),
-            };
-        }
-        mark(&above, &here, wraps, row, &mut wanted);
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                levels.of_row(smoother, row, &mut ends);
+                stretch(samples.view.image().row(row), &ends, slack, &mut here);
+                cells.find(&above, &here);
+                cells.mark(row, &mut wanted);
+            },
+        );
         std::mem::swap(&mut above, &mut here);
     }
     wanted
 }
 
-/// Marks the pixels of the cells between two rows, and those around them; `row` is the lower one.
-fn mark(above: &[Stretch], here: &[Stretch], wraps: bool, row: usize, wanted: &mut [bool]) {
-    let cols = here.len();
-    let column = |col: usize| join(above[col], here[col]);
-    let mut before = if wraps { column(cols - 1) } else { MISSING };
-    for col in 0..cols {
-        let this = column(col);
-        let (low, high) = join(before, this);
-        before = this;
-        if low >= high {
-            continue;
+/// Finds the stretches of a row from the levels of their ends.
+#[inline(always)]
+fn stretch(values: &[f32], [a, b]: &[Vec<f32>; 2], slack: f32, stretches: &mut Stretches) {
+    let out = stretches.low.iter_mut().zip(&mut stretches.high);
+    for ((value, (a, b)), (low, high)) in values.iter().zip(a.iter().zip(b)).zip(out) {
+        let beyond = a.is_nan() | b.is_nan();
+        // The ray's end may be beyond what the sensor can say: then anything is possible.
+        let lowest = if beyond { f32::NEG_INFINITY } else { (a.min(*b) - slack).ceil() };
+        let highest = if beyond { f32::INFINITY } else { (a.max(*b) + slack).ceil() };
+        let missing = value.is_nan();
+        *low = if missing { f32::INFINITY } else { lowest };
+        *high = if missing { f32::NEG_INFINITY } else { highest };
+    }
+}
+
+/// The cells between two rows, and which of them a plane may cross.
+struct Cells {
+    wraps: bool,
+    /// Lowest and highest of each column's two pixels, after those of the column before the first.
+    low: Vec<f32>,
+    high: Vec<f32>,
+    /// Cells by their right column, after one that stands for what is left of them, and before two.
+    crossed: Vec<bool>,
+}
+
+impl Cells {
+    fn new(cols: usize, wraps: bool) -> Self {
+        let (low, high) = (vec![f32::INFINITY; cols + 1], vec![f32::NEG_INFINITY; cols + 1]);
+        Self { wraps, low, high, crossed: vec![false; cols + 3] }
+    }
+
+    /// Finds the cells that may be crossed.
+    #[inline(always)]
+    fn find(&mut self, above: &Stretches, here: &Stretches) {
+        let cols = here.low.len();
+        for (low, (a, b)) in self.low[1..].iter_mut().zip(above.low.iter().zip(&here.low)) {
+            *low = a.min(*b);
         }
-        // Counted from the left neighbour's left neighbour.
-        for place in col..col + 4 {
-            let inside = (2..cols + 2).contains(&place);
-            if !inside && !wraps {
-                continue;
+        for (high, (a, b)) in self.high[1..].iter_mut().zip(above.high.iter().zip(&here.high)) {
+            *high = a.max(*b);
+        }
+        if self.wraps {
+            (self.low[0], self.high[0]) = (self.low[cols], self.high[cols]);
+        }
+        let pairs = self.low.windows(2).zip(self.high.windows(2));
+        for (crossed, (low, high)) in self.crossed[1..=cols].iter_mut().zip(pairs) {
+            *crossed = low[0].min(low[1]) < high[0].max(high[1]);
+        }
+        if self.wraps {
+            let at = |k: usize| 1 + k % cols;
+            self.crossed[0] = self.crossed[cols];
+            self.crossed[cols + 1] = self.crossed[at(0)];
+            self.crossed[cols + 2] = self.crossed[at(1)];
+        }
+    }
+
+    /// Marks the pixels of the cells between a row and the one above, and those around them.
+    #[inline(always)]
+    fn mark(&self, row: usize, wanted: &mut [bool]) {
+        if !self.crossed.contains(&true) {
+            return;
+        }
+        let cols = self.low.len() - 1;
+        let first = row.saturating_sub(2);
+        for wanted in wanted[first * cols..].chunks_mut(cols).take(row + 2 - first) {
+            for (wanted, cells) in wanted.iter_mut().zip(self.crossed.windows(4)) {
+                *wanted |= cells[0] | cells[1] | cells[2] | cells[3];
             }
-            let col = (place + 2 * cols - 2) % cols;
-            for row in row.saturating_sub(2)..=row + 1 {
-                if let Some(wanted) = wanted.get_mut(row * cols + col) {
-                    *wanted = true;
+        }
+    }
+}
+
+/// Where the levels of the stretches' ends come from.
+enum Levels<'a> {
+    /// Of sensors that have tables.
+    Form(SeparableForm),
+    /// The image with every value moved by a cut either way, NaN where it cannot be.
+    Images([RangeImage; 2], &'a SectionAxes),
+}
+
+impl<'a> Levels<'a> {
+    fn new(smoother: &Smoother<'_>, axes: &'a SectionAxes) -> Option<Self> {
+        let samples = &smoother.samples;
+        if let Some(form) = samples.view.frame().separable_form(axes.level()) {
+            return Some(Self::Form(form));
+        }
+        let size = samples.view.image().size();
+        let mut images = [vec![f32::NAN; size.pixels()], vec![f32::NAN; size.pixels()]];
+        let [low, high] = &mut images;
+        let rows = low.chunks_mut(size.cols).zip(high.chunks_mut(size.cols));
+        for (row, ends) in rows.enumerate() {
+            nearest_and_farthest(smoother, row, ends);
+        }
+        let [low, high] = images.map(|values| RangeImage::from_values(size, values));
+        Some(Self::Images([low.ok()?, high.ok()?], axes))
+    }
+
+    /// The levels of a row's samples moved by a cut either way; NaN where they cannot be.
+    #[inline(always)]
+    fn of_row(&self, smoother: &Smoother<'_>, row: usize, [low, high]: &mut [Vec<f32>; 2]) {
+        match self {
+            Self::Form(form) => {
+                nearest_and_farthest(smoother, row, (&mut *low, &mut *high));
+                let [factor, addend] = form.rows.get(row).copied().unwrap_or_default();
+                for (end, column) in low.iter_mut().zip(&form.columns) {
+                    *end = *end * (column * factor + addend) + form.constant;
+                }
+                for (end, column) in high.iter_mut().zip(&form.columns) {
+                    *end = *end * (column * factor + addend) + form.constant;
+                }
+            }
+            Self::Images(images, axes) => {
+                for (image, levels) in images.iter().zip([low, high]) {
+                    smoother.samples.view.frame().form_row(image, row, axes.level(), levels);
                 }
             }
         }
     }
 }
 
-fn join(a: Stretch, b: Stretch) -> Stretch {
-    (a.0.min(b.0), a.1.max(b.1))
-}
-
-/// The image with every value moved by a cut either way; NaN where it cannot be.
-fn nearest_and_farthest(smoother: &Smoother<'_>) -> Option<[RangeImage; 2]> {
-    let image = smoother.view.image();
-    let size = image.size();
-    // Noise of the values themselves asks for no length per value.
-    let same_everywhere = smoother.noise.value_sigma(f64::NAN);
-    let [mut low, mut high] = [vec![f32::NAN; size.pixels()], vec![f32::NAN; size.pixels()]];
-    let samples = (0..size.rows).flat_map(|row| {
-        image.row(row).iter().enumerate().map(move |(col, d3)| (Pixel { row, col }, f64::from(*d3)))
-    });
-    for ((pixel, d3), (low, high)) in samples.zip(low.iter_mut().zip(&mut high)) {
-        let value_sigma = if same_everywhere.is_nan() {
-            let rate = length_per_value(smoother.view.frame(), pixel, d3);
-            rate.map_or(f64::NAN, |rate| smoother.noise.value_sigma(rate))
-        } else {
-            same_everywhere
+/// A row's values moved by a cut either way; NaN where they cannot be.
+#[inline(always)]
+fn nearest_and_farthest(
+    smoother: &Smoother<'_>,
+    row: usize,
+    (low, high): (&mut [f32], &mut [f32]),
+) {
+    let (samples, scales) = (&smoother.samples, &smoother.scales);
+    let values = samples.view.image().row(row);
+    let inverse_sigma = &scales.inverse_sigma[row * scales.width..];
+    let ends = low.iter_mut().zip(high);
+    for ((value, inverse_sigma), (low, high)) in values.iter().zip(inverse_sigma).zip(ends) {
+        // Pixels without a scale stay as they are.
+        let cut = if *inverse_sigma > 0.0 { LARGEST_CUT / inverse_sigma } else { 0.0 };
+        let (nearest, farthest) = match samples.quantity {
+            Quantity::Value => (value - cut, value + cut),
+            // Those of 1 / value ± cut.
+            Quantity::Inverse => (value / (1.0 + cut * value), value / (1.0 - cut * value)),
         };
-        let cut = CUT * smoother.quantity.sigma(d3, value_sigma);
-        let (middle, cut) = (smoother.quantity.of_value(d3), cut * (1.0 + CUT_ROUNDING));
-        // In the quantity's order; which of them is nearer does not matter.
-        let ends = [middle - cut, middle + cut].map(|q| smoother.quantity.value(q));
-        if ends.iter().all(|value| *value > 0.0) {
-            *low = (ends[0].min(ends[1]) * (1.0 - VALUE_ROUNDING)) as f32;
-            *high = (ends[0].max(ends[1]) * (1.0 + VALUE_ROUNDING)) as f32;
-        }
+        // Where little is left of one end, rounding would count, too; and there may be none.
+        let known =
+            (nearest > value * LEAST_END) & (farthest * LEAST_END < *value) & (farthest > 0.0);
+        *low = if known { nearest * (1.0 - VALUE_ROUNDING) } else { f32::NAN };
+        *high = if known { farthest * (1.0 + VALUE_ROUNDING) } else { f32::NAN };
     }
-    Some([RangeImage::from_values(size, low).ok()?, RangeImage::from_values(size, high).ok()?])
 }
 
 /// What rounding can move a level by.
-fn slack(smoother: &Smoother<'_>, axes: &SectionAxes) -> f32 {
+fn slack(samples: &Samples<'_>, axes: &SectionAxes) -> f32 {
     let level = axes.level();
-    let Some((near, far)) = smoother.view.image().extremes() else { return 0.0 };
+    let Some((near, far)) = samples.view.image().extremes() else { return 0.0 };
     let (near, far) = (f64::from(near), f64::from(far));
     let along = |k: usize| {
         let mut axis = Vector3::zeros();
         axis[k] = level.gradient[k];
-        let (low, high) = smoother.view.frame().extent(&axis, near, far);
+        let (low, high) = samples.view.frame().extent(&axis, near, far);
         low.abs().max(high.abs())
     };
     let largest = level.constant.abs() + along(0) + along(1) + along(2);

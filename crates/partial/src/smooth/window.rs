@@ -19,8 +19,22 @@ const WIDEST: f64 = REACH as f64 + 0.5;
 
 /// Radius of the window in pixels; 0 where noise is negligible against the spacing.
 pub(super) fn radius(sigma: f64, spacing: f64) -> f64 {
-    let radius = RADIUS * (sigma / spacing).cbrt();
+    let radius = RADIUS * cube_root(sigma / spacing);
     if radius >= SMALLEST { radius.min(LARGEST) } else { 0.0 }
+}
+
+/// The cube root of a positive number by a guess at its exponent and Newton's method; that of the
+/// standard library takes several times as long.
+fn cube_root(x: f64) -> f64 {
+    if !(x > 1e-300 && x < 1e300) {
+        return x.cbrt();
+    }
+    // A third of the exponent and its bias again; each step then doubles the number of right digits.
+    let mut root = f64::from_bits(x.to_bits() / 3 + 0x2a9f_7893_782d_a1ce);
+    for _ in 0..4 {
+        root = (root + root + x / (root * root)) * (1.0 / 3.0);
+    }
+    root
 }
 
 /// Radius of the wider window that is tried, too: twice the pixels.
@@ -32,6 +46,16 @@ pub(super) fn wider(radius: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn cube_roots_are_those_of_the_library() {
+        for k in -400..400 {
+            let x = 1.0371_f64.powi(k) * 0.9;
+            assert!((cube_root(x) / x.cbrt() - 1.0).abs() < 1e-14, "{x}");
+        }
+        assert_eq!(cube_root(0.0), 0.0);
+        assert!(cube_root(f64::NAN).is_nan());
+    }
 
     #[test]
     fn windows_grow_with_noise_and_vanish_without() {

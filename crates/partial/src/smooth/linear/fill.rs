@@ -1,0 +1,113 @@
+//! Values for lone missing pixels, for what windows around them ask of them alone.
+
+use crate::smooth::REACH;
+use crate::smooth::grid::Grid;
+use crate::smooth::scales::Scales;
+
+/// Standard deviations by which continuations from both sides may differ.
+const AGREEMENT: f32 = 4.0;
+
+/// Quantities with lone missing pixels filled, and which ones those are.
+#[derive(Debug)]
+pub(super) struct Filled {
+    pub quantities: Vec<f32>,
+    /// One bit per place, as in [`Grid::links`].
+    pub places: Vec<u64>,
+}
+
+impl Filled {
+    pub fn new(grid: &Grid<'_>, scales: &Scales, (rows, cols): (usize, usize)) -> Self {
+        let words = grid.links.words();
+        let places = vec![0; words * (rows + 2 * REACH)];
+        let mut filled = Self { quantities: grid.quantities().to_vec(), places };
+        for row in 0..rows {
+            for word in 0..words {
+                let mut missing = !grid.links.valid_word(row + REACH, word);
+                while missing != 0 {
+                    let place = 64 * word + missing.trailing_zeros() as usize;
+                    missing &= missing - 1;
+                    if (REACH..REACH + cols).contains(&place) {
+                        let scale = scales.inverse_sigma[row * scales.width + place - REACH];
+                        filled.fill(grid, (row + REACH, place), scale);
+                    }
+                }
+            }
+        }
+        filled
+    }
+
+    /// Fills a missing pixel if its neighbours tell its value.
+    fn fill(&mut self, grid: &Grid<'_>, at: (usize, usize), inverse_sigma: f32) {
+        let (row, place) = at;
+        let links = &grid.links;
+        let sample = |known: bool, row, place| known.then(|| grid.at(row, place));
+        // Those next to it need to be there, those beyond must be joined to them.
+        let along = [
+            sample(links.left(row, place - 1), row, place - 2),
+            sample(links.valid(row, place - 1), row, place - 1),
+            sample(links.valid(row, place + 1), row, place + 1),
+            sample(links.left(row, place + 2), row, place + 2),
+        ];
+        let down = [
+            sample(links.up(row - 1, place), row - 2, place),
+            sample(links.valid(row - 1, place), row - 1, place),
+            sample(links.valid(row + 1, place), row + 1, place),
+            sample(links.up(row + 2, place), row + 2, place),
+        ];
+        let value = match (between(along, inverse_sigma), between(down, inverse_sigma)) {
+            (Some(along), Some(down)) => 0.5 * (along + down),
+            (Some(value), None) | (None, Some(value)) => value,
+            (None, None) => return,
+        };
+        for place in grid.copies(place) {
+            self.quantities[row * grid.stride() + place] = value;
+            self.places[row * links.words() + place / 64] |= 1 << (place % 64);
+        }
+    }
+}
+
+/// The value in the middle of a line of five, from those that are known of two on either side.
+///
+/// The cubic through four samples or the parabola through three; `None` if the two sides do not
+/// continue each other.
+fn between(
+    [far_before, before, after, far_after]: [Option<f32>; 4],
+    inverse_sigma: f32,
+) -> Option<f32> {
+    let (before, after) = (before?, after?);
+    // How far the sides are apart, and its variance in variances of a sample.
+    let (value, apart, variance) = match (far_before, far_after) {
+        (Some(b), Some(a)) => {
+            let apart = (2.0 * before - b) - (2.0 * after - a);
+            ((4.0 * (before + after) - (a + b)) / 6.0, apart, 10.0_f32)
+        }
+        (Some(b), None) => (before + (after - b) / 3.0, 3.0 * before - 2.0 * b - after, 14.0),
+        (None, Some(a)) => (after + (before - a) / 3.0, 3.0 * after - 2.0 * a - before, 14.0),
+        (None, None) => return None,
+    };
+    (apart.abs() * inverse_sigma <= AGREEMENT * variance.sqrt()).then_some(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parabolas_are_continued_exactly_and_steps_are_not() {
+        let parabola = |x: f32| 3.0 - 0.5 * x + 0.25 * x * x;
+        let samples = [-2.0, -1.0, 1.0, 2.0].map(|x| Some(parabola(x)));
+        for missing in [None, Some(0), Some(3)] {
+            let mut samples = samples;
+            if let Some(k) = missing {
+                samples[k] = None;
+            }
+            let found = between(samples, 0.1).unwrap();
+            assert!((found - 3.0).abs() < 1e-6, "{missing:?}: {found}");
+        }
+        let step = [Some(1.0), Some(1.0), Some(2.0), Some(2.0)];
+        assert_eq!(between(step, 13.0), None);
+        assert_eq!(between(step, 12.0), Some(1.5));
+        assert_eq!(between([None, Some(1.0), Some(1.0), None], 1.0), None);
+        assert_eq!(between([Some(1.0), None, Some(1.0), Some(1.0)], 1.0), None);
+    }
+}
