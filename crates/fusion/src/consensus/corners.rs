@@ -51,6 +51,10 @@ const OFF_SIGMAS: f64 = 3.0;
 const NEAR: f64 = 0.7;
 const SAMPLED: f64 = 0.2;
 
+/// How far from the corner, in footprints, both ends of a chord that cuts it off may be: a unit longer
+/// than twice that is no longer ground that was seen.
+const CHORD: f64 = 1.5;
+
 /// The corner must lie off the curve by more than this many standard deviations of its place.
 const TOLD_SIGMAS: f64 = 1.0;
 
@@ -183,7 +187,7 @@ impl<'a> Meeting<'a> {
             let sampling = if near { SAMPLED * footprint } else { 0.0 };
             off[0].min(off[1]) <= noise + OFF_SIGMAS * random + sampling
         };
-        let chord = footprint * (0.5 * self.turn).sin();
+        let chord = CHORD * footprint * (0.5 * self.turn).sin();
         cut > TOLD_SIGMAS * self.sigma && cut <= chord + noise && between.iter().all(agrees)
     }
 
