@@ -19,8 +19,9 @@ const CLOSE_SIGMAS: f64 = 6.0;
 /// Farther than this many times that, a curve is another surface and tells nothing.
 const ABREAST: f64 = 4.0;
 
-/// Nodes of a plane that are looked at.
-const SAMPLES: usize = 1500;
+/// Nodes of a plane that are looked at: each is compared with all views around it, and a model has many
+/// planes.
+const SAMPLES: usize = 300;
 
 /// Cosine of the largest angle between curves that run abreast.
 const SAME_WAY: f64 = 0.8;
@@ -53,8 +54,12 @@ impl Agreement {
 
 /// The agreement of each view with all others on one plane, in the order given.
 pub fn agreement(views: &[&[Curve]]) -> Vec<Agreement> {
-    let mut result = vec![Agreement::default(); views.len()];
-    let observations = Observations::collect(views);
+    between(&Observations::collect(views), views.len())
+}
+
+/// The same from what was collected of some views.
+pub(crate) fn between(observations: &Observations, views: usize) -> Vec<Agreement> {
+    let mut result = vec![Agreement::default(); views];
     if observations.sources.len() < 2 {
         return result;
     }

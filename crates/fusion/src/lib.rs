@@ -20,6 +20,7 @@ pub use agreement::{Agreement, agreement};
 pub use consensus::{ConsensusOptions, Measured, consensus, measure};
 pub use pairwise::{PairwiseOptions, pairwise};
 
+use consensus::observations::Observations;
 use transect_geometry::Curve;
 
 /// How the curves of a plane are fused.
@@ -44,6 +45,17 @@ pub fn fuse_plane(views: &[&[Curve]], method: &FusionMethod) -> FusedPlane {
         FusionMethod::Consensus(options) => consensus(views, options),
         FusionMethod::Pairwise(options) => pairwise(views, options),
     }
+}
+
+/// The same, and how each view agrees with the others: what is needed of the views is collected once.
+pub fn fuse_and_compare(views: &[&[Curve]], method: &FusionMethod) -> (FusedPlane, Vec<Agreement>) {
+    let observations = Observations::collect(views);
+    let agreement = agreement::between(&observations, views.len());
+    let plane = match method {
+        FusionMethod::Consensus(options) => consensus::fuse(observations, options),
+        FusionMethod::Pairwise(options) => pairwise(views, options),
+    };
+    (plane, agreement)
 }
 
 /// The fused curves of one plane.

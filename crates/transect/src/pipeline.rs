@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 use transect_device::Isometry3;
-use transect_fusion::{Agreement, FusedPlane, FusionMethod, agreement, fuse_plane};
+use transect_fusion::{Agreement, FusedPlane, FusionMethod, fuse_and_compare};
 use transect_geometry::{Curve, Guide, GuideError, LengthUnit, PlaneFamily, PlaneIndex};
 use transect_model::{Model, ViewRecord};
 use transect_partial::{Method, PartialCounts, PartialError, partial_model};
@@ -361,8 +361,8 @@ fn fuse(
         if watch.cancelled() {
             return Err(ReconstructError::Cancelled);
         }
-        let plane = fuse_plane(views, &setup.fusion);
-        let fused = Fused { index: *index, plane, agreement: agreement(views) };
+        let (plane, agreement) = fuse_and_compare(views, &setup.fusion);
+        let fused = Fused { index: *index, plane, agreement };
         watch.step(Stage::Planes);
         Ok(fused)
     };

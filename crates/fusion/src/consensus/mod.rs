@@ -207,7 +207,11 @@ pub fn measure(views: &[&[Curve]], options: &ConsensusOptions) -> Option<Measure
 
 /// Fuses the curves of one plane; one slice of curves per view, in any order.
 pub fn consensus(views: &[&[Curve]], options: &ConsensusOptions) -> FusedPlane {
-    let mut observations = Observations::collect(views);
+    fuse(Observations::collect(views), options)
+}
+
+/// The same from what was collected of the views.
+pub(crate) fn fuse(mut observations: Observations, options: &ConsensusOptions) -> FusedPlane {
     if observations.all.is_empty() {
         return FusedPlane::default();
     }

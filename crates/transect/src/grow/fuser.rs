@@ -5,7 +5,7 @@ use crate::{Setup, Stage, Watch};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use transect_fusion::{Agreement, FusedPlane, agreement, fuse_plane};
+use transect_fusion::{Agreement, FusedPlane, fuse_and_compare};
 use transect_geometry::{Curve, PlaneIndex};
 use transect_model::store::{Fuse, PlaneInputs, ViewId};
 
@@ -65,8 +65,8 @@ impl<'a> Fuser<'a> {
 impl Fuse for Fuser<'_> {
     fn fuse(&self, plane: PlaneIndex, partials: &[(ViewId, Vec<Curve>)]) -> Vec<Curve> {
         let views: Vec<&[Curve]> = partials.iter().map(|(_, curves)| curves.as_slice()).collect();
-        let fused = fuse_plane(&views, &self.setup.fusion);
-        self.remember(plane, partials, &fused, &agreement(&views));
+        let (fused, agreement) = fuse_and_compare(&views, &self.setup.fusion);
+        self.remember(plane, partials, &fused, &agreement);
         self.watch.step(Stage::Planes);
         fused.curves
     }
