@@ -211,8 +211,8 @@ impl Block {
                 let apart = (*connected & (1_u32 << c)).simd_eq(none);
                 let weight = apart.select(zero, fall * fall);
                 weight.store_slice(&mut weights.spatial[k * WIDTH + c]);
-                row.add_weight(x, weight);
-                row.add_value(x, weight * values.at(k, c));
+                row.add_weight(c, weight);
+                row.add_value(c, weight * values.at(k, c));
             }
             sums.add_row(y, &row);
         }
@@ -243,9 +243,9 @@ fn pass<S: Simd, const WITH_VALUES: bool>(
             let inside = positive(simd, one - residual * residual);
             let spatial = Lanes::load_array_ref(simd, &weights.spatial[k * WIDTH + c]);
             let weight = spatial * (inside * inside);
-            row.add_weight(x, weight);
+            row.add_weight(c, weight);
             if WITH_VALUES {
-                row.add_value(x, weight * value);
+                row.add_value(c, weight * value);
             } else {
                 weight.store_slice(&mut weights.robust[k * WIDTH + c]);
             }
