@@ -47,8 +47,8 @@ pub(super) struct Weights {
     spatial: Box<[[f32; LANES]]>,
     /// By distance and residual.
     robust: Box<[[f32; LANES]]>,
-    /// Half the number of columns, for each row of the window.
-    half_widths: [usize; WIDTH],
+    /// The first column and the one after the last, for each row of the window.
+    columns: [(usize, usize); WIDTH],
     /// The first row of the window and the one after the last.
     rows: (usize, usize),
 }
@@ -56,19 +56,27 @@ pub(super) struct Weights {
 impl Weights {
     pub fn new() -> Self {
         let zero = vec![[0.0; LANES]; PIXELS].into_boxed_slice();
-        let (half_widths, rows) = ([0; WIDTH], (0, 0));
-        Self { spatial: zero.clone(), robust: zero, half_widths, rows }
+        let (columns, rows) = ([(0, 0); WIDTH], (0, 0));
+        Self { spatial: zero.clone(), robust: zero, columns, rows }
     }
 
-    /// Where the windows of a block are at most.
-    fn frame(&mut self, largest: (f64, f64)) {
+    /// Where the windows of a block are at most; places without a connected pixel in any of them, whose
+    /// weights are 0, are left out.
+    fn frame(&mut self, largest: (f64, f64), seen: &[u32; WIDTH]) {
         let reach = (largest.0 as usize).min(REACH);
-        self.rows = (REACH - reach, REACH + reach + 1);
-        for k in self.rows.0..self.rows.1 {
+        // Rows go on from the centre's, so none is beyond one without a connected pixel.
+        let rows = (REACH - reach..REACH).rev().take_while(|k| seen[*k] != 0);
+        let top = rows.last().unwrap_or(REACH);
+        let rows = (REACH + 1..=REACH + reach).take_while(|k| seen[*k] != 0);
+        self.rows = (top, rows.last().unwrap_or(REACH) + 1);
+        for (k, seen) in seen.iter().enumerate().take(self.rows.1).skip(self.rows.0) {
             let y = k as f64 - REACH as f64;
             // Room for rounding, so that a pixel's fit is the same whatever is fitted beside it.
             let share = (1.0 - (y / largest.0).powi(2)).max(0.0) + 1e-5;
-            self.half_widths[k] = ((share.sqrt() * largest.1) as usize).min(REACH);
+            let half = ((share.sqrt() * largest.1) as usize).min(REACH);
+            let (first, end) = (seen.trailing_zeros(), u32::BITS - seen.leading_zeros());
+            self.columns[k] =
+                ((REACH - half).max(first as usize), (REACH + half + 1).min(end as usize));
         }
     }
 }
@@ -141,11 +149,17 @@ impl Block {
         let wider = (window::wider(self.largest.0), window::wider(self.largest.1));
         let reach = (wider.0 as usize).min(REACH);
         let connected = grid.links.connected(simd, (self.row, self.first), reach);
-        weights.frame(self.largest);
+        let fitted =
+            u32x8::load_array(simd, self.inverse_cut.map(|c| if c > 0.0 { !0 } else { 0 }));
+        let seen = connected.map(|row| (row & fitted).to_array().into_iter().fold(0, |a, b| a | b));
+        weights.frame(self.largest, &seen);
         let first = self.first_pass(&values, weights, &connected).fit();
         let second = pass::<S, true>(&values, weights, &first).fit();
         let narrow = at_centre(&values, weights, &second);
-        weights.frame(wider);
+        if !narrow.iter().any(Estimate::holds) {
+            return BlockFit { narrow, wide: narrow, inverse_cut: self.inverse_cut };
+        }
+        weights.frame(wider, &seen);
         self.weigh_wider(simd, weights, &connected);
         let wide = at_centre(&values, weights, &second);
         BlockFit { narrow, wide, inverse_cut: self.inverse_cut }
@@ -159,9 +173,9 @@ impl Block {
         let (top, bottom) = weights.rows;
         for (k, connected) in connected.iter().enumerate().take(bottom).skip(top) {
             let y = k as f32 - REACH as f32;
-            let half = weights.half_widths[k];
+            let (first, end) = weights.columns[k];
             let from_row = per_row * (y * y);
-            for c in REACH - half..=REACH + half {
+            for c in first..end {
                 let x = c as f32 - REACH as f32;
                 let squared = from_row + per_col * (x * x);
                 let fall = positive(simd, one - squared * squared);
@@ -187,18 +201,18 @@ impl Block {
         let (top, bottom) = weights.rows;
         for (k, connected) in connected.iter().enumerate().take(bottom).skip(top) {
             let y = k as f32 - REACH as f32;
-            let half = weights.half_widths[k];
+            let (first, end) = weights.columns[k];
             let from_row = per_row * (y * y);
             let mut row = RowSums::zero(simd);
-            for c in REACH - half..=REACH + half {
+            for c in first..end {
                 let x = c as f32 - REACH as f32;
                 let squared = from_row + per_col * (x * x);
                 let fall = positive(simd, one - squared * squared);
                 let apart = (*connected & (1_u32 << c)).simd_eq(none);
                 let weight = apart.select(zero, fall * fall);
                 weight.store_slice(&mut weights.spatial[k * WIDTH + c]);
-                row.add_weight(x, weight);
-                row.add_value(x, weight * values.at(k, c));
+                row.add_weight(c, weight);
+                row.add_value(c, weight * values.at(k, c));
             }
             sums.add_row(y, &row);
         }
@@ -219,19 +233,19 @@ fn pass<S: Simd, const WITH_VALUES: bool>(
     let mut sums = Sums::zero(simd);
     for k in weights.rows.0..weights.rows.1 {
         let y = k as f32 - REACH as f32;
-        let half = weights.half_widths[k];
+        let (first, end) = weights.columns[k];
         let expected = RowPolynomial::new(last, y);
         let mut row = RowSums::zero(simd);
-        for c in REACH - half..=REACH + half {
+        for c in first..end {
             let x = c as f32 - REACH as f32;
             let value = values.at(k, c);
             let residual = value - expected.at(x);
             let inside = positive(simd, one - residual * residual);
             let spatial = Lanes::load_array_ref(simd, &weights.spatial[k * WIDTH + c]);
             let weight = spatial * (inside * inside);
-            row.add_weight(x, weight);
+            row.add_weight(c, weight);
             if WITH_VALUES {
-                row.add_value(x, weight * value);
+                row.add_value(c, weight * value);
             } else {
                 weight.store_slice(&mut weights.robust[k * WIDTH + c]);
             }
@@ -253,9 +267,9 @@ fn at_centre<S: Simd>(
     let zero = all(values.simd, 0.0);
     let (mut change, mut variance) = (zero, zero);
     for k in weights.rows.0..weights.rows.1 {
-        let half = weights.half_widths[k];
+        let (first, end) = weights.columns[k];
         let of_row = RowPolynomial::new(&polynomial, k as f32 - REACH as f32);
-        for c in REACH - half..=REACH + half {
+        for c in first..end {
             let robust = Lanes::load_array_ref(values.simd, &weights.robust[k * WIDTH + c]);
             let share = robust * of_row.at(c as f32 - REACH as f32);
             change += share * values.at(k, c);

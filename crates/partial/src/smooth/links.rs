@@ -54,9 +54,9 @@ impl Links {
         self.words
     }
 
-    /// The valid pixels of a word; rows are counted from `REACH` before the image.
-    pub fn valid_word(&self, row: usize, word: usize) -> u64 {
-        self.valid[row * self.words + word]
+    /// The valid pixels of a row of the image, one bit per place.
+    pub fn valid_words(&self, row: usize) -> &[u64] {
+        &self.valid[(row + REACH) * self.words..(row + REACH + 1) * self.words]
     }
 
     /// Whether there is a sample at a place; both are counted from `REACH` before the image.
@@ -90,6 +90,23 @@ impl Links {
             before = valid >> 63;
             let apart = beside & !self.left[at] | self.valid[at - self.words] & !self.up[at];
             *breaks = !(valid | filled[at]) | valid & apart;
+        }
+    }
+
+    /// The missing pixels of a row of the image that have samples on both sides, or above and below, one
+    /// bit per place.
+    pub fn missing_between(&self, row: usize, found: &mut [u64]) {
+        let start = (row + REACH) * self.words;
+        let valid = &self.valid[start..start + self.words];
+        let mut before = 0;
+        for (word, found) in found.iter_mut().enumerate() {
+            let after = valid.get(word + 1).copied().unwrap_or(0);
+            let here = valid[word];
+            let along = (here << 1 | before) & (here >> 1 | after << 63);
+            let down =
+                self.valid[start + word - self.words] & self.valid[start + word + self.words];
+            *found = !here & (along | down);
+            before = here >> 63;
         }
     }
 

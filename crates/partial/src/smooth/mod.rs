@@ -140,7 +140,7 @@ pub fn smooth_with(
         let rest = if extent.robust {
             wanted.clone()
         } else {
-            let linear = dispatch!(level, simd => Linear::new(simd, &smoother));
+            let linear = dispatch!(level, simd => Linear::new(simd, &smoother, &wanted));
             smoother.take_linear(&linear, &wanted, &mut output)
         };
         dispatch!(level, simd => smoother.image(simd, &rest, &mut output));

@@ -1,6 +1,8 @@
 //! Weighted least squares for a polynomial of second order, several pixels at once.
 
+use super::REACH;
 use super::lanes::{Lanes, all, inverse_above};
+use super::links::WIDTH;
 use fearless_simd::Simd;
 
 /// Coefficients of `1, x, y, x², xy, y²`.
@@ -37,25 +39,34 @@ impl<S: Simd> RowSums<S> {
         Self { powers: [zero; 5], values: [zero; 3] }
     }
 
+    /// Adds the weight of a column, counted from the window's first.
     #[inline(always)]
-    pub fn add_weight(&mut self, x: f32, weight: Lanes<S>) {
-        let square = x * x;
+    pub fn add_weight(&mut self, c: usize, weight: Lanes<S>) {
+        let [x, x2, x3, x4] = COLUMNS[c];
         let [p0, p1, p2, p3, p4] = self.powers;
-        self.powers = [
-            p0 + weight,
-            p1 + weight * x,
-            p2 + weight * square,
-            p3 + weight * (square * x),
-            p4 + weight * (square * square),
-        ];
+        self.powers =
+            [p0 + weight, p1 + weight * x, p2 + weight * x2, p3 + weight * x3, p4 + weight * x4];
     }
 
     #[inline(always)]
-    pub fn add_value(&mut self, x: f32, weighted: Lanes<S>) {
+    pub fn add_value(&mut self, c: usize, weighted: Lanes<S>) {
+        let [x, x2, ..] = COLUMNS[c];
         let [v0, v1, v2] = self.values;
-        self.values = [v0 + weighted, v1 + weighted * x, v2 + weighted * (x * x)];
+        self.values = [v0 + weighted, v1 + weighted * x, v2 + weighted * x2];
     }
 }
+
+/// `x`, `x²`, `x³` and `x⁴` of each column of a window: read in less time than found again.
+const COLUMNS: [[f32; 4]; WIDTH] = {
+    let mut columns = [[0.0; 4]; WIDTH];
+    let mut c = 0;
+    while c < WIDTH {
+        let x = c as f32 - REACH as f32;
+        columns[c] = [x, x * x, x * x * x, x * x * x * x];
+        c += 1;
+    }
+    columns
+};
 
 impl<S: Simd> Sums<S> {
     #[inline(always)]

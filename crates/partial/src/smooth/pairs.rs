@@ -4,7 +4,7 @@ use crate::BreakRule;
 use crate::one_pass::{PairTestOf, PairTests};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, SimdBase};
-use transect_device::{Neighbour, PairGeometry, Pixel, RayProducts, View};
+use transect_device::{Neighbour, PairGeometry, Pixel, Point3, RayProducts, View};
 
 const WORD: usize = 64;
 
@@ -18,8 +18,18 @@ pub(super) struct Pairs<'a> {
     rule: &'a BreakRule,
     /// Of sensors that have tables.
     tables: Option<[(RayProducts, PairTests); 2]>,
-    /// Of a row of sensors that have none.
-    geometry: Vec<PairGeometry>,
+    /// Of sensors that have none.
+    geometry: Geometry,
+}
+
+/// The geometry of pairs that follows from the samples' points.
+#[derive(Debug, Default)]
+struct Geometry {
+    /// Points of the row above and of this one.
+    points: [Vec<Option<Point3>>; 2],
+    /// Distances between the rays of each pixel and of both its neighbours, row-major; NaN where there
+    /// is no pair.
+    laterals: [Vec<f32>; 2],
 }
 
 /// A row of samples, NaN where missing: the one before column 0 and all others, filled up to whole
@@ -41,7 +51,8 @@ impl Line {
 
 impl<'a> Pairs<'a> {
     pub fn new(view: &'a View, rule: &'a BreakRule) -> Self {
-        let cols = view.image().size().cols;
+        let size = view.image().size();
+        let cols = size.cols;
         let table = |neighbour| {
             let products = view.frame().ray_products(neighbour)?;
             let tests = PairTests::new(&products, rule, cols);
@@ -49,8 +60,13 @@ impl<'a> Pairs<'a> {
         };
         let tables = || Some([table(NEIGHBOURS[0])?, table(NEIGHBOURS[1])?]);
         let tables = tables();
-        let geometry =
-            if tables.is_none() { vec![PairGeometry::MISSING; cols] } else { Vec::new() };
+        let geometry = match tables {
+            Some(_) => Geometry::default(),
+            None => Geometry {
+                points: [vec![None; cols], vec![None; cols]],
+                laterals: NEIGHBOURS.map(|_| vec![f32::NAN; size.pixels()]),
+            },
+        };
         Self { view, rule, tables, geometry }
     }
 
@@ -66,36 +82,69 @@ impl<'a> Pairs<'a> {
                 compare(simd, upward.at(row), [&here[1..], &above[1..]], up);
             }
             None => {
-                for (neighbour, bits) in NEIGHBOURS.into_iter().zip([left, up]) {
-                    self.view.frame().pair_row(
-                        self.view.image(),
-                        row,
-                        neighbour,
-                        &mut self.geometry,
-                    );
-                    for (word, pairs) in bits.iter_mut().zip(self.geometry.chunks(WORD)) {
-                        let bit = |(k, pair)| u64::from(self.rule.holds(pair)) << k;
-                        *word = pairs.iter().enumerate().map(bit).sum();
-                    }
-                }
+                left.fill(0);
+                up.fill(0);
+                self.geometry.read(self.view, self.rule, row, [valid, left, up]);
             }
         }
     }
 
     /// Distance between the rays of a pixel and a neighbour, at the neighbour's sample.
     pub fn lateral(&self, pixel: Pixel, neighbour: Neighbour) -> Option<f64> {
-        let (frame, image) = (self.view.frame(), self.view.image());
-        let other = frame.neighbour(pixel, neighbour)?;
+        let image = self.view.image();
+        let which = usize::from(neighbour == Neighbour::Up);
         let Some(tables) = &self.tables else {
-            return Some(f64::from(frame.pair(image, pixel, other)?.lateral));
+            let lateral = self.geometry.laterals[which][pixel.row * image.size().cols + pixel.col];
+            return (!lateral.is_nan()).then_some(f64::from(lateral));
         };
-        let (products, _) = &tables[usize::from(neighbour == Neighbour::Up)];
+        let other = self.view.frame().neighbour(pixel, neighbour)?;
+        let (products, _) = &tables[which];
         let of_row = products.rows.get(pixel.row)?;
         let of_column = products.columns.get(pixel.col).copied().unwrap_or_default();
         let here = f64::from(of_row.here) + f64::from(of_column.here);
         let across = f64::from(of_row.across) + f64::from(of_column.across);
         Some(f64::from(image.get(other)?) * across / here.sqrt())
     }
+}
+
+impl Geometry {
+    /// Reads a row, which comes after the one above: each sample's point is found once, and pairs are
+    /// looked at where there are two samples.
+    fn read(&mut self, view: &View, rule: &BreakRule, row: usize, bits: [&mut [u64]; 3]) {
+        let [valid, left, up] = bits;
+        let (frame, image) = (view.frame(), view.image());
+        self.points.swap(0, 1);
+        let [above, here] = &mut self.points;
+        here.fill(None);
+        for col in ones(valid) {
+            let pixel = Pixel { row, col };
+            here[col] = image.get(pixel).and_then(|d3| frame.point(pixel, f64::from(d3)));
+        }
+        for col in ones(valid) {
+            let pixel = Pixel { row, col };
+            let (Some(point), Some(ray)) = (&here[col], frame.ray(pixel)) else { continue };
+            let kinds = NEIGHBOURS.into_iter().zip([&*here, &*above]);
+            for (((neighbour, points), laterals), bits) in
+                kinds.zip(&mut self.laterals).zip([&mut *left, &mut *up])
+            {
+                let other = frame.neighbour(pixel, neighbour);
+                let other = other.and_then(|o| points.get(o.col)?.as_ref());
+                let Some(other) = other else { continue };
+                let pair = PairGeometry::between(point, other, &ray.direction);
+                laterals[row * image.size().cols + col] = pair.lateral;
+                bits[col / WORD] |= u64::from(rule.holds(&pair)) << (col % WORD);
+            }
+        }
+    }
+}
+
+/// The places of the bits that are set.
+pub(super) fn ones(words: &[u64]) -> impl Iterator<Item = usize> {
+    words.iter().enumerate().flat_map(|(at, &word)| {
+        let lowest = |rest: &u64| Some(rest & rest.wrapping_sub(1)).filter(|rest| *rest != 0);
+        let rests = std::iter::successors(Some(word).filter(|rest| *rest != 0), lowest);
+        rests.map(move |rest| at * WORD + rest.trailing_zeros() as usize)
+    })
 }
 
 /// Compares samples with others, a word at a time.

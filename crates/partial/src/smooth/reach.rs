@@ -216,6 +216,10 @@ fn slack(samples: &Samples<'_>, axes: &SectionAxes) -> f32 {
     let Some((near, far)) = samples.view.image().extremes() else { return 0.0 };
     let (near, far) = (f64::from(near), f64::from(far));
     let along = |k: usize| {
+        // A form along one axis leaves two extents, which take the whole image, unasked.
+        if level.gradient[k] == 0.0 {
+            return 0.0;
+        }
         let mut axis = Vector3::zeros();
         axis[k] = level.gradient[k];
         let (low, high) = samples.view.frame().extent(&axis, near, far);

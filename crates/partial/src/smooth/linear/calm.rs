@@ -5,6 +5,7 @@
 //! same way all along it: means of lines and of stripes in four directions see it to within 23°.
 //! The limits are what noise exceeds at a percent of the pixels or two.
 
+use super::candidates::Candidates;
 use super::convolve::load;
 use crate::smooth::lanes::{LANES, Lanes, all};
 use crate::smooth::scales::Scales;
@@ -16,6 +17,10 @@ use fearless_simd::prelude::*;
 const ALONG: usize = 3;
 /// Pixels to either side of a stripe's middle line.
 const ACROSS: usize = 1;
+
+/// Pixels to either side whose residuals have a say in a pixel: along a slanting stripe, they make those
+/// around it rough.
+pub(super) const LOOKED: usize = 2 * ALONG + ACROSS;
 
 /// Pixels of the square and of a stripe.
 const IN_SQUARE: f32 = ((2 * ALONG + 1) * (2 * ALONG + 1)) as f32;
@@ -59,11 +64,14 @@ struct Residuals {
 
 impl Residuals {
     /// `cols` is the number of columns that a full circle has.
-    fn new(changes: &[f32], width: usize, cols: Option<usize>) -> Self {
+    fn new(changes: &[f32], candidates: &Candidates, width: usize, cols: Option<usize>) -> Self {
         let stride = width + 2 * ROOM;
         let mut values = vec![0.0; stride * (changes.len() / width + 2 * ALONG)];
         let lines = values.chunks_exact_mut(stride).skip(ALONG);
-        for (line, changes) in lines.zip(changes.chunks_exact(width)) {
+        for (row, (line, changes)) in lines.zip(changes.chunks_exact(width)).enumerate() {
+            if !candidates.looked_at(row).contains(&true) {
+                continue;
+            }
             line[ROOM..ROOM + width].copy_from_slice(changes);
             if let Some(cols) = cols {
                 line.copy_within(ROOM + cols - ALONG..ROOM + cols, ROOM - ALONG);
@@ -90,11 +98,12 @@ impl Sums {
         Self { upright: none.clone(), flat: none.clone(), diagonals, squares: none }
     }
 
-    /// Finds those around a row of the image.
+    /// Finds those around a row of the image, in some of its blocks from the one before the first.
     #[inline(always)]
-    fn find<S: Simd>(&mut self, simd: S, residuals: &Residuals, row: usize) {
+    fn find<S: Simd>(&mut self, simd: S, residuals: &Residuals, row: usize, blocks: &[bool]) {
         let (values, stride) = (&residuals.values[row * residuals.stride..], residuals.stride);
-        for col in (LANES..stride - LANES).step_by(LANES) {
+        let blocks = blocks.iter().enumerate().filter(|(_, looked)| **looked);
+        for col in blocks.map(|(block, _)| ROOM - LANES + block * LANES) {
             let zero = all(simd, 0.0);
             let (mut upright, mut flat, mut squares) = (zero, zero, zero);
             let (mut falling, mut rising) = (zero, zero);
@@ -151,24 +160,25 @@ impl Sums {
     }
 }
 
-/// One entry per pixel, as in the scales: whether the residuals around it are noise. `cols` is the
-/// number of columns that a full circle has.
+/// One entry per pixel, as in the scales: whether the residuals around it are noise; known of candidates
+/// alone. `cols` is the number of columns that a full circle has.
 #[inline(always)]
 pub(super) fn calm<S: Simd>(
     simd: S,
     scales: &Scales,
     changes: &[f32],
     cols: Option<usize>,
+    candidates: &Candidates,
 ) -> Vec<bool> {
     let width = scales.width;
-    let residuals = Residuals::new(changes, width, cols);
+    let residuals = Residuals::new(changes, candidates, width, cols);
     let mut sums = Sums::new(residuals.stride);
     let mut calm = vec![false; changes.len()];
     let mut rough = vec![false; changes.len()];
     for row in 0..changes.len() / width {
-        sums.find(simd, &residuals, row);
+        sums.find(simd, &residuals, row, candidates.looked_at(row));
         let middle = &residuals.values[(row + ALONG) * residuals.stride..][..residuals.stride];
-        for col in (0..width).step_by(LANES) {
+        for col in candidates.looked(row) {
             let pixel = row * width + col;
             let [bits, not] = sums.judge(simd, (middle, col), limits(simd, scales, pixel));
             for lane in 0..LANES {
@@ -185,6 +195,7 @@ pub(super) fn calm<S: Simd>(
 #[inline(always)]
 fn spread(rough: &[bool], calm: &mut [bool], width: usize, cols: Option<usize>) {
     let mut line = vec![false; width + 2 * ALONG];
+    let mut beside = vec![false; width];
     for (row, rough) in rough.chunks_exact(width).enumerate() {
         if !rough.contains(&true) {
             continue;
@@ -194,11 +205,12 @@ fn spread(rough: &[bool], calm: &mut [bool], width: usize, cols: Option<usize>) 
             line.copy_within(cols..cols + ALONG, 0);
             line.copy_within(ALONG..2 * ALONG, cols + ALONG);
         }
+        for (beside, rough) in beside.iter_mut().zip(line.windows(2 * ALONG + 1)) {
+            *beside = rough.iter().fold(false, |any, rough| any | rough);
+        }
         let (first, last) = (row.saturating_sub(ALONG), row + ALONG + 1);
         for calm in calm[first * width..].chunks_exact_mut(width).take(last - first) {
-            for (calm, rough) in calm.iter_mut().zip(line.windows(2 * ALONG + 1)) {
-                *calm &= !rough.iter().fold(false, |any, rough| any | rough);
-            }
+            calm.iter_mut().zip(&beside).for_each(|(calm, beside)| *calm &= !beside);
         }
     }
 }
@@ -248,10 +260,22 @@ mod tests {
     const WIDTH: usize = 64;
 
     fn calm_of(changes: &[f32], cols: Option<usize>) -> Vec<bool> {
+        calm_where(changes, cols, |_, _| true)
+    }
+
+    fn calm_where(
+        changes: &[f32],
+        cols: Option<usize>,
+        is_candidate: impl Fn(usize, usize) -> bool,
+    ) -> Vec<bool> {
         // Windows of a radius of 5 pixels.
         let radii = [vec![80; changes.len()], vec![80; changes.len()]];
         let scales = Scales { width: WIDTH, radii, inverse_sigma: vec![1.0; changes.len()] };
-        dispatch!(Instructions::Best.level(), simd => calm(simd, &scales, changes, cols))
+        let shape = (changes.len() / WIDTH, cols.unwrap_or(WIDTH), WIDTH);
+        let of_row =
+            |row: usize| (0..shape.1).filter(|col| is_candidate(row, *col)).collect::<Vec<_>>();
+        let candidates = Candidates::new(shape, cols.is_some(), |row| of_row(row).into_iter());
+        dispatch!(Instructions::Best.level(), simd => calm(simd, &scales, changes, cols, &candidates))
     }
 
     fn image(f: impl Fn(usize, usize) -> f32) -> Vec<f32> {
@@ -285,5 +309,29 @@ mod tests {
         let at_last = image(|_, col| if col == cols - 1 { 3.0 } else { 0.0 });
         assert!(calm_of(&at_last, None)[20 * WIDTH]);
         assert!(!calm_of(&at_last, Some(cols))[20 * WIDTH]);
+    }
+
+    #[test]
+    fn what_is_said_of_a_candidate_does_not_depend_on_others() {
+        // A hash; so large that about half of the pixels are calm.
+        let random =
+            |k: u32| (k.wrapping_mul(0x9e37_79b1) >> 16 ^ k).wrapping_mul(0x85eb_ca6b) >> 8;
+        let noise =
+            |row, col| 3.7 * (random((row * WIDTH + col) as u32) as f32 / 16_777_216.0 - 0.5);
+        let changes = image(noise);
+        for cols in [WIDTH, WIDTH - 3, WIDTH - 7] {
+            for circle in [None, Some(cols)] {
+                let all = calm_of(&changes, circle);
+                let count = all.iter().filter(|calm| **calm).count();
+                assert!((200..2000).contains(&count), "{count}");
+                for col in (0..8).chain(cols - 8..cols) {
+                    let alone = calm_where(&changes, circle, |_, c| c == col);
+                    for row in 0..40 {
+                        let pixel = row * WIDTH + col;
+                        assert_eq!(alone[pixel], all[pixel], "{circle:?} {row} {col}");
+                    }
+                }
+            }
+        }
     }
 }

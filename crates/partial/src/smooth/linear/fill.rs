@@ -2,6 +2,7 @@
 
 use crate::smooth::REACH;
 use crate::smooth::grid::Grid;
+use crate::smooth::pairs::ones;
 use crate::smooth::scales::Scales;
 
 /// Standard deviations by which continuations from both sides may differ.
@@ -20,17 +21,12 @@ impl Filled {
         let words = grid.links.words();
         let places = vec![0; words * (rows + 2 * REACH)];
         let mut filled = Self { quantities: grid.quantities().to_vec(), places };
+        let mut between = vec![0; words];
         for row in 0..rows {
-            for word in 0..words {
-                let mut missing = !grid.links.valid_word(row + REACH, word);
-                while missing != 0 {
-                    let place = 64 * word + missing.trailing_zeros() as usize;
-                    missing &= missing - 1;
-                    if (REACH..REACH + cols).contains(&place) {
-                        let scale = scales.inverse_sigma[row * scales.width + place - REACH];
-                        filled.fill(grid, (row + REACH, place), scale);
-                    }
-                }
+            grid.links.missing_between(row, &mut between);
+            for place in ones(&between).filter(|place| (REACH..REACH + cols).contains(place)) {
+                let scale = scales.inverse_sigma[row * scales.width + place - REACH];
+                filled.fill(grid, (row + REACH, place), scale);
             }
         }
         filled

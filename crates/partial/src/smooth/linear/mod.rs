@@ -32,10 +32,12 @@
 //! a sample (root mean square), and neither is the better one by more than 3 %; on creases and steps
 //! of any height the bias is up to 0.17 larger, where it is not left to the robust fit.
 //!
-//! **Cost.** Some 70 multiplications and additions per pixel of the image where the radius is 4 pixels, and
-//! about as many for step 4.
+//! **Cost.** Some 70 multiplications and additions per pixel where the radius is 4 pixels, and about as many
+//! for step 4; steps 3 and 4 are for the blocks of pixels around those that may be taken at all, see
+//! `candidates.rs`.
 
 mod calm;
+mod candidates;
 mod convolve;
 mod fill;
 mod kernel;
@@ -45,9 +47,11 @@ use super::Smoother;
 use super::block::CUT;
 use super::estimate::{Estimate, Fitted};
 use super::lanes::LANES;
+use super::pairs::ones;
 use super::scales::Scales;
 use super::{REACH, window};
 use calm::calm;
+use candidates::Candidates;
 use convolve::{around, load};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -64,10 +68,11 @@ const LARGEST_CHANGE: f32 = 4.0;
 pub(super) struct Linear<'a> {
     scales: &'a Scales,
     kernels: Kernels,
-    plain: Plain,
-    /// Changes by the window and by the wider one, in standard deviations; row-major as the scales.
+    candidates: Candidates,
+    /// Changes by the window and by the wider one, in standard deviations; row-major as the scales. Known
+    /// around candidates.
     changes: [Vec<f32>; 2],
-    /// Where residuals are like noise; row-major as the scales.
+    /// Where residuals are like noise; row-major as the scales. Known of candidates.
     calm: Vec<bool>,
 }
 
@@ -80,26 +85,44 @@ pub(super) struct LinearFit {
 
 impl<'a> Linear<'a> {
     #[inline(always)]
-    pub fn new<S: Simd>(simd: S, smoother: &'a Smoother<'_>) -> Self {
+    pub fn new<S: Simd>(simd: S, smoother: &'a Smoother<'_>, wanted: &[bool]) -> Self {
         let (grid, scales) = (&smoother.samples.grid, &smoother.scales);
         let size = smoother.samples.view.image().size();
         let filled = Filled::new(grid, scales, (size.rows, size.cols));
         let plain = Plain::new(grid, size.rows, size.cols, &filled.places);
         let kernels = Kernels::new();
-        let changes =
-            [vec![0.0; scales.inverse_sigma.len()], vec![0.0; scales.inverse_sigma.len()]];
-        let mut linear = Self { calm: Vec::new(), scales, kernels, plain, changes };
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                let along = linear.along_rows(simd, &filled.quantities, grid.stride());
-                linear.down_columns(simd, &along, &filled.quantities, grid.stride());
-            },
-        );
-        linear.calm = simd.vectorize(
-            #[inline(always)]
-            || calm(simd, scales, &linear.changes[0], grid.wraps().then_some(size.cols)),
-        );
+        let smallest = index_of(window::SMALLEST);
+        let may_be = |row: usize, col: usize| {
+            let pixel = row * scales.width + col;
+            let [rows, cols] = [0, 1].map(|axis| scales.radii[axis][pixel]);
+            wanted[row * size.cols + col]
+                && rows.min(cols) >= smallest
+                && plain.around((row, col), (kernels.of(rows)[1].reach, kernels.of(cols)[1].reach))
+        };
+        let of_row = |row: usize| {
+            let valid =
+                ones(grid.links.valid_words(row)).filter_map(|place| place.checked_sub(REACH));
+            valid.filter(move |col| *col < size.cols && may_be(row, *col))
+        };
+        let shape = (size.rows, size.cols, scales.width);
+        let candidates = Candidates::new(shape, grid.wraps(), of_row);
+        let none = || vec![0.0; scales.inverse_sigma.len()];
+        let mut linear =
+            Self { calm: Vec::new(), scales, kernels, candidates, changes: [none(), none()] };
+        if linear.candidates.any() {
+            simd.vectorize(
+                #[inline(always)]
+                || {
+                    let along = linear.along_rows(simd, &filled.quantities, grid.stride());
+                    linear.down_columns(simd, &along, &filled.quantities, grid.stride());
+                },
+            );
+            let cols = grid.wraps().then_some(size.cols);
+            linear.calm = simd.vectorize(
+                #[inline(always)]
+                || calm(simd, scales, &linear.changes[0], cols, &linear.candidates),
+            );
+        }
         linear
     }
 
@@ -107,10 +130,11 @@ impl<'a> Linear<'a> {
     #[inline(always)]
     fn along_rows<S: Simd>(&self, simd: S, quantities: &[f32], stride: usize) -> [Vec<f32>; 2] {
         let width = self.scales.width;
-        let room = vec![0.0; self.scales.inverse_sigma.len() + 2 * REACH * width];
-        let mut along = [room.clone(), room];
+        // What is never written costs nothing so: a copy would be written.
+        let room = || vec![0.0; self.scales.inverse_sigma.len() + 2 * REACH * width];
+        let mut along = [room(), room()];
         for row in 0..self.scales.radii[1].len() / width {
-            for col in (0..width).step_by(LANES) {
+            for col in self.candidates.in_windows(row) {
                 let at = (row + REACH) * stride + REACH + col;
                 let radii = self.radii(1, row * width + col);
                 let found = around(simd, &self.kernels, &radii, [quantities; 2], (at, 1));
@@ -138,7 +162,7 @@ impl<'a> Linear<'a> {
     ) {
         let width = self.scales.width;
         for row in 0..self.scales.radii[0].len() / width {
-            for col in (0..width).step_by(LANES) {
+            for col in self.candidates.looked(row) {
                 let pixel = row * width + col;
                 let at = (pixel + REACH * width, width);
                 let radii = self.radii(0, pixel);
@@ -152,20 +176,16 @@ impl<'a> Linear<'a> {
         }
     }
 
-    /// Step 5: what becomes of a valid pixel; `None` where that is not for this fit to say.
+    /// Step 5: what becomes of a pixel that is wanted; `None` where that is not for this fit to say.
     pub fn at(&self, row: usize, col: usize) -> Option<LinearFit> {
         let pixel = row * self.scales.width + col;
-        if !self.calm[pixel] {
+        if !self.candidates.holds(pixel) || !self.calm[pixel] {
             return None;
         }
         let [rows, cols] = [0, 1].map(|axis| self.scales.radii[axis][pixel]);
         let (down, across) = (self.kernels.of(rows), self.kernels.of(cols));
-        let smallest = kernel::index_of(window::SMALLEST);
         let changes = [0, 1].map(|k| self.changes[k][pixel]);
-        if rows.min(cols) < smallest
-            || changes[0].abs() > LARGEST_CHANGE
-            || !self.plain.around((row, col), (down[1].reach, across[1].reach))
-        {
+        if changes[0].abs() > LARGEST_CHANGE {
             return None;
         }
         let [narrow, wide] = [0, 1].map(|k| Estimate {
