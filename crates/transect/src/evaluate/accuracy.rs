@@ -24,7 +24,8 @@ pub struct Accuracy {
     /// Curves of the truth.
     pub truth_pieces: usize,
     /// Curves to expect: stretches of the truth's curves that the views could see. Gaps shorter than the
-    /// tolerance do not separate them, and shorter ones do not count.
+    /// tolerance, or than four samples of the plane's views, do not separate them, and shorter ones do not
+    /// count.
     pub expected_pieces: usize,
     /// Length of the curves.
     pub length: f64,

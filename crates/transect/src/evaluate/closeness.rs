@@ -35,6 +35,21 @@ pub(super) struct Closeness {
     pub distances: Vec<f64>,
 }
 
+/// Shortest stretch of the truth that is expected as a curve, and longest gap that parts none, in samples
+/// of the views.
+const SHORTEST_FOOTPRINTS: f64 = 4.0;
+
+/// Median distance between the views' samples on some curves; 0 where they do not say.
+fn footprint(curves: &[Curve]) -> f64 {
+    let mut footprints: Vec<f32> =
+        curves.iter().flat_map(Curve::nodes).map(|n| n.footprint).collect();
+    let middle = footprints.len() / 2;
+    if footprints.is_empty() {
+        return 0.0;
+    }
+    f64::from(*footprints.select_nth_unstable_by(middle, f32::total_cmp).1)
+}
+
 impl Closeness {
     /// That of one plane, from its curves and an index of their units.
     ///
@@ -57,6 +72,7 @@ impl Closeness {
             truth_pieces: truth.len(),
             ..Self::default()
         };
+        let shortest = ruler.tolerance.max(SHORTEST_FOOTPRINTS * footprint(curves));
         let truth_index = UnitIndex::new(truth);
         for sample in curves.iter().flat_map(|c| samples(c, ruler.step)) {
             sums.add_curve_sample(&sample, &truth_index, ruler);
@@ -65,7 +81,7 @@ impl Closeness {
             let looked = samples(curve, ruler.step).map(|s| (s, seen(&s.position)));
             let looked =
                 looked.inspect(|(s, seen)| sums.add_truth_sample(s, *seen, curve_index, ruler));
-            let stretches = seen_stretches(looked, curve.is_closed(), ruler.tolerance);
+            let stretches = seen_stretches(looked, curve.is_closed(), shortest);
             sums.truth_stretches += stretches;
         }
         sums

@@ -9,7 +9,8 @@
 //! 2. Samples of the curves: distance to the nearest unit of the truth on the same plane, and
 //!    whether that unit runs the same way (solid on the same side).
 //! 3. Samples of the truth: distance to the nearest curve unit on the same plane. Stretches of the truth's
-//!    curves that were seen, with no gap as long as the tolerance, are the curves to expect.
+//!    curves that were seen, with no gap as long as the tolerance or four samples of the views, are the
+//!    curves to expect.
 //! 4. Samples of the curves again, against the curves: whether another piece of the same direction
 //!    lies within the tolerance, which is surface that was modelled twice.
 //! 5. Shares count lengths; median and 95 % quantile count samples (linear between neighbouring
