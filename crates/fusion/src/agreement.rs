@@ -60,7 +60,7 @@ pub fn agreement(views: &[&[Curve]]) -> Vec<Agreement> {
 /// The same from what was collected of some views.
 pub(crate) fn between(observations: &Observations, views: usize) -> Vec<Agreement> {
     let mut result = vec![Agreement::default(); views];
-    if observations.sources.len() < 2 {
+    if observations.sources.len() < 2 || observations.all.is_empty() {
         return result;
     }
     let grid = PointGrid::new(&observations.positions(), 4.0 * observations.spacing());
@@ -117,6 +117,15 @@ mod tests {
         let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
         let found: Vec<bool> = agreement(&slices).iter().map(Agreement::is_contradicted).collect();
         assert_eq!(found, [false, false, false, true]);
+    }
+
+    #[test]
+    fn views_without_a_direction_say_nothing() {
+        let nowhere =
+            |x: f64| vec![Curve::new(vec![Node::at(Point2::new(x, 0.0)); 3], false).unwrap()];
+        let views = [nowhere(0.0), nowhere(1.0)];
+        let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+        assert_eq!(agreement(&slices), [Agreement::default(); 2]);
     }
 
     #[test]

@@ -110,7 +110,7 @@ impl PointGrid {
         let (first, last) = (self.cell(&(d - half)), self.cell(&(d + half)));
         let (columns, rows) = (u64::from(last.0 - first.0) + 1, u64::from(last.1 - first.1) + 1);
         // Rows begin at least 0.38 / rows of the circle from each other, less half a slot each.
-        if 4 * rows.saturating_mul(rows + 2 * columns) > 3 * u64::from(self.mask()) {
+        if rows.saturating_mul(rows + 2 * columns).saturating_mul(4) > 3 * u64::from(self.mask()) {
             return visit_all(&self.items, centre, &mut visit);
         }
         for row in first.1..=last.1 {

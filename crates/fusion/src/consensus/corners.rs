@@ -44,10 +44,12 @@ const LARGEST_TURN: f64 = 2.44;
 const BEND_SHARE: f64 = 0.6;
 const BEND_SIGMAS: f64 = 0.5;
 
-/// How far nodes between the sides may lie off them, in standard deviations and besides by the noise
-/// of a pixel, which is what smoothing over a crease moves it by at most; nearer to the corner than this
-/// many footprints views sample both sides at once.
+/// How far nodes between the sides may lie off them, in standard deviations, besides the noise of a
+/// pixel: smoothing over a crease moves a node by no more.
 const OFF_SIGMAS: f64 = 3.0;
+
+/// Footprints from the corner within which a view's unit joins samples of both sides, and by how many
+/// that moves nodes off them.
 const NEAR: f64 = 0.7;
 const SAMPLED: f64 = 0.2;
 
@@ -57,6 +59,9 @@ const CHORD: f64 = 1.5;
 
 /// The corner must lie off the curve by more than this many standard deviations of its place.
 const TOLD_SIGMAS: f64 = 1.0;
+
+/// Footprints by which the ends of both sides may differ where they meet.
+const SAME_PLACE: f64 = 0.01;
 
 /// Footprints from a corner within which nodes of a side move onto it.
 const RIM: f64 = 2.5;
@@ -169,7 +174,10 @@ impl<'a> Meeting<'a> {
             let (bend, sigma) = side.bend;
             left * bend + BEND_SIGMAS * sigma > BEND_SHARE * turn / way
         };
+        // Bent sides may pass each other.
+        let apart = (ends[1].position - ends[0].position).norm();
         let is_corner = leads(0)
+            && apart <= SAME_PLACE * sides[0].footprint
             && leads(1)
             && (SMALLEST_TURN..=LARGEST_TURN).contains(&turn)
             && !sides.into_iter().any(bends);

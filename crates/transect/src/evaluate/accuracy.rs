@@ -24,7 +24,7 @@ pub struct Accuracy {
     /// Curves of the truth.
     pub truth_pieces: usize,
     /// Curves to expect: stretches of the truth's curves that the views could see. Gaps shorter than the
-    /// tolerance, or than four samples of the plane's views, do not separate them, and shorter ones do not
+    /// tolerance, or than four samples as the plane's curves tell them, do not separate them, and shorter ones do not
     /// count.
     pub expected_pieces: usize,
     /// Length of the curves.

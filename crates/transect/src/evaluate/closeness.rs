@@ -39,10 +39,10 @@ pub(super) struct Closeness {
 /// of the views.
 const SHORTEST_FOOTPRINTS: f64 = 4.0;
 
-/// Median distance between the views' samples on some curves; 0 where they do not say.
+/// Median distance between the views' samples as curves tell it; 0 where they do not.
 fn footprint(curves: &[Curve]) -> f64 {
-    let mut footprints: Vec<f32> =
-        curves.iter().flat_map(Curve::nodes).map(|n| n.footprint).collect();
+    let seen = curves.iter().flat_map(Curve::nodes).filter(|n| n.views > 0);
+    let mut footprints: Vec<f32> = seen.map(|n| n.footprint).collect();
     let middle = footprints.len() / 2;
     if footprints.is_empty() {
         return 0.0;

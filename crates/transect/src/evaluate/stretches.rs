@@ -12,7 +12,12 @@ pub(super) fn seen_stretches(
     shortest: f64,
 ) -> usize {
     let mut runs = Vec::new();
-    samples.for_each(|(sample, seen)| extend(&mut runs, Run { seen, length: sample.length }));
+    let run = |(sample, seen): (Sample, bool)| Run {
+        seen,
+        length: sample.length,
+        seen_length: if seen { sample.length } else { 0.0 },
+    };
+    samples.for_each(|s| extend(&mut runs, run(s)));
     close(&mut runs, is_closed);
     let mut without_gaps = Vec::new();
     for run in runs {
@@ -20,7 +25,7 @@ pub(super) fn seen_stretches(
         extend(&mut without_gaps, Run { seen, ..run });
     }
     close(&mut without_gaps, is_closed);
-    without_gaps.iter().filter(|r| r.seen && r.length >= shortest).count()
+    without_gaps.iter().filter(|r| r.seen && r.seen_length >= shortest).count()
 }
 
 /// A part of a curve that was seen as a whole, or not at all.
@@ -28,11 +33,20 @@ pub(super) fn seen_stretches(
 struct Run {
     seen: bool,
     length: f64,
+    /// Length of it that was seen.
+    seen_length: f64,
+}
+
+impl Run {
+    fn add(&mut self, other: &Self) {
+        self.length += other.length;
+        self.seen_length += other.seen_length;
+    }
 }
 
 fn extend(runs: &mut Vec<Run>, more: Run) {
     match runs.last_mut() {
-        Some(last) if last.seen == more.seen => last.length += more.length,
+        Some(last) if last.seen == more.seen => last.add(&more),
         _ => runs.push(more),
     }
 }
@@ -42,7 +56,8 @@ fn close(runs: &mut Vec<Run>, is_closed: bool) {
     if let (true, [first, .., last]) = (is_closed, runs.as_mut_slice())
         && first.seen == last.seen
     {
-        first.length += last.length;
+        let last = *last;
+        first.add(&last);
         runs.pop();
     }
 }
@@ -67,6 +82,8 @@ mod tests {
         assert_eq!(count("####.####...####", false, 1.0), 3);
         assert_eq!(count("................", false, 2.0), 0);
         assert_eq!(count("....#.......####", false, 2.0), 1, "a single sample is no curve");
+        assert_eq!(count(".#.", false, 2.0), 0, "nor is one between short gaps");
+        assert_eq!(count("#.#.#", false, 3.0), 1);
     }
 
     #[test]

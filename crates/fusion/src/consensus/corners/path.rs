@@ -8,7 +8,7 @@ use super::side::Side;
 const LOOK: usize = 4;
 
 /// Nodes on each side of a turn among which sides are looked for.
-const NEAR: usize = 16;
+const AROUND: usize = 16;
 
 /// Nodes with which a side begins.
 const SEED: usize = 4;
@@ -73,7 +73,7 @@ impl<'a> Path<'a> {
         (first..first + units).map(|k| self.steps[k % self.len()]).sum()
     }
 
-    /// Which nodes are near a turn of more than an angle.
+    /// Which nodes are near a turn of more than an angle; of at least `LOOK` nodes.
     fn near_turns(&self, cosine: f64) -> Vec<bool> {
         let n = self.len();
         let closed = self.piece.closed;
@@ -81,7 +81,7 @@ impl<'a> Path<'a> {
         for k in if closed { 0..n } else { LOOK..n.saturating_sub(LOOK) } {
             let (before, after) = (self.node(k + n - LOOK), self.node(k + LOOK));
             if before.tangent.dot(&after.tangent) < cosine {
-                let around = (k + n).saturating_sub(NEAR)..=k + n + NEAR;
+                let around = (k + n).saturating_sub(AROUND)..=k + n + AROUND;
                 around
                     .filter(|j| closed || (n..2 * n).contains(j))
                     .for_each(|j| near[j % n] = true);
@@ -93,11 +93,13 @@ impl<'a> Path<'a> {
     /// The sides near turns, in the order of the piece. None of them share nodes.
     pub fn stretches(&self, cosine: f64) -> Vec<Stretch> {
         let n = self.len();
-        let near = self.near_turns(cosine);
-        if n < 2 * SEED || !near.contains(&true) {
+        if n < 2 * SEED {
             return Vec::new();
         }
-        let mut free = near;
+        let mut free = self.near_turns(cosine);
+        if !free.contains(&true) {
+            return Vec::new();
+        }
         let starts = if self.piece.closed { n } else { n - SEED + 1 };
         let mut seeds: Vec<(f64, usize)> =
             (0..starts).filter_map(|k| Some((self.seed(k, &free)?, k))).collect();

@@ -74,8 +74,10 @@ impl Residuals {
             }
             line[ROOM..ROOM + width].copy_from_slice(changes);
             if let Some(cols) = cols {
-                line.copy_within(ROOM + cols - ALONG..ROOM + cols, ROOM - ALONG);
-                line.copy_within(ROOM..ROOM + ALONG, ROOM + cols);
+                // A diagonal stripe is as wide as it is wide beyond its ends.
+                let beyond = ALONG + ACROSS;
+                line.copy_within(ROOM + cols - beyond..ROOM + cols, ROOM - beyond);
+                line.copy_within(ROOM..ROOM + beyond, ROOM + cols);
             }
         }
         Self { values, stride }
