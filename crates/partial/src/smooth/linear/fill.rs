@@ -1,4 +1,4 @@
-//! Values for lone missing pixels, for what windows around them ask of them alone.
+//! Values for gaps one pixel wide, for what windows around them ask of them alone.
 
 use crate::smooth::REACH;
 use crate::smooth::grid::Grid;
@@ -8,7 +8,7 @@ use crate::smooth::scales::Scales;
 /// Standard deviations by which continuations from both sides may differ.
 const AGREEMENT: f32 = 4.0;
 
-/// Quantities with lone missing pixels filled, and which ones those are.
+/// Quantities with gaps one pixel wide filled, and which ones those are.
 #[derive(Debug)]
 pub(super) struct Filled {
     pub quantities: Vec<f32>,

@@ -10,7 +10,7 @@
 //!
 //! **Steps.**
 //! 1. Window radii and noise of every pixel; see `../scales.rs`.
-//! 2. Lone missing pixels are filled from up to eight samples around them; see `fill.rs`. Nobody sees
+//! 2. Gaps one pixel wide are filled from up to eight samples around them; see `fill.rs`. Nobody sees
 //!    those values but the windows around.
 //! 3. Along rows, then along columns: the value at the centre of the parabola that is fitted with the
 //!    weights of `kernel.rs`. Together that is the fit of all products of `1, x, x²` and `1, y, y²`. Every
