@@ -177,8 +177,8 @@ impl<'a> Meeting<'a> {
         // Bent sides may pass each other.
         let apart = (ends[1].position - ends[0].position).norm();
         let is_corner = leads(0)
-            && apart <= SAME_PLACE * sides[0].footprint
             && leads(1)
+            && apart <= SAME_PLACE * sides[0].footprint
             && (SMALLEST_TURN..=LARGEST_TURN).contains(&turn)
             && !sides.into_iter().any(bends);
         is_corner.then_some(Self { sides, along, place: ends[0].position, sigma, turn, directions })
