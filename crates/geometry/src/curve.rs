@@ -21,6 +21,9 @@ pub struct Node {
     /// Length along the curve over which nodes share their errors, in the length unit: the window of
     /// whatever smoothed them; 0 if each has its own.
     pub correlation: f32,
+    /// Tangent of the angle between the ray and the surface's normal; 0 where it is not known, and of
+    /// a fused node.
+    pub tan_incidence: f32,
     /// Outward unit normal of the surface, in plane coordinates with the plane's normal third; zero
     /// where it is not known.
     pub normal: Vector3<f32>,
@@ -38,6 +41,7 @@ impl Node {
             weight: 1.0,
             views: 1,
             correlation: 0.0,
+            tan_incidence: 0.0,
             normal: Vector3::zeros(),
             bridged: false,
         }
@@ -59,7 +63,7 @@ pub enum CurveError {
     /// A coordinate is NaN or infinite.
     #[error("node {0} has a coordinate that is not a number")]
     NotFinite(usize),
-    /// Standard deviation, footprint, weight or correlation is negative, or one of them or the
+    /// Standard deviation, footprint, weight, correlation or incidence is negative, or one of them or the
     /// normal is NaN or infinite.
     #[error("node {0} has a measure below 0 or not a number, or no normal that is one")]
     BadAttribute(usize),
@@ -110,7 +114,7 @@ impl Curve {
         }
         let usable = |v: f32| v.is_finite() && v >= 0.0;
         let measured = |n: &Node| {
-            [n.sigma, n.footprint, n.weight, n.correlation].into_iter().all(usable)
+            [n.sigma, n.footprint, n.weight, n.correlation, n.tan_incidence].into_iter().all(usable)
                 && n.normal.iter().all(|c| c.is_finite())
         };
         match nodes.iter().position(|n| !measured(n)) {

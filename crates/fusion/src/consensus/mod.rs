@@ -177,6 +177,7 @@ impl Kept {
             weight: self.credit as f32,
             views: self.views,
             correlation: self.correlation as f32,
+            tan_incidence: 0.0,
             normal: self.normal,
             bridged: false,
         }

@@ -37,6 +37,9 @@ pub(crate) struct Observation {
     pub footprint: f64,
     /// Length along the curve over which nodes of its view share their errors.
     pub correlation: f64,
+    /// By what the error that its view has in common is larger here than where a surface is seen head-on:
+    /// one over the cosine of the incidence.
+    pub obliquity: f64,
     /// Outward unit normal of the surface, or zero.
     pub normal: Vector3<f32>,
     /// How much it counts as an observation: the node's weight, less towards open ends.
@@ -113,6 +116,7 @@ impl Observations {
     /// nodes agree ever so well is no nearer to the truth than views agree with each other.
     pub fn weigh(&mut self, common: f64) {
         for o in &mut self.all {
+            let common = common * o.obliquity;
             o.weight = o.credit / (o.sigma * o.sigma + common * common);
         }
     }
@@ -159,6 +163,7 @@ impl Observations {
                 sigma,
                 footprint,
                 correlation: f64::from(node.correlation),
+                obliquity: f64::from(node.tan_incidence).hypot(1.0),
                 normal: node.normal,
                 credit,
                 weight: credit / (sigma * sigma),
@@ -204,6 +209,7 @@ pub(crate) fn canonical(a: &Curve, b: &Curve) -> Ordering {
             .then(a.weight.total_cmp(&b.weight))
             .then(a.views.cmp(&b.views))
             .then(a.correlation.total_cmp(&b.correlation))
+            .then(a.tan_incidence.total_cmp(&b.tan_incidence))
             .then(a.bridged.cmp(&b.bridged))
             .then_with(|| {
                 let differing = a.normal.iter().zip(&b.normal).map(|(a, b)| a.total_cmp(b));

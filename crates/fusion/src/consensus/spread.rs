@@ -73,8 +73,9 @@ fn measure(o: &Observations, grid: &PointGrid, share: f64, same_way: f64) -> Opt
     }
     let between = median(pairs.iter().map(|p| p.distance)) / MEDIAN_OF_NORMAL;
     let between = between / std::f64::consts::SQRT_2;
-    let own = 0.5 * median(pairs.iter().map(|p| p.variance));
-    Some(Spread { between, common: (between * between - own).max(0.0).sqrt() })
+    let head_on = median(pairs.iter().map(|p| p.distance / p.obliquity)) / MEDIAN_OF_NORMAL;
+    let own = median(pairs.iter().map(|p| p.variance / (p.obliquity * p.obliquity)));
+    Some(Spread { between, common: (head_on * head_on - own).max(0.0).sqrt() })
 }
 
 /// Two nodes of different views beside each other.
@@ -84,6 +85,8 @@ struct Pair {
     distance: f64,
     /// Sum of the variances of both by their own errors.
     variance: f64,
+    /// Root of the sum of the squares of both obliquities.
+    obliquity: f64,
 }
 
 /// Distance across the curve to one other view, drawn from those that saw this place, at its node that
@@ -108,7 +111,8 @@ fn distance_to_other(
         if (number, how_far) < (drawn, along) {
             (drawn, along) = (number, how_far);
             let variance = here.sigma.powi(2) + there.sigma.powi(2);
-            pair = Some(Pair { distance: there.tangent.perp(&d).abs(), variance });
+            let obliquity = here.obliquity.hypot(there.obliquity);
+            pair = Some(Pair { distance: there.tangent.perp(&d).abs(), variance, obliquity });
         }
     });
     pair

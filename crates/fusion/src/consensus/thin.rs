@@ -189,7 +189,8 @@ struct Sums {
     variance: f64,
     /// Weighted error of earlier members of the same view that the next one shares.
     shared: f64,
-    /// Weight of the members of the last view, and sum of the squares of that of earlier ones.
+    /// Weighted common error of the members of the last view per one head-on, and sum of the squares of
+    /// that of earlier ones.
     of_view: f64,
     of_views: f64,
 }
@@ -230,7 +231,7 @@ impl Sums {
         self.shared += error;
         self.last_along = along;
         self.weight += o.weight;
-        self.of_view += o.weight;
+        self.of_view += o.weight * o.obliquity;
         self.credit += o.credit;
         self.position += o.position.coords * o.weight;
         self.along += o.weight * along;

@@ -289,6 +289,7 @@ impl Walk<'_> {
             weight: sum.weight + 0.5 * (a.weight + b.weight),
             views: (sum.views + a.views.max(b.views)).min(self.views),
             correlation: 0.5 * (a.correlation + b.correlation),
+            tan_incidence: 0.0,
             normal: (a.normal + b.normal).try_normalize(0.0).unwrap_or_default(),
             bridged: a.bridged && sum.seen < 0.5 * frame.x_end,
         };

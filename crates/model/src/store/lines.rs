@@ -15,7 +15,7 @@
 //!
 //! One line each (broken here to fit the page): the store; its views in order of ids; then plane by plane in order of
 //! station the partial curves of each view, in order of ids, and the fused ones; the end. A rotation is a
-//! quaternion `[i, j, k, w]`. A node is `[x, y, sigma, footprint, weight, views, correlation, normal]`: plane coordinates,
+//! quaternion `[i, j, k, w]`. A node is `[x, y, sigma, footprint, weight, views, correlation, tan_incidence, normal]`: plane coordinates,
 //! standard deviation and sample spacing in the model's unit, weight, number of views, length over which errors are
 //! shared, and the surface's normal in plane coordinates. Where there are any, `"bridged"` lists the
 //! nodes whose following unit nobody saw, and `"ends"` why an open curve begins and ends (`"missing_pixel"`, `"range_jump"`,
@@ -105,8 +105,8 @@ fn unknown(ends: &[Option<EndReason>; 2]) -> bool {
     *ends == [None; 2]
 }
 
-/// x, y, sigma, footprint, weight, views, correlation, normal.
-type NodeText = (f64, f64, f32, f32, f32, u32, f32, [f32; 3]);
+/// x, y, sigma, footprint, weight, views, correlation, tangent of the incidence, normal.
+type NodeText = (f64, f64, f32, f32, f32, u32, f32, f32, [f32; 3]);
 
 impl From<&StoreHeader> for StoreLine {
     fn from(header: &StoreHeader) -> Self {
@@ -139,8 +139,10 @@ impl From<ViewLine> for ViewEntry {
 impl From<&Curve> for CurveText {
     fn from(curve: &Curve) -> Self {
         let node = |n: &Node| {
-            let Node { position, sigma, footprint, weight, views, correlation, normal, .. } = *n;
-            (position.x, position.y, sigma, footprint, weight, views, correlation, normal.into())
+            let Node { position, sigma, footprint, weight, views, correlation, .. } = *n;
+            let Node { tan_incidence, normal, .. } = *n;
+            let (x, y, normal) = (position.x, position.y, normal.into());
+            (x, y, sigma, footprint, weight, views, correlation, tan_incidence, normal)
         };
         let numbered = (0_u32..).zip(curve.nodes());
         Self {
@@ -156,10 +158,19 @@ impl TryFrom<CurveText> for Curve {
     type Error = CurveError;
 
     fn try_from(text: CurveText) -> Result<Self, CurveError> {
-        let node = |(x, y, sigma, footprint, weight, views, correlation, normal): NodeText| {
-            let (position, normal) = (Point2::new(x, y), normal.into());
-            let bridged = false;
-            Node { position, sigma, footprint, weight, views, correlation, normal, bridged }
+        let node = |text: NodeText| {
+            let (x, y, sigma, footprint, weight, views, correlation, tan_incidence, normal) = text;
+            Node {
+                position: Point2::new(x, y),
+                sigma,
+                footprint,
+                weight,
+                views,
+                correlation,
+                tan_incidence,
+                normal: normal.into(),
+                bridged: false,
+            }
         };
         let mut nodes: Vec<Node> = text.nodes.into_iter().map(node).collect();
         for k in text.bridged {

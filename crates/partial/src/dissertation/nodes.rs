@@ -6,6 +6,7 @@ use super::plane_image::PlaneImage;
 use super::samples::Samples;
 use super::trace::{Border, Trace};
 use crate::PartialCurve;
+use crate::one_pass::tan_incidence;
 use crate::prepared::Prepared;
 use crate::subpixel::{PairLine, Solver};
 use transect_device::{Neighbour, Pixel, Point3, SensorPlane, Vector3};
@@ -168,6 +169,7 @@ impl Maker<'_> {
             sigma: (sigma * sigma_factor(normal, &ray)) as f32,
             footprint: footprint as f32,
             correlation: (footprint * self.prepared.shared_pixels(pixel)) as f32,
+            tan_incidence: tan_incidence(normal, &ray),
             normal: normal.try_normalize(0.0).unwrap_or_default().cast(),
             ..Node::at(crossings[k].position)
         }

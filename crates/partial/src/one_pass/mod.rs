@@ -65,6 +65,7 @@ mod ends;
 mod link;
 mod near_tangent;
 mod nodes;
+pub(crate) use nodes::tan_incidence;
 mod pair_line;
 mod part;
 mod refine;

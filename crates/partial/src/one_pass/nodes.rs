@@ -14,6 +14,10 @@ const REACH: usize = 3;
 /// tangent to the surface would otherwise claim any error at all. The lower bound is an option.
 const LARGEST_SIGMA_FACTOR: f64 = 12.0;
 
+/// Upper bound of the tangent of the incidence: surface seen more obliquely than the break rule allows
+/// comes from a node's own noise.
+const LARGEST_TAN_INCIDENCE: f64 = 6.0;
+
 /// Smallest sine of the angle between ray and curve in the footprint: that of the rim cut.
 const MIN_SINE: f64 = 0.2;
 
@@ -49,11 +53,13 @@ impl NodeMaker<'_> {
         let footprint = self.footprint(k, closed, &tangent, &ray);
         let factor = sigma_factor(&tangent, &across, &ray).max(self.least_sigma_factor);
         let sigma = self.sigma_between(crossing) * factor;
+        let normal = surface_normal(&tangent, &across, &ray);
         Node {
             sigma: sigma as f32,
             footprint: footprint as f32,
             correlation: (footprint * self.prepared.shared_pixels(crossing.pixel)) as f32,
-            normal: surface_normal(&tangent, &across, &ray),
+            tan_incidence: tan_incidence(&normal, &ray),
+            normal: normal.cast(),
             ..Node::at(crossing.position)
         }
     }
@@ -146,10 +152,17 @@ fn sigma_factor(tangent: &Vector2, across: &Vector3, ray: &Vector3) -> f64 {
 
 /// Unit normal of the surface that holds the curve's direction and a step across it, on the sensor's side;
 /// zero where the two do not span a surface.
-fn surface_normal(tangent: &Vector2, across: &Vector3, ray: &Vector3) -> nalgebra::Vector3<f32> {
+fn surface_normal(tangent: &Vector2, across: &Vector3, ray: &Vector3) -> Vector3 {
     let normal = Vector3::new(tangent.x, tangent.y, 0.0).cross(across).try_normalize(0.0);
     let outward = normal.map(|n| if n.dot(ray) > 0.0 { -n } else { n });
-    outward.filter(|n| n.iter().all(|c| c.is_finite())).unwrap_or_default().cast()
+    outward.filter(|n| n.iter().all(|c| c.is_finite())).unwrap_or_default()
+}
+
+/// Tangent of the angle between a ray and a surface's unit normal; 0 without a normal.
+pub(crate) fn tan_incidence(normal: &Vector3, ray: &Vector3) -> f32 {
+    let (along, across) = (normal.dot(ray).abs(), normal.cross(ray).norm());
+    // Written so that no normal and no ray give 0 as well.
+    if across > 0.0 { (across / along).min(LARGEST_TAN_INCIDENCE) as f32 } else { 0.0 }
 }
 
 /// Length along the curve of one spacing of the rays, seen obliquely.
