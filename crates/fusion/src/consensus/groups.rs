@@ -143,11 +143,7 @@ mod tests {
 
     fn grouped(observations: &Observations) -> Groups {
         let grid = PointGrid::new(&observations.positions(), 0.02);
-        group(
-            observations,
-            &grid,
-            &Scale { spacing: 0.02, threshold: 0.02, same_way: 0.6, common: 0.0 },
-        )
+        group(observations, &grid, &Scale { spacing: 0.02, threshold: 0.02, same_way: 0.6 })
     }
 
     #[test]

@@ -36,6 +36,7 @@
 //! views whose poses are wrong by more than the overlap threshold: it cannot repair registration.
 
 mod arc;
+mod common;
 mod corners;
 mod ends;
 mod fit;
@@ -52,9 +53,11 @@ mod window;
 
 use crate::grid::PointGrid;
 use crate::{FusedPlane, FusionCounts};
+use common::Common;
 use nalgebra::Vector3;
 use observations::{Observations, median};
 use pieces::{Piece, Shortest};
+use spread::Spread;
 use transect_geometry::{Curve, Node, Point2, Vector2};
 
 /// What can be set. Nothing is in the user's unit: lengths follow from measured spreads and
@@ -89,8 +92,6 @@ struct Scale {
     threshold: f64,
     /// Cosine of the largest angle between observations of one surface.
     same_way: f64,
-    /// Standard deviation of what the nodes of one view err by in common.
-    common: f64,
 }
 
 impl Scale {
@@ -102,17 +103,16 @@ impl Scale {
         observations: &Observations,
         grid: &PointGrid,
         options: &ConsensusOptions,
-    ) -> (Self, f64) {
+    ) -> (Self, Spread) {
         let spacing = observations.spacing();
         let sigma = median(observations.all.iter().map(|o| o.sigma));
         let same_way = options.direction_limit_rad.cos();
         // One view says nothing about the spread between views; its own error is all there is.
         let spread = spread::between_views(observations, grid, spacing, same_way)
-            .unwrap_or(spread::Spread { between: sigma, common: 0.0 });
-        let between = spread.between;
+            .unwrap_or(Spread { between: sigma, common: Common::default() });
         let least = (Self::SIGMAS * sigma).max(Self::FOOTPRINTS * spacing);
-        let threshold = (options.threshold_spreads * between).max(least);
-        (Self { spacing, threshold, same_way, common: spread.common }, between)
+        let threshold = (options.threshold_spreads * spread.between).max(least);
+        (Self { spacing, threshold, same_way }, spread)
     }
 
     /// Overlap threshold for a node: wider where its own error is larger.
@@ -203,7 +203,7 @@ pub fn measure(views: &[&[Curve]], options: &ConsensusOptions) -> Option<Measure
     }
     let grid = PointGrid::new(&observations.positions(), observations.spacing());
     let (scale, spread) = Scale::new(&observations, &grid, options);
-    Some(Measured { spread, threshold: scale.threshold, spacing: scale.spacing })
+    Some(Measured { spread: spread.between, threshold: scale.threshold, spacing: scale.spacing })
 }
 
 /// Fuses the curves of one plane; one slice of curves per view, in any order.
@@ -217,8 +217,8 @@ pub(crate) fn fuse(mut observations: Observations, options: &ConsensusOptions) -
         return FusedPlane::default();
     }
     let grid = PointGrid::new(&observations.positions(), observations.spacing());
-    let (scale, between) = Scale::new(&observations, &grid, options);
-    observations.weigh(scale.common);
+    let (scale, spread) = Scale::new(&observations, &grid, options);
+    observations.weigh(&spread.common);
     let mut thinned = thin::thin(&observations, &grid, &scale);
     place::place(&mut thinned.kept, &scale);
     link::spread_spacing(&mut thinned.kept, &scale);
@@ -235,7 +235,7 @@ pub(crate) fn fuse(mut observations: Observations, options: &ConsensusOptions) -
     corners::sharpen(kept, &mut tidied, observations.pixel_noise());
     let ends = output::Ends::new(&observations, &thinned.absorbed_by, kept);
     let curves = output::curves(kept, tidied, &ends);
-    FusedPlane { curves, spread: between, threshold: scale.threshold, counts }
+    FusedPlane { curves, spread: spread.between, threshold: scale.threshold, counts }
 }
 
 /// Covers, joins and cuts ends until pieces are curves.

@@ -1,6 +1,7 @@
 //! All nodes of all views on a plane, in canonical order, with direction and weight.
 
 use super::arc::Arc;
+use super::common::Common;
 use nalgebra::Vector3;
 use std::cmp::Ordering;
 use transect_geometry::{Curve, EndReason, Node, Point2, Vector2};
@@ -37,9 +38,10 @@ pub(crate) struct Observation {
     pub footprint: f64,
     /// Length along the curve over which nodes of its view share their errors.
     pub correlation: f64,
-    /// By what the error that its view has in common is larger here than where a surface is seen head-on:
-    /// one over the cosine of the incidence.
-    pub obliquity: f64,
+    /// Tangent of the angle between the ray and the surface's normal.
+    pub tan_incidence: f64,
+    /// Standard deviation of what its view errs by in common, of which [`Observations::weigh`] has a say.
+    pub common: f64,
     /// Outward unit normal of the surface, or zero.
     pub normal: Vector3<f32>,
     /// How much it counts as an observation: the node's weight, less towards open ends.
@@ -114,10 +116,11 @@ impl Observations {
 
     /// Takes into account, in all weights, what the nodes of a view err by in common: a view whose own
     /// nodes agree ever so well is no nearer to the truth than views agree with each other.
-    pub fn weigh(&mut self, common: f64) {
+    pub fn weigh(&mut self, common: &Common) {
         for o in &mut self.all {
-            let common = common * o.obliquity;
-            o.weight = o.credit / (o.sigma * o.sigma + common * common);
+            let variance = common.variance(o.tan_incidence * o.tan_incidence);
+            o.common = variance.sqrt();
+            o.weight = o.credit / (o.sigma * o.sigma + variance);
         }
     }
 
@@ -163,7 +166,8 @@ impl Observations {
                 sigma,
                 footprint,
                 correlation: f64::from(node.correlation),
-                obliquity: f64::from(node.tan_incidence).hypot(1.0),
+                tan_incidence: f64::from(node.tan_incidence),
+                common: 0.0,
                 normal: node.normal,
                 credit,
                 weight: credit / (sigma * sigma),

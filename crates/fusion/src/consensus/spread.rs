@@ -4,13 +4,14 @@
 //! difference between two views. The nearest of all other views would read too low by a factor that
 //! grows with the number of views.
 
+use super::common::{Common, Pair};
 use super::observations::{Observations, median};
 use crate::grid::PointGrid;
 
 /// Nodes looked at: one of so many, as neighbours say the same, but the median of so few is off by more
 /// than a tenth, and that of so many good to a few percent.
 const STEP: usize = 20;
-const FEW: usize = 150;
+const FEW: usize = 300;
 const MANY: usize = 500;
 
 /// Fewest distances that make a spread.
@@ -32,9 +33,8 @@ const MEDIAN_OF_NORMAL: f64 = 0.6745;
 pub(super) struct Spread {
     /// Standard deviation of one view's curve against the common one, registration included.
     pub between: f64,
-    /// The part of it that the nodes' own errors do not explain: what a view's neighbouring nodes err
-    /// by in common (random effects model).
-    pub common: f64,
+    /// The part of it that the nodes' own errors do not explain.
+    pub common: Common,
 }
 
 /// The spread between views; `None` where no two views overlap.
@@ -73,20 +73,7 @@ fn measure(o: &Observations, grid: &PointGrid, share: f64, same_way: f64) -> Opt
     }
     let between = median(pairs.iter().map(|p| p.distance)) / MEDIAN_OF_NORMAL;
     let between = between / std::f64::consts::SQRT_2;
-    let head_on = median(pairs.iter().map(|p| p.distance / p.obliquity)) / MEDIAN_OF_NORMAL;
-    let own = median(pairs.iter().map(|p| p.variance / (p.obliquity * p.obliquity)));
-    Some(Spread { between, common: (head_on * head_on - own).max(0.0).sqrt() })
-}
-
-/// Two nodes of different views beside each other.
-#[derive(Debug, Clone, Copy)]
-struct Pair {
-    /// Across the curve.
-    distance: f64,
-    /// Sum of the variances of both by their own errors.
-    variance: f64,
-    /// Root of the sum of the squares of both obliquities.
-    obliquity: f64,
+    Some(Spread { between, common: Common::of(&pairs, between) })
 }
 
 /// Distance across the curve to one other view, drawn from those that saw this place, at its node that
@@ -111,8 +98,9 @@ fn distance_to_other(
         if (number, how_far) < (drawn, along) {
             (drawn, along) = (number, how_far);
             let variance = here.sigma.powi(2) + there.sigma.powi(2);
-            let obliquity = here.obliquity.hypot(there.obliquity);
-            pair = Some(Pair { distance: there.tangent.perp(&d).abs(), variance, obliquity });
+            let squared_tangents = here.tan_incidence.powi(2) + there.tan_incidence.powi(2);
+            let distance = there.tangent.perp(&d).abs();
+            pair = Some(Pair { distance, variance, squared_tangents });
         }
     });
     pair

@@ -36,7 +36,7 @@ pub(super) fn thin(observations: &Observations, grid: &PointGrid, scale: &Scale)
     by_support(&groups).into_iter().for_each(|k| choice.take(k as usize));
     let Choice { mut kept, absorbed_by, .. } = choice;
     let absorbed_by: Vec<u32> = groups.of.iter().map(|&g| absorbed_by[g as usize]).collect();
-    cluster(observations, &absorbed_by, &mut kept, scale.common);
+    cluster(observations, &absorbed_by, &mut kept);
     Thinned { kept, absorbed_by }
 }
 
@@ -158,7 +158,7 @@ impl<'a> Choice<'a> {
 }
 
 /// Gathers the original places of what each kept node absorbed.
-fn cluster(observations: &Observations, absorbed_by: &[u32], kept: &mut [Kept], common: f64) {
+fn cluster(observations: &Observations, absorbed_by: &[u32], kept: &mut [Kept]) {
     let mut sums = vec![Sums::default(); kept.len()];
     for (o, &by) in observations.all.iter().zip(absorbed_by) {
         let k = &kept[by as usize];
@@ -168,7 +168,7 @@ fn cluster(observations: &Observations, absorbed_by: &[u32], kept: &mut [Kept], 
         k.views = s.views;
         if s.weight > 0.0 {
             // Nodes of no weight stand for themselves.
-            s.give(k, common);
+            s.give(k);
         }
     }
 }
@@ -189,8 +189,7 @@ struct Sums {
     variance: f64,
     /// Weighted error of earlier members of the same view that the next one shares.
     shared: f64,
-    /// Weighted common error of the members of the last view per one head-on, and sum of the squares of
-    /// that of earlier ones.
+    /// Weighted common error of the members of the last view, and sum of the squares of that of earlier ones.
     of_view: f64,
     of_views: f64,
 }
@@ -231,7 +230,7 @@ impl Sums {
         self.shared += error;
         self.last_along = along;
         self.weight += o.weight;
-        self.of_view += o.weight * o.obliquity;
+        self.of_view += o.weight * o.common;
         self.credit += o.credit;
         self.position += o.position.coords * o.weight;
         self.along += o.weight * along;
@@ -240,13 +239,13 @@ impl Sums {
         self.correlation += o.weight * o.correlation;
     }
 
-    fn give(&self, k: &mut Kept, common: f64) {
+    fn give(&self, k: &mut Kept) {
         k.cluster = Point2::from(self.position / self.weight);
         k.cluster_sigma = self.variance.sqrt() / self.weight;
         let along = self.along / self.weight;
         k.along_variance = (self.along_squared / self.weight - along * along).max(0.0);
         let squares = self.of_views + self.of_view * self.of_view;
-        k.common_variance = squares * (common / self.weight).powi(2);
+        k.common_variance = squares / (self.weight * self.weight);
         k.sigma = (k.cluster_sigma.powi(2) + k.common_variance).sqrt();
         k.weight = self.weight;
         k.credit = self.credit;
