@@ -25,8 +25,8 @@ pub(crate) mod values;
 const MAGIC: [u8; 8] = *b"TRANSECT";
 const HEADER_SIZE: usize = 28;
 
-/// Version of the file layout; a program reads only its own. 5 is that of a store.
-pub const SCHEMA_VERSION: u32 = 4;
+/// Version of the file layout; a program reads only its own. 7 is that of a store.
+pub const SCHEMA_VERSION: u32 = 6;
 
 /// Why bytes are not a model, or a model could not be turned into bytes.
 #[derive(Debug, thiserror::Error)]

@@ -23,7 +23,7 @@
 
 /// Two nodes of different views beside each other.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Pair {
+pub(crate) struct Pair {
     /// Across the curve.
     pub distance: f64,
     /// Sum of the variances of both by their own errors.
@@ -40,6 +40,11 @@ pub(crate) struct Common {
     /// More per squared tangent of the incidence.
     pub oblique: f64,
 }
+
+const TWICE: f64 = 2.0;
+
+/// Samples whose places differ by less than this, squared and as a share of the places, have one place.
+const LEAST_SPREAD: f64 = 1e-9;
 
 /// How often weights follow from the last estimate.
 const ROUNDS: usize = 4;
@@ -88,16 +93,16 @@ impl Common {
     /// The next estimate, and how far its part by the incidence is to be believed.
     fn improved(&self, pairs: &[Pair]) -> (Self, f64) {
         let sums = self.sums(pairs);
-        let (head_on, oblique, oblique_variance) = sums.solve();
-        if head_on < 0.0 {
-            let oblique = sums.oblique_alone();
-            return (Self { head_on: 0.0, oblique }, 1.0);
+        let line = sums.line();
+        // Less than nothing cannot be left.
+        let (head_on, oblique) =
+            if line.level < 0.0 { (0.0, sums.line_through_0()) } else { (line.level, line.slope) };
+        let trust = 1.0 - oblique.variance / (oblique.value * oblique.value);
+        if oblique.value > 0.0 && trust > 0.0 {
+            (Self { head_on: 0.5 * head_on, oblique: oblique.value }, trust)
+        } else {
+            (Self { head_on: 0.5 * sums.level(0.0), oblique: 0.0 }, 0.0)
         }
-        let trust = 1.0 - oblique_variance / (oblique * oblique);
-        if oblique > 0.0 && trust > 0.0 {
-            return (Self { head_on: 0.5 * head_on, oblique }, trust);
-        }
-        (Self { head_on: 0.5 * sums.level(0.0), oblique: 0.0 }, 0.0)
     }
 
     /// The same with the level that goes with its part by the incidence.
@@ -106,7 +111,20 @@ impl Common {
     }
 }
 
-/// Weighted sums for a straight line.
+#[derive(Debug, Clone, Copy)]
+struct Line {
+    level: f64,
+    slope: Slope,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Slope {
+    value: f64,
+    variance: f64,
+}
+
+/// Weighted sums for a straight line. The weight of a sample is one over the square of what is expected of
+/// it, and a square of a normal error has twice that for its variance.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     w: f64,
@@ -125,15 +143,16 @@ impl Sums {
         self.xy += w * x * y;
     }
 
-    /// Level and slope of the line, and the variance of the slope where each sample's is twice the inverse
-    /// of its weight; level alone where all samples are in one place.
-    fn solve(&self) -> (f64, f64, f64) {
+    /// The line; a level alone where all samples are in one place.
+    fn line(&self) -> Line {
         let spread = self.xx * self.w - self.x * self.x;
-        if spread.is_nan() || spread <= 1e-9 * self.xx * self.w {
-            return (self.level(0.0), 0.0, f64::INFINITY);
+        if spread.is_nan() || spread <= LEAST_SPREAD * self.xx * self.w {
+            let slope = Slope { value: 0.0, variance: f64::INFINITY };
+            return Line { level: self.level(0.0), slope };
         }
-        let slope = (self.xy * self.w - self.x * self.y) / spread;
-        ((self.y - slope * self.x) / self.w, slope, 2.0 * self.w / spread)
+        let value = (self.xy * self.w - self.x * self.y) / spread;
+        let slope = Slope { value, variance: TWICE * self.w / spread };
+        Line { level: (self.y - value * self.x) / self.w, slope }
     }
 
     /// The level that goes with a slope, at least 0.
@@ -141,8 +160,83 @@ impl Sums {
         if self.w > 0.0 { ((self.y - slope * self.x) / self.w).max(0.0) } else { 0.0 }
     }
 
-    /// The slope of a line through 0, at least 0.
-    fn oblique_alone(&self) -> f64 {
-        if self.xx > 0.0 { (self.xy / self.xx).max(0.0) } else { 0.0 }
+    fn line_through_0(&self) -> Slope {
+        if self.xx > 0.0 {
+            Slope { value: self.xy / self.xx, variance: TWICE / self.xx }
+        } else {
+            Slope { value: 0.0, variance: f64::INFINITY }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Distances drawn as the quantiles of a normal error, in an order that has nothing to do with incidences.
+    fn pairs(own: f64, variance_at: impl Fn(f64) -> f64) -> Vec<Pair> {
+        let count = 400_u32;
+        // The inverse of the normal distribution's error function, by bisection on its series.
+        let quantile = |p: f64| {
+            let cdf = |z: f64| {
+                let terms = (0..60).scan(z, |term, k| {
+                    let now = *term;
+                    *term *= z * z / f64::from(2 * k + 3);
+                    Some(now)
+                });
+                0.5 + terms.sum::<f64>() * (-0.5 * z * z).exp() / std::f64::consts::TAU.sqrt()
+            };
+            let (mut low, mut high) = (-5.0, 5.0);
+            for _ in 0..50 {
+                let middle = 0.5 * (low + high);
+                if cdf(middle) < p { low = middle } else { high = middle }
+            }
+            low
+        };
+        let pair = |k: u32| {
+            let error = quantile((f64::from(k) + 0.5) / f64::from(count));
+            let t = |k: u32| f64::from(k % 31) / 10.0;
+            let (a, b) = (t(k * 17), t(k * 29 + 5));
+            let variance = 2.0 * own * own + variance_at(a) + variance_at(b);
+            Pair {
+                distance: (error * variance.sqrt()).abs(),
+                variance: 2.0 * own * own,
+                squared_tangents: a * a + b * b,
+            }
+        };
+        (0..count).map(pair).collect()
+    }
+
+    #[test]
+    fn what_grows_with_the_incidence_is_told_from_what_does_not() {
+        for (head_on, oblique) in [(0.04, 0.0), (0.04, 0.04), (0.0, 0.03), (0.04, 0.01)] {
+            let found = Common::of(&pairs(0.1, |t| head_on + oblique * t * t), 0.3);
+            assert!((found.head_on - head_on).abs() < 0.012, "{head_on} {oblique}: {found:?}");
+            assert!((found.oblique - oblique).abs() < 0.2 * oblique + 0.002, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn own_errors_explain_what_they_can() {
+        let found = Common::of(&pairs(0.1, |_| 0.0), 0.1);
+        assert!(found.variance(0.0) < 0.001 && found.variance(9.0) < 0.004, "{found:?}");
+    }
+
+    #[test]
+    fn surfaces_beside_each_other_do_not_count() {
+        let mut pairs = pairs(0.1, |t| 0.01 + 0.01 * t * t);
+        let clean = Common::of(&pairs, 0.2);
+        pairs.iter_mut().step_by(20).for_each(|p| p.distance = 3.0);
+        let found = Common::of(&pairs, 0.2);
+        assert!(found.variance(1.0) < 1.3 * clean.variance(1.0), "{clean:?} {found:?}");
+    }
+
+    #[test]
+    fn one_incidence_says_nothing_about_others() {
+        let mut pairs = pairs(0.1, |_| 0.02);
+        pairs.iter_mut().for_each(|p| p.squared_tangents = 2.0);
+        let found = Common::of(&pairs, 0.2);
+        assert!(found.oblique == 0.0 && (found.head_on - 0.02).abs() < 0.004, "{found:?}");
+        assert_eq!(Common::of(&[], 0.2), Common::default(), "and no pair nothing at all");
     }
 }

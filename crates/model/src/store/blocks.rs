@@ -34,7 +34,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 pub(crate) const MAGIC: [u8; 8] = *b"TRANSECT";
 /// The layout of a store; other versions are files of whole models (`Model::save`).
-pub const STORE_VERSION: u32 = 5;
+pub const STORE_VERSION: u32 = 7;
 
 const SECTOR: usize = 512;
 const HEAD_PLACES: [u64; 2] = [512, 2048];

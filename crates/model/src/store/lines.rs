@@ -1,7 +1,7 @@
 //! The exchange form of a store: lines of JSON, which outlive the database's format.
 //!
 //! ```json
-//! {"store":{"format":"transect-model","version":2,"unit":"m","planes":{"guide":{"straight":{"direction":[0.0,0.0,1.0]}},
+//! {"store":{"format":"transect-model","version":3,"unit":"m","planes":{"guide":{"straight":{"direction":[0.0,0.0,1.0]}},
 //!     "offset":0.0,"interval":0.5},"options":"…","tool":"transect 0.1.0"}}
 //! {"view":{"id":"front","name":"front","sensor":"…","source":"front.npy","source_hash":"…",
 //!     "world_from_sensor":{"rotation":[0.0,0.0,0.0,1.0],"translation":[0.0,0.0,0.0]},"sigma":0.001}}
@@ -15,9 +15,9 @@
 //!
 //! One line each (broken here to fit the page): the store; its views in order of ids; then plane by plane in order of
 //! station the partial curves of each view, in order of ids, and the fused ones; the end. A rotation is a
-//! quaternion `[i, j, k, w]`. A node is `[x, y, sigma, footprint, weight, views, correlation, tan_incidence, normal]`: plane coordinates,
-//! standard deviation and sample spacing in the model's unit, weight, number of views, length over which errors are
-//! shared, and the surface's normal in plane coordinates. Where there are any, `"bridged"` lists the
+//! quaternion `[i, j, k, w]`. A node is `[x, y, sigma, footprint, weight, views, correlation, tan_incidence, normal]`: plane
+//! coordinates, standard deviation and sample spacing in the model's unit, weight, number of views, length over which
+//! errors are shared, tangent of the incidence, and the surface's normal in plane coordinates. Where there are any, `"bridged"` lists the
 //! nodes whose following unit nobody saw, and `"ends"` why an open curve begins and ends (`"missing_pixel"`, `"range_jump"`,
 //! `"image_border"`, or null). The last line's hash is FNV-1a (64 bits, hexadecimal) of all bytes before that line, newlines included.
 //!
@@ -32,7 +32,7 @@ use transect_geometry::{
 /// Value of the key `format` in the first line.
 pub(super) const FORMAT: &str = "transect-model";
 /// Version of this form; an import reads only its own.
-pub const LINES_VERSION: u32 = 2;
+pub const LINES_VERSION: u32 = 3;
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]

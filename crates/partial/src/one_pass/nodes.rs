@@ -189,6 +189,15 @@ mod tests {
     }
 
     #[test]
+    fn incidence_is_between_ray_and_normal() {
+        let ray = Vector3::new(0.0, -0.6, -0.8);
+        assert!(tan_incidence(&-ray, &ray) < 1e-6, "head-on");
+        assert!((tan_incidence(&Vector3::z(), &ray) - 0.75).abs() < 1e-6);
+        assert_eq!(tan_incidence(&Vector3::x(), &ray), LARGEST_TAN_INCIDENCE as f32);
+        assert_eq!(tan_incidence(&Vector3::zeros(), &ray), 0.0, "unknown");
+    }
+
+    #[test]
     fn oblique_pixels_cover_more_of_the_curve() {
         let head_on = footprint(0.01, &Vector2::x(), &Vector3::y());
         let oblique = footprint(0.01, &Vector2::x(), &Vector3::new(0.8, 0.6, 0.0));

@@ -14,7 +14,7 @@ fn wild_numbers() -> impl Strategy<Value = Vec<Curve>> {
     let coordinate =
         || prop_oneof![any::<f64>().prop_filter("finite", |x| x.is_finite()), -2.0..2.0];
     let measure = || any::<f32>().prop_map(f32::abs).prop_filter("finite", |x| x.is_finite());
-    let measures = (measure(), measure(), measure(), measure());
+    let measures = (measure(), measure(), measure(), measure(), measure());
     let node = (
         coordinate(),
         coordinate(),
@@ -24,9 +24,18 @@ fn wild_numbers() -> impl Strategy<Value = Vec<Curve>> {
         any::<bool>(),
     );
     let node = node.prop_map(|(x, y, measures, views, normal, bridged)| {
-        let (sigma, footprint, weight, correlation) = measures;
-        let (position, normal) = (Point2::new(x, y), normal.into());
-        Node { position, sigma, footprint, weight, views, correlation, normal, bridged }
+        let (sigma, footprint, weight, correlation, tan_incidence) = measures;
+        Node {
+            position: Point2::new(x, y),
+            sigma,
+            footprint,
+            weight,
+            views,
+            correlation,
+            tan_incidence,
+            normal: normal.into(),
+            bridged,
+        }
     });
     let reason = prop_oneof![
         Just(None),
@@ -76,9 +85,9 @@ fn sample() -> String {
 
 #[test]
 fn the_lines_are_the_documented_ones() {
-    let curves = "[{\"closed\":true,\"nodes\":[[0.0,0.0,0.0,0.0,1.0,1,0.0,[0.0,0.0,0.0]],[1.0,0.0,0.0,0.0,1.0,1,0.0,[0.0,0.0,0.0]],[0.0,0.1,0.0,0.0,1.0,1,0.0,[0.0,0.0,0.0]]]}]";
+    let curves = "[{\"closed\":true,\"nodes\":[[0.0,0.0,0.0,0.0,1.0,1,0.0,0.0,[0.0,0.0,0.0]],[1.0,0.0,0.0,0.0,1.0,1,0.0,0.0,[0.0,0.0,0.0]],[0.0,0.1,0.0,0.0,1.0,1,0.0,0.0,[0.0,0.0,0.0]]]}]";
     let expected = [
-        "{\"store\":{\"format\":\"transect-model\",\"version\":2,\"unit\":\"mm\",\"planes\":{\"guide\":{\"straight\":{\"direction\":[0.0,0.0,1.0]}},\"offset\":0.0,\"interval\":0.5},\"options\":\"{\\\"order\\\":2}\",\"tool\":\"transect 0.1.0\"}}".to_owned(),
+        "{\"store\":{\"format\":\"transect-model\",\"version\":3,\"unit\":\"mm\",\"planes\":{\"guide\":{\"straight\":{\"direction\":[0.0,0.0,1.0]}},\"offset\":0.0,\"interval\":0.5},\"options\":\"{\\\"order\\\":2}\",\"tool\":\"transect 0.1.0\"}}".to_owned(),
         "{\"view\":{\"id\":\"a\",\"name\":\"view a\",\"sensor\":\"pinhole\",\"source\":\"a.npy\",\"source_hash\":\"0123abcd\",\"world_from_sensor\":{\"rotation\":[0.0,0.0,0.0,1.0],\"translation\":[0.0,0.0,0.0]},\"sigma\":0.1}}".to_owned(),
         format!("{{\"partial\":{{\"plane\":3,\"view\":\"a\",\"curves\":{curves}}}}}"),
         format!("{{\"fused\":{{\"plane\":3,\"curves\":{curves}}}}}"),
@@ -128,15 +137,15 @@ fn damaged_lines_are_named() {
     }
     assert_eq!(refusal(&text.replace("0.1,", "0.2,")).1, "the lines do not match their hash");
     assert_eq!(refusal(&format!("{text}\n")).1, "there is more behind the end");
-    let (line, problem) = refusal(&text.replacen("\"version\":2", "\"version\":7", 1));
-    assert_eq!((line, problem.as_str()), (1, "version 7; this program reads version 2"));
+    let (line, problem) = refusal(&text.replacen("\"version\":3", "\"version\":8", 1));
+    assert_eq!((line, problem.as_str()), (1, "version 8; this program reads version 3"));
     let (line, problem) = refusal(&text.replace("[0.0,0.1,", "[0.0,1e999,"));
     assert_eq!(line, 3);
     assert!(problem.contains("number out of range"), "{problem}");
     assert_eq!(refusal(&text.replace("\"sigma\":0.1", "\"sigma\":-0.1")).0, 2);
     assert_eq!(refusal(&text.replace("\"closed\"", "\"shut\"")).0, 3);
     assert_eq!(refusal("").0, 1);
-    let short = text.replace(",[0.0,0.1,0.0,0.0,1.0,1,0.0,[0.0,0.0,0.0]]", "");
+    let short = text.replace(",[0.0,0.1,0.0,0.0,1.0,1,0.0,0.0,[0.0,0.0,0.0]]", "");
     assert_eq!(refusal(&short).1, "curve 0: 2 nodes cannot make a closed curve");
 }
 
