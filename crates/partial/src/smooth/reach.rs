@@ -4,6 +4,8 @@
 //! between those of the two ends of that stretch of its ray. A cell of four pixels none of whose
 //! stretches has a plane between it and another carries no curve. The pixels of all other cells
 //! count, and one more on every side, so that curves may be interpolated from four samples in line.
+//!
+//! Once it is known what became of most pixels, those have no stretch any more, and fewer of the others count.
 
 use super::block::CUT;
 use super::quantity::Quantity;
@@ -37,35 +39,62 @@ impl Stretches {
     }
 }
 
-/// One entry per pixel, row-major: whether it can take part in a curve.
-#[inline(always)]
-pub(super) fn wanted<S: Simd>(simd: S, smoother: &Smoother<'_>, axes: &SectionAxes) -> Vec<bool> {
-    let samples = &smoother.samples;
-    let size = samples.view.image().size();
-    let Some(levels) = Levels::new(smoother, axes) else { return vec![true; size.pixels()] };
-    let slack = slack(samples, axes);
-    let mut wanted = vec![false; size.pixels()];
-    let [mut above, mut here] = [Stretches::missing(size.cols), Stretches::missing(size.cols)];
-    let mut ends = [vec![f32::NAN; size.cols], vec![f32::NAN; size.cols]];
-    let mut cells = Cells::new(size.cols, samples.view.frame().columns_wrap());
-    for row in 0..size.rows {
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                levels.of_row(smoother, row, &mut ends);
-                stretch(samples.view.image().row(row), &ends, slack, &mut here);
-                cells.find(&above, &here);
-                cells.mark(row, &mut wanted);
-            },
-        );
-        std::mem::swap(&mut above, &mut here);
+/// Where the planes are, as seen from the samples.
+pub(super) struct Reach<'a> {
+    levels: Levels<'a>,
+    slack: f32,
+}
+
+impl<'a> Reach<'a> {
+    /// `None` if nothing can be said.
+    pub fn new(smoother: &Smoother<'_>, axes: &'a SectionAxes) -> Option<Self> {
+        let levels = Levels::new(smoother, axes)?;
+        Some(Self { levels, slack: slack(&smoother.samples, axes) })
     }
-    wanted
+
+    /// Whether levels cost next to nothing, so that it pays to ask twice.
+    pub fn is_quick(&self) -> bool {
+        matches!(self.levels, Levels::Form(_))
+    }
+
+    /// One entry per pixel, row-major: whether it can take part in a curve. `values` are those of the image
+    /// as it is now, if it has changed; only pixels that may still move have a stretch.
+    #[inline(always)]
+    pub fn wanted<S: Simd>(
+        &self,
+        simd: S,
+        smoother: &Smoother<'_>,
+        values: Option<&[f32]>,
+        may_move: &[bool],
+    ) -> Vec<bool> {
+        let image = smoother.samples.view.image();
+        let size = image.size();
+        let mut wanted = vec![false; size.pixels()];
+        let [mut above, mut here] = [Stretches::missing(size.cols), Stretches::missing(size.cols)];
+        let mut ends = Ends::new(size.cols);
+        let mut cells = Cells::new(size.cols, smoother.samples.view.frame().columns_wrap());
+        for row in 0..size.rows {
+            let pixels = row * size.cols..(row + 1) * size.cols;
+            let values = values.map_or(image.row(row), |values| &values[pixels.clone()]);
+            self.levels.of_row(simd, smoother, row, (values, &may_move[pixels]), &mut ends);
+            simd.vectorize(
+                #[inline(always)]
+                || {
+                    stretch(values, &ends, self.slack, &mut here);
+                    cells.find(&above, &here);
+                    cells.mark(row, &mut wanted);
+                },
+            );
+            std::mem::swap(&mut above, &mut here);
+        }
+        wanted
+    }
 }
 
 /// Finds the stretches of a row from the levels of their ends.
 #[inline(always)]
-fn stretch(values: &[f32], [a, b]: &[Vec<f32>; 2], slack: f32, stretches: &mut Stretches) {
+fn stretch(values: &[f32], ends: &Ends, slack: f32, stretches: &mut Stretches) {
+    let [a, b] = &ends.levels;
     let out = stretches.low.iter_mut().zip(&mut stretches.high);
     for ((value, (a, b)), (low, high)) in values.iter().zip(a.iter().zip(b)).zip(out) {
         let beyond = a.is_nan() | b.is_nan();
@@ -135,7 +164,7 @@ impl Cells {
     }
 }
 
-/// Where the levels of the stretches' ends come from.
+/// Where levels come from.
 enum Levels<'a> {
     /// Of sensors that have tables.
     Form(SeparableForm),
@@ -145,35 +174,46 @@ enum Levels<'a> {
 
 impl<'a> Levels<'a> {
     fn new(smoother: &Smoother<'_>, axes: &'a SectionAxes) -> Option<Self> {
-        let samples = &smoother.samples;
-        if let Some(form) = samples.view.frame().separable_form(axes.level()) {
+        let image = smoother.samples.view.image();
+        if let Some(form) = smoother.samples.view.frame().separable_form(axes.level()) {
             return Some(Self::Form(form));
         }
-        let size = samples.view.image().size();
+        let size = image.size();
         let mut images = [vec![f32::NAN; size.pixels()], vec![f32::NAN; size.pixels()]];
         let [low, high] = &mut images;
         let rows = low.chunks_mut(size.cols).zip(high.chunks_mut(size.cols));
+        let may_move = vec![true; size.cols];
         for (row, ends) in rows.enumerate() {
-            nearest_and_farthest(smoother, row, ends);
+            find_ends(smoother, row, (image.row(row), &may_move), ends);
         }
         let [low, high] = images.map(|values| RangeImage::from_values(size, values));
         Some(Self::Images([low.ok()?, high.ok()?], axes))
     }
 
-    /// The levels of a row's samples moved by a cut either way; NaN where they cannot be.
+    /// The levels of a row's ends.
     #[inline(always)]
-    fn of_row(&self, smoother: &Smoother<'_>, row: usize, [low, high]: &mut [Vec<f32>; 2]) {
+    fn of_row<S: Simd>(
+        &self,
+        simd: S,
+        smoother: &Smoother<'_>,
+        row: usize,
+        samples: (&[f32], &[bool]),
+        ends: &mut Ends,
+    ) {
+        let [low, high] = &mut ends.levels;
         match self {
-            Self::Form(form) => {
-                nearest_and_farthest(smoother, row, (&mut *low, &mut *high));
-                let [factor, addend] = form.rows.get(row).copied().unwrap_or_default();
-                for (end, column) in low.iter_mut().zip(&form.columns) {
-                    *end = *end * (column * factor + addend) + form.constant;
-                }
-                for (end, column) in high.iter_mut().zip(&form.columns) {
-                    *end = *end * (column * factor + addend) + form.constant;
-                }
-            }
+            Self::Form(form) => simd.vectorize(
+                #[inline(always)]
+                || {
+                    find_ends(smoother, row, samples, (&mut *low, &mut *high));
+                    let [factor, addend] = form.rows.get(row).copied().unwrap_or_default();
+                    for levels in [low, high] {
+                        for (level, column) in levels.iter_mut().zip(&form.columns) {
+                            *level = *level * (column * factor + addend) + form.constant;
+                        }
+                    }
+                },
+            ),
             Self::Images(images, axes) => {
                 for (image, levels) in images.iter().zip([low, high]) {
                     smoother.samples.view.frame().form_row(image, row, axes.level(), levels);
@@ -183,25 +223,53 @@ impl<'a> Levels<'a> {
     }
 }
 
-/// A row's values moved by a cut either way; NaN where they cannot be.
+/// The levels of a row's values moved by a cut either way.
+struct Ends {
+    levels: [Vec<f32>; 2],
+}
+
+impl Ends {
+    fn new(cols: usize) -> Self {
+        Self { levels: [vec![f32::NAN; cols], vec![f32::NAN; cols]] }
+    }
+}
+
+/// A row's values moved by a cut either way, where they may move; NaN where they cannot be.
 #[inline(always)]
-fn nearest_and_farthest(
+fn find_ends(
     smoother: &Smoother<'_>,
     row: usize,
-    (low, high): (&mut [f32], &mut [f32]),
+    samples: (&[f32], &[bool]),
+    ends: (&mut [f32], &mut [f32]),
 ) {
-    let (samples, scales) = (&smoother.samples, &smoother.scales);
-    let values = samples.view.image().row(row);
-    let inverse_sigma = &scales.inverse_sigma[row * scales.width..];
-    let ends = low.iter_mut().zip(high);
-    for ((value, inverse_sigma), (low, high)) in values.iter().zip(inverse_sigma).zip(ends) {
-        // Pixels without a scale stay as they are.
-        let cut = if *inverse_sigma > 0.0 { LARGEST_CUT / inverse_sigma } else { 0.0 };
-        let (nearest, farthest) = match samples.quantity {
-            Quantity::Value => (value - cut, value + cut),
+    let inverse_sigma = &smoother.scales.inverse_sigma[row * smoother.scales.width..];
+    match smoother.samples.quantity {
+        Quantity::Value => {
+            let moved = |value: f32, cut: f32| (value - cut, value + cut);
+            find_moved(samples, inverse_sigma, ends, moved);
+        }
+        Quantity::Inverse => {
             // Those of 1 / value ± cut.
-            Quantity::Inverse => (value / (1.0 + cut * value), value / (1.0 - cut * value)),
-        };
+            let moved =
+                |value: f32, cut: f32| (value / (1.0 + cut * value), value / (1.0 - cut * value));
+            find_moved(samples, inverse_sigma, ends, moved);
+        }
+    }
+}
+
+#[inline(always)]
+fn find_moved(
+    (values, may_move): (&[f32], &[bool]),
+    inverse_sigma: &[f32],
+    (low, high): (&mut [f32], &mut [f32]),
+    of: impl Fn(f32, f32) -> (f32, f32),
+) {
+    let samples = values.iter().zip(may_move).zip(inverse_sigma);
+    for (((value, may_move), inverse_sigma), (low, high)) in samples.zip(low.iter_mut().zip(high)) {
+        // Pixels without a scale stay as they are.
+        let moves = (*inverse_sigma > 0.0) & *may_move;
+        let cut = if moves { LARGEST_CUT / inverse_sigma } else { 0.0 };
+        let (nearest, farthest) = of(*value, cut);
         // Where little is left of one end, rounding would count, too; and there may be none.
         let known =
             (nearest > value * LEAST_END) & (farthest * LEAST_END < *value) & (farthest > 0.0);
