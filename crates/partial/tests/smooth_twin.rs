@@ -98,53 +98,22 @@ impl Twin<'_> {
         reached
     }
 
-    /// Radii in rows and columns by a pixel's own noise and spacings, in steps of a sixteenth; 0 where it
-    /// stays as it is, and NaN where rounding decides.
-    fn radii(&self, pixel: Pixel, d3: f64) -> [f64; 2] {
-        let Some((across, down)) = self.spacing(pixel) else { return [0.0; 2] };
-        let rate = length_per_value(self.view.frame(), pixel, d3).unwrap();
-        let spacing = (across * down).sqrt();
-        let radius = 6.0 * (self.noise.value_sigma(rate) * rate / spacing).cbrt();
-        if (radius - 2.3).abs() < 1e-5 {
-            return [f64::NAN; 2];
-        }
-        if radius < 2.3 {
-            return [0.0; 2];
-        }
-        let radius = radius.min(7.5);
-        [radius * spacing / down, radius * spacing / across].map(|radius| {
-            let steps = 16.0 * radius.clamp(1.0, 7.5);
-            if (steps.fract() - 0.5).abs() < 1e-3 { f64::NAN } else { steps.round() / 16.0 }
-        })
-    }
-
-    /// The radii that a pixel takes: those of the first pixel of its block of eight columns, or of the last
-    /// one up to it that differs from the one before by more than a sixteenth.
-    fn reference(&self, pixel: Pixel) -> [f64; 2] {
-        let mut reference: Option<(f64, [f64; 2])> = None;
-        for col in pixel.col / 8 * 8..=pixel.col {
-            let at = Pixel::new(pixel.row, col);
-            let Some(d3) = self.view.image().get(at).map(f64::from) else { continue };
-            if !reference.is_some_and(|(of, _)| (d3 - of).abs() <= of / 16.0) {
-                let radii = self.radii(at, d3);
-                reference = (radii != [0.0; 2]).then_some((d3, radii));
-            }
-        }
-        reference.map_or([0.0; 2], |(_, radii)| radii)
-    }
-
     fn expected(&self, pixel: Pixel) -> Expected {
         let image = self.view.image();
         let Some(d3) = image.get(pixel).map(f64::from) else { return Expected::Stays };
-        let [rows, cols] = self.reference(pixel);
-        if self.spacing(pixel).is_none() || rows == 0.0 {
-            return Expected::Stays;
-        }
-        if rows.is_nan() || cols.is_nan() {
-            return Expected::Close;
-        }
+        let Some((across, down)) = self.spacing(pixel) else { return Expected::Stays };
         let rate = length_per_value(self.view.frame(), pixel, d3).unwrap();
         let sigma = self.noise.value_sigma(rate);
+        let spacing = (across * down).sqrt();
+        let radius = 6.0 * (sigma * rate / spacing).cbrt();
+        if radius < 2.3 {
+            return Expected::Stays;
+        }
+        let radius = radius.min(7.5);
+        let (rows, cols) = (
+            (radius * spacing / down).clamp(1.0, 7.5),
+            (radius * spacing / across).clamp(1.0, 7.5),
+        );
         let of = |rows: f64, cols: f64| -> Vec<Sample> {
             let sample = |&(dy, dx): &(i64, i64)| {
                 let value = f64::from(image.get(self.at(pixel, dy, dx)?)?);

@@ -7,7 +7,6 @@
 use super::estimate::{Estimates, Fitted};
 use super::grid::Grid;
 use super::lanes::{MOST, Native, positive};
-use super::linear::OfRadius;
 use super::links::WIDTH;
 use super::normal_equations::{COLUMNS, Coefficients, Column, RowPolynomial, RowSums, Sums};
 use super::{REACH, window};
@@ -26,6 +25,8 @@ const PIXELS: usize = WIDTH * WIDTH;
 pub(super) struct Block {
     row: usize,
     first: usize,
+    /// What the windows follow from; NaN for pixels that are not fitted.
+    sizes: [[f32; MOST]; 3],
     /// `1 / radius²` in rows and columns; 0 for pixels that are not fitted.
     inverse_radii: [[f32; MOST]; 2],
     /// The same for the wider windows.
@@ -137,6 +138,7 @@ impl Block {
         Self {
             row,
             first,
+            sizes: [[f32::NAN; MOST]; 3],
             inverse_radii: [[0.0; MOST]; 2],
             wider: [[0.0; MOST]; 2],
             inverse_cut: [0.0; MOST],
@@ -145,17 +147,34 @@ impl Block {
         }
     }
 
-    /// Has a pixel fitted, with windows of some radii in rows and in columns; `inverse_sigma` is that of its
-    /// quantity.
-    pub fn set(&mut self, lane: usize, radii: [&OfRadius; 2], inverse_sigma: f32) {
-        for (axis, of) in radii.into_iter().enumerate() {
-            self.inverse_radii[axis][lane] = of.inverse_square;
-            self.wider[axis][lane] = of.wider_inverse_square;
+    /// Has a pixel fitted: with a window that follows from the distances between its rays and its noise;
+    /// `inverse_sigma` is that of its quantity.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, sizes: [f32; 3], inverse_sigma: f32) {
+        for (all, size) in self.sizes.iter_mut().zip(sizes) {
+            all[lane] = size;
         }
-        let [rows, cols] = radii.map(|of| of.radius);
         self.inverse_cut[lane] = inverse_sigma * (1.0 / CUT) as f32;
-        self.largest = (self.largest.0.max(rows), self.largest.1.max(cols));
-        self.radii[lane] = (rows * cols).sqrt();
+    }
+
+    /// Finds the windows of all pixels that are set.
+    #[inline(always)]
+    pub fn find_windows(&mut self) {
+        let [mut tallest, mut widest] = [[0.0; MOST]; 2];
+        for (lane, (tallest, widest)) in tallest.iter_mut().zip(&mut widest).enumerate() {
+            let [rows, cols] = window::radii([0, 1, 2].map(|k| self.sizes[k][lane]));
+            let fitted = (rows > 0.0) & (self.inverse_cut[lane] > 0.0);
+            let only = |number: f32| if fitted { number } else { 0.0 };
+            let inverse = |radius: f32| only(1.0 / (radius * radius));
+            self.inverse_radii[0][lane] = inverse(rows);
+            self.inverse_radii[1][lane] = inverse(cols);
+            self.wider[0][lane] = inverse(window::wider(rows));
+            self.wider[1][lane] = inverse(window::wider(cols));
+            self.inverse_cut[lane] = only(self.inverse_cut[lane]);
+            self.radii[lane] = (rows * cols).sqrt();
+            (*tallest, *widest) = (only(rows), only(cols));
+        }
+        self.largest = (largest(tallest), largest(widest));
     }
 
     pub fn is_empty(&self) -> bool {
@@ -197,6 +216,10 @@ impl Block {
         let wide = fit.wide(weights, &second);
         narrow.fitted(&wide, &self.inverse_cut)
     }
+}
+
+fn largest(radii: [f32; MOST]) -> f32 {
+    radii.into_iter().fold(0.0, f32::max)
 }
 
 impl<S: Simd> Fit<'_, S> {

@@ -66,13 +66,13 @@ impl<const N: usize> Estimates<N> {
         let mut fitted =
             Fitted { changes: [0.0; N], factors: [1.0; N], shares: [0.0; N], holds: [false; N] };
         // Nothing here branches, so several pixels are taken at a time.
-        for k in 0..N {
+        for (k, inverse_cut) in inverse_cuts.iter().enumerate() {
             let narrow = self.at(k);
             let (best, share) = narrow.or_wider(&wide.at(k));
-            fitted.changes[k] = best.change / inverse_cuts[k];
+            fitted.changes[k] = best.change / inverse_cut;
             fitted.factors[k] = best.variance.sqrt();
             fitted.shares[k] = share;
-            fitted.holds[k] = (inverse_cuts[k] != 0.0) & narrow.holds() & best.holds();
+            fitted.holds[k] = (*inverse_cut != 0.0) & narrow.holds() & best.holds();
         }
         fitted
     }

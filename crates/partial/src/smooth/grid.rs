@@ -61,7 +61,7 @@ impl<'a> Grid<'a> {
             Quantity::Value => image.copy_from_slice(values),
             Quantity::Inverse => {
                 for (quantity, value) in image.iter_mut().zip(values) {
-                    *quantity = (1.0 / f64::from(*value)) as f32;
+                    *quantity = 1.0 / *value;
                 }
             }
         }
@@ -80,21 +80,34 @@ impl<'a> Grid<'a> {
 
     /// Distances between neighbouring rays of the row, and of the column, at a pixel; `None` where it has
     /// no neighbour on its surface.
+    #[inline(always)]
     pub fn spacings(&self, pixel: Pixel) -> Option<(f32, f32)> {
         let Pixel { row, col } = pixel;
         // The pair after the pixel counts, or else the one before: they differ by noise alone.
-        let right = Pixel { row, col: (col + 1) % self.size.cols };
+        let next = if col + 1 < self.size.cols { col + 1 } else { 0 };
+        let right = Pixel { row, col: next };
         let below = Pixel { row: row + 1, col };
-        let lateral = |joined: bool, pixel: Pixel, neighbour| {
-            joined.then(|| self.pairs.lateral(pixel, neighbour)).flatten()
+        let joined = |(of, kind): (Pixel, Neighbour)| {
+            let (row, place) = (of.row + REACH, of.col + REACH);
+            match kind {
+                Neighbour::Left => self.links.left(row, place),
+                Neighbour::Up => self.links.up(row, place),
+            }
         };
-        let left =
-            |p: Pixel| lateral(self.links.left(p.row + REACH, p.col + REACH), p, Neighbour::Left);
-        let up = |p: Pixel| lateral(self.links.up(p.row + REACH, p.col + REACH), p, Neighbour::Up);
-        Some((left(right).or_else(|| left(pixel))?, up(below).or_else(|| up(pixel))?))
+        let one_of = |kind, later| {
+            let later = (later, kind);
+            let pair = if joined(later) {
+                Some(later)
+            } else {
+                Some((pixel, kind)).filter(|p| joined(*p))
+            };
+            pair.and_then(|(of, kind)| self.pairs.lateral(of, kind))
+        };
+        Some((one_of(Neighbour::Left, right)?, one_of(Neighbour::Up, below)?))
     }
 
     /// Length along a pixel's ray per unit of its value; `None` where the value means no point.
+    #[inline(always)]
     pub fn length_per_value(&self, pixel: Pixel, value: f32) -> Option<f32> {
         self.pairs.length_per_value(pixel, value)
     }

@@ -163,7 +163,7 @@ impl Links {
         counts: &[bool; MOST],
         windows: &mut [[u32; MOST]; WIDTH],
     ) -> [u32; WIDTH] {
-        const { assert!(MOST % LANES == 0) };
+        const { assert!(MOST.is_multiple_of(LANES)) };
         let mut seen = [0; WIDTH];
         for first in (0..Native::<S>::LEN).step_by(LANES) {
             let connected = self.connected(simd, (row, col + first), reach);

@@ -57,7 +57,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, dispatch};
 use grid::Grid;
 use lanes::Native;
-use linear::{Filled, Linear, Radii};
+use linear::{Filled, Linear};
 use output::Output;
 use pairs::is_set;
 use quantity::Quantity;
@@ -137,24 +137,15 @@ pub fn smooth_with(
         let mut smoother = dispatch!(level, simd => Smoother::new(simd, view, noise, rule));
         let filled = if extent.robust { None } else { Some(smoother.fill()) };
         let reach = extent.near.and_then(|axes| Reach::new(&smoother, axes));
-        let mut wanted = vec![true; size.pixels()];
-        if let Some(reach) = &reach {
-            wanted = dispatch!(level, simd => reach.wanted(simd, &smoother, None, &wanted));
-        }
+        let mut wanted = match &reach {
+            Some(reach) => dispatch!(level, simd => reach.wanted(simd, &smoother)),
+            None => vec![true; size.pixels()],
+        };
         unchanged = count_valid(view.image(), &wanted);
         if let Some(filled) = &filled {
             let found = dispatch!(level, simd => Linear::new(simd, &smoother, filled, &wanted));
             let rest = dispatch!(level, simd => found.take(simd, &smoother, &wanted, &mut output));
             (linear, wanted) = (output.changed, rest);
-            // Fewer are wanted of the others now that it is known what became of these.
-            if let Some(reach) = reach.filter(Reach::is_quick) {
-                let values = Some(output.values.as_slice());
-                let crossed =
-                    dispatch!(level, simd => reach.wanted(simd, &smoother, values, &wanted));
-                let before = count_valid(view.image(), &wanted);
-                wanted.iter_mut().zip(&crossed).for_each(|(wanted, crossed)| *wanted &= crossed);
-                unchanged -= before - count_valid(view.image(), &wanted);
-            }
         }
         dispatch!(level, simd => smoother.image(simd, &wanted, &mut output));
         unchanged -= output.changed;
@@ -219,7 +210,7 @@ impl<'a> Smoother<'a> {
 
     #[inline(always)]
     fn image<S: Simd>(&self, simd: S, wanted: &[bool], output: &mut Output) {
-        let (mut weights, radii) = (Weights::new(), Radii::new());
+        let mut weights = Weights::new();
         let cols = self.samples.view.image().size().cols;
         let mut paired = vec![0; self.samples.grid.links.words()];
         for (row, wanted) in wanted.chunks(cols).enumerate() {
@@ -231,37 +222,39 @@ impl<'a> Smoother<'a> {
                 let end = (first + Native::<S>::LEN).min(cols);
                 let counts =
                     |lane: usize| wanted[first + lane] && is_set(&paired, REACH + first + lane);
-                let block = self.block((row, first), end - first, counts, &radii);
-                if !block.is_empty() {
-                    simd.vectorize(
-                        #[inline(always)]
-                        || {
+                simd.vectorize(
+                    #[inline(always)]
+                    || {
+                        let block = self.block((row, first), end - first, counts);
+                        if !block.is_empty() {
                             let fitted = block.fit(simd, &self.samples.grid, &mut weights);
                             let radii = block.radii(&fitted.shares);
                             let quantity = self.samples.quantity;
                             output.put(quantity, row * cols + first, &fitted, &radii);
-                        },
-                    );
-                }
+                        }
+                    },
+                );
                 first = end;
             }
         }
     }
 
     /// The windows of some pixels of a row; pixels without neighbours of their surface stay as they are.
+    #[inline(always)]
     fn block(
         &self,
         (row, first): (usize, usize),
         count: usize,
         counts: impl Fn(usize) -> bool,
-        radii: &Radii,
     ) -> Block {
         let mut block = Block::new(row, first);
-        let start = row * self.scales.width + first;
+        let values = &self.samples.view.image().row(row)[first..];
+        let inverse_sigma = &self.scales.inverse_sigma[row * self.scales.width + first..];
         for lane in (0..count).filter(|lane| counts(*lane)) {
-            let of = [0, 1].map(|axis| radii.at(self.scales.radii[axis][start + lane]));
-            block.set(lane, of, self.scales.inverse_sigma[start + lane]);
+            let sizes = self.samples.sizes(Pixel::new(row, first + lane), values[lane]);
+            block.set(lane, sizes, inverse_sigma[lane]);
         }
+        block.find_windows();
         block
     }
 }
@@ -269,6 +262,7 @@ impl<'a> Smoother<'a> {
 impl Samples<'_> {
     /// Distances between the rays of a row and of a column at a pixel and the noise as a length, from which
     /// its window follows; NaN where they are not known.
+    #[inline(always)]
     fn sizes(&self, pixel: Pixel, value: f32) -> [f32; 3] {
         let length = || match self.noise.stated_length() {
             Some(length) => Some(length),

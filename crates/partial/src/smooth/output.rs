@@ -41,9 +41,11 @@ impl Output {
         radii: &[f32; N],
     ) {
         let values = &mut self.values[first..];
-        let count = values.len().min(N);
         let mut old = [1.0; N];
-        old[..count].copy_from_slice(&values[..count]);
+        match values.first_chunk::<N>() {
+            Some(values) => old = *values,
+            None => old[..values.len()].copy_from_slice(values),
+        }
         let mut new = [0.0; N];
         for ((new, old), change) in new.iter_mut().zip(&old).zip(&fitted.changes) {
             let changed = quantity.of_value(f64::from(*old)) + f64::from(*change);

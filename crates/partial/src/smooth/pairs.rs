@@ -90,6 +90,7 @@ impl<'a> Pairs<'a> {
     }
 
     /// Distance between the rays of a pixel and a neighbour, at the neighbour's sample.
+    #[inline(always)]
     pub fn lateral(&self, pixel: Pixel, neighbour: Neighbour) -> Option<f32> {
         let image = self.view.image();
         let which = usize::from(neighbour == Neighbour::Up);
@@ -110,6 +111,7 @@ impl<'a> Pairs<'a> {
     }
 
     /// Length along a pixel's ray per unit of its value; `None` where the value means no point.
+    #[inline(always)]
     pub fn length_per_value(&self, pixel: Pixel, value: f32) -> Option<f32> {
         let Some([(products, _), _]) = &self.tables else {
             let rate = length_per_value(self.view.frame(), pixel, f64::from(value))?;

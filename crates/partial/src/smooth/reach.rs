@@ -4,8 +4,6 @@
 //! between those of the two ends of that stretch of its ray. A cell of four pixels none of whose
 //! stretches has a plane between it and another carries no curve. The pixels of all other cells
 //! count, and one more on every side, so that curves may be interpolated from four samples in line.
-//!
-//! Once it is known what became of most pixels, those have no stretch any more, and fewer of the others count.
 
 use super::block::CUT;
 use super::quantity::Quantity;
@@ -52,35 +50,21 @@ impl<'a> Reach<'a> {
         Some(Self { levels, slack: slack(&smoother.samples, axes) })
     }
 
-    /// Whether levels cost next to nothing, so that it pays to ask twice.
-    pub fn is_quick(&self) -> bool {
-        matches!(self.levels, Levels::Form(_))
-    }
-
-    /// One entry per pixel, row-major: whether it can take part in a curve. `values` are those of the image
-    /// as it is now, if it has changed; only pixels that may still move have a stretch.
+    /// One entry per pixel, row-major: whether it can take part in a curve.
     #[inline(always)]
-    pub fn wanted<S: Simd>(
-        &self,
-        simd: S,
-        smoother: &Smoother<'_>,
-        values: Option<&[f32]>,
-        may_move: &[bool],
-    ) -> Vec<bool> {
+    pub fn wanted<S: Simd>(&self, simd: S, smoother: &Smoother<'_>) -> Vec<bool> {
         let image = smoother.samples.view.image();
         let size = image.size();
         let mut wanted = vec![false; size.pixels()];
         let [mut above, mut here] = [Stretches::missing(size.cols), Stretches::missing(size.cols)];
-        let mut ends = Ends::new(size.cols);
+        let mut ends = [vec![f32::NAN; size.cols], vec![f32::NAN; size.cols]];
         let mut cells = Cells::new(size.cols, smoother.samples.view.frame().columns_wrap());
         for row in 0..size.rows {
-            let pixels = row * size.cols..(row + 1) * size.cols;
-            let values = values.map_or(image.row(row), |values| &values[pixels.clone()]);
-            self.levels.of_row(simd, smoother, row, (values, &may_move[pixels]), &mut ends);
+            self.levels.of_row(simd, smoother, row, &mut ends);
             simd.vectorize(
                 #[inline(always)]
                 || {
-                    stretch(values, &ends, self.slack, &mut here);
+                    stretch(image.row(row), &ends, self.slack, &mut here);
                     cells.find(&above, &here);
                     cells.mark(row, &mut wanted);
                 },
@@ -93,8 +77,7 @@ impl<'a> Reach<'a> {
 
 /// Finds the stretches of a row from the levels of their ends.
 #[inline(always)]
-fn stretch(values: &[f32], ends: &Ends, slack: f32, stretches: &mut Stretches) {
-    let [a, b] = &ends.levels;
+fn stretch(values: &[f32], [a, b]: &[Vec<f32>; 2], slack: f32, stretches: &mut Stretches) {
     let out = stretches.low.iter_mut().zip(&mut stretches.high);
     for ((value, (a, b)), (low, high)) in values.iter().zip(a.iter().zip(b)).zip(out) {
         let beyond = a.is_nan() | b.is_nan();
@@ -182,9 +165,8 @@ impl<'a> Levels<'a> {
         let mut images = [vec![f32::NAN; size.pixels()], vec![f32::NAN; size.pixels()]];
         let [low, high] = &mut images;
         let rows = low.chunks_mut(size.cols).zip(high.chunks_mut(size.cols));
-        let may_move = vec![true; size.cols];
         for (row, ends) in rows.enumerate() {
-            find_ends(smoother, row, (image.row(row), &may_move), ends);
+            find_ends(smoother, row, ends);
         }
         let [low, high] = images.map(|values| RangeImage::from_values(size, values));
         Some(Self::Images([low.ok()?, high.ok()?], axes))
@@ -197,15 +179,13 @@ impl<'a> Levels<'a> {
         simd: S,
         smoother: &Smoother<'_>,
         row: usize,
-        samples: (&[f32], &[bool]),
-        ends: &mut Ends,
+        [low, high]: &mut [Vec<f32>; 2],
     ) {
-        let [low, high] = &mut ends.levels;
         match self {
             Self::Form(form) => simd.vectorize(
                 #[inline(always)]
                 || {
-                    find_ends(smoother, row, samples, (&mut *low, &mut *high));
+                    find_ends(smoother, row, (&mut *low, &mut *high));
                     let [factor, addend] = form.rows.get(row).copied().unwrap_or_default();
                     for levels in [low, high] {
                         for (level, column) in levels.iter_mut().zip(&form.columns) {
@@ -223,52 +203,36 @@ impl<'a> Levels<'a> {
     }
 }
 
-/// The levels of a row's values moved by a cut either way.
-struct Ends {
-    levels: [Vec<f32>; 2],
-}
-
-impl Ends {
-    fn new(cols: usize) -> Self {
-        Self { levels: [vec![f32::NAN; cols], vec![f32::NAN; cols]] }
-    }
-}
-
-/// A row's values moved by a cut either way, where they may move; NaN where they cannot be.
+/// A row's values moved by a cut either way; NaN where they cannot be.
 #[inline(always)]
-fn find_ends(
-    smoother: &Smoother<'_>,
-    row: usize,
-    samples: (&[f32], &[bool]),
-    ends: (&mut [f32], &mut [f32]),
-) {
+fn find_ends(smoother: &Smoother<'_>, row: usize, ends: (&mut [f32], &mut [f32])) {
+    let values = smoother.samples.view.image().row(row);
     let inverse_sigma = &smoother.scales.inverse_sigma[row * smoother.scales.width..];
     match smoother.samples.quantity {
         Quantity::Value => {
             let moved = |value: f32, cut: f32| (value - cut, value + cut);
-            find_moved(samples, inverse_sigma, ends, moved);
+            find_moved(values, inverse_sigma, ends, moved);
         }
         Quantity::Inverse => {
             // Those of 1 / value ± cut.
             let moved =
                 |value: f32, cut: f32| (value / (1.0 + cut * value), value / (1.0 - cut * value));
-            find_moved(samples, inverse_sigma, ends, moved);
+            find_moved(values, inverse_sigma, ends, moved);
         }
     }
 }
 
 #[inline(always)]
 fn find_moved(
-    (values, may_move): (&[f32], &[bool]),
+    values: &[f32],
     inverse_sigma: &[f32],
     (low, high): (&mut [f32], &mut [f32]),
     of: impl Fn(f32, f32) -> (f32, f32),
 ) {
-    let samples = values.iter().zip(may_move).zip(inverse_sigma);
-    for (((value, may_move), inverse_sigma), (low, high)) in samples.zip(low.iter_mut().zip(high)) {
+    let samples = values.iter().zip(inverse_sigma);
+    for ((value, inverse_sigma), (low, high)) in samples.zip(low.iter_mut().zip(high)) {
         // Pixels without a scale stay as they are.
-        let moves = (*inverse_sigma > 0.0) & *may_move;
-        let cut = if moves { LARGEST_CUT / inverse_sigma } else { 0.0 };
+        let cut = if *inverse_sigma > 0.0 { LARGEST_CUT / inverse_sigma } else { 0.0 };
         let (nearest, farthest) = of(*value, cut);
         // Where little is left of one end, rounding would count, too; and there may be none.
         let known =

@@ -70,13 +70,8 @@ impl Leads {
 
 /// Radii of a window in rows and in columns; 0 where a pixel stays as it is.
 #[inline(always)]
-fn radii_of([across, down, length]: [f32; 3]) -> [Radius; 2] {
-    let spacing = (across * down).sqrt();
-    let radius = window::radius(length, spacing);
-    let share = if radius > 0.0 { 1.0 } else { 0.0 };
-    // Where nothing is known, neither is the ratio.
-    let limit = |radius: f32| share * radius.max(1.0).min(window::LARGEST);
-    [radius * spacing / down, radius * spacing / across].map(|radius| index_of(limit(radius)))
+fn radii_of(sizes: [f32; 3]) -> [Radius; 2] {
+    window::radii(sizes).map(index_of)
 }
 
 impl Scales {
@@ -85,9 +80,10 @@ impl Scales {
     pub fn new(samples: &Samples<'_>) -> Self {
         let size = samples.view.image().size();
         let width = size.cols.next_multiple_of(LANES);
-        let none = vec![0; width * size.rows];
+        // Memory that is asked for empty costs less than a copy of such.
+        let none = || vec![0; width * size.rows];
         let inverse_sigma = vec![0.0; width * size.rows];
-        let mut scales = Self { width, radii: [none.clone(), none], inverse_sigma };
+        let mut scales = Self { width, radii: [none(), none()], inverse_sigma };
         let mut leads = Leads::new(size.cols.div_ceil(BLOCK));
         for row in 0..size.rows {
             let values = samples.view.image().row(row);
@@ -147,8 +143,13 @@ impl Scales {
         reference: &Reference,
     ) {
         let pixels = start + from..start + from + values.len();
-        self.radii[0][pixels.clone()].fill(reference.radii[0]);
-        self.radii[1][pixels.clone()].fill(reference.radii[1]);
+        for (radii, radius) in self.radii.iter_mut().zip(reference.radii) {
+            // Mostly a whole block, for which no call is needed.
+            match radii[pixels.clone()].first_chunk_mut::<BLOCK>() {
+                Some(radii) => *radii = [radius; BLOCK],
+                None => radii[pixels.clone()].fill(radius),
+            }
+        }
         let [first, step] = reference.inverse_sigma;
         for (k, (scale, value)) in self.inverse_sigma[pixels].iter_mut().zip(values).enumerate() {
             let value = if value.is_nan() { reference.value } else { *value };

@@ -17,6 +17,18 @@ pub(super) const LARGEST: f32 = 7.5;
 /// Radius of the largest wider window; the pixels on its rim weigh nothing.
 pub(super) const WIDEST: f32 = REACH as f32 + 0.5;
 
+/// Radii of a pixel's window in rows and in columns, from the distances between its rays and its noise, all
+/// lengths; 0 where noise is negligible against the spacing of the rays, or either is not known.
+#[inline(always)]
+pub(super) fn radii([across, down, noise]: [f32; 3]) -> [f32; 2] {
+    let spacing = (across * down).sqrt();
+    let radius = radius(noise, spacing);
+    // Nothing here branches, so several pixels are taken at a time.
+    let limit = |radius: f32| radius.clamp(1.0, LARGEST);
+    let [rows, cols] = [limit(radius * spacing / down), limit(radius * spacing / across)];
+    if radius > 0.0 { [rows, cols] } else { [0.0; 2] }
+}
+
 /// Radius of the window in pixels; 0 where noise is negligible against the spacing, or either is not known.
 #[inline(always)]
 pub(super) fn radius(sigma: f32, spacing: f32) -> f32 {

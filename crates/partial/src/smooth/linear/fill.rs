@@ -108,6 +108,44 @@ fn between(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::one_pass::Instructions;
+    use crate::smooth::Smoother;
+    use crate::{BreakRule, RangeNoise};
+    use fearless_simd::dispatch;
+    use std::sync::Arc;
+    use transect_device::{ImageSize, Isometry3, RangeImage, View};
+    use transect_sensors::{Intrinsics, Pinhole};
+
+    const SIZE: ImageSize = ImageSize { rows: 24, cols: 40 };
+
+    /// How many pixels are filled of a row that is missing between a wall and another one behind it.
+    fn filled_of_a_row(step: f32) -> u32 {
+        let values = (0..SIZE.pixels()).map(|pixel| match pixel / SIZE.cols {
+            12 => f32::NAN,
+            row if row < 12 => 3.0,
+            _ => 3.0 + step,
+        });
+        let image = RangeImage::from_values(SIZE, values.collect()).unwrap();
+        let intrinsics = Intrinsics { fx: 120.0, fy: 120.0, cx: 19.5, cy: 11.5 };
+        let frame = Arc::new(Pinhole::new(SIZE, intrinsics).unwrap());
+        let view = View::new("step", image, frame, Isometry3::identity(), Some(0.02)).unwrap();
+        let (noise, rule) = (RangeNoise::of(&view), BreakRule::new(1.36, 0.08));
+        let level = Instructions::Best.level();
+        let mut smoother = dispatch!(level, simd => Smoother::new(simd, &view, &noise, &rule));
+        smoother.fill().0.iter().map(|word| word.count_ones()).sum()
+    }
+
+    #[test]
+    fn a_missing_row_is_filled_on_a_wall_and_not_across_a_step() {
+        assert_eq!(filled_of_a_row(0.0), SIZE.cols as u32);
+        assert_eq!(filled_of_a_row(0.1), SIZE.cols as u32);
+        assert_eq!(filled_of_a_row(0.4), 0);
+    }
+
+    #[test]
+    fn without_a_scale_nothing_is_filled() {
+        assert_eq!(between([Some(1.0); 4], 0.0), None);
+    }
 
     #[test]
     fn parabolas_are_continued_exactly_and_steps_are_not() {

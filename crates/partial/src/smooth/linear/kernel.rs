@@ -49,41 +49,12 @@ impl Kernels {
 #[inline(always)]
 pub(in crate::smooth) fn index_of(radius: f32) -> Radius {
     // The nearest one; radii are not negative.
-    (STEPS * radius.min(window::LARGEST) + 0.5) as Radius
+    (STEPS * radius.min(window::LARGEST) + 0.5) as i32 as Radius
 }
 
 /// The radius at a place, in pixels.
 pub(super) fn radius(index: Radius) -> f32 {
     f32::from(index) / STEPS
-}
-
-/// What robust fits need of a radius.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::smooth) struct OfRadius {
-    pub radius: f32,
-    pub inverse_square: f32,
-    /// The same of the wider window.
-    pub wider_inverse_square: f32,
-}
-
-/// The same of every radius.
-#[derive(Debug)]
-pub(in crate::smooth) struct Radii(Vec<OfRadius>);
-
-impl Radii {
-    pub fn new() -> Self {
-        let of = |radius: f32| OfRadius {
-            radius,
-            inverse_square: 1.0 / (radius * radius),
-            wider_inverse_square: 1.0 / window::wider(radius).powi(2),
-        };
-        Self((0..=index_of(window::LARGEST)).map(|index| of(radius(index))).collect())
-    }
-
-    pub fn at(&self, radius: Radius) -> &OfRadius {
-        // Radii come from `index_of`, which gives none beyond the last.
-        &self.0[usize::from(radius).min(self.0.len() - 1)]
-    }
 }
 
 impl Kernel {

@@ -57,7 +57,7 @@ use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 pub(super) use fill::Filled;
 use kernel::Kernels;
-pub(super) use kernel::{OfRadius, Radii, Radius, index_of};
+pub(super) use kernel::{Radius, index_of};
 use plain::Plain;
 
 /// Largest change, in standard deviations, so that none is near a cut.
@@ -166,9 +166,10 @@ impl<'a> Linear<'a> {
         }
     }
 
+    #[inline(always)]
     fn radii(&self, axis: usize, pixel: usize) -> [Radius; LANES] {
-        let radii = &self.scales.radii[axis][pixel..pixel + LANES];
-        std::array::from_fn(|k| radii[k])
+        // Rows are filled up to whole blocks.
+        self.scales.radii[axis][pixel..].first_chunk().copied().unwrap_or_default()
     }
 
     /// Sums of those down columns: the changes of a row's pixels.
@@ -255,29 +256,29 @@ impl<'a> Linear<'a> {
     #[inline(always)]
     fn block(&self, (row, col): (usize, usize), known: &[bool]) -> (Fitted<LANES>, [f32; LANES]) {
         let pixel = row * self.scales.width + col;
-        let radii = [0, 1].map(|axis| self.radii(axis, pixel));
-        let mut both = [Estimates::none(); 2];
-        let changes = [&self.narrow.of(row, col)[..LANES], &self.wide[pixel..pixel + LANES]];
-        for (wider, (estimates, changes)) in both.iter_mut().zip(changes).enumerate() {
-            for k in 0..LANES {
-                let [down, across] = [0, 1].map(|axis| &self.kernels.of(radii[axis][k])[wider]);
-                estimates.variances[k] = down.variance * across.variance;
-                estimates.changes[k] = changes[k] / CUT as f32;
-            }
-        }
+        let [rows, cols] = [self.radii(0, pixel), self.radii(1, pixel)];
+        let (narrow, wide) = (self.narrow.of(row, col), &self.wide[pixel..pixel + LANES]);
         let scales = &self.scales.inverse_sigma[pixel..pixel + LANES];
-        let mut inverse_cuts = [0.0; LANES];
-        for ((inverse_cut, scale), known) in inverse_cuts.iter_mut().zip(scales).zip(known) {
-            *inverse_cut = if *known { scale / CUT as f32 } else { 0.0 };
+        let mut both = [Estimates::none(); 2];
+        let (mut inverse_cuts, mut radii) = ([0.0; LANES], [0.0; LANES]);
+        for (k, radius) in radii.iter_mut().enumerate() {
+            let (down, across) = (self.kernels.of(rows[k]), self.kernels.of(cols[k]));
+            both[0].variances[k] = down[0].variance * across[0].variance;
+            both[1].variances[k] = down[1].variance * across[1].variance;
+            *radius = (kernel::radius(rows[k]) * kernel::radius(cols[k])).sqrt();
+        }
+        for k in 0..LANES {
+            both[0].changes[k] = narrow[k] / CUT as f32;
+            both[1].changes[k] = wide[k] / CUT as f32;
+            let known = known.get(k).is_some_and(|known| *known);
+            inverse_cuts[k] = if known { scales[k] / CUT as f32 } else { 0.0 };
         }
         let [narrow, wide] = both;
         let fitted = narrow.fitted(&wide, &inverse_cuts);
-        let mut of_windows = [0.0; LANES];
-        for (k, radius) in of_windows.iter_mut().enumerate() {
-            let [rows, cols] = [0, 1].map(|axis| kernel::radius(radii[axis][k]));
-            *radius = window::between((rows * cols).sqrt(), fitted.shares[k]);
+        for (radius, share) in radii.iter_mut().zip(fitted.shares) {
+            *radius = window::between(*radius, share);
         }
-        (fitted, of_windows)
+        (fitted, radii)
     }
 }
 

@@ -3,8 +3,8 @@
 use crate::smooth::REACH;
 use crate::smooth::grid::Grid;
 
-/// How many pixels that break a surface are above and to the left of each place: as differences of what is
-/// left of them by the count of numbers there are, no window holds more.
+/// How many pixels that break a surface are above and to the left of each place. Counts begin again at 0
+/// beyond the last number; no window holds so many.
 #[derive(Debug)]
 pub(super) struct Plain {
     rows: usize,
