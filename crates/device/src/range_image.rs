@@ -93,6 +93,41 @@ pub struct RangeImage {
     size: ImageSize,
     /// NaN where missing; every other value is positive and finite.
     values: Vec<f32>,
+    census: Census,
+}
+
+/// What is asked of all values again and again.
+#[derive(Debug, Clone, Copy)]
+struct Census {
+    valid: usize,
+    /// Smallest and largest value; the wrong way round if there is none.
+    extremes: (f32, f32),
+}
+
+impl Census {
+    /// Makes useless values NaN and counts the others; side by side, since the sum of their looks is most
+    /// of what an image costs to make.
+    fn take(values: &mut [f32]) -> Self {
+        const SIDE_BY_SIDE: usize = 16;
+        let mut low = [f32::INFINITY; SIDE_BY_SIDE];
+        let mut high = [f32::NEG_INFINITY; SIDE_BY_SIDE];
+        let mut valid = 0;
+        for values in values.chunks_mut(SIDE_BY_SIDE) {
+            let mut found = 0;
+            for ((value, low), high) in values.iter_mut().zip(&mut low).zip(&mut high) {
+                // Comparisons with NaN are false.
+                let useful = (*value > 0.0) & (*value < f32::INFINITY);
+                *value = if useful { *value } else { f32::NAN };
+                *low = if *value < *low { *value } else { *low };
+                *high = if *value > *high { *value } else { *high };
+                found += u32::from(useful);
+            }
+            valid += found as usize;
+        }
+        let low = low.into_iter().fold(f32::INFINITY, f32::min);
+        let high = high.into_iter().fold(f32::NEG_INFINITY, f32::max);
+        Self { valid, extremes: (low, high) }
+    }
 }
 
 impl RangeImage {
@@ -105,12 +140,8 @@ impl RangeImage {
         if values.len() != size.pixels() {
             return Err(ImageError::WrongCount { size, found: values.len() });
         }
-        for v in &mut values {
-            if !(v.is_finite() && *v > 0.0) {
-                *v = f32::NAN;
-            }
-        }
-        Ok(Self { size, values })
+        let census = Census::take(&mut values);
+        Ok(Self { size, values, census })
     }
 
     /// Number of rows and columns.
@@ -119,6 +150,7 @@ impl RangeImage {
     }
 
     /// The value at a pixel; `None` where it is missing or outside the image.
+    #[inline]
     pub fn get(&self, pixel: Pixel) -> Option<f32> {
         let inside = pixel.row < self.size.rows && pixel.col < self.size.cols;
         let value = inside.then(|| self.values.get(pixel.row * self.size.cols + pixel.col));
@@ -126,6 +158,7 @@ impl RangeImage {
     }
 
     /// The values of one row for inner loops, **NaN where missing**; empty outside the image.
+    #[inline]
     pub fn row(&self, row: usize) -> &[f32] {
         let start = row.saturating_mul(self.size.cols);
         let end = start.saturating_add(self.size.cols);
@@ -134,16 +167,12 @@ impl RangeImage {
 
     /// How many pixels are not missing.
     pub fn valid_count(&self) -> usize {
-        self.values.iter().filter(|v| !v.is_nan()).count()
+        self.census.valid
     }
 
     /// Smallest and largest value; `None` if every pixel is missing.
     pub fn extremes(&self) -> Option<(f32, f32)> {
-        let valid = self.values.iter().copied().filter(|v| !v.is_nan());
-        valid.fold(None, |e, v| match e {
-            None => Some((v, v)),
-            Some((low, high)) => Some((v.min(low), v.max(high))),
-        })
+        (self.census.valid > 0).then_some(self.census.extremes)
     }
 }
 
@@ -165,6 +194,32 @@ mod tests {
         assert_eq!(image.extremes(), Some((1.0, 3.0)));
         assert_eq!(image.get(Pixel::new(usize::MAX, 0)), None);
         assert!(image.row(usize::MAX).is_empty() && image.row(2).is_empty());
+    }
+
+    #[test]
+    fn extremes_and_count_are_those_of_the_valid_values_alone() {
+        let image = |values: &[f32]| {
+            let size = ImageSize { rows: 1, cols: values.len() };
+            RangeImage::from_values(size, values.to_vec()).unwrap()
+        };
+        assert_eq!(image(&[f32::NAN; 40]).extremes(), None);
+        for len in [1, 15, 16, 17, 50] {
+            for at in 0..len {
+                let mut values = vec![2.0; len];
+                values[at] = -3.0;
+                let expected = if len == 1 { None } else { Some((2.0, 2.0)) };
+                assert_eq!(image(&values).extremes(), expected);
+                values[at] = 0.5;
+                values[(at + 1) % len] = f32::INFINITY;
+                values[(at + 2) % len] = 7.0;
+                let valid = values.iter().filter(|v| v.is_finite()).copied();
+                let found = image(&values);
+                assert_eq!(found.valid_count(), valid.clone().count());
+                let low = valid.clone().fold(f32::INFINITY, f32::min);
+                let high = valid.fold(f32::NEG_INFINITY, f32::max);
+                assert_eq!(found.extremes(), Some((low, high)), "{len} {at}");
+            }
+        }
     }
 
     #[test]
