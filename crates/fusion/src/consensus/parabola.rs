@@ -173,6 +173,8 @@ struct Sums {
     /// Places and correlation lengths of the outermost samples.
     first: (f64, f64),
     last: (f64, f64),
+    /// Whether there are any: places so near to each other that their order is not kept do not tell.
+    begun: bool,
 }
 
 impl Sums {
@@ -194,8 +196,8 @@ impl Sums {
         let shared = shared(s.x - self.last.0, 0.5 * (s.correlation + self.last.1));
         self.through *= shared;
         self.ahead = add_error(&mut self.errors, self.ahead.map(|v| v * shared), error);
-        if self.first.0 > self.last.0 {
-            (self.first, self.behind, self.through) = (here, error, 1.0);
+        if !self.begun {
+            (self.first, self.behind, self.through, self.begun) = (here, error, 1.0, true);
         } else {
             for (sum, e) in self.behind.iter_mut().zip(error) {
                 *sum += self.through * e;
@@ -209,8 +211,8 @@ impl Sums {
         let shared = shared(self.first.0 - s.x, 0.5 * (s.correlation + self.first.1));
         self.through *= shared;
         self.behind = add_error(&mut self.errors, self.behind.map(|v| v * shared), error);
-        if self.first.0 > self.last.0 {
-            (self.last, self.ahead, self.through) = (here, error, 1.0);
+        if !self.begun {
+            (self.last, self.ahead, self.through, self.begun) = (here, error, 1.0, true);
         } else {
             for (sum, e) in self.ahead.iter_mut().zip(error) {
                 *sum += self.through * e;
@@ -378,6 +380,22 @@ mod tests {
                 assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{reach}");
             }
         }
+    }
+
+    #[test]
+    fn samples_almost_in_one_place_need_no_order() {
+        // Gathering sorts by places rounded to 24 bits.
+        let mut all = uneven(40);
+        let ahead = all.iter().position(|s| s.x > 0.0).unwrap();
+        for near in [ahead, ahead - 3] {
+            all[near].x = all[near + 1].x + 1e-9;
+        }
+        let mut windows = Windows::default();
+        windows.begin(all.iter().copied(), 0.5);
+        let found = windows.fit(3.0, f64::INFINITY, 10.0).unwrap();
+        let expected = slow(&all);
+        assert!((found.place_sigma / expected.place_sigma - 1.0).abs() < 1e-6, "{found:?}");
+        assert!((found.bend_sigma / expected.bend_sigma - 1.0).abs() < 1e-6, "{found:?}");
     }
 
     /// The fit by matrices, with the correlation of every pair written out.
