@@ -104,6 +104,30 @@ fn fillets_of_three_footprints_stay_round() {
     }
 }
 
+#[test]
+fn no_corner_goes_where_nobody_saw_the_ground() {
+    // Errors that samples share, as smoothing leaves them, say that a single pixel's are large.
+    let shared = (0.2 * SPACING, 5.0 * SPACING);
+    let corner = Point2::new(1.0, 1.0);
+    let square = Square { radius: 0.0 };
+    let view = |view: u64| {
+        let seen = square.seen(view, 0.1 * SIGMA).remove(0);
+        let far = |n: &&Node| (n.position - corner).norm() > 2.6 * SPACING;
+        let from = seen.nodes().iter().position(|n| !far(&n)).unwrap();
+        let nodes = [&seen.nodes()[from..], &seen.nodes()[..from]].concat();
+        let known = |n: &Node| Node { sigma: shared.0 as f32, correlation: shared.1 as f32, ..*n };
+        vec![Curve::new(nodes.iter().filter(far).map(known).collect(), false).unwrap()]
+    };
+    let views: Vec<Vec<Curve>> = (0..6).map(view).collect();
+    let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+    let curves = consensus(&slices, &ConsensusOptions::default()).curves;
+    assert_eq!(curves.len(), 1);
+    assert!(curves[0].nodes().iter().any(|n| n.bridged), "a gap that no view saw");
+    for node in curves[0].nodes().iter().filter(|n| n.views > 0) {
+        assert!((node.position - corner).norm() > 2.0 * SPACING, "{}", node.position);
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 

@@ -127,7 +127,8 @@ fn corner(path: &Path<'_>, (a, b): (&Stretch, &Stretch), noise: f64) -> Option<C
     let count = (b.first + n - first) % n;
     let last = first + n - 1;
     let footprint = a.side.footprint.max(b.side.footprint);
-    if path.way(last, count + 1) > LONGEST_ZONE * footprint {
+    let is_seen = (last..=last + count).all(|k| path.is_step(k));
+    if !is_seen || path.way(last, count + 1) > LONGEST_ZONE * footprint {
         return None;
     }
     let meeting = Meeting::new([&a.side, &b.side])?;
