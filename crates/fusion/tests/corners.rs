@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "test code; shared helpers are outside test functions")]
 
 use proptest::prelude::*;
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use transect_fusion::{ConsensusOptions, consensus};
 use transect_geometry::{Curve, Node, Point2, Vector2};
 
@@ -101,6 +101,106 @@ fn fillets_of_three_footprints_stay_round() {
         // The sharp corner lies 0.41 radii off.
         let off = square.farthest_from(&curves[0]);
         assert!(off < 0.12 * SPACING + 3.0 * sigma, "{sigma}: {off}");
+    }
+}
+
+#[test]
+fn no_corner_goes_where_nobody_saw_the_ground() {
+    // Errors that samples share, as smoothing leaves them, say that a single pixel's are large.
+    let shared = (0.2 * SPACING, 5.0 * SPACING);
+    let corner = Point2::new(1.0, 1.0);
+    let square = Square { radius: 0.0 };
+    let view = |view: u64| {
+        let seen = square.seen(view, 0.1 * SIGMA).remove(0);
+        let far = |n: &&Node| (n.position - corner).norm() > 2.6 * SPACING;
+        let from = seen.nodes().iter().position(|n| !far(&n)).unwrap();
+        let nodes = [&seen.nodes()[from..], &seen.nodes()[..from]].concat();
+        let known = |n: &Node| Node { sigma: shared.0 as f32, correlation: shared.1 as f32, ..*n };
+        vec![Curve::new(nodes.iter().filter(far).map(known).collect(), false).unwrap()]
+    };
+    let views: Vec<Vec<Curve>> = (0..6).map(view).collect();
+    let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+    let curves = consensus(&slices, &ConsensusOptions::default()).curves;
+    assert_eq!(curves.len(), 1);
+    assert!(curves[0].nodes().iter().any(|n| n.bridged), "a gap that no view saw");
+    for node in curves[0].nodes().iter().filter(|n| n.views > 0) {
+        assert!((node.position - corner).norm() > 2.0 * SPACING, "{}", node.position);
+    }
+}
+
+/// The outline of a thin bar along x, its right end a half circle or square, its left one far away.
+#[derive(Debug, Clone, Copy)]
+struct Bar {
+    width: f64,
+    round: bool,
+}
+
+impl Bar {
+    const LENGTH: f64 = 60.0 * SPACING;
+
+    /// The place at an arc length, round the right end from the lower side to the upper one.
+    fn at(&self, s: f64) -> Point2 {
+        let half = 0.5 * self.width;
+        let end = if self.round { PI * half } else { self.width };
+        let straight = if self.round { Self::LENGTH - half } else { Self::LENGTH };
+        match s - straight {
+            before if before <= 0.0 => Point2::new(s, -half),
+            after if after >= end => Point2::new(straight - (after - end), half),
+            on if self.round => {
+                let (sin, cos) = (on / half).sin_cos();
+                Point2::new(straight + half * sin, -half * cos)
+            }
+            on => Point2::new(straight, on - half),
+        }
+    }
+
+    fn fused(&self, sigma: f64) -> Vec<Curve> {
+        let length = 2.0 * Self::LENGTH;
+        let view = |view: u64| {
+            let node = |k: u64| {
+                let s = (k as f64 + 0.31 * view as f64) * SPACING;
+                let error = Vector2::new(noise(view, 2 * k), noise(view, 2 * k + 1)) * sigma;
+                let sigma = sigma.max(1e-6) as f32;
+                Node { sigma, footprint: SPACING as f32, ..Node::at(self.at(s) + error) }
+            };
+            vec![Curve::new((0..(length / SPACING) as u64).map(node).collect(), false).unwrap()]
+        };
+        let views: Vec<Vec<Curve>> = (0..6).map(view).collect();
+        let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+        consensus(&slices, &ConsensusOptions::default()).curves
+    }
+}
+
+#[test]
+fn the_end_of_a_thin_bar_has_two_corners() {
+    for footprints in [3.0, 4.0, 5.0] {
+        for sigma in [SIGMA, 3.0 * SIGMA] {
+            let bar = Bar { width: footprints * SPACING, round: false };
+            let curves = bar.fused(sigma);
+            for y in [-0.5, 0.5] {
+                let corner = Point2::new(Bar::LENGTH, y * bar.width);
+                let off = curves.iter().map(|c| c.foot(&corner).distance);
+                let off = off.fold(f64::INFINITY, f64::min);
+                assert!(off <= 0.1 * SPACING + 2.0 * sigma, "{footprints} {sigma} {y}: {off}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_round_end_of_a_thin_bar_stays_round() {
+    for footprints in [4.0, 5.0, 6.0] {
+        for sigma in [0.0, SIGMA, 3.0 * SIGMA] {
+            let bar = Bar { width: footprints * SPACING, round: true };
+            for curve in bar.fused(sigma) {
+                for node in curve.nodes().iter().filter(|n| n.position.x > 0.5 * Bar::LENGTH) {
+                    // A corner would lie 0.41 half widths outside.
+                    let d = node.position - Point2::new(Bar::LENGTH - 0.5 * bar.width, 0.0);
+                    let off = d.y.hypot(d.x.max(0.0)) - 0.5 * bar.width;
+                    assert!(off < 0.12 * SPACING + 3.0 * sigma, "{footprints} {sigma}: {off}");
+                }
+            }
+        }
     }
 }
 

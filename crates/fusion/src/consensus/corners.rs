@@ -15,10 +15,13 @@
 //! 2. A corner is where two sides that follow each other meet, if that lies ahead of both, and the
 //!    nodes between contradict it by no more than what smoothing and sampling do to a corner. A
 //!    fillet whose nodes lie farther inside than that stays one.
-//! 3. The nodes between move onto their side, those beyond the corner go, and the corner becomes a
+//! 3. Two sides that face each other may have a short one between them, with a corner at both of its ends;
+//!    see `short.rs`.
+//! 4. The nodes between move onto their side, those beyond the corner go, and the corner becomes a
 //!    node.
 
 mod path;
+mod short;
 mod side;
 
 use super::Kept;
@@ -85,6 +88,8 @@ struct Corner {
     first: usize,
     count: usize,
     nodes: Vec<Kept>,
+    /// Whether it lies off the curve by more than its error.
+    is_told: bool,
 }
 
 /// Puts corners in, which are in the order of the piece.
@@ -115,9 +120,22 @@ fn corners(path: &Path<'_>, noise: f64) -> Vec<Corner> {
     let stretches = path.stretches(SMALLEST_TURN.cos());
     let follows = stretches.iter().skip(1).chain(stretches.first().filter(|_| path.is_closed()));
     let pairs = stretches.iter().zip(follows);
-    let mut corners: Vec<Corner> = pairs.filter_map(|(a, b)| corner(path, (a, b), noise)).collect();
+    let mut corners: Vec<Corner> =
+        pairs.flat_map(|(a, b)| between(path, (a, b), noise)).flatten().collect();
     corners.sort_by_key(|c| c.first);
     corners
+}
+
+/// What is between two sides: a corner, or the two of a short side.
+fn between(path: &Path<'_>, (a, b): (&Stretch, &Stretch), noise: f64) -> [Option<Corner>; 2] {
+    if let Some(corner) = corner(path, (a, b), noise) {
+        return [corner.is_told.then_some(corner), None];
+    }
+    let short = short::between(path, a, b);
+    let corners =
+        short.and_then(|s| Some([corner(path, (a, &s), noise)?, corner(path, (&s, b), noise)?]));
+    // One that the curve goes through already does not contradict the other.
+    corners.map_or([None, None], |c| c.map(|c| c.is_told.then_some(c)))
 }
 
 /// The corner between two sides.
@@ -127,21 +145,21 @@ fn corner(path: &Path<'_>, (a, b): (&Stretch, &Stretch), noise: f64) -> Option<C
     let count = (b.first + n - first) % n;
     let last = first + n - 1;
     let footprint = a.side.footprint.max(b.side.footprint);
-    if path.way(last, count + 1) > LONGEST_ZONE * footprint {
+    let is_seen = (last..=last + count).all(|k| path.is_step(k));
+    if !is_seen || path.way(last, count + 1) > LONGEST_ZONE * footprint {
         return None;
     }
     let meeting = Meeting::new([&a.side, &b.side])?;
     let ends = (path.node(last), path.node(b.first));
-    if !meeting.is_told(&path.nodes(first, count), ends, noise) {
-        return None;
-    }
+    let is_told = meeting.is_told(&path.nodes(first, count), ends, noise)?;
     // The last nodes of a side have neighbours on one hand alone; the side as a whole knows better.
     let near = |k: &usize| (path.node(*k).position - meeting.place).norm() < RIM * footprint;
     let of_a = (1..=a.count / 2).take_while(|k| near(&(first + n - k))).count();
     let of_b = (0..b.count / 2).take_while(|k| near(&(b.first + k))).count();
     let (first, count) = ((first + n - of_a) % n, count + of_a + of_b);
     let around = (path.node(first + n - 1), path.node(first + count));
-    Some(Corner { first, count, nodes: meeting.nodes(&path.nodes(first, count), around) })
+    let nodes = meeting.nodes(&path.nodes(first, count), around);
+    Some(Corner { first, count, nodes, is_told })
 }
 
 /// Where two sides meet.
@@ -184,8 +202,8 @@ impl<'a> Meeting<'a> {
         is_corner.then_some(Self { sides, along, place: ends[0].position, sigma, turn, directions })
     }
 
-    /// Whether the nodes between are what a corner there leaves of itself, and it matters.
-    fn is_told(&self, between: &[&Kept], ends: (&Kept, &Kept), noise: f64) -> bool {
+    /// Whether the corner matters; `None` unless the nodes between are what it leaves of itself.
+    fn is_told(&self, between: &[&Kept], ends: (&Kept, &Kept), noise: f64) -> Option<bool> {
         let footprint = self.sides[0].footprint.max(self.sides[1].footprint);
         let cut = self.cut(between, ends);
         let agrees = |k: &&Kept| {
@@ -196,7 +214,8 @@ impl<'a> Meeting<'a> {
             off[0].min(off[1]) <= noise + OFF_SIGMAS * random + sampling
         };
         let chord = CHORD * footprint * (0.5 * self.turn).sin();
-        cut > TOLD_SIGMAS * self.sigma && cut <= chord + noise && between.iter().all(agrees)
+        let leaves = cut <= chord + noise && between.iter().all(agrees);
+        leaves.then_some(cut > TOLD_SIGMAS * self.sigma)
     }
 
     /// How far off the corner the curve passes.

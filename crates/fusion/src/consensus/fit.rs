@@ -1,16 +1,33 @@
 //! Robust local fits in a curve's own direction: a line for the first place, and what it shares with
 //! the parabola for the last.
 
-/// A curve near x = 0: `y = place + slope x + bend x²`.
+/// A curve near x = 0: `y = place + slope x + bend x² + cubic x³ + quartic x⁴`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Fit {
     pub place: f64,
     pub slope: f64,
     pub bend: f64,
+    /// What an arc has besides; zeros for lines.
+    pub cubic: f64,
+    pub quartic: f64,
     /// Standard deviation of `place` from the samples' random errors.
     pub place_sigma: f64,
     /// Standard deviation of `bend`.
     pub bend_sigma: f64,
+}
+
+impl Fit {
+    /// The curve at x.
+    pub fn at(&self, x: f64) -> f64 {
+        self.place + x * (self.slope + x * (self.bend + x * (self.cubic + x * self.quartic)))
+    }
+
+    /// What the curve leaves its place by within a reach, at most.
+    pub fn deepest(&self, reach: f64) -> f64 {
+        let [slope, bend, cubic, quartic] =
+            [self.slope, self.bend, self.cubic, self.quartic].map(f64::abs);
+        reach * (slope + reach * (bend + reach * (cubic + reach * quartic)))
+    }
 }
 
 /// A sample of a line: its place along and across, and its weight.

@@ -9,8 +9,10 @@
 //!
 //! **Steps.**
 //! 1. Samples in order along the curve; those in the window add to the sums.
-//! 2. The parabola of the sums. If no residual exceeds half the threshold, that is the fit.
-//! 3. Else once more, with weights that fall from 1 at half the threshold to 0 at all of it. They leave
+//! 2. The parabola of the sums.
+//! 3. What an arc of that bend and slope has of third and fourth order is taken off the samples, by sums
+//!    again, and the parabola of the rest added to it.
+//! 4. If no residual exceeds half the threshold, that is the fit. Else once more, with weights that fall from 1 at half the threshold to 0 at all of it. They leave
 //!    1 with no step and no bend, so that a sample on its way out changes the fit gradually.
 //!
 //! **Shared errors.** The correlation of two samples is the product of those of the neighbours between
@@ -46,6 +48,9 @@ const MIDDLE: f64 = 1e-3;
 
 /// Share of the threshold up to which samples have their whole weight.
 const FLAT: f64 = 0.5;
+
+/// Bend times reach, in radians, from which on a fit follows no more of an arc.
+const LARGEST_TURN: f64 = 0.9;
 
 /// Samples along a curve, and the sums over those of a window that grows.
 #[derive(Debug, Default)]
@@ -117,22 +122,30 @@ fn fit(
     if !lies_on_both_sides(samples, reach) {
         return None;
     }
-    let plain = sums.solve(reach)?;
+    let plain = sums.follow_arc(sums.solve(reach)?, reach);
     let most = FLAT * threshold;
     // As a rule no sample can be so far off, whichever it is.
-    let deepest = reach * (plain.slope.abs() + reach * plain.bend.abs());
+    let deepest = plain.deepest(reach);
     if farthest + plain.place.abs() + deepest <= most
         || samples.iter().all(|s| residual(&plain, s).abs() <= most)
     {
         return Some(plain);
     }
     let weighted = samples.iter().map(|s| (s, s.weight * trust(residual(&plain, s) / threshold)));
-    Sums::of(weighted, sums.unit).solve(reach)
+    let sums = Sums::of(weighted, sums.unit);
+    Some(sums.follow_arc(sums.solve(reach)?, reach))
 }
 
-/// Distance of a sample from a parabola.
+/// Third and fourth order of an arc of this slope and bend.
+fn beyond_parabola(fit: &Fit, reach: f64) -> (f64, f64) {
+    let most = 0.5 * LARGEST_TURN / reach;
+    let bend = fit.bend.clamp(-most, most);
+    (2.0 * bend * bend * fit.slope, bend.powi(3))
+}
+
+/// Distance of a sample from a fit.
 fn residual(fit: &Fit, s: &Sample) -> f64 {
-    s.y - (fit.place + s.x * (fit.slope + fit.bend * s.x))
+    s.y - fit.at(s.x)
 }
 
 /// Whether two samples lie behind the middle and two ahead of it: one there is on neither side,
@@ -159,8 +172,8 @@ fn trust(u: f64) -> f64 {
 struct Sums {
     unit: f64,
     per_unit: f64,
-    /// Sums of weight × 1, u, q, u², uq, q².
-    left: [f64; 6],
+    /// Sums of weight × 1, u, q, u², uq, q², uq², q³.
+    left: [f64; 8],
     /// Sums of weight × y × 1, u, q.
     right: [f64; 3],
     /// Covariances of the errors of `right`, in the order of `left`.
@@ -173,6 +186,8 @@ struct Sums {
     /// Places and correlation lengths of the outermost samples.
     first: (f64, f64),
     last: (f64, f64),
+    /// Whether there are any: places so near to each other that their order is not kept do not tell.
+    begun: bool,
 }
 
 impl Sums {
@@ -194,8 +209,8 @@ impl Sums {
         let shared = shared(s.x - self.last.0, 0.5 * (s.correlation + self.last.1));
         self.through *= shared;
         self.ahead = add_error(&mut self.errors, self.ahead.map(|v| v * shared), error);
-        if self.first.0 > self.last.0 {
-            (self.first, self.behind, self.through) = (here, error, 1.0);
+        if !self.begun {
+            (self.first, self.behind, self.through, self.begun) = (here, error, 1.0, true);
         } else {
             for (sum, e) in self.behind.iter_mut().zip(error) {
                 *sum += self.through * e;
@@ -209,8 +224,8 @@ impl Sums {
         let shared = shared(self.first.0 - s.x, 0.5 * (s.correlation + self.first.1));
         self.through *= shared;
         self.behind = add_error(&mut self.errors, self.behind.map(|v| v * shared), error);
-        if self.first.0 > self.last.0 {
-            (self.last, self.ahead, self.through) = (here, error, 1.0);
+        if !self.begun {
+            (self.last, self.ahead, self.through, self.begun) = (here, error, 1.0, true);
         } else {
             for (sum, e) in self.ahead.iter_mut().zip(error) {
                 *sum += self.through * e;
@@ -224,7 +239,9 @@ impl Sums {
         let scale = self.per_unit;
         let (u, q) = (s.x * scale, s.square() * scale * scale);
         let (wu, wq) = (w * u, w * q);
-        for (sum, new) in self.left.iter_mut().zip([w, wu, wq, wu * u, wu * q, wq * q]) {
+        for (sum, new) in
+            self.left.iter_mut().zip([w, wu, wq, wu * u, wu * q, wq * q, wu * q * q, wq * q * q])
+        {
             *sum += new;
         }
         for (sum, new) in self.right.iter_mut().zip([w, wu, wq]) {
@@ -236,7 +253,7 @@ impl Sums {
     /// The parabola with the standard deviations of its place and bend from random errors, if the
     /// samples determine one in a window of this reach.
     fn solve(&self, reach: f64) -> Option<Fit> {
-        let [a, b, c, d, e, f] = self.left;
+        let [a, b, c, d, e, f, ..] = self.left;
         // Cofactors of the symmetric matrix.
         let place = [d * f - e * e, c * e - b * f, b * e - c * d];
         let slope = [place[1], a * f - c * c, b * c - a * e];
@@ -255,7 +272,25 @@ impl Sums {
             bend: value(&bend) * scale * scale,
             place_sigma: sigma(&place),
             bend_sigma: sigma(&bend) * scale * scale,
+            ..Fit::default()
         })
+    }
+
+    /// The arc instead of the parabola: what it has of higher order is taken off the samples. Each round
+    /// leaves a quarter of the error or less.
+    fn follow_arc(&self, parabola: Fit, reach: f64) -> Fit {
+        const ROUNDS: usize = 2;
+        let [.., s3, s4, s5, s6] = self.left;
+        let mut fit = parabola;
+        for _ in 0..ROUNDS {
+            let (cubic, quartic) = beyond_parabola(&fit, reach);
+            let (c, q) = (cubic * self.unit.powi(3), quartic * self.unit.powi(4));
+            let [a, b, d] = self.right;
+            let right = [a - c * s3 - q * s4, b - c * s4 - q * s5, d - c * s5 - q * s6];
+            let Some(next) = (Self { right, ..*self }).solve(reach) else { return parabola };
+            fit = Fit { cubic, quartic, ..next };
+        }
+        fit
     }
 
     /// Variance of a sum of the moments on the right with these factors.
@@ -304,20 +339,33 @@ mod tests {
 
     #[test]
     fn a_parabola_is_found_exactly_and_a_stray_sample_ignored() {
-        let mut s = samples(|x| 0.3 - 0.2 * x + 0.1 * x * x);
+        // So little bent that an arc is no different.
+        let mut s = samples(|x| 0.3 - 0.2 * x + 1e-3 * x * x);
         s[3].y += 5.0;
         let fit = parabola(&s, 1.0).unwrap();
-        assert!((fit.place - 0.3).abs() < 1e-9, "{fit:?}");
-        assert!((fit.slope + 0.2).abs() < 1e-9 && (fit.bend - 0.1).abs() < 1e-9, "{fit:?}");
+        assert!((fit.place - 0.3).abs() < 1e-6, "{fit:?}");
+        assert!((fit.slope + 0.2).abs() < 3e-6 && (fit.bend - 1e-3).abs() < 1e-6, "{fit:?}");
+    }
+
+    #[test]
+    fn an_arc_is_followed_where_a_parabola_leaves_it() {
+        // Seen along a tangent and along a chord; half-width 0.6 radii.
+        let radius = 2.0 / 0.6;
+        for at in [0.0, 0.2] {
+            let y = |x: f64| radius - (radius * radius - (x - at) * (x - at)).sqrt();
+            let fit = parabola(&samples(y), 10.0).unwrap();
+            // A parabola is off by 0.0107 × 0.6³ × 2, an arc's sixth order leaves two fifths of that.
+            assert!((fit.place - y(0.0)).abs() < 0.0021, "{at}: {fit:?}");
+        }
     }
 
     #[test]
     fn means_of_places_on_a_bend_do_not_pull_the_curve_inside() {
-        // Each sample stands for places of variance 0.04 along y = x².
-        let spread = |s: Sample| Sample { y: s.y + 0.04, along_variance: 0.04, ..s };
-        let means: Vec<_> = samples(|x| x * x).into_iter().map(spread).collect();
+        // Each sample stands for places of variance 0.04 along y = 0.001 x².
+        let spread = |s: Sample| Sample { y: s.y + 4e-5, along_variance: 0.04, ..s };
+        let means: Vec<_> = samples(|x| 1e-3 * x * x).into_iter().map(spread).collect();
         let fit = parabola(&means, 10.0).unwrap();
-        assert!(fit.place.abs() < 1e-9 && (fit.bend - 1.0).abs() < 1e-9, "{fit:?}");
+        assert!(fit.place.abs() < 1e-8 && (fit.bend - 1e-3).abs() < 1e-7, "{fit:?}");
     }
 
     #[test]
@@ -367,7 +415,7 @@ mod tests {
         for reach in [0.5, 0.9, 1.7, 3.0] {
             let inside: Vec<_> = all.iter().filter(|s| s.x.abs() <= reach).copied().collect();
             let found = windows.fit(reach, f64::INFINITY, 10.0).unwrap();
-            let expected = slow(&inside);
+            let expected = slow(&inside, reach);
             for (found, expected) in [
                 (found.place, expected.place),
                 (found.slope, expected.slope),
@@ -380,8 +428,24 @@ mod tests {
         }
     }
 
+    #[test]
+    fn samples_almost_in_one_place_need_no_order() {
+        // Gathering sorts by places rounded to 24 bits.
+        let mut all = uneven(40);
+        let ahead = all.iter().position(|s| s.x > 0.0).unwrap();
+        for near in [ahead, ahead - 3] {
+            all[near].x = all[near + 1].x + 1e-9;
+        }
+        let mut windows = Windows::default();
+        windows.begin(all.iter().copied(), 0.5);
+        let found = windows.fit(3.0, f64::INFINITY, 10.0).unwrap();
+        let expected = slow(&all, 3.0);
+        assert!((found.place_sigma / expected.place_sigma - 1.0).abs() < 1e-6, "{found:?}");
+        assert!((found.bend_sigma / expected.bend_sigma - 1.0).abs() < 1e-6, "{found:?}");
+    }
+
     /// The fit by matrices, with the correlation of every pair written out.
-    fn slow(samples: &[Sample]) -> Fit {
+    fn slow(samples: &[Sample], reach: f64) -> Fit {
         use nalgebra::{DMatrix, DVector};
         let n = samples.len();
         let row = |k: usize, c: usize| [1.0, samples[k].x, samples[k].square()][c];
@@ -389,13 +453,31 @@ mod tests {
         let weights = DMatrix::from_diagonal(&DVector::from_fn(n, |k, _| samples[k].weight));
         let places = DVector::from_fn(n, |k, _| samples[k].y);
         let inverse = (design.transpose() * &weights * &design).try_inverse().unwrap();
-        let solve = inverse * design.transpose() * weights;
-        let (fit, covariance) = (&solve * places, covariance(samples));
+        let solve = &inverse * design.transpose() * &weights;
+        let mut fit = &solve * &places;
+        let (mut cubic, mut quartic) = (0.0, 0.0);
+        for _ in 0..2 {
+            let now = Fit { slope: fit[1], bend: fit[2], ..Fit::default() };
+            (cubic, quartic) = beyond_parabola(&now, reach);
+            // Even powers from the fourth on are those of the mean square.
+            let (mut moments, mut higher) = (design.transpose() * &weights * &places, [0.0; 3]);
+            for s in samples {
+                let (x, q, w) = (s.x, s.square(), s.weight);
+                higher[0] += w * (cubic * x * q + quartic * q * q);
+                higher[1] += w * (cubic * q * q + quartic * x * q * q);
+                higher[2] += w * (cubic * x * q * q + quartic * q * q * q);
+            }
+            moments -= DVector::from_row_slice(&higher);
+            fit = &inverse * moments;
+        }
+        let covariance = covariance(samples);
         let errors = &solve * covariance * solve.transpose();
         Fit {
             place: fit[0],
             slope: fit[1],
             bend: fit[2],
+            cubic,
+            quartic,
             place_sigma: errors[(0, 0)].sqrt(),
             bend_sigma: errors[(2, 2)].sqrt(),
         }

@@ -1,4 +1,4 @@
-//! Final place of the kept nodes: a robust parabola through the clusters around each.
+//! Final place of the kept nodes: a robust parabola, or arc, through the clusters around each.
 //!
 //! The window is the widest whose estimate differs from those of all narrower windows by no more
 //! than random errors make it (Lepski's rule): wide along smooth curves, narrow at detail. Errors
@@ -7,6 +7,9 @@
 //!
 //! With a handful of windows one of them differs by chance at every fifth node. So a single one is
 //! passed over if the next wider one agrees again, and two in a row end the search.
+//!
+//! Of a bend a parabola is an arc's second order. Fits follow the third and fourth too, as its own
+//! bend tells them, so that the error left is that of the bend's changes.
 
 use super::fit::Fit;
 use super::parabola::{Sample, Windows};
@@ -24,8 +27,11 @@ const WINDOW_GROWTH: f64 = 1.5;
 /// Windows tried.
 const WINDOWS: i32 = 6;
 
-/// A node whose first windows determine no parabola, such as one at an open end, stays on its line.
+/// Windows that may be a node's first whatever lies in them. A wider one, as a fine node among coarse ones
+/// needs it, must hold no gap of more than so many footprints of the coarser node beside it: thinning
+/// leaves less. A node whose windows determine no parabola, such as one at an open end, stays on its line.
 const LAST_FIRST_WINDOW: i32 = 1;
+const LONGEST_STEP: f64 = 2.0;
 
 /// Largest difference between fits that agree, in its standard deviations. Smaller follows detail and
 /// noise alike; larger smooths over both.
@@ -34,14 +40,15 @@ const CONFIDENCE: f64 = 2.0;
 /// Smallest variance of the difference of two fits, as a share of that of the narrower.
 const LEAST_NEWS: f64 = 0.1;
 
-/// Largest curvature times half-width for which a parabola stands for the curve, whatever the noise, and
-/// where its error is small against noise.
+/// Largest curvature times half-width for which a fit stands for the curve, whatever the noise, and where
+/// its error is small against noise. Beyond the second, directions no longer count as the same.
 const LARGEST_TURN: f64 = 0.13;
-const LARGEST_NOISY_TURN: f64 = 0.6;
+const LARGEST_NOISY_TURN: f64 = 0.9;
 
-/// Error of a parabola in the middle of an arc, over (curvature × half-width)³ × half-width: what an
-/// evenly sampled fit makes of the arc's fourth order. And how large it may be, in standard deviations.
-const ARC_ERROR: f64 = 0.0107;
+/// Error of a fit in the middle of a bend, over (curvature × half-width)³ × half-width: an evenly sampled
+/// parabola makes 0.0107 of an arc's fourth order, which fits follow; two fifths of that are left at
+/// a turn of 0.6, where an arc's sixth order tells. And how large it may be, in standard deviations.
+const ARC_ERROR: f64 = 0.4 * 0.0107;
 const ERROR_SHARE: f64 = 0.5;
 
 /// Windows for which the neighbours are gathered at once, beyond the one that asks, unless most nodes
@@ -92,12 +99,15 @@ fn widest_fit(here: &Kept, scale: &Scale, near: &mut Near) -> Option<Placed> {
         }
         let across = across(threshold, reach_now);
         let Some(fit) = near.windows.fit(reach_now, across, threshold) else {
-            // A first fit across a gap would rest on far ground alone.
-            if step < LAST_FIRST_WINDOW {
+            if best.is_none() {
                 continue;
             }
             break;
         };
+        // A first fit across a gap would rest on far ground alone.
+        if best.is_none() && step > LAST_FIRST_WINDOW && !near.is_seen(reach_now, across) {
+            break;
+        }
         let agrees = near.narrower.iter().all(|n| agree(n, &fit));
         let (error, small) = arc_error(&fit, reach_now);
         if best.is_some() && (!small || (!agrees && doubted)) {
@@ -116,8 +126,8 @@ fn widest_fit(here: &Kept, scale: &Scale, near: &mut Near) -> Option<Placed> {
     best.filter(|b| b.fit.place.abs() <= threshold)
 }
 
-/// How far a parabola is off in the middle of an arc of its bend, and whether that is no matter: hidden by
-/// noise, or of a bend that is not known to be too much for a parabola.
+/// How far a fit may be off in the middle of a bend, and whether that is no matter: hidden by noise, or of a
+/// bend that is not known to be too much.
 fn arc_error(fit: &Fit, reach: f64) -> (f64, bool) {
     let turn = 2.0 * fit.bend.abs() * reach;
     let error = ARC_ERROR * turn.powi(3) * reach;
@@ -144,12 +154,21 @@ struct Cluster {
     sigma: f64,
     along_variance: f64,
     correlation: f64,
+    footprint: f64,
 }
 
 impl Cluster {
     fn of(k: &Kept) -> Self {
-        let Kept { tangent, weight, cluster_sigma: sigma, along_variance, correlation, .. } = *k;
-        Self { tangent, weight, sigma, along_variance, correlation }
+        let Kept {
+            tangent,
+            weight,
+            cluster_sigma: sigma,
+            along_variance,
+            correlation,
+            footprint,
+            ..
+        } = *k;
+        Self { tangent, weight, sigma, along_variance, correlation, footprint }
     }
 
     fn at(&self, x: f64, y: f64) -> Sample {
@@ -189,6 +208,20 @@ impl Near {
             windows: Windows::default(),
             narrower: Vec::new(),
         }
+    }
+
+    /// Whether the samples of a window follow each other without a gap.
+    fn is_seen(&self, reach: f64, across: f64) -> bool {
+        let sample = |key: &u64| self.found[(key & u64::from(u32::MAX)) as usize];
+        let inside = |s: &(u32, f64, f64)| s.1.abs() <= reach && s.2.abs() <= across;
+        let mut samples = self.order.iter().map(sample).filter(inside);
+        let Some(mut last) = samples.next() else { return false };
+        samples.all(|s| {
+            let [a, b] = [last.0, s.0].map(|j| self.clusters[j as usize].footprint);
+            let step = s.1 - last.1;
+            last = s;
+            step <= LONGEST_STEP * a.max(b)
+        })
     }
 
     fn gather(&mut self, here: &Kept, (reach, threshold, same_way): (f64, f64, f64)) {

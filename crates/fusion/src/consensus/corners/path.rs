@@ -19,7 +19,7 @@ const LONGEST_SIDE: f64 = 10.0;
 /// Smallest cosine between the direction of a side and those of its nodes (25 degrees).
 const SAME_SIDE: f64 = 0.906;
 
-/// Longest step along a side, in footprints: beyond it nobody saw the ground between.
+/// Longest step along a side and between two, in footprints: beyond it nobody saw the ground between.
 const LONGEST_STEP: f64 = 3.0;
 
 /// A piece and how far apart its nodes are.
@@ -131,7 +131,8 @@ impl<'a> Path<'a> {
         (off <= 1.0 && steps && one_way).then_some(off)
     }
 
-    fn is_step(&self, k: usize) -> bool {
+    /// Whether the unit that begins at a node is short enough to have been seen.
+    pub fn is_step(&self, k: usize) -> bool {
         let footprint = self.node(k).footprint.max(self.node(k + 1).footprint);
         self.steps[k % self.len()] <= LONGEST_STEP * footprint
     }

@@ -63,6 +63,37 @@ impl Side {
         Some(side)
     }
 
+    /// A straight side through nodes, about in a direction: slopes have this standard deviation before
+    /// any node is known. `None` unless the nodes go that way.
+    pub fn leading(nodes: &[&Kept], along: Vector2, slopes: f64) -> Option<Self> {
+        let (first, last) = (nodes.first()?, nodes.last()?);
+        let length = (last.position - first.position).dot(&along);
+        let step =
+            if nodes.len() > 1 { length / (nodes.len() - 1) as f64 } else { first.footprint };
+        let frame = (first.position, along);
+        let samples: Vec<[f64; 3]> = nodes.iter().map(|k| sample(k, frame, step)).collect();
+        let sum = |f: &dyn Fn(&[f64; 3]) -> f64| samples.iter().map(f).sum::<f64>();
+        let weight = sum(&|s| s[2]);
+        let [centre, place] = [0, 1].map(|k| sum(&|s| s[2] * s[k]) / weight);
+        let squares = sum(&|s| s[2] * (s[0] - centre).powi(2)) + slopes.powi(-2);
+        let slope = sum(&|s| s[2] * (s[0] - centre) * (s[1] - place)) / squares;
+        let footprint = nodes.iter().map(|k| k.footprint).sum::<f64>() / nodes.len() as f64;
+        let side = Self {
+            origin: first.position,
+            along,
+            centre,
+            slope: 0.0,
+            mean: 0.0,
+            coefficients: [place, slope, 0.0],
+            variances: [1.0 / weight, 1.0 / squares, 0.0],
+            bend: (0.0, 0.0),
+            length,
+            footprint,
+        };
+        let finite = side.coefficients.iter().chain(&side.variances).all(|c| c.is_finite());
+        (length >= 0.0 && finite).then_some(side)
+    }
+
     /// Fits samples of x, y and weight.
     fn fit(samples: &[[f64; 3]]) -> Option<Self> {
         let sum = |f: &dyn Fn(f64) -> f64| samples.iter().map(|[x, _, w]| w * f(*x)).sum::<f64>();
