@@ -9,6 +9,7 @@
 //! passed over if the next wider one agrees again, and two in a row end the search.
 
 use super::fit::Fit;
+use super::layers::{self, Step};
 use super::parabola::{Sample, Windows};
 use super::window::{Window, left_of};
 use super::{Kept, Scale};
@@ -75,7 +76,7 @@ struct Placed {
 }
 
 fn widest_fit(here: &Kept, scale: &Scale, near: &mut Near) -> Option<Placed> {
-    let threshold = scale.across(here.cluster_sigma);
+    let threshold = scale.across(here.cluster_sigma, here.room);
     let reach = |step| NARROWEST_FOOTPRINTS * here.footprint * WINDOW_GROWTH.powi(step);
     let mut best: Option<Placed> = None;
     near.narrower.clear();
@@ -162,6 +163,8 @@ impl Cluster {
 #[derive(Debug)]
 struct Near {
     clusters: Vec<Cluster>,
+    /// How far across the curve the rough line lies from each cluster; empty where there are no layers.
+    off_line: Vec<f64>,
     grid: PointGrid,
     /// How far along the curve clusters have been gathered.
     reach: f64,
@@ -181,6 +184,7 @@ impl Near {
         let places: Vec<Point2> = kept.iter().map(|k| k.cluster).collect();
         Self {
             clusters: kept.iter().map(Cluster::of).collect(),
+            off_line: layers::off_line(kept),
             grid: PointGrid::new(&places, cell),
             reach: 0.0,
             far: 0,
@@ -194,7 +198,7 @@ impl Near {
     fn gather(&mut self, here: &Kept, (reach, threshold, same_way): (f64, f64, f64)) {
         let (centre, tangent) = (here.position, here.tangent);
         let window = Window { centre, tangent, reach, across: across(threshold, reach), same_way };
-        let Self { clusters, found, order, .. } = self;
+        let Self { clusters, off_line, found, order, .. } = self;
         found.clear();
         order.clear();
         window.visit(
@@ -207,6 +211,14 @@ impl Near {
         );
         // Numbers are faster sorted than what they come from.
         order.sort_unstable();
+        if here.room.is_finite() {
+            let place = |key: &u64| {
+                let (j, x, y) = found[(key & u64::from(u32::MAX)) as usize];
+                let t = clusters[j as usize].tangent;
+                Step { x, y: y + off_line[j as usize], slope: tangent.perp(&t) / tangent.dot(&t) }
+            };
+            layers::keep_own(order, place, here.room);
+        }
         let sample = |key: &u64| {
             let (j, x, y) = found[(key & u64::from(u32::MAX)) as usize];
             clusters[j as usize].at(x, y)
