@@ -2,10 +2,10 @@
 
 use super::super::observations::Observation;
 use super::super::spread::search_distance;
-use super::stretches::{STRETCH_NODES, Stretch};
+use super::stretches::{Stretch, WAY_ROUND};
 
-/// Two nodes of one curve lie on two surfaces only if the way along it is this many times that across.
-const WAY_ROUND: f64 = 4.0;
+/// Nodes whose numbers differ by less are of one surface.
+const NEIGHBOURS: usize = 8;
 
 /// Smallest credit of nodes that tell of a gap.
 const LEAST_CREDIT: f64 = 0.3;
@@ -47,7 +47,7 @@ impl Beside {
     /// Whether this one rather than another is beside the node: of one surface's nodes the one that is
     /// nearest along the curve, of two surfaces the nearer.
     fn rather_than(&self, other: &Self) -> bool {
-        let one_surface = self.node.abs_diff(other.node) < STRETCH_NODES as usize;
+        let one_surface = self.node.abs_diff(other.node) < NEIGHBOURS;
         if one_surface { self.along < other.along } else { self.gap < other.gap }
     }
 }
