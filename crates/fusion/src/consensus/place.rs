@@ -6,7 +6,8 @@
 //! *difference* that is judged, by its own standard deviation, and not each estimate by its own.
 //!
 //! With a handful of windows one of them differs by chance at every fifth node. So a single one is
-//! passed over if the next wider one agrees again, and two in a row end the search.
+//! passed over if the next wider one agrees again, and two in a row end the search. One of the two
+//! narrowest may itself be the one that is off.
 
 use super::fit::Fit;
 use super::layers::{self, Step};
@@ -31,6 +32,11 @@ const LAST_FIRST_WINDOW: i32 = 1;
 /// Largest difference between fits that agree, in its standard deviations. Smaller follows detail and
 /// noise alike; larger smooths over both.
 const CONFIDENCE: f64 = 2.0;
+
+/// One of so many narrowest windows may differ by more, up to this, from all wider ones that agree with each
+/// other: chance puts it off at every twentieth node, and none would ever agree with it.
+const MAY_STRAY: usize = 2;
+const STRAY_CONFIDENCE: f64 = 3.0;
 
 /// Smallest variance of the difference of two fits, as a share of that of the narrower.
 const LEAST_NEWS: f64 = 0.1;
@@ -99,7 +105,7 @@ fn widest_fit(here: &Kept, scale: &Scale, near: &mut Near) -> Option<Placed> {
             }
             break;
         };
-        let agrees = near.narrower.iter().all(|n| agree(n, &fit));
+        let agrees = agrees(&near.narrower, &fit);
         let (error, small) = arc_error(&fit, reach_now);
         if best.is_some() && (!small || (!agrees && doubted)) {
             break;
@@ -127,14 +133,24 @@ fn arc_error(fit: &Fit, reach: f64) -> (f64, bool) {
     (error, hidden || known <= LARGEST_TURN)
 }
 
-/// Whether a fit differs from one in a narrower window by no more than random errors make it.
+/// Whether a fit agrees with those in narrower windows, of which one may be off by chance.
+fn agrees(narrower: &[Fit], wide: &Fit) -> bool {
+    let mut strays = 0;
+    narrower.iter().enumerate().all(|(step, narrow)| {
+        let agrees = agree(narrow, wide, CONFIDENCE);
+        strays += usize::from(!agrees);
+        agrees || (strays == 1 && step < MAY_STRAY && agree(narrow, wide, STRAY_CONFIDENCE))
+    })
+}
+
+/// Whether a fit differs from one in a narrower window by no more than so many standard deviations.
 ///
 /// The wider window holds the samples of the narrower one. What both share differs in neither, so
 /// the variance of the difference is that of the narrower fit less that of the wider.
-fn agree(narrow: &Fit, wide: &Fit) -> bool {
+fn agree(narrow: &Fit, wide: &Fit, confidence: f64) -> bool {
     let (before, after) = (narrow.place_sigma.powi(2), wide.place_sigma.powi(2));
     let variance = (before - after).max(LEAST_NEWS * before);
-    (wide.place - narrow.place).powi(2) <= CONFIDENCE * CONFIDENCE * variance
+    (wide.place - narrow.place).powi(2) <= confidence * confidence * variance
 }
 
 /// What fits need of a kept node, side by side.
