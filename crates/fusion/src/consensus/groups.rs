@@ -14,6 +14,9 @@ use transect_geometry::{Point2, Vector2};
 const ALONG_FOOTPRINTS: f64 = 0.3;
 const ACROSS_SHARE: f64 = 0.25;
 
+/// The same as a share of the room.
+const ROOM_SHARE: f64 = 0.5;
+
 /// Smallest cosine between directions within a group (25°).
 const SAME_WAY: f64 = 0.906;
 
@@ -30,6 +33,8 @@ pub(super) struct Group {
     pub sigma: f64,
     /// Their weighted mean footprint.
     pub footprint: f64,
+    /// Half the gap to the next layer at the first of them.
+    pub room: f64,
 }
 
 /// The groups, and for every observation the number of its group.
@@ -47,12 +52,13 @@ pub(super) fn group(observations: &Observations, grid: &PointGrid, scale: &Scale
             continue;
         }
         let number = groups.all.len() as u32;
+        let room = observations.room(k);
         groups.of[k] = number;
         let window = Window {
             centre: here.position,
             tangent: here.tangent,
             reach: ALONG_FOOTPRINTS * here.footprint,
-            across: ACROSS_SHARE * scale.across(here.sigma),
+            across: across(scale, here, room),
             same_way: SAME_WAY,
         };
         let (of, mut sums) = (&mut groups.of, Sums::of(here));
@@ -67,9 +73,14 @@ pub(super) fn group(observations: &Observations, grid: &PointGrid, scale: &Scale
                 }
             },
         );
-        groups.all.push(sums.group(here));
+        groups.all.push(sums.group(here, room));
     }
     groups
+}
+
+/// Half-width of a group across, with a layer's room in view.
+fn across(scale: &Scale, here: &Observation, room: f64) -> f64 {
+    (ACROSS_SHARE * scale.across(here.sigma, f64::INFINITY)).min(ROOM_SHARE * room)
 }
 
 /// Sums over the members of a group; places relative to the first.
@@ -105,7 +116,7 @@ impl Sums {
         }
     }
 
-    fn group(&self, first: &Observation) -> Group {
+    fn group(&self, first: &Observation, room: f64) -> Group {
         // Nodes of no weight stand where the first of them is.
         let share = if self.weight > 0.0 { 1.0 / self.weight } else { 0.0 };
         Group {
@@ -114,6 +125,7 @@ impl Sums {
             weight: self.weight,
             sigma: self.best.1,
             footprint: if share > 0.0 { self.footprint * share } else { first.footprint },
+            room,
         }
     }
 }

@@ -39,8 +39,8 @@ pub(super) fn spread_spacing(kept: &mut [Kept], scale: &Scale) {
     let positions: Vec<Point2> = kept.iter().map(|k| k.position).collect();
     let grid = PointGrid::new(&positions, scale.spacing);
     for k in 0..kept.len() {
-        let Kept { position, tangent, footprint, cluster_sigma, .. } = kept[k];
-        let across = scale.across(cluster_sigma);
+        let Kept { position, tangent, footprint, cluster_sigma, room, .. } = kept[k];
+        let across = scale.across(cluster_sigma, room);
         grid.within(&position, footprint, |j, d| {
             let there = &mut kept[j];
             let beside =

@@ -12,7 +12,8 @@
 //! **Steps.**
 //! 1. Observations: nodes of all views in an order that depends on what was seen alone, with
 //!    direction, and with weights that fall towards open ends, where real scanners overshoot.
-//! 2. Spread between views, measured; it sets the overlap threshold.
+//! 2. Spread between views, measured; it sets the overlap threshold. Where one view saw two surfaces side by
+//!    side, half the gap between them bounds it.
 //! 3. Groups of observations beside each other; one place stands for all of a group in rough fits.
 //! 4. Thinning: best supported first, a group moves, across the curve, onto a robust line through its
 //!    neighbours, and absorbs what lies beside it. The neighbours never move, so nothing drifts.
@@ -41,6 +42,7 @@ mod corners;
 mod ends;
 mod fit;
 mod groups;
+mod layers;
 mod link;
 pub(crate) mod observations;
 mod output;
@@ -99,8 +101,12 @@ impl Scale {
     const SIGMAS: f64 = 4.0;
     const FOOTPRINTS: f64 = 0.35;
 
+    /// Smallest room of a layer that counts, in spreads between views. Where views differ by as much as
+    /// all the room they read 1.9, however far apart they are.
+    const ROOM_SPREADS: f64 = 2.2;
+
     fn new(
-        observations: &Observations,
+        observations: &mut Observations,
         grid: &PointGrid,
         options: &ConsensusOptions,
     ) -> (Self, Spread) {
@@ -108,16 +114,23 @@ impl Scale {
         let sigma = median(observations.all.iter().map(|o| o.sigma));
         let same_way = options.direction_limit_rad.cos();
         // One view says nothing about the spread between views; its own error is all there is.
-        let spread = spread::between_views(observations, grid, spacing, same_way)
-            .unwrap_or(Spread { between: sigma, common: Common::default() });
+        let spread = |o: &Observations| {
+            spread::between_views(o, grid, spacing, same_way)
+                .unwrap_or(Spread { between: sigma, common: Common::default() })
+        };
+        observations.rooms = layers::rooms(observations, same_way);
+        let mut measured = spread(observations);
+        if layers::doubt(&mut observations.rooms, Self::ROOM_SPREADS * measured.between) {
+            measured = spread(observations);
+        }
         let least = (Self::SIGMAS * sigma).max(Self::FOOTPRINTS * spacing);
-        let threshold = (options.threshold_spreads * spread.between).max(least);
-        (Self { spacing, threshold, same_way }, spread)
+        let threshold = (options.threshold_spreads * measured.between).max(least);
+        (Self { spacing, threshold, same_way }, measured)
     }
 
-    /// Overlap threshold for a node: wider where its own error is larger.
-    fn across(&self, sigma: f64) -> f64 {
-        self.threshold.max(Self::SIGMAS * sigma)
+    /// Overlap threshold for a node: wider where its own error is larger, and no wider than its room.
+    fn across(&self, sigma: f64, room: f64) -> f64 {
+        self.threshold.max(Self::SIGMAS * sigma).min(room)
     }
 }
 
@@ -131,6 +144,8 @@ struct Kept {
     /// Footprint of the coarsest node whose sample this one lies within: a gap no longer than that is
     /// none.
     spacing: f64,
+    /// Half the gap to the next layer of the same direction.
+    room: f64,
     /// Weighted mean of the original places of what this node absorbed.
     cluster: Point2,
     cluster_sigma: f64,
@@ -157,6 +172,7 @@ impl Kept {
             sigma,
             footprint,
             spacing: footprint,
+            room: f64::INFINITY,
             cluster,
             cluster_sigma: sigma,
             along_variance: 0.0,
@@ -197,12 +213,12 @@ pub struct Measured {
 
 /// The errors of the views as [`consensus`] measures them; `None` without nodes.
 pub fn measure(views: &[&[Curve]], options: &ConsensusOptions) -> Option<Measured> {
-    let observations = Observations::collect(views);
+    let mut observations = Observations::collect(views);
     if observations.all.is_empty() {
         return None;
     }
     let grid = PointGrid::new(&observations.positions(), observations.spacing());
-    let (scale, spread) = Scale::new(&observations, &grid, options);
+    let (scale, spread) = Scale::new(&mut observations, &grid, options);
     Some(Measured { spread: spread.between, threshold: scale.threshold, spacing: scale.spacing })
 }
 
@@ -217,7 +233,7 @@ pub(crate) fn fuse(mut observations: Observations, options: &ConsensusOptions) -
         return FusedPlane::default();
     }
     let grid = PointGrid::new(&observations.positions(), observations.spacing());
-    let (scale, spread) = Scale::new(&observations, &grid, options);
+    let (scale, spread) = Scale::new(&mut observations, &grid, options);
     observations.weigh(&spread.common);
     let mut thinned = thin::thin(&observations, &grid, &scale);
     place::place(&mut thinned.kept, &scale);

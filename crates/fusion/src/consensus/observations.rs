@@ -76,6 +76,8 @@ pub(crate) struct Observations {
     pub ends: Vec<ViewEnd>,
     /// Median footprint.
     spacing: f64,
+    /// Half the gap between layers around each observation; empty where no view saw layers.
+    pub rooms: Vec<f64>,
 }
 
 impl Observations {
@@ -112,6 +114,11 @@ impl Observations {
     /// Median footprint.
     pub fn spacing(&self) -> f64 {
         self.spacing
+    }
+
+    /// Half the gap to the next layer at an observation; infinite where no view saw one.
+    pub fn room(&self, k: usize) -> f64 {
+        self.rooms.get(k).copied().unwrap_or(f64::INFINITY)
     }
 
     /// Takes into account, in all weights, what the nodes of a view err by in common: a view whose own

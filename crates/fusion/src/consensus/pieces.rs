@@ -322,7 +322,8 @@ impl<'a> Cover<'a> {
     /// Whether a node lies beside an accepted piece of the same direction.
     fn lies_beside(&self, k: u32) -> bool {
         let here = &self.kept[k as usize];
-        self.lies_within(k, self.scale.across(here.cluster_sigma).max(here.footprint))
+        let width = self.scale.across(here.cluster_sigma, f64::INFINITY).max(here.footprint);
+        self.lies_within(k, width.min(here.room))
     }
 
     /// Whether a node lies within a width of an accepted piece of the same direction.

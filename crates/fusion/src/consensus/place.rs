@@ -6,12 +6,14 @@
 //! *difference* that is judged, by its own standard deviation, and not each estimate by its own.
 //!
 //! With a handful of windows one of them differs by chance at every fifth node. So a single one is
-//! passed over if the next wider one agrees again, and two in a row end the search.
+//! passed over if the next wider one agrees again, and two in a row end the search. One of the two
+//! narrowest may itself be the one that is off.
 //!
 //! Of a bend a parabola is an arc's second order. Fits follow the third and fourth too, as its own
 //! bend tells them, so that the error left is that of the bend's changes.
 
 use super::fit::Fit;
+use super::layers::{self, Step};
 use super::parabola::{Sample, Windows};
 use super::window::{Window, left_of};
 use super::{Kept, Scale};
@@ -36,6 +38,11 @@ const LONGEST_STEP: f64 = 2.0;
 /// Largest difference between fits that agree, in its standard deviations. Smaller follows detail and
 /// noise alike; larger smooths over both.
 const CONFIDENCE: f64 = 2.0;
+
+/// One of so many narrowest windows may differ by more, up to this, from all wider ones that agree with each
+/// other: chance puts it off at every twentieth node, and none would ever agree with it.
+const MAY_STRAY: usize = 2;
+const STRAY_CONFIDENCE: f64 = 3.0;
 
 /// Smallest variance of the difference of two fits, as a share of that of the narrower.
 const LEAST_NEWS: f64 = 0.1;
@@ -82,7 +89,7 @@ struct Placed {
 }
 
 fn widest_fit(here: &Kept, scale: &Scale, near: &mut Near) -> Option<Placed> {
-    let threshold = scale.across(here.cluster_sigma);
+    let threshold = scale.across(here.cluster_sigma, here.room);
     let reach = |step| NARROWEST_FOOTPRINTS * here.footprint * WINDOW_GROWTH.powi(step);
     let mut best: Option<Placed> = None;
     near.narrower.clear();
@@ -108,7 +115,7 @@ fn widest_fit(here: &Kept, scale: &Scale, near: &mut Near) -> Option<Placed> {
         if best.is_none() && step > LAST_FIRST_WINDOW && !near.is_seen(reach_now, across) {
             break;
         }
-        let agrees = near.narrower.iter().all(|n| agree(n, &fit));
+        let agrees = agrees(&near.narrower, &fit);
         let (error, small) = arc_error(&fit, reach_now);
         if best.is_some() && (!small || (!agrees && doubted)) {
             break;
@@ -136,14 +143,24 @@ fn arc_error(fit: &Fit, reach: f64) -> (f64, bool) {
     (error, hidden || known <= LARGEST_TURN)
 }
 
-/// Whether a fit differs from one in a narrower window by no more than random errors make it.
+/// Whether a fit agrees with those in narrower windows, of which one may be off by chance.
+fn agrees(narrower: &[Fit], wide: &Fit) -> bool {
+    let mut strays = 0;
+    narrower.iter().enumerate().all(|(step, narrow)| {
+        let agrees = agree(narrow, wide, CONFIDENCE);
+        strays += usize::from(!agrees);
+        agrees || (strays == 1 && step < MAY_STRAY && agree(narrow, wide, STRAY_CONFIDENCE))
+    })
+}
+
+/// Whether a fit differs from one in a narrower window by no more than so many standard deviations.
 ///
 /// The wider window holds the samples of the narrower one. What both share differs in neither, so
 /// the variance of the difference is that of the narrower fit less that of the wider.
-fn agree(narrow: &Fit, wide: &Fit) -> bool {
+fn agree(narrow: &Fit, wide: &Fit, confidence: f64) -> bool {
     let (before, after) = (narrow.place_sigma.powi(2), wide.place_sigma.powi(2));
     let variance = (before - after).max(LEAST_NEWS * before);
-    (wide.place - narrow.place).powi(2) <= CONFIDENCE * CONFIDENCE * variance
+    (wide.place - narrow.place).powi(2) <= confidence * confidence * variance
 }
 
 /// What fits need of a kept node, side by side.
@@ -181,6 +198,8 @@ impl Cluster {
 #[derive(Debug)]
 struct Near {
     clusters: Vec<Cluster>,
+    /// How far across the curve the rough line lies from each cluster; empty where there are no layers.
+    off_line: Vec<f64>,
     grid: PointGrid,
     /// How far along the curve clusters have been gathered.
     reach: f64,
@@ -200,6 +219,7 @@ impl Near {
         let places: Vec<Point2> = kept.iter().map(|k| k.cluster).collect();
         Self {
             clusters: kept.iter().map(Cluster::of).collect(),
+            off_line: layers::off_line(kept),
             grid: PointGrid::new(&places, cell),
             reach: 0.0,
             far: 0,
@@ -227,7 +247,7 @@ impl Near {
     fn gather(&mut self, here: &Kept, (reach, threshold, same_way): (f64, f64, f64)) {
         let (centre, tangent) = (here.position, here.tangent);
         let window = Window { centre, tangent, reach, across: across(threshold, reach), same_way };
-        let Self { clusters, found, order, .. } = self;
+        let Self { clusters, off_line, found, order, .. } = self;
         found.clear();
         order.clear();
         window.visit(
@@ -240,6 +260,14 @@ impl Near {
         );
         // Numbers are faster sorted than what they come from.
         order.sort_unstable();
+        if here.room.is_finite() {
+            let place = |key: &u64| {
+                let (j, x, y) = found[(key & u64::from(u32::MAX)) as usize];
+                let t = clusters[j as usize].tangent;
+                Step { x, y: y + off_line[j as usize], slope: tangent.perp(&t) / tangent.dot(&t) }
+            };
+            layers::keep_own(order, place, here.room);
+        }
         let sample = |key: &u64| {
             let (j, x, y) = found[(key & u64::from(u32::MAX)) as usize];
             clusters[j as usize].at(x, y)

@@ -5,7 +5,7 @@
 //! grows with the number of views.
 
 use super::common::{Common, Pair};
-use super::observations::{Observations, median};
+use super::observations::{Observation, Observations, median};
 use crate::grid::PointGrid;
 
 /// Nodes looked at: one of so many, as neighbours say the same, but the median of so few is off by more
@@ -13,6 +13,9 @@ use crate::grid::PointGrid;
 const STEP: usize = 20;
 const FEW: usize = 300;
 const MANY: usize = 500;
+
+/// So many times more are looked at where there are layers: how many of them count depends on the spread.
+const MORE: usize = 5;
 
 /// Fewest distances that make a spread.
 const FEWEST_SAMPLES: usize = 8;
@@ -57,7 +60,8 @@ pub(super) fn between_views(
 /// The spread within a share of the search distance.
 fn measure(o: &Observations, grid: &PointGrid, share: f64, same_way: f64) -> Option<Spread> {
     let count = o.all.len();
-    let step = count.div_ceil(MANY).max(STEP).min(count.div_ceil(FEW));
+    let more = if o.rooms.is_empty() { 1 } else { MORE };
+    let step = count.div_ceil(more * MANY).max(STEP / more).min(count.div_ceil(FEW));
     // One anywhere in each stretch: views with as many nodes each are not to be asked in one place.
     let anywhere = |first: usize| first + (mixed(first as u64) % step as u64) as usize;
     let samples = (0..count).step_by(step).map(anywhere).filter(|k| *k < count);
@@ -76,6 +80,11 @@ fn measure(o: &Observations, grid: &PointGrid, share: f64, same_way: f64) -> Opt
     Some(Spread { between, common: Common::of(&pairs, between) })
 }
 
+/// How far from a node another curve is looked for.
+pub(super) fn search_distance(here: &Observation) -> f64 {
+    SEARCH_FOOTPRINTS * here.footprint + SEARCH_SIGMAS * here.sigma
+}
+
 /// Distance across the curve to one other view, drawn from those that saw this place, at its node that
 /// lies most nearly beside: the nearest one would be near across the curve too, and read too low.
 fn distance_to_other(
@@ -85,7 +94,8 @@ fn distance_to_other(
     (share, same_way): (f64, f64),
 ) -> Option<Pair> {
     let here = &o.all[k];
-    let radius = share * (SEARCH_FOOTPRINTS * here.footprint + SEARCH_SIGMAS * here.sigma);
+    let radius = share * search_distance(here);
+    let room = o.room(k);
     let (mut drawn, mut along, mut pair) = (u64::MAX, f64::INFINITY, None);
     grid.within(&here.position, radius, |j, d| {
         let there = &o.all[j];
@@ -95,11 +105,11 @@ fn distance_to_other(
         // The view of the lowest number drawn is the one.
         let number = mixed((k as u64) << 32 | u64::from(there.view));
         let how_far = d.dot(&there.tangent).abs();
-        if (number, how_far) < (drawn, along) {
+        let distance = there.tangent.perp(&d).abs();
+        if (number, how_far) < (drawn, along) && distance <= room {
             (drawn, along) = (number, how_far);
             let variance = here.sigma.powi(2) + there.sigma.powi(2);
             let squared_tangents = here.tan_incidence.powi(2) + there.tan_incidence.powi(2);
-            let distance = there.tangent.perp(&d).abs();
             pair = Some(Pair { distance, variance, squared_tangents });
         }
     });

@@ -91,20 +91,22 @@ impl<'a> Choice<'a> {
             return;
         }
         let group = &self.groups.all[k];
-        let across = self.scale.across(group.sigma);
+        let across = self.scale.across(group.sigma, group.room);
         let line = self.line(group, across);
         let normal = left_of(&group.tangent);
         let window = Window {
             centre: group.position + normal * line.place,
             tangent: (group.tangent + normal * line.slope).normalize(),
             reach: ABSORB_FOOTPRINTS * group.footprint,
-            across: ABSORB_SHARE * across,
+            // Half the way to the next layer is all of it.
+            across: (ABSORB_SHARE * self.scale.across(group.sigma, f64::INFINITY)).min(group.room),
             same_way: self.scale.same_way,
         };
         self.absorbed_by[k] = self.kept_around(&window).unwrap_or_else(|| {
             self.absorb(&window, &line);
             self.windows.push(window);
-            self.kept.push(Kept::new(window.centre, window.tangent, group.footprint));
+            let kept = Kept::new(window.centre, window.tangent, group.footprint);
+            self.kept.push(Kept { room: group.room, ..kept });
             self.kept.len() as u32 - 1
         });
     }

@@ -11,33 +11,58 @@ const SPACING: f64 = 0.02;
 const NODES: usize = 200;
 const VIEWS: u64 = 8;
 
+/// Draws of the noise for sheets that face the same way.
+const DRAWS: u64 = 15;
+
 /// Prints both tables.
 pub fn print() {
     let opposite = [0.5, 1.0, 2.0, 4.0, 10.0].map(|apart| {
-        let fused = fuse(apart, true);
+        let fused = consensus(&slices(&views(0, apart, true)), &ConsensusOptions::default());
         let found = (height(&fused, false) - height(&fused, true)) / SIGMA;
         vec![format!("{apart}"), format!("{found:.3}"), format!("{:+.3}", found - apart)]
     });
     table::print(&["thickness", "found", "difference"], &opposite);
     say("");
-    let same = [2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 16.0].map(|apart| {
-        let fused = fuse(apart, false);
-        vec![format!("{apart}"), fused.curves.len().to_string()]
+    let same = [2.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0, 12.0, 16.0].map(|apart| {
+        let mut line = vec![format!("{apart}")];
+        line.extend(curves(|draw| views(draw, apart, false)));
+        line.extend(curves(|draw| each_by_half(views(draw, apart, false))));
+        line
     });
-    table::print(&["apart", "curves"], &same);
+    let heads = ["apart", "one curve", "two", "more", "by half each: one curve", "two", "more"];
+    table::print(&heads, &same);
     say(&format!(
         "\nSheets: two surfaces with opposite directions, and two with the same, each seen by {VIEWS} views; lengths in \
-         standard deviations of one sample."
+         standard deviations of one sample. Of those with the same direction, in how many of {DRAWS} draws so many curves \
+         came out; on the right every view saw only one of the two."
     ));
 }
 
-fn fuse(apart: f64, turned: bool) -> FusedPlane {
+/// In how many draws one curve came out, two, and more.
+fn curves(views: impl Fn(u64) -> Vec<Vec<Curve>>) -> [String; 3] {
+    let mut counts = [0_u64; 3];
+    for draw in 0..DRAWS {
+        let fused = consensus(&slices(&views(draw)), &ConsensusOptions::default());
+        counts[fused.curves.len().clamp(1, 3) - 1] += 1;
+    }
+    counts.map(|c| c.to_string())
+}
+
+/// What the views saw of two surfaces some standard deviations apart.
+fn views(draw: u64, apart: f64, turned: bool) -> Vec<Vec<Curve>> {
+    let first = 2 * VIEWS * draw;
     let view = |v: u64| {
-        let layers = [layer(2 * v, 0.0, false), layer(2 * v + 1, apart * SIGMA, turned)];
+        let (low, high) = (first + 2 * v, first + 2 * v + 1);
+        let layers = [layer(low, 0.0, false), layer(high, apart * SIGMA, turned)];
         layers.into_iter().flatten().collect()
     };
-    let views: Vec<Vec<Curve>> = (0..VIEWS).map(view).collect();
-    consensus(&slices(&views), &ConsensusOptions::default())
+    (0..VIEWS).map(view).collect()
+}
+
+/// The same if every view saw only one of the surfaces.
+fn each_by_half(views: Vec<Vec<Curve>>) -> Vec<Vec<Curve>> {
+    let one = |(v, curves): (usize, Vec<Curve>)| curves.into_iter().skip(v % 2).take(1).collect();
+    views.into_iter().enumerate().map(one).collect()
 }
 
 /// A surface along x at a height; turned ones run back, with their solid below.
