@@ -155,7 +155,11 @@ mod tests {
 
     fn grouped(observations: &Observations) -> Groups {
         let grid = PointGrid::new(&observations.positions(), 0.02);
-        group(observations, &grid, &Scale { spacing: 0.02, threshold: 0.02, same_way: 0.6 })
+        group(
+            observations,
+            &grid,
+            &Scale { spacing: 0.02, threshold: 0.02, threshold_spreads: 8.0, same_way: 0.6 },
+        )
     }
 
     #[test]

@@ -92,6 +92,8 @@ struct Scale {
     spacing: f64,
     /// Overlap threshold across the curve.
     threshold: f64,
+    /// The same in standard deviations of what it follows from.
+    threshold_spreads: f64,
     /// Cosine of the largest angle between observations of one surface.
     same_way: f64,
 }
@@ -124,8 +126,14 @@ impl Scale {
             measured = spread(observations);
         }
         let least = (Self::SIGMAS * sigma).max(Self::FOOTPRINTS * spacing);
-        let threshold = (options.threshold_spreads * measured.between).max(least);
-        (Self { spacing, threshold, same_way }, measured)
+        let threshold_spreads = options.threshold_spreads;
+        let threshold = (threshold_spreads * measured.between).max(least);
+        (Self { spacing, threshold, threshold_spreads, same_way }, measured)
+    }
+
+    /// How far off a node may be that few views saw: the overlap threshold, more where they err by more.
+    fn astray(&self, node: &Kept) -> f64 {
+        self.threshold.max(self.threshold_spreads * node.common_variance.sqrt())
     }
 
     /// Overlap threshold for a node: wider where its own error is larger, and no wider than its room.

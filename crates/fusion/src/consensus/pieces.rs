@@ -247,7 +247,7 @@ pub(super) fn cover(
 }
 
 /// Open pieces that one view saw, or only ends of views' curves, along a closed piece of the same
-/// direction and closer to it than this many thresholds: between two boundaries with their solid on one
+/// direction and closer to it than this many times what they may be astray: between two boundaries with their solid on one
 /// side runs a third the other way, so where nobody saw one, what saw the piece is wrong.
 const SPUR_THRESHOLDS: f64 = 3.0;
 
@@ -275,7 +275,8 @@ pub(super) fn without_spurs(
     }
     let mut cover = Cover::new(kept, &pieces, scale);
     pieces.iter().filter(|p| p.closed).for_each(|p| cover.accept(p));
-    let beside = |k: &&u32| cover.lies_within(**k, SPUR_THRESHOLDS * scale.threshold);
+    let limit = |k: u32| SPUR_THRESHOLDS * scale.astray(&kept[k as usize]);
+    let beside = |k: &&u32| cover.lies_within(**k, limit(**k));
     let is_spur = |p: &Piece| {
         let count = p.nodes.iter().filter(beside).count();
         weak(p) && count as f64 >= SPUR_BESIDE * p.nodes.len() as f64
