@@ -45,6 +45,7 @@ pub struct LinearForm {
 
 impl LinearForm {
     /// The value at a point.
+    #[inline]
     pub fn at(&self, p: &Point3) -> f64 {
         self.gradient.dot(&p.coords) + self.constant
     }
@@ -85,6 +86,7 @@ impl PairGeometry {
     pub const MISSING: Self = Self { range_step: f32::NAN, lateral: f32::NAN };
 
     /// The geometry of two samples, seen along the unit direction of the first one's ray.
+    #[inline]
     pub fn between(a: &Point3, b: &Point3, ray: &Vector3) -> Self {
         let d = b - a;
         let along = d.dot(ray);

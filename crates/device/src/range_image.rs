@@ -150,6 +150,7 @@ impl RangeImage {
     }
 
     /// The value at a pixel; `None` where it is missing or outside the image.
+    #[inline]
     pub fn get(&self, pixel: Pixel) -> Option<f32> {
         let inside = pixel.row < self.size.rows && pixel.col < self.size.cols;
         let value = inside.then(|| self.values.get(pixel.row * self.size.cols + pixel.col));
@@ -157,6 +158,7 @@ impl RangeImage {
     }
 
     /// The values of one row for inner loops, **NaN where missing**; empty outside the image.
+    #[inline]
     pub fn row(&self, row: usize) -> &[f32] {
         let start = row.saturating_mul(self.size.cols);
         let end = start.saturating_add(self.size.cols);

@@ -109,6 +109,7 @@ impl View {
     }
 
     /// The sensor-frame point of a pixel; `None` if it is missing.
+    #[inline]
     pub fn point_in_sensor(&self, pixel: Pixel) -> Option<Point3> {
         self.frame.point(pixel, f64::from(self.image.get(pixel)?))
     }

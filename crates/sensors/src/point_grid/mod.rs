@@ -16,8 +16,8 @@ pub use carried_pinhole::CarriedPinhole;
 
 use crate::{SensorError, require};
 use transect_device::{
-    DeviceFrame, DevicePoint, Handedness, ImageSize, Pixel, Point3, RangeImage, Ray, SensorPlane,
-    Vector3,
+    DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, Neighbour, PairGeometry, Pixel,
+    Point3, RangeImage, Ray, SensorPlane, Vector3,
 };
 
 /// Where the rays of a point grid start.
@@ -62,8 +62,12 @@ pub struct PointGrid {
     /// Row-major; NaN where missing.
     points: Vec<Point3>,
     starts: RayStarts,
+    /// Of every point from its ray's start: what its value was before that was rounded.
+    distances: Vec<f64>,
     /// Where parallel rays start, measured along them; ahead of every point.
     parallel_start: f64,
+    /// Smallest and largest coordinates of the points.
+    bounds: [(f64, f64); 3],
     handedness: Handedness,
     /// Whether the last column's neighbour is the first: a full circle.
     wraps: bool,
@@ -98,7 +102,19 @@ impl PointGrid {
             }
         }
         let handedness = Handedness::ColumnsRight;
-        let mut grid = Self { size, points, starts, parallel_start, handedness, wraps: false };
+        let distance = |p: &Point3| (p - starts.start(p, parallel_start)).norm();
+        let distances = points.iter().map(distance).collect();
+        let bounds = [0, 1, 2].map(|k| bounds(points.iter().map(|p| p[k])));
+        let mut grid = Self {
+            size,
+            points,
+            distances,
+            starts,
+            parallel_start,
+            bounds,
+            handedness,
+            wraps: false,
+        };
         grid.handedness = grid.read_handedness().ok_or(SensorError::NoSurface)?;
         grid.wraps = grid.read_wrap();
         Ok((grid, image))
@@ -127,6 +143,34 @@ impl PointGrid {
         let inside = pixel.row < self.size.rows && pixel.col < self.size.cols;
         let point = inside.then(|| self.points.get(pixel.row * self.size.cols + pixel.col));
         point.flatten().filter(|p| !p.x.is_nan())
+    }
+
+    /// The point of a value other than that of a stored point.
+    #[inline]
+    fn moved(&self, p: &Point3, distance: f64, d3: f64) -> Point3 {
+        // The stored value is the distance rounded to f32: it stands for the point itself.
+        if d3 as f32 == distance as f32 {
+            return *p;
+        }
+        let start = self.starts.start(p, self.parallel_start);
+        start + (p - start) * (d3 / distance)
+    }
+
+    /// The stored points of a row with their distances, and those of the row's values; not a number where
+    /// there is none.
+    fn points_of_row<'a>(
+        &'a self,
+        image: &'a RangeImage,
+        row: usize,
+    ) -> impl Iterator<Item = (&'a Point3, Point3)> {
+        let pixels = row.saturating_mul(self.size.cols)..;
+        let stored = self.points.get(pixels.clone()).unwrap_or_default();
+        let distances = self.distances.get(pixels).unwrap_or_default();
+        let samples = stored.iter().zip(distances).zip(image.row(row));
+        samples.map(|((p, distance), d3)| {
+            let missing = d3.is_nan() || p.x.is_nan();
+            (p, if missing { MISSING } else { self.moved(p, *distance, f64::from(*d3)) })
+        })
     }
 
     /// The side from which most cells are seen: sign of (∂p/∂column × ∂p/∂row) · ray.
@@ -177,6 +221,14 @@ fn median(values: &mut [f64]) -> Option<f64> {
     let middle = values.len() / 2;
     values.sort_by(f64::total_cmp);
     values.get(middle).copied()
+}
+
+/// Smallest and largest of some numbers, without those that are none.
+fn bounds(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
+    // Comparisons with NaN are false.
+    numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), number| {
+        (if number < low { number } else { low }, if number > high { number } else { high })
+    })
 }
 
 fn checked(starts: RayStarts) -> Result<RayStarts, SensorError> {
@@ -235,13 +287,47 @@ impl DeviceFrame for PointGrid {
 
     fn point(&self, pixel: Pixel, d3: f64) -> Option<Point3> {
         let p = self.stored(pixel)?;
-        let start = self.starts.start(p, self.parallel_start);
-        let distance = (p - start).norm();
-        // The stored value is the distance rounded to f32: it stands for the point itself.
-        if d3 as f32 == distance as f32 {
-            Some(*p)
-        } else {
-            Some(start + (p - start) * (d3 / distance))
+        let distance = self.distances.get(pixel.row * self.size.cols + pixel.col)?;
+        Some(self.moved(p, *distance, d3))
+    }
+
+    fn form_row(&self, image: &RangeImage, row: usize, form: &LinearForm, out: &mut [f32]) {
+        for (value, (_, p)) in out.iter_mut().zip(self.points_of_row(image, row)) {
+            *value = form.at(&p) as f32;
+        }
+    }
+
+    fn pair_row(
+        &self,
+        image: &RangeImage,
+        row: usize,
+        neighbour: Neighbour,
+        out: &mut [PairGeometry],
+    ) {
+        out.fill(PairGeometry::MISSING);
+        let cols = self.size.cols;
+        let points = |row: usize| self.points_of_row(image, row).map(|(_, p)| p);
+        let others: Vec<Point3> = match neighbour {
+            Neighbour::Up => row.checked_sub(1).into_iter().flat_map(points).collect(),
+            Neighbour::Left => {
+                let mut before = MISSING;
+                let mut others: Vec<Point3> =
+                    points(row).map(|p| std::mem::replace(&mut before, p)).collect();
+                if let (true, Some(first)) = (self.wraps, others.first_mut()) {
+                    *first = before;
+                }
+                others
+            }
+        };
+        let pairs = self.points_of_row(image, row).zip(&others).take(cols);
+        for (pair, ((stored, p), other)) in out.iter_mut().zip(pairs) {
+            if p.x.is_nan() || other.x.is_nan() {
+                continue;
+            }
+            let along = stored - self.starts.start(stored, self.parallel_start);
+            if let Some(ray) = along.try_normalize(0.0) {
+                *pair = PairGeometry::between(&p, other, &ray);
+            }
         }
     }
 
@@ -258,7 +344,12 @@ impl DeviceFrame for PointGrid {
 
     /// Exact, over the stored points: every value of a grid is one of them.
     fn extent(&self, direction: &Vector3, _nearest: f64, _farthest: f64) -> (f64, f64) {
-        let along = self.points.iter().map(|p| direction.dot(&p.coords)).filter(|a| !a.is_nan());
-        along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), a| (low.min(a), high.max(a)))
+        if let Some(k) =
+            (0..3).find(|k| direction.iter().enumerate().all(|(j, d)| j == *k || *d == 0.0))
+        {
+            let (a, b) = (direction[k] * self.bounds[k].0, direction[k] * self.bounds[k].1);
+            return (a.min(b), a.max(b));
+        }
+        bounds(self.points.iter().map(|p| direction.dot(&p.coords)))
     }
 }
