@@ -35,18 +35,32 @@ pub(super) struct NearTangent<'a> {
     grid: Grid,
     /// Standard deviations that a region must leave the plane by.
     sigmas: f64,
-    /// Of every pixel, what is known of its region for a plane.
-    seen: Vec<Seen>,
+    /// Of every pixel, what is known of its region for a plane; see [`Seen::packed`].
+    seen: Vec<u64>,
     /// Pixels that are being followed.
     stack: Vec<Pixel>,
     visited: Vec<usize>,
 }
 
 /// What is known of a pixel's region on the plane at a level.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Seen {
     level: i32,
     leaves: bool,
+}
+
+impl Seen {
+    /// As a number that is not 0: 0 stands for a pixel that was not visited, since memory full of it costs
+    /// nothing where it is never looked at.
+    fn packed(self) -> u64 {
+        let level = (i64::from(self.level) - i64::from(i32::MIN) + 1) as u64;
+        level << 1 | u64::from(self.leaves)
+    }
+
+    fn of(packed: u64) -> Option<Self> {
+        let level = (packed >> 1).checked_sub(1)? as i64 + i64::from(i32::MIN);
+        Some(Self { level: level as i32, leaves: packed & 1 == 1 })
+    }
 }
 
 impl<'a> NearTangent<'a> {
@@ -111,7 +125,9 @@ impl<'a> NearTangent<'a> {
     /// Whether the region of a pixel leaves the plane somewhere.
     fn region_leaves(&mut self, start: Pixel, level: i32) -> bool {
         let count = self.grid.size().pixels();
-        self.seen.resize(count, Seen { level: i32::MIN, leaves: false });
+        if self.seen.len() != count {
+            self.seen = vec![0; count];
+        }
         let Some(side) = self.side(start, level) else { return true };
         self.stack.clear();
         self.visited.clear();
@@ -123,7 +139,7 @@ impl<'a> NearTangent<'a> {
         }
         for index in &self.visited {
             if let Some(seen) = self.seen.get_mut(*index) {
-                seen.leaves = leaves;
+                *seen = Seen { level, leaves }.packed();
             }
         }
         leaves
@@ -138,10 +154,10 @@ impl<'a> NearTangent<'a> {
         }
         let leaves = self.leaves(p, height);
         let Some(seen) = self.seen.get_mut(index) else { return true };
-        if seen.level == level {
-            return seen.leaves;
+        if let Some(known) = Seen::of(*seen).filter(|known| known.level == level) {
+            return known.leaves;
         }
-        *seen = Seen { level, leaves };
+        *seen = Seen { level, leaves }.packed();
         self.visited.push(index);
         self.stack.push(p);
         leaves
@@ -157,5 +173,21 @@ impl<'a> NearTangent<'a> {
             let pair = frame.pair(view.image(), later, earlier)?;
             self.rule.holds(&pair).then_some(other)
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_known_of_a_pixel_is_kept_in_a_number_that_is_not_0() {
+        assert_eq!(Seen::of(0), None);
+        for level in [i32::MIN, -1, 0, 1, i32::MAX] {
+            for leaves in [false, true] {
+                let seen = Seen { level, leaves };
+                assert_eq!(Seen::of(seen.packed()), Some(seen));
+            }
+        }
     }
 }

@@ -72,14 +72,19 @@ impl NodeMaker<'_> {
     fn across(&self, k: usize, closed: bool, tangent: &Vector2) -> Vector3 {
         let n = self.crossings.len();
         let (before, after) = self.neighbours(k, closed, REACH);
-        let span = (after + n - before) % n;
+        let span = if after < before { after + n - before } else { after - before };
         let ray = self.axes.turn(&self.crossings[k].ray);
         // With the solid on the left, the way along the curve, the way up and the outward normal
         // are right-handed, and the normal is against the ray. A step's own height would not do: it
         // is as often wrong as right where the pair lies along the curve.
         let aside = ray.cross(&Vector3::new(tangent.x, tangent.y, 0.0));
-        let steps = (0..=span).map(|step| self.crossings[(before + step) % n].across);
-        steps.map(|step| if aside.dot(&step) > 0.0 { -step } else { step }).sum()
+        let (to_end, from_start) = (&self.crossings[before..], &self.crossings[..before]);
+        let mut sum = Vector3::zeros();
+        for crossing in to_end.iter().chain(from_start).take(span + 1) {
+            let step = crossing.across;
+            sum += if aside.dot(&step) > 0.0 { -step } else { step };
+        }
+        sum
     }
 
     /// Length along the curve that one pixel covers there: the coarser of two measures.

@@ -1,13 +1,12 @@
 //! What the fit needs of every pixel, with room for a window around each.
 
 use super::REACH;
-use super::lanes::{LANES, Lanes};
+use super::lanes::MOST;
 use super::links::Links;
 use super::pairs::{Line, Pairs};
 use super::quantity::Quantity;
 use crate::BreakRule;
 use fearless_simd::Simd;
-use fearless_simd::prelude::*;
 use transect_device::{ImageSize, Neighbour, Pixel, View};
 
 /// The image as the fit sees it.
@@ -16,7 +15,7 @@ pub(super) struct Grid<'a> {
     stride: usize,
     /// Columns beyond either side that a full circle has there once more.
     beyond: usize,
-    /// The fitted quantity, 0 where missing or outside the image.
+    /// The fitted quantity; any number where missing or outside the image, 0 unless filled.
     quantities: Vec<f32>,
     /// Which pixels belong to one surface.
     pub links: Links,
@@ -28,7 +27,7 @@ impl<'a> Grid<'a> {
     #[inline(always)]
     pub fn new<S: Simd>(simd: S, view: &'a View, rule: &'a BreakRule, quantity: Quantity) -> Self {
         let size = view.image().size();
-        let stride = size.cols + 2 * REACH + LANES;
+        let stride = size.cols + 2 * REACH + MOST;
         let wraps = view.frame().columns_wrap();
         let mut grid = Self {
             stride,
@@ -62,7 +61,7 @@ impl<'a> Grid<'a> {
             Quantity::Value => image.copy_from_slice(values),
             Quantity::Inverse => {
                 for (quantity, value) in image.iter_mut().zip(values) {
-                    *quantity = (1.0 / f64::from(*value)) as f32;
+                    *quantity = 1.0 / *value;
                 }
             }
         }
@@ -81,18 +80,41 @@ impl<'a> Grid<'a> {
 
     /// Distances between neighbouring rays of the row, and of the column, at a pixel; `None` where it has
     /// no neighbour on its surface.
-    pub fn spacings(&self, pixel: Pixel) -> Option<(f64, f64)> {
+    #[inline(always)]
+    pub fn spacings(&self, pixel: Pixel) -> Option<(f32, f32)> {
         let Pixel { row, col } = pixel;
         // The pair after the pixel counts, or else the one before: they differ by noise alone.
-        let right = Pixel { row, col: (col + 1) % self.size.cols };
+        let next = if col + 1 < self.size.cols { col + 1 } else { 0 };
+        let right = Pixel { row, col: next };
         let below = Pixel { row: row + 1, col };
-        let lateral = |joined: bool, pixel: Pixel, neighbour| {
-            joined.then(|| self.pairs.lateral(pixel, neighbour)).flatten()
+        let joined = |(of, kind): (Pixel, Neighbour)| {
+            let (row, place) = (of.row + REACH, of.col + REACH);
+            match kind {
+                Neighbour::Left => self.links.left(row, place),
+                Neighbour::Up => self.links.up(row, place),
+            }
         };
-        let left =
-            |p: Pixel| lateral(self.links.left(p.row + REACH, p.col + REACH), p, Neighbour::Left);
-        let up = |p: Pixel| lateral(self.links.up(p.row + REACH, p.col + REACH), p, Neighbour::Up);
-        Some((left(right).or_else(|| left(pixel))?, up(below).or_else(|| up(pixel))?))
+        let one_of = |kind, later| {
+            let later = (later, kind);
+            let pair = if joined(later) {
+                Some(later)
+            } else {
+                Some((pixel, kind)).filter(|p| joined(*p))
+            };
+            pair.and_then(|(of, kind)| self.pairs.lateral(of, kind))
+        };
+        Some((one_of(Neighbour::Left, right)?, one_of(Neighbour::Up, below)?))
+    }
+
+    /// Length along a pixel's ray per unit of its value; `None` where the value means no point.
+    #[inline(always)]
+    pub fn length_per_value(&self, pixel: Pixel, value: f32) -> Option<f32> {
+        self.pairs.length_per_value(pixel, value)
+    }
+
+    /// Gives a missing pixel a quantity, for windows around it that count it as a sample.
+    pub fn fill(&mut self, row: usize, place: usize, quantity: f32) {
+        self.quantities[row * self.stride + place] = quantity;
     }
 
     /// All quantities: [`REACH`] rows above and below the image's, in lines of [`Grid::stride`] places that
@@ -111,8 +133,24 @@ impl<'a> Grid<'a> {
         self.quantities[row * self.stride + place]
     }
 
+    /// The first place of the image in a line, and the one after the last.
+    pub fn columns(&self) -> (usize, usize) {
+        (REACH, REACH + self.size.cols)
+    }
+
+    /// The column of a place, on a full circle also beyond the sides; `None` outside the image.
+    pub fn column(&self, place: usize) -> Option<usize> {
+        let cols = self.size.cols;
+        match place.checked_sub(REACH) {
+            Some(col) if col < cols => Some(col),
+            Some(col) if col < cols + self.beyond => Some(col - cols),
+            None if place + self.beyond >= REACH => Some(place + cols - REACH),
+            _ => None,
+        }
+    }
+
     /// A place of the image, and where a full circle has it once more.
-    pub fn copies(&self, place: usize) -> impl Iterator<Item = usize> {
+    pub fn copies(&self, place: usize) -> impl Iterator<Item = usize> + use<> {
         let cols = self.size.cols;
         let again = if self.beyond == 0 {
             None
@@ -124,11 +162,9 @@ impl<'a> Grid<'a> {
         std::iter::once(place).chain(again)
     }
 
-    /// The quantity of [`LANES`] pixels from a place that is off a pixel by some rows and columns;
-    /// both offsets are counted from the window's corner.
-    #[inline(always)]
-    pub fn load<S: Simd>(&self, simd: S, row: usize, col: usize) -> Lanes<S> {
-        let start = row * self.stride + col;
-        Lanes::from_slice(simd, &self.quantities[start..start + LANES])
+    /// The quantities from a place of a line on, for windows to be read from; rows, too, are counted from
+    /// [`REACH`] before the image.
+    pub fn line(&self, row: usize, place: usize) -> &[f32] {
+        &self.quantities[row * self.stride + place..]
     }
 }

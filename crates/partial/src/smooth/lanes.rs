@@ -6,8 +6,14 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8};
 
-/// Pixels that are fitted together.
+/// Pixels that are taken together where every instruction set takes the same number.
 pub(super) const LANES: usize = 8;
+
+/// The most pixels that any instruction set takes together.
+pub(super) const MOST: usize = 16;
+
+/// One number per pixel, for as many pixels as the processor has room for.
+pub(super) type Native<S> = <S as Simd>::f32s;
 
 /// One number per pixel.
 pub(super) type Lanes<S> = f32x8<S>;
@@ -20,12 +26,13 @@ pub(super) fn all<S: Simd>(simd: S, value: f32) -> Lanes<S> {
 
 /// Each number, or 0 where it is negative.
 #[inline(always)]
-pub(super) fn positive<S: Simd>(simd: S, lanes: Lanes<S>) -> Lanes<S> {
-    lanes.max(all(simd, 0.0))
+pub(super) fn positive<S: Simd>(simd: S, numbers: Native<S>) -> Native<S> {
+    numbers.max(Native::<S>::splat(simd, 0.0))
 }
 
 /// `1 / lanes` where the number exceeds a bound, else 0.
 #[inline(always)]
-pub(super) fn inverse_above<S: Simd>(simd: S, lanes: Lanes<S>, bound: Lanes<S>) -> Lanes<S> {
-    lanes.simd_gt(bound).select(all(simd, 1.0) / lanes, all(simd, 0.0))
+pub(super) fn inverse_above<S: Simd>(simd: S, numbers: Native<S>, bound: Native<S>) -> Native<S> {
+    let [one, zero] = [1.0, 0.0].map(|number| Native::<S>::splat(simd, number));
+    numbers.simd_gt(bound).select(one / numbers, zero)
 }

@@ -1,6 +1,7 @@
 //! Which pixels of a window belong to the same surface as its centre.
 
-use super::{LANES, REACH};
+use super::REACH;
+use super::lanes::{LANES, MOST, Native};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, u32x8};
 
@@ -57,6 +58,18 @@ impl Links {
     /// The valid pixels of a row of the image, one bit per place.
     pub fn valid_words(&self, row: usize) -> &[u64] {
         &self.valid[(row + REACH) * self.words..(row + REACH + 1) * self.words]
+    }
+
+    /// The pixels of a row of the image that have a neighbour of their surface in the row and one in the
+    /// column, one bit per place.
+    pub fn paired(&self, row: usize, found: &mut [u64]) {
+        let start = (row + REACH) * self.words;
+        for (word, found) in found.iter_mut().enumerate() {
+            let at = start + word;
+            let next = if word + 1 < self.words { self.left[at + 1] << 63 } else { 0 };
+            let along = self.left[at] | self.left[at] >> 1 | next;
+            *found = along & (self.up[at] | self.up[at + self.words]);
+        }
     }
 
     /// Whether there is a sample at a place; both are counted from `REACH` before the image.
@@ -137,6 +150,32 @@ impl Links {
             connected[k] = fill(connected[k + 1] & up(k + 1), k);
         }
         connected.map(|row| row >> lanes)
+    }
+
+    /// The same for as many pixels as are fitted together, [`MOST`] places per row; and the columns that are
+    /// connected to any of those pixels that count.
+    #[inline(always)]
+    pub fn windows<S: Simd>(
+        &self,
+        simd: S,
+        (row, col): (usize, usize),
+        reach: usize,
+        counts: &[bool; MOST],
+        windows: &mut [[u32; MOST]; WIDTH],
+    ) -> [u32; WIDTH] {
+        const { assert!(MOST.is_multiple_of(LANES)) };
+        let mut seen = [0; WIDTH];
+        for first in (0..Native::<S>::LEN).step_by(LANES) {
+            let connected = self.connected(simd, (row, col + first), reach);
+            let counts = std::array::from_fn(|lane| if counts[first + lane] { !0 } else { 0 });
+            let counts = u32x8::load_array(simd, counts);
+            for k in REACH - reach..=REACH + reach {
+                connected[k].store_slice(&mut windows[k][first..first + LANES]);
+                let any = (connected[k] & counts).to_array();
+                seen[k] |= any.into_iter().fold(0, |any, columns| any | columns);
+            }
+        }
+        seen
     }
 
     /// The bits of a padded row in the windows around some columns of the image.

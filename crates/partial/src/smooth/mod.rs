@@ -43,6 +43,7 @@ mod lanes;
 mod linear;
 mod links;
 mod normal_equations;
+mod output;
 mod pairs;
 mod quantity;
 mod reach;
@@ -50,14 +51,17 @@ mod scales;
 mod window;
 
 use crate::one_pass::Instructions;
-use crate::{BreakRule, RangeNoise, SectionAxes, length_per_value};
-use block::{Block, BlockFit, Weights};
-use estimate::Fitted;
+use crate::{BreakRule, RangeNoise, SectionAxes};
+use block::{Block, Weights};
+use fearless_simd::prelude::*;
 use fearless_simd::{Simd, dispatch};
 use grid::Grid;
-use lanes::LANES;
-use linear::{Linear, LinearFit};
+use lanes::Native;
+use linear::{Filled, Linear};
+use output::Output;
+use pairs::is_set;
 use quantity::Quantity;
+use reach::Reach;
 use scales::Scales;
 use transect_device::{Pixel, RangeImage, View, ViewError};
 
@@ -126,60 +130,47 @@ pub fn smooth_with(
     extent: &Extent<'_>,
 ) -> Result<Smoothed, ViewError> {
     let size = view.image().size();
-    let mut values = Vec::with_capacity(size.pixels());
-    (0..size.rows).for_each(|row| values.extend_from_slice(view.image().row(row)));
-    let sigma_factors = vec![1.0; size.pixels()];
-    let mut output = Output { values, sigma_factors, radii: Vec::new(), linear: 0 };
-    let mut wanted = vec![true; size.pixels()];
+    let mut output = Output::new(view.image());
+    let (mut linear, mut unchanged) = (0, 0);
     if noise.length() > 0.0 {
         let level = extent.instructions.level();
-        let smoother = dispatch!(level, simd => Smoother::new(simd, view, noise, rule));
-        if let Some(axes) = extent.near {
-            wanted = dispatch!(level, simd => reach::wanted(simd, &smoother, axes));
-        }
-        let rest = if extent.robust {
-            wanted.clone()
-        } else {
-            let linear = dispatch!(level, simd => Linear::new(simd, &smoother, &wanted));
-            smoother.take_linear(&linear, &wanted, &mut output)
+        let mut smoother = dispatch!(level, simd => Smoother::new(simd, view, noise, rule));
+        let filled = if extent.robust { None } else { Some(smoother.fill()) };
+        let reach = extent.near.and_then(|axes| Reach::new(&smoother, axes));
+        let mut wanted = match &reach {
+            Some(reach) => dispatch!(level, simd => reach.wanted(simd, &smoother)),
+            None => vec![true; size.pixels()],
         };
-        dispatch!(level, simd => smoother.image(simd, &rest, &mut output));
+        unchanged = count_valid(view.image(), &wanted);
+        if let Some(filled) = &filled {
+            let found = dispatch!(level, simd => Linear::new(simd, &smoother, filled, &wanted));
+            let rest = dispatch!(level, simd => found.take(simd, &smoother, &wanted, &mut output));
+            (linear, wanted) = (output.changed, rest);
+        }
+        dispatch!(level, simd => smoother.image(simd, &wanted, &mut output));
+        unchanged -= output.changed;
     }
-    let Output { values, sigma_factors, mut radii, linear } = output;
-    let counted = values.iter().zip(&wanted).map(|(value, wanted)| *wanted && !value.is_nan());
     Ok(Smoothed {
-        median_factor: median_where(counted, &sigma_factors),
-        window: 2.0 * median(&mut radii),
-        changed: radii.len(),
+        median_factor: output.median_factor(unchanged),
+        window: output.window(),
+        changed: output.changed,
         linear,
         view: view.with_image(
-            RangeImage::from_values(size, values).map_err(|_| ViewError::NoValidPixel)?,
+            RangeImage::from_values(size, output.values).map_err(|_| ViewError::NoValidPixel)?,
         )?,
-        sigma_factors,
+        sigma_factors: output.sigma_factors,
     })
 }
 
-fn median_where(counted: impl Iterator<Item = bool>, factors: &[f32]) -> f64 {
-    let counted = counted.zip(factors).filter(|(counted, _)| *counted);
-    let mut factors: Vec<f32> = counted.map(|(_, factor)| *factor).collect();
-    if factors.is_empty() { 1.0 } else { median(&mut factors) }
-}
-
-fn median(values: &mut [f32]) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    f64::from(*values.select_nth_unstable_by(middle, f32::total_cmp).1)
-}
-
-/// What becomes of the image.
-struct Output {
-    values: Vec<f32>,
-    sigma_factors: Vec<f32>,
-    /// Radii of the windows of the pixels that changed.
-    radii: Vec<f32>,
-    linear: usize,
+/// How many of the wanted pixels there are.
+fn count_valid(image: &RangeImage, wanted: &[bool]) -> usize {
+    let cols = image.size().cols;
+    let rows = wanted.chunks(cols).enumerate();
+    let in_row = |(row, wanted): (usize, &[bool])| {
+        let pixels = image.row(row).iter().zip(wanted);
+        pixels.map(|(value, wanted)| u32::from(*wanted & !value.is_nan())).sum::<u32>() as usize
+    };
+    rows.map(in_row).sum()
 }
 
 /// What the image holds.
@@ -195,15 +186,6 @@ struct Smoother<'a> {
     scales: Scales,
 }
 
-/// The window of one pixel.
-#[derive(Debug, Clone, Copy)]
-struct Window {
-    /// Radius in rows and in columns.
-    radii: (f64, f64),
-    /// Standard deviation of the fitted quantity.
-    sigma: f64,
-}
-
 impl<'a> Smoother<'a> {
     #[inline(always)]
     fn new<S: Simd>(simd: S, view: &'a View, noise: &'a RangeNoise, rule: &'a BreakRule) -> Self {
@@ -214,123 +196,85 @@ impl<'a> Smoother<'a> {
             || Grid::new(simd, view, rule, quantity),
         );
         let samples = Samples { view, noise, quantity, grid };
-        Self { scales: Scales::new(&samples), samples }
+        let scales = simd.vectorize(
+            #[inline(always)]
+            || Scales::new(&samples),
+        );
+        Self { scales, samples }
+    }
+
+    /// Fills gaps one pixel wide; see `linear/fill.rs`.
+    fn fill(&mut self) -> Filled {
+        Filled::new(&mut self.samples.grid, &self.scales)
     }
 
     #[inline(always)]
     fn image<S: Simd>(&self, simd: S, wanted: &[bool], output: &mut Output) {
         let mut weights = Weights::new();
         let cols = self.samples.view.image().size().cols;
+        let mut paired = vec![0; self.samples.grid.links.words()];
         for (row, wanted) in wanted.chunks(cols).enumerate() {
+            self.samples.grid.links.paired(row, &mut paired);
             let mut first = 0;
             // Blocks begin at pixels that are wanted; that changes nothing in any pixel's fit.
-            while let Some(skip) = wanted.iter().skip(first).position(|wanted| *wanted) {
+            while let Some(skip) = wanted[first..].iter().position(|wanted| *wanted) {
                 first += skip;
-                let end = (first + LANES).min(cols);
-                let block = self.block(row, first, &wanted[first..end]);
-                if !block.is_empty() {
-                    let fit = simd.vectorize(
-                        #[inline(always)]
-                        || block.fit(simd, &self.samples.grid, &mut weights),
-                    );
-                    for lane in 0..end - first {
-                        self.take(&block, &fit, (lane, row * cols + first + lane), output);
-                    }
-                }
+                let end = (first + Native::<S>::LEN).min(cols);
+                let counts =
+                    |lane: usize| wanted[first + lane] && is_set(&paired, REACH + first + lane);
+                simd.vectorize(
+                    #[inline(always)]
+                    || {
+                        let block = self.block((row, first), end - first, counts);
+                        if !block.is_empty() {
+                            let fitted = block.fit(simd, &self.samples.grid, &mut weights);
+                            let radii = block.radii(&fitted.shares);
+                            let quantity = self.samples.quantity;
+                            output.put(quantity, row * cols + first, &fitted, &radii);
+                        }
+                    },
+                );
                 first = end;
             }
         }
     }
 
-    /// Takes over what the fit without robust weights says of the pixels that are wanted; those of which it
-    /// says nothing.
-    fn take_linear(&self, linear: &Linear, wanted: &[bool], output: &mut Output) -> Vec<bool> {
-        let cols = self.samples.view.image().size().cols;
-        let mut rest = vec![false; wanted.len()];
-        for (row, (wanted, rest)) in wanted.chunks(cols).zip(rest.chunks_mut(cols)).enumerate() {
-            for (col, (wanted, rest)) in wanted.iter().zip(rest).enumerate() {
-                let pixel = row * cols + col;
-                if !wanted || output.values[pixel].is_nan() {
-                    continue;
-                }
-                match linear.at(row, col) {
-                    Some(LinearFit { fitted, radius }) => {
-                        if self.change(pixel, fitted, radius, output) {
-                            output.linear += 1;
-                        }
-                    }
-                    None => *rest = true,
-                }
-            }
-        }
-        rest
-    }
-
-    /// The windows of some pixels of a row.
-    fn block(&self, row: usize, first: usize, wanted: &[bool]) -> Block {
-        let mut block = Block::new(row, first);
-        for (lane, wanted) in wanted.iter().enumerate() {
-            let window = wanted.then(|| self.window(Pixel::new(row, first + lane))).flatten();
-            if let Some(window) = window {
-                block.set(lane, &window);
-            }
-        }
-        block
-    }
-
-    /// Takes over what was found for a lane, which is a pixel.
-    fn take(
+    /// The windows of some pixels of a row; pixels without neighbours of their surface stay as they are.
+    #[inline(always)]
+    fn block(
         &self,
-        block: &Block,
-        fit: &BlockFit,
-        (lane, pixel): (usize, usize),
-        output: &mut Output,
-    ) {
-        if let Some(fitted) = fit.at(lane) {
-            self.change(pixel, fitted, block.radius(lane, fitted.share), output);
+        (row, first): (usize, usize),
+        count: usize,
+        counts: impl Fn(usize) -> bool,
+    ) -> Block {
+        let mut block = Block::new(row, first);
+        let values = &self.samples.view.image().row(row)[first..];
+        let inverse_sigma = &self.scales.inverse_sigma[row * self.scales.width + first..];
+        for lane in (0..count).filter(|lane| counts(*lane)) {
+            let sizes = self.samples.sizes(Pixel::new(row, first + lane), values[lane]);
+            block.set(lane, sizes, inverse_sigma[lane]);
         }
-    }
-
-    /// Puts into the image what was found for a pixel by a window of some radius; whether it could be.
-    fn change(&self, pixel: usize, fitted: Fitted, radius: f32, output: &mut Output) -> bool {
-        let old = self.samples.quantity.of_value(f64::from(output.values[pixel]));
-        let value = self.samples.quantity.value(old + f64::from(fitted.change)) as f32;
-        // Noise as large as the range itself could turn a sample into a missing one.
-        if !(value > 0.0 && value.is_finite()) {
-            return false;
-        }
-        output.values[pixel] = value;
-        output.sigma_factors[pixel] = fitted.factor;
-        output.radii.push(radius);
-        true
-    }
-
-    /// `None` where the pixel is missing or stays as it is.
-    fn window(&self, pixel: Pixel) -> Option<Window> {
-        let radii = self.samples.radii(pixel)?;
-        let inverse_sigma = self.scales.inverse_sigma[pixel.row * self.scales.width + pixel.col];
-        (inverse_sigma > 0.0).then(|| Window { radii, sigma: 1.0 / f64::from(inverse_sigma) })
+        block.find_windows();
+        block
     }
 }
 
 impl Samples<'_> {
-    /// Radii of a pixel's window in rows and in columns; `None` where it stays as it is.
-    fn radii(&self, pixel: Pixel) -> Option<(f64, f64)> {
-        let d3 = f64::from(self.view.image().get(pixel)?);
-        let (across, down) = self.grid.spacings(pixel)?;
-        let spacing = (across * down).sqrt();
-        if spacing.is_nan() || spacing <= 0.0 {
-            return None;
-        }
-        let length = match self.noise.stated_length() {
-            Some(length) => length,
+    /// Distances between the rays of a row and of a column at a pixel and the noise as a length, from which
+    /// its window follows; NaN where they are not known.
+    #[inline(always)]
+    fn sizes(&self, pixel: Pixel, value: f32) -> [f32; 3] {
+        let length = || match self.noise.stated_length() {
+            Some(length) => Some(length),
             None => {
-                let rate = length_per_value(self.view.frame(), pixel, d3)?;
-                self.noise.value_sigma(rate) * rate
+                let rate = f64::from(self.grid.length_per_value(pixel, value)?);
+                Some(self.noise.value_sigma(rate) * rate)
             }
         };
-        let radius = window::radius(length, spacing);
-        let limit = |radius: f64| radius.clamp(1.0, window::LARGEST);
-        (radius > 0.0).then(|| (limit(radius * spacing / down), limit(radius * spacing / across)))
+        let sizes = self
+            .grid
+            .spacings(pixel)
+            .and_then(|(across, down)| Some([across, down, length()? as f32]));
+        sizes.unwrap_or([f32::NAN; 3])
     }
 }

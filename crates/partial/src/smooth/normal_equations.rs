@@ -1,12 +1,13 @@
 //! Weighted least squares for a polynomial of second order, several pixels at once.
 
 use super::REACH;
-use super::lanes::{Lanes, all, inverse_above};
+use super::lanes::{Native, inverse_above};
 use super::links::WIDTH;
 use fearless_simd::Simd;
+use fearless_simd::prelude::*;
 
 /// Coefficients of `1, x, y, x², xy, y²`.
-pub(super) type Coefficients<S> = [Lanes<S>; 6];
+pub(super) type Coefficients<S> = [Native<S>; 6];
 
 /// Powers of x and y in each term.
 const POWERS: [(usize, usize); 6] = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)];
@@ -20,7 +21,7 @@ const SMALLEST_PIVOT: f32 = 1e-3;
 pub(super) struct Sums<S: Simd> {
     simd: S,
     /// `Σ w xᵃ yᵇ` at `[a][b]`, a + b ≤ 4.
-    powers: [[Lanes<S>; 5]; 5],
+    powers: [[Native<S>; 5]; 5],
     /// `Σ w v xᵃ yᵇ` for the terms.
     values: Coefficients<S>,
 }
@@ -28,41 +29,50 @@ pub(super) struct Sums<S: Simd> {
 /// Weighted sums over one row of a window: `Σ w xᵃ` and `Σ w v xᵃ`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RowSums<S: Simd> {
-    powers: [Lanes<S>; 5],
-    values: [Lanes<S>; 3],
+    powers: [Native<S>; 5],
+    values: [Native<S>; 3],
 }
 
 impl<S: Simd> RowSums<S> {
     #[inline(always)]
     pub fn zero(simd: S) -> Self {
-        let zero = all(simd, 0.0);
+        let zero = Native::<S>::splat(simd, 0.0);
         Self { powers: [zero; 5], values: [zero; 3] }
     }
 
-    /// Adds the weight of a column, counted from the window's first.
+    /// Adds the weight of a column.
     #[inline(always)]
-    pub fn add_weight(&mut self, c: usize, weight: Lanes<S>) {
-        let [x, x2, x3, x4] = COLUMNS[c];
+    pub fn add_weight(&mut self, column: &Column, weight: Native<S>) {
+        let [x, x2, x3, x4] = column.powers;
         let [p0, p1, p2, p3, p4] = self.powers;
         self.powers =
             [p0 + weight, p1 + weight * x, p2 + weight * x2, p3 + weight * x3, p4 + weight * x4];
     }
 
     #[inline(always)]
-    pub fn add_value(&mut self, c: usize, weighted: Lanes<S>) {
-        let [x, x2, ..] = COLUMNS[c];
+    pub fn add_value(&mut self, column: &Column, weighted: Native<S>) {
+        let [x, x2, ..] = column.powers;
         let [v0, v1, v2] = self.values;
         self.values = [v0 + weighted, v1 + weighted * x, v2 + weighted * x2];
     }
 }
 
-/// `x`, `x²`, `x³` and `x⁴` of each column of a window: read in less time than found again.
-const COLUMNS: [[f32; 4]; WIDTH] = {
-    let mut columns = [[0.0; 4]; WIDTH];
+/// A column of a window: what is read in less time than found again.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Column {
+    /// `x`, `x²`, `x³` and `x⁴`.
+    pub powers: [f32; 4],
+    /// Its bit in [`super::links::Connected`].
+    pub bit: u32,
+}
+
+/// Those of the largest window.
+pub(super) const COLUMNS: [Column; WIDTH] = {
+    let mut columns = [Column { powers: [0.0; 4], bit: 0 }; WIDTH];
     let mut c = 0;
     while c < WIDTH {
         let x = c as f32 - REACH as f32;
-        columns[c] = [x, x * x, x * x * x, x * x * x * x];
+        columns[c] = Column { powers: [x, x * x, x * x * x, x * x * x * x], bit: 1 << c };
         c += 1;
     }
     columns
@@ -71,7 +81,7 @@ const COLUMNS: [[f32; 4]; WIDTH] = {
 impl<S: Simd> Sums<S> {
     #[inline(always)]
     pub fn zero(simd: S) -> Self {
-        let zero = all(simd, 0.0);
+        let zero = Native::<S>::splat(simd, 0.0);
         Self { simd, powers: [[zero; 5]; 5], values: [zero; 6] }
     }
 
@@ -97,15 +107,15 @@ impl<S: Simd> Sums<S> {
     /// The polynomial `z` whose values make the fit at the centre: it is `Σ w z v`.
     #[inline(always)]
     pub fn centre_weights(&self) -> Coefficients<S> {
-        let mut unit = [all(self.simd, 0.0); 6];
-        unit[0] = all(self.simd, 1.0);
+        let mut unit = [Native::<S>::splat(self.simd, 0.0); 6];
+        unit[0] = Native::<S>::splat(self.simd, 1.0);
         self.solve(unit)
     }
 
     /// Solves by `L D Lᵀ`; terms without a pivot get the coefficient 0.
     #[inline(always)]
     fn solve(&self, right: Coefficients<S>) -> Coefficients<S> {
-        let zero = all(self.simd, 0.0);
+        let zero = Native::<S>::splat(self.simd, 0.0);
         let mut lower = [[zero; 6]; 6];
         let mut inverse = [zero; 6];
         let mut solution = right;
@@ -138,7 +148,7 @@ impl<S: Simd> Sums<S> {
     }
 
     #[inline(always)]
-    fn entry(&self, i: usize, j: usize) -> Lanes<S> {
+    fn entry(&self, i: usize, j: usize) -> Native<S> {
         let ((ai, bi), (aj, bj)) = (POWERS[i], POWERS[j]);
         self.powers[ai + aj][bi + bj]
     }
@@ -146,7 +156,7 @@ impl<S: Simd> Sums<S> {
 
 /// A polynomial along one row of the window: `c0 + c1 x + c2 x²`.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct RowPolynomial<S: Simd>([Lanes<S>; 3]);
+pub(super) struct RowPolynomial<S: Simd>([Native<S>; 3]);
 
 impl<S: Simd> RowPolynomial<S> {
     #[inline(always)]
@@ -155,7 +165,7 @@ impl<S: Simd> RowPolynomial<S> {
     }
 
     #[inline(always)]
-    pub fn at(&self, x: f32) -> Lanes<S> {
+    pub fn at(&self, x: f32) -> Native<S> {
         (self.0[2] * x + self.0[1]) * x + self.0[0]
     }
 }

@@ -1,7 +1,7 @@
 //! Which neighbouring samples belong to one surface, a row of the image at a time, one bit each.
 
-use crate::BreakRule;
 use crate::one_pass::{PairTestOf, PairTests};
+use crate::{BreakRule, length_per_value};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, SimdBase};
 use transect_device::{Neighbour, PairGeometry, Pixel, Point3, RayProducts, View};
@@ -90,20 +90,36 @@ impl<'a> Pairs<'a> {
     }
 
     /// Distance between the rays of a pixel and a neighbour, at the neighbour's sample.
-    pub fn lateral(&self, pixel: Pixel, neighbour: Neighbour) -> Option<f64> {
+    #[inline(always)]
+    pub fn lateral(&self, pixel: Pixel, neighbour: Neighbour) -> Option<f32> {
         let image = self.view.image();
         let which = usize::from(neighbour == Neighbour::Up);
         let Some(tables) = &self.tables else {
             let lateral = self.geometry.laterals[which][pixel.row * image.size().cols + pixel.col];
-            return (!lateral.is_nan()).then_some(f64::from(lateral));
+            return (!lateral.is_nan()).then_some(lateral);
         };
-        let other = self.view.frame().neighbour(pixel, neighbour)?;
+        let other = match neighbour {
+            Neighbour::Up => *image.row(pixel.row.checked_sub(1)?).get(pixel.col)?,
+            Neighbour::Left if pixel.col == 0 => *image.row(pixel.row).last()?,
+            Neighbour::Left => *image.row(pixel.row).get(pixel.col - 1)?,
+        };
         let (products, _) = &tables[which];
         let of_row = products.rows.get(pixel.row)?;
         let of_column = products.columns.get(pixel.col).copied().unwrap_or_default();
-        let here = f64::from(of_row.here) + f64::from(of_column.here);
-        let across = f64::from(of_row.across) + f64::from(of_column.across);
-        Some(f64::from(image.get(other)?) * across / here.sqrt())
+        let here = of_row.here + of_column.here;
+        Some(other * (of_row.across + of_column.across) / here.sqrt())
+    }
+
+    /// Length along a pixel's ray per unit of its value; `None` where the value means no point.
+    #[inline(always)]
+    pub fn length_per_value(&self, pixel: Pixel, value: f32) -> Option<f32> {
+        let Some([(products, _), _]) = &self.tables else {
+            let rate = length_per_value(self.view.frame(), pixel, f64::from(value))?;
+            return Some(rate as f32);
+        };
+        // A sample is its value times the ray.
+        let of_column = products.columns.get(pixel.col).copied().unwrap_or_default();
+        Some((products.rows.get(pixel.row)?.here + of_column.here).sqrt())
     }
 }
 
@@ -136,6 +152,11 @@ impl Geometry {
             }
         }
     }
+}
+
+/// Whether a bit is set.
+pub(super) fn is_set(words: &[u64], at: usize) -> bool {
+    words[at / WORD] >> (at % WORD) & 1 == 1
 }
 
 /// The places of the bits that are set.

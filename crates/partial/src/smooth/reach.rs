@@ -37,30 +37,42 @@ impl Stretches {
     }
 }
 
-/// One entry per pixel, row-major: whether it can take part in a curve.
-#[inline(always)]
-pub(super) fn wanted<S: Simd>(simd: S, smoother: &Smoother<'_>, axes: &SectionAxes) -> Vec<bool> {
-    let samples = &smoother.samples;
-    let size = samples.view.image().size();
-    let Some(levels) = Levels::new(smoother, axes) else { return vec![true; size.pixels()] };
-    let slack = slack(samples, axes);
-    let mut wanted = vec![false; size.pixels()];
-    let [mut above, mut here] = [Stretches::missing(size.cols), Stretches::missing(size.cols)];
-    let mut ends = [vec![f32::NAN; size.cols], vec![f32::NAN; size.cols]];
-    let mut cells = Cells::new(size.cols, samples.view.frame().columns_wrap());
-    for row in 0..size.rows {
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                levels.of_row(smoother, row, &mut ends);
-                stretch(samples.view.image().row(row), &ends, slack, &mut here);
-                cells.find(&above, &here);
-                cells.mark(row, &mut wanted);
-            },
-        );
-        std::mem::swap(&mut above, &mut here);
+/// Where the planes are, as seen from the samples.
+pub(super) struct Reach<'a> {
+    levels: Levels<'a>,
+    slack: f32,
+}
+
+impl<'a> Reach<'a> {
+    /// `None` if nothing can be said.
+    pub fn new(smoother: &Smoother<'_>, axes: &'a SectionAxes) -> Option<Self> {
+        let levels = Levels::new(smoother, axes)?;
+        Some(Self { levels, slack: slack(&smoother.samples, axes) })
     }
-    wanted
+
+    /// One entry per pixel, row-major: whether it can take part in a curve.
+    #[inline(always)]
+    pub fn wanted<S: Simd>(&self, simd: S, smoother: &Smoother<'_>) -> Vec<bool> {
+        let image = smoother.samples.view.image();
+        let size = image.size();
+        let mut wanted = vec![false; size.pixels()];
+        let [mut above, mut here] = [Stretches::missing(size.cols), Stretches::missing(size.cols)];
+        let mut ends = [vec![f32::NAN; size.cols], vec![f32::NAN; size.cols]];
+        let mut cells = Cells::new(size.cols, smoother.samples.view.frame().columns_wrap());
+        for row in 0..size.rows {
+            self.levels.of_row(simd, smoother, row, &mut ends);
+            simd.vectorize(
+                #[inline(always)]
+                || {
+                    stretch(image.row(row), &ends, self.slack, &mut here);
+                    cells.find(&above, &here);
+                    cells.mark(row, &mut wanted);
+                },
+            );
+            std::mem::swap(&mut above, &mut here);
+        }
+        wanted
+    }
 }
 
 /// Finds the stretches of a row from the levels of their ends.
@@ -135,7 +147,7 @@ impl Cells {
     }
 }
 
-/// Where the levels of the stretches' ends come from.
+/// Where levels come from.
 enum Levels<'a> {
     /// Of sensors that have tables.
     Form(SeparableForm),
@@ -145,35 +157,43 @@ enum Levels<'a> {
 
 impl<'a> Levels<'a> {
     fn new(smoother: &Smoother<'_>, axes: &'a SectionAxes) -> Option<Self> {
-        let samples = &smoother.samples;
-        if let Some(form) = samples.view.frame().separable_form(axes.level()) {
+        let image = smoother.samples.view.image();
+        if let Some(form) = smoother.samples.view.frame().separable_form(axes.level()) {
             return Some(Self::Form(form));
         }
-        let size = samples.view.image().size();
+        let size = image.size();
         let mut images = [vec![f32::NAN; size.pixels()], vec![f32::NAN; size.pixels()]];
         let [low, high] = &mut images;
         let rows = low.chunks_mut(size.cols).zip(high.chunks_mut(size.cols));
         for (row, ends) in rows.enumerate() {
-            nearest_and_farthest(smoother, row, ends);
+            find_ends(smoother, row, ends);
         }
         let [low, high] = images.map(|values| RangeImage::from_values(size, values));
         Some(Self::Images([low.ok()?, high.ok()?], axes))
     }
 
-    /// The levels of a row's samples moved by a cut either way; NaN where they cannot be.
+    /// The levels of a row's ends.
     #[inline(always)]
-    fn of_row(&self, smoother: &Smoother<'_>, row: usize, [low, high]: &mut [Vec<f32>; 2]) {
+    fn of_row<S: Simd>(
+        &self,
+        simd: S,
+        smoother: &Smoother<'_>,
+        row: usize,
+        [low, high]: &mut [Vec<f32>; 2],
+    ) {
         match self {
-            Self::Form(form) => {
-                nearest_and_farthest(smoother, row, (&mut *low, &mut *high));
-                let [factor, addend] = form.rows.get(row).copied().unwrap_or_default();
-                for (end, column) in low.iter_mut().zip(&form.columns) {
-                    *end = *end * (column * factor + addend) + form.constant;
-                }
-                for (end, column) in high.iter_mut().zip(&form.columns) {
-                    *end = *end * (column * factor + addend) + form.constant;
-                }
-            }
+            Self::Form(form) => simd.vectorize(
+                #[inline(always)]
+                || {
+                    find_ends(smoother, row, (&mut *low, &mut *high));
+                    let [factor, addend] = form.rows.get(row).copied().unwrap_or_default();
+                    for levels in [low, high] {
+                        for (level, column) in levels.iter_mut().zip(&form.columns) {
+                            *level = *level * (column * factor + addend) + form.constant;
+                        }
+                    }
+                },
+            ),
             Self::Images(images, axes) => {
                 for (image, levels) in images.iter().zip([low, high]) {
                     smoother.samples.view.frame().form_row(image, row, axes.level(), levels);
@@ -185,23 +205,35 @@ impl<'a> Levels<'a> {
 
 /// A row's values moved by a cut either way; NaN where they cannot be.
 #[inline(always)]
-fn nearest_and_farthest(
-    smoother: &Smoother<'_>,
-    row: usize,
+fn find_ends(smoother: &Smoother<'_>, row: usize, ends: (&mut [f32], &mut [f32])) {
+    let values = smoother.samples.view.image().row(row);
+    let inverse_sigma = &smoother.scales.inverse_sigma[row * smoother.scales.width..];
+    match smoother.samples.quantity {
+        Quantity::Value => {
+            let moved = |value: f32, cut: f32| (value - cut, value + cut);
+            find_moved(values, inverse_sigma, ends, moved);
+        }
+        Quantity::Inverse => {
+            // Those of 1 / value ± cut.
+            let moved =
+                |value: f32, cut: f32| (value / (1.0 + cut * value), value / (1.0 - cut * value));
+            find_moved(values, inverse_sigma, ends, moved);
+        }
+    }
+}
+
+#[inline(always)]
+fn find_moved(
+    values: &[f32],
+    inverse_sigma: &[f32],
     (low, high): (&mut [f32], &mut [f32]),
+    of: impl Fn(f32, f32) -> (f32, f32),
 ) {
-    let (samples, scales) = (&smoother.samples, &smoother.scales);
-    let values = samples.view.image().row(row);
-    let inverse_sigma = &scales.inverse_sigma[row * scales.width..];
-    let ends = low.iter_mut().zip(high);
-    for ((value, inverse_sigma), (low, high)) in values.iter().zip(inverse_sigma).zip(ends) {
+    let samples = values.iter().zip(inverse_sigma);
+    for ((value, inverse_sigma), (low, high)) in samples.zip(low.iter_mut().zip(high)) {
         // Pixels without a scale stay as they are.
         let cut = if *inverse_sigma > 0.0 { LARGEST_CUT / inverse_sigma } else { 0.0 };
-        let (nearest, farthest) = match samples.quantity {
-            Quantity::Value => (value - cut, value + cut),
-            // Those of 1 / value ± cut.
-            Quantity::Inverse => (value / (1.0 + cut * value), value / (1.0 - cut * value)),
-        };
+        let (nearest, farthest) = of(*value, cut);
         // Where little is left of one end, rounding would count, too; and there may be none.
         let known =
             (nearest > value * LEAST_END) & (farthest * LEAST_END < *value) & (farthest > 0.0);

@@ -6,41 +6,61 @@ use super::REACH;
 ///
 /// With the cube root it gives, for noise of half a spacing, the noise reduction of a square of 7 × 7
 /// pixels with equal weights, and for two and a half spacings that of 11 × 11.
-const RADIUS: f64 = 6.0;
+const RADIUS: f32 = 6.0;
 
 /// Radius below which a window holds too few pixels to lower noise.
-pub(super) const SMALLEST: f64 = 2.3;
+pub(super) const SMALLEST: f32 = 2.3;
 
 /// Radius of the largest window that is not a wider one.
-pub(super) const LARGEST: f64 = 7.5;
+pub(super) const LARGEST: f32 = 7.5;
 
 /// Radius of the largest wider window; the pixels on its rim weigh nothing.
-const WIDEST: f64 = REACH as f64 + 0.5;
+pub(super) const WIDEST: f32 = REACH as f32 + 0.5;
 
-/// Radius of the window in pixels; 0 where noise is negligible against the spacing.
-pub(super) fn radius(sigma: f64, spacing: f64) -> f64 {
+/// Radii of a pixel's window in rows and in columns, from the distances between its rays and its noise, all
+/// lengths; 0 where noise is negligible against the spacing of the rays, or either is not known.
+#[inline(always)]
+pub(super) fn radii([across, down, noise]: [f32; 3]) -> [f32; 2] {
+    let spacing = (across * down).sqrt();
+    let radius = radius(noise, spacing);
+    // Nothing here branches, so several pixels are taken at a time.
+    let limit = |radius: f32| radius.clamp(1.0, LARGEST);
+    let [rows, cols] = [limit(radius * spacing / down), limit(radius * spacing / across)];
+    if radius > 0.0 { [rows, cols] } else { [0.0; 2] }
+}
+
+/// Radius of the window in pixels; 0 where noise is negligible against the spacing, or either is not known.
+#[inline(always)]
+pub(super) fn radius(sigma: f32, spacing: f32) -> f32 {
     let radius = RADIUS * cube_root(sigma / spacing);
     if radius >= SMALLEST { radius.min(LARGEST) } else { 0.0 }
 }
 
-/// The cube root of a positive number by a guess at its exponent and Newton's method; that of the
-/// standard library takes several times as long.
-fn cube_root(x: f64) -> f64 {
-    if !(x > 1e-300 && x < 1e300) {
-        return x.cbrt();
-    }
+/// The cube root of a positive number by a guess at its exponent and Newton's method; 0 of all others. That
+/// of the standard library takes several times as long.
+#[inline(always)]
+fn cube_root(x: f32) -> f32 {
+    // Nothing here branches, so several are found at a time.
+    let known = x > 1e-30;
+    let x = if known { x.min(1e30) } else { 1.0 };
     // A third of the exponent and its bias again; each step then doubles the number of right digits.
-    let mut root = f64::from_bits(x.to_bits() / 3 + 0x2a9f_7893_782d_a1ce);
-    for _ in 0..4 {
+    let mut root = f32::from_bits(x.to_bits() / 3 + 0x2a51_19f2);
+    for _ in 0..3 {
         root = (root + root + x / (root * root)) * (1.0 / 3.0);
     }
-    root
+    if known { root } else { 0.0 }
 }
 
 /// Radius of the wider window that is tried, too: twice the pixels.
-pub(super) fn wider(radius: f64) -> f64 {
-    const FACTOR: f64 = 1.4;
+pub(super) fn wider(radius: f32) -> f32 {
+    const FACTOR: f32 = 1.4;
     (FACTOR * radius).min(WIDEST)
+}
+
+/// Radius of a window of which the wider one has a share.
+#[inline(always)]
+pub(super) fn between(radius: f32, share: f32) -> f32 {
+    radius + share * (wider(radius) - radius)
 }
 
 #[cfg(test)]
@@ -50,19 +70,19 @@ mod tests {
     #[test]
     fn cube_roots_are_those_of_the_library() {
         for k in -400..400 {
-            let x = 1.0371_f64.powi(k) * 0.9;
-            assert!((cube_root(x) / x.cbrt() - 1.0).abs() < 1e-14, "{x}");
+            let x = 1.0371_f32.powi(k) * 0.9;
+            assert!((cube_root(x) / x.cbrt() - 1.0).abs() < 4e-7, "{x}");
         }
         assert_eq!(cube_root(0.0), 0.0);
-        assert!(cube_root(f64::NAN).is_nan());
+        assert_eq!(cube_root(f32::NAN), 0.0);
     }
 
     #[test]
     fn windows_grow_with_noise_and_vanish_without() {
         assert_eq!(radius(0.0, 1.0), 0.0);
         assert_eq!(radius(0.01, 1.0), 0.0);
-        assert_eq!(radius(f64::NAN, 1.0), 0.0);
-        assert_eq!(radius(1.0, f64::NAN), 0.0);
+        assert_eq!(radius(f32::NAN, 1.0), 0.0);
+        assert_eq!(radius(1.0, f32::NAN), 0.0);
         assert_eq!(radius(100.0, 1.0), LARGEST);
         let sizes = [0.1, 0.5, 1.0, 2.5].map(|ratio| radius(ratio, 1.0));
         assert!(sizes.windows(2).all(|pair| pair[0] < pair[1]), "{sizes:?}");

@@ -51,36 +51,45 @@ const STRIPE_SIGMA: [f32; 2] = [0.03, 0.0195];
 const LINE_SIGMA: [f32; 2] = [0.36, 0.62];
 
 /// Smallest radius of a window that is fitted here.
-const SMALLEST: f32 = window::SMALLEST as f32;
+const SMALLEST: f32 = window::SMALLEST;
 
 /// Columns on either side, enough for whole blocks that reach beyond the image.
 const ROOM: usize = 2 * LANES;
 
-/// Residuals with room on all sides.
-struct Residuals {
+/// Residuals with room on all sides, 0 where they are not known.
+#[derive(Debug)]
+pub(super) struct Residuals {
     values: Vec<f32>,
+    width: usize,
     stride: usize,
 }
 
 impl Residuals {
-    /// `cols` is the number of columns that a full circle has.
-    fn new(changes: &[f32], candidates: &Candidates, width: usize, cols: Option<usize>) -> Self {
+    pub fn new(rows: usize, width: usize) -> Self {
         let stride = width + 2 * ROOM;
-        let mut values = vec![0.0; stride * (changes.len() / width + 2 * ALONG)];
-        let lines = values.chunks_exact_mut(stride).skip(ALONG);
-        for (row, (line, changes)) in lines.zip(changes.chunks_exact(width)).enumerate() {
-            if !candidates.looked_at(row).contains(&true) {
-                continue;
-            }
-            line[ROOM..ROOM + width].copy_from_slice(changes);
-            if let Some(cols) = cols {
-                // A diagonal stripe is as wide as it is wide beyond its ends.
-                let beyond = ALONG + ACROSS;
-                line.copy_within(ROOM + cols - beyond..ROOM + cols, ROOM - beyond);
-                line.copy_within(ROOM..ROOM + beyond, ROOM + cols);
-            }
-        }
-        Self { values, stride }
+        Self { values: vec![0.0; stride * (rows + 2 * ALONG)], width, stride }
+    }
+
+    /// Those of a row of the image from a column on.
+    pub fn of(&self, row: usize, col: usize) -> &[f32] {
+        &self.values[(row + ALONG) * self.stride + ROOM + col..]
+    }
+
+    /// Those of a block of columns.
+    pub fn of_mut(&mut self, row: usize, col: usize) -> &mut [f32] {
+        let start = (row + ALONG) * self.stride + ROOM + col;
+        &mut self.values[start..start + LANES]
+    }
+
+    /// What is beyond the sides of a row that is known; `cols` is the number of columns that a full circle
+    /// has.
+    pub fn close_row(&mut self, row: usize, cols: Option<usize>) {
+        let Some(cols) = cols else { return };
+        let line = &mut self.values[(row + ALONG) * self.stride..][..self.stride];
+        // A diagonal stripe is as wide as it is wide beyond its ends.
+        let beyond = ALONG + ACROSS;
+        line.copy_within(ROOM + cols - beyond..ROOM + cols, ROOM - beyond);
+        line.copy_within(ROOM..ROOM + beyond, ROOM + cols);
     }
 }
 
@@ -162,23 +171,22 @@ impl Sums {
     }
 }
 
-/// One entry per pixel, as in the scales: whether the residuals around it are noise; known of candidates
-/// alone. `cols` is the number of columns that a full circle has.
+/// One entry per pixel, as in the scales: whether it is a candidate and the residuals around it are noise. `cols` is the number of columns that a full circle has.
 #[inline(always)]
 pub(super) fn calm<S: Simd>(
     simd: S,
     scales: &Scales,
-    changes: &[f32],
+    residuals: &Residuals,
     cols: Option<usize>,
     candidates: &Candidates,
 ) -> Vec<bool> {
-    let width = scales.width;
-    let residuals = Residuals::new(changes, candidates, width, cols);
+    let width = residuals.width;
     let mut sums = Sums::new(residuals.stride);
-    let mut calm = vec![false; changes.len()];
-    let mut rough = vec![false; changes.len()];
-    for row in 0..changes.len() / width {
-        sums.find(simd, &residuals, row, candidates.looked_at(row));
+    let pixels = scales.inverse_sigma.len();
+    let mut calm = vec![false; pixels];
+    let mut rough = vec![false; pixels];
+    for row in 0..pixels / width {
+        sums.find(simd, residuals, row, candidates.looked_at(row));
         let middle = &residuals.values[(row + ALONG) * residuals.stride..][..residuals.stride];
         for col in candidates.looked(row) {
             let pixel = row * width + col;
@@ -190,6 +198,7 @@ pub(super) fn calm<S: Simd>(
         }
     }
     spread(&rough, &mut calm, width, cols);
+    candidates.retain(&mut calm);
     calm
 }
 
@@ -228,7 +237,7 @@ fn limits<S: Simd>(simd: S, scales: &Scales, pixel: usize) -> [Lanes<S>; 3] {
     };
     let radius = Lanes::load_array(simd, std::array::from_fn(mean));
     // Where there is no window, no fit asks.
-    let radius = (radius * super::kernel::radius(1) as f32).max(all(simd, SMALLEST));
+    let radius = (radius * super::kernel::radius(1)).max(all(simd, SMALLEST));
     let [wide, less] = SQUARE;
     let [least, per_pixel] = STRIPE_SIGMA;
     let [in_wide, less_so] = LINE_SIGMA;
@@ -277,7 +286,18 @@ mod tests {
         let of_row =
             |row: usize| (0..shape.1).filter(|col| is_candidate(row, *col)).collect::<Vec<_>>();
         let candidates = Candidates::new(shape, cols.is_some(), |row| of_row(row).into_iter());
-        dispatch!(Instructions::Best.level(), simd => calm(simd, &scales, changes, cols, &candidates))
+        let mut residuals = Residuals::new(shape.0, WIDTH);
+        for (row, changes) in changes.chunks(WIDTH).enumerate() {
+            for (block, changes) in changes.chunks(LANES).enumerate() {
+                // Known where a candidate looks.
+                if candidates.looked_at(row)[block + 1] {
+                    residuals.of_mut(row, block * LANES).copy_from_slice(changes);
+                }
+            }
+            residuals.close_row(row, cols);
+        }
+        let level = Instructions::Best.level();
+        dispatch!(level, simd => calm(simd, &scales, &residuals, cols, &candidates))
     }
 
     fn image(f: impl Fn(usize, usize) -> f32) -> Vec<f32> {

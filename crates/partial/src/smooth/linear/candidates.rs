@@ -48,9 +48,10 @@ impl Candidates {
         self.looked.contains(&true)
     }
 
-    /// Whether a pixel is one, by its place in row-major order.
-    pub fn holds(&self, pixel: usize) -> bool {
-        self.pixels[pixel]
+    /// Leaves what is set for candidates.
+    #[inline(always)]
+    pub fn retain(&self, flags: &mut [bool]) {
+        flags.iter_mut().zip(&self.pixels).for_each(|(flag, pixel)| *flag &= pixel);
     }
 
     /// First columns of the blocks of a row whose residuals count.
@@ -118,7 +119,10 @@ mod tests {
             for (row, col) in [(30, 0), (30, 20), (5, 42), (59, 38)] {
                 let of_row = |r: usize| (r == row).then_some(col).into_iter();
                 let candidates = Candidates::new((rows, cols, width), wraps, of_row);
-                assert!(candidates.any() && candidates.holds(row * width + col));
+                assert!(candidates.any());
+                let mut flags = vec![true; rows * width];
+                candidates.retain(&mut flags);
+                assert_eq!(flags.iter().position(|flag| *flag), Some(row * width + col));
                 for r in 0..rows {
                     let looked: Vec<_> = candidates.looked(r).collect();
                     let in_windows: Vec<_> = candidates.in_windows(r).collect();

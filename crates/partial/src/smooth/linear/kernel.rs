@@ -4,7 +4,7 @@ use crate::smooth::{REACH, window};
 
 /// Radii per pixel that have weights of their own. Neighbouring ones differ so little that their results
 /// do by far less than noise.
-const STEPS: f64 = 16.0;
+const STEPS: f32 = 16.0;
 
 /// Half the width of a square window, per radius of a round one of the same variance.
 const SQUARE: f64 = 1.02;
@@ -30,7 +30,11 @@ pub(super) struct Kernels(Vec<[Kernel; 2]>);
 impl Kernels {
     pub fn new() -> Self {
         let radii = (0..=index_of(window::LARGEST)).map(radius);
-        Self(radii.map(|r| [r, window::wider(r)].map(|r| Kernel::new(SQUARE * r))).collect())
+        Self(
+            radii
+                .map(|r| [r, window::wider(r)].map(|r| Kernel::new(SQUARE * f64::from(r))))
+                .collect(),
+        )
     }
 
     /// Those of the window and of the wider one.
@@ -42,13 +46,15 @@ impl Kernels {
 }
 
 /// The place of a radius, in pixels, that is not beyond the largest.
-pub(in crate::smooth) fn index_of(radius: f64) -> Radius {
-    (STEPS * radius.min(window::LARGEST)).round() as Radius
+#[inline(always)]
+pub(in crate::smooth) fn index_of(radius: f32) -> Radius {
+    // The nearest one; radii are not negative.
+    (STEPS * radius.min(window::LARGEST) + 0.5) as i32 as Radius
 }
 
 /// The radius at a place, in pixels.
-pub(super) fn radius(index: Radius) -> f64 {
-    f64::from(index) / STEPS
+pub(super) fn radius(index: Radius) -> f32 {
+    f32::from(index) / STEPS
 }
 
 impl Kernel {
@@ -109,7 +115,7 @@ mod tests {
             }
         }
         // Of the square window, the product of both axes': that of the round one.
-        for (radius, variance) in [(4.0, 0.1029_f32), (6.0, 0.0453), (7.5, 0.0289)] {
+        for (radius, variance) in [(4.0_f32, 0.1029_f32), (6.0, 0.0453), (7.5, 0.0289)] {
             let [narrow, _] = kernels.of(index_of(radius));
             let ratio = narrow.variance * narrow.variance / variance;
             assert!((0.93..1.07).contains(&ratio), "{radius}: {ratio}");

@@ -43,19 +43,19 @@ mod fill;
 mod kernel;
 mod plain;
 
-use super::Smoother;
 use super::block::CUT;
-use super::estimate::{Estimate, Fitted};
+use super::estimate::{Estimates, Fitted};
 use super::lanes::LANES;
-use super::pairs::ones;
+use super::output::Output;
+use super::pairs::is_set;
 use super::scales::Scales;
-use super::{REACH, window};
-use calm::calm;
+use super::{REACH, Smoother, window};
+use calm::{Residuals, calm};
 use candidates::Candidates;
 use convolve::{around, load};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
-use fill::Filled;
+pub(super) use fill::Filled;
 use kernel::Kernels;
 pub(super) use kernel::{Radius, index_of};
 use plain::Plain;
@@ -63,139 +63,251 @@ use plain::Plain;
 /// Largest change, in standard deviations, so that none is near a cut.
 const LARGEST_CHANGE: f32 = 4.0;
 
+/// Rows of sums along rows that are found before those down columns, so that the processor's cache holds them.
+const STRIP: usize = 44;
+
 /// Both estimates of every pixel, and where they hold.
 #[derive(Debug)]
 pub(super) struct Linear<'a> {
     scales: &'a Scales,
     kernels: Kernels,
     candidates: Candidates,
-    /// Changes by the window and by the wider one, in standard deviations; row-major as the scales. Known
-    /// around candidates.
-    changes: [Vec<f32>; 2],
-    /// Where residuals are like noise; row-major as the scales. Known of candidates.
+    /// Changes by the window, in standard deviations. Known around candidates.
+    narrow: Residuals,
+    /// The same by the wider window; row-major as the scales.
+    wide: Vec<f32>,
+    /// Candidates around which residuals are like noise; row-major as the scales.
     calm: Vec<bool>,
-}
-
-/// What becomes of a pixel, and the radius of its window.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct LinearFit {
-    pub fitted: Fitted,
-    pub radius: f32,
 }
 
 impl<'a> Linear<'a> {
     #[inline(always)]
-    pub fn new<S: Simd>(simd: S, smoother: &'a Smoother<'_>, wanted: &[bool]) -> Self {
+    pub fn new<S: Simd>(
+        simd: S,
+        smoother: &'a Smoother<'_>,
+        filled: &Filled,
+        wanted: &[bool],
+    ) -> Self {
         let (grid, scales) = (&smoother.samples.grid, &smoother.scales);
         let size = smoother.samples.view.image().size();
-        let filled = Filled::new(grid, scales, (size.rows, size.cols));
-        let plain = Plain::new(grid, size.rows, size.cols, &filled.places);
         let kernels = Kernels::new();
-        let smallest = index_of(window::SMALLEST);
-        let may_be = |row: usize, col: usize| {
-            let pixel = row * scales.width + col;
-            let [rows, cols] = [0, 1].map(|axis| scales.radii[axis][pixel]);
-            wanted[row * size.cols + col]
-                && rows.min(cols) >= smallest
-                && plain.around((row, col), (kernels.of(rows)[1].reach, kernels.of(cols)[1].reach))
-        };
-        let of_row = |row: usize| {
-            let valid =
-                ones(grid.links.valid_words(row)).filter_map(|place| place.checked_sub(REACH));
-            valid.filter(move |col| *col < size.cols && may_be(row, *col))
-        };
-        let shape = (size.rows, size.cols, scales.width);
-        let candidates = Candidates::new(shape, grid.wraps(), of_row);
-        let none = || vec![0.0; scales.inverse_sigma.len()];
+        let candidates = candidates_of(smoother, filled, wanted, &kernels);
+        let narrow = Residuals::new(size.rows, scales.width);
         let mut linear =
-            Self { calm: Vec::new(), scales, kernels, candidates, changes: [none(), none()] };
+            Self { calm: Vec::new(), scales, kernels, candidates, narrow, wide: Vec::new() };
         if linear.candidates.any() {
+            linear.wide = vec![0.0; scales.inverse_sigma.len()];
+            let cols = grid.wraps().then_some(size.cols);
             simd.vectorize(
                 #[inline(always)]
-                || {
-                    let along = linear.along_rows(simd, &filled.quantities, grid.stride());
-                    linear.down_columns(simd, &along, &filled.quantities, grid.stride());
-                },
+                || linear.find_changes(simd, grid.quantities(), grid.stride(), cols),
             );
-            let cols = grid.wraps().then_some(size.cols);
             linear.calm = simd.vectorize(
                 #[inline(always)]
-                || calm(simd, scales, &linear.changes[0], cols, &linear.candidates),
+                || calm(simd, scales, &linear.narrow, cols, &linear.candidates),
             );
         }
         linear
     }
 
-    /// Step 3 along rows; results have [`REACH`] empty rows above and below.
+    /// Step 3, some rows at a time; `cols` is the number of columns that a full circle has.
     #[inline(always)]
-    fn along_rows<S: Simd>(&self, simd: S, quantities: &[f32], stride: usize) -> [Vec<f32>; 2] {
+    fn find_changes<S: Simd>(
+        &mut self,
+        simd: S,
+        quantities: &[f32],
+        stride: usize,
+        cols: Option<usize>,
+    ) {
         let width = self.scales.width;
-        // What is never written costs nothing so: a copy would be written.
-        let room = || vec![0.0; self.scales.inverse_sigma.len() + 2 * REACH * width];
+        let rows = self.scales.inverse_sigma.len() / width;
+        // Of the rows of a strip and of REACH rows above and below; none is beyond the image at first.
+        let room = || vec![0.0; (STRIP + 2 * REACH) * width];
         let mut along = [room(), room()];
-        for row in 0..self.scales.radii[1].len() / width {
-            for col in self.candidates.in_windows(row) {
-                let at = (row + REACH) * stride + REACH + col;
-                let radii = self.radii(1, row * width + col);
-                let found = around(simd, &self.kernels, &radii, [quantities; 2], (at, 1));
-                let out = (row + REACH) * width + col;
-                found[0].store_slice(&mut along[0][out..out + LANES]);
-                found[1].store_slice(&mut along[1][out..out + LANES]);
+        let mut found = 0;
+        for top in (0..rows).step_by(STRIP) {
+            let end = (top + STRIP).min(rows);
+            if top > 0 {
+                along.iter_mut().for_each(|along| along.copy_within(STRIP * width.., 0));
+            }
+            for row in found..top + STRIP + REACH {
+                let start = (row + REACH - top) * width;
+                if row < rows {
+                    self.along_row(simd, row, (quantities, stride), (&mut along, start));
+                } else {
+                    along.iter_mut().for_each(|along| along[start..start + width].fill(0.0));
+                }
+            }
+            found = top + STRIP + REACH;
+            for row in top..end {
+                let sums = (&along, (row + REACH - top) * width);
+                self.down_columns(simd, row, sums, (quantities, stride));
+                self.narrow.close_row(row, cols);
             }
         }
-        along
     }
 
+    /// Sums along a row, by the window and by the wider one.
+    #[inline(always)]
+    fn along_row<S: Simd>(
+        &self,
+        simd: S,
+        row: usize,
+        (quantities, stride): (&[f32], usize),
+        (along, start): (&mut [Vec<f32>; 2], usize),
+    ) {
+        for col in self.candidates.in_windows(row) {
+            let at = (row + REACH) * stride + REACH + col;
+            let radii = self.radii(1, row * self.scales.width + col);
+            let found = around(simd, &self.kernels, &radii, [quantities; 2], (at, 1));
+            for (along, found) in along.iter_mut().zip(found) {
+                found.store_slice(&mut along[start + col..start + col + LANES]);
+            }
+        }
+    }
+
+    #[inline(always)]
     fn radii(&self, axis: usize, pixel: usize) -> [Radius; LANES] {
-        let radii = &self.scales.radii[axis][pixel..pixel + LANES];
-        std::array::from_fn(|k| radii[k])
+        // Rows are filled up to whole blocks.
+        self.scales.radii[axis][pixel..].first_chunk().copied().unwrap_or_default()
     }
 
-    /// Step 3 down columns: the changes of all pixels.
+    /// Sums of those down columns: the changes of a row's pixels.
     #[inline(always)]
     fn down_columns<S: Simd>(
         &mut self,
         simd: S,
-        [narrow, wide]: &[Vec<f32>; 2],
-        quantities: &[f32],
-        stride: usize,
+        row: usize,
+        ([narrow, wide], start): (&[Vec<f32>; 2], usize),
+        (quantities, stride): (&[f32], usize),
     ) {
         let width = self.scales.width;
-        for row in 0..self.scales.radii[0].len() / width {
-            for col in self.candidates.looked(row) {
-                let pixel = row * width + col;
-                let at = (pixel + REACH * width, width);
-                let radii = self.radii(0, pixel);
-                let [narrow, wide] = around(simd, &self.kernels, &radii, [narrow, wide], at);
-                let sample = load(simd, quantities, (row + REACH) * stride + REACH + col);
-                let scale = load(simd, &self.scales.inverse_sigma, pixel);
-                let out = pixel..pixel + LANES;
-                ((narrow - sample) * scale).store_slice(&mut self.changes[0][out.clone()]);
-                ((wide - sample) * scale).store_slice(&mut self.changes[1][out]);
-            }
+        for col in self.candidates.looked(row) {
+            let pixel = row * width + col;
+            let radii = self.radii(0, pixel);
+            let at = (start + col, width);
+            let [narrow, wide] = around(simd, &self.kernels, &radii, [narrow, wide], at);
+            let sample = load(simd, quantities, (row + REACH) * stride + REACH + col);
+            let scale = load(simd, &self.scales.inverse_sigma, pixel);
+            ((narrow - sample) * scale).store_slice(self.narrow.of_mut(row, col));
+            ((wide - sample) * scale).store_slice(&mut self.wide[pixel..pixel + LANES]);
         }
     }
 
-    /// Step 5: what becomes of a pixel that is wanted; `None` where that is not for this fit to say.
-    pub fn at(&self, row: usize, col: usize) -> Option<LinearFit> {
-        let pixel = row * self.scales.width + col;
-        if !self.candidates.holds(pixel) || !self.calm[pixel] {
-            return None;
+    /// Step 5: puts into the image what becomes of the pixels that are wanted. Those of which it is not for
+    /// this fit to say are given back.
+    #[inline(always)]
+    pub fn take<S: Simd>(
+        &self,
+        simd: S,
+        smoother: &Smoother<'_>,
+        wanted: &[bool],
+        output: &mut Output,
+    ) -> Vec<bool> {
+        let image = smoother.samples.view.image();
+        let cols = image.size().cols;
+        let mut rest = vec![false; wanted.len()];
+        for (row, (wanted, rest)) in wanted.chunks(cols).zip(rest.chunks_mut(cols)).enumerate() {
+            simd.vectorize(
+                #[inline(always)]
+                || {
+                    let known = self.known(row, wanted, (image.row(row), rest));
+                    for (block, known) in known.chunks(LANES).enumerate() {
+                        if !known.contains(&true) {
+                            continue;
+                        }
+                        let first = row * cols + block * LANES;
+                        let (fitted, radii) = self.block((row, block * LANES), known);
+                        output.put(smoother.samples.quantity, first, &fitted, &radii);
+                    }
+                },
+            );
         }
-        let [rows, cols] = [0, 1].map(|axis| self.scales.radii[axis][pixel]);
-        let (down, across) = (self.kernels.of(rows), self.kernels.of(cols));
-        let changes = [0, 1].map(|k| self.changes[k][pixel]);
-        if changes[0].abs() > LARGEST_CHANGE {
-            return None;
-        }
-        let [narrow, wide] = [0, 1].map(|k| Estimate {
-            change: changes[k] / CUT as f32,
-            variance: down[k].variance * across[k].variance,
-        });
-        let fitted = narrow.fitted(&wide, self.scales.inverse_sigma[pixel] / CUT as f32)?;
-        let radius = (kernel::radius(rows) * kernel::radius(cols)).sqrt();
-        let wider = window::wider(radius);
-        let radius = radius + f64::from(fitted.share) * (wider - radius);
-        Some(LinearFit { fitted, radius: radius as f32 })
+        rest
     }
+
+    /// Which wanted pixels of a row this fit is to say something of; the rest is noted, too.
+    #[inline(always)]
+    fn known(
+        &self,
+        row: usize,
+        wanted: &[bool],
+        (values, rest): (&[f32], &mut [bool]),
+    ) -> Vec<bool> {
+        let mut known = vec![false; wanted.len()];
+        if self.calm.is_empty() {
+            let rest = rest.iter_mut().zip(wanted).zip(values);
+            rest.for_each(|((rest, wanted), value)| *rest = wanted & !value.is_nan());
+            return known;
+        }
+        let changes = self.narrow.of(row, 0);
+        let calm = &self.calm[row * self.scales.width..];
+        let pixels = wanted.iter().zip(values).zip(changes.iter().zip(calm));
+        let out = known.iter_mut().zip(rest);
+        for (((wanted, value), (change, calm)), (known, rest)) in pixels.zip(out) {
+            let counts = wanted & !value.is_nan();
+            *known = counts & calm & (change.abs() <= LARGEST_CHANGE);
+            *rest = counts & !*known;
+        }
+        known
+    }
+
+    /// What becomes of those of a block's pixels that are known, and the radii of their windows.
+    #[inline(always)]
+    fn block(&self, (row, col): (usize, usize), known: &[bool]) -> (Fitted<LANES>, [f32; LANES]) {
+        let pixel = row * self.scales.width + col;
+        let [rows, cols] = [self.radii(0, pixel), self.radii(1, pixel)];
+        let (narrow, wide) = (self.narrow.of(row, col), &self.wide[pixel..pixel + LANES]);
+        let scales = &self.scales.inverse_sigma[pixel..pixel + LANES];
+        let mut both = [Estimates::none(); 2];
+        let (mut inverse_cuts, mut radii) = ([0.0; LANES], [0.0; LANES]);
+        for (k, radius) in radii.iter_mut().enumerate() {
+            let (down, across) = (self.kernels.of(rows[k]), self.kernels.of(cols[k]));
+            both[0].variances[k] = down[0].variance * across[0].variance;
+            both[1].variances[k] = down[1].variance * across[1].variance;
+            *radius = (kernel::radius(rows[k]) * kernel::radius(cols[k])).sqrt();
+        }
+        for k in 0..LANES {
+            both[0].changes[k] = narrow[k] / CUT as f32;
+            both[1].changes[k] = wide[k] / CUT as f32;
+            let known = known.get(k).is_some_and(|known| *known);
+            inverse_cuts[k] = if known { scales[k] / CUT as f32 } else { 0.0 };
+        }
+        let [narrow, wide] = both;
+        let fitted = narrow.fitted(&wide, &inverse_cuts);
+        for (radius, share) in radii.iter_mut().zip(fitted.shares) {
+            *radius = window::between(*radius, share);
+        }
+        (fitted, radii)
+    }
+}
+
+/// The pixels that are wanted of an image and may get this fit.
+fn candidates_of(
+    smoother: &Smoother<'_>,
+    filled: &Filled,
+    wanted: &[bool],
+    kernels: &Kernels,
+) -> Candidates {
+    let (grid, scales) = (&smoother.samples.grid, &smoother.scales);
+    let size = smoother.samples.view.image().size();
+    let plain = Plain::new(grid, size.rows, size.cols, &filled.0);
+    let smallest = index_of(window::SMALLEST);
+    let may_be = |row: usize, col: usize| {
+        let pixel = row * scales.width + col;
+        let [rows, cols] = [0, 1].map(|axis| scales.radii[axis][pixel]);
+        rows.min(cols) >= smallest
+            && is_set(grid.links.valid_words(row), REACH + col)
+            && plain.around((row, col), (kernels.of(rows)[1].reach, kernels.of(cols)[1].reach))
+    };
+    let of_row = |row: usize| {
+        let wanted = &wanted[row * size.cols..(row + 1) * size.cols];
+        let blocks = wanted.chunks(LANES).enumerate().filter(|(_, block)| block.contains(&true));
+        let cols = blocks.flat_map(|(at, block)| {
+            let wanted = block.iter().enumerate().filter(|(_, wanted)| **wanted);
+            wanted.map(move |(k, _)| at * LANES + k)
+        });
+        cols.filter(move |col| may_be(row, *col))
+    };
+    Candidates::new((size.rows, size.cols, scales.width), grid.wraps(), of_row)
 }
