@@ -366,6 +366,27 @@ proptest! {
             prop_assert!((normal.dot(&p.coords) - offset).abs() < 1e-6 * (1.0 + p.coords.norm()));
         }
     }
+
+    #[test]
+    fn fast_rows_of_point_grids_equal_slow_rows(
+        frame in central_frames(), image in images(), gradient in directions(), axis in 0..3_usize,
+    ) {
+        let Some((grid, given)) = grid_of(frame.as_ref(), &image) else { return Ok(()) };
+        let form = LinearForm { gradient, constant: 1.0 };
+        // As it was given, and with every other sample moved along its ray.
+        let values = (0..SIZE.rows).flat_map(|row| given.row(row)).enumerate();
+        let moved = values.map(|(k, v)| if k % 2 == 0 { 1.01 * v } else { *v }).collect();
+        for image in [RangeImage::from_values(SIZE, moved).unwrap(), given.clone()] {
+            prop_assert!(rows_agree(&grid, &image, &form));
+        }
+        let points = || valid(&given).map(|(p, d3)| grid.point(p, f64::from(d3)).unwrap());
+        for direction in [gradient, Vector3::ith(axis, -2.5)] {
+            let (low, high) = grid.extent(&direction, 0.0, 1.0);
+            let along = || points().map(|p| direction.dot(&p.coords));
+            prop_assert_eq!(low, along().fold(f64::INFINITY, f64::min));
+            prop_assert_eq!(high, along().fold(f64::NEG_INFINITY, f64::max));
+        }
+    }
 }
 
 #[test]

@@ -209,12 +209,12 @@ impl Block {
         let first = fit.first_pass(weights).fit();
         let second = fit.second_pass(weights, &first).fit();
         let narrow = fit.narrow(weights, &second);
-        if !narrow.any() {
-            return narrow.fitted(&narrow, &self.inverse_cut);
+        if !narrow.any(simd) {
+            return narrow.fitted(simd, &narrow, &self.inverse_cut);
         }
         weights.frame(wider, &seen);
         let wide = fit.wide(weights, &second);
-        narrow.fitted(&wide, &self.inverse_cut)
+        narrow.fitted(simd, &wide, &self.inverse_cut)
     }
 }
 

@@ -1,6 +1,9 @@
 //! What a fit says of its centre, and which of two fits counts.
 
 use super::block::CUT;
+use super::lanes::{LANES, Lanes, all};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, mask32x8};
 
 /// Standard deviations of their difference by which the estimates of two windows may differ and still
 /// have the wider one count.
@@ -13,15 +16,6 @@ const AGREEMENT: f32 = 3.0;
 /// both windows err, and more.
 const DOUBT: f32 = 0.7;
 const MOST_DOUBT: f32 = 1.0;
-
-/// What a fit says of its centre.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Estimate {
-    /// By how many cuts the quantity changes.
-    pub change: f32,
-    /// Of the result, as a share of that of the sample.
-    pub variance: f32,
-}
 
 /// What fits say of the centres of some pixels, side by side.
 #[derive(Debug, Clone, Copy)]
@@ -50,61 +44,81 @@ impl<const N: usize> Estimates<N> {
         Self { changes: [0.0; N], variances: [0.0; N] }
     }
 
-    pub fn at(&self, k: usize) -> Estimate {
-        Estimate { change: self.changes[k], variance: self.variances[k] }
-    }
-
-    /// Whether any holds.
-    pub fn any(&self) -> bool {
-        (0..N).any(|k| self.at(k).holds())
-    }
-
     /// What becomes of pixels by these estimates and those of wider windows. `inverse_cuts` are those of
     /// the pixels' quantities, 0 where one stays as it is.
     #[inline(always)]
-    pub fn fitted(&self, wide: &Self, inverse_cuts: &[f32; N]) -> Fitted<N> {
+    pub fn fitted<S: Simd>(&self, simd: S, wide: &Self, inverse_cuts: &[f32; N]) -> Fitted<N> {
+        const { assert!(N.is_multiple_of(LANES)) };
         let mut fitted =
             Fitted { changes: [0.0; N], factors: [1.0; N], shares: [0.0; N], holds: [false; N] };
-        // Nothing here branches, so several pixels are taken at a time.
-        for (k, inverse_cut) in inverse_cuts.iter().enumerate() {
-            let narrow = self.at(k);
-            let (best, share) = narrow.or_wider(&wide.at(k));
-            fitted.changes[k] = best.change / inverse_cut;
-            fitted.factors[k] = best.variance.sqrt();
-            fitted.shares[k] = share;
-            fitted.holds[k] = (*inverse_cut != 0.0) & narrow.holds() & best.holds();
+        for first in (0..N).step_by(LANES) {
+            let lanes = first..first + LANES;
+            let narrow = Both::load(simd, self, first);
+            let (best, share) = narrow.or_wider(simd, &Both::load(simd, wide, first));
+            let inverse_cut = Lanes::from_slice(simd, &inverse_cuts[lanes.clone()]);
+            (best.change / inverse_cut).store_slice(&mut fitted.changes[lanes.clone()]);
+            best.variance.sqrt().store_slice(&mut fitted.factors[lanes.clone()]);
+            share.store_slice(&mut fitted.shares[lanes.clone()]);
+            let stays = inverse_cut.simd_eq(all(simd, 0.0)).to_bitmask();
+            let holds = narrow.holds(simd).to_bitmask() & best.holds(simd).to_bitmask() & !stays;
+            for (k, flag) in fitted.holds[lanes].iter_mut().enumerate() {
+                *flag = holds >> k & 1 == 1;
+            }
         }
         fitted
     }
+
+    /// Whether any holds.
+    #[inline(always)]
+    pub fn any<S: Simd>(&self, simd: S) -> bool {
+        let holds = |first| Both::load(simd, self, first).holds(simd).to_bitmask() != 0;
+        (0..N).step_by(LANES).any(holds)
+    }
 }
 
-impl Estimate {
-    /// Whether it is one of the surface that the centre belongs to, and better than the sample.
+/// What fits say of the centres of [`LANES`] pixels.
+#[derive(Debug, Clone, Copy)]
+struct Both<S: Simd> {
+    change: Lanes<S>,
+    variance: Lanes<S>,
+}
+
+impl<S: Simd> Both<S> {
     #[inline(always)]
-    pub fn holds(&self) -> bool {
-        // A fit without pixels has variance 0. One that differs by a cut is of another surface.
-        (self.variance > 0.0) & (self.variance < 1.0) & (self.change.abs() < 1.0)
+    fn load<const N: usize>(simd: S, all: &Estimates<N>, first: usize) -> Self {
+        let load = |numbers: &[f32; N]| Lanes::from_slice(simd, &numbers[first..first + LANES]);
+        Self { change: load(&all.changes), variance: load(&all.variances) }
     }
 
-    /// The better estimate of this and that of a wider window: that one where noise explains their
-    /// difference, this one where it does not, and a mean of both in between; and the other's share.
+    /// Whether they are of the surface that the centre belongs to, and better than the sample.
+    #[inline(always)]
+    fn holds(&self, simd: S) -> mask32x8<S> {
+        // A fit without pixels has variance 0. One that differs by a cut is of another surface.
+        let [zero, one] = [0.0, 1.0].map(|number| all(simd, number));
+        self.variance.simd_gt(zero) & self.variance.simd_lt(one) & self.change.abs().simd_lt(one)
+    }
+
+    /// The better estimates of these and those of wider windows: those where noise explains their
+    /// differences, these where it does not, and means of both in between; and the others' shares.
     ///
     /// A share that falls smoothly keeps neighbouring pixels from taking different sides.
     #[inline(always)]
-    fn or_wider(&self, wide: &Self) -> (Self, f32) {
-        let counts = wide.holds() & (wide.variance < self.variance);
+    fn or_wider(&self, simd: S, wide: &Self) -> (Self, Lanes<S>) {
+        let [zero, one] = [0.0, 1.0].map(|number| all(simd, number));
+        let counts = wide.holds(simd) & wide.variance.simd_lt(self.variance);
         // Of nested windows, the variance of the difference is the difference of the variances.
-        let (gain, apart) =
-            (self.variance - wide.variance, CUT as f32 * (self.change - wide.change));
+        let gain = self.variance - wide.variance;
+        let apart = (self.change - wide.change) * CUT as f32;
         let squared = apart * apart;
-        let fall = (1.0 - squared / (gain * AGREEMENT * AGREEMENT)).max(0.0);
+        let fall = (one - squared / (gain * AGREEMENT * AGREEMENT)).max(zero);
         let share = fall * fall;
-        let mix = |this: f32, wide: f32| this + share * (wide - this);
-        let doubt = DOUBT * squared.min(MOST_DOUBT);
+        let mix = |this: Lanes<S>, wide: Lanes<S>| this + share * (wide - this);
+        let doubt = squared.min(all(simd, MOST_DOUBT)) * DOUBT;
         let variance = mix(self.variance, wide.variance) + doubt;
-        let mixed = Self { change: mix(self.change, wide.change), variance };
-        let pick = |mixed: f32, this: f32| if counts { mixed } else { this };
-        let change = pick(mixed.change, self.change);
-        (Self { change, variance: pick(mixed.variance, self.variance) }, pick(share, 0.0))
+        let best = Self {
+            change: counts.select(mix(self.change, wide.change), self.change),
+            variance: counts.select(variance, self.variance),
+        };
+        (best, counts.select(share, zero))
     }
 }

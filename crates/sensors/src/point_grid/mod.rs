@@ -293,7 +293,7 @@ impl DeviceFrame for PointGrid {
 
     fn form_row(&self, image: &RangeImage, row: usize, form: &LinearForm, out: &mut [f32]) {
         for (value, (_, p)) in out.iter_mut().zip(self.points_of_row(image, row)) {
-            *value = form.at(&p) as f32;
+            *value = if p.x.is_nan() { f32::NAN } else { form.at(&p) as f32 };
         }
     }
 

@@ -217,7 +217,7 @@ impl<'a> Linear<'a> {
                             continue;
                         }
                         let first = row * cols + block * LANES;
-                        let (fitted, radii) = self.block((row, block * LANES), known);
+                        let (fitted, radii) = self.block(simd, (row, block * LANES), known);
                         output.put(smoother.samples.quantity, first, &fitted, &radii);
                     }
                 },
@@ -254,31 +254,56 @@ impl<'a> Linear<'a> {
 
     /// What becomes of those of a block's pixels that are known, and the radii of their windows.
     #[inline(always)]
-    fn block(&self, (row, col): (usize, usize), known: &[bool]) -> (Fitted<LANES>, [f32; LANES]) {
+    fn block<S: Simd>(
+        &self,
+        simd: S,
+        (row, col): (usize, usize),
+        known: &[bool],
+    ) -> (Fitted<LANES>, [f32; LANES]) {
         let pixel = row * self.scales.width + col;
-        let [rows, cols] = [self.radii(0, pixel), self.radii(1, pixel)];
-        let (narrow, wide) = (self.narrow.of(row, col), &self.wide[pixel..pixel + LANES]);
-        let scales = &self.scales.inverse_sigma[pixel..pixel + LANES];
         let mut both = [Estimates::none(); 2];
-        let (mut inverse_cuts, mut radii) = ([0.0; LANES], [0.0; LANES]);
-        for (k, radius) in radii.iter_mut().enumerate() {
-            let (down, across) = (self.kernels.of(rows[k]), self.kernels.of(cols[k]));
-            both[0].variances[k] = down[0].variance * across[0].variance;
-            both[1].variances[k] = down[1].variance * across[1].variance;
-            *radius = (kernel::radius(rows[k]) * kernel::radius(cols[k])).sqrt();
+        let changes = [(self.narrow.of(row, col), 0), (self.wide.as_slice(), pixel)];
+        for (estimates, (changes, at)) in both.iter_mut().zip(changes) {
+            (load(simd, changes, at) / CUT as f32).store_slice(&mut estimates.changes);
         }
-        for k in 0..LANES {
-            both[0].changes[k] = narrow[k] / CUT as f32;
-            both[1].changes[k] = wide[k] / CUT as f32;
+        let mut inverse_cuts = [0.0; LANES];
+        let scales = load(simd, &self.scales.inverse_sigma, pixel) / CUT as f32;
+        scales.store_slice(&mut inverse_cuts);
+        for (k, inverse_cut) in inverse_cuts.iter_mut().enumerate() {
             let known = known.get(k).is_some_and(|known| *known);
-            inverse_cuts[k] = if known { scales[k] / CUT as f32 } else { 0.0 };
+            *inverse_cut = if known { *inverse_cut } else { 0.0 };
         }
+        let mut radii = self.windows([self.radii(0, pixel), self.radii(1, pixel)], &mut both);
         let [narrow, wide] = both;
-        let fitted = narrow.fitted(&wide, &inverse_cuts);
+        let fitted = narrow.fitted(simd, &wide, &inverse_cuts);
         for (radius, share) in radii.iter_mut().zip(fitted.shares) {
             *radius = window::between(*radius, share);
         }
         (fitted, radii)
+    }
+
+    /// The variances of a block's fits, and the radii of the windows.
+    #[inline(always)]
+    fn windows(
+        &self,
+        [rows, cols]: [[Radius; LANES]; 2],
+        [narrow, wide]: &mut [Estimates<LANES>; 2],
+    ) -> [f32; LANES] {
+        let of = |k: usize| {
+            let (down, across) = (self.kernels.of(rows[k]), self.kernels.of(cols[k]));
+            let radius = (kernel::radius(rows[k]) * kernel::radius(cols[k])).sqrt();
+            [down[0].variance * across[0].variance, down[1].variance * across[1].variance, radius]
+        };
+        let [first, second, radius] = of(0);
+        (narrow.variances, wide.variances) = ([first; LANES], [second; LANES]);
+        let mut radii = [radius; LANES];
+        // Neighbours mostly share theirs.
+        if rows != [rows[0]; LANES] || cols != [cols[0]; LANES] {
+            for (k, radius) in radii.iter_mut().enumerate() {
+                [narrow.variances[k], wide.variances[k], *radius] = of(k);
+            }
+        }
+        radii
     }
 }
 
