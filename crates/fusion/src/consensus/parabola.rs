@@ -282,8 +282,14 @@ impl Sums {
     /// leaves a quarter of the error or less.
     fn follow_arc(&self, parabola: Fit, reach: f64) -> Fit {
         const ROUNDS: usize = 2;
+        const MATTERS: f64 = 1e-3;
         let [.., s3, s4, s5, s6] = self.left;
         let mut fit = parabola;
+        // No window sees more of the fourth order than its value at both ends.
+        let (cubic, quartic) = beyond_parabola(&fit, reach);
+        if (cubic.abs() + quartic.abs() * reach) * reach.powi(3) <= MATTERS * fit.place_sigma {
+            return parabola;
+        }
         for _ in 0..ROUNDS {
             let (cubic, quartic) = beyond_parabola(&fit, reach);
             let (c, q) = (cubic * self.unit.powi(3), quartic * self.unit.powi(4));

@@ -68,7 +68,7 @@ impl Circle {
     fn new(nodes: &[&Kept]) -> Option<Self> {
         const ROUNDS: usize = 5;
         let harmonics = HARMONICS.min((nodes.len().checked_sub(1)?) / 2);
-        if harmonics < 2 || !is_seen(nodes) {
+        if harmonics < 2 || !is_small(nodes) || !is_seen(nodes) {
             return None;
         }
         let places: Vec<Point2> = nodes.iter().map(|k| k.position).collect();
@@ -87,8 +87,7 @@ impl Circle {
         let more = 2.0 * (harmonics - 1) as f64;
         let most = more + CONFIDENCE * (2.0 * more).sqrt();
         let radius = circle.coefficients[0];
-        let footprint = nodes.iter().map(|k| k.footprint).sum::<f64>() / nodes.len() as f64;
-        let is_small = radius > 0.0 && radius <= LARGEST_RADIUS * footprint;
+        let is_small = radius > 0.0 && radius <= LARGEST_RADIUS * footprint(nodes);
         (is_small && circle.misfit - all.misfit <= most).then_some(Self {
             centre,
             radius,
@@ -130,6 +129,20 @@ impl Circle {
     }
 }
 
+fn footprint(nodes: &[&Kept]) -> f64 {
+    nodes.iter().map(|k| k.footprint).sum::<f64>() / nodes.len() as f64
+}
+
+fn perimeter(nodes: &[&Kept]) -> f64 {
+    let next = nodes.iter().skip(1).chain(nodes.first());
+    nodes.iter().zip(next).map(|(a, b)| (b.position - a.position).norm()).sum()
+}
+
+/// Whether the way round is not much longer than that round the largest ring, as noise may make it.
+fn is_small(nodes: &[&Kept]) -> bool {
+    perimeter(nodes) <= 2.0 * TAU * LARGEST_RADIUS * footprint(nodes)
+}
+
 /// Whether no step round is a gap.
 fn is_seen(nodes: &[&Kept]) -> bool {
     let next = nodes.iter().skip(1).chain(nodes.first());
@@ -140,9 +153,7 @@ fn is_seen(nodes: &[&Kept]) -> bool {
 
 /// Of each node the inverse of its variance; nodes that share their errors say less.
 fn weights(nodes: &[&Kept]) -> Vec<f64> {
-    let next = nodes.iter().skip(1).chain(nodes.first());
-    let length: f64 = nodes.iter().zip(next).map(|(a, b)| (b.position - a.position).norm()).sum();
-    let step = length / nodes.len() as f64;
+    let step = perimeter(nodes) / nodes.len() as f64;
     let weight = |k: &&Kept| {
         let shared = (k.correlation / step).clamp(1.0, nodes.len() as f64);
         let random = (k.sigma * k.sigma - k.common_variance).max(f64::MIN_POSITIVE);
