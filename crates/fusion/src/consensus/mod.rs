@@ -20,13 +20,14 @@
 //!    What was absorbed before its turn needs no line: only every third to sixth group gets one.
 //! 5. Clusters: each kept node takes the weighted mean of the *original* places it absorbed. Members
 //!    of one view that share their errors count as fewer.
-//! 6. Final place: a robust parabola, its window the widest that agrees with all narrower ones.
+//! 6. Final place: a robust parabola or arc, its window the widest that agrees with all narrower ones.
 //! 7. Links: shortest first, one successor and one predecessor; the views' own curves are asked, and their
 //!    open ends trusted least.
 //! 8. Cover: longest piece first, what lies beside an accepted piece is cut away.
 //! 9. Ends: joined where they meet and where the curve goes on, turned round thin tips, cut back where they
 //!    cross. Gaps count in samples of the coarsest view there; what was seen too little is left out.
-//! 10. Corners: where two sides meet at an angle, the curve goes through the place at which they do.
+//! 10. Rings: closed curves that nothing tells from a circle become one.
+//! 11. Corners: where two sides meet at an angle, the curve goes through the place at which they do.
 //!
 //! **Departures from the source.** Everything from step 3 on replaces 5.5.2. The rule table of 5.4
 //! holds for the result as an invariant instead of deciding each merge.
@@ -49,6 +50,7 @@ mod output;
 mod parabola;
 mod pieces;
 mod place;
+mod rings;
 mod spread;
 mod thin;
 mod window;
@@ -256,6 +258,7 @@ pub(crate) fn fuse(mut observations: Observations, options: &ConsensusOptions) -
         ..FusionCounts::default()
     };
     let kept = &mut thinned.kept;
+    rings::round(kept, &mut tidied);
     corners::sharpen(kept, &mut tidied, observations.pixel_noise());
     let ends = output::Ends::new(&observations, &thinned.absorbed_by, kept);
     let curves = output::curves(kept, tidied, &ends);

@@ -111,12 +111,13 @@ fn widest_fit(here: &Kept, scale: &Scale, near: &mut Near) -> Option<Placed> {
             }
             break;
         };
-        // A first fit across a gap would rest on far ground alone.
-        if best.is_none() && step > LAST_FIRST_WINDOW && !near.is_seen(reach_now, across) {
-            break;
-        }
         let agrees = agrees(&near.narrower, &fit);
         let (error, small) = arc_error(&fit, reach_now);
+        // A first fit across a gap would rest on far ground alone.
+        let wide = best.is_none() && step > LAST_FIRST_WINDOW;
+        if wide && !(small && near.is_seen(reach_now, across)) {
+            break;
+        }
         if best.is_some() && (!small || (!agrees && doubted)) {
             break;
         }
