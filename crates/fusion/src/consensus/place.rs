@@ -291,3 +291,28 @@ fn ordered(value: f32) -> u32 {
 fn across(threshold: f64, reach: f64) -> f64 {
     threshold.max(0.5 * reach)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fit(place: f64, place_sigma: f64) -> Fit {
+        Fit { place, place_sigma, ..Fit::default() }
+    }
+
+    #[test]
+    fn one_of_the_narrowest_windows_may_be_off_by_chance() {
+        let wide = fit(0.0, 0.2);
+        // In standard deviations of the difference, about those of the narrower fit.
+        let narrower = |places: &[f64]| -> Vec<Fit> {
+            let sigmas = [1.0, 0.7, 0.5, 0.35];
+            places.iter().zip(sigmas).map(|(p, s)| fit(p * s, s)).collect()
+        };
+        assert!(agrees(&narrower(&[1.5, -1.5, 1.0]), &wide));
+        assert!(agrees(&narrower(&[2.7, 0.5, 0.5]), &wide), "the narrowest");
+        assert!(agrees(&narrower(&[0.5, -2.7, 0.5]), &wide), "the next");
+        assert!(!agrees(&narrower(&[0.5, 0.5, 2.7]), &wide), "a wider one");
+        assert!(!agrees(&narrower(&[3.5, 0.5, 0.5]), &wide), "too far");
+        assert!(!agrees(&narrower(&[2.5, 2.5, 0.5]), &wide), "two");
+    }
+}
