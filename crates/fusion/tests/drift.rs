@@ -43,3 +43,17 @@ fn merging_by_pairs_moves_a_circle_inwards_and_the_consensus_stays() {
         assert!((-3.0..-0.5).contains(&drifts), "{arcs} arcs: {drifts} sagittas");
     }
 }
+
+#[test]
+fn noise_of_forty_sagittas_is_taken_out_to_three() {
+    let sagitta = SPACING.powi(2) / 8.0;
+    let views = circle_arcs(50, 40.0 * sagitta);
+    let fused = by_consensus(&slices(&views));
+    assert_eq!(fused.curves.len(), 1);
+    let errors: Vec<f64> =
+        fused.curves[0].nodes().iter().map(|n| n.position.coords.norm() - 1.0).collect();
+    let rms = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt() / sagitta;
+    println!("noise of 40 sagittas, 50 arcs: rms {rms:.2} sagittas");
+    // Draws scatter by a tenth.
+    assert!(rms < 3.2, "{rms}");
+}

@@ -54,8 +54,10 @@ const LARGEST_NOISY_TURN: f64 = 0.9;
 
 /// Error of a fit in the middle of a bend, over (curvature × half-width)³ × half-width: an evenly sampled
 /// parabola makes 0.0107 of an arc's fourth order, which fits follow; two fifths of that are left at
-/// a turn of 0.6, where an arc's sixth order tells. And how large it may be, in standard deviations.
+/// a turn of 0.6, where an arc's sixth order tells, and less at smaller turns as the turn's square. And how
+/// large it may be, in standard deviations.
 const ARC_ERROR: f64 = 0.4 * 0.0107;
+const SIXTH_ORDER_TURN: f64 = 0.6;
 const ERROR_SHARE: f64 = 0.5;
 
 /// Windows for which the neighbours are gathered at once, beyond the one that asks, unless most nodes
@@ -138,7 +140,8 @@ fn widest_fit(here: &Kept, scale: &Scale, near: &mut Near) -> Option<Placed> {
 /// bend that is not known to be too much.
 fn arc_error(fit: &Fit, reach: f64) -> (f64, bool) {
     let turn = 2.0 * fit.bend.abs() * reach;
-    let error = ARC_ERROR * turn.powi(3) * reach;
+    let sixth_order = (turn / SIXTH_ORDER_TURN).powi(2).min(1.0);
+    let error = ARC_ERROR * sixth_order * turn.powi(3) * reach;
     let hidden = turn <= LARGEST_NOISY_TURN && error <= ERROR_SHARE * fit.place_sigma;
     let known = turn - 4.0 * fit.bend_sigma * reach;
     (error, hidden || known <= LARGEST_TURN)
@@ -288,4 +291,29 @@ fn ordered(value: f32) -> u32 {
 /// directions still count as the same.
 fn across(threshold: f64, reach: f64) -> f64 {
     threshold.max(0.5 * reach)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fit(place: f64, place_sigma: f64) -> Fit {
+        Fit { place, place_sigma, ..Fit::default() }
+    }
+
+    #[test]
+    fn one_of_the_narrowest_windows_may_be_off_by_chance() {
+        let wide = fit(0.0, 0.2);
+        // In standard deviations of the difference, about those of the narrower fit.
+        let narrower = |places: &[f64]| -> Vec<Fit> {
+            let sigmas = [1.0, 0.7, 0.5, 0.35];
+            places.iter().zip(sigmas).map(|(p, s)| fit(p * s, s)).collect()
+        };
+        assert!(agrees(&narrower(&[1.5, -1.5, 1.0]), &wide));
+        assert!(agrees(&narrower(&[2.7, 0.5, 0.5]), &wide), "the narrowest");
+        assert!(agrees(&narrower(&[0.5, -2.7, 0.5]), &wide), "the next");
+        assert!(!agrees(&narrower(&[0.5, 0.5, 2.7]), &wide), "a wider one");
+        assert!(!agrees(&narrower(&[3.5, 0.5, 0.5]), &wide), "too far");
+        assert!(!agrees(&narrower(&[2.5, 2.5, 0.5]), &wide), "two");
+    }
 }

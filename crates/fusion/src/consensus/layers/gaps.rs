@@ -120,14 +120,15 @@ fn lies_beside(
 ) -> Option<Beside> {
     let d = there.position - here.position;
     let along = d.dot(&here.tangent).abs();
-    let mean = (here.tangent + there.tangent).try_normalize(1e-9)?;
-    let gap = mean.perp(&d).abs();
     let beside = along <= here.footprint.max(there.footprint)
-        && here.tangent.dot(&there.tangent) >= same_way
-        && gap <= search_distance(here);
+        && here.tangent.dot(&there.tangent) >= same_way;
+    if !beside {
+        return None;
+    }
+    let gap = (here.tangent + there.tangent).try_normalize(1e-9)?.perp(&d).abs();
     let told = here.credit.min(there.credit) >= LEAST_CREDIT;
     let variance = here.sigma.powi(2) + there.sigma.powi(2);
-    beside.then_some(Beside { gap, variance, told, node, along })
+    (gap <= search_distance(here)).then_some(Beside { gap, variance, told, node, along })
 }
 
 /// Where a view saw two layers.
