@@ -230,7 +230,10 @@ pub(super) fn cover(
     let mut cover = Cover::new(kept, &pieces, scale);
     let (mut result, mut dropped) = (Vec::new(), 0);
     for piece in by_length(kept, pieces) {
-        let covered: Vec<bool> = piece.nodes.iter().map(|&k| cover.lies_beside(k)).collect();
+        // Nothing lies beside the first one, which as a rule has most of the nodes.
+        let first = result.is_empty();
+        let covered: Vec<bool> =
+            piece.nodes.iter().map(|&k| !first && cover.lies_beside(k)).collect();
         let is_whole = !covered.contains(&true);
         let (footprints, nodes) = if is_whole { shortest.whole } else { shortest.rest };
         for run in runs(&piece, &covered) {
