@@ -69,10 +69,13 @@ pub(crate) fn between(observations: &Observations, views: usize) -> Vec<Agreemen
     for here in observations.all.iter().step_by(step) {
         nearest.fill(f64::INFINITY);
         let close = close(here);
+        let Observation { tangent, footprint, .. } = *here;
         grid.within(&here.position, ABREAST * close, |j, d| {
             let there = &observations.all[j];
-            let beside = d.dot(&there.tangent).abs() <= here.footprint.max(there.footprint);
-            if beside && there.tangent.dot(&here.tangent) >= SAME_WAY {
+            let along = d.dot(&there.tangent).abs();
+            // Most nodes around lie ahead and behind: nothing else is computed of them.
+            let beside = along <= footprint || along <= there.footprint;
+            if beside && there.tangent.dot(&tangent) >= SAME_WAY {
                 let across = d.perp(&there.tangent).abs();
                 let place = &mut nearest[there.view as usize];
                 *place = place.min(across);

@@ -96,8 +96,9 @@ impl PointGrid {
 
     /// Calls `visit` with the number of every point within a radius, and where it is from `centre`.
     pub fn within(&self, centre: &Point2, radius: f64, mut visit: impl FnMut(usize, Vector2)) {
-        self.around(centre, &Vector2::repeat(radius), |k, from_centre| {
-            if from_centre.norm_squared() <= radius * radius {
+        let squared = radius * radius;
+        self.around(centre, &Vector2::repeat(radius), move |k, from_centre| {
+            if from_centre.norm_squared() <= squared {
                 visit(k, from_centre);
             }
         });

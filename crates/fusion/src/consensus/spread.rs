@@ -104,6 +104,9 @@ fn distance_to_other(
         }
         // The view of the lowest number drawn is the one.
         let number = mixed((k as u64) << 32 | u64::from(there.view));
+        if number > drawn {
+            return;
+        }
         let how_far = d.dot(&there.tangent).abs();
         let distance = there.tangent.perp(&d).abs();
         if (number, how_far) < (drawn, along) && distance <= room {
