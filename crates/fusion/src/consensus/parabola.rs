@@ -122,7 +122,7 @@ fn fit(
     if !lies_on_both_sides(samples, reach) {
         return None;
     }
-    let plain = sums.follow_arc(sums.solve(reach)?, reach);
+    let plain = sums.solve(reach)?;
     let most = FLAT * threshold;
     // As a rule no sample can be so far off, whichever it is.
     let deepest = plain.deepest(reach);
@@ -132,8 +132,7 @@ fn fit(
         return Some(plain);
     }
     let weighted = samples.iter().map(|s| (s, s.weight * trust(residual(&plain, s) / threshold)));
-    let sums = Sums::of(weighted, sums.unit);
-    Some(sums.follow_arc(sums.solve(reach)?, reach))
+    Sums::of(weighted, sums.unit).solve(reach)
 }
 
 /// Third and fourth order of an arc of this slope and bend, as far as the bend is known.
@@ -191,6 +190,9 @@ struct Sums {
     /// Whether there are any: places so near to each other that their order is not kept do not tell.
     begun: bool,
 }
+
+/// Rows of a matrix's cofactors, and one over its determinant.
+type Inverse = ([[f64; 3]; 3], f64);
 
 impl Sums {
     fn new(unit: f64) -> Self {
@@ -252,9 +254,22 @@ impl Sums {
         [w * s.sigma, wu * s.sigma, wq * s.sigma]
     }
 
-    /// The parabola with the standard deviations of its place and bend from random errors, if the
-    /// samples determine one in a window of this reach.
+    /// The arc of the samples, with the standard deviations of its place and bend from random errors, if they
+    /// determine one in a window of this reach.
     fn solve(&self, reach: f64) -> Option<Fit> {
+        let inverse = self.inverse(reach)?;
+        let ([place, _, bend], of) = &inverse;
+        let sigma = |row: &[f64; 3]| self.variance(row).max(0.0).sqrt() * of;
+        let parabola = Fit {
+            place_sigma: sigma(place),
+            bend_sigma: sigma(bend) * self.per_unit * self.per_unit,
+            ..self.parabola(&inverse, &self.right)
+        };
+        Some(self.follow_arc(parabola, &inverse, reach))
+    }
+
+    /// The matrix's inverse, if samples determine a parabola in a window of this reach.
+    fn inverse(&self, reach: f64) -> Option<Inverse> {
         let [a, b, c, d, e, f, ..] = self.left;
         // Cofactors of the symmetric matrix.
         let place = [d * f - e * e, c * e - b * f, b * e - c * d];
@@ -265,22 +280,19 @@ impl Sums {
         if determinant * (self.unit / reach).powi(6) <= 1e-9 * a * a * a || determinant.is_nan() {
             return None;
         }
-        let (scale, of) = (self.per_unit, 1.0 / determinant);
-        let value = |row: &[f64; 3]| dot(row, &self.right) * of;
-        let sigma = |row: &[f64; 3]| self.variance(row).max(0.0).sqrt() * of;
-        Some(Fit {
-            place: value(&place),
-            slope: value(&slope) * scale,
-            bend: value(&bend) * scale * scale,
-            place_sigma: sigma(&place),
-            bend_sigma: sigma(&bend) * scale * scale,
-            ..Fit::default()
-        })
+        Some(([place, slope, bend], 1.0 / determinant))
+    }
+
+    /// The parabola for moments on the right.
+    fn parabola(&self, (rows, of): &Inverse, right: &[f64; 3]) -> Fit {
+        let scale = self.per_unit;
+        let [place, slope, bend] = rows.each_ref().map(|row| dot(row, right) * of);
+        Fit { place, slope: slope * scale, bend: bend * scale * scale, ..Fit::default() }
     }
 
     /// The arc instead of the parabola: what it has of higher order is taken off the samples. Each round
     /// leaves a quarter of the error or less.
-    fn follow_arc(&self, parabola: Fit, reach: f64) -> Fit {
+    fn follow_arc(&self, parabola: Fit, inverse: &Inverse, reach: f64) -> Fit {
         const ROUNDS: usize = 2;
         const MATTERS: f64 = 1e-3;
         let [.., s3, s4, s5, s6] = self.left;
@@ -295,8 +307,8 @@ impl Sums {
             let (c, q) = (cubic * self.unit.powi(3), quartic * self.unit.powi(4));
             let [a, b, d] = self.right;
             let right = [a - c * s3 - q * s4, b - c * s4 - q * s5, d - c * s5 - q * s6];
-            let Some(next) = (Self { right, ..*self }).solve(reach) else { return parabola };
-            fit = Fit { cubic, quartic, ..next };
+            let Fit { place, slope, bend, .. } = self.parabola(inverse, &right);
+            fit = Fit { place, slope, bend, cubic, quartic, ..parabola };
         }
         fit
     }
