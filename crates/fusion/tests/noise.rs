@@ -3,6 +3,9 @@
 //! `cargo test -p transect-fusion --test noise -- --nocapture` prints the tables.
 #![allow(clippy::unwrap_used, reason = "test code; shared helpers are outside test functions")]
 
+mod draws;
+
+use draws::Noise;
 use std::f64::consts::TAU;
 use transect_fusion::{ConsensusOptions, consensus};
 use transect_geometry::{Curve, Node, Point2};
@@ -11,35 +14,18 @@ use transect_geometry::{Curve, Node, Point2};
 const SPACING: f64 = 0.02;
 const SIGMA: f64 = 0.004;
 
-/// Numbers of a normal distribution from a seed (SplitMix64, sum of twelve).
-struct Noise(u64);
-
-impl Noise {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut x = self.0;
-        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((x ^ (x >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn normal(&mut self) -> f64 {
-        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
-    }
-
-    /// Errors around a ring of standard deviation 1, each the mean of `shared` neighbouring ones.
-    fn around(&mut self, count: usize, shared: usize) -> Vec<f64> {
-        let own: Vec<f64> = (0..count).map(|_| self.normal()).collect();
-        let mean = |k: usize| (0..shared).map(|j| own[(k + j) % count]).sum::<f64>();
-        (0..count).map(|k| mean(k) / (shared as f64).sqrt()).collect()
-    }
+/// Errors around a ring of standard deviation 1, each the mean of `shared` neighbouring ones.
+fn around(noise: &mut Noise, count: usize, shared: usize) -> Vec<f64> {
+    let own: Vec<f64> = (0..count).map(|_| noise.normal()).collect();
+    let mean = |k: usize| (0..shared).map(|j| own[(k + j) % count]).sum::<f64>();
+    (0..count).map(|k| mean(k) / (shared as f64).sqrt()).collect()
 }
 
 /// A circle of radius 1 as one view saw it, its errors the mean of some neighbouring ones.
 fn ring(seed: u64, shared: usize) -> Vec<Curve> {
     let mut noise = Noise(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
     let phase = noise.uniform();
-    let errors = noise.around((TAU / SPACING) as usize, shared);
+    let errors = around(&mut noise, (TAU / SPACING) as usize, shared);
     let correlation = if shared > 1 { shared as f64 * SPACING } else { 0.0 };
     let node = |(k, e): (usize, &f64)| {
         let a = TAU * (k as f64 + phase) / errors.len() as f64;

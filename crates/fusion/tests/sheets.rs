@@ -3,29 +3,15 @@
 //! `cargo test -p transect-fusion --test sheets -- --nocapture` prints the table.
 #![allow(clippy::unwrap_used, reason = "test code; shared helpers are outside test functions")]
 
+mod draws;
+
+use draws::Noise;
 use transect_fusion::{ConsensusOptions, FusedPlane, consensus};
 use transect_geometry::{Curve, Node, Point2};
 
 const SIGMA: f64 = 0.004;
 const LENGTH: f64 = 4.0;
 const DRAWS: u64 = 15;
-
-/// Numbers of a normal distribution from a seed (SplitMix64, sum of twelve).
-struct Noise(u64);
-
-impl Noise {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut x = self.0;
-        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((x ^ (x >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn normal(&mut self) -> f64 {
-        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
-    }
-}
 
 /// Sheets above each other, along arcs or straight.
 #[derive(Debug, Clone, Copy)]

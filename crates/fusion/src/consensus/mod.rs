@@ -13,7 +13,8 @@
 //! 1. Observations: nodes of all views in an order that depends on what was seen alone, with
 //!    direction, and with weights that fall towards open ends, where real scanners overshoot.
 //! 2. Spread between views, measured; it sets the overlap threshold. Where one view saw two surfaces side by
-//!    side, half the gap between them bounds it.
+//!    side, half the gap between them bounds it. What a view's nodes err by in common, the more the more
+//!    obliquely they saw a surface, is part of all weights.
 //! 3. Groups of observations beside each other; one place stands for all of a group in rough fits.
 //! 4. Thinning: best supported first, a group moves, across the curve, onto a robust line through its
 //!    neighbours, and absorbs what lies beside it. The neighbours never move, so nothing drifts.
