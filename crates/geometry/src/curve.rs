@@ -21,8 +21,8 @@ pub struct Node {
     /// Length along the curve over which nodes share their errors, in the length unit: the window of
     /// whatever smoothed them; 0 if each has its own.
     pub correlation: f32,
-    /// Tangent of the angle between the ray and the surface's normal; 0 where it is not known, and of
-    /// a fused node.
+    /// Tangent of the angle between the ray and the surface's normal; 0 of an average of several nodes, and
+    /// where it is not known, which counts as seen head-on.
     pub tan_incidence: f32,
     /// Outward unit normal of the surface, in plane coordinates with the plane's normal third; zero
     /// where it is not known.

@@ -123,11 +123,11 @@ fn a_guide_that_does_not_bend_gives_the_curves_of_a_line() {
         }
         for (a, b) in a.nodes().iter().zip(b.nodes()) {
             nodes += 1;
-            differing += usize::from((a.position - b.position).norm() > 1e-6);
+            differing += usize::from((a.position - b.position).norm() > 0.05 * f64::from(a.sigma));
         }
     }
-    // Levels are rounded to f32 in other ways, which may turn a sample on a plane to its other side, and what
-    // fusion makes of its neighbours.
+    // Levels are rounded to f32 in other ways, which may turn a sample on a plane to its other side. Errors that
+    // views have in common are measured from all of a plane, so then all of it moves, by a part of its error.
     assert!(nodes > 5000 && differing <= nodes / 250, "{differing} of {nodes}");
 }
 

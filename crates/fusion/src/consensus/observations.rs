@@ -44,6 +44,8 @@ pub(crate) struct Observation {
     pub common: f64,
     /// Outward unit normal of the surface, or zero.
     pub normal: Vector3<f32>,
+    /// How far it is from an open end of its curve: from little at the end to 1.
+    pub taper: f64,
     /// How much it counts as an observation: the node's weight, less towards open ends.
     pub credit: f64,
     /// Weight in an average: the credit over the variance, of which [`Observations::weigh`] has a say.
@@ -176,6 +178,7 @@ impl Observations {
                 tan_incidence: f64::from(node.tan_incidence),
                 common: 0.0,
                 normal: node.normal,
+                taper,
                 credit,
                 weight: credit / (sigma * sigma),
                 view,

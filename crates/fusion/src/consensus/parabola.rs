@@ -12,8 +12,9 @@
 //! 2. The parabola of the sums.
 //! 3. What an arc of that bend and slope has of third and fourth order is taken off the samples, by sums
 //!    again, and the parabola of the rest added to it.
-//! 4. If no residual exceeds half the threshold, that is the fit. Else once more, with weights that fall from 1 at half the threshold to 0 at all of it. They leave
-//!    1 with no step and no bend, so that a sample on its way out changes the fit gradually.
+//! 4. If no residual exceeds half the threshold, that is the fit. Else once more, with weights that fall from 1
+//!    at half the threshold to 0 at all of it. They leave 1 with no step and no bend, so that a sample on its
+//!    way out changes the fit gradually.
 //!
 //! **Shared errors.** The correlation of two samples is the product of those of the neighbours between
 //! them (an exponential law). So what all samples of a window share with its outermost one is a single
@@ -49,7 +50,7 @@ const MIDDLE: f64 = 1e-3;
 /// Share of the threshold up to which samples have their whole weight.
 const FLAT: f64 = 0.5;
 
-/// Bend times reach, in radians, from which on a fit follows no more of an arc.
+/// Curvature times reach, in radians, from which on a fit follows no more of an arc.
 const LARGEST_TURN: f64 = 0.9;
 
 /// Samples along a curve, and the sums over those of a window that grows.

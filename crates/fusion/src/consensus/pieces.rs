@@ -250,8 +250,8 @@ pub(super) fn cover(
 }
 
 /// Open pieces that one view saw, or only ends of views' curves, along a closed piece of the same
-/// direction and closer to it than this many times what they may be astray: between two boundaries with their solid on one
-/// side runs a third the other way, so where nobody saw one, what saw the piece is wrong.
+/// direction and closer to it than this many times what they may be astray: between two boundaries with their
+/// solid on one side runs a third the other way, so where nobody saw one, what saw the piece is wrong.
 const SPUR_THRESHOLDS: f64 = 3.0;
 
 /// Largest mean number of views of a spur, and largest mean credit.

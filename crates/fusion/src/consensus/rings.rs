@@ -201,13 +201,24 @@ impl Harmonics {
             (_, 1) => (k.div_ceil(2) as f64 * angle).cos(),
             _ => ((k / 2) as f64 * angle).sin(),
         };
-        let design = DMatrix::from_fn(samples.len(), 2 * count + 1, |i, k| {
-            samples[i][2].sqrt() * row(samples[i][0], k)
-        });
-        let right = DVector::from_fn(samples.len(), |i, _| samples[i][2].sqrt() * samples[i][1]);
-        let covariance = (design.transpose() * &design).cholesky()?.inverse();
-        let coefficients = &covariance * design.transpose() * &right;
-        let misfit = (right - design * &coefficients).norm_squared();
+        let columns = 2 * count + 1;
+        let of = |angle: f64| DVector::from_fn(columns, |k, _| row(angle, k));
+        // Sums by hand: how a product of larger matrices is rounded depends on the processor.
+        let mut normal = DMatrix::zeros(columns, columns);
+        let mut moments = DVector::zeros(columns);
+        for [angle, distance, weight] in samples {
+            let row = of(*angle);
+            for i in 0..columns {
+                moments[i] += weight * distance * row[i];
+                (0..columns).for_each(|j| normal[(i, j)] += weight * row[i] * row[j]);
+            }
+        }
+        let covariance = normal.cholesky()?.inverse();
+        let coefficients: DVector<f64> = &covariance * moments;
+        let off = |[angle, distance, weight]: &Sample| {
+            weight * (distance - of(*angle).dot(&coefficients)).powi(2)
+        };
+        let misfit: f64 = samples.iter().map(off).sum();
         misfit.is_finite().then_some(Self { coefficients, covariance, misfit })
     }
 }

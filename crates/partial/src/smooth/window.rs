@@ -26,7 +26,9 @@ pub(super) fn radii([across, down, noise]: [f32; 3]) -> [f32; 2] {
     // Nothing here branches, so several pixels are taken at a time.
     let limit = |radius: f32| radius.clamp(1.0, LARGEST);
     let [rows, cols] = [limit(radius * spacing / down), limit(radius * spacing / across)];
-    if radius > 0.0 { [rows, cols] } else { [0.0; 2] }
+    // Of rays that coincide no spacing is known.
+    let known = (radius > 0.0) & (across > 0.0) & (down > 0.0);
+    if known { [rows, cols] } else { [0.0; 2] }
 }
 
 /// Radius of the window in pixels; 0 where noise is negligible against the spacing, or either is not known.
@@ -66,6 +68,14 @@ pub(super) fn between(radius: f32, share: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rays_that_coincide_have_no_window() {
+        assert!(radii([0.01, 0.02, 0.01]).iter().all(|r| *r > 0.0));
+        for spacings in [[0.0, 0.02], [0.01, 0.0], [0.0, 0.0], [f32::NAN, 0.02]] {
+            assert_eq!(radii([spacings[0], spacings[1], 0.01]), [0.0; 2], "{spacings:?}");
+        }
+    }
 
     #[test]
     fn cube_roots_are_those_of_the_library() {

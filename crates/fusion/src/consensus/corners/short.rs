@@ -93,6 +93,9 @@ fn round_misfit(nodes: &[&Kept], [a, short, b]: [&Side; 3]) -> Option<f64> {
     }
     let tangents = turns.map(|t| (0.5 * t.abs()).tan());
     let radius = (ends[0] - begins[1]) / (tangents[0] + tangents[1]);
+    if radius.is_nan() || radius <= 0.0 {
+        return None;
+    }
     let touches = short.at(begins[1] + radius * tangents[0]).position;
     let centre = touches + left_of(&along) * (radius * turns[0].signum());
     let off = |k: &&Kept| {

@@ -7,8 +7,8 @@ use super::stretches::{Stretch, WAY_ROUND};
 /// Nodes whose numbers differ by less are of one surface.
 const NEIGHBOURS: usize = 8;
 
-/// Smallest credit of nodes that tell of a gap.
-const LEAST_CREDIT: f64 = 0.3;
+/// Smallest taper of nodes that tell of a gap: those near open ends do not.
+const LEAST_TAPER: f64 = 0.3;
 
 /// Fewest nodes in a row that tell of a gap, and of how many on each side its mean is taken.
 const ROW: usize = 5;
@@ -126,7 +126,7 @@ fn lies_beside(
         return None;
     }
     let gap = (here.tangent + there.tangent).try_normalize(1e-9)?.perp(&d).abs();
-    let told = here.credit.min(there.credit) >= LEAST_CREDIT;
+    let told = here.taper.min(there.taper) >= LEAST_TAPER;
     let variance = here.sigma.powi(2) + there.sigma.powi(2);
     (gap <= search_distance(here)).then_some(Beside { gap, variance, told, node, along })
 }

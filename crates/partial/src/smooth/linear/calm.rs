@@ -171,7 +171,8 @@ impl Sums {
     }
 }
 
-/// One entry per pixel, as in the scales: whether it is a candidate and the residuals around it are noise. `cols` is the number of columns that a full circle has.
+/// One entry per pixel, as in the scales: whether it is a candidate and the residuals around it are noise.
+/// `cols` is the number of columns that a full circle has.
 #[inline(always)]
 pub(super) fn calm<S: Simd>(
     simd: S,
