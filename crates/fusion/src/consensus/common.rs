@@ -41,7 +41,8 @@ pub(crate) struct Common {
     pub oblique: f64,
 }
 
-const TWICE: f64 = 2.0;
+/// Variance of the square of a normal error, in squares of the error's variance.
+const VARIANCE_OF_SQUARE: f64 = 2.0;
 
 /// Samples whose places differ by less than this, squared and as a share of the places, have one place.
 const LEAST_SPREAD: f64 = 1e-9;
@@ -151,7 +152,7 @@ impl Sums {
             return Line { level: self.level(0.0), slope };
         }
         let value = (self.xy * self.w - self.x * self.y) / spread;
-        let slope = Slope { value, variance: TWICE * self.w / spread };
+        let slope = Slope { value, variance: VARIANCE_OF_SQUARE * self.w / spread };
         Line { level: (self.y - value * self.x) / self.w, slope }
     }
 
@@ -162,7 +163,7 @@ impl Sums {
 
     fn line_through_0(&self) -> Slope {
         if self.xx > 0.0 {
-            Slope { value: self.xy / self.xx, variance: TWICE / self.xx }
+            Slope { value: self.xy / self.xx, variance: VARIANCE_OF_SQUARE / self.xx }
         } else {
             Slope { value: 0.0, variance: f64::INFINITY }
         }

@@ -62,7 +62,7 @@ pub struct PointGrid {
     /// Row-major; NaN where missing.
     points: Vec<Point3>,
     starts: RayStarts,
-    /// Of every point from its ray's start: what its value was before that was rounded.
+    /// Of every point from its ray's start. For parallel rays it may differ from the value by rounding.
     distances: Vec<f64>,
     /// Where parallel rays start, measured along them; ahead of every point.
     parallel_start: f64,
@@ -342,7 +342,7 @@ impl DeviceFrame for PointGrid {
         (value.is_finite() && value > 0.0).then_some(value)
     }
 
-    /// Exact, over the stored points: every value of a grid is one of them.
+    /// Exact, over the stored points, whatever the values: a smoothed image may leave it by its noise.
     fn extent(&self, direction: &Vector3, _nearest: f64, _farthest: f64) -> (f64, f64) {
         if let Some(k) =
             (0..3).find(|k| direction.iter().enumerate().all(|(j, d)| j == *k || *d == 0.0))
