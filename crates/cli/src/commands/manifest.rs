@@ -30,12 +30,8 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut manifest = depth_folder_manifest(&arguments.folder, FileNames::Absolute)?;
     if let (Some(normal), Some(interval)) = (&arguments.normal, &arguments.interval) {
-        let planes = PlanesEntry {
-            normal: parse_normal(normal)?,
-            offset: 0.0,
-            interval: parse_length(LengthUnit::Metre, "interval", interval)?,
-            guide: None,
-        };
+        let interval = parse_length(LengthUnit::Metre, "interval", interval)?;
+        let planes = PlanesEntry::new(parse_normal(normal)?, 0.0, interval);
         planes.family().map_err(|e| Failure::Usage(e.to_string()))?;
         manifest.planes = Some(planes);
     }

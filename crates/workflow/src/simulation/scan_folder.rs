@@ -42,14 +42,11 @@ pub fn write(
         }
         entries.push(write_view(stage, placed, view, (k, images), folder)?);
     }
-    let manifest = Manifest {
-        name: description.name.clone(),
-        unit: Some(description.unit),
-        sigma: sigma(&seen.views, images),
-        planes: Some(planes_entry(stage)),
-        size: Some(stage.around.size()),
-        views: entries,
-    };
+    let mut manifest = Manifest::new(description.name.clone(), entries);
+    manifest.unit = Some(description.unit);
+    manifest.sigma = sigma(&seen.views, images);
+    manifest.planes = Some(PlanesEntry::from(&description.planes));
+    manifest.size = Some(stage.around.size());
     write_file(&folder.join("scan.json"), |out| write_manifest(&manifest, out))?;
     let truth = &stage.truth;
     let truth = TriangleMesh { vertices: truth.vertices.clone(), faces: truth.faces.clone() };
@@ -88,15 +85,10 @@ fn write_view(
         }
     };
     let (stated, true_pose) = (view.world_from_sensor(), &placed.instrument.world_from_sensor);
-    Ok(ViewEntry {
-        file,
-        sensor,
-        rows: Some(size.rows),
-        cols: Some(size.cols),
-        depth_scale: None,
-        pose: row_major(stated),
-        pose_true: (stated != true_pose).then(|| row_major(true_pose)),
-    })
+    let mut entry = ViewEntry::new(file, sensor, row_major(stated));
+    (entry.rows, entry.cols) = (Some(size.rows), Some(size.cols));
+    entry.pose_true = (stated != true_pose).then(|| row_major(true_pose));
+    Ok(entry)
 }
 
 /// Writes the intensity images of a light-stripe sensor.
@@ -137,14 +129,4 @@ fn stripe_entry(camera: &StripeCamera) -> StripeEntry {
 
 fn values(image: &RangeImage) -> Vec<f32> {
     (0..image.size().rows).flat_map(|row| image.row(row).iter().copied()).collect()
-}
-
-fn planes_entry(stage: &Stage) -> PlanesEntry {
-    let planes = &stage.description.planes;
-    PlanesEntry {
-        normal: planes.guide().direction(0.0).into(),
-        offset: planes.offset(),
-        interval: planes.interval(),
-        guide: planes.guide().curved().cloned(),
-    }
 }

@@ -1,10 +1,9 @@
 //! The manifest entries on the documentation's page of sensors are ones that the reader takes.
-#![allow(clippy::unwrap_used, reason = "test helpers fail loudly")]
 
 use std::collections::BTreeSet;
 use transect_exchange::read_manifest;
 
-const PAGE: &str = include_str!("../../../docs/sensors.md");
+const PAGE: &str = include_str!("../../../../docs/sensors.md");
 
 /// The page's JSON blocks that are views.
 fn entries() -> Vec<&'static str> {

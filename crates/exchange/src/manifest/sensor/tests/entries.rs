@@ -1,6 +1,8 @@
-use super::super::{Manifest, ViewEntry, read_manifest, write_manifest};
+//! The keys of every sensor, read and written.
+
 use super::*;
 use crate::test_data::scan_folder;
+use crate::{Manifest, ViewEntry, read_manifest, write_manifest};
 use transect_sensors::LightStripeParameters;
 use transect_sensors::light_stripe::stripe::{Peak, StripeFinder, StripeProfile, StripeShape};
 use transect_sensors::lookup_table::{CalibrationOptions, DepthPairs, ScanPlane};
@@ -8,20 +10,12 @@ use transect_sensors::lookup_table::{CalibrationOptions, DepthPairs, ScanPlane};
 fn view(sensor: SensorEntry) -> ViewEntry {
     let pose = crate::row_major(&transect_geometry::Isometry3::identity());
     let file = "image.npy".to_owned();
-    ViewEntry { file, sensor, rows: None, cols: None, depth_scale: None, pose, pose_true: None }
+    ViewEntry::new(file, sensor, pose)
 }
 
 /// What a written sensor is read back as, with the text it was written to.
 fn round_trip(sensor: &SensorEntry) -> (SensorEntry, String) {
-    let views = vec![view(sensor.clone())];
-    let manifest = Manifest {
-        name: "scan".to_owned(),
-        unit: None,
-        sigma: None,
-        planes: None,
-        size: None,
-        views,
-    };
+    let manifest = Manifest::new("scan".to_owned(), vec![view(sensor.clone())]);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scan.json");
     crate::write_file(&path, |out| write_manifest(&manifest, out)).unwrap();

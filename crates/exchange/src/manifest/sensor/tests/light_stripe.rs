@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::{Counts, write_npy_stack, write_png_image};
-use transect_device::{SensorPlane, Vector3};
+use transect_device::{DeviceFrame, SensorPlane, Vector3};
 use transect_sensors::light_stripe::stripe::{StripeProfile, StripeShape};
 use transect_sensors::{LaserAngles, LightStripe, LightStripeParameters};
 

@@ -1,5 +1,6 @@
 //! Whole views: from the files of every sensor to points.
 
+mod entries;
 mod light_stripe;
 mod lookup_table;
 mod pinhole;

@@ -1,8 +1,6 @@
 //! Files from outside may hold anything: every reader answers with a value or an error that names
 //! the file, never with a panic or an allocation the file does not justify.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail loudly")]
-
 use proptest::prelude::*;
 use std::path::Path;
 use transect_device::ImageSize;
