@@ -28,7 +28,7 @@
 mod difference;
 
 use crate::ReconstructError;
-use crate::pipeline::Fused;
+use crate::fused::{Fused, Observed};
 pub use difference::DifferenceReason;
 use difference::{Difference, difference, worth_a_plane};
 use rayon::prelude::*;
@@ -173,9 +173,6 @@ pub(crate) struct Refined {
     pub selected: BTreeSet<PlaneIndex>,
     pub report: RefinementReport,
 }
-
-/// The curves that each plane of the finest family has from each view.
-pub(crate) type Observed<'a> = BTreeMap<PlaneIndex, Vec<&'a [Curve]>>;
 
 type Pair = (PlaneIndex, PlaneIndex);
 

@@ -1,6 +1,5 @@
 //! Opening model files and model stores, for the commands that ask them something.
 
-use super::reconstruct::{Fusion, Method};
 use crate::failure::Failure;
 use std::io::Read;
 use std::path::Path;
@@ -44,22 +43,7 @@ pub fn open_finished(path: &Path) -> Result<Store, Failure> {
 
 /// The settings that a store was made with.
 pub fn setup_of(path: &Path, header: &StoreHeader) -> Result<Setup, Failure> {
-    let methods = [Method::OnePass, Method::Dissertation];
-    let fusions = [Fusion::Consensus, Fusion::Pairwise];
-    let setups = methods.iter().flat_map(|method| {
-        let setup = |fusion: &Fusion| Setup {
-            partial: method.options(),
-            fusion: fusion.options(),
-            ..Setup::new(header.unit, header.planes.clone())
-        };
-        fusions.iter().map(setup)
-    });
-    setups.into_iter().find(|setup| setup.difference(header).is_none()).ok_or_else(|| {
-        let StoreHeader { tool, options, .. } = header;
-        let reason =
-            format!("made by {tool} with options that this program does not have: {options}");
-        Failure::with_file(path, reason)
-    })
+    Setup::of_store(header).map_err(|error| Failure::with_file(path, error))
 }
 
 /// The view of a store that goes by a name; a name that nobody has is told with those most like it.
