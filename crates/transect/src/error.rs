@@ -1,7 +1,6 @@
 //! Why a run ends without a model.
 
-use crate::report::ViewReport;
-use crate::{Setup, SourceError};
+use crate::SourceError;
 use transect_geometry::{GuideError, LengthUnit};
 use transect_partial::PartialError;
 
@@ -75,26 +74,4 @@ pub enum ReconstructError {
     /// The watcher asked to stop.
     #[error("cancelled")]
     Cancelled,
-}
-
-impl ReconstructError {
-    /// The error of a run in which no view has a curve, from the reports of all views.
-    pub(crate) fn no_curves<'a>(
-        reports: impl ExactSizeIterator<Item = &'a ViewReport> + Clone,
-        setup: &Setup,
-    ) -> Self {
-        let views = reports.len();
-        let crossings = reports.clone().map(|v| v.crossings).sum();
-        if crossings > 0 {
-            return Self::NoCurves { views, crossings };
-        }
-        if setup.planes.guide().curved().is_some() {
-            let beyond_ends = reports.clone().map(|v| v.beyond_guide_ends).sum();
-            let beyond_reach = reports.map(|v| v.beyond_guide_reach).sum();
-            return Self::OffGuide { views, beyond_ends, beyond_reach };
-        }
-        let low = reports.clone().map(|v| v.stations[0]).fold(f64::INFINITY, f64::min);
-        let high = reports.map(|v| v.stations[1]).fold(f64::NEG_INFINITY, f64::max);
-        Self::Nothing { views, low, high, unit: setup.unit }
-    }
 }

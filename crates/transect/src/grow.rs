@@ -58,7 +58,7 @@
 mod fuser;
 
 use crate::fingerprint::{fingerprint, sensor_kind};
-use crate::modelled_view::{ModelledView, TimedView};
+use crate::modelled_view::{ModelledView, TimedView, no_curves};
 use crate::report::{PlaneSummary, Report, Timings, ViewReport};
 use crate::{
     FusionReport, LoadedView, ReconstructError, SettingsError, Setup, Stage, Unwatched, ViewSource,
@@ -325,7 +325,7 @@ impl<'a> Grower<'a> {
     ) -> Result<Growth, GrowError> {
         let snapshot = self.store.read()?;
         if snapshot.plane_count()? == 0 && !added.reports.is_empty() {
-            return Err(ReconstructError::no_curves(added.reports.iter(), self.setup).into());
+            return Err(no_curves(added.reports.iter(), self.setup).into());
         }
         let Added { present, mut reports, ids, mut notes, .. } = added;
         let several = snapshot.views()?.len() > 1;

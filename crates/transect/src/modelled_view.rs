@@ -121,3 +121,23 @@ fn stations(view: &View, planes: &PlaneFamily) -> [f64; 2] {
     let sensor = direction.dot(&pose.translation.vector);
     [sensor + low, sensor + high]
 }
+
+/// The error of a run in which no view has a curve, from the reports of all views.
+pub(crate) fn no_curves<'a>(
+    reports: impl ExactSizeIterator<Item = &'a ViewReport> + Clone,
+    setup: &Setup,
+) -> ReconstructError {
+    let views = reports.len();
+    let crossings = reports.clone().map(|v| v.crossings).sum();
+    if crossings > 0 {
+        return ReconstructError::NoCurves { views, crossings };
+    }
+    if setup.planes.guide().curved().is_some() {
+        let beyond_ends = reports.clone().map(|v| v.beyond_guide_ends).sum();
+        let beyond_reach = reports.map(|v| v.beyond_guide_reach).sum();
+        return ReconstructError::OffGuide { views, beyond_ends, beyond_reach };
+    }
+    let low = reports.clone().map(|v| v.stations[0]).fold(f64::INFINITY, f64::min);
+    let high = reports.map(|v| v.stations[1]).fold(f64::NEG_INFINITY, f64::max);
+    ReconstructError::Nothing { views, low, high, unit: setup.unit }
+}

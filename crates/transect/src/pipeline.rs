@@ -9,7 +9,7 @@
 //! sum crosses them, so the same input gives the same bytes for any number of threads.
 
 use crate::fused::{Fused, Observed, fuse};
-use crate::modelled_view::{ModelledView, model_views};
+use crate::modelled_view::{ModelledView, model_views, no_curves};
 use crate::refine::{Refined, refine};
 use crate::report::{Report, Timings};
 use crate::{ReconstructError, Setup, ViewSource, Watch};
@@ -37,12 +37,12 @@ pub fn reconstruct<S: ViewSource>(
     watch: &dyn Watch,
 ) -> Result<Reconstruction, ReconstructError> {
     let started = Instant::now();
-    let setup = &setup.with_least_interval()?;
+    let setup = &setup.with_least_interval().map_err(ReconstructError::Refine)?;
     let views = model_views(sources, setup, watch)?;
     let views_done = Instant::now();
     let planes = by_plane(&views);
     if planes.is_empty() {
-        return Err(ReconstructError::no_curves(views.iter().map(|view| &view.report), setup));
+        return Err(no_curves(views.iter().map(|view| &view.report), setup));
     }
     let fuse = |asked: &[PlaneIndex]| fuse(asked, &planes, setup, watch);
     let (fused, refined) = match &setup.refinement {

@@ -1,8 +1,8 @@
 //! The settings of a run.
 
-use crate::{ReconstructError, Refinement};
+use crate::Refinement;
 use transect_fusion::FusionMethod;
-use transect_geometry::{LengthUnit, PlaneFamily};
+use transect_geometry::{GuideError, LengthUnit, PlaneFamily};
 use transect_partial::Method;
 
 /// The settings of a run: unit, planes and options.
@@ -29,13 +29,11 @@ impl Setup {
     }
 
     /// The same settings with the planes of the smallest interval of the refinement.
-    pub(crate) fn with_least_interval(&self) -> Result<Self, ReconstructError> {
-        let planes = match &self.refinement {
-            None => self.planes.clone(),
-            Some(refinement) => {
-                refinement.family(&self.planes).map_err(ReconstructError::Refine)?
-            }
-        };
-        Ok(Self { planes, ..self.clone() })
+    pub(crate) fn with_least_interval(&self) -> Result<Self, GuideError> {
+        let mut setup = self.clone();
+        if let Some(refinement) = &self.refinement {
+            setup.planes = refinement.family(&self.planes)?;
+        }
+        Ok(setup)
     }
 }
