@@ -47,7 +47,6 @@ mod volume;
 #[cfg(test)]
 mod samples;
 
-
 pub use codec::{CodecError, SCHEMA_VERSION};
 pub use edit::EditError;
 pub use file::FileError;
