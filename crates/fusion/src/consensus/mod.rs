@@ -62,12 +62,14 @@ use common::Common;
 use nalgebra::Vector3;
 use observations::{Observations, median};
 use pieces::{Piece, Shortest};
+use serde::{Deserialize, Serialize};
 use spread::Spread;
 use transect_geometry::{Curve, Node, Point2, Vector2};
 
 /// What can be set. Nothing is in the user's unit: lengths follow from measured spreads and
 /// footprints.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct ConsensusOptions {
     /// Overlap threshold in measured spreads between views. Two curves of the same direction that
     /// lie closer than this are one surface.
