@@ -38,7 +38,8 @@ pub fn write(
     model.save(folder.join("model.transect"))?;
     write_file(&folder.join("contours.json"), |out| write_contours(model, out))?;
     write_file(&folder.join("model.dxf"), |out| write_dxf(model, frame, out))?;
-    let options = OverviewOptions { title: name.to_owned(), ..OverviewOptions::default() };
+    let mut options = OverviewOptions::default();
+    options.title = name.to_owned();
     write_file(&folder.join("overview.svg"), |out| write_overview(model, &options, out))?;
     write_sheets(&sheets, model)?;
     Ok(())
