@@ -9,7 +9,7 @@ use transect::{LoadedView, ViewSource};
 use transect_device::{Pixel, Point3, View};
 use transect_exchange::Scan;
 use transect_geometry::LengthUnit;
-use transect_partial::estimate_sigma;
+use transect_image::estimate_sigma;
 
 /// Options of `inspect`.
 #[derive(Debug, clap::Args)]
