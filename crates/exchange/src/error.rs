@@ -83,17 +83,14 @@ pub enum ReadError {
         source: std::io::Error,
     },
     /// The path is no scan: name another one.
-    #[error(
-        "{}: not a scan; accepted are a folder with scan.json, a scan manifest (*.json), \
-         a Stanford configuration (*.conf), and a folder of *.depth.png and *.pose.txt \
-         with camera-intrinsics.txt",
-        .path.display()
-    )]
+    #[error("{}: not a scan; accepted are: {accepted}", .path.display())]
     NotAScan {
-        /// What was named.
+        /// The path.
         path: PathBuf,
+        /// The accepted formats.
+        accepted: String,
     },
-    /// Nobody has said what the lengths are: say it.
+    /// No length unit is stated: state it.
     #[error("{}: no length unit; add \"unit\": \"m\" or pass --unit", .path.display())]
     NoUnit {
         /// The manifest.
@@ -175,6 +172,10 @@ pub enum Unusable {
 }
 
 impl ReadError {
+    pub(crate) fn io(path: &Path, source: std::io::Error) -> Self {
+        Self::Io { path: path.to_owned(), source }
+    }
+
     pub(crate) fn damaged(path: &Path, at: Place, problem: impl Into<String>) -> Self {
         Self::Damaged { path: path.to_owned(), at, problem: problem.into() }
     }
@@ -195,7 +196,7 @@ impl ReadError {
 
 /// A whole file in memory.
 pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
-    std::fs::read(path).map_err(|source| ReadError::Io { path: path.to_owned(), source })
+    std::fs::read(path).map_err(|e| ReadError::io(path, e))
 }
 
 /// A whole text file in memory; bytes that are no UTF-8 are damage.

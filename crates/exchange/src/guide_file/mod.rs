@@ -34,7 +34,7 @@ type Placed = (Point3, Place);
 /// it; or saying that the file holds no curve, several, or one that is no guide.
 pub fn read_guide(path: &Path, kind: GuideKind) -> Result<CurvedGuide, ReadError> {
     let length = std::fs::metadata(path).map(|m| m.len());
-    let length = length.map_err(|source| ReadError::Io { path: path.to_owned(), source })?;
+    let length = length.map_err(|e| ReadError::io(path, e))?;
     if length > LARGEST {
         let problem = format!("{length} bytes; a guide has at most {LARGEST}");
         return Err(ReadError::damaged(path, Place::Whole, problem));

@@ -22,7 +22,7 @@ pub(crate) struct NpyStack {
 impl NpyStack {
     /// The stack in a file; `None` if its array has other than three dimensions.
     pub(super) fn open(path: &Path, camera: ImageSize) -> Result<Option<Self>, ReadError> {
-        let io = |source| ReadError::Io { path: path.to_owned(), source };
+        let io = |e| ReadError::io(path, e);
         let damaged = |problem: String| ReadError::damaged(path, Place::Whole, problem);
         let file = File::open(path).map_err(io)?;
         let length = file.metadata().map_err(io)?.len();
@@ -59,7 +59,7 @@ impl NpyStack {
         &self,
         mut take: impl FnMut(Located<'_>, IntensityImage) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
-        let io = |source| ReadError::Io { path: self.path.clone(), source };
+        let io = |e| ReadError::io(&self.path, e);
         let mut file = File::open(&self.path).map_err(io)?;
         file.seek(SeekFrom::Start(self.header.length as u64)).map_err(io)?;
         // Not more than the file has, because `data_size` has compared them.

@@ -10,7 +10,8 @@
 //!
 //! Several objects in one file are read as one mesh. Faces may name vertices that follow.
 
-use super::{MeshFile, TriangleMesh, element, fan, note_dropped};
+use super::element;
+use crate::triangle_mesh::{MeshFile, TriangleMesh, fan, note_dropped};
 use crate::{Place, ReadError};
 use std::borrow::Cow;
 use std::path::Path;
