@@ -110,7 +110,7 @@ fn plane_text(index: PlaneIndex, station: f64, frame: &PlaneFrame, section: &Sec
             closed: curve.is_closed(),
             points: nodes.iter().map(point).collect(),
             sigma: nodes.iter().map(|n| n.sigma).collect(),
-            views: nodes.iter().map(|n| n.views).collect(),
+            views: nodes.iter().map(Node::view_count).collect(),
             bridged: nodes.iter().enumerate().filter(|(_, n)| n.bridged).map(|(k, _)| k).collect(),
             ends: curve.ends(),
         }
@@ -169,7 +169,7 @@ fn curve(frame: &PlaneFrame, polyline: &PolylineText) -> Result<Curve, String> {
         let position: Point2 = frame.plane_from_world(&Point3::from(*point));
         let views = views.get(i).copied().unwrap_or(1);
         let sigma = sigma.get(i).copied().unwrap_or(0.0);
-        Node { sigma, weight: views as f32, views, ..Node::at(position) }
+        Node::at(position).with_sigma(sigma).with_weight(views as f32).with_views(views)
     };
     let mut nodes: Vec<Node> = points.iter().enumerate().map(node).collect();
     for &k in bridged {
@@ -200,8 +200,8 @@ mod tests {
             closed: bool,
         ) {
             let node = |&(x, y, sigma): &(f64, f64, f32)| {
-                let at = Node::at(Point2::new(x + 5e5, y + 5.4e6));
-                Node { sigma, views: 3, weight: 3.0, bridged: sigma > 0.5, ..at }
+                let at = Node::at(Point2::new(x + 5e5, y + 5.4e6)).with_sigma(sigma);
+                at.with_views(3).with_weight(3.0).with_bridged(sigma > 0.5)
             };
             let curve = Curve::new(points.iter().map(node).collect(), closed).unwrap();
             let curve = curve.with_ends([Some(EndReason::RangeJump), None]);

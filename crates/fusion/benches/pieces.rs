@@ -36,7 +36,10 @@ fn look(view: u64, from: f64, sweep: f64) -> Vec<Curve> {
         let (sigma, footprint) = (SIGMA as f32, SPACING as f32);
         // Half a footprint of shared errors, as smoothing leaves them.
         let correlation = 0.5 * footprint;
-        Node { sigma, footprint, correlation, ..Node::at(Point2::new(r * a.cos(), r * a.sin())) }
+        Node::at(Point2::new(r * a.cos(), r * a.sin()))
+            .with_sigma(sigma)
+            .with_footprint(footprint)
+            .with_correlation(correlation)
     };
     let count = (sweep / SPACING).round() as u64;
     vec![Curve::new((0..count).map(node).collect(), closed).expect("a thousand nodes")]

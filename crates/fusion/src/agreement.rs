@@ -108,7 +108,7 @@ mod tests {
             let (x, y) = (2.0 * a.cos(), a.sin());
             let position =
                 Point2::new(x * turn.cos() - y * turn.sin(), x * turn.sin() + y * turn.cos());
-            Node { sigma: 0.001, footprint: 0.02, ..Node::at(position) }
+            Node::at(position).with_sigma(0.001).with_footprint(0.02)
         };
         vec![Curve::new((0..=200).map(node).collect(), false).unwrap()]
     }

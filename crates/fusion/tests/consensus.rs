@@ -56,7 +56,7 @@ fn see(outline: &Outline, look: &Look, sigma: f64) -> Vec<Curve> {
         let position = Point2::from(p.coords * off);
         let correlation = (look.spacing * (look.seed % 4) as f64) as f32;
         let (sigma, footprint) = (sigma as f32, look.spacing as f32);
-        Node { sigma, footprint, correlation, ..Node::at(position) }
+        Node::at(position).with_sigma(sigma).with_footprint(footprint).with_correlation(correlation)
     };
     vec![Curve::new((0..count).map(node).collect(), closed).unwrap()]
 }
@@ -181,7 +181,7 @@ fn sheet(thickness: f64, sigma: f64) -> Vec<Vec<Curve>> {
             // The upper side runs back, so that the sheet is on the left of both.
             let position =
                 if upper { Point2::new(4.0 - x, thickness + y) } else { Point2::new(x, y) };
-            Node { sigma: sigma as f32, footprint: 0.02, ..Node::at(position) }
+            Node::at(position).with_sigma(sigma as f32).with_footprint(0.02)
         };
         Curve::new((0..200).map(node).collect(), false).unwrap()
     };
@@ -215,7 +215,7 @@ fn two_sheets_that_face_the_same_way_stay_two_beyond_the_threshold() {
             let node = |k: u64| {
                 let y = height + sigma * 3_f64.sqrt() * noise(seed, k);
                 let position = Point2::new(0.02 * k as f64, y);
-                Node { sigma: sigma as f32, footprint: 0.02, ..Node::at(position) }
+                Node::at(position).with_sigma(sigma as f32).with_footprint(0.02)
             };
             Curve::new((0..200).map(node).collect(), false).unwrap()
         };
@@ -242,7 +242,7 @@ fn a_view_that_comes_twice_changes_nothing() {
 fn views_that_differ_in_weight_alone_may_come_in_any_order() {
     let view = &circle_arcs(1, 0.005)[0];
     let lighter = |c: &Curve| {
-        let half = |n: &Node| Node { weight: 0.5, ..*n };
+        let half = |n: &Node| n.with_weight(0.5);
         Curve::new(c.nodes().iter().map(half).collect(), c.is_closed()).unwrap()
     };
     let other: Vec<Curve> = view.iter().map(lighter).collect();
@@ -258,7 +258,7 @@ fn bridged_ground_is_marked() {
     let fused = fuse(&[see(&circle, &look, 0.0)]);
     assert_eq!(fused.curves.len(), 1);
     assert!(fused.curves[0].is_closed());
-    let unseen: Vec<&Node> = nodes(&fused).filter(|n| n.views == 0).collect();
+    let unseen: Vec<&Node> = nodes(&fused).filter(|n| n.views.is_none()).collect();
     assert_eq!(unseen.len(), 1);
     assert!((unseen[0].position - circle.at(-0.5 * gap)).norm() < 0.03);
 }

@@ -44,11 +44,9 @@ impl Square {
         let node = |k: u64| {
             let s = (k as f64 + 0.31 * view as f64) * length / count as f64;
             let error = Vector2::new(noise(view, 2 * k), noise(view, 2 * k + 1)) * sigma;
-            Node {
-                sigma: sigma.max(1e-6) as f32,
-                footprint: SPACING as f32,
-                ..Node::at(self.at(s) + error)
-            }
+            Node::at(self.at(s) + error)
+                .with_sigma(sigma.max(1e-6) as f32)
+                .with_footprint(SPACING as f32)
         };
         vec![Curve::new((0..count).map(node).collect(), true).unwrap()]
     }
@@ -115,7 +113,7 @@ fn no_corner_goes_where_nobody_saw_the_ground() {
         let far = |n: &&Node| (n.position - corner).norm() > 2.6 * SPACING;
         let from = seen.nodes().iter().position(|n| !far(&n)).unwrap();
         let nodes = [&seen.nodes()[from..], &seen.nodes()[..from]].concat();
-        let known = |n: &Node| Node { sigma: shared.0 as f32, correlation: shared.1 as f32, ..*n };
+        let known = |n: &Node| n.with_sigma(shared.0 as f32).with_correlation(shared.1 as f32);
         vec![Curve::new(nodes.iter().filter(far).map(known).collect(), false).unwrap()]
     };
     let views: Vec<Vec<Curve>> = (0..6).map(view).collect();
@@ -123,7 +121,7 @@ fn no_corner_goes_where_nobody_saw_the_ground() {
     let curves = consensus(&slices, &ConsensusOptions::default()).curves;
     assert_eq!(curves.len(), 1);
     assert!(curves[0].nodes().iter().any(|n| n.bridged), "a gap that no view saw");
-    for node in curves[0].nodes().iter().filter(|n| n.views > 0) {
+    for node in curves[0].nodes().iter().filter(|n| n.views.is_some()) {
         assert!((node.position - corner).norm() > 2.0 * SPACING, "{}", node.position);
     }
 }
@@ -161,7 +159,7 @@ impl Bar {
                 let s = (k as f64 + 0.31 * view as f64) * SPACING;
                 let error = Vector2::new(noise(view, 2 * k), noise(view, 2 * k + 1)) * sigma;
                 let sigma = sigma.max(1e-6) as f32;
-                Node { sigma, footprint: SPACING as f32, ..Node::at(self.at(s) + error) }
+                Node::at(self.at(s) + error).with_sigma(sigma).with_footprint(SPACING as f32)
             };
             vec![Curve::new((0..(length / SPACING) as u64).map(node).collect(), false).unwrap()]
         };
@@ -217,7 +215,7 @@ proptest! {
                 let a = (k as f64 + phase + 0.31 * view as f64) * TAU / count as f64;
                 let r: f64 = radius + sigma * noise(view, k);
                 let sigma = sigma.max(1e-6) as f32;
-                Node { sigma, footprint: SPACING as f32, ..Node::at(Point2::new(r * a.cos(), r * a.sin())) }
+                Node::at(Point2::new(r * a.cos(), r * a.sin())).with_sigma(sigma).with_footprint(SPACING as f32)
             };
             vec![Curve::new((0..count).map(node).collect(), true).unwrap()]
         };

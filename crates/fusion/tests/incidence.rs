@@ -27,12 +27,10 @@ fn arc(view: u32, error: impl Fn(f64) -> f64, is_known: bool) -> Vec<Curve> {
         let wave = 2.0_f64.sqrt() * (4.0 * incidence + 2.4 * f64::from(view * view)).sin();
         let r = 1.0 + error(tangent) * wave;
         let (sin, cos) = (from + incidence).sin_cos();
-        Node {
-            sigma: SIGMA as f32,
-            footprint: SPACING as f32,
-            tan_incidence: if is_known { tangent as f32 } else { 0.0 },
-            ..Node::at(Point2::new(r * cos, r * sin))
-        }
+        Node::at(Point2::new(r * cos, r * sin))
+            .with_sigma(SIGMA as f32)
+            .with_footprint(SPACING as f32)
+            .with_tan_incidence(is_known.then_some(tangent as f32))
     };
     vec![Curve::new((0..count).map(node).collect(), false).unwrap()]
 }

@@ -63,11 +63,11 @@ fn corner(gap: f64, phase: f64) -> Vec<Curve> {
     let before = (0..50).map(|k| Point2::new(-1.0 + SPACING * (f64::from(k) + phase), 0.0));
     let after = (0..50).map(|k| Point2::new(0.0, SPACING * (f64::from(k) + phase)));
     let seen: Vec<Point2> = before.chain(after).filter(|p| p.coords.norm() >= gap).collect();
-    let node = |k: usize| Node {
-        sigma: 0.001,
-        footprint: SPACING as f32,
-        bridged: k + 1 < seen.len() && (seen[k + 1] - seen[k]).norm() > 2.0 * SPACING,
-        ..Node::at(seen[k])
+    let node = |k: usize| {
+        Node::at(seen[k])
+            .with_sigma(0.001)
+            .with_footprint(SPACING as f32)
+            .with_bridged(k + 1 < seen.len() && (seen[k + 1] - seen[k]).norm() > 2.0 * SPACING)
     };
     vec![Curve::new((0..seen.len()).map(node).collect(), false).unwrap()]
 }
@@ -96,10 +96,10 @@ fn ground_that_every_view_bridged_is_marked() {
 
 #[test]
 fn nodes_between_bridges_alone_are_no_observation() {
-    let line = |k: i32| Node {
-        footprint: SPACING as f32,
-        bridged: true,
-        ..Node::at(Point2::new(0.06 * f64::from(k), 0.0))
+    let line = |k: i32| {
+        Node::at(Point2::new(0.06 * f64::from(k), 0.0))
+            .with_footprint(SPACING as f32)
+            .with_bridged(true)
     };
     let only = Curve::new((0..6).map(line).collect(), false).unwrap();
     assert!(fuse(&[vec![only]]).curves.is_empty());

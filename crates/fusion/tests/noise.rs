@@ -6,6 +6,7 @@
 mod draws;
 
 use draws::Noise;
+use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use transect_fusion::{ConsensusOptions, consensus};
 use transect_geometry::{Curve, Node, Point2};
@@ -30,12 +31,10 @@ fn ring(seed: u64, shared: usize) -> Vec<Curve> {
     let node = |(k, e): (usize, &f64)| {
         let a = TAU * (k as f64 + phase) / errors.len() as f64;
         let r = 1.0 + SIGMA * e;
-        Node {
-            sigma: SIGMA as f32,
-            footprint: SPACING as f32,
-            correlation: correlation as f32,
-            ..Node::at(Point2::new(r * a.cos(), r * a.sin()))
-        }
+        Node::at(Point2::new(r * a.cos(), r * a.sin()))
+            .with_sigma(SIGMA as f32)
+            .with_footprint(SPACING as f32)
+            .with_correlation(correlation as f32)
     };
     vec![Curve::new(errors.iter().enumerate().map(node).collect(), true).unwrap()]
 }
@@ -93,10 +92,7 @@ fn normals_and_shared_lengths_reach_the_result() {
     let outward = |curve: &Curve| {
         let give = |n: &Node| {
             let p = n.position.coords.normalize();
-            let mut node = *n;
-            (node.normal.x, node.normal.y, node.normal.z) = (p.x as f32, p.y as f32, 0.5);
-            node.normal.normalize_mut();
-            node
+            n.with_normal(Some(Vector3::new(p.x as f32, p.y as f32, 0.5).normalize()))
         };
         Curve::new(curve.nodes().iter().map(give).collect(), curve.is_closed()).unwrap()
     };
@@ -105,8 +101,9 @@ fn normals_and_shared_lengths_reach_the_result() {
     let fused = consensus(&slices, &ConsensusOptions::default());
     for n in fused.curves.iter().flat_map(|c| c.nodes()) {
         let p = n.position.coords.normalize();
-        let along = f64::from(n.normal.x) * p.x + f64::from(n.normal.y) * p.y;
-        assert!((n.normal.norm() - 1.0).abs() < 1e-5 && (along - 0.8944).abs() < 0.01, "{n:?}");
+        let normal = n.normal.unwrap();
+        let along = f64::from(normal.x) * p.x + f64::from(normal.y) * p.y;
+        assert!((normal.norm() - 1.0).abs() < 1e-5 && (along - 0.8944).abs() < 0.01, "{n:?}");
         // At least what the views say, at most the widest window.
         let spacings = f64::from(n.correlation) / SPACING;
         assert!((3.99..25.0).contains(&spacings), "{spacings}");

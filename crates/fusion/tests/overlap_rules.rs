@@ -155,7 +155,7 @@ fn motions() -> impl Strategy<Value = (f64, Vector2)> {
 fn moved(curve: &Curve, (angle, shift): (f64, Vector2)) -> Curve {
     let (sin, cos) = angle.sin_cos();
     let turn = |p: Point2| Point2::new(cos * p.x - sin * p.y, sin * p.x + cos * p.y) + shift;
-    let nodes = curve.nodes().iter().map(|n| Node { position: turn(n.position), ..*n });
+    let nodes = curve.nodes().iter().map(|n| n.moved_to(turn(n.position)));
     Curve::new(nodes.collect(), curve.is_closed()).unwrap()
 }
 

@@ -102,7 +102,7 @@ fn two_arcs_of_one_circle_become_one_curve() {
         let inside = |p: &&Node| (from..to).contains(&p.position.y.atan2(p.position.x));
         let nodes: Vec<_> = curve.nodes().iter().filter(inside).collect();
         let sum: f64 = nodes.iter().map(|n| n.position.coords.norm()).sum();
-        (sum / nodes.len() as f64, nodes.iter().all(|n| n.views == 2))
+        (sum / nodes.len() as f64, nodes.iter().all(|n| n.view_count() == 2))
     };
     assert!((between(0.0, 0.98).0 - 1.0).abs() < 1e-9);
     let (middle, by_both) = between(1.05, 1.95);

@@ -47,7 +47,7 @@ impl Sheets {
         let node = |k: usize| {
             let along = from + self.spacing * (k as f64 + phase);
             let position = self.at(along, height + SIGMA * noise.normal());
-            Node { sigma: SIGMA as f32, footprint: self.spacing as f32, ..Node::at(position) }
+            Node::at(position).with_sigma(SIGMA as f32).with_footprint(self.spacing as f32)
         };
         let count = ((to - from) / self.spacing) as usize;
         Curve::new((0..count).map(node).collect(), false).unwrap()

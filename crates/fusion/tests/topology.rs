@@ -10,10 +10,10 @@ fn seen(corners: &[[f64; 2]], step: f64) -> Vec<Curve> {
     for side in corners.windows(2) {
         let (from, to) = (Point2::from(side[0]), Point2::from(side[1]));
         let count = ((to - from).norm() / step).floor().max(1.0);
-        nodes.extend((0..count as u32).map(|k| Node {
-            sigma: 1e-5,
-            footprint: step as f32,
-            ..Node::at(from + (to - from) * ((f64::from(k) + 0.5) / count))
+        nodes.extend((0..count as u32).map(|k| {
+            Node::at(from + (to - from) * ((f64::from(k) + 0.5) / count))
+                .with_sigma(1e-5)
+                .with_footprint(step as f32)
         }));
     }
     vec![Curve::new(nodes, false).unwrap()]
@@ -45,7 +45,7 @@ fn two_scraps_with_a_gap_between_them_are_no_curve() {
 fn the_overshoot_of_one_view_along_a_closed_curve_is_no_curve() {
     // Noisy views saw the whole of a wide square; another ran past one side of it and bent away.
     let noisy = |curves: Vec<Curve>, closed: bool| {
-        let nodes = curves.iter().flat_map(Curve::nodes).map(|n| Node { sigma: 0.005, ..*n });
+        let nodes = curves.iter().flat_map(Curve::nodes).map(|n| n.with_sigma(0.005));
         vec![Curve::new(nodes.collect(), closed).unwrap()]
     };
     let corners = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0], [0.0, 0.0]];

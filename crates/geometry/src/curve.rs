@@ -3,9 +3,14 @@
 use crate::{CurveUnit, EndReason, Envelope, Foot, Point2, Side, Vector2};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
+use std::num::NonZeroU32;
 
 /// A contour point: a vertex of a curve with what is known about it.
+///
+/// Made by [`Node::at`] and the `with_…` methods, so that a node may learn more in later versions.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(from = "StoredNode", into = "StoredNode")]
+#[non_exhaustive]
 pub struct Node {
     /// Where it is, in plane coordinates and the model's length unit.
     pub position: Point2,
@@ -16,34 +21,152 @@ pub struct Node {
     /// How much it counts in an average: 1 for one observation; a fused node has the sum of its
     /// observations, of which those near open ends count less. No unit.
     pub weight: f32,
-    /// How many views observed it; 0 marks ground that was bridged, not seen.
-    pub views: u32,
+    /// How many views measured it; `None` on bridged ground, which no view measured.
+    pub views: Option<NonZeroU32>,
     /// Length along the curve over which nodes share their errors, in the length unit: the window of
-    /// whatever smoothed them; 0 if each has its own.
+    /// the smoothing that was applied; 0 if errors are independent.
     pub correlation: f32,
-    /// Tangent of the angle between the ray and the surface's normal; 0 of an average of several nodes, and
-    /// where it is not known, which counts as seen head-on.
-    pub tan_incidence: f32,
-    /// Outward unit normal of the surface, in plane coordinates with the plane's normal third; zero
-    /// where it is not known.
-    pub normal: Vector3<f32>,
-    /// Whether the curve unit that begins here crosses ground that nobody saw.
+    /// Tangent of the angle between the ray and the surface's normal; `None` where it is not known.
+    pub tan_incidence: Option<f32>,
+    /// Outward unit normal of the surface, in plane coordinates with the plane's normal third;
+    /// `None` where it is not known.
+    pub normal: Option<Vector3<f32>>,
+    /// Whether the curve unit that begins here crosses ground that no view measured.
     pub bridged: bool,
 }
 
 impl Node {
-    /// A node of one view with weight 1, of which nothing else is known: all zero.
+    /// A node of one view with weight 1 and without a measured error, incidence or normal.
     pub fn at(position: Point2) -> Self {
         Self {
             position,
             sigma: 0.0,
             footprint: 0.0,
             weight: 1.0,
-            views: 1,
+            views: Some(NonZeroU32::MIN),
             correlation: 0.0,
-            tan_incidence: 0.0,
-            normal: Vector3::zeros(),
+            tan_incidence: None,
+            normal: None,
             bridged: false,
+        }
+    }
+
+    /// The same node elsewhere in the plane.
+    #[must_use]
+    pub fn moved_to(self, position: Point2) -> Self {
+        Self { position, ..self }
+    }
+
+    /// The same node with a standard deviation across the curve, in the length unit.
+    #[must_use]
+    pub fn with_sigma(self, sigma: f32) -> Self {
+        Self { sigma, ..self }
+    }
+
+    /// The same node with a sample spacing along the curve, in the length unit.
+    #[must_use]
+    pub fn with_footprint(self, footprint: f32) -> Self {
+        Self { footprint, ..self }
+    }
+
+    /// The same node with a weight in averages.
+    #[must_use]
+    pub fn with_weight(self, weight: f32) -> Self {
+        Self { weight, ..self }
+    }
+
+    /// The same node measured by a number of views; 0 marks bridged ground.
+    #[must_use]
+    pub fn with_views(self, views: u32) -> Self {
+        Self { views: NonZeroU32::new(views), ..self }
+    }
+
+    /// The same node with a length over which neighbours share their errors, in the length unit.
+    #[must_use]
+    pub fn with_correlation(self, correlation: f32) -> Self {
+        Self { correlation, ..self }
+    }
+
+    /// The same node with the tangent of its angle of incidence.
+    #[must_use]
+    pub fn with_tan_incidence(self, tan_incidence: Option<f32>) -> Self {
+        Self { tan_incidence, ..self }
+    }
+
+    /// The same node with an outward unit normal.
+    #[must_use]
+    pub fn with_normal(self, normal: Option<Vector3<f32>>) -> Self {
+        Self { normal, ..self }
+    }
+
+    /// The same node, whose unit to the next node is marked as bridged or as measured.
+    #[must_use]
+    pub fn with_bridged(self, bridged: bool) -> Self {
+        Self { bridged, ..self }
+    }
+
+    /// How many views measured it; 0 on bridged ground.
+    pub fn view_count(&self) -> u32 {
+        self.views.map_or(0, NonZeroU32::get)
+    }
+
+    /// Whether its numbers are measurements: finite, and none of its measures negative.
+    fn is_sound(&self) -> bool {
+        let usable = |v: f32| v.is_finite() && v >= 0.0;
+        let measures = [self.sigma, self.footprint, self.weight, self.correlation];
+        measures.into_iter().chain(self.tan_incidence).all(usable)
+            && self.normal.iter().flatten().all(|c| c.is_finite())
+    }
+}
+
+/// A node in a file: zeros stand for what is not known, in the order of its first layout.
+#[derive(Serialize, Deserialize)]
+struct StoredNode {
+    position: Point2,
+    sigma: f32,
+    footprint: f32,
+    weight: f32,
+    views: u32,
+    correlation: f32,
+    tan_incidence: f32,
+    normal: Vector3<f32>,
+    bridged: bool,
+}
+
+impl From<Node> for StoredNode {
+    fn from(node: Node) -> Self {
+        let Node { position, sigma, footprint, weight, correlation, bridged, .. } = node;
+        let views = node.view_count();
+        // Head-on is stored as the smallest positive number, since 0 stands for unknown.
+        let tan_incidence = node.tan_incidence.map_or(0.0, |tan| tan.max(f32::MIN_POSITIVE));
+        let normal = node.normal.unwrap_or_default();
+        Self {
+            position,
+            sigma,
+            footprint,
+            weight,
+            views,
+            correlation,
+            tan_incidence,
+            normal,
+            bridged,
+        }
+    }
+}
+
+impl From<StoredNode> for Node {
+    fn from(stored: StoredNode) -> Self {
+        let StoredNode { position, sigma, footprint, weight, correlation, bridged, .. } = stored;
+        Self {
+            position,
+            sigma,
+            footprint,
+            weight,
+            views: NonZeroU32::new(stored.views),
+            correlation,
+            tan_incidence: Some(stored.tan_incidence).filter(|tan| *tan != 0.0),
+            normal: Some(stored.normal).filter(|normal| *normal != Vector3::zeros()),
+            bridged,
         }
     }
 }
@@ -112,20 +235,13 @@ impl Curve {
         if let Some(bad) = nodes.iter().position(|n| !finite(n)) {
             return Err(CurveError::NotFinite(bad));
         }
-        let usable = |v: f32| v.is_finite() && v >= 0.0;
-        let measured = |n: &Node| {
-            [n.sigma, n.footprint, n.weight, n.correlation, n.tan_incidence].into_iter().all(usable)
-                && n.normal.iter().all(|c| c.is_finite())
-        };
-        match nodes.iter().position(|n| !measured(n)) {
-            Some(bad) => Err(CurveError::BadAttribute(bad)),
-            None => {
-                if let (false, Some(last)) = (closed, nodes.last_mut()) {
-                    last.bridged = false;
-                }
-                Ok(Self { nodes, closed, ends: [None; 2] })
-            }
+        if let Some(bad) = nodes.iter().position(|n| !n.is_sound()) {
+            return Err(CurveError::BadAttribute(bad));
         }
+        if let (false, Some(last)) = (closed, nodes.last_mut()) {
+            last.bridged = false;
+        }
+        Ok(Self { nodes, closed, ends: [None; 2] })
     }
 
     /// The same curve with the reasons why it begins and ends where it does; a closed curve has none.
@@ -365,7 +481,7 @@ mod tests {
         assert_eq!(text, "1 nodes cannot make an open curve");
         let wild = vec![Node::at(Point2::origin()), Node::at(Point2::new(f64::NAN, 0.0))];
         assert_eq!(Curve::new(wild, false), Err(CurveError::NotFinite(1)));
-        let negative = Node { footprint: -1.0, ..Node::at(Point2::new(1.0, 0.0)) };
+        let negative = Node::at(Point2::new(1.0, 0.0)).with_footprint(-1.0);
         let odd = vec![Node::at(Point2::origin()), negative];
         assert_eq!(Curve::new(odd, false), Err(CurveError::BadAttribute(1)));
     }

@@ -316,7 +316,7 @@ fn check_attributes(
         let true_normal = self::normal(&seen.solids, &sample);
         let cos = -(seen.view.world_from_sensor() * ray).dot(&true_normal);
         prop_assert!((sample - in_world).norm() < 6.0 * seen.rig.pixel() / cos.max(0.1));
-        let normal = normal.cast::<f64>();
+        let normal = normal.unwrap_or_default().cast::<f64>();
         let normal =
             frame.x_axis() * normal.x + frame.y_axis() * normal.y + frame.normal() * normal.z;
         if normal.norm() > 0.0 && cos > 0.6 {

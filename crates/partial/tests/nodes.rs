@@ -67,8 +67,7 @@ fn agreements(view: &View, balls: &[common::Ball], planes: &PlaneFamily) -> Vec<
         let frame = planes.frame(plane.plane);
         for curve in plane.curves.iter().filter(|c| c.curve.nodes().len() > 8) {
             for node in curve.curve.nodes() {
-                let n = &node.normal;
-                let n = n.cast::<f64>();
+                let n = node.normal.unwrap().cast::<f64>();
                 assert!((n.norm() - 1.0).abs() < 1e-5);
                 let world = frame.world_from_plane(&node.position);
                 let near = |b: &&common::Ball| ((world - b.centre).norm() - b.radius).abs();

@@ -148,7 +148,7 @@ mod tests {
         let line = |v: u32| {
             let node = |k: u32| {
                 let place = Point2::new(0.02 * f64::from(k), 1e-5 * f64::from(v));
-                Node { sigma: 0.001, footprint: 0.02, ..Node::at(place) }
+                Node::at(place).with_sigma(0.001).with_footprint(0.02)
             };
             vec![Curve::new((0..100).map(node).collect(), false).unwrap()]
         };

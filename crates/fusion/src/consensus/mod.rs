@@ -206,17 +206,13 @@ impl Kept {
     }
 
     fn node(&self) -> Node {
-        Node {
-            position: self.position,
-            sigma: self.sigma as f32,
-            footprint: self.footprint as f32,
-            weight: self.credit as f32,
-            views: self.views,
-            correlation: self.correlation as f32,
-            tan_incidence: 0.0,
-            normal: self.normal,
-            bridged: false,
-        }
+        Node::at(self.position)
+            .with_sigma(self.sigma as f32)
+            .with_footprint(self.footprint as f32)
+            .with_weight(self.credit as f32)
+            .with_views(self.views)
+            .with_correlation(self.correlation as f32)
+            .with_normal(Some(self.normal).filter(|normal| *normal != Vector3::zeros()))
     }
 }
 

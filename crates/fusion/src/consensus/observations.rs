@@ -177,9 +177,9 @@ impl Observations {
                 sigma,
                 footprint,
                 correlation: if steps.shared_errors { f64::from(node.correlation) } else { 0.0 },
-                tan_incidence: if steps.incidence_error { f64::from(node.tan_incidence) } else { 0.0 },
+                tan_incidence: node.tan_incidence.filter(|_| steps.incidence_error).map_or(0.0, f64::from),
                 common: 0.0,
-                normal: node.normal,
+                normal: node.normal.unwrap_or_default(),
                 taper,
                 credit,
                 weight: credit / (sigma * sigma),
@@ -214,6 +214,12 @@ fn reach(footprint: f64, node: &Node) -> f64 {
     (TANGENT_FOOTPRINTS * footprint).max(TANGENT_SIGMAS * f64::from(node.sigma))
 }
 
+/// Incidence and normal of a node as numbers to be ordered by; 0 where they are not known.
+fn directions(node: &Node) -> [f32; 4] {
+    let normal = node.normal.unwrap_or_default();
+    [node.tan_incidence.unwrap_or(0.0), normal.x, normal.y, normal.z]
+}
+
 /// A total order of curves by all that is known of them, so that results depend on what was seen
 /// alone.
 pub(crate) fn canonical(a: &Curve, b: &Curve) -> Ordering {
@@ -225,11 +231,10 @@ pub(crate) fn canonical(a: &Curve, b: &Curve) -> Ordering {
             .then(a.weight.total_cmp(&b.weight))
             .then(a.views.cmp(&b.views))
             .then(a.correlation.total_cmp(&b.correlation))
-            .then(a.tan_incidence.total_cmp(&b.tan_incidence))
             .then(a.bridged.cmp(&b.bridged))
             .then_with(|| {
-                let differing = a.normal.iter().zip(&b.normal).map(|(a, b)| a.total_cmp(b));
-                differing.fold(Ordering::Equal, Ordering::then)
+                let differing = directions(a).into_iter().zip(directions(b));
+                differing.fold(Ordering::Equal, |o, (a, b)| o.then(a.total_cmp(&b)))
             })
     };
     let differing = a.nodes().iter().zip(b.nodes()).map(|(a, b)| node(a, b)).find(|o| o.is_ne());

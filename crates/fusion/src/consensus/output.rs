@@ -54,16 +54,16 @@ fn nodes(kept: &[Kept], piece: &Piece, middle: bool) -> Vec<Node> {
 /// side by side.
 fn bridge(a: &Kept, b: &Kept) -> Option<Node> {
     let gap = (b.position - a.position).norm();
-    (gap > BRIDGED_FOOTPRINTS * a.spacing.max(b.spacing)).then(|| Node {
-        position: a.position + (b.position - a.position) * 0.5,
+    let middle = || {
         // Nothing is known in between but the two ends and their distance.
-        sigma: (0.25 * gap) as f32,
-        footprint: gap as f32,
-        weight: 0.0,
-        views: 0,
-        bridged: true,
-        ..Node::at(a.position)
-    })
+        Node::at(a.position + (b.position - a.position) * 0.5)
+            .with_sigma((0.25 * gap) as f32)
+            .with_footprint(gap as f32)
+            .with_weight(0.0)
+            .with_views(0)
+            .with_bridged(true)
+    };
+    (gap > BRIDGED_FOOTPRINTS * a.spacing.max(b.spacing)).then(middle)
 }
 
 /// The middle of the cubic with the places and directions of two nodes, where their chord misses it.
@@ -76,10 +76,9 @@ fn between(a: &Kept, b: &Kept) -> Option<Node> {
     }
     let middle = (a.tangent - b.tangent) * (0.125 * length);
     let sigma = 0.5 * (a.sigma + b.sigma);
-    (step.perp(&middle).abs() > CHORD_SHARE * sigma * length).then(|| Node {
-        position: a.position + step * 0.5 + middle,
-        sigma: sigma as f32,
-        ..if a.weight < b.weight { a.node() } else { b.node() }
+    (step.perp(&middle).abs() > CHORD_SHARE * sigma * length).then(|| {
+        let lighter = if a.weight < b.weight { a.node() } else { b.node() };
+        lighter.moved_to(a.position + step * 0.5 + middle).with_sigma(sigma as f32)
     })
 }
 

@@ -110,7 +110,7 @@ impl Sum {
         self.y += y;
         self.variance += f64::from(node.sigma).powi(2);
         self.weight += node.weight;
-        self.views = self.views.max(node.views);
+        self.views = self.views.max(node.view_count());
     }
 }
 
@@ -282,17 +282,16 @@ impl Walk<'_> {
         let variance = |node: &Node| f64::from(node.sigma).powi(2);
         // Half the middle of the unit, half the mean of the points.
         let sigma = 0.5 * (0.25 * (variance(&a) + variance(&b)) + sum.variance / (n * n)).sqrt();
-        let node = Node {
-            position: frame.place(0.5 * frame.x_end, sum.y / (2.0 * n)),
-            sigma: sigma as f32,
-            footprint: 0.5 * (a.footprint + b.footprint),
-            weight: sum.weight + 0.5 * (a.weight + b.weight),
-            views: (sum.views + a.views.max(b.views)).min(self.views),
-            correlation: 0.5 * (a.correlation + b.correlation),
-            tan_incidence: 0.0,
-            normal: (a.normal + b.normal).try_normalize(0.0).unwrap_or_default(),
-            bridged: a.bridged && sum.seen < 0.5 * frame.x_end,
-        };
+        let views = sum.views + a.view_count().max(b.view_count());
+        let normals = a.normal.unwrap_or_default() + b.normal.unwrap_or_default();
+        let node = Node::at(frame.place(0.5 * frame.x_end, sum.y / (2.0 * n)))
+            .with_sigma(sigma as f32)
+            .with_footprint(0.5 * (a.footprint + b.footprint))
+            .with_weight(sum.weight + 0.5 * (a.weight + b.weight))
+            .with_views(views.min(self.views))
+            .with_correlation(0.5 * (a.correlation + b.correlation))
+            .with_normal(normals.try_normalize(0.0))
+            .with_bridged(a.bridged && sum.seen < 0.5 * frame.x_end);
         // The unit from the last new node crosses the first half of this one.
         self.mark_last(node.bridged);
         let passed = std::mem::take(&mut self.result.passed);

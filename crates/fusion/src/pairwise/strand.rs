@@ -113,7 +113,7 @@ fn arc_lengths(curve: &Curve) -> Vec<f64> {
 fn between(from: &Node, to: &Node, way: f64) -> Node {
     let unit = to.position - from.position;
     let along = unit.try_normalize(0.0).unwrap_or_default();
-    Node { position: from.position + along * way.clamp(0.0, unit.norm()), ..*from }
+    from.moved_to(from.position + along * way.clamp(0.0, unit.norm()))
 }
 
 #[cfg(test)]

@@ -50,7 +50,7 @@ pub fn see(outline: &Outline, look: &Look, sigma: f64) -> Curve {
         let off = sigma * 3_f64.sqrt() * noise(look.seed, k);
         let position = p + p.coords.normalize() * off;
         let (sigma, footprint) = (sigma as f32, look.spacing as f32);
-        Node { sigma, footprint, ..Node::at(position) }
+        Node::at(position).with_sigma(sigma).with_footprint(footprint)
     };
     Curve::new((0..count).map(node).collect(), closed).unwrap()
 }
@@ -71,7 +71,7 @@ pub fn slices(views: &[Vec<Curve>]) -> Vec<&[Curve]> {
 pub fn moved(curve: &Curve, angle: f64, shift: Vector2) -> Curve {
     let (sin, cos) = angle.sin_cos();
     let turn = |p: Point2| Point2::new(cos * p.x - sin * p.y, sin * p.x + cos * p.y) + shift;
-    let nodes = curve.nodes().iter().map(|n| Node { position: turn(n.position), ..*n });
+    let nodes = curve.nodes().iter().map(|n| n.moved_to(turn(n.position)));
     Curve::new(nodes.collect(), curve.is_closed()).unwrap()
 }
 

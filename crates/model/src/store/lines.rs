@@ -24,6 +24,7 @@
 //! Numbers have the fewest digits that read back as the same number: exporting what was imported gives the same bytes.
 
 use super::view::{StoreHeader, ViewEntry, ViewId};
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use transect_geometry::{
     Curve, CurveError, EndReason, Isometry3, LengthUnit, Node, PlaneFamily, Point2,
@@ -139,10 +140,10 @@ impl From<ViewLine> for ViewEntry {
 impl From<&Curve> for CurveText {
     fn from(curve: &Curve) -> Self {
         let node = |n: &Node| {
-            let Node { position, sigma, footprint, weight, views, correlation, .. } = *n;
-            let Node { tan_incidence, normal, .. } = *n;
-            let (x, y, normal) = (position.x, position.y, normal.into());
-            (x, y, sigma, footprint, weight, views, correlation, tan_incidence, normal)
+            let Node { position, sigma, footprint, weight, correlation, .. } = *n;
+            let (x, y, normal) = (position.x, position.y, n.normal.unwrap_or_default().into());
+            let tan_incidence = n.tan_incidence.unwrap_or(0.0);
+            (x, y, sigma, footprint, weight, n.view_count(), correlation, tan_incidence, normal)
         };
         let numbered = (0_u32..).zip(curve.nodes());
         Self {
@@ -160,17 +161,15 @@ impl TryFrom<CurveText> for Curve {
     fn try_from(text: CurveText) -> Result<Self, CurveError> {
         let node = |text: NodeText| {
             let (x, y, sigma, footprint, weight, views, correlation, tan_incidence, normal) = text;
-            Node {
-                position: Point2::new(x, y),
-                sigma,
-                footprint,
-                weight,
-                views,
-                correlation,
-                tan_incidence,
-                normal: normal.into(),
-                bridged: false,
-            }
+            let normal: Vector3<f32> = normal.into();
+            Node::at(Point2::new(x, y))
+                .with_sigma(sigma)
+                .with_footprint(footprint)
+                .with_weight(weight)
+                .with_views(views)
+                .with_correlation(correlation)
+                .with_tan_incidence(Some(tan_incidence).filter(|tan| *tan != 0.0))
+                .with_normal(Some(normal).filter(|normal| *normal != Vector3::zeros()))
         };
         let mut nodes: Vec<Node> = text.nodes.into_iter().map(node).collect();
         for k in text.bridged {

@@ -165,14 +165,13 @@ impl Maker<'_> {
         let ray = self.samples.axes.turn(&ray.map_or(Vector3::z(), |r| r.direction));
         let sigma = self.prepared.sigma_at(pixel);
         let footprint = footprint(crossings, k, closed, normal, &ray);
-        Node {
-            sigma: (sigma * sigma_factor(normal, &ray)) as f32,
-            footprint: footprint as f32,
-            correlation: (footprint * self.prepared.shared_pixels(pixel)) as f32,
-            tan_incidence: tan_incidence(normal, &ray),
-            normal: normal.try_normalize(0.0).unwrap_or_default().cast(),
-            ..Node::at(crossings[k].position)
-        }
+        let known = normal.try_normalize(0.0);
+        Node::at(crossings[k].position)
+            .with_sigma((sigma * sigma_factor(normal, &ray)) as f32)
+            .with_footprint(footprint as f32)
+            .with_correlation((footprint * self.prepared.shared_pixels(pixel)) as f32)
+            .with_tan_incidence(known.map(|_| tan_incidence(normal, &ray)))
+            .with_normal(known.map(|known| known.cast()))
     }
 }
 

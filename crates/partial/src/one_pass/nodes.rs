@@ -54,14 +54,13 @@ impl NodeMaker<'_> {
         let factor = sigma_factor(&tangent, &across, &ray).max(self.least_sigma_factor);
         let sigma = self.sigma_between(crossing) * factor;
         let normal = surface_normal(&tangent, &across, &ray);
-        Node {
-            sigma: sigma as f32,
-            footprint: footprint as f32,
-            correlation: (footprint * self.prepared.shared_pixels(crossing.pixel)) as f32,
-            tan_incidence: tan_incidence(&normal, &ray),
-            normal: normal.cast(),
-            ..Node::at(crossing.position)
-        }
+        let shared = self.prepared.shared_pixels(crossing.pixel);
+        Node::at(crossing.position)
+            .with_sigma(sigma as f32)
+            .with_footprint(footprint as f32)
+            .with_correlation((footprint * shared) as f32)
+            .with_tan_incidence(normal.map(|normal| tan_incidence(&normal, &ray)))
+            .with_normal(normal.map(|normal| normal.cast()))
     }
 
     /// Standard deviation along the ray of the surface between a pair's samples: the mean of two
@@ -157,17 +156,18 @@ fn sigma_factor(tangent: &Vector2, across: &Vector3, ray: &Vector3) -> f64 {
 
 /// Unit normal of the surface that holds the curve's direction and a step across it, on the sensor's side;
 /// zero where the two do not span a surface.
-fn surface_normal(tangent: &Vector2, across: &Vector3, ray: &Vector3) -> Vector3 {
+fn surface_normal(tangent: &Vector2, across: &Vector3, ray: &Vector3) -> Option<Vector3> {
     let normal = Vector3::new(tangent.x, tangent.y, 0.0).cross(across).try_normalize(0.0);
     let outward = normal.map(|n| if n.dot(ray) > 0.0 { -n } else { n });
-    outward.filter(|n| n.iter().all(|c| c.is_finite())).unwrap_or_default()
+    outward.filter(|n| n.iter().all(|c| c.is_finite()))
 }
 
-/// Tangent of the angle between a ray and a surface's unit normal; 0 without a normal.
+/// Tangent of the angle between a ray and a surface's unit normal; positive, also head-on.
 pub(crate) fn tan_incidence(normal: &Vector3, ray: &Vector3) -> f32 {
     let (along, across) = (normal.dot(ray).abs(), normal.cross(ray).norm());
-    // Written so that no normal and no ray give 0 as well.
-    if across > 0.0 { (across / along).min(LARGEST_TAN_INCIDENCE) as f32 } else { 0.0 }
+    // A ray without a direction gives the smallest value as well.
+    let tan = if across > 0.0 { (across / along).min(LARGEST_TAN_INCIDENCE) as f32 } else { 0.0 };
+    tan.max(f32::MIN_POSITIVE)
 }
 
 /// Length along the curve of one spacing of the rays, seen obliquely.
@@ -199,7 +199,7 @@ mod tests {
         assert!(tan_incidence(&-ray, &ray) < 1e-6, "head-on");
         assert!((tan_incidence(&Vector3::z(), &ray) - 0.75).abs() < 1e-6);
         assert_eq!(tan_incidence(&Vector3::x(), &ray), LARGEST_TAN_INCIDENCE as f32);
-        assert_eq!(tan_incidence(&Vector3::zeros(), &ray), 0.0, "unknown");
+        assert!(tan_incidence(&Vector3::zeros(), &ray) > 0.0, "0 stands for unknown in files");
     }
 
     #[test]

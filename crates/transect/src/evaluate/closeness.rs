@@ -41,7 +41,7 @@ const SHORTEST_FOOTPRINTS: f64 = 4.0;
 
 /// Median distance between the views' samples as curves tell it; 0 where they do not.
 fn footprint(curves: &[Curve]) -> f64 {
-    let seen = curves.iter().flat_map(Curve::nodes).filter(|n| n.views > 0);
+    let seen = curves.iter().flat_map(Curve::nodes).filter(|n| n.views.is_some());
     let mut footprints: Vec<f32> = seen.map(|n| n.footprint).collect();
     let middle = footprints.len() / 2;
     if footprints.is_empty() {

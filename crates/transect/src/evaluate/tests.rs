@@ -203,7 +203,7 @@ fn unusable_options_are_refused_with_the_value() {
 }
 
 fn moved(curves: &[Curve], motion: &Isometry2<f64>) -> Vec<Curve> {
-    let node = |n: &Node| Node { position: motion * n.position, ..*n };
+    let node = |n: &Node| n.moved_to(motion * n.position);
     let curve =
         |c: &Curve| Curve::new(c.nodes().iter().map(node).collect(), c.is_closed()).unwrap();
     curves.iter().map(curve).collect()

@@ -123,7 +123,7 @@ mod tests {
             let x = from + FOOTPRINT * f64::from(k);
             let error = SIGMA * [1.0, -1.0, -1.0, 1.0][k as usize % 4];
             let place = Point2::new(x, height(x) + error);
-            Node { sigma: SIGMA as f32, footprint: FOOTPRINT as f32, ..Node::at(place) }
+            Node::at(place).with_sigma(SIGMA as f32).with_footprint(FOOTPRINT as f32)
         };
         Curve::new((0..((to - from) / FOOTPRINT) as u32).map(node).collect(), false).unwrap()
     }

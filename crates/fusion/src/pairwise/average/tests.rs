@@ -36,7 +36,7 @@ fn a_units_new_node_is_its_middle_moved_by_half_the_mean() {
     assert_places(&found.nodes, &[(2.0, 0.6 / 6.0), (6.0, 0.3 / 4.0)]);
     assert_eq!((found.heads, found.tails), ([1, 0], [2, 5]));
     let first = &found.nodes[0];
-    assert_eq!((first.weight, first.views), (4.0, 2));
+    assert_eq!((first.weight, first.view_count()), (4.0, 2));
 }
 
 #[test]
@@ -50,7 +50,7 @@ fn new_nodes_lie_in_the_frame_of_their_unit() {
 #[test]
 fn errors_shrink_as_in_an_average() {
     let curve = |sigma: f32, points: &[(f64, f64)]| {
-        let node = |&(x, y): &(f64, f64)| Node { sigma, ..Node::at(Point2::new(x, y)) };
+        let node = |&(x, y): &(f64, f64)| Node::at(Point2::new(x, y)).with_sigma(sigma);
         let curve = Curve::new(points.iter().map(node).collect(), false).unwrap();
         Strand::new(&curve, &CurveRange { from: 0.0, to: curve.length() })
     };

@@ -25,17 +25,16 @@ fn wild_numbers() -> impl Strategy<Value = Vec<Curve>> {
     );
     let node = node.prop_map(|(x, y, measures, views, normal, bridged)| {
         let (sigma, footprint, weight, correlation, tan_incidence) = measures;
-        Node {
-            position: Point2::new(x, y),
-            sigma,
-            footprint,
-            weight,
-            views,
-            correlation,
-            tan_incidence,
-            normal: normal.into(),
-            bridged,
-        }
+        let normal: nalgebra::Vector3<f32> = normal.into();
+        Node::at(Point2::new(x, y))
+            .with_sigma(sigma)
+            .with_footprint(footprint)
+            .with_weight(weight)
+            .with_views(views)
+            .with_correlation(correlation)
+            .with_tan_incidence(Some(tan_incidence).filter(|tan| *tan != 0.0))
+            .with_normal(Some(normal).filter(|normal| *normal != nalgebra::Vector3::zeros()))
+            .with_bridged(bridged)
     });
     let reason = prop_oneof![
         Just(None),

@@ -3,7 +3,9 @@ use transect_geometry::Point2;
 
 /// A polyline whose nodes have a footprint and a noise.
 fn polyline(points: &[(f64, f64)], closed: bool, footprint: f32, sigma: f32) -> Curve {
-    let node = |&(x, y): &(f64, f64)| Node { footprint, sigma, ..Node::at(Point2::new(x, y)) };
+    let node = |&(x, y): &(f64, f64)| {
+        Node::at(Point2::new(x, y)).with_footprint(footprint).with_sigma(sigma)
+    };
     Curve::new(points.iter().map(node).collect(), closed).unwrap()
 }
 

@@ -46,11 +46,9 @@ impl Look {
         let node = |k: usize| {
             let a = self.from + step * (k as f64 + phase);
             let r = self.radius + self.sigma * random.normal();
-            Node {
-                sigma: self.sigma as f32,
-                footprint: self.spacing as f32,
-                ..Node::at(Point2::new(r * a.cos(), r * a.sin()))
-            }
+            Node::at(Point2::new(r * a.cos(), r * a.sin()))
+                .with_sigma(self.sigma as f32)
+                .with_footprint(self.spacing as f32)
         };
         Curve::new((0..count).map(node).collect(), closed).ok()
     }

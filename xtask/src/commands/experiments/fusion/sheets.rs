@@ -71,7 +71,7 @@ fn layer(seed: u64, height: f64, turned: bool) -> Option<Curve> {
     let node = |k: usize| {
         let (x, y) = (SPACING * k as f64, height + SIGMA * random.normal());
         let x = if turned { SPACING * NODES as f64 - x } else { x };
-        Node { sigma: SIGMA as f32, footprint: SPACING as f32, ..Node::at(Point2::new(x, y)) }
+        Node::at(Point2::new(x, y)).with_sigma(SIGMA as f32).with_footprint(SPACING as f32)
     };
     Curve::new((0..NODES).map(node).collect(), false).ok()
 }
