@@ -82,6 +82,7 @@ pub struct ConsensusOptions {
     pub shortest_footprints: f64,
     /// Steps to leave out, to measure what they are worth.
     #[doc(hidden)]
+    #[serde(skip)]
     pub steps: Steps,
 }
 
