@@ -133,7 +133,7 @@ fn plane_text(index: PlaneIndex, station: f64, frame: &PlaneFrame, section: &Sec
 /// few points, points that are not finite, or lists of different lengths.
 pub fn read_contours(path: &Path) -> Result<Contours, ReadError> {
     let file = std::fs::File::open(path);
-    let file = file.map_err(|source| ReadError::Io { path: path.to_owned(), source })?;
+    let file = file.map_err(|e| ReadError::io(path, e))?;
     let parsed = serde_json::from_reader(BufReader::with_capacity(1 << 16, file));
     let text: ContoursText =
         parsed.map_err(|source| ReadError::Json { path: path.to_owned(), source })?;

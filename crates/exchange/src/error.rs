@@ -83,17 +83,14 @@ pub enum ReadError {
         source: std::io::Error,
     },
     /// The path is no scan: name another one.
-    #[error(
-        "{}: not a scan; accepted are a folder with scan.json, a scan manifest (*.json), \
-         a Stanford configuration (*.conf), and a folder of *.depth.png and *.pose.txt \
-         with camera-intrinsics.txt",
-        .path.display()
-    )]
+    #[error("{}: not a scan; accepted are: {accepted}", .path.display())]
     NotAScan {
-        /// What was named.
+        /// The path.
         path: PathBuf,
+        /// The accepted formats.
+        accepted: String,
     },
-    /// Nobody has said what the lengths are: say it.
+    /// No length unit is stated: state it.
     #[error("{}: no length unit; add \"unit\": \"m\" or pass --unit", .path.display())]
     NoUnit {
         /// The manifest.
@@ -175,6 +172,10 @@ pub enum Unusable {
 }
 
 impl ReadError {
+    pub(crate) fn io(path: &Path, source: std::io::Error) -> Self {
+        Self::Io { path: path.to_owned(), source }
+    }
+
     pub(crate) fn damaged(path: &Path, at: Place, problem: impl Into<String>) -> Self {
         Self::Damaged { path: path.to_owned(), at, problem: problem.into() }
     }
@@ -193,9 +194,47 @@ impl ReadError {
     }
 }
 
+/// What is wrong in a file, and where, before the file's name is known.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Problem {
+    pub(crate) at: Place,
+    pub(crate) text: String,
+    /// Whether the file is sound, but of a kind that is not read.
+    unsupported: bool,
+}
+
+impl Problem {
+    pub(crate) fn at(at: Place, text: impl Into<String>) -> Self {
+        Self { at, text: text.into(), unsupported: false }
+    }
+
+    pub(crate) fn damaged(text: impl Into<String>) -> Self {
+        Self::at(Place::Whole, text)
+    }
+
+    pub(crate) fn unsupported(text: impl Into<String>) -> Self {
+        Self { unsupported: true, ..Self::damaged(text) }
+    }
+
+    /// The same problem, with the name of the part of the file that has it.
+    pub(crate) fn of(self, part: &str) -> Self {
+        Self { text: format!("{part}: {}", self.text), ..self }
+    }
+
+    pub(crate) fn in_file(self, path: &Path) -> ReadError {
+        let Self { at, text: problem, unsupported } = self;
+        let path = path.to_owned();
+        if unsupported {
+            ReadError::Unsupported { path, at, problem }
+        } else {
+            ReadError::Damaged { path, at, problem }
+        }
+    }
+}
+
 /// A whole file in memory.
 pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
-    std::fs::read(path).map_err(|source| ReadError::Io { path: path.to_owned(), source })
+    std::fs::read(path).map_err(|e| ReadError::io(path, e))
 }
 
 /// A whole text file in memory; bytes that are no UTF-8 are damage.

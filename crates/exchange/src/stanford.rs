@@ -10,12 +10,14 @@
 //! centimetres. The format carries no unit; by its convention the numbers are metres.
 
 use crate::error::read_text;
-use crate::sensor_source::SensorSource;
+use crate::ply::read_range_grid;
+use crate::scan::{FramedImage, LoadView};
 use crate::{Place, ReadError, Scan, ScanView};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use transect_geometry::{Isometry3, LengthUnit};
+use transect_sensors::PointGrid;
 
 /// Deviation of a quaternion's length from 1 up to which it counts as printed rounding.
 const QUATERNION_ROUNDING: f64 = 1e-3;
@@ -41,7 +43,7 @@ pub(crate) fn open(path: &Path, unit: Option<LengthUnit>) -> Result<Scan, ReadEr
     if views.is_empty() {
         return Err(ReadError::damaged(path, Place::Whole, "no line \"bmesh FILE ...\""));
     }
-    let files = views.iter().map(|v: &ScanView| v.path.clone());
+    let files = views.iter().map(|v: &ScanView| v.path().to_owned());
     let inputs = std::iter::once(path.to_owned()).chain(files).collect();
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let unit = unit.unwrap_or(LengthUnit::Metre);
@@ -92,16 +94,26 @@ fn view(
     if (length - 1.0).abs() > QUATERNION_ROUNDING {
         notes.push(format!("{}{at}: quaternion of length {length:.4} normalised", path.display()));
     }
-    Ok(ScanView {
-        path: path.parent().unwrap_or(Path::new("")).join(&name),
-        name,
-        sensor: Arc::new(SensorSource::TranslatedScan),
-        stated_rows: None,
-        stated_cols: None,
-        depth_scale: None,
-        world_from_sensor,
-        sigma: None,
-    })
+    let file = path.parent().unwrap_or(Path::new("")).join(&name);
+    let source = Arc::new(RangeGridView { path: file.clone() });
+    Ok(ScanView::new(name, file, world_from_sensor, source))
+}
+
+/// A PLY range grid of a triangulation scanner that was carried along x.
+#[derive(Debug)]
+struct RangeGridView {
+    path: PathBuf,
+}
+
+impl LoadView for RangeGridView {
+    fn load(&self, notes: &mut Vec<String>) -> Result<FramedImage, ReadError> {
+        let grid = read_range_grid(&self.path)?;
+        notes.extend(grid.notes);
+        let made = PointGrid::from_translated_scan(grid.size, grid.points);
+        let unusable = |e| ReadError::unusable(&self.path, Place::Whole, "the grid", e);
+        let (frame, image) = made.map_err(unusable)?;
+        Ok(FramedImage { frame: Arc::new(frame), image })
+    }
 }
 
 /// world = R(q)ᵀ p + t, and the length that q had; that length alone if it gives no rotation.

@@ -64,7 +64,7 @@ impl PngFolder {
 /// The `.png` files of a folder in the order of their names, at least one, and how many other
 /// files there are.
 pub(super) fn list(path: &Path) -> Result<(Vec<PathBuf>, usize), ReadError> {
-    let io = |source| ReadError::Io { path: path.to_owned(), source };
+    let io = |e| ReadError::io(path, e);
     let (mut files, mut others) = (Vec::new(), 0);
     for entry in std::fs::read_dir(path).map_err(io)? {
         let file = entry.map_err(io)?.path();

@@ -1,7 +1,8 @@
 //! From the text of a manifest to what it says.
 
+use super::entry::{Manifest, ViewEntry};
 use super::keys::Keys;
-use super::{Manifest, SensorEntry, ViewEntry};
+use super::sensor::SensorEntry;
 use crate::{Place, PlanesEntry, ReadError};
 use serde::Deserialize;
 use serde_json::Value;

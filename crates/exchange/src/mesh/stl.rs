@@ -16,7 +16,8 @@
 //!
 //! Corners of equal coordinates become one vertex, in the order in which they first occur.
 
-use super::{MeshFile, TriangleMesh, element, note_dropped};
+use super::element;
+use crate::triangle_mesh::{MeshFile, TriangleMesh, note_dropped};
 use crate::{Place, ReadError};
 use std::collections::HashMap;
 use std::path::Path;

@@ -12,9 +12,16 @@
 
 use super::super::keys::Keys;
 use super::super::word;
-use crate::ReadError;
+use super::shared::Shared;
+use super::{Sensor, distortion};
+use crate::scan::FramedImage;
+use crate::view_file::ViewFile;
+use crate::{Place, ReadError, image_file};
 use serde::Serialize;
-use transect_sensors::PinholeScale;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use transect_device::{DeviceFrame, ImageSize, Vector3};
+use transect_sensors::{Intrinsics, Pinhole, PinholeScale, RayTable};
 
 /// A depth camera, as manifests describe it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -66,18 +73,110 @@ impl PinholeEntry {
                 fy: keys.required_number("fy")?,
                 cx: keys.required_number("cx")?,
                 cy: keys.required_number("cy")?,
-                distortion: distortion(keys)?,
+                distortion: read_distortion(keys)?,
             },
         };
         Ok(Self { lens, holds: keys.word("holds")?.unwrap_or_default() })
     }
+
+    /// The camera. A file with rays is relative to `folder`.
+    pub(super) fn sensor(&self, folder: &Path) -> PinholeSensor {
+        let lens = match &self.lens {
+            LensEntry::Rays { rays } => Lens::Rays(folder.join(rays)),
+            &LensEntry::Intrinsics { fx, fy, cx, cy, distortion } => {
+                let intrinsics = Intrinsics { fx, fy, cx, cy };
+                // Without distortion, the closed form is faster and finds pixels between rays.
+                match distortion.filter(|k| k.iter().any(|k| *k != 0.0)) {
+                    Some(distortion) => Lens::Distorted(intrinsics, distortion),
+                    None => Lens::Straight(intrinsics),
+                }
+            }
+        };
+        PinholeSensor { lens, holds: self.holds, tables: Shared::default() }
+    }
 }
 
-fn distortion(keys: &Keys<'_>) -> Result<Option<[f64; 5]>, ReadError> {
+fn read_distortion(keys: &Keys<'_>) -> Result<Option<[f64; 5]>, ReadError> {
     match keys.numbers::<5>("distortion")? {
         Some(k) if !k.iter().all(|k| k.is_finite()) => {
             Err(keys.wrong("distortion", "a list of 5 finite numbers"))
         }
         distortion => Ok(distortion),
+    }
+}
+
+#[derive(Debug)]
+pub(super) struct PinholeSensor {
+    lens: Lens,
+    holds: PinholeScale,
+    tables: Shared<RayTable>,
+}
+
+#[derive(Debug)]
+enum Lens {
+    Straight(Intrinsics),
+    Distorted(Intrinsics, [f64; 5]),
+    Rays(PathBuf),
+}
+
+impl Sensor for PinholeSensor {
+    fn file(&self) -> Option<&Path> {
+        match &self.lens {
+            Lens::Rays(path) => Some(path),
+            _ => None,
+        }
+    }
+
+    fn load(&self, file: &ViewFile, notes: &mut Vec<String>) -> Result<FramedImage, ReadError> {
+        let image = file.load_image(notes)?;
+        let size = image.size();
+        let straight = |intrinsics| {
+            let camera = Pinhole::new(size, intrinsics).map_err(|e| file.bad_sensor(e))?;
+            Ok(camera.with_scale(self.holds))
+        };
+        let frame: Arc<dyn DeviceFrame> = match &self.lens {
+            Lens::Straight(intrinsics) => Arc::new(straight(*intrinsics)?),
+            Lens::Distorted(intrinsics, distortion) => {
+                straight(*intrinsics)?;
+                let make = || self.distorted(file, size, *intrinsics, *distortion);
+                self.tables.get_or_make(size, make)?
+            }
+            Lens::Rays(path) => self.tables.get_or_make(size, || self.by_rays(file, size, path))?,
+        };
+        Ok(FramedImage { frame, image })
+    }
+}
+
+impl PinholeSensor {
+    fn distorted(
+        &self,
+        file: &ViewFile,
+        size: ImageSize,
+        intrinsics: Intrinsics,
+        distortion: [f64; 5],
+    ) -> Result<RayTable, ReadError> {
+        let rays = distortion::rays(size, intrinsics, distortion).map_err(|pixel| {
+            let problem = "\"distortion\" cannot be inverted here: no ray, or more than one, is \
+                           bent onto this pixel";
+            ReadError::damaged(&file.path, Place::Pixel(pixel), problem)
+        })?;
+        RayTable::new(size, rays, self.holds).map_err(|e| file.bad_sensor(e))
+    }
+
+    fn by_rays(
+        &self,
+        file: &ViewFile,
+        size: ImageSize,
+        path: &Path,
+    ) -> Result<RayTable, ReadError> {
+        let (found, rays) = image_file::read_points(path)?;
+        if found != size {
+            let image = file.path.display();
+            let problem = format!("\"rays\" has {found}, but the image {image} has {size}");
+            return Err(ReadError::damaged(path, Place::Whole, problem));
+        }
+        let rays: Vec<Vector3> = rays.into_iter().map(|r| r.coords).collect();
+        RayTable::new(size, rays, self.holds)
+            .map_err(|e| ReadError::unusable(path, Place::Whole, "\"rays\"", e))
     }
 }
