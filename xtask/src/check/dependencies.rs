@@ -1,7 +1,7 @@
 //! The tables of dependencies in the documentation equal the Cargo files.
 
 use super::finding::{Finding, TextFile, files, read, report};
-use crate::failure::Failure;
+use crate::run::Failure;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 

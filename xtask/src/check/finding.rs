@@ -1,6 +1,6 @@
 //! What the structure checks share: findings, and the list of files they read.
 
-use crate::failure::Failure;
+use crate::run::Failure;
 use std::fmt;
 use std::path::Path;
 

@@ -8,7 +8,7 @@
 //! reads the contents of strings like code.
 
 use super::finding::{Finding, TextFile, files, report};
-use crate::failure::Failure;
+use crate::run::Failure;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::Path;
 

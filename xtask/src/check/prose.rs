@@ -1,7 +1,7 @@
 //! Prose of the documentation and comments wrap at 100 columns.
 
 use super::finding::{Finding, TextFile, files, report};
-use crate::failure::Failure;
+use crate::run::Failure;
 use std::path::Path;
 
 /// Longest line of prose, in characters; `rustfmt.toml` holds code to the same width.
