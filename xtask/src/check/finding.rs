@@ -31,7 +31,7 @@ pub struct TextFile {
 }
 
 /// Reads all files below a folder of the workspace whose names end in one of the endings.
-/// Leaves out build results, model results and hidden folders.
+/// Leaves out build results, model results, hidden folders and links.
 pub fn files(root: &Path, folder: &str, endings: &[&str]) -> Result<Vec<TextFile>, Failure> {
     let folder = root.join(folder);
     let unreadable = |e| Failure::because(format!("{}: {e}", folder.display()));
@@ -40,6 +40,9 @@ pub fn files(root: &Path, folder: &str, endings: &[&str]) -> Result<Vec<TextFile
         let path = entry.map_err(unreadable)?.path();
         let relative = path.strip_prefix(root).unwrap_or(&path);
         let name = relative.to_string_lossy().replace('\\', "/");
+        if path.is_symlink() {
+            continue;
+        }
         if path.is_dir() {
             let folder = relative.file_name().unwrap_or_default().to_string_lossy();
             if !folder.starts_with('.') && folder != "target" && folder != "transect-out" {
