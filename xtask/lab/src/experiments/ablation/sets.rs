@@ -2,7 +2,7 @@
 
 use super::crossings;
 use super::worth::Figures;
-use crate::commands::bench::timing::once;
+use crate::bench::timing::once;
 use crate::failure::Failure;
 use crate::simulation::{Plan, Stage, describe, instruments, views};
 use rayon::prelude::*;
