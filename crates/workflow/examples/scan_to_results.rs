@@ -7,7 +7,9 @@
 use std::error::Error;
 use std::path::Path;
 use transect::Unwatched;
-use transect_workflow::simulation::{self, Plan, SensorKind, Stage, StripeImages};
+use transect_workflow::simulation::{
+    PreparedScene, SensorKind, SensorPlan, StripeImages, describe,
+};
 use transect_workflow::{ModelFile, OpenScan, ResultFolder, Settings, StoreFile, table};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -54,9 +56,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Writes a scan of the bundled room by four depth cameras, with its truth.
 fn simulated_scan(folder: &Path) -> Result<(), Box<dyn Error>> {
-    let stage = Stage::set(simulation::describe(Path::new("room"))?)?;
-    let plan = Plan { density: 0.4, ..Plan::with(SensorKind::Pinhole) };
-    let seen = simulation::views(&stage, simulation::instruments(&stage, &plan)?)?;
-    simulation::write(&stage, &seen, StripeImages::Extracted, folder)?;
+    let scene = PreparedScene::new(describe(Path::new("room"))?)?;
+    let plan = SensorPlan { density: 0.4, ..SensorPlan::with(SensorKind::Pinhole) };
+    scene.simulate(&plan)?.write(&scene, StripeImages::Extracted, folder)?;
     Ok(())
 }
