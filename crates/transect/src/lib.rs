@@ -11,9 +11,9 @@
 //! * [`evaluate`]: how accurate a model is, against sections that are known.
 //!
 //! One line in `Cargo.toml` is enough. The crates below are modules here: [`device`] (images and
-//! views), [`geometry`] (planes and curves), [`model`] (the result and its store), [`partial`] and
-//! [`fusion`] (the two steps and their options), and [`nalgebra`], whose vectors and poses they
-//! share. Three more are features:
+//! views), [`geometry`] (planes and curves), [`model`] (the result and its store), [`image`]
+//! (noise and smoothing), [`partial`] and [`fusion`] (the two steps and their options), and
+//! [`nalgebra`], whose vectors and poses they share. Three more are features:
 //!
 //! | feature | module | contents |
 //! |---|---|---|
@@ -87,6 +87,7 @@ pub use transect_device as device;
 pub use transect_exchange as files;
 pub use transect_fusion as fusion;
 pub use transect_geometry as geometry;
+pub use transect_image as image;
 pub use transect_model as model;
 pub use transect_partial as partial;
 #[cfg(feature = "scene")]

@@ -281,8 +281,8 @@ fn arguments_that_make_no_sense_end_with_2() {
 fn evaluations_that_make_no_sense_end_with_2() {
     let (folder, _) = reconstructed();
     for (arguments, reason) in [
-        ("--tolerance 0", "--tolerance must be positive, got 0"),
-        ("--tolerance=-1mm", "--tolerance must be positive"),
+        ("--tolerance 0", "--tolerance: the tolerance must be a positive length, got 0"),
+        ("--tolerance=-1mm", "--tolerance: the tolerance must be a positive length"),
         ("--tolerance NaN", "--tolerance: \"NaN\" is not a length"),
         ("--from x", "--from: \"x\" is not a length"),
     ] {

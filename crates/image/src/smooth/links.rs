@@ -1,51 +1,46 @@
 //! Which pixels of a window belong to the same surface as its centre.
 
-use super::REACH;
 use super::lanes::{LANES, MOST, Native};
+use crate::tuning::{HALF_WINDOW, WINDOW_COLUMNS};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, u32x8};
 
-/// Columns of a window.
-pub(super) const WIDTH: usize = 2 * REACH + 1;
-
 /// For each row of the window, the pixels that are connected to each lane's centre; bit `k` is column
-/// offset `k − REACH`.
-pub(super) type Connected<S> = [u32x8<S>; WIDTH];
+/// offset `k − HALF_WINDOW`.
+pub(super) type Connected<S> = [u32x8<S>; WINDOW_COLUMNS];
 
 /// The unbroken pairs of an image, one bit each, with room for a window around every pixel.
 #[derive(Debug)]
 pub(super) struct Links {
     words: usize,
-    /// Bit `col + REACH` of row `row + REACH`: unbroken with the pixel to the left.
+    /// Bit `col + HALF_WINDOW` of row `row + HALF_WINDOW`: unbroken with the pixel to the left.
     left: Vec<u64>,
     /// The same for the pixel above.
     up: Vec<u64>,
-    /// There is a sample.
-    valid: Vec<u64>,
 }
 
 impl Links {
     /// No unbroken pair.
     pub fn new(rows: usize, cols: usize) -> Self {
         // One word more than the columns need, so that a window may be read across words.
-        let words = (cols + 2 * REACH) / 64 + 2;
-        let none = vec![0; words * (rows + 2 * REACH)];
-        Self { words, left: none.clone(), up: none.clone(), valid: none }
+        let words = (cols + 2 * HALF_WINDOW) / 64 + 2;
+        let none = vec![0; words * (rows + 2 * HALF_WINDOW)];
+        Self { words, left: none.clone(), up: none }
     }
 
-    /// Notes which pixels of a row of the image are valid, and which are joined to those to the left and
-    /// above, one bit each; so many columns are there once more beyond either side.
-    pub fn set_row(&mut self, row: usize, bits: [&[u64]; 3], (cols, beyond): (usize, usize)) {
-        let line = (row + REACH) * self.words..(row + REACH + 1) * self.words;
-        for (all, bits) in [&mut self.valid, &mut self.left, &mut self.up].into_iter().zip(bits) {
+    /// Takes the pairs of a row of the image with the pixels to the left and above, one bit each.
+    /// Beyond either side, `beyond` columns are there once more.
+    pub fn set_row(&mut self, row: usize, bits: [&[u64]; 2], (cols, beyond): (usize, usize)) {
+        let line = (row + HALF_WINDOW) * self.words..(row + HALF_WINDOW + 1) * self.words;
+        for (all, bits) in [&mut self.left, &mut self.up].into_iter().zip(bits) {
             let line = &mut all[line.clone()];
             for (at, bits) in bits.iter().enumerate() {
-                line[at] |= bits << REACH;
-                line[at + 1] |= bits >> (64 - REACH);
+                line[at] |= bits << HALF_WINDOW;
+                line[at + 1] |= bits >> (64 - HALF_WINDOW);
             }
             for k in 0..beyond {
-                copy(line, REACH + cols - beyond + k, REACH - beyond + k);
-                copy(line, REACH + k, REACH + cols + k);
+                copy(line, HALF_WINDOW + cols - beyond + k, HALF_WINDOW - beyond + k);
+                copy(line, HALF_WINDOW + k, HALF_WINDOW + cols + k);
             }
         }
     }
@@ -55,26 +50,16 @@ impl Links {
         self.words
     }
 
-    /// The valid pixels of a row of the image, one bit per place.
-    pub fn valid_words(&self, row: usize) -> &[u64] {
-        &self.valid[(row + REACH) * self.words..(row + REACH + 1) * self.words]
-    }
-
     /// The pixels of a row of the image that have a neighbour of their surface in the row and one in the
     /// column, one bit per place.
     pub fn paired(&self, row: usize, found: &mut [u64]) {
-        let start = (row + REACH) * self.words;
+        let start = (row + HALF_WINDOW) * self.words;
         for (word, found) in found.iter_mut().enumerate() {
             let at = start + word;
             let next = if word + 1 < self.words { self.left[at + 1] << 63 } else { 0 };
             let along = self.left[at] | self.left[at] >> 1 | next;
             *found = along & (self.up[at] | self.up[at + self.words]);
         }
-    }
-
-    /// Whether there is a sample at a place; both are counted from `REACH` before the image.
-    pub fn valid(&self, row: usize, col: usize) -> bool {
-        self.bit(&self.valid, row, col)
     }
 
     /// Whether a place and the one to the left are joined.
@@ -91,38 +76,6 @@ impl Links {
         bits[row * self.words + col / 64] >> (col % 64) & 1 == 1
     }
 
-    /// Where a row of the image breaks a surface, one bit per place: missing pixels other than those that
-    /// are filled, and the right or the lower one of two samples that are not joined.
-    pub fn breaks(&self, row: usize, filled: &[u64], breaks: &mut [u64]) {
-        let start = (row + REACH) * self.words;
-        let mut before = 0;
-        for (word, breaks) in breaks.iter_mut().enumerate() {
-            let at = start + word;
-            let valid = self.valid[at];
-            let beside = valid << 1 | before;
-            before = valid >> 63;
-            let apart = beside & !self.left[at] | self.valid[at - self.words] & !self.up[at];
-            *breaks = !(valid | filled[at]) | valid & apart;
-        }
-    }
-
-    /// The missing pixels of a row of the image that have samples on both sides, or above and below, one
-    /// bit per place.
-    pub fn missing_between(&self, row: usize, found: &mut [u64]) {
-        let start = (row + REACH) * self.words;
-        let valid = &self.valid[start..start + self.words];
-        let mut before = 0;
-        for (word, found) in found.iter_mut().enumerate() {
-            let after = valid.get(word + 1).copied().unwrap_or(0);
-            let here = valid[word];
-            let along = (here << 1 | before) & (here >> 1 | after << 63);
-            let down =
-                self.valid[start + word - self.words] & self.valid[start + word + self.words];
-            *found = !here & (along | down);
-            before = here >> 63;
-        }
-    }
-
     /// The pixels connected to each of [`LANES`] pixels of a row by ways that go up, or down, without
     /// turning back.
     ///
@@ -137,16 +90,16 @@ impl Links {
     ) -> Connected<S> {
         // All lanes' windows side by side, each within bits of its own.
         let lanes = u32x8::load_array(simd, std::array::from_fn(|lane| lane as u32));
-        let windows = u32x8::splat(simd, (1 << WIDTH) - 1) << lanes;
+        let windows = u32x8::splat(simd, (1 << WINDOW_COLUMNS) - 1) << lanes;
         let left = |k: usize| u32x8::splat(simd, self.bits(&self.left, row + k, col)) & windows;
         let up = |k: usize| u32x8::splat(simd, self.bits(&self.up, row + k, col));
         let fill = |seen: u32x8<S>, k: usize| spread(seen, left(k)) & windows;
-        let mut connected = [u32x8::splat(simd, 0); WIDTH];
-        connected[REACH] = fill(u32x8::splat(simd, 1 << REACH) << lanes, REACH);
-        for k in REACH + 1..=REACH + reach {
+        let mut connected = [u32x8::splat(simd, 0); WINDOW_COLUMNS];
+        connected[HALF_WINDOW] = fill(u32x8::splat(simd, 1 << HALF_WINDOW) << lanes, HALF_WINDOW);
+        for k in HALF_WINDOW + 1..=HALF_WINDOW + reach {
             connected[k] = fill(connected[k - 1] & up(k), k);
         }
-        for k in (REACH - reach..REACH).rev() {
+        for k in (HALF_WINDOW - reach..HALF_WINDOW).rev() {
             connected[k] = fill(connected[k + 1] & up(k + 1), k);
         }
         connected.map(|row| row >> lanes)
@@ -161,15 +114,15 @@ impl Links {
         (row, col): (usize, usize),
         reach: usize,
         counts: &[bool; MOST],
-        windows: &mut [[u32; MOST]; WIDTH],
-    ) -> [u32; WIDTH] {
+        windows: &mut [[u32; MOST]; WINDOW_COLUMNS],
+    ) -> [u32; WINDOW_COLUMNS] {
         const { assert!(MOST.is_multiple_of(LANES)) };
-        let mut seen = [0; WIDTH];
+        let mut seen = [0; WINDOW_COLUMNS];
         for first in (0..Native::<S>::LEN).step_by(LANES) {
             let connected = self.connected(simd, (row, col + first), reach);
             let counts = std::array::from_fn(|lane| if counts[first + lane] { !0 } else { 0 });
             let counts = u32x8::load_array(simd, counts);
-            for k in REACH - reach..=REACH + reach {
+            for k in HALF_WINDOW - reach..=HALF_WINDOW + reach {
                 connected[k].store_slice(&mut windows[k][first..first + LANES]);
                 let any = (connected[k] & counts).to_array();
                 seen[k] |= any.into_iter().fold(0, |any, columns| any | columns);
@@ -181,7 +134,7 @@ impl Links {
     /// The bits of a padded row in the windows around some columns of the image.
     #[inline(always)]
     fn bits(&self, bits: &[u64], padded_row: usize, col: usize) -> u32 {
-        const { assert!(WIDTH + LANES <= 32) };
+        const { assert!(WINDOW_COLUMNS + LANES <= 32) };
         let at = padded_row * self.words + col / 64;
         // Two shifts, since one by 64 would be none.
         let beyond = bits[at + 1] << 1 << (63 - col % 64);
@@ -216,8 +169,8 @@ mod tests {
     use fearless_simd::{Level, dispatch};
 
     /// The window of a pixel, which its seven neighbours to the left must see the same.
-    fn first_window(links: &Links, row: usize, col: usize) -> [u32; WIDTH] {
-        let window = |first: usize, lane: usize| dispatch!(Level::new(), simd => links.connected(simd, (row, first), REACH).map(|r| r[lane]));
+    fn first_window(links: &Links, row: usize, col: usize) -> [u32; WINDOW_COLUMNS] {
+        let window = |first: usize, lane: usize| dispatch!(Level::new(), simd => links.connected(simd, (row, first), HALF_WINDOW).map(|r| r[lane]));
         let found = window(col, 0);
         for lane in 1..LANES.min(col + 1) {
             assert_eq!(window(col - lane, lane), found, "lane {lane}");
@@ -231,8 +184,8 @@ mod tests {
             (0b0001_0000, 0b0111_1000, 0b0111_1100),
             (0b0000_0001, 0, 1),
             (1 << 7, 0x7fff, 0x7fff),
-            (1, (1 << WIDTH) - 1, (1 << WIDTH) - 1),
-            (1 << (WIDTH - 1), (1 << WIDTH) - 1, (1 << WIDTH) - 1),
+            (1, (1 << WINDOW_COLUMNS) - 1, (1 << WINDOW_COLUMNS) - 1),
+            (1 << (WINDOW_COLUMNS - 1), (1 << WINDOW_COLUMNS) - 1, (1 << WINDOW_COLUMNS) - 1),
             (0, 0x7fff, 0),
         ];
         for (seen, left, expected) in cases {
@@ -252,16 +205,19 @@ mod tests {
         let all = [u64::MAX, u64::MAX, (1 << 22) - 1];
         for row in 0..rows {
             let up = if row > 0 { all } else { [0; 3] };
-            links.set_row(row, [&all, &left, &up], (cols, 0));
+            links.set_row(row, [&left, &up], (cols, 0));
         }
-        for (col, lowest) in [(64, 0), (66, REACH), (67, REACH - 1)] {
+        for (col, lowest) in [(64, 0), (66, HALF_WINDOW), (67, HALF_WINDOW - 1)] {
             let window = first_window(&links, 12, col);
-            let highest = if col < 66 { 65 - col + REACH } else { WIDTH - 1 };
+            let highest = if col < 66 { 65 - col + HALF_WINDOW } else { WINDOW_COLUMNS - 1 };
             let expected = (1 << (highest + 1)) - (1 << lowest);
-            assert_eq!(window, [expected; WIDTH], "column {col}: {window:x?}");
+            assert_eq!(window, [expected; WINDOW_COLUMNS], "column {col}: {window:x?}");
         }
         let corner = first_window(&links, 0, 0);
-        assert_eq!(corner[..REACH], [0; REACH]);
-        assert_eq!(corner[REACH..], [(1 << WIDTH) - (1 << REACH); REACH + 1]);
+        assert_eq!(corner[..HALF_WINDOW], [0; HALF_WINDOW]);
+        assert_eq!(
+            corner[HALF_WINDOW..],
+            [(1 << WINDOW_COLUMNS) - (1 << HALF_WINDOW); HALF_WINDOW + 1]
+        );
     }
 }

@@ -1,19 +1,21 @@
-//! What becomes of an image: its values, by how much less noisy they are, and the medians of that.
+//! The smoothed image, how much less noisy each pixel is, and the medians of factors and windows.
 
+use super::Smoothed;
 use super::estimate::Fitted;
+use super::lanes::MOST;
 use super::quantity::Quantity;
-use super::window;
-use transect_device::RangeImage;
+use crate::tuning::WIDEST_RADIUS;
+use transect_device::{RangeImage, View, ViewError};
 
 #[derive(Debug)]
 pub(super) struct Output {
-    pub values: Vec<f32>,
-    pub sigma_factors: Vec<f32>,
+    values: Vec<f32>,
+    sigma_factors: Vec<f32>,
     /// How many pixels changed.
-    pub changed: usize,
+    changed: usize,
     /// Radii of the windows of the pixels that changed.
     radii: Histogram,
-    /// What their standard deviations were multiplied by.
+    /// Factors of their standard deviations.
     factors: Histogram,
 }
 
@@ -26,36 +28,24 @@ impl Output {
             values,
             sigma_factors: vec![1.0; size.pixels()],
             changed: 0,
-            radii: Histogram::new(window::WIDEST),
+            radii: Histogram::new(WIDEST_RADIUS),
             factors: Histogram::new(1.0),
         }
     }
 
-    /// Puts into the image what was found for neighbouring pixels from one on, by windows of some radii.
+    /// Puts the results of neighbouring pixels, from one on, into the image.
     #[inline(always)]
-    pub fn put<const N: usize>(
-        &mut self,
-        quantity: Quantity,
-        first: usize,
-        fitted: &Fitted<N>,
-        radii: &[f32; N],
-    ) {
-        let values = &mut self.values[first..];
-        let mut old = [1.0; N];
-        match values.first_chunk::<N>() {
-            Some(values) => old = *values,
-            None => old[..values.len()].copy_from_slice(values),
-        }
-        let mut new = [0.0; N];
-        for ((new, old), change) in new.iter_mut().zip(&old).zip(&fitted.changes) {
-            let changed = quantity.of_value(f64::from(*old)) + f64::from(*change);
-            *new = quantity.value(changed) as f32;
-        }
-        let out = values.iter_mut().zip(&mut self.sigma_factors[first..]);
-        for (k, (value, factor)) in out.take(N).enumerate() {
+    pub fn put(&mut self, quantity: Quantity, first: usize, fitted: &Fitted, radii: &[f32; MOST]) {
+        let out = self.values[first..].iter_mut().zip(&mut self.sigma_factors[first..]);
+        for (k, (value, factor)) in out.take(MOST).enumerate() {
+            if fitted.holds >> k & 1 == 0 {
+                continue;
+            }
+            let changed = quantity.of_value(f64::from(*value)) + f64::from(fitted.changes[k]);
+            let new = quantity.value(changed) as f32;
             // Noise as large as the range itself could turn a sample into a missing one.
-            if fitted.holds[k] && new[k] > 0.0 && new[k] < f32::INFINITY {
-                (*value, *factor) = (new[k], fitted.factors[k]);
+            if new > 0.0 && new < f32::INFINITY {
+                (*value, *factor) = (new, fitted.factors[k]);
                 self.radii.add(radii[k]);
                 self.factors.add(fitted.factors[k]);
                 self.changed += 1;
@@ -63,18 +53,21 @@ impl Output {
         }
     }
 
-    /// Diameter of the window at the median pixel that changed; 0 if none did.
-    pub fn window(&self) -> f64 {
-        2.0 * self.radii.median(0).unwrap_or(0.0)
-    }
-
-    /// The median factor of the pixels that changed and of some that did not.
-    pub fn median_factor(&self, unchanged: usize) -> f64 {
-        self.factors.median(unchanged).unwrap_or(1.0)
+    /// The view with its new image; `wanted` is the number of valid pixels that were to be smoothed.
+    pub fn finish(self, view: &View, wanted: usize) -> Result<Smoothed, ViewError> {
+        let image = RangeImage::from_values(view.image().size(), self.values);
+        let unchanged = wanted - self.changed;
+        Ok(Smoothed {
+            view: view.with_image(image.map_err(|_| ViewError::NoValidPixel)?)?,
+            sigma_factors: self.sigma_factors,
+            median_factor: self.factors.median(unchanged).unwrap_or(1.0),
+            window: 2.0 * self.radii.median(0).unwrap_or(0.0),
+            changed: self.changed,
+        })
     }
 }
 
-/// How often numbers from 0 to a largest one came.
+/// Counts of numbers from 0 to a largest one.
 #[derive(Debug)]
 struct Histogram {
     largest: f32,

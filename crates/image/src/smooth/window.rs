@@ -1,21 +1,6 @@
 //! How large a window: from the noise and the spacing of the rays.
 
-use super::REACH;
-
-/// Radius of the window, in pixels, where noise equals the spacing of the rays.
-///
-/// With the cube root it gives, for noise of half a spacing, the noise reduction of a square of 7 × 7
-/// pixels with equal weights, and for two and a half spacings that of 11 × 11.
-const RADIUS: f32 = 6.0;
-
-/// Radius below which a window holds too few pixels to lower noise.
-pub(super) const SMALLEST: f32 = 2.3;
-
-/// Radius of the largest window that is not a wider one.
-pub(super) const LARGEST: f32 = 7.5;
-
-/// Radius of the largest wider window; the pixels on its rim weigh nothing.
-pub(super) const WIDEST: f32 = REACH as f32 + 0.5;
+use crate::tuning::{LARGEST_RADIUS, RADIUS, SMALLEST_RADIUS, WIDER, WIDEST_RADIUS};
 
 /// Radii of a pixel's window in rows and in columns, from the distances between its rays and its noise, all
 /// lengths; 0 where noise is negligible against the spacing of the rays, or either is not known.
@@ -24,7 +9,7 @@ pub(super) fn radii([across, down, noise]: [f32; 3]) -> [f32; 2] {
     let spacing = (across * down).sqrt();
     let radius = radius(noise, spacing);
     // Nothing here branches, so several pixels are taken at a time.
-    let limit = |radius: f32| radius.clamp(1.0, LARGEST);
+    let limit = |radius: f32| radius.clamp(1.0, LARGEST_RADIUS);
     let [rows, cols] = [limit(radius * spacing / down), limit(radius * spacing / across)];
     // Of rays that coincide no spacing is known.
     let known = (radius > 0.0) & (across > 0.0) & (down > 0.0);
@@ -35,7 +20,7 @@ pub(super) fn radii([across, down, noise]: [f32; 3]) -> [f32; 2] {
 #[inline(always)]
 pub(super) fn radius(sigma: f32, spacing: f32) -> f32 {
     let radius = RADIUS * cube_root(sigma / spacing);
-    if radius >= SMALLEST { radius.min(LARGEST) } else { 0.0 }
+    if radius >= SMALLEST_RADIUS { radius.min(LARGEST_RADIUS) } else { 0.0 }
 }
 
 /// The cube root of a positive number by a guess at its exponent and Newton's method; 0 of all others. That
@@ -53,10 +38,9 @@ fn cube_root(x: f32) -> f32 {
     if known { root } else { 0.0 }
 }
 
-/// Radius of the wider window that is tried, too: twice the pixels.
+/// Radius of the wider window of a pixel.
 pub(super) fn wider(radius: f32) -> f32 {
-    const FACTOR: f32 = 1.4;
-    (FACTOR * radius).min(WIDEST)
+    (WIDER * radius).min(WIDEST_RADIUS)
 }
 
 /// Radius of a window of which the wider one has a share.
@@ -93,7 +77,7 @@ mod tests {
         assert_eq!(radius(0.01, 1.0), 0.0);
         assert_eq!(radius(f32::NAN, 1.0), 0.0);
         assert_eq!(radius(1.0, f32::NAN), 0.0);
-        assert_eq!(radius(100.0, 1.0), LARGEST);
+        assert_eq!(radius(100.0, 1.0), LARGEST_RADIUS);
         let sizes = [0.1, 0.5, 1.0, 2.5].map(|ratio| radius(ratio, 1.0));
         assert!(sizes.windows(2).all(|pair| pair[0] < pair[1]), "{sizes:?}");
         assert!((radius(0.002, 0.004) - 4.762).abs() < 0.001);

@@ -1,11 +1,11 @@
 //! What the fit needs of every pixel, with room for a window around each.
 
-use super::REACH;
 use super::lanes::MOST;
 use super::links::Links;
 use super::pairs::{Line, Pairs};
 use super::quantity::Quantity;
 use crate::BreakRule;
+use crate::tuning::HALF_WINDOW;
 use fearless_simd::Simd;
 use transect_device::{ImageSize, Neighbour, Pixel, View};
 
@@ -15,7 +15,7 @@ pub(super) struct Grid<'a> {
     stride: usize,
     /// Columns beyond either side that a full circle has there once more.
     beyond: usize,
-    /// The fitted quantity; any number where missing or outside the image, 0 unless filled.
+    /// The fitted quantity; 0 where missing or outside the image.
     quantities: Vec<f32>,
     /// Which pixels belong to one surface.
     pub links: Links,
@@ -27,25 +27,25 @@ impl<'a> Grid<'a> {
     #[inline(always)]
     pub fn new<S: Simd>(simd: S, view: &'a View, rule: &'a BreakRule, quantity: Quantity) -> Self {
         let size = view.image().size();
-        let stride = size.cols + 2 * REACH + MOST;
+        let stride = size.cols + 2 * HALF_WINDOW + MOST;
         let wraps = view.frame().columns_wrap();
         let mut grid = Self {
             stride,
             // A full circle goes on where it began; an image smaller than a window does not.
-            beyond: if wraps && size.cols > 2 * REACH { REACH } else { 0 },
-            quantities: vec![0.0; stride * (size.rows + 2 * REACH)],
+            beyond: if wraps && size.cols > 2 * HALF_WINDOW { HALF_WINDOW } else { 0 },
+            quantities: vec![0.0; stride * (size.rows + 2 * HALF_WINDOW)],
             links: Links::new(size.rows, size.cols),
             size,
             pairs: Pairs::new(view, rule),
         };
         let [mut above, mut here] = [Line::missing(size.cols), Line::missing(size.cols)];
-        let mut bits = [0; 3].map(|_| vec![0; size.cols.div_ceil(64)]);
+        let mut bits = [0; 2].map(|_| vec![0; size.cols.div_ceil(64)]);
         for row in 0..size.rows {
             let values = view.image().row(row);
             grid.read_values(row, values, quantity);
             here.read(values, wraps);
-            let [valid, left, up] = &mut bits;
-            grid.pairs.read(simd, row, [&above, &here], [valid, left, up]);
+            let [left, up] = &mut bits;
+            grid.pairs.read(simd, row, [&above, &here], [left, up]);
             grid.links.set_row(row, bits.each_ref().map(Vec::as_slice), (size.cols, grid.beyond));
             std::mem::swap(&mut above, &mut here);
         }
@@ -54,9 +54,9 @@ impl<'a> Grid<'a> {
 
     #[inline(always)]
     fn read_values(&mut self, row: usize, values: &[f32], quantity: Quantity) {
-        let start = (row + REACH) * self.stride;
+        let start = (row + HALF_WINDOW) * self.stride;
         let line = &mut self.quantities[start..start + self.stride];
-        let image = &mut line[REACH..REACH + values.len()];
+        let image = &mut line[HALF_WINDOW..HALF_WINDOW + values.len()];
         match quantity {
             Quantity::Value => image.copy_from_slice(values),
             Quantity::Inverse => {
@@ -69,13 +69,11 @@ impl<'a> Grid<'a> {
             *quantity = if quantity.is_nan() { 0.0 } else { *quantity };
         }
         let cols = values.len();
-        line.copy_within(REACH + cols - self.beyond..REACH + cols, REACH - self.beyond);
-        line.copy_within(REACH..REACH + self.beyond, REACH + cols);
-    }
-
-    /// Whether windows go on beyond the sides.
-    pub fn wraps(&self) -> bool {
-        self.beyond > 0
+        line.copy_within(
+            HALF_WINDOW + cols - self.beyond..HALF_WINDOW + cols,
+            HALF_WINDOW - self.beyond,
+        );
+        line.copy_within(HALF_WINDOW..HALF_WINDOW + self.beyond, HALF_WINDOW + cols);
     }
 
     /// Distances between neighbouring rays of the row, and of the column, at a pixel; `None` where it has
@@ -88,7 +86,7 @@ impl<'a> Grid<'a> {
         let right = Pixel { row, col: next };
         let below = Pixel { row: row + 1, col };
         let joined = |(of, kind): (Pixel, Neighbour)| {
-            let (row, place) = (of.row + REACH, of.col + REACH);
+            let (row, place) = (of.row + HALF_WINDOW, of.col + HALF_WINDOW);
             match kind {
                 Neighbour::Left => self.links.left(row, place),
                 Neighbour::Up => self.links.up(row, place),
@@ -112,58 +110,8 @@ impl<'a> Grid<'a> {
         self.pairs.length_per_value(pixel, value)
     }
 
-    /// Gives a missing pixel a quantity, for windows around it that count it as a sample.
-    pub fn fill(&mut self, row: usize, place: usize, quantity: f32) {
-        self.quantities[row * self.stride + place] = quantity;
-    }
-
-    /// All quantities: [`REACH`] rows above and below the image's, in lines of [`Grid::stride`] places that
-    /// begin [`REACH`] columns before it.
-    pub fn quantities(&self) -> &[f32] {
-        &self.quantities
-    }
-
-    /// Places of a line.
-    pub fn stride(&self) -> usize {
-        self.stride
-    }
-
-    /// The quantity at a place; rows, too, are counted from [`REACH`] before the image.
-    pub fn at(&self, row: usize, place: usize) -> f32 {
-        self.quantities[row * self.stride + place]
-    }
-
-    /// The first place of the image in a line, and the one after the last.
-    pub fn columns(&self) -> (usize, usize) {
-        (REACH, REACH + self.size.cols)
-    }
-
-    /// The column of a place, on a full circle also beyond the sides; `None` outside the image.
-    pub fn column(&self, place: usize) -> Option<usize> {
-        let cols = self.size.cols;
-        match place.checked_sub(REACH) {
-            Some(col) if col < cols => Some(col),
-            Some(col) if col < cols + self.beyond => Some(col - cols),
-            None if place + self.beyond >= REACH => Some(place + cols - REACH),
-            _ => None,
-        }
-    }
-
-    /// A place of the image, and where a full circle has it once more.
-    pub fn copies(&self, place: usize) -> impl Iterator<Item = usize> + use<> {
-        let cols = self.size.cols;
-        let again = if self.beyond == 0 {
-            None
-        } else if place < 2 * REACH {
-            Some(place + cols)
-        } else {
-            place.checked_sub(cols)
-        };
-        std::iter::once(place).chain(again)
-    }
-
     /// The quantities from a place of a line on, for windows to be read from; rows, too, are counted from
-    /// [`REACH`] before the image.
+    /// [`HALF_WINDOW`] before the image.
     pub fn line(&self, row: usize, place: usize) -> &[f32] {
         &self.quantities[row * self.stride + place..]
     }

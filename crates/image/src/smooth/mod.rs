@@ -37,43 +37,37 @@
 //! most pixels can be left as they are; see `reach.rs`.
 
 mod block;
+mod bounds;
 mod estimate;
 mod grid;
 mod lanes;
-mod linear;
 mod links;
 mod normal_equations;
 mod output;
 mod pairs;
 mod quantity;
-mod reach;
-mod scales;
 mod window;
 
-use crate::one_pass::Instructions;
-use crate::{BreakRule, RangeNoise, SectionAxes};
-use block::{Block, Weights};
+pub use bounds::ValueBounds;
+
+use crate::tuning::HALF_WINDOW;
+use crate::{BreakRule, Instructions, RangeNoise};
+use block::{Block, Workspace};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, dispatch};
 use grid::Grid;
 use lanes::Native;
-use linear::{Filled, Linear};
 use output::Output;
 use pairs::is_set;
 use quantity::Quantity;
-use reach::Reach;
-use scales::Scales;
 use transect_device::{Pixel, RangeImage, View, ViewError};
-
-/// Pixels from a window's centre to its border at most.
-const REACH: usize = 10;
 
 /// A view after smoothing.
 #[derive(Debug, Clone)]
 pub struct Smoothed {
     /// The view with its new image.
     pub view: View,
-    /// Row-major: by what each pixel's standard deviation was multiplied; 1 where it stayed.
+    /// Factor of each pixel's standard deviation, row-major; 1 where the pixel stayed.
     pub sigma_factors: Vec<f32>,
     /// The median of these over the valid pixels that were to be smoothed.
     pub median_factor: f64,
@@ -81,12 +75,10 @@ pub struct Smoothed {
     pub window: f64,
     /// How many pixels changed.
     pub changed: usize,
-    /// How many of these by the fit without robust weights.
-    pub linear: usize,
 }
 
 impl Smoothed {
-    /// By what the standard deviation of a pixel was multiplied; 1 outside the image.
+    /// The factor of a pixel's standard deviation; 1 outside the image.
     pub fn factor(&self, pixel: Pixel) -> f64 {
         let size = self.view.image().size();
         let inside = pixel.row < size.rows && pixel.col < size.cols;
@@ -96,16 +88,16 @@ impl Smoothed {
     }
 }
 
+/// Chooses the pixels that are smoothed, row-major, from the bounds of every value.
+pub type PixelChoice<'a> = dyn Fn(&ValueBounds) -> Vec<bool> + 'a;
+
 /// Which pixels are smoothed, and how.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Extent<'a> {
-    /// Only pixels that can take part in a curve on one of the planes to which these axes belong, and
-    /// those next to them: curves are the same as if all were smoothed. `None` for all.
-    pub near: Option<&'a SectionAxes>,
+#[derive(Clone, Copy, Default)]
+pub struct Smoothing<'a> {
+    /// The pixels to be smoothed; `None` for all.
+    pub pixels: Option<&'a PixelChoice<'a>>,
     /// Instructions of the inner loops. Results are the same to the bit.
     pub instructions: Instructions,
-    /// Whether all pixels are fitted with robust weights, also where those would change nothing.
-    pub robust: bool,
 }
 
 /// Smooths the image of a view.
@@ -114,12 +106,12 @@ pub struct Extent<'a> {
 /// same noise.
 ///
 /// # Errors
-/// [`ViewError`] if the smoothed image does not make a view, which the given one did.
+/// [`ViewError`] if the smoothed image does not make a view.
 pub fn smooth(view: &View, noise: &RangeNoise, rule: &BreakRule) -> Result<Smoothed, ViewError> {
-    smooth_with(view, noise, rule, &Extent::default())
+    smooth_with(view, noise, rule, &Smoothing::default())
 }
 
-/// The same, for the pixels that are asked for.
+/// Smooths some pixels of a view.
 ///
 /// # Errors
 /// As [`smooth`].
@@ -127,110 +119,74 @@ pub fn smooth_with(
     view: &View,
     noise: &RangeNoise,
     rule: &BreakRule,
-    extent: &Extent<'_>,
+    smoothing: &Smoothing<'_>,
 ) -> Result<Smoothed, ViewError> {
-    let size = view.image().size();
     let mut output = Output::new(view.image());
-    let (mut linear, mut unchanged) = (0, 0);
-    if noise.length() > 0.0 {
-        let level = extent.instructions.level();
-        let mut smoother = dispatch!(level, simd => Smoother::new(simd, view, noise, rule));
-        let filled = if extent.robust { None } else { Some(smoother.fill()) };
-        let reach = extent.near.and_then(|axes| Reach::new(&smoother, axes));
-        let mut wanted = match &reach {
-            Some(reach) => dispatch!(level, simd => reach.wanted(simd, &smoother)),
-            None => vec![true; size.pixels()],
-        };
-        unchanged = count_valid(view.image(), &wanted);
-        if let Some(filled) = &filled {
-            let found = dispatch!(level, simd => Linear::new(simd, &smoother, filled, &wanted));
-            let rest = dispatch!(level, simd => found.take(simd, &smoother, &wanted, &mut output));
-            (linear, wanted) = (output.changed, rest);
-        }
-        dispatch!(level, simd => smoother.image(simd, &wanted, &mut output));
-        unchanged -= output.changed;
+    if noise.length() <= 0.0 {
+        return output.finish(view, 0);
     }
-    Ok(Smoothed {
-        median_factor: output.median_factor(unchanged),
-        window: output.window(),
-        changed: output.changed,
-        linear,
-        view: view.with_image(
-            RangeImage::from_values(size, output.values).map_err(|_| ViewError::NoValidPixel)?,
-        )?,
-        sigma_factors: output.sigma_factors,
-    })
+    let level = smoothing.instructions.level();
+    let smoother = dispatch!(level, simd => Smoother::new(simd, view, noise, rule));
+    let bounds = smoothing.pixels.and_then(|choice| Some((choice, ValueBounds::new(&smoother)?)));
+    let wanted = match bounds {
+        Some((choice, bounds)) => choice(&bounds),
+        None => vec![true; view.image().size().pixels()],
+    };
+    dispatch!(level, simd => smoother.image(simd, &wanted, &mut output));
+    output.finish(view, count_valid(view.image(), &wanted))
 }
 
 /// How many of the wanted pixels there are.
 fn count_valid(image: &RangeImage, wanted: &[bool]) -> usize {
-    let cols = image.size().cols;
-    let rows = wanted.chunks(cols).enumerate();
+    let rows = wanted.chunks(image.size().cols).enumerate();
     let in_row = |(row, wanted): (usize, &[bool])| {
         let pixels = image.row(row).iter().zip(wanted);
-        pixels.map(|(value, wanted)| u32::from(*wanted & !value.is_nan())).sum::<u32>() as usize
+        pixels.filter(|(value, wanted)| **wanted && !value.is_nan()).count()
     };
     rows.map(in_row).sum()
 }
 
-/// What the image holds.
-struct Samples<'a> {
+/// An image, ready to be fitted.
+struct Smoother<'a> {
     view: &'a View,
     noise: &'a RangeNoise,
     quantity: Quantity,
     grid: Grid<'a>,
 }
 
-struct Smoother<'a> {
-    samples: Samples<'a>,
-    scales: Scales,
-}
-
 impl<'a> Smoother<'a> {
     #[inline(always)]
     fn new<S: Simd>(simd: S, view: &'a View, noise: &'a RangeNoise, rule: &'a BreakRule) -> Self {
         let quantity = Quantity::of(view);
-        // Closures take the loops into functions of their own, with all instructions.
+        // A closure takes the loops into a function of their own, with all instructions.
         let grid = simd.vectorize(
             #[inline(always)]
             || Grid::new(simd, view, rule, quantity),
         );
-        let samples = Samples { view, noise, quantity, grid };
-        let scales = simd.vectorize(
-            #[inline(always)]
-            || Scales::new(&samples),
-        );
-        Self { scales, samples }
-    }
-
-    /// Fills gaps one pixel wide; see `linear/fill.rs`.
-    fn fill(&mut self) -> Filled {
-        Filled::new(&mut self.samples.grid, &self.scales)
+        Self { view, noise, quantity, grid }
     }
 
     #[inline(always)]
     fn image<S: Simd>(&self, simd: S, wanted: &[bool], output: &mut Output) {
-        let mut weights = Weights::new();
-        let cols = self.samples.view.image().size().cols;
-        let mut paired = vec![0; self.samples.grid.links.words()];
+        let mut work = Workspace::new();
+        let cols = self.view.image().size().cols;
+        let mut paired = vec![0; self.grid.links.words()];
         for (row, wanted) in wanted.chunks(cols).enumerate() {
-            self.samples.grid.links.paired(row, &mut paired);
+            self.grid.links.paired(row, &mut paired);
             let mut first = 0;
             // Blocks begin at pixels that are wanted; that changes nothing in any pixel's fit.
             while let Some(skip) = wanted[first..].iter().position(|wanted| *wanted) {
                 first += skip;
                 let end = (first + Native::<S>::LEN).min(cols);
-                let counts =
-                    |lane: usize| wanted[first + lane] && is_set(&paired, REACH + first + lane);
+                let counts = |col: usize| wanted[col] && is_set(&paired, HALF_WINDOW + col);
                 simd.vectorize(
                     #[inline(always)]
                     || {
-                        let block = self.block((row, first), end - first, counts);
+                        let block = self.block(row, (first..end).filter(|col| counts(*col)), first);
                         if !block.is_empty() {
-                            let fitted = block.fit(simd, &self.samples.grid, &mut weights);
+                            let fitted = block.fit(simd, &self.grid, &mut work);
                             let radii = block.radii(&fitted.shares);
-                            let quantity = self.samples.quantity;
-                            output.put(quantity, row * cols + first, &fitted, &radii);
+                            output.put(self.quantity, row * cols + first, &fitted, &radii);
                         }
                     },
                 );
@@ -239,42 +195,23 @@ impl<'a> Smoother<'a> {
         }
     }
 
-    /// The windows of some pixels of a row; pixels without neighbours of their surface stay as they are.
+    /// Some pixels of a row with their windows. Pixels whose noise or ray spacing is not known, or
+    /// whose noise is negligible, are left out.
     #[inline(always)]
-    fn block(
-        &self,
-        (row, first): (usize, usize),
-        count: usize,
-        counts: impl Fn(usize) -> bool,
-    ) -> Block {
+    fn block(&self, row: usize, cols: impl Iterator<Item = usize>, first: usize) -> Block {
         let mut block = Block::new(row, first);
-        let values = &self.samples.view.image().row(row)[first..];
-        let inverse_sigma = &self.scales.inverse_sigma[row * self.scales.width + first..];
-        for lane in (0..count).filter(|lane| counts(*lane)) {
-            let sizes = self.samples.sizes(Pixel::new(row, first + lane), values[lane]);
-            block.set(lane, sizes, inverse_sigma[lane]);
-        }
-        block.find_windows();
-        block
-    }
-}
-
-impl Samples<'_> {
-    /// Distances between the rays of a row and of a column at a pixel and the noise as a length, from which
-    /// its window follows; NaN where they are not known.
-    #[inline(always)]
-    fn sizes(&self, pixel: Pixel, value: f32) -> [f32; 3] {
-        let length = || match self.noise.stated_length() {
-            Some(length) => Some(length),
-            None => {
-                let rate = f64::from(self.grid.length_per_value(pixel, value)?);
-                Some(self.noise.value_sigma(rate) * rate)
+        let values = self.view.image().row(row);
+        for col in cols {
+            let pixel = Pixel { row, col };
+            let Some((across, down)) = self.grid.spacings(pixel) else { continue };
+            let Some(rate) = self.grid.length_per_value(pixel, values[col]) else { continue };
+            let sigma = self.noise.value_sigma(f64::from(rate));
+            let radii = window::radii([across, down, (sigma * f64::from(rate)) as f32]);
+            let inverse_sigma = self.quantity.inverse_sigma(values[col], (1.0 / sigma) as f32);
+            if radii[0] > 0.0 && inverse_sigma > 0.0 {
+                block.add(col - first, radii, inverse_sigma);
             }
-        };
-        let sizes = self
-            .grid
-            .spacings(pixel)
-            .and_then(|(across, down)| Some([across, down, length()? as f32]));
-        sizes.unwrap_or([f32::NAN; 3])
+        }
+        block
     }
 }

@@ -1,20 +1,14 @@
 //! Weighted least squares for a polynomial of second order, several pixels at once.
 
-use super::REACH;
-use super::lanes::{Native, inverse_above};
-use super::links::WIDTH;
+use super::lanes::{Native, all, inverse_above};
+use crate::tuning::{HALF_WINDOW, SMALLEST_PIVOT, WINDOW_COLUMNS};
 use fearless_simd::Simd;
-use fearless_simd::prelude::*;
 
 /// Coefficients of `1, x, y, x², xy, y²`.
 pub(super) type Coefficients<S> = [Native<S>; 6];
 
 /// Powers of x and y in each term.
 const POWERS: [(usize, usize); 6] = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)];
-
-/// A pivot below this share of its diagonal is none: that term cannot be told from the earlier
-/// ones, as x² from x where the window has two columns only.
-const SMALLEST_PIVOT: f32 = 1e-3;
 
 /// Weighted sums over a window.
 #[derive(Debug, Clone, Copy)]
@@ -36,28 +30,24 @@ pub(super) struct RowSums<S: Simd> {
 impl<S: Simd> RowSums<S> {
     #[inline(always)]
     pub fn zero(simd: S) -> Self {
-        let zero = Native::<S>::splat(simd, 0.0);
+        let zero = all(simd, 0.0);
         Self { powers: [zero; 5], values: [zero; 3] }
     }
 
-    /// Adds the weight of a column.
+    /// Adds the weights and the values of a column.
     #[inline(always)]
-    pub fn add_weight(&mut self, column: &Column, weight: Native<S>) {
+    pub fn add(&mut self, column: &Column, weight: Native<S>, value: Native<S>) {
         let [x, x2, x3, x4] = column.powers;
         let [p0, p1, p2, p3, p4] = self.powers;
         self.powers =
             [p0 + weight, p1 + weight * x, p2 + weight * x2, p3 + weight * x3, p4 + weight * x4];
-    }
-
-    #[inline(always)]
-    pub fn add_value(&mut self, column: &Column, weighted: Native<S>) {
-        let [x, x2, ..] = column.powers;
+        let weighted = weight * value;
         let [v0, v1, v2] = self.values;
         self.values = [v0 + weighted, v1 + weighted * x, v2 + weighted * x2];
     }
 }
 
-/// A column of a window: what is read in less time than found again.
+/// A column of a window. Its powers are read from a table, which is faster than multiplying.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Column {
     /// `x`, `x²`, `x³` and `x⁴`.
@@ -66,12 +56,12 @@ pub(super) struct Column {
     pub bit: u32,
 }
 
-/// Those of the largest window.
-pub(super) const COLUMNS: [Column; WIDTH] = {
-    let mut columns = [Column { powers: [0.0; 4], bit: 0 }; WIDTH];
+/// The columns of the largest window.
+pub(super) const COLUMNS: [Column; WINDOW_COLUMNS] = {
+    let mut columns = [Column { powers: [0.0; 4], bit: 0 }; WINDOW_COLUMNS];
     let mut c = 0;
-    while c < WIDTH {
-        let x = c as f32 - REACH as f32;
+    while c < WINDOW_COLUMNS {
+        let x = c as f32 - HALF_WINDOW as f32;
         columns[c] = Column { powers: [x, x * x, x * x * x, x * x * x * x], bit: 1 << c };
         c += 1;
     }
@@ -81,7 +71,7 @@ pub(super) const COLUMNS: [Column; WIDTH] = {
 impl<S: Simd> Sums<S> {
     #[inline(always)]
     pub fn zero(simd: S) -> Self {
-        let zero = Native::<S>::splat(simd, 0.0);
+        let zero = all(simd, 0.0);
         Self { simd, powers: [[zero; 5]; 5], values: [zero; 6] }
     }
 
@@ -107,15 +97,15 @@ impl<S: Simd> Sums<S> {
     /// The polynomial `z` whose values make the fit at the centre: it is `Σ w z v`.
     #[inline(always)]
     pub fn centre_weights(&self) -> Coefficients<S> {
-        let mut unit = [Native::<S>::splat(self.simd, 0.0); 6];
-        unit[0] = Native::<S>::splat(self.simd, 1.0);
+        let mut unit = [all(self.simd, 0.0); 6];
+        unit[0] = all(self.simd, 1.0);
         self.solve(unit)
     }
 
     /// Solves by `L D Lᵀ`; terms without a pivot get the coefficient 0.
     #[inline(always)]
     fn solve(&self, right: Coefficients<S>) -> Coefficients<S> {
-        let zero = Native::<S>::splat(self.simd, 0.0);
+        let zero = all(self.simd, 0.0);
         let mut lower = [[zero; 6]; 6];
         let mut inverse = [zero; 6];
         let mut solution = right;

@@ -7,7 +7,7 @@ use transect_device::{DeviceFrame, Pixel, SensorPlane, View};
 const LATTICE: usize = 12;
 
 /// Pixels between the places at which a plane is compared; about the largest window's radius.
-const REACH: usize = 6;
+const STEP: usize = 6;
 
 /// The function of a value that is fitted by a polynomial in row and column.
 ///
@@ -28,7 +28,7 @@ impl Quantity {
     pub fn of(view: &View) -> Self {
         let (mut value, mut inverse) = (0.0, 0.0);
         for (pixel, d3) in lattice(view.image(), LATTICE) {
-            for step in [(REACH, 0), (0, REACH)] {
+            for step in [(STEP, 0), (0, STEP)] {
                 if let Some((v, i)) = bends(view.frame(), pixel, d3, step) {
                     value += v;
                     inverse += i;

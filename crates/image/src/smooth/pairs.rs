@@ -1,8 +1,6 @@
 //! Which neighbouring samples belong to one surface, a row of the image at a time, one bit each.
 
-use crate::one_pass::{PairTestOf, PairTests};
-use crate::{BreakRule, length_per_value};
-use fearless_simd::prelude::*;
+use crate::{BreakRule, PairTests, TestPairs, length_per_value};
 use fearless_simd::{Simd, SimdBase};
 use transect_device::{Neighbour, PairGeometry, Pixel, Point3, RayProducts, View};
 
@@ -70,12 +68,11 @@ impl<'a> Pairs<'a> {
         Self { view, rule, tables, geometry }
     }
 
-    /// Which pixels of a row are valid, and which are joined to their left neighbours and to those above.
+    /// Which pixels of a row are joined to their left neighbours and which to those above.
     #[inline(always)]
-    pub fn read<S: Simd>(&mut self, simd: S, row: usize, lines: [&Line; 2], bits: [&mut [u64]; 3]) {
+    pub fn read<S: Simd>(&mut self, simd: S, row: usize, lines: [&Line; 2], bits: [&mut [u64]; 2]) {
         let [above, here] = lines.map(|line| &line.0);
-        let [valid, left, up] = bits;
-        compare(simd, Same, [&here[1..], &here[1..]], valid);
+        let [left, up] = bits;
         match &self.tables {
             Some([(_, to_left), (_, upward)]) => {
                 compare(simd, to_left.at(row), [&here[1..], here], left);
@@ -84,7 +81,7 @@ impl<'a> Pairs<'a> {
             None => {
                 left.fill(0);
                 up.fill(0);
-                self.geometry.read(self.view, self.rule, row, [valid, left, up]);
+                self.geometry.read(self.view, self.rule, row, [left, up]);
             }
         }
     }
@@ -126,19 +123,19 @@ impl<'a> Pairs<'a> {
 impl Geometry {
     /// Reads a row, which comes after the one above: each sample's point is found once, and pairs are
     /// looked at where there are two samples.
-    fn read(&mut self, view: &View, rule: &BreakRule, row: usize, bits: [&mut [u64]; 3]) {
-        let [valid, left, up] = bits;
+    fn read(&mut self, view: &View, rule: &BreakRule, row: usize, bits: [&mut [u64]; 2]) {
+        let [left, up] = bits;
         let (frame, image) = (view.frame(), view.image());
         self.points.swap(0, 1);
         let [above, here] = &mut self.points;
-        here.fill(None);
-        for col in ones(valid) {
+        for (col, point) in here.iter_mut().enumerate() {
             let pixel = Pixel { row, col };
-            here[col] = image.get(pixel).and_then(|d3| frame.point(pixel, f64::from(d3)));
+            *point = image.get(pixel).and_then(|d3| frame.point(pixel, f64::from(d3)));
         }
-        for col in ones(valid) {
+        for (col, point) in here.iter().enumerate() {
             let pixel = Pixel { row, col };
-            let (Some(point), Some(ray)) = (&here[col], frame.ray(pixel)) else { continue };
+            let Some(point) = point else { continue };
+            let Some(ray) = frame.ray(pixel) else { continue };
             let kinds = NEIGHBOURS.into_iter().zip([&*here, &*above]);
             for (((neighbour, points), laterals), bits) in
                 kinds.zip(&mut self.laterals).zip([&mut *left, &mut *up])
@@ -159,18 +156,9 @@ pub(super) fn is_set(words: &[u64], at: usize) -> bool {
     words[at / WORD] >> (at % WORD) & 1 == 1
 }
 
-/// The places of the bits that are set.
-pub(super) fn ones(words: &[u64]) -> impl Iterator<Item = usize> {
-    words.iter().enumerate().flat_map(|(at, &word)| {
-        let lowest = |rest: &u64| Some(rest & rest.wrapping_sub(1)).filter(|rest| *rest != 0);
-        let rests = std::iter::successors(Some(word).filter(|rest| *rest != 0), lowest);
-        rests.map(move |rest| at * WORD + rest.trailing_zeros() as usize)
-    })
-}
-
 /// Compares samples with others, a word at a time.
 #[inline(always)]
-fn compare<S: Simd, T: PairTestOf<S>>(
+fn compare<S: Simd, T: TestPairs<S>>(
     simd: S,
     test: T,
     [here, other]: [&[f32]; 2],
@@ -185,16 +173,5 @@ fn compare<S: Simd, T: PairTestOf<S>>(
             let b = S::f32s::from_slice(simd, &other[at..at + lanes]);
             *bits |= test.holds(simd, a, b, at) << (k * lanes);
         }
-    }
-}
-
-/// Whether there is a sample: NaN is not even itself.
-#[derive(Debug, Clone, Copy)]
-struct Same;
-
-impl<S: Simd> PairTestOf<S> for Same {
-    #[inline(always)]
-    fn holds(&self, _: S, a: S::f32s, b: S::f32s, _: usize) -> u64 {
-        a.simd_eq(b).to_bitmask()
     }
 }
