@@ -35,18 +35,28 @@
 
 #[cfg(doctest)]
 mod doc_tests;
+mod error;
 pub mod evaluate;
 mod fingerprint;
+mod fused;
 mod grow;
+mod modelled_view;
 mod pipeline;
 mod refine;
+mod refinement;
 mod report;
+mod settings;
+mod setup;
 mod source;
 mod watch;
 
+pub use error::ReconstructError;
 pub use grow::{GrowError, Grower, Growth};
-pub use pipeline::{ReconstructError, Reconstruction, Setup, reconstruct};
-pub use refine::{DifferenceReason, RefinedGap, Refinement, RefinementError, RefinementReport};
+pub use pipeline::{Reconstruction, reconstruct};
+pub use refine::{DifferenceReason, RefinedGap, RefinementReport};
+pub use refinement::{Refinement, RefinementError};
 pub use report::{FusionReport, Report, Timings, ViewReport};
+pub use settings::SettingsError;
+pub use setup::Setup;
 pub use source::{LoadedView, SourceError, ViewSource};
 pub use watch::{Stage, Unwatched, Watch};

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use transect_device::{Pixel, Point3, View};
 use transect_exchange::{Scan, ScanView};
 use transect_geometry::LengthUnit;
-use transect_partial::estimate_sigma;
+use transect_image::estimate_sigma;
 use transect_workflow::{is_model, with_causes};
 
 /// Options of `inspect`.

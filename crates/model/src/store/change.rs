@@ -6,7 +6,8 @@ use super::fuse::{Fuse, PlaneInputs};
 use super::tables::{
     FUSED, PARTIALS, PENDING, VIEWS, encode_curves, encode_fused, read_partials, read_view,
 };
-use super::view::{StoredView, ViewEntry, ViewId};
+use super::view::{StoredView, ViewEntry};
+use super::view_id::ViewId;
 use redb::WriteTransaction;
 use std::collections::BTreeSet;
 use transect_geometry::{Curve, PlaneIndex};

@@ -1,7 +1,7 @@
 //! Why something could not be done with a store.
 
 use super::blocks::Damage;
-use super::view::ViewId;
+use super::view_id::ViewId;
 use crate::{CodecError, InvariantError};
 use std::io;
 use std::path::{Path, PathBuf};

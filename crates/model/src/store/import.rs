@@ -6,7 +6,8 @@ use super::lines::{
 };
 use super::medium::Medium;
 use super::tables::{FUSED, PARTIALS, VIEWS, encode_curves, encode_fused};
-use super::view::{StoreHeader, StoredView, ViewEntry, ViewId};
+use super::view::{StoreHeader, StoredView, ViewEntry};
+use super::view_id::ViewId;
 use super::{Store, build};
 use crate::codec::values::hash_piece;
 use crate::codec::{HASH_OF_NOTHING, fnv1a_from};

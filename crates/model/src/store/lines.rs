@@ -23,7 +23,8 @@
 //!
 //! Numbers have the fewest digits that read back as the same number: exporting what was imported gives the same bytes.
 
-use super::view::{StoreHeader, ViewEntry, ViewId};
+use super::view::{StoreHeader, ViewEntry};
+use super::view_id::ViewId;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use transect_geometry::{

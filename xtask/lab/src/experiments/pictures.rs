@@ -62,18 +62,18 @@ fn scan_and_model(
     let plan = if kind == SensorKind::Spherical { SensorPlan::OWN } else { SensorPlan::with(kind) };
     let outcome = trial::run(scene, &plan)?;
     let (description, name) = (&scene.description, kind.name());
-    let options = |what: &str| OverviewOptions {
-        title: format!("{}: {what}", description.name),
-        azimuth_deg,
-        elevation_deg,
-        width: 1000.0,
-        height: 760.0,
+    let options = |what: &str| {
+        let mut options = OverviewOptions::default();
+        options.title = format!("{}: {what}", description.name);
+        (options.azimuth_deg, options.elevation_deg) = (azimuth_deg, elevation_deg);
+        (options.width, options.height) = (1000.0, 760.0);
+        options
     };
     let points = outcome.views.first().map(scanned).unwrap_or_default();
     let seen = format!("{} of the points that one view of the {name} sensor scanned", points.len());
     let (planes, unit) = (&description.planes, description.unit);
     write_file(&folder.join(format!("{name}-points.svg")), |out| {
-        write_points(&points, planes, (unit, &seen), &options("scanned points"), out)
+        write_points(&points, planes, unit, &seen, &options("scanned points"), out)
     })?;
     write_file(&folder.join(format!("{name}-model.svg")), |out| {
         write_overview(&outcome.model, &options("cross-section model"), out)
