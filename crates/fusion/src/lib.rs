@@ -51,10 +51,13 @@ pub fn fuse_plane(views: &[&[Curve]], method: &FusionMethod) -> FusedPlane {
 
 /// The same, and how each view agrees with the others: what is needed of the views is collected once.
 pub fn fuse_and_compare(views: &[&[Curve]], method: &FusionMethod) -> (FusedPlane, Vec<Agreement>) {
-    let observations = Observations::collect(views, &match method {
-        FusionMethod::Consensus(options) => options.steps,
-        FusionMethod::Pairwise(_) => consensus::Steps::ALL,
-    });
+    let observations = Observations::collect(
+        views,
+        &match method {
+            FusionMethod::Consensus(options) => options.steps,
+            FusionMethod::Pairwise(_) => consensus::Steps::ALL,
+        },
+    );
     let agreement = agreement::between(&observations, views.len());
     let plane = match method {
         FusionMethod::Consensus(options) => consensus::fuse(observations, options),

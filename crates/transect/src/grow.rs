@@ -57,7 +57,7 @@
 
 mod fuser;
 
-use crate::fingerprint::{fingerprint, sensor_kind};
+use crate::fingerprint::fingerprint;
 use crate::modelled_view::{ModelledView, TimedView, no_curves};
 use crate::report::{PlaneSummary, Report, Timings, ViewReport};
 use crate::{
@@ -286,7 +286,7 @@ impl<'a> Grower<'a> {
         let entry = ViewEntry {
             id: source.id().into(),
             name: source.name().to_owned(),
-            sensor: sensor_kind(&loaded.view),
+            sensor: loaded.view.frame().kind().to_owned(),
             source: source.origin(),
             source_hash: fingerprint(&loaded.view),
             world_from_sensor: *loaded.view.world_from_sensor(),

@@ -74,7 +74,12 @@ const APART: f64 = 0.4;
 
 /// Makes corners sharp; new nodes are added to `kept`. `noise` is the standard deviation of a single
 /// pixel across a curve.
-pub(super) fn sharpen(kept: &mut Vec<Kept>, pieces: &mut [Piece], noise: f64, steps: &super::Steps) {
+pub(super) fn sharpen(
+    kept: &mut Vec<Kept>,
+    pieces: &mut [Piece],
+    noise: f64,
+    steps: &super::Steps,
+) {
     for piece in pieces {
         let corners = corners(&Path::new(kept, piece, steps), noise);
         if !corners.is_empty() {

@@ -162,7 +162,13 @@ mod tests {
         group(
             observations,
             &grid,
-            &Scale { spacing: 0.02, threshold: 0.02, threshold_spreads: 8.0, same_way: 0.6, steps: super::super::Steps::ALL },
+            &Scale {
+                spacing: 0.02,
+                threshold: 0.02,
+                threshold_spreads: 8.0,
+                same_way: 0.6,
+                steps: super::super::Steps::ALL,
+            },
         )
     }
 

@@ -202,8 +202,13 @@ mod tests {
         };
         // Two layers run into one node; the one seen at a view's end alone is a little nearer.
         let kept = [node(0.0, 0.002, 1.0), node(0.001, -0.002, 0.05), node(0.02, 0.0, 2.0)];
-        let scale =
-            Scale { spacing: 0.02, threshold: 0.001, threshold_spreads: 8.0, same_way: 0.6, steps: super::super::Steps::ALL };
+        let scale = Scale {
+            spacing: 0.02,
+            threshold: 0.001,
+            threshold_spreads: 8.0,
+            same_way: 0.6,
+            steps: super::super::Steps::ALL,
+        };
         let next = link(&kept, &[], &Observations::default(), &scale);
         assert_eq!(next, [2, NONE, NONE]);
     }

@@ -300,9 +300,16 @@ fn tidy(
     let (pieces, short) = if st.second_cover {
         pieces::cover(kept, pieces, scale, Shortest::curve(options.shortest_footprints))
     } else {
-        (pieces.into_iter().filter(|p| p.nodes.len() >= 3 && p.footprints(kept) >= options.shortest_footprints).collect(), 0)
+        (
+            pieces
+                .into_iter()
+                .filter(|p| p.nodes.len() >= 3 && p.footprints(kept) >= options.shortest_footprints)
+                .collect(),
+            0,
+        )
     };
-    let (pieces, spurs) = if st.spurs { pieces::without_spurs(kept, pieces, scale) } else { (pieces, 0) };
+    let (pieces, spurs) =
+        if st.spurs { pieces::without_spurs(kept, pieces, scale) } else { (pieces, 0) };
     dropped += short + spurs;
     let mut pieces = pieces;
     for piece in &mut pieces {

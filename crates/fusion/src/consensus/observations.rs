@@ -177,7 +177,10 @@ impl Observations {
                 sigma,
                 footprint,
                 correlation: if steps.shared_errors { f64::from(node.correlation) } else { 0.0 },
-                tan_incidence: node.tan_incidence.filter(|_| steps.incidence_error).map_or(0.0, f64::from),
+                tan_incidence: node
+                    .tan_incidence
+                    .filter(|_| steps.incidence_error)
+                    .map_or(0.0, f64::from),
                 common: 0.0,
                 normal: node.normal.unwrap_or_default(),
                 taper,

@@ -23,7 +23,12 @@ const SMOOTH: f64 = 0.94;
 const END_FOOTPRINTS: f64 = 4.0;
 
 /// The curves of the pieces, longest first.
-pub(super) fn curves(kept: &[Kept], pieces: Vec<Piece>, ends: &Ends<'_>, middle: bool) -> Vec<Curve> {
+pub(super) fn curves(
+    kept: &[Kept],
+    pieces: Vec<Piece>,
+    ends: &Ends<'_>,
+    middle: bool,
+) -> Vec<Curve> {
     let curve = |p: &Piece| {
         let curve = Curve::new(nodes(kept, p, middle), p.closed).ok()?;
         Some(curve.with_ends(ends.of(p)))

@@ -89,12 +89,22 @@ impl Windows {
         self.grow(reach);
         let along = self.samples.get(self.from..self.to)?;
         if self.farthest <= across {
-            return fit(along, (&self.sums, self.farthest), (reach, self.arcs, self.robust), threshold);
+            return fit(
+                along,
+                (&self.sums, self.farthest),
+                (reach, self.arcs, self.robust),
+                threshold,
+            );
         }
         self.inside.clear();
         self.inside.extend(along.iter().filter(|s| s.y.abs() <= across));
         let weighted = self.inside.iter().map(|s| (s, s.weight));
-        fit(&self.inside, (&Sums::of(weighted, self.sums.unit), across), (reach, self.arcs, self.robust), threshold)
+        fit(
+            &self.inside,
+            (&Sums::of(weighted, self.sums.unit), across),
+            (reach, self.arcs, self.robust),
+            threshold,
+        )
     }
 
     fn grow(&mut self, reach: f64) {

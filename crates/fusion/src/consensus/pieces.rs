@@ -122,7 +122,10 @@ pub(super) fn straighten(kept: &[Kept], piece: &mut Piece, st: &super::Steps) {
         for k in 0..units {
             let (a, b) = (k, (k + 1) % n);
             let (p, q) = (&kept[piece.nodes[a] as usize], &kept[piece.nodes[b] as usize]);
-            if !goes[a] && ((st.sideways && steps_sideways(p, q)) || (st.backward && steps_back(kept, piece, a))) {
+            if !goes[a]
+                && ((st.sideways && steps_sideways(p, q))
+                    || (st.backward && steps_back(kept, piece, a)))
+            {
                 goes[if p.weight < q.weight { a } else { b }] = true;
             } else if !goes[a] && st.redundant && says_nothing(kept, piece, a) {
                 goes[b] = true;

@@ -154,7 +154,8 @@ fn agrees(narrower: &[Fit], wide: &Fit, stray: bool) -> bool {
     narrower.iter().enumerate().all(|(step, narrow)| {
         let agrees = agree(narrow, wide, CONFIDENCE);
         strays += usize::from(!agrees);
-        agrees || (stray && strays == 1 && step < MAY_STRAY && agree(narrow, wide, STRAY_CONFIDENCE))
+        agrees
+            || (stray && strays == 1 && step < MAY_STRAY && agree(narrow, wide, STRAY_CONFIDENCE))
     })
 }
 

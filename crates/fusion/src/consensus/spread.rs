@@ -51,9 +51,11 @@ pub(super) fn between_views(
         return None;
     }
     // As a rule views lie so close to each other that a look nearby misses none of them.
-    let near = if steps.nearby_spread { measure(observations, grid, NEARBY, same_way) } else { None };
+    let near =
+        if steps.nearby_spread { measure(observations, grid, NEARBY, same_way) } else { None };
     let all_seen = NEARBY * SEARCH_FOOTPRINTS * spacing;
-    near.filter(|_| steps.nearby_spread).filter(|s| RADIUS_SPREADS * s.between <= all_seen)
+    near.filter(|_| steps.nearby_spread)
+        .filter(|s| RADIUS_SPREADS * s.between <= all_seen)
         .or_else(|| measure(observations, grid, 1.0, same_way))
 }
 

@@ -102,13 +102,16 @@ impl<'a> Choice<'a> {
             across: (ABSORB_SHARE * self.scale.across(group.sigma, f64::INFINITY)).min(group.room),
             same_way: self.scale.same_way,
         };
-        self.absorbed_by[k] = self.kept_around(&window).filter(|_| self.scale.steps.late_absorption).unwrap_or_else(|| {
-            self.absorb(&window, &line);
-            self.windows.push(window);
-            let kept = Kept::new(window.centre, window.tangent, group.footprint);
-            self.kept.push(Kept { room: group.room, ..kept });
-            self.kept.len() as u32 - 1
-        });
+        self.absorbed_by[k] = self
+            .kept_around(&window)
+            .filter(|_| self.scale.steps.late_absorption)
+            .unwrap_or_else(|| {
+                self.absorb(&window, &line);
+                self.windows.push(window);
+                let kept = Kept::new(window.centre, window.tangent, group.footprint);
+                self.kept.push(Kept { room: group.room, ..kept });
+                self.kept.len() as u32 - 1
+            });
     }
 
     /// A robust line through a group's neighbours, in the group's own direction.
@@ -245,7 +248,8 @@ impl Sums {
         k.cluster = Point2::from(self.position / self.weight);
         k.cluster_sigma = self.variance.sqrt() / self.weight;
         let along = self.along / self.weight;
-        k.along_variance = if !av { 0.0 } else { (self.along_squared / self.weight - along * along).max(0.0) };
+        k.along_variance =
+            if !av { 0.0 } else { (self.along_squared / self.weight - along * along).max(0.0) };
         let squares = self.of_views + self.of_view * self.of_view;
         k.common_variance = squares / (self.weight * self.weight);
         k.sigma = (k.cluster_sigma.powi(2) + k.common_variance).sqrt();

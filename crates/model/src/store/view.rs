@@ -5,7 +5,8 @@ use super::view_id::ViewId;
 use crate::check::{check_planes, check_pose, check_sigma};
 use crate::codec::values::{HeaderValue, ViewValue, decode, encode};
 use crate::{CodecError, InvariantError};
-use transect_geometry::{Isometry3, LengthUnit, PlaneFamily, PlaneIndex};
+use serde::{Deserialize, Serialize};
+use transect_geometry::{Curve, Isometry3, LengthUnit, PlaneFamily, PlaneIndex};
 
 /// What a store says about itself; fixed when it is created.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,7 +22,8 @@ pub struct StoreHeader {
 }
 
 /// A view that goes into a store.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ViewEntry {
     /// What tells it from other views.
     pub id: ViewId,
@@ -80,6 +82,18 @@ impl ViewEntry {
 }
 
 impl StoredView {
+    /// A view that has no curves yet.
+    pub(crate) fn new(entry: ViewEntry) -> Self {
+        Self { entry, planes: Vec::new(), curves: 0, nodes: 0 }
+    }
+
+    /// Counts its curves on one plane.
+    pub(crate) fn count(&mut self, plane: PlaneIndex, curves: &[Curve]) {
+        self.planes.push(plane);
+        self.curves += curves.len() as u64;
+        self.nodes += node_count(curves);
+    }
+
     pub(crate) fn encode(&self) -> Result<Vec<u8>, StoreProblem> {
         let ViewEntry { id, name, sensor, source, source_hash, world_from_sensor, sigma } =
             &self.entry;
@@ -116,4 +130,9 @@ impl StoredView {
         }
         Ok(Self { entry, planes, curves, nodes })
     }
+}
+
+/// Number of nodes of some curves.
+pub(crate) fn node_count(curves: &[Curve]) -> u64 {
+    curves.iter().map(|curve| curve.nodes().len() as u64).sum()
 }

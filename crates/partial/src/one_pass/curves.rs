@@ -41,7 +41,8 @@ impl Lines<'_> {
         let refined = Refinement::new(prepared, axes, pairs, options.subpixel);
         let refinement = refined.filter(|_| along.is_none());
         let gaps = Gaps { view, rule, contours, grid, gap: options.gap };
-        let mut near_tangent = NearTangent::new(view, prepared, axes, rule, options.excursion_sigmas);
+        let mut near_tangent =
+            NearTangent::new(view, prepared, axes, rule, options.excursion_sigmas);
         let mut nodes = NodeMaker {
             prepared,
             axes,
