@@ -13,8 +13,8 @@ use transect_geometry::{Curve, PlaneIndex, Point2};
 use transect_model::Model;
 use transect_scene::{Mesh, Visibility, merge_overlaps, sections};
 
-/// Tolerance where none is given, as a share of the plane interval. Chosen by hand: curves farther
-/// off are wrong to the eye. Doubled, curves count as right that lie near the next surface.
+/// Tolerance where none is given, as a share of the plane interval. Chosen by hand.
+/// Doubled, curves twice as far off count as right.
 const TOLERANCE_SHARE: f64 = 0.2;
 
 /// The part of a model that is scored, and the distance that counts as right.

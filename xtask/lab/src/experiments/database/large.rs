@@ -91,7 +91,7 @@ fn build(path: &Path, planes: i64) -> Result<Vec<Row>, Failure> {
     let parts = times.chunks(times.len().div_ceil(5)).map(|part| format!("{:.0}", median(part)));
     let size = std::fs::metadata(path)?.len();
     Ok(vec![
-        Row::count("views", times.len()),
+        Row::plain("views", times.len()),
         Row::new("adding a view, by fifths of the run", parts.collect::<Vec<_>>().join(" "), "ms"),
         Row::new("file", digits(size as f64 / 1e6), "MB"),
         peak("peak memory, building"),
@@ -118,7 +118,7 @@ fn ask(path: &Path, planes: i64) -> Result<Vec<Row>, Failure> {
         Row::new("opening", digits(opening), "ms"),
         Row::new("reading one plane, median", digits(median(&reads)), "ms"),
         Row::new("reading all planes", digits(streaming), "ms"),
-        Row::count("fused nodes", nodes),
+        Row::plain("fused nodes", nodes),
     ];
     rows.extend(point_queries(&store, planes)?);
     rows.push(peak("peak memory, asking"));
