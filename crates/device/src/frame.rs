@@ -102,6 +102,54 @@ impl PairGeometry {
 ///
 /// A backend documents its axes, handedness, pixel centre, unit, missing value, what its noise
 /// means, and the equations it comes from.
+///
+/// A camera with parallel rays along z, one per unit of x and y:
+///
+/// ```
+/// use transect_device::{
+///     DeviceFrame, DevicePoint, Handedness, ImageSize, Pixel, Point3, Ray, SensorPlane, Vector3,
+/// };
+///
+/// #[derive(Debug)]
+/// struct Parallel(ImageSize);
+///
+/// impl DeviceFrame for Parallel {
+///     fn size(&self) -> ImageSize {
+///         self.0
+///     }
+///     fn handedness(&self) -> Handedness {
+///         Handedness::ColumnsRight
+///     }
+///     fn ray(&self, pixel: Pixel) -> Option<Ray> {
+///         let start = Point3::new(pixel.col as f64, pixel.row as f64, 0.0);
+///         let inside = pixel.row < self.0.rows && pixel.col < self.0.cols;
+///         inside.then_some(Ray { start, direction: Vector3::z() })
+///     }
+///     fn point(&self, pixel: Pixel, d3: f64) -> Option<Point3> {
+///         self.ray(pixel).map(|ray| ray.start + ray.direction * d3)
+///     }
+///     fn device_point(&self, p: &Point3) -> Option<DevicePoint> {
+///         (p.z > 0.0).then_some(DevicePoint { row: p.y, col: p.x, d3: p.z })
+///     }
+///     fn plane_value(&self, pixel: Pixel, plane: &SensorPlane) -> Option<f64> {
+///         let start = self.ray(pixel)?.start;
+///         let d3 = (plane.offset - plane.normal.dot(&start.coords)) / plane.normal.z;
+///         (d3.is_finite() && d3 > 0.0).then_some(d3)
+///     }
+///     fn extent(&self, direction: &Vector3, nearest: f64, farthest: f64) -> (f64, f64) {
+///         // Wider than needed: a ball around the origin that holds all points.
+///         let reach = farthest.max(nearest) + (self.0.rows + self.0.cols) as f64;
+///         (-reach * direction.norm(), reach * direction.norm())
+///     }
+/// }
+///
+/// let frame = Parallel(ImageSize { rows: 3, cols: 4 });
+/// let p = frame.point(Pixel::new(1, 2), 5.0).ok_or("no point")?;
+/// assert_eq!(p, Point3::new(2.0, 1.0, 5.0));
+/// let wall = SensorPlane { normal: Vector3::z(), offset: 5.0 };
+/// assert_eq!(frame.plane_value(Pixel::new(1, 2), &wall), Some(5.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait DeviceFrame: std::fmt::Debug + Send + Sync {
     /// Rows and columns of the images this frame belongs to.
     fn size(&self) -> ImageSize;

@@ -43,6 +43,24 @@ pub struct Hit {
 }
 
 /// A union of solids, ready for rays.
+///
+/// ```
+/// use transect_device::{Ray, Vector3};
+/// use transect_geometry::{Isometry3, PlaneFamily, PlaneIndex, Point3, StraightGuide};
+/// use transect_scene::{Scene, Shape, Solid};
+///
+/// let ball = Solid::new(Shape::ball(2.0)?, Isometry3::translation(0.0, 0.0, 5.0))?;
+/// let scene = Scene::new(vec![ball]);
+/// let ray = Ray { start: Point3::origin(), direction: Vector3::z() };
+/// let hit = scene.hit(&ray).ok_or("no hit")?;
+/// assert_eq!((hit.solid, hit.distance), (0, 3.0));
+///
+/// let planes = PlaneFamily::new(StraightGuide::along(Vector3::z())?, 5.0, 1.5)?;
+/// let sections = scene.sections(&planes, 1e-3)?;
+/// assert_eq!(sections.len(), 3, "below, through and above the centre");
+/// assert!(sections[&PlaneIndex(0)][0].is_closed());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Scene {
     solids: Vec<Solid>,
     /// Of each solid, its frame from the world's.

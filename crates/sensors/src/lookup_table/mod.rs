@@ -67,6 +67,19 @@ pub struct Viewpoints {
 }
 
 /// The device frame of a table-driven scanner on a linear axis; see the module's page.
+///
+/// ```
+/// use transect_device::{DeviceFrame, Pixel, SensorPlane, Vector3};
+/// use transect_sensors::LookupTable;
+/// use transect_sensors::lookup_table::LinearSteps;
+///
+/// let table = LookupTable::hyscan(LinearSteps::new(0.0, 0.5, 100))?; // millimetres
+/// let wall = SensorPlane { normal: Vector3::z(), offset: 150.0 };
+/// let d3 = table.plane_value(Pixel::new(20, 128), &wall).ok_or("the ray misses the plane")?;
+/// let p = table.point(Pixel::new(20, 128), d3).ok_or("no point")?;
+/// assert!((p.z - 150.0).abs() < 1e-9 && p.y == 10.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct LookupTable {
     field: DigitizedField,

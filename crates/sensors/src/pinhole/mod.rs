@@ -67,6 +67,17 @@ pub struct Intrinsics {
 }
 
 /// The device frame of a depth camera; see the module's page.
+///
+/// ```
+/// use transect_device::{DeviceFrame, ImageSize, Pixel, Point3};
+/// use transect_sensors::{Intrinsics, Pinhole};
+///
+/// let intrinsics = Intrinsics { fx: 500.0, fy: 500.0, cx: 319.5, cy: 239.5 };
+/// let camera = Pinhole::new(ImageSize { rows: 480, cols: 640 }, intrinsics)?;
+/// let seen = camera.device_point(&Point3::new(0.1, 0.0, 2.0)).ok_or("not seen")?;
+/// assert_eq!((seen.row, seen.col, seen.d3), (239.5, 319.5 + 25.0, 2.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Pinhole {
     size: ImageSize,

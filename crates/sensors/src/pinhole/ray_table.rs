@@ -31,6 +31,18 @@ const BORDER: f64 = 1e-9;
 const NEWTON_STEPS: usize = 12;
 
 /// The device frame of a camera given by its rays; see the module's page.
+///
+/// ```
+/// use transect_device::{DeviceFrame, ImageSize, Pixel, Vector3};
+/// use transect_sensors::{PinholeScale, RayTable};
+///
+/// let places = (0..12).map(|n| (f64::from(n % 4) - 1.5, f64::from(n / 4) - 1.0));
+/// let rays = places.map(|(x, y)| Vector3::new(0.2 * x, 0.2 * y, 1.0)).collect();
+/// let camera = RayTable::new(ImageSize { rows: 3, cols: 4 }, rays, PinholeScale::Depth)?;
+/// let p = camera.point(Pixel::new(1, 3), 2.0).ok_or("no point")?;
+/// assert!((p.x - 0.6).abs() < 1e-12 && p.y == 0.0 && (p.z - 2.0).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct RayTable {
     size: ImageSize,

@@ -56,6 +56,18 @@ impl RayStarts {
 const MISSING: Point3 = Point3::new(f64::NAN, f64::NAN, f64::NAN);
 
 /// The device frame of an organised point grid; see the module's page.
+///
+/// ```
+/// use transect_device::{DeviceFrame, ImageSize, Pixel, Point3};
+/// use transect_sensors::{PointGrid, RayStarts};
+///
+/// let points = (0..12).map(|n| Point3::new(f64::from(n % 4), f64::from(n / 4), 10.0)).collect();
+/// let starts = RayStarts::Viewpoint(Point3::origin());
+/// let (grid, image) = PointGrid::new(ImageSize { rows: 3, cols: 4 }, points, starts)?;
+/// assert_eq!(image.get(Pixel::new(0, 0)), Some(10.0));
+/// assert_eq!(grid.point(Pixel::new(0, 0), 10.0), Some(Point3::new(0.0, 0.0, 10.0)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct PointGrid {
     size: ImageSize,
