@@ -1,5 +1,5 @@
-//! The dissertation's light-stripe sensor from light to range: images of the face mask, and what the
-//! extraction finds in them.
+//! The dissertation's light-stripe sensor from light to range: images of the face mask, and what
+//! the extraction finds in them.
 
 use std::f64::consts::PI;
 use transect_device::{DeviceFrame, ImageSize, Pixel, RangeImage};
