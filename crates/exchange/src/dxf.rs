@@ -11,12 +11,13 @@ use transect_geometry::{Curve, PlaneFrame, PlaneIndex, Point2, Point3};
 use transect_model::Model;
 
 /// The coordinates in which curves are drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum DxfFrame {
     /// Flat polylines in plane coordinates, at an elevation that is the plane's station: all
     /// sections lie above each other on the drawing's XY plane.
     Plane,
     /// Space polylines in world coordinates.
+    #[default]
     World,
 }
 

@@ -14,24 +14,22 @@
 //! * [`SectionAxes`]: levels and plane coordinates straight from sensor coordinates.
 
 mod axes;
-mod breaks;
 mod continuation;
 pub mod dissertation;
 mod method;
-mod noise;
+mod near_planes;
 pub mod one_pass;
 mod partial_curve;
 mod pixel_grid;
-mod prepared;
-pub mod smooth;
 pub mod subpixel;
 
 pub use axes::{MAX_LEVELS, SectionAxes};
-pub use breaks::BreakRule;
 pub use method::{Method, partial_model};
-pub use noise::{RangeNoise, estimate_sigma, estimate_value_sigma, length_per_value};
 pub use partial_curve::{PartialCurve, PlaneCurves};
 pub use transect_geometry::EndReason;
+pub use transect_image::{BreakRule, Instructions};
+
+use transect_image::PreparedView;
 
 /// The curves of one view: its partial model.
 #[derive(Debug, Clone, Default)]
@@ -68,6 +66,19 @@ pub struct PartialCounts {
     pub beyond_reach: usize,
     /// Diameter of the window that it looked at, at the median of them, in pixels; 0 if none.
     pub window: f64,
+}
+
+impl PartialCounts {
+    /// Takes over the noise of a view and what smoothing did.
+    fn take_prepared(&mut self, prepared: &PreparedView<'_>) {
+        self.sigma = prepared.sigma();
+        self.sigma_after = self.sigma;
+        if let Some(smoothed) = prepared.smoothed() {
+            self.sigma_after *= smoothed.median_factor;
+            self.smoothed = smoothed.changed;
+            self.window = smoothed.window;
+        }
+    }
 }
 
 /// Why a view could not be modelled.

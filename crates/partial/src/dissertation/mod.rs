@@ -50,8 +50,6 @@ pub use label::{Label, LabelImage};
 pub use orient::DirectionRule;
 pub use plane_image::{PlaneImage, sensor_plane};
 
-use crate::prepared::Prepared;
-use crate::smooth::Extent;
 use crate::subpixel::{AngularGrid, Solver, Subpixel};
 use crate::{
     MAX_CROSSINGS, PartialCounts, PartialCurve, PartialError, PartialModel, PlaneCurves,
@@ -62,11 +60,15 @@ use link::Contour;
 use nodes::Maker;
 use samples::Samples;
 use search::SearchOrder;
+use serde::{Deserialize, Serialize};
 use transect_device::View;
 use transect_geometry::PlaneFamily;
+use transect_image::PreparedView;
+use transect_image::smooth::Smoothing;
 
 /// What can be set.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct DissertationOptions {
     /// How an intersection is told from a range jump.
     pub jump: JumpTest,
@@ -108,8 +110,9 @@ pub fn partial_model(
 ) -> Result<PartialModel, PartialError> {
     require_inverse(view)?;
     // All of it, since gaps are bridged and thick labels thinned by what is around a curve.
-    let extent = options.smooth.then(Extent::default);
-    let prepared = Prepared::new(view, extent.as_ref(), |sigma| options.jump.smoothing_rule(sigma));
+    let smoothing = options.smooth.then(Smoothing::default);
+    let rule = |sigma| options.jump.smoothing_rule(sigma);
+    let prepared = PreparedView::new(view, smoothing.as_ref(), rule);
     let view = prepared.view();
     let axes = SectionAxes::new(view, planes)?;
     let samples = Samples::new(view, &axes, options.jump, prepared.sigma());
@@ -124,7 +127,7 @@ pub fn partial_model(
     };
     let mut model = PartialModel::default();
     model.counts.jumps = samples.jumps;
-    prepared.count(&mut model.counts);
+    model.counts.take_prepared(&prepared);
     // A plane passes between two levels exactly if it is at the lower one or over it.
     let (low, high) = samples.extremes();
     for level in low.ceil() as i32..high.ceil() as i32 {
@@ -174,7 +177,7 @@ struct Modeler<'a> {
     order: &'a SearchOrder,
     angles: Option<&'a AngularGrid>,
     options: &'a DissertationOptions,
-    prepared: &'a Prepared<'a>,
+    prepared: &'a PreparedView<'a>,
 }
 
 impl Modeler<'_> {

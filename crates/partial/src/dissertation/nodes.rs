@@ -7,10 +7,10 @@ use super::samples::Samples;
 use super::trace::{Border, Trace};
 use crate::PartialCurve;
 use crate::one_pass::tan_incidence;
-use crate::prepared::Prepared;
 use crate::subpixel::{PairLine, Solver};
 use transect_device::{Neighbour, Pixel, Point3, SensorPlane, Vector3};
 use transect_geometry::{Node, Point2, Vector2};
+use transect_image::PreparedView;
 
 /// Bounds of the factor between range noise and the error across the curve: planes nearly tangent
 /// to the surface would claim any error, oblique surfaces an accuracy their normal does not support.
@@ -51,7 +51,7 @@ pub(super) struct Maker<'a> {
     pub level: i32,
     pub solver: Solver<'a>,
     pub direction: DirectionRule,
-    pub prepared: &'a Prepared<'a>,
+    pub prepared: &'a PreparedView<'a>,
 }
 
 impl Maker<'_> {

@@ -19,11 +19,13 @@
 //! on the right on a mirrored grid.
 
 use super::nodes::{Crossing, Maker};
+use serde::{Deserialize, Serialize};
 use transect_device::{Handedness, Neighbour, Pixel};
 use transect_geometry::{Point2, Vector2};
 
 /// How a curve's direction is found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum DirectionRule {
     /// From where the rays of a border's two pixels meet the plane.
     #[default]

@@ -5,8 +5,7 @@ use super::chains::{Line, assemble};
 use super::part::Part;
 use super::source::Source;
 use super::trace::{Border, Piece, stitch};
-use crate::{BreakRule, MAX_CROSSINGS, PartialError, SectionAxes};
-use fearless_simd::Level;
+use crate::{BreakRule, Instructions, MAX_CROSSINGS, PartialError, SectionAxes};
 use rayon::prelude::*;
 use transect_device::{Pixel, View};
 use transect_geometry::PlaneIndex;
@@ -63,29 +62,6 @@ pub(super) fn decode(edge: u32, cols: usize) -> (Kind, Pixel) {
         _ => (Kind::Falling, within / 2 - cols),
     };
     (kind, Pixel::new(row, col))
-}
-
-/// Which instructions the inner loops may use. Results are the same to the bit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Instructions {
-    /// The best that the processor has.
-    #[default]
-    Best,
-    /// AVX2 where the processor has it, else as portable.
-    Avx2,
-    /// Those that every processor of the build's target has.
-    Portable,
-}
-
-impl Instructions {
-    pub(crate) fn level(self) -> Level {
-        match self {
-            Self::Best => Level::new(),
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Self::Avx2 => Level::new().as_avx2().map_or_else(Level::baseline, Level::Avx2),
-            _ => Level::baseline(),
-        }
-    }
 }
 
 /// How the work is done; nothing here changes the curves.

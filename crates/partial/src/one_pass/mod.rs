@@ -74,22 +74,24 @@ mod seen;
 mod source;
 mod trace;
 
-pub use contours::{Contours, Effort, Instructions, Kind, Polyline, Vertex, Workspace, contours};
-pub(crate) use rows::Test as PairTestOf;
+pub use crate::Instructions;
+pub use contours::{Contours, Effort, Kind, Polyline, Vertex, Workspace, contours};
 pub use seen::{Seen, seen};
-pub(crate) use source::PairTests;
 
-use crate::prepared::Prepared;
-use crate::smooth::Extent;
+use crate::near_planes::near_planes;
 use crate::subpixel::Subpixel;
 use crate::{BreakRule, PartialError, PartialModel, SectionAxes};
 use along_guide::AlongGuide;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use transect_device::View;
 use transect_geometry::{CurvedGuide, PlaneFamily};
+use transect_image::PreparedView;
+use transect_image::smooth::{Smoothing, ValueBounds};
 
 /// What can be set.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct OnePassOptions {
     /// Largest angle between a ray and the surface normal at which two pixels still count as one
     /// surface, in radians. Larger keeps more of the rims, where real scanners overshoot.
@@ -160,12 +162,16 @@ pub fn partial_model_with(
     }
     let rule = |sigma| BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma);
     let axes = SectionAxes::new(view, planes)?;
-    let near = (!effort.smooth_all).then_some(&axes);
-    let extent = Extent { near, instructions: effort.instructions, ..Extent::default() };
-    let prepared = Prepared::new(view, options.smooth.then_some(&extent), rule);
+    let near = |bounds: &ValueBounds| near_planes(view, &axes, bounds, effort.instructions);
+    let mut smoothing = Smoothing { instructions: effort.instructions, ..Smoothing::default() };
+    if !effort.smooth_all {
+        smoothing.pixels = Some(&near);
+    }
+    let prepared = PreparedView::new(view, options.smooth.then_some(&smoothing), rule);
     let rule = rule(prepared.sigma());
     let contours = contours(prepared.view(), &axes, &rule, effort, work)?;
     let lines = curves::Lines {
+        view: prepared.view(),
         prepared: &prepared,
         axes: &axes,
         rule: &rule,
@@ -184,20 +190,20 @@ fn along_guide(
     work: &mut Workspace,
 ) -> Result<PartialModel, PartialError> {
     let rule = |sigma| BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma);
-    let extent = Extent { near: None, instructions: effort.instructions, ..Extent::default() };
-    let mut prepared = Prepared::new(view, options.smooth.then_some(&extent), rule);
+    let smoothing = Smoothing { instructions: effort.instructions, ..Smoothing::default() };
+    let prepared = PreparedView::new(view, options.smooth.then_some(&smoothing), rule);
     let rule = rule(prepared.sigma());
     let mut model = PartialModel::default();
     let off_guide = match AlongGuide::new(prepared.view(), planes, guide)? {
         Err(off_guide) => {
-            prepared.count(&mut model.counts);
+            model.counts.take_prepared(&prepared);
             off_guide
         }
         Ok(along) => {
-            prepared.turn(along.view.clone());
             let axes = SectionAxes::new(&along.view, &along.planes)?;
             let contours = contours(&along.view, &axes, &rule, effort, work)?;
             let lines = curves::Lines {
+                view: &along.view,
                 prepared: &prepared,
                 axes: &axes,
                 rule: &rule,
@@ -218,6 +224,6 @@ fn counted(lines: curves::Lines<'_>, options: &OnePassOptions) -> PartialModel {
     let mut model = lines.model(options);
     model.counts.crossings = lines.contours.vertex_count();
     model.counts.jumps = lines.contours.jumps();
-    lines.prepared.count(&mut model.counts);
+    model.counts.take_prepared(lines.prepared);
     model
 }

@@ -2,9 +2,9 @@
 
 use super::crossing::Crossing;
 use crate::SectionAxes;
-use crate::prepared::Prepared;
 use transect_device::Vector3;
 use transect_geometry::{Node, Vector2};
+use transect_image::PreparedView;
 
 /// Nodes on each side that give a node its direction; pixels alternate between two kinds of pairs,
 /// so fewer would see their zigzag.
@@ -22,7 +22,7 @@ const LARGEST_TAN_INCIDENCE: f64 = 6.0;
 const MIN_SINE: f64 = 0.2;
 
 pub(super) struct NodeMaker<'a> {
-    pub prepared: &'a Prepared<'a>,
+    pub prepared: &'a PreparedView<'a>,
     pub axes: &'a SectionAxes,
     /// Smallest factor between range noise and the error across the curve.
     pub least_sigma_factor: f64,

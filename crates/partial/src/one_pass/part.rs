@@ -5,13 +5,13 @@
 //! result: neither between bands nor between parts.
 
 use super::band::{Band, capacity_bytes};
-use super::contours::{Instructions, Vertex};
+use super::contours::Vertex;
 use super::emit::{emit_row, number_guests, runs_up};
 use super::link::{Cells, link_row};
 use super::rows::{Row, columns};
 use super::source::Source;
 use super::trace::{Border, Piece, Pieces, stitch, trace};
-use crate::{MAX_CROSSINGS, PartialError};
+use crate::{Instructions, MAX_CROSSINGS, PartialError};
 use fearless_simd::{Simd, dispatch};
 use std::ops::Range;
 

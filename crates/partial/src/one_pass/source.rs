@@ -1,9 +1,10 @@
 //! Where rows come from: a view's numbers, made ready for inner loops.
 
 use super::rows::{PAD, Row};
-use crate::{BreakRule, SectionAxes};
+use crate::SectionAxes;
 use fearless_simd::Simd;
-use transect_device::{LinearForm, Neighbour, RayProducts, SeparableForm, View};
+use transect_device::{LinearForm, Neighbour, SeparableForm, View};
+use transect_image::{BreakRule, PairTests, padded};
 
 /// Level and in-plane coordinates of a sensor whose forms are separable.
 #[derive(Debug, Clone)]
@@ -12,43 +13,6 @@ pub(super) struct Tables {
     /// In-plane coordinates, from the sensor's; their columns begin with the one before column 0, as
     /// rows do.
     pub places: [SeparableForm; 2],
-}
-
-/// The test for range jumps with one kind of neighbour, for all rows.
-#[derive(Debug, Clone)]
-pub(crate) struct PairTests {
-    rows: Vec<[f32; 3]>,
-    columns: Option<[Vec<f32>; 3]>,
-    slack: f32,
-}
-
-/// The same for one row: `|b · other − a · here| ≤ b · across + slack · √here`, with a number of the
-/// row and one of the column for each of the three products; `across` holds the rule's tangent.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct PairTest<'a> {
-    pub here: f32,
-    pub other: f32,
-    pub across: f32,
-    pub slack: f32,
-    pub columns: Option<[&'a [f32]; 3]>,
-}
-
-impl PairTests {
-    pub fn new(products: &RayProducts, rule: &BreakRule, cols: usize) -> Self {
-        let terms =
-            |p: &transect_device::RayProduct| [p.here, p.other, p.across * rule.tan_incidence()];
-        let columns = (!products.columns.is_empty()).then(|| {
-            [0, 1, 2].map(|k| padded(products.columns.iter().map(|p| terms(p)[k]).collect(), cols))
-        });
-        let rows = products.rows.iter().map(terms).collect();
-        Self { rows, columns, slack: rule.slack() }
-    }
-
-    pub fn at(&self, row: usize) -> PairTest<'_> {
-        let [here, other, across] = self.rows.get(row).copied().unwrap_or([f32::NAN; 3]);
-        let columns = self.columns.as_ref().map(|c| c.each_ref().map(Vec::as_slice));
-        PairTest { here, other, across, slack: self.slack, columns }
-    }
 }
 
 /// A view, a plane family and a rule, ready to be read row by row.
@@ -223,10 +187,4 @@ impl PlaceAt for Places<'_> {
             Places::Tables(places) => places.at(col),
         }
     }
-}
-
-/// A table of columns, filled up with zeros for whole words.
-fn padded(mut table: Vec<f32>, cols: usize) -> Vec<f32> {
-    table.resize(cols.next_multiple_of(64), 0.0);
-    table
 }

@@ -1,0 +1,217 @@
+//! Edge-preserving smoothing of a range image before its contours are found.
+//!
+//! **Problem.** Where a section plane is nearly tangent to a surface, range noise moves the section
+//! by many times its own size and shatters it. More views do not help much; the pixels around each
+//! pixel do.
+//!
+//! **Idea.** Image processing before modelling, as the dissertation proposes (section 6.4): every
+//! pixel is replaced by the value there of a polynomial of second order in row and column, fitted
+//! to its neighbourhood. An affine fit would flatten what is curved. Robust weights keep creases
+//! and what the break rule lets pass out of the fit (iteratively reweighted least squares with
+//! Tukey's biweight; Beaton and Tukey, 1974; local fits: Cleveland, 1979).
+//!
+//! **Steps**, per pixel.
+//! 1. The window: round, its radius a power of noise per spacing of the rays; see `window.rs`.
+//!    Rows and columns that are spaced differently make an ellipse. Weights fall smoothly to 0 at
+//!    its rim, so that the result is smooth from pixel to pixel.
+//! 2. Where the surface goes on all around and residuals are noise, robust weights would hardly differ
+//!    from one: then the fit is a convolution, and whole images of it cost little; see `linear/mod.rs`.
+//!    Steps 3 to 5 are for all other pixels.
+//! 3. The pixels in the window that unbroken pairs connect to the centre; see `links.rs`. Nothing is
+//!    smoothed across a range jump.
+//! 4. Three fits of the quantity in which planes are flat, see `quantity.rs`: the first one with
+//!    the weights of 1, then with those of the residuals.
+//! 5. The same in a wider window, whose weights follow from the residuals of the last fit.
+//! 6. Where both windows agree within noise the wider one counts, where they do not the narrower one, and
+//!    in between a mean of both: two steps of the method of intersecting confidence intervals
+//!    (Goldenshluger and Nemirovski, 1997). Walls get the gain of wide windows, and what bends stays.
+//! 7. The pixel takes that value, with a standard deviation that follows from the weights, unless
+//!    that is no smaller, or the pixel itself is none of the fit's surface.
+//!
+//! Missing pixels stay missing, and where noise is negligible against the spacing of the rays no
+//! bit changes. Noise of a result is shared with its neighbours over the window.
+//!
+//! **Cost.** Step 2 visits every pixel of the image about as often as a window has rows and columns. The
+//! robust fit takes three passes over the window's pixels and two over the wider one's, some ten times
+//! as much; both take several pixels side by side, see `lanes.rs`. Where section planes are far apart,
+//! most pixels can be left as they are; see `reach.rs`.
+
+mod block;
+mod bounds;
+mod estimate;
+mod grid;
+mod lanes;
+mod links;
+mod normal_equations;
+mod output;
+mod pairs;
+mod quantity;
+mod window;
+
+pub use bounds::ValueBounds;
+
+use crate::tuning::HALF_WINDOW;
+use crate::{BreakRule, Instructions, RangeNoise};
+use block::{Block, Workspace};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, dispatch};
+use grid::Grid;
+use lanes::Native;
+use output::Output;
+use pairs::is_set;
+use quantity::Quantity;
+use transect_device::{Pixel, RangeImage, View, ViewError};
+
+/// A view after smoothing.
+#[derive(Debug, Clone)]
+pub struct Smoothed {
+    /// The view with its new image.
+    pub view: View,
+    /// Factor of each pixel's standard deviation, row-major; 1 where the pixel stayed.
+    pub sigma_factors: Vec<f32>,
+    /// The median of these over the valid pixels that were to be smoothed.
+    pub median_factor: f64,
+    /// Diameter of the window at the median smoothed pixel, in pixels; 0 if none was smoothed.
+    pub window: f64,
+    /// How many pixels changed.
+    pub changed: usize,
+}
+
+impl Smoothed {
+    /// The factor of a pixel's standard deviation; 1 outside the image.
+    pub fn factor(&self, pixel: Pixel) -> f64 {
+        let size = self.view.image().size();
+        let inside = pixel.row < size.rows && pixel.col < size.cols;
+        let at =
+            inside.then(|| self.sigma_factors.get(pixel.row * size.cols + pixel.col)).flatten();
+        at.map_or(1.0, |factor| f64::from(*factor))
+    }
+}
+
+/// Chooses the pixels that are smoothed, row-major, from the bounds of every value.
+pub type PixelChoice<'a> = dyn Fn(&ValueBounds) -> Vec<bool> + 'a;
+
+/// Which pixels are smoothed, and how.
+#[derive(Clone, Copy, Default)]
+pub struct Smoothing<'a> {
+    /// The pixels to be smoothed; `None` for all.
+    pub pixels: Option<&'a PixelChoice<'a>>,
+    /// Instructions of the inner loops. Results are the same to the bit.
+    pub instructions: Instructions,
+}
+
+/// Smooths the image of a view.
+///
+/// `rule` tells which neighbouring pixels belong to one surface; its slack should be that of the
+/// same noise.
+///
+/// # Errors
+/// [`ViewError`] if the smoothed image does not make a view.
+pub fn smooth(view: &View, noise: &RangeNoise, rule: &BreakRule) -> Result<Smoothed, ViewError> {
+    smooth_with(view, noise, rule, &Smoothing::default())
+}
+
+/// Smooths some pixels of a view.
+///
+/// # Errors
+/// As [`smooth`].
+pub fn smooth_with(
+    view: &View,
+    noise: &RangeNoise,
+    rule: &BreakRule,
+    smoothing: &Smoothing<'_>,
+) -> Result<Smoothed, ViewError> {
+    let mut output = Output::new(view.image());
+    if noise.length() <= 0.0 {
+        return output.finish(view, 0);
+    }
+    let level = smoothing.instructions.level();
+    let smoother = dispatch!(level, simd => Smoother::new(simd, view, noise, rule));
+    let bounds = smoothing.pixels.and_then(|choice| Some((choice, ValueBounds::new(&smoother)?)));
+    let wanted = match bounds {
+        Some((choice, bounds)) => choice(&bounds),
+        None => vec![true; view.image().size().pixels()],
+    };
+    dispatch!(level, simd => smoother.image(simd, &wanted, &mut output));
+    output.finish(view, count_valid(view.image(), &wanted))
+}
+
+/// How many of the wanted pixels there are.
+fn count_valid(image: &RangeImage, wanted: &[bool]) -> usize {
+    let rows = wanted.chunks(image.size().cols).enumerate();
+    let in_row = |(row, wanted): (usize, &[bool])| {
+        let pixels = image.row(row).iter().zip(wanted);
+        pixels.filter(|(value, wanted)| **wanted && !value.is_nan()).count()
+    };
+    rows.map(in_row).sum()
+}
+
+/// An image, ready to be fitted.
+struct Smoother<'a> {
+    view: &'a View,
+    noise: &'a RangeNoise,
+    quantity: Quantity,
+    grid: Grid<'a>,
+}
+
+impl<'a> Smoother<'a> {
+    #[inline(always)]
+    fn new<S: Simd>(simd: S, view: &'a View, noise: &'a RangeNoise, rule: &'a BreakRule) -> Self {
+        let quantity = Quantity::of(view);
+        // A closure takes the loops into a function of their own, with all instructions.
+        let grid = simd.vectorize(
+            #[inline(always)]
+            || Grid::new(simd, view, rule, quantity),
+        );
+        Self { view, noise, quantity, grid }
+    }
+
+    #[inline(always)]
+    fn image<S: Simd>(&self, simd: S, wanted: &[bool], output: &mut Output) {
+        let mut work = Workspace::new();
+        let cols = self.view.image().size().cols;
+        let mut paired = vec![0; self.grid.links.words()];
+        for (row, wanted) in wanted.chunks(cols).enumerate() {
+            self.grid.links.paired(row, &mut paired);
+            let mut first = 0;
+            // Blocks begin at pixels that are wanted; that changes nothing in any pixel's fit.
+            while let Some(skip) = wanted[first..].iter().position(|wanted| *wanted) {
+                first += skip;
+                let end = (first + Native::<S>::LEN).min(cols);
+                let counts = |col: usize| wanted[col] && is_set(&paired, HALF_WINDOW + col);
+                simd.vectorize(
+                    #[inline(always)]
+                    || {
+                        let block = self.block(row, (first..end).filter(|col| counts(*col)), first);
+                        if !block.is_empty() {
+                            let fitted = block.fit(simd, &self.grid, &mut work);
+                            let radii = block.radii(&fitted.shares);
+                            output.put(self.quantity, row * cols + first, &fitted, &radii);
+                        }
+                    },
+                );
+                first = end;
+            }
+        }
+    }
+
+    /// Some pixels of a row with their windows. Pixels whose noise or ray spacing is not known, or
+    /// whose noise is negligible, are left out.
+    #[inline(always)]
+    fn block(&self, row: usize, cols: impl Iterator<Item = usize>, first: usize) -> Block {
+        let mut block = Block::new(row, first);
+        let values = self.view.image().row(row);
+        for col in cols {
+            let pixel = Pixel { row, col };
+            let Some((across, down)) = self.grid.spacings(pixel) else { continue };
+            let Some(rate) = self.grid.length_per_value(pixel, values[col]) else { continue };
+            let sigma = self.noise.value_sigma(f64::from(rate));
+            let radii = window::radii([across, down, (sigma * f64::from(rate)) as f32]);
+            let inverse_sigma = self.quantity.inverse_sigma(values[col], (1.0 / sigma) as f32);
+            if radii[0] > 0.0 && inverse_sigma > 0.0 {
+                block.add(col - first, radii, inverse_sigma);
+            }
+        }
+        block
+    }
+}
