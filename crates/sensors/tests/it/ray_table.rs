@@ -1,5 +1,4 @@
 //! Cameras with a ray per pixel: what the common laws do not say.
-#![allow(clippy::unwrap_used, reason = "test code; helpers are outside test functions")]
 
 use transect_device::{DeviceFrame, Handedness, ImageSize, Pixel, Point3, Vector3};
 use transect_sensors::{Intrinsics, Pinhole, PinholeScale, RayTable};

@@ -1,10 +1,6 @@
 //! Every solid against its distance function: rays, sections and areas.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail loudly")]
-
-mod common;
-
-use common::winding;
+use crate::common::winding;
 use proptest::prelude::*;
 use std::f64::consts::PI;
 use transect_device::Ray;

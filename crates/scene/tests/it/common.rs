@@ -1,8 +1,5 @@
 //! What the tests of whole scenes share.
 
-#![allow(dead_code, reason = "every test uses a part of it")]
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail loudly")]
-
 use std::sync::Arc;
 use transect_device::{DeviceFrame, View};
 use transect_geometry::{Curve, Point2};

@@ -1,10 +1,6 @@
 //! Alignment of a lookup-table scanner by scanning the machine table and a sphere.
-#![allow(clippy::unwrap_used, reason = "test code; helpers are outside test functions")]
 
-#[path = "common/noise.rs"]
-mod noise;
-
-use noise::Noise;
+use crate::noise::Noise;
 use transect_device::{Isometry3, Point3, Vector3};
 use transect_sensors::lookup_table::alignment::{Alignment, PlaneScan, SphereScan, Turning, align};
 

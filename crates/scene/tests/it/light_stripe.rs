@@ -1,7 +1,5 @@
-//! The dissertation's light-stripe sensor from light to range: images of the face mask, and what the
-//! extraction finds in them.
-
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail loudly")]
+//! The dissertation's light-stripe sensor from light to range: images of the face mask, and what
+//! the extraction finds in them.
 
 use std::f64::consts::PI;
 use transect_device::{DeviceFrame, ImageSize, Pixel, RangeImage};

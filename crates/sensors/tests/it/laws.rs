@@ -1,8 +1,4 @@
 //! Laws that every device frame keeps, over random sensors, pixels and planes.
-#![allow(clippy::unwrap_used, reason = "test code; shared strategies are outside test functions")]
-
-#[path = "common/tables.rs"]
-mod tables;
 
 use proptest::prelude::*;
 use transect_device::{
@@ -340,7 +336,7 @@ proptest! {
 
     #[test]
     fn fast_rows_of_tables_equal_slow_rows(
-        table in tables::tables(), image in images(), gradient in directions(),
+        table in crate::tables::tables(), image in images(), gradient in directions(),
     ) {
         // From within the digitised field to well outside it.
         let values = (0..SIZE.rows).flat_map(|row| image.row(row)).map(|v| 10.0 * v);

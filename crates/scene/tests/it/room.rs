@@ -1,8 +1,6 @@
 //! The bundled room as a whole: rays against truth, and how fast rays are.
 
-mod common;
-
-use common::{views, winding};
+use crate::common::{views, winding};
 use std::time::Instant;
 use transect_device::Pixel;
 use transect_geometry::{Curve, Point2, Point3};

@@ -1,10 +1,6 @@
 //! The bundled scenes: what their stations see, and their sections against their solids.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests may fail loudly")]
-
-mod common;
-
-use common::{views, winding};
+use crate::common::{views, winding};
 use transect_device::Pixel;
 use transect_geometry::{Curve, Envelope, Point3, Vector2};
 use transect_scene::{BUNDLED_SCENES, Description, Noise};

@@ -1,15 +1,9 @@
 //! Laws of lookup tables inside their digitised field, and what calibration makes of bad data.
-#![allow(clippy::unwrap_used, reason = "test code; shared strategies are outside test functions")]
 
-#[path = "common/noise.rs"]
-mod noise;
-#[path = "common/tables.rs"]
-mod tables;
-
+use crate::noise::Noise;
+use crate::tables::tables;
 use nalgebra::Point2;
-use noise::Noise;
 use proptest::prelude::*;
-use tables::tables;
 use transect_device::{
     DeviceFrame, DevicePoint, Handedness, ImageSize, Pixel, Point3, RangeImage, SensorPlane,
     Vector3,
