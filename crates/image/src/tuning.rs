@@ -18,7 +18,7 @@ pub(crate) const WINDOW_COLUMNS: usize = 2 * HALF_WINDOW + 1;
 /// power of the radius. With the cube root of noise over spacing, noise of half a spacing is reduced
 /// as by 7 × 7 equal weights, and of two and a half spacings as by 11 × 11. Doubled, small features
 /// are flattened.
-pub(crate) const RADIUS: f32 = 6.0;
+pub(crate) const RADIUS: f32 = 6.1;
 
 /// Radius below which a pixel is not smoothed, in pixels.
 ///
@@ -39,7 +39,7 @@ pub(crate) const WIDEST_RADIUS: f32 = HALF_WINDOW as f32 + 0.5;
 ///
 /// Theory: √2, so that the wider window holds twice the pixels. Doubled, the two windows seldom agree
 /// and the wider one seldom counts.
-pub(crate) const WIDER: f32 = 1.4;
+pub(crate) const WIDER: f32 = 1.5;
 
 /// Residual at which a pixel's robust weight becomes 0, in standard deviations of a sample.
 ///

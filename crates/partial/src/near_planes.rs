@@ -17,7 +17,7 @@ use transect_image::smooth::ValueBounds;
 const LEVEL_ROUNDING: f64 = 1.0 / (1 << 20) as f64;
 
 /// One entry per pixel, row-major: whether it can take part in a curve.
-pub(crate) fn near_planes(
+pub fn near_planes(
     view: &View,
     axes: &SectionAxes,
     bounds: &ValueBounds,
@@ -60,7 +60,8 @@ struct Cells {
 
 impl Cells {
     fn new(cols: usize, wraps: bool) -> Self {
-        let missing = |cols| Span { low: vec![f32::INFINITY; cols], high: vec![f32::NEG_INFINITY; cols] };
+        let missing =
+            |cols| Span { low: vec![f32::INFINITY; cols], high: vec![f32::NEG_INFINITY; cols] };
         let ends = [vec![f32::NAN; cols], vec![f32::NAN; cols]];
         let (above, here, both) = (missing(cols), missing(cols), missing(cols + 1));
         Self { wraps, ends, above, here, both, crossed: vec![false; cols + 3] }

@@ -231,7 +231,7 @@ pub(crate) fn load<S: ViewSource>(source: &S) -> Result<(LoadedView, Duration), 
 
 pub(crate) fn model_loaded(
     name: &str,
-    LoadedView { view, notes }: LoadedView,
+    LoadedView { view, mut notes }: LoadedView,
     reading: Duration,
     setup: &Setup,
 ) -> Result<ModelledView, ReconstructError> {
@@ -239,6 +239,7 @@ pub(crate) fn model_loaded(
     let partial = partial_model(&view, &setup.planes, &setup.partial)
         .map_err(|e| ReconstructError::Partial { view: name.clone(), source: e })?;
     let modelling = read.elapsed();
+    notes.extend(partial.notes);
     // Fusion knows oriented curves and nothing else.
     let curves = partial.planes.into_iter().map(|found| {
         let curves = found.curves.into_iter().map(|c| c.curve).collect();

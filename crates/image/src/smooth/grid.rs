@@ -69,7 +69,10 @@ impl<'a> Grid<'a> {
             *quantity = if quantity.is_nan() { 0.0 } else { *quantity };
         }
         let cols = values.len();
-        line.copy_within(HALF_WINDOW + cols - self.beyond..HALF_WINDOW + cols, HALF_WINDOW - self.beyond);
+        line.copy_within(
+            HALF_WINDOW + cols - self.beyond..HALF_WINDOW + cols,
+            HALF_WINDOW - self.beyond,
+        );
         line.copy_within(HALF_WINDOW..HALF_WINDOW + self.beyond, HALF_WINDOW + cols);
     }
 

@@ -215,6 +215,9 @@ mod tests {
         }
         let corner = first_window(&links, 0, 0);
         assert_eq!(corner[..HALF_WINDOW], [0; HALF_WINDOW]);
-        assert_eq!(corner[HALF_WINDOW..], [(1 << WINDOW_COLUMNS) - (1 << HALF_WINDOW); HALF_WINDOW + 1]);
+        assert_eq!(
+            corner[HALF_WINDOW..],
+            [(1 << WINDOW_COLUMNS) - (1 << HALF_WINDOW); HALF_WINDOW + 1]
+        );
     }
 }

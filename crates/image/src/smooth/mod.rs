@@ -91,6 +91,25 @@ impl Smoothed {
 /// Chooses the pixels that are smoothed, row-major, from the bounds of every value.
 pub type PixelChoice<'a> = dyn Fn(&ValueBounds) -> Vec<bool> + 'a;
 
+/// Steps that can be left out, so that an experiment can tell what each is worth. All are taken by
+/// default.
+#[doc(hidden)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SmoothingSteps {
+    /// Only pixels near a plane are smoothed. It saves time and changes no curve.
+    pub near_planes: bool,
+    /// The fit in a second, wider window counts where both windows agree.
+    pub wider_window: bool,
+    /// The fit is repeated with weights by its residuals.
+    pub robust_weights: bool,
+}
+
+impl Default for SmoothingSteps {
+    fn default() -> Self {
+        Self { near_planes: true, wider_window: true, robust_weights: true }
+    }
+}
+
 /// Which pixels are smoothed, and how.
 #[derive(Clone, Copy, Default)]
 pub struct Smoothing<'a> {
@@ -98,6 +117,9 @@ pub struct Smoothing<'a> {
     pub pixels: Option<&'a PixelChoice<'a>>,
     /// Instructions of the inner loops. Results are the same to the bit.
     pub instructions: Instructions,
+    /// Steps to be taken.
+    #[doc(hidden)]
+    pub steps: SmoothingSteps,
 }
 
 /// Smooths the image of a view.
@@ -126,8 +148,10 @@ pub fn smooth_with(
         return output.finish(view, 0);
     }
     let level = smoothing.instructions.level();
-    let smoother = dispatch!(level, simd => Smoother::new(simd, view, noise, rule));
-    let bounds = smoothing.pixels.and_then(|choice| Some((choice, ValueBounds::new(&smoother)?)));
+    let smoother =
+        dispatch!(level, simd => Smoother::new(simd, view, noise, rule, smoothing.steps));
+    let pixels = smoothing.pixels.filter(|_| smoothing.steps.near_planes);
+    let bounds = pixels.and_then(|choice| Some((choice, ValueBounds::new(&smoother)?)));
     let wanted = match bounds {
         Some((choice, bounds)) => choice(&bounds),
         None => vec![true; view.image().size().pixels()],
@@ -152,18 +176,25 @@ struct Smoother<'a> {
     noise: &'a RangeNoise,
     quantity: Quantity,
     grid: Grid<'a>,
+    steps: SmoothingSteps,
 }
 
 impl<'a> Smoother<'a> {
     #[inline(always)]
-    fn new<S: Simd>(simd: S, view: &'a View, noise: &'a RangeNoise, rule: &'a BreakRule) -> Self {
+    fn new<S: Simd>(
+        simd: S,
+        view: &'a View,
+        noise: &'a RangeNoise,
+        rule: &'a BreakRule,
+        steps: SmoothingSteps,
+    ) -> Self {
         let quantity = Quantity::of(view);
         // A closure takes the loops into a function of their own, with all instructions.
         let grid = simd.vectorize(
             #[inline(always)]
             || Grid::new(simd, view, rule, quantity),
         );
-        Self { view, noise, quantity, grid }
+        Self { view, noise, quantity, grid, steps }
     }
 
     #[inline(always)]
@@ -184,7 +215,7 @@ impl<'a> Smoother<'a> {
                     || {
                         let block = self.block(row, (first..end).filter(|col| counts(*col)), first);
                         if !block.is_empty() {
-                            let fitted = block.fit(simd, &self.grid, &mut work);
+                            let fitted = block.fit(simd, &self.grid, self.steps, &mut work);
                             let radii = block.radii(&fitted.shares);
                             output.put(self.quantity, row * cols + first, &fitted, &radii);
                         }

@@ -3,13 +3,14 @@
 use super::OnePassOptions;
 use super::along_guide::AlongGuide;
 use super::bridge::{Gaps, Solved, Strand};
-use super::contours::{Contours, Kind, Polyline};
+use super::contours::{Contours, Polyline};
 use super::crossing::{Crossing, solve};
 use super::ends::ends;
 use super::near_tangent::NearTangent;
 use super::nodes::NodeMaker;
 use super::pair_line::PairLines;
 use super::refine::Refinement;
+use super::vertex::Kind;
 use crate::pixel_grid::Grid;
 use crate::{BreakRule, EndReason, PartialCurve, PartialModel, PlaneCurves, SectionAxes};
 use transect_device::{Pixel, Vector3, View};
@@ -41,7 +42,8 @@ impl Lines<'_> {
         let refined = Refinement::new(prepared, axes, pairs, options.subpixel);
         let refinement = refined.filter(|_| along.is_none());
         let gaps = Gaps { view, rule, contours, grid, gap: options.gap };
-        let mut near_tangent = NearTangent::new(view, prepared, axes, rule, options.excursion_sigmas);
+        let mut near_tangent =
+            NearTangent::new(view, prepared, axes, rule, options.excursion_sigmas);
         let mut nodes = NodeMaker {
             prepared,
             axes,
