@@ -18,7 +18,7 @@ use std::process::ExitCode;
 
 /// Registered range images in, cross-section models out.
 #[derive(Debug, Parser)]
-#[command(name = "transect", version, max_term_width = 100)]
+#[command(name = "transect", version, next_line_help = true)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,

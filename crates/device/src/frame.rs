@@ -106,6 +106,13 @@ pub trait DeviceFrame: std::fmt::Debug + Send + Sync {
     /// Rows and columns of the images this frame belongs to.
     fn size(&self) -> ImageSize;
 
+    /// The kind of sensor, for lists of views: the name of its type.
+    fn kind(&self) -> &'static str {
+        let name = std::any::type_name::<Self>();
+        let name = name.split('<').next().unwrap_or(name);
+        name.rsplit("::").next().unwrap_or(name)
+    }
+
     /// Which way round the grid is, seen from the sensor.
     fn handedness(&self) -> Handedness;
 

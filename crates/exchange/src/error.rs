@@ -194,6 +194,44 @@ impl ReadError {
     }
 }
 
+/// What is wrong in a file, and where, before the file's name is known.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Problem {
+    pub(crate) at: Place,
+    pub(crate) text: String,
+    /// Whether the file is sound, but of a kind that is not read.
+    unsupported: bool,
+}
+
+impl Problem {
+    pub(crate) fn at(at: Place, text: impl Into<String>) -> Self {
+        Self { at, text: text.into(), unsupported: false }
+    }
+
+    pub(crate) fn damaged(text: impl Into<String>) -> Self {
+        Self::at(Place::Whole, text)
+    }
+
+    pub(crate) fn unsupported(text: impl Into<String>) -> Self {
+        Self { unsupported: true, ..Self::damaged(text) }
+    }
+
+    /// The same problem, with the name of the part of the file that has it.
+    pub(crate) fn of(self, part: &str) -> Self {
+        Self { text: format!("{part}: {}", self.text), ..self }
+    }
+
+    pub(crate) fn in_file(self, path: &Path) -> ReadError {
+        let Self { at, text: problem, unsupported } = self;
+        let path = path.to_owned();
+        if unsupported {
+            ReadError::Unsupported { path, at, problem }
+        } else {
+            ReadError::Damaged { path, at, problem }
+        }
+    }
+}
+
 /// A whole file in memory.
 pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
     std::fs::read(path).map_err(|e| ReadError::io(path, e))

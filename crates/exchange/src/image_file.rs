@@ -1,7 +1,7 @@
 //! Images of range values and grids of points in `.npy` and `.png` files.
 
 use crate::error::read_bytes;
-use crate::npy::{Npy, Problem};
+use crate::npy::Npy;
 use crate::png_file::{self, GreyImage, Samples};
 use crate::{Place, ReadError};
 use std::path::Path;
@@ -31,7 +31,7 @@ pub(crate) fn read(
 /// A grid of points: `.npy` of rows × columns × 3.
 pub(crate) fn read_points(path: &Path) -> Result<(ImageSize, Vec<Point3>), ReadError> {
     let bytes = read_bytes(path)?;
-    let array = Npy::parse(&bytes).map_err(|p| located(path, p))?;
+    let array = Npy::parse(&bytes).map_err(|p| p.in_file(path))?;
     let [rows, cols, 3] = *array.shape() else {
         return Err(wrong_shape(path, &array, "rows × columns × 3"));
     };
@@ -41,18 +41,11 @@ pub(crate) fn read_points(path: &Path) -> Result<(ImageSize, Vec<Point3>), ReadE
 }
 
 fn from_npy(path: &Path, bytes: &[u8]) -> Result<Pixels, ReadError> {
-    let array = Npy::parse(bytes).map_err(|p| located(path, p))?;
+    let array = Npy::parse(bytes).map_err(|p| p.in_file(path))?;
     let [rows, cols] = *array.shape() else {
         return Err(wrong_shape(path, &array, "rows × columns"));
     };
     Ok(Pixels { size: ImageSize { rows, cols }, values: array.to_f32() })
-}
-
-fn located(path: &Path, problem: Problem) -> ReadError {
-    match problem {
-        Problem::Damaged(text) => ReadError::damaged(path, Place::Whole, text),
-        Problem::Unsupported(text) => ReadError::unsupported(path, Place::Whole, text),
-    }
 }
 
 fn wrong_shape(path: &Path, array: &Npy<'_>, wanted: &str) -> ReadError {

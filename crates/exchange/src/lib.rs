@@ -38,6 +38,7 @@ mod calibration;
 mod contours;
 mod depth_folder;
 mod dxf;
+mod dxf_groups;
 mod error;
 mod guide_file;
 mod image_file;

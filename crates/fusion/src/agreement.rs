@@ -54,7 +54,7 @@ impl Agreement {
 
 /// The agreement of each view with all others on one plane, in the order given.
 pub fn agreement(views: &[&[Curve]]) -> Vec<Agreement> {
-    between(&Observations::collect(views), views.len())
+    between(&Observations::collect(views, &crate::consensus::Steps::ALL), views.len())
 }
 
 /// The same from what was collected of some views.

@@ -21,10 +21,12 @@ pub use consensus::{ConsensusOptions, Measured, consensus, measure};
 pub use pairwise::{PairwiseOptions, pairwise};
 
 use consensus::observations::Observations;
+use serde::{Deserialize, Serialize};
 use transect_geometry::Curve;
 
 /// How the curves of a plane are fused.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum FusionMethod {
     /// All views at once: the default. The order of views changes nothing.
@@ -49,7 +51,13 @@ pub fn fuse_plane(views: &[&[Curve]], method: &FusionMethod) -> FusedPlane {
 
 /// The same, and how each view agrees with the others: what is needed of the views is collected once.
 pub fn fuse_and_compare(views: &[&[Curve]], method: &FusionMethod) -> (FusedPlane, Vec<Agreement>) {
-    let observations = Observations::collect(views);
+    let observations = Observations::collect(
+        views,
+        &match method {
+            FusionMethod::Consensus(options) => options.steps,
+            FusionMethod::Pairwise(_) => consensus::Steps::ALL,
+        },
+    );
     let agreement = agreement::between(&observations, views.len());
     let plane = match method {
         FusionMethod::Consensus(options) => consensus::fuse(observations, options),

@@ -1,71 +1,12 @@
-//! The invariants of a model, and the check that finds them broken.
+//! The check of a model's invariants.
 
 use crate::section::around;
-use crate::{CurveIndex, CurveRecord, Model, Section, ViewRecord};
-use transect_geometry::{
-    Curve, CurveError, Guide, GuideError, Isometry3, PlaneFamily, PlaneIndex, StraightGuide,
-};
+use crate::{CurveIndex, CurveRecord, InvariantError, Model, Section, ViewRecord};
+use transect_geometry::{Curve, Guide, Isometry3, PlaneFamily, PlaneIndex, StraightGuide};
 
 /// How far the length of a unit vector or unit quaternion may be from 1; rounding stays below
 /// 1e-15, so this only refuses what was never normalised.
 const UNIT_TOLERANCE: f64 = 1e-9;
-
-/// An invariant that a model breaks, with the place.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum InvariantError {
-    /// A plane does not come after the one stored before it.
-    #[error("plane {0} is out of order")]
-    PlaneOutOfOrder(PlaneIndex),
-    /// The guide, offset or interval makes no plane family.
-    #[error("the section planes are not usable")]
-    Planes(#[source] GuideError),
-    /// A plane lies before the first or behind the last station of a curved guide.
-    #[error("plane {0} lies beyond the ends of the guide")]
-    BeyondGuide(PlaneIndex),
-    /// A plane has curves that nobody asked for.
-    #[error("plane {0} has curves but was not asked for")]
-    NotSelected(PlaneIndex),
-    /// The guide's direction does not have length 1.
-    #[error("the guide direction has length {0} in place of 1")]
-    GuideNotUnit(f64),
-    /// A section without curves is stored.
-    #[error("plane {0} has no curves")]
-    EmptySection(PlaneIndex),
-    /// A curve's nodes make no curve.
-    #[error("curve {curve} on plane {plane} is malformed")]
-    Curve {
-        /// The plane it is on.
-        plane: PlaneIndex,
-        /// Which one it is.
-        curve: CurveIndex,
-        /// What is wrong with it.
-        #[source]
-        source: CurveError,
-    },
-    /// The envelope recorded with a curve is not the one around its nodes.
-    #[error("the envelope of curve {curve} on plane {plane} is wrong")]
-    CurveEnvelope {
-        /// The plane it is on.
-        plane: PlaneIndex,
-        /// Which one it is.
-        curve: CurveIndex,
-    },
-    /// The envelope recorded with a plane is not the one around its curves.
-    #[error("the envelope of plane {0} is wrong")]
-    PlaneEnvelope(PlaneIndex),
-    /// A view's pose is not a rigid motion with finite numbers.
-    #[error("view {0:?} has a pose that is not a rigid motion")]
-    Pose(String),
-    /// A view's noise is negative, NaN or infinite.
-    #[error("view {name:?} has the range noise {sigma}")]
-    Sigma {
-        /// Name of the view.
-        name: String,
-        /// The noise recorded with it.
-        sigma: f64,
-    },
-}
 
 impl Model {
     /// Checks everything that is promised of a model: usable planes, curves that

@@ -156,21 +156,13 @@ fn encode(model: &Model) -> Result<Vec<u8>, CodecError> {
         views: model.views().iter().map(StoredView::from).collect(),
         sections: model.sections().map(|(k, section)| (k, Cow::Borrowed(section))).collect(),
     };
-    let mut bytes = Vec::new();
-    bincode::serde::encode_into_std_write(&payload, &mut bytes, bincode::config::standard())
-        .map_err(|e| CodecError::Layout(e.to_string()))?;
-    Ok(bytes)
+    values::encode(&payload)
 }
 
 /// The decoder reads from the slice and so sees its end. A list may announce any length, but
 /// memory for its items comes as they are read, beyond a first share of at most 1 MiB (serde).
 fn decode(bytes: &[u8]) -> Result<Model, CodecError> {
-    let decoded = bincode::serde::borrow_decode_from_slice(bytes, bincode::config::standard());
-    let (payload, used): (Payload<'_>, usize) =
-        decoded.map_err(|e| CodecError::Layout(e.to_string()))?;
-    if used != bytes.len() {
-        return Err(CodecError::Layout("bytes are left over".to_owned()));
-    }
+    let payload: Payload<'_> = values::decode(bytes)?;
     let views = payload.views.into_iter().map(ViewRecord::from).collect();
     let sections = payload.sections.into_iter().map(|(k, s)| (k, s.into_owned())).collect();
     Ok(Model::from_parts(payload.unit, payload.planes, payload.selected, views, sections)?)

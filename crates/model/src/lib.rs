@@ -32,6 +32,7 @@ mod codec;
 mod edit;
 mod file;
 pub mod gaps;
+mod invariant;
 mod measure;
 mod model;
 mod nesting;
@@ -46,10 +47,10 @@ mod volume;
 #[cfg(test)]
 mod samples;
 
-pub use check::InvariantError;
 pub use codec::{CodecError, SCHEMA_VERSION};
 pub use edit::EditError;
 pub use file::FileError;
+pub use invariant::InvariantError;
 pub use measure::SectionMeasures;
 pub use model::{Model, ViewRecord};
 pub use nesting::NestedCurve;

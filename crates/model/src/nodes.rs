@@ -6,7 +6,6 @@
 //! curves, and keeps all envelopes right.
 
 use crate::{CurveIndex, EditError, Model, NodeIndex, Section};
-use std::ops::RangeInclusive;
 use transect_geometry::{Curve, Envelope, Node, PlaneIndex};
 
 impl Model {
@@ -74,20 +73,6 @@ impl Model {
         curves[index.0] = changed;
         self.set_curves(plane, curves);
         Ok(result)
-    }
-
-    /// The sub-families of planes that have curves without a gap, in order of station.
-    pub fn plane_runs(&self) -> Vec<RangeInclusive<PlaneIndex>> {
-        let mut runs: Vec<RangeInclusive<PlaneIndex>> = Vec::new();
-        for (plane, _) in self.sections() {
-            match runs.last_mut() {
-                Some(run) if run.end().0.checked_add(1) == Some(plane.0) => {
-                    *run = *run.start()..=plane;
-                }
-                _ => runs.push(plane..=plane),
-            }
-        }
-        runs
     }
 }
 

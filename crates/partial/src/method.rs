@@ -3,11 +3,13 @@
 use crate::dissertation::{self, DissertationOptions};
 use crate::one_pass::{self, OnePassOptions};
 use crate::{PartialError, PartialModel};
+use serde::{Deserialize, Serialize};
 use transect_device::View;
 use transect_geometry::PlaneFamily;
 
 /// How a view's curves are found.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Method {
     /// All planes in one sweep over the image: the default, and faster by an order or two.

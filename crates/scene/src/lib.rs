@@ -45,22 +45,22 @@ pub use visibility::Visibility;
 /// The bundled scene description: an indoor scene after section 5.6.1 of the dissertation.
 ///
 /// A room with a table, a chair, a cactus, a lamp and a pillar, seen from its four corners.
-pub const BUNDLED_ROOM: &str = include_str!("../../../fixtures/room.scene.toml");
+pub const BUNDLED_ROOM: &str = include_str!("../fixtures/room.scene.toml");
 
 /// A free-form face ([`fixtures::face_mask`]) on a board, seen by depth cameras in front of it.
-pub const BUNDLED_FACE_MASK: &str = include_str!("../../../fixtures/face_mask.scene.toml");
+pub const BUNDLED_FACE_MASK: &str = include_str!("../fixtures/face_mask.scene.toml");
 
 /// A flange with hub, bore, keyway and chamfers ([`fixtures::flange`]), seen from all around.
-pub const BUNDLED_MACHINED_PART: &str = include_str!("../../../fixtures/machined_part.scene.toml");
+pub const BUNDLED_MACHINED_PART: &str = include_str!("../fixtures/machined_part.scene.toml");
 
 /// A sheet as thin as a few standard deviations of the noise, seen from both sides.
-pub const BUNDLED_THIN_SHEET: &str = include_str!("../../../fixtures/thin_sheet.scene.toml");
+pub const BUNDLED_THIN_SHEET: &str = include_str!("../fixtures/thin_sheet.scene.toml");
 
 /// A straight tunnel ([`fixtures::tunnel`]) with a walkway and pipes, scanned from inside.
-pub const BUNDLED_TUNNEL: &str = include_str!("../../../fixtures/tunnel.scene.toml");
+pub const BUNDLED_TUNNEL: &str = include_str!("../fixtures/tunnel.scene.toml");
 
 /// A tunnel along a bend ([`fixtures::bend_tunnel`]) with a curved guide, scanned from inside.
-pub const BUNDLED_BEND_TUNNEL: &str = include_str!("../../../fixtures/bend_tunnel.scene.toml");
+pub const BUNDLED_BEND_TUNNEL: &str = include_str!("../fixtures/bend_tunnel.scene.toml");
 
 /// All bundled descriptions with their names.
 pub const BUNDLED_SCENES: [(&str, &str); 6] = [

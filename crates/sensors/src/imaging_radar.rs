@@ -20,7 +20,7 @@
 //! volume's extremes are looked for at the corners, inside the field and along all four angular
 //! edges, since the eleven planes of section 4.2.4 miss planes.
 
-use crate::{SensorError, require};
+use crate::error::{SensorError, require};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use transect_device::{
     DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, Neighbour, PairGeometry, Pixel,

@@ -1,6 +1,5 @@
 //! What tells a view from another one that goes by the same name.
 
-use std::fmt::Write;
 use transect_device::{Pixel, View};
 
 /// A hash of what a view saw: its size, the points of all pixels in the sensor's frame, where their rays
@@ -35,24 +34,6 @@ fn mix(hash: u64, word: u64) -> u64 {
     (hash ^ word).wrapping_mul(ODD).rotate_left(29)
 }
 
-/// The kind of a view's sensor: the name of its device frame's type.
-pub(crate) fn sensor_kind(view: &View) -> String {
-    let mut kind = Kind(String::new());
-    // It stops with an error where the name ends, before the numbers are written, which may be many.
-    let _ = write!(kind, "{:?}", view.frame());
-    kind.0
-}
-
-struct Kind(String);
-
-impl Write for Kind {
-    fn write_str(&mut self, text: &str) -> std::fmt::Result {
-        let end = text.find(|c: char| !(c.is_alphanumeric() || c == '_'));
-        self.0.push_str(text.get(..end.unwrap_or(text.len())).unwrap_or_default());
-        if end.is_some() { Err(std::fmt::Error) } else { Ok(()) }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -81,6 +62,6 @@ mod tests {
 
     #[test]
     fn a_sensor_is_called_by_its_kind() {
-        assert_eq!(sensor_kind(&view(5.0, 1.0, None)), "Pinhole");
+        assert_eq!(view(5.0, 1.0, None).frame().kind(), "Pinhole");
     }
 }

@@ -57,20 +57,19 @@
 
 mod fuser;
 
-use crate::fingerprint::{fingerprint, sensor_kind};
-use crate::pipeline::{Extent, ModelledView, load, model_loaded, nothing};
+use crate::fingerprint::fingerprint;
+use crate::modelled_view::{ModelledView, TimedView, no_curves};
 use crate::report::{PlaneSummary, Report, Timings, ViewReport};
 use crate::{
-    FusionReport, LoadedView, ReconstructError, Setup, Stage, Unwatched, ViewSource, Watch,
+    FusionReport, LoadedView, ReconstructError, SettingsError, Setup, Stage, Unwatched, ViewSource,
+    Watch,
 };
 use fuser::Fuser;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
-use transect_geometry::{Guide, PlaneIndex};
-use transect_model::store::{
-    Snapshot, Store, StoreError, StoreHeader, StoredView, ViewEntry, ViewId,
-};
+use transect_geometry::PlaneIndex;
+use transect_model::store::{Snapshot, Store, StoreError, StoredView, ViewEntry, ViewId};
 
 /// Why a store could not grow.
 #[derive(Debug, thiserror::Error)]
@@ -82,6 +81,9 @@ pub enum GrowError {
     /// The store could not be read or written.
     #[error(transparent)]
     Store(#[from] StoreError),
+    /// The settings in the store cannot be read.
+    #[error("the store cannot grow: {0}")]
+    Settings(#[from] SettingsError),
     /// The store was made with another unit, other planes or other options.
     #[error("the store was made with other settings: {0}")]
     OtherSettings(String),
@@ -118,45 +120,6 @@ pub struct Growth {
     pub fused: usize,
 }
 
-impl Setup {
-    /// What a store that is made with this says about itself.
-    pub fn store_header(&self) -> StoreHeader {
-        StoreHeader {
-            unit: self.unit,
-            planes: self.planes.clone(),
-            options: format!("{:?}; {:?}", self.partial, self.fusion),
-            tool: concat!("transect ", env!("CARGO_PKG_VERSION")).to_owned(),
-        }
-    }
-
-    /// What of a store's settings is not as here; `None` if all is.
-    pub fn difference(&self, header: &StoreHeader) -> Option<String> {
-        let own = self.store_header();
-        let mut different = Vec::new();
-        if header.unit != own.unit {
-            different.push(format!("its unit is {}, not {}", header.unit, own.unit));
-        }
-        if header.planes != own.planes {
-            let (there, here) = (planes_text(header), planes_text(&own));
-            different.push(format!("its planes are {there}, not {here}"));
-        }
-        if header.options != own.options {
-            different.push(format!("its options are {}, not {}", header.options, own.options));
-        }
-        (!different.is_empty()).then(|| different.join("; "))
-    }
-}
-
-fn planes_text(header: &StoreHeader) -> String {
-    let (planes, unit) = (&header.planes, header.unit);
-    let (offset, interval) = (planes.offset(), planes.interval());
-    let along = match planes.guide() {
-        Guide::Straight(guide) => format!("{:?}", <[f64; 3]>::from(guide.direction())),
-        Guide::Curved(guide) => format!("a curved guide of {} {unit}", guide.length()),
-    };
-    format!("every {interval} {unit} from {offset} {unit} along {along}")
-}
-
 /// Adds views to a store, takes them out and replaces them.
 #[derive(Debug, Clone, Copy)]
 pub struct Grower<'a> {
@@ -184,7 +147,6 @@ struct Added {
     reports: Vec<ViewReport>,
     ids: Vec<ViewId>,
     notes: Vec<String>,
-    extents: Vec<Extent>,
     reading: Duration,
     modelling: Duration,
 }
@@ -199,7 +161,7 @@ impl<'a> Grower<'a> {
         if setup.refinement.is_some() {
             return Err(GrowError::Refinement);
         }
-        match setup.difference(store.read()?.header()) {
+        match setup.difference(store.read()?.header())? {
             Some(difference) => Err(GrowError::OtherSettings(difference)),
             None => Ok(Self { store, setup }),
         }
@@ -279,8 +241,7 @@ impl<'a> Grower<'a> {
         id: &ViewId,
         source: &S,
     ) -> Result<StoredView, GrowError> {
-        let (loaded, reading) = load(source)?;
-        let NewView { entry, view } = self.model(source, loaded, reading)?;
+        let NewView { entry, view } = self.model(source, TimedView::load(source)?)?;
         let fuser = Fuser::new(self.setup, &Unwatched);
         Ok(self.store.replace_view(id, entry, view.planes, &fuser)?)
     }
@@ -310,39 +271,34 @@ impl<'a> Grower<'a> {
     }
 
     fn look_at<S: ViewSource>(&self, source: &S) -> Result<Looked, GrowError> {
-        let (loaded, reading) = load(source)?;
+        let timed = TimedView::load(source)?;
         if let Some(there) = self.store.read()?.view(&source.id().into())? {
-            return match difference(&there.entry, &loaded) {
+            return match difference(&there.entry, &timed.loaded) {
                 None => Ok(Looked::Present),
                 Some(what) => Err(GrowError::OtherView { id: source.id().to_owned(), what }),
             };
         }
-        Ok(Looked::New(Box::new(self.model(source, loaded, reading)?)))
+        Ok(Looked::New(Box::new(self.model(source, timed)?)))
     }
 
-    fn model<S: ViewSource>(
-        &self,
-        source: &S,
-        loaded: LoadedView,
-        reading: Duration,
-    ) -> Result<NewView, GrowError> {
+    fn model<S: ViewSource>(&self, source: &S, timed: TimedView) -> Result<NewView, GrowError> {
+        let loaded = &timed.loaded;
         let entry = ViewEntry {
             id: source.id().into(),
             name: source.name().to_owned(),
-            sensor: sensor_kind(&loaded.view),
+            sensor: loaded.view.frame().kind().to_owned(),
             source: source.origin(),
             source_hash: fingerprint(&loaded.view),
             world_from_sensor: *loaded.view.world_from_sensor(),
             sigma: loaded.view.sigma(),
         };
-        let view = model_loaded(source.name(), loaded, reading, self.setup)?;
+        let view = timed.model(source.name(), self.setup)?;
         Ok(NewView { entry, view })
     }
 
     fn put_in(&self, NewView { entry, view }: NewView, added: &mut Added) -> Result<(), GrowError> {
         added.ids.push(entry.id.clone());
-        added.reports.push(view.report());
-        added.extents.push(view.extent());
+        added.reports.push(view.report);
         added.notes.extend(view.notes);
         added.reading += view.reading;
         added.modelling += view.modelling;
@@ -368,8 +324,8 @@ impl<'a> Grower<'a> {
         timings: Timings,
     ) -> Result<Growth, GrowError> {
         let snapshot = self.store.read()?;
-        if snapshot.plane_count()? == 0 && !added.extents.is_empty() {
-            return Err(nothing(added.extents.into_iter(), self.setup).into());
+        if snapshot.plane_count()? == 0 && !added.reports.is_empty() {
+            return Err(no_curves(added.reports.iter(), self.setup).into());
         }
         let Added { present, mut reports, ids, mut notes, .. } = added;
         let several = snapshot.views()?.len() > 1;

@@ -1,6 +1,7 @@
 //! What happened in a run.
 
 use crate::RefinementReport;
+use crate::fused::Fused;
 use serde::Serialize;
 use std::time::Duration;
 use transect_fusion::{Agreement, FusedPlane};
@@ -24,6 +25,25 @@ pub struct Report {
 }
 
 impl Report {
+    /// The report of views in the order of their curves, with how they agree with each other.
+    pub(crate) fn new(
+        mut views: Vec<ViewReport>,
+        mut notes: Vec<String>,
+        fused: &[Fused],
+        timings: Timings,
+    ) -> Self {
+        let mut agreements = vec![Agreement::default(); views.len()];
+        for plane in fused {
+            agreements.iter_mut().zip(&plane.agreement).for_each(|(sum, a)| sum.add(a));
+        }
+        views.iter_mut().zip(&agreements).for_each(|(view, a)| view.set_agreement(a));
+        if views.len() > 1 {
+            notes.extend(views.iter().filter_map(ViewReport::note_if_alone));
+        }
+        let fusion = FusionReport::new(fused.iter().map(|f| &f.plane));
+        Self { views, fusion, refinement: None, notes, timings }
+    }
+
     /// What the user should look at: views whose curves contradict those of the others.
     pub fn warnings(&self) -> Vec<String> {
         let contradicted = self.views.iter().filter(|v| v.contradicted);
@@ -54,6 +74,9 @@ pub struct ViewReport {
     pub pixels: usize,
     /// Pixels that are not missing.
     pub valid_pixels: usize,
+    /// Lowest and highest station that its points can have; along a curved guide those of all of it.
+    #[serde(skip)]
+    pub stations: [f64; 2],
     /// Of these, pixels beyond the ends of a curved guide, which are left out.
     #[serde(skip_serializing_if = "is_zero")]
     pub beyond_guide_ends: usize,

@@ -5,7 +5,9 @@
 //! that process, opens the store, verifies it and compares it with one run over the views that are there.
 //! 20 kills, or as many as `TRANSECT_KILLS` says.
 #![allow(clippy::unwrap_used, clippy::print_stdout, clippy::panic, reason = "a test")]
+#![allow(dead_code, reason = "some helpers are for the other tests")]
 
+#[path = "it/objects.rs"]
 mod objects;
 
 use objects::{noisy_views, setup};

@@ -94,7 +94,8 @@ impl ResultFolder {
         model.save(self.0.join(MODEL))?;
         write_file(&self.0.join("contours.json"), |out| write_contours(model, out))?;
         write_file(&self.0.join("model.dxf"), |out| write_dxf(model, frame, out))?;
-        let options = OverviewOptions { title: title.to_owned(), ..OverviewOptions::default() };
+        let mut options = OverviewOptions::default();
+        options.title = title.to_owned();
         write_file(&self.overview(), |out| write_overview(model, &options, out))?;
         Ok(write_sheets(&sheets, model)?)
     }

@@ -112,7 +112,7 @@ impl ScoreLimits {
             None => TOLERANCE_SHARE * widest_interval(model),
         };
         if tolerance <= 0.0 {
-            let problem = format!("must be positive, got {tolerance}");
+            let problem = format!("the tolerance must be a positive length, got {tolerance}");
             return Err(WorkflowError::setting("tolerance", problem));
         }
         let from = self.from.as_ref().map(|t| parse_length(unit, "from", t)).transpose()?;

@@ -1,7 +1,6 @@
 //! Model stores on disk: opening one, growing it by a scan, removing and replacing its views.
 
 use crate::results::find_model;
-use crate::settings::{fusion_methods, partial_methods};
 use crate::{FileView, WorkflowError};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -158,21 +157,7 @@ pub(crate) fn finish(path: &Path, store: &Store) -> Result<usize, WorkflowError>
 /// # Errors
 /// [`WorkflowError::File`] if this program does not have its options.
 pub fn setup_of(path: &Path, header: &StoreHeader) -> Result<Setup, WorkflowError> {
-    let setups = partial_methods().into_iter().flat_map(|(_, partial)| {
-        fusion_methods().map(|(_, fusion)| Setup {
-            partial: partial.clone(),
-            fusion,
-            ..Setup::new(header.unit, header.planes.clone())
-        })
-    });
-    setups.into_iter().find(|setup| setup.difference(header).is_none()).ok_or_else(|| {
-        let StoreHeader { tool, options, .. } = header;
-        let problem = format!(
-            "made by {tool} with options that this program does not have ({options}); use that \
-             version, or make the store anew"
-        );
-        WorkflowError::file(path, problem)
-    })
+    Setup::of_store(header).map_err(|error| WorkflowError::file(path, error))
 }
 
 /// A store that grew by a scan.

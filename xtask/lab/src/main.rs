@@ -11,7 +11,7 @@ use std::process::ExitCode;
 use transect_workflow::simulation;
 
 #[derive(Debug, Parser)]
-#[command(name = "cargo xtask", bin_name = "cargo xtask", version, max_term_width = 100)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", version, next_line_help = true)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,

@@ -10,12 +10,10 @@ fn the_launcher_lists_every_command_as_the_program_does() {
     let commands = commands.split("\n\n").next().unwrap();
     // A long line of the help goes on in the next one, which begins with more blanks.
     let commands: Vec<String> = commands
-        .split("\n  ")
+        .replace("\n   ", "   ")
+        .lines()
         .map(|line| line.split_whitespace().collect::<Vec<_>>().join(" "))
-        .fold(Vec::new(), |mut lines: Vec<String>, line| {
-            lines.push(line);
-            lines
-        });
+        .collect();
     let listed = commands.iter().filter(|line| !line.starts_with("help ")).inspect(|line| {
         let (name, about) = line.split_once(' ').unwrap();
         assert!(launcher.contains(&format!("(\"{name}\", \"{about}\")")), "{line}");

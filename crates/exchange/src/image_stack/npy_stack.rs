@@ -1,7 +1,8 @@
 //! A stack in one `.npy` file: images × rows × columns of unsigned 8- or 16-bit counts.
 
 use super::Located;
-use crate::npy::{Header, Problem, Scalar};
+use crate::error::Problem;
+use crate::npy::{Header, Scalar};
 use crate::{Place, ReadError};
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -28,10 +29,7 @@ impl NpyStack {
         let length = file.metadata().map_err(io)?.len();
         let mut start = Vec::new();
         file.take(LONGEST_HEADER).read_to_end(&mut start).map_err(io)?;
-        let located = |problem| match problem {
-            Problem::Damaged(text) => damaged(text),
-            Problem::Unsupported(text) => ReadError::unsupported(path, Place::Whole, text),
-        };
+        let located = |problem: Problem| problem.in_file(path);
         let header = Header::parse(&start).map_err(located)?;
         let [steps, rows, cols] = *header.shape else { return Ok(None) };
         if !matches!(header.scalar, Scalar::U8 | Scalar::U16) {

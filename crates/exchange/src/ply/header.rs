@@ -1,5 +1,8 @@
 //! The text at the head of every PLY file.
 
+use crate::Place;
+use crate::error::Problem;
+
 /// How the numbers after the header are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Encoding {
@@ -91,12 +94,9 @@ pub(super) struct Header {
     pub(super) length: usize,
 }
 
-/// What is wrong, and the line it is on.
-pub(super) type HeaderProblem = (usize, String);
-
 impl Header {
     /// Parses everything up to `end_header`.
-    pub(super) fn parse(bytes: &[u8]) -> Result<Self, HeaderProblem> {
+    pub(super) fn parse(bytes: &[u8]) -> Result<Self, Problem> {
         let mut builder = Builder::default();
         let (mut at, mut line) = (0, 0);
         while let Some(rest) = bytes.get(at..).filter(|r| !r.is_empty()) {
@@ -111,10 +111,10 @@ impl Header {
             if text.trim() == "end_header" {
                 return builder.finish(line, at.min(bytes.len()));
             }
-            builder.line(text.trim()).map_err(|problem| (line, problem))?;
+            builder.line(text.trim()).map_err(|text| problem(line, text))?;
             builder.count_stray(line, text.trim());
         }
-        Err((line.max(1), "truncated: there is no end_header".to_owned()))
+        Err(problem(line.max(1), "truncated: there is no end_header"))
     }
 
     /// A whole number given as `obj_info name number`.
@@ -128,8 +128,12 @@ impl Header {
     }
 }
 
-fn require_magic(text: &str) -> Result<(), HeaderProblem> {
-    if text == "ply" { Ok(()) } else { Err((1, "not a PLY file".to_owned())) }
+fn problem(line: usize, text: impl Into<String>) -> Problem {
+    Problem::at(Place::Line(line), text)
+}
+
+fn require_magic(text: &str) -> Result<(), Problem> {
+    if text == "ply" { Ok(()) } else { Err(problem(1, "not a PLY file")) }
 }
 
 /// Stray lines that are told one by one; the rest is only counted.
@@ -177,10 +181,11 @@ impl Builder {
         }
     }
 
-    fn finish(mut self, line: usize, length: usize) -> Result<Header, HeaderProblem> {
-        let encoding = self.encoding.ok_or((line, "the header has no format line".to_owned()))?;
+    fn finish(mut self, line: usize, length: usize) -> Result<Header, Problem> {
+        let missing = || problem(line, "the header has no format line");
+        let encoding = self.encoding.ok_or_else(missing)?;
         if let Some(empty) = self.elements.iter().find(|e| e.properties.is_empty()) {
-            return Err((line, format!("element {} has no properties", empty.name)));
+            return Err(problem(line, format!("element {} has no properties", empty.name)));
         }
         if self.stray_count > STRAY_LINES_TOLD {
             let more = self.stray_count - STRAY_LINES_TOLD;

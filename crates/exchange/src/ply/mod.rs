@@ -33,8 +33,7 @@ struct Ply<'a> {
 
 impl<'a> Ply<'a> {
     fn open(path: &'a Path, bytes: &'a [u8]) -> Result<Self, ReadError> {
-        let header = Header::parse(bytes)
-            .map_err(|(line, problem)| ReadError::damaged(path, Place::Line(line), problem))?;
+        let header = Header::parse(bytes).map_err(|p| p.in_file(path))?;
         let body = Body::new(bytes, header.length, header.encoding);
         Ok(Self { path, header, body })
     }

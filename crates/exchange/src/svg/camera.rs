@@ -1,7 +1,7 @@
 //! The parallel projection that pictures of space share.
 
-use super::OverviewOptions;
-use super::canvas;
+use super::canvas::{self, Margins};
+use super::options::OverviewOptions;
 use super::ruler::{round_down, tidy};
 use std::io::{self, Write};
 use transect_geometry::{
@@ -9,8 +9,8 @@ use transect_geometry::{
     Vector3,
 };
 
-/// Left, top, right and bottom of the room for the drawing, as distances from the picture's edges.
-const MARGINS: (f64, f64, f64, f64) = (40.0, 92.0, 200.0, 60.0);
+/// Free space between the picture's edges and the drawing, in pixels.
+const MARGINS: Margins = Margins { left: 40.0, top: 92.0, right: 200.0, bottom: 60.0 };
 
 /// A parallel projection from the world to the picture.
 pub(super) struct Camera {
@@ -56,7 +56,7 @@ impl Camera {
         let mut camera = Self::looking(planes, centre, options);
         let places = points.map(|p| camera.place(&p)).map(|p| Envelope { min: p, max: p });
         let Some(around) = places.reduce(|a, b| a.merged(&b)) else { return camera };
-        let (left, top, right, bottom) = MARGINS;
+        let Margins { left, top, right, bottom } = MARGINS;
         let (width, height) = (options.width - left - right, options.height - top - bottom);
         let size = around.size();
         let scale = (width / size.x).min(height / size.y);

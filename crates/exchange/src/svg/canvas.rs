@@ -4,6 +4,14 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 use transect_geometry::Point2;
 
+/// Widths of the four sides around a drawing.
+pub(super) struct Margins {
+    pub(super) left: f64,
+    pub(super) top: f64,
+    pub(super) right: f64,
+    pub(super) bottom: f64,
+}
+
 /// The data of a path: whole multiples of a step, each relative to the one before.
 pub(super) struct PathData {
     text: String,

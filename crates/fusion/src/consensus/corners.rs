@@ -74,9 +74,14 @@ const APART: f64 = 0.4;
 
 /// Makes corners sharp; new nodes are added to `kept`. `noise` is the standard deviation of a single
 /// pixel across a curve.
-pub(super) fn sharpen(kept: &mut Vec<Kept>, pieces: &mut [Piece], noise: f64) {
+pub(super) fn sharpen(
+    kept: &mut Vec<Kept>,
+    pieces: &mut [Piece],
+    noise: f64,
+    steps: &super::Steps,
+) {
     for piece in pieces {
-        let corners = corners(&Path::new(kept, piece), noise);
+        let corners = corners(&Path::new(kept, piece, steps), noise);
         if !corners.is_empty() {
             replace(kept, piece, corners);
         }
@@ -131,7 +136,7 @@ fn between(path: &Path<'_>, (a, b): (&Stretch, &Stretch), noise: f64) -> [Option
     if let Some(corner) = corner(path, (a, b), noise) {
         return [corner.is_told.then_some(corner), None];
     }
-    let short = short::between(path, a, b);
+    let short = short::between(path, a, b).filter(|_| path.steps.short_sides);
     let corners =
         short.and_then(|s| Some([corner(path, (a, &s), noise)?, corner(path, (&s, b), noise)?]));
     // One that the curve goes through already does not contradict the other.

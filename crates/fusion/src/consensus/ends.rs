@@ -210,8 +210,13 @@ mod tests {
     use super::super::link::spread_spacing;
     use super::*;
 
-    const SCALE: Scale =
-        Scale { spacing: 0.003, threshold: 0.001, threshold_spreads: 8.0, same_way: 0.6 };
+    const SCALE: Scale = Scale {
+        spacing: 0.003,
+        threshold: 0.001,
+        threshold_spreads: 8.0,
+        same_way: 0.6,
+        steps: super::super::Steps::ALL,
+    };
 
     /// Adds a piece of some nodes.
     fn add(kept: &mut Vec<Kept>, nodes: impl IntoIterator<Item = Kept>) -> Piece {

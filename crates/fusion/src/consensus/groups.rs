@@ -62,6 +62,10 @@ pub(super) fn group(observations: &Observations, grid: &PointGrid, scale: &Scale
             same_way: SAME_WAY,
         };
         let (of, mut sums) = (&mut groups.of, Sums::of(here));
+        if !scale.steps.groups {
+            groups.all.push(sums.group(here, room));
+            continue;
+        }
         window.visit(
             grid,
             |j| seen[j].tangent,
@@ -150,7 +154,7 @@ mod tests {
         };
         let views: Vec<Vec<Curve>> = (0..views).map(line).collect();
         let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
-        Observations::collect(&slices)
+        Observations::collect(&slices, &super::super::Steps::ALL)
     }
 
     fn grouped(observations: &Observations) -> Groups {
@@ -158,7 +162,13 @@ mod tests {
         group(
             observations,
             &grid,
-            &Scale { spacing: 0.02, threshold: 0.02, threshold_spreads: 8.0, same_way: 0.6 },
+            &Scale {
+                spacing: 0.02,
+                threshold: 0.02,
+                threshold_spreads: 8.0,
+                same_way: 0.6,
+                steps: super::super::Steps::ALL,
+            },
         )
     }
 

@@ -60,8 +60,11 @@ pub(super) fn link(
     scale: &Scale,
 ) -> Vec<u32> {
     let mut candidates = Candidates::new(kept.len());
-    ahead(kept, scale, &mut candidates);
-    witnessed(kept, absorbed_by, observations, &mut candidates);
+    let doubt = if scale.steps.link_doubt { DOUBT } else { 0.0 };
+    ahead(kept, scale, &mut candidates, doubt);
+    if scale.steps.witnessed_links {
+        witnessed(kept, absorbed_by, observations, &mut candidates, doubt);
+    }
     let mut next = vec![NONE; kept.len()];
     let mut previous = vec![NONE; kept.len()];
     for c in candidates.cheapest_first() {
@@ -122,13 +125,13 @@ impl Candidates {
 }
 
 /// Cost of a step between two nodes, from its length and the cosines between it and their directions.
-fn cost(a: &Kept, b: &Kept, distance: f64, (leave, arrive): (f64, f64)) -> f64 {
-    let doubted = |k: &Kept| 1.0 + DOUBT * (1.0 - k.credit.min(1.0));
+fn cost(a: &Kept, b: &Kept, distance: f64, (leave, arrive): (f64, f64), doubt: f64) -> f64 {
+    let doubted = |k: &Kept| 1.0 + doubt * (1.0 - k.credit.min(1.0));
     distance * (2.0 - leave) * (2.0 - arrive) * doubted(a) * doubted(b)
 }
 
 /// Pairs of nodes that lie ahead of each other.
-fn ahead(kept: &[Kept], scale: &Scale, candidates: &mut Candidates) {
+fn ahead(kept: &[Kept], scale: &Scale, candidates: &mut Candidates, doubt: f64) {
     let positions: Vec<Point2> = kept.iter().map(|k| k.position).collect();
     let grid = PointGrid::new(&positions, REACH_FOOTPRINTS * scale.spacing);
     for (k, here) in kept.iter().enumerate() {
@@ -151,7 +154,7 @@ fn ahead(kept: &[Kept], scale: &Scale, candidates: &mut Candidates) {
             if leave.min(arrive) > SMALLEST_TURN_COSINE {
                 candidates.add(
                     (from, to),
-                    cost(&kept[from], &kept[to], distance, (leave, arrive)),
+                    cost(&kept[from], &kept[to], distance, (leave, arrive), doubt),
                     false,
                 );
             }
@@ -165,6 +168,7 @@ fn witnessed(
     absorbed_by: &[u32],
     observations: &Observations,
     candidates: &mut Candidates,
+    doubt: f64,
 ) {
     for (o, &from) in observations.all.iter().zip(absorbed_by) {
         let Some(&to) = absorbed_by.get(o.next as usize) else { continue };
@@ -179,7 +183,7 @@ fn witnessed(
         let straight = a.tangent.dot(&b.tangent) >= SMALLEST_TURN_COSINE;
         let least = if straight { SIDEWAYS } else { BACKWARD };
         if leave >= least && arrive >= least {
-            let cost = WITNESSED * cost(a, b, distance, (leave, arrive));
+            let cost = WITNESSED * cost(a, b, distance, (leave, arrive), doubt);
             candidates.add((from as usize, to as usize), cost, o.bridged);
         }
     }
@@ -198,8 +202,13 @@ mod tests {
         };
         // Two layers run into one node; the one seen at a view's end alone is a little nearer.
         let kept = [node(0.0, 0.002, 1.0), node(0.001, -0.002, 0.05), node(0.02, 0.0, 2.0)];
-        let scale =
-            Scale { spacing: 0.02, threshold: 0.001, threshold_spreads: 8.0, same_way: 0.6 };
+        let scale = Scale {
+            spacing: 0.02,
+            threshold: 0.001,
+            threshold_spreads: 8.0,
+            same_way: 0.6,
+            steps: super::super::Steps::ALL,
+        };
         let next = link(&kept, &[], &Observations::default(), &scale);
         assert_eq!(next, [2, NONE, NONE]);
     }

@@ -53,6 +53,7 @@ mod pieces;
 mod place;
 mod rings;
 mod spread;
+mod steps;
 mod thin;
 mod window;
 
@@ -62,12 +63,15 @@ use common::Common;
 use nalgebra::Vector3;
 use observations::{Observations, median};
 use pieces::{Piece, Shortest};
+use serde::{Deserialize, Serialize};
 use spread::Spread;
+pub use steps::Steps;
 use transect_geometry::{Curve, Node, Point2, Vector2};
 
 /// What can be set. Nothing is in the user's unit: lengths follow from measured spreads and
 /// footprints.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct ConsensusOptions {
     /// Overlap threshold in measured spreads between views. Two curves of the same direction that
     /// lie closer than this are one surface.
@@ -76,6 +80,10 @@ pub struct ConsensusOptions {
     pub direction_limit_rad: f64,
     /// Shortest curve that is kept, in footprints that were seen: gaps do not count.
     pub shortest_footprints: f64,
+    /// Steps to leave out, to measure what they are worth.
+    #[doc(hidden)]
+    #[serde(skip)]
+    pub steps: Steps,
 }
 
 impl Default for ConsensusOptions {
@@ -84,6 +92,7 @@ impl Default for ConsensusOptions {
             threshold_spreads: 8.0,
             direction_limit_rad: 50_f64.to_radians(),
             shortest_footprints: 4.0,
+            steps: Steps::ALL,
         }
     }
 }
@@ -99,6 +108,7 @@ struct Scale {
     threshold_spreads: f64,
     /// Cosine of the largest angle between observations of one surface.
     same_way: f64,
+    steps: Steps,
 }
 
 impl Scale {
@@ -120,10 +130,12 @@ impl Scale {
         let same_way = options.direction_limit_rad.cos();
         // One view says nothing about the spread between views; its own error is all there is.
         let spread = |o: &Observations| {
-            spread::between_views(o, grid, spacing, same_way)
+            spread::between_views(o, grid, (spacing, options.steps), same_way)
                 .unwrap_or(Spread { between: sigma, common: Common::default() })
         };
-        observations.rooms = layers::rooms(observations, same_way);
+        if options.steps.layers {
+            observations.rooms = layers::rooms(observations, same_way);
+        }
         let mut measured = spread(observations);
         if layers::doubt(&mut observations.rooms, Self::ROOM_SPREADS * measured.between) {
             measured = spread(observations);
@@ -131,7 +143,7 @@ impl Scale {
         let least = (Self::SIGMAS * sigma).max(Self::FOOTPRINTS * spacing);
         let threshold_spreads = options.threshold_spreads;
         let threshold = (threshold_spreads * measured.between).max(least);
-        (Self { spacing, threshold, threshold_spreads, same_way }, measured)
+        (Self { spacing, threshold, threshold_spreads, same_way, steps: options.steps }, measured)
     }
 
     /// How far off a node may be that few views saw: the overlap threshold, more where they err by more.
@@ -220,7 +232,7 @@ pub struct Measured {
 
 /// The errors of the views as [`consensus`] measures them; `None` without nodes.
 pub fn measure(views: &[&[Curve]], options: &ConsensusOptions) -> Option<Measured> {
-    let mut observations = Observations::collect(views);
+    let mut observations = Observations::collect(views, &options.steps);
     if observations.all.is_empty() {
         return None;
     }
@@ -231,7 +243,7 @@ pub fn measure(views: &[&[Curve]], options: &ConsensusOptions) -> Option<Measure
 
 /// Fuses the curves of one plane; one slice of curves per view, in any order.
 pub fn consensus(views: &[&[Curve]], options: &ConsensusOptions) -> FusedPlane {
-    fuse(Observations::collect(views), options)
+    fuse(Observations::collect(views, &options.steps), options)
 }
 
 /// The same from what was collected of the views.
@@ -241,10 +253,14 @@ pub(crate) fn fuse(mut observations: Observations, options: &ConsensusOptions) -
     }
     let grid = PointGrid::new(&observations.positions(), observations.spacing());
     let (scale, spread) = Scale::new(&mut observations, &grid, options);
-    observations.weigh(&spread.common);
+    if options.steps.view_error {
+        observations.weigh(&spread.common);
+    }
     let mut thinned = thin::thin(&observations, &grid, &scale);
     place::place(&mut thinned.kept, &scale);
-    link::spread_spacing(&mut thinned.kept, &scale);
+    if options.steps.spread_spacing {
+        link::spread_spacing(&mut thinned.kept, &scale);
+    }
     let next = link::link(&thinned.kept, &thinned.absorbed_by, &observations, &scale);
     let traced = pieces::trace(&next);
     let (mut tidied, dropped) = tidy(&thinned.kept, traced, &scale, options);
@@ -255,10 +271,14 @@ pub(crate) fn fuse(mut observations: Observations, options: &ConsensusOptions) -
         ..FusionCounts::default()
     };
     let kept = &mut thinned.kept;
-    rings::round(kept, &mut tidied);
-    corners::sharpen(kept, &mut tidied, observations.pixel_noise());
+    if options.steps.rings {
+        rings::round(kept, &mut tidied);
+    }
+    if options.steps.corners {
+        corners::sharpen(kept, &mut tidied, observations.pixel_noise(), &options.steps);
+    }
     let ends = output::Ends::new(&observations, &thinned.absorbed_by, kept);
-    let curves = output::curves(kept, tidied, &ends);
+    let curves = output::curves(kept, tidied, &ends, options.steps.middle_nodes);
     FusedPlane { curves, spread: spread.between, threshold: scale.threshold, counts }
 }
 
@@ -271,22 +291,34 @@ fn tidy(
 ) -> (Vec<Piece>, usize) {
     let (covered, mut dropped) = pieces::cover(kept, traced, scale, Shortest::PART);
     let mut pieces = covered;
-    for rule in ends::RULES {
+    let st = &options.steps;
+    let on = [st.join_meeting, st.join_smooth, st.join_hairpin, st.join_crossing];
+    for (rule, _) in ends::RULES.into_iter().zip(on).filter(|r| r.1) {
         pieces = ends::join(kept, pieces, scale, &rule);
     }
     // What joining made longer may lie beside others, and what stayed short is no curve.
-    let (pieces, short) =
-        pieces::cover(kept, pieces, scale, Shortest::curve(options.shortest_footprints));
-    let (pieces, spurs) = pieces::without_spurs(kept, pieces, scale);
+    let (pieces, short) = if st.second_cover {
+        pieces::cover(kept, pieces, scale, Shortest::curve(options.shortest_footprints))
+    } else {
+        (
+            pieces
+                .into_iter()
+                .filter(|p| p.nodes.len() >= 3 && p.footprints(kept) >= options.shortest_footprints)
+                .collect(),
+            0,
+        )
+    };
+    let (pieces, spurs) =
+        if st.spurs { pieces::without_spurs(kept, pieces, scale) } else { (pieces, 0) };
     dropped += short + spurs;
     let mut pieces = pieces;
     for piece in &mut pieces {
         let before = piece.nodes.len();
-        pieces::straighten(kept, piece);
+        pieces::straighten(kept, piece, st);
         dropped += before - piece.nodes.len();
     }
     let all: usize = pieces.iter().map(|p| p.nodes.len()).sum();
-    pieces.retain(|p| p.has_direction(kept));
+    pieces.retain(|p| !st.direction || p.has_direction(kept));
     let left: usize = pieces.iter().map(|p| p.nodes.len()).sum();
     (pieces, dropped + all - left)
 }

@@ -85,7 +85,7 @@ pub(crate) struct Observations {
 impl Observations {
     /// Collects the curves of all views. Neither the order of views nor that of the curves within a
     /// view matters, and a view that comes twice counts once: it saw nothing new.
-    pub fn collect(views: &[&[Curve]]) -> Self {
+    pub fn collect(views: &[&[Curve]], steps: &super::Steps) -> Self {
         let mut sorted: Vec<(usize, Vec<&Curve>)> = Vec::new();
         for (source, curves) in views.iter().enumerate().filter(|(_, c)| !c.is_empty()) {
             let mut curves: Vec<&Curve> = curves.iter().collect();
@@ -103,7 +103,7 @@ impl Observations {
         observations.all.reserve(curves.map(|c| c.nodes().len()).sum());
         for (view, (source, curves)) in sorted.iter().enumerate() {
             observations.sources.push(*source);
-            curves.iter().for_each(|c| observations.push(c, view as u32));
+            curves.iter().for_each(|c| observations.push(c, view as u32, steps));
         }
         observations.spacing = median(observations.all.iter().map(|o| o.footprint));
         observations
@@ -140,7 +140,7 @@ impl Observations {
         median(self.all.iter().map(of_pixel))
     }
 
-    fn push(&mut self, curve: &Curve, view: u32) {
+    fn push(&mut self, curve: &Curve, view: u32, steps: &super::Steps) {
         let nodes = curve.nodes();
         let arc = Arc::new(curve);
         // A curve whose nodes are all in one place has no direction.
@@ -158,10 +158,12 @@ impl Observations {
             let footprint = if known { f64::from(node.footprint) } else { mean_step };
             let (least, most) = SAMPLING_SHARES;
             let sampling = arc.roughness(k).clamp(least * footprint, most * footprint);
+            let sampling = if steps.sampling_error { sampling } else { least * footprint };
             let own = f64::from(node.sigma);
             let sigma = (own * own + sampling * sampling).sqrt();
             let taper =
                 (arc.to_open_end(k) / (TAPER_FOOTPRINTS * footprint)).clamp(LEAST_TAPER, 1.0);
+            let taper = if steps.taper { taper } else { 1.0 };
             let credit = f64::from(node.weight) * taper;
             let next = match seen.get(number + 1) {
                 Some(_) => start + number as u32 + 1,
@@ -174,9 +176,11 @@ impl Observations {
                 tangent: arc.tangent(k, reach(footprint, node)),
                 sigma,
                 footprint,
-                correlation: f64::from(node.correlation),
-                // An unknown incidence counts as head-on: the view's error is not enlarged.
-                tan_incidence: node.tan_incidence.map_or(0.0, f64::from),
+                correlation: if steps.shared_errors { f64::from(node.correlation) } else { 0.0 },
+                tan_incidence: node
+                    .tan_incidence
+                    .filter(|_| steps.incidence_error)
+                    .map_or(0.0, f64::from),
                 common: 0.0,
                 normal: node.normal.unwrap_or_default(),
                 taper,

@@ -23,16 +23,21 @@ const SMOOTH: f64 = 0.94;
 const END_FOOTPRINTS: f64 = 4.0;
 
 /// The curves of the pieces, longest first.
-pub(super) fn curves(kept: &[Kept], pieces: Vec<Piece>, ends: &Ends<'_>) -> Vec<Curve> {
+pub(super) fn curves(
+    kept: &[Kept],
+    pieces: Vec<Piece>,
+    ends: &Ends<'_>,
+    middle: bool,
+) -> Vec<Curve> {
     let curve = |p: &Piece| {
-        let curve = Curve::new(nodes(kept, p), p.closed).ok()?;
+        let curve = Curve::new(nodes(kept, p, middle), p.closed).ok()?;
         Some(curve.with_ends(ends.of(p)))
     };
     by_length(kept, pieces).iter().filter_map(curve).collect()
 }
 
 /// The nodes of a piece, with those that belong between them.
-fn nodes(kept: &[Kept], piece: &Piece) -> Vec<Node> {
+fn nodes(kept: &[Kept], piece: &Piece, middle: bool) -> Vec<Node> {
     let at = |k: u32| &kept[k as usize];
     let mut nodes: Vec<Node> = Vec::with_capacity(2 * piece.nodes.len());
     for (k, &number) in piece.nodes.iter().enumerate() {
@@ -45,7 +50,7 @@ fn nodes(kept: &[Kept], piece: &Piece) -> Vec<Node> {
         let gap = bridge(at(number), at(next));
         node.bridged = gap.is_some();
         nodes.push(node);
-        nodes.extend(gap.or_else(|| between(at(number), at(next))));
+        nodes.extend(gap.or_else(|| between(at(number), at(next)).filter(|_| middle)));
     }
     nodes
 }

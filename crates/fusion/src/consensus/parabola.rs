@@ -64,6 +64,8 @@ pub(super) struct Windows {
     sums: Sums,
     /// Largest distance across in the window.
     farthest: f64,
+    pub arcs: bool,
+    pub robust: bool,
     /// Those of a window that is narrower across.
     inside: Vec<Sample>,
 }
@@ -87,12 +89,22 @@ impl Windows {
         self.grow(reach);
         let along = self.samples.get(self.from..self.to)?;
         if self.farthest <= across {
-            return fit(along, (&self.sums, self.farthest), reach, threshold);
+            return fit(
+                along,
+                (&self.sums, self.farthest),
+                (reach, self.arcs, self.robust),
+                threshold,
+            );
         }
         self.inside.clear();
         self.inside.extend(along.iter().filter(|s| s.y.abs() <= across));
         let weighted = self.inside.iter().map(|s| (s, s.weight));
-        fit(&self.inside, (&Sums::of(weighted, self.sums.unit), across), reach, threshold)
+        fit(
+            &self.inside,
+            (&Sums::of(weighted, self.sums.unit), across),
+            (reach, self.arcs, self.robust),
+            threshold,
+        )
     }
 
     fn grow(&mut self, reach: f64) {
@@ -117,13 +129,16 @@ impl Windows {
 fn fit(
     samples: &[Sample],
     (sums, farthest): (&Sums, f64),
-    reach: f64,
+    (reach, arcs, robust): (f64, bool, bool),
     threshold: f64,
 ) -> Option<Fit> {
     if !lies_on_both_sides(samples, reach) {
         return None;
     }
-    let plain = sums.solve(reach)?;
+    let plain = sums.solve(reach, arcs)?;
+    if !robust {
+        return Some(plain);
+    }
     let most = FLAT * threshold;
     // As a rule no sample can be so far off, whichever it is.
     let deepest = plain.deepest(reach);
@@ -133,7 +148,7 @@ fn fit(
         return Some(plain);
     }
     let weighted = samples.iter().map(|s| (s, s.weight * trust(residual(&plain, s) / threshold)));
-    Sums::of(weighted, sums.unit).solve(reach)
+    Sums::of(weighted, sums.unit).solve(reach, arcs)
 }
 
 /// Third and fourth order of an arc of this slope and bend, as far as the bend is known.
@@ -257,7 +272,7 @@ impl Sums {
 
     /// The arc of the samples, with the standard deviations of its place and bend from random errors, if they
     /// determine one in a window of this reach.
-    fn solve(&self, reach: f64) -> Option<Fit> {
+    fn solve(&self, reach: f64, arcs: bool) -> Option<Fit> {
         let inverse = self.inverse(reach)?;
         let ([place, _, bend], of) = &inverse;
         let sigma = |row: &[f64; 3]| self.variance(row).max(0.0).sqrt() * of;
@@ -266,7 +281,7 @@ impl Sums {
             bend_sigma: sigma(bend) * self.per_unit * self.per_unit,
             ..self.parabola(&inverse, &self.right)
         };
-        Some(self.follow_arc(parabola, &inverse, reach))
+        Some(if arcs { self.follow_arc(parabola, &inverse, reach) } else { parabola })
     }
 
     /// The matrix's inverse, if samples determine a parabola in a window of this reach.

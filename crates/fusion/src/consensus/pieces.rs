@@ -34,7 +34,7 @@ impl Piece {
     }
 
     /// Length in footprints of what was seen of it: of a gap no more counts than its ends' samples.
-    fn footprints(&self, kept: &[Kept]) -> f64 {
+    pub fn footprints(&self, kept: &[Kept]) -> f64 {
         let at = |k: &u32| &kept[*k as usize];
         let seen = |a: &u32, b: &u32| {
             let (a, b) = (at(a), at(b));
@@ -113,7 +113,7 @@ pub(super) fn trace(next: &[u32]) -> Vec<Piece> {
 /// where a curve changed from one view's layer to another's, and its less seen node goes. So it does
 /// where two views' nodes of one corner follow each other the wrong way round, and a node that says
 /// nothing between two far better ones.
-pub(super) fn straighten(kept: &[Kept], piece: &mut Piece) {
+pub(super) fn straighten(kept: &[Kept], piece: &mut Piece, st: &super::Steps) {
     const PASSES: usize = 4;
     for _ in 0..PASSES {
         let n = piece.nodes.len();
@@ -122,9 +122,12 @@ pub(super) fn straighten(kept: &[Kept], piece: &mut Piece) {
         for k in 0..units {
             let (a, b) = (k, (k + 1) % n);
             let (p, q) = (&kept[piece.nodes[a] as usize], &kept[piece.nodes[b] as usize]);
-            if !goes[a] && (steps_sideways(p, q) || steps_back(kept, piece, a)) {
+            if !goes[a]
+                && ((st.sideways && steps_sideways(p, q))
+                    || (st.backward && steps_back(kept, piece, a)))
+            {
                 goes[if p.weight < q.weight { a } else { b }] = true;
-            } else if !goes[a] && says_nothing(kept, piece, a) {
+            } else if !goes[a] && st.redundant && says_nothing(kept, piece, a) {
                 goes[b] = true;
             }
         }

@@ -71,6 +71,7 @@ const SHARED_WINDOW: f64 = 8.0 / 9.0;
 /// Moves every kept node to its final place and direction.
 pub(super) fn place(kept: &mut [Kept], scale: &Scale) {
     let mut near = Near::new(kept, 2.0 * NARROWEST_FOOTPRINTS * scale.spacing);
+    (near.windows.arcs, near.windows.robust) = (scale.steps.arcs, scale.steps.robust_fit);
     let placed: Vec<Option<Placed>> =
         kept.iter().map(|here| widest_fit(here, scale, &mut near)).collect();
     for (k, placed) in kept.iter_mut().zip(placed) {
@@ -102,9 +103,9 @@ fn widest_fit(here: &Kept, scale: &Scale, near: &mut Near) -> Option<Placed> {
         tried = step;
         let reach_now = reach(step);
         if reach_now > near.reach {
-            let ahead = if near.far > 0 { WINDOWS } else { GATHER_AHEAD };
+            let ahead = if near.far > 0 && scale.steps.gather_far { WINDOWS } else { GATHER_AHEAD };
             let farthest = reach((step + ahead).min(WINDOWS - 1));
-            near.gather(here, (farthest, threshold, scale.same_way));
+            near.gather(here, (farthest, threshold, scale.same_way), scale.steps.layer_following);
         }
         let across = across(threshold, reach_now);
         let Some(fit) = near.windows.fit(reach_now, across, threshold) else {
@@ -113,14 +114,14 @@ fn widest_fit(here: &Kept, scale: &Scale, near: &mut Near) -> Option<Placed> {
             }
             break;
         };
-        let agrees = agrees(&near.narrower, &fit);
-        let (error, small) = arc_error(&fit, reach_now);
+        let agrees = agrees(&near.narrower, &fit, scale.steps.stray_windows);
+        let (error, small) = arc_error(&fit, reach_now, scale.steps.noisy_turns);
         // A first fit across a gap would rest on far ground alone.
         let wide = best.is_none() && step > LAST_FIRST_WINDOW;
-        if wide && !(small && near.is_seen(reach_now, across)) {
+        if wide && !(scale.steps.wide_first_window && small && near.is_seen(reach_now, across)) {
             break;
         }
-        if best.is_some() && (!small || (!agrees && doubted)) {
+        if best.is_some() && (!small || (!agrees && (doubted || !scale.steps.passed_window))) {
             break;
         }
         if best.is_some() && !agrees {
@@ -138,22 +139,23 @@ fn widest_fit(here: &Kept, scale: &Scale, near: &mut Near) -> Option<Placed> {
 
 /// How far a fit may be off in the middle of a bend, and whether that is no matter: hidden by noise, or of a
 /// bend that is not known to be too much.
-fn arc_error(fit: &Fit, reach: f64) -> (f64, bool) {
+fn arc_error(fit: &Fit, reach: f64, noisy: bool) -> (f64, bool) {
     let turn = 2.0 * fit.bend.abs() * reach;
     let sixth_order = (turn / SIXTH_ORDER_TURN).powi(2).min(1.0);
     let error = ARC_ERROR * sixth_order * turn.powi(3) * reach;
-    let hidden = turn <= LARGEST_NOISY_TURN && error <= ERROR_SHARE * fit.place_sigma;
+    let hidden = noisy && turn <= LARGEST_NOISY_TURN && error <= ERROR_SHARE * fit.place_sigma;
     let known = turn - 4.0 * fit.bend_sigma * reach;
     (error, hidden || known <= LARGEST_TURN)
 }
 
 /// Whether a fit agrees with those in narrower windows, of which one may be off by chance.
-fn agrees(narrower: &[Fit], wide: &Fit) -> bool {
+fn agrees(narrower: &[Fit], wide: &Fit, stray: bool) -> bool {
     let mut strays = 0;
     narrower.iter().enumerate().all(|(step, narrow)| {
         let agrees = agree(narrow, wide, CONFIDENCE);
         strays += usize::from(!agrees);
-        agrees || (strays == 1 && step < MAY_STRAY && agree(narrow, wide, STRAY_CONFIDENCE))
+        agrees
+            || (stray && strays == 1 && step < MAY_STRAY && agree(narrow, wide, STRAY_CONFIDENCE))
     })
 }
 
@@ -248,7 +250,7 @@ impl Near {
         })
     }
 
-    fn gather(&mut self, here: &Kept, (reach, threshold, same_way): (f64, f64, f64)) {
+    fn gather(&mut self, here: &Kept, (reach, threshold, same_way): (f64, f64, f64), follow: bool) {
         let (centre, tangent) = (here.position, here.tangent);
         let window = Window { centre, tangent, reach, across: across(threshold, reach), same_way };
         let Self { clusters, off_line, found, order, .. } = self;
@@ -264,7 +266,7 @@ impl Near {
         );
         // Numbers are faster sorted than what they come from.
         order.sort_unstable();
-        if here.room.is_finite() {
+        if here.room.is_finite() && follow {
             let place = |key: &u64| {
                 let (j, x, y) = found[(key & u64::from(u32::MAX)) as usize];
                 let t = clusters[j as usize].tangent;
@@ -309,11 +311,11 @@ mod tests {
             let sigmas = [1.0, 0.7, 0.5, 0.35];
             places.iter().zip(sigmas).map(|(p, s)| fit(p * s, s)).collect()
         };
-        assert!(agrees(&narrower(&[1.5, -1.5, 1.0]), &wide));
-        assert!(agrees(&narrower(&[2.7, 0.5, 0.5]), &wide), "the narrowest");
-        assert!(agrees(&narrower(&[0.5, -2.7, 0.5]), &wide), "the next");
-        assert!(!agrees(&narrower(&[0.5, 0.5, 2.7]), &wide), "a wider one");
-        assert!(!agrees(&narrower(&[3.5, 0.5, 0.5]), &wide), "too far");
-        assert!(!agrees(&narrower(&[2.5, 2.5, 0.5]), &wide), "two");
+        assert!(agrees(&narrower(&[1.5, -1.5, 1.0]), &wide, true));
+        assert!(agrees(&narrower(&[2.7, 0.5, 0.5]), &wide, true), "the narrowest");
+        assert!(agrees(&narrower(&[0.5, -2.7, 0.5]), &wide, true), "the next");
+        assert!(!agrees(&narrower(&[0.5, 0.5, 2.7]), &wide, true), "a wider one");
+        assert!(!agrees(&narrower(&[3.5, 0.5, 0.5]), &wide, true), "too far");
+        assert!(!agrees(&narrower(&[2.5, 2.5, 0.5]), &wide, true), "two");
     }
 }

@@ -44,16 +44,18 @@ pub(super) struct Spread {
 pub(super) fn between_views(
     observations: &Observations,
     grid: &PointGrid,
-    spacing: f64,
+    (spacing, steps): (f64, super::Steps),
     same_way: f64,
 ) -> Option<Spread> {
     if observations.sources.len() < 2 {
         return None;
     }
     // As a rule views lie so close to each other that a look nearby misses none of them.
-    let near = measure(observations, grid, NEARBY, same_way);
+    let near =
+        if steps.nearby_spread { measure(observations, grid, NEARBY, same_way) } else { None };
     let all_seen = NEARBY * SEARCH_FOOTPRINTS * spacing;
-    near.filter(|s| RADIUS_SPREADS * s.between <= all_seen)
+    near.filter(|_| steps.nearby_spread)
+        .filter(|s| RADIUS_SPREADS * s.between <= all_seen)
         .or_else(|| measure(observations, grid, 1.0, same_way))
 }
 

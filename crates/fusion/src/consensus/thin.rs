@@ -36,7 +36,7 @@ pub(super) fn thin(observations: &Observations, grid: &PointGrid, scale: &Scale)
     by_support(&groups).into_iter().for_each(|k| choice.take(k as usize));
     let Choice { mut kept, absorbed_by, .. } = choice;
     let absorbed_by: Vec<u32> = groups.of.iter().map(|&g| absorbed_by[g as usize]).collect();
-    cluster(observations, &absorbed_by, &mut kept);
+    cluster(observations, &absorbed_by, &mut kept, scale.steps.along_variance);
     Thinned { kept, absorbed_by }
 }
 
@@ -102,13 +102,16 @@ impl<'a> Choice<'a> {
             across: (ABSORB_SHARE * self.scale.across(group.sigma, f64::INFINITY)).min(group.room),
             same_way: self.scale.same_way,
         };
-        self.absorbed_by[k] = self.kept_around(&window).unwrap_or_else(|| {
-            self.absorb(&window, &line);
-            self.windows.push(window);
-            let kept = Kept::new(window.centre, window.tangent, group.footprint);
-            self.kept.push(Kept { room: group.room, ..kept });
-            self.kept.len() as u32 - 1
-        });
+        self.absorbed_by[k] = self
+            .kept_around(&window)
+            .filter(|_| self.scale.steps.late_absorption)
+            .unwrap_or_else(|| {
+                self.absorb(&window, &line);
+                self.windows.push(window);
+                let kept = Kept::new(window.centre, window.tangent, group.footprint);
+                self.kept.push(Kept { room: group.room, ..kept });
+                self.kept.len() as u32 - 1
+            });
     }
 
     /// A robust line through a group's neighbours, in the group's own direction.
@@ -160,7 +163,7 @@ impl<'a> Choice<'a> {
 }
 
 /// Gathers the original places of what each kept node absorbed.
-fn cluster(observations: &Observations, absorbed_by: &[u32], kept: &mut [Kept]) {
+fn cluster(observations: &Observations, absorbed_by: &[u32], kept: &mut [Kept], av: bool) {
     let mut sums = vec![Sums::default(); kept.len()];
     for (o, &by) in observations.all.iter().zip(absorbed_by) {
         let k = &kept[by as usize];
@@ -170,7 +173,7 @@ fn cluster(observations: &Observations, absorbed_by: &[u32], kept: &mut [Kept]) 
         k.views = s.views;
         if s.weight > 0.0 {
             // Nodes of no weight stand for themselves.
-            s.give(k);
+            s.give(k, av);
         }
     }
 }
@@ -241,11 +244,12 @@ impl Sums {
         self.correlation += o.weight * o.correlation;
     }
 
-    fn give(&self, k: &mut Kept) {
+    fn give(&self, k: &mut Kept, av: bool) {
         k.cluster = Point2::from(self.position / self.weight);
         k.cluster_sigma = self.variance.sqrt() / self.weight;
         let along = self.along / self.weight;
-        k.along_variance = (self.along_squared / self.weight - along * along).max(0.0);
+        k.along_variance =
+            if !av { 0.0 } else { (self.along_squared / self.weight - along * along).max(0.0) };
         let squares = self.of_views + self.of_view * self.of_view;
         k.common_variance = squares / (self.weight * self.weight);
         k.sigma = (k.cluster_sigma.powi(2) + k.common_variance).sqrt();

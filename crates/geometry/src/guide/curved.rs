@@ -72,6 +72,7 @@ pub struct CurvedGuide {
     /// Equally spaced points of the path, from its first to its last.
     samples: Vec<Point3>,
     reach: f64,
+    /// Station at which the reach is least.
     tightest: f64,
 }
 
@@ -111,9 +112,10 @@ impl CurvedGuide {
             GuideKind::Polyline(radius) => Path::Rounded(Rounded::new(&points, radius)?),
             GuideKind::Spline => Path::Spline(Spline::new(&points)),
         };
-        let (reach, tightest) = reach(&path, BEYOND * path.length());
+        let tightest = reach(&path, BEYOND * path.length());
         let (axes, samples) = (carried_axes(&path), samples(&path));
-        Ok(Self { kind, points, path, axes, samples, reach: USED_REACH * reach, tightest })
+        let (reach, tightest) = (USED_REACH * tightest.radius, tightest.station);
+        Ok(Self { kind, points, path, axes, samples, reach, tightest })
     }
 
     /// Straight pieces with rounded corners; see [`GuideKind::Polyline`].

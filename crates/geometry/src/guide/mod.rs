@@ -3,6 +3,7 @@
 mod curved;
 mod family;
 mod path;
+mod path_point;
 mod reach;
 mod rounded;
 mod spline;

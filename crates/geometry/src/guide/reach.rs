@@ -5,30 +5,26 @@
 //! the infimum over pairs a, b of `|b − a|² / (2 · distance of b from the tangent at a)`. It is at most
 //! the radius of curvature, and at most half the distance between parts that come close.
 
-use super::path::{Path, PathPoint};
+use super::path::Path;
+use super::path_point::{PathPoint, Tightest};
 
 /// Samples whose pairs are compared.
 const SAMPLES: usize = 800;
 
-/// Reach of a curve that goes on straight for a while beyond its ends, and where it is least.
-pub(super) fn reach(path: &Path, beyond: f64) -> (f64, f64) {
-    let sharpest = match path {
-        Path::Rounded(path) => path.sharpest(),
-        Path::Spline(path) => path.sharpest(),
-    };
+/// Reach of a curve that goes on straight for a length `beyond` its ends, and where it is least.
+pub(super) fn reach(path: &Path, beyond: f64) -> Tightest {
     let (first, last) = (-beyond, path.length() + beyond);
     let station = |k: usize| first + (last - first) * k as f64 / (SAMPLES - 1) as f64;
     let samples: Vec<PathPoint> = (0..SAMPLES).map(|k| path.at(station(k))).collect();
-    let mut least = sharpest;
+    let mut least = path.sharpest();
     for (k, a) in samples.iter().enumerate() {
         for b in &samples {
             let d = b.point - a.point;
             let aside = (d - a.tangent * d.dot(&a.tangent)).norm();
             // A quotient that rounding makes of points in line would not be a small one.
             let radius = d.norm_squared() / (2.0 * aside);
-            if radius < least.0 {
-                least = (radius, station(k).clamp(0.0, path.length()));
-            }
+            let station = station(k).clamp(0.0, path.length());
+            least = least.or(Tightest { radius, station });
         }
     }
     least

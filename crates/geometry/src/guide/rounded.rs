@@ -10,14 +10,14 @@
 //! points at a distance of about an eighth of the square of a side over the radius.
 
 use super::GuideError;
-use super::path::PathPoint;
+use super::path_point::{PathPoint, Tightest};
 use crate::{Point3, Vector3};
 
 /// Sides whose directions differ by less than this many radians are one: rounding.
 const STRAIGHT: f64 = 1e-9;
 
 /// Turns within this many radians of a half-turn have no arc.
-const TURNS_BACK: f64 = 1e-3;
+const HALF_TURN: f64 = 1e-3;
 
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Rounded {
@@ -79,7 +79,8 @@ impl Rounded {
                     let room =
                         |side: &Vector3, whole: bool| side.norm() * if whole { 1.0 } else { 0.5 };
                     let room = room(side, k == 0).min(room(next, k + 2 == sides.len()));
-                    corner((side, next), (room, radius), k + 1)?
+                    corner(side, next, room, radius)
+                        .map_err(|TurnsBack| GuideError::TurnsBack(k + 1))?
                 }
                 None => None,
             };
@@ -109,27 +110,33 @@ impl Rounded {
         self.pieces[piece].at(station - self.starts[piece])
     }
 
-    /// Smallest radius, and the station in the middle of its arc; infinite if nothing bends.
-    pub fn sharpest(&self) -> (f64, f64) {
-        let middle = |k: usize| 0.5 * (self.starts[k] + self.starts[k + 1]);
-        let radii = self.pieces.iter().enumerate().map(|(k, p)| (1.0 / p.bend.norm(), middle(k)));
-        radii.fold((f64::INFINITY, 0.0), |a, b| if b.0 < a.0 { b } else { a })
+    /// The middle of the arc with the smallest radius.
+    pub fn sharpest(&self) -> Tightest {
+        let middles = self.starts.windows(2).map(|ends| 0.5 * (ends[0] + ends[1]));
+        let arcs = self.pieces.iter().zip(middles);
+        let places = arcs.map(|(p, station)| Tightest { radius: 1.0 / p.bend.norm(), station });
+        places.fold(Tightest::NOWHERE, Tightest::or)
     }
 }
 
-/// The arc at the corner between two sides; `None` if they are in line.
+/// Two sides that no arc can join.
+struct TurnsBack;
+
+/// The arc at the corner between two sides, which takes at most `room` off each; `None` if the
+/// sides are in line.
 fn corner(
-    (before, after): (&Vector3, &Vector3),
-    (room, radius): (f64, Option<f64>),
-    point: usize,
-) -> Result<Option<Corner>, GuideError> {
+    before: &Vector3,
+    after: &Vector3,
+    room: f64,
+    radius: Option<f64>,
+) -> Result<Option<Corner>, TurnsBack> {
     let (a, b) = (before.normalize(), after.normalize());
     let turn = 2.0 * (b - a).norm().atan2((a + b).norm());
     if turn < STRAIGHT {
         return Ok(None);
     }
-    if turn > std::f64::consts::PI - TURNS_BACK {
-        return Err(GuideError::TurnsBack(point));
+    if turn > std::f64::consts::PI - HALF_TURN {
+        return Err(TurnsBack);
     }
     let half_tan = (0.5 * turn).tan();
     let radius = radius.unwrap_or(f64::INFINITY).min(room / half_tan);

@@ -5,7 +5,7 @@
 //! Gauss–Legendre quadrature with five points; within a part Newton's method finds the parameter
 //! of a station.
 
-use super::path::PathPoint;
+use super::path_point::{PathPoint, Tightest};
 use crate::{Point3, Vector3};
 
 /// Parts of a span between two points, each with its own quadrature and its own frame.
@@ -105,16 +105,14 @@ impl Spline {
         span.at(u)
     }
 
-    /// Smallest radius of curvature at the parts' ends and middles, and its station.
-    pub fn sharpest(&self) -> (f64, f64) {
-        let mut sharpest = (f64::INFINITY, 0.0);
-        for part in 0..self.starts.len() - 1 {
+    /// The place with the smallest radius among the parts' ends and middles.
+    pub fn sharpest(&self) -> Tightest {
+        let mut sharpest = Tightest::NOWHERE;
+        for (part, ends) in self.starts.windows(2).enumerate() {
             for share in [0.0, 0.5, 1.0] {
-                let station = self.starts[part] * (1.0 - share) + self.starts[part + 1] * share;
+                let station = ends[0] * (1.0 - share) + ends[1] * share;
                 let radius = 1.0 / self.at(part, station).bend.norm();
-                if radius < sharpest.0 {
-                    sharpest = (radius, station);
-                }
+                sharpest = sharpest.or(Tightest { radius, station });
             }
         }
         sharpest

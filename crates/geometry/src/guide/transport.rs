@@ -8,7 +8,7 @@
 //! the plane half way between two points of the curve, and a second one that turns the reflected
 //! tangent into the true one. Exact on plane curves; elsewhere a step of length h errs by O(h⁵).
 
-use super::path::PathPoint;
+use super::path_point::PathPoint;
 use crate::Vector3;
 
 /// The axis `x` at `from`, carried to `to`.

@@ -176,7 +176,7 @@ fn check(
             let share =
                 |u: f64| (u - parameters[chord]) / (parameters[chord + 1] - parameters[chord]);
             let at = |u: f64| points[chord] + (points[chord + 1] - points[chord]) * share(u);
-            let bound = apart(spline, (from, to), (at(from), at(to)));
+            let bound = apart(spline, [from, to], [at(from), at(to)]);
             worst = worst.max(bound);
             within &= bound <= tolerance;
             from = to;
@@ -188,13 +188,14 @@ fn check(
     (worst, split)
 }
 
-/// Largest distance of the Bézier control points of spline minus chord between two parameters.
-fn apart(spline: &CubicSpline, (from, to): (f64, f64), (a, b): (Point2, Point2)) -> f64 {
+/// Largest distance of the Bézier control points of spline minus `chord` between two parameters.
+fn apart(spline: &CubicSpline, [from, to]: [f64; 2], chord: [Point2; 2]) -> f64 {
     let span = basis::span(&spline.knots, 0.5 * (from + to));
     let control = |k: usize| {
         let mut at = [from; 3];
         at.iter_mut().take(k).for_each(|u| *u = to);
-        basis::blossom(&spline.knots, &spline.controls, span, at) - (a + (b - a) * (k as f64 / 3.0))
+        basis::blossom(&spline.knots, &spline.controls, span, at)
+            - (chord[0] + (chord[1] - chord[0]) * (k as f64 / 3.0))
     };
     (0..4).map(|k| control(k).norm()).fold(0.0, f64::max)
 }

@@ -168,7 +168,7 @@ fn check_same(model: &Model, plain: &Plain) {
         assert_eq!(model.next_after(PlaneIndex(probe)).map(|(k, _)| k.0), next);
         assert_eq!(model.previous_before(PlaneIndex(probe)).map(|(k, _)| k.0), before);
     }
-    let runs = model.plane_runs();
+    let runs = model.sub_families();
     let in_runs = |k: i64| runs.iter().filter(|run| run.contains(&PlaneIndex(k))).count();
     for probe in -4..5 {
         assert_eq!(in_runs(probe), usize::from(sorted.iter().any(|(k, _)| *k == probe)));

@@ -6,7 +6,8 @@ use super::fuse::{Fuse, PlaneInputs};
 use super::tables::{
     FUSED, PARTIALS, PENDING, VIEWS, encode_curves, encode_fused, read_partials, read_view,
 };
-use super::view::{StoredView, ViewEntry, ViewId};
+use super::view::{StoredView, ViewEntry};
+use super::view_id::ViewId;
 use redb::WriteTransaction;
 use std::collections::BTreeSet;
 use transect_geometry::{Curve, PlaneIndex};
@@ -47,7 +48,7 @@ impl Store {
         if read_view(&transaction.open_table(VIEWS)?, &entry.id)?.is_some() {
             return Err(StoreProblem::ViewExists(entry.id));
         }
-        let view = StoredView { entry, planes: Vec::new(), curves: 0, nodes: 0 };
+        let view = StoredView::new(entry);
         Ok(ViewTransaction { store: self, transaction, view, broken: false })
     }
 
@@ -96,7 +97,7 @@ impl Store {
         if read_view(&transaction.open_table(VIEWS)?, &entry.id)?.is_some() {
             return Err(StoreProblem::ViewExists(entry.id));
         }
-        let mut view = StoredView { entry, planes: Vec::new(), curves: 0, nodes: 0 };
+        let mut view = StoredView::new(entry);
         let mut touched: BTreeSet<_> = old.planes.into_iter().collect();
         for (plane, curves) in curves {
             if put_in(&transaction, &mut view, plane, &curves)? {
@@ -215,9 +216,7 @@ fn put_in(
     if before.is_some() {
         return Err(StoreProblem::PlaneTwice(plane));
     }
-    view.planes.push(plane);
-    view.curves += curves.len() as u64;
-    view.nodes += curves.iter().map(|c| c.nodes().len() as u64).sum::<u64>();
+    view.count(plane, curves);
     Ok(true)
 }
 

@@ -1,7 +1,7 @@
 //! Why something could not be done with a store.
 
 use super::blocks::Damage;
-use super::view::ViewId;
+use super::view_id::ViewId;
 use crate::{CodecError, InvariantError};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -103,22 +103,13 @@ impl From<io::Error> for StoreProblem {
     }
 }
 
-impl From<redb::StorageError> for StoreProblem {
-    fn from(error: redb::StorageError) -> Self {
+impl From<redb::Error> for StoreProblem {
+    fn from(error: redb::Error) -> Self {
         match error {
-            redb::StorageError::Io(error) => error.into(),
-            redb::StorageError::PreviousIo | redb::StorageError::LockPoisoned(_) => Self::Failed,
-            other => Self::Inconsistent(other.to_string()),
-        }
-    }
-}
-
-impl From<redb::DatabaseError> for StoreProblem {
-    fn from(error: redb::DatabaseError) -> Self {
-        match error {
-            redb::DatabaseError::Storage(error) => error.into(),
-            redb::DatabaseError::DatabaseAlreadyOpen => Self::InUse,
-            redb::DatabaseError::TransactionInProgress => Self::Readers,
+            redb::Error::Io(error) => error.into(),
+            redb::Error::PreviousIo | redb::Error::LockPoisoned(_) => Self::Failed,
+            redb::Error::DatabaseAlreadyOpen => Self::InUse,
+            redb::Error::TransactionInProgress => Self::Readers,
             other => Self::Inconsistent(other.to_string()),
         }
     }
@@ -127,37 +118,21 @@ impl From<redb::DatabaseError> for StoreProblem {
 impl From<redb::TransactionError> for StoreProblem {
     fn from(error: redb::TransactionError) -> Self {
         match error {
-            redb::TransactionError::Storage(error) => error.into(),
             redb::TransactionError::WouldBlock => Self::Busy,
-            other => Self::Inconsistent(other.to_string()),
+            other => redb::Error::from(other).into(),
         }
     }
 }
 
-impl From<redb::TableError> for StoreProblem {
-    fn from(error: redb::TableError) -> Self {
-        match error {
-            redb::TableError::Storage(error) => error.into(),
-            other => Self::Inconsistent(other.to_string()),
+/// The database has an error type for each kind of call.
+macro_rules! from_database_error {
+    ($($kind:ident),*) => {$(
+        impl From<redb::$kind> for StoreProblem {
+            fn from(error: redb::$kind) -> Self {
+                redb::Error::from(error).into()
+            }
         }
-    }
+    )*};
 }
 
-impl From<redb::CommitError> for StoreProblem {
-    fn from(error: redb::CommitError) -> Self {
-        match error {
-            redb::CommitError::Storage(error) => error.into(),
-            other => Self::Inconsistent(other.to_string()),
-        }
-    }
-}
-
-impl From<redb::CompactionError> for StoreProblem {
-    fn from(error: redb::CompactionError) -> Self {
-        match error {
-            redb::CompactionError::Storage(error) => error.into(),
-            redb::CompactionError::TransactionInProgress => Self::Readers,
-            other => Self::Inconsistent(other.to_string()),
-        }
-    }
-}
+from_database_error!(StorageError, DatabaseError, TableError, CommitError, CompactionError);

@@ -1,6 +1,6 @@
 //! How a store has the curves of a plane fused: by whoever opened it.
 
-use super::view::ViewId;
+use super::view_id::ViewId;
 use transect_geometry::{Curve, PlaneIndex};
 
 /// The partial curves of all views on one plane, in order of view ids.

@@ -23,7 +23,8 @@
 //!
 //! Numbers have the fewest digits that read back as the same number: exporting what was imported gives the same bytes.
 
-use super::view::{StoreHeader, ViewEntry, ViewId};
+use super::view::{StoreHeader, ViewEntry};
+use super::view_id::ViewId;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use transect_geometry::{
@@ -39,7 +40,7 @@ pub const LINES_VERSION: u32 = 3;
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(super) enum Line {
     Store(StoreLine),
-    View(ViewLine),
+    View(ViewEntry),
     Partial(PartialLine),
     Fused(FusedLine),
     End(EndLine),
@@ -54,18 +55,6 @@ pub(super) struct StoreLine {
     pub planes: PlaneFamily,
     pub options: String,
     pub tool: String,
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct ViewLine {
-    pub id: ViewId,
-    pub name: String,
-    pub sensor: String,
-    pub source: String,
-    pub source_hash: String,
-    pub world_from_sensor: Isometry3,
-    pub sigma: Option<f64>,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -123,26 +112,13 @@ impl From<StoreLine> for StoreHeader {
     }
 }
 
-impl From<ViewEntry> for ViewLine {
-    fn from(entry: ViewEntry) -> Self {
-        let ViewEntry { id, name, sensor, source, source_hash, world_from_sensor, sigma } = entry;
-        Self { id, name, sensor, source, source_hash, world_from_sensor, sigma }
-    }
-}
-
-impl From<ViewLine> for ViewEntry {
-    fn from(line: ViewLine) -> Self {
-        let ViewLine { id, name, sensor, source, source_hash, world_from_sensor, sigma } = line;
-        Self { id, name, sensor, source, source_hash, world_from_sensor, sigma }
-    }
-}
-
 impl From<&Curve> for CurveText {
     fn from(curve: &Curve) -> Self {
         let node = |n: &Node| {
             let Node { position, sigma, footprint, weight, correlation, .. } = *n;
             let (x, y, normal) = (position.x, position.y, n.normal.unwrap_or_default().into());
-            let tan_incidence = n.tan_incidence.unwrap_or(0.0);
+            // As in the values of a store: 0 stands for unknown, so head-on is the least positive number.
+            let tan_incidence = n.tan_incidence.map_or(0.0, |tan| tan.max(f32::MIN_POSITIVE));
             (x, y, sigma, footprint, weight, n.view_count(), correlation, tan_incidence, normal)
         };
         let numbered = (0_u32..).zip(curve.nodes());

@@ -76,6 +76,7 @@ mod snapshot;
 mod tables;
 mod verify;
 mod view;
+mod view_id;
 
 #[cfg(test)]
 mod test_media;
@@ -90,7 +91,8 @@ pub use lines::LINES_VERSION;
 pub use query::SpaceQuery;
 pub use snapshot::Snapshot;
 pub use verify::Verification;
-pub use view::{StoreHeader, StoredView, ViewEntry, ViewId};
+pub use view::{StoreHeader, StoredView, ViewEntry};
+pub use view_id::ViewId;
 
 use crate::Section;
 use blocks::Blocks;

@@ -4,7 +4,8 @@ use super::error::{StoreError, StoreProblem};
 use super::tables::{
     FUSED, HEADER, PARTIALS, PENDING, VIEWS, decode_fused, read_partials, read_view, read_views,
 };
-use super::view::{StoreHeader, StoredView, ViewEntry, ViewId};
+use super::view::{StoreHeader, StoredView, ViewEntry};
+use super::view_id::ViewId;
 use crate::{Model, Section, ViewRecord};
 use redb::{ReadOnlyTable, ReadTransaction, ReadableTable, ReadableTableMetadata};
 use std::ops::RangeBounds;

@@ -9,7 +9,8 @@
 //! ```
 
 use super::error::StoreProblem;
-use super::view::{StoredView, ViewId};
+use super::view::StoredView;
+use super::view_id::ViewId;
 use crate::codec::HASH_OF_NOTHING;
 use crate::codec::values::{FusedValue, decode, encode, hash_piece};
 use redb::{ReadableTable, TableDefinition};

@@ -5,12 +5,13 @@ use super::error::{StoreError, StoreProblem};
 use super::fuse::Fuse;
 use super::snapshot::Snapshot;
 use super::tables::{decode_curves, decode_fused, encode_fused, read_partials, read_views};
-use super::view::{StoredView, ViewId};
+use super::view::{StoredView, node_count};
+use super::view_id::ViewId;
 use crate::codec::HASH_OF_NOTHING;
 use crate::codec::values::hash_piece;
 use redb::{ReadableTable, ReadableTableMetadata};
 use std::collections::BTreeMap;
-use transect_geometry::{Curve, PlaneIndex};
+use transect_geometry::PlaneIndex;
 
 /// What [`Store::verify`] counted.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -84,7 +85,8 @@ impl Snapshot {
 
     fn verify(&self) -> Result<Verification, StoreProblem> {
         let views = read_views(&self.views)?;
-        let mut seen = Seen::default();
+        let counted = views.iter().map(|v| (v.entry.id.clone(), StoredView::new(v.entry.clone())));
+        let mut seen = Seen { by_view: counted.collect(), ..Seen::default() };
         seen.counts.views = views.len() as u64;
         seen.counts.hash = HASH_OF_NOTHING;
         for entry in ReadableTable::iter(&self.views)? {
@@ -104,8 +106,13 @@ impl Snapshot {
             let problem = "there are sections or marks on planes without partial models";
             return Err(StoreProblem::Unsound(problem.to_owned()));
         }
-        check_views(&views, &seen.by_view)?;
-        Ok(seen.counts)
+        match views.iter().zip(seen.by_view.values()).find(|(view, counted)| view != counted) {
+            Some((view, _)) => {
+                let problem = format!("view {} has other curves than it says", view.entry.id);
+                Err(StoreProblem::Unsound(problem))
+            }
+            None => Ok(seen.counts),
+        }
     }
 
     /// Checks the fused curves of the plane whose partial curves were just read.
@@ -153,7 +160,8 @@ struct Seen {
     /// The plane whose partial curves are being read, and the hash of those so far.
     plane: Option<PlaneIndex>,
     made_of: u64,
-    by_view: BTreeMap<ViewId, (Vec<PlaneIndex>, u64, u64)>,
+    /// Every view with the curves that were read so far.
+    by_view: BTreeMap<ViewId, StoredView>,
 }
 
 impl Seen {
@@ -172,39 +180,12 @@ impl Seen {
         }
         self.made_of = hash_piece(hash_piece(self.made_of, id.as_bytes()), value);
         let curves = decode_curves(plane, id, value)?;
-        let nodes = node_count(&curves);
         self.counts.partial_curves += curves.len() as u64;
-        self.counts.partial_nodes += nodes;
-        let view = self.by_view.entry(id.into()).or_default();
-        view.0.push(plane);
-        view.1 += curves.len() as u64;
-        view.2 += nodes;
+        self.counts.partial_nodes += node_count(&curves);
+        let unknown = || format!("there are curves of a view {id}, which is not there");
+        let view = self.by_view.get_mut(&id.into());
+        view.ok_or_else(|| StoreProblem::Unsound(unknown()))?.count(plane, &curves);
         self.add_hash(id.as_bytes(), value);
         Ok(())
     }
-}
-
-fn check_views(
-    views: &[StoredView],
-    seen: &BTreeMap<ViewId, (Vec<PlaneIndex>, u64, u64)>,
-) -> Result<(), StoreProblem> {
-    let known = |id: &ViewId| views.iter().any(|view| view.entry.id == *id);
-    if let Some(id) = seen.keys().find(|id| !known(id)) {
-        let problem = format!("there are curves of a view {id}, which is not there");
-        return Err(StoreProblem::Unsound(problem));
-    }
-    let nothing = (Vec::new(), 0, 0);
-    for view in views {
-        let (planes, curves, nodes) = seen.get(&view.entry.id).unwrap_or(&nothing);
-        if (&view.planes, view.curves, view.nodes) != (planes, *curves, *nodes) {
-            let id = &view.entry.id;
-            let problem = format!("view {id} has other curves than it says");
-            return Err(StoreProblem::Unsound(problem));
-        }
-    }
-    Ok(())
-}
-
-fn node_count(curves: &[Curve]) -> u64 {
-    curves.iter().map(|c| c.nodes().len() as u64).sum()
 }

@@ -62,13 +62,15 @@ use link::Contour;
 use nodes::Maker;
 use samples::Samples;
 use search::SearchOrder;
+use serde::{Deserialize, Serialize};
 use transect_device::View;
 use transect_geometry::PlaneFamily;
 use transect_image::PreparedView;
 use transect_image::smooth::Smoothing;
 
 /// What can be set.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct DissertationOptions {
     /// How an intersection is told from a range jump.
     pub jump: JumpTest,

@@ -22,11 +22,13 @@ use super::code::Surface;
 use super::crossing::Crossing;
 use super::plane_image::PlaneImage;
 use super::samples::Samples;
+use serde::{Deserialize, Serialize};
 use transect_device::{Handedness, Neighbour, Pixel, SensorPlane};
 use transect_geometry::{Point2, Vector2};
 
 /// How a curve's direction is found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum DirectionRule {
     /// From where the rays of a border's two pixels meet the plane.
     #[default]

@@ -85,6 +85,7 @@ use crate::near_planes::near_planes;
 use crate::subpixel::Subpixel;
 use crate::{BreakRule, PartialError, PartialModel, SectionAxes};
 use along_guide::AlongGuide;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use transect_device::View;
 use transect_geometry::{CurvedGuide, PlaneFamily};
@@ -92,7 +93,8 @@ use transect_image::PreparedView;
 use transect_image::smooth::{Smoothing, SmoothingSteps, ValueBounds};
 
 /// What can be set.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct OnePassOptions {
     /// Largest angle between a ray and the surface normal at which two pixels still count as one
     /// surface, in radians. Larger keeps more of the rims, where real scanners overshoot.
@@ -121,6 +123,7 @@ pub struct OnePassOptions {
     pub least_sigma_factor: f64,
     /// Steps of the smoother that are taken; all but in experiments.
     #[doc(hidden)]
+    #[serde(skip)]
     pub smoothing: SmoothingSteps,
 }
 

@@ -1,7 +1,7 @@
 //! What a light-stripe range finder is made of, and the dissertation's own.
 
 use super::LaserAngles;
-use crate::{SensorError, require};
+use crate::error::{SensorError, require};
 use std::f64::consts::PI;
 use transect_device::{ImageSize, Point3};
 

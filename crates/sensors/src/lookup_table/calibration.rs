@@ -24,7 +24,7 @@
 
 use super::field::{Beam, DigitizedField};
 use super::filter::{Series, median, middle_third_mean};
-use crate::{SensorError, require};
+use crate::error::{SensorError, require};
 use nalgebra::{Point2, Vector2};
 
 /// One spot of a calibration sweep.

@@ -49,7 +49,7 @@ pub use field::{Beam, BeamLine, DigitizedField, GridNode};
 pub use mounting::{LinearSteps, Mounting, ScanPlane};
 pub use synchronized::SynchronizedScanner;
 
-use crate::{SensorError, require};
+use crate::error::{SensorError, require};
 use mounting::Axes;
 use nalgebra::Point2;
 use transect_device::{

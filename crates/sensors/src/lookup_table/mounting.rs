@@ -1,6 +1,6 @@
 //! How the scanner hangs on the machine: its plane, its tilt, and the linear axis (4.7.1).
 
-use crate::{SensorError, require};
+use crate::error::{SensorError, require};
 use nalgebra::{Point2, Vector2};
 use transect_device::{Point3, Vector3};
 

@@ -19,7 +19,7 @@ mod ray_table;
 
 pub use ray_table::RayTable;
 
-use crate::{SensorError, require};
+use crate::error::{SensorError, require};
 use transect_device::{
     DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, Neighbour, Pixel, Point3,
     RangeImage, Ray, RayProduct, RayProducts, SensorPlane, SeparableForm, Vector3,

@@ -17,7 +17,7 @@
 //! Cost: some hundred dot products per point. Not for cameras whose rays do not meet in a point.
 
 use super::PinholeScale;
-use crate::{SensorError, require};
+use crate::error::{SensorError, require};
 use nalgebra::{Matrix2, Vector2};
 use transect_device::{
     DeviceFrame, DevicePoint, Handedness, ImageError, ImageSize, LinearForm, Pixel, Point3,

@@ -14,7 +14,7 @@ mod carried_pinhole;
 
 pub use carried_pinhole::CarriedPinhole;
 
-use crate::{SensorError, require};
+use crate::error::{SensorError, require};
 use transect_device::{
     DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, Neighbour, PairGeometry, Pixel,
     Point3, RangeImage, Ray, SensorPlane, Vector3,

@@ -97,8 +97,18 @@ struct Sample {
     length: f64,
     footprint: f64,
     far: bool,
-    /// Distance, counterpart and whether its open end is nearest.
-    nearest: Option<(f64, usize, bool)>,
+    nearest: Option<Nearest>,
+}
+
+/// The other plane's unit that is nearest to a sample and runs the same way.
+struct Nearest {
+    distance: f64,
+    /// The unit's curve.
+    curve: usize,
+    /// Standard deviation at the unit.
+    sigma: f64,
+    /// Whether the sample lies beyond the open end of that curve.
+    beyond_end: bool,
 }
 
 impl Walked {
@@ -116,11 +126,13 @@ impl Walked {
         };
         let stretches = samples.chunk_by(|a, b| a.far == b.far).filter(counts);
         let counted: Vec<&Sample> = stretches.flatten().collect();
-        let distance = |s: &&Sample| s.nearest.map_or(f64::INFINITY, |(distance, ..)| distance);
+        let distance = |s: &&Sample| s.nearest.as_ref().map_or(f64::INFINITY, |n| n.distance);
         Self {
             far: counted.iter().map(|s| s.length).sum(),
             distance: counted.iter().map(distance).fold(0.0, f64::max),
-            only_beyond_ends: counted.iter().all(|s| s.nearest.is_some_and(|(_, _, end)| end)),
+            only_beyond_ends: counted
+                .iter()
+                .all(|s| s.nearest.as_ref().is_some_and(|n| n.beyond_end)),
             touches: near.is_some(),
             counterpart: counterpart(&samples),
         }
@@ -137,8 +149,8 @@ impl Walked {
 fn counterpart(samples: &[Sample]) -> Option<usize> {
     let mut lengths = std::collections::BTreeMap::new();
     for sample in samples {
-        if let Some((_, curve, _)) = sample.nearest {
-            *lengths.entry(curve).or_insert(0.0) += sample.length;
+        if let Some(nearest) = &sample.nearest {
+            *lengths.entry(nearest.curve).or_insert(0.0) += sample.length;
         }
     }
     let longest = lengths.values().copied().fold(0.0, f64::max);
@@ -152,11 +164,10 @@ fn samples(curve: &Curve, other: &Units, tolerance: f64) -> Vec<Sample> {
         let parts = (length / footprint.max(tolerance)).ceil().clamp(1.0, SAMPLES_PER_UNIT);
         for part in 0..parts as usize {
             let nearest = other.nearest(&unit, (part as f64 + 0.5) / parts);
-            let far = nearest.is_none_or(|(distance, found, _)| {
-                let sigma = found.sigma.hypot(f64::from(node.sigma));
-                distance > tolerance + SIGMAS * sigma
+            let far = nearest.as_ref().is_none_or(|nearest| {
+                let sigma = nearest.sigma.hypot(f64::from(node.sigma));
+                nearest.distance > tolerance + SIGMAS * sigma
             });
-            let nearest = nearest.map(|(distance, found, end)| (distance, found.curve, end));
             samples.push(Sample { length: length / parts, footprint, far, nearest });
         }
     }
@@ -197,16 +208,16 @@ impl Units {
         Self { tree: RTree::bulk_load(units.collect()) }
     }
 
-    /// The unit nearest to a place on `own` that runs the same way, how far it is, and whether the
-    /// place lies beyond its curve's open end.
-    fn nearest(&self, own: &CurveUnit, parameter: f64) -> Option<(f64, &IndexedUnit, bool)> {
+    /// The unit nearest to a place on `own` that runs the same way.
+    fn nearest(&self, own: &CurveUnit, parameter: f64) -> Option<Nearest> {
         let (p, direction) = (own.at(parameter), own.vector());
         let mut by_distance = self.tree.nearest_neighbor_iter_with_distance_2(p.into());
         let (found, squared) =
             by_distance.find(|(found, _)| found.unit.vector().dot(&direction) > 0.0)?;
         let t = found.unit.parameter(&p);
         let beyond_end = (found.ends[0] && t < 0.0) || (found.ends[1] && t > 1.0);
-        Some((squared.sqrt(), found, beyond_end))
+        let (distance, curve, sigma) = (squared.sqrt(), found.curve, found.sigma);
+        Some(Nearest { distance, curve, sigma, beyond_end })
     }
 }
 

@@ -3,6 +3,7 @@
 //! Each is a question that somebody who builds on the system would ask; what they print is what the
 //! documentation states.
 
+mod ablation;
 mod database;
 mod fusion;
 mod orders;
@@ -25,6 +26,8 @@ pub struct Arguments {
 enum Experiment {
     /// How accurate is every sensor on every bundled scene, without noise?
     Sensors(sensors::Arguments),
+    /// What is each step of fusion worth?
+    Ablation(ablation::Arguments),
     /// Does fusion drift, how far does it take noise out, and what does it cost?
     Fusion(fusion::Arguments),
     /// How does the error fall when the sensors' grids get denser?
@@ -41,6 +44,7 @@ enum Experiment {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.experiment {
         Experiment::Sensors(a) => sensors::run(a),
+        Experiment::Ablation(a) => ablation::run(a),
         Experiment::Fusion(a) => fusion::run(a),
         Experiment::Orders(a) => orders::run(a),
         Experiment::Partial(a) => partial::run(a),

@@ -4,7 +4,7 @@ mod charts;
 
 use super::trial;
 use crate::failure::Failure;
-use crate::simulation::{self, Plan, SensorKind, Stage, describe};
+use crate::simulation::{PreparedScene, SensorKind, SensorPlan, describe};
 use crate::table::say;
 use std::path::{Path, PathBuf};
 use transect_device::{Pixel, View};
@@ -39,11 +39,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     for (kind, scene, view) in SHOWN {
         let mut description = describe(Path::new(scene))?;
         description.noise = Noise::NONE;
-        let stage = Stage::set(description)?;
-        scan_and_model(&stage, kind, view, out)?;
+        let scene = PreparedScene::new(description)?;
+        scan_and_model(&scene, kind, view, out)?;
         if kind == SensorKind::LightStripe {
-            let placed = simulation::instruments(&stage, &Plan::with(kind))?;
-            charts::stripe_row(&stage, &placed, &out.join("light_stripe-row.svg"))?;
+            let placed = scene.instruments(&SensorPlan::with(kind))?;
+            charts::stripe_row(&scene, &placed, &out.join("light_stripe-row.svg"))?;
         }
     }
     charts::calibration(out)?;
@@ -53,27 +53,27 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 /// The points that the first view scanned, and the model of all views.
 fn scan_and_model(
-    stage: &Stage,
+    scene: &PreparedScene,
     kind: SensorKind,
     (azimuth_deg, elevation_deg): (f64, f64),
     folder: &Path,
 ) -> Result<(), Failure> {
     // The room's own stations are scanners that look into it from its corners.
-    let plan = if kind == SensorKind::Spherical { Plan::OWN } else { Plan::with(kind) };
-    let outcome = trial::run(stage, &plan)?;
-    let (description, name) = (&stage.description, kind.name());
-    let options = |what: &str| OverviewOptions {
-        title: format!("{}: {what}", description.name),
-        azimuth_deg,
-        elevation_deg,
-        width: 1000.0,
-        height: 760.0,
+    let plan = if kind == SensorKind::Spherical { SensorPlan::OWN } else { SensorPlan::with(kind) };
+    let outcome = trial::run(scene, &plan)?;
+    let (description, name) = (&scene.description, kind.name());
+    let options = |what: &str| {
+        let mut options = OverviewOptions::default();
+        options.title = format!("{}: {what}", description.name);
+        (options.azimuth_deg, options.elevation_deg) = (azimuth_deg, elevation_deg);
+        (options.width, options.height) = (1000.0, 760.0);
+        options
     };
     let points = outcome.views.first().map(scanned).unwrap_or_default();
     let seen = format!("{} of the points that one view of the {name} sensor scanned", points.len());
     let (planes, unit) = (&description.planes, description.unit);
     write_file(&folder.join(format!("{name}-points.svg")), |out| {
-        write_points(&points, planes, (unit, &seen), &options("scanned points"), out)
+        write_points(&points, planes, unit, &seen, &options("scanned points"), out)
     })?;
     write_file(&folder.join(format!("{name}-model.svg")), |out| {
         write_overview(&outcome.model, &options("cross-section model"), out)

@@ -24,10 +24,11 @@ const LONGEST_STEP: f64 = 3.0;
 
 /// A piece and how far apart its nodes are.
 pub(super) struct Path<'a> {
+    pub steps: &'a super::super::Steps,
     kept: &'a [Kept],
     piece: &'a Piece,
     /// Length of the unit that begins at each node; that of the last is 0 on open pieces.
-    steps: Vec<f64>,
+    units: Vec<f64>,
 }
 
 /// Consecutive nodes of a piece that follow one side.
@@ -39,7 +40,7 @@ pub(super) struct Stretch {
 }
 
 impl<'a> Path<'a> {
-    pub fn new(kept: &'a [Kept], piece: &'a Piece) -> Self {
+    pub fn new(kept: &'a [Kept], piece: &'a Piece, steps: &'a super::super::Steps) -> Self {
         let n = piece.nodes.len();
         let place = |k: usize| kept[piece.nodes[k] as usize].position;
         let length = |k: usize| match k + 1 < n {
@@ -47,11 +48,11 @@ impl<'a> Path<'a> {
             false if piece.closed => (place(0) - place(k)).norm(),
             false => 0.0,
         };
-        Self { kept, piece, steps: (0..n).map(length).collect() }
+        Self { kept, piece, units: (0..n).map(length).collect(), steps }
     }
 
     pub fn len(&self) -> usize {
-        self.steps.len()
+        self.units.len()
     }
 
     pub fn is_closed(&self) -> bool {
@@ -70,7 +71,7 @@ impl<'a> Path<'a> {
 
     /// Length of the way from a node over some units.
     pub fn way(&self, first: usize, units: usize) -> f64 {
-        (first..first + units).map(|k| self.steps[k % self.len()]).sum()
+        (first..first + units).map(|k| self.units[k % self.len()]).sum()
     }
 
     /// Which nodes are near a turn of more than an angle; of at least `LOOK` nodes.
@@ -124,7 +125,7 @@ impl<'a> Path<'a> {
             return None;
         }
         let nodes = self.nodes(first, SEED);
-        let side = Side::new(&nodes)?;
+        let side = Side::new(&nodes, self.steps.bent_sides)?;
         let off = nodes.iter().map(|k| side.off(k)).fold(0.0, f64::max);
         let steps = (first..first + SEED - 1).all(|k| self.is_step(k));
         let one_way = nodes.iter().all(|k| self.runs_along(&side, k));
@@ -134,7 +135,7 @@ impl<'a> Path<'a> {
     /// Whether the unit that begins at a node is short enough to have been seen.
     pub fn is_step(&self, k: usize) -> bool {
         let footprint = self.node(k).footprint.max(self.node(k + 1).footprint);
-        self.steps[k % self.len()] <= LONGEST_STEP * footprint
+        self.units[k % self.len()] <= LONGEST_STEP * footprint
     }
 
     fn runs_along(&self, side: &Side, k: &Kept) -> bool {
@@ -147,7 +148,7 @@ impl<'a> Path<'a> {
         let n = self.len();
         // Counted from one round later, so that it can begin before the first node.
         let (mut first, mut count) = (seed + n, SEED);
-        let mut side = Side::new(&self.nodes(first, count))?;
+        let mut side = Side::new(&self.nodes(first, count), self.steps.bent_sides)?;
         let mut ends = [true; 2];
         while ends.contains(&true) && count < n {
             for (at_end, open) in [false, true].into_iter().zip(&mut ends) {
@@ -158,12 +159,12 @@ impl<'a> Path<'a> {
                 };
                 let inside = self.piece.closed || (n..2 * n).contains(&next);
                 let node = self.node(next);
-                let long = side.length + self.steps[step % n] > LONGEST_SIDE * side.footprint;
+                let long = side.length + self.units[step % n] > LONGEST_SIDE * side.footprint;
                 let joins = inside && free[next % n] && !long && self.is_step(step) && count < n;
                 *open = *open && joins && side.off(node) <= 1.0 && self.runs_along(&side, node);
                 if *open {
                     (first, count) = (if at_end { first } else { first - 1 }, count + 1);
-                    side = Side::new(&self.nodes(first, count))?;
+                    side = Side::new(&self.nodes(first, count), self.steps.bent_sides)?;
                 }
             }
         }

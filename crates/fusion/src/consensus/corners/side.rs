@@ -50,14 +50,14 @@ pub(super) struct Place {
 
 impl Side {
     /// The side through at least two nodes; `None` if they are all in one place.
-    pub fn new(nodes: &[&Kept]) -> Option<Self> {
+    pub fn new(nodes: &[&Kept], bent: bool) -> Option<Self> {
         let (first, last) = (nodes.first()?, nodes.last()?);
         let chord = last.position - first.position;
         let along = chord.try_normalize(0.0)?;
         let step = chord.norm() / (nodes.len() - 1) as f64;
         let frame = (first.position, along);
         let samples: Vec<[f64; 3]> = nodes.iter().map(|k| sample(k, frame, step)).collect();
-        let mut side = Self::fit(&samples)?;
+        let mut side = Self::fit(&samples, bent)?;
         (side.origin, side.along, side.length) = (first.position, along, chord.norm());
         side.footprint = nodes.iter().map(|k| k.footprint).sum::<f64>() / nodes.len() as f64;
         Some(side)
@@ -95,7 +95,7 @@ impl Side {
     }
 
     /// Fits samples of x, y and weight.
-    fn fit(samples: &[[f64; 3]]) -> Option<Self> {
+    fn fit(samples: &[[f64; 3]], bent: bool) -> Option<Self> {
         let sum = |f: &dyn Fn(f64) -> f64| samples.iter().map(|[x, _, w]| w * f(*x)).sum::<f64>();
         let weight = sum(&|_| 1.0);
         let centre = sum(&|x| x) / weight;
@@ -122,7 +122,7 @@ impl Side {
             }
             let told = samples.len() >= FEWEST_BENT
                 && coefficient.powi(2) > BENT_SIGMAS * BENT_SIGMAS * variance;
-            if k < 2 || told {
+            if k < 2 || (told && bent) {
                 (side.coefficients[k], side.variances[k]) = (coefficient, variance);
             }
         }

@@ -130,7 +130,7 @@ mod tests {
 
     fn collected(views: &[Vec<Curve>]) -> (Observations, Vec<f64>) {
         let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
-        let observations = Observations::collect(&slices);
+        let observations = Observations::collect(&slices, &super::super::Steps::ALL);
         let rooms = rooms(&observations, 0.64);
         (observations, rooms)
     }

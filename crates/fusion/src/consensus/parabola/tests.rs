@@ -8,7 +8,7 @@ fn samples(f: impl Fn(f64) -> f64) -> Vec<Sample> {
 }
 
 fn parabola(samples: &[Sample], threshold: f64) -> Option<Fit> {
-    let mut windows = Windows::default();
+    let mut windows = Windows { arcs: true, robust: true, ..Windows::default() };
     windows.begin(samples.iter().copied(), 0.7);
     windows.fit(2.0, f64::INFINITY, threshold)
 }
@@ -86,7 +86,7 @@ fn uneven(count: u32) -> Vec<Sample> {
 #[test]
 fn growing_windows_have_the_sums_of_their_samples() {
     let all = uneven(40);
-    let mut windows = Windows::default();
+    let mut windows = Windows { arcs: true, robust: true, ..Windows::default() };
     windows.begin(all.iter().copied(), 0.5);
     for reach in [0.5, 0.9, 1.7, 3.0] {
         let inside: Vec<_> = all.iter().filter(|s| s.x.abs() <= reach).copied().collect();
@@ -112,7 +112,7 @@ fn samples_almost_in_one_place_need_no_order() {
     for near in [ahead, ahead - 3] {
         all[near].x = all[near + 1].x + 1e-9;
     }
-    let mut windows = Windows::default();
+    let mut windows = Windows { arcs: true, robust: true, ..Windows::default() };
     windows.begin(all.iter().copied(), 0.5);
     let found = windows.fit(3.0, f64::INFINITY, 10.0).unwrap();
     let expected = slow(&all, 3.0);

@@ -50,7 +50,7 @@ pub use image::IntensityImage;
 pub use profile::{StripeProfile, StripeShape};
 
 use super::LightStripe;
-use crate::{SensorError, require};
+use crate::error::{SensorError, require};
 use row::Template;
 use transect_device::{DeviceFrame, Pixel, RangeImage};
 

@@ -1,6 +1,6 @@
 //! What a stripe looks like across: shared by whoever draws stripes and whoever finds them.
 
-use crate::{SensorError, require};
+use crate::error::{SensorError, require};
 
 /// Standard deviations in the full width at half height of a Gaussian: 2 √(2 ln 2).
 const SIGMAS_PER_HALF_HEIGHT_WIDTH: f64 = 2.354_820_045_030_949_3;

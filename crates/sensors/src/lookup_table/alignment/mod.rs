@@ -116,7 +116,7 @@ fn surfaces<'a>(
     for s in spheres {
         check_points("spheres", s.points_in_sensor, 4)?;
         check_point("spheres", &s.center_in_world)?;
-        crate::require("radius", s.radius, s.radius > 0.0, "a positive length")?;
+        crate::error::require("radius", s.radius, s.radius > 0.0, "a positive length")?;
         all.push(Surface::sphere(s.points_in_sensor, s.center_in_world, s.radius));
     }
     Ok(all)
@@ -127,16 +127,16 @@ fn bad(key: &'static str, value: f64, wanted: &'static str) -> SensorError {
 }
 
 fn check_points(key: &'static str, points: &[Point3], least: usize) -> Result<(), SensorError> {
-    crate::require(key, points.len() as f64, points.len() >= least, "more scanned points")?;
+    crate::error::require(key, points.len() as f64, points.len() >= least, "more scanned points")?;
     points.iter().try_for_each(|p| check_point(key, p))
 }
 
 fn check_point(key: &'static str, p: &Point3) -> Result<(), SensorError> {
-    crate::require(key, p.coords.sum(), true, "finite points").map(|_| ())
+    crate::error::require(key, p.coords.sum(), true, "finite points").map(|_| ())
 }
 
 fn direction(key: &'static str, v: &Vector3) -> Result<Vector3, SensorError> {
-    let length = crate::require(key, v.norm(), v.norm() > 0.0, "a direction")?;
+    let length = crate::error::require(key, v.norm(), v.norm() > 0.0, "a direction")?;
     Ok(v / length)
 }
 

@@ -1,6 +1,4 @@
 //! The scene of `fixtures/objects.scene.toml`, a block and a ball, as its four sensors see it.
-#![allow(clippy::unwrap_used, reason = "test helpers fail loudly")]
-#![allow(dead_code, reason = "each test file uses some of the helpers")]
 
 use std::sync::Arc;
 use transect::Setup;

@@ -1,16 +1,8 @@
 //! The whole pipeline on a simulated scene: what must not matter does not, what is made is right.
 //!
 //! The scene is `fixtures/objects.scene.toml`: a block and a ball, seen from four sides.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    reason = "test helpers fail loudly"
-)]
 
-mod objects;
-
-use objects::{description, frame_of, noisy_views, setup, views};
+use crate::objects::{description, frame_of, noisy_views, setup, views};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};

@@ -2,7 +2,6 @@
 //!
 //! The room of `fixtures/room.scene.toml` is scanned from one of its corners. The view that is proposed next must close
 //! more than views from most other places in the same free space.
-#![allow(clippy::unwrap_used, reason = "test helpers fail loudly")]
 
 use std::sync::Arc;
 use transect::{Setup, Unwatched, reconstruct};
@@ -56,7 +55,7 @@ fn length_with(scene: &Scene, first: &View, place: Point3) -> f64 {
 #[test]
 fn the_proposed_view_closes_more_than_most_places_would() {
     let scene =
-        Description::parse(include_str!("../../../fixtures/room.scene.toml")).unwrap().scene();
+        Description::parse(include_str!("../../../../fixtures/room.scene.toml")).unwrap().scene();
     let first = scan(&scene, Point3::new(0.4, 0.4, 1.4));
     let patches = unseen(&model(std::slice::from_ref(&first)));
     let space = FreeSpace::from_rays(&rays(&first)).unwrap();

@@ -1,9 +1,6 @@
 //! Refinement on simulated scans: which planes are asked for, and that their curves are those of all planes.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "test helpers fail loudly")]
 
-mod objects;
-
-use objects::{frame, noisy_views, setup};
+use crate::objects::{frame, noisy_views, setup};
 use std::collections::BTreeMap;
 use transect::{
     GrowError, Grower, Reconstruction, Refinement, RefinementReport, Setup, Unwatched, reconstruct,
@@ -15,7 +12,9 @@ use transect_model::store::Store;
 use transect_scene::{Description, Station};
 
 fn refined_setup() -> Setup {
-    Setup { refinement: Some(Refinement::new(0.03, 2).unwrap()), ..setup() }
+    let mut setup = setup();
+    setup.refinement = Some(Refinement::new(0.03, 2).unwrap());
+    setup
 }
 
 fn curves(model: &Model) -> BTreeMap<PlaneIndex, Vec<Curve>> {
@@ -30,8 +29,9 @@ fn report(result: &Reconstruction) -> &RefinementReport {
 fn curves_are_those_of_all_planes_on_the_planes_that_were_asked_for() {
     let (views, setup) = (noisy_views(), refined_setup());
     let refined = reconstruct(&views, &setup, &Unwatched).unwrap();
-    let planes = setup.refinement.unwrap().family(&setup.planes).unwrap();
-    let every = Setup { planes, refinement: None, ..setup.clone() };
+    let mut every = setup.clone();
+    every.planes = setup.refinement.unwrap().family(&setup.planes).unwrap();
+    every.refinement = None;
     let every = reconstruct(&views, &every, &Unwatched).unwrap();
     let selected = refined.model.selected().unwrap();
     let (mut of_every, of_refined) = (curves(&every.model), curves(&refined.model));
@@ -87,8 +87,8 @@ fn planes_are_inserted_along_a_bend() {
         scene.view(s.name.clone(), frame(&coarse), pose, &description.noise, k as u64).unwrap()
     };
     let views: Vec<View> = description.stations.iter().enumerate().map(view).collect();
-    let refinement = Some(Refinement::new(0.2, 1).unwrap());
-    let setup = Setup { refinement, ..Setup::new(description.unit, description.planes.clone()) };
+    let mut setup = Setup::new(description.unit, description.planes.clone());
+    setup.refinement = Some(Refinement::new(0.2, 1).unwrap());
     let refined = reconstruct(&views, &setup, &Unwatched).unwrap();
     let report = report(&refined);
     let (inserted, all) = (report.planes_inserted, report.planes);

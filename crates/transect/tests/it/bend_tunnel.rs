@@ -1,5 +1,4 @@
 //! Curved guides: a tunnel along a bend, and a straight one as a curved guide sees it.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "test helpers fail loudly")]
 
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_3;

@@ -1,0 +1,78 @@
+//! What each step of fusion is worth: every set is fused with all steps, and again without one of them.
+
+mod crossings;
+mod sets;
+mod worth;
+
+use crate::failure::Failure;
+use crate::table::say;
+use sets::{Set, Sources};
+use std::path::PathBuf;
+use transect_fusion::ConsensusOptions;
+use transect_fusion::consensus::Steps;
+use worth::{Figures, Worth};
+
+/// Options of `experiments ablation`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Folder with data/stanford_bunny and data/rgbd_redkitchen.
+    #[arg(long, default_value = "../shared", value_name = "DIR")]
+    shared: PathBuf,
+    /// Folder of the sets that other programs are compared on.
+    #[arg(long, value_name = "DIR")]
+    peers: Option<PathBuf>,
+    /// Only sets whose name contains this.
+    #[arg(long, value_name = "NAME")]
+    set: Option<String>,
+    /// Only steps whose name contains this.
+    #[arg(long, value_name = "NAME")]
+    step: Option<String>,
+}
+
+/// Runs the experiment.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let sources = Sources { shared: &arguments.shared, peers: arguments.peers.as_deref() };
+    let mut worth = Worth::default();
+    for source in sources.list()? {
+        if arguments.set.as_ref().is_some_and(|s| !source.name().contains(s.as_str())) {
+            continue;
+        }
+        eprintln!("{}", source.name());
+        let set = source.load()?;
+        measure(&set, arguments, &mut worth)?;
+    }
+    worth.print();
+    say(
+        "\nA figure is the change if the step is left out, in per cent: positive is worse. Median and p95 of the \
+         distance, completeness, and time change relative to all steps. Loops lost and crossings added count per \
+         100 curves. Each cell has the largest gain of all sets, the set, and the largest loss.",
+    );
+    Ok(())
+}
+
+/// Fuses a set with all steps, and without each.
+fn measure(set: &Set, arguments: &Arguments, worth: &mut Worth) -> Result<(), Failure> {
+    let chosen = |name: &str| arguments.step.as_ref().is_none_or(|s| name.contains(s.as_str()));
+    let full = figures(set, &ConsensusOptions::default())?;
+    worth.add_full(&set.name, full);
+    for (name, switch) in Steps::each().into_iter().filter(|(name, _)| chosen(name)) {
+        let mut options = ConsensusOptions::default();
+        *switch(&mut options.steps) = false;
+        worth.add(&set.name, name, figures(set, &options)?);
+    }
+    // Once more, which tells how far times can be trusted.
+    worth.add(&set.name, "(again)", figures(set, &ConsensusOptions::default())?);
+    Ok(())
+}
+
+fn figures(set: &Set, options: &ConsensusOptions) -> Result<Figures, Failure> {
+    const ROUNDS: usize = 2;
+    let mut fused = set.fuse(options);
+    for _ in 1..ROUNDS {
+        let again = set.fuse(options);
+        if again.seconds < fused.seconds {
+            fused.seconds = again.seconds;
+        }
+    }
+    set.score(&fused)
+}

@@ -1,0 +1,124 @@
+//! What a step is worth, from the figures with and without it.
+
+use super::super::table;
+use crate::table::{digits, say};
+use std::collections::BTreeMap;
+use transect::evaluate::Accuracy;
+
+/// The figures of a set.
+#[derive(Debug, Clone, Copy)]
+pub struct Figures {
+    median: f64,
+    p95: f64,
+    completeness: f64,
+    closed: f64,
+    open: f64,
+    crossings: f64,
+    seconds: f64,
+}
+
+/// Columns of the table.
+const COLUMNS: [&str; 6] = ["median", "p95", "completeness", "loops", "crossings", "time"];
+
+impl Figures {
+    /// The means of some evaluations of one set.
+    pub fn new(accuracies: &[Accuracy], crossings: usize, seconds: f64) -> Self {
+        let mean = |f: &dyn Fn(&Accuracy) -> f64| {
+            accuracies.iter().map(f).sum::<f64>() / accuracies.len() as f64
+        };
+        Self {
+            median: mean(&|a| a.median.unwrap_or(f64::NAN)),
+            p95: mean(&|a| a.p95.unwrap_or(f64::NAN)),
+            completeness: mean(&|a| a.completeness.unwrap_or(f64::NAN)),
+            closed: mean(&|a| a.closed as f64),
+            open: mean(&|a| a.open as f64),
+            crossings: crossings as f64 / accuracies.len() as f64,
+            seconds,
+        }
+    }
+
+    /// By how much figures without a step are worse, in per cent, by column.
+    fn worse(&self, without: &Self) -> [f64; 6] {
+        let more = |of: f64, than: f64| if than > 0.0 { 100.0 * (of / than - 1.0) } else { 0.0 };
+        let curves = (self.closed + self.open).max(1.0);
+        [
+            more(without.median, self.median),
+            more(without.p95, self.p95),
+            -more(without.completeness, self.completeness),
+            100.0 * (self.closed - without.closed) / curves,
+            100.0 * (without.crossings - self.crossings) / curves,
+            more(without.seconds, self.seconds),
+        ]
+    }
+
+    fn line(&self, set: &str) -> Vec<String> {
+        let count = |x: f64| format!("{x:.0}");
+        vec![
+            set.to_owned(),
+            digits(self.median),
+            digits(self.p95),
+            format!("{:.2} %", 100.0 * self.completeness),
+            count(self.closed),
+            count(self.open),
+            count(self.crossings),
+            format!("{:.3}", self.seconds),
+        ]
+    }
+}
+
+/// What all steps are worth on all sets.
+#[derive(Debug, Default)]
+pub struct Worth {
+    full: BTreeMap<String, Figures>,
+    order: Vec<&'static str>,
+    sets: Vec<String>,
+    changes: BTreeMap<(&'static str, String), [f64; 6]>,
+}
+
+impl Worth {
+    pub fn add_full(&mut self, set: &str, figures: Figures) {
+        self.sets.push(set.to_owned());
+        self.full.insert(set.to_owned(), figures);
+    }
+
+    pub fn add(&mut self, set: &str, step: &'static str, without: Figures) {
+        if !self.order.contains(&step) {
+            self.order.push(step);
+        }
+        if let Some(full) = self.full.get(set) {
+            let worse = full.worse(&without);
+            let shown = worse.map(|w| format!("{w:+.2}")).join("\t");
+            eprintln!("{set}\t{step}\t{shown}\topen {:+.0}", without.open - full.open);
+            self.changes.insert((step, set.to_owned()), worse);
+        }
+    }
+
+    /// Prints the figures with all steps, and what each step is worth.
+    pub fn print(&self) {
+        let heads =
+            ["set", "median", "p95", "completeness", "loops", "open", "crossings", "seconds"];
+        let full = |set: &String| self.full.get(set).map(|f| f.line(set));
+        table::print(&heads, &self.sets.iter().filter_map(full).collect::<Vec<_>>());
+        say("");
+        let lines: Vec<_> = self.order.iter().map(|step| self.line(step)).collect();
+        table::print(&[&["step"], COLUMNS.as_slice()].concat(), &lines);
+    }
+
+    fn line(&self, step: &'static str) -> Vec<String> {
+        let cell = |column: usize| {
+            let changes = || {
+                let of = |set: &String| {
+                    self.changes.get(&(step, set.clone())).map(|c| (c[column], set.clone()))
+                };
+                self.sets.iter().filter_map(of)
+            };
+            let most = changes().max_by(|a, b| a.0.total_cmp(&b.0));
+            let least = changes().map(|c| c.0).min_by(f64::total_cmp).unwrap_or(0.0);
+            match most {
+                Some((gain, set)) if gain >= 0.05 => format!("{gain:+.1} {set}; {least:+.1}"),
+                _ => format!("0; {least:+.1}"),
+            }
+        };
+        std::iter::once(step.to_owned()).chain((0..COLUMNS.len()).map(cell)).collect()
+    }
+}
