@@ -1,14 +1,11 @@
 //! Smoothing against known surfaces: what it must keep and what it must gain.
-#![allow(clippy::unwrap_used, reason = "test code; helpers are outside test functions")]
 
-mod surfaces;
-
+use crate::surfaces::{Distance, camera, error_at, look, pixels, quantile, radar};
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::sync::Arc;
-use surfaces::{Distance, camera, error_at, look, pixels, quantile, radar};
 use transect_device::{DeviceFrame, Pixel, Point3, View};
-use transect_partial::smooth::{Smoothed, smooth};
-use transect_partial::{BreakRule, RangeNoise};
+use transect_image::smooth::{Smoothed, smooth};
+use transect_image::{BreakRule, RangeNoise};
 
 /// Rays are this far apart at distance 1.
 const STEP: f64 = 1.0 / 120.0;

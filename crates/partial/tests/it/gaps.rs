@@ -1,5 +1,4 @@
 //! Curves cut by missing pixels, and walls with a step, for whatever method is to find them.
-#![allow(dead_code, reason = "each test file uses some of these")]
 
 use crate::dissertation_scene::*;
 use std::sync::Arc;
@@ -24,7 +23,7 @@ macro_rules! gap_laws {
                 let whole = look(rig.frame.clone(), pose, &solids, |_| false);
                 prop_assume!(whole.is_some());
                 let seen = Seen { rig: rig.clone(), view: whole.unwrap(), solids };
-                prop_assume!(gaps::check_cuts(&rig, &seen, normal, $model).is_some());
+                prop_assume!(crate::gaps::check_cuts(&rig, &seen, normal, $model).is_some());
             }
         }
 
@@ -37,7 +36,7 @@ macro_rules! gap_laws {
                 normal in directions(), missing in prop::collection::vec(0..=4_usize, 48),
                 upright in any::<bool>(),
             ) {
-                gaps::Step { step, tilt, slant, missing, upright }.check(normal, $model);
+                crate::gaps::Step { step, tilt, slant, missing, upright }.check(normal, $model);
             }
         }
     };

@@ -1,5 +1,4 @@
 //! Simulated views of any surface given by its signed distance, with reproducible noise.
-#![allow(dead_code, reason = "each test file uses some of these")]
 
 use std::sync::Arc;
 use transect_device::{DeviceFrame, ImageSize, Isometry3, Pixel, Point3, RangeImage, View};

@@ -1,12 +1,7 @@
 //! The fast sweep against the slow, obvious one, and against itself however the work is cut.
-#![allow(clippy::unwrap_used, reason = "test code; shared strategies are outside test functions")]
 
-#[allow(dead_code, reason = "each test file uses some of it")]
-mod common;
-mod oracle;
-
-use common::{planes_along, random_views};
-use oracle::{Chain, Crossing};
+use crate::common::{planes_along, random_views};
+use crate::oracle::{Chain, Crossing};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use transect_device::{Neighbour, PairGeometry, Pixel, Point3, Vector3, View};
@@ -87,12 +82,12 @@ proptest! {
 
     #[test]
     fn lines_are_those_of_the_slow_way(
-        view in random_views(), normal in common::normals(), interval in 0.02..0.4, rule in rules(),
+        view in random_views(), normal in crate::common::normals(), interval in 0.02..0.4, rule in rules(),
     ) {
         let axes = SectionAxes::new(&view, &planes_along(normal, interval)).unwrap();
         let mut work = Workspace::default();
         let seen = seen(&view, &axes, &rule, Instructions::Best);
-        let slow = oracle::chains(&view, &axes, &seen);
+        let slow = crate::oracle::chains(&view, &axes, &seen);
         let fast = contours(&view, &axes, &rule, &Effort::default(), &mut work).unwrap();
         let mut slow: Vec<&Chain> = slow.iter().collect();
         slow.sort_by_key(|c| key(c.crossings[0].level, c.crossings.iter().map(|c| c.pair)));
@@ -107,7 +102,7 @@ proptest! {
 
     #[test]
     fn no_cut_changes_a_bit(
-        view in random_views(), normal in common::normals(), interval in 0.02..0.4, rule in rules(),
+        view in random_views(), normal in crate::common::normals(), interval in 0.02..0.4, rule in rules(),
     ) {
         let axes = SectionAxes::new(&view, &planes_along(normal, interval)).unwrap();
         let mut work = Workspace::default();
@@ -123,7 +118,7 @@ proptest! {
 
     #[test]
     fn no_instruction_changes_a_bit(
-        view in random_views(), normal in common::normals(), interval in 0.02..0.4, rule in rules(),
+        view in random_views(), normal in crate::common::normals(), interval in 0.02..0.4, rule in rules(),
     ) {
         let axes = SectionAxes::new(&view, &planes_along(normal, interval)).unwrap();
         let with = |instructions| {
@@ -137,7 +132,7 @@ proptest! {
 
     #[test]
     fn levels_are_right_to_the_stated_bound(
-        view in random_views(), normal in common::normals(), interval in 0.02..0.4,
+        view in random_views(), normal in crate::common::normals(), interval in 0.02..0.4,
     ) {
         let axes = SectionAxes::new(&view, &planes_along(normal, interval)).unwrap();
         let seen = seen(&view, &axes, &BreakRule::new(1.0, 0.0), Instructions::Best);

@@ -1,5 +1,4 @@
 //! Views of analytic solids through every kind of sensor that has an inverse mapping.
-#![allow(dead_code, reason = "each test file uses its own part")]
 
 use proptest::prelude::*;
 use std::sync::{Arc, OnceLock};

@@ -1,9 +1,6 @@
 //! Planes nearly tangent to noisy surfaces: no confetti, and nothing true is lost.
-#![allow(clippy::unwrap_used, reason = "test code; helpers are outside test functions")]
 
-mod surfaces;
-
-use surfaces::{Distance, camera, look};
+use crate::surfaces::{Distance, camera, look};
 use transect_device::{Vector3, View};
 use transect_geometry::{PlaneFamily, StraightGuide};
 use transect_partial::PartialModel;

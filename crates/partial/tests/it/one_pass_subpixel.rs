@@ -1,10 +1,7 @@
 //! Subpixel solutions through the one-pass method: orders without noise, accuracy with it.
-#![allow(clippy::unwrap_used, reason = "test code; helpers are outside test functions")]
 
-mod surfaces;
-
+use crate::surfaces::{Distance, camera, look, quantile};
 use std::sync::Arc;
-use surfaces::{Distance, camera, look, quantile};
 use transect_device::{DeviceFrame, ImageSize, Vector3, View};
 use transect_geometry::{PlaneFamily, StraightGuide};
 use transect_partial::one_pass::{OnePassOptions, partial_model};

@@ -1,12 +1,8 @@
 //! Gaps, range jumps and thick curves of the dissertation's method.
-#![allow(clippy::unwrap_used, reason = "test code; shared strategies are outside test functions")]
 
-mod dissertation_scene;
 #[macro_use]
-mod gaps;
-
-use dissertation_scene::*;
-use gaps::{curves_on, radar};
+use crate::dissertation_scene::*;
+use crate::gaps::{curves_on, radar};
 use proptest::prelude::*;
 use std::cell::Cell;
 use transect_device::{Isometry3, Point3, Vector3, View};

@@ -1,10 +1,6 @@
 //! What every node and every open end says of itself.
-#![allow(clippy::unwrap_used, reason = "test code; shared strategies are outside test functions")]
 
-#[allow(dead_code, reason = "each test file uses some of it")]
-mod common;
-
-use common::{SIZE, normals, planes_along, random_views, views};
+use crate::common::{SIZE, normals, planes_along, random_views, views};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use std::sync::Arc;
@@ -60,7 +56,7 @@ fn ends_at_missing_pixels_and_at_range_jumps_say_so() {
 }
 
 /// How well the normals of a view's nodes agree with those of the balls, as cosines.
-fn agreements(view: &View, balls: &[common::Ball], planes: &PlaneFamily) -> Vec<f64> {
+fn agreements(view: &View, balls: &[crate::common::Ball], planes: &PlaneFamily) -> Vec<f64> {
     let model = partial_model(view, planes, &OnePassOptions::default()).unwrap();
     let mut found = Vec::new();
     for plane in &model.planes {
@@ -70,7 +66,7 @@ fn agreements(view: &View, balls: &[common::Ball], planes: &PlaneFamily) -> Vec<
                 let n = node.normal.unwrap().cast::<f64>();
                 assert!((n.norm() - 1.0).abs() < 1e-5);
                 let world = frame.world_from_plane(&node.position);
-                let near = |b: &&common::Ball| ((world - b.centre).norm() - b.radius).abs();
+                let near = |b: &&crate::common::Ball| ((world - b.centre).norm() - b.radius).abs();
                 let ball = balls.iter().min_by(|a, b| near(a).total_cmp(&near(b))).unwrap();
                 let out = frame.x_axis() * n.x + frame.y_axis() * n.y + frame.normal() * n.z;
                 let toward_sensor = view.world_from_sensor().translation.vector - world.coords;

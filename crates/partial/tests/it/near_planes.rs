@@ -1,24 +1,18 @@
 //! Smoothing what can take part in a curve against smoothing everything, and against itself with other
 //! instructions.
-#![allow(clippy::unwrap_used, reason = "test code; helpers are outside test functions")]
 
-#[allow(dead_code, reason = "each test file uses some of it")]
-mod common;
-mod surfaces;
-
-use common::normals;
+use crate::common::normals;
+use crate::surfaces::{Normal, camera, look, pixels, radar};
 use proptest::prelude::*;
 use std::sync::Arc;
-use surfaces::{Normal, camera, look, pixels, radar};
 use transect_device::{
     DeviceFrame, ImageSize, Isometry3, Pixel, Point3, RangeImage, SensorPlane, Vector3, View,
 };
 use transect_geometry::{PlaneFamily, StraightGuide};
-use transect_partial::one_pass::{
-    Effort, Instructions, OnePassOptions, Workspace, partial_model_with,
-};
-use transect_partial::smooth::{Extent, Smoothed, smooth_with};
-use transect_partial::{BreakRule, PartialModel, RangeNoise, SectionAxes};
+use transect_image::smooth::{PixelChoice, Smoothed, Smoothing, ValueBounds, smooth_with};
+use transect_image::{BreakRule, Instructions, RangeNoise};
+use transect_partial::one_pass::{OnePassOptions, partial_model};
+use transect_partial::{SectionAxes, near_planes};
 use transect_sensors::{AngularScan, ImagingRadar, LightStripe};
 
 /// Balls in a tube, seen along any axis.
@@ -80,9 +74,11 @@ fn with_missing(view: &View, share: f64) -> View {
     view.with_image(RangeImage::from_values(size, values).unwrap()).unwrap()
 }
 
-fn model(view: &View, planes: &PlaneFamily, effort: Effort) -> Option<PartialModel> {
-    let (options, mut work) = (OnePassOptions::default(), Workspace::default());
-    partial_model_with(view, planes, &options, &effort, &mut work).ok()
+/// The default options, with smoothing near the planes alone or everywhere.
+fn options(near_planes: bool) -> OnePassOptions {
+    let mut options = OnePassOptions::default();
+    options.smoothing.near_planes = near_planes;
+    options
 }
 
 /// Largest distance of a sample from the sensor.
@@ -93,8 +89,7 @@ fn depth(view: &View) -> f64 {
 
 /// Compares the models; the shares of the pixels that changed.
 fn compare(view: &View, planes: &PlaneFamily) -> Result<[f64; 2], TestCaseError> {
-    let near = model(view, planes, Effort::default());
-    let all = model(view, planes, Effort { smooth_all: true, ..Effort::default() });
+    let [near, all] = [true, false].map(|near| partial_model(view, planes, &options(near)).ok());
     prop_assert_eq!(near.is_some(), all.is_some());
     let (Some(near), Some(all)) = (near, all) else { return Ok([0.0; 2]) };
     // What is printed of a number tells every bit of it.
@@ -128,6 +123,22 @@ fn curves_are_those_of_a_view_that_is_smoothed_everywhere() {
     }
 }
 
+/// A view that is smoothed near the planes of some axes, or everywhere.
+fn smoothed(
+    view: &View,
+    noise: &RangeNoise,
+    rule: &BreakRule,
+    near: Option<&SectionAxes>,
+    instructions: Instructions,
+) -> Smoothed {
+    let choice =
+        near.map(|axes| move |bounds: &ValueBounds| near_planes(view, axes, bounds, instructions));
+    let mut smoothing = Smoothing::default();
+    smoothing.instructions = instructions;
+    smoothing.pixels = choice.as_ref().map(|choice| choice as &PixelChoice<'_>);
+    smooth_with(view, noise, rule, &smoothing).unwrap()
+}
+
 fn bits(smoothed: &Smoothed) -> Vec<[u32; 2]> {
     let image = smoothed.view.image();
     let values = (0..image.size().rows).flat_map(|row| image.row(row));
@@ -142,10 +153,7 @@ fn all_instructions_give_the_same_bits() {
         let depth = depth(&view);
         let axes = SectionAxes::new(&view, &planes(Vector3::y(), 0.0, 0.1 * depth)).unwrap();
         for near in [None, Some(&axes)] {
-            let with = |instructions| {
-                let extent = Extent { near, instructions, ..Extent::default() };
-                smooth_with(&view, &noise, &rule, &extent).unwrap()
-            };
+            let with = |instructions| smoothed(&view, &noise, &rule, near, instructions);
             let best = with(Instructions::Best);
             assert!(best.changed > 100);
             for other in [Instructions::Avx2, Instructions::Portable] {
@@ -163,10 +171,7 @@ fn pixels_beside_a_crossed_pair_are_smoothed_too() {
         let axes =
             SectionAxes::new(&view, &planes(Vector3::new(0.4, -0.5, 0.7), 0.0, 0.2 * depth(&view)));
         let axes = axes.unwrap();
-        let with = |near| {
-            let extent = Extent { near, ..Extent::default() };
-            smooth_with(&view, &noise, &rule, &extent).unwrap()
-        };
+        let with = |near| smoothed(&view, &noise, &rule, near, Instructions::Best);
         let (all, near) = (with(None), with(Some(&axes)));
         let size = view.image().size();
         let (every, some) = (bits(&all), bits(&near));
@@ -209,17 +214,16 @@ fn a_sample_that_smoothing_moves_by_most_of_what_it_may_counts() {
     let image = RangeImage::from_values(frame.size(), pixels(frame.size()).map(value).collect());
     let pose = Isometry3::identity();
     let view = View::new("bowl", image.unwrap(), frame.clone(), pose, Some(sigma)).unwrap();
-    let options = OnePassOptions { excursion_sigmas: 0.0, ..OnePassOptions::default() };
-    let with = |effort, smooth| {
-        let options = OnePassOptions { smooth, ..options };
+    let with = |near_planes, smooth| {
+        let mut options = options(near_planes);
+        (options.excursion_sigmas, options.smooth) = (0.0, smooth);
         let planes = planes(Vector3::z(), 3.0 + 1.5 * sigma, 50.0);
-        let mut work = Workspace::default();
-        let model = partial_model_with(&view, &planes, &options, &effort, &mut work).unwrap();
+        let model = partial_model(&view, &planes, &options).unwrap();
         model.planes.iter().map(|p| p.curves.len()).sum::<usize>()
     };
-    assert_eq!(with(Effort::default(), false), 0);
-    assert_eq!(with(Effort { smooth_all: true, ..Effort::default() }, true), 1);
-    assert_eq!(with(Effort::default(), true), 1);
+    assert_eq!(with(true, false), 0);
+    assert_eq!(with(false, true), 1);
+    assert_eq!(with(true, true), 1);
 }
 
 proptest! {

@@ -1,12 +1,8 @@
 //! Gaps and range jumps of the one-pass method.
-#![allow(clippy::unwrap_used, reason = "test code; shared strategies are outside test functions")]
 
-mod dissertation_scene;
 #[macro_use]
-mod gaps;
-
-use dissertation_scene::*;
-use gaps::Step;
+use crate::dissertation_scene::*;
+use crate::gaps::Step;
 use proptest::prelude::*;
 use std::sync::Arc;
 use transect_device::{ImageSize, Isometry3, RangeImage, Vector3, View};

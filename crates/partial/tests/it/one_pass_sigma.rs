@@ -1,9 +1,6 @@
 //! The predicted error of nodes against their observed one.
-#![allow(clippy::unwrap_used, reason = "test code; helpers are outside test functions")]
 
-mod surfaces;
-
-use surfaces::{Distance, camera, look, quantile};
+use crate::surfaces::{Distance, camera, look, quantile};
 use transect_device::{Pixel, Point3, Vector3, View};
 use transect_geometry::{PlaneFamily, StraightGuide};
 use transect_partial::one_pass::{OnePassOptions, partial_model};

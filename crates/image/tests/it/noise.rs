@@ -1,15 +1,12 @@
 //! Estimated noise against known noise, for every sensor.
-#![allow(clippy::unwrap_used, reason = "test code; helpers are outside test functions")]
 
-mod surfaces;
-
+use crate::surfaces::{Normal, camera, error_at, look, pixels, quantile, radar};
 use std::sync::Arc;
-use surfaces::{Normal, camera, error_at, look, pixels, quantile, radar};
 use transect_device::{
     DeviceFrame, Isometry3, Pixel, Point3, RangeImage, SensorPlane, Vector3, View,
 };
-use transect_partial::smooth::smooth;
-use transect_partial::{
+use transect_image::smooth::smooth;
+use transect_image::{
     BreakRule, RangeNoise, estimate_sigma, estimate_value_sigma, length_per_value,
 };
 use transect_sensors::lookup_table::LinearSteps;
@@ -37,9 +34,9 @@ fn grid() -> Arc<dyn DeviceFrame> {
     let view = look(&camera(), |p| 0.8 * (3.0 - p.z + 0.3 * p.x), 0.0, None);
     let nowhere = Point3::new(f64::NAN, f64::NAN, f64::NAN);
     let points =
-        pixels(surfaces::SIZE).map(|p| view.point_in_sensor(p).unwrap_or(nowhere)).collect();
+        pixels(crate::surfaces::SIZE).map(|p| view.point_in_sensor(p).unwrap_or(nowhere)).collect();
     let starts = RayStarts::Viewpoint(Point3::origin());
-    Arc::new(PointGrid::new(surfaces::SIZE, points, starts).unwrap().0)
+    Arc::new(PointGrid::new(crate::surfaces::SIZE, points, starts).unwrap().0)
 }
 
 /// Name, sensor, normal and point of a wall, and noise of the values.
@@ -142,7 +139,7 @@ fn coarse_steps_and_missing_pixels_do_not_mislead() {
 
 #[test]
 fn curvature_and_jumps_are_not_noise() {
-    let bumps: surfaces::Distance = |p| {
+    let bumps: crate::surfaces::Distance = |p| {
         let (x, y, z) = if p.x > p.z { (p.y, p.z, p.x) } else { (p.x, p.y, p.z) };
         let ball = x.hypot(y).hypot(z - 3.0) - 1.0;
         let rods = ((x - 0.25).rem_euclid(0.5) - 0.25).hypot(z - 2.6) - 0.06;

@@ -1,10 +1,6 @@
 //! One pass against the slow, obvious way, and against solids whose inside is known.
-#![allow(clippy::unwrap_used, reason = "test code; shared strategies are outside test functions")]
 
-#[allow(dead_code, reason = "each test file uses some of it")]
-mod common;
-
-use common::{Ball, views};
+use crate::common::{Ball, views};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use std::sync::Arc;
@@ -250,10 +246,10 @@ proptest! {
 /// A ball at the origin, seen by some sensor on the plane z = 0.
 fn one_ball() -> View {
     let mut runner = proptest::test_runner::TestRunner::deterministic();
-    let frame = common::frames().new_tree(&mut runner).unwrap().current();
-    let pose = common::pose_towards_origin(frame.as_ref(), 0.3, 0.0, 0.0);
+    let frame = crate::common::frames().new_tree(&mut runner).unwrap().current();
+    let pose = crate::common::pose_towards_origin(frame.as_ref(), 0.3, 0.0, 0.0);
     let ball = Ball { centre: transect_device::Point3::origin(), radius: 0.7 };
-    common::look(frame, pose, &[ball], &[]).unwrap()
+    crate::common::look(frame, pose, &[ball], &[]).unwrap()
 }
 
 #[test]
@@ -262,11 +258,12 @@ fn footprints_reach_from_node_to_node_on_uneven_grids() {
         let scan = |step: f64, count: usize| {
             AngularScan::from_radians(-0.5 * step * (count - 1) as f64, step)
         };
-        let (theta, phi) = (scan(theta_step, common::SIZE.cols), scan(phi_step, common::SIZE.rows));
-        let radar = Arc::new(ImagingRadar::new(common::SIZE, theta, phi).unwrap());
-        let pose = common::pose_towards_origin(radar.as_ref(), 0.3, 0.1, 0.0);
+        let (theta, phi) =
+            (scan(theta_step, crate::common::SIZE.cols), scan(phi_step, crate::common::SIZE.rows));
+        let radar = Arc::new(ImagingRadar::new(crate::common::SIZE, theta, phi).unwrap());
+        let pose = crate::common::pose_towards_origin(radar.as_ref(), 0.3, 0.1, 0.0);
         let ball = Ball { centre: transect_device::Point3::origin(), radius: 2.0 };
-        let view = common::look(radar, pose, &[ball], &[]).unwrap();
+        let view = crate::common::look(radar, pose, &[ball], &[]).unwrap();
         let planes = planes(Vector3::z(), 0.11);
         let model = partial_model(&view, &planes, &OnePassOptions::default()).unwrap();
         let curves = model

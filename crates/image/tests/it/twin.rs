@@ -1,16 +1,13 @@
 //! Smoothing against the slow, obvious way: pixel by pixel in double precision.
-#![allow(clippy::unwrap_used, reason = "test code; helpers are outside test functions")]
 
-mod surfaces;
-
+use crate::surfaces::{Normal, camera, look, pixels, radar};
 use nalgebra::{Matrix6, Vector6};
 use std::sync::Arc;
-use surfaces::{Normal, camera, look, pixels, radar};
 use transect_device::{
     DeviceFrame, ImageSize, Isometry3, Neighbour, Pixel, Point3, RangeImage, View,
 };
-use transect_partial::smooth::{Extent, smooth, smooth_with};
-use transect_partial::{BreakRule, RangeNoise, length_per_value};
+use transect_image::smooth::smooth;
+use transect_image::{BreakRule, RangeNoise, length_per_value};
 use transect_sensors::{AngularScan, ImagingRadar};
 
 const REACH: i64 = 10;
@@ -105,7 +102,7 @@ impl Twin<'_> {
         let rate = length_per_value(self.view.frame(), pixel, d3).unwrap();
         let sigma = self.noise.value_sigma(rate);
         let spacing = (across * down).sqrt();
-        let radius = 6.0 * (sigma * rate / spacing).cbrt();
+        let radius = 6.1 * (sigma * rate / spacing).cbrt();
         if radius < 2.3 {
             return Expected::Stays;
         }
@@ -125,7 +122,7 @@ impl Twin<'_> {
             };
             self.connected(pixel).iter().filter_map(sample).collect()
         };
-        let wider = |radius: f64| (1.4 * radius).min(10.5);
+        let wider = |radius: f64| (1.5 * radius).min(10.5);
         let windows = [of(rows, cols), of(wider(rows), wider(cols))];
         solve(&windows, d3, CUT * sigma / (d3 * d3)).unwrap_or(Expected::Close)
     }
@@ -192,8 +189,7 @@ fn solve([narrow, wide]: &[Vec<Sample>; 2], d3: f64, cut: f64) -> Option<Expecte
 fn compare(view: &View) -> (f64, f64) {
     let noise = RangeNoise::of(view);
     let rule = BreakRule::new(78_f64.to_radians(), 4.0 * noise.length());
-    let robust = Extent { robust: true, ..Extent::default() };
-    let result = smooth_with(view, &noise, &rule, &robust).unwrap();
+    let result = smooth(view, &noise, &rule).unwrap();
     let twin = Twin { view, rule, noise };
     let (mut changed, mut close) = (0, 0);
     for pixel in pixels(view.image().size()) {

@@ -1,9 +1,6 @@
 //! How fast the error of each subpixel solution falls with the spacing of the samples.
-#![allow(clippy::unwrap_used, reason = "test code; shared strategies are outside test functions")]
 
-mod dissertation_scene;
-
-use dissertation_scene::*;
+use crate::dissertation_scene::*;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 use transect_device::{DeviceFrame, ImageSize, Isometry3, Pixel, Point3, Vector3};
@@ -130,7 +127,6 @@ fn linear_solutions_converge_with_the_square_and_four_points_with_the_fourth_pow
 
 #[test]
 fn every_solution_lies_on_the_plane_between_its_pixels() {
-    use transect_partial::dissertation::sensor_plane;
     use transect_partial::subpixel::{AngularGrid, PairLine, Solver};
     for sensor in [Sensor::Radar, Sensor::Camera, Sensor::Lens] {
         let frame = sensor.frame(23);
@@ -146,7 +142,7 @@ fn every_solution_lies_on_the_plane_between_its_pixels() {
         let planes = planes_through(&Point3::new(0.0, 0.0, 1.0), Vector3::new(0.5, 0.8, 0.1), 0.02);
         let axes = transect_partial::SectionAxes::new(&view, &planes).unwrap();
         for (level, subpixel) in (-2..3).flat_map(|k| Subpixel::ALL.map(|s| (k, s))) {
-            let plane = sensor_plane(&axes, level);
+            let plane = axes.sensor_plane(level);
             let solver = Solver::new(&view, plane, subpixel, angles.as_ref());
             let mut met = 0;
             for col in 2..22 {

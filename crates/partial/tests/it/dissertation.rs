@@ -1,9 +1,6 @@
 //! The dissertation's method: labels and codes against those of one pass, curves against solids.
-#![allow(clippy::unwrap_used, reason = "test code; shared strategies are outside test functions")]
 
-mod dissertation_scene;
-
-use dissertation_scene::*;
+use crate::dissertation_scene::*;
 use proptest::prelude::*;
 use std::sync::Arc;
 use transect_device::{
@@ -12,7 +9,7 @@ use transect_device::{
 use transect_geometry::{Node, PlaneFamily, PlaneIndex, StraightGuide, Vector2};
 use transect_partial::dissertation::{
     Code, DirectionRule, DissertationOptions, JumpTest, Label, PlaneImage, code_image, label_image,
-    partial_model, sensor_plane,
+    partial_model,
 };
 use transect_partial::one_pass::{self, OnePassOptions};
 use transect_partial::subpixel::Subpixel;
@@ -115,7 +112,7 @@ proptest! {
         let axes = SectionAxes::new(view, &planes).unwrap();
         for k in some_levels(view, &axes) {
             let labels = label_image(view, &axes, k);
-            let plane = sensor_plane(&axes, k);
+            let plane = axes.sensor_plane(k);
             let image = PlaneImage::new(frame, &plane);
             let height = |p: &Point3| plane.normal.dot(&p.coords) - plane.offset;
             for p in pixels(frame.size()) {
@@ -242,7 +239,7 @@ proptest! {
         for k in some_levels(view, &axes) {
             let labels = label_image(view, &axes, k);
             let codes = code_image(view, &axes, k, JumpTest::Printed { threshold }, 0.0);
-            let plane = sensor_plane(&axes, k);
+            let plane = axes.sensor_plane(k);
             for p in pixels(frame.size()) {
                 for neighbour in [Neighbour::Up, Neighbour::Left] {
                     let other = frame.neighbour(p, neighbour);
