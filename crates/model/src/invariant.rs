@@ -13,10 +13,10 @@ pub enum InvariantError {
     /// The guide, offset or interval makes no plane family.
     #[error("the section planes are not usable")]
     Planes(#[source] GuideError),
-    /// A plane lies before the first or behind the last station of a curved guide.
+    /// A plane lies before the first or after the last station of a curved guide.
     #[error("plane {0} lies beyond the ends of the guide")]
     BeyondGuide(PlaneIndex),
-    /// A plane has curves that nobody asked for.
+    /// A plane has curves but is not among the selected planes.
     #[error("plane {0} has curves but was not asked for")]
     NotSelected(PlaneIndex),
     /// The guide's direction does not have length 1.
@@ -30,9 +30,9 @@ pub enum InvariantError {
     Curve {
         /// The plane it is on.
         plane: PlaneIndex,
-        /// Which one it is.
+        /// Its place among the plane's curves.
         curve: CurveIndex,
-        /// What is wrong with it.
+        /// The error.
         #[source]
         source: CurveError,
     },
@@ -41,7 +41,7 @@ pub enum InvariantError {
     CurveEnvelope {
         /// The plane it is on.
         plane: PlaneIndex,
-        /// Which one it is.
+        /// Its place among the plane's curves.
         curve: CurveIndex,
     },
     /// The envelope recorded with a plane is not the one around its curves.

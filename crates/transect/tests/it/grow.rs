@@ -1,4 +1,5 @@
-//! A store that views came to, left and were replaced in, against one run over the views that are there.
+//! A store that views came to, left and were replaced in, against one run over the views that are
+//! there.
 
 use crate::objects::{noisy_views, setup, views};
 use proptest::prelude::*;
