@@ -184,11 +184,11 @@ pub enum CurveError {
         closed: bool,
     },
     /// A coordinate is NaN or infinite.
-    #[error("node {0} has a coordinate that is not a number")]
+    #[error("node {0} has a coordinate that is not a finite number")]
     NotFinite(usize),
     /// Standard deviation, footprint, weight, correlation or incidence is negative, NaN or
     /// infinite, or the normal is not finite.
-    #[error("node {0} has a measure below 0 or not a number, or no normal that is one")]
+    #[error("node {0} has a negative or infinite measure, or a normal that is not finite")]
     BadAttribute(usize),
 }
 

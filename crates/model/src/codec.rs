@@ -39,13 +39,13 @@ pub enum CodecError {
     #[error("not a Transect model file")]
     NotAModel,
     /// The file has another layout than this program's.
-    #[error("model file version {found}; this program reads version {SCHEMA_VERSION}")]
+    #[error("model file of version {found}; this program reads version {SCHEMA_VERSION}")]
     WrongVersion {
         /// Version in the file.
         found: u32,
     },
     /// The file ends too early.
-    #[error("truncated: {expected} bytes are announced, {found} are there")]
+    #[error("truncated: {expected} bytes expected, {found} found")]
     Truncated {
         /// Expected number of bytes, from the beginning of the file.
         expected: u64,
@@ -53,7 +53,7 @@ pub enum CodecError {
         found: u64,
     },
     /// There are bytes after the end.
-    #[error("damaged: there are bytes behind the end of the model")]
+    #[error("damaged: there are bytes after the end of the model")]
     TrailingBytes,
     /// The payload is not the one that was written.
     #[error("damaged: the contents do not match their checksum")]
@@ -62,7 +62,7 @@ pub enum CodecError {
     #[error("damaged: {0}")]
     Layout(String),
     /// The parts do not make a model.
-    #[error("the contents are not a sound model")]
+    #[error("the contents break a promise of every model")]
     Invariant(#[from] InvariantError),
 }
 

@@ -28,13 +28,13 @@ pub enum EditError {
     #[error("curve {0} is closed and has no ends")]
     Closed(CurveIndex),
     /// The end of one curve is not where the other one begins; lengths are in the model's unit.
-    #[error("the ends are {distance} apart; only ends at one place can be joined")]
+    #[error("the ends are {distance} apart; only ends at the same place can be joined")]
     EndsApart {
         /// Distance between the two ends.
         distance: f64,
     },
     /// The result has too few nodes for a curve, such as a ring of two.
-    #[error("the result would not be a curve")]
+    #[error("the result has too few nodes for a curve")]
     NoCurve(#[from] CurveError),
 }
 

@@ -5,6 +5,7 @@ use transect_geometry::{Curve, Point2, Vector2};
 
 /// Measures of the curves of one plane, in the model's length unit and plane coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct SectionMeasures {
     /// Area of the solid that the closed curves bound; holes count negative.
     ///

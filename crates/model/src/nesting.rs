@@ -21,6 +21,7 @@ use transect_geometry::{Curve, Point2};
 
 /// The place of a closed curve among the others of its plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct NestedCurve {
     /// The curve.
     pub curve: CurveIndex,

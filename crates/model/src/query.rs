@@ -50,6 +50,7 @@ impl From<Side> for Location {
 
 /// The answer of one plane about a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct PlaneAnswer {
     /// Where the point is.
     pub location: Location,
@@ -63,6 +64,7 @@ impl PlaneAnswer {
 
 /// The answer of the planes around a point.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct SpaceAnswer {
     /// Where the point is.
     pub location: Location,

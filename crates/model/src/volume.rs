@@ -30,6 +30,7 @@ use transect_geometry::{PlaneFamily, PlaneIndex};
 
 /// The volume of one run of neighbouring planes.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct RunVolume {
     /// The planes of the run.
     pub planes: RangeInclusive<PlaneIndex>,
@@ -47,6 +48,7 @@ pub struct RunVolume {
 
 /// The volume of a model.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ModelVolume {
     /// Each run of neighbouring planes, in order of station.
     pub runs: Vec<RunVolume>,

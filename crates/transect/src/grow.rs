@@ -17,52 +17,17 @@
 //! The result of `pairwise` is that of one run over the views in that order.
 //!
 //! Departure from the dissertation: there a view is merged into the model and not kept (5.2).
-//!
-//! ```
-//! use std::sync::Arc;
-//! use transect::{Grower, Setup, Unwatched};
-//! use transect_device::{DeviceFrame, ImageSize, Isometry3, Pixel, RangeImage, SensorPlane, Vector3, View};
-//! use transect_geometry::{LengthUnit, PlaneFamily, Point3, StraightGuide};
-//! use transect_model::Location;
-//! use transect_model::store::{SpaceQuery, Store};
-//! use transect_sensors::{Intrinsics, Pinhole};
-//!
-//! // A camera over a floor that it looks at under 45°, and the same camera half a metre to the side.
-//! let size = ImageSize { rows: 48, cols: 64 };
-//! let camera = Arc::new(Pinhole::new(size, Intrinsics { fx: 60.0, fy: 60.0, cx: 31.5, cy: 23.5 })?);
-//! let floor = SensorPlane { normal: Vector3::new(0.0, 1.0, 1.0).normalize(), offset: 1.0 };
-//! let pixels = (0..48).flat_map(|row| (0..64).map(move |col| Pixel::new(row, col)));
-//! let depths = pixels.map(|p| camera.plane_value(p, &floor).unwrap_or(f64::NAN) as f32).collect();
-//! let image = RangeImage::from_values(size, depths)?;
-//! let views = [("first", 0.0), ("second", 0.5)].map(|(name, x)| {
-//!     View::new(name, image.clone(), camera.clone(), Isometry3::translation(x, 0.0, 0.0), Some(0.0))
-//! });
-//! let [first, second] = views;
-//!
-//! let planes = PlaneFamily::new(StraightGuide::along(Vector3::x())?, 0.0, 0.1)?;
-//! let setup = Setup::new(LengthUnit::Metre, planes);
-//! let folder = tempfile::tempdir()?;
-//! let store = Store::create(folder.path().join("floor.transect"), &setup.store_header())?;
-//! let grower = Grower::new(&store, &setup)?;
-//! grower.add_views(&[first?, second?], &Unwatched)?;
-//! grower.remove_view(&"first".into())?;
-//! assert_eq!(store.views()?.len(), 1);
-//!
-//! // One centimetre below the floor, in the middle of what the second view saw of it.
-//! let below = Point3::new(0.52, 0.0, 2_f64.sqrt()) + floor.normal * 0.01;
-//! let mut query = SpaceQuery::new(store.read()?, SpaceQuery::DEFAULT_CAPACITY);
-//! assert_eq!(query.locate(&below)?.location, Location::Inside);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
 
+mod error;
 mod fuser;
+
+pub use error::GrowError;
 
 use crate::fingerprint::fingerprint;
 use crate::modelled_view::{ModelledView, TimedView, no_curves};
 use crate::report::{PlaneSummary, Report, Timings, ViewReport};
 use crate::{
-    FusionReport, LoadedView, ReconstructError, SettingsError, Setup, Stage, Unwatched, ViewSource,
-    Watch,
+    FusionReport, LoadedView, ReconstructError, Setup, Stage, Unwatched, ViewSource, Watch,
 };
 use fuser::Fuser;
 use rayon::prelude::*;
@@ -71,45 +36,9 @@ use std::time::{Duration, Instant};
 use transect_geometry::PlaneIndex;
 use transect_model::store::{Snapshot, Store, StoreError, StoredView, ViewEntry, ViewId};
 
-/// Why a store could not grow.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum GrowError {
-    /// A view could not be loaded or modelled, no view has curves, or the run was cancelled.
-    #[error(transparent)]
-    View(#[from] ReconstructError),
-    /// The store could not be read or written.
-    #[error(transparent)]
-    Store(#[from] StoreError),
-    /// The settings in the store cannot be read.
-    #[error("the store cannot grow: {0}")]
-    Settings(#[from] SettingsError),
-    /// The store was made with another unit, other planes or other options.
-    #[error("the store was made with other settings: {0}")]
-    OtherSettings(String),
-    /// The store has another view with the same id.
-    #[error(
-        "view {id}: there is one of that name in the store, but with {what}; replace it, or give this one another name"
-    )]
-    OtherView {
-        /// Its id.
-        id: String,
-        /// The difference.
-        what: &'static str,
-    },
-    /// The setup asks for refinement, which stores do not support.
-    #[error(
-        "planes are not refined in a store, whose planes are the same for every view to come; choose a smaller \
-         interval, or reconstruct without a store"
-    )]
-    Refinement,
-    /// Two of the given views have the same id.
-    #[error("two views go by the name {0}")]
-    SameId(String),
-}
-
 /// The result of adding views.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Growth {
     /// Names of views that were in the store already.
     pub present: Vec<String>,
@@ -121,6 +50,47 @@ pub struct Growth {
 }
 
 /// Adds views to a store, removes and replaces them.
+///
+/// ```
+/// use std::sync::Arc;
+/// use transect::device::{DeviceFrame, Pixel, SensorPlane};
+/// use transect::geometry::Point3;
+/// use transect::model::Location;
+/// use transect::model::store::{SpaceQuery, Store};
+/// use transect::sensors::{Intrinsics, Pinhole};
+/// use transect::{
+///     Grower, ImageSize, Isometry3, LengthUnit, PlaneFamily, RangeImage, Setup, StraightGuide,
+///     Unwatched, Vector3, View,
+/// };
+///
+/// // A camera sees a floor under 45°, and the same camera half a metre to the side.
+/// let size = ImageSize { rows: 48, cols: 64 };
+/// let camera = Pinhole::new(size, Intrinsics { fx: 60.0, fy: 60.0, cx: 31.5, cy: 23.5 })?;
+/// let floor = SensorPlane { normal: Vector3::new(0.0, 1.0, 1.0).normalize(), offset: 1.0 };
+/// let pixels = (0..48).flat_map(|row| (0..64).map(move |col| Pixel::new(row, col)));
+/// let depth = |p| camera.plane_value(p, &floor).unwrap_or(f64::NAN) as f32;
+/// let image = RangeImage::from_values(size, pixels.map(depth).collect())?;
+/// let camera: Arc<dyn DeviceFrame> = Arc::new(camera);
+/// let view = |name: &str, x: f64| {
+///     let pose = Isometry3::translation(x, 0.0, 0.0);
+///     View::new(name, image.clone(), camera.clone(), pose, Some(0.0))
+/// };
+///
+/// let planes = PlaneFamily::new(StraightGuide::along(Vector3::x())?, 0.0, 0.1)?;
+/// let setup = Setup::new(LengthUnit::Metre, planes);
+/// let folder = tempfile::tempdir()?;
+/// let store = Store::create(folder.path().join("floor.transect"), &setup.store_header())?;
+/// let grower = Grower::new(&store, &setup)?;
+/// grower.add_views(&[view("first", 0.0)?, view("second", 0.5)?], &Unwatched)?;
+/// grower.remove_view(&"first".into())?;
+/// assert_eq!(store.views()?.len(), 1);
+///
+/// // One centimetre below the floor, in the middle of the second view.
+/// let below = Point3::new(0.52, 0.0, 2_f64.sqrt()) + floor.normal * 0.01;
+/// let mut query = SpaceQuery::new(store.read()?, SpaceQuery::DEFAULT_CAPACITY);
+/// assert_eq!(query.locate(&below)?.location, Location::Inside);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Grower<'a> {
     store: &'a Store,

@@ -41,6 +41,7 @@ use transect_geometry::{Curve, PlaneFamily, PlaneIndex};
 /// Two neighbouring planes that differ by more than the tolerance, and the plane inserted between
 /// them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct RefinedGap {
     /// The plane on its lower side, of the family with the smallest interval.
     pub from: PlaneIndex,
@@ -63,6 +64,7 @@ pub struct RefinedGap {
 
 /// The result of refinement. Lengths are in the model's length unit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct RefinementReport {
     /// Largest accepted distance between curves of neighbouring planes.
     pub tolerance: f64,

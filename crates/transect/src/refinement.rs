@@ -17,13 +17,13 @@ pub enum RefinementError {
     #[error("the tolerance must be a positive length, got {0}")]
     BadTolerance(f64),
     /// The interval cannot be halved that often.
-    #[error("the interval can be halved 1 to {most} times, not {0}", most = Refinement::MOST_LEVELS)]
+    #[error("the interval can be halved 1 to {most} times, not {0}", most = Refinement::MAX_LEVELS)]
     BadLevels(u32),
     /// The smallest interval is not the interval, halved 1 to 10 times.
     #[error(
         "the smallest interval {least} is not {interval} halved 1 to {most} times: {}, …",
         [2.0, 4.0, 8.0, 16.0].map(|parts| (interval / parts).to_string()).join(", "),
-        most = Refinement::MOST_LEVELS
+        most = Refinement::MAX_LEVELS
     )]
     BadLeastInterval {
         /// The smallest interval that was given.
@@ -36,7 +36,7 @@ pub enum RefinementError {
 impl Refinement {
     /// Largest number of times that the interval may be halved. Chosen by hand: 2¹⁰ planes per
     /// interval fill the memory of most machines. Doubled, a mistyped number takes days.
-    pub const MOST_LEVELS: u32 = 10;
+    pub const MAX_LEVELS: u32 = 10;
 
     /// Default number of times that the interval is halved: down to a sixteenth. Chosen by hand.
     pub const DEFAULT_LEVELS: u32 = 4;
@@ -50,7 +50,7 @@ impl Refinement {
         if !(tolerance.is_finite() && tolerance > 0.0) {
             return Err(RefinementError::BadTolerance(tolerance));
         }
-        if !(1..=Self::MOST_LEVELS).contains(&levels) {
+        if !(1..=Self::MAX_LEVELS).contains(&levels) {
             return Err(RefinementError::BadLevels(levels));
         }
         Ok(Self { tolerance, levels })
@@ -70,7 +70,7 @@ impl Refinement {
             (exact - least).abs() <= ROUNDING * exact
         };
         let bad = RefinementError::BadLeastInterval { least, interval };
-        Self::new(tolerance, (1..=Self::MOST_LEVELS).find(halved).ok_or(bad)?)
+        Self::new(tolerance, (1..=Self::MAX_LEVELS).find(halved).ok_or(bad)?)
     }
 
     /// Largest accepted distance between curves of neighbouring planes, in the model's length unit.

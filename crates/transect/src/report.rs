@@ -9,6 +9,7 @@ use transect_geometry::Curve;
 
 /// A run's report. Lengths are in the model's length unit.
 #[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
 pub struct Report {
     /// One entry per view, in the order given.
     pub views: Vec<ViewReport>,
@@ -51,8 +52,8 @@ impl Report {
             let total = v.samples_close_to_other_views + v.samples_abreast_of_other_views;
             let share = 100.0 * v.samples_abreast_of_other_views as f64 / total as f64;
             format!(
-                "view {} contradicts the others: {share:.0} % of its overlap with them lies apart; \
-                 is its pose right, and its convention (sensor to world, quaternion not conjugated)?",
+                "view {} contradicts the others: {share:.0} % of its overlap with them lies apart. \
+                 Check its pose and the convention (sensor to world, quaternion not conjugated)",
                 v.name
             )
         };
@@ -67,6 +68,7 @@ fn is_zero(count: &usize) -> bool {
 
 /// The counts of one view.
 #[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
 pub struct ViewReport {
     /// Its name.
     pub name: String,
@@ -123,6 +125,7 @@ impl ViewReport {
 
 /// The fusion of all planes.
 #[derive(Debug, Clone, Default, Serialize)]
+#[non_exhaustive]
 pub struct FusionReport {
     /// Planes with curves.
     pub planes: usize,
@@ -214,6 +217,7 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
 
 /// Times of the stages.
 #[derive(Debug, Clone, Copy, Default)]
+#[non_exhaustive]
 pub struct Timings {
     /// Reading and modelling all views, in elapsed time.
     pub views: Duration,

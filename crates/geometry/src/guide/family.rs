@@ -20,6 +20,19 @@ impl std::fmt::Display for PlaneIndex {
 /// direction (errata to 3.4.1), and all planes share one orientation of their in-plane axes. Along
 /// a curved one, plane `k` is perpendicular to the curve at station `offset + k · interval` from
 /// its first point; axes are carried along it without turning ([`CurvedGuide::frame`]).
+///
+/// ```
+/// use transect_geometry::{PlaneFamily, PlaneIndex, Point3, StraightGuide, Vector3};
+///
+/// // Horizontal planes every 0.5 m, the first one 0.1 m above the origin.
+/// let planes = PlaneFamily::new(StraightGuide::along(Vector3::z())?, 0.1, 0.5)?;
+/// assert_eq!(planes.station(PlaneIndex(3)), 1.6);
+/// let point = Point3::new(7.0, -2.0, 1.6);
+/// assert!((planes.level(&point) - 3.0).abs() < 1e-12);
+/// let frame = planes.frame(PlaneIndex(3));
+/// assert_eq!(frame.plane_from_world(&point).coords.as_slice(), [7.0, -2.0]);
+/// # Ok::<(), transect_geometry::GuideError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PlaneFamily {
     guide: Guide,

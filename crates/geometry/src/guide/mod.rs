@@ -33,7 +33,7 @@ pub enum GuideError {
     #[error("a guide has {0} points; it needs 2 to {MAX_GUIDE_POINTS}")]
     PointCount(usize),
     /// A coordinate of a guide's point is NaN or infinite.
-    #[error("point {0} of the guide is not finite")]
+    #[error("point {0} of the guide has a coordinate that is not a finite number")]
     NotFinite(usize),
     /// A point of a guide is at the place of the one before it, to within rounding.
     #[error("point {0} of the guide repeats the one before it")]
@@ -46,8 +46,8 @@ pub enum GuideError {
     BadRadius(f64),
     /// Planes cross within the required distance from the guide.
     #[error(
-        "planes along the guide cross {reach} away from it at station {station}; {needed} are needed: \
-         it bends too sharply there, or comes too close to another part of itself"
+        "planes along the guide cross {reach} away from it at station {station}; a distance of \
+         {needed} is needed. The guide bends too sharply there, or comes too close to itself"
     )]
     TooCurved {
         /// The station, in the model's length unit.

@@ -56,6 +56,7 @@ pub struct CubicSpline {
 
 /// A curve as splines; each begins at the end of the one before.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct CurveSplines {
     /// The splines in the curve's order, cut at its corners.
     pub pieces: Vec<CubicSpline>,

@@ -155,7 +155,7 @@ fn another_version_and_other_files_say_so() {
     let mut newer = bytes_of(&small());
     newer[8] = 9;
     let text = read(&newer[..]).unwrap_err().to_string();
-    assert_eq!(text, "model file version 9; this program reads version 6");
+    assert_eq!(text, "model file of version 9; this program reads version 6");
     assert!(matches!(read(&b"{ \"unit\": \"m\" }"[..]), Err(CodecError::NotAModel)));
     let longer = [bytes_of(&small()), vec![0]].concat();
     assert!(matches!(read(&longer[..]), Err(CodecError::TrailingBytes)));

@@ -61,6 +61,7 @@ const MOST_PATCHES: usize = 256;
 
 /// An unseen stretch of boundary between two open ends of one plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Gap {
     /// The curve whose end begins the gap.
     pub after: CurveIndex,

@@ -49,6 +49,7 @@ const PATCHES: usize = 4000;
 
 /// A place from which a view would close gaps.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct NextView {
     /// Where to put the sensor, in the world.
     pub position: Point3,

@@ -58,13 +58,13 @@ pub enum Damage {
     #[error("not a Transect model")]
     NotAModel,
     /// A whole model or a store of another layout.
-    #[error("model version {found}; a store has version {STORE_VERSION}")]
+    #[error("file of version {found}; a store has version {STORE_VERSION}")]
     WrongVersion {
         /// Version in the file.
         found: u32,
     },
     /// The file ends too early.
-    #[error("truncated: {expected} bytes should be there, {found} are")]
+    #[error("truncated: {expected} bytes expected, {found} found")]
     Truncated {
         /// Expected number of bytes.
         expected: u64,
@@ -78,7 +78,7 @@ pub enum Damage {
     #[error("damaged: block {0} does not match its checksum")]
     Block(u64),
     /// The database refers to a place outside of its file.
-    #[error("damaged: a reference leads out of the file, to byte {0}")]
+    #[error("damaged: a reference points to byte {0}, outside of the file")]
     OutOfRange(u64),
 }
 

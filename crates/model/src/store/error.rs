@@ -29,7 +29,7 @@ pub enum StoreProblem {
     #[error("is being changed by another thread of this program")]
     Busy,
     /// A snapshot exists, and the call needs the store alone.
-    #[error("is being read by this program; compacting and verifying need it alone")]
+    #[error("is being read by this program; drop all snapshots before compacting and verifying")]
     Readers,
     /// The bytes of the file are not those that were written.
     #[error("cannot be read")]
@@ -53,10 +53,10 @@ pub enum StoreProblem {
         source: CodecError,
     },
     /// The contents contradict each other.
-    #[error("has unsound contents: {0}")]
+    #[error("has contents that contradict each other: {0}")]
     Unsound(String),
     /// The header or a view is invalid.
-    #[error("would not be sound")]
+    #[error("would be invalid")]
     Invariant(#[from] InvariantError),
     /// There is no such view.
     #[error("has no view \"{0}\"")]
@@ -68,7 +68,7 @@ pub enum StoreProblem {
     #[error("was given plane {0} twice by one view")]
     PlaneTwice(PlaneIndex),
     /// Planes are still to be fused, and the call needs their fused curves.
-    #[error("has {0} planes that are still to be fused; finish what was interrupted")]
+    #[error("has {0} planes that are still to be fused; finish the interrupted run first")]
     Pending(u64),
     /// The lines of an export could not be written.
     #[error("could not be exported")]

@@ -31,9 +31,7 @@ use super::view::{StoreHeader, ViewEntry};
 use super::view_id::ViewId;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
-use transect_geometry::{
-    Curve, CurveError, EndReason, LengthUnit, Node, PlaneFamily, Point2,
-};
+use transect_geometry::{Curve, CurveError, EndReason, LengthUnit, Node, PlaneFamily, Point2};
 
 /// Value of the key `format` in the first line.
 pub(super) const FORMAT: &str = "transect-model";

@@ -15,6 +15,7 @@ use transect_geometry::PlaneIndex;
 
 /// The counts of [`Store::verify`].
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Verification {
     /// Views in the store.
     pub views: u64,
@@ -103,12 +104,13 @@ impl Snapshot {
         }
         self.finish_plane(&mut seen)?;
         if (self.fused.len()?, self.pending.len()?) != (seen.sections, seen.counts.pending) {
-            let problem = "there are sections or marks on planes without partial models";
+            let problem = "there are fused curves or marks on planes without partial curves";
             return Err(StoreProblem::Unsound(problem.to_owned()));
         }
         match views.iter().zip(seen.by_view.values()).find(|(view, counted)| view != counted) {
             Some((view, _)) => {
-                let problem = format!("view {} has other curves than it says", view.entry.id);
+                let problem =
+                    format!("the curves of view {} are not those in its record", view.entry.id);
                 Err(StoreProblem::Unsound(problem))
             }
             None => Ok(seen.counts),
@@ -128,7 +130,7 @@ impl Snapshot {
         let value = self.fused.get(plane.0)?.ok_or_else(|| unsound("was not fused"))?;
         let (made_of, curves) = decode_fused(plane, value.value())?;
         if made_of != seen.made_of {
-            return Err(unsound("was fused from other curves than it has"));
+            return Err(unsound("was fused from other curves than those in the store"));
         }
         seen.sections += 1;
         seen.counts.curves += curves.len() as u64;
@@ -183,7 +185,7 @@ impl Seen {
         let curves = decode_curves(plane, id, value)?;
         self.counts.partial_curves += curves.len() as u64;
         self.counts.partial_nodes += node_count(&curves);
-        let unknown = || format!("there are curves of a view {id}, which is not there");
+        let unknown = || format!("there are curves of a view {id}, which has no record");
         let view = self.by_view.get_mut(&id.into());
         view.ok_or_else(|| StoreProblem::Unsound(unknown()))?.count(plane, &curves);
         self.add_hash(id.as_bytes(), value);

@@ -43,6 +43,7 @@ pub struct ViewEntry {
 
 /// A view that is in a store.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct StoredView {
     /// The entry of the view.
     pub entry: ViewEntry,

@@ -11,6 +11,7 @@ use serde::Serialize;
 /// [`EvaluateOptions::from`](super::EvaluateOptions::from) on count. A share is `None` where there
 /// is no length to share.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Accuracy {
     /// Planes on which the truth has a curve.
     pub planes_with_truth: usize,
@@ -61,6 +62,7 @@ pub struct Accuracy {
 ///
 /// Lengths are in the model's length unit, shares from 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Duplication {
     /// Curves.
     pub pieces: usize,

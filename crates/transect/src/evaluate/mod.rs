@@ -97,7 +97,10 @@ pub enum EvaluateError {
     #[error("the first station must be a finite length, got {0}")]
     BadFrom(f64),
     /// The tolerance is so small that the samples would not fit into memory.
-    #[error("a tolerance of {tolerance} takes {samples:.0} samples; at most {most} are accepted")]
+    #[error(
+        "a tolerance of {tolerance} needs {samples:.0} samples; at most {most} are accepted. Is it in \
+         the model's unit?"
+    )]
     TooFine {
         /// The tolerance, in the model's length unit.
         tolerance: f64,
