@@ -34,11 +34,14 @@ fn start(arguments: &[OsString]) -> Result<(), Failure> {
         return Err(Failure { reason: None, code: ExitCode::from(2) });
     };
     let name = name.to_string_lossy();
-    match (name.as_ref(), commands::owner(&name)) {
-        ("help" | "--help" | "-h", _) if rest.is_empty() => {
-            println!("{}", commands::help());
-            Ok(())
-        }
+    let owner = commands::owner(&name);
+    let asks_for_help = matches!(name.as_ref(), "help" | "--help" | "-h") && rest.is_empty()
+        || owner == Owner::Launcher && rest.iter().any(|option| option == "--help");
+    if asks_for_help {
+        println!("{}", commands::help());
+        return Ok(());
+    }
+    match (name.as_ref(), owner) {
         ("test", _) => test::run(rest),
         ("check", _) => check::run(rest),
         (_, Owner::Lab) => run::forward("xtask-lab", arguments),

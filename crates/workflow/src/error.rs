@@ -95,11 +95,6 @@ impl WorkflowError {
         Self::Setting { setting, problem: problem.to_string() }
     }
 
-    /// A simulation that cannot be made.
-    pub(crate) fn simulation(reason: impl Into<String>) -> Self {
-        Self::Simulation(reason.into())
-    }
-
     /// A file that does not serve the purpose.
     pub(crate) fn file(path: &Path, problem: impl std::fmt::Display) -> Self {
         Self::File { path: path.to_owned(), problem: problem.to_string() }

@@ -13,7 +13,7 @@
 //!
 //! ```
 //! use transect::Unwatched;
-//! use transect_workflow::simulation::{Plan, Stage, StripeImages, instruments, views, write};
+//! use transect_workflow::simulation::{PreparedScene, SensorPlan, StripeImages};
 //! use transect_workflow::{ModelFile, OpenScan, ResultFolder, Settings};
 //!
 //! // A scan to begin with: a ball, seen by one depth camera.
@@ -35,9 +35,9 @@
 //!     look_at = [0, 0, 0]
 //! "#;
 //! let folder = tempfile::tempdir()?;
-//! let stage = Stage::set(transect_scene::Description::parse(scene)?)?;
-//! let seen = views(&stage, instruments(&stage, &Plan::OWN)?)?;
-//! write(&stage, &seen, StripeImages::Extracted, &folder.path().join("scan"))?;
+//! let scene = PreparedScene::new(transect_scene::Description::parse(scene)?)?;
+//! let simulated = scene.simulate(&SensorPlan::OWN)?;
+//! simulated.write(&scene, StripeImages::Extracted, &folder.path().join("scan"))?;
 //!
 //! // Open it, choose settings, make the model, write everything.
 //! let scan = OpenScan::open(folder.path().join("scan"), None)?;

@@ -3,6 +3,11 @@
 //! A check of the workspace's own files is a module of this folder with a function
 //! `run(root: &Path) -> Result<(), Failure>`, and one line in [`STRUCTURE`].
 
+mod dependencies;
+mod finding;
+mod imports;
+mod prose;
+
 use crate::run::{Failure, cargo, run_command, workspace_root};
 use crate::test;
 use std::ffi::OsString;
@@ -13,7 +18,8 @@ use std::process::Command;
 type StructureCheck = fn(&Path) -> Result<(), Failure>;
 
 /// The checks of the workspace's own files, by name, in the order in which they run.
-const STRUCTURE: [(&str, StructureCheck); 0] = [];
+const STRUCTURE: [(&str, StructureCheck); 3] =
+    [("prose", prose::run), ("imports", imports::run), ("dependencies", dependencies::run)];
 
 /// Runs the stages of the check; `--without-tests` leaves out the tests, for a caller that ran them.
 pub fn run(arguments: &[OsString]) -> Result<(), Failure> {

@@ -4,9 +4,11 @@ use crate::failure::Failure;
 use crate::table::{Row, digits, print};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::{Path, PathBuf};
-use transect_scene::{BitDepth, Description, Noise, StripeCamera};
+use transect_scene::{Description, Noise};
 use transect_workflow::default_folder;
-use transect_workflow::simulation::{self, Plan, SensorKind, Stage, StripeImages, describe};
+use transect_workflow::simulation::{
+    PreparedScene, SensorKind, SensorPlan, StripeImages, describe, stripe_camera,
+};
 
 /// Options of `simulate`.
 #[derive(Debug, clap::Args)]
@@ -50,7 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let problem = format!("--density must be from 0.01 to 100, got {}", arguments.density);
         return Err(Failure::Usage(problem));
     }
-    let plan = Plan {
+    let plan = SensorPlan {
         sensor: arguments.sensor,
         views: arguments.views.map(usize::from),
         density: arguments.density,
@@ -58,7 +60,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let folder =
         arguments.out.clone().unwrap_or_else(|| default_folder(&description.name).join("scan"));
     let images = if arguments.stripe_images {
-        StripeImages::Seen(camera(description.noise.seed))
+        // The writer knows the columns of each sensor.
+        StripeImages::Seen(stripe_camera(0, description.noise.seed))
     } else {
         StripeImages::Extracted
     };
@@ -68,48 +71,34 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 /// Simulates a scene's own sensors and writes the scan folder.
 pub fn simulate(description: Description, folder: &Path) -> Result<(), Failure> {
-    simulate_as(description, &Plan::OWN, StripeImages::Extracted, folder).map(drop)
+    simulate_as(description, &SensorPlan::OWN, StripeImages::Extracted, folder).map(drop)
 }
 
 fn simulate_as(
     description: Description,
-    plan: &Plan,
+    plan: &SensorPlan,
     images: StripeImages,
     folder: &Path,
 ) -> Result<Vec<Row>, Failure> {
-    let stage = Stage::set(description)?;
-    let placed = simulation::instruments(&stage, plan)?;
-    let seen = simulation::views(&stage, placed)?;
-    for name in &seen.blind {
+    let scene = PreparedScene::new(description)?;
+    let simulated = scene.simulate(plan)?;
+    for name in &simulated.blind {
         eprintln!("note: view {name} sees nothing of the scene and is left out");
     }
-    simulation::write(&stage, &seen, images, folder)?;
-    let rate = seen.rays as f64 / seen.time.as_secs_f64() / 1e6;
-    let mut rows =
-        vec![Row::new("scene", stage.description.name, ""), Row::count("views", seen.views.len())];
-    if let (Some(kind), Some(first)) = (plan.sensor, seen.placed.first()) {
+    simulated.write(&scene, images, folder)?;
+    let rate = simulated.rays as f64 / simulated.time.as_secs_f64() / 1e6;
+    let mut rows = vec![
+        Row::new("scene", scene.description.name, ""),
+        Row::count("views", simulated.views.len()),
+    ];
+    if let (Some(kind), Some(first)) = (plan.sensor, simulated.instruments.first()) {
         rows.push(Row::new("sensor", kind.name(), ""));
-        let in_millimetres = stage.description.unit.in_metres() * 1e3;
+        let in_millimetres = scene.description.unit.in_metres() * 1e3;
         let scale = first.instrument.scale.map(|s| digits(s * in_millimetres));
         rows.extend(scale.map(|s| Row::new("times the dissertation's (view 0)", s, "")));
     }
-    rows.push(Row::count("rays", seen.rays));
+    rows.push(Row::count("rays", simulated.rays));
     rows.push(Row::new("rays per second and core", digits(rate), "million"));
     rows.push(Row::new("scan", folder.join("scan.json").display().to_string(), ""));
     Ok(rows)
-}
-
-/// A camera of 8 bits in a dim room, its stripe four cells wide at half its height.
-fn camera(seed: u64) -> StripeCamera {
-    StripeCamera {
-        // Of the sensor that it belongs to.
-        columns: 0,
-        depth: BitDepth::Eight,
-        width: 4.0,
-        peak: 180.0,
-        background: 20.0,
-        speckle: 0.15,
-        read_noise: 2.0,
-        seed,
-    }
 }

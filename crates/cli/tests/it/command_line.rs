@@ -227,6 +227,28 @@ fn evaluation_finds_the_truth_that_simulation_left() {
 }
 
 #[test]
+fn a_model_goes_by_its_folder_or_its_file() {
+    let (folder, _) = reconstructed();
+    for command in
+        ["evaluate MODEL", "inspect MODEL", "verify MODEL", "measure MODEL", "gaps MODEL"]
+    {
+        let said = |model| folder.run(&command.replace("MODEL", model)).succeeded().stdout;
+        assert_eq!(said("out"), said("out/model.transect"), "{command}");
+    }
+    let none = ["scan", "holds no model.transect", "reconstruct wrote"];
+    folder.run("measure scan").failed_with(1, &none);
+    folder.run("evaluate scan").failed_with(1, &none);
+}
+
+#[test]
+fn results_go_beneath_the_current_folder() {
+    let folder = Folder::simulated("objects.scene.toml");
+    let run = folder.run("reconstruct scan --quiet").succeeded();
+    assert!(run.stdout.contains("results: transect-out/objects\n"), "{}", run.stdout);
+    folder.run("verify transect-out/objects").succeeded();
+}
+
+#[test]
 fn inspection_has_a_row_for_every_view() {
     let folder = Folder::simulated("objects.scene.toml");
     let run = folder.run("inspect scan").succeeded();

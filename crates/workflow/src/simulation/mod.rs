@@ -1,18 +1,19 @@
-//! Simulated scans: a scene, seen by its own sensors or by others of the reader's choice.
+//! Simulated scans: a scene, seen by its own sensors or by others of the user's choice.
 //!
-//! [`Plan`] says which sensors and how many views, [`instruments`] places them, [`views`] casts
-//! their rays, [`write()`] makes a scan folder of what they saw.
+//! 1. [`describe`] reads a scene file; [`PreparedScene::new`] makes its surface.
+//! 2. [`PreparedScene::simulate`] places the sensors of a [`SensorPlan`] and casts their rays.
+//! 3. [`SimulatedScan::write`] writes a scan folder with the truth.
 
 mod placing;
 mod scan_folder;
 mod sensor;
 
-pub use placing::Surroundings;
-pub use scan_folder::{StripeImages, write};
+pub use placing::SceneBounds;
+pub use scan_folder::{StripeImages, stripe_camera};
 pub use sensor::{Instrument, SensorKind};
 
 use crate::WorkflowError;
-use placing::{Standpoint, round};
+use placing::{Standpoint, station_of_view};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -21,54 +22,36 @@ use transect_device::{View, ViewError};
 use transect_exchange::{TriangleMesh, read_mesh};
 use transect_scene::{BUNDLED_SCENES, CastError, Description, Mesh, Scene};
 
-/// Largest distance between a curved solid and its truth mesh, as a share of the plane interval:
-/// well below anything a simulated scanner resolves.
+/// Largest distance between a curved solid and the mesh of its surface, as a share of the plane
+/// interval. Chosen by hand: far below the noise of every simulated sensor. Doubled, the scores of
+/// noise-free scans get worse.
 const CHORD_SHARE: f64 = 1e-3;
 
-/// Which sensors look at a scene.
+/// The sensors that look at a scene.
 #[derive(Debug, Clone, Copy)]
-pub struct Plan {
-    /// Instead of the scene's own.
+pub struct SensorPlan {
+    /// Kind of all sensors. Without it, the scene's own sensors.
     pub sensor: Option<SensorKind>,
-    /// How many; as many as the scene has stations if not said.
+    /// Number of views. Without it, one per station of the scene.
     pub views: Option<usize>,
-    /// Factor on rows and columns of chosen sensors; the scene's own have the size that they have.
+    /// Factor on rows and columns of chosen sensors; the scene's own sensors keep their size.
     pub density: f64,
 }
 
-impl Plan {
+impl SensorPlan {
     /// The scene's own sensors.
     pub const OWN: Self = Self { sensor: None, views: None, density: 1.0 };
 
-    /// A kind of sensor, as dense as it usually is, at the scene's own stations.
+    /// Sensors of a kind at the scene's own stations, of their usual density.
     pub fn with(sensor: SensorKind) -> Self {
         Self { sensor: Some(sensor), ..Self::OWN }
     }
 }
 
-/// A description with its scene made.
-pub struct Stage {
-    /// What was described.
-    pub description: Description,
-    /// Ready for rays.
-    pub scene: Scene,
-    /// Its surface.
-    pub truth: Mesh,
-    /// Where that is.
-    pub around: Surroundings,
-}
-
-impl Stage {
-    /// Makes the scene of a description.
-    pub fn set(description: Description) -> Result<Self, WorkflowError> {
-        let scene = description.scene();
-        let truth = scene.mesh(CHORD_SHARE * description.planes.interval())?;
-        let around = Surroundings::of(&truth);
-        Ok(Self { description, scene, truth, around })
-    }
-}
-
-/// Reads a scene file with the meshes beside it, or takes a bundled scene.
+/// Reads a scene file with the meshes beside it, or takes a bundled scene by its name.
+///
+/// # Errors
+/// [`WorkflowError`] naming the file that cannot be read or understood.
 pub fn describe(scene: &Path) -> Result<Description, WorkflowError> {
     let bundled = BUNDLED_SCENES.iter().find(|(name, _)| Path::new(name) == scene);
     let text = match bundled {
@@ -86,22 +69,74 @@ pub fn describe(scene: &Path) -> Result<Description, WorkflowError> {
     description.map_err(|e| WorkflowError::file(scene, e))
 }
 
-/// A view to be: what it is called and what takes it.
-pub struct Placed {
-    /// As the station is called, with the round's number after the first.
+/// A scene that is ready for sensors.
+#[derive(Debug)]
+pub struct PreparedScene {
+    /// The content of the scene file.
+    pub description: Description,
+    /// The solids, ready for rays.
+    pub scene: Scene,
+    /// The true surface.
+    pub truth: Mesh,
+    /// The space that the surface takes.
+    pub bounds: SceneBounds,
+}
+
+/// A sensor in its place.
+#[derive(Debug)]
+pub struct PlacedInstrument {
+    /// Name of its view: the station's, with the number of turns after the first round.
     pub name: String,
-    /// What takes it.
+    /// The sensor.
     pub instrument: Instrument,
 }
 
-/// The sensors of a plan, placed.
-pub fn instruments(stage: &Stage, plan: &Plan) -> Result<Vec<Placed>, WorkflowError> {
-    let (description, around) = (&stage.description, &stage.around);
-    let count = plan.views.unwrap_or(description.stations.len());
-    let place = |view: usize| -> Result<Placed, WorkflowError> {
-        let (own, turned) = round(description, around, view);
-        let Some(station) = description.stations.get(own) else {
-            return Err(WorkflowError::simulation("the scene has no station to place a sensor at"));
+/// The views of a simulation.
+#[derive(Debug)]
+pub struct SimulatedScan {
+    /// The sensors that saw anything, in order.
+    pub instruments: Vec<PlacedInstrument>,
+    /// Their views.
+    pub views: Vec<View>,
+    /// The names of sensors that saw nothing of the scene.
+    pub blind: Vec<String>,
+    /// Rays that were cast: one per pixel.
+    pub rays: usize,
+    /// Time of all views, each on one core.
+    pub time: Duration,
+}
+
+impl PreparedScene {
+    /// Makes the solids and the surface of a description.
+    ///
+    /// # Errors
+    /// [`WorkflowError::Scene`] if the surface would have too many faces.
+    pub fn new(description: Description) -> Result<Self, WorkflowError> {
+        let scene = description.scene();
+        let truth = scene.mesh(CHORD_SHARE * description.planes.interval())?;
+        let bounds = SceneBounds::of(&truth);
+        Ok(Self { description, scene, truth, bounds })
+    }
+
+    /// Places the sensors of a plan.
+    ///
+    /// # Errors
+    /// [`WorkflowError`] if the scene has no station, or a sensor cannot be made.
+    pub fn instruments(&self, plan: &SensorPlan) -> Result<Vec<PlacedInstrument>, WorkflowError> {
+        let count = plan.views.unwrap_or(self.description.stations.len());
+        (0..count).map(|view| self.instrument(plan, view)).collect()
+    }
+
+    fn instrument(
+        &self,
+        plan: &SensorPlan,
+        view: usize,
+    ) -> Result<PlacedInstrument, WorkflowError> {
+        let stations = &self.description.stations;
+        let (own, turned) = station_of_view(&self.description, &self.bounds, view);
+        let Some(station) = stations.get(own) else {
+            let problem = "the scene has no station to place a sensor at; add a [[station]]";
+            return Err(WorkflowError::Simulation(problem.to_owned()));
         };
         let instrument = match plan.sensor {
             None => {
@@ -109,65 +144,52 @@ pub fn instruments(stage: &Stage, plan: &Plan) -> Result<Vec<Placed>, WorkflowEr
                 Instrument::own(station.size, &station.sensor, pose)?
             }
             Some(kind) => {
-                let at = Standpoint::of(station, &turned, &stage.scene, around);
+                let at = Standpoint::of(station, &turned, &self.scene, &self.bounds);
                 Instrument::chosen(kind, &at, plan.density, &scan_folder::calibration_file(view))?
             }
         };
-        let again = view / description.stations.len();
-        let name = if again == 0 {
-            station.name.clone()
-        } else {
-            format!("{}, turned {again} times", station.name)
+        let name = match view / stations.len() {
+            0 => station.name.clone(),
+            turns => format!("{}, turned {turns} times", station.name),
         };
-        Ok(Placed { name, instrument })
-    };
-    (0..count).map(place).collect()
-}
+        Ok(PlacedInstrument { name, instrument })
+    }
 
-/// What the sensors saw.
-pub struct Seen {
-    /// The sensors that saw anything, in their order.
-    pub placed: Vec<Placed>,
-    /// What each of them saw.
-    pub views: Vec<View>,
-    /// The names of those that saw nothing at all.
-    pub blind: Vec<String>,
-    /// Rays cast: one per pixel.
-    pub rays: usize,
-    /// Time of all views, each on one core.
-    pub time: Duration,
-}
-
-/// Casts the rays of all sensors, with the noise of the scene's description.
-///
-/// # Errors
-/// A sensor's, or that none saw anything.
-pub fn views(stage: &Stage, placed: Vec<Placed>) -> Result<Seen, WorkflowError> {
-    let noise = &stage.description.noise;
-    let view = |(k, p): (usize, &Placed)| {
-        let start = Instant::now();
-        let Instrument { frame, world_from_sensor, .. } = &p.instrument;
-        let view =
-            stage.scene.view(p.name.clone(), frame.clone(), *world_from_sensor, noise, k as u64);
-        (view, start.elapsed())
-    };
-    let cast: Vec<(Result<View, CastError>, Duration)> =
-        placed.par_iter().enumerate().map(view).collect();
-    let rays = placed.iter().map(|p| p.instrument.frame.size().pixels()).sum();
-    let time = cast.iter().map(|c| c.1).sum();
-    let mut seen = Seen { placed: Vec::new(), views: Vec::new(), blind: Vec::new(), rays, time };
-    for (placed, (view, _)) in placed.into_iter().zip(cast) {
-        match view {
-            Ok(view) => {
-                seen.placed.push(placed);
-                seen.views.push(view);
+    /// Places the sensors of a plan and casts their rays, with the noise of the description.
+    ///
+    /// # Errors
+    /// [`WorkflowError`] if a sensor cannot be made, or no sensor sees anything.
+    pub fn simulate(&self, plan: &SensorPlan) -> Result<SimulatedScan, WorkflowError> {
+        let placed = self.instruments(plan)?;
+        let noise = &self.description.noise;
+        let view = |(k, p): (usize, &PlacedInstrument)| {
+            let start = Instant::now();
+            let Instrument { frame, world_from_sensor, .. } = &p.instrument;
+            let (name, frame) = (p.name.clone(), frame.clone());
+            let view = self.scene.view(name, frame, *world_from_sensor, noise, k as u64);
+            (view, start.elapsed())
+        };
+        let cast: Vec<(Result<View, CastError>, Duration)> =
+            placed.par_iter().enumerate().map(view).collect();
+        let rays = placed.iter().map(|p| p.instrument.frame.size().pixels()).sum();
+        let time = cast.iter().map(|c| c.1).sum();
+        let (mut instruments, mut views, mut blind) = (Vec::new(), Vec::new(), Vec::new());
+        for (placed, (view, _)) in placed.into_iter().zip(cast) {
+            match view {
+                Ok(view) => {
+                    instruments.push(placed);
+                    views.push(view);
+                }
+                Err(CastError::View(ViewError::NoValidPixel)) => blind.push(placed.name),
+                Err(e) => {
+                    return Err(WorkflowError::Simulation(format!("view {}: {e}", placed.name)));
+                }
             }
-            Err(CastError::View(ViewError::NoValidPixel)) => seen.blind.push(placed.name),
-            Err(e) => return Err(WorkflowError::simulation(format!("view {}: {e}", placed.name))),
         }
+        if views.is_empty() {
+            let problem = "no sensor sees anything of the scene; check its stations";
+            return Err(WorkflowError::Simulation(problem.to_owned()));
+        }
+        Ok(SimulatedScan { instruments, views, blind, rays, time })
     }
-    if seen.views.is_empty() {
-        return Err(WorkflowError::simulation("no sensor sees anything of the scene"));
-    }
-    Ok(seen)
 }

@@ -1,6 +1,6 @@
 //! A scan folder of simulated views: manifest, images, calibrations and the truth.
 
-use super::{Placed, Seen, Stage};
+use super::{PlacedInstrument, PreparedScene, SimulatedScan};
 use crate::WorkflowError;
 use std::path::Path;
 use transect_device::{Pixel, RangeImage, View};
@@ -8,9 +8,9 @@ use transect_exchange::{
     Counts, Manifest, PlanesEntry, SensorEntry, StripeEntry, TriangleMesh, ViewEntry, row_major,
     write_calibration, write_file, write_manifest, write_npy_image, write_npy_stack, write_truth,
 };
-use transect_scene::{Counts as StripeCounts, StripeCamera};
+use transect_scene::{BitDepth, Counts as StripeCounts, Mesh, StripeCamera};
 
-/// How the light-stripe sensors' images are written.
+/// The form of the light-stripe sensors' images.
 #[derive(Debug, Clone, Copy, Default)]
 pub enum StripeImages {
     /// As range images: where the stripe is in each row.
@@ -25,36 +25,56 @@ pub fn calibration_file(view: usize) -> String {
     format!("calibration_{view:03}.csv")
 }
 
-/// Writes what sensors saw of a scene, for `reconstruct` and for others who score it.
-pub fn write(
-    stage: &Stage,
-    seen: &Seen,
-    images: StripeImages,
-    folder: &Path,
-) -> Result<(), WorkflowError> {
-    std::fs::create_dir_all(folder).map_err(WorkflowError::io(folder))?;
-    let description = &stage.description;
-    let mut entries = Vec::new();
-    for (k, (placed, view)) in seen.placed.iter().zip(&seen.views).enumerate() {
-        if let SensorEntry::LookupTable(entry) = &placed.instrument.entry {
-            let (file, sweeps) = (folder.join(&entry.calibration), &placed.instrument.calibration);
-            write_file(&file, |out| write_calibration(sweeps, out))?;
+impl SimulatedScan {
+    /// Writes a scan folder: manifest, images, calibrations, and the truth for scoring.
+    ///
+    /// # Errors
+    /// [`WorkflowError`] naming the file that cannot be written.
+    pub fn write(
+        &self,
+        scene: &PreparedScene,
+        images: StripeImages,
+        folder: &Path,
+    ) -> Result<(), WorkflowError> {
+        std::fs::create_dir_all(folder).map_err(WorkflowError::io(folder))?;
+        let mut entries = Vec::new();
+        for (k, (placed, view)) in self.instruments.iter().zip(&self.views).enumerate() {
+            if let SensorEntry::LookupTable(entry) = &placed.instrument.entry {
+                let sweeps = &placed.instrument.calibration;
+                write_file(&folder.join(&entry.calibration), |out| write_calibration(sweeps, out))?;
+            }
+            entries.push(write_view(scene, placed, view, (k, images), folder)?);
         }
-        entries.push(write_view(stage, placed, view, (k, images), folder)?);
+        let description = &scene.description;
+        let mut manifest = Manifest::new(description.name.clone(), entries);
+        manifest.unit = Some(description.unit);
+        manifest.sigma = sigma(&self.views, images);
+        manifest.planes = Some(PlanesEntry::from(&description.planes));
+        manifest.size = Some(scene.bounds.size());
+        write_file(&folder.join("scan.json"), |out| write_manifest(&manifest, out))?;
+        let Mesh { vertices, faces } = scene.truth.clone();
+        let truth = TriangleMesh { vertices, faces };
+        write_file(&folder.join("truth.npz"), |out| write_truth(&truth, out))?;
+        Ok(())
     }
-    let mut manifest = Manifest::new(description.name.clone(), entries);
-    manifest.unit = Some(description.unit);
-    manifest.sigma = sigma(&seen.views, images);
-    manifest.planes = Some(PlanesEntry::from(&description.planes));
-    manifest.size = Some(stage.around.size());
-    write_file(&folder.join("scan.json"), |out| write_manifest(&manifest, out))?;
-    let truth = &stage.truth;
-    let truth = TriangleMesh { vertices: truth.vertices.clone(), faces: truth.faces.clone() };
-    write_file(&folder.join("truth.npz"), |out| write_truth(&truth, out))?;
-    Ok(())
 }
 
-/// The largest of the views; unknown where what is written has the noise of light, not of ranges.
+/// The camera of a light-stripe sensor: 8 bits in a dim room. Its stripe is four cells wide at half
+/// its height of 180 counts. The values are chosen by hand, as a camera with a clear stripe has them.
+pub fn stripe_camera(columns: usize, seed: u64) -> StripeCamera {
+    StripeCamera {
+        columns,
+        depth: BitDepth::Eight,
+        width: 4.0,
+        peak: 180.0,
+        background: 20.0,
+        speckle: 0.15,
+        read_noise: 2.0,
+        seed,
+    }
+}
+
+/// The largest noise of the views. It is unknown where intensity images are written.
 fn sigma(views: &[View], images: StripeImages) -> Option<f64> {
     match images {
         StripeImages::Extracted => views.iter().filter_map(View::sigma).reduce(f64::max),
@@ -64,8 +84,8 @@ fn sigma(views: &[View], images: StripeImages) -> Option<f64> {
 
 /// Writes a view's image, and gives its entry in the manifest.
 fn write_view(
-    stage: &Stage,
-    placed: &Placed,
+    scene: &PreparedScene,
+    placed: &PlacedInstrument,
     view: &View,
     (k, images): (usize, StripeImages),
     folder: &Path,
@@ -75,7 +95,7 @@ fn write_view(
     let file = match (images, &mut sensor) {
         (StripeImages::Seen(camera), SensorEntry::LightStripe(entry)) => {
             entry.stripe = Some(stripe_entry(&camera));
-            write_stack(stage, placed, (k, &camera), folder)?
+            write_stack(scene, placed, (k, &camera), folder)?
         }
         _ => {
             let file = format!("range_{k:03}.npy");
@@ -93,19 +113,21 @@ fn write_view(
 
 /// Writes the intensity images of a light-stripe sensor.
 fn write_stack(
-    stage: &Stage,
-    placed: &Placed,
+    scene: &PreparedScene,
+    placed: &PlacedInstrument,
     (k, camera): (usize, &StripeCamera),
     folder: &Path,
 ) -> Result<String, WorkflowError> {
     let Some(frame) = &placed.instrument.light_stripe else {
-        return Err(WorkflowError::simulation("only light-stripe sensors have intensity images"));
+        return Err(WorkflowError::Simulation(
+            "only light-stripe sensors have intensity images".to_owned(),
+        ));
     };
     let camera = StripeCamera { columns: frame.parameters().camera.cols, ..*camera };
     // Values count from the array's edge, columns from the first one's centre.
     let column = |_: Pixel, d3: f64| Some(d3 - 0.5);
     let pose = &placed.instrument.world_from_sensor;
-    let stack = stage.scene.stripe_images(frame, pose, &camera, &column, k as u64)?;
+    let stack = scene.scene.stripe_images(frame, pose, &camera, &column, k as u64)?;
     let counts = match &stack.counts {
         StripeCounts::Eight(all) => Counts::Eight(all),
         StripeCounts::Sixteen(all) => Counts::Sixteen(all),
@@ -115,8 +137,8 @@ fn write_stack(
     Ok(file)
 }
 
-/// What the reader should look for: a stripe on a surface that returns 40 % of the light, or at
-/// least 10 %.
+/// The stripe that the reader searches: on a surface that returns 40 % of the light, or at least
+/// 10 %.
 fn stripe_entry(camera: &StripeCamera) -> StripeEntry {
     StripeEntry {
         // A triangle as high and as wide at half its height reaches twice as far.

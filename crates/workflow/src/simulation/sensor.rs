@@ -1,4 +1,4 @@
-//! The sensors a simulation can choose: the dissertation's three, and a depth camera.
+//! The sensors of a simulation: the dissertation's three, and a depth camera.
 
 use super::placing::Standpoint;
 use crate::WorkflowError;
@@ -33,11 +33,11 @@ pub enum SensorKind {
 }
 
 impl SensorKind {
-    /// All of them.
+    /// Every kind, in the order of the documentation's tables.
     pub const ALL: [Self; 4] =
         [Self::Spherical, Self::LightStripe, Self::LookupTable, Self::Pinhole];
 
-    /// As scan manifests call it.
+    /// Its name in scan manifests.
     pub fn name(self) -> &'static str {
         match self {
             Self::Spherical => "spherical",
@@ -58,16 +58,16 @@ impl FromStr for SensorKind {
 
 /// The bounded field of a triangulation scanner, in its sensor frame, z forward.
 #[derive(Debug, Clone, Copy)]
-pub struct Field {
+pub struct BoundedField {
     /// Its middle.
     pub middle: Point3,
     /// Radius of the ball around the middle that fits into it.
     pub radius: f64,
-    /// How far the instrument itself reaches from the sensor frame's origin.
+    /// Radius of the instrument around the sensor frame's origin.
     pub size: f64,
 }
 
-/// What turns a scene into views: device frame, manifest entry, pose.
+/// A sensor that turns a scene into a view: device frame, manifest entry and pose.
 #[derive(Debug, Clone)]
 pub struct Instrument {
     /// The device frame.
@@ -76,12 +76,12 @@ pub struct Instrument {
     pub entry: SensorEntry,
     /// Where it stands.
     pub world_from_sensor: Isometry3,
-    /// How much larger it is than the instrument it is an image of, whose lengths are millimetres;
+    /// Its size as a multiple of the dissertation's instrument, whose lengths are millimetres;
     /// `None` for sensors without a size.
     pub scale: Option<f64>,
-    /// The table's calibration, of which the entry names the file.
+    /// The calibration of a lookup table; the entry names its file.
     pub calibration: Vec<CalibrationSweep>,
-    /// The light-stripe sensor behind `frame`, which alone can say where its camera sees the stripe.
+    /// The light-stripe sensor in `frame`, which knows where its camera sees the stripe.
     pub light_stripe: Option<LightStripe>,
 }
 
@@ -167,8 +167,8 @@ fn pinhole(at: &Standpoint, density: f64) -> Result<Instrument, SensorError> {
 
 /// Of [`LightStripeParameters::smart_eye`]: 735 mm ahead, where its field is 205 mm high; its laser
 /// is 320 mm beside its camera.
-const SMART_EYE_FIELD: Field =
-    Field { middle: Point3::new(0.0, 0.0, 735.0), radius: 102.0, size: 320.0 };
+const SMART_EYE_FIELD: BoundedField =
+    BoundedField { middle: Point3::new(0.0, 0.0, 735.0), radius: 102.0, size: 320.0 };
 
 /// The dissertation's range finder: 494 rows, 200 laser angles.
 fn light_stripe(at: &Standpoint, density: f64) -> Result<Instrument, SensorError> {
@@ -195,8 +195,8 @@ fn light_stripe(at: &Standpoint, density: f64) -> Result<Instrument, SensorError
 
 /// Of [`LookupTable::hyscan`]: half its depth, and 77 mm wide there; its mirrors are 30 mm to the
 /// left and right, and it is carried 38 mm up and down.
-const HYSCAN_FIELD: Field =
-    Field { middle: Point3::new(-6.75, 0.0, 155.0), radius: 38.0, size: 50.0 };
+const HYSCAN_FIELD: BoundedField =
+    BoundedField { middle: Point3::new(-6.75, 0.0, 155.0), radius: 38.0, size: 50.0 };
 
 /// The dissertation's scanner, carried 256 steps past the object.
 fn lookup_table(

@@ -5,7 +5,7 @@
 
 use super::{table, trial};
 use crate::failure::Failure;
-use crate::simulation::{Plan, SensorKind, Stage};
+use crate::simulation::{PreparedScene, SensorKind, SensorPlan};
 use crate::table::{digits, say};
 use transect_geometry::{Curve, PlaneIndex, Point2};
 use transect_scene::Description;
@@ -63,14 +63,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         "[[solid]]\nshape = \"ball\"\nradius = {BALL}\nat = [0, 0, 0]\n\
          [[solid]]\nshape = \"torus\"\nradius = {RING}\ntube = {TUBE}\nat = [0, 0, 0]\n"
     );
-    let stage = Stage::set(Description::parse(&format!("{STATIONS}{solids}"))?)?;
+    let scene = PreparedScene::new(Description::parse(&format!("{STATIONS}{solids}"))?)?;
     let mut lines = Vec::new();
     for kind in SensorKind::ALL {
         let mut before: Option<[f64; 2]> = None;
         for doubling in 0..=arguments.doublings {
             let density = 0.5 * f64::from(1 << doubling);
-            let outcome = trial::run(&stage, &Plan { density, ..Plan::with(kind) })?;
-            let errors = errors(&stage, outcome.curves());
+            let outcome = trial::run(&scene, &SensorPlan { density, ..SensorPlan::with(kind) })?;
+            let errors = errors(&scene, outcome.curves());
             let pixels: usize = outcome.views.iter().map(|v| v.image().size().pixels()).sum();
             let order = |k: usize| match before {
                 Some(b) => format!("{:.2}", (b[k] / errors[k]).log2()),
@@ -98,11 +98,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 /// Median and 95 % quantile of the distances of the curves' nodes and units' middles from the
 /// nearest circle.
-fn errors(stage: &Stage, planes: impl IntoIterator<Item = (PlaneIndex, Vec<Curve>)>) -> [f64; 2] {
+fn errors(
+    scene: &PreparedScene,
+    planes: impl IntoIterator<Item = (PlaneIndex, Vec<Curve>)>,
+) -> [f64; 2] {
     let mut errors = Vec::new();
     for (index, curves) in planes {
-        let height = stage.description.planes.station(index);
-        let frame = stage.description.planes.frame(index);
+        let height = scene.description.planes.station(index);
+        let frame = scene.description.planes.frame(index);
         let radii = radii(height);
         let error = |p: &Point2| {
             let at = frame.world_from_plane(p);

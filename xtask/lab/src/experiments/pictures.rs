@@ -4,7 +4,7 @@ mod charts;
 
 use super::trial;
 use crate::failure::Failure;
-use crate::simulation::{self, Plan, SensorKind, Stage, describe};
+use crate::simulation::{PreparedScene, SensorKind, SensorPlan, describe};
 use crate::table::say;
 use std::path::{Path, PathBuf};
 use transect_device::{Pixel, View};
@@ -39,11 +39,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     for (kind, scene, view) in SHOWN {
         let mut description = describe(Path::new(scene))?;
         description.noise = Noise::NONE;
-        let stage = Stage::set(description)?;
-        scan_and_model(&stage, kind, view, out)?;
+        let scene = PreparedScene::new(description)?;
+        scan_and_model(&scene, kind, view, out)?;
         if kind == SensorKind::LightStripe {
-            let placed = simulation::instruments(&stage, &Plan::with(kind))?;
-            charts::stripe_row(&stage, &placed, &out.join("light_stripe-row.svg"))?;
+            let placed = scene.instruments(&SensorPlan::with(kind))?;
+            charts::stripe_row(&scene, &placed, &out.join("light_stripe-row.svg"))?;
         }
     }
     charts::calibration(out)?;
@@ -53,15 +53,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 /// The points that the first view scanned, and the model of all views.
 fn scan_and_model(
-    stage: &Stage,
+    scene: &PreparedScene,
     kind: SensorKind,
     (azimuth_deg, elevation_deg): (f64, f64),
     folder: &Path,
 ) -> Result<(), Failure> {
     // The room's own stations are scanners that look into it from its corners.
-    let plan = if kind == SensorKind::Spherical { Plan::OWN } else { Plan::with(kind) };
-    let outcome = trial::run(stage, &plan)?;
-    let (description, name) = (&stage.description, kind.name());
+    let plan = if kind == SensorKind::Spherical { SensorPlan::OWN } else { SensorPlan::with(kind) };
+    let outcome = trial::run(scene, &plan)?;
+    let (description, name) = (&scene.description, kind.name());
     let options = |what: &str| {
         let mut options = OverviewOptions::default();
         options.title = format!("{}: {what}", description.name);

@@ -2,7 +2,7 @@
 
 use super::{table, trial};
 use crate::failure::Failure;
-use crate::simulation::{Plan, SensorKind, Stage, describe};
+use crate::simulation::{PreparedScene, SensorKind, SensorPlan, describe};
 use crate::table::{digits, say};
 use std::path::Path;
 use transect_scene::{BUNDLED_SCENES, Noise};
@@ -28,11 +28,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     for (name, _) in BUNDLED_SCENES.iter().filter(|(name, _)| chosen(name)) {
         let mut description = describe(Path::new(name))?;
         description.noise = Noise::NONE;
-        let stage = Stage::set(description)?;
+        let scene = PreparedScene::new(description)?;
         for kind in SensorKind::ALL {
             if arguments.sensor.is_none_or(|s| s == kind) {
                 eprintln!("{name}, {}", kind.name());
-                lines.push(line(&stage, kind, arguments.density)?);
+                lines.push(line(&scene, kind, arguments.density)?);
             }
         }
     }
@@ -43,15 +43,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-fn line(stage: &Stage, kind: SensorKind, density: f64) -> Result<Vec<String>, Failure> {
-    let plan = Plan { density, ..Plan::with(kind) };
-    let outcome = trial::run(stage, &plan)?;
-    let accuracy = outcome.accuracy(stage)?;
+fn line(scene: &PreparedScene, kind: SensorKind, density: f64) -> Result<Vec<String>, Failure> {
+    let plan = SensorPlan { density, ..SensorPlan::with(kind) };
+    let outcome = trial::run(scene, &plan)?;
+    let accuracy = outcome.accuracy(scene)?;
     let pixels: usize = outcome.views.iter().map(|v| v.image().size().pixels()).sum();
     let length = |l: Option<f64>| l.map_or("none".to_owned(), digits);
     let share = |s: Option<f64>| s.map_or("none".to_owned(), |s| format!("{:.2}", 100.0 * s));
     Ok(vec![
-        stage.description.name.clone(),
+        scene.description.name.clone(),
         kind.name().to_owned(),
         outcome.views.len().to_string(),
         pixels.to_string(),
@@ -59,6 +59,6 @@ fn line(stage: &Stage, kind: SensorKind, density: f64) -> Result<Vec<String>, Fa
         length(accuracy.p95),
         share(accuracy.completeness),
         share(accuracy.oriented),
-        stage.description.unit.symbol().to_owned(),
+        scene.description.unit.symbol().to_owned(),
     ])
 }

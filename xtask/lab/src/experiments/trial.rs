@@ -1,7 +1,7 @@
 //! From a scene and a plan to a model and its accuracy, all in memory.
 
 use crate::failure::Failure;
-use crate::simulation::{self, Plan, Stage};
+use crate::simulation::{PreparedScene, SensorPlan};
 use std::collections::BTreeMap;
 use transect::evaluate::{Accuracy, EvaluateOptions, evaluate_seen};
 use transect::{Setup, Unwatched, reconstruct};
@@ -23,21 +23,20 @@ pub struct Outcome {
 }
 
 /// Simulates a plan on a scene and reconstructs it.
-pub fn run(stage: &Stage, plan: &Plan) -> Result<Outcome, Failure> {
-    let placed = simulation::instruments(stage, plan)?;
-    let views = simulation::views(stage, placed)?.views;
-    let setup = Setup::new(stage.description.unit, stage.description.planes.clone());
+pub fn run(scene: &PreparedScene, plan: &SensorPlan) -> Result<Outcome, Failure> {
+    let views = scene.simulate(plan)?.views;
+    let setup = Setup::new(scene.description.unit, scene.description.planes.clone());
     let model = reconstruct(&views, &setup, &Unwatched)?.model;
     Ok(Outcome { views, model })
 }
 
 impl Outcome {
     /// Scores the model on what the views could see of the scene.
-    pub fn accuracy(&self, stage: &Stage) -> Result<Accuracy, Failure> {
-        let planes = stage.description.planes.clone();
-        let truth = sections(&stage.truth, &planes)?;
+    pub fn accuracy(&self, scene: &PreparedScene) -> Result<Accuracy, Failure> {
+        let planes = scene.description.planes.clone();
+        let truth = sections(&scene.truth, &planes)?;
         let united = truth.into_iter().map(|(k, c)| (k, merge_overlaps(c))).collect();
-        let visible = Visibility::new(&stage.truth, self.views.clone())?;
+        let visible = Visibility::new(&scene.truth, self.views.clone())?;
         let seen = |k: PlaneIndex, p: &Point2| visible.sees(&planes.frame(k).world_from_plane(p));
         let options =
             EvaluateOptions { tolerance: TOLERANCE_SHARE * planes.interval(), from: None };

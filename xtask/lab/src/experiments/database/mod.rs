@@ -6,7 +6,7 @@ mod space;
 mod utm;
 
 use crate::failure::Failure;
-use crate::simulation::{self, Plan, Stage};
+use crate::simulation::{PreparedScene, SensorPlan};
 use std::fmt::Write;
 use transect_device::View;
 use transect_scene::Description;
@@ -56,9 +56,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Solids on a stage of their own, seen from all sides, also from below, without noise.
+/// Solids on a scene of their own, seen from all sides, also from below, without noise.
 struct Surrounded {
-    stage: Stage,
+    scene: PreparedScene,
     views: Vec<View>,
 }
 
@@ -92,8 +92,7 @@ fn surround(solids: &str) -> Result<Surrounded, Failure> {
             DISTANCE * z
         );
     }
-    let stage = Stage::set(Description::parse(&(text + solids))?)?;
-    let placed = simulation::instruments(&stage, &Plan::OWN)?;
-    let views = simulation::views(&stage, placed)?.views;
-    Ok(Surrounded { stage, views })
+    let scene = PreparedScene::new(Description::parse(&(text + solids))?)?;
+    let views = scene.simulate(&SensorPlan::OWN)?.views;
+    Ok(Surrounded { scene, views })
 }

@@ -57,7 +57,7 @@ pub fn run() -> Result<(), Failure> {
     for solid in solids() {
         let seen = surround(&format!("[[solid]]\nat = [0, 0, 0]\n{}", solid.scene))?;
         for interval in [16.0, 8.0, 4.0, 2.0] {
-            let guide = seen.stage.description.planes.guide();
+            let guide = seen.scene.description.planes.guide();
             let mut models = Vec::new();
             for offset in OFFSETS {
                 let planes = PlaneFamily::new(guide, offset * interval, interval)?;

@@ -3,7 +3,7 @@
 use super::super::table;
 use super::{Surrounded, footprint, surround};
 use crate::failure::Failure;
-use crate::simulation::{self, Plan, Stage, describe};
+use crate::simulation::{PreparedScene, SensorPlan, describe};
 use crate::table::{digits, say};
 use std::path::Path;
 use transect::{Setup, Unwatched, reconstruct};
@@ -95,12 +95,12 @@ fn row(name: &str, tally: &Tally, sampling: f64, unit: &str) -> Vec<String> {
 
 /// Points in a box around solids that were seen from everywhere.
 fn solids(sampling: f64) -> Result<Tally, Failure> {
-    let Surrounded { stage, views } = surround(SOLIDS)?;
+    let Surrounded { scene, views } = surround(SOLIDS)?;
     // No higher than the lowest of the solids: beyond their planes nothing can be known.
     let sides = Vector3::new(220.0, 220.0, 80.0);
     let at = |i| (spread(i) - Vector3::repeat(0.5)).component_mul(&sides);
     let points = (0..POINTS).map(|i| Point3::from(at(i)));
-    tally(&stage, &views, INTERVAL, points, sampling)
+    tally(&scene, &views, INTERVAL, points, sampling)
 }
 
 /// The room's scanners have 400 pixels over their field; at a wall 4 m away that is some centimetres.
@@ -108,12 +108,11 @@ const ROOM_SAMPLING: f64 = 0.03;
 
 /// Points between the room's scanners and what they saw: free space, for certain.
 fn room(sampling: f64) -> Result<Tally, Failure> {
-    let stage = Stage::set(describe(Path::new("room"))?)?;
-    let placed = simulation::instruments(&stage, &Plan::OWN)?;
-    let views = simulation::views(&stage, placed)?.views;
-    let interval = stage.description.planes.interval();
+    let scene = PreparedScene::new(describe(Path::new("room"))?)?;
+    let views = scene.simulate(&SensorPlan::OWN)?.views;
+    let interval = scene.description.planes.interval();
     let points: Vec<Point3> = (0..POINTS).filter_map(|i| on_a_ray(&views, i)).collect();
-    tally(&stage, &views, interval, points.into_iter(), sampling)
+    tally(&scene, &views, interval, points.into_iter(), sampling)
 }
 
 fn on_a_ray(views: &[View], i: usize) -> Option<Point3> {
@@ -126,18 +125,18 @@ fn on_a_ray(views: &[View], i: usize) -> Option<Point3> {
 }
 
 fn tally(
-    stage: &Stage,
+    scene: &PreparedScene,
     views: &[View],
     interval: f64,
     points: impl Iterator<Item = Point3>,
     sampling: f64,
 ) -> Result<Tally, Failure> {
-    let planes = &stage.description.planes;
+    let planes = &scene.description.planes;
     let planes = transect_geometry::PlaneFamily::new(planes.guide(), planes.offset(), interval)?;
-    let model = reconstruct(views, &Setup::new(stage.description.unit, planes), &Unwatched)?.model;
+    let model = reconstruct(views, &Setup::new(scene.description.unit, planes), &Unwatched)?.model;
     let (index, mut tally) = (ModelIndex::new(&model), Tally::default());
     for p in points {
-        let inside = stage.scene.contains(&p);
+        let inside = scene.scene.contains(&p);
         tally.points += 1;
         tally.inside += usize::from(inside);
         match index.locate(&p).location {
@@ -147,7 +146,7 @@ fn tally(
             _ => {
                 tally.wrong += 1;
                 tally.wrong_beyond_sampling +=
-                    usize::from(!near_surface(&stage.scene, &p, sampling));
+                    usize::from(!near_surface(&scene.scene, &p, sampling));
             }
         }
     }

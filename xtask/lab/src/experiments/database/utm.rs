@@ -1,7 +1,7 @@
 //! The bundled room, and the same room at UTM coordinates: the same model, shifted.
 
 use crate::failure::Failure;
-use crate::simulation::{self, Plan, Stage, describe};
+use crate::simulation::{PreparedScene, SensorPlan, describe};
 use crate::table::{Row, digits, print, say};
 use std::path::Path;
 use transect::{Setup, Unwatched, reconstruct};
@@ -19,11 +19,10 @@ pub fn run() -> Result<(), Failure> {
     say(
         "The room at UTM coordinates (500 000, 5 400 000, 300) m, against the room at home, shifted\n",
     );
-    let stage = Stage::set(describe(Path::new("room"))?)?;
-    let placed = simulation::instruments(&stage, &Plan::OWN)?;
-    let views = simulation::views(&stage, placed)?.views;
+    let scene = PreparedScene::new(describe(Path::new("room"))?)?;
+    let views = scene.simulate(&SensorPlan::OWN)?.views;
     let far: Result<Vec<View>, _> = views.iter().map(moved).collect();
-    let (near_planes, unit) = (stage.description.planes.clone(), stage.description.unit);
+    let (near_planes, unit) = (scene.description.planes.clone(), scene.description.unit);
     let up = near_planes.guide().direction(0.0).dot(&FAR);
     let far_planes =
         PlaneFamily::new(near_planes.guide(), near_planes.offset() + up, near_planes.interval())?;

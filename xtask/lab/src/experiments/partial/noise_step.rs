@@ -3,7 +3,7 @@
 use super::super::table;
 use super::error::quantile;
 use crate::failure::Failure;
-use crate::simulation::{self, Plan, Stage, describe};
+use crate::simulation::{PreparedScene, SensorPlan, describe};
 use crate::table::{digits, say};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -50,10 +50,10 @@ pub fn run() -> Result<(), Failure> {
 
 fn line(name: &str, share: f64) -> Result<Vec<String>, Failure> {
     let mut description = describe(Path::new(name))?;
-    let size = Stage::set(description.clone())?.around.size();
+    let size = PreparedScene::new(description.clone())?.bounds.size();
     description.noise = Noise { sigma: share * size, seed: 11, ..Noise::NONE };
-    let stage = Stage::set(description)?;
-    let views = simulation::views(&stage, simulation::instruments(&stage, &Plan::OWN)?)?.views;
+    let stage = PreparedScene::new(description)?;
+    let views = stage.simulate(&SensorPlan::OWN)?.views;
     let cut = sections(&stage.truth, &stage.description.planes)?;
     let truth = cut.into_iter().map(|(k, curves)| (k, merge_overlaps(curves))).collect();
     let before = score(&stage, &views, &truth, false)?;
@@ -72,7 +72,12 @@ fn line(name: &str, share: f64) -> Result<Vec<String>, Failure> {
 
 type Truth = BTreeMap<PlaneIndex, Vec<Curve>>;
 
-fn score(stage: &Stage, views: &[View], truth: &Truth, smooth: bool) -> Result<Score, Failure> {
+fn score(
+    stage: &PreparedScene,
+    views: &[View],
+    truth: &Truth,
+    smooth: bool,
+) -> Result<Score, Failure> {
     let method = Method::OnePass(OnePassOptions { smooth, ..OnePassOptions::default() });
     let model = |view| partial_model(view, &stage.description.planes, &method);
     let models: Vec<PartialModel> = views.par_iter().map(model).collect::<Result<_, _>>()?;

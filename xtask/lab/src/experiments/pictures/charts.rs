@@ -1,12 +1,12 @@
 //! Charts: a camera row with its stripe, and the grids of a calibration.
 
 use crate::failure::Failure;
-use crate::simulation::{Placed, Stage};
+use crate::simulation::{PlacedInstrument, PreparedScene, stripe_camera};
 use plotters::prelude::*;
 use std::ops::Range;
 use std::path::Path;
 use transect_device::{ImageSize, Pixel};
-use transect_scene::{BitDepth, Counts, StripeCamera};
+use transect_scene::Counts;
 use transect_sensors::LookupTable;
 use transect_sensors::light_stripe::stripe::{IntensityImage, StripeFinder, StripeProfile};
 use transect_sensors::lookup_table::{CalibrationSweep, SynchronizedScanner};
@@ -16,30 +16,22 @@ const INK: RGBColor = RGBColor(34, 34, 34);
 const LIGHT: RGBColor = RGBColor(70, 110, 160);
 const FITTED: RGBColor = RGBColor(200, 60, 40);
 
-/// Half the full width at half its height, and the height in counts, of the stripe that is drawn.
-const STRIPE: (f64, f64) = (4.0, 180.0);
-
 /// The intensities of a camera row around its stripe, and the template where it fits best.
-pub fn stripe_row(stage: &Stage, placed: &[Placed], file: &Path) -> Result<(), Failure> {
+pub fn stripe_row(
+    scene: &PreparedScene,
+    placed: &[PlacedInstrument],
+    file: &Path,
+) -> Result<(), Failure> {
     let Some((instrument, frame)) =
         placed.first().and_then(|p| Some((&p.instrument, p.instrument.light_stripe.as_ref()?)))
     else {
         return Err(Failure::because("no light-stripe sensor to draw a row of"));
     };
     let cells = frame.parameters().camera;
-    let camera = StripeCamera {
-        columns: cells.cols,
-        depth: BitDepth::Eight,
-        width: STRIPE.0,
-        peak: STRIPE.1,
-        background: 20.0,
-        speckle: 0.15,
-        read_noise: 2.0,
-        seed: 1,
-    };
+    let camera = stripe_camera(cells.cols, 1);
     let column = |_: Pixel, d3: f64| Some(d3 - 0.5);
     let images =
-        stage.scene.stripe_images(frame, &instrument.world_from_sensor, &camera, &column, 0)?;
+        scene.scene.stripe_images(frame, &instrument.world_from_sensor, &camera, &column, 0)?;
     let (row, step) = (cells.rows / 2, images.steps / 2);
     let counts = match images.image(step) {
         Some(Counts::Eight(counts)) => counts,
@@ -47,7 +39,7 @@ pub fn stripe_row(stage: &Stage, placed: &[Placed], file: &Path) -> Result<(), F
     };
     let size = ImageSize { rows: cells.rows, cols: cells.cols };
     let image = IntensityImage::from_u8(size, counts)?;
-    let finder = StripeFinder::new(StripeProfile::triangle(2.0 * STRIPE.0, STRIPE.1));
+    let finder = StripeFinder::new(StripeProfile::triangle(2.0 * camera.width, camera.peak));
     let found = finder.curve(&image)?.get(row).copied().flatten();
     let Some(place) = found else {
         return Err(Failure::because("the row drawn has no stripe"));

@@ -2,9 +2,8 @@
 
 use super::crossings;
 use super::worth::Figures;
-use crate::commands::bench::timing::once;
+use crate::bench::timing::once;
 use crate::failure::Failure;
-use crate::simulation::{Plan, Stage, describe, instruments, views};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
@@ -16,6 +15,7 @@ use transect_fusion::{ConsensusOptions, FusionMethod, fuse_plane};
 use transect_geometry::{Curve, PlaneFamily, PlaneIndex, Point2, StraightGuide, Vector3};
 use transect_partial::{Method, partial_model};
 use transect_scene::{BUNDLED_SCENES, Mesh, Visibility, merge_overlaps, sections};
+use transect_workflow::simulation::{PreparedScene, SensorPlan, describe};
 
 /// Distance within which a curve counts as right, as a share of the plane interval, where no size is known.
 const TOLERANCE_SHARE: f64 = 0.2;
@@ -171,8 +171,8 @@ impl Visible {
 }
 
 fn bundled(name: String, scene: &str) -> Result<Set, Failure> {
-    let stage = Stage::set(describe(Path::new(scene))?)?;
-    let views = views(&stage, instruments(&stage, &Plan::OWN)?)?.views;
+    let stage = PreparedScene::new(describe(Path::new(scene))?)?;
+    let views = stage.simulate(&SensorPlan::OWN)?.views;
     let planes = stage.description.planes.clone();
     let tolerance = TOLERANCE_SHARE * planes.interval();
     simulated(name, planes, (views, &stage.truth), tolerance)
