@@ -130,7 +130,10 @@ mod tests {
         let mut model = small();
         model.add_view(ViewRecord { sigma: Some(-1.0), ..view("loud") });
         let text = model.check().unwrap_err().to_string();
-        assert_eq!(text, "view \"loud\" has the range noise -1, which must be finite and at least 0");
+        assert_eq!(
+            text,
+            "view \"loud\" has the range noise -1, which must be finite and at least 0"
+        );
     }
 
     #[test]

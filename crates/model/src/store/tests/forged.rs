@@ -48,7 +48,10 @@ fn put_fused(plane: i64, bytes: Vec<u8>) -> impl FnOnce(&WriteTransaction) {
 fn verifying_finds_every_broken_promise() {
     let curves = encode_curves(&square(3.0)).unwrap();
     for (problem, found) in [
-        ("plane 0 was fused from other curves than those in the store", unsound(put_partial(0, "a", &curves))),
+        (
+            "plane 0 was fused from other curves than those in the store",
+            unsound(put_partial(0, "a", &curves)),
+        ),
         ("plane 7 was not fused", unsound(put_partial(7, "a", &curves))),
         (
             "there are fused curves or marks on planes without partial curves",
