@@ -25,9 +25,9 @@ pub use consensus::{ConsensusOptions, Measured, consensus, measure};
 pub use fused_plane::{FusedPlane, FusionCounts};
 pub use pairwise::{PairwiseOptions, pairwise};
 
-use serde::{Deserialize, Serialize};
 use consensus::Steps;
 use consensus::measure::Observations;
+use serde::{Deserialize, Serialize};
 use transect_geometry::Curve;
 
 /// How the curves of a plane are fused.
