@@ -14,8 +14,8 @@ use transect_workflow::ModelFile;
 /// Options of `gaps`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Model store, model file, or folder that `reconstruct` wrote. Only a store keeps the curves of each
-    /// view, from which next views are proposed.
+    /// Model store, model file, or folder that `reconstruct` wrote. Only a store keeps the curves
+    /// of each view, from which next views are proposed.
     file: PathBuf,
     /// Number of gaps to list, the widest first.
     #[arg(long, default_value_t = 20)]

@@ -1,4 +1,5 @@
-//! What is wrong with a scan is said with its place and its reason; nothing panics, nothing is left.
+//! What is wrong with a scan is said with its place and its reason; nothing panics, nothing is
+//! left.
 //!
 //! Each table begins with a sound scan and spoils one thing at a time; that the sound one passes is
 //! tested first, so that no row fails for a reason of its own.

@@ -1,4 +1,5 @@
-//! The sets that steps are measured on: partial models made once, and what their curves are held against.
+//! The sets that steps are measured on: partial models made once, and what their curves are held
+//! against.
 
 use super::crossings;
 use super::worth::Figures;
@@ -17,7 +18,8 @@ use transect_partial::{Method, partial_model};
 use transect_scene::{BUNDLED_SCENES, Mesh, Visibility, merge_overlaps, sections};
 use transect_workflow::simulation::{PreparedScene, SensorPlan, describe};
 
-/// Distance within which a curve counts as right, as a share of the plane interval, where no size is known.
+/// Distance within which a curve counts as right, as a share of the plane interval, where no size
+/// is known.
 const TOLERANCE_SHARE: f64 = 0.2;
 
 /// The same as a share of a peers' set's size.
