@@ -156,7 +156,7 @@ fn propose(
     };
     let patches: Vec<UnseenPatch> = missing.gaps.iter().flat_map(patches).collect();
     let max_incidence_rad = arguments.incidence.to_radians();
-    let options = NextViewOptions { views: arguments.views, max_incidence_rad, reach };
+    let options = NextViewOptions::new(arguments.views, max_incidence_rad, reach);
     let unseen: f64 = patches.iter().map(|p| p.area).sum();
     say(
         "\nWhere next views would have most of that in sight, if what hides there does not hide it:\n",

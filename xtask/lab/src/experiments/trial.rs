@@ -39,7 +39,7 @@ impl Outcome {
         let visible = Visibility::new(&scene.truth, self.views.clone())?;
         let seen = |k: PlaneIndex, p: &Point2| visible.sees(&planes.frame(k).world_from_plane(p));
         let options =
-            EvaluateOptions { tolerance: TOLERANCE_SHARE * planes.interval(), from: None };
+            EvaluateOptions::new(TOLERANCE_SHARE * planes.interval());
         Ok(evaluate_seen(&planes, &self.curves(), &united, &seen, &options)?)
     }
 
