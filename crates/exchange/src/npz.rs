@@ -7,8 +7,8 @@
 //! ```
 //!
 //! Members must be stored, not deflated (`numpy.savez`, not `savez_compressed`), and the archive
-//! smaller than 4 GiB. Checksums are verified. Written archives carry a fixed date, so that the same
-//! arrays give the same bytes. Reference: APPNOTE.TXT 6.3.10, sections 4.3.7 to 4.3.16.
+//! smaller than 4 GiB. Checksums are verified. Written archives carry a fixed date, so that the
+//! same arrays give the same bytes. Reference: APPNOTE.TXT 6.3.10, sections 4.3.7 to 4.3.16.
 
 use crate::error::Problem;
 use std::io::{self, Write};

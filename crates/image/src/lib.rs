@@ -12,7 +12,7 @@
 mod breaks;
 mod instructions;
 mod noise;
-mod pair_tests;
+mod pair_rule;
 mod prepared;
 pub mod smooth;
 mod tuning;
@@ -20,5 +20,5 @@ mod tuning;
 pub use breaks::BreakRule;
 pub use instructions::Instructions;
 pub use noise::{RangeNoise, estimate_sigma, estimate_value_sigma, length_per_value};
-pub use pair_tests::{PairTest, PairTests, TestPairs, UniformTest, padded};
+pub use pair_rule::{PairTest, PairTests, TestPairs, UniformTest, padded};
 pub use prepared::PreparedView;

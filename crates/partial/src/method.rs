@@ -26,6 +26,29 @@ impl Default for Method {
 
 /// The partial model of a view.
 ///
+/// ```
+/// use std::sync::Arc;
+/// use transect_device::{ImageSize, Isometry3, RangeImage, Vector3, View};
+/// use transect_geometry::{PlaneFamily, StraightGuide};
+/// use transect_partial::{EndReason, Method, partial_model};
+/// use transect_sensors::{Intrinsics, Pinhole};
+///
+/// // A camera looks straight at a wall two units ahead.
+/// let size = ImageSize { rows: 48, cols: 64 };
+/// let camera = Pinhole::new(size, Intrinsics { fx: 120.0, fy: 120.0, cx: 31.5, cy: 23.5 })?;
+/// let image = RangeImage::from_values(size, vec![2.0; size.pixels()])?;
+/// let view = View::new("wall", image, Arc::new(camera), Isometry3::identity(), Some(0.0))?;
+///
+/// // Of horizontal planes 0.1 apart, those at -0.3, -0.2, ... 0.3 cross the image.
+/// let planes = PlaneFamily::new(StraightGuide::along(Vector3::y())?, 0.0, 0.1)?;
+/// let model = partial_model(&view, &planes, &Method::default())?;
+/// assert_eq!(model.planes.len(), 7);
+/// let curve = &model.planes[0].curves[0];
+/// assert_eq!(curve.curve.nodes().len(), 64);
+/// assert_eq!(curve.ends, Some([EndReason::ImageBorder; 2]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`PartialError`] if the planes are too dense for the view, or the method is not for its sensor.
 pub fn partial_model(

@@ -17,7 +17,7 @@ use transect_image::smooth::ValueBounds;
 const LEVEL_ROUNDING: f64 = 1.0 / (1 << 20) as f64;
 
 /// One entry per pixel, row-major: whether it can take part in a curve.
-pub(crate) fn near_planes(
+pub fn near_planes(
     view: &View,
     axes: &SectionAxes,
     bounds: &ValueBounds,

@@ -38,9 +38,10 @@ impl TimedView {
     /// Finds the curves of the view, which the report calls `name`.
     pub fn model(self, name: &str, setup: &Setup) -> Result<ModelledView, ReconstructError> {
         let started = Instant::now();
-        let LoadedView { view, notes } = self.loaded;
+        let LoadedView { view, mut notes } = self.loaded;
         let partial = partial_model(&view, &setup.planes, &setup.partial)
             .map_err(|e| ReconstructError::Partial { view: name.to_owned(), source: e })?;
+        notes.extend(partial.notes);
         let modelling = started.elapsed();
         let curves = partial.planes.into_iter().map(|found| {
             let curves = found.curves.into_iter().map(|c| c.curve).collect();

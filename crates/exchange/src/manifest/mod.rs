@@ -11,15 +11,15 @@
 //!
 //! | key | meaning |
 //! |---|---|
-//! | `unit` | length unit of everything: `m dm cm mm um in ft`; no default |
+//! | `unit` | length unit of all lengths: `m dm cm mm um in ft`; no default |
 //! | `sigma` | standard deviation of a range along its ray; optional |
 //! | `planes` | plane k is normal · p = offset + k · interval; optional |
 //! | `planes.guide` | a curve instead of the normal: `{"kind": "spline", "points": [[x, y, z], …]}`; `"kind": {"polyline": RADIUS}` is straight pieces with corners rounded by arcs up to that radius |
 //! | `file` | the image, relative to the manifest |
 //! | `pose` | 16 numbers, row-major, sensor to world |
-//! | `pose_true` | the same, if it is known to be better; kept as information, never used |
-//! | `rows`, `cols` | of the range image; optional, but must be right |
-//! | `sensor` | one of the following, each with keys of its own |
+//! | `pose_true` | the true pose, if it is known; modelling never uses it |
+//! | `rows`, `cols` | size of the range image; optional, checked against the file |
+//! | `sensor` | one of the following, each with its own keys |
 //!
 //! | sensor | keys and image |
 //! |---|---|

@@ -9,7 +9,7 @@ use super::estimate::{Estimates, Fitted};
 use super::grid::Grid;
 use super::lanes::{MOST, Native, all, positive};
 use super::normal_equations::{COLUMNS, Coefficients, Column, RowPolynomial, RowSums, Sums};
-use super::window;
+use super::{SmoothingSteps, window};
 use crate::tuning::{CUT, HALF_WINDOW, WINDOW_COLUMNS};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -148,7 +148,13 @@ impl Block {
 
     /// Fits all pixels. The unit of values is the cut, so that single precision is enough.
     #[inline(always)]
-    pub fn fit<S: Simd>(&self, simd: S, grid: &Grid<'_>, work: &mut Workspace) -> Fitted {
+    pub fn fit<S: Simd>(
+        &self,
+        simd: S,
+        grid: &Grid<'_>,
+        steps: SmoothingSteps,
+        work: &mut Workspace,
+    ) -> Fitted {
         let lanes = Native::<S>::LEN;
         let centre = &grid.line(self.row + HALF_WINDOW, self.first + HALF_WINDOW)[..lanes];
         let fit = Fit {
@@ -164,15 +170,20 @@ impl Block {
         let at = (self.row, self.first);
         let any = grid.links.windows(simd, at, reach, &fitted, &mut work.connected);
         work.frame(self.largest, &any);
-        let first = fit.pass(work, Some(&self.inverse_radii), None).fit();
-        let second = fit.pass(work, None, Some(&first)).fit();
-        let sums = fit.pass(work, None, Some(&second));
+        let mut sums = fit.pass(work, Some(&self.inverse_radii), None);
+        let mut last = None;
+        if steps.robust_weights {
+            let first = sums.fit();
+            let second = fit.pass(work, None, Some(&first)).fit();
+            sums = fit.pass(work, None, Some(&second));
+            last = Some(second);
+        }
         let narrow = fit.at_centre(work, &sums);
-        if narrow.hold() == 0 {
+        if narrow.hold() == 0 || !steps.wider_window {
             return narrow.fitted(&narrow, fit.inverse_cut);
         }
         work.frame(wider, &any);
-        let sums = fit.pass(work, Some(&self.wider), Some(&second));
+        let sums = fit.pass(work, Some(&self.wider), last.as_ref());
         narrow.fitted(&fit.at_centre(work, &sums), fit.inverse_cut)
     }
 }

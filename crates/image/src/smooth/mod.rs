@@ -1,40 +1,61 @@
 //! Edge-preserving smoothing of a range image before its contours are found.
 //!
 //! **Problem.** Where a section plane is nearly tangent to a surface, range noise moves the section
-//! by many times its own size and shatters it. More views do not help much; the pixels around each
-//! pixel do.
+//! by many times its own size and shatters it. The neighbours of each pixel hold the information that
+//! reduces this noise; more views help less.
 //!
 //! **Idea.** Image processing before modelling, as the dissertation proposes (section 6.4): every
-//! pixel is replaced by the value there of a polynomial of second order in row and column, fitted
-//! to its neighbourhood. An affine fit would flatten what is curved. Robust weights keep creases
-//! and what the break rule lets pass out of the fit (iteratively reweighted least squares with
-//! Tukey's biweight; Beaton and Tukey, 1974; local fits: Cleveland, 1979).
+//! pixel takes the value of a polynomial of second order in row and column, fitted to its
+//! neighbourhood. An affine fit would flatten curved surfaces. Robust weights keep creases and low
+//! steps out of the fit (iteratively reweighted least squares with Tukey's biweight; Beaton and
+//! Tukey, 1974; local fits: Cleveland, 1979).
 //!
 //! **Steps**, per pixel.
-//! 1. The window: round, its radius a power of noise per spacing of the rays; see `window.rs`.
-//!    Rows and columns that are spaced differently make an ellipse. Weights fall smoothly to 0 at
-//!    its rim, so that the result is smooth from pixel to pixel.
-//! 2. Where the surface goes on all around and residuals are noise, robust weights would hardly differ
-//!    from one: then the fit is a convolution, and whole images of it cost little; see `linear/mod.rs`.
-//!    Steps 3 to 5 are for all other pixels.
-//! 3. The pixels in the window that unbroken pairs connect to the centre; see `links.rs`. Nothing is
-//!    smoothed across a range jump.
-//! 4. Three fits of the quantity in which planes are flat, see `quantity.rs`: the first one with
-//!    the weights of 1, then with those of the residuals.
-//! 5. The same in a wider window, whose weights follow from the residuals of the last fit.
-//! 6. Where both windows agree within noise the wider one counts, where they do not the narrower one, and
-//!    in between a mean of both: two steps of the method of intersecting confidence intervals
-//!    (Goldenshluger and Nemirovski, 1997). Walls get the gain of wide windows, and what bends stays.
-//! 7. The pixel takes that value, with a standard deviation that follows from the weights, unless
-//!    that is no smaller, or the pixel itself is none of the fit's surface.
+//! 1. The window is round. Its radius follows from the noise per spacing of the rays; see `window.rs`.
+//!    Rows and columns that are spaced differently make an ellipse. Weights fall smoothly to 0 at its
+//!    rim, so that the result is smooth from pixel to pixel.
+//! 2. Only pixels that unbroken pairs connect to the centre count; see `links.rs`. Nothing is smoothed
+//!    across a range jump.
+//! 3. Three fits of the quantity in which planes are flat, see `quantity.rs`: the first with weights by
+//!    distance alone, the others also with weights by the residuals.
+//! 4. A fit in a wider window, with weights by the residuals of the last fit.
+//! 5. The wider window counts where noise explains the difference of both fits, the narrow one where it
+//!    does not, and a mean of both in between: two steps of the method of intersecting confidence
+//!    intervals (Goldenshluger and Nemirovski, 1997). Walls get the gain of wide windows, and bends
+//!    keep their shape.
+//! 6. The pixel takes that value, and its standard deviation follows from the weights. It stays as it
+//!    is if the fit is no less noisy, or if its sample differs from the fit by more than the cut.
 //!
-//! Missing pixels stay missing, and where noise is negligible against the spacing of the rays no
-//! bit changes. Noise of a result is shared with its neighbours over the window.
+//! Missing pixels stay missing. An image whose noise is negligible against the spacing of the rays
+//! keeps every bit. The noise of a result is shared with its neighbours over the window.
 //!
-//! **Cost.** Step 2 visits every pixel of the image about as often as a window has rows and columns. The
-//! robust fit takes three passes over the window's pixels and two over the wider one's, some ten times
-//! as much; both take several pixels side by side, see `lanes.rs`. Where section planes are far apart,
-//! most pixels can be left as they are; see `reach.rs`.
+//! **Tunables** are in `tuning.rs`.
+//!
+//! **Cost.** Four passes over the places of the windows and two half ones, for as many pixels side by
+//! side as a vector of the processor holds; see `block.rs`. Only the pixels that [`PixelChoice`] asks
+//! for are fitted.
+//!
+//! ```
+//! use std::sync::Arc;
+//! use transect_device::{ImageSize, Isometry3, RangeImage, View};
+//! use transect_image::{BreakRule, RangeNoise, smooth::smooth};
+//! use transect_sensors::{Intrinsics, Pinhole};
+//!
+//! // A wall two units ahead, with an error of 0.01 up or down at every pixel.
+//! let size = ImageSize { rows: 48, cols: 64 };
+//! let camera = Pinhole::new(size, Intrinsics { fx: 120.0, fy: 120.0, cx: 31.5, cy: 23.5 })?;
+//! let error = |k: usize| if k * 7 % 11 < 5 { 0.01 } else { -0.01 };
+//! let values = (0..size.pixels()).map(|k| 2.0 + error(k)).collect();
+//! let image = RangeImage::from_values(size, values)?;
+//! let view = View::new("wall", image, Arc::new(camera), Isometry3::identity(), Some(0.01))?;
+//!
+//! let noise = RangeNoise::of(&view);
+//! let rule = BreakRule::new(78_f64.to_radians(), 4.0 * noise.length());
+//! let smoothed = smooth(&view, &noise, &rule)?;
+//! assert!(smoothed.changed > size.pixels() * 9 / 10);
+//! assert!(smoothed.median_factor < 0.4, "{}", smoothed.median_factor);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod block;
 mod bounds;
@@ -91,6 +112,25 @@ impl Smoothed {
 /// Chooses the pixels that are smoothed, row-major, from the bounds of every value.
 pub type PixelChoice<'a> = dyn Fn(&ValueBounds) -> Vec<bool> + 'a;
 
+/// Steps that can be left out, so that an experiment can tell what each is worth. All are taken by
+/// default.
+#[doc(hidden)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SmoothingSteps {
+    /// Only pixels near a plane are smoothed. It saves time and changes no curve.
+    pub near_planes: bool,
+    /// The fit in a second, wider window counts where both windows agree.
+    pub wider_window: bool,
+    /// The fit is repeated with weights by its residuals.
+    pub robust_weights: bool,
+}
+
+impl Default for SmoothingSteps {
+    fn default() -> Self {
+        Self { near_planes: true, wider_window: true, robust_weights: true }
+    }
+}
+
 /// Which pixels are smoothed, and how.
 #[derive(Clone, Copy, Default)]
 pub struct Smoothing<'a> {
@@ -98,6 +138,9 @@ pub struct Smoothing<'a> {
     pub pixels: Option<&'a PixelChoice<'a>>,
     /// Instructions of the inner loops. Results are the same to the bit.
     pub instructions: Instructions,
+    /// Steps to be taken.
+    #[doc(hidden)]
+    pub steps: SmoothingSteps,
 }
 
 /// Smooths the image of a view.
@@ -126,8 +169,10 @@ pub fn smooth_with(
         return output.finish(view, 0);
     }
     let level = smoothing.instructions.level();
-    let smoother = dispatch!(level, simd => Smoother::new(simd, view, noise, rule));
-    let bounds = smoothing.pixels.and_then(|choice| Some((choice, ValueBounds::new(&smoother)?)));
+    let smoother =
+        dispatch!(level, simd => Smoother::new(simd, view, noise, rule, smoothing.steps));
+    let pixels = smoothing.pixels.filter(|_| smoothing.steps.near_planes);
+    let bounds = pixels.and_then(|choice| Some((choice, ValueBounds::new(&smoother)?)));
     let wanted = match bounds {
         Some((choice, bounds)) => choice(&bounds),
         None => vec![true; view.image().size().pixels()],
@@ -152,18 +197,25 @@ struct Smoother<'a> {
     noise: &'a RangeNoise,
     quantity: Quantity,
     grid: Grid<'a>,
+    steps: SmoothingSteps,
 }
 
 impl<'a> Smoother<'a> {
     #[inline(always)]
-    fn new<S: Simd>(simd: S, view: &'a View, noise: &'a RangeNoise, rule: &'a BreakRule) -> Self {
+    fn new<S: Simd>(
+        simd: S,
+        view: &'a View,
+        noise: &'a RangeNoise,
+        rule: &'a BreakRule,
+        steps: SmoothingSteps,
+    ) -> Self {
         let quantity = Quantity::of(view);
         // A closure takes the loops into a function of their own, with all instructions.
         let grid = simd.vectorize(
             #[inline(always)]
             || Grid::new(simd, view, rule, quantity),
         );
-        Self { view, noise, quantity, grid }
+        Self { view, noise, quantity, grid, steps }
     }
 
     #[inline(always)]
@@ -184,7 +236,7 @@ impl<'a> Smoother<'a> {
                     || {
                         let block = self.block(row, (first..end).filter(|col| counts(*col)), first);
                         if !block.is_empty() {
-                            let fitted = block.fit(simd, &self.grid, &mut work);
+                            let fitted = block.fit(simd, &self.grid, self.steps, &mut work);
                             let radii = block.radii(&fitted.shares);
                             output.put(self.quantity, row * cols + first, &fitted, &radii);
                         }

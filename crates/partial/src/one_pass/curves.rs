@@ -3,13 +3,14 @@
 use super::OnePassOptions;
 use super::along_guide::AlongGuide;
 use super::bridge::{Gaps, Solved, Strand};
-use super::contours::{Contours, Kind, Polyline};
+use super::contours::{Contours, Polyline};
 use super::crossing::{Crossing, solve};
 use super::ends::ends;
 use super::near_tangent::NearTangent;
 use super::nodes::NodeMaker;
 use super::pair_line::PairLines;
 use super::refine::Refinement;
+use super::vertex::Kind;
 use crate::pixel_grid::Grid;
 use crate::{BreakRule, EndReason, PartialCurve, PartialModel, PlaneCurves, SectionAxes};
 use transect_device::{Pixel, Vector3, View};

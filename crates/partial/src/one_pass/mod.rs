@@ -53,6 +53,7 @@
 //! coordinates in which they are.
 
 mod along_guide;
+mod apart;
 mod band;
 mod bridge;
 mod cell;
@@ -65,18 +66,20 @@ mod ends;
 mod link;
 mod near_tangent;
 mod nodes;
-pub(crate) use nodes::tan_incidence;
 mod pair_line;
 mod part;
+mod places;
 mod refine;
 mod rows;
 mod seen;
 mod source;
 mod trace;
+mod vertex;
 
 pub use crate::Instructions;
-pub use contours::{Contours, Effort, Kind, Polyline, Vertex, Workspace, contours};
+pub use contours::{Contours, Effort, Polyline, Workspace, contours};
 pub use seen::{Seen, seen};
+pub use vertex::{Kind, Vertex};
 
 use crate::near_planes::near_planes;
 use crate::subpixel::Subpixel;
@@ -87,7 +90,7 @@ use std::sync::Arc;
 use transect_device::View;
 use transect_geometry::{CurvedGuide, PlaneFamily};
 use transect_image::PreparedView;
-use transect_image::smooth::{Smoothing, ValueBounds};
+use transect_image::smooth::{Smoothing, SmoothingSteps, ValueBounds};
 
 /// What can be set.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -118,6 +121,10 @@ pub struct OnePassOptions {
     /// are the observed ones of simulated noise. Real scanners err in other ways, too, and most where
     /// they see a surface obliquely: a bound of 1 does not claim the gain.
     pub least_sigma_factor: f64,
+    /// Steps of the smoother that are taken; all but in experiments.
+    #[doc(hidden)]
+    #[serde(skip)]
+    pub smoothing: SmoothingSteps,
 }
 
 impl Default for OnePassOptions {
@@ -130,6 +137,7 @@ impl Default for OnePassOptions {
             gap: 4,
             excursion_sigmas: 4.0,
             least_sigma_factor: 0.25,
+            smoothing: SmoothingSteps::default(),
         }
     }
 }
@@ -163,10 +171,8 @@ pub fn partial_model_with(
     let rule = |sigma| BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma);
     let axes = SectionAxes::new(view, planes)?;
     let near = |bounds: &ValueBounds| near_planes(view, &axes, bounds, effort.instructions);
-    let mut smoothing = Smoothing { instructions: effort.instructions, ..Smoothing::default() };
-    if !effort.smooth_all {
-        smoothing.pixels = Some(&near);
-    }
+    let (instructions, steps) = (effort.instructions, options.smoothing);
+    let smoothing = Smoothing { pixels: Some(&near), instructions, steps };
     let prepared = PreparedView::new(view, options.smooth.then_some(&smoothing), rule);
     let rule = rule(prepared.sigma());
     let contours = contours(prepared.view(), &axes, &rule, effort, work)?;
@@ -190,13 +196,14 @@ fn along_guide(
     work: &mut Workspace,
 ) -> Result<PartialModel, PartialError> {
     let rule = |sigma| BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma);
-    let smoothing = Smoothing { instructions: effort.instructions, ..Smoothing::default() };
+    let (instructions, steps) = (effort.instructions, options.smoothing);
+    let smoothing = Smoothing { pixels: None, instructions, steps };
     let prepared = PreparedView::new(view, options.smooth.then_some(&smoothing), rule);
     let rule = rule(prepared.sigma());
     let mut model = PartialModel::default();
     let off_guide = match AlongGuide::new(prepared.view(), planes, guide)? {
         Err(off_guide) => {
-            model.counts.take_prepared(&prepared);
+            model.take_prepared(&prepared);
             off_guide
         }
         Ok(along) => {
@@ -224,6 +231,6 @@ fn counted(lines: curves::Lines<'_>, options: &OnePassOptions) -> PartialModel {
     let mut model = lines.model(options);
     model.counts.crossings = lines.contours.vertex_count();
     model.counts.jumps = lines.contours.jumps();
-    model.counts.take_prepared(lines.prepared);
+    model.take_prepared(lines.prepared);
     model
 }

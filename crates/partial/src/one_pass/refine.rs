@@ -1,10 +1,9 @@
 //! Crossings solved again by another subpixel solution than the linear one (3.6).
 
-use super::contours::Kind;
 use super::crossing::Crossing;
 use super::pair_line::PairLines;
+use super::vertex::Kind;
 use crate::SectionAxes;
-use crate::dissertation::sensor_plane;
 use crate::subpixel::{AngularGrid, Meeting, PairLine, Solver, Subpixel};
 use transect_device::Pixel;
 use transect_image::PreparedView;
@@ -43,7 +42,7 @@ impl<'a> Refinement<'a> {
 
     /// The solver for the plane at a level.
     pub fn solver(&self, level: i32) -> Solver<'_> {
-        let plane = sensor_plane(self.axes, level);
+        let plane = self.axes.sensor_plane(level);
         Solver::new(self.prepared.view(), plane, self.method, self.angles.as_ref())
     }
 

@@ -2,12 +2,13 @@
 #![allow(clippy::unwrap_used, reason = "test code; helpers are outside test functions")]
 #![allow(clippy::panic, reason = "test code")]
 
+#[macro_use]
+mod gaps;
 mod common;
 mod dissertation;
 mod dissertation_gaps;
 mod dissertation_scene;
 mod dissertation_subpixel;
-mod gaps;
 mod kernel;
 mod near_planes;
 mod near_tangent;
