@@ -68,7 +68,8 @@ fn profile(shape: impl Fn(f64) -> f64, sigma: f64) -> Vec<[f64; 2]> {
 /// Height over the distance in columns.
 type Shape = Box<dyn Fn(f64) -> f64>;
 
-/// Creases, steps and bars of all heights stay: bias and noise together are less than the noise was.
+/// Creases, steps and bars of all heights stay: bias and noise together are less than the noise
+/// was.
 #[test]
 fn creases_and_steps_are_not_flattened() {
     for sigma in [0.00075, 0.0015, 0.005] {
