@@ -83,6 +83,6 @@ mod tests {
         assert_eq!(radius(100.0, 1.0), LARGEST_RADIUS);
         let sizes = [0.1, 0.5, 1.0, 2.5].map(|ratio| radius(ratio, 1.0));
         assert!(sizes.windows(2).all(|pair| pair[0] < pair[1]), "{sizes:?}");
-        assert!((radius(0.002, 0.004) - 4.762).abs() < 0.001);
+        assert!((radius(0.002, 0.004) - 0.7937 * RADIUS).abs() < 0.001);
     }
 }
