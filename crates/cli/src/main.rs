@@ -27,7 +27,7 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Make a cross-section model of a scan; without a scan, of the bundled room.
-    Reconstruct(reconstruct::Arguments),
+    Reconstruct(Box<reconstruct::Arguments>),
     /// Write a scan of a simulated scene, with its truth.
     Simulate(simulate::Arguments),
     /// Score a model against a reference mesh or a simulated scan's truth.

@@ -4,7 +4,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::sync::Mutex;
 use transect::{Stage, Watch};
 
-/// A bar for each stage; shows nothing if stderr is no terminal or quiet was asked for.
+/// A bar for each stage. Nothing is shown if stderr is no terminal, or if the user asked for quiet.
 #[derive(Debug)]
 pub struct Progress {
     quiet: bool,
@@ -12,12 +12,12 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Progress that is shown unless quiet.
+    /// Progress on stderr, or none.
     pub fn new(quiet: bool) -> Self {
         Self { quiet, bar: Mutex::new(None) }
     }
 
-    /// Takes the bar away, so that results can be printed.
+    /// Removes the bar, so that results can be printed.
     pub fn finish(&self) {
         if let Ok(mut bar) = self.bar.lock()
             && let Some(bar) = bar.take()

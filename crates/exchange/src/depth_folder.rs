@@ -15,13 +15,13 @@ use std::path::{Path, PathBuf};
 use transect_geometry::LengthUnit;
 use transect_sensors::Intrinsics;
 
-/// The file that makes a folder a depth folder.
+/// The file by which a depth folder is recognised.
 const INTRINSICS: &str = "camera-intrinsics.txt";
 /// Metres per count of the images.
 const DEPTH_SCALE: f64 = 0.001;
 const IMAGE_SUFFIX: &str = ".depth.png";
 
-/// How the manifest of a folder names its images.
+/// The form of file names in the manifest of a folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FileNames {
     /// By name alone, for a manifest inside the folder.
@@ -98,7 +98,7 @@ fn pose_file(image: &Path) -> PathBuf {
 
 fn read_pose(path: &Path) -> Result<[f64; 16], ReadError> {
     let numbers = numbers(path, "a pose of 4 × 4 numbers")?;
-    // Checked here as well as in the scan, because here the pose's own file can be named.
+    // The scan checks poses, too, but here the message can name the pose's own file.
     let checked = pose::from_row_major(&numbers);
     checked.map_err(|problem| ReadError::damaged(path, Place::Whole, problem))?;
     Ok(numbers)

@@ -7,7 +7,7 @@ use crate::{Place, ReadError};
 use std::path::Path;
 use transect_device::{ImageSize, Pixel, Point3};
 
-/// Row-major values in the model's length unit; what means "missing" is left to `RangeImage`.
+/// Row-major values in the unit of the sensor's scale. `RangeImage` decides which are missing.
 pub(crate) struct Pixels {
     pub(crate) size: ImageSize,
     pub(crate) values: Vec<f32>,
@@ -53,7 +53,8 @@ fn wrong_shape(path: &Path, array: &Npy<'_>, wanted: &str) -> ReadError {
     ReadError::damaged(path, Place::Whole, problem)
 }
 
-/// A count that stands at the end of its scale measured nothing (7-Scenes writes it for missing).
+/// The largest count. It means a missing pixel: 7-Scenes writes it, and a saturated count measures
+/// no range.
 const SATURATED: u16 = u16::MAX;
 
 fn from_png(
@@ -89,10 +90,10 @@ fn from_png(
     Ok(Pixels { size, values })
 }
 
-/// Writes row-major values as `.npy` (float32), as scan manifests want them.
+/// Writes row-major values as `.npy` (float32), the format of images in scan manifests.
 ///
 /// # Errors
-/// What `out` says, or that the number of values is not rows × columns.
+/// An error of `out`, or a number of values that is not rows × columns.
 pub fn write_npy_image(
     size: ImageSize,
     values: &[f32],

@@ -9,8 +9,8 @@
 //! Read: C-ordered arrays of `f4 f8 i4 i8 u4` in either byte order. Stacks of camera images may
 //! also hold `u1` and `u2`. Written: little-endian arrays of version 1.
 //!
-//! The crate `npyz` does the same, but it brings some twenty crates and a C compiler into the build.
-//! The announced shape is compared with the length of the file before memory is taken.
+//! The crate `npyz` does the same, but it brings some twenty crates and a C compiler into the
+//! build. The announced shape is compared with the length of the file before memory is taken.
 //! Reference: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>
 
 use crate::error::Problem;
@@ -41,19 +41,19 @@ impl Scalar {
     }
 }
 
-/// What stands before an array's numbers.
+/// The header before an array's numbers.
 #[derive(Debug)]
 pub(crate) struct Header {
     pub(crate) shape: Vec<usize>,
     pub(crate) scalar: Scalar,
     pub(crate) big_endian: bool,
-    /// Where the numbers begin, in bytes from the start of the file.
+    /// Length of the header in bytes; the numbers follow.
     pub(crate) length: usize,
 }
 
 impl Header {
-    /// The header at the start of a file, of which `bytes` may be a part; its sizes are believed
-    /// by nobody before [`Header::data_size`] has compared them with the file.
+    /// The header at the start of a file, of which `bytes` may be a part. Call
+    /// [`Header::data_size`] before using its sizes: it compares them with the file.
     pub(crate) fn parse(bytes: &[u8]) -> Result<Self, Problem> {
         let (header, length) = split_header(bytes)?;
         if value_of(header, "fortran_order")?.starts_with("True") {
@@ -165,7 +165,7 @@ fn split_header(bytes: &[u8]) -> Result<(&str, usize), Problem> {
     Ok((header, bytes.len() - data.len()))
 }
 
-/// What follows `'key':` in the header.
+/// The text after `'key':` in the header.
 fn value_of<'h>(header: &'h str, key: &str) -> Result<&'h str, Problem> {
     let quoted = [format!("'{key}':"), format!("\"{key}\":")];
     let found = quoted.iter().find_map(|q| header.split_once(q.as_str()));

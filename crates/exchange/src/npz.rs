@@ -7,8 +7,8 @@
 //! ```
 //!
 //! Members must be stored, not deflated (`numpy.savez`, not `savez_compressed`), and the archive
-//! smaller than 4 GiB. Checksums are verified. Written archives carry a fixed date, so that the same
-//! arrays give the same bytes. Reference: APPNOTE.TXT 6.3.10, sections 4.3.7 to 4.3.16.
+//! smaller than 4 GiB. Checksums are verified. Written archives carry a fixed date, so that the
+//! same arrays give the same bytes. Reference: APPNOTE.TXT 6.3.10, sections 4.3.7 to 4.3.16.
 
 use crate::error::Problem;
 use std::io::{self, Write};
@@ -34,7 +34,7 @@ pub(crate) fn member<'a>(archive: &'a [u8], name: &str) -> Result<Option<&'a [u8
     Ok(None)
 }
 
-/// The end record stands last, but for a comment of at most 65535 bytes.
+/// The end record. Only a comment of at most 65535 bytes may follow it.
 fn find_end(archive: &[u8]) -> Option<&[u8]> {
     let from = archive.len().saturating_sub(22 + usize::from(u16::MAX));
     let tail = archive.get(from..)?;

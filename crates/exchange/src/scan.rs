@@ -115,8 +115,8 @@ pub struct ScanView {
 
 /// Reads the image of one view and makes its device frame.
 ///
-/// A format implements this for a type that knows where the view is: a file, or a place inside a
-/// large file with many views. Views of one file share it (through an `Arc`), and each loads its
+/// A format implements this for a type that holds the view's place: a file, or a part of a large
+/// file with many views. Views of one file share it (through an `Arc`), and each loads its
 /// own part, so that a scan is never in memory as a whole.
 pub trait LoadView: fmt::Debug + Send + Sync {
     /// Reads the image. Repairs and ignored content go to `notes`, without the file's name.

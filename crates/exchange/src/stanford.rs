@@ -1,7 +1,7 @@
 //! Stanford's scan configurations (`*.conf`): PLY range grids with their poses.
 //!
 //! ```text
-//! camera ...                                  a viewer's camera; says nothing about the sensor
+//! camera ...                                  a viewer's camera; not used
 //! bmesh bun045.ply  tx ty tz  qx qy qz qw     one scan; quaternion with the scalar last
 //! ```
 //!
@@ -19,7 +19,8 @@ use std::sync::Arc;
 use transect_geometry::{Isometry3, LengthUnit};
 use transect_sensors::PointGrid;
 
-/// Deviation of a quaternion's length from 1 up to which it counts as printed rounding.
+/// Largest deviation of a quaternion's length from 1 that counts as rounding of printed digits.
+/// Chosen by hand. Doubled, a note about a normalised quaternion may be missing.
 const QUATERNION_ROUNDING: f64 = 1e-3;
 
 pub(crate) fn open(path: &Path, unit: Option<LengthUnit>) -> Result<Scan, ReadError> {
@@ -82,7 +83,7 @@ fn view(
     let numbers = words.iter().skip(1).map(|w| w.parse().ok());
     let numbers: Option<Vec<f64>> = numbers.collect();
     let Some(&[tx, ty, tz, qx, qy, qz, qw]) = numbers.as_deref() else {
-        return Err(damaged("a file and 7 numbers are wanted: tx ty tz qx qy qz qw".to_owned()));
+        return Err(damaged("expected a file and 7 numbers: tx ty tz qx qy qz qw".to_owned()));
     };
     if ![tx, ty, tz, qx, qy, qz, qw].iter().all(|n| n.is_finite()) {
         return Err(damaged("the pose has a number that is not finite".to_owned()));
@@ -116,7 +117,7 @@ impl LoadView for RangeGridView {
     }
 }
 
-/// world = R(q)ᵀ p + t, and the length that q had; that length alone if it gives no rotation.
+/// The pose world = R(q)ᵀ p + t and the length of q; the length alone if it gives no rotation.
 fn pose(translation: [f64; 3], q: Quaternion<f64>) -> Result<(Isometry3, f64), f64> {
     let length = q.norm();
     if !(length.is_finite() && length > 0.0) {
@@ -162,7 +163,7 @@ mod tests {
         let error = open_text("bmesh a.ply 0 0 NaN 0 0 0 1").unwrap_err().to_string();
         assert!(error.contains("line 1, view a.ply: the pose has a number"), "{error}");
         let error = open_text("bmesh a.ply 0 0").unwrap_err().to_string();
-        assert!(error.contains("line 1, view a.ply: a file and 7 numbers are wanted"), "{error}");
+        assert!(error.contains("line 1, view a.ply: expected a file and 7 numbers"), "{error}");
     }
 
     #[test]
@@ -194,7 +195,8 @@ mod tests {
         };
         let mut distances: Vec<f64> = second.iter().map(nearest).collect();
         distances.sort_by(f64::total_cmp);
-        // The grids are 0.5 to 0.8 mm wide, so points of one lie up to half of that from the other's.
+        // The grids are 0.5 to 0.8 mm wide, so points of one lie up to half of that from the
+        // other's.
         let median = distances[distances.len() / 2];
         assert!(median < 0.5e-3, "{median} m");
     }

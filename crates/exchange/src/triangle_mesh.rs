@@ -14,12 +14,13 @@ pub struct TriangleMesh {
     pub faces: Vec<[u32; 3]>,
 }
 
-/// A mesh from a file, and what the reader passed over.
+/// A mesh from a file, and the notes of the reader.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct MeshFile {
     /// Vertices and triangles; polygons are split into fans around their first corner.
     pub mesh: TriangleMesh,
-    /// What the reader passed over or found odd.
+    /// Content that the reader ignored or repaired.
     pub notes: Vec<String>,
 }
 

@@ -60,7 +60,7 @@ fn triples(
 /// Writes a mesh as an `.npz` archive that [`read_truth`] and `numpy.load` read.
 ///
 /// # Errors
-/// What `out` says, or that the archive would pass 4 GiB.
+/// An error of `out`, or an archive of more than 4 GiB.
 pub fn write_truth(mesh: &TriangleMesh, out: &mut dyn Write) -> io::Result<()> {
     let mut vertices = Vec::new();
     npy::write_header(&mut vertices, "<f8", &[mesh.vertices.len(), 3])?;

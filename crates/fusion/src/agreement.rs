@@ -6,7 +6,8 @@
 //! rule between wrongly registered ones, whose outlines lie across each other. So of the nodes that
 //! have another view's curve abreast at all, the share with one close by tells right from wrong.
 
-use crate::consensus::observations::{Observation, Observations};
+use crate::consensus::Steps;
+use crate::consensus::measure::{Observation, Observations};
 use crate::grid::PointGrid;
 use transect_geometry::Curve;
 
@@ -54,7 +55,7 @@ impl Agreement {
 
 /// The agreement of each view with all others on one plane, in the order given.
 pub fn agreement(views: &[&[Curve]]) -> Vec<Agreement> {
-    between(&Observations::collect(views, &crate::consensus::Steps::ALL), views.len())
+    between(&Observations::collect(views, &Steps::default()), views.len())
 }
 
 /// The same from what was collected of some views.

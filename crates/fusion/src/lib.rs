@@ -1,16 +1,20 @@
 //! The curves of one plane from several views to one set of curves (dissertation, chapter 5).
 //!
-//! The one decision of this crate: fusion happens **in a plane**, with nothing but oriented curves;
-//! direction tells surfaces apart. It refuses to know sensors, storage and other planes.
+//! The decision of this crate: fusion happens **in a plane**, with nothing but oriented curves;
+//! direction tells surfaces apart. It does not know sensors, storage and other planes.
 //!
 //! * [`mod@consensus`]: all views at once, the default;
 //! * [`mod@pairwise`]: view by view and curve by curve, the dissertation's own way;
 //! * [`agreement()`]: whether views contradict each other, the sign of a wrong pose;
-//! * [`envelopes`], [`screening`], [`pattern`]: the dissertation's envelopes and overlap rules (5.3, 5.4).
+//! * [`envelopes`], [`screening`], [`pattern`]: the dissertation's envelopes and overlap rules (5.3,
+//!   5.4).
+//!
+//! `cargo run -p transect-fusion --example two_views` fuses two views of a room's corner.
 
 mod agreement;
 pub mod consensus;
 pub mod envelopes;
+mod fused_plane;
 mod grid;
 pub mod pairwise;
 pub mod pattern;
@@ -18,9 +22,11 @@ pub mod screening;
 
 pub use agreement::{Agreement, agreement};
 pub use consensus::{ConsensusOptions, Measured, consensus, measure};
+pub use fused_plane::{FusedPlane, FusionCounts};
 pub use pairwise::{PairwiseOptions, pairwise};
 
-use consensus::observations::Observations;
+use consensus::Steps;
+use consensus::measure::Observations;
 use serde::{Deserialize, Serialize};
 use transect_geometry::Curve;
 
@@ -42,6 +48,27 @@ impl Default for FusionMethod {
 }
 
 /// Fuses the curves of one plane, given view by view.
+///
+/// ```
+/// use transect_fusion::{FusionMethod, fuse_plane};
+/// use transect_geometry::{Curve, Node, Point2};
+///
+/// // Each of two views saw three quarters of a circle of radius 1.
+/// let view = |from: u32| {
+///     let node = |k: u32| {
+///         let angle = f64::from(from + k).to_radians();
+///         Node::at(Point2::new(angle.cos(), angle.sin())).with_footprint(0.017)
+///     };
+///     Curve::new((0..270).map(node).collect(), false).map(|curve| vec![curve])
+/// };
+/// let (first, second) = (view(0)?, view(180)?);
+/// let plane = fuse_plane(&[&first, &second], &FusionMethod::default());
+///
+/// assert_eq!(plane.curves.len(), 1);
+/// assert!(plane.curves[0].is_closed());
+/// assert!(plane.curves[0].nodes().iter().all(|n| (n.position.coords.norm() - 1.0).abs() < 1e-4));
+/// # Ok::<(), transect_geometry::CurveError>(())
+/// ```
 pub fn fuse_plane(views: &[&[Curve]], method: &FusionMethod) -> FusedPlane {
     match method {
         FusionMethod::Consensus(options) => consensus(views, options),
@@ -49,48 +76,17 @@ pub fn fuse_plane(views: &[&[Curve]], method: &FusionMethod) -> FusedPlane {
     }
 }
 
-/// The same, and how each view agrees with the others: what is needed of the views is collected once.
+/// The same, and how each view agrees with the others. Observations are collected once for both.
 pub fn fuse_and_compare(views: &[&[Curve]], method: &FusionMethod) -> (FusedPlane, Vec<Agreement>) {
-    let observations = Observations::collect(
-        views,
-        &match method {
-            FusionMethod::Consensus(options) => options.steps,
-            FusionMethod::Pairwise(_) => consensus::Steps::ALL,
-        },
-    );
+    let steps = match method {
+        FusionMethod::Consensus(options) => options.steps,
+        FusionMethod::Pairwise(_) => Steps::default(),
+    };
+    let observations = Observations::collect(views, &steps);
     let agreement = agreement::between(&observations, views.len());
     let plane = match method {
         FusionMethod::Consensus(options) => consensus::fuse(observations, options),
         FusionMethod::Pairwise(options) => pairwise(views, options),
     };
     (plane, agreement)
-}
-
-/// The fused curves of one plane.
-#[derive(Debug, Clone, Default)]
-pub struct FusedPlane {
-    /// The curves, longest first.
-    pub curves: Vec<Curve>,
-    /// Measured standard deviation of one view's curve against the common one, in the length unit;
-    /// of one view alone, or of views that do not overlap, the median of their nodes' own.
-    pub spread: f64,
-    /// Distance within which curves of the same direction were taken for one, in the length unit.
-    pub threshold: f64,
-    /// What went in and what was left out.
-    pub counts: FusionCounts,
-}
-
-/// Counts of one plane's fusion.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct FusionCounts {
-    /// Nodes of all views.
-    pub observations: usize,
-    /// Nodes kept for the result before tidying.
-    pub kept: usize,
-    /// Nodes left out. Of `consensus`: kept ones beside a better curve, too short to be one, or a
-    /// step to the side. Of `pairwise`: observations farther than the threshold from every fused curve.
-    pub dropped: usize,
-    /// Pairs of curves that overlap as the rules forbid, and stay beside each other. Always 0 for
-    /// `consensus`, which resolves them.
-    pub refused: usize,
 }

@@ -4,15 +4,17 @@ use crate::section::around;
 use crate::{CurveIndex, CurveRecord, InvariantError, Model, Section, ViewRecord};
 use transect_geometry::{Curve, Guide, Isometry3, PlaneFamily, PlaneIndex, StraightGuide};
 
-/// How far the length of a unit vector or unit quaternion may be from 1; rounding stays below
-/// 1e-15, so this only refuses what was never normalised.
+/// Largest deviation of the length of a unit vector or unit quaternion from 1. Chosen by hand:
+/// rounding stays below 1e-15, and vectors that were never normalised deviate by far more. Doubled
+/// or halved, it still separates the two.
 const UNIT_TOLERANCE: f64 = 1e-9;
 
 impl Model {
-    /// Checks everything that is promised of a model: usable planes, curves that
-    /// [`Curve::new`] accepts, exact envelopes, rigid poses.
+    /// Checks the promises that every model keeps: usable planes, curves that [`Curve::new`]
+    /// accepts, exact envelopes, rigid poses.
     ///
-    /// Saving and loading call it. Cost: one pass over all nodes, with a copy of one curve at a time.
+    /// Saving and loading call it. Cost: one pass over all nodes, with a copy of one curve at a
+    /// time.
     ///
     /// # Errors
     /// The first [`InvariantError`] in order of views, planes and curves.
@@ -34,7 +36,7 @@ impl Model {
 pub(crate) fn check_planes(planes: &PlaneFamily) -> Result<(), InvariantError> {
     let remade = PlaneFamily::new(planes.guide().clone(), planes.offset(), planes.interval());
     remade.map_err(InvariantError::Planes)?;
-    // A curved guide is made anew from its points, and so checked, whenever it is read.
+    // A curved guide is rebuilt from its points, and thereby checked, whenever it is read.
     let Guide::Straight(guide) = planes.guide() else { return Ok(()) };
     let direction = guide.direction();
     StraightGuide::along(direction).map_err(InvariantError::Planes)?;
@@ -50,7 +52,7 @@ fn check_view(view: &ViewRecord) -> Result<(), InvariantError> {
 
 pub(crate) fn check_pose(name: &str, pose: &Isometry3) -> Result<(), InvariantError> {
     let at_finite_place = pose.translation.vector.iter().all(|c| c.is_finite());
-    // A NaN or infinite quaternion fails this comparison too.
+    // A NaN or infinite quaternion also fails this comparison.
     let turned_rigidly = (pose.rotation.norm() - 1.0).abs() <= UNIT_TOLERANCE;
     let rigid = at_finite_place && turned_rigidly;
     rigid.then_some(()).ok_or_else(|| InvariantError::Pose(name.to_owned()))
@@ -81,7 +83,7 @@ fn check_curve(
     record: &CurveRecord,
 ) -> Result<(), InvariantError> {
     let stored = record.curve();
-    // The stored curve may have no nodes at all, so nothing but the constructor may touch it first.
+    // The stored curve may have no nodes, so the constructor must check it before other calls.
     let remade = Curve::new(stored.nodes().to_vec(), stored.is_closed())
         .map_err(|source| InvariantError::Curve { plane, curve, source })?;
     let right = remade.envelope() == record.envelope();
@@ -128,7 +130,10 @@ mod tests {
         let mut model = small();
         model.add_view(ViewRecord { sigma: Some(-1.0), ..view("loud") });
         let text = model.check().unwrap_err().to_string();
-        assert_eq!(text, "view \"loud\" has the range noise -1");
+        assert_eq!(
+            text,
+            "view \"loud\" has the range noise -1, which must be finite and at least 0"
+        );
     }
 
     #[test]

@@ -4,19 +4,19 @@
 //! wins**. That is the R-buffer of the dissertation (section 4.5.3): per ray, the smallest range
 //! over all surfaces. Its boundary representation (winged-edge solids, a CSG tree, one projection
 //! of every polygon into the buffer) is replaced by parry3d's shapes and bounding volume hierarchy:
-//! rays look for solids rather than polygons for pixels. Truth is made apart from the rays: the
-//! solids' surfaces are sliced by the section planes and overlaps are united in the plane.
+//! rays search for solids instead of polygons for pixels. The truth does not come from rays: the
+//! section planes slice the solids' surfaces, and overlaps are united in the plane.
 //!
-//! It refuses to know particular sensors, files and the modeler: it casts whatever implements
+//! The crate knows no particular sensor, no files and no modeler. It casts every
 //! [`transect_device::DeviceFrame`], and reads scene descriptions as text.
 //!
-//! * [`Shape`], [`Solid`], [`Scene`], [`Hit`]: what is there, and what a ray meets first;
-//! * [`Noise`]: what a real sensor does to it, reproducibly;
-//! * [`StripeCamera`], [`StripeImages`]: what the camera of a light-stripe sensor sees;
+//! * [`Shape`], [`Solid`], [`Scene`], [`Hit`]: the solids, and the first hit of a ray;
+//! * [`Noise`]: reproducible errors of a real sensor;
+//! * [`StripeCamera`], [`StripeImages`]: the images of a light-stripe sensor's camera;
 //! * [`Mesh`], [`slice_mesh`], [`sections`], [`merge_overlaps`]: truth as oriented curves;
-//! * [`Visibility`]: which part of the truth the views could see;
-//! * [`Description`], [`Station`]: the scene file (TOML), with [`BUNDLED_SCENES`] as examples, whose
-//!   free-form surfaces are made by [`fixtures`].
+//! * [`Visibility`]: the part of the truth that the views could see;
+//! * [`Description`], [`Station`]: the scene file (TOML), with [`BUNDLED_SCENES`] as examples,
+//!   whose free-form surfaces are made by [`fixtures`].
 
 mod cast;
 mod description;

@@ -1,6 +1,6 @@
-//! Programs of the documentation: compiled and run by `cargo test --doc`, and part of nothing else.
+//! Programs of the documentation, compiled and run by `cargo test --doc`.
 
-/// The sensor that is added step by step.
+/// A sensor, added step by step.
 #[doc = include_str!("../docs/add-a-sensor.md")]
 struct AddASensor;
 

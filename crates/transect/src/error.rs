@@ -12,7 +12,7 @@ pub enum ReconstructError {
     #[error("the scan has no views")]
     NoViews,
     /// A view could not be loaded.
-    #[error("view {view}")]
+    #[error("view {view} cannot be loaded")]
     Load {
         /// Its name.
         view: String,
@@ -21,7 +21,7 @@ pub enum ReconstructError {
         source: SourceError,
     },
     /// A view could not be modelled.
-    #[error("view {view}")]
+    #[error("view {view} cannot be modelled")]
     Partial {
         /// Its name.
         view: String,
@@ -31,8 +31,9 @@ pub enum ReconstructError {
     },
     /// No plane crosses any view's surface: usually a wrong unit, offset or depth scale.
     #[error(
-        "no section plane crosses the surfaces of the {views} views, which lie between the stations \
-         {low} and {high} {unit}; check the unit, the depth scale, and the planes' offset and interval"
+        "no section plane crosses the surfaces of the {views} views, which lie between the \
+         stations {low} and {high} {unit}; check the unit, the depth scale, and the offset and \
+         interval of the planes"
     )]
     Nothing {
         /// How many views there were.

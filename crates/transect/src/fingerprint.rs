@@ -1,11 +1,12 @@
-//! What tells a view from another one that goes by the same name.
+//! A hash that tells two views of the same name apart.
 
 use transect_device::{Pixel, View};
 
-/// A hash of what a view saw: its size, the points of all pixels in the sensor's frame, where their rays
-/// begin, and the noise it was given. Neither its pose nor the names of files are in it.
+/// A hash of the image size, the points of all pixels in the sensor's frame, the starts of their
+/// rays, and the given noise. The pose and the names of files are not part of it.
 ///
-/// 64 bits find accidents such as an image that was taken anew under its old name, not attacks.
+/// 64 bits find accidents, such as an image that was taken again under its old name. They do not
+/// stop attacks.
 pub(crate) fn fingerprint(view: &View) -> String {
     let (size, frame) = (view.image().size(), view.frame());
     let mut hash = mix(mix(SEED, size.rows as u64), size.cols as u64);
@@ -28,7 +29,7 @@ pub(crate) fn fingerprint(view: &View) -> String {
 
 const SEED: u64 = 0xcbf2_9ce4_8422_2325;
 
-/// One to one in the hash so far, so that a change of a single number is always found.
+/// The step is invertible in the hash so far, so a change of a single number is always found.
 fn mix(hash: u64, word: u64) -> u64 {
     const ODD: u64 = 0x9e37_79b9_7f4a_7c15;
     (hash ^ word).wrapping_mul(ODD).rotate_left(29)

@@ -8,14 +8,14 @@ use transect_device::{Isometry3, View};
 use transect_geometry::{Curve, Guide, PlaneFamily, PlaneIndex};
 use transect_partial::{PartialCounts, partial_model};
 
-/// The curves of a view, and what the report says about it. The view itself is dropped.
+/// The curves of a view and its part of the report. The view itself is dropped.
 pub(crate) struct ModelledView {
     pub world_from_sensor: Isometry3,
     pub sigma: Option<f64>,
     /// The planes it crosses, sorted, each with its curves.
     pub planes: Vec<(PlaneIndex, Vec<Curve>)>,
     pub notes: Vec<String>,
-    /// How the view agrees with others is not known yet.
+    /// Its agreement with other views is filled in after fusion.
     pub report: ViewReport,
     pub reading: Duration,
     pub modelling: Duration,
@@ -109,7 +109,7 @@ fn view_report(
     }
 }
 
-/// Bounds of the stations that points of a view can have; along a curved guide those of all of it.
+/// Lowest and highest station that points of a view can have; for a curved guide, all of it.
 fn stations(view: &View, planes: &PlaneFamily) -> [f64; 2] {
     let direction = match planes.guide() {
         Guide::Straight(guide) => guide.direction(),

@@ -28,6 +28,31 @@ pub struct Reconstruction {
 
 /// Reconstructs the cross-section model of a set of views.
 ///
+/// ```
+/// use std::sync::Arc;
+/// use transect::device::{DeviceFrame, Pixel, SensorPlane};
+/// use transect::sensors::{Intrinsics, Pinhole};
+/// use transect::{
+///     ImageSize, Isometry3, LengthUnit, PlaneFamily, RangeImage, Setup, StraightGuide, Unwatched,
+///     Vector3, View, reconstruct,
+/// };
+///
+/// // A camera one metre above a floor that it sees under 45°.
+/// let size = ImageSize { rows: 48, cols: 64 };
+/// let camera = Pinhole::new(size, Intrinsics { fx: 60.0, fy: 60.0, cx: 31.5, cy: 23.5 })?;
+/// let floor = SensorPlane { normal: Vector3::new(0.0, 1.0, 1.0).normalize(), offset: 1.0 };
+/// let pixels = (0..48).flat_map(|row| (0..64).map(move |col| Pixel::new(row, col)));
+/// let depth = |p| camera.plane_value(p, &floor).unwrap_or(f64::NAN) as f32;
+/// let image = RangeImage::from_values(size, pixels.map(depth).collect())?;
+/// let view = View::new("floor", image, Arc::new(camera), Isometry3::identity(), Some(0.0))?;
+///
+/// let guide = StraightGuide::along(Vector3::x())?;
+/// let setup = Setup::new(LengthUnit::Metre, PlaneFamily::new(guide, 0.0, 0.1)?);
+/// let result = reconstruct(&[view], &setup, &Unwatched)?;
+/// assert!(result.model.sections().all(|(_, section)| section.curves().len() == 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`ReconstructError`] names the view that cannot be loaded or modelled. There is no model of the
 /// other views then, because its gap would go unnoticed.

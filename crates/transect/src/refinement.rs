@@ -1,15 +1,15 @@
-//! Where planes may be inserted between those of the interval asked for.
+//! The options of refinement: where planes are inserted between those of the setup.
 
 use transect_geometry::{GuideError, PlaneFamily};
 
-/// Where planes are inserted between those of the interval asked for.
+/// Inserts planes where the curves of neighbouring planes differ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Refinement {
     tolerance: f64,
     levels: u32,
 }
 
-/// Why planes cannot be refined so.
+/// Why options of refinement cannot be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RefinementError {
@@ -17,16 +17,16 @@ pub enum RefinementError {
     #[error("the tolerance must be a positive length, got {0}")]
     BadTolerance(f64),
     /// The interval cannot be halved that often.
-    #[error("the interval can be halved 1 to {most} times, not {0}", most = Refinement::MOST_LEVELS)]
+    #[error("the interval can be halved 1 to {most} times, not {0}", most = Refinement::MAX_LEVELS)]
     BadLevels(u32),
-    /// The smallest interval is not the interval, halved a few times.
+    /// The smallest interval is not the interval, halved 1 to 10 times.
     #[error(
         "the smallest interval {least} is not {interval} halved 1 to {most} times: {}, …",
         [2.0, 4.0, 8.0, 16.0].map(|parts| (interval / parts).to_string()).join(", "),
-        most = Refinement::MOST_LEVELS
+        most = Refinement::MAX_LEVELS
     )]
     BadLeastInterval {
-        /// What was asked for.
+        /// The smallest interval that was given.
         least: f64,
         /// The interval of the planes.
         interval: f64,
@@ -34,48 +34,51 @@ pub enum RefinementError {
 }
 
 impl Refinement {
-    /// Most times that an interval may be halved.
-    pub const MOST_LEVELS: u32 = 10;
+    /// Largest number of times that the interval may be halved. Chosen by hand: 2¹⁰ planes per
+    /// interval fill the memory of most machines. Doubled, a mistyped number takes days.
+    pub const MAX_LEVELS: u32 = 10;
 
-    /// Times that the interval is halved where nothing is said: down to a sixteenth.
+    /// Default number of times that the interval is halved: down to a sixteenth. Chosen by hand.
     pub const DEFAULT_LEVELS: u32 = 4;
 
-    /// Planes where curves differ by more than `tolerance`, in the model's length unit, with the interval halved
-    /// at most `levels` times.
+    /// Inserts planes where curves differ by more than `tolerance`, in the model's length unit. The
+    /// interval is halved at most `levels` times.
     ///
     /// # Errors
-    /// [`RefinementError`] if one of them is not possible.
+    /// [`RefinementError`] if one of the values cannot be used.
     pub fn new(tolerance: f64, levels: u32) -> Result<Self, RefinementError> {
         if !(tolerance.is_finite() && tolerance > 0.0) {
             return Err(RefinementError::BadTolerance(tolerance));
         }
-        if !(1..=Self::MOST_LEVELS).contains(&levels) {
+        if !(1..=Self::MAX_LEVELS).contains(&levels) {
             return Err(RefinementError::BadLevels(levels));
         }
         Ok(Self { tolerance, levels })
     }
 
-    /// As [`Refinement::new`], down to a smallest interval: `interval` halved a whole number of times.
+    /// As [`Refinement::new`], down to a smallest interval: `interval` halved a whole number of
+    /// times.
     ///
     /// # Errors
-    /// [`RefinementError`] if the tolerance or the smallest interval is not possible.
+    /// [`RefinementError`] if the tolerance or the smallest interval cannot be used.
     pub fn down_to(tolerance: f64, interval: f64, least: f64) -> Result<Self, RefinementError> {
-        /// Lengths that were typed or turned into another unit are rounded by more than numbers are.
+        /// Relative error of lengths that were typed or converted. Chosen by hand; it must stay far
+        /// below 0.5, where two levels could be confused.
         const ROUNDING: f64 = 1e-6;
         let halved = |levels: &u32| {
             let exact = interval / f64::from(1_u32 << levels);
             (exact - least).abs() <= ROUNDING * exact
         };
         let bad = RefinementError::BadLeastInterval { least, interval };
-        Self::new(tolerance, (1..=Self::MOST_LEVELS).find(halved).ok_or(bad)?)
+        Self::new(tolerance, (1..=Self::MAX_LEVELS).find(halved).ok_or(bad)?)
     }
 
-    /// How far curves of neighbouring planes may be from each other, in the model's length unit.
+    /// Largest accepted distance between curves of neighbouring planes, in the model's length unit.
     pub fn tolerance(&self) -> f64 {
         self.tolerance
     }
 
-    /// How often the interval may be halved.
+    /// Number of times that the interval may be halved.
     pub fn levels(&self) -> u32 {
         self.levels
     }

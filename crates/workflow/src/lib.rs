@@ -73,7 +73,7 @@ pub use model_file::{ModelFile, OpenStore, is_model};
 use report_file::ReportFile;
 pub use results::{ResultFolder, default_folder, dxf_frame, find_model};
 pub use run::{OpenScan, Run};
-pub use score::{Reference, Score, ScoreLimits, score};
+pub use score::{Reference, Score, ScoreLimits, score, simulated_accuracy};
 pub use settings::{
     GuideSettings, PlaneSettings, Settings, fusion_method, fusion_methods, parse_length,
     partial_method, partial_methods,

@@ -112,7 +112,7 @@ impl ResultFolder {
         write_file(&self.0.join("splines.dxf"), |out| splines.write_dxf(out))?;
         let deviation = digits(splines.deviation());
         Ok(vec![
-            Row::count("control points of splines", splines.control_count()),
+            Row::plain("control points of splines", splines.control_count()),
             Row::new("splines within", deviation, model.unit().symbol()),
         ])
     }

@@ -94,10 +94,10 @@ impl OpenScan {
         let Grown { reconstruction, views_present, planes_fused } =
             grow(store, &self.views(prefix), &setup, watch)?;
         let rows = vec![
-            Row::new("store", store.display().to_string(), ""),
-            Row::count("views added", reconstruction.report.views.len()),
-            Row::count("views there already", views_present),
-            Row::count("planes fused", planes_fused),
+            Row::plain("store", store.display()),
+            Row::plain("views added", reconstruction.report.views.len()),
+            Row::plain("views there already", views_present),
+            Row::plain("planes fused", planes_fused),
         ];
         Ok(Run { store: rows, ..self.run(reconstruction, setup, settings.dxf, splines) })
     }
@@ -162,7 +162,7 @@ fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
     let percent = |part: usize, whole: usize| digits(100.0 * part as f64 / whole.max(1) as f64);
     let mut rows = vec![
         Row::new("scan", scan.name.clone(), ""),
-        Row::count("views", result.model.views().len()),
+        Row::plain("views", result.model.views().len()),
     ];
     // A store that had all views already is not read again to count pixels.
     if !report.views.is_empty() {
@@ -172,12 +172,12 @@ fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
     }
     let closed_only = percent(fusion.planes_closed_only, fusion.planes);
     rows.extend([
-        Row::count("planes with curves", fusion.planes),
+        Row::plain("planes with curves", fusion.planes),
         Row::new("planes with closed curves only", closed_only, "%"),
-        Row::count("curves", fusion.curves),
-        Row::count("closed curves", fusion.closed),
-        Row::count("nodes", fusion.nodes),
-        Row::count("nodes of all views", fusion.observations),
+        Row::plain("curves", fusion.curves),
+        Row::plain("closed curves", fusion.closed),
+        Row::plain("nodes", fusion.nodes),
+        Row::plain("nodes of all views", fusion.observations),
         Row::new("curve length", digits(fusion.length), unit),
         Row::new("spread between views", digits(fusion.spread), unit),
         Row::new("overlap threshold", digits(fusion.threshold), unit),
@@ -189,8 +189,8 @@ fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
 fn refinement_rows(refinement: &RefinementReport, unit: &str) -> [Row; 4] {
     [
         Row::new("smallest interval", digits(refinement.least_interval), unit),
-        Row::count("planes asked for", refinement.planes),
-        Row::count("planes inserted", refinement.planes_inserted),
-        Row::count("intervals still above the tolerance", refinement.intervals_above_tolerance),
+        Row::plain("planes asked for", refinement.planes),
+        Row::plain("planes inserted", refinement.planes_inserted),
+        Row::plain("intervals still above the tolerance", refinement.intervals_above_tolerance),
     ]
 }

@@ -6,15 +6,15 @@ use crate::{ResultFolder, WorkflowError};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use transect::evaluate::{EvaluateOptions, duplication, evaluate, evaluate_seen};
+use transect::evaluate::{Accuracy, EvaluateOptions, duplication, evaluate, evaluate_seen};
 use transect_device::View;
 use transect_exchange::{Scan, TriangleMesh, read_mesh, read_truth};
 use transect_geometry::{Curve, PlaneIndex, Point2};
 use transect_model::Model;
-use transect_scene::{Mesh, Visibility, merge_overlaps, sections};
+use transect_scene::{Mesh, MeshError, Visibility, merge_overlaps, sections};
 
-/// Tolerance where none is given, as a share of the plane interval. Chosen by hand: curves farther
-/// off are wrong to the eye. Doubled, curves count as right that lie near the next surface.
+/// Tolerance where none is given, as a share of the plane interval. Chosen by hand.
+/// Doubled, curves twice as far off count as right.
 const TOLERANCE_SHARE: f64 = 0.2;
 
 /// The part of a model that is scored, and the distance that counts as right.
@@ -75,33 +75,43 @@ pub fn score(
     reference: &Reference,
     limits: &ScoreLimits,
 ) -> Result<Score, WorkflowError> {
-    let (planes, unit) = (model.planes(), model.unit());
-    let options = limits.options(model)?;
-    let curves: BTreeMap<PlaneIndex, Vec<Curve>> =
-        model.sections().map(|(k, s)| (k, s.curves().cloned().collect())).collect();
+    let unit = model.unit();
     let accuracy = match reference {
         Reference::Nothing => {
-            let counts = duplication(&curves, options.tolerance)?.rows(unit);
+            let options = limits.options(model)?;
+            let counts = duplication(&curves(model), options.tolerance)?.rows(unit);
             return Ok(Score { counts: rows(counts), ..Score::default() });
         }
         Reference::Mesh(path) => {
-            let truth = cut(path, &solid(read_mesh(path)?.mesh), model)?;
-            evaluate(planes, &curves, &truth, &options)?
+            let mesh = solid(read_mesh(path)?.mesh);
+            let truth = cut(&mesh, model).map_err(|e| WorkflowError::file(path, e))?;
+            evaluate(model.planes(), &curves(model), &truth, &limits.options(model)?)?
         }
         Reference::Simulated { truth, scan } => {
-            let surface = solid(read_truth(truth)?);
-            let sections = cut(truth, &surface, model)?;
-            // Solids of a scene may overlap: the part of one inside another is no surface.
-            let united = sections.into_iter().map(|(k, c)| (k, merge_overlaps(c))).collect();
-            let visible = Visibility::new(&surface, views(scan)?)?;
-            let seen =
-                |k: PlaneIndex, p: &Point2| visible.sees(&planes.frame(k).world_from_plane(p));
-            evaluate_seen(planes, &curves, &united, &seen, &options)?
+            simulated_accuracy(model, &solid(read_truth(truth)?), views(scan)?, limits)?
         }
     };
     let agreement = rows(accuracy.agreement_rows(unit));
     let counts = rows(accuracy.rows(unit)).split_off(agreement.len());
     Ok(Score { agreement, counts })
+}
+
+/// Scores a model against the part of a simulated scene's surface that the views could see.
+///
+/// # Errors
+/// [`WorkflowError`] if a limit is no usable length, or the surface cannot be cut.
+pub fn simulated_accuracy(
+    model: &Model,
+    surface: &Mesh,
+    views: Vec<View>,
+    limits: &ScoreLimits,
+) -> Result<Accuracy, WorkflowError> {
+    let (planes, options) = (model.planes(), limits.options(model)?);
+    // Solids of a scene may overlap: the part of one inside another is no surface.
+    let truth = cut(surface, model)?.into_iter().map(|(k, c)| (k, merge_overlaps(c))).collect();
+    let visible = Visibility::new(surface, views)?;
+    let seen = |k: PlaneIndex, p: &Point2| visible.sees(&planes.frame(k).world_from_plane(p));
+    Ok(evaluate_seen(planes, &curves(model), &truth, &seen, &options)?)
 }
 
 impl ScoreLimits {
@@ -138,13 +148,14 @@ fn widest_interval(model: &Model) -> f64 {
     model.planes().interval() * steps as f64
 }
 
-/// The truth on the planes that the model was asked for.
-fn cut(
-    path: &Path,
-    mesh: &Mesh,
-    model: &Model,
-) -> Result<BTreeMap<PlaneIndex, Vec<Curve>>, WorkflowError> {
-    let mut cut = sections(mesh, model.planes()).map_err(|e| WorkflowError::file(path, e))?;
+/// A model's curves by plane.
+fn curves(model: &Model) -> BTreeMap<PlaneIndex, Vec<Curve>> {
+    model.sections().map(|(k, s)| (k, s.curves().cloned().collect())).collect()
+}
+
+/// The sections of a surface on the planes that the model was asked for.
+fn cut(surface: &Mesh, model: &Model) -> Result<BTreeMap<PlaneIndex, Vec<Curve>>, MeshError> {
+    let mut cut = sections(surface, model.planes())?;
     cut.retain(|k, _| model.selection().contains(*k));
     Ok(cut)
 }

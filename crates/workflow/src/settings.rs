@@ -117,8 +117,8 @@ impl Settings {
         scan: &Scan,
     ) -> Result<Setup, WorkflowError> {
         let mut setup = Setup::new(scan.unit, planes);
-        setup.partial = self.partial.clone();
-        setup.fusion = self.fusion.clone();
+        setup.partial = self.partial;
+        setup.fusion = self.fusion;
         let refine = self.refine.as_ref();
         setup.refinement = refine.map(|text| parse_refinement(&setup, text)).transpose()?;
         Ok(setup)

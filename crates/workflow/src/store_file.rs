@@ -178,7 +178,7 @@ pub(crate) fn grow(
     let store = if is_new { create(path, setup)? } else { open_store(path)? };
     let grower = Grower::new(&store, setup).map_err(|e| WorkflowError::file(path, e))?;
     let grown = grower.add_views(views, watch);
-    let Growth { present, report, fused } = match grown {
+    let Growth { present, report, fused, .. } = match grown {
         Err(GrowError::View(
             nothing @ (ReconstructError::Nothing { .. } | ReconstructError::NoCurves { .. }),
         )) if is_new => {

@@ -23,8 +23,8 @@ impl Row {
         Self { metric: metric.into(), value: value.into(), unit: unit.into() }
     }
 
-    /// A count.
-    pub fn count(metric: impl Into<String>, value: usize) -> Self {
+    /// A line without a unit: a count or a text.
+    pub fn plain(metric: impl Into<String>, value: impl ToString) -> Self {
         Self::new(metric, value.to_string(), "")
     }
 }
@@ -92,7 +92,7 @@ mod tests {
 
     #[test]
     fn tables_are_aligned() {
-        let table = [Row::count("views", 12), Row::new("length", "3.5", "m")];
+        let table = [Row::plain("views", 12), Row::new("length", "3.5", "m")];
         assert_eq!(rows(&table), "metric  value  unit\nviews      12\nlength    3.5  m");
         let lines = [vec!["é".to_owned(), "10".to_owned()]];
         assert_eq!(grid(&["a", "b"], &lines), "| a | b  |\n|---|----|\n| é | 10 |");

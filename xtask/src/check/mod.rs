@@ -21,7 +21,7 @@ type StructureCheck = fn(&Path) -> Result<(), Failure>;
 const STRUCTURE: [(&str, StructureCheck); 3] =
     [("prose", prose::run), ("imports", imports::run), ("dependencies", dependencies::run)];
 
-/// Runs the stages of the check; `--without-tests` leaves out the tests, for a caller that ran them.
+/// Runs the stages of the check. `--without-tests` leaves out the tests, for callers that ran them.
 pub fn run(arguments: &[OsString]) -> Result<(), Failure> {
     let without_tests = match arguments {
         [] => false,

@@ -1,4 +1,4 @@
-//! `transect export`: the curves of a model as files for others, or a whole store as lines of JSON.
+//! `transect export`: the curves of a model as files for other programs, or a store as JSON lines.
 
 use super::{note_finished, open_model};
 use crate::failure::Failure;
@@ -12,15 +12,16 @@ use transect_workflow::{ResultFolder, StoreFile, dxf_frame};
 /// Options of `export`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Model store or model file.
+    /// Model store, model file, or folder that `reconstruct` wrote.
     file: PathBuf,
-    /// File for everything in a store, views and their own curves included, as lines of JSON.
+    /// File for the whole content of a store as JSON lines: planes, views and the views' own curves.
     #[arg(long, value_name = "FILE", required_unless_present = "out")]
     lines: Option<PathBuf>,
     /// Folder for model.transect, contours.json, model.dxf and the pictures.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Frame of the curves in model.dxf.
+    /// Frame of the curves in model.dxf: 3D polylines in the world, or 2D polylines in the
+    /// coordinates of their planes, stacked by station.
     #[arg(long, value_parser = PossibleValuesParser::new(["world", "plane"]), default_value = "world", value_name = "FRAME")]
     dxf: String,
 }
@@ -30,13 +31,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut rows = Vec::new();
     if let Some(lines) = &arguments.lines {
         write_lines(&arguments.file, lines)?;
-        rows.push(Row::new("lines", lines.display().to_string(), ""));
+        rows.push(Row::plain("lines", lines.display()));
     }
     if let Some(out) = &arguments.out {
         let model = open_model(&arguments.file)?.into_model()?;
         let name = arguments.file.file_stem().unwrap_or_default().to_string_lossy();
         ResultFolder::new(out).write_model(&name, &model, dxf_frame(&arguments.dxf)?)?;
-        rows.push(Row::new("results", out.display().to_string(), ""));
+        rows.push(Row::plain("results", out.display()));
     }
     print(&rows);
     Ok(())
@@ -52,7 +53,7 @@ fn write_lines(file: &Path, lines: &Path) -> Result<(), Failure> {
             std::io::Error::other("the export stopped")
         })
     });
-    // What the store says names the cause.
+    // The store's error names the cause, the file's error does not.
     match failed {
         Some(error) => Err(error.into()),
         None => Ok(written?),

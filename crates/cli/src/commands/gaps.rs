@@ -1,4 +1,4 @@
-//! `transect gaps`: what nobody saw, and where a next view would see most of it.
+//! `transect gaps`: the surface that no view saw, and proposed next views.
 
 use super::open_model;
 use crate::failure::Failure;
@@ -14,28 +14,31 @@ use transect_workflow::ModelFile;
 /// Options of `gaps`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Model store or model file. Only a store knows what each view saw, and can propose views.
+    /// Model store, model file, or folder that `reconstruct` wrote. Only a store keeps the curves of each
+    /// view, from which next views are proposed.
     file: PathBuf,
-    /// How many of the widest gaps to list.
+    /// Number of gaps to list, the widest first.
     #[arg(long, default_value_t = 20)]
     list: usize,
-    /// How many views to propose.
+    /// Number of views to propose.
     #[arg(long, default_value_t = 3)]
     views: usize,
-    /// The unseen part of every plane.
+    /// Also list the unseen part of every plane.
     #[arg(long)]
     planes: bool,
-    /// How obliquely a next view may see a surface, in degrees from its normal.
+    /// Largest incidence of a next view on the surface, in degrees from the surface's normal.
     #[arg(long, value_name = "DEGREES", default_value_t = 75.0)]
     incidence: f64,
 }
 
-/// Pieces into which a gap is cut, per interval between planes.
+/// Pieces into which a gap is cut, per interval between planes. Chosen by hand. Doubled, the
+/// search for next views has twice as many pieces to look at.
 const PIECES_PER_INTERVAL: f64 = 2.0;
-/// Rays that tell what is free; more would tell little more.
+/// Number of rays from which the free space follows. Chosen by hand. Doubled, memory and time
+/// double.
 const RAYS: u64 = 300_000;
 
-/// What the planes of a model lack.
+/// The gaps of a model.
 #[derive(Default)]
 struct Missing {
     length: f64,
@@ -65,9 +68,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         ModelFile::Store(store) => propose(&missing, &planes, &store.snapshot, arguments),
         ModelFile::Plain(_) if arguments.views > 0 => {
             say(
-                "\nNo views are proposed: a model file does not keep what each view saw, a store does",
+                "\nNo views are proposed: a model file does not keep the curves of each view. A store does:",
             );
-            say("(reconstruct --store).");
+            say("make one with reconstruct --store FILE.");
             Ok(())
         }
         ModelFile::Plain(_) => Ok(()),
@@ -101,7 +104,7 @@ impl Missing {
 
     fn rows(&self, unit: &'static str) -> Vec<Row> {
         let mut rows = vec![
-            Row::count("gaps", self.gaps.len()),
+            Row::plain("gaps", self.gaps.len()),
             Row::new("width of gaps", digits(self.width), unit),
             Row::new("length of curves", digits(self.length), unit),
             Row::new("unseen, at least", format!("{:.1}", percent(self.width, self.length)), "%"),
@@ -118,7 +121,7 @@ impl Missing {
     }
 }
 
-/// The share of `width` in all boundary, if gaps were straight.
+/// The share of the gaps in the whole boundary, in per cent, as if gaps were straight.
 fn percent(width: f64, length: f64) -> f64 {
     if width + length > 0.0 { 100.0 * width / (width + length) } else { 0.0 }
 }
@@ -158,9 +161,7 @@ fn propose(
     let max_incidence_rad = arguments.incidence.to_radians();
     let options = NextViewOptions { views: arguments.views, max_incidence_rad, reach };
     let unseen: f64 = patches.iter().map(|p| p.area).sum();
-    say(
-        "\nWhere next views would have most of that in sight, if what hides there does not hide it:\n",
-    );
+    say("\nNext views that would see most of that, if no hidden surface stands in their way:\n");
     let line = |view: &NextView| {
         let share = format!("{:.1}", 100.0 * view.area / unseen);
         vec![place(&view.position), place(&view.target), digits(view.area), share]
@@ -171,7 +172,7 @@ fn propose(
     Ok(())
 }
 
-/// From each view to what it saw on the planes, evenly thinned.
+/// Rays from each view's sensor to its nodes on the planes, evenly thinned.
 fn rays(snapshot: &Snapshot) -> Result<Vec<(Point3, Point3)>, Failure> {
     let (views, planes) = (snapshot.views()?, snapshot.header().planes.clone());
     let nodes: u64 = views.iter().map(|view| view.nodes).sum();

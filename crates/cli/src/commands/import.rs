@@ -1,4 +1,4 @@
-//! `transect import`: a model store of the lines that `export --lines` wrote.
+//! `transect import`: a model store from the JSON lines that `export --lines` wrote.
 
 use crate::failure::Failure;
 use crate::table::{Row, print};
@@ -10,9 +10,9 @@ use transect_model::store::Store;
 /// Options of `import`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Lines of JSON.
+    /// File of JSON lines.
     lines: PathBuf,
-    /// Model store to make; must not be there yet.
+    /// Model store to make; the file must not exist yet.
     file: PathBuf,
 }
 
@@ -22,9 +22,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let lines = lines.map_err(|e| Failure::with_file(&arguments.lines, e))?;
     let store = Store::import(&arguments.file, BufReader::new(lines))?;
     let rows = [
-        Row::count("views", store.views()?.len()),
-        Row::new("planes", store.read()?.plane_count()?.to_string(), ""),
-        Row::new("store", arguments.file.display().to_string(), ""),
+        Row::plain("views", store.views()?.len()),
+        Row::plain("planes", store.read()?.plane_count()?),
+        Row::plain("store", arguments.file.display()),
     ];
     store.close()?;
     print(&rows);

@@ -1,4 +1,4 @@
-//! `transect inspect`: what is in a scan, before any time is spent on it, or in a model.
+//! `transect inspect`: the contents of a scan, before it is modelled, or of a model.
 
 use super::inspect_model;
 use crate::failure::Failure;
@@ -15,7 +15,7 @@ use transect_workflow::{is_model, with_causes};
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Scan: a folder with scan.json, a scan.json, a Stanford .conf, or a folder of depth images; or a
-    /// model file or model store.
+    /// model file, a model store, or a folder that `reconstruct` wrote.
     scan: PathBuf,
     /// Length unit of a scan that does not state one.
     #[arg(long)]
@@ -52,7 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn scan_rows(scan: &Scan) -> Vec<Row> {
     let unit = scan.unit.symbol();
     let mut rows =
-        vec![Row::new("scan", scan.name.clone(), ""), Row::count("views", scan.views.len())];
+        vec![Row::new("scan", scan.name.clone(), ""), Row::plain("views", scan.views.len())];
     if let Some(planes) = &scan.planes {
         rows.push(Row::new("planes, normal", planes.normal.map(digits).join(", "), ""));
         rows.push(Row::new("planes, offset", digits(planes.offset), unit));

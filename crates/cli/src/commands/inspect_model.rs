@@ -17,7 +17,7 @@ pub fn run(path: &Path) -> Result<(), Failure> {
         ModelFile::Plain(model) => {
             rows.extend(model_rows(model));
             rows.extend(plane_rows(&file));
-            rows.extend(model.selected().map(|asked| Row::count("planes asked for", asked.len())));
+            rows.extend(model.selected().map(|asked| Row::plain("planes asked for", asked.len())));
             rows.extend(curve_rows(&file)?);
         }
         ModelFile::Store(store) => {
@@ -25,7 +25,7 @@ pub fn run(path: &Path) -> Result<(), Failure> {
             rows.extend(plane_rows(&file));
             match store.snapshot.pending()?.len() {
                 0 => rows.extend(curve_rows(&file)?),
-                waiting => rows.push(Row::count("planes still to be fused", waiting)),
+                waiting => rows.push(Row::plain("planes still to be fused", waiting)),
             }
             options = Some(&store.snapshot.header().options);
         }
@@ -40,7 +40,7 @@ pub fn run(path: &Path) -> Result<(), Failure> {
 
 fn model_rows(model: &Model) -> Vec<Row> {
     let kind = format!("model file, version {SCHEMA_VERSION}");
-    let mut rows = vec![Row::new("kind", kind, ""), Row::count("views", model.views().len())];
+    let mut rows = vec![Row::new("kind", kind, ""), Row::plain("views", model.views().len())];
     rows.extend(model.views().iter().map(|view| {
         let noise = view.sigma.map_or("unknown".to_owned(), digits);
         let value = format!("{} nodes, noise {noise}", view.nodes);
@@ -54,13 +54,9 @@ fn store_rows(snapshot: &Snapshot) -> Result<Vec<Row>, Failure> {
     Ok(vec![
         Row::new("kind", format!("model store, version {STORE_VERSION}"), ""),
         Row::new("made by", snapshot.header().tool.clone(), ""),
-        Row::count("views", views.len()),
-        Row::new(
-            "curves of all views",
-            views.iter().map(|v| v.curves).sum::<u64>().to_string(),
-            "",
-        ),
-        Row::new("nodes of all views", views.iter().map(|v| v.nodes).sum::<u64>().to_string(), ""),
+        Row::plain("views", views.len()),
+        Row::plain("curves of all views", views.iter().map(|v| v.curves).sum::<u64>()),
+        Row::plain("nodes of all views", views.iter().map(|v| v.nodes).sum::<u64>()),
     ])
 }
 
@@ -93,11 +89,11 @@ fn curve_rows(file: &ModelFile) -> Result<Vec<Row>, Failure> {
     })?;
     let range = range.map_or("none".to_owned(), |(first, last)| format!("{first} to {last}"));
     Ok(vec![
-        Row::count("planes with curves", planes),
+        Row::plain("planes with curves", planes),
         Row::new("plane numbers", range, ""),
-        Row::count("curves", curves),
-        Row::count("closed curves", closed),
-        Row::count("nodes", nodes),
+        Row::plain("curves", curves),
+        Row::plain("closed curves", closed),
+        Row::plain("nodes", nodes),
         Row::new("curve length", digits(length), file.unit().symbol()),
     ])
 }

@@ -40,8 +40,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     write_file(&arguments.out, |out| write_manifest(&manifest, out))?;
     print(&[
-        Row::count("views", manifest.views.len()),
-        Row::new("manifest", arguments.out.display().to_string(), ""),
+        Row::plain("views", manifest.views.len()),
+        Row::plain("manifest", arguments.out.display()),
     ]);
     Ok(())
 }

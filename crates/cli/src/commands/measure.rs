@@ -1,4 +1,4 @@
-//! `transect measure`: area, perimeter, centroid and open length of every plane, and the volume.
+//! `transect measure`: area, perimeter, centroid and open length of each plane, and the volume.
 
 use super::open_model;
 use crate::failure::Failure;
@@ -11,9 +11,9 @@ use transect_workflow::ModelFile;
 /// Options of `measure`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Model store or model file.
+    /// Model store, model file, or folder that `reconstruct` wrote.
     file: PathBuf,
-    /// Only the sums.
+    /// Print the sums only.
     #[arg(long)]
     sums: bool,
 }
@@ -95,12 +95,12 @@ fn rows(file: &ModelFile, sums: &Sums) -> Result<Vec<Row>, Failure> {
         None => Row::new("volume is off by at most", "unknown: open curves", ""),
     };
     Ok(vec![
-        Row::count("planes with curves", sums.planes),
-        Row::count("planes with open curves", sums.planes_with_open_curves),
+        Row::plain("planes with curves", sums.planes),
+        Row::plain("planes with open curves", sums.planes_with_open_curves),
         Row::new("length of closed curves", digits(sums.perimeter), unit),
         Row::new("length of open curves", digits(sums.open_length), unit),
-        Row::count("directions that contradict nesting", sums.contradictions),
-        Row::count("runs of neighbouring planes", volume.runs.len()),
+        Row::plain("directions that contradict nesting", sums.contradictions),
+        Row::plain("runs of neighbouring planes", volume.runs.len()),
         Row::new("volume", digits(volume.volume()), format!("{unit}³")),
         bound,
     ])

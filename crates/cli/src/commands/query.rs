@@ -1,4 +1,4 @@
-//! `transect query`: whether points are in the solid, as far as the model tells.
+//! `transect query`: whether points are inside the solid, outside, or unknown.
 
 use super::open_model;
 use super::planes::parse_numbers;
@@ -13,7 +13,7 @@ use transect_workflow::ModelFile;
 /// Options of `query`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Model store or model file.
+    /// Model store, model file, or folder that `reconstruct` wrote.
     file: PathBuf,
     /// Points in the world, in the model's unit.
     #[arg(required = true, value_name = "X,Y,Z", allow_hyphen_values = true)]

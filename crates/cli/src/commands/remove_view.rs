@@ -1,4 +1,4 @@
-//! `transect remove-view`: takes a view out of a model store.
+//! `transect remove-view`: removes a view from a model store.
 
 use super::note_finished;
 use crate::failure::Failure;
@@ -11,7 +11,7 @@ use transect_workflow::StoreFile;
 pub struct Arguments {
     /// Model store.
     file: PathBuf,
-    /// The view, as list-views names it.
+    /// Name of the view, as list-views prints it.
     name: String,
 }
 
@@ -21,9 +21,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     note_finished(store.planes_finished());
     let removed = store.remove_view(&arguments.name)?;
     let rows = [
-        Row::new("removed", removed.entry.id.to_string(), ""),
-        Row::count("planes fused anew", removed.planes.len()),
-        Row::count("views left", store.store().views()?.len()),
+        Row::plain("removed", removed.entry.id),
+        Row::plain("planes fused anew", removed.planes.len()),
+        Row::plain("views left", store.store().views()?.len()),
     ];
     store.close()?;
     print(&rows);

@@ -1,4 +1,4 @@
-//! `transect replace-view`: puts a new image or a new pose in a view's place in a model store.
+//! `transect replace-view`: replaces the image or the pose of a view in a model store.
 
 use super::note_finished;
 use super::planes::parse_numbers;
@@ -14,14 +14,15 @@ use transect_workflow::{Replacement, StoreFile};
 pub struct Arguments {
     /// Model store.
     file: PathBuf,
-    /// The view to replace, as list-views names it.
+    /// Name of the view to replace, as list-views prints it.
     name: String,
-    /// Scan to take the view from again [default: the one that it came from].
+    /// Scan to take the view from [default: the scan that the view came from].
     scan: Option<PathBuf>,
-    /// The view in that scan, as its manifest names it [default: that which the view came from].
+    /// Name of the view in that scan [default: its name in the scan that it came from].
     #[arg(long, value_name = "NAME")]
     view: Option<String>,
-    /// Pose in place of the scan's own: 16 numbers with commas between them, sensor to world, row by row.
+    /// Pose in place of the scan's own: 16 numbers with commas between them, sensor to world, row by
+    /// row.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true)]
     pose: Option<String>,
 }
@@ -38,9 +39,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let replaced = store.replace_view(&arguments.name, &replacement)?;
     store.close()?;
     print(&[
-        Row::new("replaced", replaced.view.entry.id.to_string(), ""),
-        Row::count("planes fused anew", replaced.planes_fused),
-        Row::count("planes with its curves", replaced.view.planes.len()),
+        Row::plain("replaced", replaced.view.entry.id),
+        Row::plain("planes fused anew", replaced.planes_fused),
+        Row::plain("planes with its curves", replaced.view.planes.len()),
     ]);
     Ok(())
 }

@@ -13,19 +13,22 @@ use transect_workflow::simulation::{
 /// Options of `simulate`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Scene file (TOML), or a bundled scene: room, face_mask, machined_part, thin_sheet, tunnel or bend_tunnel.
+    /// Scene file (TOML), or a bundled scene: room, face_mask, machined_part, thin_sheet, tunnel or
+    /// bend_tunnel.
     #[arg(default_value = "room")]
     scene: PathBuf,
     /// Sensor at all stations, in place of the scene's own.
     #[arg(long, value_parser = PossibleValuesParser::new(SensorKind::ALL.map(SensorKind::name)).try_map(|name| name.parse::<SensorKind>()))]
     sensor: Option<SensorKind>,
-    /// Number of views; beyond the scene's stations they are turned copies [default: one a station].
+    /// Number of views; views beyond the number of stations are turned copies [default: one per
+    /// station].
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..))]
     views: Option<u16>,
-    /// Factor on the rows and columns that --sensor has.
+    /// Factor on the rows and columns of the sensor that --sensor chooses.
     #[arg(long, default_value_t = 1.0, value_name = "FACTOR", requires = "sensor")]
     density: f64,
-    /// Light-stripe sensors give their camera's images, in which the stripe has yet to be found.
+    /// Write the camera images of light-stripe sensors, in which the reader finds the stripe, in place
+    /// of range images.
     #[arg(long)]
     stripe_images: bool,
     /// Folder to write scan.json, the images and truth.npz into [default: transect-out/NAME/scan].
@@ -34,7 +37,7 @@ pub struct Arguments {
     /// Seed of the noise [default: the scene's own].
     #[arg(long, value_name = "NUMBER")]
     seed: Option<u64>,
-    /// Perfect sensors at their true poses.
+    /// No noise: perfect sensors at their true poses.
     #[arg(long, conflicts_with = "seed")]
     noise_free: bool,
 }
@@ -89,7 +92,7 @@ fn simulate_as(
     let rate = simulated.rays as f64 / simulated.time.as_secs_f64() / 1e6;
     let mut rows = vec![
         Row::new("scene", scene.description.name, ""),
-        Row::count("views", simulated.views.len()),
+        Row::plain("views", simulated.views.len()),
     ];
     if let (Some(kind), Some(first)) = (plan.sensor, simulated.instruments.first()) {
         rows.push(Row::new("sensor", kind.name(), ""));
@@ -97,8 +100,8 @@ fn simulate_as(
         let scale = first.instrument.scale.map(|s| digits(s * in_millimetres));
         rows.extend(scale.map(|s| Row::new("times the dissertation's (view 0)", s, "")));
     }
-    rows.push(Row::count("rays", simulated.rays));
+    rows.push(Row::plain("rays", simulated.rays));
     rows.push(Row::new("rays per second and core", digits(rate), "million"));
-    rows.push(Row::new("scan", folder.join("scan.json").display().to_string(), ""));
+    rows.push(Row::plain("scan", folder.join("scan.json").display()));
     Ok(rows)
 }

@@ -1,4 +1,4 @@
-//! `transect verify`: whether a model or a model store is what it should be.
+//! `transect verify`: checks a model or a model store: checksums and contents.
 
 use crate::failure::Failure;
 use crate::table::{Row, print};
@@ -10,7 +10,7 @@ use transect_workflow::{ModelFile, OpenStore, setup_of};
 /// Options of `verify`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Model store or model file.
+    /// Model store, model file, or folder that `reconstruct` wrote.
     file: PathBuf,
     /// Fuse every plane of a store again and compare.
     #[arg(long)]
@@ -23,10 +23,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     match ModelFile::open_unfinished(path)? {
         ModelFile::Plain(model) => print(&[
             Row::new("sound", "yes", ""),
-            Row::count("views", model.views().len()),
-            Row::count("planes", model.sections().len()),
-            Row::count("curves", model.curve_count()),
-            Row::count("nodes", model.node_count()),
+            Row::plain("views", model.views().len()),
+            Row::plain("planes", model.sections().len()),
+            Row::plain("curves", model.curve_count()),
+            Row::plain("nodes", model.node_count()),
         ]),
         ModelFile::Store(OpenStore { snapshot, mut store, .. }) => {
             // Verifying needs the store alone.
@@ -40,16 +40,15 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn rows(found: &Verification) -> Vec<Row> {
-    let count = |metric: &str, value: u64| Row::new(metric, value.to_string(), "");
     vec![
         Row::new("sound", "yes", ""),
-        count("views", found.views),
-        count("planes", found.planes),
-        count("planes still to be fused", found.pending),
-        count("curves of all views", found.partial_curves),
-        count("nodes of all views", found.partial_nodes),
-        count("curves", found.curves),
-        count("nodes", found.nodes),
+        Row::plain("views", found.views),
+        Row::plain("planes", found.planes),
+        Row::plain("planes still to be fused", found.pending),
+        Row::plain("curves of all views", found.partial_curves),
+        Row::plain("nodes of all views", found.partial_nodes),
+        Row::plain("curves", found.curves),
+        Row::plain("nodes", found.nodes),
         Row::new("hash of the contents", format!("{:016x}", found.hash), ""),
     ]
 }
@@ -61,7 +60,10 @@ fn fuse_again(path: &Path, store: &Store) -> Result<Option<Row>, Failure> {
         return Ok(Some(Row::new("fused again", "the same", "")));
     }
     let names: Vec<String> = stale.iter().take(20).map(ToString::to_string).collect();
-    let reason =
-        format!("fusing again gives other curves on {} planes: {}", stale.len(), names.join(", "));
+    let reason = format!(
+        "fusing again gives other curves on {} planes ({}); the store was made by another version",
+        stale.len(),
+        names.join(", ")
+    );
     Err(Failure::with_file(path, reason))
 }

@@ -24,7 +24,7 @@ impl PngFolder {
             notes.push(format!("{others} files that are no .png ignored"));
         }
         let folder = Self { files, size: camera };
-        // Before anything as large as the stack is made: it must be the camera's at all.
+        // The first image is checked before memory for the whole stack is taken.
         if let Some(first) = folder.files.first() {
             folder.image(first)?;
         }

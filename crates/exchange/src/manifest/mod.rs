@@ -11,15 +11,15 @@
 //!
 //! | key | meaning |
 //! |---|---|
-//! | `unit` | length unit of everything: `m dm cm mm um in ft`; no default |
+//! | `unit` | length unit of all lengths: `m dm cm mm um in ft`; no default |
 //! | `sigma` | standard deviation of a range along its ray; optional |
 //! | `planes` | plane k is normal · p = offset + k · interval; optional |
 //! | `planes.guide` | a curve instead of the normal: `{"kind": "spline", "points": [[x, y, z], …]}`; `"kind": {"polyline": RADIUS}` is straight pieces with corners rounded by arcs up to that radius |
 //! | `file` | the image, relative to the manifest |
 //! | `pose` | 16 numbers, row-major, sensor to world |
-//! | `pose_true` | the same, if it is known to be better; kept as information, never used |
-//! | `rows`, `cols` | of the range image; optional, but must be right |
-//! | `sensor` | one of the following, each with keys of its own |
+//! | `pose_true` | the true pose, if it is known; modelling never uses it |
+//! | `rows`, `cols` | size of the range image; optional, checked against the file |
+//! | `sensor` | one of the following, each with its own keys |
 //!
 //! | sensor | keys and image |
 //! |---|---|
@@ -32,9 +32,9 @@
 //! Images are `.npy`, NaN or 0 = missing, in the unit of the sensor's pixels (the length unit for
 //! ranges and depths), or 16-bit grey `.png` with `depth_scale` in that unit per count, 0 and 65535
 //! = missing. Files that keys name are relative to the manifest. Notes by other programs (`scene`,
-//! `size`, `truth`, `seed`, `comment`, `description`) are accepted; any other key is told, also one
-//! of another sensor. `NaN` and `Infinity`, which some programs write though JSON has no such
-//! numbers, are read as "not a number".
+//! `size`, `truth`, `seed`, `comment`, `description`) are accepted. Any other key becomes a note,
+//! also one of another sensor. `NaN` and `Infinity`, which some programs write though JSON has no
+//! such numbers, are read as "not a number".
 
 mod entry;
 mod keys;

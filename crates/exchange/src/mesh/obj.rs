@@ -1,10 +1,10 @@
-//! OBJ (Wavefront): the statements `v` and `f`; all others say nothing about a mesh's shape.
+//! OBJ (Wavefront): the statements `v` and `f`. The others do not concern the shape.
 //!
 //! ```text
-//! v x y z                 further numbers (a weight, a colour) are passed over
+//! v x y z                 further numbers (a weight, a colour) are ignored
 //! f 1 2 3 4               corners count from 1, or from the last vertex backwards: -1
-//! f 1/5 2//7 3/5/7        what follows a slash is texture and normal
-//! f 1 2 \                 a line that goes on
+//! f 1/5 2//7 3/5/7        texture and normal after a slash are ignored
+//! f 1 2 \                 a line that continues
 //!   3
 //! ```
 //!
@@ -29,7 +29,7 @@ pub(super) fn mesh(path: &Path, bytes: &[u8]) -> Result<MeshFile, ReadError> {
     reader.finish(path)
 }
 
-/// A line with those it goes on in.
+/// A line with its continuation lines.
 fn joined<'a>(line: &'a str, rest: &mut impl Iterator<Item = (usize, &'a str)>) -> Cow<'a, str> {
     if !line.trim_end().ends_with('\\') {
         return Cow::Borrowed(line);
@@ -97,7 +97,7 @@ impl Reader {
         self.mesh.faces.extend(fan(corners));
     }
 
-    /// The vertex a corner such as `3/5/7` or `-1` names, counted from 0.
+    /// The index from 0 of the vertex that a corner such as `3/5/7` or `-1` names.
     fn corner(&self, word: &str) -> Result<u32, String> {
         let known = self.mesh.vertices.len();
         let name = word.split('/').next().unwrap_or_default();

@@ -3,7 +3,7 @@
 use crate::Place;
 use crate::error::Problem;
 
-/// How the numbers after the header are written.
+/// The encoding of the numbers after the header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Encoding {
     Ascii,
@@ -11,7 +11,7 @@ pub(super) enum Encoding {
     BigEndian,
 }
 
-/// A number's type, which matters in binary files only.
+/// A number's type. Only binary files depend on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Scalar {
     I8,
@@ -73,7 +73,7 @@ impl Element {
         self.properties.iter().position(|p| p.name == name)
     }
 
-    /// The fewest bytes one of these can take: a digit and a separator per number in text.
+    /// The fewest bytes of one instance. In text, a number takes a digit and a separator.
     pub(super) fn fewest_bytes(&self, encoding: Encoding) -> usize {
         let fewest = |p: &Property| match (encoding, p.kind) {
             (Encoding::Ascii, _) => 2,
@@ -90,7 +90,7 @@ pub(super) struct Header {
     /// Words after `obj_info`.
     infos: Vec<(String, String)>,
     pub(super) notes: Vec<String>,
-    /// Where the numbers begin.
+    /// Length of the header in bytes; the numbers follow.
     pub(super) length: usize,
 }
 
@@ -136,8 +136,9 @@ fn require_magic(text: &str) -> Result<(), Problem> {
     if text == "ply" { Ok(()) } else { Err(problem(1, "not a PLY file")) }
 }
 
-/// Stray lines that are told one by one; the rest is only counted.
-const STRAY_LINES_TOLD: usize = 5;
+/// Unknown header lines that get a note of their own; the rest is only counted. Chosen by hand.
+/// Doubled, a damaged header makes a longer report.
+const STRAY_LINES_NOTED: usize = 5;
 
 #[derive(Default)]
 struct Builder {
@@ -174,7 +175,7 @@ impl Builder {
     fn count_stray(&mut self, line: usize, text: &str) {
         if std::mem::take(&mut self.stray) {
             self.stray_count += 1;
-            if self.stray_count <= STRAY_LINES_TOLD {
+            if self.stray_count <= STRAY_LINES_NOTED {
                 let start: String = text.chars().take(40).collect();
                 self.notes.push(format!("line {line}: unknown header line {start:?} ignored"));
             }
@@ -187,8 +188,8 @@ impl Builder {
         if let Some(empty) = self.elements.iter().find(|e| e.properties.is_empty()) {
             return Err(problem(line, format!("element {} has no properties", empty.name)));
         }
-        if self.stray_count > STRAY_LINES_TOLD {
-            let more = self.stray_count - STRAY_LINES_TOLD;
+        if self.stray_count > STRAY_LINES_NOTED {
+            let more = self.stray_count - STRAY_LINES_NOTED;
             self.notes.push(format!("{more} more unknown header lines ignored"));
         }
         let Self { elements, infos, notes, .. } = self;

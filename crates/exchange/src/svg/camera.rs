@@ -69,19 +69,20 @@ impl Camera {
 
     /// Place in the picture, in pixels, y down.
     pub(super) fn place(&self, in_world: &Point3) -> Point2 {
-        // From a point of the model: far from the origin the differences are what is exact.
+        // Relative to a point of the model, because differences stay exact far from the origin.
         let d = in_world - self.centre;
         self.middle + self.scale * Vector2::new(self.right.dot(&d), -self.up.dot(&d))
     }
 
-    /// How near to the viewer a point is; grows towards the viewer.
+    /// The nearness of a point to the viewer; it grows towards the viewer.
     pub(super) fn nearness(&self, in_world: &Point3) -> f64 {
         self.towards.dot(&(in_world - self.centre))
     }
 
-    /// As wide as neighbouring planes leave room for.
+    /// A width that fits between neighbouring planes.
     pub(super) fn line_width(&self, planes: &PlaneFamily) -> f64 {
-        // Along a curved guide the shortest spacing is anywhere; half of the longest is a fair guess.
+        // Along a curved guide the shortest spacing is anywhere; half of the longest is a fair
+        // guess.
         let shown = planes.guide().straight().map_or(0.5, |g| self.up.dot(&g.direction()));
         let spacing = planes.interval() * self.scale * shown;
         (0.3 * spacing).clamp(0.5, 1.8)

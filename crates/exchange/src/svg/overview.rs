@@ -1,9 +1,9 @@
-//! All planes in space: the picture that shows what a model is of.
+//! All planes in space: an overview of the whole model.
 //!
 //! An axonometric view with the guide upright, drawn from the far plane to the near one. A piece of
-//! curve is drawn strongly where one looks at it from the free side and faintly where one looks
-//! through the solid at it: that hides the far side of an object, and the near walls of a room.
-//! Closed sections are filled, so that each covers what lies behind it.
+//! curve is drawn strongly if the viewer is on its free side, and faintly if the viewer looks
+//! through the solid. This hides the far side of an object, and the near walls of a room. Closed
+//! sections are filled, so that each covers the planes behind it.
 
 use super::camera::Camera;
 use super::canvas::{self, PathData};
@@ -24,7 +24,7 @@ const TOLERANCE: f64 = 0.1;
 /// Writes the overview of a model.
 ///
 /// # Errors
-/// What `out` says.
+/// An error of `out`.
 pub fn write_overview(
     model: &Model,
     options: &OverviewOptions,
@@ -49,7 +49,7 @@ fn nodes(model: &Model) -> impl Iterator<Item = Point3> + '_ {
     })
 }
 
-/// All that is seen through the solid, then plane after plane; `thick` is in steps.
+/// First the pieces seen through the solid, then plane after plane; `thick` is in steps.
 fn write_planes(planes: &[DrawnPlane], thick: f64, out: &mut dyn Write) -> io::Result<()> {
     writeln!(
         out,
@@ -71,7 +71,7 @@ fn write_planes(planes: &[DrawnPlane], thick: f64, out: &mut dyn Write) -> io::R
     writeln!(out, "</g></g>")
 }
 
-/// What is drawn of one plane.
+/// The paths of one plane.
 struct DrawnPlane {
     colour: Colour,
     /// Solid area.

@@ -1,4 +1,4 @@
-//! Points in space, coloured by station: what a sensor saw before anything is made of it.
+//! Points in space, coloured by station: the samples of a sensor.
 
 use super::camera::Camera;
 use super::canvas::{self, PathData};

@@ -80,10 +80,11 @@ impl<'a> Sheets<'a> {
         }
     }
 
-    /// Writes the sheet of one plane; a plane without curves gives a sheet that says so.
+    /// Writes the sheet of one plane. A plane without curves gives a sheet with 0 curves in its
+    /// legend.
     ///
     /// # Errors
-    /// What `out` says.
+    /// An error of `out`.
     pub fn write(&self, plane: PlaneIndex, out: &mut dyn Write) -> io::Result<()> {
         let (width, height) = (PAPER_WIDTH, PAPER_HEIGHT);
         writeln!(

@@ -23,7 +23,7 @@ impl Window {
         left_of(&self.tangent)
     }
 
-    /// Visits the neighbours that run the same way, with their places along (x) and across (y).
+    /// Visits the neighbours that run the same way: number, place along (x) and across (y).
     pub fn visit(
         &self,
         grid: &PointGrid,
@@ -40,7 +40,7 @@ impl Window {
         });
     }
 
-    /// Whether the middle of another window lies in this one and runs the same way.
+    /// Whether the centre of another window lies in this one, and both run the same way.
     pub fn holds(&self, other: &Self) -> bool {
         let d = other.centre - self.centre;
         d.dot(&self.tangent).abs() <= self.reach

@@ -19,7 +19,7 @@
 //! **Cost.** O(log n) for n curves of the plane, and the length of the curves that meet.
 
 use super::splice::{Merged, Outcome, Refusal, merge};
-use crate::consensus::observations::canonical;
+use crate::consensus::measure::canonical;
 use crate::envelopes::{Meeting, PlaneEnvelopes};
 use crate::pattern::{Fork, OverlapTolerance, classify};
 use crate::screening::may_overlap;

@@ -39,8 +39,8 @@ pub use splice::Refusal;
 
 use crate::consensus::{ConsensusOptions, measure};
 use crate::envelopes::UnitIndex;
+use crate::fused_plane::{FusedPlane, FusionCounts};
 use crate::pattern::OverlapTolerance;
-use crate::{FusedPlane, FusionCounts};
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 use transect_geometry::{Curve, Point2};
@@ -85,10 +85,8 @@ const REMAINDER_FOOTPRINTS: f64 = 2.0;
 /// assert!((middle.y - 0.002).abs() < 1e-9); // half way, in the length unit
 /// ```
 pub fn pairwise(views: &[&[Curve]], options: &PairwiseOptions) -> FusedPlane {
-    let measured = ConsensusOptions {
-        threshold_spreads: options.threshold_spreads,
-        ..ConsensusOptions::default()
-    };
+    let mut measured = ConsensusOptions::default();
+    measured.threshold_spreads = options.threshold_spreads;
     let Some(measure) = measure(views, &measured) else { return without_curves(views) };
     let tolerance = options.tolerance.or_else(|| {
         let remainder =
@@ -137,5 +135,5 @@ fn without_curves(views: &[&[Curve]]) -> FusedPlane {
 /// Equal lengths by all that is known of the curves.
 fn longest_first(a: &Curve, b: &Curve) -> Ordering {
     let by_length = b.length().total_cmp(&a.length());
-    by_length.then_with(|| crate::consensus::observations::canonical(a, b))
+    by_length.then_with(|| crate::consensus::measure::canonical(a, b))
 }

@@ -1,10 +1,11 @@
 //! A polyline whose corners are rounded by circular arcs.
 //!
-//! Problem: planes perpendicular to the two sides of a sharp corner cross right beside it.
+//! Problem: planes perpendicular to the two sides of a sharp corner cross close to it.
 //!
-//! Idea: what road and tunnel alignments do. An arc tangent to both sides replaces the corner; it takes
-//! no more than half of a side that has two corners, so that neighbouring arcs never meet. The curve is then made of
-//! straight and circular pieces, whose arc lengths, nearest points and frames are closed forms.
+//! Idea: as in road and tunnel alignments, an arc tangent to both sides replaces the corner. It
+//! takes at most half of a side with two corners, so neighbouring arcs never overlap. The curve
+//! then consists of straight and circular pieces, whose arc lengths, nearest points and frames have
+//! closed forms.
 //!
 //! A polyline with many points on a smooth curve becomes a smooth curve that passes each of its
 //! points at a distance of about an eighth of the square of a side over the radius.
@@ -13,10 +14,12 @@ use super::GuideError;
 use super::path_point::{PathPoint, Tightest};
 use crate::{Point3, Vector3};
 
-/// Sides whose directions differ by less than this many radians are one: rounding.
+/// Sides whose directions differ by less than this many radians count as one. Chosen by hand, above
+/// rounding and far below any measured angle; the same holds for twice or half of it.
 const STRAIGHT: f64 = 1e-9;
 
-/// Turns within this many radians of a half-turn have no arc.
+/// Corners that turn by a half-turn, to within this many radians, are refused. Chosen by hand:
+/// their arcs would be shorter than a thousandth of a side.
 const HALF_TURN: f64 = 1e-3;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -56,7 +59,7 @@ impl Piece {
 
 /// An arc in place of a corner.
 struct Corner {
-    /// What it takes off either side.
+    /// Length that it takes off each side.
     cut: f64,
     /// Its length.
     length: f64,
@@ -64,8 +67,8 @@ struct Corner {
 }
 
 impl Rounded {
-    /// The curve along points no two neighbours of which are equal; arcs are as large as there is room
-    /// for, but no larger than `radius`.
+    /// The curve along points, whose neighbours must differ. Arcs are as large as possible, up to
+    /// `radius`.
     pub fn new(points: &[Point3], radius: Option<f64>) -> Result<Self, GuideError> {
         let sides: Vec<Vector3> = points.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let mut path = Self { starts: vec![0.0], pieces: Vec::with_capacity(2 * sides.len()) };
@@ -75,7 +78,7 @@ impl Rounded {
             let direction = side / length;
             let corner = match sides.get(k + 1) {
                 Some(next) => {
-                    // The first and the last side have one corner, the others share theirs.
+                    // The first and the last side have one corner, the others have two.
                     let room =
                         |side: &Vector3, whole: bool| side.norm() * if whole { 1.0 } else { 0.5 };
                     let room = room(side, k == 0).min(room(next, k + 2 == sides.len()));
@@ -99,7 +102,7 @@ impl Rounded {
 
     fn push(&mut self, piece: Piece, length: f64) {
         let start = self.starts.last().copied().unwrap_or(0.0);
-        // Where two arcs share a side, rounding alone is left between them.
+        // Between two arcs that share a side, only rounding may remain.
         if start + length > start {
             self.starts.push(start + length);
             self.pieces.push(piece);

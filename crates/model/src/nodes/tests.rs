@@ -46,7 +46,8 @@ fn steps() -> impl Strategy<Value = Vec<Step>> {
     prop::collection::vec(some, 1..30).prop_map(|steps| steps.concat())
 }
 
-/// Partners of a joint that splitting leaves behind: the curve itself, or the last one of its plane.
+/// Partners of a joint that splitting leaves behind: the curve itself, or the last one of its
+/// plane.
 const ITSELF: usize = 100;
 const LAST: usize = 101;
 

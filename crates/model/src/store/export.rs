@@ -59,7 +59,7 @@ fn texts(curves: &[Curve]) -> Vec<CurveText> {
     curves.iter().map(CurveText::from).collect()
 }
 
-/// Lines on their way out, with the hash of those that are.
+/// The output, with the hash of all lines written so far.
 struct Lines<W> {
     out: W,
     hash: u64,

@@ -20,11 +20,12 @@ use transect_geometry::{Curve, PlaneIndex};
 impl Store {
     /// Creates a store from the lines of an export, in a file that must not exist yet.
     ///
-    /// The fused curves are taken as they are; [`Snapshot::stale_planes`](super::Snapshot::stale_planes)
-    /// says whether a way to fuse gives the same.
+    /// The fused curves are taken as they are;
+    /// [`Snapshot::stale_planes`](super::Snapshot::stale_planes) compares them with the result of
+    /// fusing again.
     ///
     /// # Errors
-    /// [`StoreProblem::Import`] with the line that is wrong; no file is left then.
+    /// [`StoreProblem::Import`] with the wrong line; no file remains.
     pub fn import(path: impl AsRef<Path>, lines: impl BufRead) -> Result<Self, StoreError> {
         let path = path.as_ref();
         build(path, |file| Self::import_in(path, file, lines)).map_err(|problem| problem.at(path))
@@ -85,7 +86,7 @@ fn read_header(lines: &mut Lines<impl BufRead>) -> Result<StoreHeader, StoreProb
     Ok(line.into())
 }
 
-/// What was read so far.
+/// The contents that were read so far.
 #[derive(Default)]
 struct Contents {
     views: BTreeMap<ViewId, StoredView>,
@@ -136,7 +137,7 @@ fn read_contents(
     Ok(())
 }
 
-/// Why a line was refused: for what it says, or because the store could not take it.
+/// Why a line was refused: its content is wrong, or the store cannot be written.
 enum Refused {
     Line(String),
     Store(StoreProblem),

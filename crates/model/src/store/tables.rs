@@ -1,4 +1,4 @@
-//! The tables of a store, and their values in the words of this crate.
+//! The tables of a store, with their values as types of this crate.
 //!
 //! ```text
 //! header    "header"        → unit, planes, options, tool

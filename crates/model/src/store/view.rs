@@ -1,4 +1,4 @@
-//! What a store keeps about a view, and what it says about itself.
+//! The header of a store, and its records of views.
 
 use super::error::StoreProblem;
 use super::view_id::ViewId;
@@ -8,14 +8,14 @@ use crate::{CodecError, InvariantError};
 use serde::{Deserialize, Serialize};
 use transect_geometry::{Curve, Isometry3, LengthUnit, PlaneFamily, PlaneIndex};
 
-/// What a store says about itself; fixed when it is created.
+/// The header of a store, fixed when it is created.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoreHeader {
     /// The unit of every length in the store.
     pub unit: LengthUnit,
     /// Where the section planes are.
     pub planes: PlaneFamily,
-    /// The settings under which views were modelled and fused; the store does not read them.
+    /// The settings with which views are modelled and fused, as text; the store does not read them.
     pub options: String,
     /// The program and its version.
     pub tool: String,
@@ -25,13 +25,13 @@ pub struct StoreHeader {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ViewEntry {
-    /// What tells it from other views.
+    /// Its id, which differs from those of other views.
     pub id: ViewId,
-    /// What it is called in reports.
+    /// Its name in reports.
     pub name: String,
     /// Its sensor, as the caller describes it; the store does not read it.
     pub sensor: String,
-    /// Where it came from, such as the file of its range image.
+    /// Its origin, such as the file of its range image.
     pub source: String,
     /// A hash of that source, as the caller writes it; empty if unknown.
     pub source_hash: String,
@@ -43,8 +43,9 @@ pub struct ViewEntry {
 
 /// A view that is in a store.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct StoredView {
-    /// What was put in.
+    /// The entry of the view.
     pub entry: ViewEntry,
     /// The planes on which it has curves, in order.
     pub planes: Vec<PlaneIndex>,

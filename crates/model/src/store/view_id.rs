@@ -1,11 +1,11 @@
-//! The names by which a store tells its views apart.
+//! The ids of views in a store.
 
 use serde::{Deserialize, Serialize};
 
-/// What tells a view from the others: a text that the caller chooses, such as its name in the scan.
+/// The id of a view: a text that the caller chooses, such as its name in the scan.
 ///
-/// The order of ids is the order in which views are handed to fusion, so that it depends on the
-/// set of views alone and not on when each of them came.
+/// Views are fused in order of their ids, so the result does not depend on the order in which they
+/// were added.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct ViewId(pub String);
 

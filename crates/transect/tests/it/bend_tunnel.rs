@@ -51,8 +51,8 @@ fn accuracy(description: &Description, noise: &Noise) -> Accuracy {
     evaluate(planes, &found, &truth, &options).unwrap()
 }
 
-/// Station of a point along the axis of the bend tunnel, by formulas of its own: 10 straight along x, an
-/// arc of radius 15 and 60° to the left, 10 straight.
+/// Station of a point along the axis of the bend tunnel, by formulas of its own: 10 straight along
+/// x, an arc of radius 15 and 60° to the left, 10 straight.
 fn axis_station(p: &Point3) -> f64 {
     let (x, y) = (p.x - 10.0, 15.0 - p.y);
     let angle = x.atan2(y);
@@ -125,8 +125,9 @@ fn a_guide_that_does_not_bend_gives_the_curves_of_a_line() {
             differing += usize::from((a.position - b.position).norm() > 0.05 * f64::from(a.sigma));
         }
     }
-    // Levels are rounded to f32 in other ways, which may turn a sample on a plane to its other side. Errors that
-    // views have in common are measured from all of a plane, so then all of it moves, by a part of its error.
+    // Levels are rounded to f32 in other ways, which may turn a sample on a plane to its other
+    // side. Errors that views have in common are measured from all of a plane, so then all of it
+    // moves, by a part of its error.
     assert!(nodes > 5000 && differing <= nodes / 250, "{differing} of {nodes}");
 }
 

@@ -1,4 +1,5 @@
-//! A store that views came to, left and were replaced in, against one run over the views that are there.
+//! A store that views came to, left and were replaced in, against one run over the views that are
+//! there.
 
 use crate::objects::{noisy_views, setup, views};
 use proptest::prelude::*;
@@ -214,7 +215,7 @@ fn another_view_under_a_known_name_is_refused() {
     with_store(&setup, |store| {
         let grower = Grower::new(store, &setup).unwrap();
         let error = grower.add_views(&[views[0].clone(), pose.clone()], &Unwatched).unwrap_err();
-        assert_eq!(error.to_string(), "two views go by the name east");
+        assert_eq!(error.to_string(), "two of the views have the name east; ids must differ");
         assert_eq!(names(store), [""; 0]);
     });
 }

@@ -1,7 +1,7 @@
 //! Gaps and next views on a simulated room: what is promised is worth following.
 //!
-//! The room of `fixtures/room.scene.toml` is scanned from one of its corners. The view that is proposed next must close
-//! more than views from most other places in the same free space.
+//! The room of `fixtures/room.scene.toml` is scanned from one of its corners. The view that is
+//! proposed next must close more than views from most other places in the same free space.
 
 use std::sync::Arc;
 use transect::{Setup, Unwatched, reconstruct};

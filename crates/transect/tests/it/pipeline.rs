@@ -20,8 +20,8 @@ use transect_scene::Noise;
 
 /// Two thirds of a pixel's footprint at the far side of the scene, 0.5° at 3.5 m, in metres.
 ///
-/// A line between neighbouring samples cuts a corner by half a footprint, and by a little more where
-/// a side of it is seen obliquely.
+/// A line between neighbouring samples cuts a corner by half a footprint, and by a little more
+/// where a side of it is seen obliquely.
 const SAMPLING: f64 = 0.02;
 
 /// How far the truth's inscribed ball is from the round one, in metres.
@@ -110,8 +110,9 @@ fn assert_same_far_away(normal: Vector3) {
             turned += usize::from((p - q).norm() > 1e-6);
         }
     }
-    // Coordinates in the millions are rounded to a nanometre, which may turn a sample over a threshold of fusion, such
-    // as that of a window. The nodes beside it then move by a hundredth of the noise.
+    // Coordinates in the millions are rounded to a nanometre, which may turn a sample over a
+    // threshold of fusion, such as that of a window. The nodes beside it then move by a hundredth
+    // of the noise.
     assert!(turned * 100 <= compared, "{turned} of {compared} nodes");
 }
 
@@ -319,8 +320,8 @@ fn without_noise_curves_lie_on_the_truth_once() {
     assert!(a.median.is_some_and(|m| m < 2e-4), "{a:?}");
     // The ball's underside and the ground below it are seen by nobody.
     assert!(a.completeness.is_some_and(|c| c > 0.92), "{a:?}");
-    // A line that cuts a corner may stand at right angles to the nearer side: half a footprint of it
-    // at some of the block's four corners on ten planes. All else runs like the truth.
+    // A line that cuts a corner may stand at right angles to the nearer side: half a footprint of
+    // it at some of the block's four corners on ten planes. All else runs like the truth.
     let at_corners = 40.0 * SAMPLING / a.length;
     assert!(a.oriented.is_some_and(|o| o > 1.0 - 0.1 * at_corners), "{a:?}");
 }

@@ -1,4 +1,5 @@
-//! Refinement on simulated scans: which planes are asked for, and that their curves are those of all planes.
+//! Refinement on simulated scans: which planes are asked for, and that their curves are those of
+//! all planes.
 
 use crate::objects::{frame, noisy_views, setup};
 use std::collections::BTreeMap;

@@ -23,8 +23,8 @@ use transect_exchange::{TriangleMesh, read_mesh};
 use transect_scene::{BUNDLED_SCENES, CastError, Description, Mesh, Scene};
 
 /// Largest distance between a curved solid and the mesh of its surface, as a share of the plane
-/// interval. Chosen by hand: far below the noise of every simulated sensor. Doubled, the scores of
-/// noise-free scans get worse.
+/// interval. Chosen by hand: far below the noise of every simulated sensor. Doubled, the
+/// truth of curved solids is off by twice as much.
 const CHORD_SHARE: f64 = 1e-3;
 
 /// The sensors that look at a scene.

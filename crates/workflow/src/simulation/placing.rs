@@ -22,8 +22,8 @@ fn golden_angle() -> f64 {
 }
 
 /// Share of the way to the first surface ahead that a sensor with a bounded field moves inside a
-/// scene. Chosen by hand: it leaves the corner, and the surface stays in the field. Doubled, the
-/// sensors stand so near that their views overlap little.
+/// scene. Chosen by hand: it leaves the corner. Doubled, sensors stand halfway to the surface and
+/// see less of it.
 const ADVANCE_SHARE: f64 = 0.25;
 
 /// Share of the free space around it that a sensor fills inside a scene. Chosen by hand; above 1 the

@@ -1,7 +1,7 @@
 //! `cargo xtask experiments`: measurements that take the whole system, printed as tables.
 //!
-//! Each is a question that somebody who builds on the system would ask; what they print is what the
-//! documentation states.
+//! Each answers a question of users of the system. The documentation states the figures that they
+//! print.
 
 mod ablation;
 mod database;
@@ -28,15 +28,15 @@ enum Experiment {
     Sensors(sensors::Arguments),
     /// What is each step of fusion worth?
     Ablation(ablation::Arguments),
-    /// Does fusion drift, how far does it take noise out, and what does it cost?
+    /// Does fusion drift, how much noise does it remove, and what does it cost?
     Fusion(fusion::Arguments),
     /// How does the error fall when the sensors' grids get denser?
     Orders(orders::Arguments),
     /// How accurate are one view's curves, by method, noise, surface and angle?
     Partial(partial::Arguments),
-    /// What does the model database promise, and is it so?
+    /// Does the model database keep its promises?
     Database(database::Arguments),
-    /// Draw what the sensors see and what is made of it.
+    /// Draw scanned points and models of every sensor.
     Pictures(pictures::Arguments),
 }
 

@@ -1,19 +1,20 @@
-//! How the error falls with the grid's density: a ball and a torus, whose sections are circles.
+//! The error by density of the sensors' grids, on a ball and a torus, whose sections are circles.
 //!
-//! Without noise, what is left is sampling: between two samples h apart a curve of radius R is a
-//! chord, off by up to h²/8R. Twice the density must leave a quarter of the error, order 2.
+//! Without noise the error comes from sampling alone: between two samples h apart, a curve of radius
+//! R is a chord, off by up to h²/8R. Twice the density must leave a quarter of the error (order 2).
 
 use super::{table, trial};
 use crate::failure::Failure;
 use crate::simulation::{PreparedScene, SensorKind, SensorPlan};
 use crate::table::{digits, say};
-use transect_geometry::{Curve, PlaneIndex, Point2};
+use transect_geometry::{Curve, Point2};
+use transect_model::Model;
 use transect_scene::Description;
 
 /// Options of `experiments orders`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// How often the density is doubled, from half of the sensors' usual one on.
+    /// Number of times that the density is doubled, beginning with half of the sensors' usual one.
     #[arg(long, default_value_t = 3, value_name = "NUMBER", value_parser = clap::value_parser!(u8).range(1..=5))]
     doublings: u8,
 }
@@ -23,7 +24,7 @@ const BALL: f64 = 40.0;
 const RING: f64 = 70.0;
 const TUBE: f64 = 15.0;
 
-/// Planes through both, off their symmetries, and where sensors stand.
+/// Planes through both solids, off their symmetries, and the sensors' stations.
 const STATIONS: &str = r#"
 name = "ball and torus"
 unit = "mm"
@@ -70,7 +71,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         for doubling in 0..=arguments.doublings {
             let density = 0.5 * f64::from(1 << doubling);
             let outcome = trial::run(&scene, &SensorPlan { density, ..SensorPlan::with(kind) })?;
-            let errors = errors(&scene, outcome.curves());
+            let errors = errors(&outcome.model);
             let pixels: usize = outcome.views.iter().map(|v| v.image().size().pixels()).sum();
             let order = |k: usize| match before {
                 Some(b) => format!("{:.2}", (b[k] / errors[k]).log2()),
@@ -96,23 +97,19 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Median and 95 % quantile of the distances of the curves' nodes and units' middles from the
-/// nearest circle.
-fn errors(
-    scene: &PreparedScene,
-    planes: impl IntoIterator<Item = (PlaneIndex, Vec<Curve>)>,
-) -> [f64; 2] {
+/// Median and 95 % quantile of the distances from the nearest circle, over the nodes of the curves
+/// and the middles between them.
+fn errors(model: &Model) -> [f64; 2] {
     let mut errors = Vec::new();
-    for (index, curves) in planes {
-        let height = scene.description.planes.station(index);
-        let frame = scene.description.planes.frame(index);
-        let radii = radii(height);
+    for (index, section) in model.sections() {
+        let frame = model.planes().frame(index);
+        let radii = radii(model.planes().station(index));
         let error = |p: &Point2| {
             let at = frame.world_from_plane(p);
             let off = radii.iter().map(|r| (at.x.hypot(at.y) - r).abs());
             off.fold(f64::INFINITY, f64::min)
         };
-        for unit in curves.iter().flat_map(Curve::units) {
+        for unit in section.curves().flat_map(Curve::units) {
             let middle = nalgebra::center(&unit.start, &unit.end);
             errors.extend([error(&unit.start), error(&middle)]);
         }

@@ -1,4 +1,4 @@
-//! What the sensors see and what is made of it, after the dissertation's Figures 4.11 to 4.20.
+//! Pictures of scanned points and their models, after the dissertation's Figures 4.11 to 4.20.
 
 mod charts;
 
@@ -21,7 +21,7 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Which scene shows which sensor, and from where it is looked at.
+/// The sensors shown, each with its scene, and azimuth and elevation of the observer in degrees.
 const SHOWN: [(SensorKind, &str, (f64, f64)); 4] = [
     (SensorKind::Spherical, "room", (-60.0, 35.0)),
     (SensorKind::LightStripe, "face_mask", (-65.0, 20.0)),
@@ -29,7 +29,8 @@ const SHOWN: [(SensorKind, &str, (f64, f64)); 4] = [
     (SensorKind::Pinhole, "machined_part", (-60.0, 30.0)),
 ];
 
-/// Points drawn of a scan, at most.
+/// Largest number of points drawn of a scan. Chosen by hand; doubled, the pictures take twice the
+/// space.
 const POINTS: usize = 8000;
 
 /// Runs the experiment.

@@ -1,24 +1,18 @@
-//! From a scene and a plan to a model and its accuracy, all in memory.
+//! From a scene and a sensor plan to a model and its accuracy, all in memory.
 
 use crate::failure::Failure;
 use crate::simulation::{PreparedScene, SensorPlan};
-use std::collections::BTreeMap;
-use transect::evaluate::{Accuracy, EvaluateOptions, evaluate_seen};
+use transect::evaluate::Accuracy;
 use transect::{Setup, Unwatched, reconstruct};
 use transect_device::View;
-use transect_geometry::{Curve, PlaneIndex, Point2};
 use transect_model::Model;
-use transect_scene::{Visibility, merge_overlaps, sections};
+use transect_workflow::{ScoreLimits, simulated_accuracy};
 
-/// Distance within which a curve counts as right, as a share of the plane interval: that of
-/// `evaluate`.
-const TOLERANCE_SHARE: f64 = 0.2;
-
-/// What came of a simulated scan.
+/// The views of a simulated scan and their model.
 pub struct Outcome {
-    /// What the sensors saw.
+    /// The views.
     pub views: Vec<View>,
-    /// What was made of it.
+    /// The model.
     pub model: Model,
 }
 
@@ -31,20 +25,9 @@ pub fn run(scene: &PreparedScene, plan: &SensorPlan) -> Result<Outcome, Failure>
 }
 
 impl Outcome {
-    /// Scores the model on what the views could see of the scene.
+    /// Scores the model on the part of the scene that the views could see.
     pub fn accuracy(&self, scene: &PreparedScene) -> Result<Accuracy, Failure> {
-        let planes = scene.description.planes.clone();
-        let truth = sections(&scene.truth, &planes)?;
-        let united = truth.into_iter().map(|(k, c)| (k, merge_overlaps(c))).collect();
-        let visible = Visibility::new(&scene.truth, self.views.clone())?;
-        let seen = |k: PlaneIndex, p: &Point2| visible.sees(&planes.frame(k).world_from_plane(p));
-        let options =
-            EvaluateOptions { tolerance: TOLERANCE_SHARE * planes.interval(), from: None };
-        Ok(evaluate_seen(&planes, &self.curves(), &united, &seen, &options)?)
-    }
-
-    /// The model's curves by plane.
-    pub fn curves(&self) -> BTreeMap<PlaneIndex, Vec<Curve>> {
-        self.model.sections().map(|(k, s)| (k, s.curves().cloned().collect())).collect()
+        let (views, limits) = (self.views.clone(), ScoreLimits::default());
+        Ok(simulated_accuracy(&self.model, &scene.truth, views, &limits)?)
     }
 }

@@ -1,4 +1,5 @@
-//! `lookup_table`: a scanner with one scanning angle on a linear axis, calibrated by tables (HYSCAN).
+//! `lookup_table`: a scanner with one scanning angle on a linear axis, calibrated by tables
+//! (HYSCAN).
 //!
 //! | key | meaning |
 //! |---|---|
@@ -29,7 +30,7 @@ use transect_sensors::lookup_table::{
 };
 use transect_sensors::{LookupTable, SensorError};
 
-/// A calibrated scanner on a linear axis, as manifests describe it.
+/// A calibrated scanner on a linear axis in a manifest.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LookupTableEntry {
     /// Scanning angle of column 0; radians.
@@ -52,7 +53,7 @@ pub struct LookupTableEntry {
     pub mounting: ScanPlane,
     /// Turn about the linear axis; radians.
     pub tilt: f64,
-    /// Where the light leaves and where it is watched from, if known.
+    /// The start of the light and the point that sees it, if known.
     #[serde(flatten)]
     pub viewpoints: Option<ViewpointsEntry>,
 }
@@ -147,7 +148,7 @@ impl LookupTableSensor {
         let sweeps = read_calibration(&self.calibration)?;
         let columns = ThetaSteps::from_radians(self.entry.theta0, self.entry.dtheta, columns);
         digitize(&sweeps, &columns, self.entry.options()).map_err(|e| match e {
-            // These come from the manifest; everything else is about the sweeps.
+            // These parameters come from the manifest; the others from the sweeps.
             SensorError::BadParameter { key: "theta0" | "dtheta" | "median_window", .. } => {
                 file.bad_sensor(e)
             }

@@ -4,11 +4,11 @@
 //! |---|---|
 //! | `fx`, `fy`, `cx`, `cy` | focal lengths and principal point, in pixels |
 //! | `distortion` | `[k1, k2, p1, p2, k3]`, radial and tangential (Brown, Conrady); optional |
-//! | `rays` | instead of all these: a `.npy` of rows × cols × 3, the direction of every pixel's ray, NaN where there is none |
-//! | `holds` | what pixels hold: `depth` along z (the default) or `ray_length` |
+//! | `rays` | instead of all of the above: a `.npy` of rows × cols × 3, the direction of every pixel's ray, NaN where there is none |
+//! | `holds` | the pixels' values: `depth` along z (the default) or `ray_length` |
 //!
-//! Column j, row i without distortion: the ray ((j − cx)/fx, (i − cy)/fy, 1), y down. With it, that
-//! is where the lens puts the ray; see the inversion's page for the equations.
+//! Column j, row i without distortion: the ray ((j − cx)/fx, (i − cy)/fy, 1), y down. With
+//! distortion, the lens moves the ray to that place; see `distortion.rs` for the equations.
 
 use super::super::keys::Keys;
 use super::super::word;
@@ -23,18 +23,18 @@ use std::sync::Arc;
 use transect_device::{DeviceFrame, ImageSize, Vector3};
 use transect_sensors::{Intrinsics, Pinhole, PinholeScale, RayTable};
 
-/// A depth camera, as manifests describe it.
+/// A depth camera in a manifest.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PinholeEntry {
-    /// Where its pixels look.
+    /// The rays of its pixels.
     #[serde(flatten)]
     pub lens: LensEntry,
-    /// What its pixels hold, in the length unit.
+    /// The meaning of its pixels' values, which are in the length unit.
     #[serde(serialize_with = "word::write", skip_serializing_if = "is_usual")]
     pub holds: PinholeScale,
 }
 
-/// Where a camera's pixels look.
+/// The rays of a camera's pixels.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum LensEntry {
@@ -59,7 +59,7 @@ pub enum LensEntry {
     },
 }
 
-/// The default, which need not be written.
+/// Whether the value is the default, which is not written.
 fn is_usual(holds: &PinholeScale) -> bool {
     *holds == PinholeScale::default()
 }

@@ -4,8 +4,8 @@
 //! |---|---|
 //! | `shape` | `triangle` (the default) or `gaussian` |
 //! | `width` | base of the triangle, in cells, twice the width at half height; default 8 |
-//! | `height` | height over the background, in counts; default half the largest count of the stack, which a note tells |
-//! | `least_height` | least height that still is a stripe, in counts; default a quarter of `height` |
+//! | `height` | height over the background, in counts; default half the largest count of the stack, with a note |
+//! | `least_height` | least height of a stripe, in counts; default a quarter of `height` |
 //! | `median_rows` | rows of the median filter along the stripe, odd; default 5, none: 1 |
 //! | `peak` | `sub_cell` (the default) or `whole_cell` |
 //!
@@ -32,22 +32,23 @@ pub struct StripeEntry {
     /// Height over the background, in counts; `None` for half the largest count of the stack.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub height: Option<f64>,
-    /// Least height that still is a stripe, in counts; `None` for the finder's own.
+    /// Least height of a stripe, in counts; `None` for the finder's default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub least_height: Option<f64>,
     /// Rows of the median filter along the stripe, odd; 1 for none.
     pub median_rows: usize,
-    /// Whole cells or parts of them.
+    /// Accuracy of the place: whole cells or parts of them.
     #[serde(serialize_with = "word::write")]
     pub peak: Peak,
 }
 
-/// Width of a stripe nobody has described, in cells: wide enough for sub-cell peaks under noise,
-/// and stripes of two thirds to half as much again are still found to a hundredth of a cell.
+/// Default width of a stripe, in cells. Chosen by hand: wide enough for sub-cell peaks under noise.
+/// Stripes of 5 to 12 cells are still found to a hundredth of a cell. Doubled, narrow stripes are
+/// lost in the background.
 const USUAL_WIDTH: f64 = 8.0;
 
 impl Default for StripeEntry {
-    /// A triangle 8 cells wide, its height measured, the rest as [`StripeFinder::new`] has it.
+    /// A triangle 8 cells wide, with a measured height and the defaults of [`StripeFinder::new`].
     fn default() -> Self {
         let usual = StripeFinder::new(StripeProfile::triangle(USUAL_WIDTH, 1.0));
         Self { height: None, least_height: None, ..usual.into() }
@@ -55,7 +56,7 @@ impl Default for StripeEntry {
 }
 
 impl From<StripeFinder> for StripeEntry {
-    /// Everything stated.
+    /// All settings stated.
     fn from(finder: StripeFinder) -> Self {
         let StripeFinder { profile, least_height, median_rows, peak } = finder;
         let StripeProfile { shape, width, height } = profile;
@@ -79,7 +80,7 @@ impl StripeEntry {
         Ok(entry)
     }
 
-    /// The finder, once the height is known.
+    /// The finder for a height.
     pub(super) fn finder(&self, height: f64) -> StripeFinder {
         let profile = StripeProfile { shape: self.shape, width: self.width, height };
         let usual = StripeFinder::new(profile);

@@ -55,9 +55,9 @@ fn measure(set: &Set, arguments: &Arguments, worth: &mut Worth) -> Result<(), Fa
     let chosen = |name: &str| arguments.step.as_ref().is_none_or(|s| name.contains(s.as_str()));
     let full = figures(set, &ConsensusOptions::default())?;
     worth.add_full(&set.name, full);
-    for (name, switch) in Steps::each().into_iter().filter(|(name, _)| chosen(name)) {
+    for (name, steps) in Steps::each_left_out().into_iter().filter(|(name, _)| chosen(name)) {
         let mut options = ConsensusOptions::default();
-        *switch(&mut options.steps) = false;
+        options.steps = steps;
         worth.add(&set.name, name, figures(set, &options)?);
     }
     // Once more, which tells how far times can be trusted.

@@ -1,7 +1,8 @@
-//! A store that outgrows memory: what it costs to build, to open and to ask.
+//! The costs of building, opening and querying a store that is larger than memory.
 //!
-//! A scan along a corridor: every plane is seen by four views, every view sees forty planes, with 5000
-//! nodes on each. Fusion is stood in for by the first view's curves, since its own time is not the question.
+//! A scan along a corridor: four views see each plane, each view sees forty planes, with 5000 nodes on
+//! each. The first view's curves take the place of the fused curves: the time of fusion is measured
+//! elsewhere.
 
 use crate::failure::Failure;
 use crate::table::{Row, digits, print, say};
@@ -29,7 +30,7 @@ pub fn run(folder: &Path, planes: i64) -> Result<(), Failure> {
         rows.extend(after_a_crash(&path)?);
         Ok(rows)
     });
-    // It is large, and of no use to anybody, whatever happened.
+    // The files are large and not needed any more, also after a failure.
     let _ = std::fs::remove_file(&path);
     let _ = std::fs::remove_file(path.with_extension("copy"));
     print(&rows?);
@@ -68,7 +69,7 @@ fn curves(view: i64, plane: i64) -> Result<Vec<Curve>, CurveError> {
     (0..CURVES).map(pipe).collect()
 }
 
-/// Stands for fusion.
+/// Takes the place of fusion.
 fn fuse(_: PlaneIndex, partials: &[(ViewId, Vec<Curve>)]) -> Vec<Curve> {
     partials.first().map(|(_, curves)| curves.clone()).unwrap_or_default()
 }
@@ -91,7 +92,7 @@ fn build(path: &Path, planes: i64) -> Result<Vec<Row>, Failure> {
     let parts = times.chunks(times.len().div_ceil(5)).map(|part| format!("{:.0}", median(part)));
     let size = std::fs::metadata(path)?.len();
     Ok(vec![
-        Row::count("views", times.len()),
+        Row::plain("views", times.len()),
         Row::new("adding a view, by fifths of the run", parts.collect::<Vec<_>>().join(" "), "ms"),
         Row::new("file", digits(size as f64 / 1e6), "MB"),
         peak("peak memory, building"),
@@ -118,7 +119,7 @@ fn ask(path: &Path, planes: i64) -> Result<Vec<Row>, Failure> {
         Row::new("opening", digits(opening), "ms"),
         Row::new("reading one plane, median", digits(median(&reads)), "ms"),
         Row::new("reading all planes", digits(streaming), "ms"),
-        Row::count("fused nodes", nodes),
+        Row::plain("fused nodes", nodes),
     ];
     rows.extend(point_queries(&store, planes)?);
     rows.push(peak("peak memory, asking"));
@@ -143,7 +144,7 @@ fn point_queries(store: &Store, planes: i64) -> Result<[Row; 2], Failure> {
     ])
 }
 
-/// The file as it is while the store is open is what a crash leaves.
+/// A crash leaves the file in the state that it has while the store is open.
 fn after_a_crash(path: &Path) -> Result<Vec<Row>, Failure> {
     let copy = path.with_extension("copy");
     let store = Store::open(path)?;

@@ -1,4 +1,5 @@
-//! What the model database promises, measured: coordinates, areas and volumes, inside and outside, size.
+//! The promises of the model database, measured: large coordinates, areas and volumes, inside and
+//! outside, size.
 
 mod large;
 mod solids;
@@ -20,7 +21,7 @@ pub struct Arguments {
     /// Planes of the large store; 2000 make ten million fused nodes and a file of 2.6 GB.
     #[arg(long, default_value_t = 200, value_name = "NUMBER", value_parser = clap::value_parser!(i64).range(50..))]
     planes: i64,
-    /// Folder for the large store [default: the system's own for such files].
+    /// Folder for the large store [default: the system's folder for temporary files].
     #[arg(long, value_name = "DIR")]
     folder: Option<std::path::PathBuf>,
 }
@@ -31,9 +32,9 @@ enum Part {
     Utm,
     /// How far are areas and volumes of simulated solids from the exact ones?
     Solids,
-    /// How often is a point's answer wrong, how often unknown?
+    /// How often is the answer for a point wrong, and how often unknown?
     Space,
-    /// What does a store cost that outgrows memory?
+    /// What does a store cost that is larger than memory?
     Large,
 }
 
@@ -56,13 +57,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Solids on a scene of their own, seen from all sides, also from below, without noise.
+/// Solids without surroundings, seen from all sides and from below, without noise.
 struct Surrounded {
     scene: PreparedScene,
     views: Vec<View>,
 }
 
-/// How far the stations stand from the middle, in millimetres.
+/// Distance of the stations from the middle, in millimetres.
 const DISTANCE: f64 = 400.0;
 const PIXELS: usize = 300;
 const FIELD_DEG: f64 = 40.0;
@@ -73,7 +74,7 @@ fn footprint() -> f64 {
     2.0 * DISTANCE * (0.5 * FIELD_DEG).to_radians().tan() / PIXELS as f64
 }
 
-/// Sets up solids, given as a scene file gives them, in millimetres around the origin.
+/// Prepares solids, in the text of a scene file, in millimetres around the origin.
 fn surround(solids: &str) -> Result<Surrounded, Failure> {
     let mut text = String::from(
         "name = \"solids\"\nunit = \"mm\"\n[planes]\nnormal = [0, 0, 1]\noffset = 0.3\ninterval = 4\n",

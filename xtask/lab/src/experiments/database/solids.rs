@@ -9,7 +9,7 @@ use transect::{Setup, Unwatched, reconstruct};
 use transect_geometry::{LengthUnit, PlaneFamily};
 use transect_model::{Model, ModelVolume};
 
-/// A solid whose measures have a formula; lengths in millimetres, height from its middle.
+/// A solid with exact volume and section areas. Lengths in millimetres, heights from its middle.
 struct Solid {
     name: &'static str,
     scene: &'static str,
@@ -77,7 +77,7 @@ pub fn run() -> Result<(), Failure> {
     Ok(())
 }
 
-/// Where the planes lie, in intervals: off every solid's symmetry, and never in a face.
+/// Offsets of the planes, in intervals: off every solid's symmetry, and never in a face.
 const OFFSETS: [f64; 4] = [0.13, 0.37, 0.61, 0.87];
 
 fn line(solid: &Solid, interval: f64, models: &[Model]) -> Vec<String> {

@@ -1,4 +1,4 @@
-//! Inside, outside or unknown, asked about many points of which the truth is known.
+//! Inside, outside or unknown: the answers for many points whose truth is known.
 
 use super::super::table;
 use super::{Surrounded, footprint, surround};
@@ -41,7 +41,7 @@ at = [55, -50, -15]
 rotate = { axis = [0, 1, 0], degrees = 25 }
 "#;
 
-/// How the answers went.
+/// The number of answers of each kind.
 #[derive(Default)]
 struct Tally {
     points: usize,
@@ -96,17 +96,18 @@ fn row(name: &str, tally: &Tally, sampling: f64, unit: &str) -> Vec<String> {
 /// Points in a box around solids that were seen from everywhere.
 fn solids(sampling: f64) -> Result<Tally, Failure> {
     let Surrounded { scene, views } = surround(SOLIDS)?;
-    // No higher than the lowest of the solids: beyond their planes nothing can be known.
+    // No higher than the lowest of the solids: beyond the planes every answer is unknown.
     let sides = Vector3::new(220.0, 220.0, 80.0);
     let at = |i| (spread(i) - Vector3::repeat(0.5)).component_mul(&sides);
     let points = (0..POINTS).map(|i| Point3::from(at(i)));
     tally(&scene, &views, INTERVAL, points, sampling)
 }
 
-/// The room's scanners have 400 pixels over their field; at a wall 4 m away that is some centimetres.
+/// Distance between samples in the room, in metres: its scanners have 400 pixels over their field, and
+/// walls are up to 4 m away.
 const ROOM_SAMPLING: f64 = 0.03;
 
-/// Points between the room's scanners and what they saw: free space, for certain.
+/// Points on rays of the room's scanners, before the surface: certainly free space.
 fn room(sampling: f64) -> Result<Tally, Failure> {
     let scene = PreparedScene::new(describe(Path::new("room"))?)?;
     let views = scene.simulate(&SensorPlan::OWN)?.views;
@@ -120,7 +121,7 @@ fn on_a_ray(views: &[View], i: usize) -> Option<Point3> {
     let size = view.image().size();
     let pixel = Pixel::new((at.x * size.rows as f64) as usize, (at.y * size.cols as f64) as usize);
     let (seen, ray) = (view.point_in_sensor(pixel)?, view.frame().ray(pixel)?);
-    // Not the last twentieth: noise moves what was seen.
+    // Not the last twentieth of the ray: noise moves its end.
     Some(view.world_from_sensor() * (ray.start + (seen - ray.start) * (0.95 * at.z)))
 }
 
@@ -153,7 +154,8 @@ fn tally(
     Ok(tally)
 }
 
-/// Whether the surface comes within a distance of a point: whether some direction leads across it.
+/// Whether the surface comes within a distance of a point: whether it lies between the point and one
+/// of 26 points at that distance.
 fn near_surface(scene: &Scene, p: &Point3, distance: f64) -> bool {
     let inside = scene.contains(p);
     let steps = [-1.0, 0.0, 1.0];
@@ -166,7 +168,7 @@ fn near_surface(scene: &Scene, p: &Point3, distance: f64) -> bool {
     })
 }
 
-/// Numbers from 0 to 1 in three directions, evenly spread (the additive sequence of the plastic number).
+/// Numbers from 0 to 1 in three directions, evenly spread (R3 sequence, a generalised golden ratio).
 fn spread(i: usize) -> Vector3 {
     let part = |step: f64| (0.5 + i as f64 * step).fract();
     Vector3::new(part(0.819_172_513_4), part(0.671_043_606_7), part(0.549_700_477_9))

@@ -29,9 +29,9 @@ pub fn run() -> Result<(), Failure> {
     let (near, far) = (model(&views, near_planes, unit)?, model(&far?, far_planes, unit)?);
     let largest = largest_difference(&near, &far)?;
     print(&[
-        Row::count("planes", near.sections().len()),
-        Row::count("curves", near.curve_count()),
-        Row::count("nodes compared", near.node_count()),
+        Row::plain("planes", near.sections().len()),
+        Row::plain("curves", near.curve_count()),
+        Row::plain("nodes compared", near.node_count()),
         Row::new("largest difference", format!("{largest:.2e}"), unit.symbol()),
         Row::new("accepted", digits(LIMIT), unit.symbol()),
     ]);

@@ -16,7 +16,7 @@ const INK: RGBColor = RGBColor(34, 34, 34);
 const LIGHT: RGBColor = RGBColor(70, 110, 160);
 const FITTED: RGBColor = RGBColor(200, 60, 40);
 
-/// The intensities of a camera row around its stripe, and the template where it fits best.
+/// The intensities of a camera row around its stripe, and the template in its best place.
 pub fn stripe_row(
     scene: &PreparedScene,
     placed: &[PlacedInstrument],
@@ -63,7 +63,7 @@ pub fn stripe_row(
     })
 }
 
-/// The example's sweeps as the detector gives them (p over θ) and as they lie in space (v over u).
+/// The sweeps of a calibration in the detector's coordinates (p over θ) and in space (v over u).
 pub fn calibration(folder: &Path) -> Result<(), Failure> {
     let sweeps = SynchronizedScanner::hyscan().leaning_sweeps(&LookupTable::hyscan_columns());
     let detector = |s: &CalibrationSweep| -> Vec<(f64, f64)> {
@@ -97,12 +97,12 @@ fn grid(file: &Path, sweeps: &[Vec<(f64, f64)>], heads: (&str, &str)) -> Result<
     })
 }
 
-/// The range of some values with a little room.
+/// The range of some values with a margin.
 fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (low, high) =
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
-    let room = 0.03 * (high - low);
-    low - room..high + room
+    let margin = 0.03 * (high - low);
+    low - margin..high + margin
 }
 
 type Chart<'a, 'b> = ChartContext<

@@ -1,0 +1,113 @@
+//! Chains: nodes in the order of a curve.
+
+use super::super::estimate::PlacedNode;
+use super::super::measure::NONE;
+use super::super::tuning::chain::{CHORD_NODES, DIRECTION_NODES, DIRECTION_SIGMAS};
+use std::cmp::Ordering;
+use transect_geometry::Vector2;
+
+/// The numbers of nodes in the order of a curve.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(in super::super) struct Chain {
+    pub nodes: Vec<u32>,
+    pub closed: bool,
+}
+
+impl Chain {
+    /// The pairs of nodes that follow each other.
+    fn units<'a>(
+        &'a self,
+        nodes: &'a [PlacedNode],
+    ) -> impl Iterator<Item = (&'a PlacedNode, &'a PlacedNode)> {
+        let closing = self.nodes.first().filter(|_| self.closed);
+        let next = self.nodes.iter().skip(1).chain(closing);
+        let at = |k: &u32| &nodes[*k as usize];
+        self.nodes.iter().zip(next).map(move |(a, b)| (at(a), at(b)))
+    }
+
+    pub fn length(&self, nodes: &[PlacedNode]) -> f64 {
+        self.units(nodes).map(|(a, b)| (b.position - a.position).norm()).sum()
+    }
+
+    /// Measured length in footprints: of a gap only the sample spacing at its ends counts.
+    pub fn footprints(&self, nodes: &[PlacedNode]) -> f64 {
+        let measured = |(a, b): (&PlacedNode, &PlacedNode)| {
+            (b.position - a.position).norm().min(a.spacing.max(b.spacing))
+        };
+        let length: f64 = self.units(nodes).map(measured).sum();
+        let footprint: f64 = self.nodes.iter().map(|k| nodes[*k as usize].evidence.footprint).sum();
+        length * self.nodes.len() as f64 / footprint
+    }
+
+    /// Whether the chain is closed, or long enough against its own error to have a direction. Noise
+    /// leaves shorter chains of surfaces that run nearly along the plane.
+    pub fn has_direction(&self, nodes: &[PlacedNode]) -> bool {
+        let sigma: f64 = self.nodes.iter().map(|&k| nodes[k as usize].sigma).sum();
+        self.closed || self.length(nodes) * self.nodes.len() as f64 >= DIRECTION_SIGMAS * sigma
+    }
+
+    /// Unit direction of the chain at one of its nodes, by the chord between its neighbours.
+    pub fn chord(&self, nodes: &[PlacedNode], at: usize) -> Vector2 {
+        let n = self.nodes.len();
+        let (before, after) = if self.closed && n > 2 * CHORD_NODES {
+            ((at + n - CHORD_NODES) % n, (at + CHORD_NODES) % n)
+        } else {
+            (at.saturating_sub(CHORD_NODES), (at + CHORD_NODES).min(n - 1))
+        };
+        let place = |k: usize| nodes[self.nodes[k] as usize].position;
+        let own = nodes[self.nodes[at] as usize].tangent;
+        (place(after) - place(before)).try_normalize(0.0).unwrap_or(own)
+    }
+
+    /// Mean direction of the nodes at one end, without the `cut` outermost ones.
+    pub fn direction(&self, nodes: &[PlacedNode], at_end: bool, cut: usize) -> Vector2 {
+        let sum = |numbers: &mut dyn Iterator<Item = &u32>| {
+            let chosen = numbers.skip(cut).take(DIRECTION_NODES);
+            chosen.map(|&k| nodes[k as usize].tangent).sum::<Vector2>()
+        };
+        let mean =
+            if at_end { sum(&mut self.nodes.iter().rev()) } else { sum(&mut self.nodes.iter()) };
+        mean.try_normalize(1e-9).unwrap_or_else(Vector2::x)
+    }
+}
+
+/// Follows the links: open chains from their heads, then closed ones.
+pub(super) fn trace(next: &[u32]) -> Vec<Chain> {
+    let mut has_previous = vec![false; next.len()];
+    for &n in next.iter().filter(|n| **n != NONE) {
+        has_previous[n as usize] = true;
+    }
+    let mut visited = vec![false; next.len()];
+    let mut chains = Vec::new();
+    for closed in [false, true] {
+        for start in 0..next.len() {
+            if visited[start] || (!closed && has_previous[start]) {
+                continue;
+            }
+            let mut nodes = Vec::new();
+            let mut at = start as u32;
+            while at != NONE && !visited[at as usize] {
+                visited[at as usize] = true;
+                nodes.push(at);
+                at = next[at as usize];
+            }
+            chains.push(Chain { nodes, closed });
+        }
+    }
+    chains
+}
+
+/// Longest first; equal lengths by the place of their first node.
+pub(in super::super) fn by_length(nodes: &[PlacedNode], chains: Vec<Chain>) -> Vec<Chain> {
+    let mut measured: Vec<(f64, Chain)> =
+        chains.into_iter().map(|c| (c.length(nodes), c)).collect();
+    let place = |c: &Chain| {
+        let at = c.nodes.first().map(|&k| nodes[k as usize].position).unwrap_or_default();
+        [at.x, at.y]
+    };
+    measured.sort_by(|(length_a, a), (length_b, b)| {
+        let places = place(a).into_iter().zip(place(b)).map(|(a, b)| a.total_cmp(&b));
+        length_b.total_cmp(length_a).then(places.fold(Ordering::Equal, Ordering::then))
+    });
+    measured.into_iter().map(|(_, c)| c).collect()
+}

@@ -1,0 +1,164 @@
+//! Cover: the longest chains first, and what lies beside an accepted chain is cut away.
+
+use super::super::estimate::PlacedNode;
+use super::super::measure::{NONE, Scale};
+use super::super::tuning::cover::{LONGEST_UNIT_FOOTPRINTS, MIN_NODES, REST_FOOTPRINTS};
+use super::chain::{Chain, by_length};
+use crate::grid::PointGrid;
+use transect_geometry::{Point2, Vector2};
+
+/// Smallest chain that is accepted.
+#[derive(Debug, Clone, Copy)]
+struct Size {
+    footprints: f64,
+    nodes: usize,
+}
+
+/// Smallest chains that are accepted.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shortest {
+    /// A chain no part of which lies beside another.
+    whole: Size,
+    /// The rest of a chain that was cut.
+    rest: Size,
+}
+
+impl Shortest {
+    /// For chains that take part in joining: of a thin leg a view has a sample or two of each side. A
+    /// short rest beside another chain is no such leg.
+    pub const PART: Self = Self {
+        whole: Size { footprints: 0.0, nodes: 1 },
+        rest: Size { footprints: REST_FOOTPRINTS, nodes: MIN_NODES },
+    };
+
+    /// For chains that become curves.
+    pub fn curve(footprints: f64) -> Self {
+        let size = Size { footprints, nodes: MIN_NODES };
+        Self { whole: size, rest: size }
+    }
+
+    /// Whether a chain is large enough.
+    pub fn accepts(&self, chain: &Chain, nodes: &[PlacedNode], is_whole: bool) -> bool {
+        let Size { footprints, nodes: count } = if is_whole { self.whole } else { self.rest };
+        chain.nodes.len() >= count && chain.footprints(nodes) >= footprints
+    }
+}
+
+/// Accepts chains, longest first, cutting away what lies beside an accepted one in the same
+/// direction, and leaving out what is too short.
+pub(super) fn cover(
+    nodes: &[PlacedNode],
+    chains: Vec<Chain>,
+    scale: &Scale,
+    shortest: Shortest,
+) -> Vec<Chain> {
+    let mut cover = Cover::new(nodes, &chains, scale);
+    let mut accepted = Vec::new();
+    for chain in by_length(nodes, chains) {
+        // The first chain, which usually has most of the nodes, lies beside no accepted one.
+        let first = accepted.is_empty();
+        let covered: Vec<bool> =
+            chain.nodes.iter().map(|&k| !first && cover.lies_beside(k)).collect();
+        let is_whole = !covered.contains(&true);
+        for run in runs(&chain, &covered) {
+            if shortest.accepts(&run, nodes, is_whole) {
+                cover.accept(&run);
+                accepted.push(run);
+            }
+        }
+    }
+    accepted
+}
+
+/// The chains accepted so far.
+pub(super) struct Cover<'a> {
+    nodes: &'a [PlacedNode],
+    scale: &'a Scale,
+    grid: PointGrid,
+    /// Direction of the chain at each of its nodes. Noise may have turned it away from the direction
+    /// the node was placed with.
+    directions: Vec<Vector2>,
+    /// For each accepted node the one that follows it, or itself at an end; [`NONE`] for others.
+    following: Vec<u32>,
+}
+
+impl<'a> Cover<'a> {
+    pub fn new(nodes: &'a [PlacedNode], chains: &[Chain], scale: &'a Scale) -> Self {
+        let positions: Vec<Point2> = nodes.iter().map(|k| k.position).collect();
+        let mut directions: Vec<Vector2> = nodes.iter().map(|k| k.tangent).collect();
+        for chain in chains {
+            for (at, &k) in chain.nodes.iter().enumerate() {
+                directions[k as usize] = chain.chord(nodes, at);
+            }
+        }
+        let grid = PointGrid::new(&positions, LONGEST_UNIT_FOOTPRINTS * scale.spacing);
+        Self { nodes, scale, grid, directions, following: vec![NONE; nodes.len()] }
+    }
+
+    pub fn accept(&mut self, run: &Chain) {
+        let follows = run.nodes.iter().skip(1).chain(run.closed.then(|| &run.nodes[0]));
+        for (&k, &next) in run.nodes.iter().zip(follows) {
+            self.following[k as usize] = next;
+        }
+        if let (false, Some(&last)) = (run.closed, run.nodes.last()) {
+            self.following[last as usize] = last;
+        }
+    }
+
+    /// Whether a node lies beside an accepted chain of the same direction.
+    fn lies_beside(&self, k: u32) -> bool {
+        let here = &self.nodes[k as usize];
+        let width = self
+            .scale
+            .across(here.evidence.random_sigma, f64::INFINITY)
+            .max(here.evidence.footprint);
+        self.lies_within(k, width.min(here.evidence.half_gap))
+    }
+
+    /// Whether a node lies within a width of an accepted chain of the same direction.
+    pub fn lies_within(&self, k: u32, width: f64) -> bool {
+        let here = &self.nodes[k as usize];
+        let reach = LONGEST_UNIT_FOOTPRINTS * here.evidence.footprint.max(self.scale.spacing);
+        let mut beside = false;
+        self.grid.within(&here.position, width.hypot(reach), |j, d| {
+            beside = beside || self.is_beside(k as usize, j, &d, width);
+        });
+        beside
+    }
+
+    /// Whether a node lies beside an accepted one, at `from_here`, or beside the unit that follows.
+    fn is_beside(&self, k: usize, j: usize, from_here: &Vector2, width: f64) -> bool {
+        let Some(next) = self.nodes.get(self.following[j] as usize) else { return false };
+        let (here, there) = (&self.nodes[k], &self.nodes[j]);
+        let unit = next.position - there.position;
+        let along = unit.try_normalize(0.0).unwrap_or(self.directions[j]);
+        let margin = here.evidence.footprint.max(there.evidence.footprint);
+        let x = -from_here.dot(&along);
+        along.dot(&self.directions[k]) >= self.scale.same_way
+            && (-margin..=unit.norm() + margin).contains(&x)
+            && from_here.perp(&along).abs() <= width
+    }
+}
+
+/// The uncovered runs of a chain.
+fn runs(chain: &Chain, covered: &[bool]) -> Vec<Chain> {
+    if covered.iter().all(|c| !c) {
+        return vec![chain.clone()];
+    }
+    let n = chain.nodes.len();
+    // A closed chain is opened at a covered node, so that no run is cut in two.
+    let start = if chain.closed { covered.iter().position(|c| *c).unwrap_or(0) } else { 0 };
+    let mut result = Vec::new();
+    let mut nodes = Vec::new();
+    for k in (start..n).chain(0..start) {
+        if !covered[k] {
+            nodes.push(chain.nodes[k]);
+        } else if !nodes.is_empty() {
+            result.push(Chain { nodes: std::mem::take(&mut nodes), closed: false });
+        }
+    }
+    if !nodes.is_empty() {
+        result.push(Chain { nodes, closed: false });
+    }
+    result
+}

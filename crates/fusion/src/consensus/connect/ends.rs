@@ -1,0 +1,264 @@
+//! Open ends: joined where they meet and where the curve goes on, turned round thin tips, cut back where
+//! they cross.
+//!
+//! All limits are in *local footprints*, those of the coarsest view around: one fixed length fails where
+//! footprints differ sixfold.
+
+use super::super::estimate::PlacedNode;
+use super::super::measure::Scale;
+pub(super) use super::super::tuning::ends::JoinRule;
+use super::super::tuning::ends::{CUT_COST, THRESHOLD_SHARE};
+use super::chain::Chain;
+use crate::grid::PointGrid;
+use transect_geometry::{Point2, Vector2};
+
+impl JoinRule {
+    /// How far apart two ends may be before anything is cut, if this is their larger spacing.
+    fn farthest(&self, spacing: f64, scale: &Scale) -> f64 {
+        ((2 * self.cut_nodes) as f64 + self.gap_footprints) * spacing + scale.threshold
+    }
+}
+
+/// Joins ends of chains, cheapest first, until no two fit the rule.
+pub(super) fn join(
+    nodes: &[PlacedNode],
+    chains: Vec<Chain>,
+    scale: &Scale,
+    rule: &JoinRule,
+) -> Vec<Chain> {
+    let mut slots: Vec<Option<Chain>> = chains.into_iter().map(Some).collect();
+    loop {
+        let joins = candidates(nodes, &slots, scale, rule);
+        if joins.is_empty() {
+            return slots.into_iter().flatten().collect();
+        }
+        // Each chain takes part once per round; the next round sees the longer chains.
+        let mut busy = vec![false; slots.len()];
+        for j in joins {
+            if !busy[j.tail] && !busy[j.head] {
+                (busy[j.tail], busy[j.head]) = (true, true);
+                apply(&mut slots, &j);
+            }
+        }
+    }
+}
+
+/// The tail of one chain goes on at the head of another, or of itself.
+#[derive(Debug, Clone, Copy)]
+struct Join {
+    tail: usize,
+    head: usize,
+    fit: JoinFit,
+}
+
+/// Nodes cut from the tail's end and the head's beginning, and the cost of joining what is left.
+#[derive(Debug, Clone, Copy)]
+struct JoinFit {
+    cost: f64,
+    cut_tail: usize,
+    cut_head: usize,
+}
+
+fn candidates(
+    nodes: &[PlacedNode],
+    slots: &[Option<Chain>],
+    scale: &Scale,
+    rule: &JoinRule,
+) -> Vec<Join> {
+    let open: Vec<(usize, &Chain)> = slots
+        .iter()
+        .enumerate()
+        .filter_map(|(k, slot)| Some((k, slot.as_ref().filter(|c| !c.closed)?)))
+        .collect();
+    let end = |number: Option<&u32>| {
+        let PlacedNode { position, spacing, .. } = nodes[*number? as usize];
+        Some(End { position, spacing })
+    };
+    let tails: Vec<End> = open.iter().filter_map(|(_, c)| end(c.nodes.last())).collect();
+    let heads: Vec<End> = open.iter().filter_map(|(_, c)| end(c.nodes.first())).collect();
+    let mut joins: Vec<Join> = Vec::new();
+    neighbours(&tails, &heads, scale, rule, |tail, head| {
+        let ((tail, a), (head, b)) = (open[tail], open[head]);
+        let pair = Pair { nodes, tail: a, head: b, is_one: tail == head };
+        joins.extend(pair.best_fit(scale, rule).map(|fit| Join { tail, head, fit }));
+    });
+    joins.sort_by(|a, b| {
+        a.fit.cost.total_cmp(&b.fit.cost).then((a.tail, a.head).cmp(&(b.tail, b.head)))
+    });
+    joins
+}
+
+/// An open end of a chain.
+#[derive(Debug, Clone, Copy)]
+struct End {
+    position: Point2,
+    spacing: f64,
+}
+
+/// Visits every tail and head close enough for the rule. The distance depends on the larger spacing
+/// of the two, so each pair is found from that end.
+fn neighbours(
+    tails: &[End],
+    heads: &[End],
+    scale: &Scale,
+    rule: &JoinRule,
+    mut visit: impl FnMut(usize, usize),
+) {
+    let places = |ends: &[End]| ends.iter().map(|e| e.position).collect::<Vec<Point2>>();
+    let cell = rule.farthest(scale.spacing, scale);
+    let (tail_grid, head_grid) =
+        (PointGrid::new(&places(tails), cell), PointGrid::new(&places(heads), cell));
+    for (t, tail) in tails.iter().enumerate() {
+        head_grid.within(&tail.position, rule.farthest(tail.spacing, scale), |h, _| {
+            if heads[h].spacing <= tail.spacing {
+                visit(t, h);
+            }
+        });
+    }
+    for (h, head) in heads.iter().enumerate() {
+        tail_grid.within(&head.position, rule.farthest(head.spacing, scale), |t, _| {
+            if tails[t].spacing < head.spacing {
+                visit(t, h);
+            }
+        });
+    }
+}
+
+/// The two chains of a join.
+struct Pair<'a> {
+    nodes: &'a [PlacedNode],
+    tail: &'a Chain,
+    head: &'a Chain,
+    /// Whether both are one chain, which joining closes.
+    is_one: bool,
+}
+
+impl Pair<'_> {
+    /// The cheapest way to join the tail to the head; `None` if no way fits the rule.
+    fn best_fit(&self, scale: &Scale, rule: &JoinRule) -> Option<JoinFit> {
+        let Self { nodes, tail, head, is_one } = *self;
+        let outermost = [*tail.nodes.last()?, *head.nodes.first()?];
+        let [lost_tail, lost_head] = outermost.map(|k| nodes[k as usize].evidence.footprint);
+        let shortest = tail.nodes.len().min(head.nodes.len());
+        let most = rule.cut_nodes.min(if is_one { shortest / 3 } else { shortest / 2 });
+        // An overshooting end points elsewhere than the curve it is cut back to.
+        let leaving: Vec<Vector2> = (0..=most).map(|c| tail.direction(nodes, true, c)).collect();
+        let arriving: Vec<Vector2> = (0..=most).map(|c| head.direction(nodes, false, c)).collect();
+        let mut best: Option<JoinFit> = None;
+        for (cut_tail, leaving) in leaving.iter().enumerate() {
+            for (cut_head, arriving) in arriving.iter().enumerate() {
+                let p = &nodes[tail.nodes[tail.nodes.len() - 1 - cut_tail] as usize];
+                let q = &nodes[head.nodes[cut_head] as usize];
+                let Some(cost) = gap_cost([p, q], [leaving, arriving], scale, rule) else {
+                    continue;
+                };
+                let lost = cut_tail as f64 * lost_tail + cut_head as f64 * lost_head;
+                let cost = cost + CUT_COST * lost;
+                if best.is_none_or(|b| cost < b.cost) {
+                    best = Some(JoinFit { cost, cut_tail, cut_head });
+                }
+            }
+        }
+        // Enough nodes must be left for a closed curve.
+        best.filter(|b| !is_one || tail.nodes.len() >= b.cut_tail + b.cut_head + 4)
+    }
+}
+
+/// Cost of the gap between two nodes, at which the curve has these directions; `None` if the gap does
+/// not fit the rule.
+fn gap_cost(
+    [p, q]: [&PlacedNode; 2],
+    directions: [&Vector2; 2],
+    scale: &Scale,
+    rule: &JoinRule,
+) -> Option<f64> {
+    let turn = directions[0].dot(directions[1]);
+    if turn < rule.least_cosine || turn > rule.largest_cosine + 1e-9 {
+        return None;
+    }
+    let gap = q.position - p.position;
+    let longest =
+        rule.gap_footprints * p.spacing.max(q.spacing) + THRESHOLD_SHARE * scale.threshold;
+    let cosine = |direction: &Vector2| gap.try_normalize(0.0).map_or(1.0, |g| g.dot(direction));
+    let [leave, arrive] = directions.map(cosine);
+    let fits = gap.norm() <= longest && leave.min(arrive) >= rule.backward;
+    fits.then(|| gap.norm() * (3.0 - leave - arrive))
+}
+
+fn apply(slots: &mut [Option<Chain>], join: &Join) {
+    let Some(mut tail) = slots[join.tail].take() else { return };
+    tail.nodes.truncate(tail.nodes.len() - join.fit.cut_tail);
+    if join.tail == join.head {
+        tail.nodes.drain(..join.fit.cut_head);
+        tail.closed = true;
+    } else if let Some(head) = slots[join.head].take() {
+        tail.nodes.extend(head.nodes.into_iter().skip(join.fit.cut_head));
+    }
+    slots[join.tail] = Some(tail);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::link::spread_spacing;
+    use super::*;
+    use crate::consensus::options::ConsensusOptions;
+
+    fn scale() -> Scale {
+        let options = ConsensusOptions::default();
+        Scale { spacing: 0.003, threshold: 0.001, same_way: 0.6, options }
+    }
+
+    /// Adds a chain of some nodes.
+    fn add(nodes: &mut Vec<PlacedNode>, more: impl IntoIterator<Item = PlacedNode>) -> Chain {
+        let first = nodes.len() as u32;
+        nodes.extend(more);
+        Chain { nodes: (first..nodes.len() as u32).collect(), closed: false }
+    }
+
+    fn node(x: f64, y: f64, tangent: Vector2, footprint: f64) -> PlacedNode {
+        PlacedNode::at(Point2::new(x, y), tangent, footprint)
+    }
+
+    /// A node on the x axis.
+    fn on_axis((x, footprint): (f64, f64)) -> PlacedNode {
+        node(x, 0.0, Vector2::x(), footprint)
+    }
+
+    #[test]
+    fn no_gap_is_where_one_coarse_sample_lies_next_to_the_other() {
+        let fine = |from: u32, to: u32| (from..to).map(|k| on_axis((0.003 * f64::from(k), 0.003)));
+        let mut nodes = Vec::new();
+        // Coarse samples have taken in the fine ones around them, but for one at each end.
+        let between = [(0.39, 0.003), (0.40, 0.06), (0.46, 0.06), (0.475, 0.003)].map(on_axis);
+        let chains = vec![
+            add(&mut nodes, fine(0, 121)),
+            add(&mut nodes, between),
+            add(&mut nodes, fine(170, 300)),
+        ];
+        spread_spacing(&mut nodes, &scale());
+        let joined = join(&nodes, chains, &scale(), &JoinRule::SMOOTH);
+        assert_eq!(joined.len(), 1);
+        assert_eq!(joined[0].nodes.len(), nodes.len(), "nothing need be cut");
+    }
+
+    #[test]
+    fn a_short_jamb_is_not_cut_off() {
+        // A wall, a jamb of three samples that begins and ends where others do, and the wall behind.
+        let mut nodes = Vec::new();
+        let wall = |from: f64, y: f64| {
+            (0..10).map(move |k| node(from + 0.02 * f64::from(k), y, Vector2::x(), 0.02))
+        };
+        let jamb = [-0.01, -0.03, -0.05].map(|y| node(0.0, y, -Vector2::y(), 0.02));
+        let mut chains = vec![
+            add(&mut nodes, wall(-0.18, 0.0)),
+            add(&mut nodes, jamb),
+            add(&mut nodes, wall(0.01, -0.06)),
+        ];
+        let rules = [JoinRule::MEETING, JoinRule::SMOOTH, JoinRule::HAIRPIN, JoinRule::CROSSING];
+        for rule in rules {
+            chains = join(&nodes, chains, &scale(), &rule);
+        }
+        assert_eq!(chains.len(), 1);
+        assert_eq!(chains[0].nodes.len(), nodes.len(), "nothing need be cut");
+    }
+}

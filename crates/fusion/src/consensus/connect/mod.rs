@@ -1,0 +1,68 @@
+//! Room 3: from placed nodes to chains, in the order of the curves.
+//!
+//! Hands on [`Chain`]s: no two of the same direction lie beside each other.
+
+mod chain;
+mod cover;
+mod ends;
+mod hooks;
+mod link;
+mod spurs;
+
+pub(super) use chain::{Chain, by_length};
+
+use super::estimate::{Estimate, PlacedNode};
+use super::measure::{Measurements, Scale};
+use cover::Shortest;
+use ends::JoinRule;
+
+/// The chains of a plane.
+pub(super) struct Chains {
+    pub chains: Vec<Chain>,
+    /// Nodes that were left out.
+    pub dropped: usize,
+}
+
+/// Links nodes, and covers, joins and cuts the chains until they are curves.
+pub(super) fn connect(estimate: &mut Estimate, measured: &Measurements) -> Chains {
+    let Measurements { observations, scale, .. } = measured;
+    if scale.steps().coarse_spacing {
+        link::spread_spacing(&mut estimate.nodes, scale);
+    }
+    let Estimate { nodes, absorbed_by } = &*estimate;
+    let next = link::link(nodes, absorbed_by, observations, scale);
+    let chains = cover::cover(nodes, chain::trace(&next), scale, Shortest::PART);
+    let mut chains = joined(nodes, chains, scale);
+    // A joined chain may lie beside others, and one that stayed short is no curve.
+    let shortest = Shortest::curve(scale.options.shortest_footprints);
+    if scale.steps().second_cover {
+        chains = cover::cover(nodes, chains, scale, shortest);
+    } else {
+        chains.retain(|c| shortest.accepts(c, nodes, true));
+    }
+    if scale.steps().spurs {
+        chains = spurs::without_spurs(nodes, chains, scale);
+    }
+    if scale.steps().backward {
+        chains.iter_mut().for_each(|c| hooks::remove_hooks(nodes, c));
+    }
+    if scale.steps().direction {
+        chains.retain(|c| c.has_direction(nodes));
+    }
+    let left: usize = chains.iter().map(|c| c.nodes.len()).sum();
+    Chains { chains, dropped: nodes.len() - left }
+}
+
+/// Joins the ends of chains: first those that meet, then those that continue each other, those round a
+/// tip, and those that cross.
+fn joined(nodes: &[PlacedNode], chains: Vec<Chain>, scale: &Scale) -> Vec<Chain> {
+    let steps = scale.steps();
+    let rules: [(bool, JoinRule); 4] = [
+        (steps.join_meeting, JoinRule::MEETING),
+        (steps.join_smooth, JoinRule::SMOOTH),
+        (steps.join_hairpin, JoinRule::HAIRPIN),
+        (steps.join_crossing, JoinRule::CROSSING),
+    ];
+    let chosen = rules.iter().filter(|(on, _)| *on).map(|(_, rule)| rule);
+    chosen.fold(chains, |chains, rule| ends::join(nodes, chains, scale, rule))
+}

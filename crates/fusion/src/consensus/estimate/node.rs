@@ -1,0 +1,77 @@
+//! A node of the result, and what its observations tell about it.
+
+use nalgebra::Vector3;
+use transect_geometry::{Node, Point2, Vector2};
+
+/// What the observations of a node tell together. It does not change when the node moves.
+#[derive(Debug, Clone, Copy)]
+pub(in super::super) struct Evidence {
+    pub footprint: f64,
+    /// Half the gap to the next layer of the same direction; infinite without one.
+    pub half_gap: f64,
+    /// Standard deviation of the observations' mean, without the views' systematic errors.
+    pub random_sigma: f64,
+    /// Variance of the mean by the views' systematic errors.
+    pub view_variance: f64,
+    /// Sum of the observations' weights.
+    pub weight: f64,
+    /// How many observations the node counts as: the sum of their support.
+    pub support: f64,
+    pub views: u32,
+    /// Outward unit normal of the surface; `None` where not known.
+    pub normal: Option<Vector3<f32>>,
+    /// Mean tangent of the incidence; `None` where not known.
+    pub tan_incidence: Option<f32>,
+}
+
+/// A node at its final place.
+#[derive(Debug, Clone, Copy)]
+pub(in super::super) struct PlacedNode {
+    pub position: Point2,
+    /// Unit direction of the curve.
+    pub tangent: Vector2,
+    /// Standard deviation across the curve, with the views' systematic errors.
+    pub sigma: f64,
+    /// Length along the curve over which the node shares its error with its neighbours.
+    pub correlation: f64,
+    /// Footprint of the coarsest node whose sample this one lies within: gaps are counted in it.
+    pub spacing: f64,
+    pub evidence: Evidence,
+}
+
+impl PlacedNode {
+    /// The node as it stands in a curve of the result.
+    pub fn node(&self) -> Node {
+        let Evidence { footprint, support, views, normal, tan_incidence, .. } = self.evidence;
+        Node::at(self.position)
+            .with_sigma(self.sigma as f32)
+            .with_footprint(footprint as f32)
+            .with_weight(support as f32)
+            .with_views(views)
+            .with_correlation(self.correlation as f32)
+            .with_tan_incidence(tan_incidence)
+            .with_normal(normal)
+    }
+
+    /// Standard deviation across the curve without the views' systematic errors.
+    pub fn random_sigma(&self) -> f64 {
+        (self.sigma * self.sigma - self.evidence.view_variance).max(0.0).sqrt()
+    }
+
+    /// A node for tests, of no weight.
+    #[cfg(test)]
+    pub fn at(position: Point2, tangent: Vector2, footprint: f64) -> Self {
+        let evidence = Evidence {
+            footprint,
+            half_gap: f64::INFINITY,
+            random_sigma: 0.0,
+            view_variance: 0.0,
+            weight: 0.0,
+            support: 0.0,
+            views: 0,
+            normal: None,
+            tan_incidence: None,
+        };
+        Self { position, tangent, sigma: 0.0, correlation: 0.0, spacing: footprint, evidence }
+    }
+}

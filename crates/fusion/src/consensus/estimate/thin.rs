@@ -1,0 +1,154 @@
+//! Thinning: from all groups to one stand per footprint.
+//!
+//! Groups take their turns from the best supported on. A group that is not absorbed by then moves
+//! onto a robust line through its neighbours, and absorbs those in a window around its new place;
+//! they stay where they are. The window is some spreads wide, so that it misses few. A group that it
+//! misses moves onto its own line when its turn comes, and goes to the stand in whose window it then
+//! lies.
+
+use super::super::measure::{NONE, Scale};
+use super::super::tuning::thin::{ABSORB_FOOTPRINTS, ABSORB_SHARE, ROUGH_FOOTPRINTS, ROUGH_SIGMAS};
+use super::super::window::{Window, left_of};
+use super::fit::{Fit, LineSample, line};
+use super::groups::{Group, Groups};
+use crate::grid::PointGrid;
+use transect_geometry::Point2;
+
+/// A place that was kept, and the window around it in which it absorbs.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stand {
+    pub window: Window,
+    pub footprint: f64,
+    pub half_gap: f64,
+}
+
+/// The stands, and for every group the stand that absorbed it.
+pub(super) struct Thinned {
+    pub stands: Vec<Stand>,
+    pub absorbed_by: Vec<u32>,
+}
+
+/// Keeps the best-supported groups.
+pub(super) fn thin(groups: &Groups, scale: &Scale) -> Thinned {
+    let mut choice = Choice::new(groups, scale);
+    by_support(groups).into_iter().for_each(|k| choice.take(k as usize));
+    Thinned { stands: choice.stands, absorbed_by: choice.absorbed_by }
+}
+
+/// Groups in order of weight times footprint, then canonical order.
+///
+/// A group with many good observations lies in the middle of them all. Of equal weight, the coarser
+/// group covers more ground; where the surface bends, its sampling error makes it the lighter one.
+fn by_support(groups: &Groups) -> Vec<u32> {
+    // Integer keys of the same order sort faster than the floating-point values.
+    let key = |(k, g): (usize, &Group)| {
+        let support = ((g.weight * g.footprint) as f32).max(0.0).to_bits();
+        u64::from(u32::MAX - support) << 32 | k as u64
+    };
+    let mut order: Vec<u64> = groups.all.iter().enumerate().map(key).collect();
+    order.sort_unstable();
+    order.into_iter().map(|key| key as u32).collect()
+}
+
+/// The stands so far, and what they absorbed.
+struct Choice<'a> {
+    groups: &'a Groups,
+    scale: &'a Scale,
+    grid: PointGrid,
+    stands: Vec<Stand>,
+    /// For each group the stand that absorbed it.
+    absorbed_by: Vec<u32>,
+    /// The neighbours of the group whose turn it is: numbers, and places along and across.
+    near: Vec<u32>,
+    samples: Vec<LineSample>,
+}
+
+impl<'a> Choice<'a> {
+    fn new(groups: &'a Groups, scale: &'a Scale) -> Self {
+        let positions: Vec<Point2> = groups.all.iter().map(|g| g.position).collect();
+        Self {
+            groups,
+            scale,
+            grid: PointGrid::new(&positions, 2.0 * scale.spacing),
+            stands: Vec::new(),
+            absorbed_by: vec![NONE; positions.len()],
+            near: Vec::new(),
+            samples: Vec::new(),
+        }
+    }
+
+    /// Makes a group a stand, unless a stand has absorbed it or holds its place.
+    fn take(&mut self, k: usize) {
+        if self.absorbed_by[k] != NONE {
+            return;
+        }
+        let group = &self.groups.all[k];
+        let line = self.line(group);
+        let normal = left_of(&group.tangent);
+        let across = ABSORB_SHARE * self.scale.across(group.sigma, f64::INFINITY);
+        let window = Window {
+            centre: group.position + normal * line.place,
+            tangent: (group.tangent + normal * line.slope).normalize(),
+            reach: ABSORB_FOOTPRINTS * group.footprint,
+            across: across.min(group.half_gap),
+            same_way: self.scale.same_way,
+        };
+        self.absorbed_by[k] = self.stand_around(&window).unwrap_or_else(|| {
+            self.absorb(&window, &line);
+            let Group { footprint, half_gap, .. } = *group;
+            self.stands.push(Stand { window, footprint, half_gap });
+            self.stands.len() as u32 - 1
+        });
+    }
+
+    /// A robust line through a group's neighbours, in the group's own direction.
+    fn line(&mut self, here: &Group) -> Fit {
+        let across = self.scale.across(here.sigma, here.half_gap);
+        let window = Window {
+            centre: here.position,
+            tangent: here.tangent,
+            reach: (ROUGH_FOOTPRINTS * here.footprint).max(ROUGH_SIGMAS * here.sigma),
+            across,
+            same_way: self.scale.same_way,
+        };
+        let (groups, near, samples) = (&self.groups.all, &mut self.near, &mut self.samples);
+        near.clear();
+        samples.clear();
+        window.visit(
+            &self.grid,
+            |j| groups[j].tangent,
+            |j, x, y| {
+                near.push(j as u32);
+                samples.push(LineSample::new(x, y, groups[j].weight, window.reach));
+            },
+        );
+        line(samples, across).unwrap_or_default()
+    }
+
+    /// The first stand that absorbed a neighbour and in whose window the centre of this one lies.
+    fn stand_around(&self, window: &Window) -> Option<u32> {
+        if !self.scale.steps().late_absorption {
+            return None;
+        }
+        let mut found = NONE;
+        for &j in &self.near {
+            let by = self.absorbed_by[j as usize];
+            if by < found && self.stands[by as usize].window.holds(window) {
+                found = by;
+            }
+        }
+        (found != NONE).then_some(found)
+    }
+
+    /// Gives the neighbours along a line to the next stand.
+    fn absorb(&mut self, window: &Window, line: &Fit) {
+        let number = self.stands.len() as u32;
+        for (&j, s) in self.near.iter().zip(&self.samples) {
+            let off = s.y - (line.place + line.slope * s.x);
+            let by = &mut self.absorbed_by[j as usize];
+            if *by == NONE && s.x.abs() <= window.reach && off.abs() <= window.across {
+                *by = number;
+            }
+        }
+    }
+}

@@ -1,0 +1,41 @@
+//! Room 1: what the views measured, how far off it is, and the lengths that follow from both.
+//!
+//! Hands on the [`Observation`]s with their weights, and the plane's [`Scale`].
+
+mod arc;
+mod layers;
+mod observations;
+mod scale;
+mod spread;
+mod view_error;
+
+pub(crate) use observations::{NONE, Observation, Observations, ViewEnd, canonical};
+pub(super) use scale::Scale;
+
+use super::options::ConsensusOptions;
+use crate::grid::PointGrid;
+
+/// The observations of a plane with all that is known of their errors.
+pub(super) struct Measurements {
+    pub observations: Observations,
+    pub scale: Scale,
+    /// Standard deviation of one view's curve against the common one.
+    pub spread: f64,
+    /// The places of the observations.
+    pub grid: PointGrid,
+}
+
+impl Measurements {
+    /// Measures spread, layers and view errors, and weighs the observations; `None` without any.
+    pub fn new(mut observations: Observations, options: &ConsensusOptions) -> Option<Self> {
+        if observations.all.is_empty() {
+            return None;
+        }
+        let grid = PointGrid::new(&observations.positions(), observations.spacing());
+        let (scale, spread) = Scale::new(&mut observations, &grid, options);
+        if options.steps.view_error {
+            observations.weigh(&spread.view_error);
+        }
+        Some(Self { observations, scale, spread: spread.between_views, grid })
+    }
+}

@@ -1,0 +1,121 @@
+//! From chains to curves: nodes in between where chords would miss the curve, marks of bridged ground,
+//! and the reasons why open curves end.
+
+use super::super::connect::{Chain, by_length};
+use super::super::estimate::PlacedNode;
+use super::super::measure::{Observations, ViewEnd};
+use super::super::tuning::output::{
+    BRIDGED_FOOTPRINTS, CHORD_SHARE, END_FOOTPRINTS, SMOOTH_COSINE,
+};
+use crate::grid::PointGrid;
+use transect_geometry::{Curve, EndReason, Node, Point2};
+
+/// The curves of the chains, longest first.
+pub(super) fn curves(
+    nodes: &[PlacedNode],
+    chains: Vec<Chain>,
+    ends: &Ends<'_>,
+    middle_nodes: bool,
+) -> Vec<Curve> {
+    let curve = |c: &Chain| {
+        let curve = Curve::new(curve_nodes(nodes, c, middle_nodes), c.closed).ok()?;
+        Some(curve.with_ends(ends.of(c)))
+    };
+    by_length(nodes, chains).iter().filter_map(curve).collect()
+}
+
+/// The nodes of a chain, with those that belong between them.
+fn curve_nodes(nodes: &[PlacedNode], chain: &Chain, middle_nodes: bool) -> Vec<Node> {
+    let closing = chain.nodes.first().filter(|_| chain.closed);
+    let next = chain.nodes.iter().skip(1).chain(closing).map(Some).chain([None]);
+    let mut result: Vec<Node> = Vec::with_capacity(2 * chain.nodes.len());
+    for (&number, next) in chain.nodes.iter().zip(next) {
+        let here = &nodes[number as usize];
+        let Some(&next) = next else {
+            result.push(here.node());
+            break;
+        };
+        let next = &nodes[next as usize];
+        let gap = bridge(here, next);
+        result.push(here.node().with_bridged(gap.is_some()));
+        result.extend(gap.or_else(|| between(here, next).filter(|_| middle_nodes)));
+    }
+    result
+}
+
+/// The mark of a gap: a node without views, if two neighbours are too far apart to have been measured
+/// as neighbours.
+fn bridge(a: &PlacedNode, b: &PlacedNode) -> Option<Node> {
+    let gap = (b.position - a.position).norm();
+    let middle = || {
+        // Only the two ends and their distance are known.
+        Node::at(a.position + (b.position - a.position) * 0.5)
+            .with_sigma((0.25 * gap) as f32)
+            .with_footprint(gap as f32)
+            .with_weight(0.0)
+            .with_views(0)
+            .with_bridged(true)
+    };
+    (gap > BRIDGED_FOOTPRINTS * a.spacing.max(b.spacing)).then(middle)
+}
+
+/// The middle of the cubic with the places and directions of two nodes, where their chord misses it.
+fn between(a: &PlacedNode, b: &PlacedNode) -> Option<Node> {
+    let step = b.position - a.position;
+    let length = step.norm();
+    let least = SMOOTH_COSINE * length;
+    if a.tangent.dot(&step) < least || b.tangent.dot(&step) < least {
+        return None;
+    }
+    let middle = (a.tangent - b.tangent) * (0.125 * length);
+    let sigma = 0.5 * (a.sigma + b.sigma);
+    (step.perp(&middle).abs() > CHORD_SHARE * sigma * length).then(|| {
+        let lighter = if a.evidence.weight < b.evidence.weight { a.node() } else { b.node() };
+        lighter.moved_to(a.position + step * 0.5 + middle).with_sigma(sigma as f32)
+    })
+}
+
+/// Where the views' curves begin and end.
+pub(super) struct Ends<'a> {
+    nodes: &'a [PlacedNode],
+    all: Vec<ViewEnd>,
+    /// The node that stands for each.
+    at: Vec<Point2>,
+    grid: PointGrid,
+}
+
+impl<'a> Ends<'a> {
+    pub fn new(observations: &Observations, absorbed_by: &[u32], nodes: &'a [PlacedNode]) -> Self {
+        let all = observations.ends.clone();
+        let by = |e: &ViewEnd| absorbed_by.get(e.observation as usize);
+        let place = |e: &ViewEnd| by(e).and_then(|k| nodes.get(*k as usize)).map(|k| k.position);
+        let at: Vec<Point2> = all.iter().map(|e| place(e).unwrap_or_default()).collect();
+        let grid = PointGrid::new(&at, END_FOOTPRINTS * observations.spacing());
+        Self { nodes, all, at, grid }
+    }
+
+    /// Why a chain begins and ends where it does.
+    fn of(&self, chain: &Chain) -> [Option<EndReason>; 2] {
+        match chain.nodes.as_slice() {
+            [first, .., last] if !chain.closed => {
+                [self.near(*first, false), self.near(*last, true)]
+            }
+            _ => [None; 2],
+        }
+    }
+
+    /// The reason of the nearest end of a view's curve; of several in one place, the first in the
+    /// order of reasons.
+    fn near(&self, k: u32, is_last: bool) -> Option<EndReason> {
+        let here = &self.nodes[k as usize];
+        let mut nearest: Option<(f64, EndReason)> = None;
+        self.grid.within(&here.position, END_FOOTPRINTS * here.evidence.footprint, |e, _| {
+            let end = self.all[e];
+            let found = ((self.at[e] - here.position).norm(), end.reason);
+            if end.is_last == is_last && nearest.is_none_or(|n| found < n) {
+                nearest = Some(found);
+            }
+        });
+        nearest.map(|(_, reason)| reason)
+    }
+}

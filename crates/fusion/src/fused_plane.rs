@@ -1,0 +1,32 @@
+//! The result of fusing one plane.
+
+use transect_geometry::Curve;
+
+/// The fused curves of one plane.
+#[derive(Debug, Clone, Default)]
+pub struct FusedPlane {
+    /// The curves, longest first.
+    pub curves: Vec<Curve>,
+    /// Measured standard deviation of one view's curve against the fused one, in the length unit.
+    /// With one view, or views that do not overlap: the median of their nodes' own.
+    pub spread: f64,
+    /// Distance within which curves of the same direction count as one, in the length unit.
+    pub threshold: f64,
+    /// How many nodes went in and were left out.
+    pub counts: FusionCounts,
+}
+
+/// Counts of one plane's fusion.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct FusionCounts {
+    /// Nodes of all views.
+    pub observations: usize,
+    /// Nodes kept for the result before tidying.
+    pub kept: usize,
+    /// Nodes left out. Of `consensus`: kept nodes beside a better curve or on a curve that is too
+    /// short. Of `pairwise`: observations farther than the threshold from every fused curve.
+    pub dropped: usize,
+    /// Pairs of curves that overlap as the rules forbid, and stay beside each other. Always 0 for
+    /// `consensus`, which resolves them.
+    pub refused: usize,
+}
