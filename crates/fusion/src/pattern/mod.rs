@@ -24,12 +24,10 @@
 
 mod matches;
 mod overlap;
-mod page;
 
 pub use overlap::{
     CurveRange, Overlap, OverlapTolerance, Overlaps, Relation, ToleranceError, classify,
 };
-pub use page::{generated_blocks, table_as_markdown};
 
 use Fork::{AtBeginning, AtBothEnds, AtEnd};
 use Pattern::{BothWhole, EndToBeginning, WholeAndBeginning, WholeAndEnd, WholeAndMiddle};

@@ -2,7 +2,7 @@
 
 use super::super::estimate::PlacedNode;
 use super::super::measure::NONE;
-use super::super::tuning::chain::{CHORD_NODES, DIRECTION_NODES, DIRECTION_SIGMAS};
+use super::super::tuning::chain::*;
 use std::cmp::Ordering;
 use transect_geometry::Vector2;
 

@@ -173,7 +173,7 @@ fn gap_cost(
     rule: &JoinRule,
 ) -> Option<f64> {
     let turn = directions[0].dot(directions[1]);
-    if turn < rule.least_cosine || turn > rule.largest_cosine + 1e-9 {
+    if turn < rule.cosines[0] || turn > rule.cosines[1] + 1e-9 {
         return None;
     }
     let gap = q.position - p.position;

@@ -26,10 +26,7 @@ mod side;
 use super::super::connect::Chain;
 use super::super::estimate::{Evidence, PlacedNode};
 use super::super::options::Steps;
-use super::super::tuning::corners::{
-    AHEAD, APART, BEND_SHARE, BEND_SIGMAS, BEYOND, CHORD, LARGEST_TURN, LONGEST_ZONE,
-    MIN_CUT_SIGMAS, NEAR, OFF_SIGMAS, RIM, SAMPLED, SMALLEST_TURN,
-};
+use super::super::tuning::corners::*;
 use path::{Path, Stretch};
 use side::{Place, Side};
 use transect_geometry::{Point2, Vector2};
