@@ -2,10 +2,10 @@
 
 use crate::{ImageSize, Pixel, Point3, RangeImage, RayProducts, SeparableForm, Vector3};
 
-/// The ray of one pixel in the sensor frame: where it starts and where it runs.
+/// The ray of one pixel in the sensor frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
-    /// Start `P0`. The sensor itself for central projection, a point of its own otherwise.
+    /// Start `P0`. With central projection, all rays have the same start.
     pub start: Point3,
     /// Unit direction, away from the sensor.
     pub direction: Vector3,
@@ -22,7 +22,7 @@ pub struct DevicePoint {
     pub d3: f64,
 }
 
-/// Which way round the image grid is, seen from the sensor.
+/// The orientation of the image grid, seen from the sensor.
 ///
 /// The sign of `(∂p/∂column × ∂p/∂row) · ray` for points `p` of one surface that faces the sensor.
 /// Curve directions follow from it alone.
@@ -60,7 +60,7 @@ pub struct SensorPlane {
     pub offset: f64,
 }
 
-/// Which neighbour of a pixel a pair is made with.
+/// The second pixel of a pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Neighbour {
     /// The pixel in the same column of the row before.
@@ -69,10 +69,9 @@ pub enum Neighbour {
     Left,
 }
 
-/// How two neighbouring samples lie to each other; both are NaN if either pixel is missing.
+/// The offset between two neighbouring samples. Both numbers are NaN if either pixel is missing.
 ///
-/// Their ratio is the tangent of the angle of incidence along the pair: how obliquely a surface
-/// through both samples would be seen.
+/// Their ratio is the tangent of the angle of incidence of a surface through both samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PairGeometry {
     /// Distance between the samples along the ray, in the model's length unit; never negative.
@@ -82,7 +81,7 @@ pub struct PairGeometry {
 }
 
 impl PairGeometry {
-    /// The pair of which at least one pixel is missing.
+    /// A pair with a missing pixel.
     pub const MISSING: Self = Self { range_step: f32::NAN, lateral: f32::NAN };
 
     /// The geometry of two samples, seen along the unit direction of the first one's ray.
@@ -97,16 +96,71 @@ impl PairGeometry {
 
 /// A sensor's grid of rays and the scale on them, in the sensor's own Cartesian frame.
 ///
-/// The required methods are the slow and obvious ones. The `*_row` methods have defaults made from
-/// them; a backend overrides those for speed, and its tests compare the two.
+/// The required methods work on one pixel. The `*_row` methods have defaults that call them. A
+/// backend may override the defaults for speed; its tests then compare both.
 ///
-/// A backend documents its axes, handedness, pixel centre, unit, missing value, what its noise
-/// means, and the equations it comes from.
+/// A backend documents its axes, handedness, pixel centre, unit, missing value, the meaning of its
+/// noise, and its equations.
+///
+/// A camera with parallel rays along z, one per unit of x and y:
+///
+/// ```
+/// use transect_device::{
+///     DeviceFrame, DevicePoint, Handedness, ImageSize, Pixel, Point3, Ray, SensorPlane, Vector3,
+/// };
+///
+/// #[derive(Debug)]
+/// struct Parallel(ImageSize);
+///
+/// impl DeviceFrame for Parallel {
+///     fn size(&self) -> ImageSize {
+///         self.0
+///     }
+///     fn handedness(&self) -> Handedness {
+///         Handedness::ColumnsRight
+///     }
+///     fn ray(&self, pixel: Pixel) -> Option<Ray> {
+///         let start = Point3::new(pixel.col as f64, pixel.row as f64, 0.0);
+///         let inside = pixel.row < self.0.rows && pixel.col < self.0.cols;
+///         inside.then_some(Ray { start, direction: Vector3::z() })
+///     }
+///     fn point(&self, pixel: Pixel, d3: f64) -> Option<Point3> {
+///         self.ray(pixel).map(|ray| ray.start + ray.direction * d3)
+///     }
+///     fn device_point(&self, p: &Point3) -> Option<DevicePoint> {
+///         (p.z > 0.0).then_some(DevicePoint { row: p.y, col: p.x, d3: p.z })
+///     }
+///     fn plane_value(&self, pixel: Pixel, plane: &SensorPlane) -> Option<f64> {
+///         let start = self.ray(pixel)?.start;
+///         let d3 = (plane.offset - plane.normal.dot(&start.coords)) / plane.normal.z;
+///         (d3.is_finite() && d3 > 0.0).then_some(d3)
+///     }
+///     fn extent(&self, direction: &Vector3, nearest: f64, farthest: f64) -> (f64, f64) {
+///         // Wider than needed: a ball around the origin that holds all points.
+///         let reach = farthest.max(nearest) + (self.0.rows + self.0.cols) as f64;
+///         (-reach * direction.norm(), reach * direction.norm())
+///     }
+/// }
+///
+/// let frame = Parallel(ImageSize { rows: 3, cols: 4 });
+/// let p = frame.point(Pixel::new(1, 2), 5.0).ok_or("no point")?;
+/// assert_eq!(p, Point3::new(2.0, 1.0, 5.0));
+/// let wall = SensorPlane { normal: Vector3::z(), offset: 5.0 };
+/// assert_eq!(frame.plane_value(Pixel::new(1, 2), &wall), Some(5.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait DeviceFrame: std::fmt::Debug + Send + Sync {
-    /// Rows and columns of the images this frame belongs to.
+    /// Rows and columns of the frame's images.
     fn size(&self) -> ImageSize;
 
-    /// Which way round the grid is, seen from the sensor.
+    /// The kind of sensor, for lists of views: the name of its type.
+    fn kind(&self) -> &'static str {
+        let name = std::any::type_name::<Self>();
+        let name = name.split('<').next().unwrap_or(name);
+        name.rsplit("::").next().unwrap_or(name)
+    }
+
+    /// The orientation of the grid, seen from the sensor.
     fn handedness(&self) -> Handedness;
 
     /// Whether the last column's right neighbour is column 0 (a full circle).
@@ -117,15 +171,15 @@ pub trait DeviceFrame: std::fmt::Debug + Send + Sync {
     /// The ray of a pixel; `None` outside the image, or where the sensor has no ray.
     fn ray(&self, pixel: Pixel) -> Option<Ray>;
 
-    /// Where the sensor watches a pixel's ray from, if not along the ray itself.
+    /// The point from which the sensor sees a pixel's ray, if that is not the ray's start.
     ///
-    /// Triangulation sensors light a spot along one path and see it along another; both must be
-    /// free. `None` for sensors whose light returns the way it went.
+    /// A triangulation sensor lights a spot along one path and sees it along another. Both paths
+    /// must be free. `None` for sensors whose light returns along the ray.
     fn second_viewpoint(&self, _pixel: Pixel) -> Option<Point3> {
         None
     }
 
-    /// `f`: the sensor-frame point of a value at a pixel; `None` where the value means no point.
+    /// `f`: the sensor-frame point of a value at a pixel; `None` if the value has no point.
     fn point(&self, pixel: Pixel, d3: f64) -> Option<Point3>;
 
     /// `F`: the device coordinates of a sensor-frame point, which may lie between pixels or
@@ -138,8 +192,8 @@ pub trait DeviceFrame: std::fmt::Debug + Send + Sync {
     /// Bounds of `direction · p` over the points of an image of this frame whose values run from
     /// `nearest` to `farthest`.
     ///
-    /// Conservative: no such point lies outside them (dissertation, section 4.2.4). They tell
-    /// which section planes a view can involve.
+    /// Conservative: no such point lies outside them (dissertation, section 4.2.4). The caller
+    /// derives from them which section planes a view can involve.
     fn extent(&self, direction: &Vector3, nearest: f64, farthest: f64) -> (f64, f64);
 
     /// The form's value at every pixel of a row, NaN where missing.
@@ -152,7 +206,7 @@ pub trait DeviceFrame: std::fmt::Debug + Send + Sync {
         }
     }
 
-    /// How every pixel of a row lies to one of its neighbours; missing where there is none.
+    /// The geometry of every pixel of a row and its neighbour; missing where there is no neighbour.
     fn pair_row(
         &self,
         image: &RangeImage,
@@ -167,19 +221,20 @@ pub trait DeviceFrame: std::fmt::Debug + Send + Sync {
         }
     }
 
-    /// A linear form of this sensor's samples as products of row and column numbers, if it has such;
-    /// whole images are then formed in `f32` without a call per row.
+    /// A linear form of this sensor's samples as products of row and column numbers; `None` if the
+    /// form has no such products. With them, whole images are computed in `f32` without a call per
+    /// row.
     fn separable_form(&self, _form: &LinearForm) -> Option<SeparableForm> {
         None
     }
 
-    /// Products of neighbouring rays as sums of row and column numbers, if the sensor has such; pairs
-    /// of whole images are then tested in `f32` without a call per row.
+    /// Products of neighbouring rays as sums of row and column numbers; `None` if the sensor has no
+    /// such sums. With them, pairs of whole images are tested in `f32` without a call per row.
     fn ray_products(&self, _neighbour: Neighbour) -> Option<RayProducts> {
         None
     }
 
-    /// How two samples lie to each other; `None` if either is missing.
+    /// The geometry of two samples; `None` if either is missing.
     fn pair(&self, image: &RangeImage, pixel: Pixel, other: Pixel) -> Option<PairGeometry> {
         let a = self.point(pixel, f64::from(image.get(pixel)?))?;
         let b = self.point(other, f64::from(image.get(other)?))?;

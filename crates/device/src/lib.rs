@@ -1,11 +1,11 @@
-//! The seam between sensors and everything else.
+//! The interface between sensors and the rest of the workspace.
 //!
 //! The one decision of this crate: a range sensor is a **grid of rays with a monotone scale on
-//! each** (dissertation, section 3.3). [`DeviceFrame`] says where the rays run and what the scale
-//! means; [`RangeImage`] holds one value per ray; [`View`] puts both into the world.
+//! each** (dissertation, section 3.3). [`DeviceFrame`] defines the rays and the scale,
+//! [`RangeImage`] holds one value per ray, and [`View`] puts both into the world.
 //!
-//! It refuses to know any particular sensor, any file format, and what the images are used for.
-//! A sensor is added by implementing [`DeviceFrame`]; see `transect-sensors` for examples.
+//! The crate knows no particular sensor, no file format and no use of the images. To add a sensor,
+//! implement [`DeviceFrame`]; see `transect-sensors` for examples.
 //!
 //! Conventions that hold for every sensor: row `i` and column `j` count from 0, a pixel's sample
 //! belongs to the pixel's *centre*, sensor frames are right-handed Cartesian, lengths are in the

@@ -37,7 +37,7 @@ impl ImageSize {
         self.rows.saturating_mul(self.cols)
     }
 
-    /// Refuses sizes that no sensor has, before anything is allocated for them.
+    /// Refuses impossible sizes, before memory is taken for them.
     ///
     /// # Errors
     /// [`ImageError::AbsurdSize`] without rows or columns, or beyond [`MAX_PIXELS`].
@@ -56,21 +56,21 @@ impl std::fmt::Display for ImageSize {
     }
 }
 
-/// Largest accepted image, in pixels: 2³⁰, four times the largest terrestrial scans in use.
-///
-/// A header that asks for more is taken for damage rather than for a reason to allocate.
+/// Largest accepted image, in pixels. Chosen by hand: four times the largest terrestrial scans in
+/// use. A header with a larger size counts as damaged. Doubled, a damaged header may take twice
+/// the memory (8 GiB) before it is refused.
 pub const MAX_PIXELS: usize = 1 << 30;
 
-/// Why values do not make a range image.
+/// Why values cannot make a range image.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImageError {
     /// No rows or no columns, or more than [`MAX_PIXELS`].
     #[error("an image of {rows} rows × {cols} columns is empty or absurdly large")]
     AbsurdSize {
-        /// Rows asked for.
+        /// The number of rows.
         rows: usize,
-        /// Columns asked for.
+        /// The number of columns.
         cols: usize,
     },
     /// The number of values is not rows × columns.
@@ -78,15 +78,15 @@ pub enum ImageError {
     WrongCount {
         /// The stated size.
         size: ImageSize,
-        /// How many values came.
+        /// The number of values.
         found: usize,
     },
 }
 
 /// A grid of range-related values `d3`, one per ray of a sensor, some of them missing.
 ///
-/// Row-major: row 0 first. Values are positive and finite, in whatever unit the device frame's
-/// scale has (a range or depth in the model's length unit for most sensors), stored as `f32`.
+/// Row-major: row 0 first. Values are positive and finite, in the unit of the device frame's scale:
+/// a range or depth in the model's length unit for most sensors. They are stored as `f32`.
 /// A missing pixel is `None` through [`RangeImage::get`].
 #[derive(Debug, Clone)]
 pub struct RangeImage {
@@ -96,23 +96,23 @@ pub struct RangeImage {
     census: Census,
 }
 
-/// What is asked of all values again and again.
+/// Properties of all values, counted once.
 #[derive(Debug, Clone, Copy)]
 struct Census {
     valid: usize,
-    /// Smallest and largest value; the wrong way round if there is none.
+    /// Smallest and largest value; infinity and −infinity if there is no value.
     extremes: (f32, f32),
 }
 
 impl Census {
-    /// Makes useless values NaN and counts the others; side by side, since the sum of their looks is most
-    /// of what an image costs to make.
+    /// Makes unusable values NaN and counts the others. Sixteen lanes run side by side, because
+    /// this pass is most of the cost of making an image.
     fn take(values: &mut [f32]) -> Self {
-        const SIDE_BY_SIDE: usize = 16;
-        let mut low = [f32::INFINITY; SIDE_BY_SIDE];
-        let mut high = [f32::NEG_INFINITY; SIDE_BY_SIDE];
+        const LANES: usize = 16;
+        let mut low = [f32::INFINITY; LANES];
+        let mut high = [f32::NEG_INFINITY; LANES];
         let mut valid = 0;
-        for values in values.chunks_mut(SIDE_BY_SIDE) {
+        for values in values.chunks_mut(LANES) {
             let mut found = 0;
             for ((value, low), high) in values.iter_mut().zip(&mut low).zip(&mut high) {
                 // Comparisons with NaN are false.
@@ -165,7 +165,7 @@ impl RangeImage {
         self.values.get(start..end).unwrap_or(&[])
     }
 
-    /// How many pixels are not missing.
+    /// Number of pixels that are not missing.
     pub fn valid_count(&self) -> usize {
         self.census.valid
     }

@@ -1,21 +1,22 @@
-//! Sensors in numbers of rows and columns, for loops over whole images that need no sensor.
+//! Tables of numbers per row and per column, for inner loops over whole images.
 //!
-//! Where all rays start in one point and a ray is made of a row's and a column's numbers, levels and
-//! the test for range jumps are a few multiplications per pixel. These tables hand those numbers
-//! over, so that one inner loop serves every such sensor.
+//! The tables exist for sensors whose rays all start in one point and combine a row's number with a
+//! column's number. A level, or the test for a range jump, then takes a few multiplications per
+//! pixel, and one inner loop serves every such sensor.
 
-/// A linear form of every sample of a sensor whose points are `d3` times a ray, as numbers of its row
-/// and its column: `d3 · (factor[i] · column[j] + addend[i]) + constant`.
+/// A linear form of every sample, for sensors whose points are `d3` times a ray. The value at row i
+/// and column j is `d3 · (factor[i] · column[j] + addend[i]) + constant`.
 ///
-/// Tables are made in `f64` and rounded once; the rest is left to inner loops in `f32`. Their result is
-/// within `2⁻²² · (|d3 · g| + |constant|)` of the form, with `g` the form's gradient along the ray's parts.
+/// The tables are computed in `f64` and rounded once; inner loops run in `f32`. Their result is
+/// within `2⁻²² · (|d3 · g| + |constant|)` of the form, with `g` the form's gradient along the
+/// ray's parts.
 #[derive(Debug, Clone, Default)]
 pub struct SeparableForm {
     /// Per row: factor and addend.
     pub rows: Vec<[f32; 2]>,
     /// One number per column.
     pub columns: Vec<f32>,
-    /// What is left at the sensor frame's origin.
+    /// The value at the sensor frame's origin.
     pub constant: f32,
 }
 
@@ -33,11 +34,12 @@ pub struct RayProduct {
     pub across: f32,
 }
 
-/// Products of all neighbouring rays of one kind, as sums of a number of the row and one of the column.
+/// Products of all neighbouring rays of one kind. Each is a number of the row plus a number of the
+/// column.
 #[derive(Debug, Clone, Default)]
 pub struct RayProducts {
     /// One per row.
     pub rows: Vec<RayProduct>,
-    /// One per column; empty where every column's is zero.
+    /// One per column; empty if all of them are zero.
     pub columns: Vec<RayProduct>,
 }

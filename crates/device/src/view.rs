@@ -3,7 +3,7 @@
 use crate::{DeviceFrame, ImageSize, Isometry3, Pixel, Point3, RangeImage};
 use std::sync::Arc;
 
-/// Why an image, a frame and a pose do not make a view.
+/// Why an image, a frame and a pose cannot make a view.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ViewError {
@@ -37,8 +37,8 @@ pub struct View {
 }
 
 impl View {
-    /// A view from its parts. `name` is what reports call it, usually its file's name; `sigma` is
-    /// the standard deviation of a range along its ray, in the model's length unit, if known.
+    /// A view from its parts. Reports show `name`, usually the file's name. `sigma` is the standard
+    /// deviation of a range along its ray, in the model's length unit, if known.
     ///
     /// # Errors
     /// [`ViewError`] if the sizes differ, no pixel is valid, or pose or noise are not finite.
@@ -65,7 +65,7 @@ impl View {
         Ok(Self { name: name.into(), image, frame, world_from_sensor, sigma })
     }
 
-    /// The same view with another image of the same scene, such as a filtered one.
+    /// The same view with another image of the same scene, for example a filtered one.
     ///
     /// # Errors
     /// [`ViewError`] if the sizes differ or no pixel is valid.
@@ -74,7 +74,7 @@ impl View {
         Self::new(name, image, frame, self.world_from_sensor, self.sigma)
     }
 
-    /// The same view at another place, such as after a better registration.
+    /// The same view with another pose, for example from a better registration.
     ///
     /// # Errors
     /// [`ViewError::PoseNotFinite`].
@@ -83,7 +83,7 @@ impl View {
         Self::new(name, self.image.clone(), frame, world_from_sensor, self.sigma)
     }
 
-    /// What reports call this view.
+    /// The name that reports show.
     pub fn name(&self) -> &str {
         &self.name
     }

@@ -10,7 +10,7 @@
 //!
 //! | column | meaning |
 //! |---|---|
-//! | `sweep` | a whole number; the lines of one sweep stand together, from the nearest depth to the farthest |
+//! | `sweep` | a whole number; lines of one sweep are consecutive; the nearest depth comes first |
 //! | `theta` | scanning angle, radians, rising along the sweep |
 //! | `p` | place of the spot on the detector, in the detector's unit; empty or `nan`: no return |
 //! | `u`, `v` | place of the spot in the scanner's plane; lengths, not read where there is no return |
@@ -24,8 +24,8 @@ use transect_sensors::lookup_table::{CalibrationSample, CalibrationSweep};
 /// The columns, in their order.
 const HEADER: [&str; 5] = ["sweep", "theta", "p", "u", "v"];
 
-/// Most sweeps that are read: forty times as many as anybody has swept, and few enough for
-/// digitising, which takes memory with their square.
+/// Most sweeps that are read. Chosen by hand: forty times the number of a usual calibration. The
+/// memory of digitising grows with the square of this number.
 const MOST_SWEEPS: usize = 1000;
 
 /// Reads the sweeps of a calibration, nearest depth first: lines `sweep,theta,p,u,v` below that
@@ -131,10 +131,11 @@ fn finite(column: &str, text: &str) -> Result<f64, String> {
     number.ok_or_else(|| format!("column \"{column}\": {text:?} is no finite number"))
 }
 
-/// Writes sweeps that [`read_calibration`] reads, numbered from 0; a `p` that is NaN means no return.
+/// Writes sweeps that [`read_calibration`] reads, numbered from 0; a `p` that is NaN means no
+/// return.
 ///
 /// # Errors
-/// What `out` says, or that a number which is needed is not finite.
+/// An error of `out`, or a required number that is not finite.
 pub fn write_calibration(sweeps: &[CalibrationSweep], out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "{}", HEADER.join(","))?;
     for (number, sweep) in sweeps.iter().enumerate() {

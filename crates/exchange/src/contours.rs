@@ -1,4 +1,4 @@
-//! `contours.json`: the neutral output that other programs read.
+//! `contours.json`: the model's curves for other programs.
 //!
 //! ```json
 //! { "unit": "m", "planes": [ { "index": 3, "station": 0.2,
@@ -7,14 +7,16 @@
 //!                      "sigma": [0.001, 0.001, 0.001], "views": [4, 4, 3] } ] } ] }
 //! ```
 //!
-//! Points are in the world, in the model's length unit; a closed polyline does not repeat its first
-//! point; the solid is on the left, seen against the normal. `sigma` is a node's standard deviation
-//! across the curve (0 = nothing known), `views` how many views observed it (0 = bridged). Two keys
-//! are there only if they say something: `bridged` lists the numbers of the segments (k: from point
-//! k to the next) that cross ground nobody saw, and `ends` says why an open polyline begins and ends
-//! (`missing_pixel`, `range_jump`, `image_border`, or null where nobody knows).
-//! Numbers have the fewest digits that read back as the same number, so the same model gives the
-//! same bytes and nothing is lost far from the origin.
+//! Points are in the world, in the model's length unit. A closed polyline does not repeat its first
+//! point. The solid is on the left, seen against the normal.
+//!
+//! `sigma` is a node's standard deviation across the curve (0: unknown). `views` is the number of
+//! views that observed it (0: bridged). Two keys are optional. `bridged` lists the segments that no
+//! view saw (k: from point k to the next). `ends` gives the reasons why an open polyline begins and
+//! ends: `missing_pixel`, `range_jump`, `image_border`, or null for an unknown reason.
+//!
+//! Numbers have the fewest digits that read back as the same number. So the same model gives the
+//! same bytes, and no precision is lost far from the origin.
 
 use crate::{Place, ReadError};
 use serde::{Deserialize, Serialize};
@@ -27,6 +29,7 @@ use transect_model::{Model, Section};
 
 /// The curves of a contour file.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Contours {
     /// The unit of all lengths.
     pub unit: LengthUnit,
@@ -36,6 +39,7 @@ pub struct Contours {
 
 /// One plane of a contour file.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ContourPlane {
     /// Its number.
     pub index: PlaneIndex,
@@ -48,7 +52,7 @@ pub struct ContourPlane {
     pub curves: Vec<Curve>,
 }
 
-/// A plane as the file has it. What other programs may leave out has a default.
+/// A plane in the file. Keys that other programs may leave out have a default.
 #[derive(Serialize, Deserialize)]
 struct PlaneText {
     index: i64,
@@ -88,14 +92,14 @@ struct ContoursText {
 /// Writes a model's curves, one plane per line.
 ///
 /// # Errors
-/// What `out` says.
+/// An error of `out`.
 pub fn write_contours(model: &Model, out: &mut dyn Write) -> io::Result<()> {
     write!(out, "{{\"unit\":\"{}\",\"planes\":[", model.unit())?;
     for (number, (index, section)) in model.sections().enumerate() {
         let separator = if number > 0 { "," } else { "" };
         let frame = model.planes().frame(index);
         let station = model.planes().station(index);
-        // A plane at a time: what is in memory twice stays small.
+        // One plane at a time, so that only one plane is in memory as text.
         let line = serde_json::to_string(&plane_text(index, station, &frame, section))?;
         write!(out, "{separator}\n{line}")?;
     }
@@ -133,7 +137,7 @@ fn plane_text(index: PlaneIndex, station: f64, frame: &PlaneFrame, section: &Sec
 /// few points, points that are not finite, or lists of different lengths.
 pub fn read_contours(path: &Path) -> Result<Contours, ReadError> {
     let file = std::fs::File::open(path);
-    let file = file.map_err(|source| ReadError::Io { path: path.to_owned(), source })?;
+    let file = file.map_err(|e| ReadError::io(path, e))?;
     let parsed = serde_json::from_reader(BufReader::with_capacity(1 << 16, file));
     let text: ContoursText =
         parsed.map_err(|source| ReadError::Json { path: path.to_owned(), source })?;

@@ -15,19 +15,24 @@ use std::path::{Path, PathBuf};
 use transect_geometry::LengthUnit;
 use transect_sensors::Intrinsics;
 
-/// The file that makes a folder a depth folder.
-pub(crate) const INTRINSICS: &str = "camera-intrinsics.txt";
+/// The file by which a depth folder is recognised.
+const INTRINSICS: &str = "camera-intrinsics.txt";
 /// Metres per count of the images.
 const DEPTH_SCALE: f64 = 0.001;
 const IMAGE_SUFFIX: &str = ".depth.png";
 
-/// How the manifest of a folder names its images.
+/// The form of file names in the manifest of a folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FileNames {
     /// By name alone, for a manifest inside the folder.
     Relative,
     /// By absolute path, for a manifest anywhere.
     Absolute,
+}
+
+/// Whether a folder is one of depth images.
+pub(crate) fn is_one(folder: &Path) -> bool {
+    folder.join(INTRINSICS).is_file()
 }
 
 pub(crate) fn open(folder: &Path, unit: Option<LengthUnit>) -> Result<Scan, ReadError> {
@@ -38,7 +43,7 @@ pub(crate) fn open(folder: &Path, unit: Option<LengthUnit>) -> Result<Scan, Read
         folder.display()
     );
     scan.notes.insert(0, note);
-    let poses = scan.views.iter().map(|v| pose_file(&v.path));
+    let poses = scan.views.iter().map(|v| pose_file(v.path()));
     let files: Vec<_> = std::iter::once(folder.join(INTRINSICS)).chain(poses).collect();
     scan.inputs.splice(0..0, files);
     Ok(scan)
@@ -50,7 +55,7 @@ pub(crate) fn open(folder: &Path, unit: Option<LengthUnit>) -> Result<Scan, Read
 /// [`ReadError`] if the intrinsics or a pose is missing or wrong, or there is no image.
 pub fn depth_folder_manifest(folder: &Path, names: FileNames) -> Result<Manifest, ReadError> {
     let camera = intrinsics(&folder.join(INTRINSICS))?;
-    let io = |source| ReadError::Io { path: folder.to_owned(), source };
+    let io = |e| ReadError::io(folder, e);
     let absolute = std::path::absolute(folder).map_err(io)?;
     let name = absolute.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let mut views = Vec::new();
@@ -59,22 +64,18 @@ pub fn depth_folder_manifest(folder: &Path, names: FileNames) -> Result<Manifest
             FileNames::Relative => image.clone(),
             FileNames::Absolute => absolute.join(&image).to_string_lossy().into_owned(),
         };
-        views.push(ViewEntry {
-            file,
-            sensor: camera.clone(),
-            rows: None,
-            cols: None,
-            depth_scale: Some(DEPTH_SCALE),
-            pose: read_pose(&pose_file(&folder.join(image)))?,
-            pose_true: None,
-        });
+        let pose = read_pose(&pose_file(&folder.join(image)))?;
+        let mut view = ViewEntry::new(file, camera.clone(), pose);
+        view.depth_scale = Some(DEPTH_SCALE);
+        views.push(view);
     }
     if views.is_empty() {
         let problem = format!("no images *{IMAGE_SUFFIX} beside {INTRINSICS}");
         return Err(ReadError::damaged(folder, Place::Whole, problem));
     }
-    let unit = Some(LengthUnit::Metre);
-    Ok(Manifest { name, unit, sigma: None, planes: None, size: None, views })
+    let mut manifest = Manifest::new(name, views);
+    manifest.unit = Some(LengthUnit::Metre);
+    Ok(manifest)
 }
 
 fn images(folder: &Path) -> std::io::Result<Vec<String>> {
@@ -97,7 +98,7 @@ fn pose_file(image: &Path) -> PathBuf {
 
 fn read_pose(path: &Path) -> Result<[f64; 16], ReadError> {
     let numbers = numbers(path, "a pose of 4 × 4 numbers")?;
-    // Checked here as well as in the scan, because here the pose's own file can be named.
+    // The scan checks poses, too, but here the message can name the pose's own file.
     let checked = pose::from_row_major(&numbers);
     checked.map_err(|problem| ReadError::damaged(path, Place::Whole, problem))?;
     Ok(numbers)

@@ -1,217 +1,137 @@
 //! Drawing exchange: DXF of AutoCAD release 12 (AC1009), the version every CAD program reads.
 //!
-//! One layer per plane (`PLANE_0012`, `PLANE_N003` below zero), one POLYLINE per curve. Numbers are
-//! in the model's length unit with all their digits. Release 12 has no place for a unit: it is
-//! written as `$INSUNITS`, which newer programs honour, and as a comment in the first line.
+//! One layer per plane (`PLANE_0012`, `PLANE_N003` below zero), one POLYLINE per curve. Numbers
+//! are in the model's length unit with all their digits. Release 12 has no place for a unit. The
+//! unit is written as `$INSUNITS`, which newer programs read, and as a comment in the first line.
 //! Coordinates are never scaled or moved.
 
+use crate::dxf_groups::{Groups, layer_colour, layer_name, unit_values};
 use std::io::{self, Write};
-use transect_geometry::{Curve, LengthUnit, PlaneFrame, PlaneIndex, Point3};
+use transect_geometry::{Curve, PlaneFrame, PlaneIndex, Point2, Point3};
 use transect_model::Model;
 
-/// In which coordinates curves are drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// The coordinates in which curves are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum DxfFrame {
     /// Flat polylines in plane coordinates, at an elevation that is the plane's station: all
     /// sections lie above each other on the drawing's XY plane.
     Plane,
     /// Space polylines in world coordinates.
+    #[default]
     World,
 }
+
+/// The groups that do not depend on the model.
+const TEMPLATE: &str = include_str!("drawing.txt");
 
 /// Writes a model's curves.
 ///
 /// # Errors
-/// What `out` says.
+/// An error of `out`.
 pub fn write_dxf(model: &Model, frame: DxfFrame, out: &mut dyn Write) -> io::Result<()> {
-    let mut dxf = Dxf { out, frame };
     let coordinates = match frame {
         DxfFrame::Plane => "plane coordinates, elevation = station",
         DxfFrame::World => "world coordinates",
     };
-    dxf.text(999, &format!("Transect sections; lengths in {}; {coordinates}", model.unit()))?;
-    dxf.header(model)?;
-    dxf.tables(model)?;
-    dxf.section("ENTITIES")?;
-    for (index, section) in model.sections() {
-        let (plane, station) = (model.planes().frame(index), model.planes().station(index));
-        let layer = layer_name(index);
-        for curve in section.curves() {
-            dxf.polyline(curve, &plane, station, &layer)?;
-        }
-    }
-    dxf.text(0, "ENDSEC")?;
-    dxf.text(0, "EOF")
+    let mut values = unit_values(model.unit()).to_vec();
+    values.push(("coordinates", coordinates.to_owned()));
+    values.push(("layer_count", format!("{}", 1 + model.sections().len())));
+    let drawing = Drawing { model, frame };
+    let mut groups = Groups { out };
+    groups.template(TEMPLATE, &values, |groups, mark| match mark {
+        "extents" => drawing.write_extents(groups),
+        "layers" => model.sections().try_for_each(|(index, _)| write_layer(groups, index)),
+        _ => drawing.write_polylines(groups),
+    })
 }
 
-/// Letters, digits, `_`, at most 31 characters: what release 12 allows.
-pub(crate) fn layer_name(index: PlaneIndex) -> String {
-    let sign = if index.0 < 0 { "N" } else { "" };
-    let digits = if index.0 < 0 { 3 } else { 4 };
-    format!("PLANE_{sign}{:0digits$}", index.0.unsigned_abs())
+fn write_layer(groups: &mut Groups<'_>, index: PlaneIndex) -> io::Result<()> {
+    groups.text(0, "LAYER")?;
+    groups.text(2, &layer_name(index))?;
+    groups.integer(70, 0)?;
+    groups.integer(62, layer_colour(index))?;
+    groups.text(6, "CONTINUOUS")
 }
 
-/// The number `$INSUNITS` has for a unit.
-pub(crate) fn insertion_unit(unit: LengthUnit) -> i64 {
-    match unit {
-        LengthUnit::Inch => 1,
-        LengthUnit::Foot => 2,
-        LengthUnit::Millimetre => 4,
-        LengthUnit::Centimetre => 5,
-        LengthUnit::Metre => 6,
-        LengthUnit::Micrometre => 13,
-        LengthUnit::Decimetre => 14,
-    }
-}
-
-/// `$MEASUREMENT`: 0 for inches, 1 for the metric system.
-pub(crate) fn measurement(unit: LengthUnit) -> i64 {
-    i64::from(!matches!(unit, LengthUnit::Inch | LengthUnit::Foot))
-}
-
-struct Dxf<'a> {
-    out: &'a mut dyn Write,
-    frame: DxfFrame,
-}
-
-/// Layer colours (AutoCAD colour index), so that neighbouring planes differ: red, yellow, green,
-/// cyan, blue, magenta.
-const COLOURS: i64 = 6;
+/// Flags of group 70 for polylines and their vertices.
 const CLOSED: i64 = 1;
 const IN_SPACE: i64 = 8;
 const VERTEX_IN_SPACE: i64 = 32;
 
-impl Dxf<'_> {
-    fn text(&mut self, group: u16, value: &str) -> io::Result<()> {
-        write!(self.out, "{group}\n{value}\n")
+struct Drawing<'a> {
+    model: &'a Model,
+    frame: DxfFrame,
+}
+
+/// A plane, and its coordinate along the guide.
+struct Placed {
+    frame: PlaneFrame,
+    station: f64,
+}
+
+impl Drawing<'_> {
+    fn plane(&self, index: PlaneIndex) -> Placed {
+        let planes = self.model.planes();
+        Placed { frame: planes.frame(index), station: planes.station(index) }
     }
 
-    fn integer(&mut self, group: u16, value: i64) -> io::Result<()> {
-        write!(self.out, "{group}\n{value}\n")
-    }
-
-    /// The fewest digits that read back as the same number, never with an exponent, always with a
-    /// point: there are readers that tell a real number by it.
-    fn number(&mut self, group: u16, value: f64) -> io::Result<()> {
-        let point = if value.fract() == 0.0 { ".0" } else { "" };
-        write!(self.out, "{group}\n{value}{point}\n")
-    }
-
-    fn point(&mut self, [x, y, z]: [f64; 3]) -> io::Result<()> {
-        self.number(10, x)?;
-        self.number(20, y)?;
-        self.number(30, z)
-    }
-
-    fn section(&mut self, name: &str) -> io::Result<()> {
-        self.text(0, "SECTION")?;
-        self.text(2, name)
-    }
-
-    fn header(&mut self, model: &Model) -> io::Result<()> {
-        self.section("HEADER")?;
-        self.text(9, "$ACADVER")?;
-        self.text(1, "AC1009")?;
-        self.text(9, "$INSUNITS")?;
-        self.integer(70, insertion_unit(model.unit()))?;
-        self.text(9, "$MEASUREMENT")?;
-        self.integer(70, measurement(model.unit()))?;
-        let (low, high) = self.extents(model);
-        self.text(9, "$EXTMIN")?;
-        self.point(low)?;
-        self.text(9, "$EXTMAX")?;
-        self.point(high)?;
-        self.text(0, "ENDSEC")
-    }
-
-    /// Corners of the box around everything drawn; AutoCAD's inverted box for an empty drawing.
-    fn extents(&self, model: &Model) -> ([f64; 3], [f64; 3]) {
-        let (mut low, mut high) = ([1e20_f64; 3], [-1e20_f64; 3]);
-        for (index, section) in model.sections() {
-            let (plane, station) = (model.planes().frame(index), model.planes().station(index));
-            for node in section.curves().flat_map(Curve::nodes) {
-                let drawn = self.drawn(&plane, station, node.position);
-                for ((low, high), c) in low.iter_mut().zip(&mut high).zip(drawn) {
-                    (*low, *high) = (low.min(c), high.max(c));
-                }
-            }
-        }
-        (low, high)
-    }
-
-    fn drawn(
-        &self,
-        plane: &PlaneFrame,
-        station: f64,
-        position: transect_geometry::Point2,
-    ) -> [f64; 3] {
+    fn drawn(&self, plane: &Placed, position: &Point2) -> Point3 {
         match self.frame {
-            DxfFrame::Plane => [position.x, position.y, station],
-            DxfFrame::World => {
-                let p: Point3 = plane.world_from_plane(&position);
-                [p.x, p.y, p.z]
+            DxfFrame::Plane => Point3::new(position.x, position.y, plane.station),
+            DxfFrame::World => plane.frame.world_from_plane(position),
+        }
+    }
+
+    /// Corners of the box around everything drawn. An empty drawing has AutoCAD's inverted box.
+    fn write_extents(&self, groups: &mut Groups<'_>) -> io::Result<()> {
+        let (mut low, mut high) = (Point3::from([1e20; 3]), Point3::from([-1e20; 3]));
+        for (index, section) in self.model.sections() {
+            let plane = self.plane(index);
+            for node in section.curves().flat_map(Curve::nodes) {
+                let drawn = self.drawn(&plane, &node.position);
+                (low, high) = (low.inf(&drawn), high.sup(&drawn));
             }
         }
+        groups.text(9, "$EXTMIN")?;
+        groups.point(&low)?;
+        groups.text(9, "$EXTMAX")?;
+        groups.point(&high)
     }
 
-    fn tables(&mut self, model: &Model) -> io::Result<()> {
-        self.section("TABLES")?;
-        self.table("LTYPE", 1)?;
-        self.text(0, "LTYPE")?;
-        self.text(2, "CONTINUOUS")?;
-        self.integer(70, 0)?;
-        self.text(3, "Solid line")?;
-        self.integer(72, 65)?;
-        self.integer(73, 0)?;
-        self.number(40, 0.0)?;
-        self.text(0, "ENDTAB")?;
-        self.table("LAYER", 1 + model.sections().len() as i64)?;
-        self.layer("0", 7)?;
-        for (index, _) in model.sections() {
-            self.layer(&layer_name(index), 1 + index.0.rem_euclid(COLOURS))?;
+    fn write_polylines(&self, groups: &mut Groups<'_>) -> io::Result<()> {
+        for (index, section) in self.model.sections() {
+            let (plane, layer) = (self.plane(index), layer_name(index));
+            for curve in section.curves() {
+                self.write_polyline(groups, curve, &plane, &layer)?;
+            }
         }
-        self.text(0, "ENDTAB")?;
-        self.text(0, "ENDSEC")
+        Ok(())
     }
 
-    fn table(&mut self, name: &str, entries: i64) -> io::Result<()> {
-        self.text(0, "TABLE")?;
-        self.text(2, name)?;
-        self.integer(70, entries)
-    }
-
-    fn layer(&mut self, name: &str, colour: i64) -> io::Result<()> {
-        self.text(0, "LAYER")?;
-        self.text(2, name)?;
-        self.integer(70, 0)?;
-        self.integer(62, colour)?;
-        self.text(6, "CONTINUOUS")
-    }
-
-    fn polyline(
-        &mut self,
+    fn write_polyline(
+        &self,
+        groups: &mut Groups<'_>,
         curve: &Curve,
-        plane: &PlaneFrame,
-        station: f64,
+        plane: &Placed,
         layer: &str,
     ) -> io::Result<()> {
         let (in_space, elevation, vertex_flag) = match self.frame {
-            DxfFrame::Plane => (0, station, 0),
+            DxfFrame::Plane => (0, plane.station, 0),
             DxfFrame::World => (IN_SPACE, 0.0, VERTEX_IN_SPACE),
         };
-        self.text(0, "POLYLINE")?;
-        self.text(8, layer)?;
-        self.integer(66, 1)?;
-        self.point([0.0, 0.0, elevation])?;
-        self.integer(70, in_space + if curve.is_closed() { CLOSED } else { 0 })?;
+        groups.text(0, "POLYLINE")?;
+        groups.text(8, layer)?;
+        groups.integer(66, 1)?;
+        groups.point(&Point3::new(0.0, 0.0, elevation))?;
+        groups.integer(70, in_space + if curve.is_closed() { CLOSED } else { 0 })?;
         for node in curve.nodes() {
-            self.text(0, "VERTEX")?;
-            self.text(8, layer)?;
-            self.point(self.drawn(plane, station, node.position))?;
-            self.integer(70, vertex_flag)?;
+            groups.text(0, "VERTEX")?;
+            groups.text(8, layer)?;
+            groups.point(&self.drawn(plane, &node.position))?;
+            groups.integer(70, vertex_flag)?;
         }
-        self.text(0, "SEQEND")?;
-        self.text(8, layer)
+        groups.text(0, "SEQEND")?;
+        groups.text(8, layer)
     }
 }
 
@@ -255,17 +175,6 @@ mod tests {
         assert_eq!(kinds.iter().filter(|k| **k == "VERTEX").count(), 6);
         assert_eq!(kinds.last(), Some(&"EOF"));
         assert!(!values(10).iter().any(|v| v.contains('e')), "no exponents: {:?}", values(10));
-    }
-
-    #[test]
-    fn layer_names_are_those_release_12_allows() {
-        for index in [0, 12, -3, 123_456, i64::MIN, i64::MAX] {
-            let name = layer_name(PlaneIndex(index));
-            assert!(name.len() <= 31, "{name}");
-            assert!(name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_'), "{name}");
-        }
-        assert_eq!(layer_name(PlaneIndex(12)), "PLANE_0012");
-        assert_eq!(layer_name(PlaneIndex(-3)), "PLANE_N003");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! What can go wrong with files, by what the caller can do about it.
+//! The errors of reading and writing files, sorted by the caller's remedy.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -6,7 +6,7 @@ use transect_device::{ImageError, Pixel, ViewError};
 use transect_geometry::{GuideError, LengthUnit};
 use transect_sensors::SensorError;
 
-/// Where in a file something is wrong. Everything counts from 0 except lines, which count from 1.
+/// A place in a file. Lines count from 1, all other numbers from 0.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Place {
@@ -32,7 +32,7 @@ pub enum Place {
     Pixel(Pixel),
     /// An element of a mesh or a grid, such as a vertex or a face.
     Element {
-        /// What it is called.
+        /// Its kind, such as `vertex`.
         kind: String,
         /// Its number.
         number: usize,
@@ -69,7 +69,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// Why something could not be read.
+/// Why a file could not be read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReadError {
@@ -83,17 +83,14 @@ pub enum ReadError {
         source: std::io::Error,
     },
     /// The path is no scan: name another one.
-    #[error(
-        "{}: not a scan; accepted are a folder with scan.json, a scan manifest (*.json), \
-         a Stanford configuration (*.conf), and a folder of *.depth.png and *.pose.txt \
-         with camera-intrinsics.txt",
-        .path.display()
-    )]
+    #[error("{}: not a scan; accepted are: {accepted}", .path.display())]
     NotAScan {
-        /// What was named.
+        /// The path.
         path: PathBuf,
+        /// The accepted formats.
+        accepted: String,
     },
-    /// Nobody has said what the lengths are: say it.
+    /// No length unit is stated: state it.
     #[error("{}: no length unit; add \"unit\": \"m\" or pass --unit", .path.display())]
     NoUnit {
         /// The manifest.
@@ -112,12 +109,12 @@ pub enum ReadError {
         /// The caller's unit.
         asked: LengthUnit,
     },
-    /// The file is not JSON: repair it at the line and column the cause names.
+    /// The file is not JSON of the expected form: repair it at the line and column of the cause.
     #[error("{}: not valid JSON for this purpose", .path.display())]
     Json {
         /// The file.
         path: PathBuf,
-        /// What is wrong, with line and column.
+        /// The syntax error, with line and column.
         #[source]
         source: serde_json::Error,
     },
@@ -128,7 +125,7 @@ pub enum ReadError {
         path: PathBuf,
         /// Where in it.
         at: Place,
-        /// What is wrong.
+        /// The problem.
         problem: String,
     },
     /// The file is sound but of a kind that is not read here: convert it.
@@ -138,7 +135,7 @@ pub enum ReadError {
         path: PathBuf,
         /// Where in it.
         at: Place,
-        /// What it needs, and what would be read.
+        /// The unsupported property, and the supported ones.
         problem: String,
     },
     /// The content is readable but makes no view, sensor or plane family: correct its numbers.
@@ -148,15 +145,15 @@ pub enum ReadError {
         path: PathBuf,
         /// Where in it.
         at: Place,
-        /// What was to be made.
+        /// The thing that the numbers describe, such as "the sensor".
         what: &'static str,
-        /// Why it cannot be.
+        /// The reason.
         #[source]
         source: Box<Unusable>,
     },
 }
 
-/// Why numbers from a file do not make what they should.
+/// Why numbers from a file make no view, sensor, image or planes.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Unusable {
@@ -175,6 +172,10 @@ pub enum Unusable {
 }
 
 impl ReadError {
+    pub(crate) fn io(path: &Path, source: std::io::Error) -> Self {
+        Self::Io { path: path.to_owned(), source }
+    }
+
     pub(crate) fn damaged(path: &Path, at: Place, problem: impl Into<String>) -> Self {
         Self::Damaged { path: path.to_owned(), at, problem: problem.into() }
     }
@@ -193,12 +194,50 @@ impl ReadError {
     }
 }
 
-/// A whole file in memory.
-pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
-    std::fs::read(path).map_err(|source| ReadError::Io { path: path.to_owned(), source })
+/// A problem in a file and its place, for readers that do not know the file's name.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Problem {
+    pub(crate) at: Place,
+    pub(crate) text: String,
+    /// Whether the file is sound, but of an unsupported kind.
+    unsupported: bool,
 }
 
-/// A whole text file in memory; bytes that are no UTF-8 are damage.
+impl Problem {
+    pub(crate) fn at(at: Place, text: impl Into<String>) -> Self {
+        Self { at, text: text.into(), unsupported: false }
+    }
+
+    pub(crate) fn damaged(text: impl Into<String>) -> Self {
+        Self::at(Place::Whole, text)
+    }
+
+    pub(crate) fn unsupported(text: impl Into<String>) -> Self {
+        Self { unsupported: true, ..Self::damaged(text) }
+    }
+
+    /// The same problem, with the name of the part of the file that has it.
+    pub(crate) fn of(self, part: &str) -> Self {
+        Self { text: format!("{part}: {}", self.text), ..self }
+    }
+
+    pub(crate) fn in_file(self, path: &Path) -> ReadError {
+        let Self { at, text: problem, unsupported } = self;
+        let path = path.to_owned();
+        if unsupported {
+            ReadError::Unsupported { path, at, problem }
+        } else {
+            ReadError::Damaged { path, at, problem }
+        }
+    }
+}
+
+/// A whole file in memory.
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
+    std::fs::read(path).map_err(|e| ReadError::io(path, e))
+}
+
+/// A whole text file in memory. Bytes that are not UTF-8 count as damage.
 pub(crate) fn read_text(path: &Path) -> Result<String, ReadError> {
     String::from_utf8(read_bytes(path)?)
         .map_err(|_| ReadError::damaged(path, Place::Whole, "not a text file"))
@@ -207,6 +246,7 @@ pub(crate) fn read_text(path: &Path) -> Result<String, ReadError> {
 /// A file could not be written: check the folder and the space left.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: cannot be written", .path.display())]
+#[non_exhaustive]
 pub struct WriteError {
     /// The file that was to be written.
     pub path: PathBuf,

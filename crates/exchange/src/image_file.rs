@@ -1,13 +1,13 @@
 //! Images of range values and grids of points in `.npy` and `.png` files.
 
 use crate::error::read_bytes;
-use crate::npy::{Npy, Problem};
+use crate::npy::Npy;
 use crate::png_file::{self, GreyImage, Samples};
 use crate::{Place, ReadError};
 use std::path::Path;
 use transect_device::{ImageSize, Pixel, Point3};
 
-/// Row-major values in the model's length unit; what means "missing" is left to `RangeImage`.
+/// Row-major values in the unit of the sensor's scale. `RangeImage` decides which are missing.
 pub(crate) struct Pixels {
     pub(crate) size: ImageSize,
     pub(crate) values: Vec<f32>,
@@ -31,7 +31,7 @@ pub(crate) fn read(
 /// A grid of points: `.npy` of rows × columns × 3.
 pub(crate) fn read_points(path: &Path) -> Result<(ImageSize, Vec<Point3>), ReadError> {
     let bytes = read_bytes(path)?;
-    let array = Npy::parse(&bytes).map_err(|p| located(path, p))?;
+    let array = Npy::parse(&bytes).map_err(|p| p.in_file(path))?;
     let [rows, cols, 3] = *array.shape() else {
         return Err(wrong_shape(path, &array, "rows × columns × 3"));
     };
@@ -41,18 +41,11 @@ pub(crate) fn read_points(path: &Path) -> Result<(ImageSize, Vec<Point3>), ReadE
 }
 
 fn from_npy(path: &Path, bytes: &[u8]) -> Result<Pixels, ReadError> {
-    let array = Npy::parse(bytes).map_err(|p| located(path, p))?;
+    let array = Npy::parse(bytes).map_err(|p| p.in_file(path))?;
     let [rows, cols] = *array.shape() else {
         return Err(wrong_shape(path, &array, "rows × columns"));
     };
     Ok(Pixels { size: ImageSize { rows, cols }, values: array.to_f32() })
-}
-
-fn located(path: &Path, problem: Problem) -> ReadError {
-    match problem {
-        Problem::Damaged(text) => ReadError::damaged(path, Place::Whole, text),
-        Problem::Unsupported(text) => ReadError::unsupported(path, Place::Whole, text),
-    }
 }
 
 fn wrong_shape(path: &Path, array: &Npy<'_>, wanted: &str) -> ReadError {
@@ -60,7 +53,8 @@ fn wrong_shape(path: &Path, array: &Npy<'_>, wanted: &str) -> ReadError {
     ReadError::damaged(path, Place::Whole, problem)
 }
 
-/// A count that stands at the end of its scale measured nothing (7-Scenes writes it for missing).
+/// The largest count. It means a missing pixel: 7-Scenes writes it, and a saturated count measures
+/// no range.
 const SATURATED: u16 = u16::MAX;
 
 fn from_png(
@@ -96,10 +90,10 @@ fn from_png(
     Ok(Pixels { size, values })
 }
 
-/// Writes row-major values as `.npy` (float32), as scan manifests want them.
+/// Writes row-major values as `.npy` (float32), the format of images in scan manifests.
 ///
 /// # Errors
-/// What `out` says, or that the number of values is not rows × columns.
+/// An error of `out`, or a number of values that is not rows × columns.
 pub fn write_npy_image(
     size: ImageSize,
     values: &[f32],

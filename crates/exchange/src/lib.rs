@@ -1,22 +1,44 @@
-//! Reading scans, writing models: every file format of the workspace but the model's own store.
+//! The file formats of the workspace, except the model store: scans in, models out.
 //!
-//! The one decision of this crate: **nothing is guessed in silence**. What a file does not say is
-//! an error; what it says oddly is repaired and told in a note; what nobody knows is told as well.
-//! Every message names the file, and the view, line, row and column where there is one. Data from
-//! outside is not believed: announced sizes are compared with the file before memory is taken.
+//! The one decision of this crate: **it never guesses in silence**. Missing information is an
+//! error. Repairs and ignored content become notes. Every message names the file, and the view,
+//! line, row and column where there is one. Sizes that a file announces are compared with the file
+//! before memory is taken.
 //!
-//! It refuses to know algorithms: it neither makes curves nor judges them.
+//! The crate contains no algorithms: it neither makes curves nor judges them.
 //!
-//! Read: [`Scan`] (`scan.json`, Stanford `.conf`, depth folders), [`read_calibration`] (text), [`read_guide`] (CSV, GeoJSON, DXF),
-//! [`read_mesh`] (PLY, STL, OBJ), [`read_truth`] (`.npz`), [`read_contours`] (`contours.json`).
-//! Written: [`write_contours`], [`write_dxf`], [`ModelSplines`], [`svg`], [`write_manifest`], [`write_truth`],
-//! [`write_npy_image`], [`write_npy_stack`], [`write_png_image`], [`write_calibration`]; all into any [`std::io::Write`], or whole files through [`write_file`].
+//! # Scan formats
+//!
+//! [`Scan::open`] recognises:
+//!
+//! | scan | path | unit |
+//! |---|---|---|
+//! | manifest | a folder with `scan.json`, or any `*.json` | stated, or the caller's |
+//! | Stanford configuration | `*.conf`, with PLY range grids | metres by convention |
+//! | depth images | a folder with `camera-intrinsics.txt`, `*.depth.png`, `*.pose.txt` | metres |
+//!
+//! # Other files
+//!
+//! | content | functions |
+//! |---|---|
+//! | manifest | [`read_manifest`], [`write_manifest`], [`depth_folder_manifest`] |
+//! | range images, image stacks | [`write_npy_image`], [`write_npy_stack`], [`write_png_image`] |
+//! | calibration sweeps | [`read_calibration`], [`write_calibration`] |
+//! | guide curve (CSV, GeoJSON, DXF) | [`read_guide`] |
+//! | mesh (PLY, STL, OBJ), range grid (PLY) | [`read_mesh`], [`read_range_grid`] |
+//! | true surface of a simulation (`.npz`) | [`read_truth`], [`write_truth`] |
+//! | sections (`contours.json`, DXF) | [`read_contours`], [`write_contours`], [`write_dxf`] |
+//! | splines (DXF, JSON) | [`ModelSplines`] |
+//! | pictures | [`svg`] |
+//!
+//! Every writer takes any [`std::io::Write`]. [`write_file`] writes a whole file or nothing.
 #![deny(clippy::indexing_slicing)]
 
 mod calibration;
 mod contours;
 mod depth_folder;
 mod dxf;
+mod dxf_groups;
 mod error;
 mod guide_file;
 mod image_file;
@@ -25,17 +47,19 @@ mod manifest;
 mod mesh;
 mod npy;
 mod npz;
+mod open;
 mod ply;
 mod png_file;
 mod pose;
 mod scan;
-mod sensor_source;
 mod spline_file;
 mod stanford;
 pub mod svg;
 #[cfg(test)]
 mod test_data;
+mod triangle_mesh;
 mod truth;
+mod view_file;
 mod write_file;
 
 pub use calibration::{read_calibration, write_calibration};
@@ -50,10 +74,11 @@ pub use manifest::{
     AnglesEntry, LensEntry, LightStripeEntry, LookupTableEntry, Manifest, PinholeEntry,
     SensorEntry, StripeEntry, ViewEntry, ViewpointsEntry, read_manifest, write_manifest,
 };
-pub use mesh::{MeshFile, TriangleMesh, read_mesh};
+pub use mesh::read_mesh;
 pub use ply::{RangeGrid, read_range_grid};
 pub use pose::{pose_of_row_major, row_major};
-pub use scan::{PlanesEntry, Scan, ScanView};
+pub use scan::{FramedImage, LoadView, PlanesEntry, Scan, ScanView};
 pub use spline_file::ModelSplines;
+pub use triangle_mesh::{MeshFile, TriangleMesh};
 pub use truth::{read_truth, write_truth};
 pub use write_file::write_file;

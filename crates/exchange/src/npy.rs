@@ -6,23 +6,17 @@
 //! the numbers, row-major
 //! ```
 //!
-//! Written here and not taken from a library because scans come from outside: the announced shape
-//! is compared with the bytes that are there before anything is multiplied unchecked or allocated.
-//! Read are C-ordered arrays of `f4 f8 i4 i8 u4` in either byte order, and `u1` and `u2`, which are
-//! counts of a camera, by those who ask for counts; written are little-endian ones of version 1.
+//! Read: C-ordered arrays of `f4 f8 i4 i8 u4` in either byte order. Stacks of camera images may
+//! also hold `u1` and `u2`. Written: little-endian arrays of version 1.
+//!
+//! The crate `npyz` does the same, but it brings some twenty crates and a C compiler into the
+//! build. The announced shape is compared with the length of the file before memory is taken.
 //! Reference: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>
 
+use crate::error::Problem;
 use std::io::{self, Write};
 
 const MAGIC: &[u8] = b"\x93NUMPY";
-
-/// Why bytes are no array: a sentence for the caller to put after the file's name.
-pub(crate) enum Problem {
-    Damaged(String),
-    Unsupported(String),
-}
-
-use Problem::{Damaged, Unsupported};
 
 /// The type of an array's numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,24 +41,24 @@ impl Scalar {
     }
 }
 
-/// What stands before an array's numbers.
+/// The header before an array's numbers.
 #[derive(Debug)]
 pub(crate) struct Header {
     pub(crate) shape: Vec<usize>,
     pub(crate) scalar: Scalar,
     pub(crate) big_endian: bool,
-    /// Where the numbers begin, in bytes from the start of the file.
+    /// Length of the header in bytes; the numbers follow.
     pub(crate) length: usize,
 }
 
 impl Header {
-    /// The header at the start of a file, of which `bytes` may be a part; its sizes are believed
-    /// by nobody before [`Header::data_size`] has compared them with the file.
+    /// The header at the start of a file, of which `bytes` may be a part. Call
+    /// [`Header::data_size`] before using its sizes: it compares them with the file.
     pub(crate) fn parse(bytes: &[u8]) -> Result<Self, Problem> {
         let (header, length) = split_header(bytes)?;
         if value_of(header, "fortran_order")?.starts_with("True") {
             let advice = "save numpy.ascontiguousarray(image)";
-            return Err(Unsupported(format!("the array is in Fortran order; {advice}")));
+            return Err(Problem::unsupported(format!("the array is in Fortran order; {advice}")));
         }
         let (scalar, big_endian) = scalar(value_of(header, "descr")?)?;
         Ok(Self { shape: shape(value_of(header, "shape")?)?, scalar, big_endian, length })
@@ -76,7 +70,7 @@ impl Header {
         let follow = file_size.saturating_sub(self.length);
         let needed = shape.iter().try_fold(each, |product, &n| product.checked_mul(n));
         needed.filter(|&n| n <= follow).ok_or_else(|| {
-            Damaged(format!(
+            Problem::damaged(format!(
                 "truncated: the header announces {shape:?} numbers of {each} bytes, \
                  {follow} bytes follow"
             ))
@@ -95,7 +89,10 @@ impl<'a> Npy<'a> {
     pub(crate) fn parse(bytes: &'a [u8]) -> Result<Self, Problem> {
         let header = Header::parse(bytes)?;
         if matches!(header.scalar, Scalar::U8 | Scalar::U16) {
-            return Err(Unsupported(format!("numbers of type u{}; {KNOWN}", header.scalar.size())));
+            return Err(Problem::unsupported(format!(
+                "numbers of type u{}; {KNOWN}",
+                header.scalar.size()
+            )));
         }
         let needed = header.data_size(bytes.len())?;
         let data = bytes.get(header.length..).and_then(|d| d.get(..needed)).unwrap_or_default();
@@ -106,48 +103,39 @@ impl<'a> Npy<'a> {
         &self.header.shape
     }
 
-    /// The numbers in row-major order, converted.
+    /// The numbers in row-major order.
     pub(crate) fn to_f64(&self) -> Vec<f64> {
-        self.convert(|v| v, |v| v as f64)
+        macro_rules! each {
+            ($type:ty) => {{
+                let (numbers, _) = self.data.as_chunks();
+                let big = self.header.big_endian;
+                let read = if big { <$type>::from_be_bytes } else { <$type>::from_le_bytes };
+                numbers.iter().map(|bytes| read(*bytes) as f64).collect()
+            }};
+        }
+        match self.header.scalar {
+            Scalar::U8 => each!(u8),
+            Scalar::U16 => each!(u16),
+            Scalar::F32 => each!(f32),
+            Scalar::F64 => each!(f64),
+            Scalar::I32 => each!(i32),
+            Scalar::U32 => each!(u32),
+            Scalar::I64 => each!(i64),
+        }
     }
 
     /// The numbers in row-major order, rounded to `f32`.
     pub(crate) fn to_f32(&self) -> Vec<f32> {
-        self.convert(|v| v as f32, |v| v as f32)
+        self.to_f64().into_iter().map(|v| v as f32).collect()
     }
 
-    /// The numbers in row-major order if they are integers.
-    pub(crate) fn to_i64(&self) -> Result<Vec<i64>, Problem> {
+    /// Refuses an array of floating-point numbers.
+    pub(crate) fn require_integers(&self) -> Result<(), Problem> {
         match self.header.scalar {
             Scalar::F32 | Scalar::F64 => {
-                Err(Unsupported("the array holds floating-point numbers, not integers".into()))
+                Err(Problem::unsupported("the array holds floating-point numbers, not integers"))
             }
-            _ => Ok(self.convert(|v| v as i64, |v| v)),
-        }
-    }
-
-    fn convert<T>(&self, real: impl Fn(f64) -> T, whole: impl Fn(i64) -> T) -> Vec<T> {
-        let big = self.header.big_endian;
-        macro_rules! each {
-            ($type:ty, $make:expr) => {
-                self.data
-                    .chunks_exact(size_of::<$type>())
-                    .filter_map(|c| c.try_into().ok())
-                    .map(
-                        |c| if big { <$type>::from_be_bytes(c) } else { <$type>::from_le_bytes(c) },
-                    )
-                    .map($make)
-                    .collect()
-            };
-        }
-        match self.header.scalar {
-            Scalar::U8 => each!(u8, |v| whole(i64::from(v))),
-            Scalar::U16 => each!(u16, |v| whole(i64::from(v))),
-            Scalar::F32 => each!(f32, |v| real(f64::from(v))),
-            Scalar::F64 => each!(f64, &real),
-            Scalar::I32 => each!(i32, |v| whole(i64::from(v))),
-            Scalar::U32 => each!(u32, |v| whole(i64::from(v))),
-            Scalar::I64 => each!(i64, &whole),
+            _ => Ok(()),
         }
     }
 }
@@ -157,8 +145,8 @@ const KNOWN: &str = "read are f4, f8, i4, u4 and i8";
 
 /// The header's text, and where it ends.
 fn split_header(bytes: &[u8]) -> Result<(&str, usize), Problem> {
-    let not_npy = || Damaged("not a .npy file".to_owned());
-    let cut = || Damaged("truncated inside the header".to_owned());
+    let not_npy = || Problem::damaged("not a .npy file");
+    let cut = || Problem::damaged("truncated inside the header");
     let rest = bytes.strip_prefix(MAGIC).ok_or_else(not_npy)?;
     let (version, rest) = rest.split_at_checked(2).ok_or_else(cut)?;
     let (length, rest) = match version.first() {
@@ -170,18 +158,18 @@ fn split_header(bytes: &[u8]) -> Result<(&str, usize), Problem> {
             let (n, rest) = rest.split_first_chunk().ok_or_else(cut)?;
             (u32::from_le_bytes(*n) as usize, rest)
         }
-        _ => return Err(Unsupported("a version of .npy other than 1, 2 and 3".to_owned())),
+        _ => return Err(Problem::unsupported("a version of .npy other than 1, 2 and 3")),
     };
     let (header, data) = rest.split_at_checked(length).ok_or_else(cut)?;
     let header = std::str::from_utf8(header).map_err(|_| not_npy())?;
     Ok((header, bytes.len() - data.len()))
 }
 
-/// What follows `'key':` in the header.
+/// The text after `'key':` in the header.
 fn value_of<'h>(header: &'h str, key: &str) -> Result<&'h str, Problem> {
     let quoted = [format!("'{key}':"), format!("\"{key}\":")];
     let found = quoted.iter().find_map(|q| header.split_once(q.as_str()));
-    let missing = || Damaged(format!("the header has no {key}"));
+    let missing = || Problem::damaged(format!("the header has no {key}"));
     found.map(|(_, after)| after.trim_start()).ok_or_else(missing)
 }
 
@@ -189,7 +177,7 @@ fn scalar(value: &str) -> Result<(Scalar, bool), Problem> {
     let quote = value.chars().next().filter(|&c| c == '\'' || c == '"');
     let name = quote.and_then(|q| value.get(1..)?.split(q).next());
     let Some(name) = name else {
-        return Err(Unsupported(format!("an array of records; {KNOWN}")));
+        return Err(Problem::unsupported(format!("an array of records; {KNOWN}")));
     };
     let big_endian = name.starts_with('>');
     let scalar = match name.trim_start_matches(['<', '>', '=', '|']) {
@@ -200,14 +188,14 @@ fn scalar(value: &str) -> Result<(Scalar, bool), Problem> {
         "i4" => Scalar::I32,
         "u4" => Scalar::U32,
         "i8" => Scalar::I64,
-        _ => return Err(Unsupported(format!("numbers of type {name:?}; {KNOWN}"))),
+        _ => return Err(Problem::unsupported(format!("numbers of type {name:?}; {KNOWN}"))),
     };
     Ok((scalar, big_endian))
 }
 
 fn shape(value: &str) -> Result<Vec<usize>, Problem> {
     let inside = value.strip_prefix('(').and_then(|v| v.split_once(')'));
-    let bad = || Damaged("the header's shape is not a tuple of whole numbers".to_owned());
+    let bad = || Problem::damaged("the header's shape is not a tuple of whole numbers");
     let (inside, _) = inside.ok_or_else(bad)?;
     let sizes = inside.split(',').map(str::trim).filter(|s| !s.is_empty());
     sizes.map(|s| s.parse().map_err(|_| bad())).collect()
@@ -246,7 +234,7 @@ mod tests {
     fn problem(bytes: &[u8]) -> String {
         match Npy::parse(bytes) {
             Ok(array) => panic!("accepted, shape {:?}", array.shape()),
-            Err(Damaged(text) | Unsupported(text)) => text,
+            Err(problem) => problem.text,
         }
     }
 
@@ -254,11 +242,12 @@ mod tests {
     fn numbers_of_either_byte_order_come_back() {
         let little = npy("<f4", &[1, 2], &[1.5f32.to_le_bytes(), 2.0f32.to_le_bytes()].concat());
         assert_eq!(little.len() % 64, 8, "the data is aligned");
-        let array = Npy::parse(&little).ok().unwrap();
+        let little_array = Npy::parse(&little).ok().unwrap();
+        let array = &little_array;
         assert_eq!((array.shape(), array.to_f32()), (&[1, 2][..], vec![1.5, 2.0]));
         let big = npy(">i8", &[1], &(-7i64).to_be_bytes());
         let array = Npy::parse(&big).ok().unwrap();
-        assert_eq!(array.to_i64().ok(), Some(vec![-7]));
+        assert!(array.require_integers().is_ok() && little_array.require_integers().is_err());
         assert_eq!(array.to_f64(), vec![-7.0]);
     }
 

@@ -1,37 +1,44 @@
-//! A scan: views that wait to be loaded, and what is known about all of them.
+//! A scan as data: its views, which are loaded later, and the facts that hold for all of them.
+//!
+//! Every reader of a scan format makes a [`Scan`]. The formats are listed in `open.rs`; this file
+//! knows none of them. A view keeps a [`LoadView`], which reads its image when it is asked to.
 
-use crate::image_file::{self, Pixels};
-use crate::sensor_source::SensorSource;
-use crate::{Place, ReadError, Unusable, depth_folder, manifest, stanford};
+use crate::{Place, ReadError};
 use serde::Serialize;
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use transect_device::{ImageSize, Isometry3, RangeImage, View};
+use transect_device::{DeviceFrame, Isometry3, RangeImage, View};
 use transect_geometry::{
     CurvedGuide, Guide, GuideError, LengthUnit, PlaneFamily, StraightGuide, Vector3,
 };
-use transect_sensors::SensorError;
 
-/// The planes a scan's manifest asks for: plane k is `normal · p = offset + k · interval`.
+/// The section planes a scan asks for: plane k is `normal · p = offset + k · interval`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct PlanesEntry {
-    /// Direction of the guide in the world; need not have unit length.
+    /// Direction of the guide in the world; it need not have unit length.
     pub normal: [f64; 3],
-    /// Station of plane 0, in the model's length unit.
+    /// Station of plane 0, in the scan's length unit.
     pub offset: f64,
-    /// Distance between neighbouring planes, in the model's length unit.
+    /// Distance between neighbouring planes, in the scan's length unit.
     pub interval: f64,
-    /// A curved guide, along which stations count instead; the normal then means nothing.
+    /// A curved guide. If it is given, stations count along it and `normal` is not used.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub guide: Option<Arc<CurvedGuide>>,
 }
 
 impl PlanesEntry {
+    /// Planes across a straight guide.
+    pub fn new(normal: [f64; 3], offset: f64, interval: f64) -> Self {
+        Self { normal, offset, interval, guide: None }
+    }
+
     /// The planes themselves.
     ///
     /// # Errors
-    /// [`GuideError`] if the normal has no direction, the interval is not positive or the offset not
-    /// finite.
+    /// [`GuideError`] if the normal has no direction, the interval is not positive or the offset
+    /// is not finite.
     pub fn family(&self) -> Result<PlaneFamily, GuideError> {
         let guide = match &self.guide {
             Some(guide) => Arc::clone(guide).into(),
@@ -41,109 +48,115 @@ impl PlanesEntry {
     }
 }
 
-/// A registered set of range images, read except for the images.
+impl From<&PlaneFamily> for PlanesEntry {
+    fn from(planes: &PlaneFamily) -> Self {
+        Self {
+            normal: planes.guide().direction(0.0).into(),
+            offset: planes.offset(),
+            interval: planes.interval(),
+            guide: planes.guide().curved().cloned(),
+        }
+    }
+}
+
+/// A registered set of range images. Opening it reads the small files; the images stay on disk.
 ///
-/// Opening reads the small files only; [`ScanView::load`] reads one image. Views keep the order of
-/// their manifest.
+/// ```
+/// use transect_device::ImageSize;
+/// use transect_exchange::{Scan, write_file, write_npy_image};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let folder = tempfile::tempdir()?;
+/// # let folder = folder.path();
+/// let size = ImageSize { rows: 2, cols: 2 };
+/// write_file(&folder.join("range.npy"), |out| write_npy_image(size, &[2.0; 4], out))?;
+/// let manifest = r#"{ "unit": "m", "views": [
+///     { "file": "range.npy", "sensor": "pinhole", "fx": 2, "fy": 2, "cx": 0.5, "cy": 0.5,
+///       "pose": [1, 0, 0, 0,  0, 1, 0, 0,  0, 0, 1, 0,  0, 0, 0, 1] } ] }"#;
+/// std::fs::write(folder.join("scan.json"), manifest)?;
+///
+/// let scan = Scan::open(folder)?;
+/// assert_eq!(scan.views.len(), 1);
+/// let (view, notes) = scan.views[0].load()?;
+/// assert_eq!((view.name(), view.image().size()), ("range.npy", size));
+/// assert!(notes.is_empty());
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Scan {
-    /// What reports call it.
+    /// The name that reports show.
     pub name: String,
-    /// The unit of every length in it.
+    /// The unit of every length in the scan.
     pub unit: LengthUnit,
-    /// Standard deviation of a range along its ray, in the length unit, if stated.
+    /// Standard deviation of a range along its ray, in the length unit, if the scan states it.
     pub sigma: Option<f64>,
-    /// The planes it asks for, if any.
+    /// The section planes the scan asks for, if any.
     pub planes: Option<PlanesEntry>,
-    /// The views in order.
+    /// The views, in the order of the file that lists them.
     pub views: Vec<ScanView>,
-    /// What the reader assumed, repaired or ignored; for the report.
+    /// Assumptions, repairs and ignored content, for the report.
     pub notes: Vec<String>,
-    /// Every file the scan is made of, for hashing: the manifest first, then the views' images, then
-    /// what their sensors are read from.
+    /// Every file of the scan, for hashing: first the file that lists the views, then their
+    /// images, then the files of their sensors.
     pub inputs: Vec<PathBuf>,
 }
 
-impl Scan {
-    /// Opens a scan whose files state their unit, or have one by convention.
-    ///
-    /// # Errors
-    /// See [`Scan::open_with_unit`].
-    pub fn open(path: &Path) -> Result<Self, ReadError> {
-        Self::open_with_unit(path, None)
-    }
-
-    /// Opens a scan: a folder with `scan.json`, a manifest (`*.json`), a Stanford configuration
-    /// (`*.conf`), or a folder of depth images with poses and `camera-intrinsics.txt`.
-    ///
-    /// `unit` stands in for a unit the files do not state; it never converts.
-    ///
-    /// # Errors
-    /// [`ReadError`] if the path is none of these, a file is damaged, the unit is missing, or it is
-    /// stated and differs from `unit`.
-    pub fn open_with_unit(path: &Path, unit: Option<LengthUnit>) -> Result<Self, ReadError> {
-        let metadata = std::fs::metadata(path)
-            .map_err(|source| ReadError::Io { path: path.to_owned(), source })?;
-        let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
-        match extension.as_deref() {
-            _ if metadata.is_dir() => open_folder(path, unit),
-            Some("json") => manifest::open(path, unit),
-            Some("conf") => stanford::open(path, unit),
-            _ => Err(ReadError::NotAScan { path: path.to_owned() }),
-        }
-    }
-}
-
-fn open_folder(folder: &Path, unit: Option<LengthUnit>) -> Result<Scan, ReadError> {
-    let manifest = folder.join("scan.json");
-    if manifest.is_file() {
-        return manifest::open(&manifest, unit);
-    }
-    if folder.join(depth_folder::INTRINSICS).is_file() {
-        return depth_folder::open(folder, unit);
-    }
-    Err(ReadError::NotAScan { path: folder.to_owned() })
-}
-
-/// The unit of a scan from what its files state and what the caller says.
-pub(crate) fn settle_unit(
-    path: &Path,
-    stated: Option<LengthUnit>,
-    asked: Option<LengthUnit>,
-) -> Result<LengthUnit, ReadError> {
-    match (stated, asked) {
-        (Some(stated), Some(asked)) if stated != asked => {
-            Err(ReadError::UnitConflict { path: path.to_owned(), stated, asked })
-        }
-        (stated, asked) => {
-            stated.or(asked).ok_or_else(|| ReadError::NoUnit { path: path.to_owned() })
-        }
-    }
-}
-
-/// One view of a scan, not yet loaded; cheap to keep and to send to another thread.
+/// One view of a scan, not yet loaded. It is cheap to clone and can be sent to another thread.
 #[derive(Debug, Clone)]
 pub struct ScanView {
-    pub(crate) name: String,
-    pub(crate) path: PathBuf,
-    /// Shared by all views that say the same about theirs.
-    pub(crate) sensor: Arc<SensorSource>,
-    /// Rows and columns, where the manifest states them.
-    pub(crate) stated_rows: Option<usize>,
-    pub(crate) stated_cols: Option<usize>,
-    /// Length units per count of an integer image.
-    pub(crate) depth_scale: Option<f64>,
-    pub(crate) world_from_sensor: Isometry3,
-    pub(crate) sigma: Option<f64>,
+    name: String,
+    path: PathBuf,
+    world_from_sensor: Isometry3,
+    sigma: Option<f64>,
+    source: Arc<dyn LoadView>,
+}
+
+/// Reads the image of one view and makes its device frame.
+///
+/// A format implements this for a type that holds the view's place: a file, or a part of a large
+/// file with many views. Views of one file share it (through an `Arc`), and each loads its
+/// own part, so that a scan is never in memory as a whole.
+pub trait LoadView: fmt::Debug + Send + Sync {
+    /// Reads the image. Repairs and ignored content go to `notes`, without the file's name.
+    ///
+    /// # Errors
+    /// [`ReadError`] naming the file.
+    fn load(&self, notes: &mut Vec<String>) -> Result<FramedImage, ReadError>;
+}
+
+/// A range image and the device frame that its pixels belong to.
+#[derive(Debug, Clone)]
+pub struct FramedImage {
+    /// The sensor's grid of rays.
+    pub frame: Arc<dyn DeviceFrame>,
+    /// The values on these rays.
+    pub image: RangeImage,
 }
 
 impl ScanView {
-    /// What reports call it: its file's name as the manifest gives it.
+    /// A view of `source`. `path` is the file that messages name.
+    pub fn new(
+        name: String,
+        path: PathBuf,
+        world_from_sensor: Isometry3,
+        source: Arc<dyn LoadView>,
+    ) -> Self {
+        Self { name, path, world_from_sensor, sigma: None, source }
+    }
+
+    /// The same view with the standard deviation of a range along its ray; `None`: unknown.
+    pub fn with_sigma(self, sigma: Option<f64>) -> Self {
+        Self { sigma, ..self }
+    }
+
+    /// The name that reports show: for a manifest, the image's file as the manifest names it.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The file that holds its image.
+    /// The file that holds the view's image.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -153,81 +166,24 @@ impl ScanView {
         &self.world_from_sensor
     }
 
-    /// Reads the image and makes the view, with notes on what the reader found odd.
+    /// Reads the image and makes the view, with notes on repaired or ignored content.
     ///
     /// # Errors
     /// [`ReadError`] naming the file if it is missing, damaged, of another size than stated, or
     /// without a single valid pixel.
     pub fn load(&self) -> Result<(View, Vec<String>), ReadError> {
         let mut notes = Vec::new();
-        let (frame, image) = self.sensor.load(self, &mut notes)?;
+        let FramedImage { frame, image } = self.source.load(&mut notes)?;
         let view = View::new(self.name.clone(), image, frame, self.world_from_sensor, self.sigma);
-        let view = view.map_err(|e| self.unusable("the view", e))?;
+        let unusable = |e| ReadError::unusable(&self.path, Place::Whole, "the view", e);
         let notes = notes.into_iter().map(|n| format!("{}: {n}", self.path.display())).collect();
-        Ok((view, notes))
-    }
-
-    /// The range image in the view's file, of the size the manifest states.
-    pub(crate) fn load_image(&self, notes: &mut Vec<String>) -> Result<RangeImage, ReadError> {
-        let Pixels { size, values } = image_file::read(&self.path, self.depth_scale, notes)?;
-        self.check_size(size)?;
-        RangeImage::from_values(size, values).map_err(|e| self.unusable("the image", e))
-    }
-
-    /// What is wrong with something that was to be made of the view's numbers.
-    pub(crate) fn unusable(&self, what: &'static str, why: impl Into<Unusable>) -> ReadError {
-        ReadError::unusable(&self.path, Place::Whole, what, why)
-    }
-
-    pub(crate) fn bad_sensor(&self, why: SensorError) -> ReadError {
-        self.unusable("the sensor", why)
-    }
-
-    pub(crate) fn check_size(&self, found: ImageSize) -> Result<(), ReadError> {
-        let stated = ImageSize {
-            rows: self.stated_rows.unwrap_or(found.rows),
-            cols: self.stated_cols.unwrap_or(found.cols),
-        };
-        if stated == found {
-            return Ok(());
-        }
-        let problem = format!("the image has {found}, but the manifest states {stated}");
-        Err(ReadError::damaged(&self.path, Place::Whole, problem))
-    }
-
-    /// Refuses a stated number of rows or columns of a range image that is still in a stack.
-    pub(crate) fn check_stated(
-        &self,
-        key: &str,
-        stated: Option<usize>,
-        found: usize,
-        parts: &str,
-    ) -> Result<(), ReadError> {
-        match stated.filter(|s| *s != found) {
-            Some(stated) => {
-                let problem = format!("the stack has {found} {parts}, but \"{key}\" is {stated}");
-                Err(ReadError::damaged(&self.path, Place::Whole, problem))
-            }
-            None => Ok(()),
-        }
+        Ok((view.map_err(unusable)?, notes))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn what_is_no_scan_is_told_what_would_be() {
-        let folder = tempfile::tempdir().unwrap();
-        let error = Scan::open(folder.path()).unwrap_err().to_string();
-        assert!(error.contains("accepted are a folder with scan.json"), "{error}");
-        let missing = Scan::open(&folder.path().join("nowhere")).unwrap_err();
-        assert!(matches!(missing, ReadError::Io { .. }), "{missing}");
-        let text = folder.path().join("notes.txt");
-        std::fs::write(&text, "no scan").unwrap();
-        assert!(matches!(Scan::open(&text), Err(ReadError::NotAScan { .. })));
-    }
 
     #[test]
     fn views_can_be_loaded_on_other_threads() {

@@ -1,7 +1,7 @@
 //! Stanford's scan configurations (`*.conf`): PLY range grids with their poses.
 //!
 //! ```text
-//! camera ...                                  a viewer's camera; says nothing about the sensor
+//! camera ...                                  a viewer's camera; not used
 //! bmesh bun045.ply  tx ty tz  qx qy qz qw     one scan; quaternion with the scalar last
 //! ```
 //!
@@ -10,14 +10,17 @@
 //! centimetres. The format carries no unit; by its convention the numbers are metres.
 
 use crate::error::read_text;
-use crate::sensor_source::SensorSource;
+use crate::ply::read_range_grid;
+use crate::scan::{FramedImage, LoadView};
 use crate::{Place, ReadError, Scan, ScanView};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use transect_geometry::{Isometry3, LengthUnit};
+use transect_sensors::PointGrid;
 
-/// Deviation of a quaternion's length from 1 up to which it counts as printed rounding.
+/// Largest deviation of a quaternion's length from 1 that counts as rounding of printed digits.
+/// Chosen by hand. Doubled, a note about a normalised quaternion may be missing.
 const QUATERNION_ROUNDING: f64 = 1e-3;
 
 pub(crate) fn open(path: &Path, unit: Option<LengthUnit>) -> Result<Scan, ReadError> {
@@ -41,7 +44,7 @@ pub(crate) fn open(path: &Path, unit: Option<LengthUnit>) -> Result<Scan, ReadEr
     if views.is_empty() {
         return Err(ReadError::damaged(path, Place::Whole, "no line \"bmesh FILE ...\""));
     }
-    let files = views.iter().map(|v: &ScanView| v.path.clone());
+    let files = views.iter().map(|v: &ScanView| v.path().to_owned());
     let inputs = std::iter::once(path.to_owned()).chain(files).collect();
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let unit = unit.unwrap_or(LengthUnit::Metre);
@@ -80,7 +83,7 @@ fn view(
     let numbers = words.iter().skip(1).map(|w| w.parse().ok());
     let numbers: Option<Vec<f64>> = numbers.collect();
     let Some(&[tx, ty, tz, qx, qy, qz, qw]) = numbers.as_deref() else {
-        return Err(damaged("a file and 7 numbers are wanted: tx ty tz qx qy qz qw".to_owned()));
+        return Err(damaged("expected a file and 7 numbers: tx ty tz qx qy qz qw".to_owned()));
     };
     if ![tx, ty, tz, qx, qy, qz, qw].iter().all(|n| n.is_finite()) {
         return Err(damaged("the pose has a number that is not finite".to_owned()));
@@ -92,19 +95,29 @@ fn view(
     if (length - 1.0).abs() > QUATERNION_ROUNDING {
         notes.push(format!("{}{at}: quaternion of length {length:.4} normalised", path.display()));
     }
-    Ok(ScanView {
-        path: path.parent().unwrap_or(Path::new("")).join(&name),
-        name,
-        sensor: Arc::new(SensorSource::TranslatedScan),
-        stated_rows: None,
-        stated_cols: None,
-        depth_scale: None,
-        world_from_sensor,
-        sigma: None,
-    })
+    let file = path.parent().unwrap_or(Path::new("")).join(&name);
+    let source = Arc::new(RangeGridView { path: file.clone() });
+    Ok(ScanView::new(name, file, world_from_sensor, source))
 }
 
-/// world = R(q)ᵀ p + t, and the length that q had; that length alone if it gives no rotation.
+/// A PLY range grid of a triangulation scanner that was carried along x.
+#[derive(Debug)]
+struct RangeGridView {
+    path: PathBuf,
+}
+
+impl LoadView for RangeGridView {
+    fn load(&self, notes: &mut Vec<String>) -> Result<FramedImage, ReadError> {
+        let grid = read_range_grid(&self.path)?;
+        notes.extend(grid.notes);
+        let made = PointGrid::from_translated_scan(grid.size, grid.points);
+        let unusable = |e| ReadError::unusable(&self.path, Place::Whole, "the grid", e);
+        let (frame, image) = made.map_err(unusable)?;
+        Ok(FramedImage { frame: Arc::new(frame), image })
+    }
+}
+
+/// The pose world = R(q)ᵀ p + t and the length of q; the length alone if it gives no rotation.
 fn pose(translation: [f64; 3], q: Quaternion<f64>) -> Result<(Isometry3, f64), f64> {
     let length = q.norm();
     if !(length.is_finite() && length > 0.0) {
@@ -150,7 +163,7 @@ mod tests {
         let error = open_text("bmesh a.ply 0 0 NaN 0 0 0 1").unwrap_err().to_string();
         assert!(error.contains("line 1, view a.ply: the pose has a number"), "{error}");
         let error = open_text("bmesh a.ply 0 0").unwrap_err().to_string();
-        assert!(error.contains("line 1, view a.ply: a file and 7 numbers are wanted"), "{error}");
+        assert!(error.contains("line 1, view a.ply: expected a file and 7 numbers"), "{error}");
     }
 
     #[test]
@@ -182,7 +195,8 @@ mod tests {
         };
         let mut distances: Vec<f64> = second.iter().map(nearest).collect();
         distances.sort_by(f64::total_cmp);
-        // The grids are 0.5 to 0.8 mm wide, so points of one lie up to half of that from the other's.
+        // The grids are 0.5 to 0.8 mm wide, so points of one lie up to half of that from the
+        // other's.
         let median = distances[distances.len() / 2];
         assert!(median < 0.5e-3, "{median} m");
     }

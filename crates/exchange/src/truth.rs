@@ -3,8 +3,8 @@
 //! Arrays `vertices` (n × 3, float64, world frame and model unit) and `faces` (m × 3, int64 or
 //! int32). Written by this workspace's simulator and by the peer benchmark's generator.
 
-use crate::error::read_bytes;
-use crate::npy::{self, Npy, Problem};
+use crate::error::{Problem, read_bytes};
+use crate::npy::{self, Npy};
 use crate::{Place, ReadError, TriangleMesh, npz};
 use std::io::{self, Write};
 use std::path::Path;
@@ -14,18 +14,19 @@ use transect_geometry::Point3;
 ///
 /// # Errors
 /// [`ReadError`] if the file is missing, damaged or compressed, an array has another shape, or a
-/// face names a vertex that is not there.
+/// face names a missing vertex.
 pub fn read_truth(path: &Path) -> Result<TriangleMesh, ReadError> {
     let bytes = read_bytes(path)?;
-    let vertices = triples(path, &bytes, "vertices", |a| Ok(a.to_f64()))?;
-    let faces = triples(path, &bytes, "faces", |a| a.to_i64())?;
+    let vertices = triples(path, &bytes, "vertices", |_| Ok(()))?;
+    let faces = triples(path, &bytes, "faces", |array| array.require_integers())?;
     let at = |kind: &str, number| Place::Element { kind: kind.to_owned(), number, line: None };
     let vertices: Vec<_> = vertices.into_iter().map(Point3::from).collect();
     if let Some(bad) = vertices.iter().position(|v| !v.coords.iter().all(|c| c.is_finite())) {
         return Err(ReadError::damaged(path, at("vertex", bad), "not a finite point"));
     }
-    let index = |i: i64| u32::try_from(i).ok().filter(|&i| (i as usize) < vertices.len());
-    let face = |(number, [a, b, c]): (usize, [i64; 3])| match (index(a), index(b), index(c)) {
+    // Indices below 2³² are exact in f64.
+    let index = |i: f64| (i >= 0.0 && i < vertices.len() as f64).then_some(i as u32);
+    let face = |(number, [a, b, c]): (usize, [f64; 3])| match (index(a), index(b), index(c)) {
         (Some(a), Some(b), Some(c)) => Ok([a, b, c]),
         _ => {
             let problem = format!("[{a}, {b}, {c}] names none of the {} vertices", vertices.len());
@@ -37,35 +38,29 @@ pub fn read_truth(path: &Path) -> Result<TriangleMesh, ReadError> {
 }
 
 /// The rows of an n × 3 array of the archive.
-fn triples<T: Copy>(
+fn triples(
     path: &Path,
     archive: &[u8],
     array: &str,
-    numbers: impl Fn(&Npy<'_>) -> Result<Vec<T>, Problem>,
-) -> Result<Vec<[T; 3]>, ReadError> {
-    let located = |problem| match problem {
-        Problem::Damaged(text) => {
-            ReadError::damaged(path, Place::Whole, format!("array {array}: {text}"))
+    check: impl Fn(&Npy<'_>) -> Result<(), Problem>,
+) -> Result<Vec<[f64; 3]>, ReadError> {
+    let parsed = || {
+        let member = npz::member(archive, &format!("{array}.npy"))?;
+        let parsed = Npy::parse(member.ok_or_else(|| Problem::damaged("not in the archive"))?)?;
+        if !matches!(parsed.shape(), [_, 3]) {
+            let problem = format!("its shape is {:?}, not n × 3", parsed.shape());
+            return Err(Problem::damaged(problem));
         }
-        Problem::Unsupported(text) => {
-            ReadError::unsupported(path, Place::Whole, format!("array {array}: {text}"))
-        }
+        check(&parsed)?;
+        Ok(parsed.to_f64().as_chunks().0.to_vec())
     };
-    let member = npz::member(archive, &format!("{array}.npy")).map_err(located)?;
-    let missing = || located(Problem::Damaged("not in the archive".to_owned()));
-    let parsed = Npy::parse(member.ok_or_else(missing)?).map_err(located)?;
-    if !matches!(parsed.shape(), [_, 3]) {
-        let problem = format!("its shape is {:?}, not n × 3", parsed.shape());
-        return Err(located(Problem::Damaged(problem)));
-    }
-    let numbers = numbers(&parsed).map_err(located)?;
-    Ok(numbers.as_chunks().0.to_vec())
+    parsed().map_err(|p| p.of(&format!("array {array}")).in_file(path))
 }
 
 /// Writes a mesh as an `.npz` archive that [`read_truth`] and `numpy.load` read.
 ///
 /// # Errors
-/// What `out` says, or that the archive would pass 4 GiB.
+/// An error of `out`, or an archive of more than 4 GiB.
 pub fn write_truth(mesh: &TriangleMesh, out: &mut dyn Write) -> io::Result<()> {
     let mut vertices = Vec::new();
     npy::write_header(&mut vertices, "<f8", &[mesh.vertices.len(), 3])?;

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 /// Writes a file under a temporary name in its folder and renames it when it is complete.
 ///
-/// Whoever reads the file meanwhile sees the old content or the new one, never a part; a failure
-/// leaves the old content.
+/// A program that reads the file meanwhile sees the old content or the new one, never a part. A
+/// failure leaves the old content.
 ///
 /// # Errors
 /// [`WriteError`] if the folder refuses, or `content` returns an error.
@@ -27,7 +27,7 @@ pub fn write_file(
     let temporary = temporary_name(path);
     let written = write_and_rename(&temporary, path, content);
     if written.is_err() {
-        // The first error is the one worth telling; the leftover may not even exist.
+        // The first error is reported; the temporary file may not exist.
         let _ = std::fs::remove_file(&temporary);
     }
     written.map_err(|source| WriteError { path: path.to_owned(), source })
@@ -41,12 +41,12 @@ fn write_and_rename(
     let mut out = BufWriter::with_capacity(1 << 16, File::create(temporary)?);
     content(&mut out)?;
     let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
-    // Without this a crash of the machine could keep the rename and lose the content.
+    // Without it, a crash of the machine could keep the rename and lose the content.
     file.sync_all()?;
     std::fs::rename(temporary, path)
 }
 
-/// Hidden, and with the process in it so that two runs do not write into each other's file.
+/// A hidden name with the process number, so that two runs do not write into one file.
 fn temporary_name(path: &Path) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!(".{name}.{}.part", std::process::id()))

@@ -5,9 +5,9 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroU32;
 
-/// A contour point: a vertex of a curve with what is known about it.
+/// A contour point: a vertex of a curve with its error and origin.
 ///
-/// Made by [`Node::at`] and the `with_…` methods, so that a node may learn more in later versions.
+/// Made by [`Node::at`] and the `with_…` methods, so that later versions can add fields.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(from = "StoredNode", into = "StoredNode")]
 #[non_exhaustive]
@@ -23,8 +23,8 @@ pub struct Node {
     pub weight: f32,
     /// How many views measured it; `None` on bridged ground, which no view measured.
     pub views: Option<NonZeroU32>,
-    /// Length along the curve over which nodes share their errors, in the length unit: the window of
-    /// the smoothing that was applied; 0 if errors are independent.
+    /// Length along the curve over which nodes share their errors, in the length unit: the window
+    /// of smoothing. 0 if errors are independent.
     pub correlation: f32,
     /// Tangent of the angle between the ray and the surface's normal; `None` where it is not known.
     pub tan_incidence: Option<f32>,
@@ -110,7 +110,7 @@ impl Node {
         self.views.map_or(0, NonZeroU32::get)
     }
 
-    /// Whether its numbers are measurements: finite, and none of its measures negative.
+    /// Whether its numbers are valid: finite, and no measure negative.
     fn is_sound(&self) -> bool {
         let usable = |v: f32| v.is_finite() && v >= 0.0;
         let measures = [self.sigma, self.footprint, self.weight, self.correlation];
@@ -119,7 +119,7 @@ impl Node {
     }
 }
 
-/// A node in a file: zeros stand for what is not known, in the order of its first layout.
+/// A node in a file, in the order of the first layout; zeros stand for unknown values.
 #[derive(Serialize, Deserialize)]
 struct StoredNode {
     position: Point2,
@@ -184,18 +184,19 @@ pub enum CurveError {
         closed: bool,
     },
     /// A coordinate is NaN or infinite.
-    #[error("node {0} has a coordinate that is not a number")]
+    #[error("node {0} has a coordinate that is not a finite number")]
     NotFinite(usize),
-    /// Standard deviation, footprint, weight, correlation or incidence is negative, or one of them or the
-    /// normal is NaN or infinite.
-    #[error("node {0} has a measure below 0 or not a number, or no normal that is one")]
+    /// Standard deviation, footprint, weight, correlation or incidence is negative, NaN or
+    /// infinite, or the normal is not finite.
+    #[error("node {0} has a negative or infinite measure, or a normal that is not finite")]
     BadAttribute(usize),
 }
 
 /// An oriented polyline on a section plane, open or closed, with the solid on its left.
 ///
-/// A closed curve does not repeat its first node at the end. Guaranteed: at least two nodes
-/// (three when closed), finite positions, and no negative measure. Not checked: self-intersection, repeated positions.
+/// A closed curve does not repeat its first node at the end. Guaranteed: at least two nodes (three
+/// when closed), finite positions, no negative measure. Not checked: self-intersections, repeated
+/// positions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Parts")]
 pub struct Curve {
@@ -221,12 +222,12 @@ impl TryFrom<Parts> for Curve {
 }
 
 impl Curve {
-    /// A curve through the nodes in order; nothing is known of its ends.
+    /// A curve through the nodes in order, with ends of unknown reason.
     ///
     /// The last node of an open curve begins no unit, so its mark of bridged ground is cleared.
     ///
     /// # Errors
-    /// [`CurveError`] if there are too few nodes, or one has values that are no measurements.
+    /// [`CurveError`] if there are too few nodes, or a node has invalid numbers.
     pub fn new(mut nodes: Vec<Node>, closed: bool) -> Result<Self, CurveError> {
         if nodes.len() < 2 + usize::from(closed) {
             return Err(CurveError::TooFewNodes { nodes: nodes.len(), closed });
@@ -244,13 +245,13 @@ impl Curve {
         Ok(Self { nodes, closed, ends: [None; 2] })
     }
 
-    /// The same curve with the reasons why it begins and ends where it does; a closed curve has none.
+    /// The same curve with the reasons of its two ends; they are ignored for a closed curve.
     #[must_use]
     pub fn with_ends(self, ends: [Option<EndReason>; 2]) -> Self {
         Self { ends: if self.closed { [None; 2] } else { ends }, ..self }
     }
 
-    /// Why the curve begins and ends where it does; `None` where nobody knows, and of closed curves.
+    /// Why the curve begins and ends; `None` if unknown, and for closed curves.
     pub fn ends(&self) -> [Option<EndReason>; 2] {
         self.ends
     }
@@ -260,7 +261,7 @@ impl Curve {
         &self.nodes
     }
 
-    /// The nodes, giving up the curve.
+    /// The nodes; consumes the curve.
     pub fn into_nodes(self) -> Vec<Node> {
         self.nodes
     }
@@ -285,7 +286,8 @@ impl Curve {
         self.units().map(|u| u.vector().norm()).sum()
     }
 
-    /// Area enclosed by a closed curve: positive around solid, negative around a hole; `None` if open.
+    /// Area enclosed by a closed curve: positive around solid, negative around a hole; `None` if
+    /// open.
     ///
     /// # Units
     /// The square of the model's length unit.
@@ -301,11 +303,11 @@ impl Curve {
         Envelope::around(self.nodes.iter().map(|n| &n.position)).unwrap_or(start)
     }
 
-    /// The same curve walked the other way round, its solid therefore on the other side.
+    /// The same curve in the opposite direction, so with the solid on its other side.
     #[must_use]
     pub fn reversed(&self) -> Self {
         let mut nodes: Vec<Node> = self.nodes.iter().rev().copied().collect();
-        // The unit that began at a node ends there now: marks move up to the node before it.
+        // The unit that began at a node now ends there, so its mark moves to the node before.
         let first = nodes.first().is_some_and(|n| n.bridged);
         for k in 1..nodes.len() {
             nodes[k - 1].bridged = nodes[k].bridged;
@@ -331,8 +333,8 @@ impl Curve {
 
     /// The side of the curve at one of its feet on which a point lies.
     ///
-    /// `None` where the curve cannot tell: the foot is an open end and the point lies beyond it. At
-    /// a corner the two adjoining units decide together, as for a solid angle in 3D.
+    /// `None` if the foot is an open end and the point lies beyond it. At a corner the two
+    /// adjoining units decide together, as for a solid angle in 3D.
     pub fn side_at(&self, foot: &Foot, p: &Point2) -> Option<Side> {
         let unit = self.unit(foot.unit)?;
         let neighbour = match foot.parameter {
@@ -343,15 +345,15 @@ impl Curve {
         let own = unit.vector().try_normalize(0.0);
         let (own, neighbour) = match (own, neighbour) {
             (Some(own), Some(neighbour)) => (own, neighbour),
-            // A unit without length is a repeated node: the other side of it decides.
+            // A unit without length is a repeated node: its neighbours decide.
             (None, Some(neighbour)) => (self.direction_from(foot.unit, Way::On)?, neighbour),
             (own, None) => {
                 let beside = own.is_some() && (unit.parameter(p) - foot.parameter).abs() < 1e-12;
                 return beside.then(|| unit.side(p));
             }
         };
-        // The corner's direction is the sum of the two unit directions; when the curve turns back
-        // on itself there, the sum vanishes and the first unit has to decide alone.
+        // The corner's direction is the sum of the two unit directions. If the curve turns back on
+        // itself, the sum vanishes and the first unit decides alone.
         let direction = own + neighbour;
         let direction = if direction.norm() > 1e-12 { direction } else { own };
         let outside = direction.perp(&(p - foot.point)) < 0.0;

@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The unit in which every length of a model is given.
+/// The unit of every length of a model.
 ///
-/// There is no default: a manifest without a unit is an error, not a guess.
+/// There is no default: a manifest without a unit is an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum LengthUnit {
     /// Metre, `m`.
@@ -30,7 +30,7 @@ pub enum LengthUnit {
     Foot,
 }
 
-/// A text that is no length or no length unit.
+/// Why a text is not a length or a length unit.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LengthError {
@@ -67,7 +67,7 @@ impl LengthUnit {
         }
     }
 
-    /// How many metres one of this unit is.
+    /// Length of one unit in metres.
     pub fn in_metres(self) -> f64 {
         match self {
             Self::Metre => 1.0,
@@ -80,7 +80,8 @@ impl LengthUnit {
         }
     }
 
-    /// A length such as `1mm`, `0.5 in` or `2`, converted to this unit; a bare number is in it.
+    /// A length such as `1mm`, `0.5 in` or `2`, converted to this unit; a bare number is in this
+    /// unit.
     ///
     /// # Errors
     /// [`LengthError`] if the number is not finite or the unit is unknown.

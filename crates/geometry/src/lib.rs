@@ -1,17 +1,18 @@
-//! What a cross-section model is made of: a guide, section planes along it, oriented plane curves.
+//! The parts of a cross-section model: a guide, section planes along it, oriented plane curves.
 //!
 //! The one decision of this crate: **a curve has its solid on the left**, seen from the positive
 //! side of the plane's normal (dissertation, sections 2.4.3 and 2.5.2). Outer boundaries therefore
 //! run counter-clockwise and holes clockwise in plane coordinates, and signed areas add up.
 //!
-//! It refuses to know about sensors, files and fusion. All lengths are in the model's one length
-//! unit, whatever that is; all coordinates are `f64`.
+//! It does not know sensors, files or fusion. All lengths are in the model's one length unit; all
+//! coordinates are `f64`.
 //!
-//! * [`LengthUnit`]: what the lengths are;
-//! * [`Guide`], [`StraightGuide`], [`CurvedGuide`], [`PlaneFamily`], [`PlaneIndex`], [`PlaneFrame`]: where the planes are;
-//! * [`Node`], [`Curve`], [`EndReason`], [`Envelope`]: what lies on them;
+//! * [`LengthUnit`]: the unit of all lengths;
+//! * [`Guide`], [`StraightGuide`], [`CurvedGuide`], [`PlaneFamily`], [`PlaneIndex`],
+//!   [`PlaneFrame`]: the planes;
+//! * [`Node`], [`Curve`], [`EndReason`], [`Envelope`]: the curves on them;
 //! * [`fit_splines`]: a curve as cubic B-splines within a tolerance;
-//! * [`CurveUnit`], [`Foot`], [`Side`]: how far a point is from a curve, and on which side.
+//! * [`CurveUnit`], [`Foot`], [`Side`]: the distance of a point from a curve, and its side.
 
 mod curve;
 mod end_reason;

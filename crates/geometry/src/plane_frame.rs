@@ -32,14 +32,14 @@ impl PlaneFrame {
 
     /// The frame with the given normal and origin; in-plane axes after the matrix `[T]` of 2.4.2.
     ///
-    /// With `h = hypot(n_x, n_y)` of the unit normal `n`, the rotation is about X by `alpha_x`
-    /// (cos `n_z`, sin `h`), then about Z by `alpha_z` (cos `-n_y / h`, sin `n_x / h`): the signs
-    /// are those of the errata, since the printed ones do not turn e_z into the normal. A normal
+    /// With `h = hypot(n_x, n_y)` of the unit normal `n`, the rotation is about X by `alpha_x` (cos
+    /// `n_z`, sin `h`), then about Z by `alpha_z` (cos `-n_y / h`, sin `n_x / h`): the signs are
+    /// those of the errata, because the printed ones do not turn e_z into the normal. A normal
     /// along +Z gives the world's own axes, along -Z a half-turn about X.
     ///
     /// `normal` need not have unit length; `None` if it has no direction or is not finite.
     pub fn new(origin: Point3, normal: Vector3) -> Option<Self> {
-        // Scaled first, so that neither tiny nor huge normals lose digits in their length.
+        // Scaled first, so that tiny and huge normals do not lose digits.
         let normal = normal / normal.amax();
         let length = normal.norm();
         let usable =
@@ -67,7 +67,7 @@ impl PlaneFrame {
         Self { origin, ..*self }
     }
 
-    /// Where plane coordinates (0, 0) are in the world.
+    /// The world point of plane coordinates (0, 0).
     pub fn origin(&self) -> Point3 {
         self.origin
     }
@@ -87,7 +87,7 @@ impl PlaneFrame {
         self.normal
     }
 
-    /// Plane coordinates of a world point, dropping its height.
+    /// Plane coordinates of a world point, without its height.
     pub fn plane_from_world(&self, in_world: &Point3) -> Point2 {
         let d = in_world - self.origin;
         Point2::new(self.x_axis.dot(&d), self.y_axis.dot(&d))

@@ -1,77 +1,20 @@
-//! The invariants of a model, and the check that finds them broken.
+//! The check of a model's invariants.
 
 use crate::section::around;
-use crate::{CurveIndex, CurveRecord, Model, Section, ViewRecord};
-use transect_geometry::{
-    Curve, CurveError, Guide, GuideError, Isometry3, PlaneFamily, PlaneIndex, StraightGuide,
-};
+use crate::{CurveIndex, CurveRecord, InvariantError, Model, Section, ViewRecord};
+use transect_geometry::{Curve, Guide, Isometry3, PlaneFamily, PlaneIndex, StraightGuide};
 
-/// How far the length of a unit vector or unit quaternion may be from 1; rounding stays below
-/// 1e-15, so this only refuses what was never normalised.
+/// Largest deviation of the length of a unit vector or unit quaternion from 1. Chosen by hand:
+/// rounding stays below 1e-15, and vectors that were never normalised deviate by far more. Doubled
+/// or halved, it still separates the two.
 const UNIT_TOLERANCE: f64 = 1e-9;
 
-/// An invariant that a model breaks, with the place.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum InvariantError {
-    /// A plane does not come after the one stored before it.
-    #[error("plane {0} is out of order")]
-    PlaneOutOfOrder(PlaneIndex),
-    /// The guide, offset or interval makes no plane family.
-    #[error("the section planes are not usable")]
-    Planes(#[source] GuideError),
-    /// A plane lies before the first or behind the last station of a curved guide.
-    #[error("plane {0} lies beyond the ends of the guide")]
-    BeyondGuide(PlaneIndex),
-    /// A plane has curves that nobody asked for.
-    #[error("plane {0} has curves but was not asked for")]
-    NotSelected(PlaneIndex),
-    /// The guide's direction does not have length 1.
-    #[error("the guide direction has length {0} in place of 1")]
-    GuideNotUnit(f64),
-    /// A section without curves is stored.
-    #[error("plane {0} has no curves")]
-    EmptySection(PlaneIndex),
-    /// A curve's nodes make no curve.
-    #[error("curve {curve} on plane {plane} is malformed")]
-    Curve {
-        /// The plane it is on.
-        plane: PlaneIndex,
-        /// Which one it is.
-        curve: CurveIndex,
-        /// What is wrong with it.
-        #[source]
-        source: CurveError,
-    },
-    /// The envelope recorded with a curve is not the one around its nodes.
-    #[error("the envelope of curve {curve} on plane {plane} is wrong")]
-    CurveEnvelope {
-        /// The plane it is on.
-        plane: PlaneIndex,
-        /// Which one it is.
-        curve: CurveIndex,
-    },
-    /// The envelope recorded with a plane is not the one around its curves.
-    #[error("the envelope of plane {0} is wrong")]
-    PlaneEnvelope(PlaneIndex),
-    /// A view's pose is not a rigid motion with finite numbers.
-    #[error("view {0:?} has a pose that is not a rigid motion")]
-    Pose(String),
-    /// A view's noise is negative, NaN or infinite.
-    #[error("view {name:?} has the range noise {sigma}")]
-    Sigma {
-        /// Name of the view.
-        name: String,
-        /// The noise recorded with it.
-        sigma: f64,
-    },
-}
-
 impl Model {
-    /// Checks everything that is promised of a model: usable planes, curves that
-    /// [`Curve::new`] accepts, exact envelopes, rigid poses.
+    /// Checks the promises that every model keeps: usable planes, curves that [`Curve::new`]
+    /// accepts, exact envelopes, rigid poses.
     ///
-    /// Saving and loading call it. Cost: one pass over all nodes, with a copy of one curve at a time.
+    /// Saving and loading call it. Cost: one pass over all nodes, with a copy of one curve at a
+    /// time.
     ///
     /// # Errors
     /// The first [`InvariantError`] in order of views, planes and curves.
@@ -93,7 +36,7 @@ impl Model {
 pub(crate) fn check_planes(planes: &PlaneFamily) -> Result<(), InvariantError> {
     let remade = PlaneFamily::new(planes.guide().clone(), planes.offset(), planes.interval());
     remade.map_err(InvariantError::Planes)?;
-    // A curved guide is made anew from its points, and so checked, whenever it is read.
+    // A curved guide is rebuilt from its points, and thereby checked, whenever it is read.
     let Guide::Straight(guide) = planes.guide() else { return Ok(()) };
     let direction = guide.direction();
     StraightGuide::along(direction).map_err(InvariantError::Planes)?;
@@ -109,7 +52,7 @@ fn check_view(view: &ViewRecord) -> Result<(), InvariantError> {
 
 pub(crate) fn check_pose(name: &str, pose: &Isometry3) -> Result<(), InvariantError> {
     let at_finite_place = pose.translation.vector.iter().all(|c| c.is_finite());
-    // A NaN or infinite quaternion fails this comparison too.
+    // A NaN or infinite quaternion also fails this comparison.
     let turned_rigidly = (pose.rotation.norm() - 1.0).abs() <= UNIT_TOLERANCE;
     let rigid = at_finite_place && turned_rigidly;
     rigid.then_some(()).ok_or_else(|| InvariantError::Pose(name.to_owned()))
@@ -140,7 +83,7 @@ fn check_curve(
     record: &CurveRecord,
 ) -> Result<(), InvariantError> {
     let stored = record.curve();
-    // The stored curve may have no nodes at all, so nothing but the constructor may touch it first.
+    // The stored curve may have no nodes, so the constructor must check it before other calls.
     let remade = Curve::new(stored.nodes().to_vec(), stored.is_closed())
         .map_err(|source| InvariantError::Curve { plane, curve, source })?;
     let right = remade.envelope() == record.envelope();
@@ -187,7 +130,10 @@ mod tests {
         let mut model = small();
         model.add_view(ViewRecord { sigma: Some(-1.0), ..view("loud") });
         let text = model.check().unwrap_err().to_string();
-        assert_eq!(text, "view \"loud\" has the range noise -1");
+        assert_eq!(
+            text,
+            "view \"loud\" has the range noise -1, which must be finite and at least 0"
+        );
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The bytes of a model file and, in [`values`], of the values in a store; nothing else knows them.
+//! The bytes of a model file and, in [`values`], of the values in a store.
 //!
 //! ```text
 //! offset  size  what
@@ -9,10 +9,10 @@
 //!     28     …  payload: bincode 2, little endian, variable-length integers
 //! ```
 //!
-//! The hash is there to find accidents (a damaged disk, an edited file, a broken copy), not
-//! attacks: anyone can compute it. A file with a right hash and wrong contents is therefore
-//! decoded with distrust: every length in the payload is held against the bytes that are left
-//! before memory is set aside, and the decoded model must pass [`Model::check`].
+//! The hash finds accidents (a damaged disk, an edited file, a broken copy). It does not stop
+//! attacks, because anyone can compute it. So the payload is checked too: every length is compared
+//! with the remaining bytes before memory is reserved, and the decoded model must pass
+//! [`Model::check`].
 
 use crate::{InvariantError, Model, Section, ViewRecord};
 use serde::{Deserialize, Serialize};
@@ -25,10 +25,10 @@ pub(crate) mod values;
 const MAGIC: [u8; 8] = *b"TRANSECT";
 const HEADER_SIZE: usize = 28;
 
-/// Version of the file layout; a program reads only its own. 7 is that of a store.
+/// Version of the layout of a model file; other versions are refused. A store has version 7.
 pub const SCHEMA_VERSION: u32 = 6;
 
-/// Why bytes are not a model, or a model could not be turned into bytes.
+/// Why bytes are not a model, or a model could not be written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CodecError {
@@ -39,21 +39,21 @@ pub enum CodecError {
     #[error("not a Transect model file")]
     NotAModel,
     /// The file has another layout than this program's.
-    #[error("model file version {found}; this program reads version {SCHEMA_VERSION}")]
+    #[error("model file of version {found}; this program reads version {SCHEMA_VERSION}")]
     WrongVersion {
         /// Version in the file.
         found: u32,
     },
     /// The file ends too early.
-    #[error("truncated: {expected} bytes are announced, {found} are there")]
+    #[error("truncated: {expected} bytes expected, {found} found")]
     Truncated {
-        /// Bytes that should be there, counted from where the file begins.
+        /// Expected number of bytes, from the beginning of the file.
         expected: u64,
-        /// Bytes that are.
+        /// Number of bytes found.
         found: u64,
     },
-    /// There are bytes behind the end.
-    #[error("damaged: there are bytes behind the end of the model")]
+    /// There are bytes after the end.
+    #[error("damaged: there are bytes after the end of the model")]
     TrailingBytes,
     /// The payload is not the one that was written.
     #[error("damaged: the contents do not match their checksum")]
@@ -62,7 +62,7 @@ pub enum CodecError {
     #[error("damaged: {0}")]
     Layout(String),
     /// The parts do not make a model.
-    #[error("the contents are not a sound model")]
+    #[error("the contents break a promise of every model")]
     Invariant(#[from] InvariantError),
 }
 
@@ -71,15 +71,15 @@ pub enum CodecError {
 struct Payload<'a> {
     unit: LengthUnit,
     planes: PlaneFamily,
-    /// The planes that were asked for, in order, if they are not all of the family.
+    /// The selected planes, in order, if they are not all of the family.
     selected: Option<Vec<PlaneIndex>>,
     #[serde(borrow)]
     views: Vec<StoredView<'a>>,
     sections: Vec<(PlaneIndex, Cow<'a, Section>)>,
 }
 
-/// A view record. Its texts are borrowed from the payload: an owned text would be given its memory
-/// by the announced length, before that many bytes are known to exist.
+/// A view record. Its texts are borrowed from the payload: for an owned text, memory would be
+/// reserved by the announced length, before that many bytes are known to exist.
 #[derive(Serialize, Deserialize)]
 struct StoredView<'a> {
     name: &'a str,
@@ -107,10 +107,10 @@ pub(crate) fn write(model: &Model, mut out: impl Write) -> Result<(), CodecError
 /// Reads what [`write`] wrote, to the end of the input.
 ///
 /// # Errors
-/// [`CodecError`], by what is wrong with the bytes.
+/// [`CodecError`] with the problem.
 pub(crate) fn read(mut input: impl Read) -> Result<Model, CodecError> {
     let (length, hash) = read_header(&mut input)?;
-    // `take` hands out no more than what is there, so a wild length sets no memory aside.
+    // `take` returns at most the bytes that exist, so a wrong length reserves no memory.
     let mut payload = Vec::new();
     let found = input.by_ref().take(length).read_to_end(&mut payload)? as u64;
     if found < length {
@@ -156,21 +156,13 @@ fn encode(model: &Model) -> Result<Vec<u8>, CodecError> {
         views: model.views().iter().map(StoredView::from).collect(),
         sections: model.sections().map(|(k, section)| (k, Cow::Borrowed(section))).collect(),
     };
-    let mut bytes = Vec::new();
-    bincode::serde::encode_into_std_write(&payload, &mut bytes, bincode::config::standard())
-        .map_err(|e| CodecError::Layout(e.to_string()))?;
-    Ok(bytes)
+    values::encode(&payload)
 }
 
-/// The decoder reads from the slice and so sees its end. A list may announce any length, but
-/// memory for its items comes as they are read, beyond a first share of at most 1 MiB (serde).
+/// The decoder reads from the slice and so knows its end. A list may announce any length, but
+/// memory beyond a first 1 MiB is reserved only as items are read (serde).
 fn decode(bytes: &[u8]) -> Result<Model, CodecError> {
-    let decoded = bincode::serde::borrow_decode_from_slice(bytes, bincode::config::standard());
-    let (payload, used): (Payload<'_>, usize) =
-        decoded.map_err(|e| CodecError::Layout(e.to_string()))?;
-    if used != bytes.len() {
-        return Err(CodecError::Layout("bytes are left over".to_owned()));
-    }
+    let payload: Payload<'_> = values::decode(bytes)?;
     let views = payload.views.into_iter().map(ViewRecord::from).collect();
     let sections = payload.sections.into_iter().map(|(k, s)| (k, s.into_owned())).collect();
     Ok(Model::from_parts(payload.unit, payload.planes, payload.selected, views, sections)?)
@@ -194,12 +186,12 @@ impl From<StoredView<'_>> for ViewRecord {
 
 /// The 64-bit Fowler–Noll–Vo hash 1a (<http://www.isthe.com/chongo/tech/comp/fnv/>).
 ///
-/// Each step is one to one in the hash so far, so a change of a single byte is always found.
+/// Each step is invertible in the hash so far, so a change of a single byte is always found.
 fn fnv1a(bytes: &[u8]) -> u64 {
     fnv1a_from(HASH_OF_NOTHING, bytes)
 }
 
-/// Where FNV-1a begins.
+/// The start value of FNV-1a.
 pub(crate) const HASH_OF_NOTHING: u64 = 0xcbf2_9ce4_8422_2325;
 
 pub(crate) fn fnv1a_from(hash: u64, bytes: &[u8]) -> u64 {

@@ -1,7 +1,7 @@
 //! Splitting and joining curves at nodes (the driver functions of dissertation 2.5.2).
 //!
-//! Both are exact: they never move a node and never bridge ground between two ends. What was split
-//! can be joined again, because both pieces keep the node at which they were cut.
+//! Both are exact: they never move a node and never bridge ground between two ends. Pieces of a
+//! split curve can be joined again, because both keep the node at the cut.
 
 use crate::{CurveIndex, Model, NodeIndex};
 use transect_geometry::{Curve, CurveError, Node, PlaneIndex};
@@ -21,37 +21,38 @@ pub enum EditError {
     /// The curve has no such node, or no such place between nodes.
     #[error("the curve has no node {0}")]
     NoSuchNode(NodeIndex),
-    /// The node does not exist, or is an end of an open curve and leaves nothing to cut off.
+    /// The node does not exist, or is an end of an open curve.
     #[error("the curve cannot be split at node {0}")]
     NoSplit(NodeIndex),
     /// A closed curve has no ends to join.
     #[error("curve {0} is closed and has no ends")]
     Closed(CurveIndex),
     /// The end of one curve is not where the other one begins; lengths are in the model's unit.
-    #[error("the ends are {distance} apart; only ends at one place can be joined")]
+    #[error("the ends are {distance} apart; only ends at the same place can be joined")]
     EndsApart {
         /// Distance between the two ends.
         distance: f64,
     },
-    /// What would be left is no curve, such as a ring of two nodes.
-    #[error("the result would not be a curve")]
+    /// The result has too few nodes for a curve, such as a ring of two.
+    #[error("the result has too few nodes for a curve")]
     NoCurve(#[from] CurveError),
 }
 
 impl Model {
-    /// Cuts a curve at a node, which both pieces keep; returns the places of the pieces.
+    /// Cuts a curve at a node, which both pieces keep; returns the place of the second piece.
     ///
-    /// An open curve gives two, the first staying in its place and the second going behind the
-    /// plane's other curves. A closed curve gives one, open, that begins and ends at the node.
+    /// An open curve gives two pieces: the first stays in its place, the second is appended to the
+    /// plane. A closed curve gives one open piece that begins and ends at the node, and `None`.
     ///
     /// # Errors
-    /// [`EditError::NoSuchCurve`], or [`EditError::NoSplit`] if the node is none to cut at.
+    /// [`EditError::NoSuchCurve`], or [`EditError::NoSplit`] if the curve cannot be cut at the
+    /// node.
     pub fn split_curve(
         &mut self,
         plane: PlaneIndex,
         index: CurveIndex,
         node: NodeIndex,
-    ) -> Result<(CurveIndex, Option<CurveIndex>), EditError> {
+    ) -> Result<Option<CurveIndex>, EditError> {
         let (first, second) = split(self.curve(plane, index)?, node)?;
         let mut curves = self.take_curves(plane);
         curves[index.0] = first;
@@ -60,7 +61,7 @@ impl Model {
             CurveIndex(curves.len() - 1)
         });
         self.set_curves(plane, curves);
-        Ok((index, behind))
+        Ok(behind)
     }
 
     /// Joins the end of one open curve to the beginning of another at the same place, or of itself.
@@ -152,9 +153,9 @@ mod tests {
             model.set_curves(PLANE, curves.clone());
             let first = &curves[0];
             let node = if first.is_closed() { 0 } else { 1 + place % (first.nodes().len() - 2) };
-            let (a, b) = model.split_curve(PLANE, CurveIndex(0), NodeIndex(node)).unwrap();
+            let (a, b) = (CurveIndex(0), model.split_curve(PLANE, CurveIndex(0), NodeIndex(node)));
             prop_assert_eq!(model.check(), Ok(()));
-            model.join_curves(PLANE, a, b.unwrap_or(a)).unwrap();
+            model.join_curves(PLANE, a, b.unwrap().unwrap_or(a)).unwrap();
             let again: Vec<_> = model.section(PLANE).unwrap().curves().cloned().collect();
             prop_assert_eq!(again, curves);
         }

@@ -1,7 +1,7 @@
 //! A model as one whole file, for models that fit into memory.
 //!
-//! A model is saved and loaded whole. It is written to a file of its own beside the old one, which
-//! is replaced by renaming, so a crash leaves either the old model or the new one.
+//! A model is saved and loaded whole. It is written to a new file beside the old one and then
+//! renamed, so a crash leaves either the old model or the new one.
 
 use crate::Model;
 use crate::codec::{self, CodecError};
@@ -19,7 +19,7 @@ pub enum FileError {
     Load {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The error.
         #[source]
         source: CodecError,
     },
@@ -28,7 +28,7 @@ pub enum FileError {
     Save {
         /// The file.
         path: PathBuf,
-        /// What went wrong.
+        /// The error of writing.
         #[source]
         source: CodecError,
     },
@@ -60,7 +60,7 @@ impl Model {
         let beside = path_beside(path);
         let saved = write_and_rename(self, &beside, path);
         if saved.is_err() {
-            // Nothing is lost if this fails too: the model's own file was not touched.
+            // If this fails too, no data is lost: the model's own file was not changed.
             let _ = fs::remove_file(&beside);
         }
         saved.map_err(|source| FileError::Save { path: path.to_owned(), source })

@@ -1,8 +1,9 @@
-//! The cross-section model: planes → curves → nodes, saved, loaded and asked about inside and outside.
+//! The cross-section model: planes → curves → nodes, with files, a store, and queries of inside and
+//! outside.
 //!
 //! The one decision of this crate: the model is **the tree of dissertation 2.5.2**. Its root holds
 //! section planes sorted by station, a plane holds its curves, a curve its nodes, and planes and
-//! curves carry their envelopes, which are right at every moment.
+//! curves carry their envelopes, which are exact after every change.
 //!
 //! ```text
 //! Model ── unit, plane family, views that were put in
@@ -11,19 +12,21 @@
 //!            └─ Curve ── nodes in curve order, solid on the left
 //! ```
 //!
-//! It refuses to know how curves were made: no sensors, no range images, no fusion. Only the
-//! `file` and `store` modules touch the disk, and only the `codec` module knows the bytes of values. Lengths
-//! are in the model's one length unit; points of a plane in its [`PlaneFrame`], others in the world.
+//! It does not know how curves were made: it needs no sensors, range images or fusion. Only the
+//! modules `file` and `store` use the disk, and only `codec` knows the bytes of values. Lengths are
+//! in the model's one length unit; points of a plane in its [`PlaneFrame`], others in the world.
 //!
 //! * [`Model`], [`Section`], [`CurveRecord`], [`ViewRecord`]: the tree, and walking along it;
-//! * [`PlaneSelection`]: the planes of the family that the model was asked for, where not all were;
+//! * [`PlaneSelection`]: the planes that were selected, where they are not all of the family;
 //! * [`EditError`]: splitting and joining curves, inserting and deleting nodes;
 //! * [`Location`], [`SectionIndex`], [`ModelIndex`]: inside, outside or unknown;
-//! * [`SectionMeasures`], [`ModelVolume`], [`NestedCurve`]: area, volume with a bound, and a check on directions;
+//! * [`SectionMeasures`], [`ModelVolume`], [`NestedCurve`]: area, volume with an error bound, and a
+//!   check of directions;
 //! * [`Model::save`], [`Model::load`], [`FileError`]: a whole model in a plain file;
-//! * [`gaps`]: what nobody saw, and where a next view would see most of it;
-//! * [`store`]: a model in a database, which grows view by view and need not fit into memory;
-//! * [`Model::check`], [`InvariantError`]: what holds of every model.
+//! * [`gaps`]: unseen stretches of boundary, and places from which a next view would see most of
+//!   them;
+//! * [`store`]: a model in a database, which grows view by view and may be larger than memory;
+//! * [`Model::check`], [`InvariantError`]: the promises that every model keeps.
 //!
 //! [`PlaneFrame`]: transect_geometry::PlaneFrame
 
@@ -32,6 +35,7 @@ mod codec;
 mod edit;
 mod file;
 pub mod gaps;
+mod invariant;
 mod measure;
 mod model;
 mod nesting;
@@ -46,10 +50,10 @@ mod volume;
 #[cfg(test)]
 mod samples;
 
-pub use check::InvariantError;
 pub use codec::{CodecError, SCHEMA_VERSION};
 pub use edit::EditError;
 pub use file::FileError;
+pub use invariant::InvariantError;
 pub use measure::SectionMeasures;
 pub use model::{Model, ViewRecord};
 pub use nesting::NestedCurve;

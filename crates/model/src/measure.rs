@@ -3,18 +3,19 @@
 use crate::Section;
 use transect_geometry::{Curve, Point2, Vector2};
 
-/// What the curves of one plane measure, in the model's length unit and plane coordinates.
+/// Measures of the curves of one plane, in the model's length unit and plane coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct SectionMeasures {
     /// Area of the solid that the closed curves bound; holes count negative.
     ///
-    /// Negative where the solid is what surrounds a hole, such as a room seen from within.
+    /// Negative where the solid surrounds a hole, such as a room seen from within.
     /// # Units
     /// The square of the length unit.
     pub area: f64,
     /// Centre of mass of that area; `None` if the area is 0.
     ///
-    /// Of a plane with more hole than solid it is that of the hole.
+    /// On a plane with more hole than solid it is the centre of the hole.
     pub centroid: Option<Point2>,
     /// Length of the closed curves.
     pub perimeter: f64,
@@ -24,7 +25,7 @@ pub struct SectionMeasures {
     pub outer_curves: usize,
     /// Number of closed curves around free space (clockwise).
     pub hole_curves: usize,
-    /// Number of open curves; where it is not 0, the area is a part of the truth.
+    /// Number of open curves; if it is not 0, the area is incomplete.
     pub open_curves: usize,
 }
 

@@ -1,7 +1,9 @@
-//! The root of the tree: section planes sorted by station (dissertation, section 2.5.2, Figure 2.4).
+//! The root of the tree: section planes sorted by station (dissertation, section 2.5.2, Figure
+//! 2.4).
 //!
-//! Departures from the dissertation: its plane nodes are linked both ways by pointers and carry the
-//! frame of their plane; here a sorted map gives both neighbours, and [`PlaneFamily`] the frames.
+//! Departure from the dissertation: there plane nodes are linked both ways by pointers and carry
+//! the frame of their plane. Here a sorted map gives both neighbours, and [`PlaneFamily`] the
+//! frames.
 
 use crate::{CurveIndex, InvariantError, PlaneSelection, Section};
 use serde::{Deserialize, Serialize};
@@ -10,18 +12,18 @@ use std::ops::Bound::{Excluded, Unbounded};
 use std::ops::RangeInclusive;
 use transect_geometry::{Curve, Envelope, Isometry3, LengthUnit, PlaneFamily, PlaneIndex};
 
-/// One view that was put into the model.
+/// One view of the model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ViewRecord {
-    /// What the view is called in reports.
+    /// Its name in reports.
     pub name: String,
-    /// Where it came from, such as the file of its range image; informational.
+    /// Its origin, such as the file of its range image; for information.
     pub source: String,
-    /// The pose under which it was put in; its translation is in the model's length unit.
+    /// Its pose; the translation is in the model's length unit.
     pub world_from_sensor: Isometry3,
     /// Standard deviation of its range values in the model's length unit; `None` if unknown.
     pub sigma: Option<f64>,
-    /// How many nodes its partial model had, on all planes.
+    /// Number of nodes of its partial model, on all planes.
     pub nodes: u64,
 }
 
@@ -46,7 +48,8 @@ impl Model {
         Self { unit, planes, selection, views: Vec::new(), sections: BTreeMap::new() }
     }
 
-    /// The same model, asked for these planes of its family and for those that it has curves on.
+    /// The same model with these planes of its family, and all planes with curves, as selected
+    /// planes.
     #[must_use]
     pub fn with_selection(mut self, planes: impl IntoIterator<Item = PlaneIndex>) -> Self {
         let own: Vec<PlaneIndex> = self.sections.keys().copied().collect();
@@ -64,22 +67,22 @@ impl Model {
         &self.planes
     }
 
-    /// The planes that were asked for. Neighbours are neighbours among them.
+    /// The selected planes. Neighbours are neighbours among them.
     pub fn selection(&self) -> &PlaneSelection {
         &self.selection
     }
 
-    /// The planes that were asked for, in order of station; `None` if all of the family were.
+    /// The selected planes in order of station; `None` if all of the family are.
     pub fn selected(&self) -> Option<&BTreeSet<PlaneIndex>> {
         self.selection.planes()
     }
 
-    /// The views that were put in, in the order in which they were.
+    /// The views in the order in which they were added.
     pub fn views(&self) -> &[ViewRecord] {
         &self.views
     }
 
-    /// Records that a view was put in.
+    /// Records a view.
     pub fn add_view(&mut self, view: ViewRecord) {
         self.views.push(view);
     }
@@ -96,7 +99,7 @@ impl Model {
         self.sections.iter().map(|(&plane, section)| (plane, section))
     }
 
-    /// Runs of neighbouring planes with curves, in order of station: the sub-families that gaps part.
+    /// Runs of neighbouring planes with curves, in order of station: the sub-families between gaps.
     pub fn sub_families(&self) -> Vec<RangeInclusive<PlaneIndex>> {
         let mut runs: Vec<RangeInclusive<PlaneIndex>> = Vec::new();
         for &plane in self.sections.keys() {
@@ -121,8 +124,8 @@ impl Model {
         Some((previous, section))
     }
 
-    /// Replaces all curves of a plane; no curves remove its section. A plane that is given curves counts
-    /// as asked for.
+    /// Replaces all curves of a plane. An empty list removes its section. A plane with curves
+    /// becomes a selected one.
     pub fn set_curves(&mut self, plane: PlaneIndex, curves: Vec<Curve>) {
         match Section::new(curves) {
             Some(section) => {
@@ -133,7 +136,7 @@ impl Model {
         };
     }
 
-    /// Adds a curve behind the others of a plane and returns its place.
+    /// Appends a curve to a plane and returns its place.
     pub fn insert_curve(&mut self, plane: PlaneIndex, curve: Curve) -> CurveIndex {
         if let Some(section) = self.sections.get_mut(&plane) {
             return section.push(curve);
@@ -142,7 +145,7 @@ impl Model {
         CurveIndex(0)
     }
 
-    /// Takes a curve out of a plane; later curves of the plane move up by one place.
+    /// Removes a curve from a plane; later curves of the plane move up by one place.
     pub fn remove_curve(&mut self, plane: PlaneIndex, index: CurveIndex) -> Option<Curve> {
         self.section(plane)?.curve(index)?;
         let mut curves = self.take_curves(plane);
@@ -171,12 +174,12 @@ impl Model {
         self.sections.values().map(Section::envelope).reduce(|a, b| a.merged(&b))
     }
 
-    /// The curves of a plane, taken out of the tree.
+    /// Removes the curves of a plane from the tree and returns them.
     pub(crate) fn take_curves(&mut self, plane: PlaneIndex) -> Vec<Curve> {
         self.sections.remove(&plane).map(Section::into_curves).unwrap_or_default()
     }
 
-    /// The model of parts that come from outside, such as a file.
+    /// The model of unchecked parts, such as those of a file.
     ///
     /// # Errors
     /// [`InvariantError`] if the planes are not in order, or [`Model::check`] finds something.

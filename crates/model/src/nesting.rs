@@ -1,38 +1,41 @@
-//! Which closed curves lie within which: a check on their direction, never its source.
+//! Nesting of closed curves: a check of their directions.
 //!
-//! The direction of a curve says on which side the solid is, and comes from how the surface was seen
-//! (dissertation, 3.7). Closed curves that do not cross also say it, by lying within each other:
-//! what is directly within a curve around solid must be a hole, and the other way round. Where the
-//! two disagree, a direction is wrong, or a surface between them was not seen, or the curves cross.
+//! The direction of a curve says on which side the solid is. It comes from the side on which the
+//! surface was seen (dissertation, 3.7). The nesting of closed curves that do not cross tells it
+//! too: a curve directly within a curve around solid must be a hole, and the other way round. Where
+//! direction and nesting disagree, a direction is wrong, a surface between the curves was not seen,
+//! or the curves cross.
 //!
-//! 1. The parent of a curve is the smallest closed curve around it, by the even-odd rule, which does
-//!    not look at directions.
+//! 1. The parent of a curve is the smallest closed curve around it, by the even-odd rule, which
+//!    ignores directions.
 //! 2. A curve that runs the same way round as its parent is a disagreement.
 //!
-//! A clockwise curve without a parent is no disagreement: a room seen from within looks like that.
+//! A clockwise curve without a parent is not a disagreement: it is a room seen from within.
 //!
-//! Cost: for n closed curves with m nodes each, O(n²) envelopes and O(m) for those that lie within another's. Do not
-//! use it on curves that cross: the parent of such a curve is decided by one of its nodes.
+//! Cost: for n closed curves with m nodes each, O(n²) comparisons of envelopes, and O(m) for each
+//! pair of nested envelopes. Do not use it on curves that cross: one node decides the parent of
+//! such a curve.
 
 use crate::{CurveIndex, CurveRecord, Section};
 use transect_geometry::{Curve, Point2};
 
-/// Where a closed curve lies among the others of its plane.
+/// The place of a closed curve among the others of its plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct NestedCurve {
     /// The curve.
     pub curve: CurveIndex,
     /// The smallest closed curve around it.
     pub parent: Option<CurveIndex>,
-    /// How many closed curves are around it.
+    /// Number of closed curves around it.
     pub depth: usize,
-    /// Whether it runs around solid (counter-clockwise), by its own direction.
+    /// Whether it runs around solid (counter-clockwise).
     pub is_outer: bool,
     /// Whether its direction contradicts its parent's.
     pub contradicts_parent: bool,
 }
 
-/// A closed curve with what the search needs.
+/// A closed curve with its area.
 struct Closed<'a> {
     index: CurveIndex,
     record: &'a CurveRecord,
@@ -40,7 +43,7 @@ struct Closed<'a> {
 }
 
 impl Section {
-    /// How the closed curves of the plane lie within each other, in their order.
+    /// The nesting of the plane's closed curves, in their order.
     pub fn nesting(&self) -> Vec<NestedCurve> {
         let records = self.curve_records().iter().enumerate();
         let closed = records.filter_map(|(index, record)| {

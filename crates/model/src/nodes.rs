@@ -1,19 +1,18 @@
-//! The bottom level of the tree: inserting, deleting and changing nodes, and walking along curves
+//! The lowest level of the tree: inserting, deleting and changing nodes, and walking along curves
 //! (the driver functions of dissertation 2.5.2).
 //!
-//! Departures from the dissertation: its nodes are linked both ways by pointers; here a curve is an array,
-//! whose neighbours are one place before and behind. A change therefore costs the size of the plane's
-//! curves, and keeps all envelopes right.
+//! Departure from the dissertation: there nodes are linked both ways by pointers. Here a curve is
+//! an array, so neighbours are one place before and after. A change costs time in proportion to the
+//! plane's curves, and keeps all envelopes exact.
 
 use crate::{CurveIndex, EditError, Model, NodeIndex, Section};
-use std::ops::RangeInclusive;
 use transect_geometry::{Curve, Envelope, Node, PlaneIndex};
 
 impl Model {
-    /// Inserts a node before another of a curve, or behind the last for the index past it.
+    /// Inserts a node before another of a curve, or after the last one for the index past it.
     ///
     /// # Errors
-    /// [`EditError`] if there is no such curve or place, or the node's numbers are no measurements.
+    /// [`EditError`] if there is no such curve or place, or the node has invalid numbers.
     pub fn insert_node(
         &mut self,
         plane: PlaneIndex,
@@ -27,10 +26,10 @@ impl Model {
         })
     }
 
-    /// Takes a node out of a curve; its neighbours become each other's.
+    /// Removes a node from a curve; its neighbours become each other's neighbours.
     ///
     /// # Errors
-    /// [`EditError`] if there is no such curve or node, or too few nodes would be left for a curve.
+    /// [`EditError`] if there is no such curve or node, or too few nodes would remain.
     pub fn remove_node(
         &mut self,
         plane: PlaneIndex,
@@ -43,10 +42,10 @@ impl Model {
         })
     }
 
-    /// Puts another node in the place of one.
+    /// Replaces a node and returns the old one.
     ///
     /// # Errors
-    /// [`EditError`] if there is no such curve or node, or the node's numbers are no measurements.
+    /// [`EditError`] if there is no such curve or node, or the new node has invalid numbers.
     pub fn replace_node(
         &mut self,
         plane: PlaneIndex,
@@ -75,24 +74,10 @@ impl Model {
         self.set_curves(plane, curves);
         Ok(result)
     }
-
-    /// The sub-families of planes that have curves without a gap, in order of station.
-    pub fn plane_runs(&self) -> Vec<RangeInclusive<PlaneIndex>> {
-        let mut runs: Vec<RangeInclusive<PlaneIndex>> = Vec::new();
-        for (plane, _) in self.sections() {
-            match runs.last_mut() {
-                Some(run) if run.end().0.checked_add(1) == Some(plane.0) => {
-                    *run = *run.start()..=plane;
-                }
-                _ => runs.push(plane..=plane),
-            }
-        }
-        runs
-    }
 }
 
 impl Section {
-    /// The curves whose envelopes share a point with a rectangle: the only ones that can meet what lies in it.
+    /// The curves whose envelopes share a point with a rectangle. Other curves have no point in it.
     pub fn curves_near(
         &self,
         rectangle: Envelope,
@@ -102,8 +87,8 @@ impl Section {
         near.map(|(index, record)| (CurveIndex(index), record.curve()))
     }
 
-    /// The node that follows one along its curve; `None` behind the end of an open curve, and if
-    /// there is no such curve or node.
+    /// The next node along a curve; `None` at the end of an open curve, and if there is no such
+    /// curve or node.
     pub fn node_after(&self, curve: CurveIndex, node: NodeIndex) -> Option<(NodeIndex, &Node)> {
         let curve = self.curve(curve)?;
         let nodes = curve.nodes();
@@ -113,8 +98,8 @@ impl Section {
         Some((NodeIndex(next), nodes.get(next)?))
     }
 
-    /// The node before one along its curve; `None` before the beginning of an open curve, and if
-    /// there is no such curve or node.
+    /// The previous node along a curve; `None` at the beginning of an open curve, and if there is
+    /// no such curve or node.
     pub fn node_before(&self, curve: CurveIndex, node: NodeIndex) -> Option<(NodeIndex, &Node)> {
         let curve = self.curve(curve)?;
         let nodes = curve.nodes();

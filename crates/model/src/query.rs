@@ -1,27 +1,26 @@
-//! Inside, outside or unknown: which side of the model's curves a point is on.
+//! Inside, outside or unknown: the side of the model's curves on which a point lies.
 //!
-//! The idea (dissertation 2.5.2 and 3.7): a curve has its solid on the left, so the nearest piece of
-//! curve knows the side of a point. It needs no closed curves and no counting of crossings, which
-//! scans with gaps would spoil.
+//! The idea (dissertation 2.5.2 and 3.7): a curve has its solid on the left, so the nearest piece
+//! of curve tells the side of a point. This needs neither closed curves nor counts of crossings,
+//! which gaps would falsify.
 //!
 //! 1. Find the nearest foot among all curve units of the plane, through an R-tree.
 //! 2. Take the side at that foot ([`Curve::side_at`]; at a corner both adjoining units decide).
 //! 3. Unknown where the foot is an open end and the point lies beyond it, or there is no curve.
 //! 4. Between two planes both must exist and agree.
 //!
-//! Departures from the source: 2.5.2 gives the sign of one unit's line and leaves open which unit
-//! to ask and what happens at ends and between planes; steps 1, 3 and 4 are ours. Several equally
-//! near feet that disagree make the point unknown, so the order of curves never matters.
+//! Departures from the source: 2.5.2 gives the sign of one unit's line. It does not say which unit
+//! decides, nor what happens at ends and between planes; steps 1, 3 and 4 are ours. Where several
+//! equally near feet disagree the point is unknown, so the order of curves has no effect.
 //!
-//! **What an answer does not know.** The ground between a point and its nearest curve may never
-//! have been seen, and may hide a surface that would change the answer. `Inside` and `Outside` are
-//! therefore statements about the nearest *observed* surface; the distance to it comes with the
-//! answer, so that a caller can bound how far it trusts. Where all curves of a plane are closed
-//! and none crosses another, the answer is the winding number's. A node repeated at a corner
-//! leaves that corner to one of its two units.
+//! **Limits of an answer.** The ground between a point and its nearest curve may be unseen and may
+//! hide a surface that would change the answer. `Inside` and `Outside` are therefore statements
+//! about the nearest *observed* surface. The answer has the distance to it, so that a caller can
+//! set a limit. Where all curves of a plane are closed and do not cross, the answer is that of the
+//! winding number. At a corner with a repeated node, one of the two units decides alone.
 //!
-//! Cost: building an index O(n log n) for n units, a question O(log n) on average; without an
-//! index O(n). Do not use it for points within rounding of a curve: those count as inside.
+//! Cost: building an index O(n log n) for n units, a question O(log n) on average; without an index
+//! O(n). Do not use it for points within rounding of a curve, which count as inside.
 
 use crate::{InTree, Model, PlaneSelection, Section};
 use rstar::RTree;
@@ -29,14 +28,14 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use transect_geometry::{Curve, CurveUnit, Foot, PlaneFamily, PlaneIndex, Point2, Point3, Side};
 
-/// Where a point is with respect to the solid.
+/// The place of a point with respect to the solid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Location {
-    /// In the solid, as far as the nearest observed surface tells; a point on a curve is inside.
+    /// In the solid, by the nearest observed surface; a point on a curve is inside.
     Inside,
-    /// In free space, as far as the nearest observed surface tells.
+    /// In free space, by the nearest observed surface.
     Outside,
-    /// The model cannot tell.
+    /// Neither is known.
     Unknown,
 }
 
@@ -49,12 +48,13 @@ impl From<Side> for Location {
     }
 }
 
-/// What one plane says about a point.
+/// The answer of one plane about a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct PlaneAnswer {
     /// Where the point is.
     pub location: Location,
-    /// How far the curve that decided is, in the model's length unit; `None` if there is no curve.
+    /// Distance to the curve that decided, in the model's length unit; `None` if there is no curve.
     pub distance_to_nearest_curve: Option<f64>,
 }
 
@@ -62,20 +62,21 @@ impl PlaneAnswer {
     const NOTHING: Self = Self { location: Location::Unknown, distance_to_nearest_curve: None };
 }
 
-/// What the planes around a point say about it.
+/// The answer of the planes around a point.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct SpaceAnswer {
     /// Where the point is.
     pub location: Location,
-    /// Distance in space to the nearest curve on the planes that were asked, in the model's length unit;
-    /// `None` if they have no curves. The surface between the planes may be nearer.
+    /// Distance in space to the nearest curve on these planes, in the model's length unit; `None`
+    /// if they have no curves. The surface between the planes may be nearer.
     pub distance_to_nearest_curve: Option<f64>,
-    /// What the planes that were asked said, in order of station: the plane the point is on, or
-    /// those of its two neighbours that have curves.
+    /// The answers of these planes, in order of station: the plane through the point, or those of
+    /// its two neighbours that have curves.
     pub planes: Vec<(PlaneIndex, PlaneAnswer)>,
 }
 
-/// Asks every curve of a section about a point: the slow and obvious way, for a single question.
+/// Locates a point by trying every curve of a section: simple, and slow for many points.
 pub fn locate_in_plane(section: &Section, p: &Point2) -> PlaneAnswer {
     let feet: Vec<_> = section.curves().map(|curve| (curve, curve.foot(p))).collect();
     let nearest = feet.iter().map(|(_, foot)| foot.distance).fold(f64::INFINITY, f64::min);
@@ -83,7 +84,7 @@ pub fn locate_in_plane(section: &Section, p: &Point2) -> PlaneAnswer {
     answer(nearest, nearest_feet, p)
 }
 
-/// The common answer of equally near feet; unknown if they disagree or none of them can tell.
+/// The common answer of equally near feet; unknown if they disagree, or all are open ends.
 fn answer<'a>(
     distance: f64,
     feet: impl Iterator<Item = (&'a Curve, Foot)>,
@@ -114,11 +115,12 @@ impl AsRef<CurveUnit> for IndexedUnit {
     }
 }
 
-/// The tree compares squares and distances to boxes, both rounded, so that its first unit may be
-/// beaten by a few units in the last place; ten times that would still cost nothing.
+/// Relative rounding error of the distances in the tree. It compares squares and distances to
+/// boxes, both rounded, so that another unit may be nearer by a few units in the last place. Chosen
+/// by hand, far above rounding. Doubled, a few more units are compared.
 const TREE_ROUNDING: f64 = 1e-12;
 
-/// The curve units of one section in a spatial index, for many questions.
+/// The curve units of one section in a spatial index, for many points.
 #[derive(Debug, Clone)]
 pub struct SectionIndex<'a> {
     section: Cow<'a, Section>,
@@ -126,7 +128,7 @@ pub struct SectionIndex<'a> {
 }
 
 impl SectionIndex<'static> {
-    /// Sorts the units of a section into a tree that keeps the section.
+    /// Indexes the units of a section, and keeps the section.
     pub fn owning(section: Section) -> Self {
         let tree = tree_of(&section);
         Self { section: Cow::Owned(section), tree }
@@ -134,17 +136,17 @@ impl SectionIndex<'static> {
 }
 
 impl<'a> SectionIndex<'a> {
-    /// Sorts the units of a section into a tree.
+    /// Indexes the units of a section.
     pub fn new(section: &'a Section) -> Self {
         Self { section: Cow::Borrowed(section), tree: tree_of(section) }
     }
 
-    /// The section that was sorted.
+    /// The indexed section.
     pub fn section(&self) -> &Section {
         &self.section
     }
 
-    /// The same answer as [`locate_in_plane`], without asking every curve.
+    /// The same answer as [`locate_in_plane`], without trying every curve.
     pub fn locate(&self, p: &Point2) -> PlaneAnswer {
         if !(p.x.is_finite() && p.y.is_finite()) {
             return PlaneAnswer::NOTHING;
@@ -162,7 +164,7 @@ impl<'a> SectionIndex<'a> {
     /// The answer of the nearest among some units.
     fn answer_of(&self, near: &[&InTree<IndexedUnit>], p: &Point2) -> PlaneAnswer {
         let nearest = near.iter().map(|u| u.unit.distance(p)).fold(f64::INFINITY, f64::min);
-        // Only the first nearest foot of each curve decides, as in `Curve::foot`.
+        // The first nearest foot of each curve decides, as in `Curve::foot`.
         let mut first_units = BTreeMap::new();
         for unit in near.iter().filter(|u| u.unit.distance(p) <= nearest) {
             let known = first_units.entry(unit.curve).or_insert(unit);
@@ -191,7 +193,7 @@ fn foot_on(indexed: &IndexedUnit, p: &Point2) -> Foot {
     Foot { unit: indexed.index, parameter, point, distance: (p - point).norm() }
 }
 
-/// All sections of a model in spatial indices, for many questions in space.
+/// All sections of a model in spatial indices, for many points in space.
 #[derive(Debug, Clone)]
 pub struct ModelIndex<'a> {
     planes: PlaneFamily,
@@ -207,7 +209,7 @@ impl<'a> ModelIndex<'a> {
         Self { planes, selection, sections: sections.collect() }
     }
 
-    /// The same answer as [`Model::locate`], without asking every curve.
+    /// The same answer as [`Model::locate`], without trying every curve.
     pub fn locate(&self, in_world: &Point3) -> SpaceAnswer {
         let around = planes_around(&self.planes, &self.selection, in_world);
         let ask = |k, p: &Point2| Some(self.sections.get(&k)?.locate(p));
@@ -216,11 +218,11 @@ impl<'a> ModelIndex<'a> {
 }
 
 impl Model {
-    /// Where a world point is, from the plane it is on or the two planes it is between.
+    /// Locates a world point, from the plane through it or the two planes around it.
     ///
-    /// A point between neighbouring planes that were asked for is projected onto both; it is unknown unless both
-    /// have curves and agree. That leaves features thinner than the interval unknown rather than
-    /// guessed. Asks every curve of those planes; for many questions build a [`ModelIndex`].
+    /// A point between neighbouring selected planes is projected onto both. Its location is known
+    /// if both have curves and agree; so features thinner than the interval are unknown, not
+    /// guessed. Tries every curve of those planes; for many points build a [`ModelIndex`].
     pub fn locate(&self, in_world: &Point3) -> SpaceAnswer {
         let around = planes_around(self.planes(), self.selection(), in_world);
         let ask = |k, p: &Point2| Some(locate_in_plane(self.section(k)?, p));
@@ -254,19 +256,20 @@ pub(crate) fn locate_between(
     SpaceAnswer { location, distance_to_nearest_curve, planes: answers }
 }
 
-/// The plane a point is on, or the two it is between, of those that were asked for; none if its level is no number.
+/// The selected plane through a point, or the two around it; empty if the point has no station.
 pub(crate) fn planes_around(
     planes: &PlaneFamily,
     selection: &PlaneSelection,
     in_world: &Point3,
 ) -> Vec<PlaneIndex> {
-    /// Part of an interval that still counts as on the plane; as in `PlaneFamily`.
+    /// Part of an interval that counts as on the plane, as in `PlaneFamily`. Chosen by hand, above
+    /// rounding and far below any measurement; the same holds for twice or half of it.
     const ROUNDING: f64 = 1e-9;
     let level = planes.level(in_world);
-    // World-sized stations divided by a small interval round by more than that.
+    // Large stations divided by a small interval have a larger rounding error.
     let size = in_world.coords.norm() + planes.offset().abs();
     let rounding = (8.0 * f64::EPSILON * size / planes.interval()).clamp(ROUNDING, 0.25);
-    // Beyond that a level has no fraction left, and neighbouring planes no number of their own.
+    // From here on `f64` holds no fractions: a level cannot lie between planes.
     const LARGEST_LEVEL: f64 = 4.5e15;
     let between_planes = level.abs() < LARGEST_LEVEL;
     if !between_planes {

@@ -1,4 +1,5 @@
-//! One section plane's branch of the tree: its curves, with envelopes (dissertation, section 2.5.2).
+//! One section plane's branch of the tree: its curves, with envelopes (dissertation, section
+//! 2.5.2).
 
 use serde::{Deserialize, Serialize};
 use transect_geometry::{Curve, Envelope};
@@ -52,7 +53,7 @@ impl CurveRecord {
 
 /// The curves on one section plane, at least one, with their common envelope.
 ///
-/// Not checked: that curves do not cross or overlap; fusion answers for that.
+/// Not checked: whether curves cross or overlap. Fusion is responsible for that.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Section {
     envelope: Envelope,
@@ -99,8 +100,8 @@ impl Section {
 
     /// Area of the solid cut by the plane, from its closed curves only: holes count negative.
     ///
-    /// Open curves bound no known area and add nothing, so on a plane that is not wholly seen this
-    /// is a part of the truth; [`Section::open_curve_count`] says whether it is.
+    /// Open curves bound no known area and do not count. On a plane with open curves
+    /// ([`Section::open_curve_count`]) the area is therefore incomplete.
     ///
     /// # Units
     /// The square of the model's length unit.
@@ -108,7 +109,7 @@ impl Section {
         self.curves().filter_map(Curve::signed_area).sum()
     }
 
-    /// How many of the curves are open.
+    /// Number of open curves.
     pub fn open_curve_count(&self) -> usize {
         self.curves().filter(|c| !c.is_closed()).count()
     }

@@ -1,17 +1,17 @@
-//! Which planes of a family a model was asked for.
+//! The selected planes of a family.
 //!
-//! Where refinement inserts planes the family has the smallest interval, and most of its planes were
-//! never looked at. Those differ from planes that were, and have no curves: neighbours are
-//! neighbouring planes that were asked for, however many of the family lie between them.
+//! Where refinement inserts planes, the family has the smallest interval, and most of its planes
+//! are not selected. They differ from selected planes without curves. Neighbours are neighbouring
+//! selected planes, however many planes of the family lie between them.
 
 use std::collections::BTreeSet;
 use std::ops::Bound::{Excluded, Unbounded};
 use transect_geometry::PlaneIndex;
 
-/// The planes of a family that a model was asked for: all of them, or some.
+/// The selected planes of a family: all of them, or some.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct PlaneSelection {
-    /// `None` for all of them.
+    /// `None` selects all.
     planes: Option<BTreeSet<PlaneIndex>>,
 }
 
@@ -24,17 +24,17 @@ impl PlaneSelection {
         Self { planes: Some(planes.into_iter().collect()) }
     }
 
-    /// The planes in order; `None` if all of the family are meant.
+    /// The planes in order; `None` if all of the family are selected.
     pub fn planes(&self) -> Option<&BTreeSet<PlaneIndex>> {
         self.planes.as_ref()
     }
 
-    /// Whether a plane was asked for.
+    /// Whether a plane is selected.
     pub fn contains(&self, plane: PlaneIndex) -> bool {
         self.planes.as_ref().is_none_or(|planes| planes.contains(&plane))
     }
 
-    /// The next plane along the guide that was asked for; `None` behind the last.
+    /// The next selected plane along the guide; `None` after the last.
     pub fn next_after(&self, plane: PlaneIndex) -> Option<PlaneIndex> {
         match &self.planes {
             None => plane.0.checked_add(1).map(PlaneIndex),
@@ -42,7 +42,7 @@ impl PlaneSelection {
         }
     }
 
-    /// The plane before along the guide that was asked for; `None` before the first.
+    /// The previous selected plane along the guide; `None` before the first.
     pub fn previous_before(&self, plane: PlaneIndex) -> Option<PlaneIndex> {
         match &self.planes {
             None => plane.0.checked_sub(1).map(PlaneIndex),
@@ -50,8 +50,8 @@ impl PlaneSelection {
         }
     }
 
-    /// How many planes of the family it is from a plane to its neighbour on either side, before and
-    /// behind. Beyond the first and the last one it is as far as on their other side.
+    /// Steps of the family from a plane to its selected neighbours, before and after it. The first
+    /// and the last plane have the step of their other side.
     pub(crate) fn steps(&self, plane: PlaneIndex) -> (f64, f64) {
         let steps = |other: PlaneIndex| plane.0.abs_diff(other.0) as f64;
         let before = self.previous_before(plane).map(steps);
@@ -59,15 +59,15 @@ impl PlaneSelection {
         (before.or(behind).unwrap_or(1.0), behind.or(before).unwrap_or(1.0))
     }
 
-    /// Adds a plane to those that were asked for.
+    /// Adds a plane to the selected ones.
     pub(crate) fn insert(&mut self, plane: PlaneIndex) {
         if let Some(planes) = &mut self.planes {
             planes.insert(plane);
         }
     }
 
-    /// The selected planes that a place between the planes of the family lies between, such as 2.5: two,
-    /// or none beyond the first and the last.
+    /// The two selected planes around a place between plane `below` and the next one; empty beyond
+    /// the first and the last.
     pub(crate) fn around(&self, below: PlaneIndex) -> Vec<PlaneIndex> {
         let low = if self.contains(below) { Some(below) } else { self.previous_before(below) };
         match (low, self.next_after(below)) {

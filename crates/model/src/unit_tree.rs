@@ -1,10 +1,10 @@
-//! Curve units in an R-tree: the box and the distance that a spatial index asks for.
+//! Curve units in an R-tree: the box and the distance that a spatial index needs.
 
 use rstar::{AABB, PointDistance, RTreeObject};
 use std::ops::Deref;
 use transect_geometry::{CurveUnit, Point2};
 
-/// Something that has a curve unit, as an entry of a spatial index (`rstar::RTree`).
+/// An entry of a spatial index (`rstar::RTree`) that has a curve unit.
 #[derive(Debug, Clone, Copy)]
 pub struct InTree<T>(pub T);
 

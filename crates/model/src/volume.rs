@@ -1,24 +1,28 @@
-//! Volume between section planes, with a bound on what the interval leaves open (dissertation, 3.7).
+//! Volume between section planes, with a bound of the error that the interval causes (dissertation,
+//! 3.7).
 //!
 //! Problem: the area of a solid is known on planes an interval `h` apart; what is its volume?
 //!
-//! Idea: between two planes that were asked for the area changes evenly (trapezoids). The solid begins and ends
-//! within the interval before and behind a run of planes, where its area is taken to be 0. With one interval
-//! everywhere that is `V = h · Σ A_k`; where refinement inserted planes every gap has its own interval.
+//! Idea: between two selected planes the area is taken to change linearly (trapezoids). The solid
+//! begins and ends within the interval before and after a run of planes, where its area is taken to
+//! be 0. With one interval everywhere that is `V = h · Σ A_k`; where refinement inserted planes
+//! every gap has its own interval.
 //!
-//! **Bound.** If between neighbouring planes (and from the last one to the end of the solid) the area
-//! only grows or only shrinks, each gap's volume lies between `h` times its smaller and `h` times its larger area, and
-//! `V` takes the middle. The error is then at most `Σ h / 2 · |A_k+1 − A_k|`, ends included. Area that
-//! swells and shrinks again within one gap breaks the premise; a smaller interval restores it.
+//! **Bound.** Assume that between neighbouring planes, and from the last one to the end of the
+//! solid, the area only grows or only shrinks. Then the volume of each gap lies between `h` times
+//! its smaller and `h` times its larger area, and `V` takes the middle. The error is then at most
+//! `Σ h / 2 · |A_k+1 − A_k|`, ends included. Area that grows and shrinks again within one gap
+//! breaks the assumption; a smaller interval restores it.
 //!
-//! The bound falls in proportion to the interval. The error itself falls faster where the solid is smooth.
-//! Not included: the sampling along curves ([`Section::measures`]) and the noise of their nodes.
+//! The bound falls in proportion to the interval. The error itself falls faster where the solid is
+//! smooth. Not included: the sampling along curves ([`Section::measures`]) and the noise of their
+//! nodes.
 //!
-//! Along a curved guide a slice between two planes is thinner on the inside of the bend: each area counts
-//! with the spacing at its centre of mass, which is exact for slices between planes that turn evenly.
+//! Along a curved guide a slice between two planes is thinner on the inside of the bend. Each area
+//! counts with the spacing at its centre of mass, which is exact along a circular arc (Pappus).
 //!
-//! Planes that were asked for and have no curves, between planes with curves, end a run: nothing tells free space from space that
-//! nobody saw.
+//! Selected planes without curves end a run, because free space there cannot be told from unseen
+//! space.
 
 use crate::{Model, PlaneSelection, Section, SectionMeasures};
 use std::ops::RangeInclusive;
@@ -26,6 +30,7 @@ use transect_geometry::{PlaneFamily, PlaneIndex};
 
 /// The volume of one run of neighbouring planes.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct RunVolume {
     /// The planes of the run.
     pub planes: RangeInclusive<PlaneIndex>,
@@ -33,15 +38,17 @@ pub struct RunVolume {
     /// # Units
     /// The cube of the model's length unit.
     pub volume: f64,
-    /// Most that the volume is off, under the premise that area changes one way between planes.
+    /// Largest error of the volume, if the area only grows or only shrinks between neighbouring
+    /// planes.
     pub error_bound: f64,
-    /// Planes of the run with open curves, whose area is a part of the truth; if there are any,
-    /// neither the volume nor its bound can be relied on.
+    /// Planes of the run with open curves, whose area is incomplete. If there are any, neither the
+    /// volume nor its bound is reliable.
     pub planes_with_open_curves: usize,
 }
 
 /// The volume of a model.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ModelVolume {
     /// Each run of neighbouring planes, in order of station.
     pub runs: Vec<RunVolume>,
@@ -60,18 +67,18 @@ impl ModelVolume {
     }
 }
 
-/// Adds up volume while planes go by in order of station, keeping none of them.
+/// Adds up the volume of planes in order of station, without keeping the planes.
 #[derive(Debug)]
 pub struct VolumeSum {
     planes: PlaneFamily,
     selection: PlaneSelection,
     runs: Vec<RunVolume>,
-    /// The plane that went by last, and its area.
+    /// The plane that was added last, and its area.
     last: Option<(PlaneIndex, f64)>,
 }
 
 impl VolumeSum {
-    /// Nothing yet, of a family of planes and those of them that were asked for.
+    /// An empty sum for a family of planes and the selected ones among them.
     pub fn new(planes: &PlaneFamily, selection: &PlaneSelection) -> Self {
         let (planes, selection) = (planes.clone(), selection.clone());
         Self { planes, selection, runs: Vec::new(), last: None }
@@ -102,8 +109,8 @@ impl VolumeSum {
         self.last = Some((plane, area));
     }
 
-    /// What the section's area counts: along a curved guide planes lie closer where it bends to, and the
-    /// area's centre tells by how much (Pappus).
+    /// The area of a section, scaled along a curved guide by the spacing of the planes at its
+    /// centre.
     fn area(&self, plane: PlaneIndex, section: &Section) -> f64 {
         let Some(guide) = self.planes.guide().curved() else { return section.signed_area() };
         let SectionMeasures { area, centroid, .. } = section.measures();
@@ -111,13 +118,13 @@ impl VolumeSum {
         area * centre.map_or(1.0, |c| guide.stretch(self.planes.station(plane), &c))
     }
 
-    /// The volume of all planes that went by.
+    /// The volume of all planes that were added.
     pub fn finish(mut self) -> ModelVolume {
         self.end_run();
         ModelVolume { runs: self.runs }
     }
 
-    /// Beyond its last plane the solid ends before the next one that was asked for.
+    /// After its last plane the solid ends before the next selected one.
     fn end_run(&mut self) {
         if let (Some(run), Some((plane, area))) = (self.runs.last_mut(), self.last) {
             let interval = self.planes.interval() * self.selection.steps(plane).1;
@@ -128,7 +135,7 @@ impl VolumeSum {
 }
 
 impl Model {
-    /// The volume of the solid; negative where the solid surrounds what was seen, as in a room.
+    /// The volume of the solid; negative where the solid surrounds free space, as in a room.
     pub fn volume(&self) -> ModelVolume {
         let mut sum = VolumeSum::new(self.planes(), self.selection());
         self.sections().for_each(|(plane, section)| sum.add(plane, section));

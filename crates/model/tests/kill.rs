@@ -1,8 +1,8 @@
 //! A process that adds views is killed at random instants; no view is lost, none is there by half.
 //!
-//! This program is both processes: without [`CHILD`] in its environment it starts itself with it, kills
-//! that process, opens the store and compares it with one that was built without interruption. 20 kills,
-//! or as many as `TRANSECT_KILLS` says.
+//! This program is both processes: without [`CHILD`] in its environment it starts itself with it,
+//! kills that process, opens the store and compares it with one that was built without
+//! interruption. 20 kills, or as many as `TRANSECT_KILLS` says.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, clippy::panic, reason = "a test")]
 
@@ -45,7 +45,8 @@ fn entry(view: usize) -> ViewEntry {
     }
 }
 
-/// Six planes, of which neighbouring views share five; hundreds of nodes, so that values span pages.
+/// Six planes, of which neighbouring views share five; hundreds of nodes, so that values span
+/// pages.
 fn curves(view: usize) -> Vec<(PlaneIndex, Vec<Curve>)> {
     let node = |i: usize| Node::at(Point2::new((i * (view + 3) % 97) as f64, i as f64));
     let curve =
@@ -96,7 +97,8 @@ fn uninterrupted(path: &Path) -> (Vec<Vec<u8>>, Duration) {
     (exports, time)
 }
 
-/// Starts the other process, kills it after a while, and returns how many views it said it committed.
+/// Starts the other process, kills it after a while, and returns how many views it said it
+/// committed.
 fn run_and_kill(path: &Path, after: Duration) -> usize {
     let program = std::env::current_exe().unwrap();
     let mut command = Command::new(program);

@@ -10,12 +10,13 @@ use std::sync::Arc;
 use std::time::Duration;
 use transect_device::{ImageSize, Isometry3, Neighbour, PairGeometry, RangeImage, Vector3, View};
 use transect_geometry::{PlaneFamily, StraightGuide};
+use transect_image::RangeNoise;
+use transect_image::smooth::smooth;
 use transect_partial::dissertation::{self, DissertationOptions};
 use transect_partial::one_pass::{
     Effort, Instructions, OnePassOptions, Workspace, contours, partial_model_with,
 };
-use transect_partial::smooth::{Extent, smooth, smooth_with};
-use transect_partial::{BreakRule, RangeNoise, SectionAxes};
+use transect_partial::{BreakRule, SectionAxes};
 use transect_sensors::{AngularScan, ImagingRadar};
 
 const SIZE: usize = 512;
@@ -143,10 +144,6 @@ fn smoothing(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("smoothing");
     group.throughput(Throughput::Elements((SIZE * SIZE) as u64));
     group.bench_function("all pixels", |b| b.iter(|| smooth(&view, &noise, &rule)));
-    let robust = Extent { robust: true, ..Extent::default() };
-    group.bench_function("all pixels, with robust weights", |b| {
-        b.iter(|| smooth_with(&view, &noise, &rule, &robust));
-    });
     group.finish();
 }
 

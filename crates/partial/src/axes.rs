@@ -1,7 +1,7 @@
 //! Levels and plane coordinates as affine functions of sensor coordinates.
 
 use crate::PartialError;
-use transect_device::{LinearForm, Point3, Vector3, View};
+use transect_device::{LinearForm, Point3, SensorPlane, Vector3, View};
 use transect_geometry::{PlaneFamily, PlaneIndex, Point2};
 
 /// Largest number of planes one view may span, 2²².
@@ -79,6 +79,15 @@ impl SectionAxes {
     /// Level of a sensor-frame point, from the base, in intervals.
     pub fn level(&self) -> &LinearForm {
         &self.level
+    }
+
+    /// The plane at a level from the base, in the sensor frame.
+    pub fn sensor_plane(&self, level: i32) -> SensorPlane {
+        // A level's gradient has the length of 1 / interval.
+        SensorPlane {
+            normal: self.level.gradient * self.interval,
+            offset: (f64::from(level) - self.level.constant) * self.interval,
+        }
     }
 
     /// Plane coordinates of a sensor-frame point.

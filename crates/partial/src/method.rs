@@ -3,11 +3,13 @@
 use crate::dissertation::{self, DissertationOptions};
 use crate::one_pass::{self, OnePassOptions};
 use crate::{PartialError, PartialModel};
+use serde::{Deserialize, Serialize};
 use transect_device::View;
 use transect_geometry::PlaneFamily;
 
 /// How a view's curves are found.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Method {
     /// All planes in one sweep over the image: the default, and faster by an order or two.
@@ -23,6 +25,29 @@ impl Default for Method {
 }
 
 /// The partial model of a view.
+///
+/// ```
+/// use std::sync::Arc;
+/// use transect_device::{ImageSize, Isometry3, RangeImage, Vector3, View};
+/// use transect_geometry::{PlaneFamily, StraightGuide};
+/// use transect_partial::{EndReason, Method, partial_model};
+/// use transect_sensors::{Intrinsics, Pinhole};
+///
+/// // A camera looks straight at a wall two units ahead.
+/// let size = ImageSize { rows: 48, cols: 64 };
+/// let camera = Pinhole::new(size, Intrinsics { fx: 120.0, fy: 120.0, cx: 31.5, cy: 23.5 })?;
+/// let image = RangeImage::from_values(size, vec![2.0; size.pixels()])?;
+/// let view = View::new("wall", image, Arc::new(camera), Isometry3::identity(), Some(0.0))?;
+///
+/// // Of horizontal planes 0.1 apart, those at -0.3, -0.2, ... 0.3 cross the image.
+/// let planes = PlaneFamily::new(StraightGuide::along(Vector3::y())?, 0.0, 0.1)?;
+/// let model = partial_model(&view, &planes, &Method::default())?;
+/// assert_eq!(model.planes.len(), 7);
+/// let curve = &model.planes[0].curves[0];
+/// assert_eq!(curve.curve.nodes().len(), 64);
+/// assert_eq!(curve.ends, Some([EndReason::ImageBorder; 2]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// [`PartialError`] if the planes are too dense for the view, or the method is not for its sensor.

@@ -4,19 +4,19 @@
 //! wins**. That is the R-buffer of the dissertation (section 4.5.3): per ray, the smallest range
 //! over all surfaces. Its boundary representation (winged-edge solids, a CSG tree, one projection
 //! of every polygon into the buffer) is replaced by parry3d's shapes and bounding volume hierarchy:
-//! rays look for solids rather than polygons for pixels. Truth is made apart from the rays: the
-//! solids' surfaces are sliced by the section planes and overlaps are united in the plane.
+//! rays search for solids instead of polygons for pixels. The truth does not come from rays: the
+//! section planes slice the solids' surfaces, and overlaps are united in the plane.
 //!
-//! It refuses to know particular sensors, files and the modeler: it casts whatever implements
+//! The crate knows no particular sensor, no files and no modeler. It casts every
 //! [`transect_device::DeviceFrame`], and reads scene descriptions as text.
 //!
-//! * [`Shape`], [`Solid`], [`Scene`], [`Hit`]: what is there, and what a ray meets first;
-//! * [`Noise`]: what a real sensor does to it, reproducibly;
-//! * [`StripeCamera`], [`StripeImages`]: what the camera of a light-stripe sensor sees;
+//! * [`Shape`], [`Solid`], [`Scene`], [`Hit`]: the solids, and the first hit of a ray;
+//! * [`Noise`]: reproducible errors of a real sensor;
+//! * [`StripeCamera`], [`StripeImages`]: the images of a light-stripe sensor's camera;
 //! * [`Mesh`], [`slice_mesh`], [`sections`], [`merge_overlaps`]: truth as oriented curves;
-//! * [`Visibility`]: which part of the truth the views could see;
-//! * [`Description`], [`Station`]: the scene file (TOML), with [`BUNDLED_SCENES`] as examples, whose
-//!   free-form surfaces are made by [`fixtures`].
+//! * [`Visibility`]: the part of the truth that the views could see;
+//! * [`Description`], [`Station`]: the scene file (TOML), with [`BUNDLED_SCENES`] as examples,
+//!   whose free-form surfaces are made by [`fixtures`].
 
 mod cast;
 mod description;
@@ -45,22 +45,22 @@ pub use visibility::Visibility;
 /// The bundled scene description: an indoor scene after section 5.6.1 of the dissertation.
 ///
 /// A room with a table, a chair, a cactus, a lamp and a pillar, seen from its four corners.
-pub const BUNDLED_ROOM: &str = include_str!("../../../fixtures/room.scene.toml");
+pub const BUNDLED_ROOM: &str = include_str!("../fixtures/room.scene.toml");
 
 /// A free-form face ([`fixtures::face_mask`]) on a board, seen by depth cameras in front of it.
-pub const BUNDLED_FACE_MASK: &str = include_str!("../../../fixtures/face_mask.scene.toml");
+pub const BUNDLED_FACE_MASK: &str = include_str!("../fixtures/face_mask.scene.toml");
 
 /// A flange with hub, bore, keyway and chamfers ([`fixtures::flange`]), seen from all around.
-pub const BUNDLED_MACHINED_PART: &str = include_str!("../../../fixtures/machined_part.scene.toml");
+pub const BUNDLED_MACHINED_PART: &str = include_str!("../fixtures/machined_part.scene.toml");
 
 /// A sheet as thin as a few standard deviations of the noise, seen from both sides.
-pub const BUNDLED_THIN_SHEET: &str = include_str!("../../../fixtures/thin_sheet.scene.toml");
+pub const BUNDLED_THIN_SHEET: &str = include_str!("../fixtures/thin_sheet.scene.toml");
 
 /// A straight tunnel ([`fixtures::tunnel`]) with a walkway and pipes, scanned from inside.
-pub const BUNDLED_TUNNEL: &str = include_str!("../../../fixtures/tunnel.scene.toml");
+pub const BUNDLED_TUNNEL: &str = include_str!("../fixtures/tunnel.scene.toml");
 
 /// A tunnel along a bend ([`fixtures::bend_tunnel`]) with a curved guide, scanned from inside.
-pub const BUNDLED_BEND_TUNNEL: &str = include_str!("../../../fixtures/bend_tunnel.scene.toml");
+pub const BUNDLED_BEND_TUNNEL: &str = include_str!("../fixtures/bend_tunnel.scene.toml");
 
 /// All bundled descriptions with their names.
 pub const BUNDLED_SCENES: [(&str, &str); 6] = [

@@ -1,12 +1,12 @@
-//! Triangle meshes as plain data, and what makes one the surface of a solid.
+//! Triangle meshes as plain data, and the check that a mesh bounds a solid.
 
 use transect_geometry::{Isometry3, Point3};
 
 /// A triangle mesh.
 ///
 /// Winding: seen from outside the solid, a face's vertices run counter-clockwise. Coordinates are
-/// in the model's length unit. Nothing is guaranteed; [`Mesh::check_closed`] tells whether it
-/// bounds a solid.
+/// in the model's length unit. The type guarantees nothing; [`Mesh::check_closed`] checks whether
+/// the mesh bounds a solid.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mesh {
     /// Positions.
@@ -15,7 +15,7 @@ pub struct Mesh {
     pub faces: Vec<[u32; 3]>,
 }
 
-/// Why triangles do not make a mesh, or a mesh does not bound a solid.
+/// Why triangles make no mesh, or a mesh bounds no solid.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
@@ -35,7 +35,7 @@ pub enum MeshError {
         face: usize,
         /// The vertex it names.
         index: u32,
-        /// How many there are.
+        /// Number of vertices.
         vertices: usize,
     },
     /// A face names one vertex twice.
@@ -80,9 +80,9 @@ pub enum MeshError {
     /// The planes lie so densely that their sections would not fit into memory.
     #[error("the mesh would cross {planes} section planes; at most {most} are accepted")]
     TooManyPlanes {
-        /// How many planes it crosses.
+        /// Number of planes it crosses.
         planes: f64,
-        /// How many are accepted.
+        /// Largest accepted number.
         most: usize,
     },
 }
@@ -99,7 +99,7 @@ impl Mesh {
     /// Whether the mesh is the closed, outward-wound surface of a solid: every edge belongs to
     /// exactly two faces that run along it in opposite directions.
     ///
-    /// Self-intersections are not looked for.
+    /// Self-intersections are not detected.
     ///
     /// # Errors
     /// [`MeshError`] naming the first vertex, face or edge that is wrong.
@@ -143,7 +143,7 @@ impl Mesh {
 
     /// Volume enclosed by a closed mesh, negative if it is wound inwards.
     ///
-    /// Faces that name missing vertices count nothing.
+    /// Faces that name missing vertices are ignored.
     ///
     /// # Units
     /// The cube of the model's length unit.

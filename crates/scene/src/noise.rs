@@ -1,14 +1,14 @@
-//! What a real sensor does to a clean range, reproducibly.
+//! Reproducible errors of a real sensor.
 //!
 //! A pixel goes through the effects in this order:
 //!
-//! 1. *dropout*: nothing comes back, for no reason, at too oblique a surface, or from one that
+//! 1. *dropout*: the pixel is missing, at random, on a surface that is too oblique, or on one that
 //!    returns too little light;
 //! 2. *mixed pixel*: at a range jump the spot falls on both surfaces, and the range is one between;
 //! 3. *range noise*: a normal error along the ray, `σ = sigma + sigma_growth · range`;
 //! 4. *quantisation*: the stored value `d3` is a whole number of steps.
 //!
-//! The pose error is one of the whole view.
+//! The pose error concerns the whole view.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -19,28 +19,27 @@ use transect_geometry::{Isometry3, Vector3};
 /// Errors of ranges and poses, and missing returns.
 ///
 /// Random numbers come from ChaCha8 with the seed as key, the view's number as stream and the row
-/// as position; every pixel draws as many as any other whether it is hit or not, and mixed pixels
-/// and poses have numbers of their own. A view's noise therefore depends on nothing but (seed, view
-/// number, row, column): neither the order of the views nor what stands in the scene changes it,
-/// and one effect is the same with and without the others.
+/// as position. Every pixel draws the same number of them, with or without a hit; mixed pixels and
+/// poses have their own. A pixel's noise therefore depends only on seed, view number, row and
+/// column. The order of the views and the solids of the scene do not change it, and one effect is
+/// the same with and without the others.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
     /// Standard deviation of a normal error of the range **along the ray**, in the model's length
-    /// unit, whatever the sensor's `d3` is: its part that is the same at every range.
+    /// unit, for any meaning of `d3`: the part that is the same at every range.
     pub sigma: f64,
     /// Growth of that standard deviation per range, where ranges count from the start of the ray:
     /// `sigma + sigma_growth · range`.
     pub sigma_growth: f64,
-    /// Step of the values: `d3` is rounded to a multiple of it, in whatever unit `d3` has; 0 for
-    /// none. Its error spreads by step / √12.
+    /// Step of the values: `d3` is rounded to a multiple of it, in the unit of `d3`; 0 for none.
+    /// The error of rounding has the standard deviation step / √12.
     pub quantum: f64,
-    /// Share of the pixels that return nothing for no reason, 0 to 1.
+    /// Share of the pixels that are missing at random, 0 to 1.
     pub dropout: f64,
     /// Largest angle between ray and surface normal that still returns, in radians; π/2 for all.
     pub max_incidence: f64,
-    /// Returned light from which on a range is certain, as a share of what a white surface returns
-    /// head-on, that is reflectivity · cos(incidence); weaker light gives a range with probability
-    /// light / `full_return`. 0 if any light will do.
+    /// Returned light above which a range is certain, as reflectivity · cos(incidence). Weaker
+    /// light gives a range with probability light / `full_return`. 0 if any light gives a range.
     pub full_return: f64,
     /// Share of the pixels at range jumps whose range is one between the two surfaces, 0 to 1,
     /// evenly spread. Pixels are at a jump if only a surface seen at more than 85° could join them.
@@ -51,7 +50,7 @@ pub struct Noise {
     pub seed: u64,
 }
 
-/// How far the pose that a view states is from the true one.
+/// Errors of the pose that a view states.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PoseNoise {
     /// Standard deviation of the rotation about each of the sensor's axes, in degrees.
@@ -60,12 +59,12 @@ pub struct PoseNoise {
     pub shift: f64,
 }
 
-/// Where a sensor stood, and where it says that it stood.
+/// The true pose of a sensor, and the one that its view states.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NoisyPose {
-    /// What the view states.
+    /// The pose that the view states.
     pub stated_world_from_sensor: Isometry3,
-    /// What the ranges were measured from.
+    /// The pose from which the ranges were measured.
     pub true_world_from_sensor: Isometry3,
 }
 
@@ -100,7 +99,7 @@ impl Noise {
             |sigma: f64| -> Vector3 { Vector3::from_fn(|_, _| sigma * source.sample_normal()) };
         let (turn, shift) = (three(degrees.to_radians()), three(shift));
         let stated = if turn == Vector3::zeros() && shift == Vector3::zeros() {
-            // Not even the last bit of a pose without error changes.
+            // A pose without error stays the same to the last bit.
             *world_from_sensor
         } else {
             world_from_sensor * Isometry3::new(shift, turn)
@@ -113,7 +112,7 @@ impl Noise {
         (self.max_incidence < FRAC_PI_2).then(|| self.max_incidence.cos())
     }
 
-    /// Whether it matters how much light comes back.
+    /// Whether the returned light is needed.
     pub(crate) fn needs_light(&self) -> bool {
         self.full_return > 0.0
     }
@@ -155,7 +154,7 @@ pub(crate) fn source(seed: u64, stream: u64, word: u128) -> ChaCha8Rng {
     source
 }
 
-/// The two kinds of numbers that errors are made of.
+/// The two distributions of random numbers.
 pub(crate) trait Draw {
     /// Evenly from 0 up to, but not including, 1.
     fn sample_uniform(&mut self) -> f64;
@@ -173,7 +172,7 @@ impl Draw for ChaCha8Rng {
     }
 }
 
-/// A row's random numbers; ask once for every column, from the first on.
+/// A row's random numbers, to be drawn once for every column, in order.
 pub(crate) struct RowNoise {
     returns: Option<ChaCha8Rng>,
     mixing: Option<ChaCha8Rng>,
@@ -186,7 +185,7 @@ pub(crate) struct PixelNoise {
     chance: f64,
     /// The range error in standard deviations.
     normal: f64,
-    /// Decides whether the pixel is mixed, 0 to 1, and with what share of the other surface.
+    /// Decides whether the pixel is mixed, 0 to 1, and the share of the other surface.
     mixing: Option<(f64, f64)>,
 }
 
@@ -212,7 +211,7 @@ impl PixelNoise {
         self.chance >= lost
     }
 
-    /// Share of the other surface in a pixel at a range jump; `None` if it sees its own only.
+    /// Share of the other surface in a pixel at a range jump; `None` if the pixel is not mixed.
     pub fn mixture(&self, noise: &Noise) -> Option<f64> {
         self.mixing.and_then(|(chance, share)| (chance < noise.mixed).then_some(share))
     }

@@ -1,4 +1,4 @@
-//! The union of solids: what a ray meets first, and the surface as a mesh and as sections.
+//! The union of solids: the first hit of a ray, and the surface as a mesh and as sections.
 
 use crate::parry::{self, Motion};
 use crate::solid::{LocalRay, Solid, smallest_chord_error};
@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use transect_device::Ray;
 use transect_geometry::{Curve, PlaneFamily, PlaneIndex, Point3, Vector3};
 
-/// Why a scene's surface cannot be given.
+/// Why a scene's surface cannot be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
@@ -19,9 +19,9 @@ pub enum SceneError {
         "a chord error of {chord_error} is not possible; it must be positive and at least {smallest}"
     )]
     BadChordError {
-        /// What was asked for.
+        /// The requested chord error.
         chord_error: f64,
-        /// What is possible, in the model's length unit.
+        /// The smallest possible one, in the model's length unit.
         smallest: f64,
     },
     /// The surface does not fit the planes.
@@ -29,23 +29,42 @@ pub enum SceneError {
     Mesh(#[from] MeshError),
 }
 
-/// What a ray meets first.
+/// The first hit of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Hit {
-    /// Which solid, in the order given to [`Scene::new`].
+    /// The solid, by its place in the list given to [`Scene::new`].
     pub solid: usize,
     /// Distance along the ray, in the model's length unit; 0 if the ray starts inside the solid.
     pub distance: f64,
-    /// Where, in the world.
+    /// The hit, in the world.
     pub point_in_world: Point3,
     /// Outward unit normal of the surface there, in the world.
     pub normal_in_world: Vector3,
 }
 
 /// A union of solids, ready for rays.
+///
+/// ```
+/// use transect_device::{Ray, Vector3};
+/// use transect_geometry::{Isometry3, PlaneFamily, PlaneIndex, Point3, StraightGuide};
+/// use transect_scene::{Scene, Shape, Solid};
+///
+/// let ball = Solid::new(Shape::ball(2.0)?, Isometry3::translation(0.0, 0.0, 5.0))?;
+/// let scene = Scene::new(vec![ball]);
+/// let ray = Ray { start: Point3::origin(), direction: Vector3::z() };
+/// let hit = scene.hit(&ray).ok_or("no hit")?;
+/// assert_eq!((hit.solid, hit.distance), (0, 3.0));
+///
+/// let planes = PlaneFamily::new(StraightGuide::along(Vector3::z())?, 5.0, 1.5)?;
+/// let sections = scene.sections(&planes, 1e-3)?;
+/// assert_eq!(sections.len(), 3, "below, through and above the centre");
+/// assert!(sections[&PlaneIndex(0)][0].is_closed());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Scene {
     solids: Vec<Solid>,
-    /// Of each solid, its frame from the world's.
+    /// For each solid, the motion from the world to its frame.
     solid_from_world: Vec<Motion>,
     /// Over the solids' boxes in the world; a leaf is an index into `solids`.
     hierarchy: Bvh,
@@ -57,7 +76,7 @@ impl std::fmt::Debug for Scene {
     }
 }
 
-/// A ray in the world with what box tests need.
+/// A ray in the world, with the reciprocals that box tests need.
 pub(crate) struct WorldRay {
     origin: Vector,
     direction: Vector,
@@ -102,7 +121,7 @@ impl Scene {
         &self.solids
     }
 
-    /// What a ray, given in the world, meets first; `None` if nothing.
+    /// The first hit of a ray in the world; `None` if it meets no solid.
     ///
     /// Where two solids touch, either may be named.
     pub fn hit(&self, ray_in_world: &Ray) -> Option<Hit> {
@@ -133,7 +152,7 @@ impl Scene {
         best.map(|(leaf, distance)| (leaf as usize, distance))
     }
 
-    /// Whether a ray meets a solid before it has gone some way.
+    /// Whether a ray meets a solid within a distance.
     pub(crate) fn blocks(&self, ray: &WorldRay, way: f64) -> bool {
         let met = self.hierarchy.find_best(
             way,
@@ -198,8 +217,8 @@ impl Scene {
     }
 }
 
-/// A box around a solid in the world, a little loose: the rounding of a ray into the solid's frame
-/// must not decide whether the solid is looked at.
+/// A box around a solid in the world, slightly enlarged: the rounding of a ray into the solid's
+/// frame must not decide whether the solid is tested.
 fn world_bounds(solid: &Solid) -> Aabb {
     const LOOSE: f64 = 1e-9;
     let world_from_solid = Motion::new(solid.world_from_solid());

@@ -4,7 +4,8 @@ use transect_device::{
     DeviceFrame, DevicePoint, Handedness, ImageSize, Pixel, Point3, Ray, SensorPlane, Vector3,
 };
 
-/// A laser that turns about the y axis and a camera beside it, both carried along y from row to row.
+/// A laser that turns about the y axis and a camera beside it, both carried along y from row to
+/// row.
 ///
 /// The laser is at `(0, y, 0)`, its column's angle θ is counted from z towards x; the camera is at
 /// `(base_line, y, 0)` and measures the slope of its line of sight: `d3 = 4 + (x - base_line) / z`,

@@ -1,4 +1,4 @@
-//! What a set of views can see of a surface: the part of the truth that a model can be asked for.
+//! The part of a surface that a set of views can see. A model can only be compared with this part.
 
 use crate::{Mesh, MeshError, parry};
 use parry3d_f64::query::{Ray, RayCast};
@@ -6,19 +6,21 @@ use parry3d_f64::shape::{TriMesh, TriMeshFlags};
 use transect_device::{Pixel, View};
 use transect_geometry::Point3;
 
-/// Surface seen more obliquely than this is not counted as seen: its samples lie six times as far
-/// apart as those of surface seen head-on.
+/// Largest angle of incidence, in degrees, at which a surface counts as seen. Chosen by hand: at
+/// this angle samples lie six times as far apart as head-on. It cannot be doubled; at 90 every
+/// surface counts as seen, however oblique.
 const MAX_INCIDENCE_DEG: f64 = 80.0;
 
-/// How far before the point a ray may hit and still have reached it, as a share of its length.
+/// Tolerance of a free path at its end, relative to its length. Chosen by hand: above rounding,
+/// below any thickness. Doubling it changes nothing visible.
 const REACHED: f64 = 1e-3;
 
-/// Tells which points of a surface some view sees.
+/// Finds the points of a surface that some view sees.
 ///
-/// A point is seen if it projects into a view's image, the nearest pixel there is not missing, and
-/// nothing lies between it and the start of that pixel's ray, nor between it and the pixel's second
-/// viewpoint if it has one. Views whose device frame has no
-/// inverse mapping see nothing: nobody knows where they look between their points.
+/// A point is seen if it projects into a view's image, the nearest pixel is not missing, and the
+/// paths to the start of that pixel's ray and to its second viewpoint, if any, are free. A view
+/// whose device frame has no inverse mapping sees no point, because its rays between the pixels are
+/// unknown.
 pub struct Visibility {
     surface: TriMesh,
     views: Vec<View>,
@@ -32,7 +34,7 @@ impl std::fmt::Debug for Visibility {
 }
 
 impl Visibility {
-    /// What the views see of a surface in the world.
+    /// The visibility of a surface in the world.
     ///
     /// # Errors
     /// [`MeshError`] if the surface is no usable mesh.

@@ -20,7 +20,7 @@
 //! volume's extremes are looked for at the corners, inside the field and along all four angular
 //! edges, since the eleven planes of section 4.2.4 miss planes.
 
-use crate::{SensorError, require};
+use crate::error::{SensorError, require};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use transect_device::{
     DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, Neighbour, PairGeometry, Pixel,
@@ -74,6 +74,19 @@ impl SinCos {
 }
 
 /// The device frame of an imaging radar; see the module's page.
+///
+/// ```
+/// use transect_device::{DeviceFrame, ImageSize, Pixel, Point3};
+/// use transect_sensors::{AngularScan, ImagingRadar};
+///
+/// // Once round in steps of 1°, from 30° above the horizon downwards.
+/// let (theta, phi) = (AngularScan::from_degrees(0.0, 1.0), AngularScan::from_degrees(30.0, -1.0));
+/// let radar = ImagingRadar::new(ImageSize { rows: 61, cols: 360 }, theta, phi)?;
+/// assert!(radar.columns_wrap());
+/// let p = radar.point(Pixel::new(30, 90), 5.0).ok_or("no point")?;
+/// assert!((p - Point3::new(0.0, 5.0, 0.0)).norm() < 1e-12, "level, along y");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct ImagingRadar {
     size: ImageSize,

@@ -1,9 +1,9 @@
-//! Programs of the documentation: compiled and run by `cargo test --doc`, and part of nothing else.
+//! Programs of the documentation, compiled and run by `cargo test --doc`.
 
-/// The sensor that is added step by step.
-#[doc = include_str!("../../../docs/add-a-sensor.md")]
+/// A sensor, added step by step.
+#[doc = include_str!("../docs/add-a-sensor.md")]
 struct AddASensor;
 
 /// The program on the first page.
-#[doc = include_str!("../../../README.md")]
+#[doc = include_str!("../README.md")]
 struct Readme;

@@ -1,12 +1,12 @@
-//! What tells a view from another one that goes by the same name.
+//! A hash that tells two views of the same name apart.
 
-use std::fmt::Write;
 use transect_device::{Pixel, View};
 
-/// A hash of what a view saw: its size, the points of all pixels in the sensor's frame, where their rays
-/// begin, and the noise it was given. Neither its pose nor the names of files are in it.
+/// A hash of the image size, the points of all pixels in the sensor's frame, the starts of their
+/// rays, and the given noise. The pose and the names of files are not part of it.
 ///
-/// 64 bits find accidents such as an image that was taken anew under its old name, not attacks.
+/// 64 bits find accidents, such as an image that was taken again under its old name. They do not
+/// stop attacks.
 pub(crate) fn fingerprint(view: &View) -> String {
     let (size, frame) = (view.image().size(), view.frame());
     let mut hash = mix(mix(SEED, size.rows as u64), size.cols as u64);
@@ -29,28 +29,10 @@ pub(crate) fn fingerprint(view: &View) -> String {
 
 const SEED: u64 = 0xcbf2_9ce4_8422_2325;
 
-/// One to one in the hash so far, so that a change of a single number is always found.
+/// The step is invertible in the hash so far, so a change of a single number is always found.
 fn mix(hash: u64, word: u64) -> u64 {
     const ODD: u64 = 0x9e37_79b9_7f4a_7c15;
     (hash ^ word).wrapping_mul(ODD).rotate_left(29)
-}
-
-/// The kind of a view's sensor: the name of its device frame's type.
-pub(crate) fn sensor_kind(view: &View) -> String {
-    let mut kind = Kind(String::new());
-    // It stops with an error where the name ends, before the numbers are written, which may be many.
-    let _ = write!(kind, "{:?}", view.frame());
-    kind.0
-}
-
-struct Kind(String);
-
-impl Write for Kind {
-    fn write_str(&mut self, text: &str) -> std::fmt::Result {
-        let end = text.find(|c: char| !(c.is_alphanumeric() || c == '_'));
-        self.0.push_str(text.get(..end.unwrap_or(text.len())).unwrap_or_default());
-        if end.is_some() { Err(std::fmt::Error) } else { Ok(()) }
-    }
 }
 
 #[cfg(test)]
@@ -81,6 +63,6 @@ mod tests {
 
     #[test]
     fn a_sensor_is_called_by_its_kind() {
-        assert_eq!(sensor_kind(&view(5.0, 1.0, None)), "Pinhole");
+        assert_eq!(view(5.0, 1.0, None).frame().kind(), "Pinhole");
     }
 }

@@ -1,64 +1,30 @@
 //! The modeler that grows a model store view by view (dissertation, 2.5.2 and 5.2).
 //!
-//! Problem: weeks of scanning cannot be reconstructed anew for every view that comes, is moved or
-//! turns out wrong; and whatever was scanned before a crash must be there after it.
+//! Problem: weeks of scanning cannot be reconstructed anew for every view that is added, moved or
+//! removed. Every view that was added before a crash must be there after it.
 //!
 //! Idea: the store keeps every view's own curves, plane by plane. The fused curves of a plane are a
-//! pure function of those, the same as in [`reconstruct`](crate::reconstruct). So a view that comes
-//! or goes touches its own planes and no others, and the result is that of one run over the views
-//! that are there, byte for byte, whatever came and went before.
+//! pure function of those, the same as in [`reconstruct`](crate::reconstruct). So a view that is
+//! added or removed changes its own planes alone. The result is, byte for byte, that of one run
+//! over the remaining views, in any order of additions and removals.
 //!
 //! 1. A view is loaded and its curves are found; a failure leaves the store as it was.
-//! 2. Its curves go into the store in one transaction.
-//! 3. The planes it touched are fused: in the same transaction if it comes alone, after the last view
-//!    if many come at once. Planes run in parallel.
+//! 2. Its curves are stored in one transaction.
+//! 3. Its planes are fused: in the same transaction for a single view, after the last view if
+//!    several are added at once. Planes run in parallel.
 //!
-//! Views are fused in order of their ids. `consensus` does not depend on that order; `pairwise` does, so with it the
-//! result is that of one run over the views in that order.
+//! Views are fused in order of their ids. The result of `consensus` does not depend on that order.
+//! The result of `pairwise` is that of one run over the views in that order.
 //!
-//! Departures from the dissertation: it merges a view into the model and forgets it (5.2).
-//!
-//! ```
-//! use std::sync::Arc;
-//! use transect::{Grower, Setup, Unwatched};
-//! use transect_device::{DeviceFrame, ImageSize, Isometry3, Pixel, RangeImage, SensorPlane, Vector3, View};
-//! use transect_geometry::{LengthUnit, PlaneFamily, Point3, StraightGuide};
-//! use transect_model::Location;
-//! use transect_model::store::{SpaceQuery, Store};
-//! use transect_sensors::{Intrinsics, Pinhole};
-//!
-//! // A camera over a floor that it looks at under 45°, and the same camera half a metre to the side.
-//! let size = ImageSize { rows: 48, cols: 64 };
-//! let camera = Arc::new(Pinhole::new(size, Intrinsics { fx: 60.0, fy: 60.0, cx: 31.5, cy: 23.5 })?);
-//! let floor = SensorPlane { normal: Vector3::new(0.0, 1.0, 1.0).normalize(), offset: 1.0 };
-//! let pixels = (0..48).flat_map(|row| (0..64).map(move |col| Pixel::new(row, col)));
-//! let depths = pixels.map(|p| camera.plane_value(p, &floor).unwrap_or(f64::NAN) as f32).collect();
-//! let image = RangeImage::from_values(size, depths)?;
-//! let views = [("first", 0.0), ("second", 0.5)].map(|(name, x)| {
-//!     View::new(name, image.clone(), camera.clone(), Isometry3::translation(x, 0.0, 0.0), Some(0.0))
-//! });
-//! let [first, second] = views;
-//!
-//! let planes = PlaneFamily::new(StraightGuide::along(Vector3::x())?, 0.0, 0.1)?;
-//! let setup = Setup::new(LengthUnit::Metre, planes);
-//! let folder = tempfile::tempdir()?;
-//! let store = Store::create(folder.path().join("floor.transect"), &setup.store_header())?;
-//! let grower = Grower::new(&store, &setup)?;
-//! grower.add_views(&[first?, second?], &Unwatched)?;
-//! grower.remove_view(&"first".into())?;
-//! assert_eq!(store.views()?.len(), 1);
-//!
-//! // One centimetre below the floor, in the middle of what the second view saw of it.
-//! let below = Point3::new(0.52, 0.0, 2_f64.sqrt()) + floor.normal * 0.01;
-//! let mut query = SpaceQuery::new(store.read()?, SpaceQuery::DEFAULT_CAPACITY);
-//! assert_eq!(query.locate(&below)?.location, Location::Inside);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+//! Departure from the dissertation: there a view is merged into the model and not kept (5.2).
 
+mod error;
 mod fuser;
 
-use crate::fingerprint::{fingerprint, sensor_kind};
-use crate::pipeline::{Extent, ModelledView, load, model_loaded, nothing};
+pub use error::GrowError;
+
+use crate::fingerprint::fingerprint;
+use crate::modelled_view::{ModelledView, TimedView, no_curves};
 use crate::report::{PlaneSummary, Report, Timings, ViewReport};
 use crate::{
     FusionReport, LoadedView, ReconstructError, Setup, Stage, Unwatched, ViewSource, Watch,
@@ -67,106 +33,73 @@ use fuser::Fuser;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
-use transect_geometry::{Guide, PlaneIndex};
-use transect_model::store::{
-    Snapshot, Store, StoreError, StoreHeader, StoredView, ViewEntry, ViewId,
-};
+use transect_geometry::PlaneIndex;
+use transect_model::store::{Snapshot, Store, StoreError, StoredView, ViewEntry, ViewId};
 
-/// Why a store could not grow.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum GrowError {
-    /// A view could not be loaded or modelled, nothing was seen, or the run was cancelled.
-    #[error(transparent)]
-    View(#[from] ReconstructError),
-    /// The store could not be read or written.
-    #[error(transparent)]
-    Store(#[from] StoreError),
-    /// The store was made with another unit, other planes or other options.
-    #[error("the store was made with other settings: {0}")]
-    OtherSettings(String),
-    /// A view of that id is there already, and is another one.
-    #[error(
-        "view {id}: there is one of that name in the store, but with {what}; replace it, or give this one another name"
-    )]
-    OtherView {
-        /// Its id.
-        id: String,
-        /// What is different.
-        what: &'static str,
-    },
-    /// Planes were to be refined.
-    #[error(
-        "planes are not refined in a store, whose planes are the same for every view to come; choose a smaller \
-         interval, or reconstruct without a store"
-    )]
-    Refinement,
-    /// Two of the views that came have one id.
-    #[error("two views go by the name {0}")]
-    SameId(String),
-}
-
-/// What came of adding views.
+/// The result of adding views.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Growth {
-    /// The views that were in the store already.
+    /// Names of views that were in the store already.
     pub present: Vec<String>,
-    /// What happened: its views are those that were added, its fusion is the whole store's. The
-    /// spread, the threshold and what was dropped are those of the planes that were fused.
+    /// The report. Its views are the added ones, its fusion is that of the whole store. Spread,
+    /// threshold and dropped nodes are those of the planes that were fused now.
     pub report: Report,
-    /// Planes that were fused.
+    /// Number of planes that were fused.
     pub fused: usize,
 }
 
-impl Setup {
-    /// What a store that is made with this says about itself.
-    pub fn store_header(&self) -> StoreHeader {
-        StoreHeader {
-            unit: self.unit,
-            planes: self.planes.clone(),
-            options: format!("{:?}; {:?}", self.partial, self.fusion),
-            tool: concat!("transect ", env!("CARGO_PKG_VERSION")).to_owned(),
-        }
-    }
-
-    /// What of a store's settings is not as here; `None` if all is.
-    pub fn difference(&self, header: &StoreHeader) -> Option<String> {
-        let own = self.store_header();
-        let mut different = Vec::new();
-        if header.unit != own.unit {
-            different.push(format!("its unit is {}, not {}", header.unit, own.unit));
-        }
-        if header.planes != own.planes {
-            let (there, here) = (planes_text(header), planes_text(&own));
-            different.push(format!("its planes are {there}, not {here}"));
-        }
-        if header.options != own.options {
-            different.push(format!("its options are {}, not {}", header.options, own.options));
-        }
-        (!different.is_empty()).then(|| different.join("; "))
-    }
-}
-
-fn planes_text(header: &StoreHeader) -> String {
-    let (planes, unit) = (&header.planes, header.unit);
-    let (offset, interval) = (planes.offset(), planes.interval());
-    let along = match planes.guide() {
-        Guide::Straight(guide) => format!("{:?}", <[f64; 3]>::from(guide.direction())),
-        Guide::Curved(guide) => format!("a curved guide of {} {unit}", guide.length()),
-    };
-    format!("every {interval} {unit} from {offset} {unit} along {along}")
-}
-
-/// Adds views to a store, takes them out and replaces them.
+/// Adds views to a store, removes and replaces them.
+///
+/// ```
+/// use std::sync::Arc;
+/// use transect::device::{DeviceFrame, Pixel, SensorPlane};
+/// use transect::geometry::Point3;
+/// use transect::model::Location;
+/// use transect::model::store::{SpaceQuery, Store};
+/// use transect::sensors::{Intrinsics, Pinhole};
+/// use transect::{
+///     Grower, ImageSize, Isometry3, LengthUnit, PlaneFamily, RangeImage, Setup, StraightGuide,
+///     Unwatched, Vector3, View,
+/// };
+///
+/// // A camera sees a floor under 45°, and the same camera half a metre to the side.
+/// let size = ImageSize { rows: 48, cols: 64 };
+/// let camera = Pinhole::new(size, Intrinsics { fx: 60.0, fy: 60.0, cx: 31.5, cy: 23.5 })?;
+/// let floor = SensorPlane { normal: Vector3::new(0.0, 1.0, 1.0).normalize(), offset: 1.0 };
+/// let pixels = (0..48).flat_map(|row| (0..64).map(move |col| Pixel::new(row, col)));
+/// let depth = |p| camera.plane_value(p, &floor).unwrap_or(f64::NAN) as f32;
+/// let image = RangeImage::from_values(size, pixels.map(depth).collect())?;
+/// let camera: Arc<dyn DeviceFrame> = Arc::new(camera);
+/// let view = |name: &str, x: f64| {
+///     let pose = Isometry3::translation(x, 0.0, 0.0);
+///     View::new(name, image.clone(), camera.clone(), pose, Some(0.0))
+/// };
+///
+/// let planes = PlaneFamily::new(StraightGuide::along(Vector3::x())?, 0.0, 0.1)?;
+/// let setup = Setup::new(LengthUnit::Metre, planes);
+/// let folder = tempfile::tempdir()?;
+/// let store = Store::create(folder.path().join("floor.transect"), &setup.store_header())?;
+/// let grower = Grower::new(&store, &setup)?;
+/// grower.add_views(&[view("first", 0.0)?, view("second", 0.5)?], &Unwatched)?;
+/// grower.remove_view(&"first".into())?;
+/// assert_eq!(store.views()?.len(), 1);
+///
+/// // One centimetre below the floor, in the middle of the second view.
+/// let below = Point3::new(0.52, 0.0, 2_f64.sqrt()) + floor.normal * 0.01;
+/// let mut query = SpaceQuery::new(store.read()?, SpaceQuery::DEFAULT_CAPACITY);
+/// assert_eq!(query.locate(&below)?.location, Location::Inside);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Grower<'a> {
     store: &'a Store,
     setup: &'a Setup,
 }
 
-/// A view that was looked at.
+/// A view that was compared with the store.
 enum Looked {
-    /// It is in the store, just as it is.
+    /// The store has the same view.
     Present,
     New(Box<NewView>),
 }
@@ -177,29 +110,28 @@ struct NewView {
     view: ModelledView,
 }
 
-/// What is known of the views that were added.
+/// The views that were added so far.
 #[derive(Default)]
 struct Added {
     present: Vec<String>,
     reports: Vec<ViewReport>,
     ids: Vec<ViewId>,
     notes: Vec<String>,
-    extents: Vec<Extent>,
     reading: Duration,
     modelling: Duration,
 }
 
 impl<'a> Grower<'a> {
-    /// Grows a store with the settings that it was made with.
+    /// A grower for a store that was made with the same settings.
     ///
     /// # Errors
-    /// [`GrowError::OtherSettings`] saying which of them are others, [`GrowError::Refinement`] if planes are
-    /// to be refined.
+    /// [`GrowError::OtherSettings`] with the settings that differ, [`GrowError::Settings`] if they
+    /// cannot be read, [`GrowError::Refinement`] if the setup asks for refinement.
     pub fn new(store: &'a Store, setup: &'a Setup) -> Result<Self, GrowError> {
         if setup.refinement.is_some() {
             return Err(GrowError::Refinement);
         }
-        match setup.difference(store.read()?.header()) {
+        match setup.difference(store.read()?.header())? {
             Some(difference) => Err(GrowError::OtherSettings(difference)),
             None => Ok(Self { store, setup }),
         }
@@ -208,7 +140,7 @@ impl<'a> Grower<'a> {
     /// Adds one view and fuses the planes it touches, in one transaction.
     ///
     /// # Errors
-    /// [`GrowError`]; the store is as it was then.
+    /// [`GrowError`]; the store is then unchanged.
     pub fn add_view<S: ViewSource>(&self, source: &S) -> Result<Option<StoredView>, GrowError> {
         let Looked::New(new) = self.look_at(source)? else { return Ok(None) };
         let mut transaction = self.store.begin_view(new.entry)?;
@@ -216,12 +148,12 @@ impl<'a> Grower<'a> {
         Ok(Some(transaction.commit()?))
     }
 
-    /// Adds many views, each in one transaction, and fuses the planes they touched in a last one. Views
-    /// that are in the store already are left alone, so that an interrupted run can be run again.
+    /// Adds many views, each in one transaction, and fuses their planes in a last transaction.
+    /// Views that are in the store already are skipped, so an interrupted run can be repeated.
     ///
     /// # Errors
-    /// [`GrowError`] naming the first view in the order given that fails. Those before it are in the
-    /// store then, and nothing of it or of those behind it.
+    /// [`GrowError`] with the first view, in the given order, that fails. The views before it are
+    /// then in the store; that view and the later ones are not.
     pub fn add_views<S: ViewSource>(
         &self,
         sources: &[S],
@@ -235,7 +167,7 @@ impl<'a> Grower<'a> {
             Err(stop @ (GrowError::View(ReconstructError::Cancelled) | GrowError::Store(_))) => {
                 return Err(stop);
             }
-            // A view that failed: those before it are in the store and deserve their planes.
+            // A view failed. The views before it are in the store, so their planes are fused.
             done => done,
         };
         let fuser = self.fuse_pending_with(Fuser::new(self.setup, watch))?;
@@ -245,7 +177,7 @@ impl<'a> Grower<'a> {
         self.growth(added, fuser, timings)
     }
 
-    /// Fuses the planes that an interrupted run left; returns how many they were.
+    /// Fuses the planes that an interrupted run left; returns their number.
     ///
     /// # Errors
     /// If the store cannot be read or written.
@@ -253,39 +185,39 @@ impl<'a> Grower<'a> {
         Ok(self.fuse_pending_with(Fuser::new(self.setup, watch))?.summaries().len())
     }
 
-    /// The planes whose curves in the store are not those that fusing again would give, such as after a
+    /// The planes whose stored curves differ from the result of fusing again, for example after a
     /// change of the program.
     ///
     /// # Errors
-    /// If the store cannot be read, or planes still wait for being fused.
+    /// If the store cannot be read, or planes are still to be fused.
     pub fn stale_planes(&self) -> Result<Vec<PlaneIndex>, GrowError> {
         Ok(self.store.read()?.stale_planes(&Fuser::new(self.setup, &Unwatched))?)
     }
 
-    /// Takes a view out; the store is then as if it had never been there.
+    /// Removes a view. The store is then as if the view had never been added.
     ///
     /// # Errors
-    /// If there is no such view, or the store cannot be read or written; it is as it was then.
+    /// If there is no such view, or the store cannot be read or written; it is then unchanged.
     pub fn remove_view(&self, id: &ViewId) -> Result<StoredView, GrowError> {
         Ok(self.store.remove_view(id, &Fuser::new(self.setup, &Unwatched))?)
     }
 
-    /// Puts a view in another one's place; the store is then as if the other had never been there.
+    /// Replaces a view. The store is then as if the old view had never been added.
     ///
     /// # Errors
-    /// If there is no such view, or the new one fails or goes by the name of a third; the store is as it was then.
+    /// If there is no such view, the new view fails, or its id is that of a third view; the store
+    /// is then unchanged.
     pub fn replace_view<S: ViewSource>(
         &self,
         id: &ViewId,
         source: &S,
     ) -> Result<StoredView, GrowError> {
-        let (loaded, reading) = load(source)?;
-        let NewView { entry, view } = self.model(source, loaded, reading)?;
+        let NewView { entry, view } = self.model(source, TimedView::load(source)?)?;
         let fuser = Fuser::new(self.setup, &Unwatched);
         Ok(self.store.replace_view(id, entry, view.planes, &fuser)?)
     }
 
-    /// Puts views into the store, as many at a time as there are threads, and leaves fusing to later.
+    /// Stores views, as many at a time as there are threads, without fusing their planes.
     fn take_in<S: ViewSource>(
         &self,
         sources: &[S],
@@ -310,39 +242,34 @@ impl<'a> Grower<'a> {
     }
 
     fn look_at<S: ViewSource>(&self, source: &S) -> Result<Looked, GrowError> {
-        let (loaded, reading) = load(source)?;
+        let timed = TimedView::load(source)?;
         if let Some(there) = self.store.read()?.view(&source.id().into())? {
-            return match difference(&there.entry, &loaded) {
+            return match difference(&there.entry, &timed.loaded) {
                 None => Ok(Looked::Present),
                 Some(what) => Err(GrowError::OtherView { id: source.id().to_owned(), what }),
             };
         }
-        Ok(Looked::New(Box::new(self.model(source, loaded, reading)?)))
+        Ok(Looked::New(Box::new(self.model(source, timed)?)))
     }
 
-    fn model<S: ViewSource>(
-        &self,
-        source: &S,
-        loaded: LoadedView,
-        reading: Duration,
-    ) -> Result<NewView, GrowError> {
+    fn model<S: ViewSource>(&self, source: &S, timed: TimedView) -> Result<NewView, GrowError> {
+        let loaded = &timed.loaded;
         let entry = ViewEntry {
             id: source.id().into(),
             name: source.name().to_owned(),
-            sensor: sensor_kind(&loaded.view),
+            sensor: loaded.view.frame().kind().to_owned(),
             source: source.origin(),
             source_hash: fingerprint(&loaded.view),
             world_from_sensor: *loaded.view.world_from_sensor(),
             sigma: loaded.view.sigma(),
         };
-        let view = model_loaded(source.name(), loaded, reading, self.setup)?;
+        let view = timed.model(source.name(), self.setup)?;
         Ok(NewView { entry, view })
     }
 
     fn put_in(&self, NewView { entry, view }: NewView, added: &mut Added) -> Result<(), GrowError> {
         added.ids.push(entry.id.clone());
-        added.reports.push(view.report());
-        added.extents.push(view.extent());
+        added.reports.push(view.report);
         added.notes.extend(view.notes);
         added.reading += view.reading;
         added.modelling += view.modelling;
@@ -368,8 +295,8 @@ impl<'a> Grower<'a> {
         timings: Timings,
     ) -> Result<Growth, GrowError> {
         let snapshot = self.store.read()?;
-        if snapshot.plane_count()? == 0 && !added.extents.is_empty() {
-            return Err(nothing(added.extents.into_iter(), self.setup).into());
+        if snapshot.plane_count()? == 0 && !added.reports.is_empty() {
+            return Err(no_curves(added.reports.iter(), self.setup).into());
         }
         let Added { present, mut reports, ids, mut notes, .. } = added;
         let several = snapshot.views()?.len() > 1;
@@ -384,7 +311,7 @@ impl<'a> Grower<'a> {
     }
 }
 
-/// What the fusion of all planes came to, whenever each of them was fused.
+/// The fusion report of all planes, including those that were fused earlier.
 fn whole_fusion(snapshot: &Snapshot, fuser: &Fuser<'_>) -> Result<FusionReport, StoreError> {
     let mut summaries = fuser.summaries();
     for entry in snapshot.planes()? {
@@ -396,7 +323,7 @@ fn whole_fusion(snapshot: &Snapshot, fuser: &Fuser<'_>) -> Result<FusionReport, 
     Ok(FusionReport { observations, ..FusionReport::of(&summaries) })
 }
 
-/// What tells a view in the store from one that goes by its name.
+/// The difference between a stored view and a loaded one of the same id.
 fn difference(there: &ViewEntry, here: &LoadedView) -> Option<&'static str> {
     if there.source_hash != fingerprint(&here.view) {
         return Some("another image, sensor or noise");

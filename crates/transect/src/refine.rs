@@ -1,135 +1,47 @@
-//! Refinement: more planes where the surface changes from one to the next.
+//! Refinement: more planes where the surface changes from one plane to the next.
 //!
-//! Problem: an interval that keeps the details of a surface everywhere makes far more planes than most of
-//! the surface needs. "When the object surface changes greatly, surface details can be preserved by
-//! decreasing the interval of the planes" (dissertation, 2.3.6; also 2.4.1), which leaves open where.
+//! Problem: an interval that keeps all details of a surface makes more planes than most of the
+//! surface needs. "When the object surface changes greatly, surface details can be preserved by
+//! decreasing the interval of the planes" (dissertation, 2.3.6; also 2.4.1), which does not say
+//! where.
 //!
-//! Idea: bisection. Where the curves of two neighbouring planes differ by more than a tolerance, the plane in
-//! the middle is asked for too, and so on down to a smallest interval. Planes are fused independent of
-//! each other, so the result on a plane does not depend on which others were asked for.
+//! Idea: bisection. Where the curves of two neighbouring planes differ by more than a tolerance,
+//! the plane in the middle is selected too, and so on down to a smallest interval. Planes are fused
+//! independent of each other, so the result on a plane does not depend on the selection of others.
 //!
-//! 1. The family of planes has the smallest interval, the interval asked for halved so many times. Views are
-//!    modelled once, on all its planes; that costs far less than fusing them.
-//! 2. The planes of the interval asked for are fused, with one beyond what was seen on either side.
+//! 1. The family of planes has the smallest interval: the interval of the setup, halved `levels`
+//!    times. Views are modelled once, on all planes of the family. That costs far less than fusing
+//!    them.
+//! 2. The planes of the setup's interval are fused, and one more on either side of the seen ones.
 //! 3. Every two neighbouring planes are compared (`difference`).
-//! 4. Where they differ and a plane lies between them, the middle one is fused and makes two new pairs;
-//!    steps 3 and 4 are repeated with those. Where none lies between, the report says so.
+//! 4. Where two planes differ, the plane in the middle is fused and makes two new pairs, for which
+//!    steps 3 and 4 are repeated. Pairs at the smallest interval are listed in the report.
 //!
-//! Departures from the dissertation: it chooses one interval for the whole model, by hand.
+//! Departure from the dissertation: there one interval is chosen for the whole model, by hand.
 //!
-//! Cost: modelling on the smallest interval, whose crossings are all kept until the end, fusing the
-//! planes that were asked for, and a comparison in O(n log n) for n nodes of each pair.
+//! Cost: modelling on the smallest interval (all its crossings are kept until the end), fusing the
+//! selected planes, and for each pair with n nodes a comparison in O(n log n).
 //!
-//! Limits: what lies wholly between two planes that agree is not noticed, unless neither of them has any
-//! curve. Where a surface lies across the guide, such as the top of a table, planes are inserted down to the
-//! smallest interval, since its curves come and go however near the planes are. So they are where the
-//! ground that was seen ends.
+//! Limits: a detail that lies wholly between two planes that agree is missed, except where both
+//! planes are empty. Where a surface lies across the guide, such as the top of a table, planes are
+//! inserted down to the smallest interval, because its curves come and go at any interval. The same
+//! happens where the seen ground ends.
 
 mod difference;
 
-use crate::ReconstructError;
-use crate::pipeline::Fused;
+use crate::fused::{Fused, Observed};
+use crate::{ReconstructError, Refinement};
 pub use difference::DifferenceReason;
 use difference::{Difference, difference, worth_a_plane};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
-use transect_geometry::{Curve, GuideError, PlaneFamily, PlaneIndex};
+use transect_geometry::{Curve, PlaneFamily, PlaneIndex};
 
-/// Where planes are inserted between those of the interval asked for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Refinement {
-    tolerance: f64,
-    levels: u32,
-}
-
-/// Why planes cannot be refined so.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum RefinementError {
-    /// The tolerance is zero, negative, NaN or infinite.
-    #[error("the tolerance must be a positive length, got {0}")]
-    BadTolerance(f64),
-    /// The interval cannot be halved that often.
-    #[error("the interval can be halved 1 to {most} times, not {0}", most = Refinement::MOST_LEVELS)]
-    BadLevels(u32),
-    /// The smallest interval is not the interval, halved a few times.
-    #[error(
-        "the smallest interval {least} is not {interval} halved 1 to {most} times: {}, …",
-        [2.0, 4.0, 8.0, 16.0].map(|parts| (interval / parts).to_string()).join(", "),
-        most = Refinement::MOST_LEVELS
-    )]
-    BadLeastInterval {
-        /// What was asked for.
-        least: f64,
-        /// The interval of the planes.
-        interval: f64,
-    },
-}
-
-impl Refinement {
-    /// Most times that an interval may be halved.
-    pub const MOST_LEVELS: u32 = 10;
-
-    /// Times that the interval is halved where nothing is said: down to a sixteenth.
-    pub const DEFAULT_LEVELS: u32 = 4;
-
-    /// Planes where curves differ by more than `tolerance`, in the model's length unit, with the interval halved
-    /// at most `levels` times.
-    ///
-    /// # Errors
-    /// [`RefinementError`] if one of them is not possible.
-    pub fn new(tolerance: f64, levels: u32) -> Result<Self, RefinementError> {
-        if !(tolerance.is_finite() && tolerance > 0.0) {
-            return Err(RefinementError::BadTolerance(tolerance));
-        }
-        if !(1..=Self::MOST_LEVELS).contains(&levels) {
-            return Err(RefinementError::BadLevels(levels));
-        }
-        Ok(Self { tolerance, levels })
-    }
-
-    /// As [`Refinement::new`], down to a smallest interval: `interval` halved a whole number of times.
-    ///
-    /// # Errors
-    /// [`RefinementError`] if the tolerance or the smallest interval is not possible.
-    pub fn down_to(tolerance: f64, interval: f64, least: f64) -> Result<Self, RefinementError> {
-        /// Lengths that were typed or turned into another unit are rounded by more than numbers are.
-        const ROUNDING: f64 = 1e-6;
-        let halved = |levels: &u32| {
-            let exact = interval / f64::from(1_u32 << levels);
-            (exact - least).abs() <= ROUNDING * exact
-        };
-        let bad = RefinementError::BadLeastInterval { least, interval };
-        Self::new(tolerance, (1..=Self::MOST_LEVELS).find(halved).ok_or(bad)?)
-    }
-
-    /// How far curves of neighbouring planes may be from each other, in the model's length unit.
-    pub fn tolerance(&self) -> f64 {
-        self.tolerance
-    }
-
-    /// How often the interval may be halved.
-    pub fn levels(&self) -> u32 {
-        self.levels
-    }
-
-    /// The family with the smallest interval: plane `k` of `planes` is its plane `k · 2^levels`.
-    ///
-    /// # Errors
-    /// [`GuideError`] if the smallest interval is no positive number.
-    pub fn family(&self, planes: &PlaneFamily) -> Result<PlaneFamily, GuideError> {
-        let interval = planes.interval() / self.planes_per_interval() as f64;
-        PlaneFamily::new(planes.guide().clone(), planes.offset(), interval)
-    }
-
-    fn planes_per_interval(&self) -> i64 {
-        1 << self.levels
-    }
-}
-
-/// Where neighbouring planes differ by more than the tolerance, and what was done about it.
+/// Two neighbouring planes that differ by more than the tolerance, and the plane inserted between
+/// them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct RefinedGap {
     /// The plane on its lower side, of the family with the smallest interval.
     pub from: PlaneIndex,
@@ -139,47 +51,46 @@ pub struct RefinedGap {
     pub from_station: f64,
     /// Station of the upper plane.
     pub to_station: f64,
-    /// In which way they differ.
+    /// The kind of difference.
     pub reason: DifferenceReason,
-    /// Largest distance of a curve from the other plane's; `None` if there is nothing to be far from.
+    /// Largest distance of a curve from the other plane's curves; `None` if that plane has none.
     pub distance: Option<f64>,
-    /// Length of curve, of both planes together, that is farther than the tolerance from the other's.
+    /// Length of curve, of both planes together, that is farther than the tolerance from the
+    /// other's.
     pub length: f64,
-    /// The plane that was inserted; `None` where the smallest interval is reached.
+    /// The inserted plane; `None` where the smallest interval is reached.
     pub inserted: Option<PlaneIndex>,
 }
 
-/// What refinement did. Lengths are in the model's length unit.
+/// The result of refinement. Lengths are in the model's length unit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct RefinementReport {
-    /// How far curves of neighbouring planes may be from each other.
+    /// Largest accepted distance between curves of neighbouring planes.
     pub tolerance: f64,
     /// The smallest interval.
     pub least_interval: f64,
-    /// Planes that were asked for in all.
+    /// Number of selected planes.
     pub planes: usize,
-    /// Those of them that were inserted.
+    /// Number of inserted planes among them.
     pub planes_inserted: usize,
-    /// Intervals of the result whose planes still differ by more than the tolerance.
+    /// Pairs of neighbouring planes in the result that still differ by more than the tolerance.
     pub intervals_above_tolerance: usize,
-    /// Every pair of neighbours that differed, in order of station; of those that begin at one plane the widest
-    /// first.
+    /// Every pair of neighbours that differed, in order of station; of pairs that begin at one
+    /// plane the widest first.
     pub gaps: Vec<RefinedGap>,
 }
 
-/// The planes that were asked for.
+/// The selected planes, fused.
 pub(crate) struct Refined {
     pub fused: Vec<Fused>,
     pub selected: BTreeSet<PlaneIndex>,
     pub report: RefinementReport,
 }
 
-/// The curves that each plane of the finest family has from each view.
-pub(crate) type Observed<'a> = BTreeMap<PlaneIndex, Vec<&'a [Curve]>>;
-
 type Pair = (PlaneIndex, PlaneIndex);
 
-/// Fuses the planes that refinement asks for; `fuse` skips those that no view has curves on.
+/// Fuses the planes that refinement selects; `fuse` skips planes without curves.
 pub(crate) fn refine(
     refinement: &Refinement,
     planes: &PlaneFamily,
@@ -205,7 +116,7 @@ pub(crate) fn refine(
     }
     gaps.sort_by_key(|gap| (gap.from, std::cmp::Reverse(gap.to)));
     let report = RefinementReport {
-        tolerance: refinement.tolerance,
+        tolerance: refinement.tolerance(),
         least_interval: planes.interval(),
         planes: selected.len(),
         planes_inserted: selected.len() - coarse,
@@ -230,8 +141,8 @@ fn gap(planes: &PlaneFamily, (from, to): Pair, found: Difference) -> RefinedGap 
 }
 
 impl Refinement {
-    /// Those planes of the interval asked for that lie around what was seen, one on either side included.
-    /// Where nothing was seen for long, there are none.
+    /// The planes of the setup's interval around the seen ones, with one more on either side. Long
+    /// stretches without curves have no planes.
     fn first_planes(&self, planes: &PlaneFamily, observed: &Observed<'_>) -> BTreeSet<PlaneIndex> {
         let step = self.planes_per_interval();
         let around = |k: &PlaneIndex| {
@@ -253,9 +164,9 @@ impl Refinement {
         let curves = |k| fused.get(&k).map_or(&[][..], |found: &Fused| &found.plane.curves);
         let (lower, upper) = (curves(from), curves(to));
         if !(lower.is_empty() && upper.is_empty()) {
-            return difference(lower, upper, self.tolerance);
+            return difference(lower, upper, self.tolerance());
         }
-        // Nothing to compare; but something may have been seen that begins and ends between them.
+        // Both planes are empty, but a surface may begin and end between them.
         let between = observed.range(PlaneIndex(from.0 + 1)..to).flat_map(|(_, views)| views);
         let lengths = between.flat_map(|curves| curves.iter()).filter(|curve| worth_a_plane(curve));
         let length = lengths.map(Curve::length).reduce(f64::max)?;

@@ -1,6 +1,7 @@
-//! What happened in a run.
+//! The report of a run: counts, notes and times.
 
 use crate::RefinementReport;
+use crate::fused::Fused;
 use serde::Serialize;
 use std::time::Duration;
 use transect_fusion::{Agreement, FusedPlane};
@@ -8,31 +9,51 @@ use transect_geometry::Curve;
 
 /// A run's report. Lengths are in the model's length unit.
 #[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
 pub struct Report {
     /// One entry per view, in the order given.
     pub views: Vec<ViewReport>,
-    /// What fusion did.
+    /// Counts and lengths of the fusion.
     pub fusion: FusionReport,
-    /// Where planes were inserted and why; `None` if that was not asked for.
+    /// The inserted planes with the reasons; `None` for runs without refinement.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refinement: Option<RefinementReport>,
-    /// What readers assumed, repaired or ignored.
+    /// Assumptions and repairs of the readers, and parts that they ignored.
     pub notes: Vec<String>,
-    /// Where the time went. Not serialised, so that equal runs make equal reports.
+    /// Times of the stages. Not serialised, so that equal runs make equal reports.
     #[serde(skip)]
     pub timings: Timings,
 }
 
 impl Report {
-    /// What the user should look at: views whose curves contradict those of the others.
+    /// The report of a run. `views` are in the order in which their curves were fused.
+    pub(crate) fn new(
+        mut views: Vec<ViewReport>,
+        mut notes: Vec<String>,
+        fused: &[Fused],
+        timings: Timings,
+    ) -> Self {
+        let mut agreements = vec![Agreement::default(); views.len()];
+        for plane in fused {
+            agreements.iter_mut().zip(&plane.agreement).for_each(|(sum, a)| sum.add(a));
+        }
+        views.iter_mut().zip(&agreements).for_each(|(view, a)| view.set_agreement(a));
+        if views.len() > 1 {
+            notes.extend(views.iter().filter_map(ViewReport::note_if_alone));
+        }
+        let fusion = FusionReport::new(fused.iter().map(|f| &f.plane));
+        Self { views, fusion, refinement: None, notes, timings }
+    }
+
+    /// Warnings for the user: views whose curves contradict those of the others.
     pub fn warnings(&self) -> Vec<String> {
         let contradicted = self.views.iter().filter(|v| v.contradicted);
         let warning = |v: &ViewReport| {
             let total = v.samples_close_to_other_views + v.samples_abreast_of_other_views;
             let share = 100.0 * v.samples_abreast_of_other_views as f64 / total as f64;
             format!(
-                "view {} contradicts the others: {share:.0} % of its overlap with them lies apart; \
-                 is its pose right, and its convention (sensor to world, quaternion not conjugated)?",
+                "view {} contradicts the others: {share:.0} % of its overlap with them lies apart. \
+                 Check its pose and the convention (sensor to world, quaternion not conjugated)",
                 v.name
             )
         };
@@ -40,13 +61,14 @@ impl Report {
     }
 }
 
-/// Whether nothing was counted: counts of curved guides are not written for straight ones.
+/// Counts of curved guides are 0 for straight ones, and then are not written.
 fn is_zero(count: &usize) -> bool {
     *count == 0
 }
 
-/// What became of one view.
+/// The counts of one view.
 #[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
 pub struct ViewReport {
     /// Its name.
     pub name: String,
@@ -54,7 +76,10 @@ pub struct ViewReport {
     pub pixels: usize,
     /// Pixels that are not missing.
     pub valid_pixels: usize,
-    /// Of these, pixels beyond the ends of a curved guide, which are left out.
+    /// Lowest and highest station that its points can have. For a curved guide, the whole guide.
+    #[serde(skip)]
+    pub stations: [f64; 2],
+    /// Valid pixels beyond the ends of a curved guide, which are left out.
     #[serde(skip_serializing_if = "is_zero")]
     pub beyond_guide_ends: usize,
     /// Pixels so far from a curved guide that its planes may cross there, which are left out.
@@ -64,19 +89,20 @@ pub struct ViewReport {
     pub sigma: f64,
     /// Whether the noise was given.
     pub sigma_given: bool,
-    /// Planes it has curves on; with refinement, of those with the smallest interval.
+    /// Number of planes with curves of it; with refinement, among planes of the smallest interval.
     pub planes: usize,
     /// Its curves before fusion.
     pub curves: usize,
-    /// Planes crossing its unbroken pixel pairs: its nodes before fusion, and those that made no curve.
+    /// Crossings of planes with unbroken pixel pairs: its nodes before fusion, and crossings that
+    /// belong to no curve.
     pub crossings: usize,
-    /// Pairs of neighbouring pixels that were taken apart as range jumps.
+    /// Pairs of neighbouring pixels that were separated as range jumps.
     pub range_jumps: usize,
-    /// Samples with another view's curve right beside them.
+    /// Samples that have another view's curve close by.
     pub samples_close_to_other_views: u64,
-    /// Samples with another view's curve of the same direction a little farther off.
+    /// Samples that have another view's curve of the same direction at a larger distance.
     pub samples_abreast_of_other_views: u64,
-    /// Whether the latter outnumber the former.
+    /// Whether the distant samples clearly outnumber the close ones.
     pub contradicted: bool,
 }
 
@@ -87,7 +113,7 @@ impl ViewReport {
         self.contradicted = agreement.is_contradicted();
     }
 
-    /// What to note on a view that shares no ground with any other, of whose pose nothing can be said.
+    /// The note for a view that overlaps no other view: its pose cannot be checked.
     pub(crate) fn note_if_alone(&self) -> Option<String> {
         let alone = self.samples_close_to_other_views + self.samples_abreast_of_other_views == 0;
         alone.then(|| {
@@ -97,8 +123,9 @@ impl ViewReport {
     }
 }
 
-/// What fusion did over all planes.
+/// The fusion of all planes.
 #[derive(Debug, Clone, Default, Serialize)]
+#[non_exhaustive]
 pub struct FusionReport {
     /// Planes with curves.
     pub planes: usize,
@@ -112,9 +139,9 @@ pub struct FusionReport {
     pub nodes: usize,
     /// Length of all curves.
     pub length: f64,
-    /// Nodes of all views that went in.
+    /// Nodes of all views before fusion.
     pub observations: usize,
-    /// Candidate nodes that lay beside a better curve or made none.
+    /// Candidate nodes that were dropped: beside a better curve, or in no curve.
     pub dropped: usize,
     /// Median over the planes of the measured spread between views (standard deviation).
     pub spread: f64,
@@ -145,7 +172,7 @@ impl FusionReport {
     }
 }
 
-/// What a plane adds to the report.
+/// The share of one plane in the report.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct PlaneSummary {
     curves: usize,
@@ -154,7 +181,7 @@ pub(crate) struct PlaneSummary {
     length: f64,
     observations: usize,
     dropped: usize,
-    /// Unknown of a plane that was fused earlier, as is the threshold.
+    /// `None` for a plane that was fused in an earlier run, as the threshold.
     spread: Option<f64>,
     threshold: Option<f64>,
 }
@@ -188,15 +215,16 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// Where the time went.
+/// Times of the stages.
 #[derive(Debug, Clone, Copy, Default)]
+#[non_exhaustive]
 pub struct Timings {
-    /// Reading and modelling all views, by the clock.
+    /// Reading and modelling all views, in elapsed time.
     pub views: Duration,
     /// Reading, summed over the threads.
     pub reading: Duration,
     /// Finding curves, summed over the threads.
     pub modelling: Duration,
-    /// Fusing all planes, by the clock.
+    /// Fusing all planes, in elapsed time.
     pub fusion: Duration,
 }

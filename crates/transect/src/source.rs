@@ -1,21 +1,21 @@
-//! Where views come from.
+//! The sources of views.
 
 use transect_device::View;
 
-/// What can go wrong in somebody else's code.
+/// An error of a source; any type, since sources are foreign code.
 pub type SourceError = Box<dyn std::error::Error + Send + Sync>;
 
-/// A view that waits to be loaded; it is dropped again as soon as its curves are found.
+/// A view that can be loaded. It is dropped as soon as its curves are found.
 pub trait ViewSource: Sync {
-    /// What reports call the view.
+    /// The name of the view in reports.
     fn name(&self) -> &str;
 
-    /// What tells the view from all others in a model store; its name, unless said otherwise.
+    /// The id of the view in a model store, which differs from all others; by default its name.
     fn id(&self) -> &str {
         self.name()
     }
 
-    /// Where the view comes from, for whoever asks a model store later; its name, unless said otherwise.
+    /// The origin of the view, which a model store keeps for information; by default its name.
     fn origin(&self) -> String {
         self.name().to_owned()
     }
@@ -23,11 +23,11 @@ pub trait ViewSource: Sync {
     /// Loads the view.
     ///
     /// # Errors
-    /// Whatever the source finds wrong; it names the file itself.
+    /// The error of the source, which names the file.
     fn load(&self) -> Result<LoadedView, SourceError>;
 }
 
-/// A loaded view with what its reader found odd.
+/// A loaded view with the notes of its reader.
 #[derive(Debug, Clone)]
 pub struct LoadedView {
     /// The view.

@@ -1,6 +1,6 @@
-//! Progress and cancelling, without knowing who watches.
+//! Progress and cancelling of a run.
 
-/// A part of a run whose work is countable.
+/// A part of a run whose steps are counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
     /// Reading views and finding their curves; counted in views.
@@ -9,21 +9,21 @@ pub enum Stage {
     Planes,
 }
 
-/// Who wants to know how far a run is, or to stop it.
+/// Receives the progress of a run, and can stop it.
 ///
 /// Called from several threads.
 pub trait Watch: Sync {
-    /// A stage begins, with this much to do.
+    /// A stage begins, with a number of steps.
     fn begin(&self, stage: Stage, total: usize);
-    /// One more of it is done.
+    /// One more step is done.
     fn step(&self, stage: Stage);
-    /// Whether the run should stop; asked before each view and each plane.
+    /// Whether the run should stop. Called before each view and each plane.
     fn cancelled(&self) -> bool {
         false
     }
 }
 
-/// Watches nothing and never stops.
+/// Ignores the progress and never stops a run.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Unwatched;
 

@@ -1,11 +1,13 @@
-//! A process that grows a store is killed at random instants; no view is lost, none is there by half, and
-//! going on gives what nobody interrupted.
+//! A process that grows a store is killed at random instants; no view is lost, none is there by
+//! half, and going on gives what nobody interrupted.
 //!
-//! This program is both processes: without [`CHILD`] in its environment it starts itself with it, kills
-//! that process, opens the store, verifies it and compares it with one run over the views that are there.
-//! 20 kills, or as many as `TRANSECT_KILLS` says.
+//! This program is both processes: without [`CHILD`] in its environment it starts itself with it,
+//! kills that process, opens the store, verifies it and compares it with one run over the views
+//! that are there. 20 kills, or as many as `TRANSECT_KILLS` says.
 #![allow(clippy::unwrap_used, clippy::print_stdout, clippy::panic, reason = "a test")]
+#![allow(dead_code, reason = "some helpers are for the other tests")]
 
+#[path = "it/objects.rs"]
 mod objects;
 
 use objects::{noisy_views, setup};

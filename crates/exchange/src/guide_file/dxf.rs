@@ -1,10 +1,11 @@
 //! The points of a polyline in a DXF drawing.
 //!
-//! A drawing is a list of pairs of lines: a group code and a value (Autodesk, DXF reference). Only the
-//! section ENTITIES is looked at, and in it only the entities that can be a guide.
+//! A drawing is a list of pairs of lines: a group code and a value (Autodesk, DXF reference). The
+//! reader uses the section ENTITIES, and in it the entities that can be a guide.
 
-use super::{Placed, Problem};
+use super::Placed;
 use crate::Place;
+use crate::error::Problem;
 use transect_geometry::Point3;
 
 /// A group: its code, its value and the line of the value.
@@ -17,8 +18,8 @@ struct Group<'a> {
 
 impl Group<'_> {
     fn number(&self) -> Result<f64, Problem> {
-        let problem = || (Place::Line(self.line), format!("{:?} is no number", self.value));
-        self.value.parse().map_err(|_| problem())
+        let problem = || format!("{:?} is no number", self.value);
+        self.value.parse().map_err(|_| Problem::at(Place::Line(self.line), problem()))
     }
 }
 
@@ -37,16 +38,19 @@ impl Entity<'_> {
 
     /// The point whose coordinates have these codes; a missing third one is 0.
     fn point(&self, [x, y, z]: [i32; 3]) -> Result<Placed, Problem> {
-        let missing = |code| (Place::Line(self.line), format!("{} has no group {code}", self.name));
-        let needed = |code| self.number(code)?.ok_or_else(|| missing(code));
+        let at = Place::Line(self.line);
+        let missing = |code| format!("{} has no group {code}", self.name);
+        let needed =
+            |code| self.number(code)?.ok_or_else(|| Problem::at(at.clone(), missing(code)));
         let z = self.number(z)?.unwrap_or(0.0);
-        Ok((Point3::new(needed(x)?, needed(y)?, z), Place::Line(self.line)))
+        Ok(Placed { point: Point3::new(needed(x)?, needed(y)?, z), at })
     }
 
-    /// Refuses what a guide cannot be.
+    /// Refuses closed, curved and turned entities.
     fn check(&self) -> Result<(), Problem> {
-        let refuse =
-            |what: &str| Err((Place::Line(self.line), format!("the {} {what}", self.name)));
+        let refuse = |what: &str| {
+            Err(Problem::at(Place::Line(self.line), format!("the {} {what}", self.name)))
+        };
         if self.name != "VERTEX" && (self.number(70)?.unwrap_or(0.0) as i64) & 1 == 1 {
             return refuse("is closed; a guide has two ends");
         }
@@ -65,7 +69,7 @@ impl Entity<'_> {
 
 pub(super) fn points(text: &str) -> Result<Vec<Placed>, Problem> {
     if text.starts_with("AutoCAD Binary DXF") {
-        return Err((Place::Whole, "a binary DXF; save it as text".to_owned()));
+        return Err(Problem::damaged("a binary DXF; save it as text"));
     }
     let mut curves: Vec<Vec<Placed>> = Vec::new();
     let mut vertices: Option<Vec<Placed>> = None;
@@ -88,7 +92,8 @@ pub(super) fn points(text: &str) -> Result<Vec<Placed>, Problem> {
             "SEQEND" => curves.extend(vertices.take()),
             "LINE" => {
                 let (start, end) = (entity.point([10, 20, 30])?, entity.point([11, 21, 31])?);
-                match curves.last_mut().filter(|c| c.last().map(|p| p.0) == Some(start.0)) {
+                let joins = |c: &&mut Vec<Placed>| c.last().map(|p| p.point) == Some(start.point);
+                match curves.last_mut().filter(joins) {
                     Some(chain) => chain.push(end),
                     None => curves.push(vec![start, end]),
                 }
@@ -97,16 +102,16 @@ pub(super) fn points(text: &str) -> Result<Vec<Placed>, Problem> {
         }
     }
     if vertices.is_some() {
-        return Err((Place::Whole, "a POLYLINE has no SEQEND: the file is cut off".to_owned()));
+        return Err(Problem::damaged("a POLYLINE has no SEQEND: the file is cut off"));
     }
     if curves.len() == 1 {
         return Ok(curves.pop().unwrap_or_default());
     }
     let problem = format!("{} separate polylines or lines; a guide is one", curves.len());
-    Err((Place::Whole, problem))
+    Err(Problem::damaged(problem))
 }
 
-/// The points of a light polyline, which are as high as its elevation.
+/// The points of a light polyline, at its elevation.
 fn light(entity: &Entity<'_>) -> Result<Vec<Placed>, Problem> {
     let z = entity.number(38)?.unwrap_or(0.0);
     let mut points: Vec<Placed> = Vec::new();
@@ -115,11 +120,12 @@ fn light(entity: &Entity<'_>) -> Result<Vec<Placed>, Problem> {
         match (group.code, points.last_mut()) {
             (10, _) => {
                 let x = group.number()?;
-                points.push((Point3::new(x, f64::NAN, z), Place::Line(group.line)));
+                let point = Point3::new(x, f64::NAN, z);
+                points.push(Placed { point, at: Place::Line(group.line) });
                 open = true;
             }
-            (20, Some(point)) if open => {
-                point.0.y = group.number()?;
+            (20, Some(placed)) if open => {
+                placed.point.y = group.number()?;
                 open = false;
             }
             _ => (),
@@ -136,9 +142,9 @@ fn groups(text: &str) -> Result<Vec<Group<'_>>, Problem> {
             break;
         }
         let code = code.trim().parse();
-        let code =
-            code.map_err(|_| (Place::Line(number), "a group code was expected".to_owned()))?;
-        let cut = || (Place::Line(number), "the file ends within a group".to_owned());
+        let problem = |text: &str| Problem::at(Place::Line(number), text);
+        let code = code.map_err(|_| problem("a group code was expected"))?;
+        let cut = || problem("the file ends within a group");
         let (line, value) = lines.next().ok_or_else(cut)?;
         groups.push(Group { code, value: value.trim(), line });
     }

@@ -1,28 +1,35 @@
 //! The points of a guide curve, from the files in which surveyors keep alignments.
 //!
-//! | file | what is read |
+//! | file | content |
 //! |---|---|
-//! | `.csv`, `.txt` | a point per line: `x,y,z`, also with `;` or spaces between; `#` begins a comment; one header line |
+//! | `.csv`, `.txt` | a point per line: `x,y,z`, also with `;` or spaces; `#` begins a comment; one header line |
 //! | `.geojson`, `.json` | one `LineString`, alone, in a `Feature` or in a `FeatureCollection`; three coordinates each |
-//! | `.dxf` | one `POLYLINE`, one `LWPOLYLINE` (at its elevation), or `LINE`s that follow each other; text, not binary |
+//! | `.dxf` | one `POLYLINE`, one `LWPOLYLINE` (at its elevation), or consecutive `LINE`s; text, not binary |
 //!
-//! Coordinates are in the model's unit and frame; a GeoJSON of longitudes and latitudes is none. Arcs
-//! (bulges), closed polylines and files with several curves are refused: what they mean as a guide is
-//! for their author to say.
+//! Coordinates are in the model's unit and frame, so a GeoJSON of longitudes and latitudes cannot
+//! be used. Arcs (bulges), closed polylines and files with several curves are refused, because it
+//! is unclear which guide they mean.
 
 mod dxf;
 mod geojson;
+#[cfg(test)]
+mod tests;
 
-use crate::error::read_text;
+use crate::error::{Problem, read_text};
 use crate::{Place, ReadError};
 use std::path::Path;
 use transect_geometry::{CurvedGuide, GuideKind, MAX_GUIDE_POINTS, Point3};
 
-/// Largest file that is read, in bytes: a hundred times what the most points take.
-const LARGEST: u64 = 64 << 20;
+/// Largest file that is read, in bytes. Chosen by hand: a hundred times the size of a file with
+/// [`MAX_GUIDE_POINTS`] points. Doubled, a wrong file may take twice the memory before it is
+/// refused.
+const MAX_FILE_SIZE: u64 = 64 << 20;
 
-/// A point and where in the file it is.
-type Placed = (Point3, Place);
+/// A point, and its place in the file.
+struct Placed {
+    point: Point3,
+    at: Place,
+}
 
 /// Reads a guide curve.
 ///
@@ -30,13 +37,12 @@ type Placed = (Point3, Place);
 /// The model's length unit.
 ///
 /// # Errors
-/// [`ReadError`] naming the line where a number is missing or not finite, or a point repeats the one before
-/// it; or saying that the file holds no curve, several, or one that is no guide.
+/// [`ReadError`] naming the line if a number is missing or not finite, or a point repeats the one
+/// before it. Also if the file holds no curve, several curves, or a curve that cannot be a guide.
 pub fn read_guide(path: &Path, kind: GuideKind) -> Result<CurvedGuide, ReadError> {
-    let length = std::fs::metadata(path).map(|m| m.len());
-    let length = length.map_err(|source| ReadError::Io { path: path.to_owned(), source })?;
-    if length > LARGEST {
-        let problem = format!("{length} bytes; a guide has at most {LARGEST}");
+    let length = std::fs::metadata(path).map_err(|e| ReadError::io(path, e))?.len();
+    if length > MAX_FILE_SIZE {
+        let problem = format!("{length} bytes; a guide has at most {MAX_FILE_SIZE}");
         return Err(ReadError::damaged(path, Place::Whole, problem));
     }
     let text = read_text(path)?;
@@ -46,35 +52,30 @@ pub fn read_guide(path: &Path, kind: GuideKind) -> Result<CurvedGuide, ReadError
         Some("geojson" | "json") => geojson::points(&text),
         Some("dxf") => dxf::points(&text),
         _ => {
-            let problem = "the name of a guide ends in .csv, .txt, .geojson, .json or .dxf";
-            return Err(ReadError::damaged(path, Place::Whole, problem));
+            Err(Problem::damaged("the name of a guide ends in .csv, .txt, .geojson, .json or .dxf"))
         }
     };
-    let points = points.and_then(|points| checked(&points));
-    let points = points.map_err(|(at, problem)| ReadError::damaged(path, at, problem))?;
+    let points = points.and_then(|points| checked(&points)).map_err(|p| p.in_file(path))?;
     CurvedGuide::new(kind, points).map_err(|e| ReadError::unusable(path, Place::Whole, "guide", e))
 }
 
-/// What is wrong, and where.
-type Problem = (Place, String);
-
-/// The points, all finite and none twice in a row.
+/// The points, after a check that all are finite and none repeats the one before it.
 fn checked(points: &[Placed]) -> Result<Vec<Point3>, Problem> {
     if points.len() > MAX_GUIDE_POINTS {
         let problem = format!("{} points; a guide has at most {MAX_GUIDE_POINTS}", points.len());
-        return Err((Place::Whole, problem));
+        return Err(Problem::damaged(problem));
     }
     let mut before = None;
-    for (point, at) in points {
+    for Placed { point, at } in points {
         if !point.coords.iter().all(|c| c.is_finite()) {
-            return Err((at.clone(), "a coordinate is not finite".to_owned()));
+            return Err(Problem::at(at.clone(), "a coordinate is not finite"));
         }
         if before == Some(point) {
-            return Err((at.clone(), "the point repeats the one before it".to_owned()));
+            return Err(Problem::at(at.clone(), "the point repeats the one before it"));
         }
         before = Some(point);
     }
-    Ok(points.iter().map(|(point, _)| *point).collect())
+    Ok(points.iter().map(|placed| placed.point).collect())
 }
 
 /// The points of a table.
@@ -86,24 +87,21 @@ fn rows(text: &str) -> Result<Vec<Placed>, Problem> {
         if content.is_empty() {
             continue;
         }
+        let at = Place::Line(number);
         let fields = content.split([',', ';', ' ', '\t']).filter(|field| !field.is_empty());
-        let fields: Vec<&str> = fields.collect();
-        let numbers: Result<Vec<f64>, _> = fields.iter().map(|f| f.parse::<f64>()).collect();
+        let numbers: Result<Vec<f64>, _> = fields.map(str::parse).collect();
         match numbers.as_deref() {
-            Ok(&[x, y, z]) => points.push((Point3::new(x, y, z), Place::Line(number))),
+            Ok(&[x, y, z]) => points.push(Placed { point: Point3::new(x, y, z), at }),
             Ok(other) => {
                 let problem = format!("{} numbers, not the three x, y and z", other.len());
-                return Err((Place::Line(number), problem));
+                return Err(Problem::at(at, problem));
             }
             Err(_) if points.is_empty() && !header => header = true,
             Err(_) => {
                 let problem = format!("{content:?} is not three numbers x, y and z");
-                return Err((Place::Line(number), problem));
+                return Err(Problem::at(at, problem));
             }
         }
     }
     Ok(points)
 }
-
-#[cfg(test)]
-mod tests;

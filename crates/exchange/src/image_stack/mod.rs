@@ -1,8 +1,8 @@
 //! Stacks of a camera's intensity images, one per laser angle: a `.npy` of three dimensions or a
 //! folder of `.png` files.
 //!
-//! Images are read one at a time and handed on, so that a stack may be larger than memory. Sizes are
-//! compared with the camera's and with the file before memory is taken.
+//! Images are read one at a time and handed on, so that a stack may be larger than memory. Sizes
+//! are compared with the camera's and with the file before memory is taken.
 
 mod npy_stack;
 mod png_folder;
@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 use transect_device::ImageSize;
 use transect_sensors::light_stripe::stripe::IntensityImage;
 
-/// A stack whose size is known and whose images wait to be read.
+/// A stack of known size whose images have not been read.
 pub(crate) enum ImageStack {
     Npy(NpyStack),
     Folder(PngFolder),
@@ -32,7 +32,7 @@ pub(crate) struct Located<'a> {
 }
 
 impl ImageStack {
-    /// The stack at a path, of images of a size; `None` if there is something else.
+    /// The stack at a path, of images of the camera's size; `None` if the path is not a stack.
     pub(crate) fn open(
         path: &Path,
         camera: ImageSize,

@@ -1,7 +1,8 @@
 //! A stack in one `.npy` file: images × rows × columns of unsigned 8- or 16-bit counts.
 
 use super::Located;
-use crate::npy::{Header, Problem, Scalar};
+use crate::error::Problem;
+use crate::npy::{Header, Scalar};
 use crate::{Place, ReadError};
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -22,16 +23,13 @@ pub(crate) struct NpyStack {
 impl NpyStack {
     /// The stack in a file; `None` if its array has other than three dimensions.
     pub(super) fn open(path: &Path, camera: ImageSize) -> Result<Option<Self>, ReadError> {
-        let io = |source| ReadError::Io { path: path.to_owned(), source };
+        let io = |e| ReadError::io(path, e);
         let damaged = |problem: String| ReadError::damaged(path, Place::Whole, problem);
         let file = File::open(path).map_err(io)?;
         let length = file.metadata().map_err(io)?.len();
         let mut start = Vec::new();
         file.take(LONGEST_HEADER).read_to_end(&mut start).map_err(io)?;
-        let located = |problem| match problem {
-            Problem::Damaged(text) => damaged(text),
-            Problem::Unsupported(text) => ReadError::unsupported(path, Place::Whole, text),
-        };
+        let located = |problem: Problem| problem.in_file(path);
         let header = Header::parse(&start).map_err(located)?;
         let [steps, rows, cols] = *header.shape else { return Ok(None) };
         if !matches!(header.scalar, Scalar::U8 | Scalar::U16) {
@@ -59,7 +57,7 @@ impl NpyStack {
         &self,
         mut take: impl FnMut(Located<'_>, IntensityImage) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
-        let io = |source| ReadError::Io { path: self.path.clone(), source };
+        let io = |e| ReadError::io(&self.path, e);
         let mut file = File::open(&self.path).map_err(io)?;
         file.seek(SeekFrom::Start(self.header.length as u64)).map_err(io)?;
         // Not more than the file has, because `data_size` has compared them.

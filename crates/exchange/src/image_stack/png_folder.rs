@@ -24,7 +24,7 @@ impl PngFolder {
             notes.push(format!("{others} files that are no .png ignored"));
         }
         let folder = Self { files, size: camera };
-        // Before anything as large as the stack is made: it must be the camera's at all.
+        // The first image is checked before memory for the whole stack is taken.
         if let Some(first) = folder.files.first() {
             folder.image(first)?;
         }
@@ -64,7 +64,7 @@ impl PngFolder {
 /// The `.png` files of a folder in the order of their names, at least one, and how many other
 /// files there are.
 pub(super) fn list(path: &Path) -> Result<(Vec<PathBuf>, usize), ReadError> {
-    let io = |source| ReadError::Io { path: path.to_owned(), source };
+    let io = |e| ReadError::io(path, e);
     let (mut files, mut others) = (Vec::new(), 0);
     for entry in std::fs::read_dir(path).map_err(io)? {
         let file = entry.map_err(io)?.path();

@@ -1,4 +1,4 @@
-//! Writing stacks, for those who simulate or convert them.
+//! Writing stacks, for simulations and conversions.
 
 use std::io::{self, Write};
 use transect_device::ImageSize;
@@ -29,7 +29,7 @@ impl Counts<'_> {
 /// Writes a stack of intensity images as `.npy`, steps × rows × columns of `u1` or `u2`.
 ///
 /// # Errors
-/// What `out` says, or that the number of counts is another.
+/// An error of `out`, or a number of counts that is not steps × rows × columns.
 pub fn write_npy_stack(
     steps: usize,
     size: ImageSize,
@@ -54,7 +54,7 @@ pub fn write_npy_stack(
 /// Writes one intensity image as a grey `.png` of 8 or 16 bits.
 ///
 /// # Errors
-/// What `out` says, or that the number of counts is not rows × columns.
+/// An error of `out`, or a number of counts that is not rows × columns.
 pub fn write_png_image(size: ImageSize, counts: Counts<'_>, out: &mut dyn Write) -> io::Result<()> {
     counts.check(1, size)?;
     let side = |n: usize| u32::try_from(n).map_err(io::Error::other);

@@ -1,4 +1,4 @@
-//! Looking into a JSON object by name, remembering what was asked for.
+//! Reading a JSON object key by key, with a record of the keys that were read.
 
 use super::word::{self, Word};
 use crate::{Place, ReadError};
@@ -6,12 +6,12 @@ use serde_json::{Map, Value};
 use std::cell::RefCell;
 use std::path::Path;
 
-/// One object of a manifest. Errors name the file, the view and the key; keys that nobody asked
-/// for are told by [`Keys::unknown`].
+/// One object of a manifest. Errors name the file, the view and the key. [`Keys::unknown`] lists
+/// the keys that were never read.
 pub(super) struct Keys<'a> {
     path: &'a Path,
     at: Place,
-    /// What stands before a key in messages, such as `planes.`.
+    /// The text before a key in messages, such as `planes.`.
     prefix: &'static str,
     map: &'a Map<String, Value>,
     asked: RefCell<Vec<&'static str>>,
@@ -33,12 +33,12 @@ impl<'a> Keys<'a> {
         }
     }
 
-    /// Accepts keys that say nothing to the reader.
+    /// Accepts keys that the reader ignores.
     pub(super) fn informational(&self, keys: &[&'static str]) {
         self.asked.borrow_mut().extend(keys);
     }
 
-    /// A warning for every key that nobody asked for.
+    /// A note for every key that was not read.
     pub(super) fn unknown(&self) -> Vec<String> {
         let asked = self.asked.borrow();
         let unknown = self.map.keys().filter(|k| !asked.contains(&k.as_str()));
@@ -46,7 +46,7 @@ impl<'a> Keys<'a> {
         unknown.map(|k| format!("{path}{at}: unknown key \"{prefix}{k}\" ignored")).collect()
     }
 
-    /// The value of a key; a JSON null counts as absent.
+    /// The value of a key. A JSON null counts as absent.
     pub(super) fn get(&self, key: &'static str) -> Option<&'a Value> {
         self.asked.borrow_mut().push(key);
         self.map.get(key).filter(|v| !v.is_null())
@@ -61,7 +61,7 @@ impl<'a> Keys<'a> {
         ReadError::damaged(self.path, self.at.clone(), problem)
     }
 
-    /// What a key holds, if it is there, and an error if it is something else.
+    /// The converted value of a key, if the key is there; an error if it cannot be converted.
     fn optional<T>(
         &self,
         key: &'static str,
@@ -91,7 +91,7 @@ impl<'a> Keys<'a> {
         self.word(key)?.ok_or_else(|| self.wrong(key, &wanted()))
     }
 
-    /// An object inside this one; `prefix` is what stands before its keys in messages.
+    /// An object inside this one; `prefix` is the text before its keys in messages.
     pub(super) fn object(
         &self,
         key: &'static str,
@@ -117,12 +117,12 @@ impl<'a> Keys<'a> {
         self.optional(key, "a list", |v| v.as_array().map(Vec::as_slice))
     }
 
-    /// A list of numbers; a null in it stands for a number that is not finite.
+    /// A list of numbers; a null in it means a number that is not finite.
     pub(super) fn number_list(&self, key: &'static str) -> Result<Option<Vec<f64>>, ReadError> {
         self.optional(key, "a list of numbers", all_numbers)
     }
 
-    /// A list of exactly `N` numbers; a null in it stands for a number that is not finite.
+    /// A list of exactly `N` numbers; a null in it means a number that is not finite.
     pub(super) fn numbers<const N: usize>(
         &self,
         key: &'static str,
@@ -131,8 +131,8 @@ impl<'a> Keys<'a> {
         self.optional(key, &format!("a list of {N} numbers"), numbers)
     }
 
-    /// Sixteen numbers for whoever wants to know; anything but a list of numbers is somebody
-    /// else's note and counts as absent.
+    /// Sixteen numbers that modelling does not use. Other values than a list of numbers are notes
+    /// of other programs and count as absent.
     pub(super) fn informational_pose(
         &self,
         key: &'static str,

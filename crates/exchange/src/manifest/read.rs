@@ -1,7 +1,8 @@
-//! From the text of a manifest to what it says.
+//! From the text of a manifest to its content.
 
+use super::entry::{Manifest, ViewEntry};
 use super::keys::Keys;
-use super::{Manifest, SensorEntry, ViewEntry};
+use super::sensor::SensorEntry;
 use crate::{Place, PlanesEntry, ReadError};
 use serde::Deserialize;
 use serde_json::Value;
@@ -9,15 +10,15 @@ use std::path::Path;
 use std::sync::Arc;
 use transect_geometry::{CurvedGuide, LengthUnit};
 
-/// Keys of other programs, at the top and in views, that say nothing to the reader.
-const NOTES_OF_OTHERS: [&str; 7] =
+/// Keys of other programs, at the top and in views. The reader ignores them without a note.
+const FOREIGN_KEYS: [&str; 7] =
     ["scene", "size", "truth", "seed", "comment", "pose_true", "description"];
 
 pub(super) fn manifest(path: &Path, text: &str) -> Result<(Manifest, Vec<String>), ReadError> {
     let value: Value = serde_json::from_str(&without_nan(text))
         .map_err(|source| ReadError::Json { path: path.to_owned(), source })?;
     let keys = Keys::of(path, Place::Whole, "", &value)?;
-    keys.informational(&NOTES_OF_OTHERS);
+    keys.informational(&FOREIGN_KEYS);
     let mut notes = Vec::new();
     let mut views = Vec::new();
     let entries = keys.list("views")?.ok_or_else(|| keys.wrong("views", "a list"))?;
@@ -35,7 +36,7 @@ pub(super) fn manifest(path: &Path, text: &str) -> Result<(Manifest, Vec<String>
         None => folder_name().unwrap_or_default().into_owned(),
     };
     let planes = keys.get("planes").map(|v| planes(path, v, &mut notes)).transpose()?;
-    // Nothing is made of it here, so whatever other programs mean by it is no error.
+    // The reader does not use the size, so any value is accepted.
     let size = value.get("size").and_then(Value::as_f64);
     let manifest = Manifest { name, unit: unit(&keys)?, sigma, planes, size, views };
     notes.splice(0..0, keys.unknown());
@@ -56,7 +57,7 @@ fn planes(path: &Path, value: &Value, notes: &mut Vec<String>) -> Result<PlanesE
     let guide = keys.get("guide").map(|v| CurvedGuide::deserialize(v).map(Arc::new)).transpose();
     let guide = guide.map_err(|e| keys.wrong("guide", &format!("a kind and points: {e}")))?;
     let entry = PlanesEntry {
-        // Along a curve there is no one normal to be given.
+        // Along a curve there is no single normal, so the key is optional.
         normal: match guide {
             Some(_) => keys.numbers("normal")?.unwrap_or([0.0, 0.0, 1.0]),
             None => keys.required_numbers("normal")?,
@@ -78,7 +79,7 @@ fn view(
     let file = value.get("file").and_then(Value::as_str).unwrap_or("no file").to_owned();
     let at = Place::View { number, name: file };
     let keys = Keys::of(path, at, "", value)?;
-    keys.informational(&NOTES_OF_OTHERS);
+    keys.informational(&FOREIGN_KEYS);
     let file = keys.text("file")?.ok_or_else(|| keys.wrong("file", "a file name"))?;
     let depth_scale = keys.number("depth_scale")?;
     if depth_scale.is_some_and(|s| !(s.is_finite() && s > 0.0)) {
@@ -98,14 +99,14 @@ fn view(
 }
 
 /// The text with `NaN`, `Infinity` and `-Infinity` outside strings replaced by nulls of the same
-/// length, so that the pose they stand in can be named instead of a place in the text.
+/// length. The error can then name the view and the key instead of a place in the text.
 fn without_nan(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let (mut rest, mut in_string) = (text, false);
     while let Some(c) = rest.chars().next() {
         let word = ["NaN", "-Infinity", "Infinity"].into_iter().find(|w| rest.starts_with(w));
         let (taken, kept) = match word.filter(|_| !in_string) {
-            // Four letters for three: the one place where columns in messages shift.
+            // "null" is one letter longer than "NaN", so later columns in messages shift by one.
             Some(word) => (word.len(), format!("{:<1$}", "null", word.len())),
             None if in_string && c == '\\' => {
                 let escaped = rest.chars().nth(1).map_or(0, char::len_utf8);

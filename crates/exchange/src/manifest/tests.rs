@@ -1,6 +1,8 @@
 use super::*;
+use crate::PlanesEntry;
 use crate::npy;
 use crate::test_data::with_causes;
+use std::path::PathBuf;
 use transect_device::{Pixel, Point3};
 
 const POSE: &str = "[1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]";
@@ -272,15 +274,7 @@ fn the_true_pose_is_kept_as_information() {
 fn a_written_manifest_reads_back() {
     let identity = crate::row_major(&transect_geometry::Isometry3::identity());
     let far = crate::row_major(&transect_geometry::Isometry3::translation(5.4e6, 1.0, 2.0));
-    let view = |file: &str, sensor| ViewEntry {
-        file: file.to_owned(),
-        sensor,
-        rows: None,
-        cols: None,
-        depth_scale: None,
-        pose: identity,
-        pose_true: None,
-    };
+    let view = |file: &str, sensor| ViewEntry::new(file.to_owned(), sensor, identity);
     let spherical = SensorEntry::Spherical { theta0: -3.0, dtheta: 0.1, phi0: -1.0, dphi: 0.2 };
     let grid = SensorEntry::Grid { viewpoint: [0.0, 0.0, 1.0] };
     let manifest = Manifest {

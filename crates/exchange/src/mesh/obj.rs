@@ -1,16 +1,18 @@
-//! OBJ (Wavefront): the statements `v` and `f`; all others say nothing about a mesh's shape.
+//! OBJ (Wavefront): the statements `v` and `f`. The others do not concern the shape.
 //!
 //! ```text
-//! v x y z                 further numbers (a weight, a colour) are passed over
+//! v x y z                 further numbers (a weight, a colour) are ignored
 //! f 1 2 3 4               corners count from 1, or from the last vertex backwards: -1
-//! f 1/5 2//7 3/5/7        what follows a slash is texture and normal
-//! f 1 2 \                 a line that goes on
+//! f 1/5 2//7 3/5/7        texture and normal after a slash are ignored
+//! f 1 2 \                 a line that continues
 //!   3
 //! ```
 //!
 //! Several objects in one file are read as one mesh. Faces may name vertices that follow.
 
-use super::{MeshFile, TriangleMesh, element, fan, note_dropped};
+use super::element;
+use crate::error::Problem;
+use crate::triangle_mesh::{MeshFile, TriangleMesh, fan, note_dropped};
 use crate::{Place, ReadError};
 use std::borrow::Cow;
 use std::path::Path;
@@ -22,15 +24,12 @@ pub(super) fn mesh(path: &Path, bytes: &[u8]) -> Result<MeshFile, ReadError> {
     let mut lines = text.lines().enumerate();
     while let Some((number, line)) = lines.next() {
         let line = joined(line, &mut lines);
-        reader.statement(number + 1, &line).map_err(|(kind, element_number, problem)| {
-            let place = element(kind, element_number, Some(number + 1));
-            ReadError::damaged(path, place, problem)
-        })?;
+        reader.statement(number + 1, &line).map_err(|p| p.in_file(path))?;
     }
     reader.finish(path)
 }
 
-/// A line with those it goes on in.
+/// A line with its continuation lines.
 fn joined<'a>(line: &'a str, rest: &mut impl Iterator<Item = (usize, &'a str)>) -> Cow<'a, str> {
     if !line.trim_end().ends_with('\\') {
         return Cow::Borrowed(line);
@@ -46,17 +45,22 @@ fn joined<'a>(line: &'a str, rest: &mut impl Iterator<Item = (usize, &'a str)>) 
     Cow::Owned(whole)
 }
 
-/// What kind of element is wrong, which one, and why.
-type Problem = (&'static str, usize, String);
-
 #[derive(Default)]
 struct Reader {
     mesh: TriangleMesh,
     /// Faces so far, of any number of corners.
     faces: usize,
     degenerate: usize,
-    /// The largest vertex a face names, with the face and its line.
-    farthest: Option<(u32, usize, usize)>,
+    /// The corner with the largest index.
+    largest: Option<Corner>,
+}
+
+/// A corner of a face: the vertex it names, the face's number, and its line.
+#[derive(Clone, Copy)]
+struct Corner {
+    vertex: u32,
+    face: usize,
+    line: usize,
 }
 
 impl Reader {
@@ -66,13 +70,15 @@ impl Reader {
         match words.next() {
             Some("v") => {
                 let number = self.mesh.vertices.len();
-                let vertex = vertex(words).map_err(|problem| ("vertex", number, problem))?;
+                let at = || element("vertex", number, Some(line));
+                let vertex = vertex(words).map_err(|text| Problem::at(at(), text))?;
                 self.mesh.vertices.push(vertex);
             }
             Some("f") => {
                 let number = self.faces;
                 let corners = words.map(|word| self.corner(word)).collect::<Result<Vec<u32>, _>>();
-                let corners = corners.map_err(|problem| ("face", number, problem))?;
+                let at = || element("face", number, Some(line));
+                let corners = corners.map_err(|text| Problem::at(at(), text))?;
                 self.face(&corners, line);
             }
             _ => {}
@@ -82,16 +88,16 @@ impl Reader {
 
     fn face(&mut self, corners: &[u32], line: usize) {
         if let Some(&largest) = corners.iter().max()
-            && self.farthest.is_none_or(|(index, ..)| index < largest)
+            && self.largest.is_none_or(|corner| corner.vertex < largest)
         {
-            self.farthest = Some((largest, self.faces, line));
+            self.largest = Some(Corner { vertex: largest, face: self.faces, line });
         }
         self.faces += 1;
         self.degenerate += usize::from(corners.len() < 3);
         self.mesh.faces.extend(fan(corners));
     }
 
-    /// The vertex a corner such as `3/5/7` or `-1` names, counted from 0.
+    /// The index from 0 of the vertex that a corner such as `3/5/7` or `-1` names.
     fn corner(&self, word: &str) -> Result<u32, String> {
         let known = self.mesh.vertices.len();
         let name = word.split('/').next().unwrap_or_default();
@@ -108,8 +114,9 @@ impl Reader {
 
     fn finish(self, path: &Path) -> Result<MeshFile, ReadError> {
         let known = self.mesh.vertices.len();
-        if let Some((index, face, line)) = self.farthest.filter(|f| f.0 as usize >= known) {
-            let index = u64::from(index) + 1;
+        let missing = self.largest.filter(|corner| corner.vertex as usize >= known);
+        if let Some(Corner { vertex, face, line }) = missing {
+            let index = u64::from(vertex) + 1;
             let problem = format!("vertex {index} does not exist; there are {known}");
             return Err(ReadError::damaged(path, element("face", face, Some(line)), problem));
         }

@@ -1,6 +1,7 @@
 use super::*;
 use crate::test_data::write_to_folder;
 use proptest::prelude::*;
+use transect_geometry::Point3;
 
 fn read(name: &str, bytes: &[u8]) -> Result<MeshFile, ReadError> {
     let (_folder, path) = write_to_folder(name, bytes);

@@ -1,8 +1,8 @@
-//! The numbers after a PLY header, read where they lie.
+//! The numbers after a PLY header.
 
 use super::header::{Encoding, Kind, Property, Scalar};
 
-/// Walks through the numbers of a file without copying them.
+/// Reads the numbers of a file one by one, without copying the file.
 pub(super) struct Body<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -18,13 +18,12 @@ impl<'a> Body<'a> {
         self.bytes.len().saturating_sub(self.at)
     }
 
-    /// Whether nothing but white space is left.
+    /// Whether only white space is left.
     pub(super) fn is_spent(&self) -> bool {
         self.rest().iter().all(u8::is_ascii_whitespace)
     }
 
-    /// The line reached, from 1; `None` in binary files. Counted only when asked for, which is
-    /// when something is wrong.
+    /// The current line, from 1; `None` in binary files. It is counted on demand, for messages.
     pub(super) fn line(&self) -> Option<usize> {
         let read = self.bytes.get(..self.at).unwrap_or(self.bytes);
         let count = || 1 + read.iter().filter(|&&b| b == b'\n').count();
@@ -56,7 +55,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// The length of a list that can still be in the file.
+    /// The length of a list, after a check that the file is long enough for it.
     pub(super) fn list_length(&mut self, count: Scalar, item: Scalar) -> Result<usize, String> {
         let announced = self.integer(count)?;
         let each = if self.encoding == Encoding::Ascii { 2 } else { item.size() };
@@ -122,7 +121,8 @@ fn not_a_number(word: &[u8]) -> String {
     format!("{start:?} is not a number here")
 }
 
-/// Digits with an optional sign; faster than going through text, and most of a range grid.
+/// A whole number with an optional sign. Most numbers of a range grid are whole, and this is faster
+/// than `str::parse`.
 fn whole_number(word: &[u8]) -> Option<i64> {
     let (negative, digits) = match word.strip_prefix(b"-") {
         Some(digits) => (true, digits),

@@ -1,6 +1,9 @@
 //! The text at the head of every PLY file.
 
-/// How the numbers after the header are written.
+use crate::Place;
+use crate::error::Problem;
+
+/// The encoding of the numbers after the header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Encoding {
     Ascii,
@@ -8,7 +11,7 @@ pub(super) enum Encoding {
     BigEndian,
 }
 
-/// A number's type, which matters in binary files only.
+/// A number's type. Only binary files depend on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Scalar {
     I8,
@@ -70,7 +73,7 @@ impl Element {
         self.properties.iter().position(|p| p.name == name)
     }
 
-    /// The fewest bytes one of these can take: a digit and a separator per number in text.
+    /// The fewest bytes of one instance. In text, a number takes a digit and a separator.
     pub(super) fn fewest_bytes(&self, encoding: Encoding) -> usize {
         let fewest = |p: &Property| match (encoding, p.kind) {
             (Encoding::Ascii, _) => 2,
@@ -87,16 +90,13 @@ pub(super) struct Header {
     /// Words after `obj_info`.
     infos: Vec<(String, String)>,
     pub(super) notes: Vec<String>,
-    /// Where the numbers begin.
+    /// Length of the header in bytes; the numbers follow.
     pub(super) length: usize,
 }
 
-/// What is wrong, and the line it is on.
-pub(super) type HeaderProblem = (usize, String);
-
 impl Header {
     /// Parses everything up to `end_header`.
-    pub(super) fn parse(bytes: &[u8]) -> Result<Self, HeaderProblem> {
+    pub(super) fn parse(bytes: &[u8]) -> Result<Self, Problem> {
         let mut builder = Builder::default();
         let (mut at, mut line) = (0, 0);
         while let Some(rest) = bytes.get(at..).filter(|r| !r.is_empty()) {
@@ -111,10 +111,10 @@ impl Header {
             if text.trim() == "end_header" {
                 return builder.finish(line, at.min(bytes.len()));
             }
-            builder.line(text.trim()).map_err(|problem| (line, problem))?;
+            builder.line(text.trim()).map_err(|text| problem(line, text))?;
             builder.count_stray(line, text.trim());
         }
-        Err((line.max(1), "truncated: there is no end_header".to_owned()))
+        Err(problem(line.max(1), "truncated: there is no end_header"))
     }
 
     /// A whole number given as `obj_info name number`.
@@ -128,12 +128,17 @@ impl Header {
     }
 }
 
-fn require_magic(text: &str) -> Result<(), HeaderProblem> {
-    if text == "ply" { Ok(()) } else { Err((1, "not a PLY file".to_owned())) }
+fn problem(line: usize, text: impl Into<String>) -> Problem {
+    Problem::at(Place::Line(line), text)
 }
 
-/// Stray lines that are told one by one; the rest is only counted.
-const STRAY_LINES_TOLD: usize = 5;
+fn require_magic(text: &str) -> Result<(), Problem> {
+    if text == "ply" { Ok(()) } else { Err(problem(1, "not a PLY file")) }
+}
+
+/// Unknown header lines that get a note of their own; the rest is only counted. Chosen by hand.
+/// Doubled, a damaged header makes a longer report.
+const STRAY_LINES_NOTED: usize = 5;
 
 #[derive(Default)]
 struct Builder {
@@ -170,20 +175,21 @@ impl Builder {
     fn count_stray(&mut self, line: usize, text: &str) {
         if std::mem::take(&mut self.stray) {
             self.stray_count += 1;
-            if self.stray_count <= STRAY_LINES_TOLD {
+            if self.stray_count <= STRAY_LINES_NOTED {
                 let start: String = text.chars().take(40).collect();
                 self.notes.push(format!("line {line}: unknown header line {start:?} ignored"));
             }
         }
     }
 
-    fn finish(mut self, line: usize, length: usize) -> Result<Header, HeaderProblem> {
-        let encoding = self.encoding.ok_or((line, "the header has no format line".to_owned()))?;
+    fn finish(mut self, line: usize, length: usize) -> Result<Header, Problem> {
+        let missing = || problem(line, "the header has no format line");
+        let encoding = self.encoding.ok_or_else(missing)?;
         if let Some(empty) = self.elements.iter().find(|e| e.properties.is_empty()) {
-            return Err((line, format!("element {} has no properties", empty.name)));
+            return Err(problem(line, format!("element {} has no properties", empty.name)));
         }
-        if self.stray_count > STRAY_LINES_TOLD {
-            let more = self.stray_count - STRAY_LINES_TOLD;
+        if self.stray_count > STRAY_LINES_NOTED {
+            let more = self.stray_count - STRAY_LINES_NOTED;
             self.notes.push(format!("{more} more unknown header lines ignored"));
         }
         let Self { elements, infos, notes, .. } = self;

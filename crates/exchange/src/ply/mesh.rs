@@ -1,8 +1,8 @@
 //! Triangle meshes, for reference surfaces.
 
 use super::{Element, Ply, list};
-use crate::mesh::{fan, note_dropped};
-use crate::{MeshFile, Place, ReadError, TriangleMesh};
+use crate::triangle_mesh::{MeshFile, TriangleMesh, fan, note_dropped};
+use crate::{Place, ReadError};
 use std::path::Path;
 
 /// Reads the elements `vertex` and `face`, of which there must be some.

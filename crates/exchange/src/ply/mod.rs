@@ -1,10 +1,10 @@
 //! Reading PLY files: range grids of structured scans, and triangle meshes.
 //!
 //! Text and binary files of either byte order. The header may hold comments, `obj_info` lines,
-//! blank lines, CRLF line ends and lines nobody knows; the last are told in the notes. Announced
-//! numbers are compared with the length of the file before anything is allocated for them.
+//! blank lines, CRLF line ends and unknown lines, which become notes. Announced numbers are
+//! compared with the length of the file before memory is taken for them.
 //!
-//! PLY has no length unit: coordinates are in whatever unit the caller knows them to be.
+//! PLY has no length unit. The caller must know the unit of the coordinates.
 //! Reference: Greg Turk, *The PLY polygon file format* (1994), and the range scans of the Stanford
 //! 3D Scanning Repository for the element `range_grid`.
 
@@ -24,7 +24,7 @@ use header::{Element, Header, Kind, Scalar};
 use std::path::Path;
 use transect_geometry::Point3;
 
-/// A file with its header understood, and its numbers not yet read.
+/// A file whose header has been read, and whose numbers have not.
 struct Ply<'a> {
     path: &'a Path,
     header: Header,
@@ -33,13 +33,12 @@ struct Ply<'a> {
 
 impl<'a> Ply<'a> {
     fn open(path: &'a Path, bytes: &'a [u8]) -> Result<Self, ReadError> {
-        let header = Header::parse(bytes)
-            .map_err(|(line, problem)| ReadError::damaged(path, Place::Line(line), problem))?;
+        let header = Header::parse(bytes).map_err(|p| p.in_file(path))?;
         let body = Body::new(bytes, header.length, header.encoding);
         Ok(Self { path, header, body })
     }
 
-    /// Refuses an element whose instances cannot all be in the rest of the file.
+    /// Refuses an element with more instances than the rest of the file can hold.
     fn require_room(&self, element: &Element) -> Result<(), ReadError> {
         let fewest = element.fewest_bytes(self.header.encoding).checked_mul(element.count);
         // The last number of a text file needs no separator.
@@ -55,7 +54,7 @@ impl<'a> Ply<'a> {
         Err(ReadError::damaged(self.path, Place::Whole, problem))
     }
 
-    /// Reads all instances of an element with `each`, naming the one that fails.
+    /// Reads all instances of an element with `each`. An error names the instance.
     fn each_instance(
         &mut self,
         element: &Element,
@@ -77,7 +76,7 @@ impl<'a> Ply<'a> {
         })
     }
 
-    /// The properties x, y, z of an element, passing over its others.
+    /// The properties x, y, z of an element. Other properties are skipped.
     fn points(&mut self, element: &Element) -> Result<Vec<Point3>, ReadError> {
         let Some(axes) = axes(element) else {
             let problem = format!("element {} has no scalar properties x, y, z", element.name);
@@ -111,7 +110,7 @@ impl<'a> Ply<'a> {
     }
 }
 
-/// Which axis each property of an element is; `None` unless all three are there.
+/// The axis of each property of an element; `None` unless all three axes are there.
 fn axes(element: &Element) -> Option<Vec<Option<usize>>> {
     let mut axes = vec![None; element.properties.len()];
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
@@ -120,7 +119,7 @@ fn axes(element: &Element) -> Option<Vec<Option<usize>>> {
     Some(axes)
 }
 
-/// The list property of an element that has one of some names, as (position, count, item).
+/// A list property of an element by one of several names, as (position, count, item).
 fn list(element: &Element, names: &[&str]) -> Option<(usize, Scalar, Scalar)> {
     let at = names.iter().find_map(|name| element.position(name))?;
     match element.properties.get(at)?.kind {

@@ -9,12 +9,13 @@ use transect_geometry::Point3;
 
 /// An organised grid of points in the scanner's frame.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct RangeGrid {
     /// Rows and columns.
     pub size: ImageSize,
     /// Row-major, one per cell, NaN where the cell is empty; the file's length unit.
     pub points: Vec<Point3>,
-    /// What the reader passed over or found odd.
+    /// Content that the reader ignored or repaired.
     pub notes: Vec<String>,
 }
 
@@ -22,7 +23,7 @@ pub struct RangeGrid {
 ///
 /// # Errors
 /// [`ReadError`] if the file is no PLY, is truncated, has no grid, or contradicts itself: a cell
-/// that names a vertex which is not there is told by row and column.
+/// that names a missing vertex is named by row and column.
 pub fn read_range_grid(path: &Path) -> Result<RangeGrid, ReadError> {
     range_grid(path, &read_bytes(path)?)
 }
@@ -69,7 +70,7 @@ fn grid_size(ply: &Ply<'_>) -> Result<ImageSize, ReadError> {
     Ok(ImageSize { rows, cols })
 }
 
-/// A cell's vertex; the format has no other way to say "no vertex" than an empty list.
+/// A cell's vertex. In the file, an empty list means "no vertex".
 type Cell = Option<i64>;
 
 fn read_cells(ply: &mut Ply<'_>, grid: &Element) -> Result<Vec<Cell>, ReadError> {
@@ -119,7 +120,7 @@ fn place(
     cells.iter().enumerate().map(point).collect()
 }
 
-/// Vertices that are used by no cell or several, and vertices that are no points.
+/// Notes about vertices in no cell or in several cells, and about vertices that are not finite.
 fn oddities(vertices: &[Point3], cells: &[Cell]) -> Vec<String> {
     let mut uses = vec![0_u8; vertices.len()];
     for index in cells.iter().flatten() {

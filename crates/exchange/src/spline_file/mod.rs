@@ -7,9 +7,10 @@
 //!         { "degree": 3, "knots": [0, 0, 0, 0, 1, 1, 1, 1], "controls": [[0, 0], [1, 0], [2, 1], [2, 2]] } ] } ] } ] }
 //! ```
 //!
-//! Control points are in plane coordinates: `origin + x · x_axis + y · y_axis` in the world. A curve's
-//! pieces follow each other; they meet at its corners. `deviation` is the most that they are apart from the
-//! curve of nodes, which stays the model: see [`transect_geometry::fit_splines`].
+//! Control points are in plane coordinates: `origin + x · x_axis + y · y_axis` in the world. A
+//! curve's pieces follow each other; they meet at its corners. `deviation` is their largest
+//! distance from the curve of nodes, which remains the model: see
+//! [`transect_geometry::fit_splines`].
 
 mod dxf;
 
@@ -84,7 +85,7 @@ impl ModelSplines {
         self.curves().flat_map(|c| &c.pieces).map(|piece| piece.controls().len()).sum()
     }
 
-    /// Most that a spline is apart from its curve, in the model's length unit.
+    /// Largest distance between a spline and its curve, in the model's length unit.
     pub fn deviation(&self) -> f64 {
         self.curves().map(|curve| curve.deviation).fold(0.0, f64::max)
     }
@@ -96,7 +97,7 @@ impl ModelSplines {
     /// Writes `splines.json`, one plane per line.
     ///
     /// # Errors
-    /// What `out` says.
+    /// An error of `out`.
     pub fn write_json(&self, out: &mut dyn Write) -> io::Result<()> {
         let tolerance = serde_json::to_string(&self.tolerance)?;
         write!(out, "{{\"unit\":\"{}\",\"tolerance\":{tolerance},\"planes\":[", self.unit)?;

@@ -1,7 +1,7 @@
 //! The parallel projection that pictures of space share.
 
-use super::OverviewOptions;
-use super::canvas;
+use super::canvas::{self, Margins};
+use super::options::OverviewOptions;
 use super::ruler::{round_down, tidy};
 use std::io::{self, Write};
 use transect_geometry::{
@@ -9,8 +9,8 @@ use transect_geometry::{
     Vector3,
 };
 
-/// Left, top, right and bottom of the room for the drawing, as distances from the picture's edges.
-const MARGINS: (f64, f64, f64, f64) = (40.0, 92.0, 200.0, 60.0);
+/// Free space between the picture's edges and the drawing, in pixels.
+const MARGINS: Margins = Margins { left: 40.0, top: 92.0, right: 200.0, bottom: 60.0 };
 
 /// A parallel projection from the world to the picture.
 pub(super) struct Camera {
@@ -56,7 +56,7 @@ impl Camera {
         let mut camera = Self::looking(planes, centre, options);
         let places = points.map(|p| camera.place(&p)).map(|p| Envelope { min: p, max: p });
         let Some(around) = places.reduce(|a, b| a.merged(&b)) else { return camera };
-        let (left, top, right, bottom) = MARGINS;
+        let Margins { left, top, right, bottom } = MARGINS;
         let (width, height) = (options.width - left - right, options.height - top - bottom);
         let size = around.size();
         let scale = (width / size.x).min(height / size.y);
@@ -69,19 +69,20 @@ impl Camera {
 
     /// Place in the picture, in pixels, y down.
     pub(super) fn place(&self, in_world: &Point3) -> Point2 {
-        // From a point of the model: far from the origin the differences are what is exact.
+        // Relative to a point of the model, because differences stay exact far from the origin.
         let d = in_world - self.centre;
         self.middle + self.scale * Vector2::new(self.right.dot(&d), -self.up.dot(&d))
     }
 
-    /// How near to the viewer a point is; grows towards the viewer.
+    /// The nearness of a point to the viewer; it grows towards the viewer.
     pub(super) fn nearness(&self, in_world: &Point3) -> f64 {
         self.towards.dot(&(in_world - self.centre))
     }
 
-    /// As wide as neighbouring planes leave room for.
+    /// A width that fits between neighbouring planes.
     pub(super) fn line_width(&self, planes: &PlaneFamily) -> f64 {
-        // Along a curved guide the shortest spacing is anywhere; half of the longest is a fair guess.
+        // Along a curved guide the shortest spacing is anywhere; half of the longest is a fair
+        // guess.
         let shown = planes.guide().straight().map_or(0.5, |g| self.up.dot(&g.direction()));
         let spacing = planes.interval() * self.scale * shown;
         (0.3 * spacing).clamp(0.5, 1.8)

@@ -4,6 +4,14 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 use transect_geometry::Point2;
 
+/// Widths of the four sides around a drawing.
+pub(super) struct Margins {
+    pub(super) left: f64,
+    pub(super) top: f64,
+    pub(super) right: f64,
+    pub(super) bottom: f64,
+}
+
 /// The data of a path: whole multiples of a step, each relative to the one before.
 pub(super) struct PathData {
     text: String,
@@ -39,7 +47,7 @@ impl PathData {
             return;
         }
         self.last = (x, y);
-        // A minus sign separates numbers as well as a blank does.
+        // A minus sign separates two numbers, so the blank can be left out.
         let before = if dx < 0 || self.text.ends_with('l') { "" } else { " " };
         let between = if dy < 0 { "" } else { " " };
         let _ = write!(self.text, "{before}{dx}{between}{dy}");
@@ -50,7 +58,7 @@ impl PathData {
         self.text.push('z');
     }
 
-    /// Ends a line; one that never left its start becomes a dot of zero length.
+    /// Ends a line. A line without a second point becomes a dot of zero length.
     pub(super) fn finish(&mut self) {
         if self.text.ends_with('l') {
             self.text.push_str("0 0");
@@ -70,7 +78,7 @@ impl PathData {
         if closed { self.close() } else { self.finish() }
     }
 
-    /// The element, unless there is nothing to draw.
+    /// Writes the element; an empty path writes no element.
     pub(super) fn write(&self, attributes: &str, out: &mut dyn Write) -> io::Result<()> {
         if self.is_empty() {
             return Ok(());
@@ -79,7 +87,7 @@ impl PathData {
     }
 }
 
-/// Text at a place, with `&`, `<`, `>` made harmless.
+/// Text at a place, with `&`, `<`, `>` escaped.
 pub(super) fn text(
     out: &mut dyn Write,
     at: (f64, f64),

@@ -6,6 +6,7 @@
 
 mod camera;
 mod canvas;
+mod options;
 mod overview;
 mod points;
 mod ramp;
@@ -14,7 +15,8 @@ mod ruler;
 mod sheet;
 mod simplify;
 
-pub use overview::{OverviewOptions, write_overview};
+pub use options::OverviewOptions;
+pub use overview::write_overview;
 pub use points::write_points;
 pub use sheet::Sheets;
 

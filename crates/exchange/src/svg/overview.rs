@@ -1,13 +1,14 @@
-//! All planes in space: the picture that shows what a model is of.
+//! All planes in space: an overview of the whole model.
 //!
 //! An axonometric view with the guide upright, drawn from the far plane to the near one. A piece of
-//! curve is drawn strongly where one looks at it from the free side and faintly where one looks
-//! through the solid at it: that hides the far side of an object, and the near walls of a room.
-//! Closed sections are filled, so that each covers what lies behind it.
+//! curve is drawn strongly if the viewer is on its free side, and faintly if the viewer looks
+//! through the solid. This hides the far side of an object, and the near walls of a room. Closed
+//! sections are filled, so that each covers the planes behind it.
 
 use super::camera::Camera;
-use super::canvas::{self, PathData, escaped};
-use super::ramp::{self, Colour};
+use super::canvas::{self, PathData};
+use super::options::OverviewOptions;
+use super::ramp::{self, Colour, Stations};
 use super::regions;
 use super::ruler::tidy;
 use super::simplify::simplified;
@@ -20,65 +21,23 @@ const STEPS: f64 = 20.0;
 /// Vertices that move a line by less than this many pixels are left out.
 const TOLERANCE: f64 = 0.1;
 
-/// From where the model is looked at, and how large the picture is.
-#[derive(Debug, Clone, PartialEq)]
-pub struct OverviewOptions {
-    /// The picture's heading.
-    pub title: String,
-    /// Direction to the viewer around the guide: 0 along the planes' x axis, 90 along y.
-    pub azimuth_deg: f64,
-    /// Height of the viewer above the planes; between 0 and 90.
-    pub elevation_deg: f64,
-    /// Width in pixels.
-    pub width: f64,
-    /// Height in pixels.
-    pub height: f64,
-}
-
-impl Default for OverviewOptions {
-    /// From the front right of the planes' axes and above, 1400 × 1000 pixels.
-    fn default() -> Self {
-        Self {
-            title: "Cross-section model".to_owned(),
-            azimuth_deg: -60.0,
-            elevation_deg: 30.0,
-            width: 1400.0,
-            height: 1000.0,
-        }
-    }
-}
-
 /// Writes the overview of a model.
 ///
 /// # Errors
-/// What `out` says.
+/// An error of `out`.
 pub fn write_overview(
     model: &Model,
     options: &OverviewOptions,
     out: &mut dyn Write,
 ) -> io::Result<()> {
-    write_opening(options, out)?;
+    options.write_opening(out)?;
     let planes = model.planes();
     let camera = Camera::fitting(planes, nodes(model), options);
     write_planes(&drawn_planes(model, &camera), camera.line_width(planes) * STEPS, out)?;
     write_heading(model, options, out)?;
-    let (range, unit) = (station_range(model), model.unit());
-    ramp::write_ramp(range, (unit, planes.interval() * 1e-2), options, out)?;
-    camera.write_axes(unit, options, out)?;
+    ramp::write_ramp(&station_range(model), model.unit(), options, out)?;
+    camera.write_axes(model.unit(), options, out)?;
     writeln!(out, "</svg>")
-}
-
-/// The root element and white paper.
-pub(super) fn write_opening(options: &OverviewOptions, out: &mut dyn Write) -> io::Result<()> {
-    let (width, height) = (options.width, options.height);
-    let title = escaped(&options.title);
-    writeln!(
-        out,
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
-         viewBox=\"0 0 {width} {height}\" font-family=\"Helvetica, Arial, sans-serif\" \
-         font-size=\"16\" fill=\"#222\">\n<title>{title}</title>\n\
-         <rect width=\"{width}\" height=\"{height}\" fill=\"#fff\"/>"
-    )
 }
 
 /// Every node of a model, in the world.
@@ -90,7 +49,7 @@ fn nodes(model: &Model) -> impl Iterator<Item = Point3> + '_ {
     })
 }
 
-/// All that is seen through the solid, then plane after plane; `thick` is in steps.
+/// First the pieces seen through the solid, then plane after plane; `thick` is in steps.
 fn write_planes(planes: &[DrawnPlane], thick: f64, out: &mut dyn Write) -> io::Result<()> {
     writeln!(
         out,
@@ -112,7 +71,7 @@ fn write_planes(planes: &[DrawnPlane], thick: f64, out: &mut dyn Write) -> io::R
     writeln!(out, "</g></g>")
 }
 
-/// What is drawn of one plane.
+/// The paths of one plane.
 struct DrawnPlane {
     colour: Colour,
     /// Solid area.
@@ -135,16 +94,17 @@ fn drawn_planes(model: &Model, camera: &Camera) -> Vec<DrawnPlane> {
             order.sort_by(|(a, _), (b, _)| nearness(*a).total_cmp(&nearness(*b)));
         }
     }
-    let draw = |(index, section)| drawn_plane(model, camera, index, section, range);
+    let draw = |(index, section)| drawn_plane(model, camera, index, section, &range);
     order.into_iter().map(draw).collect()
 }
 
-/// First and last station that has curves.
-fn station_range(model: &Model) -> (f64, f64) {
+/// The stations of the planes with curves.
+fn station_range(model: &Model) -> Stations {
     let station = |(index, _)| model.planes().station(index);
     let first = model.sections().next().map(station);
     let last = model.sections().next_back().map(station);
-    first.zip(last).unwrap_or((0.0, 0.0))
+    let (first, last) = first.zip(last).unwrap_or((0.0, 0.0));
+    Stations { first, last, step: model.planes().interval() * 1e-2 }
 }
 
 fn drawn_plane(
@@ -152,10 +112,10 @@ fn drawn_plane(
     camera: &Camera,
     index: PlaneIndex,
     section: &Section,
-    (first, last): (f64, f64),
+    range: &Stations,
 ) -> DrawnPlane {
     let frame = model.planes().frame(index);
-    let along = (model.planes().station(index) - first) / (last - first);
+    let along = range.share(model.planes().station(index));
     let mut drawn = DrawnPlane {
         colour: Colour::ramp(if along.is_finite() { along } else { 0.0 }),
         area: PathData::new(STEPS),

@@ -1,10 +1,9 @@
-//! Points in space, coloured by station: what a sensor saw before anything is made of it.
+//! Points in space, coloured by station: the samples of a sensor.
 
-use super::OverviewOptions;
 use super::camera::Camera;
 use super::canvas::{self, PathData};
-use super::overview::write_opening;
-use super::ramp::{self, Colour};
+use super::options::OverviewOptions;
+use super::ramp::{self, Colour, Stations};
 use std::io::{self, Write};
 use transect_geometry::{LengthUnit, PlaneFamily, Point3};
 
@@ -16,25 +15,25 @@ const COLOURS: usize = 16;
 const DOT: f64 = 2.4;
 
 /// Writes a picture of points in the world, seen as [`write_overview`](super::write_overview) sees
-/// a model on the same planes; `what` is written under the heading.
+/// a model on the same planes. `caption` is written under the heading; lengths are in `unit`.
 ///
 /// # Errors
-/// What `out` says.
+/// An error of `out`.
 pub fn write_points(
     points: &[Point3],
     planes: &PlaneFamily,
-    (unit, what): (LengthUnit, &str),
+    unit: LengthUnit,
+    caption: &str,
     options: &OverviewOptions,
     out: &mut dyn Write,
 ) -> io::Result<()> {
-    write_opening(options, out)?;
+    options.write_opening(out)?;
     let camera = Camera::fitting(planes, points.iter().copied(), options);
     let range = stations(points, planes);
     let mut paths: Vec<_> = (0..COLOURS).map(|_| PathData::new(STEPS)).collect();
     for point in points {
-        let station = planes.guide().station(point).unwrap_or(range.0);
-        let along = (station - range.0) / (range.1 - range.0);
-        let colour = (along * COLOURS as f64) as usize;
+        let station = planes.guide().station(point).unwrap_or(range.first);
+        let colour = (range.share(station) * COLOURS as f64) as usize;
         if let Some(path) = paths.get_mut(colour.min(COLOURS - 1)) {
             path.polyline([&camera.place(point)], false);
         }
@@ -51,16 +50,17 @@ pub fn write_points(
     }
     writeln!(out, "</g>")?;
     canvas::text(out, (40.0, 46.0), "font-size=\"26\" font-weight=\"bold\"", &options.title)?;
-    canvas::text(out, (40.0, 72.0), "fill=\"#555\"", what)?;
-    ramp::write_ramp(range, (unit, planes.interval() * 1e-2), options, out)?;
+    canvas::text(out, (40.0, 72.0), "fill=\"#555\"", caption)?;
+    ramp::write_ramp(&range, unit, options, out)?;
     camera.write_axes(unit, options, out)?;
     writeln!(out, "</svg>")
 }
 
-/// First and last station of the points.
-fn stations(points: &[Point3], planes: &PlaneFamily) -> (f64, f64) {
+/// The stations of the points.
+fn stations(points: &[Point3], planes: &PlaneFamily) -> Stations {
     let stations = points.iter().filter_map(|p| planes.guide().station(p));
-    let range = stations
+    let (first, last) = stations
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| (low.min(s), high.max(s)));
-    if range.0.is_finite() { range } else { (0.0, 0.0) }
+    let (first, last) = if first.is_finite() { (first, last) } else { (0.0, 0.0) };
+    Stations { first, last, step: planes.interval() * 1e-2 }
 }

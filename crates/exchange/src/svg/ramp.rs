@@ -1,7 +1,7 @@
 //! Colours by station, and their legend.
 
-use super::OverviewOptions;
 use super::canvas;
+use super::options::OverviewOptions;
 use super::ruler::tidy;
 use std::io::{self, Write};
 use transect_geometry::LengthUnit;
@@ -50,10 +50,24 @@ impl std::fmt::Display for Colour {
     }
 }
 
-/// The colours by station, at the right edge; stations are written in multiples of `step`.
+/// The first and the last station of a picture. Labels are rounded to `step`.
+pub(super) struct Stations {
+    pub(super) first: f64,
+    pub(super) last: f64,
+    pub(super) step: f64,
+}
+
+impl Stations {
+    /// The place of a station between the first (0) and the last (1).
+    pub(super) fn share(&self, station: f64) -> f64 {
+        (station - self.first) / (self.last - self.first)
+    }
+}
+
+/// The colours by station, at the right edge.
 pub(super) fn write_ramp(
-    (first, last): (f64, f64),
-    (unit, step): (LengthUnit, f64),
+    stations: &Stations,
+    unit: LengthUnit,
     options: &OverviewOptions,
     out: &mut dyn Write,
 ) -> io::Result<()> {
@@ -69,6 +83,7 @@ pub(super) fn write_ramp(
          fill=\"url(#r)\"/>"
     )?;
     canvas::text(out, (x, top - 16.0), "", &format!("station [{unit}]"))?;
+    let &Stations { first, last, step } = stations;
     let labels = if last > first { 5 } else { 1 };
     for label in 0..labels {
         let at = f64::from(label) / f64::from(labels.max(2) - 1);

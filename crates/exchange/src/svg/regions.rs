@@ -1,10 +1,10 @@
-//! Which closed curves can be filled as solid.
+//! The closed curves that can be filled as solid.
 
 use transect_geometry::{Curve, Point2};
 
-/// Positions of the curves that bound solid area to fill: closed ones around solid, and the holes
-/// inside them. A hole with no solid around it, such as a room seen from inside, is not filled:
-/// its solid has no outer bound that anybody saw.
+/// Positions of the curves that bound solid area to fill: closed curves around solid, and the holes
+/// inside them. A hole without solid around it, such as a room seen from inside, is not filled,
+/// because no view saw the outer bound of its solid.
 pub(super) fn filled(curves: &[&Curve]) -> Vec<usize> {
     let areas: Vec<f64> = curves.iter().map(|c| c.signed_area().unwrap_or(0.0)).collect();
     let solids: Vec<&Curve> =

@@ -3,7 +3,7 @@
 /// The smallest of 1, 2, 5 times a power of ten that is at least `value`.
 pub(super) fn round_up(value: f64) -> f64 {
     let power = 10f64.powf(value.log10().floor());
-    // The division may come out a little above the round number it stands for.
+    // Rounding may put the quotient slightly above the round number.
     let ratio = value / power * (1.0 - 1e-9);
     let step = [1.0, 2.0, 5.0, 10.0].into_iter().find(|&s| ratio <= s).unwrap_or(10.0);
     step * power

@@ -13,10 +13,16 @@ use std::io::{self, Write};
 use transect_geometry::{Curve, Envelope, PlaneIndex, Point2, Vector2};
 use transect_model::{Model, Section};
 
-/// Paper, in millimetres: A3 lying.
-const PAPER: (f64, f64) = (420.0, 297.0);
-/// Left, top, right and bottom of the drawing's window on the paper, in millimetres.
-const WINDOW: (f64, f64, f64, f64) = (26.0, 12.0, 408.0, 256.0);
+/// Width and height of the paper, in millimetres: A3, landscape.
+const PAPER_WIDTH: f64 = 420.0;
+const PAPER_HEIGHT: f64 = 297.0;
+/// The drawing's window on the paper, in millimetres.
+const LEFT: f64 = 26.0;
+const TOP: f64 = 12.0;
+const RIGHT: f64 = 408.0;
+const BOTTOM: f64 = 256.0;
+const WIDTH: f64 = RIGHT - LEFT;
+const HEIGHT: f64 = BOTTOM - TOP;
 /// Least part of the window's sides that stays free around the curves.
 const FREE: f64 = 0.04;
 /// Drawings smaller than this many millimetres are enlarged.
@@ -25,8 +31,9 @@ const SMALLEST: f64 = 60.0;
 const STEPS: f64 = 100.0;
 /// Vertices that move a line by less than this many millimetres are left out: 0.1 px of 96 dpi.
 const TOLERANCE: f64 = 0.026;
-/// Distance and length of the ticks on the solid side, in millimetres.
-const TICKS: (f64, f64) = (3.0, 1.6);
+/// Distance between the ticks on the solid side, and their length, in millimetres.
+const TICK_SPACING: f64 = 3.0;
+const TICK_LENGTH: f64 = 1.6;
 /// Least distance of grid lines on paper, in millimetres.
 const GRID: f64 = 20.0;
 
@@ -49,9 +56,8 @@ impl<'a> Sheets<'a> {
         let nothing = Envelope { min: Point2::origin(), max: Point2::origin() };
         let envelope = model.envelope().unwrap_or(nothing);
         let mm = envelope.size() * (model.unit().in_metres() * 1000.0);
-        let (width, height) = (WINDOW.2 - WINDOW.0, WINDOW.3 - WINDOW.1);
         let free = 1.0 - 2.0 * FREE;
-        let needed = (mm.x / (width * free)).max(mm.y / (height * free));
+        let needed = (mm.x / (WIDTH * free)).max(mm.y / (HEIGHT * free));
         let reduction = match needed {
             n if n > 1.0 => round_up(n),
             n if n > 0.0 && mm.amax() < SMALLEST => round_up(n),
@@ -74,12 +80,13 @@ impl<'a> Sheets<'a> {
         }
     }
 
-    /// Writes the sheet of one plane; a plane without curves gives a sheet that says so.
+    /// Writes the sheet of one plane. A plane without curves gives a sheet with 0 curves in its
+    /// legend.
     ///
     /// # Errors
-    /// What `out` says.
+    /// An error of `out`.
     pub fn write(&self, plane: PlaneIndex, out: &mut dyn Write) -> io::Result<()> {
-        let (width, height) = PAPER;
+        let (width, height) = (PAPER_WIDTH, PAPER_HEIGHT);
         writeln!(
             out,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}mm\" height=\"{height}mm\" \
@@ -109,7 +116,7 @@ impl<'a> Sheets<'a> {
     /// Place on paper, in millimetres.
     fn on_paper(&self, p: &Point2) -> Point2 {
         let d = (p - self.centre) * self.mm_per_unit;
-        Point2::new(0.5 * (WINDOW.0 + WINDOW.2) + d.x, 0.5 * (WINDOW.1 + WINDOW.3) - d.y)
+        Point2::new(0.5 * (LEFT + RIGHT) + d.x, 0.5 * (TOP + BOTTOM) - d.y)
     }
 
     fn write_curves(&self, section: &Section, out: &mut dyn Write) -> io::Result<()> {
@@ -130,12 +137,10 @@ impl<'a> Sheets<'a> {
                 ends.polyline([end], false);
             }
         }
-        let (left, top) = (WINDOW.0, WINDOW.1);
-        let (width, height) = (WINDOW.2 - left, WINDOW.3 - top);
         writeln!(
             out,
-            "<clipPath id=\"w\"><rect x=\"{left}\" y=\"{top}\" width=\"{width}\" \
-             height=\"{height}\"/></clipPath>\n<g clip-path=\"url(#w)\">\
+            "<clipPath id=\"w\"><rect x=\"{LEFT}\" y=\"{TOP}\" width=\"{WIDTH}\" \
+             height=\"{HEIGHT}\"/></clipPath>\n<g clip-path=\"url(#w)\">\
              <g transform=\"scale({})\" stroke-linejoin=\"round\" stroke-linecap=\"round\">",
             1.0 / STEPS
         )?;
@@ -160,27 +165,18 @@ impl<'a> Sheets<'a> {
     }
 
     fn write_grid(&self, out: &mut dyn Write) -> io::Result<()> {
-        let (left, top, right, bottom) = WINDOW;
         let thin = "stroke=\"#e4e4e4\" stroke-width=\"0.15\"";
-        for (label, x) in self.grid_lines(self.centre.x, right - left) {
-            let x = 0.5 * (left + right) + x;
-            canvas::line(out, (x, top), (x, bottom), thin)?;
-            canvas::text(
-                out,
-                (x, bottom + 4.5),
-                "text-anchor=\"middle\" font-size=\"2.8\"",
-                &label,
-            )?;
+        for (label, x) in self.grid_lines(self.centre.x, WIDTH) {
+            let x = 0.5 * (LEFT + RIGHT) + x;
+            canvas::line(out, (x, TOP), (x, BOTTOM), thin)?;
+            let style = "text-anchor=\"middle\" font-size=\"2.8\"";
+            canvas::text(out, (x, BOTTOM + 4.5), style, &label)?;
         }
-        for (label, y) in self.grid_lines(self.centre.y, bottom - top) {
-            let y = 0.5 * (top + bottom) - y;
-            canvas::line(out, (left, y), (right, y), thin)?;
-            canvas::text(
-                out,
-                (left - 1.5, y + 1.0),
-                "text-anchor=\"end\" font-size=\"2.8\"",
-                &label,
-            )?;
+        for (label, y) in self.grid_lines(self.centre.y, HEIGHT) {
+            let y = 0.5 * (TOP + BOTTOM) - y;
+            canvas::line(out, (LEFT, y), (RIGHT, y), thin)?;
+            let style = "text-anchor=\"end\" font-size=\"2.8\"";
+            canvas::text(out, (LEFT - 1.5, y + 1.0), style, &label)?;
         }
         Ok(())
     }
@@ -198,19 +194,17 @@ impl<'a> Sheets<'a> {
     }
 
     fn write_frame(&self, out: &mut dyn Write) -> io::Result<()> {
-        let (left, top, right, bottom) = WINDOW;
-        let (width, height) = (right - left, bottom - top);
         writeln!(
             out,
-            "<rect x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\" fill=\"none\" \
+            "<rect x=\"{LEFT}\" y=\"{TOP}\" width=\"{WIDTH}\" height=\"{HEIGHT}\" fill=\"none\" \
              stroke=\"#222\" stroke-width=\"0.3\"/>"
         )?;
         let unit = self.model.unit();
-        let middle = 0.5 * (top + bottom);
-        let (x, y) = (format!("x [{unit}]"), format!("y [{unit}]"));
+        let (centre, middle) = (0.5 * (LEFT + RIGHT), 0.5 * (TOP + BOTTOM));
         let turned = format!("text-anchor=\"middle\" transform=\"rotate(-90 8 {middle})\"");
-        canvas::text(out, (0.5 * (left + right), bottom + 9.5), "text-anchor=\"middle\"", &x)?;
-        canvas::text(out, (8.0, middle), &turned, &y)
+        let x_label = format!("x [{unit}]");
+        canvas::text(out, (centre, BOTTOM + 9.5), "text-anchor=\"middle\"", &x_label)?;
+        canvas::text(out, (8.0, middle), &turned, &format!("y [{unit}]"))
     }
 
     fn write_legend(
@@ -258,8 +252,7 @@ impl<'a> Sheets<'a> {
 
 /// Short strokes on the left of a line, which is its solid side; paper has y down.
 fn add_ticks(line: &[Point2], closed: bool, ticks: &mut PathData) {
-    let (spacing, length) = TICKS;
-    let mut ahead = 0.5 * spacing;
+    let mut ahead = 0.5 * TICK_SPACING;
     let closing = line.first().filter(|_| closed);
     let ends = line.iter().skip(1).chain(closing);
     for (a, b) in line.iter().zip(ends) {
@@ -267,11 +260,11 @@ fn add_ticks(line: &[Point2], closed: bool, ticks: &mut PathData) {
         let unit_length = d.norm();
         let Some(along) = d.try_normalize(0.0) else { continue };
         // Left of the direction, leaning back by 45° so that ticks do not look like a wall.
-        let tick = (Vector2::new(along.y, -along.x) - along) * (length * 0.5f64.sqrt());
+        let tick = (Vector2::new(along.y, -along.x) - along) * (TICK_LENGTH * 0.5f64.sqrt());
         while ahead <= unit_length {
             let foot = a + along * ahead;
             ticks.polyline([&foot, &(foot + tick)], false);
-            ahead += spacing;
+            ahead += TICK_SPACING;
         }
         ahead -= unit_length;
     }

@@ -1,4 +1,4 @@
-//! Leaving out vertices that do not move a line visibly (Douglas and Peucker, 1973).
+//! Removal of vertices that do not move a line visibly (Douglas and Peucker, 1973).
 
 use transect_geometry::{CurveUnit, Point2};
 

@@ -1,8 +1,11 @@
 //! What can be set, and the switches of the steps beyond the core.
 
+use serde::{Deserialize, Serialize};
+
 /// What can be set. No length is in the user's unit: all follow from measured spreads and
 /// footprints.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 #[non_exhaustive]
 pub struct ConsensusOptions {
     /// Overlap threshold in measured spreads between views. Two curves of the same direction that
@@ -14,6 +17,7 @@ pub struct ConsensusOptions {
     pub shortest_footprints: f64,
     /// Steps to leave out, to measure what they are worth.
     #[doc(hidden)]
+    #[serde(skip)]
     pub steps: Steps,
 }
 

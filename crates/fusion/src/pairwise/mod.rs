@@ -41,11 +41,13 @@ use crate::consensus::{ConsensusOptions, measure};
 use crate::envelopes::UnitIndex;
 use crate::fused_plane::{FusedPlane, FusionCounts};
 use crate::pattern::OverlapTolerance;
+use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 use transect_geometry::{Curve, Point2};
 
 /// What can be set. Without a tolerance no length is in the user's unit.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct PairwiseOptions {
     /// When two curves overlap; `None` takes it from the measured spread between the views.
     pub tolerance: Option<OverlapTolerance>,

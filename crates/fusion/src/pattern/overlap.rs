@@ -24,10 +24,12 @@
 
 use super::matches::{Match, Measured, NodePlaces, find};
 use super::{Parts, Verdict, verdict};
+use serde::{Deserialize, Serialize};
 use transect_geometry::Curve;
 
 /// When two curves count as overlapping. Lengths are in the model's length unit.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct OverlapTolerance {
     distance: f64,
     max_angle_rad: f64,

@@ -1,24 +1,26 @@
-//! A curved guide: stations, perpendicular planes, and how far from it they can be used.
+//! A curved guide: stations, perpendicular planes, and the distance up to which they can be used.
 //!
-//! Problem: section planes perpendicular to a curve; which of them a point lies on, and in which frame.
+//! Problem: section planes are perpendicular to a curve. For a point, find its plane and its
+//! coordinates there.
 //!
-//! Idea: the station of a point is the arc length of its nearest point on the curve (dissertation 2.4:
-//! the plane through the point is perpendicular to the guide there). Within the curve's reach
-//! (`reach.rs`) there is one such point; farther away planes cross, and points have no station.
+//! Idea: the station of a point is the arc length of its nearest point on the curve (dissertation
+//! 2.4: the plane through the point is perpendicular to the guide there). Within the curve's reach
+//! (`reach.rs`) there is one such point. Farther away planes cross, and points have no station.
 //!
 //! 1. Points make a curve by arc length: straight pieces and arcs (`rounded.rs`) or a cubic spline
 //!    (`spline.rs`).
-//! 2. In-plane axes: those of [`PlaneFrame::new`] at the first point, carried along from piece to piece
+//! 2. In-plane axes: those of [`PlaneFrame::new`] at the first point, carried from piece to piece
 //!    without turning (`transport.rs`).
-//! 3. The station of a point: nearest of equally spaced samples, none of which is left out that could be
-//!    nearest, then Newton's method for `(p − g(s)) · g′(s) = 0`.
+//! 3. The station of a point: the nearest of equally spaced samples, then Newton's method for `(p −
+//!    g(s)) · g′(s) = 0`.
 //!
-//! Accuracy: stations and frames of straight and circular pieces are exact to rounding. Of a
-//! spline along a helix with 24 points per turn, the length of two turns is that of 200 000 chords within 1e-7
-//! length units of 65.6, and the axes at its end are those of steps a sixteenth as long within 1e-7 (tests).
+//! Accuracy: stations and frames of straight and circular pieces are exact to rounding. For a
+//! spline along a helix with 24 points per turn, the length of two turns (65.6) agrees with that of
+//! 200 000 chords within 1e-7. The axes at its end agree with those of steps a sixteenth as long
+//! within 1e-7 (tests).
 //!
-//! Cost: a station takes some steps over samples and some of Newton's, fewer with a near hint. Do not use it for closed guides: both
-//! ends would claim the same points.
+//! Cost of a station: a search over samples and some steps of Newton's method, fewer with a good
+//! hint. Do not use it for closed guides: points near the ends would have two stations.
 
 use super::GuideError;
 use super::path::Path;
@@ -29,33 +31,37 @@ use super::transport::carry;
 use crate::{PlaneFrame, Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// Most points of a guide.
+/// Largest number of points of a guide. Chosen by hand; doubled, the slowest guide takes twice the
+/// time to build.
 pub const MAX_GUIDE_POINTS: usize = 10_000;
 
-/// Share of the reach that is used: at its very limit planes touch, and stations are not defined.
+/// Share of the reach that is used. Chosen by hand: at the reach itself planes touch and stations
+/// are not defined. Near 1 stations lose digits; smaller values drop more pixels.
 const USED_REACH: f64 = 0.9;
 
-/// How far points beyond an end are still told from points off the guide, as a share of its length.
+/// Distance beyond an end, as a share of the guide's length, up to which points still have an
+/// extended station. Chosen by hand. Doubled, more pixels are counted as beyond the ends, fewer as
+/// too far away.
 const BEYOND: f64 = 0.05;
 
-/// What a guide's points mean.
+/// The meaning of a guide's points.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum GuideKind {
-    /// Corners of straight pieces, rounded by arcs as large as there is room for, but no larger
-    /// than the radius, if there is one; in the model's length unit.
+    /// Corners of straight pieces, rounded by arcs that are as large as possible, up to the radius
+    /// if one is given; in the model's length unit.
     Polyline(Option<f64>),
-    /// Points that a cubic spline passes through.
+    /// Points of a cubic spline.
     Spline,
 }
 
 /// Why a point has no station.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum NoStation {
-    /// It lies before the first plane or behind the last one.
+    /// It lies before the first station or after the last one.
     #[error("beyond an end of the guide")]
     BeyondEnds,
-    /// It is so far from the guide that planes may cross there.
+    /// It is beyond [`CurvedGuide::reach`], where planes may cross.
     #[error("too far from the guide")]
     BeyondReach,
 }
@@ -67,15 +73,16 @@ pub struct CurvedGuide {
     kind: GuideKind,
     points: Vec<Point3>,
     path: Path,
-    /// First in-plane axis where each piece of the path begins.
+    /// First in-plane axis at the start of each piece of the path.
     axes: Vec<Vector3>,
-    /// Equally spaced points of the path, from its first to its last.
+    /// Equally spaced points of the path, both ends included.
     samples: Vec<Point3>,
     reach: f64,
+    /// Station at which the reach is least.
     tightest: f64,
 }
 
-/// What is stored of a guide.
+/// The stored form of a guide.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct CurvedGuideText {
     kind: GuideKind,
@@ -100,8 +107,8 @@ impl CurvedGuide {
     /// A guide through points, in the model's length unit.
     ///
     /// # Errors
-    /// [`GuideError`] if there are too few or too many points, one is not finite or repeats the one before
-    /// it, or a polyline turns back on itself.
+    /// [`GuideError`] if there are too few or too many points, a point is not finite or repeats the
+    /// one before it, or a polyline turns back on itself.
     pub fn new(kind: GuideKind, points: Vec<Point3>) -> Result<Self, GuideError> {
         check(&points)?;
         let path = match kind {
@@ -111,9 +118,10 @@ impl CurvedGuide {
             GuideKind::Polyline(radius) => Path::Rounded(Rounded::new(&points, radius)?),
             GuideKind::Spline => Path::Spline(Spline::new(&points)),
         };
-        let (reach, tightest) = reach(&path, BEYOND * path.length());
+        let tightest = reach(&path, BEYOND * path.length());
         let (axes, samples) = (carried_axes(&path), samples(&path));
-        Ok(Self { kind, points, path, axes, samples, reach: USED_REACH * reach, tightest })
+        let (reach, tightest) = (USED_REACH * tightest.radius, tightest.station);
+        Ok(Self { kind, points, path, axes, samples, reach, tightest })
     }
 
     /// Straight pieces with rounded corners; see [`GuideKind::Polyline`].
@@ -132,12 +140,12 @@ impl CurvedGuide {
         Self::new(GuideKind::Spline, points)
     }
 
-    /// What the points mean.
+    /// The meaning of the points.
     pub fn kind(&self) -> GuideKind {
         self.kind
     }
 
-    /// The points that it was made of.
+    /// The points from which it was made.
     pub fn points(&self) -> &[Point3] {
         &self.points
     }
@@ -147,8 +155,9 @@ impl CurvedGuide {
         self.path.length()
     }
 
-    /// Distance from the guide up to which points have stations and planes do not cross: nine tenths
-    /// of the curve's reach, which is at most its smallest radius. Infinite for a guide that does not bend.
+    /// Distance from the guide up to which points have stations and planes do not cross: 0.9 × the
+    /// curve's reach, which is at most its smallest bend radius. Infinite for a guide that does not
+    /// bend.
     pub fn reach(&self) -> f64 {
         self.reach
     }
@@ -156,14 +165,14 @@ impl CurvedGuide {
     /// Checks that planes do not cross within a distance of the guide.
     ///
     /// # Errors
-    /// [`GuideError::TooCurved`], with the station where they do.
+    /// [`GuideError::TooCurved`] with the station where they cross.
     pub fn require_reach(&self, needed: f64) -> Result<(), GuideError> {
         let (station, reach) = (self.tightest, self.reach);
         if reach >= needed { Ok(()) } else { Err(GuideError::TooCurved { station, reach, needed }) }
     }
 
-    /// The frame of the plane at a station: origin on the guide, normal along it. Beyond its ends the guide
-    /// goes on straight.
+    /// The frame of the plane at a station: origin on the guide, normal along it. Beyond its ends
+    /// the guide continues straight.
     pub fn frame(&self, station: f64) -> PlaneFrame {
         let at = self.path.at(station);
         let piece = self.path.piece_at(station.clamp(0.0, self.length()));
@@ -172,22 +181,23 @@ impl CurvedGuide {
         PlaneFrame::carried(at.point, at.tangent, x_axis)
     }
 
-    /// Station of a point: where on the guide its nearest point is.
+    /// The station of a point: the arc length of its nearest point on the guide.
     ///
-    /// `hint` is a station near which it may be, such as a neighbour's; it saves time and changes nothing.
+    /// `hint` is a guess, such as a neighbour's station. It saves time and does not change the
+    /// result.
     ///
     /// # Errors
     /// [`NoStation`] beyond the ends and beyond [`CurvedGuide::reach`].
     pub fn station(&self, in_world: &Point3, hint: Option<f64>) -> Result<f64, NoStation> {
         let station = self.extended_station(in_world, hint)?;
-        // A point meant to lie on the first or last plane is not lost to rounding.
+        // Points on the first or last plane must not be lost to rounding.
         let slack = 1e-12 * self.length();
         let on_guide = station >= -slack && station <= self.length() + slack;
         if on_guide { Ok(station) } else { Err(NoStation::BeyondEnds) }
     }
 
-    /// As [`CurvedGuide::station`] of a guide that is longer by a twentieth at both ends: points there
-    /// are known to lie on the far side of the first or the last plane.
+    /// As [`CurvedGuide::station`], for a guide that is longer by a twentieth at both ends. So
+    /// points just beyond the first or the last plane have a station, too.
     ///
     /// # Errors
     /// As [`CurvedGuide::station`].
@@ -204,7 +214,8 @@ impl CurvedGuide {
         if distance <= self.reach { Ok(station) } else { Err(NoStation::BeyondReach) }
     }
 
-    /// How much farther apart planes are at a point than on the guide: 1 − the bend towards it.
+    /// Spacing of the planes at a point over their spacing on the guide: 1 − the bend towards the
+    /// point.
     pub fn stretch(&self, station: f64, in_world: &Point3) -> f64 {
         let at = self.path.at(station);
         1.0 - at.bend.dot(&(in_world - at.point))
@@ -212,8 +223,9 @@ impl CurvedGuide {
 
     /// Station of the sample nearest to a point.
     ///
-    /// From one sample to the next the distance changes by no more than their spacing, so a sample whose
-    /// distance is larger than the least one known allows for stepping over as many as the difference holds.
+    /// From one sample to the next the distance changes by at most their spacing. So after a sample
+    /// that is farther than the nearest known one, as many samples can be skipped as spacings fit
+    /// into the difference.
     fn nearest_sample(&self, p: &Point3, hint: Option<f64>) -> f64 {
         let spacing = self.length() / (self.samples.len() - 1) as f64;
         let distance = |k: usize| (p - self.samples[k]).norm();
@@ -226,7 +238,7 @@ impl CurvedGuide {
             if d < least {
                 (best, least) = (k, d);
             }
-            // A whole sample less than the bound allows for, so that rounding plays no part.
+            // One sample less than the bound allows, because of rounding.
             k += 1.max((((d - least) / spacing) as usize).saturating_sub(1));
         }
         best as f64 * spacing
@@ -240,7 +252,7 @@ impl CurvedGuide {
             let at = self.path.at(station);
             let d = p - at.point;
             let along = at.tangent.dot(&d);
-            // Where planes cross there is no foot to be found, and the distance will say so.
+            // Where planes cross there is no foot; the distance then exceeds the reach.
             let stretch = (1.0 - at.bend.dot(&d)).max(0.05);
             let beyond = station <= 0.0 && along < 0.0 || station >= self.length() && along > 0.0;
             let step = if beyond { along } else { (along / stretch).clamp(-spacing, spacing) };
@@ -268,7 +280,7 @@ fn check(points: &[Point3]) -> Result<(), GuideError> {
     }
 }
 
-/// First in-plane axis where each piece begins.
+/// First in-plane axis at the start of each piece.
 fn carried_axes(path: &Path) -> Vec<Vector3> {
     let mut at = path.at(0.0);
     let first = PlaneFrame::new(at.point, at.tangent).unwrap_or(PlaneFrame::WORLD);
@@ -283,7 +295,7 @@ fn carried_axes(path: &Path) -> Vec<Vector3> {
     axes
 }
 
-/// Points close enough to each other that Newton's method finds the nearest place from the nearest one.
+/// Points so dense that Newton's method converges from the nearest one.
 fn samples(path: &Path) -> Vec<Point3> {
     let count = (8 * path.starts().len()).clamp(256, 1 << 16);
     (0..=count).map(|k| path.at(path.length() * k as f64 / count as f64).point).collect()

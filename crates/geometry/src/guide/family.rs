@@ -16,10 +16,23 @@ impl std::fmt::Display for PlaneIndex {
 
 /// Equally spaced section planes perpendicular to a guide.
 ///
-/// Of a straight guide, plane `k` is `direction · p = offset + k · interval` with a unit direction
-/// (errata to 3.4.1), and all planes share one orientation of their in-plane axes. Of a curved one,
-/// plane `k` is perpendicular to the curve at station `offset + k · interval` from its first point;
-/// axes are carried along without turning about it ([`CurvedGuide::frame`]).
+/// Along a straight guide, plane `k` is `direction · p = offset + k · interval` with a unit
+/// direction (errata to 3.4.1), and all planes share one orientation of their in-plane axes. Along
+/// a curved one, plane `k` is perpendicular to the curve at station `offset + k · interval` from
+/// its first point; axes are carried along it without turning ([`CurvedGuide::frame`]).
+///
+/// ```
+/// use transect_geometry::{PlaneFamily, PlaneIndex, Point3, StraightGuide, Vector3};
+///
+/// // Horizontal planes every 0.5 m, the first one 0.1 m above the origin.
+/// let planes = PlaneFamily::new(StraightGuide::along(Vector3::z())?, 0.1, 0.5)?;
+/// assert_eq!(planes.station(PlaneIndex(3)), 1.6);
+/// let point = Point3::new(7.0, -2.0, 1.6);
+/// assert!((planes.level(&point) - 3.0).abs() < 1e-12);
+/// let frame = planes.frame(PlaneIndex(3));
+/// assert_eq!(frame.plane_from_world(&point).coords.as_slice(), [7.0, -2.0]);
+/// # Ok::<(), transect_geometry::GuideError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PlaneFamily {
     guide: Guide,
@@ -65,15 +78,15 @@ impl PlaneFamily {
         self.offset + plane.0 as f64 * self.interval
     }
 
-    /// Level of a point: its station over that of plane 0, in intervals. Plane `k` is crossed at level
-    /// `k`. NaN for points that have no station, see [`Guide::station`].
+    /// Level of a point: its station over that of plane 0, in intervals. Plane `k` is crossed at
+    /// level `k`. NaN for points without a station, see [`Guide::station`].
     pub fn level(&self, in_world: &Point3) -> f64 {
         (self.guide.station(in_world).unwrap_or(f64::NAN) - self.offset) / self.interval
     }
 
     /// The local frame of a plane; its origin is where the guide meets the plane.
     ///
-    /// A curved guide goes on straight beyond its ends; use [`PlaneFamily::ends`] to stay on it.
+    /// A curved guide continues straight beyond its ends; [`PlaneFamily::ends`] gives its planes.
     pub fn frame(&self, plane: PlaneIndex) -> PlaneFrame {
         let station = self.station(plane);
         match &self.guide {
@@ -84,17 +97,19 @@ impl PlaneFamily {
 
     /// First plane whose station is at least `station`.
     pub fn first_at_or_above(&self, station: f64) -> PlaneIndex {
-        // A plane meant to lie at the bound must not be lost to the rounding of the division.
+        // Part of an interval by which a plane at the bound may be off through the rounding of the
+        // division. Chosen by hand, above rounding and far below any measurement; the same holds
+        // for twice or half of it.
         const ROUNDING: f64 = 1e-9;
         PlaneIndex(((station - self.offset) / self.interval - ROUNDING).ceil() as i64)
     }
 
-    /// First and last plane on a curved guide, the second below the first if there is none between its
-    /// ends; `None` for a straight guide, which has no ends.
+    /// First and last plane on a curved guide. The second is below the first if no plane lies
+    /// between its ends. `None` for a straight guide, which has no ends.
     pub fn ends(&self) -> Option<(PlaneIndex, PlaneIndex)> {
         let guide: &CurvedGuide = self.guide.curved()?;
         let first = self.first_at_or_above(0.0);
-        // The mirror image of the first one, so that both ends are treated alike.
+        // The mirror image of the first plane, so that both ends are treated alike.
         let last = ((guide.length() - self.offset) / self.interval + 1e-9).floor() as i64;
         Some((first, PlaneIndex(last)))
     }
@@ -103,7 +118,7 @@ impl PlaneFamily {
 fn straight_frame(guide: &StraightGuide, station: f64) -> PlaneFrame {
     let normal = guide.direction();
     let origin = Point3::from(normal * station);
-    // The guide's direction has unit length by construction, so the frame always exists.
+    // The guide's direction has unit length, so the frame always exists.
     PlaneFrame::new(Point3::origin(), normal).unwrap_or(PlaneFrame::WORLD).moved_to(origin)
 }
 

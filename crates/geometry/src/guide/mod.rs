@@ -3,6 +3,7 @@
 mod curved;
 mod family;
 mod path;
+mod path_point;
 mod reach;
 mod rounded;
 mod spline;
@@ -15,7 +16,7 @@ use crate::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// What can be wrong with a guide or a plane family.
+/// Errors of a guide or a plane family.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GuideError {
@@ -32,9 +33,9 @@ pub enum GuideError {
     #[error("a guide has {0} points; it needs 2 to {MAX_GUIDE_POINTS}")]
     PointCount(usize),
     /// A coordinate of a guide's point is NaN or infinite.
-    #[error("point {0} of the guide is not finite")]
+    #[error("point {0} of the guide has a coordinate that is not a finite number")]
     NotFinite(usize),
-    /// A point of a guide is where the one before it is, as far as numbers of their size tell.
+    /// A point of a guide is at the place of the one before it, to within rounding.
     #[error("point {0} of the guide repeats the one before it")]
     Repeated(usize),
     /// A polyline turns back on itself, so that no arc rounds its corner.
@@ -43,25 +44,25 @@ pub enum GuideError {
     /// The radius for a polyline's corners is not positive.
     #[error("the radius of the guide's corners must be a positive length, got {0}")]
     BadRadius(f64),
-    /// Planes would cross within the distance from the guide that is to be covered.
+    /// Planes cross within the required distance from the guide.
     #[error(
-        "planes along the guide cross {reach} away from it at station {station}; {needed} are needed: \
-         it bends too sharply there, or comes too close to another part of itself"
+        "planes along the guide cross {reach} away from it at station {station}; a distance of \
+         {needed} is needed. The guide bends too sharply there, or comes too close to itself"
     )]
     TooCurved {
-        /// Where, in the model's length unit.
+        /// The station, in the model's length unit.
         station: f64,
         /// Distance up to which planes do not cross, in the model's length unit.
         reach: f64,
-        /// Distance that was asked for, in the model's length unit.
+        /// Required distance, in the model's length unit.
         needed: f64,
     },
 }
 
-/// A straight guide: the line through the world's origin along a unit direction.
+/// A straight guide: the line through the origin of the world along a unit direction.
 ///
-/// The station of a point is its signed distance along that line, so that the plane at station `s`
-/// is `direction · p = s`, which is how scan manifests give planes.
+/// The station of a point is its signed distance along that line, so the plane at station `s` is
+/// `direction · p = s`, as in scan manifests.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct StraightGuide {
     direction: Vector3,
@@ -119,8 +120,8 @@ impl Guide {
         }
     }
 
-    /// Arc length along the guide at the point of it nearest to `in_world`; `None` beyond the ends of
-    /// a curved guide and farther from it than [`CurvedGuide::reach`].
+    /// Arc length along the guide at the point of it nearest to `in_world`; `None` beyond the ends
+    /// of a curved guide and farther from it than [`CurvedGuide::reach`].
     pub fn station(&self, in_world: &Point3) -> Option<f64> {
         match self {
             Self::Straight(guide) => Some(guide.station(in_world)),

@@ -1,18 +1,9 @@
-//! A curve in space by arc length, made of pieces: what all curved guides have in common.
+//! A curve in space by arc length, made of pieces.
 
+use super::path_point::{PathPoint, Tightest};
 use super::rounded::Rounded;
 use super::spline::Spline;
-use crate::{Point3, Vector3};
-
-/// What is known of a curve at a station.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct PathPoint {
-    pub point: Point3,
-    /// Unit tangent.
-    pub tangent: Vector3,
-    /// Change of the tangent per length: towards the centre of curvature, one over its radius long.
-    pub bend: Vector3,
-}
+use crate::Vector3;
 
 /// A curve with unit tangents that never jump.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,6 +22,14 @@ impl Path {
         match self {
             Self::Rounded(path) => &path.starts,
             Self::Spline(path) => &path.starts,
+        }
+    }
+
+    /// Where it bends most.
+    pub fn sharpest(&self) -> Tightest {
+        match self {
+            Self::Rounded(path) => path.sharpest(),
+            Self::Spline(path) => path.sharpest(),
         }
     }
 

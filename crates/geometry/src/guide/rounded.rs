@@ -1,23 +1,26 @@
 //! A polyline whose corners are rounded by circular arcs.
 //!
-//! Problem: planes perpendicular to the two sides of a sharp corner cross right beside it.
+//! Problem: planes perpendicular to the two sides of a sharp corner cross close to it.
 //!
-//! Idea: what road and tunnel alignments do. An arc tangent to both sides replaces the corner; it takes
-//! no more than half of a side that has two corners, so that neighbouring arcs never meet. The curve is then made of
-//! straight and circular pieces, whose arc lengths, nearest points and frames are closed forms.
+//! Idea: as in road and tunnel alignments, an arc tangent to both sides replaces the corner. It
+//! takes at most half of a side with two corners, so neighbouring arcs never overlap. The curve
+//! then consists of straight and circular pieces, whose arc lengths, nearest points and frames have
+//! closed forms.
 //!
 //! A polyline with many points on a smooth curve becomes a smooth curve that passes each of its
 //! points at a distance of about an eighth of the square of a side over the radius.
 
 use super::GuideError;
-use super::path::PathPoint;
+use super::path_point::{PathPoint, Tightest};
 use crate::{Point3, Vector3};
 
-/// Sides whose directions differ by less than this many radians are one: rounding.
+/// Sides whose directions differ by less than this many radians count as one. Chosen by hand, above
+/// rounding and far below any measured angle; the same holds for twice or half of it.
 const STRAIGHT: f64 = 1e-9;
 
-/// Turns within this many radians of a half-turn have no arc.
-const TURNS_BACK: f64 = 1e-3;
+/// Corners that turn by a half-turn, to within this many radians, are refused. Chosen by hand:
+/// their arcs would be shorter than a thousandth of a side.
+const HALF_TURN: f64 = 1e-3;
 
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Rounded {
@@ -56,7 +59,7 @@ impl Piece {
 
 /// An arc in place of a corner.
 struct Corner {
-    /// What it takes off either side.
+    /// Length that it takes off each side.
     cut: f64,
     /// Its length.
     length: f64,
@@ -64,8 +67,8 @@ struct Corner {
 }
 
 impl Rounded {
-    /// The curve along points no two neighbours of which are equal; arcs are as large as there is room
-    /// for, but no larger than `radius`.
+    /// The curve along points, whose neighbours must differ. Arcs are as large as possible, up to
+    /// `radius`.
     pub fn new(points: &[Point3], radius: Option<f64>) -> Result<Self, GuideError> {
         let sides: Vec<Vector3> = points.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let mut path = Self { starts: vec![0.0], pieces: Vec::with_capacity(2 * sides.len()) };
@@ -75,11 +78,12 @@ impl Rounded {
             let direction = side / length;
             let corner = match sides.get(k + 1) {
                 Some(next) => {
-                    // The first and the last side have one corner, the others share theirs.
+                    // The first and the last side have one corner, the others have two.
                     let room =
                         |side: &Vector3, whole: bool| side.norm() * if whole { 1.0 } else { 0.5 };
                     let room = room(side, k == 0).min(room(next, k + 2 == sides.len()));
-                    corner((side, next), (room, radius), k + 1)?
+                    corner(side, next, room, radius)
+                        .map_err(|TurnsBack| GuideError::TurnsBack(k + 1))?
                 }
                 None => None,
             };
@@ -98,7 +102,7 @@ impl Rounded {
 
     fn push(&mut self, piece: Piece, length: f64) {
         let start = self.starts.last().copied().unwrap_or(0.0);
-        // Where two arcs share a side, rounding alone is left between them.
+        // Between two arcs that share a side, only rounding may remain.
         if start + length > start {
             self.starts.push(start + length);
             self.pieces.push(piece);
@@ -109,27 +113,33 @@ impl Rounded {
         self.pieces[piece].at(station - self.starts[piece])
     }
 
-    /// Smallest radius, and the station in the middle of its arc; infinite if nothing bends.
-    pub fn sharpest(&self) -> (f64, f64) {
-        let middle = |k: usize| 0.5 * (self.starts[k] + self.starts[k + 1]);
-        let radii = self.pieces.iter().enumerate().map(|(k, p)| (1.0 / p.bend.norm(), middle(k)));
-        radii.fold((f64::INFINITY, 0.0), |a, b| if b.0 < a.0 { b } else { a })
+    /// The middle of the arc with the smallest radius.
+    pub fn sharpest(&self) -> Tightest {
+        let middles = self.starts.windows(2).map(|ends| 0.5 * (ends[0] + ends[1]));
+        let arcs = self.pieces.iter().zip(middles);
+        let places = arcs.map(|(p, station)| Tightest { radius: 1.0 / p.bend.norm(), station });
+        places.fold(Tightest::NOWHERE, Tightest::or)
     }
 }
 
-/// The arc at the corner between two sides; `None` if they are in line.
+/// Two sides that no arc can join.
+struct TurnsBack;
+
+/// The arc at the corner between two sides, which takes at most `room` off each; `None` if the
+/// sides are in line.
 fn corner(
-    (before, after): (&Vector3, &Vector3),
-    (room, radius): (f64, Option<f64>),
-    point: usize,
-) -> Result<Option<Corner>, GuideError> {
+    before: &Vector3,
+    after: &Vector3,
+    room: f64,
+    radius: Option<f64>,
+) -> Result<Option<Corner>, TurnsBack> {
     let (a, b) = (before.normalize(), after.normalize());
     let turn = 2.0 * (b - a).norm().atan2((a + b).norm());
     if turn < STRAIGHT {
         return Ok(None);
     }
-    if turn > std::f64::consts::PI - TURNS_BACK {
-        return Err(GuideError::TurnsBack(point));
+    if turn > std::f64::consts::PI - HALF_TURN {
+        return Err(TurnsBack);
     }
     let half_tan = (0.5 * turn).tan();
     let radius = radius.unwrap_or(f64::INFINITY).min(room / half_tan);

@@ -1,14 +1,16 @@
 //! A cubic spline through points, by arc length.
 //!
 //! Steps: natural cubic interpolation over the chords' lengths (no curvature at the ends, where the
-//! curve goes on straight), then every span is cut into parts whose lengths come from
-//! Gauss–Legendre quadrature with five points; within a part Newton's method finds the parameter
-//! of a station.
+//! curve continues straight), then every span is cut into parts whose lengths come from
+//! Gauss–Legendre quadrature with five points; within a part Newton's method finds the parameter of
+//! a station.
 
-use super::path::PathPoint;
+use super::path_point::{PathPoint, Tightest};
 use crate::{Point3, Vector3};
 
-/// Parts of a span between two points, each with its own quadrature and its own frame.
+/// Parts of a span between two points, each with its own quadrature and frame. Chosen by hand:
+/// measured on the helix of the tests, lengths and frames are within 1e-7. Doubled, building takes
+/// twice the time.
 const PARTS: usize = 16;
 
 /// Places and weights of five-point Gauss–Legendre quadrature on 0 to 1.
@@ -62,7 +64,7 @@ impl Span {
 }
 
 impl Spline {
-    /// The spline through points no two neighbours of which are equal.
+    /// The spline through points, whose neighbours must differ.
     pub fn new(points: &[Point3]) -> Self {
         let widths: Vec<f64> = points.windows(2).map(|p| (p[1] - p[0]).norm()).collect();
         let moments = moments(points, &widths);
@@ -94,7 +96,7 @@ impl Spline {
         let (start, end) = (self.starts[part], self.starts[part + 1]);
         let way = station - start;
         let mut u = first + width * (way / (end - start)).clamp(0.0, 1.0);
-        // The speed hardly changes within a part, so that two or three steps reach rounding.
+        // The speed changes little within a part, so two or three steps reach rounding.
         for _ in 0..6 {
             let step = (way - span.length(first, u)) / span.velocity(u).norm();
             u += step;
@@ -105,16 +107,14 @@ impl Spline {
         span.at(u)
     }
 
-    /// Smallest radius of curvature at the parts' ends and middles, and its station.
-    pub fn sharpest(&self) -> (f64, f64) {
-        let mut sharpest = (f64::INFINITY, 0.0);
-        for part in 0..self.starts.len() - 1 {
+    /// The place with the smallest radius among the parts' ends and middles.
+    pub fn sharpest(&self) -> Tightest {
+        let mut sharpest = Tightest::NOWHERE;
+        for (part, ends) in self.starts.windows(2).enumerate() {
             for share in [0.0, 0.5, 1.0] {
-                let station = self.starts[part] * (1.0 - share) + self.starts[part + 1] * share;
+                let station = ends[0] * (1.0 - share) + ends[1] * share;
                 let radius = 1.0 / self.at(part, station).bend.norm();
-                if radius < sharpest.0 {
-                    sharpest = (radius, station);
-                }
+                sharpest = sharpest.or(Tightest { radius, station });
             }
         }
         sharpest

@@ -1,19 +1,20 @@
-//! Knots of cubic B-splines, their basis functions and blossoms (L. Piegl, W. Tiller, The NURBS Book, 1997).
+//! Knots of cubic B-splines, their basis functions and blossoms (L. Piegl, W. Tiller, The NURBS
+//! Book, 1997).
 
 use super::CubicSpline;
 use crate::{Point2, Vector2};
 
-/// Knots between which control points are looked for: those of a spline with ends, or of a periodic one.
+/// The knots of a spline with ends, or of a periodic one.
 #[derive(Debug, Clone)]
 pub(super) struct Knots {
     all: Vec<f64>,
-    /// Control points that are free to differ; a periodic spline repeats the first three of them.
+    /// Number of independent control points; a periodic spline repeats the first three.
     pub unknowns: usize,
     pub periodic: bool,
 }
 
 impl Knots {
-    /// Knots at breaks, two or more in rising order; five or more of a periodic spline.
+    /// Knots at breaks in rising order: at least two, for a periodic spline at least five.
     pub fn new(breaks: &[f64], periodic: bool) -> Self {
         let (first, last) = (breaks[0], breaks[breaks.len() - 1]);
         let spans = breaks.len() - 1;
@@ -31,7 +32,7 @@ impl Knots {
         Self { all, unknowns: spans + 3, periodic }
     }
 
-    /// Which control points a parameter depends on, and how much on each.
+    /// The control points on which a parameter depends, with their weights.
     pub fn row(&self, u: f64) -> [(usize, f64); 4] {
         let span = span(&self.all, u);
         let weights = weights(&self.all, span, u);
@@ -40,12 +41,12 @@ impl Knots {
         [0, 1, 2, 3].map(|k| (index(k), weights[k]))
     }
 
-    /// Parameters at which control points have the most say: means of three knots (Greville).
+    /// Parameters at which control points have the largest weight: means of three knots (Greville).
     pub fn greville(&self) -> impl Iterator<Item = f64> + '_ {
         self.all.windows(3).skip(1).take(self.unknowns).map(|w| (w[0] + w[1] + w[2]) / 3.0)
     }
 
-    /// The spline of these knots with its ends at control points, which moves no point of it.
+    /// The same spline with its ends at control points.
     pub fn clamped(&self, mut controls: Vec<Point2>) -> CubicSpline {
         if !self.periodic {
             return CubicSpline { knots: self.all.clone(), controls };
@@ -67,7 +68,8 @@ impl Knots {
     }
 }
 
-/// The span between knots that holds a parameter: `knots[span] <= u < knots[span + 1]`, or the last one.
+/// The span between knots that holds a parameter: `knots[span] <= u < knots[span + 1]`, or the last
+/// one.
 pub(super) fn span(knots: &[f64], u: f64) -> usize {
     let last = knots.len() - 4;
     let after = knots[..last].partition_point(|knot| *knot <= u);
@@ -94,7 +96,8 @@ fn weights(knots: &[f64], span: usize, u: f64) -> [f64; 4] {
     weights
 }
 
-/// The blossom of a span's cubic: affine in each of its three arguments, and the cubic itself where all are equal.
+/// The blossom of a span's cubic: affine in each of its three arguments, and the cubic itself where
+/// all are equal.
 pub(super) fn blossom(knots: &[f64], controls: &[Point2], span: usize, at: [f64; 3]) -> Point2 {
     let mut points = [0, 1, 2, 3].map(|k| controls[span - 3 + k]);
     for (degree, u) in (1..4).zip(at) {

@@ -1,15 +1,17 @@
-//! Where a curve turns at once: the corners that pieces of spline are to keep.
+//! The corners of a curve, at which splines are cut.
 //!
-//! The direction on either side of a node is taken from the first node at least a few tolerances away, since
-//! what is smaller than the tolerance is not to be told from noise. A corner turns more than anything
-//! near it, and by more than a limit.
+//! The direction on either side of a node points to the first node at least a few tolerances away,
+//! because smaller details cannot be told from noise. A corner turns by more than a limit, and more
+//! than all nodes near it.
 
 use crate::{Point2, Vector2};
 
-/// Least turn of a corner.
+/// Smallest turn of a corner, in degrees. Chosen by hand. Halved, bends are cut into pieces;
+/// doubled, corners are followed by many knots.
 const LEAST_TURN_DEG: f64 = 35.0;
 
-/// Distance, in tolerances, from which a node's directions are taken.
+/// Distance of the nodes that give a node's directions, in tolerances. Chosen by hand. Doubled,
+/// corners close to each other are taken as one; halved, noise makes corners.
 const REACH: f64 = 6.0;
 
 /// Points of one spline.
@@ -56,7 +58,7 @@ fn corners(points: &[Point2], closed: bool, tolerance: f64) -> Vec<usize> {
         };
     }
     let least = LEAST_TURN_DEG.to_radians();
-    // The largest turn within reach alone: its neighbours see the same corner.
+    // The node with the largest turn within reach is the corner; its neighbours see the same one.
     let largest = |k: usize| {
         let rival = |other: usize| turns[other] > turns[k] || turns[other] == turns[k] && other < k;
         let mut near = Vec::new();
@@ -78,7 +80,7 @@ fn corners(points: &[Point2], closed: bool, tolerance: f64) -> Vec<usize> {
     (0..n).filter(|k| turns[*k] > least && largest(*k)).collect()
 }
 
-/// Unit direction from a node to the first one beyond the reach, or to the end of the curve.
+/// Unit direction from a node to the first node beyond the reach, or to the end of the curve.
 fn toward(
     points: &[Point2],
     k: usize,

@@ -1,16 +1,17 @@
 //! Control points by least squares.
 //!
-//! The sum of squared distances of the nodes from the spline at their parameters is least where the normal
-//! equations hold. Each parameter depends on four control points, so conjugate gradients on the
-//! equations need no matrix. They start from the polyline itself, at the parameters where each control
-//! point has the most say: what the nodes leave open stays there.
+//! The sum of squared distances of the nodes from the spline at their parameters is least where the
+//! normal equations hold. Each parameter depends on four control points, so conjugate gradients
+//! need no matrix. They start from points of the polyline, at the parameter of each control point's
+//! largest weight. Control points that the nodes do not determine stay there.
 
 use super::basis::Knots;
 use crate::{Point2, Vector2};
 
-/// Most steps; a dozen or two are usual.
+/// Largest number of steps. Chosen by hand: one or two dozen are usual.
 const STEPS: usize = 200;
-/// Gradient, as a share of the first one, at which the solution is taken: far below any tolerance.
+/// Gradient, as a share of the first one, at which the iteration ends. Chosen by hand, far below
+/// any tolerance, as is twice or half of it.
 const ENOUGH: f64 = 1e-12;
 
 /// Parameters of points: their distance along the polyline.
@@ -24,8 +25,8 @@ pub(super) fn chord_lengths(points: &[Point2]) -> Vec<f64> {
     std::iter::once(0.0).chain(rest).collect()
 }
 
-/// The control points of the spline nearest to points; those at the ends of a spline that is not periodic
-/// are the end points.
+/// The control points of the spline nearest to points. A spline that is not periodic begins and
+/// ends at the end points.
 pub(super) fn controls(knots: &Knots, points: &[Point2], parameters: &[f64]) -> Vec<Point2> {
     let last = parameters[parameters.len() - 1];
     let start = |u: f64| {
@@ -37,7 +38,7 @@ pub(super) fn controls(knots: &Knots, points: &[Point2], parameters: &[f64]) -> 
         let n = controls.len();
         (controls[0], controls[n - 1]) = (*first, *end);
     }
-    // The last point of a periodic spline is its first one again.
+    // The last point of a periodic spline is its first one.
     let nodes = points.len() - usize::from(knots.periodic);
     let rows: Vec<_> = parameters[..nodes].iter().map(|u| knots.row(*u)).collect();
     let apply = |x: &[Vector2]| -> Vec<Vector2> {

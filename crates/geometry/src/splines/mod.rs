@@ -1,32 +1,35 @@
 //! Cubic B-splines as a derived description of a curve (dissertation, section 2.4.1).
 //!
-//! **Problem.** A curve of thousands of nodes is to be handed to a program that draws and machines splines:
-//! with few control points, and never farther from the curve than a stated tolerance.
+//! **Problem.** A program that draws or machines splines needs a curve of thousands of nodes with
+//! few control points, never farther from the curve than a stated tolerance.
 //!
-//! **Idea.** The dissertation names B-splines as the other way to describe a contour, their control points
-//! found from its nodes. Here they are found by least squares, and knots are added where the spline
-//! leaves the polyline of the nodes, until a bound that holds everywhere is within the tolerance.
+//! **Idea.** The dissertation names B-splines as the other way to describe a contour, their control
+//! points found from its nodes. Here they are found by least squares. Knots are added where the
+//! spline leaves the polyline of the nodes, until a bound that holds everywhere is within the
+//! tolerance.
 //!
 //! **Steps.**
-//! 1. A curve is cut at its corners (`corners.rs`), which no smooth spline can keep. A closed curve without
-//!    corners becomes one periodic spline.
-//! 2. Nodes get parameters by chord length, `fit.rs` the control points by least squares; the ends of pieces
-//!    stay where they are.
-//! 3. Between neighbouring nodes and knots, spline and chord are both polynomials of the same parameter. The
-//!    Bézier control points of their difference bound it (a polynomial lies in the hull of its control
-//!    points). Where the bound exceeds the tolerance, the knot span is halved; back to 2.
-//! 4. Where that takes more spans than there are chords, the chords themselves are written as cubics: the
-//!    deviation is then 0.
+//! 1. A curve is cut at its corners (`corners.rs`), because a smooth spline cannot follow them. A
+//!    closed curve without corners becomes one periodic spline.
+//! 2. Nodes get parameters by chord length, `fit.rs` the control points by least squares; the ends
+//!    of pieces stay in place.
+//! 3. Between neighbouring nodes and knots, spline and chord are both polynomials of the same
+//!    parameter. The Bézier control points of their difference bound it (a polynomial lies in the
+//!    hull of its control points). Where the bound exceeds the tolerance, the knot span is halved;
+//!    back to 2.
+//! 4. If more spans than chords would be needed, the chords themselves become cubics: the deviation
+//!    is then 0.
 //!
 //! The bound holds for the distance of every point of the spline from the polyline, and of every
-//! point of the polyline from the spline, since it compares equal parameters; it is not the least one.
+//! point of the polyline from the spline, because it compares equal parameters. The true distance
+//! may be smaller.
 //!
-//! **Place.** This crate knows curves and no files: how splines are written is for `exchange` to know.
+//! **Place.** This crate does not know files; `exchange` writes the splines.
 //!
 //! **Departures from the source.** It gives no algorithm.
 //!
-//! **Cost.** Each round O(nodes + control points) per step of conjugate gradients; a dozen rounds. Do not use it to
-//! smooth: a tolerance far above the noise rounds what it should keep.
+//! **Cost.** Each round O(nodes + control points) per step of conjugate gradients; a dozen rounds.
+//! Do not use it to smooth: a tolerance far above the noise rounds off details.
 
 mod basis;
 mod corners;
@@ -51,14 +54,15 @@ pub struct CubicSpline {
     controls: Vec<Point2>,
 }
 
-/// A curve as splines, each of which begins where the one before it ends.
+/// A curve as splines; each begins at the end of the one before.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct CurveSplines {
-    /// In the curve's order; several only where it has corners.
+    /// The splines in the curve's order, cut at its corners.
     pub pieces: Vec<CubicSpline>,
     /// Whether the last ends where the first begins.
     pub closed: bool,
-    /// Most that they are apart from the curve's polyline anywhere, in the model's length unit.
+    /// Upper bound of the distance between splines and polyline, in the model's length unit.
     pub deviation: f64,
 }
 
@@ -78,7 +82,7 @@ impl CubicSpline {
         (self.knots[3], self.knots[self.knots.len() - 4])
     }
 
-    /// The point at a parameter, which is taken into the domain.
+    /// The point at a parameter, which is clamped to the domain.
     pub fn point(&self, u: f64) -> Point2 {
         let (first, last) = self.domain();
         let u = u.clamp(first, last);
@@ -86,7 +90,7 @@ impl CubicSpline {
     }
 }
 
-/// Splines that are nowhere farther than `tolerance` from a curve's polyline.
+/// Fits splines that are nowhere farther than `tolerance` from a curve's polyline.
 ///
 /// # Errors
 /// [`SplineError::BadTolerance`] unless the tolerance is positive and finite.
@@ -120,14 +124,15 @@ pub fn fit_splines(curve: &Curve, tolerance: f64) -> Result<CurveSplines, Spline
     Ok(CurveSplines { pieces, closed, deviation: deviations.into_iter().fold(0.0, f64::max) })
 }
 
-/// The spline along points within a tolerance, and its bound. A periodic one has its first point repeated last.
+/// The spline along points within a tolerance, and its bound. A periodic spline has its first point
+/// repeated last.
 fn within(points: &[Point2], periodic: bool, tolerance: f64) -> (CubicSpline, f64) {
     let parameters = fit::chord_lengths(points);
     let last = parameters.last().copied().unwrap_or(0.0);
     if points.len() < 3 || last <= 0.0 {
         return (chords(points, &parameters), 0.0);
     }
-    // Periodic splines need room for four different control points.
+    // Periodic splines need at least four different control points.
     let mut breaks: Vec<f64> = if periodic {
         (0..=4).map(|k| last * f64::from(k) / 4.0).collect()
     } else {
@@ -154,7 +159,8 @@ fn within(points: &[Point2], periodic: bool, tolerance: f64) -> (CubicSpline, f6
     (chords(points, &parameters), 0.0)
 }
 
-/// Bound of the distance at equal parameters, and the spans between breaks in which it exceeds the tolerance.
+/// Upper bound of the distance at equal parameters, and the spans in which it exceeds the
+/// tolerance.
 fn check(
     spline: &CubicSpline,
     points: &[Point2],
@@ -176,7 +182,7 @@ fn check(
             let share =
                 |u: f64| (u - parameters[chord]) / (parameters[chord + 1] - parameters[chord]);
             let at = |u: f64| points[chord] + (points[chord + 1] - points[chord]) * share(u);
-            let bound = apart(spline, (from, to), (at(from), at(to)));
+            let bound = apart(spline, [from, to], [at(from), at(to)]);
             worst = worst.max(bound);
             within &= bound <= tolerance;
             from = to;
@@ -188,13 +194,14 @@ fn check(
     (worst, split)
 }
 
-/// Largest distance of the Bézier control points of spline minus chord between two parameters.
-fn apart(spline: &CubicSpline, (from, to): (f64, f64), (a, b): (Point2, Point2)) -> f64 {
+/// Largest distance of the Bézier control points of spline minus `chord` between two parameters.
+fn apart(spline: &CubicSpline, [from, to]: [f64; 2], chord: [Point2; 2]) -> f64 {
     let span = basis::span(&spline.knots, 0.5 * (from + to));
     let control = |k: usize| {
         let mut at = [from; 3];
         at.iter_mut().take(k).for_each(|u| *u = to);
-        basis::blossom(&spline.knots, &spline.controls, span, at) - (a + (b - a) * (k as f64 / 3.0))
+        basis::blossom(&spline.knots, &spline.controls, span, at)
+            - (chord[0] + (chord[1] - chord[0]) * (k as f64 / 3.0))
     };
     (0..4).map(|k| control(k).norm()).fold(0.0, f64::max)
 }

@@ -13,7 +13,8 @@ fn circle(radius: f64, count: u32) -> Curve {
     curve((0..count).map(|k| point(at(k))).collect(), true)
 }
 
-/// Largest distance of the splines from the curve, by many samples, and back, beyond what their chords explain.
+/// Largest distance of the splines from the curve, by many samples, and back, beyond what their
+/// chords explain.
 fn apart(curve: &Curve, splines: &CurveSplines) -> [f64; 2] {
     let (mut samples, mut chords) = (Vec::new(), 0.0_f64);
     for piece in &splines.pieces {

@@ -1,14 +1,15 @@
 //! The bytes of the values in a model store: bincode 2, little endian, variable-length integers.
 //!
-//! Values are decoded with distrust: every length is held against the bytes that are left before memory is
-//! set aside beyond a first 1 MiB, texts are borrowed, and bytes that are left over are an error.
+//! Decoding does not trust the bytes: beyond a first 1 MiB, every length is compared with the
+//! remaining bytes before memory is reserved. Texts are borrowed, and bytes that remain are an
+//! error.
 
 use super::CodecError;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use transect_geometry::{Curve, Isometry3, LengthUnit, PlaneFamily, PlaneIndex};
 
-/// What a store says about itself. Field order is file layout, here and below.
+/// The header of a store. The order of fields is the file layout, here and below.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct HeaderValue<'a> {
     pub unit: LengthUnit,
@@ -31,7 +32,7 @@ pub(crate) struct ViewValue<'a> {
     pub planes: Vec<PlaneIndex>,
 }
 
-/// The fused curves of a plane, with the hash of what they were made of.
+/// The fused curves of a plane, with the hash of the partial curves they were made of.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct FusedValue<'a> {
     pub made_of: u64,
@@ -55,7 +56,7 @@ pub(crate) fn decode<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<T, Codec
 
 /// Adds bytes to an FNV-1a hash, beginning with [`super::HASH_OF_NOTHING`].
 ///
-/// Lengths are hashed too, so that bytes cannot wander from one piece to the next.
+/// Lengths are hashed too, so that moving bytes from one piece to the next changes the hash.
 pub(crate) fn hash_piece(hash: u64, piece: &[u8]) -> u64 {
     super::fnv1a_from(super::fnv1a_from(hash, &(piece.len() as u64).to_le_bytes()), piece)
 }

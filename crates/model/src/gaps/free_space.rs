@@ -1,32 +1,32 @@
-//! What is known of space: cells that rays passed through, cells with surface, and the rest.
+//! Known space: cells that rays crossed, cells with surface, and unknown cells.
 //!
-//! 1. A regular grid over all sensors and everything they saw, fine enough for its purpose and small enough
-//!    for memory.
+//! 1. A regular grid covers all sensors and all seen points.
 //! 2. Cells with observed surface are occupied.
-//! 3. Cells that a ray crosses on its way to the surface are free, but for those with surface.
+//! 3. Cells without surface that a ray crosses on its way to the surface are free.
 //! 4. All other cells are unknown.
 //!
-//! Rays cross cells in the manner of Amanatides and Woo, "A fast voxel traversal algorithm" (1987): the next
-//! cell is the one whose wall the ray reaches first.
+//! Rays are walked through the cells as by Amanatides and Woo, "A fast voxel traversal algorithm"
+//! (1987): the next cell is the one whose wall the ray reaches first.
 
 use nalgebra::Vector3;
 use transect_geometry::Point3;
 
-/// Cells along the longest side of the grid.
+/// Cells along the longest side of the grid. Chosen by hand: 96³ cells take 1 MB. Doubled, memory
+/// and time grow eightfold and narrower passages count as free.
 const LONGEST_SIDE: f64 = 96.0;
 
-/// What is known of a cell.
+/// The state of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cell {
-    /// No ray came here.
+    /// No ray crossed it.
     Unknown,
-    /// Rays passed through, so nothing is here, as far as the rays were apart.
+    /// Rays crossed it and no surface was seen in it.
     Free,
-    /// Surface was seen here.
+    /// Surface was seen in it.
     Occupied,
 }
 
-/// Which parts of space rays passed through.
+/// The parts of space that rays crossed.
 #[derive(Debug, Clone)]
 pub struct FreeSpace {
     low: Point3,
@@ -36,9 +36,10 @@ pub struct FreeSpace {
 }
 
 impl FreeSpace {
-    /// What rays tell, each from a sensor to the surface that it saw, in world coordinates.
+    /// The space of rays, each from a sensor to the surface point that it saw, in world
+    /// coordinates.
     ///
-    /// `None` if there is no ray with finite ends, or they all end at one point.
+    /// `None` if no ray has finite ends, or all ends are at one point.
     pub fn from_rays(rays: &[(Point3, Point3)]) -> Option<Self> {
         let finite = |(a, b): &&(Point3, Point3)| a.iter().chain(b.iter()).all(|c| c.is_finite());
         let rays: Vec<_> = rays.iter().filter(finite).collect();
@@ -68,14 +69,14 @@ impl FreeSpace {
         self.size
     }
 
-    /// What is known of a point.
+    /// The state of the cell that holds a point.
     pub fn at(&self, in_world: &Point3) -> Cell {
         let known = self.cell_of(in_world).and_then(|cell| self.number(cell));
         known.and_then(|n| self.cells.get(n)).copied().unwrap_or(Cell::Unknown)
     }
 
-    /// How much of the way from one point to another is known to be free, from 0 to 1; 0 if a surface that was
-    /// seen lies in between, further than `slack` from the second point.
+    /// The share of the way from one point to another that is known to be free, from 0 to 1; 0 if
+    /// an observed surface lies in between, farther than `slack` from the second point.
     pub fn free_share(&self, from: &Point3, to: &Point3, slack: f64) -> f64 {
         let length = (to - from).norm();
         let stop = (length - slack).max(0.0);
@@ -131,8 +132,8 @@ impl FreeSpace {
         (x < nx && y < ny && z < nz).then(|| (z * ny + y) * nx + x)
     }
 
-    /// Visits the cells from one point to another with the distance at which each is entered, for as long as
-    /// `go_on` says so; whether it always did.
+    /// Visits the cells from one point to another, with the distance at which each is entered,
+    /// until `go_on` returns false. Returns whether the whole way was walked.
     fn walk(&self, from: &Point3, to: &Point3, mut go_on: impl FnMut(f64, Cell) -> bool) -> bool {
         self.walk_numbers(from, to, |at, number| {
             go_on(at, self.cells.get(number).copied().unwrap_or(Cell::Unknown))
@@ -215,7 +216,8 @@ mod tests {
 
     #[test]
     fn a_way_through_unknown_space_counts_for_what_is_known_of_it() {
-        // From the rays' cone straight up, out of it halfway: it is as wide as it is long times 0.4.
+        // From the rays' cone straight up, out of it halfway: it is as wide as it is long times
+        // 0.4.
         let share = wall().free_share(&point(5.0, 0.0, 0.0), &point(5.0, 3.9, 0.0), 0.0);
         assert!((share - 2.0 / 3.9).abs() < 0.05, "{share}");
     }
@@ -229,7 +231,8 @@ mod tests {
     }
 
     proptest! {
-        /// The walk meets every cell that fine steps along the way meet: the slow way is the oracle.
+        /// The walk meets every cell that fine steps along the way meet: the slow way is the
+        /// oracle.
         #[test]
         fn the_walk_misses_no_cell(
             from in prop::array::uniform3(0.0..10.0),

@@ -1,22 +1,25 @@
-//! Gaps: the stretches of boundary that nobody saw (dissertation, sections 2.4.3 and 6.4).
+//! Gaps: unseen stretches of boundary (dissertation, sections 2.4.3 and 6.4).
 //!
-//! Problem: a model of real scans is open where surfaces were hidden, too dark or outside all images. What
-//! is missing is as much a result as what is there: it says where to look next.
+//! Problem: a model of real scans is open where surfaces were hidden, too dark or outside all
+//! images. The gaps are a result too: they show where to scan next.
 //!
-//! Idea: the boundary of a solid has no ends. Where a curve ends, the boundary goes on unseen until it
-//! comes to where a curve begins, so the open ends of a plane pair up, an end with a beginning.
+//! Idea: the boundary of a solid has no ends. Where a curve ends, the boundary continues unseen to
+//! the beginning of a curve. So the open ends of a plane form pairs of an end and a beginning.
 //!
-//! 1. Every end of an open curve is paired with the beginning of one, perhaps its own, cheapest pair first. The cost is
-//!    the straight distance, times up to five if the way would have to turn back: a curve does not close over itself.
-//! 2. A pair is a [`Gap`]; its width is the straight distance, the least that the unseen boundary can measure.
-//! 3. The solid lies on a gap's left as on that of a curve, so a gap knows where it can be seen from.
-//! 4. [`FreeSpace`] is what the rays of the views passed through; [`next_views`] tries its places as places for a
-//!    sensor and adds up the gaps in sight of each.
+//! 1. Every end of an open curve is paired with a beginning, possibly its own, cheapest pair first.
+//!    The cost is the straight distance, times up to five if the way turns back, because a boundary
+//!    rarely does.
+//! 2. A pair is a [`Gap`]; its width is the straight distance, the smallest possible length of the
+//!    unseen boundary.
+//! 3. The solid lies on the left of a gap, as on that of a curve. So the free side of a gap is
+//!    known.
+//! 4. [`FreeSpace`] is the space that the rays of the views crossed; [`next_views`] tries places in
+//!    it for a sensor and adds up the gaps in sight of each.
 //!
-//! Departures from the source: 6.4 names the selection of views as future work; all of this is ours.
+//! Departures from the source: 6.4 names the selection of views as future work; the method is ours.
 //!
-//! Cost: per plane O(n² log n) for n open curves. Do not take a gap's chord for a surface: the boundary between its
-//! ends can be anywhere behind what hid it.
+//! Cost: per plane O(n² log n) for n open curves. The chord of a gap is not a surface: the boundary
+//! between its ends can be anywhere in the unseen space.
 //!
 //! ```
 //! use transect_geometry::{Curve, Node, PlaneFrame, Point2, Point3, Vector3};
@@ -53,11 +56,12 @@ pub use next_view::{NextView, NextViewOptions, UnseenPatch, next_views};
 use crate::{CurveIndex, Section};
 use transect_geometry::{Curve, EndReason, PlaneFrame, Point2, Vector2};
 
-/// Pieces of one gap; more would only weigh down the search for views.
+/// Largest number of pieces of one gap. Chosen by hand; doubled, the search for views takes longer.
 const MOST_PATCHES: usize = 256;
 
-/// A stretch of boundary that nobody saw, between two open ends of one plane.
+/// An unseen stretch of boundary between two open ends of one plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Gap {
     /// The curve whose end begins the gap.
     pub after: CurveIndex,
@@ -65,7 +69,7 @@ pub struct Gap {
     pub before: CurveIndex,
     /// Where it begins and ends, in plane coordinates.
     pub ends: [Point2; 2],
-    /// Why the curve before it stops, and why the one behind it does not begin sooner; `None` where nobody knows.
+    /// Why the curve before the gap ends, and why the curve after it begins; `None` if unknown.
     pub reasons: [Option<EndReason>; 2],
 }
 
@@ -79,13 +83,14 @@ impl Gap {
         }
     }
 
-    /// The straight distance between its ends, in the length unit: the least the unseen boundary can measure.
+    /// The straight distance between its ends, in the length unit: the least the unseen boundary
+    /// can measure.
     pub fn width(&self) -> f64 {
         (self.ends[1] - self.ends[0]).norm()
     }
 
-    /// The gap as pieces of unseen surface in space, each at most `spacing` wide, if its plane stands for
-    /// `height` along the guide; all in the length unit.
+    /// The gap as pieces of unseen surface in space, each at most `spacing` wide, if its plane
+    /// stands for `height` along the guide; all in the length unit.
     pub fn patches(&self, frame: &PlaneFrame, spacing: f64, height: f64) -> Vec<UnseenPatch> {
         let (width, most) = (self.width(), MOST_PATCHES as f64);
         let Some(outward) = self.outward().filter(|_| spacing > 0.0) else {
@@ -102,14 +107,15 @@ impl Gap {
         (0..count).map(patch).collect()
     }
 
-    /// Unit vector away from the solid, across the chord and in plane coordinates; `None` for a gap of no width.
+    /// Unit vector away from the solid, perpendicular to the chord, in plane coordinates; `None`
+    /// for a gap without width.
     pub fn outward(&self) -> Option<Vector2> {
         let along = (self.ends[1] - self.ends[0]).try_normalize(0.0)?;
         Some(Vector2::new(along.y, -along.x))
     }
 }
 
-/// An open end of a curve: where it is and the unit vector along the curve there.
+/// An open end of a curve, with the unit vector along the curve there.
 struct OpenEnd {
     curve: CurveIndex,
     position: Point2,
@@ -158,7 +164,8 @@ impl Section {
     }
 }
 
-/// The straight distance from an end to a beginning, more if the way there must turn.
+/// The straight distance from an end to a beginning, with a larger factor the more the way must
+/// turn.
 fn cost(end: &OpenEnd, begin: &OpenEnd) -> f64 {
     let across = begin.position - end.position;
     let straight = across.norm();

@@ -1,24 +1,26 @@
 //! Where a next view would close most gaps (dissertation, section 6.4).
 //!
-//! Idea: a gap is closed by seeing its chord from its free side. Places for the sensor are where rays have
-//! passed, because only there is it known that nothing is in the way.
+//! Idea: a gap is closed by a view of its chord from the free side. The sensor is placed in space
+//! that rays crossed, because only that space is known to be free.
 //!
-//! 1. Every gap is sampled along its chord; a sample stands for its share of the chord times the height that its plane
-//!    stands for, an area.
-//! 2. Candidates are places in free space, evenly thinned.
-//! 3. A candidate sees a sample that faces it, is as near as anything seen so far, and has no observed surface in
-//!    between. Unknown space may hide one: the sample counts for the share of the way to it that is known to be free.
-//! 4. The candidate that sees the largest area is chosen, its part of each sample is struck off, and so on: the greedy
-//!    cover, whose total is at least 63 % of the best one (Nemhauser, Wolsey and Fisher 1978).
+//! 1. Every gap is sampled along its chord. The area of a sample is its share of the chord times
+//!    the interval of the planes.
+//! 2. Candidates are places in free space, evenly spaced.
+//! 3. A candidate sees a sample that faces it, lies within the sensor's reach, and has no observed
+//!    surface in between. Unknown space may hide a surface, so the sample counts with the share of
+//!    the way to it that is known to be free.
+//! 4. The candidate that sees the largest area is chosen, and its part of each sample is removed;
+//!    then the next is chosen. This greedy cover reaches at least 63 % of the largest total
+//!    (Nemhauser, Wolsey and Fisher 1978).
 //!
-//! Limits: sensors are points that see in all directions and can be anywhere in free space. Whoever places one
-//! knows better; the list is a proposal. Faces that lie along the section planes, such as the top of a table on level
-//! sections, are in no section, so only unknown space hints at them.
+//! Limits: sensors are points that see in all directions and can be anywhere in free space, so the
+//! list is a proposal. Faces parallel to the section planes, such as the top of a table on level
+//! sections, are in no section; only unknown space hints at them.
 
 use super::FreeSpace;
 use transect_geometry::{Point3, Vector3};
 
-/// A piece of an unseen surface, as the gaps of a plane tell of it.
+/// A piece of an unseen surface, from a gap of a plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UnseenPatch {
     /// Its middle, in the world.
@@ -29,37 +31,40 @@ pub struct UnseenPatch {
     pub area: f64,
 }
 
-/// How to look for views.
+/// Options of the search for views.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NextViewOptions {
-    /// How many views are wanted.
+    /// Number of views to propose.
     pub views: usize,
-    /// How obliquely a surface can be seen, as the angle between ray and surface normal, in radians.
+    /// Largest angle between ray and surface normal at which a surface is seen, in radians.
     pub max_incidence_rad: f64,
-    /// How far a sensor can see, in the length unit.
+    /// Largest distance at which the sensor sees a surface, in the length unit.
     pub reach: f64,
 }
 
-/// Candidates that are tried, and patches that are looked at: beyond these, evenly chosen ones stand for the rest.
+/// Largest number of candidates and of patches; larger sets are thinned evenly. Chosen by hand.
+/// Doubled, the search takes twice the time.
 const CANDIDATES: usize = 600;
 const PATCHES: usize = 4000;
 
 /// A place from which a view would close gaps.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct NextView {
     /// Where to put the sensor, in the world.
     pub position: Point3,
-    /// What to look at: the middle of what it would see.
+    /// The middle of the unseen area that it would see.
     pub target: Point3,
-    /// Unseen area expected in sight, beyond what earlier views of the list see, in the square of the length unit.
+    /// Unseen area expected in sight, without the area that earlier views of the list see, in the
+    /// square of the length unit.
     pub area: f64,
 }
 
-/// What a place sees: numbers of patches, and the share of each.
+/// The patches that a place sees, by number, with the share of each.
 type Sight = Vec<(usize, f64)>;
 
-/// The places from which most of the unseen area would be in sight, best first; fewer than asked for where nothing
-/// more can be gained.
+/// The places with the largest unseen area in sight, best first; fewer than asked for if no place
+/// sees more.
 pub fn next_views(
     patches: &[UnseenPatch],
     space: &FreeSpace,
@@ -73,7 +78,7 @@ pub fn next_views(
     let sights: Vec<(Point3, Sight)> = candidates(space).into_iter().map(look).collect();
     let mut chosen = Vec::new();
     while chosen.len() < options.views {
-        // The first of equals, so that the answer does not depend on anything else.
+        // The first of equal places, so that the answer is always the same.
         let areas = sights.iter().map(|(_, sight)| area(&patches, sight));
         let best = areas.zip(&sights).rev().max_by(|a, b| a.0.total_cmp(&b.0));
         let Some((area, (position, sight))) = best.filter(|(area, _)| *area > 0.0) else { break };
@@ -89,7 +94,7 @@ fn area(patches: &[UnseenPatch], sight: &Sight) -> f64 {
     sight.iter().map(|&(k, share)| patches[k].area * share).sum()
 }
 
-/// Evenly chosen patches, each standing for those left out beside it.
+/// Evenly chosen patches, each with the area of the patches left out beside it.
 fn thinned(patches: &[UnseenPatch]) -> Vec<UnseenPatch> {
     let stride = patches.len().div_ceil(PATCHES).max(1);
     let standing_for = |group: &[UnseenPatch]| {
@@ -110,7 +115,7 @@ fn candidates(space: &FreeSpace) -> Vec<Point3> {
     }
 }
 
-/// How much of a patch is expected in sight; `None` if nothing.
+/// The share of a patch expected in sight; `None` if it is hidden.
 fn share_in_sight(
     place: &Point3,
     patch: &UnseenPatch,
@@ -123,7 +128,7 @@ fn share_in_sight(
     if !faces || distance > options.reach {
         return None;
     }
-    // The edges of the gap are surface themselves: near it, a cell with surface proves nothing.
+    // The ends of the gap are surface themselves, so cells with surface near it do not hide it.
     let share = space.free_share(place, &patch.middle, 2.0 * space.cell_size());
     (share > 0.0).then_some(share)
 }
@@ -138,7 +143,8 @@ fn middle(patches: &[UnseenPatch], sight: &Sight) -> Point3 {
 mod tests {
     use super::*;
 
-    /// A sensor at the origin sees a wall at x = 10 with a post before it at x = 5; the wall behind the post is a gap.
+    /// A sensor at the origin sees a wall at x = 10 with a post before it at x = 5; the wall behind
+    /// the post is a gap.
     fn scene() -> (FreeSpace, Vec<UnseenPatch>) {
         let steps = || -40..=40;
         let seen =

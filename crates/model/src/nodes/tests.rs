@@ -46,7 +46,8 @@ fn steps() -> impl Strategy<Value = Vec<Step>> {
     prop::collection::vec(some, 1..30).prop_map(|steps| steps.concat())
 }
 
-/// Partners of a joint that splitting leaves behind: the curve itself, or the last one of its plane.
+/// Partners of a joint that splitting leaves behind: the curve itself, or the last one of its
+/// plane.
 const ITSELF: usize = 100;
 const LAST: usize = 101;
 
@@ -168,7 +169,7 @@ fn check_same(model: &Model, plain: &Plain) {
         assert_eq!(model.next_after(PlaneIndex(probe)).map(|(k, _)| k.0), next);
         assert_eq!(model.previous_before(PlaneIndex(probe)).map(|(k, _)| k.0), before);
     }
-    let runs = model.plane_runs();
+    let runs = model.sub_families();
     let in_runs = |k: i64| runs.iter().filter(|run| run.contains(&PlaneIndex(k))).count();
     for probe in -4..5 {
         assert_eq!(in_runs(probe), usize::from(sorted.iter().any(|(k, _)| *k == probe)));

@@ -189,8 +189,8 @@ fn the_distance_between_planes_is_the_one_in_space() {
     }
 }
 
-/// A ball of radius 1 that is hollow within a radius of 0.5, and the signed distance from its surface,
-/// positive in the solid.
+/// A ball of radius 1 that is hollow within a radius of 0.5, and the signed distance from its
+/// surface, positive in the solid.
 fn hollow_ball(interval: f64, nodes: usize) -> (Model, impl Fn(&Point3) -> f64) {
     let guide = transect_geometry::StraightGuide::along(transect_geometry::Vector3::z()).unwrap();
     let planes = PlaneFamily::new(guide, 0.3 * interval, interval).unwrap();

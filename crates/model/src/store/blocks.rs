@@ -1,10 +1,10 @@
-//! The lowest layer of a model store: a file of blocks that notice when they were damaged.
+//! The lowest layer of a model store: a file of blocks with checksums.
 //!
-//! Problem: the database underneath trusts what it reads. It verifies its own checksums only when it repairs
-//! or checks a whole file, and a damaged page may make it stop the program or answer wrongly.
+//! Problem: the database trusts the bytes that it reads. It verifies its own checksums only when it
+//! repairs or checks a whole file. A damaged page may stop the program or give a wrong answer.
 //!
-//! Idea: it never sees a damaged page. Between it and the file lies this layer, which keeps a checksum with
-//! every block and turns a wrong one into an I/O error, before the block reaches the database.
+//! Idea: this layer between database and file keeps a checksum with every block. A wrong checksum
+//! becomes an I/O error before the block reaches the database.
 //!
 //! ```text
 //! offset  size  what
@@ -17,15 +17,17 @@
 //!       length of the database's file (u64), first 384 bytes of that file, zeros
 //! ```
 //!
-//! All numbers are little endian. What the database takes for its file is block 0, which is the head's 384
-//! bytes and zeros behind them, followed by the data of the other blocks.
+//! All numbers are little endian. The database's file is block 0, which is the head's 384 bytes
+//! followed by zeros, and then the data of the other blocks.
 //!
-//! **Crashes.** The database never overwrites a block that its last commit refers to, so a block torn by a crash is one
-//! that nobody reads. Only the head is overwritten in place. A copy of it fits into one sector, which disks
-//! write whole or not at all, and of two sound copies the later one counts. A single damaged copy loses nothing.
+//! **Crashes.** The database never overwrites a block that its last commit refers to, so a block
+//! torn by a crash is never read. Only the head is overwritten in place. Each of its two copies
+//! fits into one sector, which disks write completely or not at all. Of two sound copies the later
+//! one counts, so one damaged copy loses no data.
 //!
-//! **Limits.** The checksum finds accidents, not attacks. A change of up to 32 neighbouring bits is found for certain,
-//! any other with a probability of 1 − 2⁻³². Space: 8 bytes per 4096.
+//! **Limits.** The checksum finds accidents and does not stop attacks. A change of up to 32
+//! neighbouring bits is always found, any other with a probability of 1 − 2⁻³². Space: 8 bytes per
+//! 4096.
 
 use super::medium::Medium;
 use redb::StorageBackend;
@@ -33,7 +35,7 @@ use std::io::{self, ErrorKind};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 pub(crate) const MAGIC: [u8; 8] = *b"TRANSECT";
-/// The layout of a store; other versions are files of whole models (`Model::save`).
+/// The version of a store's layout. Files of whole models (`Model::save`) have other versions.
 pub const STORE_VERSION: u32 = 7;
 
 const SECTOR: usize = 512;
@@ -43,40 +45,40 @@ const BLOCK: usize = 4096;
 /// A block with its checksum, as it is in the file.
 const STORED_BLOCK: usize = BLOCK + 8;
 const FIRST_BLOCK: u64 = 4096;
-/// How much of block 0 is kept; the database uses 320 bytes of it.
+/// Bytes of block 0 that are kept; the database uses 320 of them.
 const HEAD_DATA: usize = 384;
-/// Tells a written block from one that was never written, which is all zeros.
+/// Marks a written block. A block that was never written is all zeros.
 const WRITTEN: [u8; 4] = *b"TSB1";
 
-/// What is wrong with the bytes of a store.
+/// Damage of the bytes of a store.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Damage {
-    /// The first bytes are not those of a model.
+    /// The file does not begin like a model.
     #[error("not a Transect model")]
     NotAModel,
     /// A whole model or a store of another layout.
-    #[error("model version {found}; a store has version {STORE_VERSION}")]
+    #[error("file of version {found}; a store has version {STORE_VERSION}")]
     WrongVersion {
         /// Version in the file.
         found: u32,
     },
     /// The file ends too early.
-    #[error("truncated: {expected} bytes should be there, {found} are")]
+    #[error("truncated: {expected} bytes expected, {found} found")]
     Truncated {
-        /// How many bytes there should be.
+        /// Expected number of bytes.
         expected: u64,
-        /// How many there are.
+        /// Number of bytes found.
         found: u64,
     },
     /// Both copies of the head are damaged.
     #[error("damaged: neither copy of the head matches its checksum")]
     Head,
-    /// A block does not match its checksum, or was expected and never written.
+    /// A block does not match its checksum, or was never written.
     #[error("damaged: block {0} does not match its checksum")]
     Block(u64),
-    /// The database asks for what it never wrote.
-    #[error("damaged: a reference leads out of the file, to byte {0}")]
+    /// The database refers to a place outside of its file.
+    #[error("damaged: a reference points to byte {0}, outside of the file")]
     OutOfRange(u64),
 }
 
@@ -93,17 +95,17 @@ pub(crate) struct Blocks<M> {
     head: Mutex<Head>,
 }
 
-/// What is overwritten in place.
+/// The part of the file that is overwritten in place.
 #[derive(Debug, Clone)]
 struct Head {
     sequence: u64,
-    /// Length of what the database takes for its file, in bytes.
+    /// Length of the database's file, in bytes.
     length: u64,
     data: [u8; HEAD_DATA],
 }
 
 impl<M: Medium> Blocks<M> {
-    /// A store without contents, in a medium that has none.
+    /// An empty store in an empty medium.
     pub(crate) fn create(medium: M) -> io::Result<Self> {
         let head = Head { sequence: 0, length: 0, data: [0; HEAD_DATA] };
         medium.set_len(FIRST_BLOCK)?;
@@ -113,10 +115,10 @@ impl<M: Medium> Blocks<M> {
         Ok(blocks)
     }
 
-    /// The store that a medium has.
+    /// Opens the store in a medium.
     ///
     /// # Errors
-    /// [`Damage`] inside an I/O error, if it is none or is not whole.
+    /// [`Damage`] inside an I/O error, if the medium holds no store or an incomplete one.
     pub(crate) fn open(medium: M) -> io::Result<Self> {
         let found = medium.len()?;
         check_preamble(&medium, found)?;
@@ -126,7 +128,8 @@ impl<M: Medium> Blocks<M> {
         let copies = [read_head(&medium, HEAD_PLACES[0])?, read_head(&medium, HEAD_PLACES[1])?];
         let latest = copies.into_iter().flatten().max_by_key(|head| head.sequence);
         let head = latest.ok_or(Damage::Head)?;
-        // A crash while the file grew leaves it longer than the head says, never shorter.
+        // After a crash while it grew, the file may be longer than the head says, but never
+        // shorter.
         let expected = stored_length(head.length);
         if found < expected {
             return Err(Damage::Truncated { expected, found }.into());
@@ -135,7 +138,7 @@ impl<M: Medium> Blocks<M> {
     }
 
     fn head(&self) -> MutexGuard<'_, Head> {
-        // The head is replaced whole, so it is sound even if another thread stopped half way.
+        // The head is replaced at once, so it is sound even if another thread panicked.
         self.head.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -163,7 +166,7 @@ impl<M: Medium> Blocks<M> {
         Ok(())
     }
 
-    /// Refuses what lies outside of the database's file.
+    /// Refuses places outside of the database's file.
     fn check_range(&self, offset: u64, size: usize) -> io::Result<()> {
         let end = offset.checked_add(size as u64);
         let inside = end.is_some_and(|end| end <= self.head().length);
@@ -194,7 +197,7 @@ impl<M: Medium> StorageBackend for Blocks<M> {
         let (before, after) = (self.medium.len()?, stored_length(length));
         if after >= before {
             self.medium.set_len(after)?;
-            // The head must not announce blocks that a power cut could still take away.
+            // The head must not announce blocks that a power cut could still remove.
             self.medium.sync()?;
             return self.write_head(head);
         }
@@ -285,7 +288,7 @@ fn check_preamble(medium: &impl Medium, found: u64) -> io::Result<()> {
 
 fn trailer_of(number: u64, data: &[u8]) -> [u8; 8] {
     let mut crc = crc32fast::Hasher::new();
-    // With its number in the sum, a block in the wrong place is damaged too.
+    // The number is part of the sum, so a block in the wrong place counts as damaged.
     crc.update(&number.to_le_bytes());
     crc.update(data);
     let (sum, mark) = (crc.finalize().to_le_bytes(), WRITTEN);
@@ -298,7 +301,7 @@ fn whole_blocks(offset: u64, size: usize) -> io::Result<u64> {
     if whole { Ok(offset / BLOCK as u64) } else { Err(Damage::OutOfRange(offset).into()) }
 }
 
-/// Where a block is in the medium; block 0 is not among them.
+/// Place of a block in the medium, for blocks from 1.
 fn place_of(block: u64) -> u64 {
     FIRST_BLOCK.saturating_add((block - 1).saturating_mul(STORED_BLOCK as u64))
 }

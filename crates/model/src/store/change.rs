@@ -1,4 +1,4 @@
-//! Changing a store: views come, go and are replaced, each in one transaction.
+//! Changing a store: views are added, removed and replaced, each in one transaction.
 
 use super::Store;
 use super::error::{StoreError, StoreProblem};
@@ -6,23 +6,26 @@ use super::fuse::{Fuse, PlaneInputs};
 use super::tables::{
     FUSED, PARTIALS, PENDING, VIEWS, encode_curves, encode_fused, read_partials, read_view,
 };
-use super::view::{StoredView, ViewEntry, ViewId};
+use super::view::{StoredView, ViewEntry};
+use super::view_id::ViewId;
 use redb::WriteTransaction;
 use std::collections::BTreeSet;
 use transect_geometry::{Curve, PlaneIndex};
 
-/// How many bytes of partial curves are in memory at a time while planes are fused.
+/// Bytes of partial curves in memory at a time while planes are fused. Chosen by hand; doubled,
+/// fusing takes twice the memory and larger batches run in parallel.
 const BATCH_BYTES: usize = 16 << 20;
 
-/// A view on its way into a store; nothing of it is there before [`ViewTransaction::commit`].
+/// A view that is being added to a store. [`ViewTransaction::commit`] makes it part of the store.
 ///
-/// Dropping it leaves the store as it was. Snapshots can be read meanwhile and do not see it.
+/// If it is dropped, the store is unchanged. Snapshots can be read meanwhile and do not have the
+/// view.
 #[must_use = "nothing is stored before commit"]
 pub struct ViewTransaction<'s> {
     store: &'s Store,
     transaction: WriteTransaction,
     view: StoredView,
-    /// Set while a step is under way, and left set if it fails: half a view must not be committed.
+    /// True during a step and after a failed one, because half a view must not be committed.
     broken: bool,
 }
 
@@ -33,10 +36,11 @@ impl std::fmt::Debug for ViewTransaction<'_> {
 }
 
 impl Store {
-    /// Begins to put a view in.
+    /// Begins to add a view.
     ///
     /// # Errors
-    /// If there is a view of that id, its pose or noise is unsound, or another thread is changing the store.
+    /// If a view of that id exists, the pose or noise is invalid, or another thread is changing the
+    /// store.
     pub fn begin_view(&self, entry: ViewEntry) -> Result<ViewTransaction<'_>, StoreError> {
         self.begin(entry).map_err(|problem| self.error(problem))
     }
@@ -47,11 +51,11 @@ impl Store {
         if read_view(&transaction.open_table(VIEWS)?, &entry.id)?.is_some() {
             return Err(StoreProblem::ViewExists(entry.id));
         }
-        let view = StoredView { entry, planes: Vec::new(), curves: 0, nodes: 0 };
+        let view = StoredView::new(entry);
         Ok(ViewTransaction { store: self, transaction, view, broken: false })
     }
 
-    /// Takes a view out and fuses the planes anew on which it had curves.
+    /// Removes a view and fuses its planes again.
     ///
     /// # Errors
     /// If there is no such view, or the store cannot be read or written; it is then unchanged.
@@ -67,12 +71,12 @@ impl Store {
         Ok(view)
     }
 
-    /// Puts new curves in the place of a view's old ones, such as after a better registration, and fuses
-    /// the planes anew on which it had or has curves.
+    /// Replaces the curves of a view, for example after a better registration, and fuses its old
+    /// and new planes again.
     ///
     /// # Errors
-    /// As for [`Store::remove_view`] and [`Store::begin_view`]; the store is then unchanged. `entry` may
-    /// have another id than `id`, if no other view has that.
+    /// As for [`Store::remove_view`] and [`Store::begin_view`]; the store is then unchanged. The id
+    /// of `entry` may differ from `id`, if no other view has it.
     pub fn replace_view(
         &self,
         id: &ViewId,
@@ -96,7 +100,7 @@ impl Store {
         if read_view(&transaction.open_table(VIEWS)?, &entry.id)?.is_some() {
             return Err(StoreProblem::ViewExists(entry.id));
         }
-        let mut view = StoredView { entry, planes: Vec::new(), curves: 0, nodes: 0 };
+        let mut view = StoredView::new(entry);
         let mut touched: BTreeSet<_> = old.planes.into_iter().collect();
         for (plane, curves) in curves {
             if put_in(&transaction, &mut view, plane, &curves)? {
@@ -109,10 +113,10 @@ impl Store {
 }
 
 impl ViewTransaction<'_> {
-    /// Puts in the view's curves on one plane and fuses that plane anew.
+    /// Adds the view's curves on one plane and fuses that plane again.
     ///
     /// # Errors
-    /// If the plane was given before, or the store cannot be read or written.
+    /// If the plane was already given, or the store cannot be read or written.
     pub fn add_plane(
         &mut self,
         plane: PlaneIndex,
@@ -125,7 +129,7 @@ impl ViewTransaction<'_> {
         })
     }
 
-    /// Puts in the view's curves on several planes and fuses those planes anew, many at a time
+    /// Adds the view's curves on several planes and fuses those planes again, many at a time
     /// ([`Fuse::fuse_planes`]).
     ///
     /// # Errors
@@ -144,9 +148,9 @@ impl ViewTransaction<'_> {
         })
     }
 
-    /// Puts in the view's curves on several planes and leaves fusing them to [`Store::fuse_pending`].
+    /// Adds the view's curves on several planes, which [`Store::fuse_pending`] has to fuse later.
     ///
-    /// For many views that come at once: a plane that all of them touch is fused once.
+    /// For many views at once: a plane of several views is then fused once.
     ///
     /// # Errors
     /// As for [`ViewTransaction::add_plane`].
@@ -177,11 +181,11 @@ impl ViewTransaction<'_> {
         done.map_err(|problem| self.store.error(problem))
     }
 
-    /// Makes the view part of the store; when this returns, it would survive a power cut.
+    /// Makes the view part of the store. After this returns, the view survives a power cut.
     ///
     /// # Errors
-    /// If writing fails, such as on a full disk, or an earlier step failed; the store then is as it was
-    /// before the view.
+    /// If writing fails, such as on a full disk, or an earlier step failed; the store is then
+    /// unchanged.
     pub fn commit(self) -> Result<StoredView, StoreError> {
         let store = self.store;
         if self.broken {
@@ -199,7 +203,7 @@ fn finish(transaction: WriteTransaction, mut view: StoredView) -> Result<StoredV
     Ok(view)
 }
 
-/// Stores the partial curves of a view on a plane; `false` if there are none.
+/// Stores the partial curves of a view on a plane; `false` if the list is empty.
 fn put_in(
     transaction: &WriteTransaction,
     view: &mut StoredView,
@@ -215,13 +219,11 @@ fn put_in(
     if before.is_some() {
         return Err(StoreProblem::PlaneTwice(plane));
     }
-    view.planes.push(plane);
-    view.curves += curves.len() as u64;
-    view.nodes += curves.iter().map(|c| c.nodes().len() as u64).sum::<u64>();
+    view.count(plane, curves);
     Ok(true)
 }
 
-/// Removes a view and its partial curves, leaving the fused ones as they are.
+/// Removes a view and its partial curves. The fused curves are not changed yet.
 fn take_out(transaction: &WriteTransaction, id: &ViewId) -> Result<StoredView, StoreProblem> {
     let mut views = transaction.open_table(VIEWS)?;
     let view = read_view(&views, id)?.ok_or_else(|| StoreProblem::NoSuchView(id.clone()))?;
@@ -233,7 +235,8 @@ fn take_out(transaction: &WriteTransaction, id: &ViewId) -> Result<StoredView, S
     Ok(view)
 }
 
-/// Fuses planes anew from their partial curves; planes without any lose their section.
+/// Fuses planes again from their partial curves. The section of a plane without partial curves is
+/// removed.
 pub(super) fn fuse_again(
     transaction: &WriteTransaction,
     planes: impl IntoIterator<Item = PlaneIndex>,

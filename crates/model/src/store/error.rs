@@ -1,24 +1,24 @@
-//! Why something could not be done with a store.
+//! Errors of a store.
 
 use super::blocks::Damage;
-use super::view::ViewId;
+use super::view_id::ViewId;
 use crate::{CodecError, InvariantError};
 use std::io;
 use std::path::{Path, PathBuf};
 use transect_geometry::PlaneIndex;
 
-/// Why something could not be done with a store, with the file.
+/// An error of a store, with its file.
 #[derive(Debug, thiserror::Error)]
 #[error("the model store {}", path.display())]
 pub struct StoreError {
     /// The store's file.
     pub path: PathBuf,
-    /// What is wrong.
+    /// The problem.
     #[source]
     pub problem: StoreProblem,
 }
 
-/// What is wrong with a store, or with what was asked of it.
+/// The problem with a store, or with a call.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StoreProblem {
@@ -28,35 +28,35 @@ pub enum StoreProblem {
     /// Another thread of this process is changing the store.
     #[error("is being changed by another thread of this program")]
     Busy,
-    /// A snapshot is alive, and this needs the store alone.
-    #[error("is being read by this program; compacting and verifying need it alone")]
+    /// A snapshot exists, and the call needs the store alone.
+    #[error("is being read by this program; drop all snapshots before compacting and verifying")]
     Readers,
     /// The bytes of the file are not those that were written.
     #[error("cannot be read")]
     Damaged(#[source] Damage),
-    /// Reading or writing the file failed; nothing that was committed is lost.
+    /// Reading or writing the file failed. Committed views are not lost.
     #[error("could not be read or written")]
     Io(#[source] io::Error),
     /// The database found itself inconsistent.
     #[error("is inconsistent: {0}")]
     Inconsistent(String),
-    /// An earlier operation failed; the store must be opened again.
+    /// An earlier call failed; the store must be opened again.
     #[error("had a failure before and must be opened again")]
     Failed,
     /// A value does not decode.
     #[error("has an unreadable {what}")]
     Value {
-        /// What the value is of.
+        /// The owner of the value.
         what: String,
         /// Why.
         #[source]
         source: CodecError,
     },
-    /// The contents break a promise.
-    #[error("has unsound contents: {0}")]
+    /// The contents contradict each other.
+    #[error("has contents that contradict each other: {0}")]
     Unsound(String),
-    /// The header or a view is not sound.
-    #[error("would not be sound")]
+    /// The header or a view is invalid.
+    #[error("would be invalid")]
     Invariant(#[from] InvariantError),
     /// There is no such view.
     #[error("has no view \"{0}\"")]
@@ -64,21 +64,21 @@ pub enum StoreProblem {
     /// There is such a view already.
     #[error("has a view \"{0}\" already")]
     ViewExists(ViewId),
-    /// A view gave curves of one plane twice.
+    /// A view was given curves of one plane twice.
     #[error("was given plane {0} twice by one view")]
     PlaneTwice(PlaneIndex),
-    /// Planes wait for being fused, and what was asked needs their fused curves.
-    #[error("has {0} planes that are still to be fused; finish what was interrupted")]
+    /// Planes are still to be fused, and the call needs their fused curves.
+    #[error("has {0} planes that are still to be fused; finish the interrupted run first")]
     Pending(u64),
     /// The lines of an export could not be written.
     #[error("could not be exported")]
     Export(#[source] io::Error),
-    /// A line of an export does not say what should be there.
+    /// A line of an export is wrong.
     #[error("could not be imported: line {line}: {problem}")]
     Import {
         /// The line, from 1.
         line: usize,
-        /// What is wrong with it.
+        /// The problem.
         problem: String,
     },
 }
@@ -103,22 +103,13 @@ impl From<io::Error> for StoreProblem {
     }
 }
 
-impl From<redb::StorageError> for StoreProblem {
-    fn from(error: redb::StorageError) -> Self {
+impl From<redb::Error> for StoreProblem {
+    fn from(error: redb::Error) -> Self {
         match error {
-            redb::StorageError::Io(error) => error.into(),
-            redb::StorageError::PreviousIo | redb::StorageError::LockPoisoned(_) => Self::Failed,
-            other => Self::Inconsistent(other.to_string()),
-        }
-    }
-}
-
-impl From<redb::DatabaseError> for StoreProblem {
-    fn from(error: redb::DatabaseError) -> Self {
-        match error {
-            redb::DatabaseError::Storage(error) => error.into(),
-            redb::DatabaseError::DatabaseAlreadyOpen => Self::InUse,
-            redb::DatabaseError::TransactionInProgress => Self::Readers,
+            redb::Error::Io(error) => error.into(),
+            redb::Error::PreviousIo | redb::Error::LockPoisoned(_) => Self::Failed,
+            redb::Error::DatabaseAlreadyOpen => Self::InUse,
+            redb::Error::TransactionInProgress => Self::Readers,
             other => Self::Inconsistent(other.to_string()),
         }
     }
@@ -127,37 +118,21 @@ impl From<redb::DatabaseError> for StoreProblem {
 impl From<redb::TransactionError> for StoreProblem {
     fn from(error: redb::TransactionError) -> Self {
         match error {
-            redb::TransactionError::Storage(error) => error.into(),
             redb::TransactionError::WouldBlock => Self::Busy,
-            other => Self::Inconsistent(other.to_string()),
+            other => redb::Error::from(other).into(),
         }
     }
 }
 
-impl From<redb::TableError> for StoreProblem {
-    fn from(error: redb::TableError) -> Self {
-        match error {
-            redb::TableError::Storage(error) => error.into(),
-            other => Self::Inconsistent(other.to_string()),
+/// The database has an error type for each kind of call.
+macro_rules! from_database_error {
+    ($($kind:ident),*) => {$(
+        impl From<redb::$kind> for StoreProblem {
+            fn from(error: redb::$kind) -> Self {
+                redb::Error::from(error).into()
+            }
         }
-    }
+    )*};
 }
 
-impl From<redb::CommitError> for StoreProblem {
-    fn from(error: redb::CommitError) -> Self {
-        match error {
-            redb::CommitError::Storage(error) => error.into(),
-            other => Self::Inconsistent(other.to_string()),
-        }
-    }
-}
-
-impl From<redb::CompactionError> for StoreProblem {
-    fn from(error: redb::CompactionError) -> Self {
-        match error {
-            redb::CompactionError::Storage(error) => error.into(),
-            redb::CompactionError::TransactionInProgress => Self::Readers,
-            other => Self::Inconsistent(other.to_string()),
-        }
-    }
-}
+from_database_error!(StorageError, DatabaseError, TableError, CommitError, CompactionError);

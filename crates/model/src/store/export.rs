@@ -2,7 +2,7 @@
 
 use super::Store;
 use super::error::{StoreError, StoreProblem};
-use super::lines::{CurveText, EndLine, FusedLine, Line, PartialLine, StoreLine, ViewLine};
+use super::lines::{CurveText, EndLine, FusedLine, Line, PartialLine, StoreLine};
 use super::snapshot::Snapshot;
 use super::tables::{decode_fused, read_partials, read_views};
 use crate::codec::{HASH_OF_NOTHING, fnv1a_from};
@@ -36,7 +36,7 @@ impl Snapshot {
         let views = read_views(&self.views)?;
         let mut end = EndLine { views: views.len() as u64, planes: 0, hash: String::new() };
         for view in views {
-            out.write(&Line::View(ViewLine::from(view.entry)))?;
+            out.write(&Line::View(view.entry))?;
         }
         for entry in ReadableTable::iter(&self.fused)? {
             let (plane, value) = entry?;
@@ -59,7 +59,7 @@ fn texts(curves: &[Curve]) -> Vec<CurveText> {
     curves.iter().map(CurveText::from).collect()
 }
 
-/// Lines on their way out, with the hash of those that are.
+/// The output, with the hash of all lines written so far.
 struct Lines<W> {
     out: W,
     hash: u64,

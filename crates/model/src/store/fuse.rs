@@ -1,6 +1,6 @@
-//! How a store has the curves of a plane fused: by whoever opened it.
+//! Fusing the curves of a plane, a function that the caller gives to the store.
 
-use super::view::ViewId;
+use super::view_id::ViewId;
 use transect_geometry::{Curve, PlaneIndex};
 
 /// The partial curves of all views on one plane, in order of view ids.
@@ -14,16 +14,16 @@ pub struct PlaneInputs {
 
 /// A way to fuse the curves of one plane.
 ///
-/// It must be a pure function of what it is given: then the fused planes are a pure function of the
-/// set of partial models, whatever was added, removed and replaced before. Closures of
-/// [`Fuse::fuse`]'s form are ways to fuse.
+/// It must be a pure function of its arguments. Then the fused planes depend on the set of partial
+/// models alone, not on earlier additions and removals. Closures with the arguments of
+/// [`Fuse::fuse`] implement it.
 pub trait Fuse {
     /// The fused curves of a plane.
     fn fuse(&self, plane: PlaneIndex, partials: &[(ViewId, Vec<Curve>)]) -> Vec<Curve>;
 
-    /// The fused curves of several planes, in the same order; the place for parallel work.
+    /// The fused curves of several planes, in the same order. Implementations may work in parallel.
     ///
-    /// Fewer results than planes leave the last planes without curves.
+    /// If there are fewer results than planes, the last planes have no curves.
     fn fuse_planes(&self, planes: &[PlaneInputs]) -> Vec<Vec<Curve>> {
         planes.iter().map(|inputs| self.fuse(inputs.plane, &inputs.partials)).collect()
     }

@@ -6,7 +6,8 @@ use super::lines::{
 };
 use super::medium::Medium;
 use super::tables::{FUSED, PARTIALS, VIEWS, encode_curves, encode_fused};
-use super::view::{StoreHeader, StoredView, ViewEntry, ViewId};
+use super::view::{StoreHeader, StoredView, ViewEntry};
+use super::view_id::ViewId;
 use super::{Store, build};
 use crate::codec::values::hash_piece;
 use crate::codec::{HASH_OF_NOTHING, fnv1a_from};
@@ -19,11 +20,12 @@ use transect_geometry::{Curve, PlaneIndex};
 impl Store {
     /// Creates a store from the lines of an export, in a file that must not exist yet.
     ///
-    /// The fused curves are taken as they are; [`Snapshot::stale_planes`](super::Snapshot::stale_planes)
-    /// says whether a way to fuse gives the same.
+    /// The fused curves are taken as they are;
+    /// [`Snapshot::stale_planes`](super::Snapshot::stale_planes) compares them with the result of
+    /// fusing again.
     ///
     /// # Errors
-    /// [`StoreProblem::Import`] with the line that is wrong; no file is left then.
+    /// [`StoreProblem::Import`] with the wrong line; no file remains.
     pub fn import(path: impl AsRef<Path>, lines: impl BufRead) -> Result<Self, StoreError> {
         let path = path.as_ref();
         build(path, |file| Self::import_in(path, file, lines)).map_err(|problem| problem.at(path))
@@ -84,14 +86,22 @@ fn read_header(lines: &mut Lines<impl BufRead>) -> Result<StoreHeader, StoreProb
     Ok(line.into())
 }
 
-/// What was read so far.
+/// The contents that were read so far.
 #[derive(Default)]
 struct Contents {
     views: BTreeMap<ViewId, StoredView>,
     planes: u64,
     last_plane: Option<i64>,
-    /// The plane whose partial curves are being read, its last view, and the hash of the curves so far.
-    open: Option<(i64, ViewId, u64)>,
+    open: Option<OpenPlane>,
+}
+
+/// The plane whose partial curves are being read.
+struct OpenPlane {
+    plane: i64,
+    /// The view whose curves came last.
+    last: ViewId,
+    /// Hash of the curves so far.
+    hash: u64,
 }
 
 fn read_contents(
@@ -107,7 +117,7 @@ fn read_contents(
         };
         match line {
             Line::Store(_) => return Err(lines.problem("a second store")),
-            Line::View(line) => contents.add_view(line.into()).map_err(refused)?,
+            Line::View(entry) => contents.add_view(entry).map_err(refused)?,
             Line::Partial(line) => contents.add_partial(line, transaction).map_err(refused)?,
             Line::Fused(line) => contents.add_fused(line, transaction).map_err(refused)?,
             Line::End(line) => {
@@ -127,7 +137,7 @@ fn read_contents(
     Ok(())
 }
 
-/// Why a line was refused: for what it says, or because the store could not take it.
+/// Why a line was refused: its content is wrong, or the store cannot be written.
 enum Refused {
     Line(String),
     Store(StoreProblem),
@@ -152,8 +162,7 @@ impl Contents {
             return refuse("views come in order of their ids");
         }
         entry.check().or_else(refuse)?;
-        let view = StoredView { entry, planes: Vec::new(), curves: 0, nodes: 0 };
-        self.views.insert(view.entry.id.clone(), view);
+        self.views.insert(entry.id.clone(), StoredView::new(entry));
         Ok(())
     }
 
@@ -164,11 +173,12 @@ impl Contents {
     ) -> Result<(), Refused> {
         let PartialLine { plane, view: id, curves } = line;
         let hash = match &self.open {
-            Some((open, _, _)) if *open != plane => {
+            Some(open) if open.plane != plane => {
+                let open = open.plane;
                 return refuse(format_args!("plane {open} has no line of its fused curves"));
             }
-            Some((_, last, _)) if *last >= id => return refuse("views come in order of their ids"),
-            Some((_, _, hash)) => *hash,
+            Some(open) if open.last >= id => return refuse("views come in order of their ids"),
+            Some(open) => open.hash,
             None if self.last_plane.is_some_and(|last| last >= plane) => {
                 return refuse("planes come in order of station");
             }
@@ -183,11 +193,9 @@ impl Contents {
         }
         let value = encode_curves(&curves)?;
         transaction.open_table(PARTIALS)?.insert((plane, id.0.as_str()), value.as_slice())?;
-        view.planes.push(PlaneIndex(plane));
-        view.curves += curves.len() as u64;
-        view.nodes += curves.iter().map(|c| c.nodes().len() as u64).sum::<u64>();
+        view.count(PlaneIndex(plane), &curves);
         let hash = hash_piece(hash_piece(hash, id.0.as_bytes()), &value);
-        self.open = Some((plane, id, hash));
+        self.open = Some(OpenPlane { plane, last: id, hash });
         Ok(())
     }
 
@@ -197,7 +205,7 @@ impl Contents {
         transaction: &WriteTransaction,
     ) -> Result<(), Refused> {
         let hash = match self.open.take() {
-            Some((plane, _, hash)) if plane == line.plane => hash,
+            Some(open) if open.plane == line.plane => open.hash,
             _ => return refuse(format_args!("plane {} has no lines of its views", line.plane)),
         };
         let value = encode_fused(hash, &curves_of(line.curves)?)?;

@@ -1,4 +1,4 @@
-//! The exchange form of a store: lines of JSON, which outlive the database's format.
+//! The exchange form of a store: lines of JSON, which do not depend on the database's format.
 //!
 //! ```json
 //! {"store":{"format":"transect-model","version":3,"unit":"m","planes":{"guide":{"straight":{"direction":[0.0,0.0,1.0]}},
@@ -11,35 +11,38 @@
 //! ```
 //!
 //! A curved guide is `{"curved":{"kind":…,"points":[[x,y,z],…]}}`; its kind is `"spline"` or
-//! `{"polyline":RADIUS}`, the radius `null` if there is no limit to that of its corners.
+//! `{"polyline":RADIUS}`, with the radius `null` if corners have no largest radius.
 //!
-//! One line each (broken here to fit the page): the store; its views in order of ids; then plane by plane in order of
-//! station the partial curves of each view, in order of ids, and the fused ones; the end. A rotation is a
-//! quaternion `[i, j, k, w]`. A node is `[x, y, sigma, footprint, weight, views, correlation, tan_incidence, normal]`: plane
-//! coordinates, standard deviation and sample spacing in the model's unit, weight, number of views, length over which
-//! errors are shared, tangent of the incidence, and the surface's normal in plane coordinates. Where there are any, `"bridged"` lists the
-//! nodes whose following unit nobody saw, and `"ends"` why an open curve begins and ends (`"missing_pixel"`, `"range_jump"`,
-//! `"image_border"`, or null). The last line's hash is FNV-1a (64 bits, hexadecimal) of all bytes before that line, newlines included.
+//! Each object is one line (broken here to fit the page). First the store, then its views in order
+//! of ids. Then, plane by plane in order of station, the partial curves of each view in order of
+//! ids and the fused curves. Then the end. A rotation is a quaternion `[i, j, k, w]`. A node is
+//! `[x, y, sigma, footprint, weight, views, correlation, tan_incidence, normal]`: plane
+//! coordinates, standard deviation and sample spacing in the model's unit, weight, number of views
+//! (0 on bridged ground), length over which errors are shared, tangent of the incidence (0 if
+//! unknown), and the surface's normal in plane coordinates (zeros if unknown). If there are any,
+//! `"bridged"` lists the nodes whose following unit no view saw, and `"ends"` says why an open
+//! curve begins and ends (`"missing_pixel"`, `"range_jump"`, `"image_border"`, or null). The last
+//! line's hash is FNV-1a (64 bits, hexadecimal) of all bytes before that line, newlines included.
 //!
-//! Numbers have the fewest digits that read back as the same number: exporting what was imported gives the same bytes.
+//! Numbers have the fewest digits that read back as the same number, so an imported store exports
+//! as the same bytes.
 
-use super::view::{StoreHeader, ViewEntry, ViewId};
+use super::view::{StoreHeader, ViewEntry};
+use super::view_id::ViewId;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
-use transect_geometry::{
-    Curve, CurveError, EndReason, Isometry3, LengthUnit, Node, PlaneFamily, Point2,
-};
+use transect_geometry::{Curve, CurveError, EndReason, LengthUnit, Node, PlaneFamily, Point2};
 
 /// Value of the key `format` in the first line.
 pub(super) const FORMAT: &str = "transect-model";
-/// Version of this form; an import reads only its own.
+/// Version of this form; other versions are refused.
 pub const LINES_VERSION: u32 = 3;
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(super) enum Line {
     Store(StoreLine),
-    View(ViewLine),
+    View(ViewEntry),
     Partial(PartialLine),
     Fused(FusedLine),
     End(EndLine),
@@ -54,18 +57,6 @@ pub(super) struct StoreLine {
     pub planes: PlaneFamily,
     pub options: String,
     pub tool: String,
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct ViewLine {
-    pub id: ViewId,
-    pub name: String,
-    pub sensor: String,
-    pub source: String,
-    pub source_hash: String,
-    pub world_from_sensor: Isometry3,
-    pub sigma: Option<f64>,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -123,26 +114,14 @@ impl From<StoreLine> for StoreHeader {
     }
 }
 
-impl From<ViewEntry> for ViewLine {
-    fn from(entry: ViewEntry) -> Self {
-        let ViewEntry { id, name, sensor, source, source_hash, world_from_sensor, sigma } = entry;
-        Self { id, name, sensor, source, source_hash, world_from_sensor, sigma }
-    }
-}
-
-impl From<ViewLine> for ViewEntry {
-    fn from(line: ViewLine) -> Self {
-        let ViewLine { id, name, sensor, source, source_hash, world_from_sensor, sigma } = line;
-        Self { id, name, sensor, source, source_hash, world_from_sensor, sigma }
-    }
-}
-
 impl From<&Curve> for CurveText {
     fn from(curve: &Curve) -> Self {
         let node = |n: &Node| {
             let Node { position, sigma, footprint, weight, correlation, .. } = *n;
             let (x, y, normal) = (position.x, position.y, n.normal.unwrap_or_default().into());
-            let tan_incidence = n.tan_incidence.unwrap_or(0.0);
+            // As in the values of a store: 0 stands for unknown, so head-on is the smallest
+            // positive number.
+            let tan_incidence = n.tan_incidence.map_or(0.0, |tan| tan.max(f32::MIN_POSITIVE));
             (x, y, sigma, footprint, weight, n.view_count(), correlation, tan_incidence, normal)
         };
         let numbered = (0_u32..).zip(curve.nodes());
@@ -173,7 +152,7 @@ impl TryFrom<CurveText> for Curve {
         };
         let mut nodes: Vec<Node> = text.nodes.into_iter().map(node).collect();
         for k in text.bridged {
-            // A number past the end marks nothing.
+            // Numbers past the end are ignored.
             if let Some(node) = nodes.get_mut(k as usize) {
                 node.bridged = true;
             }

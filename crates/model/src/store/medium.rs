@@ -1,4 +1,4 @@
-//! Where the blocks of a store are kept: a file, or memory in tests.
+//! The medium that holds the blocks of a store: a file, or memory in tests.
 
 use std::fmt::Debug;
 use std::fs::File;
@@ -12,7 +12,7 @@ pub(crate) trait Medium: Debug + Send + Sync + 'static {
     fn write_at(&self, offset: u64, data: &[u8]) -> io::Result<()>;
     /// Cuts the end off, or appends zeros.
     fn set_len(&self, length: u64) -> io::Result<()>;
-    /// Returns when what was written would survive a power cut.
+    /// Returns when all written bytes survive a power cut.
     fn sync(&self) -> io::Result<()>;
 }
 

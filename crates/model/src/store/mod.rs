@@ -1,31 +1,34 @@
 //! The model database: one crash-safe file of views, partial models and fused planes
 //! (dissertation, section 2.5.2).
 //!
-//! Problem: weeks of scanning must survive crashes and full disks, may outgrow memory, and a view
-//! that turns out wrong must be able to leave.
+//! Problem: weeks of scanning must survive crashes and full disks, may be larger than memory, and a
+//! wrong view must be removable.
 //!
-//! Idea: the file keeps what every view saw, plane by plane, beside the fused planes. The fused curves of
-//! a plane are a pure function ([`Fuse`]) of the partial curves on it, in order of view ids. Removing or
-//! replacing a view fuses only the planes that it touched, and the result is that of a store which
-//! never had it.
+//! Idea: the file keeps the partial curves of every view, plane by plane, beside the fused planes.
+//! The fused curves of a plane are a pure function ([`Fuse`]) of the partial curves on it, in order
+//! of view ids. After a view is removed or replaced, its planes are fused again. The result is that
+//! of a store which never had it.
 //!
-//! 1. Each view comes, leaves or is replaced in one transaction; after a crash at any moment the file holds a whole
-//!    number of views.
-//! 2. Only the planes that a view touches are read and written, a batch in memory at a time.
-//!    Where many views come at once, fusing can wait for the last of them ([`ViewTransaction::defer_planes`],
-//!    [`Store::fuse_pending`]); nobody is shown curves that wait.
-//! 3. A [`Snapshot`] sees the last whole view, also while the next one is written.
-//! 4. Below the database (redb) every block has a checksum (`blocks`), so a damaged file gives an error and
-//!    neither a wrong answer nor a panic.
-//! 5. [`Store::export`] writes the contents as lines of JSON, which will be readable when this format is not.
+//! 1. Each view is added, removed or replaced in one transaction. After a crash at any moment the
+//!    file holds a whole number of views.
+//! 2. Only the planes of a view are read and written, one batch in memory at a time. Where many
+//!    views are added at once, fusing can wait for the last one ([`ViewTransaction::defer_planes`],
+//!    [`Store::fuse_pending`]). Until then the fused curves cannot be read.
+//! 3. A [`Snapshot`] has the views that were complete when it was taken, also while the next one is
+//!    written.
+//! 4. Below the database (redb) every block has a checksum (`blocks`), so a damaged file gives an
+//!    error, not a wrong answer or a panic.
+//! 5. [`Store::export`] writes the contents as lines of JSON, which can still be read when this
+//!    format is obsolete.
 //!
-//! One process at a time has the file open, for reading too; another gets [`StoreProblem::InUse`].
+//! One process at a time can open the file, even for reading; another process gets
+//! [`StoreProblem::InUse`].
 //!
-//! Departures from the dissertation: it keeps one merged model and forgets the partial ones.
+//! Departure from the dissertation: there one merged model is kept, without the partial ones.
 //!
-//! Cost: of a view, reading the partial curves of all views on the planes that it touches, and twice
-//! writing what changed. Do not use it for a model that is computed once, read once and small:
-//! [`Model::save`](crate::Model::save) is one plain file.
+//! Cost of a view: the partial curves of all views on its planes are read, and the changes are
+//! written twice. For a small model that is computed and read once, use a plain file:
+//! [`Model::save`](crate::Model::save).
 //!
 //! ```
 //! use transect_geometry::{Curve, Isometry3, LengthUnit, Node, PlaneFamily, PlaneIndex, Point2, StraightGuide, Vector3};
@@ -76,6 +79,7 @@ mod snapshot;
 mod tables;
 mod verify;
 mod view;
+mod view_id;
 
 #[cfg(test)]
 mod test_media;
@@ -90,7 +94,8 @@ pub use lines::LINES_VERSION;
 pub use query::SpaceQuery;
 pub use snapshot::Snapshot;
 pub use verify::Verification;
-pub use view::{StoreHeader, StoredView, ViewEntry, ViewId};
+pub use view::{StoreHeader, StoredView, ViewEntry};
+pub use view_id::ViewId;
 
 use crate::Section;
 use blocks::Blocks;
@@ -101,12 +106,13 @@ use std::path::{Path, PathBuf};
 use tables::{FUSED, HEADER, PARTIALS, PENDING, VIEWS};
 use transect_geometry::PlaneIndex;
 
-/// Memory for pages of the file; larger only saves reading pages again.
+/// Memory for pages of the file, in bytes. Chosen by hand; doubled, pages are read again less
+/// often.
 const CACHE_BYTES: usize = 64 << 20;
 
 /// A model in a file.
 ///
-/// Guaranteed of a file that opens: it holds a whole number of views. [`Store::verify`] checks the rest.
+/// A file that opens holds a whole number of views. [`Store::verify`] checks everything else.
 pub struct Store {
     path: PathBuf,
     database: Database,
@@ -131,8 +137,8 @@ impl Store {
     /// Opens a store.
     ///
     /// # Errors
-    /// [`StoreProblem::InUse`] if another process has it open, [`StoreProblem::Damaged`] if the file is no
-    /// whole store, or an I/O error.
+    /// [`StoreProblem::InUse`] if another process has it open, [`StoreProblem::Damaged`] if the
+    /// file is not a complete store, or an I/O error.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, StoreError> {
         let path = path.as_ref();
         let open = || {
@@ -168,7 +174,7 @@ impl Store {
         Ok(store)
     }
 
-    /// The store as it is now, for reading.
+    /// A snapshot of the store for reading.
     ///
     /// # Errors
     /// If the store is damaged.
@@ -196,7 +202,7 @@ impl Store {
         self.read()?.plane(plane)
     }
 
-    /// Gives the space of removed and replaced views back to the disk; `true` if there was any.
+    /// Returns the space of removed and replaced views to the disk; `true` if there was any.
     ///
     /// # Errors
     /// [`StoreProblem::Readers`] while a snapshot is alive, or an I/O error.
@@ -204,17 +210,17 @@ impl Store {
         self.database.compact().map_err(|error| StoreProblem::from(error).at(&self.path))
     }
 
-    /// Closes the file, and says if that fails; dropping the store does not say so.
+    /// Closes the file and returns the error if that fails. Dropping the store hides such an error.
     ///
     /// # Errors
-    /// An I/O error. Views that were committed are not lost by it.
+    /// An I/O error. Committed views are not lost.
     pub fn close(self) -> Result<(), StoreError> {
         self.database.close().map_err(|error| StoreProblem::from(error).at(&self.path))
     }
 
     fn write(&self) -> Result<WriteTransaction, StoreProblem> {
         let mut transaction = self.database.try_begin_write()?;
-        // Without this, opening after a crash would read the whole file.
+        // Without quick repair, opening after a crash reads the whole file.
         transaction.set_quick_repair(true);
         Ok(transaction)
     }
@@ -235,7 +241,8 @@ fn lock(file: &File) -> Result<(), StoreProblem> {
     })
 }
 
-/// Builds a store under another name and renames it when it is whole, so that no crash leaves half of one.
+/// Builds a store under another name and renames it when it is complete, so a crash never leaves
+/// half a store.
 fn build(
     path: &Path,
     fill: impl FnOnce(File) -> Result<Store, StoreProblem>,
@@ -252,13 +259,14 @@ fn build(
         Ok(store)
     });
     if named.is_err() {
-        // It holds nothing that was promised to anyone.
+        // The unfinished file has no use.
         let _ = fs::remove_file(&beside);
     }
     named
 }
 
-/// Makes a new name last: without this, a power cut could take it and the views committed since.
+/// Writes the folder to disk: otherwise a power cut could remove the new name and the views
+/// committed since.
 fn sync_folder_of(path: &Path) -> std::io::Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     if cfg!(unix) { File::open(folder.unwrap_or(Path::new(".")))?.sync_all() } else { Ok(()) }

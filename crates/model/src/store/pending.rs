@@ -1,8 +1,8 @@
-//! Planes whose fused curves are still to be made, because many views came at once.
+//! Planes that are still to be fused, because many views were added at once.
 //!
-//! Idea: a view is stored whole in its own transaction, with a mark on every plane that it touched. The marked
-//! planes are fused in one transaction after the last view. As long as there is a mark, whatever needs
-//! fused curves says [`StoreProblem::Pending`]; after a crash the marks are still there.
+//! Idea: a view is stored in its own transaction, with a mark on each of its planes. The marked
+//! planes are fused in one transaction after the last view. As long as a mark exists, calls that
+//! need fused curves return [`StoreProblem::Pending`]. After a crash the marks are still there.
 
 use super::Store;
 use super::change::fuse_again;
@@ -14,10 +14,10 @@ use redb::{ReadableTable, ReadableTableMetadata};
 use transect_geometry::PlaneIndex;
 
 impl Store {
-    /// Fuses the planes that wait for it, in one transaction, and returns how many they were.
+    /// Fuses all marked planes in one transaction and returns their number.
     ///
     /// # Errors
-    /// If the store cannot be read or written; the planes still wait then.
+    /// If the store cannot be read or written; the marks are then unchanged.
     pub fn fuse_pending(&self, fuse: &impl Fuse) -> Result<u64, StoreError> {
         self.fuse_marked(fuse).map_err(|problem| self.error(problem))
     }
@@ -35,7 +35,7 @@ impl Store {
 }
 
 impl Snapshot {
-    /// The planes that wait for being fused, in order of station.
+    /// The planes that are still to be fused, in order of station.
     ///
     /// # Errors
     /// If the store is damaged.
@@ -43,7 +43,7 @@ impl Snapshot {
         planes(&self.pending).map_err(|problem| self.error(problem))
     }
 
-    /// Refuses if planes wait for being fused.
+    /// Refuses if planes are still to be fused.
     pub(super) fn check_fused(&self) -> Result<(), StoreProblem> {
         match self.pending.len()? {
             0 => Ok(()),

@@ -1,4 +1,4 @@
-//! Inside, outside or unknown, for many points of a store that need not fit into memory.
+//! Inside, outside or unknown, for many points and a store that may be larger than memory.
 
 use super::error::StoreError;
 use super::snapshot::Snapshot;
@@ -7,10 +7,10 @@ use crate::{ModelVolume, PlaneSelection, SectionIndex, SpaceAnswer, VolumeSum};
 use std::collections::BTreeMap;
 use transect_geometry::{PlaneIndex, Point3};
 
-/// A snapshot that answers questions about points, and keeps the planes it was asked about lately.
+/// Locates points in a snapshot, and keeps the planes that were used last in memory.
 ///
-/// The first question about a plane reads and sorts it; later ones cost what those to a
-/// [`ModelIndex`](crate::ModelIndex) cost. Ask in order of station where that is possible.
+/// The first point near a plane reads and indexes it; later points cost as much as in a
+/// [`ModelIndex`](crate::ModelIndex). Locate points in order of station where possible.
 #[derive(Debug)]
 pub struct SpaceQuery {
     snapshot: Snapshot,
@@ -26,21 +26,22 @@ struct Kept {
     /// `None` for a plane without curves.
     index: Option<SectionIndex<'static>>,
     nodes: usize,
-    /// Number of the question that asked for it last.
+    /// Number of the question that used it last.
     asked: u64,
 }
 
 impl SpaceQuery {
-    /// Nodes that are kept in memory unless said otherwise; about 200 bytes each.
+    /// Default number of nodes in memory, about 200 bytes each. Chosen by hand; doubled, planes are
+    /// read again less often.
     pub const DEFAULT_CAPACITY: usize = 1_000_000;
 
-    /// A query that has read nothing yet and keeps at most `capacity` nodes, or the two planes
+    /// A query without planes in memory. It keeps at most `capacity` nodes, or the two planes
     /// around a point if these have more.
     pub fn new(snapshot: Snapshot, capacity: usize) -> Self {
         Self { snapshot, capacity, planes: BTreeMap::new(), nodes: 0, questions: 0 }
     }
 
-    /// Where a world point is; the same answer as [`Model::locate`](crate::Model::locate).
+    /// Locates a world point, with the same answer as [`Model::locate`](crate::Model::locate).
     ///
     /// # Errors
     /// If the store is damaged.
@@ -63,14 +64,14 @@ impl SpaceQuery {
             return Ok(());
         }
         let index = self.snapshot.plane(plane)?.map(SectionIndex::owning);
-        // A plane without curves takes space too.
+        // A plane without curves also takes memory.
         let nodes = index.as_ref().map_or(1, |index| index.section().node_count());
         self.planes.insert(plane, Kept { index, nodes, asked: self.questions });
         self.nodes += nodes;
         Ok(())
     }
 
-    /// Forgets planes, longest unasked first, until the rest is within the capacity.
+    /// Drops planes, least recently used first, until the rest is within the capacity.
     fn forget(&mut self) {
         while self.nodes > self.capacity {
             let oldest = self.planes.iter().min_by_key(|(_, kept)| kept.asked);
@@ -83,7 +84,8 @@ impl SpaceQuery {
 }
 
 impl Snapshot {
-    /// The volume of the solid, as [`Model::volume`](crate::Model::volume), one plane in memory at a time.
+    /// The volume of the solid, as [`Model::volume`](crate::Model::volume), one plane in memory at
+    /// a time.
     ///
     /// # Errors
     /// If the store is damaged.

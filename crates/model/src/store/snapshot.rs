@@ -1,10 +1,11 @@
-//! Reading a store: a snapshot sees the views that were committed when it was taken.
+//! Reading a store: a snapshot has the views that were committed when it was taken.
 
 use super::error::{StoreError, StoreProblem};
 use super::tables::{
     FUSED, HEADER, PARTIALS, PENDING, VIEWS, decode_fused, read_partials, read_view, read_views,
 };
-use super::view::{StoreHeader, StoredView, ViewEntry, ViewId};
+use super::view::{StoreHeader, StoredView, ViewEntry};
+use super::view_id::ViewId;
 use crate::{Model, Section, ViewRecord};
 use redb::{ReadOnlyTable, ReadTransaction, ReadableTable, ReadableTableMetadata};
 use std::ops::RangeBounds;
@@ -13,8 +14,8 @@ use transect_geometry::{Curve, PlaneIndex};
 
 /// A store as it was at one moment, for reading, from any thread.
 ///
-/// Later changes do not show. While snapshots are alive the file cannot give back the space of what
-/// was changed since, and cannot be compacted.
+/// Later changes are not visible in it. While a snapshot exists, the space of changed data is not
+/// reused, and the store cannot be compacted.
 pub struct Snapshot {
     path: PathBuf,
     header: StoreHeader,
@@ -46,7 +47,7 @@ impl Snapshot {
         })
     }
 
-    /// What the store says about itself.
+    /// The header of the store.
     pub fn header(&self) -> &StoreHeader {
         &self.header
     }
@@ -59,7 +60,7 @@ impl Snapshot {
         read_views(&self.views).map_err(|problem| problem.at(&self.path))
     }
 
-    /// One view; `None` if there is none of that id.
+    /// One view; `None` if no view has that id.
     ///
     /// # Errors
     /// If the store is damaged.
@@ -67,10 +68,10 @@ impl Snapshot {
         read_view(&self.views, id).map_err(|problem| problem.at(&self.path))
     }
 
-    /// How many planes have partial curves; some of them may have lost all their curves in fusion.
+    /// Number of planes with partial curves; some of them may have no fused curves.
     ///
     /// # Errors
-    /// If the store is damaged, or planes wait for being fused.
+    /// If the store is damaged, or planes are still to be fused.
     pub fn plane_count(&self) -> Result<u64, StoreError> {
         let count = || self.check_fused().and(self.fused.len().map_err(StoreProblem::from));
         count().map_err(|problem: StoreProblem| problem.at(&self.path))
@@ -79,7 +80,7 @@ impl Snapshot {
     /// The fused curves of a plane; `None` if it has none.
     ///
     /// # Errors
-    /// If the store is damaged, or planes wait for being fused ([`StoreProblem::Pending`]).
+    /// If the store is damaged, or planes are still to be fused ([`StoreProblem::Pending`]).
     pub fn plane(&self, plane: PlaneIndex) -> Result<Option<Section>, StoreError> {
         self.read_plane(plane).map_err(|problem| problem.at(&self.path))
     }
@@ -104,7 +105,7 @@ impl Snapshot {
     /// The planes that have curves, in order of station, one in memory at a time.
     ///
     /// # Errors
-    /// If the store is damaged, or planes wait for being fused; each item may report damage too.
+    /// If the store is damaged, or planes are still to be fused; each item may report damage too.
     pub fn planes(
         &self,
     ) -> Result<
@@ -114,8 +115,8 @@ impl Snapshot {
         self.planes_in(..)
     }
 
-    /// Those of some range of planes. Its first item is the next plane beyond a place on the
-    /// guide, its last item the one before.
+    /// The planes with curves in a range. Its first item is the next plane after the start of the
+    /// range, its last item the last one before its end.
     ///
     /// # Errors
     /// As for [`Snapshot::planes`].

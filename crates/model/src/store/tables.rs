@@ -1,4 +1,4 @@
-//! The tables of a store, and their values in the words of this crate.
+//! The tables of a store, with their values as types of this crate.
 //!
 //! ```text
 //! header    "header"        → unit, planes, options, tool
@@ -9,7 +9,8 @@
 //! ```
 
 use super::error::StoreProblem;
-use super::view::{StoredView, ViewId};
+use super::view::StoredView;
+use super::view_id::ViewId;
 use crate::codec::HASH_OF_NOTHING;
 use crate::codec::values::{FusedValue, decode, encode, hash_piece};
 use redb::{ReadableTable, TableDefinition};

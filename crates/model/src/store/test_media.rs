@@ -4,7 +4,7 @@ use super::medium::Medium;
 use std::io::{self, ErrorKind};
 use std::sync::{Arc, Mutex};
 
-/// What was done to a medium.
+/// A change of a medium.
 #[derive(Debug, Clone)]
 pub(crate) enum Operation {
     Write(u64, Vec<u8>),

@@ -385,7 +385,7 @@ fn a_whole_model_is_no_store_and_a_store_no_whole_model() {
     let refused = crate::Model::load(&store).unwrap_err();
     let cause = std::error::Error::source(&refused).unwrap().to_string();
     let (store, model) = (STORE_VERSION, crate::SCHEMA_VERSION);
-    assert_eq!(cause, format!("model file version {store}; this program reads version {model}"));
+    assert_eq!(cause, format!("model file of version {store}; this program reads version {model}"));
 }
 
 proptest! {

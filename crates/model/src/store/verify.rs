@@ -1,19 +1,21 @@
-//! Checking a whole store: checksums, the database's own trees, and every promise about the contents.
+//! Checking a whole store: checksums, the database's own trees, and all contents.
 
 use super::Store;
 use super::error::{StoreError, StoreProblem};
 use super::fuse::Fuse;
 use super::snapshot::Snapshot;
 use super::tables::{decode_curves, decode_fused, encode_fused, read_partials, read_views};
-use super::view::{StoredView, ViewId};
+use super::view::{StoredView, node_count};
+use super::view_id::ViewId;
 use crate::codec::HASH_OF_NOTHING;
 use crate::codec::values::hash_piece;
 use redb::{ReadableTable, ReadableTableMetadata};
 use std::collections::BTreeMap;
-use transect_geometry::{Curve, PlaneIndex};
+use transect_geometry::PlaneIndex;
 
-/// What [`Store::verify`] counted.
+/// The counts of [`Store::verify`].
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Verification {
     /// Views in the store.
     pub views: u64,
@@ -29,24 +31,24 @@ pub struct Verification {
     pub curves: u64,
     /// Nodes of the fused curves.
     pub nodes: u64,
-    /// FNV-1a over all contents; equal for stores of equal contents, however these came about.
+    /// FNV-1a hash of all contents; equal for stores of equal contents, whatever their history.
     pub hash: u64,
 }
 
 impl Store {
-    /// Reads the whole store and checks everything that is promised of it.
+    /// Reads the whole store and checks all its promises.
     ///
-    /// * Every block in use matches its checksum, and every page of the database the one kept with the
-    ///   reference to it.
+    /// * Every block in use matches its checksum, and every page of the database matches the
+    ///   checksum kept with the reference to it.
     /// * Every value decodes; headers, poses and curves are sound.
     /// * Views and partial curves name each other, with right counts.
-    /// * Every plane with partial curves has been fused, from the very curves that are there, or is
-    ///   marked as waiting for it.
+    /// * Every plane with partial curves was fused from exactly these curves, or is marked as still
+    ///   to be fused.
     ///
-    /// Whether fusing again gives the same curves is [`Snapshot::stale_planes`].
+    /// [`Snapshot::stale_planes`] checks whether fusing again gives the same curves.
     ///
     /// # Errors
-    /// What is wrong first, or [`StoreProblem::Readers`] while a snapshot is alive.
+    /// The first problem found, or [`StoreProblem::Readers`] while a snapshot exists.
     pub fn verify(&mut self) -> Result<Verification, StoreError> {
         let sound = self.database.check_integrity().map_err(StoreProblem::from);
         let checked = sound.and_then(|sound| match sound {
@@ -58,8 +60,8 @@ impl Store {
 }
 
 impl Snapshot {
-    /// The planes whose stored curves differ from what `fuse` makes of their partial curves, such as
-    /// after a change of the program.
+    /// The planes whose stored curves differ from those that `fuse` makes of their partial curves,
+    /// for example after a change of the program.
     ///
     /// # Errors
     /// If the store is damaged.
@@ -84,7 +86,8 @@ impl Snapshot {
 
     fn verify(&self) -> Result<Verification, StoreProblem> {
         let views = read_views(&self.views)?;
-        let mut seen = Seen::default();
+        let counted = views.iter().map(|v| (v.entry.id.clone(), StoredView::new(v.entry.clone())));
+        let mut seen = Seen { by_view: counted.collect(), ..Seen::default() };
         seen.counts.views = views.len() as u64;
         seen.counts.hash = HASH_OF_NOTHING;
         for entry in ReadableTable::iter(&self.views)? {
@@ -101,11 +104,17 @@ impl Snapshot {
         }
         self.finish_plane(&mut seen)?;
         if (self.fused.len()?, self.pending.len()?) != (seen.sections, seen.counts.pending) {
-            let problem = "there are sections or marks on planes without partial models";
+            let problem = "there are fused curves or marks on planes without partial curves";
             return Err(StoreProblem::Unsound(problem.to_owned()));
         }
-        check_views(&views, &seen.by_view)?;
-        Ok(seen.counts)
+        match views.iter().zip(seen.by_view.values()).find(|(view, counted)| view != counted) {
+            Some((view, _)) => {
+                let problem =
+                    format!("the curves of view {} are not those in its record", view.entry.id);
+                Err(StoreProblem::Unsound(problem))
+            }
+            None => Ok(seen.counts),
+        }
     }
 
     /// Checks the fused curves of the plane whose partial curves were just read.
@@ -121,7 +130,7 @@ impl Snapshot {
         let value = self.fused.get(plane.0)?.ok_or_else(|| unsound("was not fused"))?;
         let (made_of, curves) = decode_fused(plane, value.value())?;
         if made_of != seen.made_of {
-            return Err(unsound("was fused from other curves than it has"));
+            return Err(unsound("was fused from other curves than those in the store"));
         }
         seen.sections += 1;
         seen.counts.curves += curves.len() as u64;
@@ -132,7 +141,8 @@ impl Snapshot {
 }
 
 impl Snapshot {
-    /// The fused curves of a plane that waits for being fused are out of date or missing, but no litter.
+    /// A plane that is still to be fused may have old fused curves or none; old ones must be
+    /// readable.
     fn finish_pending(&self, plane: PlaneIndex, seen: &mut Seen) -> Result<(), StoreProblem> {
         seen.counts.pending += 1;
         if let Some(value) = self.fused.get(plane.0)? {
@@ -144,16 +154,17 @@ impl Snapshot {
     }
 }
 
-/// What was met on the way through the partial curves.
+/// The state of the walk through the partial curves.
 #[derive(Default)]
 struct Seen {
     counts: Verification,
-    /// Planes that were fused at some time.
+    /// Planes that have fused curves.
     sections: u64,
-    /// The plane whose partial curves are being read, and the hash of those so far.
+    /// The plane whose partial curves are being read, and the hash of the curves so far.
     plane: Option<PlaneIndex>,
     made_of: u64,
-    by_view: BTreeMap<ViewId, (Vec<PlaneIndex>, u64, u64)>,
+    /// Every view with the curves that were read so far.
+    by_view: BTreeMap<ViewId, StoredView>,
 }
 
 impl Seen {
@@ -172,39 +183,12 @@ impl Seen {
         }
         self.made_of = hash_piece(hash_piece(self.made_of, id.as_bytes()), value);
         let curves = decode_curves(plane, id, value)?;
-        let nodes = node_count(&curves);
         self.counts.partial_curves += curves.len() as u64;
-        self.counts.partial_nodes += nodes;
-        let view = self.by_view.entry(id.into()).or_default();
-        view.0.push(plane);
-        view.1 += curves.len() as u64;
-        view.2 += nodes;
+        self.counts.partial_nodes += node_count(&curves);
+        let unknown = || format!("there are curves of a view {id}, which has no record");
+        let view = self.by_view.get_mut(&id.into());
+        view.ok_or_else(|| StoreProblem::Unsound(unknown()))?.count(plane, &curves);
         self.add_hash(id.as_bytes(), value);
         Ok(())
     }
-}
-
-fn check_views(
-    views: &[StoredView],
-    seen: &BTreeMap<ViewId, (Vec<PlaneIndex>, u64, u64)>,
-) -> Result<(), StoreProblem> {
-    let known = |id: &ViewId| views.iter().any(|view| view.entry.id == *id);
-    if let Some(id) = seen.keys().find(|id| !known(id)) {
-        let problem = format!("there are curves of a view {id}, which is not there");
-        return Err(StoreProblem::Unsound(problem));
-    }
-    let nothing = (Vec::new(), 0, 0);
-    for view in views {
-        let (planes, curves, nodes) = seen.get(&view.entry.id).unwrap_or(&nothing);
-        if (&view.planes, view.curves, view.nodes) != (planes, *curves, *nodes) {
-            let id = &view.entry.id;
-            let problem = format!("view {id} has other curves than it says");
-            return Err(StoreProblem::Unsound(problem));
-        }
-    }
-    Ok(())
-}
-
-fn node_count(curves: &[Curve]) -> u64 {
-    curves.iter().map(|c| c.nodes().len() as u64).sum()
 }

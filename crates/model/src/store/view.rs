@@ -1,54 +1,37 @@
-//! What a store keeps about a view, and what it says about itself.
+//! The header of a store, and its records of views.
 
 use super::error::StoreProblem;
+use super::view_id::ViewId;
 use crate::check::{check_planes, check_pose, check_sigma};
 use crate::codec::values::{HeaderValue, ViewValue, decode, encode};
 use crate::{CodecError, InvariantError};
 use serde::{Deserialize, Serialize};
-use transect_geometry::{Isometry3, LengthUnit, PlaneFamily, PlaneIndex};
+use transect_geometry::{Curve, Isometry3, LengthUnit, PlaneFamily, PlaneIndex};
 
-/// What tells a view from the others: a text that the caller chooses, such as its name in the scan.
-///
-/// The order of ids is the order in which views are handed to fusion, so that it depends on the
-/// set of views alone and not on when each of them came.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub struct ViewId(pub String);
-
-impl std::fmt::Display for ViewId {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl From<&str> for ViewId {
-    fn from(id: &str) -> Self {
-        Self(id.to_owned())
-    }
-}
-
-/// What a store says about itself; fixed when it is created.
+/// The header of a store, fixed when it is created.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoreHeader {
     /// The unit of every length in the store.
     pub unit: LengthUnit,
     /// Where the section planes are.
     pub planes: PlaneFamily,
-    /// The settings under which views were modelled and fused; the store does not read them.
+    /// The settings with which views are modelled and fused, as text; the store does not read them.
     pub options: String,
     /// The program and its version.
     pub tool: String,
 }
 
 /// A view that goes into a store.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ViewEntry {
-    /// What tells it from other views.
+    /// Its id, which differs from those of other views.
     pub id: ViewId,
-    /// What it is called in reports.
+    /// Its name in reports.
     pub name: String,
     /// Its sensor, as the caller describes it; the store does not read it.
     pub sensor: String,
-    /// Where it came from, such as the file of its range image.
+    /// Its origin, such as the file of its range image.
     pub source: String,
     /// A hash of that source, as the caller writes it; empty if unknown.
     pub source_hash: String,
@@ -60,8 +43,9 @@ pub struct ViewEntry {
 
 /// A view that is in a store.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct StoredView {
-    /// What was put in.
+    /// The entry of the view.
     pub entry: ViewEntry,
     /// The planes on which it has curves, in order.
     pub planes: Vec<PlaneIndex>,
@@ -99,6 +83,18 @@ impl ViewEntry {
 }
 
 impl StoredView {
+    /// A view that has no curves yet.
+    pub(crate) fn new(entry: ViewEntry) -> Self {
+        Self { entry, planes: Vec::new(), curves: 0, nodes: 0 }
+    }
+
+    /// Counts its curves on one plane.
+    pub(crate) fn count(&mut self, plane: PlaneIndex, curves: &[Curve]) {
+        self.planes.push(plane);
+        self.curves += curves.len() as u64;
+        self.nodes += node_count(curves);
+    }
+
     pub(crate) fn encode(&self) -> Result<Vec<u8>, StoreProblem> {
         let ViewEntry { id, name, sensor, source, source_hash, world_from_sensor, sigma } =
             &self.entry;
@@ -135,4 +131,9 @@ impl StoredView {
         }
         Ok(Self { entry, planes, curves, nodes })
     }
+}
+
+/// Number of nodes of some curves.
+pub(crate) fn node_count(curves: &[Curve]) -> u64 {
+    curves.iter().map(|curve| curve.nodes().len() as u64).sum()
 }

@@ -16,10 +16,12 @@ use super::plane_image::PlaneImage;
 use super::samples::Samples;
 use crate::BreakRule;
 use crate::pixel_grid::Grid;
+use serde::{Deserialize, Serialize};
 use transect_device::{ImageSize, Neighbour, Pixel, View};
 
 /// How an intersection is told from a range jump.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum JumpTest {
     /// Two neighbours are of one surface unless it would be seen too obliquely.
     ScaleFree {

@@ -34,6 +34,7 @@
 //! [`one_pass`](crate::one_pass). Not for sensors without an inverse mapping.
 
 mod code;
+mod crossing;
 mod gap;
 mod label;
 mod link;
@@ -48,10 +49,9 @@ mod trace;
 pub use code::{Code, CodeImage, JumpTest};
 pub use label::{Label, LabelImage};
 pub use orient::DirectionRule;
-pub use plane_image::{PlaneImage, sensor_plane};
+use orient::Orient;
+pub use plane_image::PlaneImage;
 
-use crate::prepared::Prepared;
-use crate::smooth::Extent;
 use crate::subpixel::{AngularGrid, Solver, Subpixel};
 use crate::{
     MAX_CROSSINGS, PartialCounts, PartialCurve, PartialError, PartialModel, PlaneCurves,
@@ -62,11 +62,15 @@ use link::Contour;
 use nodes::Maker;
 use samples::Samples;
 use search::SearchOrder;
+use serde::{Deserialize, Serialize};
 use transect_device::View;
 use transect_geometry::PlaneFamily;
+use transect_image::PreparedView;
+use transect_image::smooth::Smoothing;
 
 /// What can be set.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct DissertationOptions {
     /// How an intersection is told from a range jump.
     pub jump: JumpTest,
@@ -108,8 +112,9 @@ pub fn partial_model(
 ) -> Result<PartialModel, PartialError> {
     require_inverse(view)?;
     // All of it, since gaps are bridged and thick labels thinned by what is around a curve.
-    let extent = options.smooth.then(Extent::default);
-    let prepared = Prepared::new(view, extent.as_ref(), |sigma| options.jump.smoothing_rule(sigma));
+    let smoothing = options.smooth.then(Smoothing::default);
+    let rule = |sigma| options.jump.smoothing_rule(sigma);
+    let prepared = PreparedView::new(view, smoothing.as_ref(), rule);
     let view = prepared.view();
     let axes = SectionAxes::new(view, planes)?;
     let samples = Samples::new(view, &axes, options.jump, prepared.sigma());
@@ -124,7 +129,7 @@ pub fn partial_model(
     };
     let mut model = PartialModel::default();
     model.counts.jumps = samples.jumps;
-    prepared.count(&mut model.counts);
+    model.take_prepared(&prepared);
     // A plane passes between two levels exactly if it is at the lower one or over it.
     let (low, high) = samples.extremes();
     for level in low.ceil() as i32..high.ceil() as i32 {
@@ -152,7 +157,7 @@ pub fn code_image(
     sigma: f64,
 ) -> CodeImage {
     let samples = Samples::new(view, axes, jump, sigma);
-    let plane_image = PlaneImage::new(view.frame(), &sensor_plane(axes, level));
+    let plane_image = PlaneImage::new(view.frame(), &axes.sensor_plane(level));
     let surface = Surface::new(&samples, &plane_image);
     let labels = LabelImage::new(&samples, level);
     CodeImage::new(&labels, &samples.grid, |p, n| surface.joined(p, n))
@@ -174,7 +179,7 @@ struct Modeler<'a> {
     order: &'a SearchOrder,
     angles: Option<&'a AngularGrid>,
     options: &'a DissertationOptions,
-    prepared: &'a Prepared<'a>,
+    prepared: &'a PreparedView<'a>,
 }
 
 impl Modeler<'_> {
@@ -185,7 +190,7 @@ impl Modeler<'_> {
         counts: &mut PartialCounts,
     ) -> Result<Vec<PartialCurve>, PartialError> {
         let (samples, options) = (self.samples, self.options);
-        let plane = sensor_plane(samples.axes, level);
+        let plane = samples.axes.sensor_plane(level);
         let plane_image = PlaneImage::new(samples.view.frame(), &plane);
         let surface = Surface::new(samples, &plane_image);
         let mut labels = LabelImage::new(samples, level);
@@ -200,10 +205,9 @@ impl Modeler<'_> {
         gap::bridge(&contour, samples, level, self.order, &mut links);
         let traces = trace::trace(&contour, &links, samples);
         let solver = Solver::new(samples.view, plane, options.subpixel, self.angles);
-        let (direction, prepared) = (options.direction, self.prepared);
         let (surface, plane_image) = (&surface, &plane_image);
-        let maker =
-            Maker { prepared, samples, surface, plane, plane_image, level, solver, direction };
+        let orient = Orient { rule: options.direction, samples, surface, plane, plane_image };
+        let maker = Maker { prepared: self.prepared, samples, surface, orient, level, solver };
         let curves: Vec<_> = traces.iter().filter_map(|t| maker.curve(t)).collect();
         counts.lone += traces.len() - curves.len();
         Ok(curves)

@@ -1,57 +1,35 @@
 //! From traces to curves: subpixel places, direction, and what is known about every node.
 
 use super::code::Surface;
-use super::orient::{self, DirectionRule};
-use super::plane_image::PlaneImage;
+use super::crossing::Crossing;
+use super::orient::Orient;
 use super::samples::Samples;
 use super::trace::{Border, Trace};
 use crate::PartialCurve;
-use crate::one_pass::tan_incidence;
-use crate::prepared::Prepared;
+use crate::node_values::{LARGEST_SIGMA_FACTOR, sine_between, tan_incidence};
 use crate::subpixel::{PairLine, Solver};
-use transect_device::{Neighbour, Pixel, Point3, SensorPlane, Vector3};
-use transect_geometry::{Node, Point2, Vector2};
+use transect_device::{Neighbour, Pixel, Point3, Vector3};
+use transect_geometry::{Node, Vector2};
+use transect_image::PreparedView;
 
-/// Bounds of the factor between range noise and the error across the curve: planes nearly tangent
-/// to the surface would claim any error, oblique surfaces an accuracy their normal does not support.
-const SIGMA_FACTORS: (f64, f64) = (0.25, 12.0);
-
-/// Smallest sine of the angle between ray and curve in the footprint.
-const MIN_SINE: f64 = 0.2;
+/// Smallest factor between range noise and the error across the curve: oblique surfaces would claim
+/// an accuracy that their normal does not support.
+const SMALLEST_SIGMA_FACTOR: f64 = 0.25;
 
 /// Nodes on each side over which the pixels along the curve are counted.
-const REACH: usize = 6;
+const COUNTED_NODES: usize = 6;
 
 /// Distance at which two nodes are one, as a share of the pair's length: rounding.
 const SAME: f64 = 1e-6;
-
-/// The plane crossing a border.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Crossing {
-    /// The pixel before the border.
-    pub first: Pixel,
-    /// The contour pixel, whose code the border belongs to.
-    pub second: Pixel,
-    pub neighbour: Neighbour,
-    /// Where, in plane coordinates.
-    pub position: Point2,
-    /// The pixel nearer to the crossing.
-    pub nearest: Pixel,
-    /// Distance between the two samples, in the length unit.
-    pair_length: f64,
-    bridged_after: bool,
-}
 
 /// Makes the curves of one plane.
 pub(super) struct Maker<'a> {
     pub samples: &'a Samples<'a>,
     pub surface: &'a Surface<'a>,
-    pub plane: SensorPlane,
-    pub plane_image: &'a PlaneImage,
+    pub orient: Orient<'a>,
     pub level: i32,
     pub solver: Solver<'a>,
-    pub direction: DirectionRule,
-    pub prepared: &'a Prepared<'a>,
+    pub prepared: &'a PreparedView<'a>,
 }
 
 impl Maker<'_> {
@@ -61,7 +39,7 @@ impl Maker<'_> {
         let mut crossings = self.crossings(trace);
         tidy(&mut crossings, closed);
         let mut ends = trace.ends;
-        if !orient::solid_on_left(self, &crossings, closed, trace.high_on_left) {
+        if !self.orient.solid_on_left(&crossings, closed, trace.high_on_left) {
             reverse(&mut crossings, closed);
             ends = ends.map(|[a, b]| [b, a]);
         }
@@ -212,7 +190,11 @@ fn reverse(crossings: &mut [Crossing], closed: bool) {
 /// section by that over the sine of the angle between surface and plane.
 fn sigma_factor(normal: &Vector3, ray: &Vector3) -> f64 {
     let factor = ray.dot(normal).abs() / normal.x.hypot(normal.y);
-    if factor.is_nan() { SIGMA_FACTORS.1 } else { factor.clamp(SIGMA_FACTORS.0, SIGMA_FACTORS.1) }
+    if factor.is_nan() {
+        LARGEST_SIGMA_FACTOR
+    } else {
+        factor.clamp(SMALLEST_SIGMA_FACTOR, LARGEST_SIGMA_FACTOR)
+    }
 }
 
 /// Length along the curve that one pixel covers: the coarser of the samples' spacing, seen along the
@@ -225,7 +207,7 @@ fn footprint(
     ray: &Vector3,
 ) -> f64 {
     let n = crossings.len();
-    let reach = REACH.min((n - 1) / 2);
+    let reach = COUNTED_NODES.min((n - 1) / 2);
     let at = |steps: i64| {
         let place = k as i64 + steps;
         let place = if closed { place.rem_euclid(n as i64) } else { place.clamp(0, n as i64 - 1) };
@@ -236,9 +218,7 @@ fn footprint(
     let pixels = rows.max(2 * reach as usize - rows);
     let chords = [(-reach, 0), (0, reach)].map(|(a, b)| (at(b).position - at(a).position).norm());
     let tangent = Vector2::new(-normal.y, normal.x).try_normalize(0.0).unwrap_or_else(Vector2::x);
-    let along = tangent.x * ray.x + tangent.y * ray.y;
-    let sine = (1.0 - along * along).max(0.0).sqrt().max(MIN_SINE);
-    let spacing = crossings[k].pair_length * (ray_sine(normal, ray)) / sine;
+    let spacing = crossings[k].pair_length * ray_sine(normal, ray) / sine_between(&tangent, ray);
     if pixels < 3 { spacing } else { spacing.max((chords[0] + chords[1]) / pixels as f64) }
 }
 
@@ -259,7 +239,7 @@ mod tests {
         let slope = Vector3::new(0.0, -0.6, 0.8);
         let from_above = sigma_factor(&slope, &-Vector3::z());
         assert!((from_above - 0.8 / 0.6).abs() < 1e-12, "{from_above}");
-        assert_eq!(sigma_factor(&Vector3::z(), &-Vector3::z()), SIGMA_FACTORS.1, "a floor");
-        assert_eq!(sigma_factor(&Vector3::zeros(), &Vector3::z()), SIGMA_FACTORS.1, "unknown");
+        assert_eq!(sigma_factor(&Vector3::z(), &-Vector3::z()), LARGEST_SIGMA_FACTOR, "a floor");
+        assert_eq!(sigma_factor(&Vector3::zeros(), &Vector3::z()), LARGEST_SIGMA_FACTOR, "unknown");
     }
 }

@@ -18,12 +18,17 @@
 //! does: seen from the sensor it is on the left, whatever side of the plane the sensor is on, and
 //! on the right on a mirrored grid.
 
-use super::nodes::{Crossing, Maker};
-use transect_device::{Handedness, Neighbour, Pixel};
+use super::code::Surface;
+use super::crossing::Crossing;
+use super::plane_image::PlaneImage;
+use super::samples::Samples;
+use serde::{Deserialize, Serialize};
+use transect_device::{Handedness, Neighbour, Pixel, SensorPlane};
 use transect_geometry::{Point2, Vector2};
 
 /// How a curve's direction is found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum DirectionRule {
     /// From where the rays of a border's two pixels meet the plane.
     #[default]
@@ -32,28 +37,35 @@ pub enum DirectionRule {
     Codes,
 }
 
-/// Whether a traced curve already has its solid on the left.
-pub(super) fn solid_on_left(
-    maker: &Maker,
-    crossings: &[Crossing],
-    closed: bool,
-    high_on_left: bool,
-) -> bool {
-    let votes = match maker.direction {
-        DirectionRule::PlanePoints => by_plane_points(maker, crossings, closed),
-        DirectionRule::Codes => by_codes(maker, crossings),
-    };
-    if votes == 0.0 {
-        high_on_left == (maker.samples.view.frame().handedness() == Handedness::ColumnsRight)
-    } else {
-        votes > 0.0
+/// Finds the direction of the curves of one plane.
+#[derive(Clone, Copy)]
+pub(super) struct Orient<'a> {
+    pub rule: DirectionRule,
+    pub samples: &'a Samples<'a>,
+    pub surface: &'a Surface<'a>,
+    pub plane: SensorPlane,
+    pub plane_image: &'a PlaneImage,
+}
+
+impl Orient<'_> {
+    /// Whether a traced curve already has its solid on the left.
+    pub fn solid_on_left(&self, crossings: &[Crossing], closed: bool, high_on_left: bool) -> bool {
+        let votes = match self.rule {
+            DirectionRule::PlanePoints => by_plane_points(self, crossings, closed),
+            DirectionRule::Codes => by_codes(self, crossings),
+        };
+        if votes == 0.0 {
+            high_on_left == (self.samples.view.frame().handedness() == Handedness::ColumnsRight)
+        } else {
+            votes > 0.0
+        }
     }
 }
 
 /// Sum of the votes: each is the sine between the curve and the direction to the inside.
-fn by_plane_points(maker: &Maker, crossings: &[Crossing], closed: bool) -> f64 {
+fn by_plane_points(orient: &Orient<'_>, crossings: &[Crossing], closed: bool) -> f64 {
     let vote = |k: usize| {
-        let towards_inside = towards_inside(maker, &crossings[k])?;
+        let towards_inside = towards_inside(orient, &crossings[k])?;
         tangent(crossings, k, closed).map(|t| t.perp(&towards_inside))
     };
     (0..crossings.len()).filter_map(vote).sum()
@@ -61,13 +73,13 @@ fn by_plane_points(maker: &Maker, crossings: &[Crossing], closed: bool) -> f64 {
 
 /// Unit direction in the plane from free space to behind the surface; `None` unless both rays meet
 /// the plane, one of them before the surface.
-fn towards_inside(maker: &Maker, crossing: &Crossing) -> Option<Vector2> {
-    let frame = maker.samples.view.frame();
+fn towards_inside(orient: &Orient<'_>, crossing: &Crossing) -> Option<Vector2> {
+    let frame = orient.samples.view.frame();
     let on_plane = |p: Pixel| -> Option<(Point2, bool)> {
-        let value = maker.plane_image.get(p);
+        let value = orient.plane_image.get(p);
         let point = value.is_finite().then(|| frame.point(p, value)).flatten()?;
-        let object = f64::from(maker.samples.view.image().get(p)?);
-        Some((maker.samples.axes.in_plane(&point), maker.plane_image.is_before(p, object)))
+        let object = f64::from(orient.samples.view.image().get(p)?);
+        Some((orient.samples.axes.in_plane(&point), orient.plane_image.is_before(p, object)))
     };
     let (a, a_is_free) = on_plane(crossing.first)?;
     let (b, b_is_free) = on_plane(crossing.second)?;
@@ -87,15 +99,15 @@ fn tangent(crossings: &[Crossing], k: usize, closed: bool) -> Option<Vector2> {
 }
 
 /// Number of nodes for which steps a–d find the direction right, less those that find it wrong.
-fn by_codes(maker: &Maker, crossings: &[Crossing]) -> f64 {
+fn by_codes(orient: &Orient<'_>, crossings: &[Crossing]) -> f64 {
     let mut votes = 0.0;
     let mut last: Option<Pixel> = None;
     for (k, crossing) in crossings.iter().enumerate() {
         if k > 0 && crossings[k - 1].second != crossing.second {
             last = Some(crossings[k - 1].second);
         }
-        if let Some(right) = last.and_then(|last| right_pixel(maker, last, crossing))
-            && let Some(correct) = is_correct(maker, right)
+        if let Some(right) = last.and_then(|last| right_pixel(orient, last, crossing))
+            && let Some(correct) = is_correct(orient, right)
         {
             votes += if correct { 1.0 } else { -1.0 };
         }
@@ -104,31 +116,31 @@ fn by_codes(maker: &Maker, crossings: &[Crossing]) -> f64 {
 }
 
 /// Step b: the pixel on the right of the way from the last contour pixel to this one.
-fn right_pixel(maker: &Maker, last: Pixel, crossing: &Crossing) -> Option<Pixel> {
-    let grid = &maker.samples.grid;
+fn right_pixel(orient: &Orient<'_>, last: Pixel, crossing: &Crossing) -> Option<Pixel> {
+    let grid = &orient.samples.grid;
     let (rows, cols) = grid.offset(last, crossing.second);
     let sign = |x: f64| if x == 0.0 { 0 } else { x.signum() as i32 };
     let (down, right) = match crossing.neighbour {
         Neighbour::Up => (sign(cols), 0),
         Neighbour::Left => (0, -sign(rows)),
     };
-    let mirrored = maker.samples.view.frame().handedness() == Handedness::ColumnsLeft;
+    let mirrored = orient.samples.view.frame().handedness() == Handedness::ColumnsLeft;
     let (down, right) = if mirrored { (-down, -right) } else { (down, right) };
     let pixel = ((down, right) != (0, 0)).then(|| grid.step(crossing.second, down, right));
-    pixel.flatten().filter(|right| maker.surface.alike(crossing.second, *right))
+    pixel.flatten().filter(|right| orient.surface.alike(crossing.second, *right))
 }
 
 /// Steps a, c and d; `None` where the pixel is missing, its ray starts on the plane, or it meets the
 /// plane where the sensor does not see.
-fn is_correct(maker: &Maker, right: Pixel) -> Option<bool> {
-    let view = maker.samples.view;
-    let (ray, plane) = (view.frame().ray(right)?, &maker.plane);
+fn is_correct(orient: &Orient<'_>, right: Pixel) -> Option<bool> {
+    let view = orient.samples.view;
+    let (ray, plane) = (view.frame().ray(right)?, &orient.plane);
     let height = plane.normal.dot(&ray.start.coords) - plane.offset;
     let meets = height * plane.normal.dot(&ray.direction) < 0.0;
-    if height == 0.0 || (meets && maker.plane_image.get(right).is_infinite()) {
+    if height == 0.0 || (meets && orient.plane_image.get(right).is_infinite()) {
         return None;
     }
     let object = f64::from(view.image().get(right)?);
-    let right_is_outside = maker.plane_image.is_before(right, object);
+    let right_is_outside = orient.plane_image.is_before(right, object);
     Some((height > 0.0) == right_is_outside)
 }

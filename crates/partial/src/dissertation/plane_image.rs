@@ -1,17 +1,6 @@
 //! The plane range image: what the sensor would measure of one plane (3.4.1).
 
-use crate::SectionAxes;
 use transect_device::{DeviceFrame, ImageSize, Pixel, SensorPlane};
-
-/// The plane at a level from the axes' base, in the sensor frame.
-pub fn sensor_plane(axes: &SectionAxes, level: i32) -> SensorPlane {
-    let form = axes.level();
-    // A level's gradient has the length of 1 / interval.
-    SensorPlane {
-        normal: form.gradient * axes.interval(),
-        offset: (f64::from(level) - form.constant) * axes.interval(),
-    }
-}
 
 /// One range-related value of a plane per pixel, in the unit of the range image, made through the
 /// inverse mapping F.

@@ -25,8 +25,8 @@
 //!
 //! [`Subpixel`]: crate::subpixel::Subpixel
 
-use super::contours::Kind;
 use super::crossing::{Crossing, parameter};
+use super::vertex::Kind;
 use crate::PartialError;
 use std::sync::Arc;
 use transect_device::{

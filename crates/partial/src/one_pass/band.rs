@@ -3,7 +3,7 @@
 //! A band is small enough for the processor's cache, so following its links costs little. It begins
 //! with the left pairs of the row before it, its *guests*, which belong to the band above.
 
-use super::contours::Vertex;
+use super::vertex::Vertex;
 
 /// No crossing, no piece.
 pub(super) const NONE: u32 = u32::MAX;

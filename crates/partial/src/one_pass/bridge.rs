@@ -21,8 +21,9 @@
 //!
 //! **Cost.** That of sorting the ends.
 
-use super::contours::{Contours, Polyline, Vertex};
+use super::contours::{Contours, Polyline};
 use super::crossing::Crossing;
+use super::vertex::Vertex;
 use crate::BreakRule;
 use crate::continuation::{self, Place, REACH};
 use crate::pixel_grid::Grid;

@@ -1,9 +1,9 @@
 //! From pieces to whole lines, in their final order and place.
 
 use super::band::{NONE, capacity_bytes};
-use super::contours::Vertex;
 use super::part::Part;
 use super::trace::Piece;
+use super::vertex::Vertex;
 use rayon::prelude::*;
 use std::ops::Range;
 use transect_device::{Handedness, View};

@@ -5,88 +5,14 @@ use super::chains::{Line, assemble};
 use super::part::Part;
 use super::source::Source;
 use super::trace::{Border, Piece, stitch};
-use crate::{BreakRule, MAX_CROSSINGS, PartialError, SectionAxes};
-use fearless_simd::Level;
+use super::vertex::{Kind, Vertex, decode};
+use crate::{BreakRule, Instructions, MAX_CROSSINGS, PartialError, SectionAxes};
 use rayon::prelude::*;
 use transect_device::{Pixel, View};
 use transect_geometry::PlaneIndex;
 
 /// Crossings per band: with 25 bytes for each, a band fits a processor's second cache level.
 const BAND_SIZE: usize = 1 << 14;
-
-/// A plane crossing a pair of neighbouring samples, with its linear subpixel solution.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[repr(C)]
-pub struct Vertex {
-    /// The pair, see [`Contours::pair`].
-    pub edge: u32,
-    /// Where between the pair's first sample (0) and its second (1).
-    pub t: f32,
-    /// In-plane coordinate along the plane frame's x axis, from [`Contours::origin`].
-    pub x: f32,
-    /// In-plane coordinate along the plane frame's y axis, from [`Contours::origin`].
-    pub y: f32,
-}
-
-/// What kind of pair of neighbours.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// A pixel and the one above, which is the first sample.
-    Up,
-    /// A pixel and the one to its left, which is the first sample.
-    Left,
-    /// The diagonal of a cell from its upper right pixel to its lower left one.
-    Rising,
-    /// The diagonal of a cell from its upper left pixel to its lower right one.
-    Falling,
-}
-
-/// Number of a pair: ascending by row, then upward pairs, left pairs, diagonals, each by column. Row
-/// and column are those of the lower right pixel of the cells that the pair belongs to.
-pub(super) fn edge_code(row: usize, kind: Kind, col: usize, cols: usize) -> u32 {
-    let within = match kind {
-        Kind::Up => col,
-        Kind::Left => cols + col,
-        Kind::Rising => 2 * (cols + col),
-        Kind::Falling => 2 * (cols + col) + 1,
-    };
-    (row * 4 * cols + within) as u32
-}
-
-/// Kind of a pair, and the pixel it is numbered by.
-pub(super) fn decode(edge: u32, cols: usize) -> (Kind, Pixel) {
-    let (row, within) = (edge as usize / (4 * cols), edge as usize % (4 * cols));
-    let (kind, col) = match within / cols {
-        0 => (Kind::Up, within),
-        1 => (Kind::Left, within - cols),
-        _ if within % 2 == 0 => (Kind::Rising, within / 2 - cols),
-        _ => (Kind::Falling, within / 2 - cols),
-    };
-    (kind, Pixel::new(row, col))
-}
-
-/// Which instructions the inner loops may use. Results are the same to the bit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Instructions {
-    /// The best that the processor has.
-    #[default]
-    Best,
-    /// AVX2 where the processor has it, else as portable.
-    Avx2,
-    /// Those that every processor of the build's target has.
-    Portable,
-}
-
-impl Instructions {
-    pub(crate) fn level(self) -> Level {
-        match self {
-            Self::Best => Level::new(),
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Self::Avx2 => Level::new().as_avx2().map_or_else(Level::baseline, Level::Avx2),
-            _ => Level::baseline(),
-        }
-    }
-}
 
 /// How the work is done; nothing here changes the curves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -97,15 +23,11 @@ pub struct Effort {
     pub parts: usize,
     /// Crossings that are linked and followed at a time.
     pub band_size: usize,
-    /// Whether every pixel is smoothed that can be, and not only those that can take part in a curve.
-    /// Curves are the same; what is counted of pixels and pairs off the curves is not.
-    pub smooth_all: bool,
 }
 
 impl Default for Effort {
     fn default() -> Self {
-        let (instructions, band_size) = (Instructions::Best, BAND_SIZE);
-        Self { instructions, parts: 1, band_size, smooth_all: false }
+        Self { instructions: Instructions::Best, parts: 1, band_size: BAND_SIZE }
     }
 }
 

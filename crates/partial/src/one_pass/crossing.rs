@@ -1,6 +1,6 @@
 //! Crossings of planes with pixel pairs, and their linear subpixel solution (section 3.6), in `f64`.
 
-use super::contours::Kind;
+use super::vertex::Kind;
 use crate::SectionAxes;
 use transect_device::{Pixel, Point3, Vector3, View};
 use transect_geometry::Point2;

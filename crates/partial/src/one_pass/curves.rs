@@ -3,18 +3,19 @@
 use super::OnePassOptions;
 use super::along_guide::AlongGuide;
 use super::bridge::{Gaps, Solved, Strand};
-use super::contours::{Contours, Kind, Polyline};
+use super::contours::{Contours, Polyline};
 use super::crossing::{Crossing, solve};
 use super::ends::ends;
 use super::near_tangent::NearTangent;
 use super::nodes::NodeMaker;
 use super::pair_line::PairLines;
 use super::refine::Refinement;
+use super::vertex::Kind;
 use crate::pixel_grid::Grid;
-use crate::prepared::Prepared;
 use crate::{BreakRule, EndReason, PartialCurve, PartialModel, PlaneCurves, SectionAxes};
-use transect_device::{Pixel, Vector3};
+use transect_device::{Pixel, Vector3, View};
 use transect_geometry::PlaneFrame;
+use transect_image::PreparedView;
 
 /// Deviations of the noise over the plane beyond which a pair's rise is its surface's.
 const WIDE_SIGMAS: f64 = 6.0;
@@ -22,7 +23,9 @@ const WIDE_SIGMAS: f64 = 6.0;
 /// The lines of a view, and what they were found with.
 #[derive(Clone, Copy)]
 pub(super) struct Lines<'a> {
-    pub prepared: &'a Prepared<'a>,
+    /// The view in which the lines were found.
+    pub view: &'a View,
+    pub prepared: &'a PreparedView<'a>,
     pub axes: &'a SectionAxes,
     pub rule: &'a BreakRule,
     pub contours: &'a Contours<'a>,
@@ -33,13 +36,14 @@ pub(super) struct Lines<'a> {
 impl Lines<'_> {
     /// The curves of all lines, grouped by plane. Lines are sorted by plane.
     pub fn model(&self, options: &OnePassOptions) -> PartialModel {
-        let Self { prepared, axes, rule, contours, along } = *self;
-        let (view, grid) = (prepared.view(), Grid::new(prepared.view().frame()));
+        let Self { view, prepared, axes, rule, contours, along } = *self;
+        let grid = Grid::new(view.frame());
         let pairs = PairLines { view, rule, grid };
         let refined = Refinement::new(prepared, axes, pairs, options.subpixel);
         let refinement = refined.filter(|_| along.is_none());
         let gaps = Gaps { view, rule, contours, grid, gap: options.gap };
-        let mut near_tangent = NearTangent::new(prepared, axes, rule, options.excursion_sigmas);
+        let mut near_tangent =
+            NearTangent::new(view, prepared, axes, rule, options.excursion_sigmas);
         let mut nodes = NodeMaker {
             prepared,
             axes,
@@ -86,7 +90,7 @@ impl Lines<'_> {
             let (kind, pair) = self.contours.pair(vertex);
             let mut crossing = match &along {
                 Some((along, plane)) => along.solve(kind, pair, plane),
-                None => solve(self.prepared.view(), self.axes, kind, pair, level),
+                None => solve(self.view, self.axes, kind, pair, level),
             };
             if let Some((refinement, solver)) = &refined {
                 refinement.refine(solver, kind, pair, &mut crossing);
@@ -121,8 +125,7 @@ impl Lines<'_> {
         if let Some((along, plane)) = along {
             return Some(along.step([before, after], plane)? / 3.0);
         }
-        let view = self.prepared.view();
-        let wide = view.point_in_sensor(after)? - view.point_in_sensor(before)?;
+        let wide = self.view.point_in_sensor(after)? - self.view.point_in_sensor(before)?;
         Some(self.axes.turn(&wide) / 3.0)
     }
 
@@ -154,7 +157,7 @@ impl Lines<'_> {
         let first = (from_start.next()?, from_start.next()?);
         let mut from_end = vertices().rev();
         let last = (from_end.next()?, from_end.next()?);
-        Some(ends(self.prepared.view(), self.contours, [first, last]))
+        Some(ends(self.view, self.contours, [first, last]))
     }
 }
 

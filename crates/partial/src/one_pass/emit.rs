@@ -2,11 +2,12 @@
 //!
 //! Crossings of one pair have consecutive numbers, so one number per pair stands for all of them.
 
+use super::apart::apart;
 use super::band::Band;
-use super::contours::{Kind, Vertex, edge_code};
-use super::part::apart;
+use super::places::{PlaceAt, Places};
 use super::rows::{PAD, Row};
-use super::source::{PlaceAt, Places, Source};
+use super::source::Source;
+use super::vertex::{Kind, Vertex, edge_code};
 use fearless_simd::Simd;
 
 /// Vertices that are made together, whether they are all wanted or not: most pairs have fewer, and a

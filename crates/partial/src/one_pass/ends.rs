@@ -1,6 +1,7 @@
 //! Why a line ends: what is wrong with the cell in which it would have gone on.
 
-use super::contours::{Contours, Kind, Vertex};
+use super::contours::Contours;
+use super::vertex::{Kind, Vertex};
 use crate::EndReason;
 use crate::pixel_grid::Grid;
 use transect_device::{ImageSize, Pixel, View};

@@ -1,12 +1,12 @@
 //! Linking: in every cell of four pixels, what enters leads to what leaves.
 
+use super::apart::apart;
 use super::band::{Band, FOLLOWS, capacity_bytes};
 use super::cell::{self, LINKS, SADDLE_TL_BR, SADDLE_TR_BL, Shapes};
-use super::contours::{Kind, edge_code};
 use super::emit::{Sample, cross_one, sample};
-use super::part::apart;
 use super::rows::{PAD, Pairs, Row, WORDS, columns};
 use super::source::Source;
+use super::vertex::{Kind, edge_code};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, i32x4};
 

@@ -53,6 +53,7 @@
 //! coordinates in which they are.
 
 mod along_guide;
+mod apart;
 mod band;
 mod bridge;
 mod cell;
@@ -65,31 +66,35 @@ mod ends;
 mod link;
 mod near_tangent;
 mod nodes;
-pub(crate) use nodes::tan_incidence;
 mod pair_line;
 mod part;
+mod places;
 mod refine;
 mod rows;
 mod seen;
 mod source;
 mod trace;
+mod vertex;
 
-pub use contours::{Contours, Effort, Instructions, Kind, Polyline, Vertex, Workspace, contours};
-pub(crate) use rows::Test as PairTestOf;
+pub use crate::Instructions;
+pub use contours::{Contours, Effort, Polyline, Workspace, contours};
 pub use seen::{Seen, seen};
-pub(crate) use source::PairTests;
+pub use vertex::{Kind, Vertex};
 
-use crate::prepared::Prepared;
-use crate::smooth::Extent;
+use crate::near_planes::near_planes;
 use crate::subpixel::Subpixel;
 use crate::{BreakRule, PartialError, PartialModel, SectionAxes};
 use along_guide::AlongGuide;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use transect_device::View;
 use transect_geometry::{CurvedGuide, PlaneFamily};
+use transect_image::PreparedView;
+use transect_image::smooth::{Smoothing, SmoothingSteps, ValueBounds};
 
 /// What can be set.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct OnePassOptions {
     /// Largest angle between a ray and the surface normal at which two pixels still count as one
     /// surface, in radians. Larger keeps more of the rims, where real scanners overshoot.
@@ -116,6 +121,10 @@ pub struct OnePassOptions {
     /// are the observed ones of simulated noise. Real scanners err in other ways, too, and most where
     /// they see a surface obliquely: a bound of 1 does not claim the gain.
     pub least_sigma_factor: f64,
+    /// Steps of the smoother that are taken; all but in experiments.
+    #[doc(hidden)]
+    #[serde(skip)]
+    pub smoothing: SmoothingSteps,
 }
 
 impl Default for OnePassOptions {
@@ -128,6 +137,7 @@ impl Default for OnePassOptions {
             gap: 4,
             excursion_sigmas: 4.0,
             least_sigma_factor: 0.25,
+            smoothing: SmoothingSteps::default(),
         }
     }
 }
@@ -160,12 +170,14 @@ pub fn partial_model_with(
     }
     let rule = |sigma| BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma);
     let axes = SectionAxes::new(view, planes)?;
-    let near = (!effort.smooth_all).then_some(&axes);
-    let extent = Extent { near, instructions: effort.instructions, ..Extent::default() };
-    let prepared = Prepared::new(view, options.smooth.then_some(&extent), rule);
+    let near = |bounds: &ValueBounds| near_planes(view, &axes, bounds, effort.instructions);
+    let (instructions, steps) = (effort.instructions, options.smoothing);
+    let smoothing = Smoothing { pixels: Some(&near), instructions, steps };
+    let prepared = PreparedView::new(view, options.smooth.then_some(&smoothing), rule);
     let rule = rule(prepared.sigma());
     let contours = contours(prepared.view(), &axes, &rule, effort, work)?;
     let lines = curves::Lines {
+        view: prepared.view(),
         prepared: &prepared,
         axes: &axes,
         rule: &rule,
@@ -184,20 +196,21 @@ fn along_guide(
     work: &mut Workspace,
 ) -> Result<PartialModel, PartialError> {
     let rule = |sigma| BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma);
-    let extent = Extent { near: None, instructions: effort.instructions, ..Extent::default() };
-    let mut prepared = Prepared::new(view, options.smooth.then_some(&extent), rule);
+    let (instructions, steps) = (effort.instructions, options.smoothing);
+    let smoothing = Smoothing { pixels: None, instructions, steps };
+    let prepared = PreparedView::new(view, options.smooth.then_some(&smoothing), rule);
     let rule = rule(prepared.sigma());
     let mut model = PartialModel::default();
     let off_guide = match AlongGuide::new(prepared.view(), planes, guide)? {
         Err(off_guide) => {
-            prepared.count(&mut model.counts);
+            model.take_prepared(&prepared);
             off_guide
         }
         Ok(along) => {
-            prepared.turn(along.view.clone());
             let axes = SectionAxes::new(&along.view, &along.planes)?;
             let contours = contours(&along.view, &axes, &rule, effort, work)?;
             let lines = curves::Lines {
+                view: &along.view,
                 prepared: &prepared,
                 axes: &axes,
                 rule: &rule,
@@ -218,6 +231,6 @@ fn counted(lines: curves::Lines<'_>, options: &OnePassOptions) -> PartialModel {
     let mut model = lines.model(options);
     model.counts.crossings = lines.contours.vertex_count();
     model.counts.jumps = lines.contours.jumps();
-    lines.prepared.count(&mut model.counts);
+    model.take_prepared(lines.prepared);
     model
 }

@@ -23,13 +23,14 @@
 use super::bridge::Solved;
 use super::contours::Contours;
 use crate::pixel_grid::Grid;
-use crate::prepared::Prepared;
 use crate::{BreakRule, SectionAxes};
 use transect_device::{Pixel, View};
+use transect_image::PreparedView;
 
 /// Tells real curves from those that noise makes.
 pub(super) struct NearTangent<'a> {
-    prepared: &'a Prepared<'a>,
+    view: &'a View,
+    prepared: &'a PreparedView<'a>,
     axes: &'a SectionAxes,
     rule: &'a BreakRule,
     grid: Grid,
@@ -65,14 +66,15 @@ impl Seen {
 
 impl<'a> NearTangent<'a> {
     pub fn new(
-        prepared: &'a Prepared<'a>,
+        view: &'a View,
+        prepared: &'a PreparedView<'a>,
         axes: &'a SectionAxes,
         rule: &'a BreakRule,
         sigmas: f64,
     ) -> Self {
-        let grid = Grid::new(prepared.view().frame());
+        let grid = Grid::new(view.frame());
         let (seen, stack, visited) = (Vec::new(), Vec::new(), Vec::new());
-        Self { prepared, axes, rule, grid, sigmas, seen, stack, visited }
+        Self { view, prepared, axes, rule, grid, sigmas, seen, stack, visited }
     }
 
     /// Whether noise alone explains a line.
@@ -100,13 +102,9 @@ impl<'a> NearTangent<'a> {
         })
     }
 
-    fn view(&self) -> &'a View {
-        self.prepared.view()
-    }
-
     /// Height of a pixel's sample over a plane, in the length unit; `None` where missing.
     fn height(&self, p: Pixel, level: i32) -> Option<f64> {
-        let point = self.view().point_in_sensor(p)?;
+        let point = self.view.point_in_sensor(p)?;
         Some((self.axes.level().at(&point) - f64::from(level)) * self.axes.interval())
     }
 
@@ -117,7 +115,7 @@ impl<'a> NearTangent<'a> {
 
     /// Whether a sample is farther from the plane than noise explains.
     fn leaves(&self, p: Pixel, height: f64) -> bool {
-        let Some(ray) = self.view().frame().ray(p) else { return true };
+        let Some(ray) = self.view.frame().ray(p) else { return true };
         let rise = self.axes.turn(&ray.direction).z.abs();
         height.abs() >= self.sigmas * self.prepared.sigma_at(p) * rise
     }
@@ -165,7 +163,7 @@ impl<'a> NearTangent<'a> {
 
     /// The neighbours of a pixel on its surface.
     fn joined(&self, p: Pixel) -> [Option<Pixel>; 4] {
-        let (view, frame) = (self.view(), self.view().frame());
+        let (view, frame) = (self.view, self.view.frame());
         [(-1, 0), (1, 0), (0, -1), (0, 1)].map(|(rows, cols)| {
             let other = self.grid.step(p, rows, cols)?;
             // As the sweep sees the pair: from the later pixel.

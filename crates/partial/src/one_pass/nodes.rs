@@ -2,27 +2,18 @@
 
 use super::crossing::Crossing;
 use crate::SectionAxes;
-use crate::prepared::Prepared;
+use crate::node_values::{LARGEST_SIGMA_FACTOR, sine_between, tan_incidence};
 use transect_device::Vector3;
 use transect_geometry::{Node, Vector2};
+use transect_image::PreparedView;
 
 /// Nodes on each side that give a node its direction; pixels alternate between two kinds of pairs,
 /// so fewer would see their zigzag.
-const REACH: usize = 3;
+const TANGENT_NODES: usize = 3;
 
-/// Upper bound of the factor between range noise and the error across the curve: planes nearly
-/// tangent to the surface would otherwise claim any error at all. The lower bound is an option.
-const LARGEST_SIGMA_FACTOR: f64 = 12.0;
-
-/// Upper bound of the tangent of the incidence: surface seen more obliquely than the break rule allows
-/// comes from a node's own noise.
-const LARGEST_TAN_INCIDENCE: f64 = 6.0;
-
-/// Smallest sine of the angle between ray and curve in the footprint: that of the rim cut.
-const MIN_SINE: f64 = 0.2;
-
+/// Makes the nodes of curves.
 pub(super) struct NodeMaker<'a> {
-    pub prepared: &'a Prepared<'a>,
+    pub prepared: &'a PreparedView<'a>,
     pub axes: &'a SectionAxes,
     /// Smallest factor between range noise and the error across the curve.
     pub least_sigma_factor: f64,
@@ -76,7 +67,7 @@ impl NodeMaker<'_> {
     /// single pair's direction is as noisy as its two samples.
     fn across(&self, k: usize, closed: bool, tangent: &Vector2) -> Vector3 {
         let n = self.crossings.len();
-        let (before, after) = self.neighbours(k, closed, REACH);
+        let (before, after) = self.neighbours(k, closed, TANGENT_NODES);
         let span = if after < before { after + n - before } else { after - before };
         let ray = self.axes.turn(&self.crossings[k].ray);
         // With the solid on the left, the way along the curve, the way up and the outward normal
@@ -99,14 +90,14 @@ impl NodeMaker<'_> {
     /// sideways pair per row, so the more frequent kind counts the pixels. They differ where rows
     /// and columns are spaced differently; the coarser one limits what is known of the curve.
     fn footprint(&self, k: usize, closed: bool, tangent: &Vector2, ray: &Vector3) -> f64 {
-        let spacing = footprint(f64::from(self.crossings[k].spacing), tangent, ray);
-        let (before, after) = self.neighbours(k, closed, 2 * REACH);
+        let spacing = f64::from(self.crossings[k].spacing) / sine_between(tangent, ray);
+        let (before, after) = self.neighbours(k, closed, 2 * TANGENT_NODES);
         // Each side by itself, since a corner between them changes the kind; and two chords rather
         // than the way from node to node, which noise makes longer.
         let pixels = self.pixels_between(before, k) + self.pixels_between(k, after);
         let place = |k: usize| self.crossings[k].position;
         let length = (place(after) - place(k)).norm() + (place(k) - place(before)).norm();
-        if pixels < REACH { spacing } else { spacing.max(length / pixels as f64) }
+        if pixels < TANGENT_NODES { spacing } else { spacing.max(length / pixels as f64) }
     }
 
     /// Crossings of the more frequent kind on the way from one node to a later one.
@@ -122,9 +113,9 @@ impl NodeMaker<'_> {
         upward.max(span - upward)
     }
 
-    /// Unit direction of the curve at a node, from nodes [`REACH`] away on both sides.
+    /// Unit direction of the curve at a node, from nodes [`TANGENT_NODES`] away on both sides.
     fn tangent(&self, k: usize, closed: bool) -> Vector2 {
-        let (before, after) = self.neighbours(k, closed, REACH);
+        let (before, after) = self.neighbours(k, closed, TANGENT_NODES);
         let d = self.crossings[after].position - self.crossings[before].position;
         d.try_normalize(0.0).unwrap_or_else(Vector2::x)
     }
@@ -162,20 +153,6 @@ fn surface_normal(tangent: &Vector2, across: &Vector3, ray: &Vector3) -> Option<
     outward.filter(|n| n.iter().all(|c| c.is_finite()))
 }
 
-/// Tangent of the angle between a ray and a surface's unit normal; positive, also head-on.
-pub(crate) fn tan_incidence(normal: &Vector3, ray: &Vector3) -> f32 {
-    let (along, across) = (normal.dot(ray).abs(), normal.cross(ray).norm());
-    // A ray without a direction gives the smallest value as well.
-    let tan = if across > 0.0 { (across / along).min(LARGEST_TAN_INCIDENCE) as f32 } else { 0.0 };
-    tan.max(f32::MIN_POSITIVE)
-}
-
-/// Length along the curve of one spacing of the rays, seen obliquely.
-fn footprint(spacing: f64, tangent: &Vector2, ray: &Vector3) -> f64 {
-    let along = tangent.x * ray.x + tangent.y * ray.y;
-    spacing / (1.0 - along * along).max(0.0).sqrt().max(MIN_SINE)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -191,22 +168,5 @@ mod tests {
         assert!((from_above - 1.0).abs() < 1e-12, "45° slope seen from above: {from_above}");
         let flat = sigma_factor(&east, &Vector3::new(0.0, 1.0, 0.0), &-Vector3::z());
         assert_eq!(flat, LARGEST_SIGMA_FACTOR, "a floor in its own plane");
-    }
-
-    #[test]
-    fn incidence_is_between_ray_and_normal() {
-        let ray = Vector3::new(0.0, -0.6, -0.8);
-        assert!(tan_incidence(&-ray, &ray) < 1e-6, "head-on");
-        assert!((tan_incidence(&Vector3::z(), &ray) - 0.75).abs() < 1e-6);
-        assert_eq!(tan_incidence(&Vector3::x(), &ray), LARGEST_TAN_INCIDENCE as f32);
-        assert!(tan_incidence(&Vector3::zeros(), &ray) > 0.0, "0 stands for unknown in files");
-    }
-
-    #[test]
-    fn oblique_pixels_cover_more_of_the_curve() {
-        let head_on = footprint(0.01, &Vector2::x(), &Vector3::y());
-        let oblique = footprint(0.01, &Vector2::x(), &Vector3::new(0.8, 0.6, 0.0));
-        assert!((head_on - 0.01).abs() < 1e-12);
-        assert!((oblique - 0.01 / 0.6).abs() < 1e-12);
     }
 }

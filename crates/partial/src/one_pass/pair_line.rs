@@ -1,6 +1,6 @@
 //! The next pixels along the row or column of a pair.
 
-use super::contours::Kind;
+use super::vertex::Kind;
 use crate::BreakRule;
 use crate::pixel_grid::Grid;
 use crate::subpixel::PairLine;

@@ -4,26 +4,20 @@
 //! processor's cache while they are made and followed. Where the cuts are changes nothing in the
 //! result: neither between bands nor between parts.
 
+use super::apart::apart;
 use super::band::{Band, capacity_bytes};
-use super::contours::{Instructions, Vertex};
 use super::emit::{emit_row, number_guests, runs_up};
 use super::link::{Cells, link_row};
 use super::rows::{Row, columns};
 use super::source::Source;
 use super::trace::{Border, Piece, Pieces, stitch, trace};
-use crate::{MAX_CROSSINGS, PartialError};
+use super::vertex::Vertex;
+use crate::{Instructions, MAX_CROSSINGS, PartialError};
 use fearless_simd::{Simd, dispatch};
 use std::ops::Range;
 
 /// One crossed pair in so many pixels makes it worth while to find the places of all of them at once.
 const MANY: usize = 16;
-
-/// Runs a loop as a function of its own, with the same instructions: in one function with all the other
-/// loops, it would have too few registers.
-#[inline(never)]
-pub(super) fn apart<S: Simd, R>(simd: S, act: impl FnOnce() -> R) -> R {
-    simd.vectorize(act)
-}
 
 /// Work space and result of one part.
 #[derive(Debug, Clone, Default)]

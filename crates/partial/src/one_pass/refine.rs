@@ -1,13 +1,12 @@
 //! Crossings solved again by another subpixel solution than the linear one (3.6).
 
-use super::contours::Kind;
 use super::crossing::Crossing;
 use super::pair_line::PairLines;
+use super::vertex::Kind;
 use crate::SectionAxes;
-use crate::dissertation::sensor_plane;
-use crate::prepared::Prepared;
 use crate::subpixel::{AngularGrid, Meeting, PairLine, Solver, Subpixel};
 use transect_device::Pixel;
+use transect_image::PreparedView;
 
 /// Deviation of a cubic from its chord, per deviation of the samples, from which the cubic is taken.
 ///
@@ -18,7 +17,7 @@ const LEAST_BEND: f64 = 0.4;
 
 /// The way to solve the crossings of one view.
 pub(super) struct Refinement<'a> {
-    prepared: &'a Prepared<'a>,
+    prepared: &'a PreparedView<'a>,
     axes: &'a SectionAxes,
     lines: PairLines<'a>,
     method: Subpixel,
@@ -28,7 +27,7 @@ pub(super) struct Refinement<'a> {
 impl<'a> Refinement<'a> {
     /// `None` for the linear solution, which crossings have already.
     pub fn new(
-        prepared: &'a Prepared<'a>,
+        prepared: &'a PreparedView<'a>,
         axes: &'a SectionAxes,
         lines: PairLines<'a>,
         method: Subpixel,
@@ -43,7 +42,7 @@ impl<'a> Refinement<'a> {
 
     /// The solver for the plane at a level.
     pub fn solver(&self, level: i32) -> Solver<'_> {
-        let plane = sensor_plane(self.axes, level);
+        let plane = self.axes.sensor_plane(level);
         Solver::new(self.prepared.view(), plane, self.method, self.angles.as_ref())
     }
 

@@ -8,10 +8,11 @@
 //! gives the same bits.
 
 use super::band::capacity_bytes;
-use super::source::{PairTest, Source, Tables};
+use super::source::{Source, Tables};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use transect_device::{Neighbour, PairGeometry};
+use transect_image::{TestPairs, UniformTest};
 
 /// Places before column 0.
 pub(super) const PAD: usize = 16;
@@ -175,21 +176,22 @@ impl Row {
         self.levels[PAD - 1] = self.levels[last];
         self.ceilings[PAD - 1] = self.ceilings[last];
         match &source.tests {
-            None => self.compare(simd, above, [Found, Found]),
+            None => self.compare(simd, above, None::<[UniformTest<S>; 2]>),
             Some([left, up]) => {
                 let (left, up) = (left.at(i), up.at(i));
                 if left.is_uniform() && up.is_uniform() {
-                    self.compare(simd, above, [Uniform::new(simd, &left), Uniform::new(simd, &up)]);
+                    let tests = [left, up].map(|test| UniformTest::new(simd, &test));
+                    self.compare(simd, above, Some(tests));
                 } else {
-                    self.compare(simd, above, [left, up]);
+                    self.compare(simd, above, Some([left, up]));
                 }
             }
         }
     }
 
-    /// Finds the joined and the crossed pairs.
+    /// Finds the joined and the crossed pairs. Without tests, the joined ones are known already.
     #[inline(always)]
-    fn compare<S: Simd, T: Test<S>>(&mut self, simd: S, above: &Self, [left, up]: [T; 2]) {
+    fn compare<S: Simd, T: TestPairs<S>>(&mut self, simd: S, above: &Self, tests: Option<[T; 2]>) {
         let mut valid_before = u64::from(!self.values[PAD - 1].is_nan());
         for word in 0..self.valid.len() {
             let at = PAD + word * WORD;
@@ -212,16 +214,19 @@ impl Row {
                 let column = at - PAD + shift;
                 let a = part(simd, here, k);
                 valid |= a.simd_eq(a).to_bitmask() << shift;
-                joined_left |= left.holds(simd, a, part(simd, before, k), column) << shift;
-                joined_up |= up.holds(simd, a, part(simd, over, k), column) << shift;
+                if let Some([left, up]) = &tests {
+                    joined_left |= left.holds(simd, a, part(simd, before, k), column) << shift;
+                    joined_up |= up.holds(simd, a, part(simd, over, k), column) << shift;
+                }
                 let c = whole_part(simd, ceilings, k);
                 let same = c.simd_eq(whole_part(simd, ceilings_before, k));
                 level_left |= same.to_bitmask() << shift;
                 let same = c.simd_eq(whole_part(simd, ceilings_over, k));
                 level_up |= same.to_bitmask() << shift;
             }
-            let joined_left = left.joined(joined_left, self.left.joined[word]);
-            let joined_up = up.joined(joined_up, self.up.joined[word]);
+            if tests.is_none() {
+                (joined_left, joined_up) = (self.left.joined[word], self.up.joined[word]);
+            }
             let beside = valid << 1 | valid_before;
             valid_before = valid >> (WORD - 1);
             let jumps_left = valid & beside & !joined_left;
@@ -295,77 +300,4 @@ pub(super) fn columns<'a>(mask: &[u64], list: &'a mut Vec<u32>) -> &'a [u32] {
 #[inline(always)]
 fn block<T>(values: &[T], at: usize) -> Option<&[T; WORD]> {
     values.get(at..)?.first_chunk()
-}
-
-/// Whether samples `a` and their neighbours `b` belong to one surface, one bit per pair.
-///
-/// Comparisons with NaN are false, which is what a missing pixel needs.
-pub(crate) trait Test<S: Simd>: Copy {
-    fn holds(&self, simd: S, a: S::f32s, b: S::f32s, column: usize) -> u64;
-
-    /// The bits of a word: those just found, unless they were known before.
-    #[inline(always)]
-    fn joined(&self, found: u64, _known: u64) -> u64 {
-        found
-    }
-}
-
-/// Pairs that were tested one by one.
-#[derive(Clone, Copy)]
-struct Found;
-
-impl<S: Simd> Test<S> for Found {
-    #[inline(always)]
-    fn holds(&self, _: S, _: S::f32s, _: S::f32s, _: usize) -> u64 {
-        0
-    }
-
-    #[inline(always)]
-    fn joined(&self, _found: u64, known: u64) -> u64 {
-        known
-    }
-}
-
-/// Rays of length 1 with the same angle between all neighbours of a row.
-#[derive(Clone, Copy)]
-struct Uniform<S: Simd> {
-    other: S::f32s,
-    across: S::f32s,
-    slack: S::f32s,
-}
-
-impl<S: Simd> Uniform<S> {
-    #[inline(always)]
-    fn new(simd: S, test: &PairTest<'_>) -> Self {
-        let [other, across, slack] =
-            [test.other, test.across, test.slack].map(|v| S::f32s::splat(simd, v));
-        Self { other, across, slack }
-    }
-}
-
-impl<S: Simd> Test<S> for Uniform<S> {
-    #[inline(always)]
-    fn holds(&self, _: S, a: S::f32s, b: S::f32s, _: usize) -> u64 {
-        (b * self.other - a).abs().simd_le(b * self.across + self.slack).to_bitmask()
-    }
-}
-
-impl PairTest<'_> {
-    fn is_uniform(&self) -> bool {
-        self.columns.is_none() && self.here == 1.0
-    }
-}
-
-impl<S: Simd> Test<S> for PairTest<'_> {
-    #[inline(always)]
-    fn holds(&self, simd: S, a: S::f32s, b: S::f32s, column: usize) -> u64 {
-        let of = |row: f32, table: usize| {
-            let columns = self.columns.and_then(|c| c[table].get(column..column + S::f32s::LEN));
-            columns.map_or(S::f32s::splat(simd, row), |c| S::f32s::from_slice(simd, c) + row)
-        };
-        let here = of(self.here, 0);
-        let along = (b * of(self.other, 1) - a * here).abs();
-        let limit = b * of(self.across, 2);
-        along.simd_le(limit + here.sqrt() * self.slack).to_bitmask()
-    }
 }

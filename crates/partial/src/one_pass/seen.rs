@@ -1,9 +1,8 @@
 //! What the sweep sees of an image, for those who check it or compare other methods with it.
 
-use super::contours::Instructions;
 use super::rows::{PAD, Row};
 use super::source::Source;
-use crate::{BreakRule, SectionAxes};
+use crate::{BreakRule, Instructions, SectionAxes};
 use transect_device::View;
 
 /// What the sweep compares: one entry per pixel, row-major.

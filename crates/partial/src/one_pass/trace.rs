@@ -1,7 +1,7 @@
 //! From links to pieces: what a band holds of each curve, its vertices in order.
 
 use super::band::{Band, FOLLOWS, NONE, TAKEN, capacity_bytes};
-use super::contours::Vertex;
+use super::vertex::Vertex;
 
 /// Consecutive vertices of one curve, from one band.
 #[derive(Debug, Clone, Copy)]

@@ -35,10 +35,12 @@ mod root;
 pub use angular_grid::AngularGrid;
 pub use order::observed_orders;
 
+use serde::{Deserialize, Serialize};
 use transect_device::{Pixel, Point3, SensorPlane, View};
 
 /// How the point between two samples is found; see the module's page.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Subpixel {
     /// Curve and plane in the Cartesian frame, linear.
     #[default]

@@ -1,16 +1,16 @@
 //! Range images of a scene: one ray per pixel of any device frame (dissertation, section 4.5.3).
 //!
 //! 1. The pixel's ray, moved into the world, meets the scene at some distance.
-//! 2. A triangulation sensor must see the spot as well: the way from its second viewpoint to the hit
-//!    must be free. What either path cannot reach is a shadow, one on each side (Figure 1.6).
+//! 2. A triangulation sensor must see the spot as well: the way from its second viewpoint to the
+//!    hit must be free. A place that either path cannot reach is in shadow (Figure 1.6).
 //! 3. Noise moves the hit along the ray, or drops it.
 //! 4. The value `d3` is the one that a plane through the hit, perpendicular to the ray, would have
 //!    at the pixel ([`DeviceFrame::plane_value`]). On the pixel's own ray that is exact for every
 //!    scale a frame may have, needs no inverse `F` and no arc tangent, and makes noise mean an
 //!    error along the ray for depths just as for ranges.
 //!
-//! Serial on purpose: views may be cast in parallel by the caller, and rows depend on nothing but
-//! themselves and, for mixed pixels, on their two neighbours.
+//! The code is serial on purpose: the caller may cast views in parallel. A row depends on itself
+//! and, for mixed pixels, on its two neighbours.
 
 use crate::noise::{PixelNoise, RowNoise};
 use crate::parry::{self, Motion};
@@ -23,14 +23,14 @@ use transect_device::{
     SensorPlane, View, ViewError,
 };
 
-/// Why a scene gives no view.
+/// Why a scene cannot give a view.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CastError {
     /// The device frame has an impossible size.
     #[error(transparent)]
     Image(#[from] ImageError),
-    /// No ray hit anything, or the pose is not finite.
+    /// No ray hit a solid, or the pose is not finite.
     #[error(transparent)]
     View(#[from] ViewError),
 }
@@ -38,7 +38,7 @@ pub enum CastError {
 impl Scene {
     /// The range image of a perfect sensor.
     ///
-    /// A pixel is missing where its ray meets nothing, or starts inside a solid.
+    /// A pixel is missing if its ray meets no solid, or starts inside one.
     ///
     /// # Errors
     /// [`ImageError`] if the frame's size is absurd.
@@ -75,14 +75,14 @@ impl Scene {
         RangeImage::from_values(size, values)
     }
 
-    /// A whole view of the scene, ready for modelling, with the noise's sigma on record: that at the
-    /// mean range if it grows.
+    /// A whole view of the scene, ready for modelling, with the noise's sigma on record: that at
+    /// the mean range if it grows.
     ///
-    /// The ranges are those from the given pose; the view states the pose that the noise makes of
-    /// it ([`Noise::station_pose`]).
+    /// The ranges are measured from the given pose. The view states that pose with the pose noise
+    /// ([`Noise::station_pose`]).
     ///
     /// # Errors
-    /// [`CastError`] if the frame's size is absurd, nothing was hit, or the pose is not finite.
+    /// [`CastError`] if the frame's size is absurd, no ray hit a solid, or the pose is not finite.
     pub fn view(
         &self,
         name: impl Into<String>,
@@ -99,7 +99,7 @@ impl Scene {
     }
 }
 
-/// The frame's size, refused before anything is allocated if it is absurd.
+/// The frame's size, checked before memory is taken.
 pub(crate) fn checked_size(frame: &dyn DeviceFrame) -> Result<ImageSize, ImageError> {
     frame.size().check()?;
     Ok(frame.size())
@@ -115,24 +115,25 @@ fn mean_range(frame: &dyn DeviceFrame, image: &RangeImage) -> f64 {
     pixels.filter_map(range).sum::<f64>() / image.valid_count().max(1) as f64
 }
 
-/// What comes back along a pixel's ray.
+/// The echo on a pixel's ray.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Echo {
     /// The pixel's ray, in the sensor's frame.
     pub ray: Ray,
-    /// How far along it the surface is.
+    /// Distance of the surface along it.
     pub distance: f64,
-    /// Reflectivity times cosine of incidence; 1 where nobody asks for it.
+    /// Reflectivity times cosine of incidence; 1 if the light is not computed.
     pub light: f64,
 }
 
 impl Echo {
-    /// Where the surface is, in the sensor's frame.
+    /// The point of the surface, in the sensor's frame.
     fn point(&self) -> Point3 {
         self.ray.start + self.ray.direction * self.distance
     }
 
-    /// How much farther the other surface is along this ray, if there is a jump in between.
+    /// The extra distance of the neighbour's surface along this ray, if there is a range jump
+    /// between.
     fn jump_to(&self, other: &Self) -> Option<f64> {
         let (here, there) = (self.point(), other.point());
         let pair = PairGeometry::between(&here, &there, &self.ray.direction);
@@ -144,18 +145,18 @@ impl Echo {
 /// Tangent of the incidence beyond which two neighbours no longer belong to one surface: tan 85°.
 const JUMP_SLOPE: f32 = 11.430_052;
 
-/// How far before the hit the way from the second viewpoint may end and still have reached it, as a
-/// share of its length: far above rounding, far below any thickness.
+/// Tolerance of a free path at its end, relative to its length. Chosen by hand: far above rounding,
+/// far below any thickness. Doubling it changes nothing visible.
 const REACHED: f64 = 1e-7;
 
-/// What all pixels of a view share.
+/// Data that all pixels of a view share.
 pub(crate) struct Caster<'a> {
     scene: &'a Scene,
     frame: &'a dyn DeviceFrame,
     noise: &'a Noise,
     world_from_sensor: Motion,
     least_cosine: Option<f64>,
-    /// Whether echoes tell how much light they bring.
+    /// Whether echoes have their light.
     light: bool,
 }
 
@@ -171,12 +172,12 @@ impl<'a> Caster<'a> {
         Self { scene, frame, noise, world_from_sensor, least_cosine, light }
     }
 
-    /// The same, with echoes that tell how much light they bring.
+    /// The same, with the light of every echo.
     pub fn with_light(self) -> Self {
         Self { light: true, ..self }
     }
 
-    /// The echoes of a row; none outside the image.
+    /// The echoes of a row; empty outside the image.
     pub fn row(&self, row: usize) -> Vec<Option<Echo>> {
         let ImageSize { rows, cols } = self.frame.size();
         let cols = if row < rows { cols } else { 0 };
@@ -214,7 +215,7 @@ impl<'a> Caster<'a> {
         let Some(viewpoint) = self.frame.second_viewpoint(pixel) else { return true };
         let viewpoint = self.world_from_sensor.point(parry::point(&viewpoint));
         let way = spot - viewpoint;
-        // Towards the spot, so that its own surface is met last and needs no exception.
+        // From the viewpoint to the spot, so that the spot's own surface is met last.
         let Some(direction) = way.try_normalize() else { return true };
         !self.scene.blocks(&WorldRay::new(viewpoint, direction), way.length() * (1.0 - REACHED))
     }
@@ -251,9 +252,10 @@ impl<'a> Window<'a> {
         self.above = std::mem::replace(&mut self.here, std::mem::replace(&mut self.below, next));
     }
 
-    /// A pixel's `d3`; `None` where nothing comes back.
+    /// A pixel's `d3`; `None` without an echo.
     fn value(&self, col: usize, noise: &mut RowNoise) -> Option<f64> {
-        // Drawn even if the ray misses: a pixel's noise must not depend on its neighbours' hits.
+        // Drawn even if the ray misses, so that a pixel's noise does not depend on its neighbours'
+        // hits.
         let drawn = noise.next_pixel();
         let echo = (*self.here.get(col)?)?;
         let settings = self.caster.noise;
@@ -265,8 +267,8 @@ impl<'a> Window<'a> {
         Some(settings.quantised(d3))
     }
 
-    /// How far a pixel at a jump is drawn towards its other surface: the farthest off of the four
-    /// neighbours'.
+    /// The distance by which a pixel at a jump moves towards its other surface: the largest of its
+    /// four neighbours'.
     fn mixture(&self, col: usize, echo: &Echo, drawn: &PixelNoise) -> f64 {
         let Some(share) = drawn.mixture(self.caster.noise) else { return 0.0 };
         let around = [

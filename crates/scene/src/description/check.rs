@@ -2,14 +2,14 @@
 
 use std::fmt;
 
-/// Why a text is no scene description.
+/// Why a text is not a scene description.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DescriptionError {
     /// Broken TOML, a missing or unknown key, an unknown primitive, or a value of another type.
     #[error(transparent)]
     Syntax(#[from] toml::de::Error),
-    /// Values that make no sense, one problem for every faulty entry.
+    /// Impossible values, one problem for every faulty entry.
     #[error("{}", lines(.0))]
     Invalid(Vec<Problem>),
 }
@@ -18,14 +18,14 @@ fn lines(problems: &[Problem]) -> String {
     problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n")
 }
 
-/// What is wrong at a key of a description.
+/// A problem at a key of a description.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {
     /// The table or the entry, such as `solid 3 "leg"`; entries count from 1.
     pub place: String,
     /// The key in it.
     pub key: &'static str,
-    /// What is wrong with its value.
+    /// The problem with its value.
     pub reason: String,
 }
 
@@ -35,7 +35,7 @@ impl fmt::Display for Problem {
     }
 }
 
-/// Where problems are found.
+/// The place of a problem.
 pub(super) struct Place(String);
 
 impl Place {
@@ -87,7 +87,7 @@ impl Place {
         value.ok_or_else(|| self.problem(key, format_args!("it is missing, a {kind} needs it")))
     }
 
-    /// Refuses a key that means nothing for an entry of this kind.
+    /// Refuses a key that an entry of this kind does not have.
     pub fn refuse(&self, key: &'static str, given: bool, kind: &str) -> Result<(), Problem> {
         if given {
             Err(self.problem(key, format_args!("it means nothing for a {kind}")))

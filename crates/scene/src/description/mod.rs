@@ -1,4 +1,4 @@
-//! The scene file: what stands where, who looks at it, and where the section planes are.
+//! The scene file: solids, stations and section planes.
 //!
 //! ```toml
 //! name = "example"
@@ -56,8 +56,8 @@
 //! | `"prism"` | `bottom = [[x, y], ...]`, `height`, `top` | between two polygons of as many corners, perpendicular to z; `top` is like `bottom` unless given |
 //! | `"mesh"` | `mesh = "name.stl"` | its own coordinates |
 //!
-//! `at` is the solid's centre: of a prism the middle of its height at its polygons' origin, of a mesh
-//! its coordinates' origin.
+//! `at` is the solid's centre: of a prism the middle of its height at its polygons' origin, of a
+//! mesh its coordinates' origin.
 //!
 //! An angular range is divided into equal pixels, each sampled at its centre: a full circle needs
 //! no care. This crate reads no files: the meshes that a description names
@@ -83,18 +83,19 @@ use transect_geometry::{
 
 /// A scene description that has been checked.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Description {
-    /// What the scene is called.
+    /// The scene's name.
     pub name: String,
     /// The unit of every length in it.
     pub unit: LengthUnit,
     /// The section planes.
     pub planes: PlaneFamily,
-    /// What stands there, in the order of the file.
+    /// The solids, in the order of the file.
     pub solids: Vec<Solid>,
-    /// Where it is seen from, in the order of the file; a view's number is its place here.
+    /// The stations, in the order of the file. The number of a view is its place in this list.
     pub stations: Vec<Station>,
-    /// What the sensors do to the ranges.
+    /// The errors of the sensors.
     pub noise: Noise,
 }
 
@@ -113,7 +114,7 @@ impl Description {
         Self::parse_with_meshes(toml, &BTreeMap::new())
     }
 
-    /// Reads a description whose solids may be meshes, given by the names that it calls them by.
+    /// Reads a description whose solids may be meshes. The meshes are given by their names.
     ///
     /// # Errors
     /// As [`Description::parse`]; a mesh that is missing or does not bound a solid is a problem of
@@ -152,8 +153,8 @@ impl Description {
         }
     }
 
-    /// The meshes that a description names, each once, in alphabetical order: what its reader has to
-    /// find before [`Description::parse_with_meshes`]. Built-in ones are not among them.
+    /// The meshes that a description names, each once, in alphabetical order: what its reader has
+    /// to find before [`Description::parse_with_meshes`]. Built-in ones are not among them.
     ///
     /// # Errors
     /// [`DescriptionError::Syntax`] for broken TOML and unknown keys.
@@ -257,7 +258,7 @@ impl NoiseEntry {
             sigma_growth: share("sigma_growth", self.sigma_growth)?,
             quantum: within("quantum", self.quantum, f64::MAX, "a step of at least 0")?,
             dropout: share("dropout", self.dropout)?,
-            // 90° exactly means no limit, whatever the rounding of the conversion.
+            // Exactly 90° means no limit, independent of the rounding of the conversion.
             max_incidence: if degrees < 90.0 { degrees.to_radians() } else { FRAC_PI_2 },
             full_return: share("full_return", self.full_return)?,
             mixed: share("mixed", self.mixed)?,

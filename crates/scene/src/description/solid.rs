@@ -1,4 +1,4 @@
-//! `[[solid]]` entries and the materials they are made of.
+//! `[[solid]]` entries and their materials.
 
 use super::check::{Place, Problem};
 use crate::{Material, Mesh, Shape, Solid, SolidError, fixtures};
@@ -7,7 +7,7 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use transect_geometry::{Isometry3, Point2, Vector3};
 
-/// One table for all shapes, since only then every wrong key can be named.
+/// One table for all shapes, so that every wrong key can be named.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SolidEntry {
@@ -42,7 +42,7 @@ enum ShapeName {
 }
 
 impl ShapeName {
-    /// What problems call it, and the keys that mean something for it.
+    /// Its name in messages, and its keys.
     fn keys(self) -> (&'static str, &'static [&'static str]) {
         match self {
             Self::Box => ("box", &["size"]),
@@ -82,7 +82,7 @@ struct Rotation {
     degrees: f64,
 }
 
-/// What entries may refer to by name.
+/// Materials and meshes that entries may name.
 pub(super) struct Library<'a> {
     pub meshes: &'a BTreeMap<String, Mesh>,
     pub materials: &'a BTreeMap<String, Material>,
@@ -162,7 +162,7 @@ impl SolidEntry {
         shape.map_err(|error| wrong_shape(place, error))
     }
 
-    /// Refuses keys that mean nothing for the shape.
+    /// Refuses keys that the shape does not have.
     fn refuse_others(&self, place: &Place) -> Result<(), Problem> {
         let (kind, keys) = self.shape.keys();
         let given = [

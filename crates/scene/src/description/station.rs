@@ -1,4 +1,4 @@
-//! `[[station]]` entries: sensors as plain numbers, for whoever builds the device frame.
+//! `[[station]]` entries: sensors as plain numbers, from which the caller builds device frames.
 
 use super::check::{Place, Problem};
 use nalgebra::{Matrix3, Rotation3, Translation3, UnitQuaternion};
@@ -8,18 +8,19 @@ use transect_geometry::{Isometry3, Point3, Vector3};
 
 /// A sensor at a place.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Station {
-    /// What it is called; unnamed ones are `station 1`, `station 2` and so on.
+    /// Its name; unnamed stations are `station 1`, `station 2` and so on.
     pub name: String,
     /// Rows and columns of its image.
     pub size: ImageSize,
-    /// Which rays its pixels have.
+    /// The rays of its pixels.
     pub sensor: SensorParameters,
-    /// Where it stands and how it is turned.
+    /// Its pose.
     pub world_from_sensor: Isometry3,
 }
 
-/// The numbers of a device frame, as scan manifests give them.
+/// The numbers of a device frame, as in scan manifests.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SensorParameters {
     /// Terrestrial scanner: `(cos φ cos θ, cos φ sin θ, sin φ)` with rows along φ, columns along θ.
@@ -50,7 +51,7 @@ pub enum SensorParameters {
     },
 }
 
-/// One table for all sensors, since only then every wrong key can be named.
+/// One table for all sensors, so that every wrong key can be named.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct StationEntry {

@@ -41,8 +41,8 @@ pub struct Chain {
 
 /// Links segments end to start. Open chains come first; the order depends on vertex numbers alone.
 ///
-/// At an edge with more than two faces the first unused segment goes on: every segment ends up in
-/// exactly one chain, whatever the mesh.
+/// At an edge with more than two faces, the first unused segment continues the chain. So every
+/// segment is in exactly one chain, for any mesh.
 pub fn link(mut segments: Vec<Segment>) -> Vec<Chain> {
     segments.sort_unstable();
     let mut ends: Vec<_> = segments.iter().map(|s| s.to).collect();

@@ -5,7 +5,7 @@
 //! kinds then gives exactly one segment, from the edge it descends (high to low, in its winding)
 //! to the edge it ascends, which puts the solid of an outward-wound mesh on the left. Neighbouring
 //! triangles share an edge and therefore an end point, bit by bit: segments are linked by edge
-//! keys, never by coordinates, so nothing is closed that the mesh leaves open.
+//! keys, never by coordinates, so a gap in the mesh stays a gap in the section.
 //!
 //! 1. Levels and plane coordinates of all vertices, once.
 //! 2. Every triangle goes to the buckets of the planes it spans, once.
@@ -27,7 +27,8 @@ use transect_geometry::{
     Curve, CurvedGuide, Node, PlaneFamily, PlaneFrame, PlaneIndex, Point2, Point3,
 };
 
-/// Most section planes that a mesh may cross; more are taken for a wrong unit or interval.
+/// Most section planes that a mesh may cross. Chosen by hand: more planes mean a wrong unit or
+/// interval. Doubled, a wrong unit may take twice the memory before it is refused.
 pub const MAX_PLANES: usize = 1 << 24;
 
 /// The section of a mesh by one plane; open curves where the mesh has holes.
@@ -65,15 +66,15 @@ pub fn sections(
     Ok(cut.map(|(segments, k)| (PlaneIndex(k), curves_on(segments, k))).collect())
 }
 
-/// A vertex as the planes see it.
+/// A vertex in plane coordinates.
 #[derive(Clone, Copy)]
 struct Lifted {
     level: f64,
     in_plane: Point2,
 }
 
-/// Of a curved guide, points beyond its ends have a level beyond its planes, and points beyond its reach
-/// have none. Faces are to be small against the guide's bends: only their corners are asked.
+/// Of a curved guide, points beyond its ends have a level beyond its planes, and points beyond its
+/// reach have none. Faces are to be small against the guide's bends: only their corners are asked.
 fn lift_along(guide: &CurvedGuide, vertices: &[Point3], planes: &PlaneFamily) -> Vec<Lifted> {
     let mut hint = None;
     let one = |p: &Point3| {
@@ -100,7 +101,8 @@ fn corners(face: &[u32; 3], lifted: &[Lifted]) -> [f64; 3] {
     face.map(|i| lifted.get(i as usize).map_or(f64::NAN, |v| v.level))
 }
 
-/// The segment in which a plane crosses a triangle; none of a triangle a corner of which has no level.
+/// The segment in which a plane crosses a triangle; none of a triangle a corner of which has no
+/// level.
 fn crossing(face: &[u32; 3], lifted: &[Lifted], k: f64) -> Option<Segment> {
     let levels = corners(face, lifted);
     if levels.iter().any(|level| level.is_nan()) {
@@ -140,7 +142,7 @@ fn curves(segments: Vec<Segment>, cut: &Cut<'_>) -> Vec<Curve> {
     link(segments).into_iter().filter_map(|chain| curve(&chain, cut)).collect()
 }
 
-/// One plane and what it cuts.
+/// One plane, and the mesh that it cuts.
 struct Cut<'a> {
     lifted: &'a [Lifted],
     k: f64,
@@ -161,7 +163,7 @@ impl<'a> Cut<'a> {
         let (t, a, b) = if let Some((frame, vertices)) = &self.turned {
             let (a, b) = (vertices.get(low)?, vertices.get(high)?);
             let (below, above) = (frame.height(a), frame.height(b));
-            // Stations tell which side a vertex is on, and heights of rounding may differ.
+            // Stations decide the side of a vertex; heights may differ from them by rounding.
             let t = (below / (below - above)).clamp(0.0, 1.0);
             (t, frame.plane_from_world(a), frame.plane_from_world(b))
         } else {

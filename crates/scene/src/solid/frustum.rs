@@ -1,4 +1,4 @@
-//! Where a ray enters a cone, whole or truncated: in closed form.
+//! The entry of a ray into a cone, whole or truncated, in closed form.
 //!
 //! The mantle is the surface `|p_xy| = m + s z` with the mean radius `m` and the slope `s`. Along a
 //! ray `p = o + t d` this is `a t² + 2 b t + c = 0` with

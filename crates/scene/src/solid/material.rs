@@ -1,4 +1,4 @@
-//! What solids are made of.
+//! Materials of solids.
 
 use super::SolidError;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ impl Material {
         }
     }
 
-    /// What it is called.
+    /// The name of the material.
     pub fn name(&self) -> &str {
         &self.name
     }

@@ -1,4 +1,4 @@
-//! Solids: a shape and where it stands.
+//! Solids: a shape and its pose.
 
 mod frustum;
 mod material;
@@ -20,14 +20,14 @@ use std::sync::Arc;
 use torus::Torus;
 use transect_geometry::{Isometry3, Point2, Vector3};
 
-/// Parameters that describe no solid.
+/// Why parameters make no solid.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SolidError {
     /// A size is zero, negative, NaN or infinite.
     #[error("{key} = {value}: a positive length is wanted")]
     BadSize {
-        /// The parameter, as scene descriptions call it.
+        /// The parameter, by its name in scene descriptions.
         key: &'static str,
         /// Its value.
         value: f64,
@@ -43,15 +43,15 @@ pub enum SolidError {
         /// Radius of the tube.
         tube: f64,
     },
-    /// Corners that bound no polygon, or not one that a prism can have there.
+    /// Corners that do not bound a polygon, or a polygon that a prism cannot have there.
     #[error("{key}: {reason}")]
     BadPolygon {
-        /// The polygon, as scene descriptions call it.
+        /// The polygon, by its name in scene descriptions.
         key: &'static str,
-        /// What is wrong with it.
+        /// The problem with it.
         reason: &'static str,
     },
-    /// A reflectivity is no share.
+    /// A reflectivity is not above 0 and at most 1.
     #[error("reflectivity = {0}: a share above 0, up to 1, is wanted")]
     BadReflectivity(f64),
     /// The triangles do not bound a solid.
@@ -122,7 +122,8 @@ impl Shape {
     }
 
     /// A truncated cone with flat ends, of which either may be the larger one. Its axis is the **z
-    /// axis** of its frame: `radius` is that at `z = -height/2`, `top_radius` that at `z = height/2`.
+    /// axis** of its frame: `radius` is that at `z = -height/2`, `top_radius` that at
+    /// `z = height/2`.
     ///
     /// # Errors
     /// [`SolidError::BadSize`] unless all three are positive and finite.
@@ -160,12 +161,12 @@ impl Shape {
         Self::mesh(&prism::pyramid(size))
     }
 
-    /// The dissertation's general polyhedron (4.5.2): two parallel polygons of as many corners,
-    /// the bottom one at `z = -height/2` and the top one at `z = height/2`, corner joined to corner.
+    /// The dissertation's general polyhedron (4.5.2): two parallel polygons of as many corners, the
+    /// bottom one at `z = -height/2` and the top one at `z = height/2`, corner joined to corner.
     ///
     /// Polygons may be concave and run either way round. A side whose two edges are not parallel is
     /// no plane; it is two triangles then, folded from the bottom edge's first corner to the top
-    /// edge's second, counter-clockwise. Sides that cut through each other are not looked for.
+    /// edge's second, counter-clockwise. Sides that cut through each other are not detected.
     ///
     /// # Errors
     /// [`SolidError::BadSize`] unless the height is positive and finite, [`SolidError::BadPolygon`]
@@ -177,11 +178,12 @@ impl Shape {
     /// The solid that a closed triangle mesh bounds.
     ///
     /// # Errors
-    /// [`SolidError::Mesh`] if it is not closed ([`Mesh::check_closed`]), naming the first bad edge.
+    /// [`SolidError::Mesh`] if it is not closed ([`Mesh::check_closed`]), naming the first bad
+    /// edge.
     pub fn mesh(mesh: &Mesh) -> Result<Self, SolidError> {
         mesh.check_closed()?;
         let vertices = mesh.vertices.iter().map(parry::point).collect();
-        // Parry refuses nothing but a mesh without faces, which has just been ruled out.
+        // Parry only refuses a mesh without faces, which was excluded above.
         let surface = TriMesh::new(vertices, mesh.faces.clone()).map_err(|_| MeshError::Empty)?;
         Ok(Self(Kind::Mesh(Arc::new(surface))))
     }
@@ -250,17 +252,17 @@ impl Solid {
         Self { material: Some(material), ..self }
     }
 
-    /// What it is made of, if that was said.
+    /// Its material, if it has one.
     pub fn material(&self) -> Option<&Material> {
         self.material.as_ref()
     }
 
-    /// Share of the light that its surface returns; 1 if nothing was said of its material.
+    /// Share of the light that its surface returns; 1 without a material.
     pub fn reflectivity(&self) -> f64 {
         self.material.as_ref().map_or(1.0, Material::reflectivity)
     }
 
-    /// What reports call it, if it has a name.
+    /// Its name in reports, if it has one.
     pub fn name(&self) -> Option<&str> {
         self.name.as_deref()
     }
@@ -270,7 +272,7 @@ impl Solid {
         &self.shape
     }
 
-    /// Where it stands: world coordinates from the shape's own.
+    /// Its pose: world coordinates from the shape's own.
     pub fn world_from_solid(&self) -> &Isometry3 {
         &self.world_from_solid
     }

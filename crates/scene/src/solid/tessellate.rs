@@ -11,10 +11,11 @@ use transect_geometry::Point3;
 
 /// Segments of a full circle, beyond which a ball would have more than 16 million faces.
 const MOST_SEGMENTS: f64 = 4096.0;
-/// Fewest segments of a full circle, so that a coarse ball is still recognisable.
+/// Fewest segments of a full circle. Chosen by hand: a coarse ball is still recognisable. Doubled,
+/// coarse meshes have four times as many faces.
 const FEWEST_SEGMENTS: f64 = 8.0;
 
-/// Smallest chord error that a shape of this radius can be given, in the radius's unit.
+/// Smallest possible chord error of a shape of this radius, in the radius's unit.
 pub(crate) fn smallest_chord_error(radius: f64) -> f64 {
     2.0 * radius * (1.0 - (PI / MOST_SEGMENTS).cos())
 }

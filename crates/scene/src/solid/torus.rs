@@ -1,4 +1,4 @@
-//! Where a ray enters a torus: the first root of a quartic, found between stationary points.
+//! The entry of a ray into a torus: the first root of a quartic, found between stationary points.
 //!
 //! With the ring's radius R, the tube's radius r and `k = |p|² + R² - r²`, a point is inside where
 //! `f = k² - 4 R² (p_x² + p_y²)` is not positive. On a ray whose parameter counts from the point

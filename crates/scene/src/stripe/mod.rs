@@ -1,19 +1,19 @@
-//! Intensity images of a light-stripe sensor: what its camera sees, one image per laser angle
-//! (dissertation, section 4.6; Figure 4.13 shows a row of one).
+//! Intensity images of a light-stripe sensor's camera, one image per laser angle (dissertation,
+//! section 4.6; Figure 4.13 shows a row of one).
 //!
 //! A range image of such a sensor has rows of the camera and columns of laser angles, and its value
-//! says where in the camera's row the stripe lies. Here the same rays are cast, but instead of the
-//! value the light is kept:
+//! is the stripe's place in the camera's row. This module casts the same rays, but keeps the light
+//! instead of the value:
 //!
 //! 1. Per (row, laser angle): the spot, if laser and camera both reach it, its camera column, and
 //!    how much light it returns, that is reflectivity · cos(incidence of the laser).
 //! 2. A row of an image is the background; around the spot's column the stripe's profile, a bell
 //!    curve as high as the spot is bright, is added to it, pixel by pixel times its speckle.
-//! 3. Read noise is added; the sum is rounded and cut off at what the counts can hold.
+//! 3. Read noise is added; the sum is rounded and cut off at the largest count.
 //!
 //! Left out: the stripe's broadening on surfaces that recede from the camera, light that is
-//! scattered from one surface to another, and the exposure's own noise, which read noise stands for.
-//! Profiles are sampled at the pixels' centres, which a width of two pixels and more allows.
+//! scattered from one surface to another, and the exposure's own noise, which read noise
+//! replaces. Profiles are sampled at the pixels' centres, which a width of two pixels and more allows.
 
 use crate::cast::{Caster, Echo, checked_size};
 use crate::noise::{Draw, source};
@@ -31,7 +31,7 @@ pub enum BitDepth {
     Sixteen,
 }
 
-/// How a camera sees a laser stripe.
+/// A camera that sees a laser stripe.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StripeCamera {
     /// Columns of its images; their rows are those of the device frame.
@@ -42,7 +42,7 @@ pub struct StripeCamera {
     pub width: f64,
     /// Height of the profile, in counts, on a white surface that the laser meets head-on.
     pub peak: f64,
-    /// Level of the light that is there without the laser, in counts.
+    /// Level of the light without the laser, in counts.
     pub background: f64,
     /// Contrast of the speckle: standard deviation over mean of the stripe's light in a pixel, 0 to
     /// 1, where 1 is that of a laser on a rough surface and a pixel no larger than a grain.
@@ -53,21 +53,21 @@ pub struct StripeCamera {
     pub seed: u64,
 }
 
-/// Why there are no stripe images.
+/// Why stripe images cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StripeError {
     /// Images of an impossible size, or too many of them.
     #[error(transparent)]
     Image(#[from] ImageError),
-    /// A setting of the camera makes no sense.
+    /// A setting of the camera is impossible.
     #[error("{key} = {value}: {wanted} is wanted")]
     BadSetting {
-        /// Which field of [`StripeCamera`].
+        /// The field of [`StripeCamera`].
         key: &'static str,
         /// Its value.
         value: f64,
-        /// What it should be.
+        /// The condition it fails.
         wanted: &'static str,
     },
 }
@@ -81,14 +81,15 @@ pub enum Counts {
     Sixteen(Vec<u16>),
 }
 
-/// The images of all laser angles, and where the stripe truly is in them.
+/// The images of all laser angles, and the true places of the stripe in them.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct StripeImages {
     /// Rows and columns of every image.
     pub size: ImageSize,
-    /// How many there are: one per laser angle.
+    /// Number of images: one per laser angle.
     pub steps: usize,
-    /// Their pixels: that of (step, row, column) is at `(step · rows + row) · columns + column`.
+    /// Their pixels. Pixel (step, row, column) is at `(step · rows + row) · columns + column`.
     pub counts: Counts,
     /// Row by row, step by step; NaN inside where there is no stripe.
     truth: Vec<f64>,
@@ -135,12 +136,12 @@ impl Scene {
     /// The images in which a light-stripe sensor finds its stripe: `frame` has the camera's rows as
     /// rows and the laser's angles as columns.
     ///
-    /// `column` tells at which column of the camera, whole numbers being pixel centres, a value `d3`
-    /// of the frame lies; it may depend on the pixel, and `None` means outside. `view` is the view's
-    /// number: with the camera's seed it decides every random number.
+    /// `column` gives the camera's column of a value `d3` at a pixel; whole numbers are pixel
+    /// centres, and `None` means outside. `view` is the view's number: with the camera's seed it
+    /// decides every random number.
     ///
     /// # Errors
-    /// [`StripeError`] if a setting makes no sense, or the images have more than
+    /// [`StripeError`] if a setting is impossible, or the images have more than
     /// [`transect_device::MAX_PIXELS`] pixels in all.
     pub fn stripe_images(
         &self,
@@ -179,11 +180,11 @@ impl Scene {
 #[derive(Debug, Clone, Copy)]
 struct Spot {
     column: f64,
-    /// As a share of a white surface's, met head-on.
+    /// Light relative to a white surface that the laser meets head-on.
     light: f64,
 }
 
-/// What the camera sees of an echo, if that is within its columns.
+/// The stripe of an echo, if it is within the camera's columns.
 fn spot(
     caster: &Caster,
     pixel: Pixel,
@@ -197,17 +198,17 @@ fn spot(
     inside.then_some(Spot { column, light: echo.light })
 }
 
-/// How far from the middle a profile is drawn, in full widths at half height: at 2 it has fallen to
-/// 2⁻¹⁶ of its height, less than a count.
+/// Distance from the middle up to which a profile is drawn, in full widths at half height. Theory:
+/// at 2 it has fallen to 2⁻¹⁶ of its height, less than a count. Doubling it changes no count.
 const DRAWN_WIDTHS: f64 = 2.0;
 
-/// Random numbers of images keep apart from those of ranges of the same seed and view.
+/// Separates the random numbers of images from those of ranges with the same seed and view.
 const IMAGE_STREAMS: u64 = 1 << 63;
 
 /// Room for the random numbers of one row of one image, in 32-bit words.
 const WORDS_PER_ROW_LOG2: u32 = 36;
 
-/// What all rows of all images share.
+/// Data that all rows of all images share.
 struct Stack<'a> {
     camera: &'a StripeCamera,
     size: ImageSize,
@@ -218,7 +219,7 @@ struct Stack<'a> {
 }
 
 impl Stack<'_> {
-    /// All images; `count` converts what is within the range of the counts already.
+    /// All images; `count` converts a number within the range of the counts.
     fn render<T>(&self, count: impl Fn(f64) -> T) -> Vec<T> {
         let ImageSize { rows, cols } = self.size;
         let most = match self.camera.depth {

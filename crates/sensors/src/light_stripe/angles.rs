@@ -3,8 +3,9 @@
 use crate::SensorError;
 use std::f64::consts::PI;
 
-/// How far from its sheet a point may lie and still belong to a scan of one single angle, in
-/// radians: a thousandth of a millimetre in a metre. With more angles the columns' spacing decides.
+/// Largest angle between a point and the sheet of a scan with one single angle, in radians. Chosen
+/// by hand: a thousandth of a millimetre at a metre. With more angles, the columns' spacing is the
+/// limit. Doubled, points twice as far off count as on the sheet.
 const SINGLE_SHEET: f64 = 1e-6;
 
 /// The laser's scanning angles `θ_laser`, one per column, between the base line and the sheet.

@@ -19,15 +19,15 @@
 //!
 //! * **Row `i`** ↔ `y_frame`: the camera's row; whole numbers are the centres of its cells.
 //! * **Column `j`** ↔ `θ_laser`: the `j`-th scanning angle, between X and the laser sheet.
-//! * **`d3`** is `x_frame`, the place of the stripe along the camera's row, in cells **from the left
-//!   edge of the array**: cell `c` covers `c … c + 1` and its centre is at `c + 0.5`. So every
-//!   place on the array is positive, as a range image wants it. It grows with range.
+//! * **`d3`** is `x_frame`, the place of the stripe along the camera's row, in cells **from the
+//!   left edge of the array**: cell `c` covers `c … c + 1` and its centre is at `c + 0.5`. So every
+//!   place on the array is positive, as a range image requires. It grows with range.
 //!
-//! Equations: `x_plane = (x_center - x_frame) · cell_width` (4.8), `y_plane = (y_center - y_frame) ·
-//! cell_height` (4.9), `S` (4.10, errata) with `φ = atan2(f, x_plane)` (4.11, errata), and
-//! `P = (1 - t)(x_plane, y_plane, 0) + t F` with `t = S / √(x_plane² + f²)` (4.12–4.14). With the
-//! sines written out the root cancels, and per column a base `k = B_b - f/tan θ` is all that is
-//! needed:
+//! Equations: `x_plane = (x_center - x_frame) · cell_width` (4.8),
+//! `y_plane = (y_center - y_frame) · cell_height` (4.9), `S` (4.10, errata) with
+//! `φ = atan2(f, x_plane)` (4.11, errata), and `P = (1 - t)(x_plane, y_plane, 0) + t F` with
+//! `t = S / √(x_plane² + f²)` (4.12–4.14). With the sines written out the root cancels, and per
+//! column a base `k = B_b - f/tan θ` is all that is needed:
 //!
 //! ```text
 //!   depth in front of F     w = f k / (x_plane + f / tan θ),   d3 = x_center - x_plane/cell_width
@@ -55,7 +55,7 @@
 //! Departures from the source: `x_frame` is counted from the array's edge; the angles are a table,
 //! not necessarily equal steps; samples end at a farthest depth and at the edge of the fan, whose
 //! apex is taken to be the spot on the mirror. Light really starts there and not in P0; the two are
-//! `f / sin θ` apart, which only matters for what hides a point from the laser.
+//! `f / sin θ` apart, which only matters for objects between the laser and a point.
 //!
 //! [`stripe`] finds the stripe in the camera's intensity images.
 
@@ -74,13 +74,13 @@ use transect_device::{
     SensorPlane, Vector3,
 };
 
-/// What all pixels of a column share: its laser sheet.
+/// The laser sheet of a column, which all its pixels share.
 #[derive(Debug, Clone, Copy)]
 struct Sheet {
     sin: f64,
     /// 1 / tan θ.
     cot: f64,
-    /// `k = B_b - f / tan θ`: how far the ray's start P0 lies from the focal point.
+    /// `k = B_b - f / tan θ`: the distance of the ray's start P0 from the focal point.
     base: f64,
 }
 
@@ -136,7 +136,7 @@ impl LightStripe {
         Self::new(LightStripeParameters::smart_eye())
     }
 
-    /// What the frame was made from.
+    /// The parameters of the range finder.
     pub fn parameters(&self) -> &LightStripeParameters {
         &self.parameters
     }
@@ -146,7 +146,7 @@ impl LightStripe {
         Point3::new(0.0, 0.0, self.parameters.focal_length)
     }
 
-    /// Checks what only shows column by column; see the module's page.
+    /// Checks every column; see the module's page.
     fn check_columns(&self) -> Result<(), SensorError> {
         let angles = self.parameters.theta_laser.as_radians();
         let bad = |key, value, wanted| Err(SensorError::BadParameter { key, value, wanted });
@@ -293,7 +293,7 @@ impl DeviceFrame for LightStripe {
     /// The corners of every column's part of the truncated prism (4.3.3).
     ///
     /// Exact but for the fan: a column's points fill a trapezoid, of which these are the corners.
-    /// Infinite if a column can see without end and [`LightStripeParameters::farthest`] says so.
+    /// Infinite if [`LightStripeParameters::farthest`] is infinite and a column has no other limit.
     fn extent(&self, direction: &Vector3, nearest: f64, farthest: f64) -> (f64, f64) {
         let p = &self.parameters;
         let limit = p.farthest - p.focal_length;

@@ -1,7 +1,7 @@
-//! What a light-stripe range finder is made of, and the dissertation's own.
+//! The parameters of a light-stripe range finder, and those of the dissertation's own.
 
 use super::LaserAngles;
-use crate::{SensorError, require};
+use crate::error::{SensorError, require};
 use std::f64::consts::PI;
 use transect_device::{ImageSize, Point3};
 
@@ -22,8 +22,8 @@ pub struct LightStripeParameters {
     pub cell_width: f64,
     /// `aspect_ratio_y`: from one row to the next; a length.
     pub cell_height: f64,
-    /// Where the optical axis meets the row, in cells **from the array's left edge**, like `d3`:
-    /// half the number of columns for a centred lens.
+    /// Place where the optical axis meets the row, in cells **from the array's left edge**, like
+    /// `d3`: half the number of columns for a centred lens.
     pub x_center: f64,
     /// Row of the optical axis; whole numbers are the centres of rows, so (rows − 1)/2 for a
     /// centred lens.
@@ -50,11 +50,11 @@ impl LightStripeParameters {
     /// From the text: a camera of 768 × 494 cells (PULNiX TM-7), a line lens of 60°, a motor with
     /// 200 steps per revolution behind a transmission, hence 200 columns.
     ///
-    /// Chosen here, where the text only says "estimated" or nothing:
+    /// Chosen here, because the text gives no number or calls it "estimated":
     ///
-    /// | value | why |
+    /// | value | reason |
     /// |---|---|
-    /// | cells of 8.4 µm × 9.8 µm | what a half-inch array of that size has |
+    /// | cells of 8.4 µm × 9.8 µm | the cells of a half-inch array of that size |
     /// | f = 16 mm | a field of 23° × 17°: 275 mm × 205 mm at a depth of 700 mm, a face mask |
     /// | B = 300 mm | triangulation angle of 24° at that depth, one cell is 0.8 mm of depth |
     /// | R = 20 mm, g = 16 mm | the beam stays within 4 mm of the middle of a small mirror's face |

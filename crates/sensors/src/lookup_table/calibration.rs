@@ -24,7 +24,7 @@
 
 use super::field::{Beam, DigitizedField};
 use super::filter::{Series, median, middle_third_mean};
-use crate::{SensorError, require};
+use crate::error::{SensorError, require};
 use nalgebra::{Point2, Vector2};
 
 /// One spot of a calibration sweep.
@@ -133,7 +133,7 @@ impl DepthPairs {
     }
 }
 
-/// What a column knows of one depth, after the filter.
+/// A column's place at one depth, after the filter.
 #[derive(Debug, Clone, Copy)]
 struct Entry {
     p: f64,
@@ -209,7 +209,7 @@ fn filtered_sweep(
     Ok(entries)
 }
 
-/// Checks a sweep's samples and says which column each belongs to.
+/// Checks a sweep's samples and finds the column of each.
 fn sample_columns(sweep: &CalibrationSweep, steps: &ThetaSteps) -> Result<Vec<f64>, SensorError> {
     let mut columns: Vec<f64> = Vec::with_capacity(sweep.samples.len());
     for s in &sweep.samples {

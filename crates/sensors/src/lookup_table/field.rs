@@ -27,7 +27,7 @@ impl BeamLine {
     }
 }
 
-/// An entry of both tables: where a beam crosses a depth line, and what the detector said there.
+/// An entry of both tables: the point where a beam crosses a depth line, and the detector's value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GridNode {
     /// Image position of the spot, in the detector's unit.
@@ -143,7 +143,8 @@ pub struct DigitizedField {
     columns: usize,
     /// Usable beams with their columns, columns rising; two or more.
     beams: Vec<(usize, Beam)>,
-    /// +1 if the next column's beam lies on the side its line's (a, b) points to, −1 if not.
+    /// +1 if the next column's beam lies on the side to which its line's (a, b) points, otherwise
+    /// −1.
     turn: f64,
 }
 
@@ -236,7 +237,7 @@ fn on_beam((column, beam): &(usize, Beam), at: &Point2<f64>) -> Option<(f64, f64
     Some((*column as f64, p?))
 }
 
-/// Where between two beams a point lies, 0 to 1, and its `p`.
+/// The place of a point between two beams, from 0 to 1, and its `p`.
 ///
 /// The segment between the beams' points of one value sweeps over the cell once as the value
 /// grows, so bisection on the side of the point finds it; 2⁻⁵² of the range is rounding.

@@ -7,8 +7,8 @@
 //! the median about that line. The line also serves the ends of a series, where no window fits
 //! around the sample, and columns without a sample.
 //!
-//! A line cuts corners off a bent series, by `½ y″ Δθ²` times 4 in a window of seven. Filtering what
-//! the first pass left over and adding it ("twicing", Tukey 1977) gives that back.
+//! A line cuts corners off a bent series, by `½ y″ Δθ²` times 4 in a window of seven. Filtering
+//! what the first pass left over and adding it ("twicing", Tukey 1977) gives that back.
 
 /// Samples of one series over column numbers, columns rising.
 pub(super) struct Series<'a> {

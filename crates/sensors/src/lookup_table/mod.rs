@@ -12,8 +12,8 @@
 //!
 //! Axes: right-handed; z away from the scanner at tilt 0, y (x–z mounting) or x (y–z mounting) the
 //! linear axis. y–z mounting, tilt about x: y = u cos τ − v sin τ, z = u sin τ + v cos τ. The frame
-//! moves with nothing: row i lies where the linear axis stood. Handedness depends on the mounting
-//! and the signs of the steps, and is worked out from them.
+//! is fixed in the world: row i lies where the linear axis stood. Handedness depends on the
+//! mounting and the signs of the steps, and is worked out from them.
 //!
 //! `d3` is `p` in the detector's unit, positive and growing with range; all else is in the model's
 //! length unit, angles in radians. Pixel `(i, j)` is the centre of sweep i's beam j. Missing: a
@@ -21,15 +21,15 @@
 //! point. An image of a single row is valid. Noise is an error of `p`, so an error along the beam
 //! that grows with range.
 //!
-//! Equations. A beam is the line `a u + b v + c = 0` (4.17) with the depth lines (4.18) marked on it
-//! as values of `p`. `f`: interpolate between the two marks around the given `p`. `F` of a plane:
-//! its line in the sweep `y = y₀` (4.19) meets the beam, and `p` is interpolated between the two
-//! marks around that point. Between beams both are bilinear in (θ, p). The interpolation is
+//! Equations. A beam is the line `a u + b v + c = 0` (4.17) with the depth lines (4.18) marked on
+//! it as values of `p`. `f`: interpolate between the two marks around the given `p`. `F` of a
+//! plane: its line in the sweep `y = y₀` (4.19) meets the beam, and `p` is interpolated between the
+//! two marks around that point. Between beams both are bilinear in (θ, p). The interpolation is
 //! linear, so its error falls with the square of the depth lines' spacing: at most
 //! `Δp² / 8 · |d²t/dp²|` along the beam, t the distance along it.
 //!
 //! A ray starts where the beam passes the projector, if [`Viewpoints`] are given, and at the
-//! beam's nearest digitised point if not: what happens before that is then unknown to the frame.
+//! beam's nearest digitised point if not. Objects before that point are then unknown to the frame.
 //! [`DeviceFrame::second_viewpoint`] is the receiver's pivot, known only with [`Viewpoints`].
 //!
 //! Departures from the source: entries of the tables are moved onto their beam's line, which makes
@@ -49,7 +49,7 @@ pub use field::{Beam, BeamLine, DigitizedField, GridNode};
 pub use mounting::{LinearSteps, Mounting, ScanPlane};
 pub use synchronized::SynchronizedScanner;
 
-use crate::{SensorError, require};
+use crate::error::{SensorError, require};
 use mounting::Axes;
 use nalgebra::Point2;
 use transect_device::{
@@ -57,7 +57,7 @@ use transect_device::{
     SensorPlane, Vector3,
 };
 
-/// Where the light leaves and where it is watched from, in the local frame (u, v); lengths.
+/// Start of the light, and the point that sees it, in the local frame (u, v); lengths.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Viewpoints {
     /// Pivot of the projecting mirror.
@@ -67,6 +67,19 @@ pub struct Viewpoints {
 }
 
 /// The device frame of a table-driven scanner on a linear axis; see the module's page.
+///
+/// ```
+/// use transect_device::{DeviceFrame, Pixel, SensorPlane, Vector3};
+/// use transect_sensors::LookupTable;
+/// use transect_sensors::lookup_table::LinearSteps;
+///
+/// let table = LookupTable::hyscan(LinearSteps::new(0.0, 0.5, 100))?; // millimetres
+/// let wall = SensorPlane { normal: Vector3::z(), offset: 150.0 };
+/// let d3 = table.plane_value(Pixel::new(20, 128), &wall).ok_or("the ray misses the plane")?;
+/// let p = table.point(Pixel::new(20, 128), d3).ok_or("no point")?;
+/// assert!((p.z - 150.0).abs() < 1e-9 && p.y == 10.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct LookupTable {
     field: DigitizedField,
@@ -79,7 +92,8 @@ impl LookupTable {
     /// A scanner with calibrated tables, carried along a linear axis.
     ///
     /// # Errors
-    /// [`SensorError::BadParameter`] for a zero step `dy`, no `rows`, or numbers that are not finite.
+    /// [`SensorError::BadParameter`] for a zero step `dy`, no `rows`, or numbers that are not
+    /// finite.
     pub fn new(
         field: DigitizedField,
         rows: LinearSteps,
@@ -88,11 +102,11 @@ impl LookupTable {
         Ok(Self { field, rows: rows.checked()?, axes: mounting.axes()?, viewpoints: None })
     }
 
-    /// The same scanner, with its mirrors' places known.
+    /// The same scanner, with the places of its mirrors.
     ///
     /// # Errors
-    /// [`SensorError::BadParameter`] naming `projector` or `receiver` if they are not finite, or the
-    /// projector does not lie before the digitised field.
+    /// [`SensorError::BadParameter`] naming `projector` or `receiver` if they are not finite, or
+    /// the projector does not lie before the digitised field.
     pub fn with_viewpoints(self, viewpoints: Viewpoints) -> Result<Self, SensorError> {
         let Viewpoints { projector, receiver } = viewpoints;
         require("receiver", receiver.coords.sum(), true, "a finite place")?;

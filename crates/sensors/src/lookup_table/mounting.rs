@@ -1,6 +1,6 @@
 //! How the scanner hangs on the machine: its plane, its tilt, and the linear axis (4.7.1).
 
-use crate::{SensorError, require};
+use crate::error::{SensorError, require};
 use nalgebra::{Point2, Vector2};
 use transect_device::{Point3, Vector3};
 
@@ -13,7 +13,7 @@ pub enum ScanPlane {
     Yz,
 }
 
-/// How the local frame (u, v) lies in the sensor frame.
+/// The local frame (u, v) in the sensor frame.
 ///
 /// The tilt turns the scanner about the linear axis, right-handed. At tilt 0, v runs along z and u
 /// along x (or y).
@@ -34,7 +34,7 @@ impl Mounting {
         Self::from_radians(plane, tilt.to_radians())
     }
 
-    /// The axes, once the tilt is known to be a number.
+    /// The axes, after a check of the tilt.
     pub(super) fn axes(&self) -> Result<Axes, SensorError> {
         let (sin, cos) = require("tilt", self.tilt_rad, true, "an angle")?.sin_cos();
         Ok(match self.plane {

@@ -84,9 +84,9 @@ impl SynchronizedScanner {
         CalibrationSweep { samples: angles.map(|t| self.sample(t, depth, slope)).collect() }
     }
 
-    /// The example's calibration, nearest first: 24 noise-free sweeps of a table that leans 1°, from
-    /// 11/6 to 20/6 base lines away (110 to 200 mm for the dissertation's figures), at depths that
-    /// are not equally spaced.
+    /// The example's calibration, nearest first: 24 noise-free sweeps of a table that leans 1°,
+    /// from 11/6 to 20/6 base lines away (110 to 200 mm for the dissertation's figures), at depths
+    /// that are not equally spaced.
     pub fn leaning_sweeps(&self, columns: &ThetaSteps) -> Vec<CalibrationSweep> {
         const DEPTHS: usize = 24;
         let slope = 1.0_f64.to_radians().tan();

@@ -9,9 +9,9 @@
 //! ```
 //!
 //! Axes: x right, y down, z forward, right-handed, seen from the camera. `d3` is the depth along z
-//! or the length of the ray, see [`PinholeScale`], in the model's length unit; all rays start at the
-//! origin. Pixel `(i, j)` is sampled at its centre, `(cx, cy)` in the same counting. Missing pixels
-//! are missing values. Noise is an error along the ray.
+//! or the length of the ray, see [`PinholeScale`], in the model's length unit; all rays start at
+//! the origin. Pixel `(i, j)` is sampled at its centre, `(cx, cy)` in the same counting. Missing
+//! pixels are missing values. Noise is an error along the ray.
 //!
 //! A lens that bends rays is a [`RayTable`]: one unit ray per pixel in the same frame.
 
@@ -19,13 +19,13 @@ mod ray_table;
 
 pub use ray_table::RayTable;
 
-use crate::{SensorError, require};
+use crate::error::{SensorError, require};
 use transect_device::{
     DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, Neighbour, Pixel, Point3,
     RangeImage, Ray, RayProduct, RayProducts, SensorPlane, SeparableForm, Vector3,
 };
 
-/// What a camera's value measures.
+/// The meaning of a camera's values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PinholeScale {
     /// Depth along the optical axis z.
@@ -67,6 +67,17 @@ pub struct Intrinsics {
 }
 
 /// The device frame of a depth camera; see the module's page.
+///
+/// ```
+/// use transect_device::{DeviceFrame, ImageSize, Pixel, Point3};
+/// use transect_sensors::{Intrinsics, Pinhole};
+///
+/// let intrinsics = Intrinsics { fx: 500.0, fy: 500.0, cx: 319.5, cy: 239.5 };
+/// let camera = Pinhole::new(ImageSize { rows: 480, cols: 640 }, intrinsics)?;
+/// let seen = camera.device_point(&Point3::new(0.1, 0.0, 2.0)).ok_or("not seen")?;
+/// assert_eq!((seen.row, seen.col, seen.d3), (239.5, 319.5 + 25.0, 2.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Pinhole {
     size: ImageSize,
@@ -89,7 +100,7 @@ impl Pinhole {
         Ok(Self { size, intrinsics, scale: PinholeScale::Depth })
     }
 
-    /// The same camera, with values of another meaning.
+    /// The same camera, with another meaning of its values.
     #[must_use]
     pub fn with_scale(self, scale: PinholeScale) -> Self {
         Self { scale, ..self }

@@ -36,8 +36,8 @@ impl CarriedPinhole {
 
     /// Reads the lines of sight from row-major points; points that are not finite are left out.
     ///
-    /// `None` if the points cannot tell: too few, too flat, or without a pencil that converges on
-    /// the side of larger z, where triangulation scanners of this kind stand.
+    /// `None` if the points do not determine it: too few, too flat, or without a pencil converging
+    /// on the side of larger z, where triangulation scanners of this kind stand.
     pub fn fit(size: ImageSize, points: &[Point3]) -> Option<Self> {
         let samples: Vec<Sample> = samples(size, points);
         let mean = |f: fn(&Sample) -> f64| {

@@ -1,26 +1,26 @@
 //! Organised grid of Cartesian points: structured scans that come as points, not as ranges.
 //!
-//! Each pixel has a point of its own and a place its ray starts from, see [`RayStarts`]. `d3` is
-//! the distance of the point from that start, in the model's length unit; a value other than the
-//! stored one means the point moved along the ray. There is no inverse mapping `F`, because nothing
-//! is known between the rays.
+//! Each pixel has its own point, and a start of its ray, see [`RayStarts`]. `d3` is the distance of
+//! the point from that start, in the model's length unit. Another value than the stored one moves
+//! the point along the ray. There is no inverse mapping `F`, because the rays between the pixels
+//! are unknown.
 //!
-//! Axes: whatever the scan has, right-handed. Handedness is read from the grid: the side from which
-//! most of its cells are seen. Missing: any coordinate not finite, or the point (0, 0, 0), which
-//! structured formats write for "no return", or too far away for the image's `f32`. A grid whose last
-//! column lies beside its first is a full circle. Noise is an error along the ray.
+//! Axes: those of the scan, right-handed. Handedness is read from the grid: it is the side from
+//! which most cells are seen. Missing: points with a coordinate that is not finite, points too far
+//! away for `f32`, and the point (0, 0, 0), which structured formats write for "no return". A grid
+//! whose last column lies beside its first is a full circle. Noise is an error along the ray.
 
 mod carried_pinhole;
 
 pub use carried_pinhole::CarriedPinhole;
 
-use crate::{SensorError, require};
+use crate::error::{SensorError, require};
 use transect_device::{
     DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, Neighbour, PairGeometry, Pixel,
     Point3, RangeImage, Ray, SensorPlane, Vector3,
 };
 
-/// Where the rays of a point grid start.
+/// The starts of a point grid's rays.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RayStarts {
     /// All at one point, in the sensor frame.
@@ -56,15 +56,28 @@ impl RayStarts {
 const MISSING: Point3 = Point3::new(f64::NAN, f64::NAN, f64::NAN);
 
 /// The device frame of an organised point grid; see the module's page.
+///
+/// ```
+/// use transect_device::{DeviceFrame, ImageSize, Pixel, Point3};
+/// use transect_sensors::{PointGrid, RayStarts};
+///
+/// let points = (0..12).map(|n| Point3::new(f64::from(n % 4), f64::from(n / 4), 10.0)).collect();
+/// let starts = RayStarts::Viewpoint(Point3::origin());
+/// let (grid, image) = PointGrid::new(ImageSize { rows: 3, cols: 4 }, points, starts)?;
+/// assert_eq!(image.get(Pixel::new(0, 0)), Some(10.0));
+/// assert_eq!(grid.point(Pixel::new(0, 0), 10.0), Some(Point3::new(0.0, 0.0, 10.0)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct PointGrid {
     size: ImageSize,
     /// Row-major; NaN where missing.
     points: Vec<Point3>,
     starts: RayStarts,
-    /// Of every point from its ray's start. For parallel rays it may differ from the value by rounding.
+    /// Distance of every point from its ray's start. For parallel rays it may differ from the value
+    /// by rounding.
     distances: Vec<f64>,
-    /// Where parallel rays start, measured along them; ahead of every point.
+    /// The start of parallel rays, measured along them; every point lies beyond it.
     parallel_start: f64,
     /// Smallest and largest coordinates of the points.
     bounds: [(f64, f64); 3],
@@ -134,7 +147,7 @@ impl PointGrid {
         Self::new(size, points, fitted.unwrap_or(RayStarts::Parallel(-Vector3::z())))
     }
 
-    /// Where the rays start.
+    /// The starts of the rays.
     pub fn ray_starts(&self) -> &RayStarts {
         &self.starts
     }
@@ -148,7 +161,7 @@ impl PointGrid {
     /// The point of a value other than that of a stored point.
     #[inline]
     fn moved(&self, p: &Point3, distance: f64, d3: f64) -> Point3 {
-        // The stored value is the distance rounded to f32: it stands for the point itself.
+        // The stored value is the distance rounded to f32, so it means the stored point.
         if d3 as f32 == distance as f32 {
             return *p;
         }
@@ -156,8 +169,7 @@ impl PointGrid {
         start + (p - start) * (d3 / distance)
     }
 
-    /// The stored points of a row with their distances, and those of the row's values; not a number where
-    /// there is none.
+    /// The stored points of a row, each with the point of the row's value; NaN where it is missing.
     fn points_of_row<'a>(
         &'a self,
         image: &'a RangeImage,
@@ -173,7 +185,7 @@ impl PointGrid {
         })
     }
 
-    /// The side from which most cells are seen: sign of (∂p/∂column × ∂p/∂row) · ray.
+    /// The side from which most cells are seen: the sign of (∂p/∂column × ∂p/∂row) · ray.
     fn read_handedness(&self) -> Option<Handedness> {
         let mut balance = 0_i64;
         for row in 1..self.size.rows {
@@ -200,7 +212,7 @@ impl PointGrid {
         let mut seams: Vec<f64> = rows.clone().filter_map(|r| step(r, last, 0)).collect();
         let beside = rows.flat_map(|r| [step(r, 0, 1), step(r, last - last.min(1), last)]);
         let mut steps: Vec<f64> = beside.flatten().collect();
-        // Fewer than three columns have no seam to tell from their own steps.
+        // With fewer than three columns, a seam looks like the columns' own steps.
         last >= 3
             && seams.len() >= 3
             && median(&mut seams)
@@ -223,7 +235,7 @@ fn median(values: &mut [f64]) -> Option<f64> {
     values.get(middle).copied()
 }
 
-/// Smallest and largest of some numbers, without those that are none.
+/// Smallest and largest of some numbers, without NaN.
 fn bounds(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
     // Comparisons with NaN are false.
     numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), number| {
@@ -342,7 +354,8 @@ impl DeviceFrame for PointGrid {
         (value.is_finite() && value > 0.0).then_some(value)
     }
 
-    /// Exact, over the stored points, whatever the values: a smoothed image may leave it by its noise.
+    /// Exact for the stored points, independent of the values: the points of a smoothed image may
+    /// lie outside by their noise.
     fn extent(&self, direction: &Vector3, _nearest: f64, _farthest: f64) -> (f64, f64) {
         if let Some(k) =
             (0..3).find(|k| direction.iter().enumerate().all(|(j, d)| j == *k || *d == 0.0))

@@ -5,11 +5,13 @@ use super::own::Own;
 use super::quantile::quantile;
 use serde::Serialize;
 
-/// How well curves agree with the truth.
+/// Figures of the comparison of curves with the truth.
 ///
 /// Lengths are in the model's length unit, shares from 0 to 1. Only planes from
-/// [`EvaluateOptions::from`](super::EvaluateOptions::from) on count. A share of nothing is `None`.
+/// [`EvaluateOptions::from`](super::EvaluateOptions::from) on count. A share is `None` where there
+/// is no length to share.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Accuracy {
     /// Planes on which the truth has a curve.
     pub planes_with_truth: usize,
@@ -23,15 +25,15 @@ pub struct Accuracy {
     pub vertices: usize,
     /// Curves of the truth.
     pub truth_pieces: usize,
-    /// Curves to expect: stretches of the truth's curves that the views could see. Gaps shorter than the
-    /// tolerance, or than four samples as the plane's curves tell them, do not separate them, and shorter ones do not
-    /// count.
+    /// Curves to expect: stretches of the truth's curves that the views could see. Gaps shorter
+    /// than the tolerance, or than four sample spacings of the plane's curves, do not end a
+    /// stretch. Stretches shorter than that do not count.
     pub expected_pieces: usize,
     /// Length of the curves.
     pub length: f64,
     /// Length of the truth.
     pub truth_length: f64,
-    /// Length of the curves on planes without truth: infinitely far from it, and part of `off`.
+    /// Length of the curves on planes without truth. They count as infinitely far, and in `off`.
     pub length_without_truth: f64,
     /// Median distance of the curves from the truth; `None` if it is infinite, that is, if half of
     /// the samples are on planes without truth, or if there are no samples.
@@ -40,7 +42,7 @@ pub struct Accuracy {
     pub p95: Option<f64>,
     /// Largest distance of the curves from the truth on planes that have truth.
     pub max: Option<f64>,
-    /// Share of the truth's length that the views could see; 1 where nobody says otherwise.
+    /// Share of the truth's length that the views could see; 1 if visibility is not known.
     pub truth_seen: Option<f64>,
     /// Share of the seen truth's length with a curve within the tolerance.
     pub completeness: Option<f64>,
@@ -56,10 +58,11 @@ pub struct Accuracy {
     pub planes_same_loops: Option<f64>,
 }
 
-/// What curves tell about themselves without any truth.
+/// Figures of curves without a truth.
 ///
 /// Lengths are in the model's length unit, shares from 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Duplication {
     /// Curves.
     pub pieces: usize,

@@ -6,7 +6,7 @@ use super::sample::{Sample, samples};
 use super::stretches::seen_stretches;
 use transect_geometry::{Curve, Point2};
 
-/// What the comparison of curves with the truth adds up; lengths in the model's unit.
+/// Sums of the comparison of curves with the truth; lengths in the model's unit.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Closeness {
     /// Planes with truth.
@@ -35,11 +35,12 @@ pub(super) struct Closeness {
     pub distances: Vec<f64>,
 }
 
-/// Shortest stretch of the truth that is expected as a curve, and longest gap that parts none, in samples
-/// of the views.
+/// Shortest stretch of the truth that is expected as a curve, in sample spacings of the views.
+/// Shorter gaps do not end a stretch. Chosen by hand: the shortest curve that fusion keeps.
+/// Doubled, fewer and longer curves are expected.
 const SHORTEST_FOOTPRINTS: f64 = 4.0;
 
-/// Median distance between the views' samples as curves tell it; 0 where they do not.
+/// Median sample spacing of the nodes that a view measured; 0 without such nodes.
 fn footprint(curves: &[Curve]) -> f64 {
     let seen = curves.iter().flat_map(Curve::nodes).filter(|n| n.views.is_some());
     let mut footprints: Vec<f32> = seen.map(|n| n.footprint).collect();
@@ -51,9 +52,9 @@ fn footprint(curves: &[Curve]) -> f64 {
 }
 
 impl Closeness {
-    /// That of one plane, from its curves and an index of their units.
+    /// The sums of one plane, from its curves and an index of their units.
     ///
-    /// `seen` tells which of the truth's samples count for what is missing.
+    /// `seen` is true for the truth's samples that count for completeness.
     pub fn of(
         curves: (&[Curve], &UnitIndex),
         truth: &[Curve],

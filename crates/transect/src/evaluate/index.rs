@@ -5,8 +5,8 @@ use rstar::RTree;
 use transect_geometry::{Curve, CurveUnit, Point2, Vector2};
 use transect_model::InTree;
 
-/// Units count as equally near if their squared distances differ by less than this share: rounding
-/// at the common end of two units stays far below it.
+/// Units count as equally near if their distances differ by less than this share. Chosen by hand:
+/// rounding at the common end of two units stays far below it. Doubled or halved, it still does.
 const EQUALLY_NEAR: f64 = 1e-9;
 
 /// A unit in the tree.
@@ -49,9 +49,9 @@ impl UnitIndex {
 
     /// The unit nearest to a point, any one of those equally near; `None` if there is no unit.
     pub fn nearest(&self, p: &Point2) -> Option<Nearest> {
-        // Not `nearest_neighbor`: it prunes by how far a box's content can be at most, which rounding
-        // lets fall below the distance of the nearest unit where that is a corner of the box. The
-        // unit is lost then, and one several times as far may be returned.
+        // Not `nearest_neighbor`: it prunes with an upper bound of the distance to a box's content.
+        // Where the nearest point is a corner of the box, rounding can put that bound below the
+        // true distance. The unit is then lost, and one several times as far may be returned.
         let (found, squared) =
             self.tree.nearest_neighbor_iter_with_distance_2((*p).into()).next()?;
         Some(Nearest { distance: squared.sqrt(), direction: found.placed.direction() })
@@ -59,7 +59,7 @@ impl UnitIndex {
 
     /// Whether a direction agrees with a unit that is as near to the point as the nearest one.
     pub fn agrees(&self, p: &Point2, direction: &Vector2, nearest: &Nearest) -> bool {
-        // Most samples have one nearest unit, which spares them the second search.
+        // Most samples have one nearest unit and need no second search.
         direction.dot(&nearest.direction) > 0.0 || {
             let reach = nearest.distance * (1.0 + EQUALLY_NEAR);
             self.within(p, reach).any(|u| direction.dot(&u.placed.direction()) > 0.0)

@@ -1,29 +1,30 @@
-//! How accurate curves are, against sections that are known.
+//! The accuracy of curves, measured against known sections.
 //!
-//! The idea: walk along every curve in small steps of equal length and ask, inside its plane, how
-//! far the truth is; walk along the truth and ask how far the curves are. The first walk finds what
-//! is wrong, the second what is missing; neither notices what the other does.
+//! Idea: walk along every curve in small steps of equal length and measure, inside its plane, the
+//! distance to the truth. Then walk along the truth and measure the distance to the curves. The
+//! first walk finds false curves, the second finds missing ones.
 //!
 //! 1. Each curve unit is split into equal parts no longer than a fifth of the tolerance; each
 //!    part's midpoint is a sample that stands for the part's length.
 //! 2. Samples of the curves: distance to the nearest unit of the truth on the same plane, and
 //!    whether that unit runs the same way (solid on the same side).
-//! 3. Samples of the truth: distance to the nearest curve unit on the same plane. Stretches of the truth's
-//!    curves that were seen, with no gap as long as the tolerance or four samples of the views, are the
-//!    curves to expect.
-//! 4. Samples of the curves again, against the curves: whether another piece of the same direction
-//!    lies within the tolerance, which is surface that was modelled twice.
+//! 3. Samples of the truth: distance to the nearest curve unit on the same plane. A stretch of the
+//!    truth that the views could see is a curve to expect. Gaps shorter than the tolerance, or than
+//!    four sample spacings of the views, do not end a stretch.
+//! 4. Samples of the curves again, against the curves: another piece of the same direction within
+//!    the tolerance is surface that was modelled twice.
 //! 5. Shares count lengths; median and 95 % quantile count samples (linear between neighbouring
 //!    samples).
 //!
-//! An independent scorer that works on samples only agrees with these figures. Departures from it:
-//! distances and duplicates are found among whole units rather than their samples; where several
-//! units of the truth are equally near, as at a corner, a curve agrees with the truth if it agrees
-//! with one of them; curves on planes without truth are infinitely far from it, not a large number.
+//! An independent scorer that works on samples alone agrees with these figures. There are three
+//! differences. Distances and duplicates are found among whole units, not among samples. Where
+//! several units of the truth are equally near, as at a corner, a curve agrees with the truth if it
+//! agrees with one of them. Curves on planes without truth are infinitely far from it.
 //!
 //! Cost: O(s log u) time for s samples and u units, 8 bytes per sample of the curves. Planes are
 //! measured in parallel and added up in their order, so the figures do not depend on the threads.
-//! Do not use it to compare curves whose planes differ: a curve is only seen by its own plane.
+//! Do not use it to compare curves on different planes: a curve is compared within its own plane
+//! only.
 //!
 //! ```
 //! use std::collections::BTreeMap;
@@ -62,13 +63,13 @@ use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use transect_geometry::{Curve, PlaneFamily, PlaneIndex, Point2};
 
-/// Samples per tolerance. More of them sharpen the shares' ends, which are found to within half a
-/// sample, and take as much more time.
+/// Samples per tolerance; chosen by hand. The ends of stretches are found to within half a sample.
+/// Doubled, the ends are twice as sharp and the evaluation takes twice the time.
 const SAMPLES_PER_TOLERANCE: f64 = 5.0;
 
-/// Most samples that are taken; more are taken for a tolerance in the wrong unit.
+/// Largest number of samples. More than that is taken for a tolerance in the wrong unit.
 ///
-/// The distances of that many samples fill 2 GiB.
+/// Chosen by hand: the distances of that many samples fill 2 GiB. Doubled, so does the memory.
 pub const MAX_SAMPLES: usize = 1 << 28;
 
 /// Curves by section plane.
@@ -77,11 +78,11 @@ type PlaneCurves = BTreeMap<PlaneIndex, Vec<Curve>>;
 /// How curves are evaluated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EvaluateOptions {
-    /// What counts as near, in the model's length unit.
+    /// Largest distance that counts as near, in the model's length unit.
     pub tolerance: f64,
-    /// Only planes at this station or above it count, in the model's length unit; all if `None`.
+    /// Lowest station whose planes count, in the model's length unit; `None` counts all planes.
     ///
-    /// It excludes what the reference lacks or the views did not see, such as an object's base.
+    /// It leaves out parts that the reference lacks or that no view saw, such as an object's base.
     pub from: Option<f64>,
 }
 
@@ -96,7 +97,10 @@ pub enum EvaluateError {
     #[error("the first station must be a finite length, got {0}")]
     BadFrom(f64),
     /// The tolerance is so small that the samples would not fit into memory.
-    #[error("a tolerance of {tolerance} takes {samples:.0} samples; at most {most} are accepted")]
+    #[error(
+        "a tolerance of {tolerance} needs {samples:.0} samples; at most {most} are accepted. Is it in \
+         the model's unit?"
+    )]
     TooFine {
         /// The tolerance, in the model's length unit.
         tolerance: f64,
@@ -107,10 +111,10 @@ pub enum EvaluateError {
     },
 }
 
-/// How well curves agree with the sections that the solid really has.
+/// Compares curves with the true sections of the solid.
 ///
-/// `planes` is only asked which planes [`EvaluateOptions::from`] means: both maps have their planes
-/// from this family. Planes without curves and planes without truth count as what they are.
+/// Both maps have their planes from the family `planes`, which is needed for
+/// [`EvaluateOptions::from`] alone. Planes without curves or without truth count too.
 ///
 /// # Errors
 /// [`EvaluateError`] if an option is no usable length.
@@ -126,7 +130,7 @@ pub fn evaluate(
 /// Whether a point of the truth, in plane coordinates, counts for completeness.
 pub type Seen<'a> = dyn Fn(PlaneIndex, &Point2) -> bool + Sync + 'a;
 
-/// As [`evaluate`], with completeness of that part of the truth alone which the views could see.
+/// As [`evaluate`], with the completeness of the part of the truth that the views could see.
 ///
 /// # Errors
 /// [`EvaluateError`] if an option is no usable length.
@@ -154,8 +158,8 @@ pub fn evaluate_seen(
     Ok(Accuracy::new(Own::total(own), Closeness::total(closeness)))
 }
 
-/// What curves tell about themselves, without any truth: how many there are, and how much of them
-/// runs beside another piece of the same direction within the tolerance.
+/// Measures curves without a truth: their number, and the share of their length that runs beside
+/// another piece of the same direction within the tolerance.
 ///
 /// Another piece is another curve, or the same one more than ten tolerances away along it; the ends
 /// of a curve count as neighbours, whether it is closed or not quite.
@@ -183,16 +187,16 @@ impl EvaluateOptions {
     }
 }
 
-/// What all planes are measured with; both in the model's length unit.
+/// The lengths with which all planes are measured, in the model's length unit.
 struct Ruler {
-    /// What counts as near.
+    /// Largest distance that counts as near.
     tolerance: f64,
     /// Longest part of a curve that one sample stands for.
     step: f64,
 }
 
 impl Ruler {
-    /// A ruler fit for these curves.
+    /// The ruler for these curves, if their samples fit into memory.
     fn new<'a>(
         tolerance: f64,
         curves: impl Iterator<Item = &'a Curve>,

@@ -1,17 +1,17 @@
-//! What the curves of a plane tell about themselves.
+//! Figures of the curves of one plane, without a truth.
 
 use super::Ruler;
 use super::index::{IndexedUnit, UnitIndex};
 use super::sample::{Sample, samples};
 use transect_geometry::Curve;
 
-/// Two pieces of one curve count as different if they are farther apart along it than this many
-/// tolerances. Less would take the inside of narrow bends for duplicates, more would miss short
-/// loops that run twice around the same thing.
+/// Distance along a curve, in tolerances, from which two of its pieces count as different. Chosen
+/// by hand. Halved, the inside of narrow bends counts as duplicated; doubled, short loops that run
+/// twice around the same thing are missed.
 const APART_TOLERANCES: f64 = 10.0;
 
-/// Cosine of the angle, 60°, below which two pieces run in the same direction: the two faces of a
-/// thin wall, and curves that cross, are no duplicates.
+/// Cosine of the largest angle, 60°, between pieces of the same direction. Chosen by hand: the
+/// faces of a thin wall run in opposite directions, and curves that cross are not duplicates.
 const SAME_DIRECTION: f64 = 0.5;
 
 /// Counts and lengths of curves; lengths in the model's unit.
@@ -26,7 +26,7 @@ pub(super) struct Own {
 }
 
 impl Own {
-    /// Those of one plane, whose units are in the index.
+    /// The sums of one plane, whose units are in the index.
     pub fn of(curves: &[Curve], index: &UnitIndex, ruler: &Ruler) -> Self {
         let mut own = Self::default();
         for (number, curve) in curves.iter().enumerate() {
@@ -61,7 +61,8 @@ impl Own {
     }
 }
 
-/// Whether a unit, where it is nearest to a sample of its own curve, is another piece of it.
+/// Whether the point of a unit nearest to a sample of the same curve is another piece of that
+/// curve.
 ///
 /// The curve's ends count as neighbours even if it is open: where it nearly closes, its ends may
 /// overlap a little.

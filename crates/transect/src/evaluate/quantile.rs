@@ -2,7 +2,7 @@
 
 /// The quantile `q` (0 to 1) of ascending numbers, linear between neighbours: position `(n − 1) q`.
 ///
-/// `None` without numbers, and where infinite ones make it infinite.
+/// `None` without numbers, and where the result is infinite.
 pub(super) fn quantile(ascending: &[f64], q: f64) -> Option<f64> {
     let position = ascending.len().checked_sub(1)? as f64 * q;
     let (below, share) = (position.floor() as usize, position.fract());

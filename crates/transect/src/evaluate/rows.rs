@@ -7,11 +7,11 @@ use transect_geometry::LengthUnit;
 /// A line of a result table.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Row {
-    /// What was measured, in a few words.
+    /// Name of the figure, in a few words.
     pub metric: &'static str,
-    /// The figure as text: lengths in four digits, shares in per cent, `none` where there is none.
+    /// The figure as text: lengths with four digits, shares in per cent, `none` if it is not known.
     pub value: String,
-    /// Its unit; empty for counts and where there is no figure.
+    /// Its unit; empty for counts and for figures that are not known.
     pub unit: &'static str,
 }
 
@@ -52,7 +52,7 @@ impl Accuracy {
         rows
     }
 
-    /// The first of those rows: how well curves and truth agree, without counts of what there is.
+    /// The first of those rows: the agreement of curves and truth, without the counts.
     pub fn agreement_rows(&self, unit: LengthUnit) -> Vec<Row> {
         let mut rows = vec![
             Row::length("median distance from truth", self.median, unit),

@@ -43,7 +43,7 @@ pub(super) struct Sample {
     pub along: f64,
 }
 
-/// Samples of a curve in order: every unit in equal parts, none of them longer than `step`.
+/// Samples of a curve in order: every unit in equal parts of at most `step`.
 pub(super) fn samples(curve: &Curve, step: f64) -> impl Iterator<Item = Sample> + '_ {
     placed_units(curve).flat_map(move |placed| {
         let parts = (placed.length / step).ceil().max(1.0);

@@ -1,11 +1,11 @@
-//! How many curves to expect of a curve of which views saw a part.
+//! The number of curves to expect where views saw parts of one curve.
 
 use super::sample::Sample;
 
-/// Seen stretches of one curve, from its samples in order and whether each was seen.
+/// Number of seen stretches of one curve, from its samples in order and whether each was seen.
 ///
-/// What was not seen for less than `shortest` along the curve separates nothing: views have samples on
-/// both sides of it. What was seen for less than that makes no curve.
+/// Unseen parts shorter than `shortest` do not separate stretches: views have samples on both
+/// sides. Seen parts shorter than that are not counted.
 pub(super) fn seen_stretches(
     samples: impl Iterator<Item = (Sample, bool)>,
     is_closed: bool,
@@ -28,7 +28,7 @@ pub(super) fn seen_stretches(
     without_gaps.iter().filter(|r| r.seen && r.seen_length >= shortest).count()
 }
 
-/// A part of a curve that was seen as a whole, or not at all.
+/// A part of a curve whose samples were all seen, or all unseen.
 #[derive(Debug, Clone, Copy)]
 struct Run {
     seen: bool,
@@ -51,7 +51,7 @@ fn extend(runs: &mut Vec<Run>, more: Run) {
     }
 }
 
-/// On a closed curve the last run goes on in the first.
+/// On a closed curve the last run continues in the first.
 fn close(runs: &mut Vec<Run>, is_closed: bool) {
     if let (true, [first, .., last]) = (is_closed, runs.as_mut_slice())
         && first.seen == last.seen

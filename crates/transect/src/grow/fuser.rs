@@ -1,4 +1,4 @@
-//! How a store's planes are fused: as in a run over all views, with notes for the report.
+//! Fusing the planes of a store as in a run over all views, with counts for the report.
 
 use crate::report::PlaneSummary;
 use crate::{Setup, Stage, Watch};
@@ -9,7 +9,7 @@ use transect_fusion::{Agreement, FusedPlane, fuse_and_compare};
 use transect_geometry::{Curve, PlaneIndex};
 use transect_model::store::{Fuse, PlaneInputs, ViewId};
 
-/// Fuses planes as the setup says, in parallel, and remembers what happened.
+/// Fuses planes in parallel with the setup's method, and keeps the counts.
 pub(super) struct Fuser<'a> {
     setup: &'a Setup,
     watch: &'a dyn Watch,
@@ -27,7 +27,7 @@ impl<'a> Fuser<'a> {
         Self { setup, watch, seen: Mutex::default() }
     }
 
-    /// Tells the watcher how many planes there will be.
+    /// Announces the number of planes to the watcher.
     pub fn begin(&self, planes: usize) {
         self.watch.begin(Stage::Planes, planes);
     }
@@ -43,7 +43,7 @@ impl<'a> Fuser<'a> {
     }
 
     fn seen(&self) -> MutexGuard<'_, Seen> {
-        // Whole sums go in at once, so they are sound even if another thread stopped.
+        // Sums are changed under the lock, so they are sound even if another thread panicked.
         self.seen.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

@@ -1,57 +1,61 @@
-//! By how much the curves of two neighbouring planes differ.
+//! The difference between the curves of two neighbouring planes.
 //!
-//! Both are laid into one plane. Samples of each plane's curves look for the nearest curve of the other that runs the
-//! same way. A sample is far if that is beyond the tolerance and three standard deviations of both; a stretch of far
-//! samples counts if it is longer than a few footprints, so that neither noise nor ragged ends count.
+//! Both planes are compared in plane coordinates. For samples of each plane's curves, the nearest
+//! curve of the other plane with the same direction is found. A sample is far if the distance
+//! exceeds the tolerance plus three standard deviations. A stretch of far samples counts if it is
+//! longer than a few footprints, so that noise and ragged ends do not count.
 
 use rstar::RTree;
 use serde::Serialize;
 use transect_geometry::{Curve, CurveUnit, Node};
 use transect_model::InTree;
 
-/// In which way the curves of two neighbouring planes differ.
+/// The kind of difference between the curves of two neighbouring planes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum DifferenceReason {
-    /// Curves of one lie beside those of the other.
+    /// Curves of one plane lie beside those of the other.
     CurvesMove,
     /// The upper plane has a curve without counterpart on the lower one.
     CurveAppears,
     /// The lower plane has a curve without counterpart on the upper one.
     CurveVanishes,
-    /// Curves go on beyond the open ends of their counterparts.
+    /// Curves continue beyond the open ends of their counterparts.
     EndsShift,
     /// Neither plane has curves, but planes between them do.
     CurvesBetween,
 }
 
-/// How the curves of two planes differ.
+/// The difference between the curves of two planes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Difference {
     pub reason: DifferenceReason,
-    /// Largest distance; `None` if there is nothing to be far from.
+    /// Largest distance; `None` if the other plane has no curves.
     pub distance: Option<f64>,
-    /// Length of all that is far, of both planes.
+    /// Length of the far stretches on both planes.
     pub length: f64,
 }
 
-/// Standard deviations of both nodes within which a distance may be noise.
+/// Standard deviations within which a distance may be noise. Theory: three cover 99.7 %. Doubled,
+/// small differences are missed; halved, noise asks for planes.
 const SIGMAS: f64 = 3.0;
 
-/// Footprints that a stretch has to be longer than.
+/// Length in footprints that a stretch must exceed. Chosen by hand: the shortest curve that fusion
+/// keeps. Doubled, short details are missed; halved, ragged ends ask for planes.
 const FOOTPRINTS: f64 = 4.0;
 
-/// Most samples of one curve unit, whatever the tolerance.
+/// Largest number of samples of one curve unit. Chosen by hand, against tolerances in the wrong
+/// unit.
 const SAMPLES_PER_UNIT: f64 = 256.0;
 
-/// Whether a curve is long enough to be no accident.
+/// Whether a curve is long enough to ask for a plane.
 pub(super) fn worth_a_plane(curve: &Curve) -> bool {
     let footprint = curve.nodes().iter().map(|n| f64::from(n.footprint)).fold(0.0, f64::max);
     curve.length() > FOOTPRINTS * footprint
 }
 
-/// How the curves of two neighbouring planes differ; `None` if by no more than the tolerance.
+/// The difference between two neighbouring planes; `None` if it is within the tolerance.
 pub(super) fn difference(lower: &[Curve], upper: &[Curve], tolerance: f64) -> Option<Difference> {
     let (below, above) = (Units::new(lower), Units::new(upper));
     let walk = |curves: &[Curve], other: &Units| -> Vec<Walked> {
@@ -78,27 +82,37 @@ pub(super) fn difference(lower: &[Curve], upper: &[Curve], tolerance: f64) -> Op
     Some(Difference { reason, distance: distance.is_finite().then_some(distance), length })
 }
 
-/// What a walk along one curve found on the other plane.
+/// The result of a walk along one curve, compared with the other plane.
 struct Walked {
-    /// Length of the stretches that count.
+    /// Length of the far stretches that count.
     far: f64,
-    /// Largest distance on them; infinite if there is nothing to be far from.
+    /// Largest distance on them; infinite if the other plane has no curves.
     distance: f64,
     /// Whether every sample of them lies beyond an open end.
     only_beyond_ends: bool,
-    /// Whether some sample is not far.
+    /// Whether at least one sample is near.
     touches: bool,
     /// Which of the other plane's curves is nearest for most of its length.
     counterpart: Option<usize>,
 }
 
-/// A sample of a curve, which stands for a part of its length.
+/// A sample of a curve, with the length of its part of the curve.
 struct Sample {
     length: f64,
     footprint: f64,
     far: bool,
-    /// Distance, counterpart and whether its open end is nearest.
-    nearest: Option<(f64, usize, bool)>,
+    nearest: Option<Nearest>,
+}
+
+/// The other plane's unit that is nearest to a sample and runs the same way.
+struct Nearest {
+    distance: f64,
+    /// The unit's curve.
+    curve: usize,
+    /// Standard deviation at the unit.
+    sigma: f64,
+    /// Whether the sample lies beyond the open end of that curve.
+    beyond_end: bool,
 }
 
 impl Walked {
@@ -106,7 +120,7 @@ impl Walked {
         let mut samples = samples(curve, other, tolerance);
         let near = samples.iter().position(|sample| !sample.far);
         if let (Some(near), true) = (near, curve.is_closed()) {
-            // No stretch goes across where a closed curve begins.
+            // A closed curve starts at a near sample, so that no stretch spans the start.
             samples.rotate_left(near);
         }
         let counts = |stretch: &&[Sample]| {
@@ -116,29 +130,32 @@ impl Walked {
         };
         let stretches = samples.chunk_by(|a, b| a.far == b.far).filter(counts);
         let counted: Vec<&Sample> = stretches.flatten().collect();
-        let distance = |s: &&Sample| s.nearest.map_or(f64::INFINITY, |(distance, ..)| distance);
+        let distance = |s: &&Sample| s.nearest.as_ref().map_or(f64::INFINITY, |n| n.distance);
         Self {
             far: counted.iter().map(|s| s.length).sum(),
             distance: counted.iter().map(distance).fold(0.0, f64::max),
-            only_beyond_ends: counted.iter().all(|s| s.nearest.is_some_and(|(_, _, end)| end)),
+            only_beyond_ends: counted
+                .iter()
+                .all(|s| s.nearest.as_ref().is_some_and(|n| n.beyond_end)),
             touches: near.is_some(),
             counterpart: counterpart(&samples),
         }
     }
 
-    /// Whether curve `k` has no counterpart among the others: none is near, nor nearest both ways.
+    /// Whether curve `k` has no counterpart: no sample of it is near, and no other curve is its
+    /// nearest one both ways.
     fn is_alone(&self, k: usize, others: &[Self]) -> bool {
         let other = self.counterpart.and_then(|other| others.get(other));
         !self.touches && other.is_none_or(|other| other.counterpart != Some(k))
     }
 }
 
-/// The curve that is nearest for most of the samples' length; the first of several.
+/// The curve that is nearest for the largest part of the samples' length; the first of equals.
 fn counterpart(samples: &[Sample]) -> Option<usize> {
     let mut lengths = std::collections::BTreeMap::new();
     for sample in samples {
-        if let Some((_, curve, _)) = sample.nearest {
-            *lengths.entry(curve).or_insert(0.0) += sample.length;
+        if let Some(nearest) = &sample.nearest {
+            *lengths.entry(nearest.curve).or_insert(0.0) += sample.length;
         }
     }
     let longest = lengths.values().copied().fold(0.0, f64::max);
@@ -152,11 +169,10 @@ fn samples(curve: &Curve, other: &Units, tolerance: f64) -> Vec<Sample> {
         let parts = (length / footprint.max(tolerance)).ceil().clamp(1.0, SAMPLES_PER_UNIT);
         for part in 0..parts as usize {
             let nearest = other.nearest(&unit, (part as f64 + 0.5) / parts);
-            let far = nearest.is_none_or(|(distance, found, _)| {
-                let sigma = found.sigma.hypot(f64::from(node.sigma));
-                distance > tolerance + SIGMAS * sigma
+            let far = nearest.as_ref().is_none_or(|nearest| {
+                let sigma = nearest.sigma.hypot(f64::from(node.sigma));
+                nearest.distance > tolerance + SIGMAS * sigma
             });
-            let nearest = nearest.map(|(distance, found, end)| (distance, found.curve, end));
             samples.push(Sample { length: length / parts, footprint, far, nearest });
         }
     }
@@ -169,7 +185,7 @@ struct IndexedUnit {
     unit: CurveUnit,
     curve: usize,
     sigma: f64,
-    /// Whether the curve begins and ends here, being open.
+    /// Whether an open curve begins here, and whether it ends here.
     ends: [bool; 2],
 }
 
@@ -197,16 +213,16 @@ impl Units {
         Self { tree: RTree::bulk_load(units.collect()) }
     }
 
-    /// The unit nearest to a place on `own` that runs the same way, how far it is, and whether the
-    /// place lies beyond its curve's open end.
-    fn nearest(&self, own: &CurveUnit, parameter: f64) -> Option<(f64, &IndexedUnit, bool)> {
+    /// The unit nearest to a place on `own` that runs the same way.
+    fn nearest(&self, own: &CurveUnit, parameter: f64) -> Option<Nearest> {
         let (p, direction) = (own.at(parameter), own.vector());
         let mut by_distance = self.tree.nearest_neighbor_iter_with_distance_2(p.into());
         let (found, squared) =
             by_distance.find(|(found, _)| found.unit.vector().dot(&direction) > 0.0)?;
         let t = found.unit.parameter(&p);
         let beyond_end = (found.ends[0] && t < 0.0) || (found.ends[1] && t > 1.0);
-        Some((squared.sqrt(), found, beyond_end))
+        let (distance, curve, sigma) = (squared.sqrt(), found.curve, found.sigma);
+        Some(Nearest { distance, curve, sigma, beyond_end })
     }
 }
 

@@ -1,6 +1,7 @@
 //! Solids whose sections are known by formula.
 
 use super::*;
+use crate::RefinementError;
 use std::f64::consts::{PI, TAU};
 use transect_fusion::{FusedPlane, FusionCounts};
 use transect_geometry::{LengthUnit, Node, Point2, StraightGuide, Vector3};

@@ -18,28 +18,23 @@
 //! * an image of camera rows × laser angles that holds `x_frame`, in cells from the array's left
 //!   edge;
 //! * a stack of the camera's intensity images, one per laser angle: a `.npy` of angles × camera
-//!   rows × camera columns of type `u1` or `u2`, or a folder of 8- or 16-bit grey `.png` files in the
-//!   order of their names. The stripe is then found on loading; rows without one are missing.
-//!
-//! | key in `stripe` | meaning |
-//! |---|---|
-//! | `shape` | `triangle` (the default) or `gaussian` |
-//! | `width` | base of the triangle, in cells, twice the width at half height; default 8 |
-//! | `height` | height over the background, in counts; default half the largest count of the stack, which a note tells |
-//! | `least_height` | least height that still is a stripe, in counts; default a quarter of `height` |
-//! | `median_rows` | rows of the median filter along the stripe, odd; default 5, none: 1 |
-//! | `peak` | `sub_cell` (the default) or `whole_cell` |
-//!
-//! Stripes of a quarter to twice `height` are found, so half the largest count serves all surfaces
-//! but the darkest, unless a reflection is brighter than the stripe.
+//!   rows × camera columns of type `u1` or `u2`, or a folder of 8- or 16-bit grey `.png` files in
+//!   the order of their names. The stripe is then found on loading; rows without one are missing.
 
 use super::super::keys::Keys;
-use super::super::word;
+use super::Sensor;
+use super::shared::Shared;
+use super::stripe::StripeEntry;
 use crate::ReadError;
+use crate::image_stack::ImageStack;
+use crate::scan::FramedImage;
+use crate::view_file::ViewFile;
 use serde::Serialize;
-use transect_device::ImageSize;
-use transect_sensors::light_stripe::stripe::{Peak, StripeFinder, StripeProfile, StripeShape};
-use transect_sensors::{LaserAngles, LightStripeParameters};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use transect_device::{ImageSize, RangeImage};
+use transect_sensors::light_stripe::stripe::StripeStack;
+use transect_sensors::{LaserAngles, LightStripe, LightStripeParameters};
 
 /// A light-stripe range finder, as manifests describe it; units as in [`LightStripeParameters`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -95,49 +90,6 @@ pub enum AnglesEntry {
     },
 }
 
-/// How to find the stripe in intensity images.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct StripeEntry {
-    /// Shape of the template.
-    #[serde(serialize_with = "word::write")]
-    pub shape: StripeShape,
-    /// Base of the triangle, in cells; twice the width at half height for every shape.
-    pub width: f64,
-    /// Height over the background, in counts; `None` for half the largest count of the stack.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub height: Option<f64>,
-    /// Least height that still is a stripe, in counts; `None` for the finder's own.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub least_height: Option<f64>,
-    /// Rows of the median filter along the stripe, odd; 1 for none.
-    pub median_rows: usize,
-    /// Whole cells or parts of them.
-    #[serde(serialize_with = "word::write")]
-    pub peak: Peak,
-}
-
-/// Width of a stripe nobody has described, in cells: wide enough for sub-cell peaks under noise,
-/// and stripes of two thirds to half as much again are still found to a hundredth of a cell.
-const USUAL_WIDTH: f64 = 8.0;
-
-impl Default for StripeEntry {
-    /// A triangle 8 cells wide, its height measured, the rest as [`StripeFinder::new`] has it.
-    fn default() -> Self {
-        let usual = StripeFinder::new(StripeProfile::triangle(USUAL_WIDTH, 1.0));
-        Self { height: None, least_height: None, ..usual.into() }
-    }
-}
-
-impl From<StripeFinder> for StripeEntry {
-    /// Everything stated.
-    fn from(finder: StripeFinder) -> Self {
-        let StripeFinder { profile, least_height, median_rows, peak } = finder;
-        let StripeProfile { shape, width, height } = profile;
-        let (height, least_height) = (Some(height), Some(least_height));
-        Self { shape, width, height, least_height, median_rows, peak }
-    }
-}
-
 fn is_infinite(farthest: &f64) -> bool {
     *farthest == f64::INFINITY
 }
@@ -166,7 +118,7 @@ impl LightStripeEntry {
     }
 
     /// The range finder's parameters for an image of `columns` laser angles.
-    pub(crate) fn parameters(&self, columns: usize) -> LightStripeParameters {
+    pub(super) fn parameters(&self, columns: usize) -> LightStripeParameters {
         let radians = match &self.angles {
             AnglesEntry::Steps { theta0, dtheta } => {
                 (0..columns).map(|j| theta0 + j as f64 * dtheta).collect()
@@ -174,7 +126,7 @@ impl LightStripeEntry {
             AnglesEntry::Listed { theta_laser } => theta_laser.clone(),
         };
         LightStripeParameters {
-            camera: ImageSize { rows: self.camera_rows, cols: self.camera_cols },
+            camera: self.camera(),
             focal_length: self.focal_length,
             cell_width: self.cell_width,
             cell_height: self.cell_height,
@@ -187,6 +139,15 @@ impl LightStripeEntry {
             farthest: self.farthest,
             theta_laser: LaserAngles::from_radians(radians),
         }
+    }
+
+    /// The range finder. Its frame is made when the number of columns is known.
+    pub(super) fn sensor(&self) -> LightStripeSensor {
+        LightStripeSensor { entry: self.clone(), frames: Shared::default() }
+    }
+
+    fn camera(&self) -> ImageSize {
+        ImageSize { rows: self.camera_rows, cols: self.camera_cols }
     }
 
     pub(super) fn read(keys: &Keys<'_>, notes: &mut Vec<String>) -> Result<Self, ReadError> {
@@ -225,30 +186,117 @@ impl AnglesEntry {
     }
 }
 
-impl StripeEntry {
-    fn read(keys: &Keys<'_>, notes: &mut Vec<String>) -> Result<Self, ReadError> {
-        let usual = Self::default();
-        let entry = Self {
-            shape: keys.word("shape")?.unwrap_or(usual.shape),
-            width: keys.number("width")?.unwrap_or(usual.width),
-            height: keys.number("height")?,
-            least_height: keys.number("least_height")?,
-            median_rows: keys.count("median_rows")?.unwrap_or(usual.median_rows),
-            peak: keys.word("peak")?.unwrap_or(usual.peak),
-        };
-        notes.extend(keys.unknown());
-        Ok(entry)
+#[derive(Debug)]
+pub(super) struct LightStripeSensor {
+    entry: LightStripeEntry,
+    frames: Shared<LightStripe>,
+}
+
+impl Sensor for LightStripeSensor {
+    fn image_files(&self, path: &Path) -> Result<Vec<PathBuf>, ReadError> {
+        if path.is_dir() { ImageStack::files_of_folder(path) } else { Ok(vec![path.to_owned()]) }
     }
 
-    /// The finder, once the height is known.
-    pub(crate) fn finder(&self, height: f64) -> StripeFinder {
-        let profile = StripeProfile { shape: self.shape, width: self.width, height };
-        let usual = StripeFinder::new(profile);
-        StripeFinder {
-            least_height: self.least_height.unwrap_or(usual.least_height),
-            median_rows: self.median_rows,
-            peak: self.peak,
-            ..usual
+    fn load(&self, file: &ViewFile, notes: &mut Vec<String>) -> Result<FramedImage, ReadError> {
+        match ImageStack::open(&file.path, self.entry.camera(), notes)? {
+            Some(stack) => self.load_stack(file, &stack, notes),
+            None => self.load_places(file, notes),
         }
+    }
+}
+
+impl LightStripeSensor {
+    /// Finds the stripe in a stack of the camera's images.
+    fn load_stack(
+        &self,
+        file: &ViewFile,
+        stack: &ImageStack,
+        notes: &mut Vec<String>,
+    ) -> Result<FramedImage, ReadError> {
+        let (rows, steps) = (self.entry.camera_rows, stack.steps());
+        self.check_columns(file, "the stack", "images", steps)?;
+        check_stated(file, "rows", file.stated_rows, rows, "camera rows")?;
+        check_stated(file, "cols", file.stated_cols, steps, "images")?;
+        let frame = self.frame(file, steps)?;
+        let image = self.extract(file, stack, &frame, notes)?;
+        Ok(FramedImage { frame, image })
+    }
+
+    /// Reads an image that holds the stripe's places.
+    fn load_places(
+        &self,
+        file: &ViewFile,
+        notes: &mut Vec<String>,
+    ) -> Result<FramedImage, ReadError> {
+        let image = file.load_image(notes)?;
+        let (ImageSize { rows, cols }, wanted) = (image.size(), self.entry.camera_rows);
+        self.check_columns(file, "the image", "columns", cols)?;
+        if rows != wanted {
+            let problem = format!("the image has {rows} rows, but \"camera_rows\" is {wanted}");
+            return Err(file.damaged(problem));
+        }
+        if self.entry.stripe.is_some() {
+            notes.push("\"stripe\" is not used: the image is no stack".to_owned());
+        }
+        Ok(FramedImage { frame: self.frame(file, cols)?, image })
+    }
+
+    /// Refuses a number of columns that differs from the number of listed angles.
+    fn check_columns(
+        &self,
+        file: &ViewFile,
+        what: &str,
+        parts: &str,
+        found: usize,
+    ) -> Result<(), ReadError> {
+        match &self.entry.angles {
+            AnglesEntry::Listed { theta_laser } if theta_laser.len() != found => {
+                let angles = theta_laser.len();
+                Err(file.damaged(format!(
+                    "{what} has {found} {parts}, but \"theta_laser\" has {angles} angles"
+                )))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn frame(&self, file: &ViewFile, columns: usize) -> Result<Arc<LightStripe>, ReadError> {
+        let size = ImageSize { rows: self.entry.camera_rows, cols: columns };
+        self.frames.get_or_make(size, || {
+            LightStripe::new(self.entry.parameters(columns)).map_err(|e| file.bad_sensor(e))
+        })
+    }
+
+    fn extract(
+        &self,
+        file: &ViewFile,
+        stack: &ImageStack,
+        frame: &LightStripe,
+        notes: &mut Vec<String>,
+    ) -> Result<RangeImage, ReadError> {
+        let bad = |e| file.unusable("\"stripe\"", e);
+        let stripe = self.entry.stripe.unwrap_or_default();
+        let finder = stripe.bounded(self.entry.camera()).map_err(bad)?.measured(stack, notes)?;
+        let mut found = StripeStack::new(frame, finder).map_err(bad)?;
+        stack.for_each(|at, image| {
+            found.push(&image).map_err(|e| ReadError::unusable(at.path, at.place, "the image", e))
+        })?;
+        found.finish().map_err(bad)
+    }
+}
+
+/// Refuses a stated number of rows or columns that differs from the stack's.
+fn check_stated(
+    file: &ViewFile,
+    key: &str,
+    stated: Option<usize>,
+    found: usize,
+    parts: &str,
+) -> Result<(), ReadError> {
+    match stated.filter(|s| *s != found) {
+        Some(stated) => {
+            Err(file.damaged(format!("the stack has {found} {parts}, but \"{key}\" is {stated}")))
+        }
+        None => Ok(()),
     }
 }

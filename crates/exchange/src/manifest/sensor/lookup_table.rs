@@ -1,4 +1,5 @@
-//! `lookup_table`: a scanner with one scanning angle on a linear axis, calibrated by tables (HYSCAN).
+//! `lookup_table`: a scanner with one scanning angle on a linear axis, calibrated by tables
+//! (HYSCAN).
 //!
 //! | key | meaning |
 //! |---|---|
@@ -15,11 +16,21 @@
 
 use super::super::keys::Keys;
 use super::super::word;
-use crate::ReadError;
+use super::Sensor;
+use super::shared::Shared;
+use crate::scan::FramedImage;
+use crate::view_file::ViewFile;
+use crate::{Place, ReadError, read_calibration};
 use serde::Serialize;
-use transect_sensors::lookup_table::{CalibrationOptions, DepthPairs, ScanPlane};
+use std::path::{Path, PathBuf};
+use transect_device::ImageSize;
+use transect_sensors::lookup_table::{
+    CalibrationOptions, DepthPairs, DigitizedField, LinearSteps, Mounting, ScanPlane, ThetaSteps,
+    Viewpoints, digitize,
+};
+use transect_sensors::{LookupTable, SensorError};
 
-/// A calibrated scanner on a linear axis, as manifests describe it.
+/// A calibrated scanner on a linear axis in a manifest.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LookupTableEntry {
     /// Scanning angle of column 0; radians.
@@ -42,7 +53,7 @@ pub struct LookupTableEntry {
     pub mounting: ScanPlane,
     /// Turn about the linear axis; radians.
     pub tilt: f64,
-    /// Where the light leaves and where it is watched from, if known.
+    /// The start of the light and the point that sees it, if known.
     #[serde(flatten)]
     pub viewpoints: Option<ViewpointsEntry>,
 }
@@ -76,8 +87,14 @@ impl LookupTableEntry {
         })
     }
 
-    /// How the calibration data are treated.
-    pub(crate) fn options(&self) -> CalibrationOptions {
+    /// The scanner. Its calibration file is relative to `folder`.
+    pub(super) fn sensor(&self, folder: &Path) -> LookupTableSensor {
+        let calibration = folder.join(&self.calibration);
+        LookupTableSensor { entry: self.clone(), calibration, tables: Shared::default() }
+    }
+
+    /// The treatment of the calibration data.
+    pub(super) fn options(&self) -> CalibrationOptions {
         CalibrationOptions { median_window: self.median_window, pairs: self.pairs }
     }
 }
@@ -90,5 +107,52 @@ impl ViewpointsEntry {
             (None, Some(_)) => Err(keys.wrong("projector", "given with \"receiver\": [u, v]")),
             (Some(_), None) => Err(keys.wrong("receiver", "given with \"projector\": [u, v]")),
         }
+    }
+}
+
+#[derive(Debug)]
+pub(super) struct LookupTableSensor {
+    entry: LookupTableEntry,
+    calibration: PathBuf,
+    tables: Shared<LookupTable>,
+}
+
+impl Sensor for LookupTableSensor {
+    /// The calibration.
+    fn file(&self) -> Option<&Path> {
+        Some(&self.calibration)
+    }
+
+    fn load(&self, file: &ViewFile, notes: &mut Vec<String>) -> Result<FramedImage, ReadError> {
+        let image = file.load_image(notes)?;
+        let size = image.size();
+        let frame = self.tables.get_or_make(size, || self.table(file, size))?;
+        Ok(FramedImage { frame, image })
+    }
+}
+
+impl LookupTableSensor {
+    fn table(&self, file: &ViewFile, size: ImageSize) -> Result<LookupTable, ReadError> {
+        let field = self.field(file, size.cols)?;
+        let rows = LinearSteps::new(self.entry.y0, self.entry.dy, size.rows);
+        let mounting = Mounting::from_radians(self.entry.mounting, self.entry.tilt);
+        let table = LookupTable::new(field, rows, mounting).map_err(|e| file.bad_sensor(e))?;
+        let Some(ViewpointsEntry { projector, receiver }) = self.entry.viewpoints else {
+            return Ok(table);
+        };
+        let viewpoints = Viewpoints { projector: projector.into(), receiver: receiver.into() };
+        table.with_viewpoints(viewpoints).map_err(|e| file.bad_sensor(e))
+    }
+
+    fn field(&self, file: &ViewFile, columns: usize) -> Result<DigitizedField, ReadError> {
+        let sweeps = read_calibration(&self.calibration)?;
+        let columns = ThetaSteps::from_radians(self.entry.theta0, self.entry.dtheta, columns);
+        digitize(&sweeps, &columns, self.entry.options()).map_err(|e| match e {
+            // These parameters come from the manifest; the others from the sweeps.
+            SensorError::BadParameter { key: "theta0" | "dtheta" | "median_window", .. } => {
+                file.bad_sensor(e)
+            }
+            e => ReadError::unusable(&self.calibration, Place::Whole, "the calibration", e),
+        })
     }
 }

@@ -1,19 +1,32 @@
-//! What a view says about its sensor: one module per sensor whose keys need more than four numbers.
+//! The sensors of a manifest: one module for each sensor with more than four keys.
+//!
+//! A module holds the sensor's entry (its keys as data), the reading of the keys, and the
+//! [`Sensor`] that makes a device frame and a range image from the view's file.
 
+mod distortion;
 mod light_stripe;
 mod lookup_table;
 mod pinhole;
+mod shared;
+mod stripe;
 #[cfg(test)]
 mod tests;
 
-pub use light_stripe::{AnglesEntry, LightStripeEntry, StripeEntry};
+pub use light_stripe::{AnglesEntry, LightStripeEntry};
 pub use lookup_table::{LookupTableEntry, ViewpointsEntry};
 pub use pinhole::{LensEntry, PinholeEntry};
+pub use stripe::StripeEntry;
 
 use super::keys::Keys;
-use crate::ReadError;
+use crate::scan::FramedImage;
+use crate::view_file::ViewFile;
+use crate::{ReadError, image_file};
 use serde::Serialize;
-use transect_sensors::{Intrinsics, PinholeScale};
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use transect_device::Point3;
+use transect_sensors::{AngularScan, ImagingRadar, Intrinsics, PinholeScale, PointGrid, RayStarts};
 
 /// The sensors a manifest can name.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -39,7 +52,7 @@ pub enum SensorEntry {
     LookupTable(LookupTableEntry),
     /// An organised grid of points.
     Grid {
-        /// Where all rays start, in the sensor frame and the length unit.
+        /// The start of all rays, in the sensor frame and the length unit.
         viewpoint: [f64; 3],
     },
 }
@@ -52,7 +65,7 @@ impl SensorEntry {
         Self::Pinhole(PinholeEntry { lens, holds: PinholeScale::Depth })
     }
 
-    /// The sensor of a view; `notes` takes what nobody asked for inside its keys.
+    /// Reads the sensor of a view. Unknown keys of its inner objects go to `notes`.
     pub(super) fn read(keys: &Keys<'_>, notes: &mut Vec<String>) -> Result<Self, ReadError> {
         let known = "one of spherical, pinhole, light_stripe, lookup_table, grid";
         let number = |key| keys.required_number(key);
@@ -70,5 +83,64 @@ impl SensorEntry {
             Some(other) => Err(keys.wrong("sensor", &format!("{known}; it is {other:?}"))),
             None => Err(keys.wrong("sensor", known)),
         }
+    }
+}
+
+/// Reads the image of a view and makes its device frame. Tables that are costly and depend on the
+/// size of the image are made when the first view is loaded; the other views share them.
+pub(super) trait Sensor: fmt::Debug + Send + Sync {
+    fn load(&self, file: &ViewFile, notes: &mut Vec<String>) -> Result<FramedImage, ReadError>;
+
+    /// The files behind a view's `file`: itself, or all images of a folder.
+    fn image_files(&self, path: &Path) -> Result<Vec<PathBuf>, ReadError> {
+        Ok(vec![path.to_owned()])
+    }
+
+    /// The file with the sensor's own data, such as a calibration.
+    fn file(&self) -> Option<&Path> {
+        None
+    }
+}
+
+/// The sensor of an entry; `folder` is the manifest's folder.
+pub(super) fn of_entry(folder: &Path, entry: &SensorEntry) -> Arc<dyn Sensor> {
+    match entry {
+        SensorEntry::Spherical { theta0, dtheta, phi0, dphi } => Arc::new(Spherical {
+            theta: AngularScan::from_radians(*theta0, *dtheta),
+            phi: AngularScan::from_radians(*phi0, *dphi),
+        }),
+        SensorEntry::Pinhole(entry) => Arc::new(entry.sensor(folder)),
+        SensorEntry::LightStripe(entry) => Arc::new(entry.sensor()),
+        SensorEntry::LookupTable(entry) => Arc::new(entry.sensor(folder)),
+        SensorEntry::Grid { viewpoint } => Arc::new(Grid(Point3::from(*viewpoint))),
+    }
+}
+
+#[derive(Debug)]
+struct Spherical {
+    theta: AngularScan,
+    phi: AngularScan,
+}
+
+impl Sensor for Spherical {
+    fn load(&self, file: &ViewFile, notes: &mut Vec<String>) -> Result<FramedImage, ReadError> {
+        let image = file.load_image(notes)?;
+        let radar = ImagingRadar::new(image.size(), self.theta, self.phi);
+        let frame = Arc::new(radar.map_err(|e| file.bad_sensor(e))?);
+        Ok(FramedImage { frame, image })
+    }
+}
+
+/// Points whose rays start in one point.
+#[derive(Debug)]
+struct Grid(Point3);
+
+impl Sensor for Grid {
+    fn load(&self, file: &ViewFile, _: &mut Vec<String>) -> Result<FramedImage, ReadError> {
+        let (size, points) = image_file::read_points(&file.path)?;
+        file.check_size(size)?;
+        let grid = PointGrid::new(size, points, RayStarts::Viewpoint(self.0));
+        let (grid, image) = grid.map_err(|e| file.unusable("the grid", e))?;
+        Ok(FramedImage { frame: Arc::new(grid), image })
     }
 }

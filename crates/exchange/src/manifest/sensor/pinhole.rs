@@ -4,30 +4,37 @@
 //! |---|---|
 //! | `fx`, `fy`, `cx`, `cy` | focal lengths and principal point, in pixels |
 //! | `distortion` | `[k1, k2, p1, p2, k3]`, radial and tangential (Brown, Conrady); optional |
-//! | `rays` | instead of all these: a `.npy` of rows × cols × 3, the direction of every pixel's ray, NaN where there is none |
-//! | `holds` | what pixels hold: `depth` along z (the default) or `ray_length` |
+//! | `rays` | instead of all of the above: a `.npy` of rows × cols × 3, the direction of every pixel's ray, NaN where there is none |
+//! | `holds` | the pixels' values: `depth` along z (the default) or `ray_length` |
 //!
-//! Column j, row i without distortion: the ray ((j − cx)/fx, (i − cy)/fy, 1), y down. With it, that
-//! is where the lens puts the ray; see the inversion's page for the equations.
+//! Column j, row i without distortion: the ray ((j − cx)/fx, (i − cy)/fy, 1), y down. With
+//! distortion, the lens moves the ray to that place; see `distortion.rs` for the equations.
 
 use super::super::keys::Keys;
 use super::super::word;
-use crate::ReadError;
+use super::shared::Shared;
+use super::{Sensor, distortion};
+use crate::scan::FramedImage;
+use crate::view_file::ViewFile;
+use crate::{Place, ReadError, image_file};
 use serde::Serialize;
-use transect_sensors::PinholeScale;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use transect_device::{DeviceFrame, ImageSize, Vector3};
+use transect_sensors::{Intrinsics, Pinhole, PinholeScale, RayTable};
 
-/// A depth camera, as manifests describe it.
+/// A depth camera in a manifest.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PinholeEntry {
-    /// Where its pixels look.
+    /// The rays of its pixels.
     #[serde(flatten)]
     pub lens: LensEntry,
-    /// What its pixels hold, in the length unit.
+    /// The meaning of its pixels' values, which are in the length unit.
     #[serde(serialize_with = "word::write", skip_serializing_if = "is_usual")]
     pub holds: PinholeScale,
 }
 
-/// Where a camera's pixels look.
+/// The rays of a camera's pixels.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum LensEntry {
@@ -52,7 +59,7 @@ pub enum LensEntry {
     },
 }
 
-/// The default, which need not be written.
+/// Whether the value is the default, which is not written.
 fn is_usual(holds: &PinholeScale) -> bool {
     *holds == PinholeScale::default()
 }
@@ -66,18 +73,110 @@ impl PinholeEntry {
                 fy: keys.required_number("fy")?,
                 cx: keys.required_number("cx")?,
                 cy: keys.required_number("cy")?,
-                distortion: distortion(keys)?,
+                distortion: read_distortion(keys)?,
             },
         };
         Ok(Self { lens, holds: keys.word("holds")?.unwrap_or_default() })
     }
+
+    /// The camera. A file with rays is relative to `folder`.
+    pub(super) fn sensor(&self, folder: &Path) -> PinholeSensor {
+        let lens = match &self.lens {
+            LensEntry::Rays { rays } => Lens::Rays(folder.join(rays)),
+            &LensEntry::Intrinsics { fx, fy, cx, cy, distortion } => {
+                let intrinsics = Intrinsics { fx, fy, cx, cy };
+                // Without distortion, the closed form is faster and finds pixels between rays.
+                match distortion.filter(|k| k.iter().any(|k| *k != 0.0)) {
+                    Some(distortion) => Lens::Distorted(intrinsics, distortion),
+                    None => Lens::Straight(intrinsics),
+                }
+            }
+        };
+        PinholeSensor { lens, holds: self.holds, tables: Shared::default() }
+    }
 }
 
-fn distortion(keys: &Keys<'_>) -> Result<Option<[f64; 5]>, ReadError> {
+fn read_distortion(keys: &Keys<'_>) -> Result<Option<[f64; 5]>, ReadError> {
     match keys.numbers::<5>("distortion")? {
         Some(k) if !k.iter().all(|k| k.is_finite()) => {
             Err(keys.wrong("distortion", "a list of 5 finite numbers"))
         }
         distortion => Ok(distortion),
+    }
+}
+
+#[derive(Debug)]
+pub(super) struct PinholeSensor {
+    lens: Lens,
+    holds: PinholeScale,
+    tables: Shared<RayTable>,
+}
+
+#[derive(Debug)]
+enum Lens {
+    Straight(Intrinsics),
+    Distorted(Intrinsics, [f64; 5]),
+    Rays(PathBuf),
+}
+
+impl Sensor for PinholeSensor {
+    fn file(&self) -> Option<&Path> {
+        match &self.lens {
+            Lens::Rays(path) => Some(path),
+            _ => None,
+        }
+    }
+
+    fn load(&self, file: &ViewFile, notes: &mut Vec<String>) -> Result<FramedImage, ReadError> {
+        let image = file.load_image(notes)?;
+        let size = image.size();
+        let straight = |intrinsics| {
+            let camera = Pinhole::new(size, intrinsics).map_err(|e| file.bad_sensor(e))?;
+            Ok(camera.with_scale(self.holds))
+        };
+        let frame: Arc<dyn DeviceFrame> = match &self.lens {
+            Lens::Straight(intrinsics) => Arc::new(straight(*intrinsics)?),
+            Lens::Distorted(intrinsics, distortion) => {
+                straight(*intrinsics)?;
+                let make = || self.distorted(file, size, *intrinsics, *distortion);
+                self.tables.get_or_make(size, make)?
+            }
+            Lens::Rays(path) => self.tables.get_or_make(size, || self.by_rays(file, size, path))?,
+        };
+        Ok(FramedImage { frame, image })
+    }
+}
+
+impl PinholeSensor {
+    fn distorted(
+        &self,
+        file: &ViewFile,
+        size: ImageSize,
+        intrinsics: Intrinsics,
+        distortion: [f64; 5],
+    ) -> Result<RayTable, ReadError> {
+        let rays = distortion::rays(size, intrinsics, distortion).map_err(|pixel| {
+            let problem = "\"distortion\" cannot be inverted here: no ray, or more than one, is \
+                           bent onto this pixel";
+            ReadError::damaged(&file.path, Place::Pixel(pixel), problem)
+        })?;
+        RayTable::new(size, rays, self.holds).map_err(|e| file.bad_sensor(e))
+    }
+
+    fn by_rays(
+        &self,
+        file: &ViewFile,
+        size: ImageSize,
+        path: &Path,
+    ) -> Result<RayTable, ReadError> {
+        let (found, rays) = image_file::read_points(path)?;
+        if found != size {
+            let image = file.path.display();
+            let problem = format!("\"rays\" has {found}, but the image {image} has {size}");
+            return Err(ReadError::damaged(path, Place::Whole, problem));
+        }
+        let rays: Vec<Vector3> = rays.into_iter().map(|r| r.coords).collect();
+        RayTable::new(size, rays, self.holds)
+            .map_err(|e| ReadError::unusable(path, Place::Whole, "\"rays\"", e))
     }
 }

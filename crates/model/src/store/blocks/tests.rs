@@ -110,5 +110,8 @@ fn cut_and_foreign_files_say_so() {
     let mut other = image.clone();
     other[8] = 1;
     let error = Blocks::open(Memory::of(other)).unwrap_err();
-    assert_eq!(error.to_string(), format!("model version 1; a store has version {STORE_VERSION}"));
+    assert_eq!(
+        error.to_string(),
+        format!("file of version 1; a store has version {STORE_VERSION}")
+    );
 }

@@ -48,18 +48,21 @@ fn put_fused(plane: i64, bytes: Vec<u8>) -> impl FnOnce(&WriteTransaction) {
 fn verifying_finds_every_broken_promise() {
     let curves = encode_curves(&square(3.0)).unwrap();
     for (problem, found) in [
-        ("plane 0 was fused from other curves than it has", unsound(put_partial(0, "a", &curves))),
+        (
+            "plane 0 was fused from other curves than those in the store",
+            unsound(put_partial(0, "a", &curves)),
+        ),
         ("plane 7 was not fused", unsound(put_partial(7, "a", &curves))),
         (
-            "there are sections or marks on planes without partial models",
+            "there are fused curves or marks on planes without partial curves",
             unsound(put_fused(7, encode_fused(0, &square(0.0)).unwrap())),
         ),
         (
-            "there are sections or marks on planes without partial models",
+            "there are fused curves or marks on planes without partial curves",
             unsound(|t| _ = t.open_table(tables::PENDING).unwrap().insert(7, ()).unwrap()),
         ),
         (
-            "there are curves of a view b, which is not there",
+            "there are curves of a view b, which has no record",
             unsound(|t| drop(t.open_table(VIEWS).unwrap().remove("b").unwrap())),
         ),
         (
@@ -81,7 +84,7 @@ fn verifying_counts_the_curves_of_every_view() {
             views.insert("b", view.encode().unwrap().as_slice()).unwrap();
         }
     };
-    let wrong = "view b has other curves than it says";
+    let wrong = "the curves of view b are not those in its record";
     assert_eq!(unsound(forged(|view| view.nodes += 1)), wrong);
     assert_eq!(unsound(forged(|view| view.curves -= 1)), wrong);
     assert_eq!(unsound(forged(|view| view.planes.truncate(1))), wrong);

@@ -39,7 +39,7 @@ impl IntensityImage {
         self.size
     }
 
-    /// Replaces `out` by the counts of one row; nothing outside the image.
+    /// Replaces `out` by the counts of one row; empties it for a row outside the image.
     pub fn copy_row(&self, row: usize, out: &mut Vec<f64>) {
         let start = row.saturating_mul(self.size.cols);
         let places = start..start.saturating_add(self.size.cols);

@@ -15,9 +15,9 @@
 //! [`LightStripe`] frame; rows without a stripe are missing.
 //!
 //! **Steps**, for every row by itself:
-//! 1. The window of the template (Eq. 4.20, an isosceles triangle of width `w` and height `h`) moves
-//!    from left to right. The window's first value is taken off all its values, and the first of
-//!    the template off the template's, so that a constant background drops out.
+//! 1. The window of the template (Eq. 4.20, an isosceles triangle of width `w` and height `h`)
+//!    moves from left to right. The window's first value is taken off all its values, and the first
+//!    of the template off the template's, so that a constant background drops out.
 //! 2. The place with the least sum of absolute differences is the stripe's region. A sum close to
 //!    that of an even background (no stripe at all) means that there is none: a stripe of height
 //!    `a < h` brings the sum down by the share `a / h`, and [`StripeFinder::least_height`] is the
@@ -50,7 +50,7 @@ pub use image::IntensityImage;
 pub use profile::{StripeProfile, StripeShape};
 
 use super::LightStripe;
-use crate::{SensorError, require};
+use crate::error::{SensorError, require};
 use row::Template;
 use transect_device::{DeviceFrame, Pixel, RangeImage};
 
@@ -121,7 +121,7 @@ impl StripeFinder {
         require("least_height", least, least > 0.0 && least <= height, wanted)?;
         let rows = self.median_rows as f64;
         require("median_rows", rows, self.median_rows % 2 == 1, "an odd number of rows")?;
-        // Before anything of that size is made.
+        // Checked before memory is taken for it.
         let width = self.profile.width;
         require("stripe_width", width, width <= cols as f64, "a stripe narrower than the image")?;
         let template = Template::new(self.profile, least, self.peak);
@@ -156,7 +156,7 @@ fn median_along(places: &[Option<f64>], window: usize) -> Vec<Option<f64>> {
 pub struct StripeStack<'a> {
     frame: &'a LightStripe,
     finder: StripeFinder,
-    /// Row-major; NaN where nothing was found yet.
+    /// Row-major; NaN where no stripe has been found yet.
     values: Vec<f32>,
     columns: usize,
 }

@@ -1,6 +1,6 @@
-//! What a stripe looks like across: shared by whoever draws stripes and whoever finds them.
+//! The profile of a stripe across its direction, for drawing stripes and for finding them.
 
-use crate::{SensorError, require};
+use crate::error::{SensorError, require};
 
 /// Standard deviations in the full width at half height of a Gaussian: 2 √(2 ln 2).
 const SIGMAS_PER_HALF_HEIGHT_WIDTH: f64 = 2.354_820_045_030_949_3;
@@ -10,7 +10,7 @@ const SIGMAS_PER_HALF_HEIGHT_WIDTH: f64 = 2.354_820_045_030_949_3;
 pub enum StripeShape {
     /// An isosceles triangle (Eq. 4.20).
     Triangle,
-    /// A Gaussian with the triangle's width at half height, which is what a laser's beam really is.
+    /// A Gaussian with the triangle's width at half height: the profile of a real laser beam.
     Gaussian,
 }
 

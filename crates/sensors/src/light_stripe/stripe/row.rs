@@ -2,7 +2,7 @@
 
 use super::{Peak, StripeProfile};
 
-/// The sampled template and what counts as a match.
+/// The sampled template and the limits of a match.
 #[derive(Debug)]
 pub(super) struct Template {
     /// Heights over the template's first value, `2 · half + 1` of them.
@@ -20,7 +20,7 @@ impl Template {
         let rim = profile.at(half as f64);
         let heights = (0..=2 * half).map(|k| profile.at(k as f64 - half as f64) - rim);
         let heights: Vec<f64> = heights.collect();
-        // What an even background differs by.
+        // Rounding of an even background.
         let no_stripe: f64 = heights.iter().sum();
         let worst_sum = no_stripe * (1.0 - least_height / profile.height);
         Self { heights, half, worst_sum, peak }

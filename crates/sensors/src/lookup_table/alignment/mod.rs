@@ -4,7 +4,8 @@
 //! scanned on spheres of known radius onto the spheres, in the robust least-squares sense.
 //!
 //! The linear axis of the machine is a direction known in both frames: the pose may only turn about
-//! it, by the tilt. The table then tells the tilt, one sphere the place ([`Turning::AboutAxis`]).
+//! it, by the tilt. The table then determines the tilt, one sphere the place
+//! ([`Turning::AboutAxis`]).
 //! Without that knowledge two or more spheres are needed, out of line with the table's normal
 //! ([`Turning::Free`]).
 //!
@@ -51,7 +52,7 @@ pub struct SphereScan<'a> {
     pub radius: f64,
 }
 
-/// What is known of the rotation.
+/// The known part of the rotation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Turning {
     /// One direction is known in both frames, as the linear axis is: one sphere is enough.
@@ -61,12 +62,13 @@ pub enum Turning {
         /// The same direction in the world.
         in_world: Vector3,
     },
-    /// Nothing is known: two spheres or more are needed.
+    /// The rotation is unknown: at least two spheres are needed.
     Free,
 }
 
 /// An alignment and how well it fits.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Alignment {
     /// The pose: world coordinates from sensor coordinates.
     pub world_from_sensor: Isometry3,
@@ -82,9 +84,9 @@ pub struct Alignment {
 /// The pose that lays scanned points onto the table and the spheres.
 ///
 /// # Errors
-/// [`SensorError::BadParameter`] naming `table`, `spheres`, `radius`, `normal` or `axis` for too few
-/// points, no sphere, or values that are not finite or zero; [`SensorError::Undetermined`] if the
-/// points leave a motion free.
+/// [`SensorError::BadParameter`] naming `table`, `spheres`, `radius`, `normal` or `axis` for too
+/// few points, no sphere, or values that are not finite or zero; [`SensorError::Undetermined`] if
+/// the points leave a motion free.
 pub fn align(
     table: &PlaneScan<'_>,
     spheres: &[SphereScan<'_>],
@@ -116,7 +118,7 @@ fn surfaces<'a>(
     for s in spheres {
         check_points("spheres", s.points_in_sensor, 4)?;
         check_point("spheres", &s.center_in_world)?;
-        crate::require("radius", s.radius, s.radius > 0.0, "a positive length")?;
+        crate::error::require("radius", s.radius, s.radius > 0.0, "a positive length")?;
         all.push(Surface::sphere(s.points_in_sensor, s.center_in_world, s.radius));
     }
     Ok(all)
@@ -127,16 +129,16 @@ fn bad(key: &'static str, value: f64, wanted: &'static str) -> SensorError {
 }
 
 fn check_points(key: &'static str, points: &[Point3], least: usize) -> Result<(), SensorError> {
-    crate::require(key, points.len() as f64, points.len() >= least, "more scanned points")?;
+    crate::error::require(key, points.len() as f64, points.len() >= least, "more scanned points")?;
     points.iter().try_for_each(|p| check_point(key, p))
 }
 
 fn check_point(key: &'static str, p: &Point3) -> Result<(), SensorError> {
-    crate::require(key, p.coords.sum(), true, "finite points").map(|_| ())
+    crate::error::require(key, p.coords.sum(), true, "finite points").map(|_| ())
 }
 
 fn direction(key: &'static str, v: &Vector3) -> Result<Vector3, SensorError> {
-    let length = crate::require(key, v.norm(), v.norm() > 0.0, "a direction")?;
+    let length = crate::error::require(key, v.norm(), v.norm() > 0.0, "a direction")?;
     Ok(v / length)
 }
 
@@ -179,7 +181,7 @@ fn start(
         let sum: Vector3 = spheres.iter().zip(centers).map(shift).sum();
         Isometry3::from_parts(Translation3::from(sum / spheres.len() as f64), rotation)
     };
-    // Some hundred points tell the turn well enough for a start.
+    // Some hundred points give a good start for the turn.
     let stride = table.points_in_sensor.len().div_ceil(400);
     let misfit = |turn: f64| {
         let pose = pose(turn);

@@ -8,7 +8,8 @@ use transect_device::{Isometry3, Point3, Vector3};
 
 const ROUNDS: usize = 50;
 
-/// Residuals beyond this many spreads count nothing: 95 % efficient for Gaussian noise.
+/// Residuals beyond this many spreads get weight 0. Theory: 95 % efficiency for Gaussian noise
+/// (Tukey's biweight). Doubled, outliers of up to nine spreads keep some weight.
 const BIWEIGHT_CUT: f64 = 4.685;
 
 /// Weakest motion against the strongest, as eigenvalues: a thousandth of the certainty.
@@ -80,7 +81,7 @@ impl Cloud {
         Self { middle_in_sensor, arm: (squares / count).sqrt() }
     }
 
-    /// Spread of residuals, at least what rounding makes of coordinates.
+    /// Spread of residuals, at least the rounding of coordinates.
     fn scale(&self, residuals: &[f64]) -> f64 {
         let extent = self.arm + self.middle_in_sensor.coords.norm();
         spread(residuals).max(1e-12 * extent)

@@ -1,4 +1,4 @@
-//! The centre of a scanned sphere whose radius is known, in spite of outliers.
+//! The centre of a scanned sphere of known radius, robust against outliers.
 
 use super::SphereScan;
 use super::solve::{Surface, biweight, spread};
@@ -13,7 +13,7 @@ const ROUNDS: usize = 30;
 /// The centre in the sensor frame.
 pub(super) fn center(scan: &SphereScan<'_>) -> Result<Point3, SensorError> {
     let points = scan.points_in_sensor;
-    let wanted = "points on more of each sphere than one sweep";
+    let wanted = "points of several sweeps on each sphere";
     let undetermined = || SensorError::Undetermined { wanted };
     let mut best: Option<(f64, Point3)> = None;
     let mut draw = Draw(1);
@@ -30,7 +30,7 @@ pub(super) fn center(scan: &SphereScan<'_>) -> Result<Point3, SensorError> {
     Ok(refine(scan, start))
 }
 
-/// Gauss–Newton with the radius known; rounds that cannot be solved leave the centre as it is.
+/// Gauss–Newton with the radius known; a singular step leaves the centre unchanged.
 fn refine(scan: &SphereScan<'_>, mut center: Point3) -> Point3 {
     for _ in 0..ROUNDS {
         let residuals = distances(scan.points_in_sensor, &center, scan.radius);

@@ -1,0 +1,61 @@
+//! `transect export`: the curves of a model as files for other programs, or a store as JSON lines.
+
+use super::{note_finished, open_model};
+use crate::failure::Failure;
+use crate::table::{Row, print};
+use clap::builder::PossibleValuesParser;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+use transect_exchange::write_file;
+use transect_workflow::{ResultFolder, StoreFile, dxf_frame};
+
+/// Options of `export`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Model store, model file, or folder that `reconstruct` wrote.
+    file: PathBuf,
+    /// File for the whole content of a store as JSON lines: planes, views and the views' own curves.
+    #[arg(long, value_name = "FILE", required_unless_present = "out")]
+    lines: Option<PathBuf>,
+    /// Folder for model.transect, contours.json, model.dxf and the pictures.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Frame of the curves in model.dxf: 3D polylines in the world, or 2D polylines in the
+    /// coordinates of their planes, stacked by station.
+    #[arg(long, value_parser = PossibleValuesParser::new(["world", "plane"]), default_value = "world", value_name = "FRAME")]
+    dxf: String,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let mut rows = Vec::new();
+    if let Some(lines) = &arguments.lines {
+        write_lines(&arguments.file, lines)?;
+        rows.push(Row::plain("lines", lines.display()));
+    }
+    if let Some(out) = &arguments.out {
+        let model = open_model(&arguments.file)?.into_model()?;
+        let name = arguments.file.file_stem().unwrap_or_default().to_string_lossy();
+        ResultFolder::new(out).write_model(&name, &model, dxf_frame(&arguments.dxf)?)?;
+        rows.push(Row::plain("results", out.display()));
+    }
+    print(&rows);
+    Ok(())
+}
+
+fn write_lines(file: &Path, lines: &Path) -> Result<(), Failure> {
+    let store = StoreFile::open(file)?;
+    note_finished(store.planes_finished());
+    let mut failed = None;
+    let written = write_file(lines, |out| {
+        store.store().export(BufWriter::new(out)).map_err(|error| {
+            failed = Some(error);
+            std::io::Error::other("the export stopped")
+        })
+    });
+    // The store's error names the cause, the file's error does not.
+    match failed {
+        Some(error) => Err(error.into()),
+        None => Ok(written?),
+    }
+}

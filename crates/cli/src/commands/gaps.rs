@@ -1,0 +1,195 @@
+//! `transect gaps`: the surface that no view saw, and proposed next views.
+
+use super::open_model;
+use crate::failure::Failure;
+use crate::table::{Row, digits, print, print_grid, say};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use transect_geometry::{EndReason, PlaneFamily, PlaneIndex, Point3};
+use transect_model::Section;
+use transect_model::gaps::{FreeSpace, Gap, NextView, NextViewOptions, UnseenPatch, next_views};
+use transect_model::store::Snapshot;
+use transect_workflow::ModelFile;
+
+/// Options of `gaps`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Model store, model file, or folder that `reconstruct` wrote. Only a store keeps the curves of each
+    /// view, from which next views are proposed.
+    file: PathBuf,
+    /// Number of gaps to list, the widest first.
+    #[arg(long, default_value_t = 20)]
+    list: usize,
+    /// Number of views to propose.
+    #[arg(long, default_value_t = 3)]
+    views: usize,
+    /// Also list the unseen part of every plane.
+    #[arg(long)]
+    planes: bool,
+    /// Largest incidence of a next view on the surface, in degrees from the surface's normal.
+    #[arg(long, value_name = "DEGREES", default_value_t = 75.0)]
+    incidence: f64,
+}
+
+/// Pieces into which a gap is cut, per interval between planes. Chosen by hand. Doubled, the
+/// search for next views has twice as many pieces to look at.
+const PIECES_PER_INTERVAL: f64 = 2.0;
+/// Number of rays from which the free space follows. Chosen by hand. Doubled, memory and time
+/// double.
+const RAYS: u64 = 300_000;
+
+/// The gaps of a model.
+#[derive(Default)]
+struct Missing {
+    length: f64,
+    width: f64,
+    gaps: Vec<(PlaneIndex, Gap)>,
+    by_plane: Vec<Vec<String>>,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if !(0.0..90.0).contains(&arguments.incidence) {
+        return Err(Failure::Usage("--incidence: degrees from 0 to below 90".to_owned()));
+    }
+    let file = open_model(&arguments.file)?;
+    let mut missing = Missing::default();
+    let planes = file.planes().clone();
+    file.for_each_section(|plane, section| missing.add(plane, &planes, section))?;
+    missing.gaps.sort_by(|a, b| b.1.width().total_cmp(&a.1.width()).then(a.0.cmp(&b.0)));
+    if arguments.planes {
+        let heads = ["plane", "station", "curves' length", "gaps", "gaps' width", "unseen, %"];
+        print_grid(&heads, &missing.by_plane);
+        say("");
+    }
+    missing.print_widest(&planes, arguments.list);
+    print(&missing.rows(file.unit().symbol()));
+    match &file {
+        ModelFile::Store(store) => propose(&missing, &planes, &store.snapshot, arguments),
+        ModelFile::Plain(_) if arguments.views > 0 => {
+            say(
+                "\nNo views are proposed: a model file does not keep the curves of each view. A store does:",
+            );
+            say("make one with reconstruct --store FILE.");
+            Ok(())
+        }
+        ModelFile::Plain(_) => Ok(()),
+    }
+}
+
+impl Missing {
+    fn add(&mut self, plane: PlaneIndex, planes: &PlaneFamily, section: &Section) {
+        let (length, gaps) = (section.length(), section.gaps());
+        let width: f64 = gaps.iter().map(Gap::width).sum();
+        self.by_plane.push(vec![
+            plane.to_string(),
+            digits(planes.station(plane)),
+            digits(length),
+            gaps.len().to_string(),
+            digits(width),
+            format!("{:.1}", percent(width, length)),
+        ]);
+        self.length += length;
+        self.width += width;
+        self.gaps.extend(gaps.into_iter().map(|gap| (plane, gap)));
+    }
+
+    fn print_widest(&self, planes: &PlaneFamily, count: usize) {
+        let lines: Vec<_> = self.gaps.iter().take(count).map(|g| line(g, planes)).collect();
+        if !lines.is_empty() {
+            print_grid(&["plane", "width", "from", "to", "ends for", "begins late for"], &lines);
+            say("");
+        }
+    }
+
+    fn rows(&self, unit: &'static str) -> Vec<Row> {
+        let mut rows = vec![
+            Row::plain("gaps", self.gaps.len()),
+            Row::new("width of gaps", digits(self.width), unit),
+            Row::new("length of curves", digits(self.length), unit),
+            Row::new("unseen, at least", format!("{:.1}", percent(self.width, self.length)), "%"),
+        ];
+        let mut by_reason = BTreeMap::<_, f64>::new();
+        for (_, gap) in &self.gaps {
+            for reason in gap.reasons {
+                *by_reason.entry(word(reason)).or_default() += gap.width() / 2.0;
+            }
+        }
+        let row = |(reason, width)| Row::new(format!("of it for {reason}"), digits(width), unit);
+        rows.extend(by_reason.into_iter().map(row));
+        rows
+    }
+}
+
+/// The share of the gaps in the whole boundary, in per cent, as if gaps were straight.
+fn percent(width: f64, length: f64) -> f64 {
+    if width + length > 0.0 { 100.0 * width / (width + length) } else { 0.0 }
+}
+
+fn line((plane, gap): &(PlaneIndex, Gap), planes: &PlaneFamily) -> Vec<String> {
+    let frame = planes.frame(*plane);
+    let [from, to] = gap.ends.map(|end| place(&frame.world_from_plane(&end)));
+    let [ends, begins] = gap.reasons.map(word);
+    vec![plane.to_string(), digits(gap.width()), from, to, ends, begins]
+}
+
+fn word(reason: Option<EndReason>) -> String {
+    reason.map_or("unknown reason".to_owned(), |r| r.to_string())
+}
+
+fn place(p: &Point3) -> String {
+    <[f64; 3]>::from(p.coords).map(digits).join(", ")
+}
+
+fn propose(
+    missing: &Missing,
+    planes: &PlaneFamily,
+    snapshot: &Snapshot,
+    arguments: &Arguments,
+) -> Result<(), Failure> {
+    if arguments.views == 0 || missing.gaps.is_empty() {
+        return Ok(());
+    }
+    let rays = rays(snapshot)?;
+    let reach = rays.iter().map(|(sensor, seen)| (seen - sensor).norm()).fold(0.0, f64::max);
+    let Some(space) = FreeSpace::from_rays(&rays) else { return Ok(()) };
+    let spacing = planes.interval() / PIECES_PER_INTERVAL;
+    let patches = |(plane, gap): &(PlaneIndex, Gap)| {
+        gap.patches(&planes.frame(*plane), spacing, planes.interval())
+    };
+    let patches: Vec<UnseenPatch> = missing.gaps.iter().flat_map(patches).collect();
+    let max_incidence_rad = arguments.incidence.to_radians();
+    let options = NextViewOptions { views: arguments.views, max_incidence_rad, reach };
+    let unseen: f64 = patches.iter().map(|p| p.area).sum();
+    say("\nNext views that would see most of that, if no hidden surface stands in their way:\n");
+    let line = |view: &NextView| {
+        let share = format!("{:.1}", 100.0 * view.area / unseen);
+        vec![place(&view.position), place(&view.target), digits(view.area), share]
+    };
+    let lines: Vec<_> = next_views(&patches, &space, &options).iter().map(line).collect();
+    let area = format!("area, {}²", snapshot.header().unit);
+    print_grid(&["sensor at", "looking at", &area, "of the unseen, %"], &lines);
+    Ok(())
+}
+
+/// Rays from each view's sensor to its nodes on the planes, evenly thinned.
+fn rays(snapshot: &Snapshot) -> Result<Vec<(Point3, Point3)>, Failure> {
+    let (views, planes) = (snapshot.views()?, snapshot.header().planes.clone());
+    let nodes: u64 = views.iter().map(|view| view.nodes).sum();
+    let stride = usize::try_from(nodes.div_ceil(RAYS).max(1)).unwrap_or(usize::MAX);
+    let sensor = |v: &transect_model::store::StoredView| {
+        (v.entry.id.clone(), Point3::from(v.entry.world_from_sensor.translation.vector))
+    };
+    let sensors: BTreeMap<_, _> = views.iter().map(sensor).collect();
+    let mut rays = Vec::new();
+    for plane in snapshot.planes()? {
+        let (plane, _) = plane?;
+        let frame = planes.frame(plane);
+        for (view, curves) in snapshot.partials(plane)? {
+            let Some(&sensor) = sensors.get(&view) else { continue };
+            let nodes = curves.iter().flat_map(|curve| curve.nodes()).step_by(stride);
+            rays.extend(nodes.map(|node| (sensor, frame.world_from_plane(&node.position))));
+        }
+    }
+    Ok(rays)
+}

@@ -1,0 +1,47 @@
+//! `transect manifest`: a scan.json for a folder of depth images.
+
+use super::planes::parse_normal;
+use crate::failure::Failure;
+use crate::table::{Row, print};
+use std::path::PathBuf;
+use transect_exchange::{
+    FileNames, PlanesEntry, depth_folder_manifest, write_file, write_manifest,
+};
+use transect_geometry::LengthUnit;
+use transect_workflow::parse_length;
+
+/// Options of `manifest`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Folder with *.depth.png, *.pose.txt and camera-intrinsics.txt.
+    folder: PathBuf,
+    /// File to write; images are named by absolute path in it.
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Normal of the section planes to put into it, as X,Y,Z.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, requires = "interval")]
+    normal: Option<String>,
+    /// Distance between the section planes to put into it; a bare number is in metres.
+    #[arg(long, value_name = "LENGTH", requires = "normal")]
+    interval: Option<String>,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let mut manifest = depth_folder_manifest(&arguments.folder, FileNames::Absolute)?;
+    if let (Some(normal), Some(interval)) = (&arguments.normal, &arguments.interval) {
+        let interval = parse_length(LengthUnit::Metre, "interval", interval)?;
+        let planes = PlanesEntry::new(parse_normal(normal)?, 0.0, interval);
+        planes.family().map_err(|e| Failure::Usage(e.to_string()))?;
+        manifest.planes = Some(planes);
+    }
+    if let Some(folder) = arguments.out.parent().filter(|f| !f.as_os_str().is_empty()) {
+        std::fs::create_dir_all(folder).map_err(|e| Failure::with_file(folder, e))?;
+    }
+    write_file(&arguments.out, |out| write_manifest(&manifest, out))?;
+    print(&[
+        Row::plain("views", manifest.views.len()),
+        Row::plain("manifest", arguments.out.display()),
+    ]);
+    Ok(())
+}

@@ -1,0 +1,80 @@
+//! The options that say where the section planes are.
+
+use crate::failure::Failure;
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use std::path::PathBuf;
+use transect_workflow::{GuideSettings, PlaneSettings};
+
+/// Where the section planes are: plane k is at normal · p = offset + k · interval.
+#[derive(Debug, Args)]
+#[command(
+    next_help_heading = "Section planes (lengths with a unit, such as 1mm; a bare number is in the scan's unit)"
+)]
+pub struct PlaneArguments {
+    /// Normal of the planes in the world, as X,Y,Z of any length [default: the scan's own, else
+    /// 0,0,1].
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    normal: Option<String>,
+    /// Curve that the planes are perpendicular to, instead of a normal: .csv, .geojson or .dxf; see
+    /// docs/guides.md.
+    #[arg(long, value_name = "FILE", conflicts_with = "normal")]
+    guide: Option<PathBuf>,
+    /// What the guide's points are: corners, which are rounded by arcs, or points of a cubic spline.
+    #[arg(long, value_parser = PossibleValuesParser::new(["polyline", "spline"]), default_value = "spline", value_name = "KIND")]
+    guide_kind: String,
+    /// Largest radius of a polyline's corners [default: as large as there is room for].
+    #[arg(long, value_name = "LENGTH", requires = "guide")]
+    guide_radius: Option<String>,
+    /// Distance from the guide that is to be covered; an error if planes cross within it.
+    #[arg(long, value_name = "LENGTH", requires = "guide")]
+    guide_reach: Option<String>,
+    /// Distance between neighbouring planes [default: the scan's own].
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    interval: Option<String>,
+    /// Station of plane 0 [default: the scan's own, else 0].
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    offset: Option<String>,
+}
+
+impl PlaneArguments {
+    /// The settings that the options stand for.
+    pub fn settings(&self) -> Result<PlaneSettings, Failure> {
+        let mut settings = PlaneSettings::default();
+        settings.normal = self.normal.as_deref().map(parse_normal).transpose()?;
+        settings.guide = self.guide.as_ref().map(|path| GuideSettings {
+            path: path.clone(),
+            polyline: self.guide_kind == "polyline",
+            radius: self.guide_radius.clone(),
+            reach: self.guide_reach.clone(),
+        });
+        settings.interval.clone_from(&self.interval);
+        settings.offset.clone_from(&self.offset);
+        Ok(settings)
+    }
+}
+
+/// Three numbers with commas between them.
+pub fn parse_normal(text: &str) -> Result<[f64; 3], Failure> {
+    let wrong = || Failure::Usage(format!("--normal {text}: write three numbers, such as 0,0,1"));
+    parse_numbers(text).ok_or_else(wrong)
+}
+
+/// `N` numbers with commas between them; `None` if they are something else.
+pub fn parse_numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
+    let numbers = text.split(',').map(|number| number.trim().parse().ok());
+    numbers.collect::<Option<Vec<f64>>>()?.try_into().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn vectors_are_three_numbers() {
+        assert!(matches!(parse_normal("0,-1, 0.5"), Ok([0.0, -1.0, 0.5])));
+        for bad in ["", "1,2", "1,2,3,4", "1,x,3"] {
+            assert!(matches!(parse_normal(bad), Err(Failure::Usage(_))), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! `transect query`: whether points are inside the solid, outside, or unknown.
+
+use super::open_model;
+use super::planes::parse_numbers;
+use crate::failure::Failure;
+use crate::table::{digits, print_grid};
+use std::path::PathBuf;
+use transect_geometry::Point3;
+use transect_model::store::SpaceQuery;
+use transect_model::{Location, SpaceAnswer};
+use transect_workflow::ModelFile;
+
+/// Options of `query`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Model store, model file, or folder that `reconstruct` wrote.
+    file: PathBuf,
+    /// Points in the world, in the model's unit.
+    #[arg(required = true, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    points: Vec<String>,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let points: Result<Vec<Point3>, Failure> = arguments.points.iter().map(|p| point(p)).collect();
+    let points = points?;
+    let file = open_model(&arguments.file)?;
+    let unit = file.unit().symbol();
+    let answers = answers(file, &points)?;
+    let heads = ["point", "location", &format!("nearest curve, {unit}"), "by plane"];
+    let lines = arguments.points.iter().zip(&answers).map(|(text, answer)| line(text, answer));
+    print_grid(&heads, &lines.collect::<Vec<_>>());
+    Ok(())
+}
+
+fn answers(file: ModelFile, points: &[Point3]) -> Result<Vec<SpaceAnswer>, Failure> {
+    match file {
+        ModelFile::Plain(model) => Ok(points.iter().map(|p| model.locate(p)).collect()),
+        ModelFile::Store(store) => {
+            let mut query = SpaceQuery::new(*store.snapshot, SpaceQuery::DEFAULT_CAPACITY);
+            points.iter().map(|p| Ok(query.locate(p)?)).collect()
+        }
+    }
+}
+
+fn line(point: &str, answer: &SpaceAnswer) -> Vec<String> {
+    let distance = |d: Option<f64>| d.map_or("none".to_owned(), digits);
+    let planes = answer.planes.iter().map(|(plane, said)| {
+        format!("{plane}: {} at {}", word(said.location), distance(said.distance_to_nearest_curve))
+    });
+    vec![
+        point.to_owned(),
+        word(answer.location).to_owned(),
+        distance(answer.distance_to_nearest_curve),
+        planes.collect::<Vec<_>>().join("; "),
+    ]
+}
+
+fn word(location: Location) -> &'static str {
+    match location {
+        Location::Inside => "inside",
+        Location::Outside => "outside",
+        Location::Unknown => "unknown",
+    }
+}
+
+fn point(text: &str) -> Result<Point3, Failure> {
+    let numbers = parse_numbers(text).filter(|p: &[f64; 3]| p.iter().all(|c| c.is_finite()));
+    let wrong =
+        || Failure::Usage(format!("{text}: write a point as three numbers, such as 0,1.5,-2"));
+    numbers.map(Point3::from).ok_or_else(wrong)
+}

@@ -1,0 +1,138 @@
+//! `transect reconstruct`: a scan in, a cross-section model with its report and pictures out.
+
+use super::planes::PlaneArguments;
+use super::simulate;
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::table::{Row, print, say};
+use clap::builder::PossibleValuesParser;
+use std::path::{Path, PathBuf};
+use transect_geometry::LengthUnit;
+use transect_workflow::{
+    Costs, OpenScan, ResultFolder, Run, Settings, default_folder, dxf_frame, fusion_method,
+    partial_method, simulation,
+};
+
+/// Options of `reconstruct`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Scan: a folder with scan.json, a scan.json, a Stanford .conf, or a folder of depth images
+    /// [default: simulate the bundled room].
+    scan: Option<PathBuf>,
+    /// Length unit of a scan that does not state one: m, dm, cm, mm, um, in or ft.
+    #[arg(long)]
+    unit: Option<LengthUnit>,
+    /// Folder for the results [default: transect-out/NAME].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    store: StoreArguments,
+    /// Frame of the curves in model.dxf: 3D polylines in the world, or 2D polylines in the
+    /// coordinates of their planes, stacked by station.
+    #[arg(long, value_parser = PossibleValuesParser::new(["world", "plane"]), default_value = "world", value_name = "FRAME")]
+    dxf: String,
+    /// Also write the curves as cubic B-splines no farther from them than this: splines.dxf and
+    /// splines.json.
+    #[arg(long, value_name = "TOLERANCE")]
+    splines: Option<String>,
+    /// Insert planes where the curves of neighbouring planes are farther than this from each other,
+    /// down to a smallest interval: the interval halved a whole number of times [default: a
+    /// sixteenth of it].
+    #[arg(long, value_name = "TOLERANCE[,SMALLEST]", conflicts_with = "store")]
+    refine: Option<String>,
+    #[command(flatten)]
+    planes: PlaneArguments,
+    /// How each view's curves are found: all planes in one sweep over the range image, or plane by
+    /// plane, in the dissertation's own steps.
+    #[arg(long, value_parser = PossibleValuesParser::new(["one_pass", "dissertation"]), default_value = "one_pass", help_heading = "Method")]
+    method: String,
+    /// How the views' curves are fused: all views at once, or view by view, by the dissertation's
+    /// overlap rules.
+    #[arg(long, value_parser = PossibleValuesParser::new(["consensus", "pairwise"]), default_value = "consensus", help_heading = "Method")]
+    fusion: String,
+    /// Number of threads; 0 takes all cores. The results do not depend on it.
+    #[arg(long, default_value_t = 0, value_name = "NUMBER", help_heading = "Running")]
+    threads: usize,
+    /// Show no progress.
+    #[arg(long, help_heading = "Running")]
+    quiet: bool,
+}
+
+/// Options for growing a store.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Model store (views can be added, replaced and removed later)")]
+struct StoreArguments {
+    /// Model store to add the scan's views to, one transaction each; made if it is not there. Views
+    /// that the store has are left alone, so an interrupted run can be repeated.
+    #[arg(long, value_name = "FILE")]
+    store: Option<PathBuf>,
+    /// Put before the names of this scan's views in the store, where several scans share names.
+    #[arg(long, value_name = "TEXT", requires = "store", default_value = "")]
+    prefix: String,
+}
+
+/// The scene that is simulated where no scan is given.
+const BUNDLED_SCENE: &str = "room";
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    rayon::ThreadPoolBuilder::new().num_threads(arguments.threads).build_global()?;
+    let mut costs = Costs::default();
+    let path = match &arguments.scan {
+        Some(path) => path.clone(),
+        None => costs.stage("simulating", || bundled_scan(arguments))?,
+    };
+    let scan = OpenScan::open(path, arguments.unit)?;
+    // Before anything can fail: a note may be the reason.
+    scan.scan().notes.iter().for_each(|note| eprintln!("note: {note}"));
+    let mut run = model(arguments, &scan)?;
+    run.costs.begin_with(costs);
+    let out = arguments.out.clone().unwrap_or_else(|| default_folder(&scan.scan().name));
+    let folder = ResultFolder::new(out);
+    let rows = run.write(&folder)?;
+    finish(&run, &rows, &folder);
+    Ok(())
+}
+
+/// The model of a scan, in one run or by growing a store.
+fn model<'a>(arguments: &Arguments, scan: &'a OpenScan) -> Result<Run<'a>, Failure> {
+    let settings = arguments.settings()?;
+    let progress = Progress::new(arguments.quiet);
+    let run = match &arguments.store.store {
+        Some(store) => scan.grow(store, &arguments.store.prefix, &settings, &progress),
+        None => scan.reconstruct(&settings, &progress),
+    };
+    progress.finish();
+    Ok(run?)
+}
+
+impl Arguments {
+    fn settings(&self) -> Result<Settings, Failure> {
+        let mut settings = Settings::default();
+        settings.planes = self.planes.settings()?;
+        settings.partial = partial_method(&self.method)?;
+        settings.fusion = fusion_method(&self.fusion)?;
+        settings.dxf = dxf_frame(&self.dxf)?;
+        settings.refine.clone_from(&self.refine);
+        settings.splines.clone_from(&self.splines);
+        Ok(settings)
+    }
+}
+
+/// Simulates the bundled room next to where its results go.
+fn bundled_scan(arguments: &Arguments) -> Result<PathBuf, Failure> {
+    let description = simulation::describe(Path::new(BUNDLED_SCENE))?;
+    let out = arguments.out.clone().unwrap_or_else(|| default_folder(&description.name));
+    let folder = out.join("scan");
+    simulate::simulate(description, &folder)?;
+    Ok(folder)
+}
+
+fn finish(run: &Run<'_>, rows: &[Row], folder: &ResultFolder) {
+    let report = &run.reconstruction.report;
+    report.notes.iter().for_each(|note| eprintln!("note: {note}"));
+    report.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
+    print(rows);
+    say(&format!("\nresults: {}", folder.path().display()));
+    say(&format!("picture: {}", folder.overview().display()));
+}

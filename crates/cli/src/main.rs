@@ -1,0 +1,83 @@
+//! The command line of Transect: `transect <command>`.
+//!
+//! This file is the list of commands; each has a file of its own. Results go to stdout, progress,
+//! notes and warnings to stderr. Exit codes: 0 done, 1 failed, 2 bad arguments.
+#![allow(clippy::print_stderr, reason = "progress, notes and errors go there")]
+
+mod commands;
+mod failure;
+mod progress;
+mod table;
+
+use clap::{Parser, Subcommand};
+use commands::{
+    compact, evaluate, export, gaps, import, inspect, list_views, manifest, measure, query,
+    reconstruct, remove_view, replace_view, simulate, verify,
+};
+use std::process::ExitCode;
+
+/// Registered range images in, cross-section models out.
+#[derive(Debug, Parser)]
+#[command(name = "transect", version, next_line_help = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Make a cross-section model of a scan; without a scan, of the bundled room.
+    Reconstruct(Box<reconstruct::Arguments>),
+    /// Write a scan of a simulated scene, with its truth.
+    Simulate(simulate::Arguments),
+    /// Score a model against a reference mesh or a simulated scan's truth.
+    Evaluate(evaluate::Arguments),
+    /// List the views, sizes, noise and extent of a scan, or the contents of a model.
+    Inspect(inspect::Arguments),
+    /// List the views of a model store.
+    ListViews(list_views::Arguments),
+    /// Remove a view from a model store.
+    RemoveView(remove_view::Arguments),
+    /// Replace the image or the pose of a view in a model store.
+    ReplaceView(replace_view::Arguments),
+    /// Check the checksums and the contents of a model or a model store.
+    Verify(verify::Arguments),
+    /// Give the space of removed views back to the disk.
+    Compact(compact::Arguments),
+    /// Tell whether points are inside the solid, outside, or unknown.
+    Query(query::Arguments),
+    /// List the surface that no view saw, and propose next views.
+    Gaps(gaps::Arguments),
+    /// Measure each plane of a model, and the volume between the planes.
+    Measure(measure::Arguments),
+    /// Write a model's curves as files for other programs, or a store as JSON lines.
+    Export(export::Arguments),
+    /// Make a model store from JSON lines.
+    Import(import::Arguments),
+    /// Write a scan.json for a folder of depth images with poses.
+    Manifest(manifest::Arguments),
+}
+
+fn main() -> ExitCode {
+    let outcome = match Arguments::parse().command {
+        Command::Reconstruct(a) => reconstruct::run(&a),
+        Command::Simulate(a) => simulate::run(&a),
+        Command::Evaluate(a) => evaluate::run(&a),
+        Command::Inspect(a) => inspect::run(&a),
+        Command::ListViews(a) => list_views::run(&a),
+        Command::RemoveView(a) => remove_view::run(&a),
+        Command::ReplaceView(a) => replace_view::run(&a),
+        Command::Verify(a) => verify::run(&a),
+        Command::Compact(a) => compact::run(&a),
+        Command::Query(a) => query::run(&a),
+        Command::Gaps(a) => gaps::run(&a),
+        Command::Measure(a) => measure::run(&a),
+        Command::Export(a) => export::run(&a),
+        Command::Import(a) => import::run(&a),
+        Command::Manifest(a) => manifest::run(&a),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

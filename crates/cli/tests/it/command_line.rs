@@ -1,0 +1,388 @@
+//! The command line from end to end, on a scan that is simulated within milliseconds.
+
+use super::common::{Folder, Row};
+use serde_json::Value;
+use sha2::{Digest, Sha256};
+use transect_model::Model;
+
+/// Files that depend on nothing but the scan and the planes.
+const REPRODUCIBLE: [&str; 4] = ["contours.json", "model.transect", "model.dxf", "overview.svg"];
+
+/// The scan `scan` and its reconstruction `out`.
+fn reconstructed() -> (Folder, super::common::Run) {
+    let folder = Folder::simulated("objects.scene.toml");
+    let run = folder.reconstruct("scan --threads 2").succeeded();
+    (folder, run)
+}
+
+fn list<'a>(value: &'a Value, key: &str) -> &'a [Value] {
+    value[key].as_array().unwrap_or_else(|| panic!("{key} is no list in {value}"))
+}
+
+fn numbers(value: &Value, key: &str) -> Vec<f64> {
+    list(value, key).iter().map(|n| n.as_f64().unwrap()).collect()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[test]
+fn a_run_ends_with_its_table_and_nothing_on_stderr() {
+    let (_folder, run) = reconstructed();
+    assert_eq!(run.stderr, "");
+    assert_eq!((run.value("scan"), run.value("views")), ("objects".to_owned(), "4".to_owned()));
+    assert_eq!(run.number("planes with curves"), 12.0);
+    assert!(run.number("closed curves") >= 15.0 && run.number("curves") >= 20.0);
+    let unit_of = |metric| run.table().into_iter().find(|r| r.metric == metric).map(|r| r.unit);
+    assert_eq!(unit_of("curve length").as_deref(), Some("m"));
+    assert!(run.stdout.contains("results: out"), "{}", run.stdout);
+}
+
+#[test]
+fn contours_have_the_documented_form() {
+    let (folder, _) = reconstructed();
+    let contours = folder.json("out/contours.json");
+    assert_eq!(contours["unit"], "m");
+    let planes = list(&contours, "planes");
+    assert_eq!(planes.len(), 12);
+    for plane in planes {
+        let (index, station) =
+            (plane["index"].as_i64().unwrap(), plane["station"].as_f64().unwrap());
+        assert!((station - (0.0137 + 0.08 * index as f64)).abs() < 1e-12, "{index}: {station}");
+        let [origin, normal, x_axis] = ["origin", "normal", "x_axis"].map(|k| numbers(plane, k));
+        assert_eq!((&normal[..], origin.len()), (&[0.0, 0.0, 1.0][..], 3));
+        assert!((dot(&origin, &normal) - station).abs() < 1e-12);
+        assert!((dot(&x_axis, &x_axis) - 1.0).abs() < 1e-12 && dot(&x_axis, &normal) == 0.0);
+        let areas = list(plane, "polylines").iter().map(|p| check_polyline(p, station));
+        // Counter-clockwise around solid, seen against the normal: both solids are convex.
+        areas.flatten().for_each(|area| assert!(area > 0.0, "plane {index}: area {area}"));
+    }
+    let indices: Vec<i64> = planes.iter().map(|p| p["index"].as_i64().unwrap()).collect();
+    assert!(indices.is_sorted(), "{indices:?}");
+}
+
+/// Checks a polyline on a horizontal plane; its signed area if it is closed.
+fn check_polyline(polyline: &Value, station: f64) -> Option<f64> {
+    let closed = polyline["closed"].as_bool().unwrap();
+    let points: Vec<Vec<f64>> =
+        serde_json::from_value(polyline["points"].clone()).expect("points are lists of numbers");
+    assert!(points.len() >= 2 + usize::from(closed));
+    assert!(points.iter().all(|p| p.len() == 3 && (p[2] - station).abs() < 1e-9));
+    assert_ne!(points.first(), points.last(), "the first point is repeated");
+    let (sigma, views) = (numbers(polyline, "sigma"), numbers(polyline, "views"));
+    assert_eq!((sigma.len(), views.len()), (points.len(), points.len()));
+    assert!(sigma.iter().all(|s| (0.0..0.1).contains(s)));
+    assert!(views.iter().all(|v| (0.0..=4.0).contains(v)));
+    assert!(views.iter().any(|v| *v >= 1.0), "seen by nobody");
+    let next = points.iter().cycle().skip(1);
+    let doubled = points.iter().zip(next).map(|(p, q)| p[0] * q[1] - q[0] * p[1]);
+    closed.then(|| 0.5 * doubled.sum::<f64>())
+}
+
+#[test]
+fn the_report_has_everything_to_repeat_the_run() {
+    let (folder, run) = reconstructed();
+    let report = folder.json("out/report.json");
+    assert_eq!((&report["tool"], &report["unit"]), (&"transect".into(), &"m".into()));
+    assert_eq!(report["version"], env!("CARGO_PKG_VERSION"));
+    let settings = &report["settings"];
+    assert_eq!((&settings["interval"], &settings["offset"]), (&0.08.into(), &0.0137.into()));
+    assert_eq!(numbers(settings, "normal"), [0.0, 0.0, 1.0]);
+    assert_eq!(settings["partial"]["method"], "one_pass");
+    assert_eq!(settings["fusion"]["method"], "consensus");
+    check_inputs(&folder, list(&report, "inputs"));
+    let names: Vec<&str> =
+        list(&report, "views").iter().map(|v| v["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["range_000.npy", "range_001.npy", "range_002.npy", "range_003.npy"]);
+    assert_eq!((list(&report, "warnings").len(), list(&report, "reader_notes").len()), (0, 0));
+    let stages = list(&report, "stages");
+    assert!(stages.len() >= 3 && stages.iter().all(|s| s["seconds"].as_f64().unwrap() >= 0.0));
+    assert_same_rows(&run.table(), list(&report, "result"));
+}
+
+fn check_inputs(folder: &Folder, inputs: &[Value]) {
+    let files = ["scan.json", "range_000.npy", "range_001.npy", "range_002.npy", "range_003.npy"];
+    assert_eq!(inputs.len(), files.len());
+    for (input, file) in inputs.iter().zip(files) {
+        let bytes = folder.bytes(&format!("scan/{file}"));
+        let hash: String = Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect();
+        assert!(input["path"].as_str().unwrap().ends_with(file), "{input}");
+        assert_eq!(
+            (input["bytes"].as_u64(), input["sha256"].as_str()),
+            (Some(bytes.len() as u64), Some(hash.as_str()))
+        );
+    }
+}
+
+/// The table in the report may have more rows than the printed one, but no others.
+fn assert_same_rows(printed: &[Row], reported: &[Value]) {
+    let reported: Vec<Row> = reported
+        .iter()
+        .map(|r| {
+            let [metric, value, unit] =
+                ["metric", "value", "unit"].map(|k| r[k].as_str().unwrap().to_owned());
+            Row { metric, value, unit }
+        })
+        .collect();
+    for row in printed {
+        assert!(reported.contains(row), "{row:?} is not in the report");
+    }
+}
+
+#[test]
+fn every_output_holds_the_same_curves() {
+    let (folder, run) = reconstructed();
+    let model = Model::load(folder.path("out/model.transect")).unwrap();
+    model.check().unwrap();
+    let contours = folder.json("out/contours.json");
+    let polylines: usize =
+        list(&contours, "planes").iter().map(|p| list(p, "polylines").len()).sum();
+    assert_eq!((model.curve_count(), model.sections().len()), (polylines, 12));
+    assert_eq!(run.number("curves"), polylines as f64);
+    assert_eq!(run.number("nodes"), model.node_count() as f64);
+    let sheets = std::fs::read_dir(folder.path("out/planes")).unwrap();
+    let sheets: Vec<_> = sheets.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    assert_eq!(sheets.len(), 12, "{sheets:?}");
+    for svg in sheets.iter().map(|s| format!("planes/{s}")).chain(["overview.svg".to_owned()]) {
+        let text = folder.text(&format!("out/{svg}"));
+        assert!(text.contains("<svg") && text.trim_end().ends_with("</svg>"), "{svg}");
+        assert!(!text.contains("NaN") && !text.contains("inf\""), "{svg}");
+    }
+}
+
+#[test]
+fn the_drawing_is_whole_and_in_metres() {
+    let (folder, run) = reconstructed();
+    let text = folder.text("out/model.dxf");
+    let lines: Vec<&str> = text.lines().map(str::trim).collect();
+    assert!(lines.len().is_multiple_of(2), "a group code without its value");
+    let groups: Vec<(&str, &str)> = lines.chunks(2).map(|p| (p[0], p[1])).collect();
+    assert_eq!(groups.last(), Some(&("0", "EOF")));
+    let unit = groups.iter().position(|g| *g == ("9", "$INSUNITS")).unwrap();
+    assert_eq!(groups[unit + 1].1, "6", "6 is metres");
+    let polylines = groups.iter().filter(|(code, name)| *code == "0" && *name == "POLYLINE");
+    assert_eq!(polylines.count() as f64, run.number("curves"));
+}
+
+#[test]
+fn threads_do_not_change_a_byte() {
+    let folder = Folder::simulated("objects.scene.toml");
+    for threads in [1, 2, 3] {
+        let line = format!("reconstruct scan --out out{threads} --threads {threads} --quiet");
+        folder.run(&line).succeeded();
+    }
+    for file in REPRODUCIBLE {
+        let one = folder.bytes(&format!("out1/{file}"));
+        for threads in [2, 3] {
+            assert!(one == folder.bytes(&format!("out{threads}/{file}")), "{file}, {threads}");
+        }
+    }
+}
+
+#[test]
+fn the_order_of_views_does_not_change_the_contours() {
+    let folder = Folder::simulated("objects.scene.toml");
+    folder.reconstruct("scan").succeeded();
+    let first = folder.bytes("out/contours.json");
+    for order in [[3, 2, 1, 0], [1, 3, 0, 2], [2, 0, 3, 1]] {
+        folder.edit_json("scan/scan.json", "scan/reordered.json", |manifest| {
+            let views = order.map(|k: usize| manifest["views"][k].clone());
+            manifest["views"] = Value::from(views.to_vec());
+        });
+        folder.reconstruct("scan/reordered.json").succeeded();
+        assert!(folder.bytes("out/contours.json") == first, "{order:?}");
+    }
+}
+
+#[test]
+fn simulation_depends_on_its_seed_alone() {
+    let folder = Folder::simulated("objects.scene.toml");
+    let scene = super::common::fixture("objects.scene.toml");
+    for (out, seed) in [("again", 7), ("other", 8)] {
+        folder.run(&format!("simulate {} --out {out} --seed {seed}", scene.display())).succeeded();
+    }
+    let image = |scan: &str| folder.bytes(&format!("{scan}/range_002.npy"));
+    assert!(image("again") == image("scan"), "the scene's own seed is 7");
+    assert!(image("other") != image("scan"));
+    assert!(folder.bytes("again/truth.npz") == folder.bytes("scan/truth.npz"));
+}
+
+#[test]
+fn evaluation_finds_the_truth_that_simulation_left() {
+    let (folder, _) = reconstructed();
+    let run = folder.run("evaluate out --tolerance 15mm").succeeded();
+    // One millimetre of noise, seen by up to three views, and pixels of three centimetres.
+    assert!(run.number("median distance from truth") < 0.001);
+    assert!(run.number("95 % of distances below") < 0.005);
+    assert!(run.number("oriented like the truth") > 99.9);
+    assert!(run.number("length off the truth") < 0.5);
+    assert_eq!(run.number("duplicated length"), 0.0);
+    assert_eq!(run.number("planes with truth"), 12.0);
+    // The station leaves planes out, and the tolerance is what counts as off.
+    let upper = folder.run("evaluate out --from 0.5 --tolerance 15mm").succeeded();
+    assert_eq!(upper.number("planes with truth"), 5.0);
+    let strict = folder.run("evaluate out --tolerance 1mm").succeeded();
+    assert!(strict.number("length off the truth") > 5.0);
+}
+
+#[test]
+fn a_model_goes_by_its_folder_or_its_file() {
+    let (folder, _) = reconstructed();
+    for command in
+        ["evaluate MODEL", "inspect MODEL", "verify MODEL", "measure MODEL", "gaps MODEL"]
+    {
+        let said = |model| folder.run(&command.replace("MODEL", model)).succeeded().stdout;
+        assert_eq!(said("out"), said("out/model.transect"), "{command}");
+    }
+    let none = ["scan", "holds no model.transect", "reconstruct wrote"];
+    folder.run("measure scan").failed_with(1, &none);
+    folder.run("evaluate scan").failed_with(1, &none);
+}
+
+#[test]
+fn results_go_beneath_the_current_folder() {
+    let folder = Folder::simulated("objects.scene.toml");
+    let run = folder.run("reconstruct scan --quiet").succeeded();
+    assert!(run.stdout.contains("results: transect-out/objects\n"), "{}", run.stdout);
+    folder.run("verify transect-out/objects").succeeded();
+}
+
+#[test]
+fn inspection_has_a_row_for_every_view() {
+    let folder = Folder::simulated("objects.scene.toml");
+    let run = folder.run("inspect scan").succeeded();
+    assert_eq!((run.value("views"), run.stderr.as_str()), ("4".to_owned(), ""));
+    for (view, size) in [
+        ("view range_000.npy", "90 rows × 120 columns"),
+        ("view range_001.npy", "90 rows × 120 columns"),
+        ("view range_002.npy", "100 rows × 120 columns"),
+        ("view range_003.npy", "100 rows × 120 columns"),
+    ] {
+        let row = run.table().into_iter().find(|r| r.metric == view).unwrap();
+        assert!(row.value.starts_with(size) && row.value.contains("valid"), "{row:?}");
+    }
+}
+
+#[test]
+fn a_second_run_leaves_no_sheet_of_the_first() {
+    let (folder, _) = reconstructed();
+    let sheets = || std::fs::read_dir(folder.path("out/planes")).unwrap().count();
+    assert_eq!(sheets(), 12);
+    folder.reconstruct("scan --interval 16cm").succeeded();
+    assert_eq!(sheets(), 6);
+}
+
+#[test]
+fn arguments_that_make_no_sense_end_with_2() {
+    let folder = Folder::simulated("objects.scene.toml");
+    for (arguments, reason) in [
+        ("--interval 0", "interval must be a positive length, got 0"),
+        ("--interval -1", "interval must be a positive length, got -1"),
+        ("--interval NaN", "--interval: \"NaN\" is not a length"),
+        ("--interval inf", "--interval: \"inf\" is not a length"),
+        ("--interval abc", "--interval: \"abc\" is not a length"),
+        ("--interval 1furlong", "unknown length unit \"furlong\""),
+        ("--offset x", "--offset: \"x\" is not a length"),
+        ("--normal 0,0,0", "normal (0, 0, 0) has no direction"),
+        ("--normal 1,2", "--normal 1,2: write three numbers"),
+        ("--normal nan,0,1", "has no direction"),
+        ("--method guess", "invalid value 'guess' for '--method"),
+        ("--threads many", "invalid value 'many' for '--threads"),
+        ("--unit furlong", "unknown length unit \"furlong\""),
+        ("--frobnicate", "unexpected argument '--frobnicate'"),
+    ] {
+        folder.reconstruct(&format!("scan {arguments}")).failed_with(2, &["error: ", reason]);
+        assert!(!folder.path("out").exists(), "{arguments} left results");
+    }
+    folder.run("frobnicate").failed_with(2, &["unrecognized subcommand 'frobnicate'"]);
+    folder.run("").failed_with(2, &["Usage"]);
+}
+
+#[test]
+fn evaluations_that_make_no_sense_end_with_2() {
+    let (folder, _) = reconstructed();
+    for (arguments, reason) in [
+        ("--tolerance 0", "--tolerance: the tolerance must be a positive length, got 0"),
+        ("--tolerance=-1mm", "--tolerance: the tolerance must be a positive length"),
+        ("--tolerance NaN", "--tolerance: \"NaN\" is not a length"),
+        ("--from x", "--from: \"x\" is not a length"),
+    ] {
+        folder.run(&format!("evaluate out {arguments}")).failed_with(2, &["error: ", reason]);
+    }
+}
+
+#[test]
+fn planes_are_refined_and_the_report_says_where() {
+    let folder = Folder::simulated("objects.scene.toml");
+    for (refine, reason) in [
+        (
+            "30mm,0.03",
+            "the smallest interval 0.03 is not 0.08 halved 1 to 10 times: 0.04, 0.02, 0.01",
+        ),
+        ("0", "--refine: the tolerance must be a positive length, got 0 (in m)"),
+        ("x", "--refine: \"x\" is not a length"),
+        ("30mm --store s.transect", "cannot be used with '--store <FILE>'"),
+    ] {
+        folder.reconstruct(&format!("scan --refine {refine}")).failed_with(2, &[reason]);
+        assert!(!folder.path("out").exists(), "{refine} left results");
+    }
+    let run = folder.reconstruct("scan --refine 30mm,20mm").succeeded();
+    let report = folder.json("out/report.json");
+    let count = |key: &str| report["refinement"][key].as_u64().unwrap();
+    let inserted = count("planes_inserted");
+    assert!(inserted > 4 && count("planes") > inserted);
+    for (metric, value) in [
+        ("planes inserted", inserted),
+        ("intervals still above the tolerance", count("intervals_above_tolerance")),
+    ] {
+        let row = |line: &str| line.starts_with(metric) && line.ends_with(&format!(" {value}"));
+        assert!(run.stdout.lines().any(row), "{metric} {value}: {}", run.stdout);
+    }
+    let gaps = report["refinement"]["gaps"].as_array().unwrap();
+    let with_plane = gaps.iter().filter(|gap| gap["inserted"].is_i64()).count() as u64;
+    assert_eq!(with_plane, inserted);
+    assert!(gaps.iter().all(|gap| gap["reason"].is_string() && gap["length"].is_number()));
+    // The truth counts on planes that were asked for and no others: the planes between lack nothing.
+    let evaluated = folder.run("evaluate out --tolerance 16mm").succeeded();
+    let completeness = evaluated.stdout.lines().find(|line| line.starts_with("completeness"));
+    let mut words = completeness.unwrap().split_whitespace();
+    let share: f64 = words.find_map(|word| word.parse().ok()).unwrap();
+    assert!(share > 80.0, "{}", evaluated.stdout);
+    folder.run("inspect out/model.transect").succeeded();
+}
+
+#[test]
+fn a_scan_without_planes_asks_for_an_interval() {
+    let folder = Folder::simulated("objects.scene.toml");
+    folder.edit_json("scan/scan.json", "scan/bare.json", |manifest| {
+        manifest.as_object_mut().unwrap().remove("planes");
+    });
+    let run = folder.reconstruct("scan/bare.json");
+    run.failed_with(2, &["does not say how far apart the planes are", "--interval 10mm"]);
+    folder.reconstruct("scan/bare.json --interval 8cm --offset 13.7mm").succeeded();
+}
+
+#[test]
+fn failures_end_with_1_and_name_their_file() {
+    let (folder, _) = reconstructed();
+    folder.write("broken.scene.toml", "name = \"x\"\nunit = 3\n");
+    folder.write("no.transect", "nothing");
+    folder.write("no.ply", "nothing");
+    for (line, texts) in [
+        ("reconstruct nowhere --out o", ["nowhere: cannot be read", "No such file"]),
+        ("inspect nowhere", ["nowhere: cannot be read", "No such file"]),
+        ("simulate nowhere.toml --out o", ["nowhere.toml", "No such file"]),
+        ("simulate broken.scene.toml --out o", ["broken.scene.toml", "unit"]),
+        ("evaluate nowhere", ["nowhere", "No such file"]),
+        ("evaluate out --reference none.ply", ["none.ply: cannot be read", "No such file"]),
+        ("evaluate out --reference no.transect", ["no.transect", "read from .ply, .stl and .obj"]),
+        ("evaluate out --reference no.ply", ["no.ply, line 1", "not a PLY file"]),
+        ("manifest scan --out m.json", ["camera-intrinsics.txt", "cannot be read"]),
+    ] {
+        folder.run(line).failed_with(1, &texts);
+    }
+    // A file stands where the folder of results should be.
+    folder.write("taken", "");
+    folder.run("reconstruct scan --out taken --quiet").failed_with(1, &["taken"]);
+}

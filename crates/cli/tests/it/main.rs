@@ -1,0 +1,17 @@
+//! The program `transect` from end to end, in folders of its own.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stderr,
+    reason = "tests and their helpers fail loudly, and say what they skip"
+)]
+
+mod bad_input;
+mod command_line;
+mod common;
+mod full_disk;
+mod launcher;
+mod real_scans;
+mod sensors;
+mod store;

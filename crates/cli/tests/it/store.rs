@@ -1,0 +1,178 @@
+//! Model stores on the command line: growing, changing, asking, and what is refused.
+
+use super::common::Folder;
+use transect_model::store::Store;
+
+/// A scan, its reconstruction `out` in one run, and the store `s.transect`.
+fn stored() -> Folder {
+    let folder = Folder::simulated("objects.scene.toml");
+    folder.reconstruct("scan").succeeded();
+    grow(&folder, "scan").succeeded();
+    folder
+}
+
+fn grow(folder: &Folder, scan_and_options: &str) -> super::common::Run {
+    folder.run(&format!("reconstruct {scan_and_options} --store s.transect --out grown --quiet"))
+}
+
+/// The contours of what the store has now.
+fn exported(folder: &Folder) -> Vec<u8> {
+    folder.run("export s.transect --out exported").succeeded();
+    folder.bytes("exported/contours.json")
+}
+
+/// The contours of one run over the manifest's views that are left by an edit.
+fn at_once(folder: &Folder, edit: impl FnOnce(&mut serde_json::Value)) -> Vec<u8> {
+    folder.edit_json("scan/scan.json", "scan/edited.json", edit);
+    folder.run("reconstruct scan/edited.json --out once --quiet").succeeded();
+    folder.bytes("once/contours.json")
+}
+
+#[test]
+fn a_grown_store_gives_the_files_of_one_run() {
+    let folder = stored();
+    for file in ["contours.json", "model.dxf", "overview.svg", "planes/plane_+0004.svg"] {
+        assert!(
+            folder.bytes(&format!("grown/{file}")) == folder.bytes(&format!("out/{file}")),
+            "{file}"
+        );
+    }
+    let again = grow(&folder, "scan").succeeded();
+    assert_eq!((again.number("views added"), again.number("views there already")), (0.0, 4.0));
+    assert_eq!(again.number("planes fused"), 0.0);
+    assert_eq!(folder.bytes("grown/contours.json"), folder.bytes("out/contours.json"));
+    let verified = folder.run("verify s.transect --fusion").succeeded();
+    assert_eq!((verified.value("sound"), verified.number("views")), ("yes".to_owned(), 4.0));
+    let plain = folder.run("verify out/model.transect").succeeded();
+    assert_eq!(plain.number("nodes"), verified.number("nodes"));
+    let listed = folder.run("list-views s.transect").succeeded().stdout;
+    assert!(listed.contains("| range_003.npy | Pinhole"), "{listed}");
+}
+
+#[test]
+fn views_leave_and_move_as_if_they_had_never_been_there() {
+    let folder = stored();
+    let removed = folder.run("remove-view s.transect range_002.npy").succeeded();
+    assert_eq!(removed.number("views left"), 3.0);
+    let without = at_once(&folder, |m| _ = m["views"].as_array_mut().unwrap().remove(2));
+    assert!(exported(&folder) == without);
+
+    let pose = |m: &serde_json::Value| -> Vec<f64> {
+        serde_json::from_value(m["views"][0]["pose"].clone()).unwrap()
+    };
+    let mut moved = pose(&folder.json("scan/scan.json"));
+    (moved[3], moved[7]) = (moved[3] + 0.015, moved[7] - 0.01);
+    let numbers: Vec<String> = moved.iter().map(f64::to_string).collect();
+    let line = format!("replace-view s.transect range_000.npy --pose {}", numbers.join(","));
+    folder.run(&line).succeeded();
+    let with_pose = at_once(&folder, |m| {
+        m["views"].as_array_mut().unwrap().remove(2);
+        m["views"][0]["pose"] = serde_json::to_value(&moved).unwrap();
+    });
+    assert!(exported(&folder) == with_pose);
+    // Its own pose again, and the removed view.
+    folder.run("replace-view s.transect range_000.npy scan").succeeded();
+    grow(&folder, "scan").succeeded();
+    assert!(exported(&folder) == folder.bytes("out/contours.json"));
+    let compacted = folder.run("compact s.transect").succeeded();
+    assert!(compacted.number("after") <= compacted.number("before"));
+    folder.run("verify s.transect --fusion").succeeded();
+}
+
+#[test]
+fn lines_of_json_make_the_same_store() {
+    let folder = stored();
+    folder.run("export s.transect --lines lines.json").succeeded();
+    folder.run("import lines.json t.transect").succeeded();
+    folder.run("export t.transect --lines again.json --out exported").succeeded();
+    assert!(folder.bytes("lines.json") == folder.bytes("again.json"));
+    assert!(folder.bytes("exported/contours.json") == folder.bytes("out/contours.json"));
+    let hash =
+        |file| folder.run(&format!("verify {file}")).succeeded().value("hash of the contents");
+    assert_eq!(hash("s.transect"), hash("t.transect"));
+    folder.run("import lines.json t.transect").failed_with(1, &["t.transect", "exists"]);
+    let text = folder.text("lines.json").replacen("\"closed\":true", "\"closed\":1", 1);
+    folder.write("spoiled.json", text);
+    folder.run("import spoiled.json u.transect").failed_with(1, &["u.transect", "line "]);
+    assert!(!folder.path("u.transect").exists());
+}
+
+#[test]
+fn models_and_stores_answer_alike() {
+    let folder = stored();
+    for question in ["query FILE 0.1,-0.5,0.4 2,2,0.5 -0.2,0.6,-9", "measure FILE"] {
+        let ask = |file| folder.run(&question.replace("FILE", file)).succeeded().stdout;
+        assert_eq!(ask("s.transect"), ask("out/model.transect"));
+    }
+    let answers = folder.run("query s.transect 0.1,-0.5,0.4 2,2,0.5 -0.2,0.6,-9").stdout;
+    let words: Vec<&str> =
+        answers.lines().skip(2).map(|l| l.split('|').nth(2).unwrap().trim()).collect();
+    assert_eq!(words, ["inside", "outside", "unknown"]);
+    let sums = folder.run("measure s.transect --sums").succeeded();
+    // Ball and block: 4/3 π 0.45³ + 0.9 · 0.6 · 0.8; below the ball's middle nobody saw all of it.
+    assert!((sums.number("volume") - 0.75).abs() < 0.1, "{}", sums.number("volume"));
+    assert_eq!(sums.number("directions that contradict nesting"), 0.0);
+    for file in ["s.transect", "out/model.transect"] {
+        let inspected = folder.run(&format!("inspect {file}")).succeeded();
+        assert_eq!((inspected.number("views"), inspected.number("closed curves")), (4.0, 17.0));
+    }
+}
+
+#[test]
+fn what_is_refused_says_why_and_changes_nothing() {
+    let folder = stored();
+    let before = exported(&folder);
+    let near = ["s.transect", "no view \"range_1.npy\"", "range_001.npy"];
+    folder.run("remove-view s.transect range_1.npy").failed_with(1, &near);
+    folder.run("replace-view s.transect range_1.npy scan").failed_with(1, &near);
+    let other = "replace-view s.transect range_000.npy scan --view attic";
+    folder.run(other).failed_with(1, &["attic", "range_003.npy"]);
+    let pose = "replace-view s.transect range_000.npy --pose 1,2,3";
+    folder.run(pose).failed_with(2, &["--pose", "16 numbers"]);
+    let flat = ["0"; 16].join(",");
+    folder.run(&format!("{} {flat}", pose.replace(" 1,2,3", ""))).failed_with(2, &["--pose"]);
+    grow(&folder, "scan --interval 0.1").failed_with(1, &["s.transect", "planes", "0.08", "0.1"]);
+    grow(&folder, "scan --fusion pairwise").failed_with(1, &["s.transect", "options", "Pairwise"]);
+    folder.edit_json("scan/scan.json", "scan/mm.json", |m| m["unit"] = "mm".into());
+    grow(&folder, "scan/mm.json").failed_with(1, &["s.transect", "unit is m, not mm"]);
+    folder
+        .edit_json("scan/scan.json", "scan/moved.json", |m| m["views"][1]["pose"][3] = 9.0.into());
+    grow(&folder, "scan/moved.json").failed_with(1, &["range_001.npy", "another pose"]);
+    folder.run("query s.transect 1,2").failed_with(2, &["1,2", "three numbers"]);
+    assert!(exported(&folder) == before);
+}
+
+#[test]
+fn what_is_no_store_is_told_what_it_is() {
+    let folder = stored();
+    folder.write("notes.txt", "not a model at all");
+    for command in ["list-views", "verify", "measure", "compact"] {
+        folder
+            .run(&format!("{command} notes.txt"))
+            .failed_with(1, &["notes.txt", "not a Transect"]);
+        folder.run(&format!("{command} nowhere")).failed_with(1, &["nowhere"]);
+    }
+    let plain = "remove-view out/model.transect range_000.npy";
+    folder.run(plain).failed_with(1, &["plain model file", "reconstruct --store"]);
+    let mut bytes = folder.bytes("s.transect");
+    let middle = bytes.len() / 2;
+    bytes.truncate(middle);
+    folder.write("half.transect", &bytes);
+    folder.run("verify half.transect").failed_with(1, &["half.transect", "truncated"]);
+    let held = Store::open(folder.path("s.transect")).unwrap();
+    grow(&folder, "scan").failed_with(1, &["s.transect", "open in another process"]);
+    drop(held);
+    let nothing = "reconstruct scan --store new.transect --offset 500 --interval 1 --out o --quiet";
+    folder.run(nothing).failed_with(1, &["no section plane crosses"]);
+    // A store of planes that nothing crosses would stand in the way of the next attempt.
+    assert!(!folder.path("new.transect").exists());
+}
+
+#[test]
+fn a_scan_can_come_under_other_names() {
+    let folder = stored();
+    let run = grow(&folder, "scan --prefix again-").succeeded();
+    assert_eq!((run.number("views added"), run.number("views")), (4.0, 8.0));
+    let listed = folder.run("list-views s.transect").stdout;
+    assert!(listed.contains("again-range_000.npy"), "{listed}");
+}

@@ -1,0 +1,52 @@
+//! The image file of one view, with the facts that its manifest states about the image.
+
+use crate::image_file::{self, Pixels};
+use crate::{Place, ReadError, Unusable};
+use std::path::PathBuf;
+use transect_device::{ImageSize, RangeImage};
+use transect_sensors::SensorError;
+
+/// An image file, and the size and scale that the manifest states.
+#[derive(Debug, Clone)]
+pub(crate) struct ViewFile {
+    pub(crate) path: PathBuf,
+    /// Rows of the range image, where the manifest states them.
+    pub(crate) stated_rows: Option<usize>,
+    /// Columns of the range image, where the manifest states them.
+    pub(crate) stated_cols: Option<usize>,
+    /// Length units per count of an integer image.
+    pub(crate) depth_scale: Option<f64>,
+}
+
+impl ViewFile {
+    /// The range image in the file. Its size must be the stated one.
+    pub(crate) fn load_image(&self, notes: &mut Vec<String>) -> Result<RangeImage, ReadError> {
+        let Pixels { size, values } = image_file::read(&self.path, self.depth_scale, notes)?;
+        self.check_size(size)?;
+        RangeImage::from_values(size, values).map_err(|e| self.unusable("the image", e))
+    }
+
+    pub(crate) fn damaged(&self, problem: impl Into<String>) -> ReadError {
+        ReadError::damaged(&self.path, Place::Whole, problem)
+    }
+
+    /// The error for numbers of the view that do not make `what`.
+    pub(crate) fn unusable(&self, what: &'static str, why: impl Into<Unusable>) -> ReadError {
+        ReadError::unusable(&self.path, Place::Whole, what, why)
+    }
+
+    pub(crate) fn bad_sensor(&self, why: SensorError) -> ReadError {
+        self.unusable("the sensor", why)
+    }
+
+    pub(crate) fn check_size(&self, found: ImageSize) -> Result<(), ReadError> {
+        let stated = ImageSize {
+            rows: self.stated_rows.unwrap_or(found.rows),
+            cols: self.stated_cols.unwrap_or(found.cols),
+        };
+        if stated == found {
+            return Ok(());
+        }
+        Err(self.damaged(format!("the image has {found}, but the manifest states {stated}")))
+    }
+}

@@ -1,0 +1,24 @@
+//! One range image before any section plane is known: its noise, its range jumps, its smoothing.
+//!
+//! The one decision of this crate: an image is judged **by itself**, from neighbouring pixels. It
+//! knows no section planes, no curves and no other views.
+//!
+//! * [`RangeNoise`]: the range noise of a view, stated or estimated from its image;
+//! * [`BreakRule`]: whether two neighbouring pixels belong to one surface (dissertation, 3.4.2);
+//!   [`PairTests`] is the same rule for many pairs side by side;
+//! * [`mod@smooth`]: edge-preserving smoothing;
+//! * [`PreparedView`]: a view with its noise known and its image smoothed.
+
+mod breaks;
+mod instructions;
+mod noise;
+mod pair_rule;
+mod prepared;
+pub mod smooth;
+mod tuning;
+
+pub use breaks::BreakRule;
+pub use instructions::Instructions;
+pub use noise::{RangeNoise, estimate_sigma, estimate_value_sigma, length_per_value};
+pub use pair_rule::{PairTest, PairTests, TestPairs, UniformTest, padded};
+pub use prepared::PreparedView;

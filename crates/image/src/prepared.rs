@@ -1,0 +1,84 @@
+//! A view as curves are found in it: its noise known and, where that asks for it, smoothed.
+
+use crate::smooth::{Smoothed, Smoothing, smooth_with};
+use crate::{BreakRule, RangeNoise};
+use transect_device::{Pixel, View, ViewError};
+
+/// A view with its noise known, smoothed if that was asked for. It never changes.
+#[derive(Debug, Clone)]
+pub struct PreparedView<'a> {
+    given: &'a View,
+    noise: RangeNoise,
+    smoothed: Option<Smoothed>,
+    failure: Option<ViewError>,
+}
+
+impl<'a> PreparedView<'a> {
+    /// Prepares a view; `rule` makes the rule for range jumps from the noise, as a length.
+    ///
+    /// Without `smoothing` the image stays as it is, and so does an image that cannot be smoothed;
+    /// [`PreparedView::failure`] tells why.
+    pub fn new(
+        view: &'a View,
+        smoothing: Option<&Smoothing<'_>>,
+        rule: impl FnOnce(f64) -> BreakRule,
+    ) -> Self {
+        let noise = RangeNoise::of(view);
+        let mut prepared = Self { given: view, noise, smoothed: None, failure: None };
+        if let Some(smoothing) = smoothing {
+            match smooth_with(view, &noise, &rule(noise.length()), smoothing) {
+                Ok(smoothed) => prepared.smoothed = Some(smoothed),
+                Err(error) => prepared.failure = Some(error),
+            }
+        }
+        prepared
+    }
+
+    /// The view in which curves are found.
+    pub fn view(&self) -> &View {
+        self.smoothed.as_ref().map_or(self.given, |s| &s.view)
+    }
+
+    /// The result of smoothing; `None` if it was not asked for or failed.
+    pub fn smoothed(&self) -> Option<&Smoothed> {
+        self.smoothed.as_ref()
+    }
+
+    /// Why the image could not be smoothed.
+    pub fn failure(&self) -> Option<&ViewError> {
+        self.failure.as_ref()
+    }
+
+    /// Range noise before smoothing, as a length.
+    ///
+    /// Pixels that smoothing leaves alone still have it, so rules for all pixels use it.
+    pub fn sigma(&self) -> f64 {
+        self.noise.length()
+    }
+
+    /// Range noise of a pixel after smoothing, along its ray, as a length.
+    pub fn sigma_at(&self, pixel: Pixel) -> f64 {
+        self.noise.length_at(self.given, pixel) * self.factor(pixel)
+    }
+
+    /// How many pixels across share their noise with a pixel; 0 if each has its own.
+    ///
+    /// A mean of n samples has 1/√n of their noise, and n samples fill a square √n wide.
+    pub fn shared_pixels(&self, pixel: Pixel) -> f64 {
+        let factor = self.factor(pixel);
+        if factor < 1.0 { 1.0 / factor } else { 0.0 }
+    }
+
+    /// Correlation of the noise of a pixel with that of its neighbours, from 0 to 1.
+    ///
+    /// A smooth weighting with a standard deviation of w pixels leaves a share f = 1 / (2 w √π) of
+    /// the noise, and results a pixel apart have the correlation exp(−1 / (4 w²)) = exp(−π f²).
+    pub fn correlation_of_neighbours(&self, pixel: Pixel) -> f64 {
+        let factor = self.factor(pixel);
+        if factor < 1.0 { (-std::f64::consts::PI * factor * factor).exp() } else { 0.0 }
+    }
+
+    fn factor(&self, pixel: Pixel) -> f64 {
+        self.smoothed.as_ref().map_or(1.0, |s| s.factor(pixel))
+    }
+}

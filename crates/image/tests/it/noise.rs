@@ -1,0 +1,159 @@
+//! Estimated noise against known noise, for every sensor.
+
+use crate::surfaces::{Normal, camera, error_at, look, pixels, quantile, radar};
+use std::sync::Arc;
+use transect_device::{
+    DeviceFrame, Isometry3, Pixel, Point3, RangeImage, SensorPlane, Vector3, View,
+};
+use transect_image::smooth::smooth;
+use transect_image::{
+    BreakRule, RangeNoise, estimate_sigma, estimate_value_sigma, length_per_value,
+};
+use transect_sensors::lookup_table::LinearSteps;
+use transect_sensors::{LightStripe, LookupTable, PointGrid, RayStarts};
+
+/// A view of a tilted wall through a point, with an error of `spread(pixel, value)` in each value.
+fn wall(
+    frame: &Arc<dyn DeviceFrame>,
+    (normal, through): (Vector3, Point3),
+    spread: impl Fn(Pixel, f64) -> f64,
+) -> View {
+    let normal = normal.normalize();
+    let plane = SensorPlane { normal, offset: normal.dot(&through.coords) };
+    let mut random = Normal(11);
+    let value = |p: Pixel| {
+        let d3 = frame.plane_value(p, &plane).filter(|d3| frame.point(p, *d3).is_some());
+        d3.map_or(f32::NAN, |d3| (d3 + random.sample() * spread(p, d3)) as f32)
+    };
+    let values = pixels(frame.size()).map(value).collect();
+    let image = RangeImage::from_values(frame.size(), values).unwrap();
+    View::new("wall", image, Arc::clone(frame), Isometry3::identity(), None).unwrap()
+}
+
+fn grid() -> Arc<dyn DeviceFrame> {
+    let view = look(&camera(), |p| 0.8 * (3.0 - p.z + 0.3 * p.x), 0.0, None);
+    let nowhere = Point3::new(f64::NAN, f64::NAN, f64::NAN);
+    let points =
+        pixels(crate::surfaces::SIZE).map(|p| view.point_in_sensor(p).unwrap_or(nowhere)).collect();
+    let starts = RayStarts::Viewpoint(Point3::origin());
+    Arc::new(PointGrid::new(crate::surfaces::SIZE, points, starts).unwrap().0)
+}
+
+/// Name, sensor, normal and point of a wall, and noise of the values.
+type Case = (&'static str, Arc<dyn DeviceFrame>, (Vector3, Point3), f64);
+
+/// Every kind of sensor, a wall that it sees, and a noise of its values.
+fn cases() -> Vec<Case> {
+    let stripe: Arc<dyn DeviceFrame> = Arc::new(LightStripe::smart_eye().unwrap());
+    let table = LookupTable::hyscan(LinearSteps::new(0.0, 0.5, 60)).unwrap();
+    let tilted = Vector3::new(0.3, 0.1, -1.0);
+    let (row, col) = (stripe.size().rows / 2, stripe.size().cols / 2);
+    let middle = (1..400).map(|k| 2.0 * f64::from(k));
+    let seen = middle.rev().find_map(|d3| stripe.point(Pixel::new(row, col), d3)).unwrap();
+    let before = Point3::new(seen.x, seen.y, 0.5 * seen.z);
+    vec![
+        ("camera", camera(), (tilted, Point3::new(0.0, 0.0, 3.0)), 0.01),
+        ("radar", radar(), (Vector3::new(-1.0, 0.1, 0.3), Point3::new(3.0, 0.0, 0.0)), 0.01),
+        ("grid", grid(), (tilted, Point3::new(0.0, 0.0, 3.0)), 0.01),
+        ("light stripe", stripe, (Vector3::new(0.1, 0.05, -1.0), before), 0.2),
+        ("lookup table", Arc::new(table), (tilted, Point3::new(0.0, 15.0, 150.0)), 0.1),
+    ]
+}
+
+#[test]
+fn estimates_are_lengths_along_the_ray_for_every_sensor() {
+    for (name, frame, plane, sigma) in cases() {
+        let clean = wall(&frame, plane, |_, _| 0.0);
+        let noisy = wall(&frame, plane, |_, _| sigma);
+        assert!(clean.image().valid_count() > 1000, "{name} sees {}", clean.image().valid_count());
+        let value = estimate_value_sigma(noisy.image());
+        assert!((value / sigma - 1.0).abs() < 0.05, "{name}: {value} for {sigma}");
+        let lengths = pixels(frame.size()).map(|p| error_at(&noisy, &clean, p));
+        let observed = quantile(lengths, 0.5) / 0.6745;
+        let length = estimate_sigma(&noisy);
+        println!(
+            "{name}: {length:.5} for {observed:.5} in length, {value:.5} for {sigma} in value"
+        );
+        assert!((length / observed - 1.0).abs() < 0.1, "{name}: {length} for {observed}");
+        assert_eq!(RangeNoise::of(&noisy).length(), length);
+        let without = estimate_sigma(&clean);
+        assert!(without < 0.01 * length, "{name}: {without} without noise");
+    }
+}
+
+#[test]
+fn a_stated_length_is_smoothed_in_every_sensor() {
+    for (name, frame, plane, sigma) in cases() {
+        let clean = wall(&frame, plane, |_, _| 0.0);
+        let middle = quantile(pixels(frame.size()).map(|p| rate(&clean, p)), 0.5);
+        let length = sigma * middle;
+        let noisy = wall(&frame, plane, |p, d3| {
+            // At the very edge of a field there is no rate, and here no noise.
+            length_per_value(frame.as_ref(), p, d3).map_or(0.0, |rate| length / rate)
+        });
+        let (image, pose) = (noisy.image().clone(), Isometry3::identity());
+        let noisy = View::new("stated", image, Arc::clone(&frame), pose, Some(length)).unwrap();
+        let rule = BreakRule::new(78_f64.to_radians(), 4.0 * length);
+        let result = smooth(&noisy, &RangeNoise::of(&noisy), &rule).unwrap();
+        let error =
+            |view: &View| quantile(pixels(frame.size()).map(|p| error_at(view, &clean, p)), 0.5);
+        let (before, after) = (error(&noisy), error(&result.view));
+        println!("{name}: window {:.1}, {:.3} of the noise left", result.window, after / before);
+        assert!((after / before / result.median_factor - 1.0).abs() < 0.2, "{name}");
+        assert!(result.median_factor < 0.7, "{name}: {}", result.median_factor);
+    }
+}
+
+fn rate(view: &View, pixel: Pixel) -> f64 {
+    let d3 = view.image().get(pixel).map(f64::from);
+    d3.and_then(|d3| length_per_value(view.frame(), pixel, d3)).unwrap_or(f64::NAN)
+}
+
+/// The view with every value passed through a function.
+fn changed(view: &View, mut change: impl FnMut(f32) -> f32) -> RangeImage {
+    let size = view.image().size();
+    let values = pixels(size).map(|p| view.image().get(p).map_or(f32::NAN, &mut change)).collect();
+    RangeImage::from_values(size, values).unwrap()
+}
+
+#[test]
+fn coarse_steps_and_missing_pixels_do_not_mislead() {
+    let (_, frame, plane, sigma) = cases().remove(0);
+    let noisy = wall(&frame, plane, |_, _| sigma);
+    for step in [0.5 * sigma, sigma, 2.5 * sigma] {
+        let image = changed(&noisy, |v| ((f64::from(v) / step).round() * step) as f32);
+        let expected = sigma.hypot(step / 12_f64.sqrt());
+        let found = estimate_value_sigma(&image);
+        println!("steps of {step}: {found:.5} for {expected:.5}");
+        assert!((found / expected - 1.0).abs() < 0.2, "steps of {step}: {found}, {expected}");
+    }
+    let mut random = Normal(5);
+    for share in [0.3, 0.65] {
+        let image = changed(&noisy, |v| if random.uniform() < share { f32::NAN } else { v });
+        let found = estimate_value_sigma(&image);
+        assert!((found / sigma - 1.0).abs() < 0.15, "{share} missing: {found} for {sigma}");
+    }
+    let single = changed(&noisy, |_| 1.0);
+    assert_eq!(estimate_value_sigma(&single), 0.0);
+}
+
+#[test]
+fn curvature_and_jumps_are_not_noise() {
+    let bumps: crate::surfaces::Distance = |p| {
+        let (x, y, z) = if p.x > p.z { (p.y, p.z, p.x) } else { (p.x, p.y, p.z) };
+        let ball = x.hypot(y).hypot(z - 3.0) - 1.0;
+        let rods = ((x - 0.25).rem_euclid(0.5) - 0.25).hypot(z - 2.6) - 0.06;
+        ball.min(5.0 - z).min(0.9 * rods)
+    };
+    let spacing = 3.0 / 120.0;
+    for frame in [camera(), radar()] {
+        let clean = estimate_sigma(&look(&frame, bumps, 0.0, None));
+        println!("{:.5} of the spacing without noise", clean / spacing);
+        assert!(clean < 0.015 * spacing, "{}", clean / spacing);
+        for sigma in [0.2 * spacing, spacing] {
+            let found = estimate_sigma(&look(&frame, bumps, sigma, None));
+            println!("{found:.5} for {sigma:.5}");
+            assert!((found / sigma - 1.0).abs() < 0.25, "{found} for {sigma}");
+        }
+    }
+}

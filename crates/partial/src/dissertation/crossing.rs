@@ -1,0 +1,22 @@
+//! The crossings of a plane with the borders of labels.
+
+use transect_device::{Neighbour, Pixel};
+use transect_geometry::Point2;
+
+/// The plane crossing a border.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Crossing {
+    /// The pixel before the border.
+    pub first: Pixel,
+    /// The contour pixel, whose code the border belongs to.
+    pub second: Pixel,
+    pub neighbour: Neighbour,
+    /// Where, in plane coordinates.
+    pub position: Point2,
+    /// The pixel nearer to the crossing.
+    pub nearest: Pixel,
+    /// Distance between the two samples, in the length unit.
+    pub pair_length: f64,
+    /// Whether pixels are missing between this crossing and the next one of its curve.
+    pub bridged_after: bool,
+}

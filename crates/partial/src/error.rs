@@ -1,0 +1,49 @@
+//! Why a view could not be modelled.
+
+use crate::axes::MAX_LEVELS;
+
+/// Most crossings of one view, 2²³: with their curves they take about 0.9 GiB. A view of four million
+/// pixels has that many if two planes pass between any two neighbours.
+pub const MAX_CROSSINGS: usize = 1 << 23;
+
+/// Why a view could not be modelled.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PartialError {
+    /// The planes lie so densely that a level no longer has a usable resolution.
+    #[error(
+        "the view spans {planes:.3e} planes of interval {interval}; at most {MAX_LEVELS} are possible: \
+         is the interval in the right unit?"
+    )]
+    TooManyPlanes {
+        /// How many planes the view's sensing volume spans.
+        planes: f64,
+        /// The interval, in the model's length unit.
+        interval: f64,
+    },
+    /// So many crossings that their curves would not fit into memory.
+    #[error(
+        "the view crosses the planes of interval {interval} more than {MAX_CROSSINGS} times: \
+         is the interval in the right unit?"
+    )]
+    TooManyCrossings {
+        /// The interval, in the model's length unit.
+        interval: f64,
+    },
+    /// The method is for parallel planes alone.
+    #[error(
+        "this method is for planes along a straight guide; along a curved one use the method `one_pass`"
+    )]
+    CurvedGuide,
+    /// The method needs the inverse mapping F, which the sensor of the view does not have.
+    #[error(
+        "the method `{method}` needs a sensor with an inverse mapping, which that of view {view} \
+         does not have"
+    )]
+    NoInverse {
+        /// The method that was asked for.
+        method: &'static str,
+        /// Name of the view.
+        view: String,
+    },
+}

@@ -1,0 +1,64 @@
+//! The curves of one view, with counts of the work.
+
+use crate::PlaneCurves;
+use transect_image::PreparedView;
+
+/// The curves of one view: its partial model.
+#[derive(Debug, Clone, Default)]
+pub struct PartialModel {
+    /// The planes the view crosses, sorted, each with its curves in a fixed order.
+    pub planes: Vec<PlaneCurves>,
+    /// What was seen and left out on the way.
+    pub counts: PartialCounts,
+    /// Notes for the report, in whole sentences that name the view.
+    pub notes: Vec<String>,
+}
+
+/// Counts of one view's partial modelling.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PartialCounts {
+    /// Planes crossing an unbroken pair of neighbouring pixels: vertices before tidying.
+    pub crossings: usize,
+    /// Pairs of neighbouring valid pixels that do not belong to one surface, as the curves were found:
+    /// pixels that no plane can come near count as they were given.
+    pub jumps: usize,
+    /// Chains of crossings too short to be a curve, which are left out: most are single crossings.
+    pub lone: usize,
+    /// Lines left out because noise alone explains them: the surface is nearly tangent to the plane.
+    pub noise_lines: usize,
+    /// Units that bridge missing pixels.
+    pub bridged: usize,
+    /// Range noise that was given or estimated, in the model's length unit.
+    pub sigma: f64,
+    /// Range noise that is left at the median of the pixels that were to be smoothed, in the model's length unit.
+    pub sigma_after: f64,
+    /// Pixels that smoothing changed; those that no plane can come near are not smoothed.
+    pub smoothed: usize,
+    /// Pixels that count as missing since they lie beyond an end of a curved guide.
+    pub beyond_ends: usize,
+    /// Pixels that count as missing since planes along a curved guide may cross where they are.
+    pub beyond_reach: usize,
+    /// Diameter of the window that it looked at, at the median of them, in pixels; 0 if none.
+    pub window: f64,
+}
+
+impl PartialModel {
+    /// Takes over the noise of a view and what smoothing did.
+    pub(crate) fn take_prepared(&mut self, prepared: &PreparedView<'_>) {
+        let counts = &mut self.counts;
+        counts.sigma = prepared.sigma();
+        counts.sigma_after = counts.sigma;
+        if let Some(smoothed) = prepared.smoothed() {
+            counts.sigma_after *= smoothed.median_factor;
+            counts.smoothed = smoothed.changed;
+            counts.window = smoothed.window;
+        }
+        if let Some(error) = prepared.failure() {
+            self.notes.push(format!(
+                "view {}: its image could not be smoothed ({error}); its curves come from the image \
+                 as it was read and are noisier than those of other views",
+                prepared.view().name()
+            ));
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! Planes nearly tangent to noisy surfaces: no confetti, and nothing true is lost.
+
+use crate::surfaces::{Distance, camera, look};
+use transect_device::{Vector3, View};
+use transect_geometry::{PlaneFamily, StraightGuide};
+use transect_partial::PartialModel;
+use transect_partial::one_pass::{OnePassOptions, partial_model};
+
+/// A wall across the line of sight.
+const WALL: Distance = |p| 3.0 - p.z;
+
+/// One plane at a distance from the origin along its normal.
+fn plane(normal: Vector3, offset: f64) -> PlaneFamily {
+    PlaneFamily::new(StraightGuide::along(normal).unwrap(), offset, 50.0).unwrap()
+}
+
+/// The plane through the middle of the wall, turned from it by an angle.
+fn turned(degrees: f64) -> PlaneFamily {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    plane(Vector3::new(sin, 0.0, cos), 3.0 * cos)
+}
+
+fn wall(sigma: f64) -> View {
+    look(&camera(), WALL, sigma, Some(sigma))
+}
+
+fn with(view: &View, planes: &PlaneFamily, smooth: bool, excursion_sigmas: f64) -> PartialModel {
+    let options = OnePassOptions { smooth, excursion_sigmas, ..OnePassOptions::default() };
+    partial_model(view, planes, &options).unwrap()
+}
+
+fn pieces(model: &PartialModel) -> usize {
+    model.planes.iter().map(|p| p.curves.len()).sum()
+}
+
+#[test]
+fn a_plane_nearly_tangent_to_a_noisy_wall_gives_one_curve_and_no_confetti() {
+    let sigmas = OnePassOptions::default().excursion_sigmas;
+    // The wall leaves the plane by 8 deviations at the sides of the image.
+    for (sigma, smooth, degrees) in [(0.003, false, 1.0), (0.015, false, 5.0), (0.015, true, 2.0)] {
+        let (view, planes) = (wall(sigma), turned(degrees));
+        let before = with(&view, &planes, smooth, 0.0);
+        let after = with(&view, &planes, smooth, sigmas);
+        println!(
+            "noise {sigma}, smoothing {smooth}, {degrees} degrees: {} pieces before, {} after",
+            pieces(&before),
+            pieces(&after)
+        );
+        assert!(smooth || pieces(&before) > 20, "{}", pieces(&before));
+        assert_eq!(pieces(&after), 1);
+        let curve = &after.planes[0].curves[0];
+        let (first, last) = (curve.pixels[0].row, curve.pixels[curve.pixels.len() - 1].row);
+        assert_eq!(first.abs_diff(last), 95, "from the upper border to the lower one");
+        assert_eq!(before.counts.noise_lines, 0);
+        assert!(after.counts.noise_lines >= pieces(&before) - 1);
+    }
+}
+
+#[test]
+fn a_plane_within_the_noise_of_a_wall_gives_nothing() {
+    for smooth in [false, true] {
+        let view = wall(0.015);
+        let before = pieces(&with(&view, &turned(0.0), smooth, 0.0));
+        // The largest of 12288 errors may be over four deviations, not over five.
+        let after = pieces(&with(&view, &turned(0.0), smooth, 5.0));
+        println!("smoothing {smooth}: {before} pieces before, {after} after");
+        assert!(before > 10, "{before}");
+        assert_eq!(after, 0);
+    }
+}
+
+#[test]
+fn without_noise_nothing_is_left_out() {
+    let view = look(&camera(), WALL, 0.0, Some(0.0));
+    for degrees in [0.01, 1.0] {
+        let model = with(&view, &turned(degrees), true, 4.0);
+        assert_eq!((pieces(&model), model.counts.noise_lines), (1, 0));
+    }
+}
+
+#[test]
+fn a_plane_along_the_rays_loses_nothing_however_noisy_the_floor() {
+    // Noise along the rays does not move samples over or under a plane that holds the rays.
+    let view = wall(0.1);
+    let planes = plane(Vector3::y(), 0.0);
+    for smooth in [false, true] {
+        let model = with(&view, &planes, smooth, 4.0);
+        assert_eq!((pieces(&model), model.counts.noise_lines), (1, 0), "smoothing {smooth}");
+    }
+}
+
+/// Small things of a size of three to five pixels, and the number of curves they must give.
+#[test]
+fn small_true_features_stay() {
+    let bump: Distance = |p| {
+        let ball = (p.x - 0.2).hypot(p.y).hypot(p.z - 3.0) - 0.06;
+        ball.min(3.0 - p.z)
+    };
+    let hole: Distance = |p| {
+        let pit = (p.x - 0.2).hypot(p.y).hypot(p.z - 3.0) - 0.08;
+        (3.0 - p.z).max(-pit).min(4.0 - p.z)
+    };
+    let leg: Distance = |p| (p.x.hypot(p.z - 3.0) - 0.04).min(5.0 - p.z);
+    let ball: Distance = |p| p.x.hypot(p.y).hypot(p.z - 4.0) - 1.0;
+    let sigma = 0.002;
+    let cases = [
+        ("bump", bump, plane(Vector3::z(), 2.97)),
+        ("hole", hole, plane(Vector3::z(), 3.03)),
+        ("leg", leg, plane(Vector3::y(), 0.003)),
+        // Caps of 15 and of 8 deviations.
+        ("ball", ball, plane(Vector3::z(), 3.03)),
+        ("ball", ball, plane(Vector3::z(), 3.016)),
+    ];
+    for (name, surface, planes) in cases {
+        for smooth in [false, true] {
+            let view = look(&camera(), surface, sigma, Some(sigma));
+            let before = pieces(&with(&view, &planes, smooth, 0.0));
+            let after = pieces(&with(&view, &planes, smooth, 4.0));
+            println!("{name}, smoothing {smooth}: {before} pieces before, {after} after");
+            assert_eq!(before, after, "{name}, smoothing {smooth}");
+            assert!(after > 0, "{name}");
+        }
+    }
+}

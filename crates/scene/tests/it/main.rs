@@ -1,0 +1,8 @@
+//! The integration tests of the crate, in one program.
+#![allow(clippy::unwrap_used, reason = "tests and their helpers may fail loudly")]
+
+mod common;
+mod fixtures;
+mod light_stripe;
+mod room;
+mod solids;

@@ -1,0 +1,78 @@
+//! Why a run ends without a model.
+
+use crate::SourceError;
+use transect_geometry::{GuideError, LengthUnit};
+use transect_partial::PartialError;
+
+/// Why a run ends without a model.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReconstructError {
+    /// No views were given.
+    #[error("the scan has no views")]
+    NoViews,
+    /// A view could not be loaded.
+    #[error("view {view} cannot be loaded")]
+    Load {
+        /// Its name.
+        view: String,
+        /// The error of its source.
+        #[source]
+        source: SourceError,
+    },
+    /// A view could not be modelled.
+    #[error("view {view} cannot be modelled")]
+    Partial {
+        /// Its name.
+        view: String,
+        /// The error of the partial modeler.
+        #[source]
+        source: PartialError,
+    },
+    /// No plane crosses any view's surface: usually a wrong unit, offset or depth scale.
+    #[error(
+        "no section plane crosses the surfaces of the {views} views, which lie between the \
+         stations {low} and {high} {unit}; check the unit, the depth scale, and the offset and \
+         interval of the planes"
+    )]
+    Nothing {
+        /// How many views there were.
+        views: usize,
+        /// Lowest station of the views' points.
+        low: f64,
+        /// Highest station of the views' points.
+        high: f64,
+        /// The model's unit.
+        unit: LengthUnit,
+    },
+    /// No plane along a curved guide crosses any view's surface.
+    #[error(
+        "no section plane along the guide crosses the surfaces of the {views} views; {beyond_ends} \
+         of their pixels lie beyond its ends, {beyond_reach} too far from it"
+    )]
+    OffGuide {
+        /// How many views there were.
+        views: usize,
+        /// Pixels beyond the guide's ends.
+        beyond_ends: usize,
+        /// Pixels beyond its reach.
+        beyond_reach: usize,
+    },
+    /// Planes cross surfaces of the views, but no view has two crossings beside each other.
+    #[error(
+        "{views} views cross the section planes {crossings} times, but nowhere twice in a row: \
+         images of one row, or too few pixels, make no curves"
+    )]
+    NoCurves {
+        /// How many views there were.
+        views: usize,
+        /// How many crossings.
+        crossings: usize,
+    },
+    /// The smallest interval of the refined planes is not a positive length.
+    #[error("the section planes cannot be refined")]
+    Refine(#[source] GuideError),
+    /// The watcher asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+}

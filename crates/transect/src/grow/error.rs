@@ -1,0 +1,42 @@
+//! Why a store cannot grow.
+
+use crate::{ReconstructError, SettingsError};
+use transect_model::store::StoreError;
+
+/// Why a store could not grow.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum GrowError {
+    /// A view could not be loaded or modelled, no view has curves, or the run was cancelled.
+    #[error(transparent)]
+    View(#[from] ReconstructError),
+    /// The store could not be read or written.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// The settings in the store cannot be read.
+    #[error("the store cannot grow: {0}")]
+    Settings(#[from] SettingsError),
+    /// The store was made with another unit, other planes or other options.
+    #[error("the store was made with other settings: {0}")]
+    OtherSettings(String),
+    /// The store has another view with the same id.
+    #[error(
+        "view {id}: the store has a view of that name with {what}; replace that view, or give \
+         this one another name"
+    )]
+    OtherView {
+        /// Its id.
+        id: String,
+        /// The difference.
+        what: &'static str,
+    },
+    /// The setup asks for refinement, which stores do not support.
+    #[error(
+        "a store cannot refine its planes, because all its views need the same ones; choose a \
+         smaller interval, or reconstruct without a store"
+    )]
+    Refinement,
+    /// Two of the given views have the same id.
+    #[error("two of the views have the name {0}; ids must differ")]
+    SameId(String),
+}

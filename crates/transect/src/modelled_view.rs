@@ -1,0 +1,144 @@
+//! From a view to its curves on every plane it crosses.
+
+use crate::report::ViewReport;
+use crate::{LoadedView, ReconstructError, Setup, Stage, ViewSource, Watch};
+use rayon::prelude::*;
+use std::time::{Duration, Instant};
+use transect_device::{Isometry3, View};
+use transect_geometry::{Curve, Guide, PlaneFamily, PlaneIndex};
+use transect_partial::{PartialCounts, partial_model};
+
+/// The curves of a view and its part of the report. The view itself is dropped.
+pub(crate) struct ModelledView {
+    pub world_from_sensor: Isometry3,
+    pub sigma: Option<f64>,
+    /// The planes it crosses, sorted, each with its curves.
+    pub planes: Vec<(PlaneIndex, Vec<Curve>)>,
+    pub notes: Vec<String>,
+    /// Its agreement with other views is filled in after fusion.
+    pub report: ViewReport,
+    pub reading: Duration,
+    pub modelling: Duration,
+}
+
+/// A view and the time that its source took to load it.
+pub(crate) struct TimedView {
+    pub loaded: LoadedView,
+    pub reading: Duration,
+}
+
+impl TimedView {
+    pub fn load<S: ViewSource>(source: &S) -> Result<Self, ReconstructError> {
+        let started = Instant::now();
+        let failed = |e| ReconstructError::Load { view: source.name().to_owned(), source: e };
+        let loaded = source.load().map_err(failed)?;
+        Ok(Self { loaded, reading: started.elapsed() })
+    }
+
+    /// Finds the curves of the view, which the report calls `name`.
+    pub fn model(self, name: &str, setup: &Setup) -> Result<ModelledView, ReconstructError> {
+        let started = Instant::now();
+        let LoadedView { view, mut notes } = self.loaded;
+        let partial = partial_model(&view, &setup.planes, &setup.partial)
+            .map_err(|e| ReconstructError::Partial { view: name.to_owned(), source: e })?;
+        notes.extend(partial.notes);
+        let modelling = started.elapsed();
+        let curves = partial.planes.into_iter().map(|found| {
+            let curves = found.curves.into_iter().map(|c| c.curve).collect();
+            (found.plane, curves)
+        });
+        let planes: Vec<(PlaneIndex, Vec<Curve>)> = curves.collect();
+        Ok(ModelledView {
+            world_from_sensor: *view.world_from_sensor(),
+            sigma: view.sigma(),
+            report: view_report(name, &view, setup, &partial.counts, &planes),
+            planes,
+            notes,
+            reading: self.reading,
+            modelling,
+        })
+    }
+}
+
+/// Loads and models all views in parallel. If several fail, the error is that of the first in
+/// order, whichever thread was first.
+pub(crate) fn model_views<S: ViewSource>(
+    sources: &[S],
+    setup: &Setup,
+    watch: &dyn Watch,
+) -> Result<Vec<ModelledView>, ReconstructError> {
+    if sources.is_empty() {
+        return Err(ReconstructError::NoViews);
+    }
+    watch.begin(Stage::Views, sources.len());
+    let model = |source: &S| {
+        if watch.cancelled() {
+            return Err(ReconstructError::Cancelled);
+        }
+        let modelled = TimedView::load(source).and_then(|view| view.model(source.name(), setup));
+        watch.step(Stage::Views);
+        modelled
+    };
+    let views: Vec<Result<ModelledView, _>> = sources.par_iter().map(model).collect();
+    views.into_iter().collect()
+}
+
+fn view_report(
+    name: &str,
+    view: &View,
+    setup: &Setup,
+    counts: &PartialCounts,
+    planes: &[(PlaneIndex, Vec<Curve>)],
+) -> ViewReport {
+    ViewReport {
+        name: name.to_owned(),
+        pixels: view.image().size().pixels(),
+        valid_pixels: view.image().valid_count(),
+        stations: stations(view, &setup.planes),
+        beyond_guide_ends: counts.beyond_ends,
+        beyond_guide_reach: counts.beyond_reach,
+        sigma: counts.sigma,
+        sigma_given: view.sigma().is_some(),
+        planes: planes.len(),
+        curves: planes.iter().map(|(_, curves)| curves.len()).sum(),
+        crossings: counts.crossings,
+        range_jumps: counts.jumps,
+        samples_close_to_other_views: 0,
+        samples_abreast_of_other_views: 0,
+        contradicted: false,
+    }
+}
+
+/// Lowest and highest station that points of a view can have; for a curved guide, all of it.
+fn stations(view: &View, planes: &PlaneFamily) -> [f64; 2] {
+    let direction = match planes.guide() {
+        Guide::Straight(guide) => guide.direction(),
+        Guide::Curved(guide) => return [0.0, guide.length()],
+    };
+    let pose = view.world_from_sensor();
+    let in_sensor = pose.rotation.inverse_transform_vector(&direction);
+    let Some((near, far)) = view.image().extremes() else { return [0.0; 2] };
+    let (low, high) = view.frame().extent(&in_sensor, f64::from(near), f64::from(far));
+    let sensor = direction.dot(&pose.translation.vector);
+    [sensor + low, sensor + high]
+}
+
+/// The error of a run in which no view has a curve, from the reports of all views.
+pub(crate) fn no_curves<'a>(
+    reports: impl ExactSizeIterator<Item = &'a ViewReport> + Clone,
+    setup: &Setup,
+) -> ReconstructError {
+    let views = reports.len();
+    let crossings = reports.clone().map(|v| v.crossings).sum();
+    if crossings > 0 {
+        return ReconstructError::NoCurves { views, crossings };
+    }
+    if setup.planes.guide().curved().is_some() {
+        let beyond_ends = reports.clone().map(|v| v.beyond_guide_ends).sum();
+        let beyond_reach = reports.map(|v| v.beyond_guide_reach).sum();
+        return ReconstructError::OffGuide { views, beyond_ends, beyond_reach };
+    }
+    let low = reports.clone().map(|v| v.stations[0]).fold(f64::INFINITY, f64::min);
+    let high = reports.map(|v| v.stations[1]).fold(f64::NEG_INFINITY, f64::max);
+    ReconstructError::Nothing { views, low, high, unit: setup.unit }
+}

@@ -1,0 +1,39 @@
+//! The settings of a run.
+
+use crate::Refinement;
+use transect_fusion::FusionMethod;
+use transect_geometry::{GuideError, LengthUnit, PlaneFamily};
+use transect_partial::Method;
+
+/// The settings of a run: unit, planes and options.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Setup {
+    /// The unit of every length.
+    pub unit: LengthUnit,
+    /// Where the section planes are.
+    pub planes: PlaneFamily,
+    /// How each view's curves are found.
+    pub partial: Method,
+    /// How the views' curves are fused.
+    pub fusion: FusionMethod,
+    /// Where planes are inserted between these; `None` inserts no planes.
+    pub refinement: Option<Refinement>,
+}
+
+impl Setup {
+    /// Planes in a unit, with default options.
+    pub fn new(unit: LengthUnit, planes: PlaneFamily) -> Self {
+        let (partial, fusion) = (Method::default(), FusionMethod::default());
+        Self { unit, planes, partial, fusion, refinement: None }
+    }
+
+    /// The same settings with the planes of the smallest interval of the refinement.
+    pub(crate) fn with_least_interval(&self) -> Result<Self, GuideError> {
+        let mut setup = self.clone();
+        if let Some(refinement) = &self.refinement {
+            setup.planes = refinement.family(&self.planes)?;
+        }
+        Ok(setup)
+    }
+}

@@ -1,0 +1,16 @@
+//! The tests of the crate from outside, in one program: the scenes are simulated, the results are
+//! compared with the truth and with each other.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "test helpers fail loudly"
+)]
+
+mod bend_tunnel;
+mod grow;
+mod next_view;
+mod objects;
+mod pipeline;
+mod refine;
+mod version_7;

@@ -1,0 +1,119 @@
+//! Why a workflow failed.
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use transect::evaluate::EvaluateError;
+use transect::{GrowError, ReconstructError};
+use transect_exchange::{ReadError, WriteError};
+use transect_geometry::GuideError;
+use transect_model::FileError;
+use transect_model::store::StoreError;
+use transect_scene::{MeshError, SceneError, StripeError};
+use transect_sensors::SensorError;
+
+/// Why a workflow failed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum WorkflowError {
+    /// A setting has a value that cannot be used.
+    #[error("{setting}: {problem}")]
+    Setting {
+        /// The setting, as the field of its struct is called.
+        setting: &'static str,
+        /// The value found and the value expected.
+        problem: String,
+    },
+    /// Neither the settings nor the scan state the distance between the planes.
+    #[error("the scan does not say how far apart the planes are")]
+    NoInterval,
+    /// The settings describe no family of planes.
+    #[error(transparent)]
+    Planes(#[from] GuideError),
+    /// The system refused to read, write or make a file or a folder.
+    #[error("{}", path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// The system's reason.
+        #[source]
+        source: std::io::Error,
+    },
+    /// A file's content does not serve the purpose.
+    #[error("{}: {problem}", path.display())]
+    File {
+        /// The file or folder.
+        path: PathBuf,
+        /// What was found, what was expected, and what to do.
+        problem: String,
+    },
+    /// A simulation that cannot be made.
+    #[error("{0}")]
+    Simulation(String),
+    /// A scan, a mesh or a guide could not be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// A result could not be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// A model file could not be loaded or saved.
+    #[error(transparent)]
+    Model(#[from] FileError),
+    /// A store could not be opened, read or written.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// The views make no model.
+    #[error(transparent)]
+    Reconstruct(#[from] ReconstructError),
+    /// The views cannot be added to the store.
+    #[error(transparent)]
+    Grow(#[from] GrowError),
+    /// The model cannot be scored.
+    #[error(transparent)]
+    Evaluate(#[from] EvaluateError),
+    /// A scene has no surface that can be made.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A scene's surface is no usable mesh.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A simulated sensor has parameters that it cannot have.
+    #[error(transparent)]
+    Sensor(#[from] SensorError),
+    /// The images of a simulated light-stripe sensor cannot be made.
+    #[error(transparent)]
+    Stripe(#[from] StripeError),
+}
+
+impl WorkflowError {
+    /// Whether the settings are to blame, rather than files or the system.
+    pub fn is_setting(&self) -> bool {
+        matches!(self, Self::Setting { .. } | Self::NoInterval | Self::Planes(_))
+    }
+
+    /// A setting with an unusable value.
+    pub(crate) fn setting(setting: &'static str, problem: impl std::fmt::Display) -> Self {
+        Self::Setting { setting, problem: problem.to_string() }
+    }
+
+    /// A file that does not serve the purpose.
+    pub(crate) fn file(path: &Path, problem: impl std::fmt::Display) -> Self {
+        Self::File { path: path.to_owned(), problem: problem.to_string() }
+    }
+
+    /// For `map_err` of a call that concerns a file or a folder.
+    pub(crate) fn io(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.to_owned();
+        |source| Self::Io { path, source }
+    }
+}
+
+/// An error and its causes, one per line.
+pub fn with_causes(error: &dyn Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        text.push_str(&format!("\n  because: {error}"));
+        cause = error.source();
+    }
+    text
+}

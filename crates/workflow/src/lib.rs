@@ -1,0 +1,82 @@
+//! A scan on disk, made into a cross-section model or a model store, with its results on disk.
+//!
+//! This crate lies between files and the engine: `transect-exchange` reads and writes files,
+//! `transect` makes models, and this crate does the one after the other. The command line is built
+//! on it, and so can be any other program for users. It knows no terminal: progress goes through
+//! [`Watch`](transect::Watch), and every failure is a [`WorkflowError`].
+//!
+//! * [`OpenScan`], [`Settings`], [`Run`], [`ResultFolder`]: from a scan to results;
+//! * [`StoreFile`], [`ModelFile`]: models on disk, in a store or in a plain file;
+//! * [`score()`]: the accuracy of a model, against a mesh or the truth of a simulated scan;
+//! * [`simulation`]: a simulated scene as a scan folder;
+//! * [`table`]: the rows that all of these report.
+//!
+//! ```
+//! use transect::Unwatched;
+//! use transect_workflow::simulation::{PreparedScene, SensorPlan, StripeImages};
+//! use transect_workflow::{ModelFile, OpenScan, ResultFolder, Settings};
+//!
+//! // A scan to begin with: a ball, seen by one depth camera.
+//! let scene = r#"
+//!     name = "ball"
+//!     unit = "mm"
+//!     planes = { normal = [0, 0, 1], offset = 0.5, interval = 4 }
+//!     [[solid]]
+//!     shape = "ball"
+//!     radius = 20
+//!     at = [0, 0, 0]
+//!     [[station]]
+//!     name = "front"
+//!     sensor = "pinhole"
+//!     rows = 60
+//!     cols = 60
+//!     field_of_view = 30
+//!     at = [0, -100, 0]
+//!     look_at = [0, 0, 0]
+//! "#;
+//! let folder = tempfile::tempdir()?;
+//! let scene = PreparedScene::new(transect_scene::Description::parse(scene)?)?;
+//! let simulated = scene.simulate(&SensorPlan::OWN)?;
+//! simulated.write(&scene, StripeImages::Extracted, &folder.path().join("scan"))?;
+//!
+//! // Open it, choose settings, make the model, write everything.
+//! let scan = OpenScan::open(folder.path().join("scan"), None)?;
+//! let mut settings = Settings::default();
+//! settings.planes.interval = Some("2mm".to_owned());
+//! let results = ResultFolder::new(folder.path().join("out"));
+//! let table = scan.reconstruct(&settings, &Unwatched)?.write(&results)?;
+//!
+//! // Nineteen planes cross the ball; its back was not seen, so their curves are open.
+//! let planes = table.iter().find(|row| row.metric == "planes with curves");
+//! assert_eq!(planes.map(|row| row.value.as_str()), Some("19"));
+//! let model = ModelFile::open(results.path())?.into_model()?;
+//! assert!(model.sections().all(|(_, section)| section.open_curve_count() == 1));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod costs;
+mod error;
+mod model_file;
+mod report_file;
+mod results;
+mod run;
+mod score;
+mod settings;
+pub mod simulation;
+mod store_file;
+pub mod table;
+mod views;
+
+pub use costs::{Costs, StageCost, peak_memory_mib};
+pub use error::{WorkflowError, with_causes};
+pub use model_file::{ModelFile, OpenStore, is_model};
+use report_file::ReportFile;
+pub use results::{ResultFolder, default_folder, dxf_frame, find_model};
+pub use run::{OpenScan, Run};
+pub use score::{Reference, Score, ScoreLimits, score, simulated_accuracy};
+pub use settings::{
+    GuideSettings, PlaneSettings, Settings, fusion_method, fusion_methods, parse_length,
+    partial_method, partial_methods,
+};
+pub use store_file::{Replaced, Replacement, StoreFile, open_store, setup_of};
+pub use views::FileView;

@@ -1,0 +1,169 @@
+//! Result folders: the one place that writes the files of a run.
+
+use crate::settings::by_name;
+use crate::table::{Row, digits};
+use crate::{Costs, ReportFile, WorkflowError};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use transect_exchange::svg::{OverviewOptions, Sheets, write_overview};
+use transect_exchange::{
+    DxfFrame, ModelSplines, WriteError, write_contours, write_dxf, write_file,
+};
+use transect_geometry::PlaneIndex;
+use transect_model::Model;
+
+/// The model's file in a result folder.
+const MODEL: &str = "model.transect";
+
+/// The report's file in a result folder.
+const REPORT: &str = "report.json";
+
+/// The folder, beneath the current one, that holds the results of a run without a chosen folder.
+const DEFAULT_PARENT: &str = "transect-out";
+
+/// The folder for the results of a run, unless the user chooses another: `transect-out/NAME`
+/// beneath the current folder.
+pub fn default_folder(name: &str) -> PathBuf {
+    let safe = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
+    Path::new(DEFAULT_PARENT).join(name.chars().map(safe).collect::<String>())
+}
+
+/// The model file that a path stands for: the file itself, or the one in a result folder.
+///
+/// # Errors
+/// [`WorkflowError`] if there is no such file, or the folder holds no model.
+pub fn find_model(path: &Path) -> Result<PathBuf, WorkflowError> {
+    if !std::fs::metadata(path).map_err(WorkflowError::io(path))?.is_dir() {
+        return Ok(path.to_owned());
+    }
+    let file = path.join(MODEL);
+    if file.is_file() {
+        return Ok(file);
+    }
+    let problem = format!(
+        "the folder holds no {MODEL}; give the folder of a model that reconstruct wrote, a model \
+         file, or a model store"
+    );
+    Err(WorkflowError::file(path, problem))
+}
+
+/// The drawing frame of a name: "world" (3D polylines in the world) or "plane" (2D polylines in
+/// the coordinates of their planes, stacked by station).
+///
+/// # Errors
+/// [`WorkflowError::Setting`] if no frame has the name.
+pub fn dxf_frame(name: &str) -> Result<DxfFrame, WorkflowError> {
+    by_name("dxf", name, [("world", DxfFrame::World), ("plane", DxfFrame::Plane)])
+}
+
+/// The folder of a run's results.
+#[derive(Debug, Clone)]
+pub struct ResultFolder(PathBuf);
+
+impl ResultFolder {
+    /// A folder, which is made when the first file is written.
+    pub fn new(path: impl Into<PathBuf>) -> Self {
+        Self(path.into())
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.0
+    }
+
+    /// The picture of the whole model.
+    pub fn overview(&self) -> PathBuf {
+        self.0.join("overview.svg")
+    }
+
+    /// Writes the model, its contours, the drawing, the overview and one sheet per plane.
+    ///
+    /// # Errors
+    /// [`WorkflowError`] naming the file that cannot be written.
+    pub fn write_model(
+        &self,
+        title: &str,
+        model: &Model,
+        frame: DxfFrame,
+    ) -> Result<(), WorkflowError> {
+        let sheets = self.0.join("planes");
+        // Sheets of planes that this model no longer has would be taken for part of it.
+        remove_sheets(&sheets)?;
+        std::fs::create_dir_all(&sheets).map_err(WorkflowError::io(&sheets))?;
+        model.save(self.0.join(MODEL))?;
+        write_file(&self.0.join("contours.json"), |out| write_contours(model, out))?;
+        write_file(&self.0.join("model.dxf"), |out| write_dxf(model, frame, out))?;
+        let mut options = OverviewOptions::default();
+        options.title = title.to_owned();
+        write_file(&self.overview(), |out| write_overview(model, &options, out))?;
+        Ok(write_sheets(&sheets, model)?)
+    }
+
+    /// Writes the curves as splines within a tolerance; returns the table's rows on them.
+    pub(crate) fn write_splines(
+        &self,
+        model: &Model,
+        tolerance: f64,
+    ) -> Result<Vec<Row>, WorkflowError> {
+        let splines = ModelSplines::fit(model, tolerance);
+        let splines = splines.map_err(|e| WorkflowError::setting("splines", e))?;
+        write_file(&self.0.join("splines.json"), |out| splines.write_json(out))?;
+        write_file(&self.0.join("splines.dxf"), |out| splines.write_dxf(out))?;
+        let deviation = digits(splines.deviation());
+        Ok(vec![
+            Row::plain("control points of splines", splines.control_count()),
+            Row::new("splines within", deviation, model.unit().symbol()),
+        ])
+    }
+
+    /// Writes the report of a run with its table and costs.
+    pub(crate) fn write_report(
+        &self,
+        report: &ReportFile<'_>,
+        result: &[Row],
+        stages: &Costs,
+    ) -> Result<(), WorkflowError> {
+        #[derive(Serialize)]
+        struct Whole<'a> {
+            #[serde(flatten)]
+            report: &'a ReportFile<'a>,
+            result: &'a [Row],
+            stages: &'a Costs,
+        }
+        let whole = Whole { report, result, stages };
+        let write = |out: &mut dyn std::io::Write| Ok(serde_json::to_writer_pretty(out, &whole)?);
+        Ok(write_file(&self.0.join(REPORT), write)?)
+    }
+
+    /// The path of the scan that the folder's model was made of, as its report has it.
+    pub(crate) fn scan(&self) -> Option<PathBuf> {
+        #[derive(serde::Deserialize)]
+        struct Written {
+            scan: PathBuf,
+        }
+        let text = std::fs::read_to_string(self.0.join(REPORT)).ok()?;
+        serde_json::from_str(&text).ok().map(|written: Written| written.scan)
+    }
+}
+
+fn write_sheets(folder: &Path, model: &Model) -> Result<(), WriteError> {
+    let sheets = Sheets::new(model);
+    let planes: Vec<PlaneIndex> = model.sections().map(|(plane, _)| plane).collect();
+    planes.par_iter().try_for_each(|&plane| {
+        let file = folder.join(format!("plane_{:+05}.svg", plane.0));
+        write_file(&file, |out| sheets.write(plane, out))
+    })
+}
+
+fn remove_sheets(folder: &Path) -> Result<(), WorkflowError> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Ok(()) };
+    for entry in entries.flatten() {
+        let path = entry.path();
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if name.starts_with("plane_") && name.ends_with(".svg") {
+            std::fs::remove_file(&path).map_err(WorkflowError::io(&path))?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,168 @@
+//! Scoring a model against a mesh, or against the truth that a simulation left.
+
+use crate::settings::parse_length;
+use crate::table::Row;
+use crate::{ResultFolder, WorkflowError};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use transect::evaluate::{Accuracy, EvaluateOptions, duplication, evaluate, evaluate_seen};
+use transect_device::View;
+use transect_exchange::{Scan, TriangleMesh, read_mesh, read_truth};
+use transect_geometry::{Curve, PlaneIndex, Point2};
+use transect_model::Model;
+use transect_scene::{Mesh, MeshError, Visibility, merge_overlaps, sections};
+
+/// Tolerance where none is given, as a share of the plane interval. Chosen by hand.
+/// Doubled, curves twice as far off count as right.
+const TOLERANCE_SHARE: f64 = 0.2;
+
+/// The part of a model that is scored, and the distance that counts as right.
+#[derive(Debug, Clone, Default)]
+pub struct ScoreLimits {
+    /// Only planes from this station on, as a length in text.
+    pub from: Option<String>,
+    /// Distance within which a curve counts as right, as a length in text. Without it, a fifth of
+    /// the plane interval; where planes were inserted, of the widest interval that is left.
+    pub tolerance: Option<String>,
+}
+
+/// The shape that a model is compared with.
+#[derive(Debug, Clone)]
+pub enum Reference {
+    /// A mesh of the real object.
+    Mesh(PathBuf),
+    /// The truth of a simulated scan.
+    Simulated {
+        /// The file of the truth.
+        truth: PathBuf,
+        /// The scan, from which follows the part of the truth that the views could see.
+        scan: PathBuf,
+    },
+    /// None: the score only counts curves and duplicates.
+    Nothing,
+}
+
+impl Reference {
+    /// The truth that lies beside a scan, if any.
+    pub fn beside(scan: &Path) -> Self {
+        let folder = if scan.is_dir() { Some(scan) } else { scan.parent() };
+        let truth = folder.map(|f| f.join("truth.npz")).filter(|t| t.is_file());
+        truth.map_or(Self::Nothing, |truth| Self::Simulated { truth, scan: scan.to_owned() })
+    }
+
+    /// The truth beside the scan that a folder's model was made of, if any.
+    pub fn of_results(folder: &ResultFolder) -> Self {
+        folder.scan().map_or(Self::Nothing, |scan| Self::beside(&scan))
+    }
+}
+
+/// The rows of a score.
+#[derive(Debug, Default)]
+pub struct Score {
+    /// How well curves and truth agree.
+    pub agreement: Vec<Row>,
+    /// The numbers and lengths of both.
+    pub counts: Vec<Row>,
+}
+
+/// Scores a model.
+///
+/// # Errors
+/// [`WorkflowError`] if a limit is no usable length, or the reference cannot be read.
+pub fn score(
+    model: &Model,
+    reference: &Reference,
+    limits: &ScoreLimits,
+) -> Result<Score, WorkflowError> {
+    let unit = model.unit();
+    let accuracy = match reference {
+        Reference::Nothing => {
+            let options = limits.options(model)?;
+            let counts = duplication(&curves(model), options.tolerance)?.rows(unit);
+            return Ok(Score { counts: rows(counts), ..Score::default() });
+        }
+        Reference::Mesh(path) => {
+            let mesh = solid(read_mesh(path)?.mesh);
+            let truth = cut(&mesh, model).map_err(|e| WorkflowError::file(path, e))?;
+            evaluate(model.planes(), &curves(model), &truth, &limits.options(model)?)?
+        }
+        Reference::Simulated { truth, scan } => {
+            simulated_accuracy(model, &solid(read_truth(truth)?), views(scan)?, limits)?
+        }
+    };
+    let agreement = rows(accuracy.agreement_rows(unit));
+    let counts = rows(accuracy.rows(unit)).split_off(agreement.len());
+    Ok(Score { agreement, counts })
+}
+
+/// Scores a model against the part of a simulated scene's surface that the views could see.
+///
+/// # Errors
+/// [`WorkflowError`] if a limit is no usable length, or the surface cannot be cut.
+pub fn simulated_accuracy(
+    model: &Model,
+    surface: &Mesh,
+    views: Vec<View>,
+    limits: &ScoreLimits,
+) -> Result<Accuracy, WorkflowError> {
+    let (planes, options) = (model.planes(), limits.options(model)?);
+    // Solids of a scene may overlap: the part of one inside another is no surface.
+    let truth = cut(surface, model)?.into_iter().map(|(k, c)| (k, merge_overlaps(c))).collect();
+    let visible = Visibility::new(surface, views)?;
+    let seen = |k: PlaneIndex, p: &Point2| visible.sees(&planes.frame(k).world_from_plane(p));
+    Ok(evaluate_seen(planes, &curves(model), &truth, &seen, &options)?)
+}
+
+impl ScoreLimits {
+    fn options(&self, model: &Model) -> Result<EvaluateOptions, WorkflowError> {
+        let unit = model.unit();
+        let tolerance = match &self.tolerance {
+            Some(text) => parse_length(unit, "tolerance", text)?,
+            None => TOLERANCE_SHARE * widest_interval(model),
+        };
+        if tolerance <= 0.0 {
+            let problem = format!("the tolerance must be a positive length, got {tolerance}");
+            return Err(WorkflowError::setting("tolerance", problem));
+        }
+        let from = self.from.as_ref().map(|t| parse_length(unit, "from", t)).transpose()?;
+        Ok(EvaluateOptions { tolerance, from })
+    }
+}
+
+fn rows(rows: Vec<transect::evaluate::Row>) -> Vec<Row> {
+    rows.into_iter().map(Row::from).collect()
+}
+
+fn solid(mesh: TriangleMesh) -> Mesh {
+    Mesh { vertices: mesh.vertices, faces: mesh.faces }
+}
+
+/// The widest interval between neighbouring planes that both have curves.
+fn widest_interval(model: &Model) -> f64 {
+    let pairs = model.sections().zip(model.sections().skip(1));
+    let neighbours = pairs
+        .map(|((a, _), (b, _))| (a, b))
+        .filter(|(a, b)| model.selection().next_after(*a) == Some(*b));
+    let steps = neighbours.map(|(a, b)| b.0.abs_diff(a.0)).max().unwrap_or(1);
+    model.planes().interval() * steps as f64
+}
+
+/// A model's curves by plane.
+fn curves(model: &Model) -> BTreeMap<PlaneIndex, Vec<Curve>> {
+    model.sections().map(|(k, s)| (k, s.curves().cloned().collect())).collect()
+}
+
+/// The sections of a surface on the planes that the model was asked for.
+fn cut(surface: &Mesh, model: &Model) -> Result<BTreeMap<PlaneIndex, Vec<Curve>>, MeshError> {
+    let mut cut = sections(surface, model.planes())?;
+    cut.retain(|k, _| model.selection().contains(*k));
+    Ok(cut)
+}
+
+fn views(scan: &Path) -> Result<Vec<View>, WorkflowError> {
+    let scan = Scan::open(scan)?;
+    let views: Result<Vec<View>, _> =
+        scan.views.par_iter().map(|v| v.load().map(|(view, _)| view)).collect();
+    Ok(views?)
+}

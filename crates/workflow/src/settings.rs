@@ -1,0 +1,208 @@
+//! The settings of a run, as a user gives them.
+//!
+//! A setting that is not given comes from the scan, or has a default. Lengths are texts: "1mm" has
+//! its own unit, a bare number is in the scan's.
+
+use crate::WorkflowError;
+use std::path::PathBuf;
+use transect::{Refinement, Setup};
+use transect_exchange::{DxfFrame, PlanesEntry, Scan, read_guide};
+use transect_fusion::FusionMethod;
+use transect_geometry::{Guide, GuideKind, LengthUnit, PlaneFamily, StraightGuide, Vector3};
+use transect_partial::Method;
+
+/// The settings of a run.
+#[derive(Debug, Clone, Default)]
+#[non_exhaustive]
+pub struct Settings {
+    /// Where the section planes are.
+    pub planes: PlaneSettings,
+    /// How each view's curves are found; see [`partial_method`].
+    pub partial: Method,
+    /// How the views' curves are fused; see [`fusion_method`].
+    pub fusion: FusionMethod,
+    /// Planes are inserted where the curves of neighbouring planes differ by more than this length.
+    /// The smallest interval may follow a comma; without it, a sixteenth of the interval.
+    pub refine: Option<String>,
+    /// Frame of the curves in the drawing.
+    pub dxf: DxfFrame,
+    /// The curves are also written as cubic B-splines no farther from them than this length.
+    pub splines: Option<String>,
+}
+
+/// Where the section planes are: plane k is at normal · p = offset + k · interval.
+#[derive(Debug, Clone, Default)]
+#[non_exhaustive]
+pub struct PlaneSettings {
+    /// Normal of the planes in the world, of any length. Without it the scan's own, else (0, 0, 1).
+    pub normal: Option<[f64; 3]>,
+    /// Curve that the planes are perpendicular to, instead of a normal.
+    pub guide: Option<GuideSettings>,
+    /// Distance between neighbouring planes. Without it the scan's own.
+    pub interval: Option<String>,
+    /// Station of plane 0. Without it the scan's own, else 0.
+    pub offset: Option<String>,
+}
+
+/// A curved guide in a file.
+#[derive(Debug, Clone)]
+pub struct GuideSettings {
+    /// The file: `.csv`, `.geojson` or `.dxf`.
+    pub path: PathBuf,
+    /// Its points are corners, which are rounded by arcs. Otherwise a cubic spline passes through them.
+    pub polyline: bool,
+    /// Largest radius of a polyline's corners. Without it, as large as there is room for.
+    pub radius: Option<String>,
+    /// Distance from the guide that is to be covered; an error if planes cross within it.
+    pub reach: Option<String>,
+}
+
+/// The methods that find each view's curves, by name, with their default options.
+pub fn partial_methods() -> [(&'static str, Method); 2] {
+    [
+        ("one_pass", Method::OnePass(Default::default())),
+        ("dissertation", Method::Dissertation(Default::default())),
+    ]
+}
+
+/// The methods that fuse the views' curves, by name, with their default options.
+pub fn fusion_methods() -> [(&'static str, FusionMethod); 2] {
+    [
+        ("consensus", FusionMethod::Consensus(Default::default())),
+        ("pairwise", FusionMethod::Pairwise(Default::default())),
+    ]
+}
+
+/// The partial method of a name.
+///
+/// # Errors
+/// [`WorkflowError::Setting`] if no method has the name.
+pub fn partial_method(name: &str) -> Result<Method, WorkflowError> {
+    by_name("partial", name, partial_methods())
+}
+
+/// The fusion method of a name.
+///
+/// # Errors
+/// [`WorkflowError::Setting`] if no method has the name.
+pub fn fusion_method(name: &str) -> Result<FusionMethod, WorkflowError> {
+    by_name("fusion", name, fusion_methods())
+}
+
+/// The value of a name.
+pub(crate) fn by_name<T, const N: usize>(
+    setting: &'static str,
+    name: &str,
+    values: [(&'static str, T); N],
+) -> Result<T, WorkflowError> {
+    let names = values.each_ref().map(|(name, _)| *name).join(", ");
+    let found = values.into_iter().find(|(own, _)| *own == name).map(|(_, value)| value);
+    found.ok_or_else(|| WorkflowError::setting(setting, format!("{name:?} is not one of {names}")))
+}
+
+impl Settings {
+    /// What the modeler needs: these settings, completed by a scan.
+    ///
+    /// # Errors
+    /// [`WorkflowError`] if a setting has no usable value, neither settings nor scan state an
+    /// interval, or a guide cannot be read.
+    pub fn setup(&self, scan: &Scan) -> Result<Setup, WorkflowError> {
+        self.setup_with(self.planes.family(scan)?, scan)
+    }
+
+    /// The same with planes that are known already, such as those of a store.
+    pub(crate) fn setup_with(
+        &self,
+        planes: PlaneFamily,
+        scan: &Scan,
+    ) -> Result<Setup, WorkflowError> {
+        let mut setup = Setup::new(scan.unit, planes);
+        setup.partial = self.partial;
+        setup.fusion = self.fusion;
+        let refine = self.refine.as_ref();
+        setup.refinement = refine.map(|text| parse_refinement(&setup, text)).transpose()?;
+        Ok(setup)
+    }
+}
+
+impl PlaneSettings {
+    /// Whether nothing is given.
+    pub(crate) fn is_empty(&self) -> bool {
+        let Self { normal, guide, interval, offset } = self;
+        normal.is_none() && guide.is_none() && interval.is_none() && offset.is_none()
+    }
+
+    /// The planes of a scan: these settings, completed by the scan's own planes.
+    fn family(&self, scan: &Scan) -> Result<PlaneFamily, WorkflowError> {
+        let (own, guide) = (scan.planes.as_ref(), self.guide(scan)?);
+        let interval = match (&self.interval, own) {
+            (Some(text), _) => parse_length(scan.unit, "interval", text)?,
+            (None, own) => own.ok_or(WorkflowError::NoInterval)?.interval,
+        };
+        let offset = match &self.offset {
+            Some(text) => parse_length(scan.unit, "offset", text)?,
+            None => own.map_or(0.0, |p| p.offset),
+        };
+        Ok(PlaneFamily::new(guide, offset, interval)?)
+    }
+
+    fn guide(&self, scan: &Scan) -> Result<Guide, WorkflowError> {
+        if let Some(guide) = &self.guide {
+            return guide.read(scan.unit);
+        }
+        let normal = match (self.normal, scan.planes.as_ref()) {
+            (Some(normal), _) => normal.into(),
+            (None, Some(PlanesEntry { guide: Some(guide), .. })) => {
+                return Ok(guide.clone().into());
+            }
+            (None, own) => own.map_or(Vector3::z(), |p| p.normal.into()),
+        };
+        Ok(StraightGuide::along(normal)?.into())
+    }
+}
+
+impl GuideSettings {
+    fn read(&self, unit: LengthUnit) -> Result<Guide, WorkflowError> {
+        let length = |setting: &'static str, text: &Option<String>| {
+            text.as_ref().map(|text| parse_length(unit, setting, text)).transpose()
+        };
+        let radius = length("guide_radius", &self.radius)?;
+        let kind = match (self.polyline, radius) {
+            (true, radius) => GuideKind::Polyline(radius),
+            (false, None) => GuideKind::Spline,
+            (false, Some(_)) => {
+                let problem = "a spline has no corners to round; the guide must be a polyline";
+                return Err(WorkflowError::setting("guide_radius", problem));
+            }
+        };
+        let guide = read_guide(&self.path, kind)?;
+        if let Some(reach) = length("guide_reach", &self.reach)? {
+            guide.require_reach(reach).map_err(|e| WorkflowError::file(&self.path, e))?;
+        }
+        Ok(guide.into())
+    }
+}
+
+/// A tolerance and, behind a comma, the smallest interval; without it a sixteenth of the interval.
+fn parse_refinement(setup: &Setup, text: &str) -> Result<Refinement, WorkflowError> {
+    let length = |text: &str| parse_length(setup.unit, "refine", text.trim());
+    let refinement = match text.split_once(',') {
+        None => Refinement::new(length(text)?, Refinement::DEFAULT_LEVELS),
+        Some((tolerance, least)) => {
+            Refinement::down_to(length(tolerance)?, setup.planes.interval(), length(least)?)
+        }
+    };
+    refinement.map_err(|e| WorkflowError::setting("refine", format!("{e} (in {})", setup.unit)))
+}
+
+/// A length in the model's unit from the text of a setting.
+///
+/// # Errors
+/// [`WorkflowError::Setting`] if the text is no length.
+pub fn parse_length(
+    unit: LengthUnit,
+    setting: &'static str,
+    text: &str,
+) -> Result<f64, WorkflowError> {
+    unit.parse_length(text).map_err(|e| WorkflowError::setting(setting, e))
+}

@@ -1,0 +1,252 @@
+//! Model stores on disk: opening one, growing it by a scan, removing and replacing its views.
+
+use crate::results::find_model;
+use crate::{FileView, WorkflowError};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use transect::{
+    GrowError, Grower, Growth, ReconstructError, Reconstruction, Setup, Unwatched, Watch,
+};
+use transect_exchange::{Scan, ScanView};
+use transect_geometry::Isometry3;
+use transect_model::SCHEMA_VERSION;
+use transect_model::store::{Damage, Store, StoreHeader, StoreProblem, StoredView, ViewId};
+
+/// A store with the settings that it was made with; every plane of it is fused.
+#[derive(Debug)]
+pub struct StoreFile {
+    path: PathBuf,
+    store: Store,
+    setup: Setup,
+    planes_finished: usize,
+}
+
+/// The image or the pose that takes the place of a view's own.
+#[derive(Debug, Clone, Default)]
+pub struct Replacement {
+    /// Scan to take the view from. Without it, the scan that the view came from.
+    pub scan: Option<PathBuf>,
+    /// The view's name in that scan. Without it, the name that the view had in its own scan.
+    pub view: Option<String>,
+    /// Pose in place of the scan's own.
+    pub pose: Option<Isometry3>,
+}
+
+/// The effect of a replacement.
+#[derive(Debug)]
+pub struct Replaced {
+    /// The view in the store.
+    pub view: StoredView,
+    /// Planes that were fused anew: those that the old view or the new one has curves on.
+    pub planes_fused: usize,
+}
+
+impl StoreFile {
+    /// Opens a store, and fuses the planes that an interrupted run left.
+    ///
+    /// # Errors
+    /// [`WorkflowError`] if the file is no store, is damaged or in use, or was made with options
+    /// that this program does not have.
+    pub fn open(path: &Path) -> Result<Self, WorkflowError> {
+        let path = find_model(path)?;
+        let store = open_store(&path)?;
+        let planes_finished = finish(&path, &store)?;
+        let setup = setup_of(&path, store.read()?.header())?;
+        Ok(Self { path, store, setup, planes_finished })
+    }
+
+    /// The store itself.
+    pub fn store(&self) -> &Store {
+        &self.store
+    }
+
+    /// Planes that an interrupted run had left and opening fused.
+    pub fn planes_finished(&self) -> usize {
+        self.planes_finished
+    }
+
+    /// The view of a name.
+    ///
+    /// # Errors
+    /// [`WorkflowError::File`] with the names most like it if no view has the name.
+    pub fn view_named(&self, name: &str) -> Result<ViewId, WorkflowError> {
+        let mut names: Vec<String> =
+            self.store.views()?.into_iter().map(|view| view.entry.id.0).collect();
+        if names.iter().any(|there| there == name) {
+            return Ok(name.into());
+        }
+        names.sort_by_key(|there| edits(there, name));
+        names.truncate(5);
+        let near = if names.is_empty() { "it has no views".to_owned() } else { names.join(", ") };
+        let problem = format!("no view {name:?}; the names most like it: {near}");
+        Err(WorkflowError::file(&self.path, problem))
+    }
+
+    /// Removes a view; the store is then as if the view had never been added.
+    ///
+    /// # Errors
+    /// [`WorkflowError`] if no view has the name, or the store cannot be written.
+    pub fn remove_view(&self, name: &str) -> Result<StoredView, WorkflowError> {
+        let id = self.view_named(name)?;
+        Ok(Grower::new(&self.store, &self.setup)?.remove_view(&id)?)
+    }
+
+    /// Puts a new image or a new pose in a view's place; the view keeps its name.
+    ///
+    /// # Errors
+    /// [`WorkflowError`] if no view has the name, the scan or the view in it cannot be read, or the
+    /// store cannot be written. The store is unchanged then.
+    pub fn replace_view(
+        &self,
+        name: &str,
+        replacement: &Replacement,
+    ) -> Result<Replaced, WorkflowError> {
+        let id = self.view_named(name)?;
+        let missing = || WorkflowError::file(&self.path, format!("view {name:?} has been removed"));
+        let old = self.store.read()?.view(&id)?.ok_or_else(missing)?;
+        let scan_path = replacement.scan.clone().unwrap_or_else(|| old.entry.source.clone().into());
+        // A scan that does not state its unit is taken to have the store's; the modeler refuses
+        // one of another unit.
+        let scan = Scan::open_with_unit(&scan_path, Some(self.setup.unit))?;
+        let in_scan = replacement.view.as_deref().unwrap_or(&old.entry.name);
+        let view = view_of_scan(&scan, &scan_path, in_scan)?;
+        let source =
+            FileView { id: id.0.clone(), pose: replacement.pose, ..origin(view, &scan_path) };
+        let view = Grower::new(&self.store, &self.setup)?.replace_view(&id, &source)?;
+        let planes: BTreeSet<_> = old.planes.iter().chain(&view.planes).collect();
+        Ok(Replaced { planes_fused: planes.len(), view })
+    }
+
+    /// Closes the store; what was changed is on disk then.
+    ///
+    /// # Errors
+    /// [`WorkflowError::Store`] if the file cannot be written.
+    pub fn close(self) -> Result<(), WorkflowError> {
+        Ok(self.store.close()?)
+    }
+}
+
+/// Opens a store. The error of a file of another kind says what to do.
+///
+/// # Errors
+/// [`WorkflowError`] if the file is no store, is damaged, or is in use.
+pub fn open_store(path: &Path) -> Result<Store, WorkflowError> {
+    let path = &find_model(path)?;
+    Store::open(path).map_err(|error| match error.problem {
+        StoreProblem::Damaged(Damage::WrongVersion { found: SCHEMA_VERSION }) => {
+            let problem = "a plain model file: its views cannot be listed or changed; make a model \
+                           store with reconstruct --store FILE";
+            WorkflowError::file(path, problem)
+        }
+        _ => error.into(),
+    })
+}
+
+/// Fuses the planes that an interrupted run left; returns their number.
+pub(crate) fn finish(path: &Path, store: &Store) -> Result<usize, WorkflowError> {
+    let waiting = store.read()?.pending()?.len();
+    if waiting > 0 {
+        let setup = setup_of(path, store.read()?.header())?;
+        Grower::new(store, &setup)?.fuse_pending(&Unwatched)?;
+    }
+    Ok(waiting)
+}
+
+/// The settings that a store was made with.
+///
+/// # Errors
+/// [`WorkflowError::File`] if this program does not have its options.
+pub fn setup_of(path: &Path, header: &StoreHeader) -> Result<Setup, WorkflowError> {
+    Setup::of_store(header).map_err(|error| WorkflowError::file(path, error))
+}
+
+/// A store that grew by a scan.
+pub(crate) struct Grown {
+    pub reconstruction: Reconstruction,
+    pub views_present: usize,
+    pub planes_fused: usize,
+}
+
+/// Adds the views of a scan to a store, which is made if it is not there.
+pub(crate) fn grow(
+    path: &Path,
+    views: &[FileView<'_>],
+    setup: &Setup,
+    watch: &dyn Watch,
+) -> Result<Grown, WorkflowError> {
+    let is_new = !path.exists();
+    let store = if is_new { create(path, setup)? } else { open_store(path)? };
+    let grower = Grower::new(&store, setup).map_err(|e| WorkflowError::file(path, e))?;
+    let grown = grower.add_views(views, watch);
+    let Growth { present, report, fused, .. } = match grown {
+        Err(GrowError::View(
+            nothing @ (ReconstructError::Nothing { .. } | ReconstructError::NoCurves { .. }),
+        )) if is_new => {
+            // The store's planes are fixed and miss every view: the next attempt will choose others.
+            drop(store);
+            std::fs::remove_file(path).map_err(WorkflowError::io(path))?;
+            return Err(nothing.into());
+        }
+        grown => grown?,
+    };
+    let model = store.read()?.model()?;
+    store.close()?;
+    let reconstruction = Reconstruction { model, report };
+    Ok(Grown { reconstruction, views_present: present.len(), planes_fused: fused })
+}
+
+fn create(path: &Path, setup: &Setup) -> Result<Store, WorkflowError> {
+    if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
+        std::fs::create_dir_all(folder).map_err(WorkflowError::io(folder))?;
+    }
+    Ok(Store::create(path, &setup.store_header())?)
+}
+
+/// A view of the scan at a path, under its own name.
+pub(crate) fn origin<'a>(view: &'a ScanView, scan: &Path) -> FileView<'a> {
+    let absolute = std::path::absolute(scan).unwrap_or_else(|_| scan.to_owned());
+    let origin = absolute.display().to_string();
+    FileView { view, id: view.name().to_owned(), origin, pose: None }
+}
+
+fn view_of_scan<'a>(
+    scan: &'a Scan,
+    path: &Path,
+    name: &str,
+) -> Result<&'a ScanView, WorkflowError> {
+    scan.views.iter().find(|view| view.name() == name).ok_or_else(|| {
+        let names: Vec<&str> = scan.views.iter().take(20).map(ScanView::name).collect();
+        WorkflowError::file(path, format!("no view {name:?}; it has {}", names.join(", ")))
+    })
+}
+
+/// The least number of letters to insert, delete or change that makes one text the other
+/// (Levenshtein distance).
+fn edits(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, letter) in a.chars().enumerate() {
+        let mut diagonal = i;
+        row[0] = i + 1;
+        for (j, other) in b.iter().enumerate() {
+            let changed = diagonal + usize::from(letter != *other);
+            diagonal = row[j + 1];
+            row[j + 1] = changed.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::edits;
+
+    #[test]
+    fn edits_are_counted() {
+        for (a, b, count) in [("", "", 0), ("east", "east", 0), ("eats", "east", 2), ("", "abc", 3)]
+        {
+            assert_eq!((edits(a, b), edits(b, a)), (count, count), "{a} {b}");
+        }
+        assert_eq!(edits("range_000.npy", "range_01.npy"), 2);
+    }
+}

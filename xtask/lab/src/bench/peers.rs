@@ -1,0 +1,152 @@
+//! Other contouring programs on the same height image, jump test off in both.
+//!
+//! They run in Python, each in the first interpreter that has it: the one that `TRANSECT_PYTHON` names,
+//! the path's, the system's. The same script proves equal work. contourpy: as many vertices on every
+//! plane, each within 1e-6 pixel. GDAL goes half a pixel beyond borders and into gaps, and shifts levels
+//! that meet a pixel; away from those, both must have the same vertices.
+
+use super::timing::{Variant, time};
+use crate::failure::Failure;
+use crate::table::say;
+use std::hint::black_box;
+use std::path::Path;
+use std::process::Command;
+use transect_device::View;
+use transect_geometry::PlaneFamily;
+use transect_partial::one_pass::{
+    Contours, Effort, Instructions, Kind, Vertex, Workspace, contours, seen,
+};
+use transect_partial::{BreakRule, SectionAxes};
+use transect_workflow::default_folder as default_out;
+
+const SCRIPT: &str = include_str!("contour_peers.py");
+/// Timed rounds of the other programs, which take long.
+const ROUNDS: usize = 3;
+
+/// A rule by which every pair of valid neighbours belongs to one surface.
+fn no_jumps() -> BreakRule {
+    BreakRule::new(0.0, 1e30)
+}
+
+/// Times and compares the other programs, or says why not.
+pub fn compare(
+    view: &View,
+    planes: &PlaneFamily,
+    count: usize,
+    rounds: usize,
+) -> Result<(), Failure> {
+    let programs: Vec<Program> = PROGRAMS.into_iter().filter_map(Program::find).collect();
+    if programs.is_empty() {
+        return Ok(());
+    }
+    let axes = SectionAxes::new(view, planes)?;
+    let (rule, mut work) = (no_jumps(), Workspace::default());
+    let folder = default_out("bench");
+    std::fs::create_dir_all(&folder).map_err(|e| Failure::with_file(&folder, e))?;
+    let size = view.image().size();
+    let levels = seen(view, &axes, &rule, Instructions::Best).levels;
+    write_npy(
+        &folder.join("levels.npy"),
+        "<f4",
+        (size.rows, size.cols),
+        levels.iter().flat_map(|v| v.to_le_bytes()),
+    )?;
+    let found = contours(view, &axes, &rule, &Effort::default(), &mut work)?;
+    let rows = found
+        .polylines()
+        .flat_map(|line| line.vertices.iter().map(move |v| (f64::from(line.level), v)));
+    let rows: Vec<[f64; 3]> = rows.map(|(level, v)| in_pixels(&found, level, v)).collect();
+    let bytes = rows.iter().flatten().flat_map(|v| v.to_le_bytes());
+    write_npy(&folder.join("vertices.npy"), "<f8", (rows.len(), 3), bytes)?;
+    let mut ours = [Variant::new("one pass", || {
+        let _ = black_box(
+            contours(view, &axes, &rule, &Effort::default(), &mut work).map(|c| c.vertex_count()),
+        );
+    })];
+    say(&format!("jump test off, {} vertices", rows.len()));
+    for program in programs {
+        // Before and after, since the machine's speed changes while the other one runs.
+        let before = time(&mut ours, rounds)[0];
+        let line = program.run(&folder, count)?;
+        let after = time(&mut ours, rounds)[0];
+        let ours = 0.5 * (before + after) * 1e9 / size.pixels() as f64;
+        let mut parts = line.trim().split('\t');
+        let (name, took, verdict) = (parts.next(), parts.next(), parts.next());
+        let took: f64 = took.and_then(|t| t.parse().ok()).unwrap_or(f64::NAN);
+        say(&format!(
+            "  {}: {took:.1} ns/pixel, {:.0} times one pass with {ours:.3}; {}",
+            name.unwrap_or(""),
+            took / ours,
+            verdict.unwrap_or("")
+        ));
+    }
+    Ok(())
+}
+
+/// Another contouring program and its Python module.
+const PROGRAMS: [(&str, &str); 2] = [("contourpy", "contourpy"), ("GDAL", "osgeo.gdal")];
+
+/// A program and the Python that has it.
+struct Program {
+    name: &'static str,
+    python: String,
+}
+
+impl Program {
+    /// Looks for an interpreter; says so if there is none.
+    fn find((name, module): (&'static str, &str)) -> Option<Self> {
+        let named = std::env::var("TRANSECT_PYTHON").ok();
+        let usual = ["python3", "/usr/bin/python3"].map(str::to_owned);
+        let has = |python: &String| {
+            let import = format!("import {module}, numpy");
+            let there = Command::new(python).args(["-c", &import]).output();
+            there.is_ok_and(|output| output.status.success())
+        };
+        let python = named.into_iter().chain(usual).find(has);
+        if python.is_none() {
+            say(&format!("{name}: skipped, no Python has {module} and numpy; set TRANSECT_PYTHON"));
+        }
+        Some(Self { name, python: python? })
+    }
+
+    /// Runs the program on the image in a folder; its line of output.
+    fn run(&self, folder: &Path, count: usize) -> Result<String, Failure> {
+        let output = Command::new(&self.python)
+            .args(["-c", SCRIPT, self.name])
+            .arg(folder)
+            .args([count.to_string(), ROUNDS.to_string()])
+            .output()
+            .map_err(|e| Failure::because(format!("{}: {e}", self.python)))?;
+        eprint!("{}", String::from_utf8_lossy(&output.stderr));
+        Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+    }
+}
+
+/// Plane, column and row of a vertex, in pixels.
+fn in_pixels(found: &Contours<'_>, level: f64, vertex: &Vertex) -> [f64; 3] {
+    let (kind, [a, b]) = found.pair(vertex);
+    let t = f64::from(vertex.t);
+    let along = |a: usize, b: usize| a as f64 + t * (b as f64 - a as f64);
+    match kind {
+        Kind::Up => [level, a.col as f64, along(a.row, b.row)],
+        Kind::Left => [level, along(a.col, b.col), a.row as f64],
+        Kind::Rising | Kind::Falling => [level, along(a.col, b.col), along(a.row, b.row)],
+    }
+}
+
+fn write_npy(
+    path: &Path,
+    kind: &str,
+    (rows, cols): (usize, usize),
+    bytes: impl Iterator<Item = u8>,
+) -> Result<(), Failure> {
+    let header =
+        format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({rows}, {cols}), }}");
+    // Magic, version, length and header fill a multiple of 64 bytes.
+    let length = (10 + header.len() + 1).next_multiple_of(64) - 10;
+    let mut file = b"\x93NUMPY\x01\x00".to_vec();
+    file.extend((length as u16).to_le_bytes());
+    file.extend(format!("{header:<width$}\n", width = length - 1).bytes());
+    file.extend(bytes);
+    std::fs::write(path, file).map_err(|e| Failure::with_file(path, e))
+}

@@ -1,0 +1,99 @@
+//! The promises of the model database, measured: large coordinates, areas and volumes, inside and
+//! outside, size.
+
+mod large;
+mod solids;
+mod space;
+mod utm;
+
+use crate::failure::Failure;
+use crate::simulation::{PreparedScene, SensorPlan};
+use std::fmt::Write;
+use transect_device::View;
+use transect_scene::Description;
+
+/// Options of `experiments database`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// One part only [default: all].
+    #[arg(value_enum)]
+    part: Option<Part>,
+    /// Planes of the large store; 2000 make ten million fused nodes and a file of 2.6 GB.
+    #[arg(long, default_value_t = 200, value_name = "NUMBER", value_parser = clap::value_parser!(i64).range(50..))]
+    planes: i64,
+    /// Folder for the large store [default: the system's folder for temporary files].
+    #[arg(long, value_name = "DIR")]
+    folder: Option<std::path::PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Part {
+    /// Does a model keep its shape at coordinates in the millions?
+    Utm,
+    /// How far are areas and volumes of simulated solids from the exact ones?
+    Solids,
+    /// How often is the answer for a point wrong, and how often unknown?
+    Space,
+    /// What does a store cost that is larger than memory?
+    Large,
+}
+
+/// Runs the experiments.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let asked = |part| arguments.part.is_none_or(|only| only == part);
+    if asked(Part::Utm) {
+        utm::run()?;
+    }
+    if asked(Part::Solids) {
+        solids::run()?;
+    }
+    if asked(Part::Space) {
+        space::run()?;
+    }
+    if asked(Part::Large) {
+        let folder = arguments.folder.clone().unwrap_or_else(std::env::temp_dir);
+        large::run(&folder, arguments.planes)?;
+    }
+    Ok(())
+}
+
+/// Solids without surroundings, seen from all sides and from below, without noise.
+struct Surrounded {
+    scene: PreparedScene,
+    views: Vec<View>,
+}
+
+/// Distance of the stations from the middle, in millimetres.
+const DISTANCE: f64 = 400.0;
+const PIXELS: usize = 300;
+const FIELD_DEG: f64 = 40.0;
+const STATIONS: usize = 24;
+
+/// Distance between samples on a surface that faces a station from the middle, in millimetres.
+fn footprint() -> f64 {
+    2.0 * DISTANCE * (0.5 * FIELD_DEG).to_radians().tan() / PIXELS as f64
+}
+
+/// Prepares solids, in the text of a scene file, in millimetres around the origin.
+fn surround(solids: &str) -> Result<Surrounded, Failure> {
+    let mut text = String::from(
+        "name = \"solids\"\nunit = \"mm\"\n[planes]\nnormal = [0, 0, 1]\noffset = 0.3\ninterval = 4\n",
+    );
+    for k in 0..STATIONS {
+        // Points of a spiral, evenly spread over the ball.
+        let z = 1.0 - (2.0 * k as f64 + 1.0) / STATIONS as f64;
+        let (sin, cos) = (k as f64 * 2.399_963).sin_cos();
+        let ring = DISTANCE * (1.0 - z * z).sqrt();
+        let _ = write!(
+            text,
+            "[[station]]\nname = \"s{k}\"\nsensor = \"pinhole\"\nrows = {PIXELS}\ncols = {PIXELS}\n\
+             field_of_view = {FIELD_DEG}\nat = [{}, {}, {}]\nlook_at = [0, 0, 0]\n",
+            ring * cos,
+            ring * sin,
+            DISTANCE * z
+        );
+    }
+    let scene = PreparedScene::new(Description::parse(&(text + solids))?)?;
+    let views = scene.simulate(&SensorPlan::OWN)?.views;
+    Ok(Surrounded { scene, views })
+}

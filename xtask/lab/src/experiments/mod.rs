@@ -1,0 +1,54 @@
+//! `cargo xtask experiments`: measurements that take the whole system, printed as tables.
+//!
+//! Each answers a question of users of the system. The documentation states the figures that they
+//! print.
+
+mod ablation;
+mod database;
+mod fusion;
+mod orders;
+mod partial;
+mod pictures;
+mod sensors;
+mod table;
+mod trial;
+
+use crate::failure::Failure;
+
+/// Options of `experiments`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    #[command(subcommand)]
+    experiment: Experiment,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum Experiment {
+    /// How accurate is every sensor on every bundled scene, without noise?
+    Sensors(sensors::Arguments),
+    /// What is each step of fusion worth?
+    Ablation(ablation::Arguments),
+    /// Does fusion drift, how much noise does it remove, and what does it cost?
+    Fusion(fusion::Arguments),
+    /// How does the error fall when the sensors' grids get denser?
+    Orders(orders::Arguments),
+    /// How accurate are one view's curves, by method, noise, surface and angle?
+    Partial(partial::Arguments),
+    /// Does the model database keep its promises?
+    Database(database::Arguments),
+    /// Draw scanned points and models of every sensor.
+    Pictures(pictures::Arguments),
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    match &arguments.experiment {
+        Experiment::Sensors(a) => sensors::run(a),
+        Experiment::Ablation(a) => ablation::run(a),
+        Experiment::Fusion(a) => fusion::run(a),
+        Experiment::Orders(a) => orders::run(a),
+        Experiment::Partial(a) => partial::run(a),
+        Experiment::Database(a) => database::run(a),
+        Experiment::Pictures(a) => pictures::run(a),
+    }
+}

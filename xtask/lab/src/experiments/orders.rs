@@ -1,0 +1,129 @@
+//! The error by density of the sensors' grids, on a ball and a torus, whose sections are circles.
+//!
+//! Without noise the error comes from sampling alone: between two samples h apart, a curve of radius
+//! R is a chord, off by up to h²/8R. Twice the density must leave a quarter of the error (order 2).
+
+use super::{table, trial};
+use crate::failure::Failure;
+use crate::simulation::{PreparedScene, SensorKind, SensorPlan};
+use crate::table::{digits, say};
+use transect_geometry::{Curve, Point2};
+use transect_model::Model;
+use transect_scene::Description;
+
+/// Options of `experiments orders`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Number of times that the density is doubled, beginning with half of the sensors' usual one.
+    #[arg(long, default_value_t = 3, value_name = "NUMBER", value_parser = clap::value_parser!(u8).range(1..=5))]
+    doublings: u8,
+}
+
+/// Radius of the ball, of the torus around it, and of the torus's tube.
+const BALL: f64 = 40.0;
+const RING: f64 = 70.0;
+const TUBE: f64 = 15.0;
+
+/// Planes through both solids, off their symmetries, and the sensors' stations.
+const STATIONS: &str = r#"
+name = "ball and torus"
+unit = "mm"
+[planes]
+normal = [0, 0, 1]
+offset = 0.4
+interval = 4
+[[station]]
+name = "front"
+sensor = "pinhole"
+rows = 100
+cols = 100
+field_of_view = 30
+at = [30, -250, 180]
+look_at = [0, 0, 0]
+[[station]]
+name = "left"
+sensor = "pinhole"
+rows = 100
+cols = 100
+field_of_view = 30
+at = [-240, 130, 160]
+look_at = [0, 0, 0]
+[[station]]
+name = "right"
+sensor = "pinhole"
+rows = 100
+cols = 100
+field_of_view = 30
+at = [230, 140, 170]
+look_at = [0, 0, 0]
+"#;
+
+/// Runs the experiment.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let solids = format!(
+        "[[solid]]\nshape = \"ball\"\nradius = {BALL}\nat = [0, 0, 0]\n\
+         [[solid]]\nshape = \"torus\"\nradius = {RING}\ntube = {TUBE}\nat = [0, 0, 0]\n"
+    );
+    let scene = PreparedScene::new(Description::parse(&format!("{STATIONS}{solids}"))?)?;
+    let mut lines = Vec::new();
+    for kind in SensorKind::ALL {
+        let mut before: Option<[f64; 2]> = None;
+        for doubling in 0..=arguments.doublings {
+            let density = 0.5 * f64::from(1 << doubling);
+            let outcome = trial::run(&scene, &SensorPlan { density, ..SensorPlan::with(kind) })?;
+            let errors = errors(&outcome.model);
+            let pixels: usize = outcome.views.iter().map(|v| v.image().size().pixels()).sum();
+            let order = |k: usize| match before {
+                Some(b) => format!("{:.2}", (b[k] / errors[k]).log2()),
+                None => String::new(),
+            };
+            lines.push(vec![
+                kind.name().to_owned(),
+                digits(density),
+                pixels.to_string(),
+                digits(errors[0]),
+                order(0),
+                digits(errors[1]),
+                order(1),
+            ]);
+            before = Some(errors);
+        }
+    }
+    let heads = ["sensor", "density", "pixels", "median", "order", "p95", "order"];
+    table::print(&heads, &lines);
+    say(
+        "\nDistances in mm from the exact circles, noise-free; order: how often the error halves with each doubling.",
+    );
+    Ok(())
+}
+
+/// Median and 95 % quantile of the distances from the nearest circle, over the nodes of the curves
+/// and the middles between them.
+fn errors(model: &Model) -> [f64; 2] {
+    let mut errors = Vec::new();
+    for (index, section) in model.sections() {
+        let frame = model.planes().frame(index);
+        let radii = radii(model.planes().station(index));
+        let error = |p: &Point2| {
+            let at = frame.world_from_plane(p);
+            let off = radii.iter().map(|r| (at.x.hypot(at.y) - r).abs());
+            off.fold(f64::INFINITY, f64::min)
+        };
+        for unit in section.curves().flat_map(Curve::units) {
+            let middle = nalgebra::center(&unit.start, &unit.end);
+            errors.extend([error(&unit.start), error(&middle)]);
+        }
+    }
+    errors.sort_unstable_by(f64::total_cmp);
+    let quantile = |q: f64| {
+        errors.get(((errors.len() as f64 - 1.0) * q) as usize).copied().unwrap_or(f64::NAN)
+    };
+    [quantile(0.5), quantile(0.95)]
+}
+
+/// Radii of the circles in which the plane at a height cuts the solids.
+fn radii(height: f64) -> Vec<f64> {
+    let half = |radius: f64| (radius * radius - height * height).sqrt();
+    let (ball, tube) = (half(BALL), half(TUBE));
+    [ball, RING + tube, RING - tube].into_iter().filter(|r| !r.is_nan()).collect()
+}

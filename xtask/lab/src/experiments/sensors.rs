@@ -1,0 +1,64 @@
+//! Accuracy of every sensor on every bundled scene, without noise, through the whole pipeline.
+
+use super::{table, trial};
+use crate::failure::Failure;
+use crate::simulation::{PreparedScene, SensorKind, SensorPlan, describe};
+use crate::table::{digits, say};
+use std::path::Path;
+use transect_scene::{BUNDLED_SCENES, Noise};
+
+/// Options of `experiments sensors`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Only this bundled scene.
+    #[arg(long, value_name = "NAME")]
+    scene: Option<String>,
+    /// Only this sensor.
+    #[arg(long, value_name = "SENSOR")]
+    sensor: Option<SensorKind>,
+    /// Factor on the sensors' rows and columns.
+    #[arg(long, default_value_t = 1.0, value_name = "FACTOR")]
+    density: f64,
+}
+
+/// Runs the experiment.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let chosen = |name: &str| arguments.scene.as_ref().is_none_or(|s| s == name);
+    let mut lines = Vec::new();
+    for (name, _) in BUNDLED_SCENES.iter().filter(|(name, _)| chosen(name)) {
+        let mut description = describe(Path::new(name))?;
+        description.noise = Noise::NONE;
+        let scene = PreparedScene::new(description)?;
+        for kind in SensorKind::ALL {
+            if arguments.sensor.is_none_or(|s| s == kind) {
+                eprintln!("{name}, {}", kind.name());
+                lines.push(line(&scene, kind, arguments.density)?);
+            }
+        }
+    }
+    let heads =
+        ["scene", "sensor", "views", "pixels", "median", "p95", "complete %", "oriented %", "unit"];
+    table::print(&heads, &lines);
+    say("\nDistances from the true sections, noise-free, on what the views could see.");
+    Ok(())
+}
+
+fn line(scene: &PreparedScene, kind: SensorKind, density: f64) -> Result<Vec<String>, Failure> {
+    let plan = SensorPlan { density, ..SensorPlan::with(kind) };
+    let outcome = trial::run(scene, &plan)?;
+    let accuracy = outcome.accuracy(scene)?;
+    let pixels: usize = outcome.views.iter().map(|v| v.image().size().pixels()).sum();
+    let length = |l: Option<f64>| l.map_or("none".to_owned(), digits);
+    let share = |s: Option<f64>| s.map_or("none".to_owned(), |s| format!("{:.2}", 100.0 * s));
+    Ok(vec![
+        scene.description.name.clone(),
+        kind.name().to_owned(),
+        outcome.views.len().to_string(),
+        pixels.to_string(),
+        length(accuracy.median),
+        length(accuracy.p95),
+        share(accuracy.completeness),
+        share(accuracy.oriented),
+        scene.description.unit.symbol().to_owned(),
+    ])
+}

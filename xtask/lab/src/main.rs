@@ -1,0 +1,37 @@
+//! The measurements of Transect: `cargo xtask bench` and `cargo xtask experiments`.
+#![allow(clippy::print_stderr, reason = "progress and errors go there")]
+
+mod bench;
+mod experiments;
+mod failure;
+mod table;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+use transect_workflow::simulation;
+
+#[derive(Debug, Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", version, next_line_help = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Measure what the documentation states, such as every sensor's accuracy.
+    Experiments(experiments::Arguments),
+    /// Measure the speed of a stage, beside what it is compared with.
+    Bench(bench::Arguments),
+}
+
+fn main() -> ExitCode {
+    let outcome = match Arguments::parse().command {
+        Command::Experiments(a) => experiments::run(&a),
+        Command::Bench(a) => bench::run(&a),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

@@ -1,0 +1,99 @@
+//! `cargo xtask check`: everything that CI runs.
+//!
+//! A check of the workspace's own files is a module of this folder with a function
+//! `run(root: &Path) -> Result<(), Failure>`, and one line in [`STRUCTURE`].
+
+mod dependencies;
+mod finding;
+mod imports;
+mod prose;
+
+use crate::run::{Failure, cargo, run_command, workspace_root};
+use crate::test;
+use std::ffi::OsString;
+use std::path::Path;
+use std::process::Command;
+
+/// A check of files in the workspace: it takes the root folder and names what is wrong, and where.
+type StructureCheck = fn(&Path) -> Result<(), Failure>;
+
+/// The checks of the workspace's own files, by name, in the order in which they run.
+const STRUCTURE: [(&str, StructureCheck); 3] =
+    [("prose", prose::run), ("imports", imports::run), ("dependencies", dependencies::run)];
+
+/// Runs the stages of the check; `--without-tests` leaves out the tests, for a caller that ran them.
+pub fn run(arguments: &[OsString]) -> Result<(), Failure> {
+    let without_tests = match arguments {
+        [] => false,
+        [option] if option == "--without-tests" => true,
+        _ => {
+            let reason =
+                format!("check takes no argument but --without-tests; found {arguments:?}");
+            return Err(Failure::usage(reason));
+        }
+    };
+    run_command(cargo().args(["fmt", "--all", "--check"]))?;
+    let root = workspace_root();
+    for (name, check) in STRUCTURE {
+        eprintln!("$ check {name}");
+        check(&root)?;
+    }
+    let clippy = ["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"];
+    run_command(cargo().args(clippy))?;
+    let mut docs = cargo();
+    docs.args(["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings");
+    run_command(&mut docs)?;
+    deny()?;
+    if !without_tests {
+        test::run(&[])?;
+    }
+    commands_of_the_readme()
+}
+
+/// Licences, sources and bans of the dependencies, where cargo-deny is installed.
+///
+/// Advisories are left out: their database is fetched from outside the package registries.
+fn deny() -> Result<(), Failure> {
+    let installed = Command::new("cargo-deny").arg("--version").output().is_ok();
+    if !installed {
+        eprintln!("skipped: cargo-deny is not installed (cargo install cargo-deny)");
+        return Ok(());
+    }
+    run_command(cargo().args(["deny", "check", "licenses", "bans", "sources"]))
+}
+
+/// The README's commands: the bundled room, and the real scans where they are.
+fn commands_of_the_readme() -> Result<(), Failure> {
+    let xtask = |line: &str| {
+        let arguments: Vec<&str> = line.split_whitespace().collect();
+        run_command(cargo().arg("xtask").args(arguments))
+    };
+    xtask("reconstruct --quiet")?;
+    xtask("evaluate transect-out/room")?;
+    xtask("simulate --out transect-out/simulated")?;
+    xtask("inspect transect-out/simulated")?;
+    xtask("experiments orders --doublings 1")?;
+    xtask("experiments database utm")?;
+    xtask("experiments database space")?;
+    xtask("experiments sensors --scene thin_sheet")?;
+    xtask("experiments pictures --out transect-out/pictures")?;
+    let data = workspace_root().join("../shared/data");
+    if !data.is_dir() {
+        eprintln!("skipped: the real scans are not there ({})", data.display());
+        return Ok(());
+    }
+    xtask(
+        "reconstruct ../shared/data/stanford_bunny/bun.conf --normal 0,1,0 --interval 1mm \
+         --out target/bunny --quiet",
+    )?;
+    xtask(
+        "evaluate target/bunny --reference ../shared/data/stanford_bunny/reference/bun_zipper.ply \
+         --from 0.06 --tolerance 0.5mm",
+    )?;
+    xtask(
+        "manifest ../shared/data/rgbd_redkitchen --normal 0,-1,0 --interval 0.1m \
+         --out target/kitchen/scan.json",
+    )?;
+    xtask("reconstruct target/kitchen/scan.json --out target/kitchen --quiet")?;
+    xtask("evaluate target/kitchen")
+}
