@@ -36,9 +36,9 @@ pub(crate) const WIDEST_RADIUS: f32 = HALF_WINDOW as f32 + 0.5;
 
 /// Radius of the wider window over that of the narrow one. No unit.
 ///
-/// Measured: from √2, which gives twice the pixels, to 1.5 the median error of the curves falls by 1
-/// to 3 %, and a whole run takes 2 % longer. Doubled, the two windows seldom agree, and the wider one
-/// seldom counts.
+/// Measured: from √2, which gives twice the pixels, to 1.5 the median error of the curves falls by
+/// 1 to 3 %, and a whole run takes 2 % longer. Doubled, the two windows seldom agree, and the wider
+/// one seldom counts.
 pub(crate) const WIDER: f32 = 1.5;
 
 /// Residual at which a pixel's robust weight becomes 0, in standard deviations of a sample.
