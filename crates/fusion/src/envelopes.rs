@@ -47,15 +47,6 @@ impl PlaneEnvelopes {
         Self { tolerance, ..Self::default() }
     }
 
-    /// The envelopes of some curves, numbered by their place in the list.
-    pub fn around(curves: &[Curve], tolerance: f64) -> Self {
-        let grown = curves.iter().map(|c| c.envelope().grown(tolerance)).enumerate();
-        let by_curve: BTreeMap<_, _> = grown.collect();
-        let entry = |(&curve, envelope): (&usize, &Envelope)| Entry::new(curve, envelope);
-        let tree = RTree::bulk_load(by_curve.iter().map(entry).collect());
-        Self { tolerance, tree, by_curve }
-    }
-
     /// Takes a curve in, or exchanges the envelope of one that has grown.
     pub fn insert(&mut self, number: usize, curve: &Curve) {
         self.remove(number);
@@ -69,11 +60,6 @@ impl PlaneEnvelopes {
         let envelope = self.by_curve.remove(&number)?;
         self.tree.remove(&Entry::new(number, &envelope));
         Some(envelope)
-    }
-
-    /// The grown envelope of a curve.
-    pub fn of(&self, number: usize) -> Option<&Envelope> {
-        self.by_curve.get(&number)
     }
 
     /// The envelope of the plane: the smallest around the grown envelopes of all its curves, as
@@ -232,8 +218,9 @@ mod tests {
     #[test]
     fn coordinates_of_any_size_are_met() {
         let wide = line((-1e300, 2e300), (1e300, -1.5e308));
-        let mut envelopes =
-            PlaneEnvelopes::around(&[wide.clone(), line((0.0, 0.0), (1.0, 1.0))], 0.1);
+        let mut envelopes = PlaneEnvelopes::new(0.1);
+        envelopes.insert(0, &wide);
+        envelopes.insert(1, &line((0.0, 0.0), (1.0, 1.0)));
         for k in 2..40 {
             envelopes.insert(k, &wide);
         }

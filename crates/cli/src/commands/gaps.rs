@@ -159,7 +159,7 @@ fn propose(
     };
     let patches: Vec<UnseenPatch> = missing.gaps.iter().flat_map(patches).collect();
     let max_incidence_rad = arguments.incidence.to_radians();
-    let options = NextViewOptions { views: arguments.views, max_incidence_rad, reach };
+    let options = NextViewOptions::new(arguments.views, max_incidence_rad, reach);
     let unseen: f64 = patches.iter().map(|p| p.area).sum();
     say("\nNext views that would see most of that, if no hidden surface stands in their way:\n");
     let line = |view: &NextView| {

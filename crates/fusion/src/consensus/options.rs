@@ -65,10 +65,6 @@ steps! {
     sampling_error,
     /// Less weight towards open ends.
     end_taper,
-    /// Surfaces side by side that one view saw apart.
-    layers,
-    /// Fits that follow their own layer from node to node.
-    layer_following,
     /// The views' systematic errors, as part of all weights.
     view_error,
     /// The part of these errors that grows with the incidence.
@@ -115,6 +111,8 @@ steps! {
     second_cover,
     /// Open chains of one view beside a closed one are left out.
     spurs,
+    /// Units across the curve, between nodes of one direction, are removed.
+    sideways,
     /// Short units that run backwards are removed.
     backward,
     /// Open chains shorter than their error are left out.

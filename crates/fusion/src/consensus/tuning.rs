@@ -36,9 +36,6 @@ pub(super) mod spread {
     /// Samples of a large plane: the median is then good to a few per cent. Theory as above. Doubled:
     /// the spread takes twice its 5 % of the time.
     pub const WANTED_SAMPLES: usize = 500;
-    /// Factor on the samples where there are layers, since whole layers count or not by the spread. By
-    /// hand. Doubled: more time on planes with layers.
-    pub const LAYER_FACTOR: usize = 5;
     /// Pairs that make a spread at least. By hand. Doubled: views that barely overlap count as one.
     pub const MIN_PAIRS: usize = 8;
     /// Search distance for another view, in footprints and standard deviations of the node. By hand:
@@ -82,44 +79,6 @@ pub(super) mod scale {
     pub const LEAST_SIGMAS: f64 = 4.0;
     /// Least overlap threshold in footprints. By hand: curves differ by sampling. Doubled: as above.
     pub const LEAST_FOOTPRINTS: f64 = 0.35;
-    /// Least half gap of a layer, in spreads between views. Theory: uniformly distributed differences
-    /// give a ratio of 1.9 whatever the distance, so a layer must exceed that. Doubled: layers are
-    /// only found twice as far apart.
-    pub const LEAST_HALF_GAP_SPREADS: f64 = 2.2;
-}
-
-/// `measure/layers`
-pub(super) mod layers {
-    /// Longest stretch of a curve, in footprints and nodes. By hand: short enough to have one direction.
-    /// Doubled: more pairs of stretches are compared in vain.
-    pub const STRETCH_FOOTPRINTS: f64 = 8.0;
-    pub const STRETCH_NODES: u32 = 32;
-    /// Least cosine between stretches that are compared. By hand: stretches bend. Doubled: layers are
-    /// missed at bends.
-    pub const STRETCHES_SAME_WAY: f64 = 0.2;
-    /// Nodes of one curve lie on two surfaces if the way along it is this many times the way across. By
-    /// hand. Doubled: layers that meet at a near fold are missed.
-    pub const WAY_ROUND: f64 = 4.0;
-    /// Nodes whose numbers differ by less are of one surface. By hand. Doubled: nothing known.
-    pub const NEIGHBOUR_NODES: usize = 8;
-    /// Least taper of nodes that show a gap: nodes near open ends overshoot. By hand. Doubled: layers
-    /// count from five footprints off their ends on instead of two and a half.
-    pub const LEAST_TAPER: f64 = 0.3;
-    /// Fewest nodes in a row that show a gap. By hand. Doubled: short layers are missed.
-    pub const MIN_ROW: usize = 5;
-    /// Nodes on each side over which a gap is averaged: for its width, and for whether it counts. By
-    /// hand: few nodes give a gap of its own place, many a steady decision. Doubled: the width lags.
-    pub const MEAN_NODES: usize = 4;
-    pub const FAR_MEAN_NODES: usize = 20;
-    /// Least gap in standard deviations of a node, in one view and in the mean of all views. By hand:
-    /// noise makes gaps of its own size. Doubled: layers are only found twice as far apart.
-    pub const MIN_GAP_SIGMAS: f64 = 3.0;
-    pub const GAP_SIGMAS: f64 = 4.5;
-    /// Factor by which the least half gap may be raised to decide alike along one sheet. By hand.
-    /// Doubled: nothing known.
-    pub const LIMIT_RANGE: f64 = 1.2;
-    /// How far along the curve a gap holds, in footprints. By hand. Doubled: layers reach too far.
-    pub const VALID_FOOTPRINTS: f64 = 3.0;
 }
 
 /// `estimate/groups.rs`
@@ -127,10 +86,9 @@ pub(super) mod groups {
     /// Half-width of a group along the curve, in footprints. By hand: less than half a sample, so that
     /// groups lose no detail. Doubled: detail is lost.
     pub const ALONG_FOOTPRINTS: f64 = 0.3;
-    /// Half-width across, as a share of the overlap threshold and of a layer's half gap. By hand.
-    /// Doubled: thin parts lose accuracy.
+    /// Half-width across, as a share of the overlap threshold. By hand. Doubled: thin parts lose
+    /// accuracy.
     pub const ACROSS_SHARE: f64 = 0.25;
-    pub const HALF_GAP_SHARE: f64 = 0.5;
     /// Least cosine between directions within a group (25°). By hand. Doubled: impossible.
     pub const SAME_WAY: f64 = 0.906;
 }
@@ -209,6 +167,13 @@ pub(super) mod place {
     pub const SHARED_WINDOW: f64 = 8.0 / 9.0;
 }
 
+/// `estimate/node.rs`
+pub(super) mod node {
+    /// Longest step of rings and of sides of corners, in footprints: a longer one is a gap. As
+    /// `output::BRIDGED_FOOTPRINTS`.
+    pub const LONGEST_STEP: f64 = 3.0;
+}
+
 /// `connect/link.rs`
 pub(super) mod link {
     /// How far ahead a node searches for its successor, in footprints. By hand: thinning leaves up to
@@ -260,8 +225,7 @@ pub(super) mod ends {
         /// Longest gap, in local footprints.
         pub gap_footprints: f64,
         /// Least and largest cosine between the directions of the two ends.
-        pub least_cosine: f64,
-        pub largest_cosine: f64,
+        pub cosines: [f64; 2],
         /// Least cosine between the gap and either direction.
         pub backward: f64,
         /// Nodes that may be cut from each end to find where the two come closest.
@@ -273,37 +237,22 @@ pub(super) mod ends {
     impl JoinRule {
         /// Ends that meet, whatever the turn: they belong together before anything is cut or bridged.
         /// With a wider gap, a small gap round a corner would win over a longer one straight on.
-        pub const MEETING: Self = Self {
-            gap_footprints: 0.7,
-            least_cosine: -1.0,
-            largest_cosine: 1.0,
-            backward: -0.7,
-            cut_nodes: 0,
-        };
+        pub const MEETING: Self = Self::new(0.7, [-1.0, 1.0], -0.7, 0);
         /// A smooth continuation; ends that pass beside each other are cut until the gap leads forward.
-        pub const SMOOTH: Self = Self {
-            gap_footprints: 4.0,
-            least_cosine: 0.5,
-            largest_cosine: 1.0,
-            backward: 0.3,
-            cut_nodes: 8,
-        };
+        pub const SMOOTH: Self = Self::new(4.0, [0.5, 1.0], 0.3, 8);
         /// A sharp bend or a thin tip, where the curve turns back on itself.
-        pub const HAIRPIN: Self = Self {
-            gap_footprints: 4.0,
-            least_cosine: -1.0,
-            largest_cosine: 0.5,
-            backward: -0.7,
-            cut_nodes: 0,
-        };
+        pub const HAIRPIN: Self = Self::new(4.0, [-1.0, 0.5], -0.7, 0);
         /// Ends that overshoot a rim and cross, or pass each other.
-        pub const CROSSING: Self = Self {
-            gap_footprints: 2.5,
-            least_cosine: -1.0,
-            largest_cosine: 0.5,
-            backward: -1.0,
-            cut_nodes: 10,
-        };
+        pub const CROSSING: Self = Self::new(2.5, [-1.0, 0.5], -1.0, 10);
+
+        const fn new(
+            gap_footprints: f64,
+            cosines: [f64; 2],
+            backward: f64,
+            cut_nodes: usize,
+        ) -> Self {
+            Self { gap_footprints, cosines, backward, cut_nodes }
+        }
     }
 
     /// Cost of a node that is cut, in its footprints. By hand. Doubled: overshooting ends stay.
@@ -332,6 +281,10 @@ pub(super) mod hooks {
     pub const PASSES: usize = 4;
     /// Fewest nodes of a chain whose hooks are removed: a small ring is all bends. By hand.
     pub const MIN_NODES: usize = 8;
+    /// Least cosine between a unit and the mean direction of its nodes, if the nodes have one direction, and
+    /// least cosine between theirs. By hand: below, the curve changes from one view's layer to another's.
+    pub const SIDEWAYS: f64 = 0.3;
+    pub const ONE_WAY: f64 = 0.5;
     /// Longest unit that is a hook, in footprints. Theory: thinning keeps neighbours of one curve farther
     /// apart. Doubled: bends lose nodes.
     pub const SHORT_FOOTPRINTS: f64 = 0.5;
@@ -348,8 +301,6 @@ pub(super) mod rings {
     /// Largest radius of a ring, in footprints. Theory: on larger rings the narrowest window turns by
     /// less than `place::LARGEST_TURN`, so windows may choose. Doubled: large rings become circles.
     pub const LARGEST_RADIUS: f64 = 19.0;
-    /// Longest step along a ring, in footprints: a longer one is a gap. As `output::BRIDGED_FOOTPRINTS`.
-    pub const LONGEST_STEP: f64 = 3.0;
     /// Largest turn between neighbouring nodes, in radians. By hand: chords lie 1 % of the radius inside.
     /// Doubled: 4 %.
     pub const LARGEST_TURN: f64 = 0.3;
@@ -405,8 +356,6 @@ pub(super) mod corners {
     pub const LONGEST_SIDE: f64 = 10.0;
     /// Least cosine between the direction of a side and its nodes' (25°). By hand.
     pub const SAME_SIDE: f64 = 0.906;
-    /// Longest step along a side and between two, in footprints. As `output::BRIDGED_FOOTPRINTS`.
-    pub const LONGEST_STEP: f64 = 3.0;
     /// Distance of a node on a side, in standard deviations, and in footprints besides. By hand. Doubled:
     /// sides run on into the rounded corner.
     pub const ON_SIGMAS: f64 = 3.0;

@@ -21,7 +21,7 @@
 use super::splice::{Merged, Outcome, Refusal, merge};
 use crate::consensus::measure::canonical;
 use crate::envelopes::{Meeting, PlaneEnvelopes};
-use crate::pattern::{Fork, OverlapTolerance, classify};
+use crate::pattern::{OverlapTolerance, classify};
 use crate::screening::may_overlap;
 use std::collections::{BTreeMap, BTreeSet};
 use transect_geometry::Curve;
@@ -67,9 +67,7 @@ impl GrowthCounts {
 
     fn refuse(&mut self, refusal: Refusal) {
         match refusal {
-            Refusal::Fork(Fork::AtBeginning) => self.forks[0] += 1,
-            Refusal::Fork(Fork::AtEnd) => self.forks[1] += 1,
-            Refusal::Fork(Fork::AtBothEnds) => self.forks[2] += 1,
+            Refusal::Fork(fork) => self.forks[fork as usize] += 1,
             Refusal::Several => self.several += 1,
         }
     }

@@ -24,12 +24,10 @@
 
 mod matches;
 mod overlap;
-mod page;
 
 pub use overlap::{
     CurveRange, Overlap, OverlapTolerance, Overlaps, Relation, ToleranceError, classify,
 };
-pub use page::{generated_blocks, table_as_markdown};
 
 use Fork::{AtBeginning, AtBothEnds, AtEnd};
 use Pattern::{BothWhole, EndToBeginning, WholeAndBeginning, WholeAndEnd, WholeAndMiddle};
@@ -101,24 +99,18 @@ impl Pattern {
 
     /// Its letter in Figure 5.7.
     pub const fn letter(self) -> char {
-        match self {
-            EndToBeginning => 'a',
-            BothWhole => 'b',
-            WholeAndEnd => 'c',
-            WholeAndBeginning => 'd',
-            WholeAndMiddle => 'e',
-        }
+        ['a', 'b', 'c', 'd', 'e'][self as usize]
     }
 
     /// What it is, in words.
     pub const fn words(self) -> &'static str {
-        match self {
-            EndToBeginning => "end to beginning",
-            BothWhole => "both whole",
-            WholeAndEnd => "whole and end",
-            WholeAndBeginning => "whole and beginning",
-            WholeAndMiddle => "whole and middle",
-        }
+        [
+            "end to beginning",
+            "both whole",
+            "whole and end",
+            "whole and beginning",
+            "whole and middle",
+        ][self as usize]
     }
 
     /// The pattern after both curves are walked the other way round: (c) and (d) change places.
@@ -149,20 +141,12 @@ impl Fork {
 
     /// Where it is, in words.
     pub const fn words(self) -> &'static str {
-        match self {
-            AtBeginning => "at the beginning",
-            AtEnd => "at the end",
-            AtBothEnds => "at both ends",
-        }
+        ["at the beginning", "at the end", "at both ends"][self as usize]
     }
 
     /// Its number in Table 5.1.
     pub const fn number(self) -> u8 {
-        match self {
-            AtBeginning => 1,
-            AtEnd => 2,
-            AtBothEnds => 3,
-        }
+        self as u8 + 1
     }
 
     /// The fork after both curves are walked the other way round: (1) and (2) change places.

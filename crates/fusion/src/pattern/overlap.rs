@@ -111,28 +111,6 @@ impl CurveRange {
     pub fn length(&self) -> f64 {
         self.to - self.from
     }
-
-    /// The indices of the curve's nodes within the stretch, in curve order.
-    pub fn nodes(&self, curve: &Curve) -> Vec<usize> {
-        let mut arc = 0.0;
-        let mut first_round = Vec::with_capacity(curve.nodes().len());
-        for unit in curve.units() {
-            first_round.push(arc);
-            arc += unit.vector().norm();
-        }
-        let length = arc;
-        if !curve.is_closed() {
-            first_round.push(length);
-        }
-        let rounds = if curve.is_closed() { 2 } else { 1 };
-        let places = (0..rounds)
-            .flat_map(|round| first_round.iter().map(move |s| s + f64::from(round) * length));
-        let within = |(_, s): &(usize, f64)| self.from <= *s && *s <= self.to;
-        let count = curve.nodes().len();
-        let nodes = places.enumerate().filter(within).map(|(i, _)| i % count);
-        // A stretch all the way round meets its first node again.
-        nodes.take(count).collect()
-    }
 }
 
 /// One overlap of two curves: the enclosed parts `b` and `B`, and what is around them.

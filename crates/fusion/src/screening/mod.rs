@@ -1,50 +1,20 @@
 //! Which pairs of curves may overlap at all (dissertation 5.3).
 //!
-//! The idea: comparing every curve with every other is wasteful, and comparing rectangles is cheap.
-//! Every step below is necessary for an overlap and none is sufficient; what they leave,
-//! [`classify`](crate::pattern::classify) verifies.
+//! The idea: comparing every curve with every other is slow, and comparing rectangles is cheap. Every
+//! step below is necessary for an overlap, and none is sufficient;
+//! [`classify`](crate::pattern::classify) verifies the pairs that are left.
 //!
 //! 1. The envelopes of both planes' curves, grown by the tolerance, must meet (5.3.1).
-//! 2. So must the envelopes of the two curves; their common rectangle limits the search (5.3.2).
+//! 2. So must the envelopes of the two curves; their common rectangle limits the search (5.3.2). Both are
+//!    the work of [`PlaneEnvelopes`](crate::envelopes::PlaneEnvelopes).
 //! 3. Both curves must have units in the common rectangle (the dashed envelopes of Figure 5.3).
 //! 4. Some of those units must run the same way: the opposite sides of a sheet and neighbouring
 //!    surfaces that face each other do not (Figure 5.5).
 //!
-//! Departures from the source: the pairs of step 2 come from an R-tree of envelopes
-//! ([`crate::envelopes`]) in place of two nested loops. Cost: O(n log n) for n curves, plus the
-//! pairs that meet.
+//! Departure from the source: the pairs of step 2 come from an R-tree of envelopes in place of two nested
+//! loops.
 
-use crate::envelopes::PlaneEnvelopes;
 use transect_geometry::{Curve, CurveUnit, Envelope};
-
-/// Two curves whose envelopes meet, by their places in the two lists that were screened.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CandidatePair {
-    /// Place of the first curve in the first list.
-    pub first: usize,
-    /// Place of the second curve in the second list.
-    pub second: usize,
-    /// The rectangle common to both grown envelopes: no overlap lies outside it.
-    pub common: Envelope,
-}
-
-/// The pairs of curves from two lists whose envelopes, each grown by `tolerance`, meet.
-///
-/// In order of the first, then the second list. `tolerance` is in the curves' length unit.
-pub fn candidate_pairs(first: &[Curve], second: &[Curve], tolerance: f64) -> Vec<CandidatePair> {
-    let second = PlaneEnvelopes::around(second, tolerance);
-    let pairs_of = |(first, curve): (usize, &Curve)| {
-        let meeting = second.meeting(curve).into_iter();
-        meeting.map(move |m| CandidatePair { first, second: m.curve, common: m.common })
-    };
-    first.iter().enumerate().flat_map(pairs_of).collect()
-}
-
-/// The units of a curve that touch a rectangle, by their place along the curve.
-pub fn units_within(curve: &Curve, rectangle: &Envelope) -> Vec<usize> {
-    let units = curve.units().enumerate();
-    units.filter(|(_, unit)| touches(unit, rectangle)).map(|(index, _)| index).collect()
-}
 
 /// Whether a segment and a rectangle share a point.
 fn touches(unit: &CurveUnit, rectangle: &Envelope) -> bool {

@@ -1,6 +1,7 @@
 //! Figures 5.3 to 5.5 of the dissertation, and the tree against the nested loops.
 
 use super::*;
+use crate::envelopes::PlaneEnvelopes;
 use crate::pattern::{OverlapTolerance, classify};
 use proptest::prelude::*;
 use std::f64::consts::FRAC_PI_3;
@@ -19,6 +20,25 @@ fn arc(centre: (f64, f64), radius: f64, degrees: std::ops::RangeInclusive<i32>) 
         (centre.0 + radius * cos, centre.1 + radius * sin)
     };
     polyline(&degrees.step_by(5).map(at).collect::<Vec<_>>())
+}
+
+/// Two curves whose envelopes meet, by their places in the two lists that were screened.
+#[derive(Debug, PartialEq)]
+struct CandidatePair {
+    first: usize,
+    second: usize,
+    common: Envelope,
+}
+
+/// The pairs of curves from two lists whose envelopes, each grown by a tolerance, meet.
+fn candidate_pairs(first: &[Curve], second: &[Curve], tolerance: f64) -> Vec<CandidatePair> {
+    let mut envelopes = PlaneEnvelopes::new(tolerance);
+    second.iter().enumerate().for_each(|(k, curve)| envelopes.insert(k, curve));
+    let pairs_of = |(first, curve): (usize, &Curve)| {
+        let meeting = envelopes.meeting(curve).into_iter();
+        meeting.map(move |m| CandidatePair { first, second: m.curve, common: m.common })
+    };
+    first.iter().enumerate().flat_map(pairs_of).collect()
 }
 
 /// Whether envelopes meet; whether the common rectangle keeps the pair; how many overlaps there are.

@@ -2,8 +2,7 @@
 
 use super::super::estimate::PlacedNode;
 use super::super::measure::NONE;
-use super::super::tuning::chain::{CHORD_NODES, DIRECTION_NODES, DIRECTION_SIGMAS};
-use std::cmp::Ordering;
+use super::super::tuning::chain::*;
 use transect_geometry::Vector2;
 
 /// The numbers of nodes in the order of a curve.
@@ -101,13 +100,11 @@ pub(super) fn trace(next: &[u32]) -> Vec<Chain> {
 pub(in super::super) fn by_length(nodes: &[PlacedNode], chains: Vec<Chain>) -> Vec<Chain> {
     let mut measured: Vec<(f64, Chain)> =
         chains.into_iter().map(|c| (c.length(nodes), c)).collect();
-    let place = |c: &Chain| {
-        let at = c.nodes.first().map(|&k| nodes[k as usize].position).unwrap_or_default();
-        [at.x, at.y]
-    };
+    let first =
+        |c: &Chain| c.nodes.first().map(|&k| nodes[k as usize].position).unwrap_or_default();
     measured.sort_by(|(length_a, a), (length_b, b)| {
-        let places = place(a).into_iter().zip(place(b)).map(|(a, b)| a.total_cmp(&b));
-        length_b.total_cmp(length_a).then(places.fold(Ordering::Equal, Ordering::then))
+        let (p, q) = (first(a), first(b));
+        length_b.total_cmp(length_a).then(p.x.total_cmp(&q.x)).then(p.y.total_cmp(&q.y))
     });
     measured.into_iter().map(|(_, c)| c).collect()
 }

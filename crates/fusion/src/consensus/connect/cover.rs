@@ -2,45 +2,34 @@
 
 use super::super::estimate::PlacedNode;
 use super::super::measure::{NONE, Scale};
-use super::super::tuning::cover::{LONGEST_UNIT_FOOTPRINTS, MIN_NODES, REST_FOOTPRINTS};
+use super::super::tuning::cover::*;
 use super::chain::{Chain, by_length};
 use crate::grid::PointGrid;
 use transect_geometry::{Point2, Vector2};
 
 /// Smallest chain that is accepted.
 #[derive(Debug, Clone, Copy)]
-struct Size {
-    footprints: f64,
-    nodes: usize,
-}
-
-/// Smallest chains that are accepted.
-#[derive(Debug, Clone, Copy)]
 pub(super) struct Shortest {
-    /// A chain no part of which lies beside another.
-    whole: Size,
-    /// The rest of a chain that was cut.
-    rest: Size,
+    footprints: f64,
+    /// Whether a chain may be shorter if no part of it lies beside another.
+    frees_whole: bool,
 }
 
 impl Shortest {
     /// For chains that take part in joining: of a thin leg a view has a sample or two of each side. A
     /// short rest beside another chain is no such leg.
-    pub const PART: Self = Self {
-        whole: Size { footprints: 0.0, nodes: 1 },
-        rest: Size { footprints: REST_FOOTPRINTS, nodes: MIN_NODES },
-    };
+    pub const PART: Self = Self { footprints: REST_FOOTPRINTS, frees_whole: true };
 
     /// For chains that become curves.
     pub fn curve(footprints: f64) -> Self {
-        let size = Size { footprints, nodes: MIN_NODES };
-        Self { whole: size, rest: size }
+        Self { footprints, frees_whole: false }
     }
 
     /// Whether a chain is large enough.
     pub fn accepts(&self, chain: &Chain, nodes: &[PlacedNode], is_whole: bool) -> bool {
-        let Size { footprints, nodes: count } = if is_whole { self.whole } else { self.rest };
-        chain.nodes.len() >= count && chain.footprints(nodes) >= footprints
+        let is_free = is_whole && self.frees_whole;
+        let is_long = || chain.footprints(nodes) >= self.footprints;
+        is_free || (chain.nodes.len() >= MIN_NODES && is_long())
     }
 }
 
@@ -108,11 +97,8 @@ impl<'a> Cover<'a> {
     /// Whether a node lies beside an accepted chain of the same direction.
     fn lies_beside(&self, k: u32) -> bool {
         let here = &self.nodes[k as usize];
-        let width = self
-            .scale
-            .across(here.evidence.random_sigma, f64::INFINITY)
-            .max(here.evidence.footprint);
-        self.lies_within(k, width.min(here.evidence.half_gap))
+        let width = self.scale.across(here.evidence.random_sigma).max(here.evidence.footprint);
+        self.lies_within(k, width)
     }
 
     /// Whether a node lies within a width of an accepted chain of the same direction.

@@ -70,58 +70,27 @@ fn candidates(
         .enumerate()
         .filter_map(|(k, slot)| Some((k, slot.as_ref().filter(|c| !c.closed)?)))
         .collect();
-    let end = |number: Option<&u32>| {
-        let PlacedNode { position, spacing, .. } = nodes[*number? as usize];
-        Some(End { position, spacing })
-    };
-    let tails: Vec<End> = open.iter().filter_map(|(_, c)| end(c.nodes.last())).collect();
-    let heads: Vec<End> = open.iter().filter_map(|(_, c)| end(c.nodes.first())).collect();
+    let end = |number: Option<&u32>| Some(nodes[*number? as usize]);
+    let heads: Vec<PlacedNode> = open.iter().filter_map(|(_, c)| end(c.nodes.first())).collect();
+    let places: Vec<Point2> = heads.iter().map(|head| head.position).collect();
+    let grid = PointGrid::new(&places, rule.farthest(scale.spacing, scale));
+    let widest = heads.iter().map(|head| head.spacing).fold(0.0, f64::max);
     let mut joins: Vec<Join> = Vec::new();
-    neighbours(&tails, &heads, scale, rule, |tail, head| {
-        let ((tail, a), (head, b)) = (open[tail], open[head]);
-        let pair = Pair { nodes, tail: a, head: b, is_one: tail == head };
-        joins.extend(pair.best_fit(scale, rule).map(|fit| Join { tail, head, fit }));
-    });
+    for &(tail, a) in &open {
+        let Some(at) = end(a.nodes.last()) else { continue };
+        grid.within(&at.position, rule.farthest(at.spacing.max(widest), scale), |h, d| {
+            let (head, b) = open[h];
+            let pair = Pair { nodes, tail: a, head: b, is_one: tail == head };
+            // How far the rule reaches depends on the larger spacing of the two.
+            if d.norm() <= rule.farthest(at.spacing.max(heads[h].spacing), scale) {
+                joins.extend(pair.best_fit(scale, rule).map(|fit| Join { tail, head, fit }));
+            }
+        });
+    }
     joins.sort_by(|a, b| {
         a.fit.cost.total_cmp(&b.fit.cost).then((a.tail, a.head).cmp(&(b.tail, b.head)))
     });
     joins
-}
-
-/// An open end of a chain.
-#[derive(Debug, Clone, Copy)]
-struct End {
-    position: Point2,
-    spacing: f64,
-}
-
-/// Visits every tail and head close enough for the rule. The distance depends on the larger spacing
-/// of the two, so each pair is found from that end.
-fn neighbours(
-    tails: &[End],
-    heads: &[End],
-    scale: &Scale,
-    rule: &JoinRule,
-    mut visit: impl FnMut(usize, usize),
-) {
-    let places = |ends: &[End]| ends.iter().map(|e| e.position).collect::<Vec<Point2>>();
-    let cell = rule.farthest(scale.spacing, scale);
-    let (tail_grid, head_grid) =
-        (PointGrid::new(&places(tails), cell), PointGrid::new(&places(heads), cell));
-    for (t, tail) in tails.iter().enumerate() {
-        head_grid.within(&tail.position, rule.farthest(tail.spacing, scale), |h, _| {
-            if heads[h].spacing <= tail.spacing {
-                visit(t, h);
-            }
-        });
-    }
-    for (h, head) in heads.iter().enumerate() {
-        tail_grid.within(&head.position, rule.farthest(head.spacing, scale), |t, _| {
-            if tails[t].spacing < head.spacing {
-                visit(t, h);
-            }
-        });
-    }
 }
 
 /// The two chains of a join.
@@ -173,7 +142,7 @@ fn gap_cost(
     rule: &JoinRule,
 ) -> Option<f64> {
     let turn = directions[0].dot(directions[1]);
-    if turn < rule.least_cosine || turn > rule.largest_cosine + 1e-9 {
+    if turn < rule.cosines[0] || turn > rule.cosines[1] + 1e-9 {
         return None;
     }
     let gap = q.position - p.position;

@@ -7,9 +7,7 @@
 
 use super::super::estimate::PlacedNode;
 use super::super::measure::{NONE, Observations, Scale};
-use super::super::tuning::link::{
-    BACKWARD, DOUBT, REACH_FOOTPRINTS, SIDEWAYS, SMALLEST_TURN_COSINE, WITNESSED,
-};
+use super::super::tuning::link::*;
 use crate::grid::PointGrid;
 use transect_geometry::Point2;
 
@@ -23,7 +21,7 @@ pub(super) fn spread_spacing(nodes: &mut [PlacedNode], scale: &Scale) {
     for k in 0..nodes.len() {
         let PlacedNode { position, tangent, evidence, .. } = nodes[k];
         let footprint = evidence.footprint;
-        let across = scale.across(evidence.random_sigma, evidence.half_gap);
+        let across = scale.across(evidence.random_sigma);
         grid.within(&position, footprint, |j, d| {
             let there = &mut nodes[j];
             let beside =
@@ -42,14 +40,16 @@ pub(super) fn link(
     observations: &Observations,
     scale: &Scale,
 ) -> Vec<u32> {
-    let mut candidates = Candidates::new(nodes, scale);
+    let mut candidates = Candidates { nodes, scale, all: Vec::new() };
     candidates.add_ahead();
     if scale.steps().witnessed_links {
         candidates.add_witnessed(absorbed_by, observations);
     }
     let mut next = vec![NONE; nodes.len()];
     let mut previous = vec![NONE; nodes.len()];
-    for c in candidates.cheapest_first() {
+    let mut all = candidates.all;
+    all.sort_unstable();
+    for c in all {
         let (from, to) = (c.from as usize, c.to as usize);
         let back_and_forth = next[to] == c.from;
         if next[from] == NONE && previous[to] == NONE && !back_and_forth {
@@ -70,13 +70,6 @@ struct Candidate {
     to: u32,
 }
 
-/// A candidate, and the number of an earlier one from the same node, or [`NONE`].
-#[derive(Debug, Clone, Copy)]
-struct Chained {
-    candidate: Candidate,
-    earlier: u32,
-}
-
 /// A step between two nodes, with the cosines between it and the directions there.
 struct Step {
     length: f64,
@@ -92,41 +85,17 @@ impl Step {
     }
 }
 
-/// Possible links, each pair of nodes once at its least cost: many views witness the same link.
+/// Possible links; those that several views witness come several times.
 struct Candidates<'a> {
     nodes: &'a [PlacedNode],
     scale: &'a Scale,
-    all: Vec<Chained>,
-    /// The last candidate from each node.
-    last: Vec<u32>,
+    all: Vec<Candidate>,
 }
 
-impl<'a> Candidates<'a> {
-    fn new(nodes: &'a [PlacedNode], scale: &'a Scale) -> Self {
-        let (all, last) = (Vec::with_capacity(4 * nodes.len()), vec![NONE; nodes.len()]);
-        Self { nodes, scale, all, last }
-    }
-
+impl Candidates<'_> {
     fn add(&mut self, from: usize, to: usize, cost: f64, bridged: bool) {
         let cost = cost.to_bits() | u64::from(bridged) << 63;
-        let mut at = self.last[from];
-        while let Some(Chained { candidate, earlier }) = self.all.get_mut(at as usize) {
-            if candidate.to == to as u32 {
-                candidate.cost = candidate.cost.min(cost);
-                return;
-            }
-            at = *earlier;
-        }
-        let number = self.all.len() as u32;
-        let candidate = Candidate { cost, from: from as u32, to: to as u32 };
-        let earlier = std::mem::replace(&mut self.last[from], number);
-        self.all.push(Chained { candidate, earlier });
-    }
-
-    fn cheapest_first(self) -> Vec<Candidate> {
-        let mut all: Vec<Candidate> = self.all.into_iter().map(|c| c.candidate).collect();
-        all.sort_unstable();
-        all
+        self.all.push(Candidate { cost, from: from as u32, to: to as u32 });
     }
 
     /// Cost of a step: its length, more if it bends, and more for nodes of little support.

@@ -43,9 +43,7 @@ pub(super) fn connect(estimate: &mut Estimate, measured: &Measurements) -> Chain
     if scale.steps().spurs {
         chains = spurs::without_spurs(nodes, chains, scale);
     }
-    if scale.steps().backward {
-        chains.iter_mut().for_each(|c| hooks::remove_hooks(nodes, c));
-    }
+    chains.iter_mut().for_each(|c| hooks::remove_hooks(nodes, c, scale.steps()));
     if scale.steps().direction {
         chains.retain(|c| c.has_direction(nodes));
     }

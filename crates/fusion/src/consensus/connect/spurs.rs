@@ -5,7 +5,7 @@
 
 use super::super::estimate::PlacedNode;
 use super::super::measure::Scale;
-use super::super::tuning::spurs::{BESIDE_SHARE, MAX_SUPPORT, MAX_VIEWS, THRESHOLDS};
+use super::super::tuning::spurs::*;
 use super::chain::Chain;
 use super::cover::Cover;
 

@@ -2,7 +2,7 @@
 //!
 //! Members of one view share errors, so they count as fewer than they are.
 
-use super::super::measure::{NONE, Observation, Observations, Scale};
+use super::super::measure::{Observation, Observations, Scale};
 use super::fit;
 use super::node::Evidence;
 use super::thin::Stand;
@@ -47,7 +47,7 @@ pub(super) fn clusters(
 }
 
 /// Sums over what a stand absorbed. Members come view by view, and along the view's curves.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     weight: f64,
     support: f64,
@@ -60,7 +60,7 @@ struct Sums {
     tan_incidence: f64,
     known_weight: f64,
     views: u32,
-    last_view: u32,
+    last_view: Option<u32>,
     last_along: f64,
     variance: f64,
     /// Weighted error of earlier members of the same view that the next one shares.
@@ -70,34 +70,11 @@ struct Sums {
     of_views: f64,
 }
 
-impl Default for Sums {
-    fn default() -> Self {
-        Self {
-            weight: 0.0,
-            support: 0.0,
-            position: Vector2::zeros(),
-            along: 0.0,
-            along_squared: 0.0,
-            normal: Vector3::zeros(),
-            correlation: 0.0,
-            tan_incidence: 0.0,
-            known_weight: 0.0,
-            views: 0,
-            last_view: NONE,
-            last_along: 0.0,
-            variance: 0.0,
-            shared: 0.0,
-            of_view: 0.0,
-            of_views: 0.0,
-        }
-    }
-}
-
 impl Sums {
     fn add(&mut self, o: &Observation, along: f64) {
-        if self.last_view != o.view {
+        if self.last_view != Some(o.view) {
             // Views err independently of each other.
-            (self.last_view, self.shared) = (o.view, 0.0);
+            (self.last_view, self.shared) = (Some(o.view), 0.0);
             self.of_views += self.of_view * self.of_view;
             self.of_view = 0.0;
             self.views += 1;
@@ -137,7 +114,6 @@ impl Sums {
             correlation: per_weight(self.correlation),
             evidence: Evidence {
                 footprint: stand.footprint,
-                half_gap: stand.half_gap,
                 random_sigma: per_weight(self.variance.sqrt()),
                 view_variance: if has_weight { squares / (self.weight * self.weight) } else { 0.0 },
                 weight: self.weight,

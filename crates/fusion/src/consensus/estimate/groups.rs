@@ -5,7 +5,7 @@
 //! number of views. The observations are kept: clusters are means of their original places.
 
 use super::super::measure::{NONE, Observation, Observations, Scale};
-use super::super::tuning::groups::{ACROSS_SHARE, ALONG_FOOTPRINTS, HALF_GAP_SHARE, SAME_WAY};
+use super::super::tuning::groups::*;
 use super::super::window::Window;
 use crate::grid::PointGrid;
 use transect_geometry::{Point2, Vector2};
@@ -23,8 +23,6 @@ pub(super) struct Group {
     pub sigma: f64,
     /// Their weighted mean footprint.
     pub footprint: f64,
-    /// Half the gap to the next layer at the first of them.
-    pub half_gap: f64,
 }
 
 /// The groups, and for every observation the number of its group.
@@ -42,18 +40,17 @@ pub(super) fn group(observations: &Observations, grid: &PointGrid, scale: &Scale
             continue;
         }
         let number = groups.all.len() as u32;
-        let half_gap = observations.half_gap(k);
         groups.of[k] = number;
         let window = Window {
             centre: here.position,
             tangent: here.tangent,
             reach: ALONG_FOOTPRINTS * here.footprint,
-            across: across(scale, here, half_gap),
+            across: ACROSS_SHARE * scale.across(here.sigma),
             same_way: SAME_WAY,
         };
         let (of, mut sums) = (&mut groups.of, Sums::of(here));
         if !scale.steps().groups {
-            groups.all.push(sums.group(here, half_gap));
+            groups.all.push(sums.group(here));
             continue;
         }
         window.visit(
@@ -67,17 +64,13 @@ pub(super) fn group(observations: &Observations, grid: &PointGrid, scale: &Scale
                 }
             },
         );
-        groups.all.push(sums.group(here, half_gap));
+        groups.all.push(sums.group(here));
     }
     groups
 }
 
-/// Half-width of a group across the curve.
-fn across(scale: &Scale, here: &Observation, half_gap: f64) -> f64 {
-    (ACROSS_SHARE * scale.across(here.sigma, f64::INFINITY)).min(HALF_GAP_SHARE * half_gap)
-}
-
 /// Sums over the members of a group; places relative to the first.
+#[derive(Default)]
 struct Sums {
     place: Vector2,
     tangent: Vector2,
@@ -90,15 +83,9 @@ struct Sums {
 
 impl Sums {
     fn of(first: &Observation) -> Self {
-        let (place, tangent) = (Vector2::zeros(), first.tangent * first.weight);
-        Self {
-            place,
-            tangent,
-            weight: first.weight,
-            footprint: first.weight * first.footprint,
-            best_quality: quality(first),
-            best_sigma: first.sigma,
-        }
+        let mut sums = Self { best_quality: f64::NEG_INFINITY, ..Self::default() };
+        sums.add(first, first);
+        sums
     }
 
     fn add(&mut self, first: &Observation, o: &Observation) {
@@ -112,7 +99,7 @@ impl Sums {
         }
     }
 
-    fn group(&self, first: &Observation, half_gap: f64) -> Group {
+    fn group(&self, first: &Observation) -> Group {
         // Without any weight the group stands at its first member.
         let share = if self.weight > 0.0 { 1.0 / self.weight } else { 0.0 };
         Group {
@@ -121,7 +108,6 @@ impl Sums {
             weight: self.weight,
             sigma: self.best_sigma,
             footprint: if share > 0.0 { self.footprint * share } else { first.footprint },
-            half_gap,
         }
     }
 }

@@ -6,7 +6,6 @@ mod cluster;
 mod fit;
 mod groups;
 mod node;
-mod own_layer;
 mod parabola;
 mod place;
 mod thin;

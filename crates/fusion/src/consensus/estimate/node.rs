@@ -1,5 +1,6 @@
 //! A node of the result, and what its observations tell about it.
 
+use super::super::tuning::node::*;
 use nalgebra::Vector3;
 use transect_geometry::{Node, Point2, Vector2};
 
@@ -7,8 +8,6 @@ use transect_geometry::{Node, Point2, Vector2};
 #[derive(Debug, Clone, Copy)]
 pub(in super::super) struct Evidence {
     pub footprint: f64,
-    /// Half the gap to the next layer of the same direction; infinite without one.
-    pub half_gap: f64,
     /// Standard deviation of the observations' mean, without the views' systematic errors.
     pub random_sigma: f64,
     /// Variance of the mean by the views' systematic errors.
@@ -53,25 +52,36 @@ impl PlacedNode {
             .with_normal(normal)
     }
 
+    /// Whether the ground up to a neighbour was measured: the step is no longer than three footprints.
+    pub fn is_beside(&self, next: &Self) -> bool {
+        let footprint = self.evidence.footprint.max(next.evidence.footprint);
+        (next.position - self.position).norm() <= LONGEST_STEP * footprint
+    }
+
     /// Standard deviation across the curve without the views' systematic errors.
     pub fn random_sigma(&self) -> f64 {
         (self.sigma * self.sigma - self.evidence.view_variance).max(0.0).sqrt()
     }
+}
 
-    /// A node for tests, of no weight.
-    #[cfg(test)]
-    pub fn at(position: Point2, tangent: Vector2, footprint: f64) -> Self {
-        let evidence = Evidence {
-            footprint,
-            half_gap: f64::INFINITY,
-            random_sigma: 0.0,
-            view_variance: 0.0,
-            weight: 0.0,
-            support: 0.0,
-            views: 0,
-            normal: None,
-            tan_incidence: None,
-        };
-        Self { position, tangent, sigma: 0.0, correlation: 0.0, spacing: footprint, evidence }
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    impl PlacedNode {
+        /// A node of no weight.
+        pub fn at(position: Point2, tangent: Vector2, footprint: f64) -> Self {
+            let evidence = Evidence {
+                footprint,
+                random_sigma: 0.0,
+                view_variance: 0.0,
+                weight: 0.0,
+                support: 0.0,
+                views: 0,
+                normal: None,
+                tan_incidence: None,
+            };
+            Self { position, tangent, sigma: 0.0, correlation: 0.0, spacing: footprint, evidence }
+        }
     }
 }

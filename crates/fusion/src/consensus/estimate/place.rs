@@ -13,16 +13,11 @@
 //! known, so the error that is left comes from changes of the bend.
 
 use super::super::measure::Scale;
-use super::super::tuning::place::{
-    ARC_ERROR, CONFIDENCE, ERROR_SHARE, GAP_FOOTPRINTS, GATHER_AHEAD, LARGEST_NOISY_TURN,
-    LARGEST_TURN, LAST_FIRST_WINDOW, LEAST_VARIANCE_SHARE, NARROWEST_FOOTPRINTS, SHARED_WINDOW,
-    SIXTH_ORDER_TURN, STRAY_CONFIDENCE, STRAY_WINDOWS, WINDOW_GROWTH, WINDOWS,
-};
+use super::super::tuning::place::*;
 use super::super::window::{Window, left_of};
 use super::cluster::Cluster;
 use super::fit::Fit;
 use super::node::PlacedNode;
-use super::own_layer::{self, Step};
 use super::parabola::{Limits, Sample, Windows};
 use crate::grid::PointGrid;
 use transect_geometry::Point2;
@@ -110,17 +105,13 @@ struct Neighbour {
 struct Near<'a> {
     clusters: &'a [Cluster],
     scale: &'a Scale,
-    /// How far across the curve the rough line lies from each cluster; empty where there are no layers.
-    off_line: Vec<f64>,
     grid: PointGrid,
     /// How far along the curve clusters have been gathered.
     reach: f64,
     /// How many more nodes went beyond the first windows than did not.
     far: i32,
+    /// In order along the curve.
     found: Vec<Neighbour>,
-    /// The order of `found` along the curve: each key holds a place in its upper half and the number in
-    /// `found` in its lower half.
-    order: Vec<u64>,
     windows: Windows,
     /// Fits in the windows accepted so far.
     narrower: Vec<Fit>,
@@ -132,12 +123,10 @@ impl<'a> Near<'a> {
         Self {
             clusters,
             scale,
-            off_line: own_layer::off_line(clusters),
             grid: PointGrid::new(&places, 2.0 * NARROWEST_FOOTPRINTS * scale.spacing),
             reach: 0.0,
             far: 0,
             found: Vec::new(),
-            order: Vec::new(),
             windows: Windows::new(*scale.steps()),
             narrower: Vec::new(),
         }
@@ -147,7 +136,7 @@ impl<'a> Near<'a> {
     fn widest_fit(&mut self, here: &Cluster) -> Option<WindowFit> {
         let steps = *self.scale.steps();
         let stray_windows = if steps.stray_windows { STRAY_WINDOWS } else { 0 };
-        let threshold = self.scale.across(here.evidence.random_sigma, here.evidence.half_gap);
+        let threshold = self.scale.across(here.evidence.random_sigma);
         let mut best: Option<WindowFit> = None;
         self.narrower.clear();
         self.reach = 0.0;
@@ -188,7 +177,7 @@ impl<'a> Near<'a> {
     /// Whether the samples of a window follow each other without a gap.
     fn is_seen(&self, limits: &Limits) -> bool {
         let inside = |s: &&Neighbour| s.x.abs() <= limits.reach && s.y.abs() <= limits.across;
-        let mut samples = self.order.iter().map(|key| keyed(&self.found, *key)).filter(inside);
+        let mut samples = self.found.iter().filter(inside);
         let Some(mut last) = samples.next() else { return false };
         samples.all(|s| {
             let footprint = |n: &Neighbour| self.clusters[n.number as usize].evidence.footprint;
@@ -213,45 +202,18 @@ impl<'a> Near<'a> {
             across: across(threshold, reach),
             same_way: self.scale.same_way,
         };
-        let Self { clusters, found, order, .. } = self;
+        let Self { clusters, found, .. } = self;
         found.clear();
-        order.clear();
         window.visit(
             &self.grid,
             |j| clusters[j].tangent,
-            |j, x, y| {
-                order.push(u64::from(ordered(x as f32)) << 32 | found.len() as u64);
-                found.push(Neighbour { number: j as u32, x, y });
-            },
+            |j, x, y| found.push(Neighbour { number: j as u32, x, y }),
         );
-        // Integer keys sort faster than the floating-point places.
-        order.sort_unstable();
-        self.keep_own_layer(here);
-        let sample = |key: &u64| sample(self.clusters, keyed(&self.found, *key));
-        let unit = half_width(here, 0);
-        self.windows.begin(self.order.iter().map(sample), unit);
+        found.sort_by(|a, b| (a.x as f32).total_cmp(&(b.x as f32)));
+        let samples = found.iter().map(|n| sample(clusters, n));
+        self.windows.begin(samples, half_width(here, 0));
         self.reach = reach;
     }
-
-    fn keep_own_layer(&mut self, here: &Cluster) {
-        let half_gap = here.evidence.half_gap;
-        if half_gap.is_infinite() || !self.scale.steps().layer_following {
-            return;
-        }
-        let Self { clusters, off_line, found, order, .. } = self;
-        let place = |key: &u64| {
-            let Neighbour { number, x, y } = *keyed(found, *key);
-            let t = clusters[number as usize].tangent;
-            let slope = here.tangent.perp(&t) / here.tangent.dot(&t);
-            Step { x, y: y + off_line[number as usize], slope }
-        };
-        own_layer::keep_own(order, place, half_gap);
-    }
-}
-
-/// The neighbour that a key stands for.
-fn keyed(found: &[Neighbour], key: u64) -> &Neighbour {
-    &found[(key & u64::from(u32::MAX)) as usize]
 }
 
 /// A neighbour as a sample of a fit.
@@ -264,12 +226,6 @@ fn sample(clusters: &[Cluster], n: &Neighbour) -> Sample {
 /// Half-width along the curve of a node's windows, from the narrowest on.
 fn half_width(here: &Cluster, step: i32) -> f64 {
     NARROWEST_FOOTPRINTS * here.evidence.footprint * WINDOW_GROWTH.powi(step)
-}
-
-/// A number that has the order of a value.
-fn ordered(value: f32) -> u32 {
-    let bits = value.to_bits();
-    if bits >> 31 == 0 { bits | 1 << 31 } else { !bits }
 }
 
 /// Half-width of a window across: a bend leaves the tangent by up to half the reach where directions

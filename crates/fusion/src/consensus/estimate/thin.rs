@@ -7,7 +7,7 @@
 //! lies.
 
 use super::super::measure::{NONE, Scale};
-use super::super::tuning::thin::{ABSORB_FOOTPRINTS, ABSORB_SHARE, ROUGH_FOOTPRINTS, ROUGH_SIGMAS};
+use super::super::tuning::thin::*;
 use super::super::window::{Window, left_of};
 use super::fit::{Fit, LineSample, line};
 use super::groups::{Group, Groups};
@@ -19,7 +19,6 @@ use transect_geometry::Point2;
 pub(super) struct Stand {
     pub window: Window,
     pub footprint: f64,
-    pub half_gap: f64,
 }
 
 /// The stands, and for every group the stand that absorbed it.
@@ -40,14 +39,11 @@ pub(super) fn thin(groups: &Groups, scale: &Scale) -> Thinned {
 /// A group with many good observations lies in the middle of them all. Of equal weight, the coarser
 /// group covers more ground; where the surface bends, its sampling error makes it the lighter one.
 fn by_support(groups: &Groups) -> Vec<u32> {
-    // Integer keys of the same order sort faster than the floating-point values.
-    let key = |(k, g): (usize, &Group)| {
-        let support = ((g.weight * g.footprint) as f32).max(0.0).to_bits();
-        u64::from(u32::MAX - support) << 32 | k as u64
-    };
-    let mut order: Vec<u64> = groups.all.iter().enumerate().map(key).collect();
-    order.sort_unstable();
-    order.into_iter().map(|key| key as u32).collect()
+    let support: Vec<f32> =
+        groups.all.iter().map(|g| ((g.weight * g.footprint) as f32).max(0.0)).collect();
+    let mut order: Vec<u32> = (0..support.len() as u32).collect();
+    order.sort_by(|a, b| support[*b as usize].total_cmp(&support[*a as usize]));
+    order
 }
 
 /// The stands so far, and what they absorbed.
@@ -85,25 +81,24 @@ impl<'a> Choice<'a> {
         let group = &self.groups.all[k];
         let line = self.line(group);
         let normal = left_of(&group.tangent);
-        let across = ABSORB_SHARE * self.scale.across(group.sigma, f64::INFINITY);
+        let across = ABSORB_SHARE * self.scale.across(group.sigma);
         let window = Window {
             centre: group.position + normal * line.place,
             tangent: (group.tangent + normal * line.slope).normalize(),
             reach: ABSORB_FOOTPRINTS * group.footprint,
-            across: across.min(group.half_gap),
+            across,
             same_way: self.scale.same_way,
         };
         self.absorbed_by[k] = self.stand_around(&window).unwrap_or_else(|| {
             self.absorb(&window, &line);
-            let Group { footprint, half_gap, .. } = *group;
-            self.stands.push(Stand { window, footprint, half_gap });
+            self.stands.push(Stand { window, footprint: group.footprint });
             self.stands.len() as u32 - 1
         });
     }
 
     /// A robust line through a group's neighbours, in the group's own direction.
     fn line(&mut self, here: &Group) -> Fit {
-        let across = self.scale.across(here.sigma, here.half_gap);
+        let across = self.scale.across(here.sigma);
         let window = Window {
             centre: here.position,
             tangent: here.tangent,

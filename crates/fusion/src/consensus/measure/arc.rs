@@ -1,6 +1,6 @@
 //! What one view's curve tells along its length: arc lengths, directions, and how rough it is.
 
-use transect_geometry::{Curve, Node, Point2, Vector2};
+use transect_geometry::{Curve, Node, Vector2};
 
 /// Arc lengths along a curve.
 pub(super) struct Arc<'a> {
@@ -10,17 +10,8 @@ pub(super) struct Arc<'a> {
     /// Length of the unit that begins at each node.
     steps: Vec<f64>,
     pub length: f64,
-    /// The residual of each four nodes in a row, by the first of them.
-    residuals: Vec<Residuals>,
-    /// Whether all units were measured.
-    whole: bool,
-}
-
-/// A sum of squared residuals, and of how many; both zero where no residual is known.
-#[derive(Debug, Clone, Copy, Default)]
-struct Residuals {
-    squares: f64,
-    count: f64,
+    /// The squared residual of each four nodes in a row, by the first of them; `None` if unknown.
+    residuals: Vec<Option<f64>>,
 }
 
 impl<'a> Arc<'a> {
@@ -30,18 +21,17 @@ impl<'a> Arc<'a> {
         let follows = nodes.iter().skip(1).chain(closing);
         let (mut at, mut steps) =
             (Vec::with_capacity(nodes.len()), Vec::with_capacity(nodes.len()));
-        let (mut length, mut whole) = (0.0, true);
+        let mut length = 0.0;
         for (node, next) in nodes.iter().zip(follows) {
             let step = (next.position - node.position).norm();
             at.push(length);
             steps.push(step);
             length += step;
-            whole &= !node.bridged;
         }
         if !curve.is_closed() {
             at.push(length);
         }
-        Self { curve, at, steps, length, residuals: residuals(curve), whole }
+        Self { curve, at, steps, length, residuals: residuals(curve) }
     }
 
     pub fn to_open_end(&self, k: usize) -> f64 {
@@ -59,21 +49,17 @@ impl<'a> Arc<'a> {
     /// share is not.
     pub fn roughness(&self, k: usize) -> f64 {
         // The four that hold the node, and one more on each side.
-        const AROUND: usize = 6;
-        let n = self.residuals.len();
-        let sum = match (k + 2).checked_sub(AROUND).and_then(|k| self.residuals.get(k..k + AROUND))
-        {
-            Some(inside) => add(inside),
-            None if self.curve.is_closed() => {
-                let first = k + AROUND * n + 2 - AROUND;
-                add(&[0, 1, 2, 3, 4, 5].map(|i| self.residuals[(first + i) % n]))
+        let n = self.residuals.len() as isize;
+        let wrapped = |i: isize| if self.curve.is_closed() { i.rem_euclid(n) } else { i };
+        let (mut squares, mut count) = (0.0, 0.0);
+        for i in k as isize - 4..k as isize + 2 {
+            let residual = usize::try_from(wrapped(i)).ok().and_then(|i| self.residuals.get(i));
+            if let Some(Some(square)) = residual {
+                squares += square;
+                count += 1.0;
             }
-            None => {
-                let (first, end) = ((k + 2).saturating_sub(AROUND), (k + 2).min(n));
-                add(self.residuals.get(first..end).unwrap_or_default())
-            }
-        };
-        if sum.count > 0.0 { (sum.squares / sum.count).sqrt() } else { f64::INFINITY }
+        }
+        if count > 0.0 { (squares / count).sqrt() } else { f64::INFINITY }
     }
 
     /// Unit direction at a node: from the mean of the nodes within `reach` before it to the mean of
@@ -83,27 +69,9 @@ impl<'a> Arc<'a> {
         d.try_normalize(0.0).unwrap_or_else(|| self.chord(k))
     }
 
+    /// Mean offset of the nodes within `reach` on one side: round closed curves, and up to the first
+    /// bridge.
     fn mean_offset(&self, k: usize, reach: f64, ahead: bool) -> Vector2 {
-        let within = self.whole.then(|| self.mean_within(k, reach, ahead)).flatten();
-        within.unwrap_or_else(|| self.mean_walked(k, reach, ahead))
-    }
-
-    /// Mean offset of the nodes within `reach` on one side; the nearest one always counts. `None`
-    /// where the reach leads over the ends of the list of nodes.
-    fn mean_within(&self, k: usize, reach: f64, ahead: bool) -> Option<Vector2> {
-        let (nodes, at) = (self.curve.nodes(), self.at.as_slice());
-        let (here, from) = (nodes[k].position, at[k]);
-        if ahead {
-            let others = nodes[k + 1..].iter().zip(&at[k + 1..]);
-            mean_offset(&here, others.map(|(node, at)| (node, at - from)), reach)
-        } else {
-            let others = nodes[..k].iter().zip(&at[..k]).rev();
-            mean_offset(&here, others.map(|(node, at)| (node, from - at)), reach)
-        }
-    }
-
-    /// The same step by step: round closed curves, and up to the first bridge.
-    fn mean_walked(&self, k: usize, reach: f64, ahead: bool) -> Vector2 {
         let nodes = self.curve.nodes();
         let here = nodes[k].position;
         let (mut sum, mut count, mut walked, mut at) = (Vector2::zeros(), 0.0, 0.0, k);
@@ -141,34 +109,9 @@ impl<'a> Arc<'a> {
     }
 }
 
-/// Mean offset, from a place, of the first of some nodes and those within `reach`; `None` if all
-/// are.
-fn mean_offset<'a>(
-    here: &Point2,
-    mut nodes: impl Iterator<Item = (&'a Node, f64)>,
-    reach: f64,
-) -> Option<Vector2> {
-    let (mut sum, mut count) = (nodes.next()?.0.position - here, 1.0);
-    for (node, how_far) in nodes {
-        if how_far > reach {
-            return Some(sum / count);
-        }
-        sum += node.position - here;
-        count += 1.0;
-    }
-    None
-}
-
-fn add(residuals: &[Residuals]) -> Residuals {
-    residuals.iter().fold(Residuals::default(), |sum, r| Residuals {
-        squares: sum.squares + r.squares,
-        count: sum.count + r.count,
-    })
-}
-
 /// For each four nodes in a row the squared error of one node, if all lie on a parabola but for
 /// independent errors.
-fn residuals(curve: &Curve) -> Vec<Residuals> {
+fn residuals(curve: &Curve) -> Vec<Option<f64>> {
     let nodes = curve.nodes();
     let n = nodes.len();
     let count = if curve.is_closed() { n } else { n.saturating_sub(3) };
@@ -182,7 +125,7 @@ fn residuals(curve: &Curve) -> Vec<Residuals> {
 
 /// The third difference, over the value that unit errors would give it. Its factors are the products
 /// of the distances between the other three nodes, with alternating signs, so one division is enough.
-fn residual([a, b, c, d]: [&Node; 4]) -> Residuals {
+fn residual([a, b, c, d]: [&Node; 4]) -> Option<f64> {
     let along = d.position - a.position;
     let (to_b, to_c) = (b.position - a.position, c.position - a.position);
     // Places along and across, times the length of the chord.
@@ -191,16 +134,12 @@ fn residual([a, b, c, d]: [&Node; 4]) -> Residuals {
     let (y1, y2) = (along.perp(&to_b), along.perp(&to_c));
     let measured = !(a.bridged || b.bridged || c.bridged);
     if !(measured && 0.0 < x1 && x1 < x2 && x2 < x3) {
-        return Residuals::default();
+        return None;
     }
     let (x21, x31, x32) = (x2 - x1, x3 - x1, x3 - x2);
     let shares = [x21 * x31 * x32, -x2 * x3 * x32, x1 * x3 * x31, -x1 * x2 * x21];
     let difference = shares[1] * y1 + shares[2] * y2;
     let squares: f64 = shares.iter().map(|s| s * s).sum();
     let squared = difference * difference / (squares * length);
-    if squared.is_finite() {
-        Residuals { squares: squared, count: 1.0 }
-    } else {
-        Residuals::default()
-    }
+    squared.is_finite().then_some(squared)
 }

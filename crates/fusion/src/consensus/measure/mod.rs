@@ -3,7 +3,6 @@
 //! Hands on the [`Observation`]s with their weights, and the plane's [`Scale`].
 
 mod arc;
-mod layers;
 mod observations;
 mod scale;
 mod spread;
@@ -32,7 +31,7 @@ impl Measurements {
             return None;
         }
         let grid = PointGrid::new(&observations.positions(), observations.spacing());
-        let (scale, spread) = Scale::new(&mut observations, &grid, options);
+        let (scale, spread) = Scale::new(&observations, &grid, options);
         if options.steps.view_error {
             observations.weigh(&spread.view_error);
         }

@@ -1,10 +1,7 @@
 //! All nodes of all views on a plane, in canonical order, with direction and weight.
 
 use super::super::options::Steps;
-use super::super::tuning::observations::{
-    FULL_WEIGHT_FOOTPRINTS, LEAST_FOOTPRINT, LEAST_TAPER, SAMPLING_SHARES, TANGENT_FOOTPRINTS,
-    TANGENT_SIGMAS,
-};
+use super::super::tuning::observations::*;
 use super::arc::Arc;
 use super::view_error::ViewError;
 use nalgebra::Vector3;
@@ -33,8 +30,6 @@ pub(crate) struct Observation {
     pub view_error: f64,
     /// Outward unit normal of the surface; `None` where not known.
     pub normal: Option<Vector3<f32>>,
-    /// Factor on the weight: small at an open end of the view's curve, 1 far from it.
-    pub taper: f64,
     /// How many observations the node counts as: its weight times the taper.
     pub support: f64,
     /// Weight in an average: support over variance. [`Observations::weigh`] adds the view's error.
@@ -74,8 +69,6 @@ pub(crate) struct Observations {
     pub ends: Vec<ViewEnd>,
     /// Median footprint.
     spacing: f64,
-    /// Half the gap between layers around each observation; empty where no view saw layers.
-    pub half_gaps: Vec<f64>,
 }
 
 impl Observations {
@@ -112,11 +105,6 @@ impl Observations {
     /// Median footprint.
     pub fn spacing(&self) -> f64 {
         self.spacing
-    }
-
-    /// Half the gap to the next layer at an observation; infinite where no view saw one.
-    pub fn half_gap(&self, k: usize) -> f64 {
-        self.half_gaps.get(k).copied().unwrap_or(f64::INFINITY)
     }
 
     /// Adds the views' systematic errors to all weights. Nodes of one view share such an error, so
@@ -191,7 +179,6 @@ fn observation(arc: &Arc<'_>, k: usize, steps: &Steps) -> Observation {
         tan_incidence: node.tan_incidence,
         view_error: 0.0,
         normal: node.normal,
-        taper,
         support,
         weight: support / (sigma * sigma),
         view: NONE,

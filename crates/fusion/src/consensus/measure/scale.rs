@@ -1,8 +1,7 @@
 //! The lengths of a plane that all steps share.
 
 use super::super::options::{ConsensusOptions, Steps};
-use super::super::tuning::scale::{LEAST_FOOTPRINTS, LEAST_HALF_GAP_SPREADS, LEAST_SIGMAS};
-use super::layers;
+use super::super::tuning::scale::*;
 use super::observations::{Observations, median};
 use super::spread::{Search, Spread};
 use super::view_error::ViewError;
@@ -21,10 +20,9 @@ pub(in super::super) struct Scale {
 }
 
 impl Scale {
-    /// Measures layers and spread: the spread is measured within the layers, and layers that are
-    /// small against the spread are taken back.
+    /// Measures the spread between views and the lengths that follow from it.
     pub fn new(
-        observations: &mut Observations,
+        observations: &Observations,
         grid: &PointGrid,
         options: &ConsensusOptions,
     ) -> (Self, Spread) {
@@ -32,19 +30,9 @@ impl Scale {
         let sigma = median(observations.all.iter().map(|o| o.sigma));
         let same_way = options.direction_limit_rad.cos();
         // A single view does not show the spread between views; its own error has to do.
-        let spread = |o: &Observations| {
-            let measured = Search { observations: o, grid, options }.spread_between_views();
-            let own = Spread { between_views: sigma, view_error: ViewError::default() };
-            measured.unwrap_or(own)
-        };
-        if options.steps.layers {
-            observations.half_gaps = layers::half_gaps(observations, same_way);
-        }
-        let mut measured = spread(observations);
-        let least_half_gap = LEAST_HALF_GAP_SPREADS * measured.between_views;
-        if layers::take_back_small(&mut observations.half_gaps, least_half_gap) {
-            measured = spread(observations);
-        }
+        let measured = Search { observations, grid, options }.spread_between_views();
+        let own = Spread { between_views: sigma, view_error: ViewError::default() };
+        let measured = measured.unwrap_or(own);
         let least = (LEAST_SIGMAS * sigma).max(LEAST_FOOTPRINTS * spacing);
         let threshold = (options.threshold_spreads * measured.between_views).max(least);
         (Self { spacing, threshold, same_way, options: *options }, measured)
@@ -54,9 +42,8 @@ impl Scale {
         &self.options.steps
     }
 
-    /// Overlap threshold of a node: wider where its own error is larger, and at most half the gap
-    /// to the next layer.
-    pub fn across(&self, sigma: f64, half_gap: f64) -> f64 {
-        self.threshold.max(LEAST_SIGMAS * sigma).min(half_gap)
+    /// Overlap threshold of a node: wider where its own error is larger.
+    pub fn across(&self, sigma: f64) -> f64 {
+        self.threshold.max(LEAST_SIGMAS * sigma)
     }
 }

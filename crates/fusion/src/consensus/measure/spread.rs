@@ -5,10 +5,7 @@
 //! by a factor that grows with the number of views.
 
 use super::super::options::ConsensusOptions;
-use super::super::tuning::spread::{
-    CUT_SPREADS, LAYER_FACTOR, MEDIAN_OF_NORMAL, MIN_PAIRS, MIN_SAMPLES, NEARBY_SHARE,
-    NEARBY_SPREADS, SAMPLE_EVERY, SEARCH_FOOTPRINTS, SEARCH_SIGMAS, WANTED_SAMPLES,
-};
+use super::super::tuning::spread::*;
 use super::observations::{Observation, Observations, median};
 use super::view_error::{Pair, ViewError};
 use crate::grid::PointGrid;
@@ -53,8 +50,7 @@ impl Search<'_> {
     /// The spread within a share of the search distance.
     fn within(&self, share: f64) -> Option<Spread> {
         let count = self.observations.all.len();
-        let factor = if self.observations.half_gaps.is_empty() { 1 } else { LAYER_FACTOR };
-        let step = count.div_ceil(factor * WANTED_SAMPLES).max(SAMPLE_EVERY / factor);
+        let step = count.div_ceil(WANTED_SAMPLES).max(SAMPLE_EVERY);
         let step = step.min(count.div_ceil(MIN_SAMPLES));
         // One node anywhere in each stretch. At a fixed place, views with as many nodes each would
         // all be sampled at one place of the section.
@@ -81,7 +77,6 @@ impl Search<'_> {
     /// near across the curve too.
     fn pair_with_another_view(&self, k: usize, share: f64) -> Option<Pair> {
         let here = &self.observations.all[k];
-        let half_gap = self.observations.half_gap(k);
         let same_way = self.options.direction_limit_rad.cos();
         let (mut drawn, mut along, mut pair) = (u64::MAX, f64::INFINITY, None);
         self.grid.within(&here.position, share * search_distance(here), |j, d| {
@@ -96,7 +91,7 @@ impl Search<'_> {
             }
             let how_far = d.dot(&there.tangent).abs();
             let distance = there.tangent.perp(&d).abs();
-            if (number, how_far) < (drawn, along) && distance <= half_gap {
+            if (number, how_far) < (drawn, along) {
                 (drawn, along) = (number, how_far);
                 pair = Some(self.pair(here, there, distance));
             }

@@ -22,9 +22,7 @@
 //! **Source.** Not in the dissertation, whose averages weigh all views alike (5.5.2). Weights that
 //! fall with the incidence go back to Turk and Levoy (1994); here they are measured.
 
-use super::super::tuning::view_error::{
-    LEAST_SPREAD, ROUNDS, SQUARED_CUT, VARIANCE_LEFT_BY_CUT, VARIANCE_OF_SQUARE,
-};
+use super::super::tuning::view_error::*;
 
 /// Two nodes of different views beside each other.
 #[derive(Debug, Clone, Copy)]

@@ -4,9 +4,7 @@
 use super::super::connect::{Chain, by_length};
 use super::super::estimate::PlacedNode;
 use super::super::measure::{Observations, ViewEnd};
-use super::super::tuning::output::{
-    BRIDGED_FOOTPRINTS, CHORD_SHARE, END_FOOTPRINTS, SMOOTH_COSINE,
-};
+use super::super::tuning::output::*;
 use crate::grid::PointGrid;
 use transect_geometry::{Curve, EndReason, Node, Point2};
 

@@ -18,9 +18,7 @@
 
 use super::super::connect::Chain;
 use super::super::estimate::PlacedNode;
-use super::super::tuning::rings::{
-    CONFIDENCE, HARMONICS, LARGEST_RADIUS, LARGEST_TURN, LONGEST_STEP, ROUNDS,
-};
+use super::super::tuning::rings::*;
 use super::super::window::left_of;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -132,10 +130,7 @@ fn is_small(nodes: &[&PlacedNode]) -> bool {
 /// Whether no step round is a gap.
 fn has_no_gap(nodes: &[&PlacedNode]) -> bool {
     let next = nodes.iter().skip(1).chain(nodes.first());
-    nodes.iter().zip(next).all(|(a, b)| {
-        (b.position - a.position).norm()
-            <= LONGEST_STEP * a.evidence.footprint.max(b.evidence.footprint)
-    })
+    nodes.iter().zip(next).all(|(a, b)| a.is_beside(b))
 }
 
 /// The inverse variance of each node, divided by how many nodes share the error.

@@ -206,7 +206,7 @@ fn simulated(
     let truth: Sections = cut.into_iter().map(|(k, c)| (k, merge_overlaps(c))).collect();
     let parts = vec![observed(&views, &planes)?];
     let visible = Some(Visible::new(mesh, views, &truth)?);
-    let options = EvaluateOptions { tolerance, from: None };
+    let options = EvaluateOptions::new(tolerance);
     Ok(Set { name, planes, parts, reference: Some(Reference { truth, visible }), options })
 }
 
@@ -217,7 +217,7 @@ fn bunny(name: String, folder: &Path) -> Result<Set, Failure> {
     let truth = sections(&mesh, &planes)?;
     let parts = vec![observed(&views, &planes)?];
     // The scans do not show the base, and the reference closes it.
-    let options = EvaluateOptions { tolerance: 0.0005, from: Some(0.06) };
+    let options = EvaluateOptions::new(0.0005).from_station(0.06);
     Ok(Set { name, planes, parts, reference: Some(Reference { truth, visible: None }), options })
 }
 
@@ -230,7 +230,7 @@ fn halves(name: String, folder: &Path) -> Result<Set, Failure> {
         observed(&views, &planes)
     };
     let parts = vec![half(0)?, half(1)?];
-    let options = EvaluateOptions { tolerance: 0.02, from: None };
+    let options = EvaluateOptions::new(0.02);
     Ok(Set { name, planes, parts, reference: None, options })
 }
 

@@ -21,7 +21,7 @@
 //! one is a single number on each side, which the next sample takes over.
 
 use super::super::options::Steps;
-use super::super::tuning::parabola::{FULL_TRUST, LARGEST_TURN, MIDDLE_SHARE};
+use super::super::tuning::parabola::*;
 use super::fit::{Fit, shared};
 
 /// One cluster in a local frame along (x) and across (y) a curve.
@@ -257,18 +257,15 @@ impl Sums {
     }
 
     fn add_behind(&mut self, s: &Sample, weight: f64) {
-        let (here, error) = (Outermost { x: s.x, correlation: s.correlation }, self.add(s, weight));
-        let shared = shared(self.first.x - s.x, 0.5 * (s.correlation + self.first.correlation));
-        self.through *= shared;
-        self.behind = add_error(&mut self.errors, self.behind.map(|v| v * shared), error);
-        if !self.begun {
-            (self.last, self.ahead, self.through, self.begun) = (here, error, 1.0, true);
-        } else {
-            for (sum, e) in self.ahead.iter_mut().zip(error) {
-                *sum += self.through * e;
-            }
-        }
-        self.first = here;
+        self.turn();
+        self.add_ahead(s, weight);
+        self.turn();
+    }
+
+    /// Exchanges the two sides.
+    fn turn(&mut self) {
+        std::mem::swap(&mut self.first, &mut self.last);
+        std::mem::swap(&mut self.behind, &mut self.ahead);
     }
 
     /// Adds a sample to the moments; returns its error in each moment on the right.

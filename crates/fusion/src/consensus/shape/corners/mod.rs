@@ -26,13 +26,10 @@ mod side;
 use super::super::connect::Chain;
 use super::super::estimate::{Evidence, PlacedNode};
 use super::super::options::Steps;
-use super::super::tuning::corners::{
-    AHEAD, APART, BEND_SHARE, BEND_SIGMAS, BEYOND, CHORD, LARGEST_TURN, LONGEST_ZONE,
-    MIN_CUT_SIGMAS, NEAR, OFF_SIGMAS, RIM, SAMPLED, SMALLEST_TURN,
-};
+use super::super::tuning::corners::*;
 use path::{Path, Stretch};
 use side::{Place, Side};
-use transect_geometry::{Point2, Vector2};
+use transect_geometry::{CurveUnit, Point2, Vector2};
 
 /// Makes corners sharp; new nodes are added to `nodes`. `noise` is the standard deviation of a single
 /// pixel across a curve.
@@ -193,7 +190,8 @@ impl<'a> Meeting<'a> {
     fn cut(&self, between: &[&PlacedNode], (before, after): (&PlacedNode, &PlacedNode)) -> f64 {
         let path = || std::iter::once(&before).chain(between).chain([&after]);
         let units = path().zip(path().skip(1));
-        let off = units.map(|(a, b)| distance(&self.place, (&a.position, &b.position)));
+        let off = units
+            .map(|(a, b)| CurveUnit { start: a.position, end: b.position }.distance(&self.place));
         off.fold(f64::INFINITY, f64::min)
     }
 
@@ -265,12 +263,4 @@ const TOWARDS: [f64; 2] = [1.0, -1.0];
 fn placed(node: &PlacedNode, place: &Place) -> PlacedNode {
     let sigma = place.sigma.hypot(node.evidence.view_variance.sqrt());
     PlacedNode { position: place.position, tangent: place.direction, sigma, ..*node }
-}
-
-/// Distance of a place from a unit.
-fn distance(place: &Point2, (a, b): (&Point2, &Point2)) -> f64 {
-    let (unit, d) = (b - a, place - a);
-    let squared = unit.norm_squared();
-    let share = if squared > 0.0 { (d.dot(&unit) / squared).clamp(0.0, 1.0) } else { 0.0 };
-    (d - unit * share).norm()
 }

@@ -2,9 +2,7 @@
 
 use super::super::super::connect::Chain;
 use super::super::super::estimate::PlacedNode;
-use super::super::super::tuning::corners::{
-    AROUND_NODES, LONGEST_SIDE, LONGEST_STEP, LOOK_NODES, SAME_SIDE, SEED_NODES,
-};
+use super::super::super::tuning::corners::*;
 use super::side::Side;
 
 /// A chain and how far apart its nodes are.
@@ -119,8 +117,7 @@ impl<'a> Path<'a> {
 
     /// Whether the unit that begins at a node is no gap.
     pub fn is_step(&self, k: usize) -> bool {
-        let footprint = [k, k + 1].map(|k| self.node(k).evidence.footprint);
-        self.units[k % self.len()] <= LONGEST_STEP * footprint[0].max(footprint[1])
+        self.node(k).is_beside(self.node(k + 1))
     }
 
     fn runs_along(&self, side: &Side, k: &PlacedNode) -> bool {

@@ -15,9 +15,7 @@
 //!    round.
 
 use super::super::super::estimate::PlacedNode;
-use super::super::super::tuning::corners::{
-    FACING, LONGEST_WAY, MAX_ROUND_RATIO, MAX_SHORT_NODES, SLANT,
-};
+use super::super::super::tuning::corners::*;
 use super::super::super::window::left_of;
 use super::path::{Path, Stretch};
 use super::side::Side;

@@ -1,7 +1,7 @@
 //! One side of a corner: the line that its nodes follow, extended to where the other side meets it.
 
 use super::super::super::estimate::PlacedNode;
-use super::super::super::tuning::corners::{ON_FOOTPRINTS, ON_SIGMAS, SMALLEST_SINE};
+use super::super::super::tuning::corners::*;
 use super::super::super::window::left_of;
 use transect_geometry::{Point2, Vector2};
 

@@ -1,10 +1,7 @@
 //! What fusing must not depend on, and what views say about their own curves that must not be lost.
-#![allow(clippy::unwrap_used, reason = "test code; shared strategies are outside test functions")]
 
-mod scene;
-
+use crate::scene::{Look, Outline, SPACING, looks, moved, outlines, see, slices};
 use proptest::prelude::*;
-use scene::{Look, Outline, SPACING, looks, moved, outlines, see, slices};
 use std::f64::consts::TAU;
 use transect_fusion::{ConsensusOptions, FusedPlane, consensus};
 use transect_geometry::{Curve, EndReason, Node, Point2, Vector2};

@@ -1,5 +1,4 @@
 //! Curves as views would see them, for tests of whole planes.
-#![allow(dead_code, reason = "each file of tests uses a part")]
 
 use proptest::prelude::*;
 use std::f64::consts::TAU;

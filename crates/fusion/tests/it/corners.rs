@@ -1,5 +1,4 @@
 //! Corners of sections come out sharp, and what is round stays round.
-#![allow(clippy::unwrap_used, reason = "test code; shared helpers are outside test functions")]
 
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};

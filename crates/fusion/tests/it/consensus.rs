@@ -1,5 +1,4 @@
 //! What the consensus of all views must keep, on shapes whose truth is known.
-#![allow(clippy::unwrap_used, reason = "test code; shared strategies are outside test functions")]
 
 use proptest::prelude::*;
 use std::f64::consts::TAU;

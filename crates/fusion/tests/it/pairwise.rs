@@ -1,10 +1,7 @@
 //! What merging curve by curve must keep, on shapes whose truth is known.
-#![allow(clippy::unwrap_used, reason = "test code; shared strategies are outside test functions")]
 
-mod scene;
-
+use crate::scene::{Look, Outline, circle_arcs, looks, moved, outlines, see, slices};
 use proptest::prelude::*;
-use scene::{Look, Outline, circle_arcs, looks, moved, outlines, see, slices};
 use std::f64::consts::{PI, TAU};
 use transect_fusion::pairwise::{GrowingPlane, GrowthCase, GrowthCounts};
 use transect_fusion::pattern::{OverlapTolerance, Parts, Verdict, verdict};

@@ -1,6 +1,9 @@
 //! The parts of `docs/overlap-rules.md` that the rules themselves write.
 
-use super::{Fork, Parts, Pattern, TABLE_5_1, Verdict, verdict};
+use transect_fusion::pattern::{
+    Fork, OverlapTolerance, Parts, Pattern, TABLE_5_1, Verdict, classify, verdict,
+};
+use transect_geometry::{Curve, Node, Point2};
 
 /// The generated blocks of the page: name and text, in the order of the page.
 ///
@@ -15,7 +18,7 @@ pub fn generated_blocks() -> [(&'static str, String); 3] {
 }
 
 /// Table 5.1 in Markdown, as the documentation shows it.
-pub fn table_as_markdown() -> String {
+fn table_as_markdown() -> String {
     let heads = Parts::ALL.map(|p| format!(" {:<7} |", p.capitals())).concat();
     let mut table = format!("|     |{heads}\n|-----|{}\n", "---------|".repeat(4));
     for (parts, row) in Parts::ALL.iter().zip(TABLE_5_1) {
@@ -35,14 +38,14 @@ fn drawing_of_pattern(pattern: Pattern) -> String {
     let name = format!("({}) {}", pattern.letter(), pattern.words());
     let combinations = combinations(Verdict::Valid(pattern));
     let Some(&(a, b)) = combinations.first() else { return name };
-    let (first, second) = (curve(a), curve(b));
+    let (first, second) = (drawn_curve(a), drawn_curve(b));
     let list = listed(&combinations);
     let below = format!("{:NAME$}b {second}", "");
     format!("{name:<NAME$}a {first}  {list}\n{}", below.trim_end())
 }
 
 /// A curve whose overlap is drawn with `=`, and what is around it with a line.
-fn curve(parts: Parts) -> String {
+fn drawn_curve(parts: Parts) -> String {
     let outside = |there: bool| if there { "─" } else { " " }.repeat(UNENCLOSED);
     let enclosed = "=".repeat(ENCLOSED);
     outside(parts.begins_unenclosed) + &enclosed + &outside(parts.ends_unenclosed)
@@ -76,31 +79,24 @@ fn listed(combinations: &[(Parts, Parts)]) -> String {
     format!("{} {word} {names}", combinations.len())
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::pattern::{OverlapTolerance, classify};
-    use transect_geometry::{Curve, Node, Point2};
+/// The curves of a drawing: a node for each of its characters.
+fn curves(drawing: &str) -> Vec<Curve> {
+    let curve = |line: &str| {
+        let drawn = line.chars().skip(NAME + 2).take(2 * UNENCLOSED + ENCLOSED).enumerate();
+        let drawn = drawn.filter(|(_, c)| *c != ' ');
+        let nodes = drawn.map(|(x, _)| Node::at(Point2::new(x as f64, 0.0)));
+        Curve::new(nodes.collect(), false).unwrap()
+    };
+    drawing.lines().map(curve).collect()
+}
 
-    /// The curves of a drawing: a node for each of its characters.
-    fn curves(drawing: &str) -> Vec<Curve> {
-        let curve = |line: &str| {
-            let drawn = line.chars().skip(NAME + 2).take(2 * UNENCLOSED + ENCLOSED).enumerate();
-            let drawn = drawn.filter(|(_, c)| *c != ' ');
-            let nodes = drawn.map(|(x, _)| Node::at(Point2::new(x as f64, 0.0)));
-            Curve::new(nodes.collect(), false).unwrap()
-        };
-        drawing.lines().map(curve).collect()
-    }
-
-    #[test]
-    fn the_drawings_show_their_patterns() {
-        let tolerance = OverlapTolerance::within(0.1).unwrap();
-        for pattern in Pattern::ALL {
-            let [a, b] = curves(&drawing_of_pattern(pattern)).try_into().unwrap();
-            let found = classify(&a, &b, &tolerance);
-            assert_eq!(found.as_slice()[0].verdict, Verdict::Valid(pattern));
-            assert_eq!(found.as_slice()[0].on_a.length(), (ENCLOSED - 1) as f64);
-        }
+#[test]
+fn the_drawings_show_their_patterns() {
+    let tolerance = OverlapTolerance::within(0.1).unwrap();
+    for pattern in Pattern::ALL {
+        let [a, b] = curves(&drawing_of_pattern(pattern)).try_into().unwrap();
+        let found = classify(&a, &b, &tolerance);
+        assert_eq!(found.as_slice()[0].verdict, Verdict::Valid(pattern));
+        assert_eq!(found.as_slice()[0].on_a.length(), (ENCLOSED - 1) as f64);
     }
 }

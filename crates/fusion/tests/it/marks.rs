@@ -1,5 +1,4 @@
 //! What merging curve by curve keeps of the marks that came with the curves.
-#![allow(clippy::unwrap_used, reason = "test code; helpers are outside test functions")]
 
 use transect_fusion::{FusedPlane, PairwiseOptions, pairwise};
 use transect_geometry::{Curve, EndReason, Node, Point2};

@@ -1,11 +1,8 @@
 //! How far each method moves a noise-free circle, by the number of arcs that were merged.
 //!
-//! `cargo test -p transect-fusion --test drift -- --nocapture` prints the table.
-#![allow(clippy::unwrap_used, reason = "test code; shared strategies are outside test functions")]
+//! `cargo test -p transect-fusion --test it drift -- --nocapture` prints the table.
 
-mod scene;
-
-use scene::{SPACING, circle_arcs, slices};
+use crate::scene::{SPACING, circle_arcs, slices};
 use transect_fusion::{ConsensusOptions, FusedPlane, PairwiseOptions, consensus, pairwise};
 use transect_geometry::Curve;
 

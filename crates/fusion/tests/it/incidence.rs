@@ -1,5 +1,4 @@
 //! Views weigh less where they saw a surface obliquely, if and as far as they err more there.
-#![allow(clippy::unwrap_used, reason = "test code; shared helpers are outside test functions")]
 
 use std::f64::consts::TAU;
 use transect_fusion::{ConsensusOptions, consensus};

@@ -1,11 +1,8 @@
 //! How far noise is taken out, and how well the result knows what is left of it.
 //!
-//! `cargo test -p transect-fusion --test noise -- --nocapture` prints the tables.
-#![allow(clippy::unwrap_used, reason = "test code; shared helpers are outside test functions")]
+//! `cargo test -p transect-fusion --test it noise -- --nocapture` prints the tables.
 
-mod draws;
-
-use draws::Noise;
+use crate::draws::Noise;
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 use transect_fusion::{ConsensusOptions, consensus};

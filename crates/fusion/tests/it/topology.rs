@@ -1,5 +1,4 @@
 //! How many curves come out: what belongs together is one, what is none is left out.
-#![allow(clippy::unwrap_used, reason = "test code; helpers are outside test functions")]
 
 use transect_fusion::{ConsensusOptions, FusedPlane, consensus};
 use transect_geometry::{Curve, Node, Point2};

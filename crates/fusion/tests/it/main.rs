@@ -1,0 +1,17 @@
+//! The tests of fusion through its public interface, as one program.
+#![allow(clippy::unwrap_used, reason = "test code; shared helpers are outside test functions")]
+
+mod consensus;
+mod corners;
+mod draws;
+mod drift;
+mod incidence;
+mod invariants;
+mod marks;
+mod noise;
+mod overlap_rules;
+mod page;
+mod pairwise;
+mod scene;
+mod sheets;
+mod topology;
