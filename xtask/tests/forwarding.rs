@@ -6,7 +6,8 @@ use std::process::{Command, Output};
 
 fn xtask(arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_xtask"));
-    // The launcher has cargo run the package. This stand-in shows its arguments instead of building.
+    // The launcher has cargo run the package. This stand-in shows its arguments instead of
+    // building.
     let stand_in = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cargo.sh");
     command.args(arguments).env("CARGO", stand_in).output().unwrap()
 }

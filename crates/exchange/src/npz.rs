@@ -34,7 +34,7 @@ pub(crate) fn member<'a>(archive: &'a [u8], name: &str) -> Result<Option<&'a [u8
     Ok(None)
 }
 
-/// The end record stands last, but for a comment of at most 65535 bytes.
+/// The end record. Only a comment of at most 65535 bytes may follow it.
 fn find_end(archive: &[u8]) -> Option<&[u8]> {
     let from = archive.len().saturating_sub(22 + usize::from(u16::MAX));
     let tail = archive.get(from..)?;

@@ -1,7 +1,8 @@
 //! The pieces of fusion, one by one: `cargo bench -p transect-fusion`.
 //!
-//! Everything is given per input node. Views are noisy arcs and rings on one plane. What a piece costs
-//! beyond another one is the difference of two lines: errors are measured within each consensus, too.
+//! Everything is given per input node. Views are noisy arcs and rings on one plane. What a piece
+//! costs beyond another one is the difference of two lines: errors are measured within each
+//! consensus, too.
 #![allow(clippy::expect_used, missing_docs, reason = "a benchmark, with curves of its own")]
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};

@@ -1,4 +1,5 @@
-//! Fuses what two views measured of the corner of a room: `cargo run -p transect-fusion --example two_views`.
+//! Fuses what two views measured of the corner of a room:
+//! `cargo run -p transect-fusion --example two_views`.
 
 use transect_fusion::{FusionMethod, fuse_and_compare};
 use transect_geometry::{Curve, CurveError, Node, Point2};
@@ -6,8 +7,8 @@ use transect_geometry::{Curve, CurveError, Node, Point2};
 /// Distance between the samples of a view, in metres.
 const SPACING: f64 = 0.02;
 
-/// What a view measures of the corner at the origin: the wall along x from `from` to the corner, and the
-/// wall along y up to `to`. All its points are `off` to the side.
+/// What a view measures of the corner at the origin: the wall along x from `from` to the corner,
+/// and the wall along y up to `to`. All its points are `off` to the side.
 fn view(from: f64, to: f64, off: f64) -> Result<Vec<Curve>, CurveError> {
     let steps = |length: f64| 1..=(length / SPACING) as u32;
     let along_x = steps(from).rev().map(|k| Point2::new(-SPACING * f64::from(k), off));

@@ -12,16 +12,16 @@ use crate::grid::PointGrid;
 use transect_geometry::Curve;
 
 /// Closer than this, in footprints and standard deviations, two views agree. Standard deviations
-/// are those of independent noise, which smoothing lowers; what a sensor does wrong to all pixels of
-/// a neighbourhood is not, and is no sign of a wrong pose either.
+/// are those of independent noise, which smoothing lowers; what a sensor does wrong to all pixels
+/// of a neighbourhood is not, and is no sign of a wrong pose either.
 const CLOSE_FOOTPRINTS: f64 = 3.0;
 const CLOSE_SIGMAS: f64 = 6.0;
 
 /// Farther than this many times that, a curve is another surface and tells nothing.
 const ABREAST: f64 = 4.0;
 
-/// Nodes of a plane that are looked at: each is compared with all views around it, and a model has many
-/// planes.
+/// Nodes of a plane that are looked at: each is compared with all views around it, and a model has
+/// many planes.
 const SAMPLES: usize = 300;
 
 /// Cosine of the largest angle between curves that run abreast.
@@ -47,7 +47,8 @@ impl Agreement {
     }
 
     /// Whether the view contradicts the others clearly more often than it agrees with them: three
-    /// times for every two. About as often is what a noisy sensor does where rooms are full of edges.
+    /// times for every two. About as often is what a noisy sensor does where rooms are full of
+    /// edges.
     pub fn is_contradicted(&self) -> bool {
         self.close + self.abreast >= Self::ENOUGH && 2 * self.abreast > 3 * self.close
     }

@@ -6,8 +6,8 @@
 //! * [`mod@consensus`]: all views at once, the default;
 //! * [`mod@pairwise`]: view by view and curve by curve, the dissertation's own way;
 //! * [`agreement()`]: whether views contradict each other, the sign of a wrong pose;
-//! * [`envelopes`], [`screening`], [`pattern`]: the dissertation's envelopes and overlap rules (5.3,
-//!   5.4).
+//! * [`envelopes`], [`screening`], [`pattern`]: the dissertation's envelopes and overlap rules
+//!   (5.3, 5.4).
 //!
 //! `cargo run -p transect-fusion --example two_views` fuses two views of a room's corner.
 

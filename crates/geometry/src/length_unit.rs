@@ -54,30 +54,27 @@ impl LengthUnit {
         Self::Foot,
     ];
 
-    /// The symbol manifests and reports use, such as `mm`.
-    pub fn symbol(self) -> &'static str {
+    /// Symbol, and length in metres.
+    const fn definition(self) -> (&'static str, f64) {
         match self {
-            Self::Metre => "m",
-            Self::Decimetre => "dm",
-            Self::Centimetre => "cm",
-            Self::Millimetre => "mm",
-            Self::Micrometre => "um",
-            Self::Inch => "in",
-            Self::Foot => "ft",
+            Self::Metre => ("m", 1.0),
+            Self::Decimetre => ("dm", 0.1),
+            Self::Centimetre => ("cm", 0.01),
+            Self::Millimetre => ("mm", 1e-3),
+            Self::Micrometre => ("um", 1e-6),
+            Self::Inch => ("in", 0.0254),
+            Self::Foot => ("ft", 0.3048),
         }
     }
 
+    /// The symbol in manifests and reports, such as `mm`.
+    pub const fn symbol(self) -> &'static str {
+        self.definition().0
+    }
+
     /// Length of one unit in metres.
-    pub fn in_metres(self) -> f64 {
-        match self {
-            Self::Metre => 1.0,
-            Self::Decimetre => 0.1,
-            Self::Centimetre => 0.01,
-            Self::Millimetre => 1e-3,
-            Self::Micrometre => 1e-6,
-            Self::Inch => 0.0254,
-            Self::Foot => 0.3048,
-        }
+    pub const fn in_metres(self) -> f64 {
+        self.definition().1
     }
 
     /// A length such as `1mm`, `0.5 in` or `2`, converted to this unit; a bare number is in this

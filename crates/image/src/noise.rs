@@ -2,29 +2,34 @@
 
 use transect_device::{DeviceFrame, Pixel, RangeImage, View};
 
-/// Largest number of rows or columns looked at; more change the estimate by less than a percent.
+/// Largest number of rows or columns in the estimate. Measured: more change it by less than 1 %.
+/// Doubled, it takes twice the time.
 const LINES: usize = 128;
 
-/// Share of the differences that count, smallest first. The others may be at jumps and creases.
+/// Share of the differences that count, smallest first. Chosen by hand: the others may be at jumps
+/// and creases. A larger share counts jumps as noise.
 const KEPT: f64 = 0.7;
 
-/// Variance of a normal variable of variance 1 whose size is among the smallest [`KEPT`].
+/// Variance of a normal variable of variance 1 whose size is among the smallest [`KEPT`]. Theory;
+/// it changes with [`KEPT`].
 const VARIANCE_OF_KEPT: f64 = 0.309_561;
 
-/// Variance of a third difference of independent values of variance 1: 1 + 9 + 9 + 1.
+/// Variance of a third difference of independent values of variance 1. Theory: 1 + 9 + 9 + 1.
 const VARIANCE_OF_DIFFERENCE: f64 = 20.0;
 
-/// Pixels along each side of the lattice on which lengths per value are looked at.
+/// Pixels along each side of the lattice on which lengths per value are found. Chosen by hand; the
+/// median of 2 304 of them is known to about 3 %.
 const LATTICE: usize = 48;
 
-/// Step of a value in [`length_per_value`], as a share of the value.
+/// Step of a value in [`length_per_value`], as a share of the value. Chosen by hand: far above
+/// rounding, and far below the change of the rate.
 const VALUE_STEP: f64 = 1.0 / 1024.0;
 
 /// How noisy the ranges of a view are.
 ///
 /// A stated noise is a length along the ray, the same at every pixel. An estimated one is in the
-/// unit of the image's values: what a triangulation sensor misjudges is a place on its detector,
-/// and that is worth more length far away than nearby.
+/// unit of the image's values: a triangulation sensor errs by a distance on its detector, which
+/// stands for more length far away than nearby.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RangeNoise {
     known: Known,
@@ -155,7 +160,7 @@ fn spread(differences: &mut [f64]) -> Option<f64> {
     }
     let kept = ((differences.len() as f64 * KEPT) as usize).clamp(1, differences.len());
     differences.select_nth_unstable_by(kept - 1, f64::total_cmp);
-    // Sorted, because the order that selection leaves is nobody's promise and sums depend on it.
+    // Sorted, because selection leaves an unspecified order, and sums depend on the order.
     let smallest = &mut differences[..kept];
     smallest.sort_unstable_by(f64::total_cmp);
     let mean_square = smallest.iter().map(|d| d * d).sum::<f64>() / kept as f64;
@@ -179,7 +184,7 @@ pub fn length_per_value(frame: &dyn DeviceFrame, pixel: Pixel, d3: f64) -> Optio
     (rate.is_finite() && rate > 0.0).then_some(rate)
 }
 
-/// The median over the view's pixels, from a lattice of them; 1 if nothing can be said.
+/// The median over a lattice of the view's pixels; 1 if no pixel has a rate.
 fn median_length_per_value(view: &View) -> f64 {
     let rates_of = |count: usize| -> Vec<f64> {
         let pixels = lattice(view.image(), count);

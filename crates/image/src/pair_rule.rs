@@ -1,7 +1,7 @@
 //! The test for range jumps, many pairs of neighbouring pixels at a time.
 //!
-//! A sensor with tables ([`RayProducts`]) has [`PairTests`]: the rule as products of a number of the
-//! row and one of the column. Arithmetic is `f32`, and multiplications and additions are never
+//! A sensor with tables ([`RayProducts`]) has [`PairTests`]: the rule as products of a number of
+//! the row and one of the column. Arithmetic is `f32`, and multiplications and additions are never
 //! contracted, so every instruction set gives the same bits.
 
 use crate::BreakRule;
@@ -58,8 +58,8 @@ impl PairTest<'_> {
 
 /// A test of pairs side by side.
 pub trait TestPairs<S: Simd>: Copy {
-    /// Whether samples `a` and their neighbours `b` belong to one surface, one bit per pair; `column`
-    /// is that of the first pair. A missing pixel is NaN, and its pairs are never joined.
+    /// Whether samples `a` and their neighbours `b` belong to one surface, one bit per pair;
+    /// `column` is that of the first pair. A missing pixel is NaN, and its pairs are never joined.
     fn holds(&self, simd: S, a: S::f32s, b: S::f32s, column: usize) -> u64;
 }
 

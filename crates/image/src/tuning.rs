@@ -36,16 +36,23 @@ pub(crate) const WIDEST_RADIUS: f32 = HALF_WINDOW as f32 + 0.5;
 
 /// Radius of the wider window over that of the narrow one. No unit.
 ///
-/// Measured: against √2, which gives twice the pixels, 1.5 lowers the median error of the curves by
-/// 1 to 3 %, for 5 % more time. Doubled, the two windows seldom agree, and the wider one seldom counts.
+/// Measured: from √2, which gives twice the pixels, to 1.5 the median error of the curves falls by
+/// 1 to 3 %, and a whole run takes 2 % longer. Doubled, the two windows seldom agree, and the wider
+/// one seldom counts.
 pub(crate) const WIDER: f32 = 1.5;
 
 /// Residual at which a pixel's robust weight becomes 0, in standard deviations of a sample.
 ///
-/// Theory: Tukey's biweight is 95 % as efficient as least squares on normal noise with 4.685. It is
-/// also the largest change that smoothing may make. Doubled, the other side of a crease or of a low
-/// step takes part in the fit.
+/// Theory: Tukey's biweight is 95 % as efficient as least squares on normal noise with 4.685.
+/// Doubled, the other side of a crease or of a low step takes part in the fit.
 pub(crate) const CUT: f32 = 4.685;
+
+/// Change from which a pixel keeps its sample, in standard deviations of a sample.
+///
+/// Theory: normal noise is larger at one pixel in 16 000; a sample that differs by more is of
+/// another surface than the fit. It also bounds the pixels that have to be smoothed near a plane.
+/// At most [`CUT`]; doubled, samples of thin objects move to the surface behind them.
+pub(crate) const LARGEST_CHANGE: f32 = 4.0;
 
 /// Difference between the estimates of two windows from which the wider one has no share, in
 /// standard deviations of that difference.
@@ -55,8 +62,8 @@ pub(crate) const AGREEMENT: f32 = 3.0;
 
 /// Share of the windows' squared difference that counts as variance of the result.
 ///
-/// Chosen by hand: on walls a third would do, where surfaces bend both windows err by more. Doubled,
-/// pixels at bends are stated to be noisier than they are.
+/// Chosen by hand: on walls a third would do, where surfaces bend both windows err by more.
+/// Doubled, pixels at bends are stated to be noisier than they are.
 pub(crate) const DOUBT: f32 = 0.7;
 
 /// Largest squared difference that counts so, in variances of a sample.

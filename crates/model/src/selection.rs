@@ -15,6 +15,13 @@ pub struct PlaneSelection {
     planes: Option<BTreeSet<PlaneIndex>>,
 }
 
+/// Distances from a plane to its neighbours, in planes of the family.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Steps {
+    pub before: f64,
+    pub after: f64,
+}
+
 impl PlaneSelection {
     /// Every plane of the family.
     pub const ALL: Self = Self { planes: None };
@@ -52,11 +59,11 @@ impl PlaneSelection {
 
     /// Steps of the family from a plane to its selected neighbours, before and after it. The first
     /// and the last plane have the step of their other side.
-    pub(crate) fn steps(&self, plane: PlaneIndex) -> (f64, f64) {
+    pub(crate) fn steps(&self, plane: PlaneIndex) -> Steps {
         let steps = |other: PlaneIndex| plane.0.abs_diff(other.0) as f64;
         let before = self.previous_before(plane).map(steps);
-        let behind = self.next_after(plane).map(steps);
-        (before.or(behind).unwrap_or(1.0), behind.or(before).unwrap_or(1.0))
+        let after = self.next_after(plane).map(steps);
+        Steps { before: before.or(after).unwrap_or(1.0), after: after.or(before).unwrap_or(1.0) }
     }
 
     /// Adds a plane to the selected ones.
@@ -91,13 +98,13 @@ mod tests {
         assert_eq!(some.around(PlaneIndex(5)), [PlaneIndex(1), PlaneIndex(8)]);
         assert_eq!(some.around(PlaneIndex(0)), [PlaneIndex(0), PlaneIndex(1)]);
         assert!(some.around(PlaneIndex(8)).is_empty() && some.around(PlaneIndex(-5)).is_empty());
-        assert_eq!(some.steps(PlaneIndex(1)), (1.0, 7.0));
-        assert_eq!(some.steps(PlaneIndex(8)), (7.0, 7.0));
+        assert_eq!(some.steps(PlaneIndex(1)), Steps { before: 1.0, after: 7.0 });
+        assert_eq!(some.steps(PlaneIndex(8)), Steps { before: 7.0, after: 7.0 });
         let all = PlaneSelection::ALL;
         assert_eq!(all.around(PlaneIndex(5)), [PlaneIndex(5), PlaneIndex(6)]);
         assert_eq!(
             (all.steps(PlaneIndex(1)), all.next_after(PlaneIndex(i64::MAX))),
-            ((1.0, 1.0), None)
+            (Steps { before: 1.0, after: 1.0 }, None)
         );
     }
 }

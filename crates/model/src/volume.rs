@@ -99,7 +99,7 @@ impl VolumeSum {
             });
         }
         let before = next_to.map_or(0.0, |(_, area)| area);
-        let interval = self.planes.interval() * self.selection.steps(plane).0;
+        let interval = self.planes.interval() * self.selection.steps(plane).before;
         if let Some(run) = self.runs.last_mut() {
             run.planes = *run.planes.start()..=plane;
             run.volume += 0.5 * interval * (before + area);
@@ -127,7 +127,7 @@ impl VolumeSum {
     /// After its last plane the solid ends before the next selected one.
     fn end_run(&mut self) {
         if let (Some(run), Some((plane, area))) = (self.runs.last_mut(), self.last) {
-            let interval = self.planes.interval() * self.selection.steps(plane).1;
+            let interval = self.planes.interval() * self.selection.steps(plane).after;
             run.volume += 0.5 * interval * area;
             run.error_bound += 0.5 * interval * area.abs();
         }

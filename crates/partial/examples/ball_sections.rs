@@ -1,7 +1,8 @@
-//! Sections of a ball from one range image: `cargo run -p transect-partial --example ball_sections`.
+//! Sections of a ball from one range image: `cargo run -p transect-partial --example
+//! ball_sections`.
 //!
-//! A camera sees a ball of radius 1 from a distance of 4. Every curve that comes out must lie on the
-//! ball.
+//! A camera sees a ball of radius 1 from a distance of 4. Every curve that comes out must lie on
+//! the ball.
 #![allow(clippy::print_stdout, reason = "an example that prints its result")]
 
 use std::error::Error;

@@ -9,7 +9,7 @@ use transect_geometry::{PlaneFamily, PlaneIndex, Point2};
 /// Levels are compared as `f32`; at this many planes one still resolves a quarter of an interval.
 pub const MAX_LEVELS: i64 = 1 << 22;
 
-/// What a view's sensor coordinates mean to a family of planes.
+/// Levels and plane coordinates as functions of a view's sensor coordinates.
 ///
 /// Levels count from plane [`SectionAxes::base`], in the middle of what the view can see, so that
 /// coordinates of any size leave the levels' resolution alone.
@@ -26,7 +26,8 @@ impl SectionAxes {
     /// The axes of a plane family, seen from a view.
     ///
     /// # Errors
-    /// [`PartialError::CurvedGuide`] if the planes are not parallel, [`PartialError::TooManyPlanes`] if the view's sensing volume spans more than [`MAX_LEVELS`].
+    /// [`PartialError::CurvedGuide`] if the planes are not parallel,
+    /// [`PartialError::TooManyPlanes`] if the view's sensing volume spans more than [`MAX_LEVELS`].
     pub fn new(view: &View, planes: &PlaneFamily) -> Result<Self, PartialError> {
         if planes.guide().straight().is_none() {
             return Err(PartialError::CurvedGuide);

@@ -1,8 +1,9 @@
-//! Whether a curve continues across missing pixels (3.5.1), whatever found its two parts.
+//! Whether a curve continues across missing pixels (3.5.1), for both methods.
 //!
 //! Of two open ends, the rules are:
-//! * **direction**: the way across the gap turns by no more than [`MAX_TURN`] from the curve on either
-//!   side, in the image and in the plane; a step between two parallel surfaces turns in the plane;
+//! * **direction**: the way across the gap turns by no more than [`MAX_TURN`] from the curve on
+//!   either side, in the image and in the plane; a step between two parallel surfaces turns in the
+//!   plane;
 //! * **range**: continued straight on from either side, the curve passes the other end by no more
 //!   than the range may change from one pixel to the next; an end too short for a direction by the
 //!   whole change of the range. So a step is a jump however many missing pixels hide it;
@@ -18,7 +19,8 @@ use transect_geometry::{Point2, Vector2};
 /// five pixels in radius turns by half of this within four pixels.
 const MAX_TURN: f64 = std::f64::consts::FRAC_PI_3;
 
-/// Places that give an end its direction; fewer would see the zigzag between the two kinds of pairs.
+/// Places that give an end its direction; fewer would see the zigzag between the two kinds of
+/// pairs.
 pub(crate) const REACH: usize = 5;
 
 /// Where a curve passes between two pixels: row and column of the image, and plane coordinates.
@@ -69,9 +71,9 @@ fn angle_cost(run: &Vector2, across: &Vector2) -> Option<f64> {
     (cos >= least).then_some(1.0 - cos)
 }
 
-/// Whether a curve that runs from one pixel towards another, and misses it by a length, stays on one
-/// surface: the length is no larger than a change of the range between neighbours may be. If it is
-/// not known, the change of the range between the two is taken.
+/// Whether a curve that runs from one pixel towards another, and misses it by a length, stays on
+/// one surface: the length is no larger than a change of the range between neighbours may be. If it
+/// is not known, the change of the range between the two is taken.
 pub(crate) fn continues(
     view: &View,
     grid: &Grid,

@@ -2,8 +2,8 @@
 
 use crate::axes::MAX_LEVELS;
 
-/// Most crossings of one view, 2²³: with their curves they take about 0.9 GiB. A view of four million
-/// pixels has that many if two planes pass between any two neighbours.
+/// Most crossings of one view, 2²³: with their curves they take about 0.9 GiB. A view of four
+/// million pixels has that many if two planes pass between any two neighbours.
 pub const MAX_CROSSINGS: usize = 1 << 23;
 
 /// Why a view could not be modelled.

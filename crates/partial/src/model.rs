@@ -8,7 +8,7 @@ use transect_image::PreparedView;
 pub struct PartialModel {
     /// The planes the view crosses, sorted, each with its curves in a fixed order.
     pub planes: Vec<PlaneCurves>,
-    /// What was seen and left out on the way.
+    /// Counts of pixels, pairs and lines, and the noise.
     pub counts: PartialCounts,
     /// Notes for the report, in whole sentences that name the view.
     pub notes: Vec<String>,
@@ -19,26 +19,28 @@ pub struct PartialModel {
 pub struct PartialCounts {
     /// Planes crossing an unbroken pair of neighbouring pixels: vertices before tidying.
     pub crossings: usize,
-    /// Pairs of neighbouring valid pixels that do not belong to one surface, as the curves were found:
-    /// pixels that no plane can come near count as they were given.
+    /// Pairs of neighbouring valid pixels that do not belong to one surface. Pixels far from every
+    /// plane are not smoothed and count as they were read.
     pub jumps: usize,
     /// Chains of crossings too short to be a curve, which are left out: most are single crossings.
     pub lone: usize,
-    /// Lines left out because noise alone explains them: the surface is nearly tangent to the plane.
+    /// Lines left out because noise explains them: the surface is nearly tangent to the plane.
     pub noise_lines: usize,
     /// Units that bridge missing pixels.
     pub bridged: usize,
     /// Range noise that was given or estimated, in the model's length unit.
     pub sigma: f64,
-    /// Range noise that is left at the median of the pixels that were to be smoothed, in the model's length unit.
+    /// Range noise that is left at the median of the pixels that were to be smoothed, in the
+    /// model's length unit.
     pub sigma_after: f64,
-    /// Pixels that smoothing changed; those that no plane can come near are not smoothed.
+    /// Pixels that smoothing changed. Pixels far from every plane are not smoothed.
     pub smoothed: usize,
-    /// Pixels that count as missing since they lie beyond an end of a curved guide.
+    /// Pixels beyond an end of a curved guide; they count as missing.
     pub beyond_ends: usize,
-    /// Pixels that count as missing since planes along a curved guide may cross where they are.
+    /// Pixels where planes along a curved guide may cross; they count as missing.
     pub beyond_reach: usize,
-    /// Diameter of the window that it looked at, at the median of them, in pixels; 0 if none.
+    /// Diameter of the smoothing window at the median smoothed pixel, in pixels; 0 if none was
+    /// smoothed.
     pub window: f64,
 }
 

@@ -1,9 +1,9 @@
 //! Which pixels can take part in a curve, whatever smoothing makes of them.
 //!
 //! Smoothing keeps each value within bounds, so the level of a pixel stays between those of its two
-//! bounds. A cell of four pixels whose levels cannot have a plane between them carries no curve. The
-//! pixels of all other cells count, and one more on every side, so that curves can be interpolated
-//! from four samples in line.
+//! bounds. A cell of four pixels whose levels cannot have a plane between them carries no curve.
+//! The pixels of all other cells count, and one more on every side, so that curves can be
+//! interpolated from four samples in line.
 //!
 //! Smoothing these pixels alone gives the curves of a view that is smoothed everywhere.
 
@@ -13,7 +13,8 @@ use transect_device::{Vector3, View};
 use transect_image::Instructions;
 use transect_image::smooth::ValueBounds;
 
-/// Rounding of a level in single precision, as a share of the largest level that the image can have.
+/// Rounding of a level in single precision, as a share of the largest level that the image can
+/// have.
 const LEVEL_ROUNDING: f64 = 1.0 / (1 << 20) as f64;
 
 /// One entry per pixel, row-major: whether it can take part in a curve.
@@ -54,7 +55,8 @@ struct Cells {
     here: Span,
     /// Both rows together by column, after those of the column before the first.
     both: Span,
-    /// Cells by their right column, after one that stands for the cells to the left, and before two.
+    /// Cells by their right column, after one that stands for the cells to the left, and before
+    /// two.
     crossed: Vec<bool>,
 }
 
@@ -105,7 +107,8 @@ impl Cells {
         }
     }
 
-    /// Marks the pixels of the crossed cells between a row and the one above, and those around them.
+    /// Marks the pixels of the crossed cells between a row and the one above, and those around
+    /// them.
     fn mark(&self, row: usize, near: &mut [bool]) {
         if !self.crossed.contains(&true) {
             return;

@@ -5,8 +5,8 @@ use transect_geometry::Vector2;
 
 /// Largest factor between range noise and the error across the curve.
 ///
-/// Chosen by hand: where a plane is nearly tangent to the surface, the factor grows without limit and
-/// is itself noise. Doubled, such nodes hardly count in fusion.
+/// Chosen by hand: where a plane is nearly tangent to the surface, the factor grows without limit
+/// and is itself noise. Doubled, such nodes hardly count in fusion.
 pub(crate) const LARGEST_SIGMA_FACTOR: f64 = 12.0;
 
 /// Largest tangent of the incidence. No unit.

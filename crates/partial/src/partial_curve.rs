@@ -1,4 +1,4 @@
-//! The curves of one view, with what only that view knows of them.
+//! The curves of one view, with facts that only this view has.
 
 use transect_device::Pixel;
 use transect_geometry::{Curve, EndReason, Node, PlaneIndex};
@@ -12,7 +12,7 @@ pub struct PlaneCurves {
     pub curves: Vec<PartialCurve>,
 }
 
-/// A curve of one view, with what only that view knows of it.
+/// A curve of one view, with facts that only this view has.
 #[derive(Debug, Clone)]
 pub struct PartialCurve {
     /// The curve, solid on the left; it carries the reasons for its ends and the bridged units too.

@@ -23,7 +23,7 @@ pub enum SensorError {
     #[error("no three neighbouring points show from which side the grid is seen")]
     NoSurface,
     /// Measurements that do not determine all unknowns.
-    #[error("the measurements do not determine the pose; needed are {wanted}")]
+    #[error("the measurements leave the pose undetermined; needed are {wanted}")]
     Undetermined {
         /// The measurements that would determine them.
         wanted: &'static str,

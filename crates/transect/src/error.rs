@@ -12,7 +12,7 @@ pub enum ReconstructError {
     #[error("the scan has no views")]
     NoViews,
     /// A view could not be loaded.
-    #[error("view {view} cannot be loaded")]
+    #[error("view {view}")]
     Load {
         /// Its name.
         view: String,
@@ -21,7 +21,7 @@ pub enum ReconstructError {
         source: SourceError,
     },
     /// A view could not be modelled.
-    #[error("view {view} cannot be modelled")]
+    #[error("view {view}")]
     Partial {
         /// Its name.
         view: String,

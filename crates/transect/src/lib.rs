@@ -38,11 +38,11 @@
 //!
 //! // Sections every 10 cm across the camera's x axis.
 //! let guide = StraightGuide::along(Vector3::x())?;
-//! let setup = Setup::new(LengthUnit::Metre, PlaneFamily::new(guide, 0.05, 0.1)?);
+//! let setup = Setup::new(LengthUnit::Metre, PlaneFamily::new(guide, 0.0, 0.1)?);
 //! let result = reconstruct(&[view], &setup, &Unwatched)?;
 //!
 //! // Each section is one straight curve at z = 5 m + 2 m.
-//! assert_eq!(result.report.fusion.planes, 20);
+//! assert_eq!(result.report.fusion.planes, 21);
 //! for (plane, section) in result.model.sections() {
 //!     let frame = result.model.planes().frame(plane);
 //!     let curve = section.curves().next().ok_or("a section without a curve")?;

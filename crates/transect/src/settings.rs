@@ -68,7 +68,7 @@ struct Record {
 
 impl Record {
     fn of(setup: &Setup) -> Self {
-        Self { version: VERSION, partial: setup.partial.clone(), fusion: setup.fusion.clone() }
+        Self { version: VERSION, partial: setup.partial, fusion: setup.fusion }
     }
 
     fn read(header: &StoreHeader) -> Result<Self, SettingsError> {

@@ -72,11 +72,11 @@ pub use error::{WorkflowError, with_causes};
 pub use model_file::{ModelFile, OpenStore, is_model};
 use report_file::ReportFile;
 pub use results::{ResultFolder, default_folder, dxf_frame, find_model};
-pub use run::{OpenScan, Run};
+pub use run::Run;
 pub use score::{Reference, Score, ScoreLimits, score, simulated_accuracy};
 pub use settings::{
     GuideSettings, PlaneSettings, Settings, fusion_method, fusion_methods, parse_length,
     partial_method, partial_methods,
 };
 pub use store_file::{Replaced, Replacement, StoreFile, open_store, setup_of};
-pub use views::FileView;
+pub use views::{FileView, OpenScan};

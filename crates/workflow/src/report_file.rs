@@ -1,6 +1,6 @@
 //! `report.json`: the table of a run with everything needed to repeat it.
 
-use crate::OpenScan;
+use crate::views::OpenScan;
 use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::{Value, json};

@@ -4,18 +4,11 @@ use crate::score::{Reference, ScoreLimits, score};
 use crate::settings::parse_length;
 use crate::store_file::{Grown, grow, origin};
 use crate::table::{Row, digits};
-use crate::{Costs, FileView, ReportFile, ResultFolder, Settings, WorkflowError};
-use std::path::{Path, PathBuf};
+use crate::views::{FileView, OpenScan};
+use crate::{Costs, ReportFile, ResultFolder, Settings, WorkflowError};
+use std::path::Path;
 use transect::{Reconstruction, RefinementReport, Setup, Watch, reconstruct};
 use transect_exchange::{DxfFrame, Scan};
-use transect_geometry::LengthUnit;
-
-/// A scan on disk. Its small files are read, its images are not.
-#[derive(Debug, Clone)]
-pub struct OpenScan {
-    path: PathBuf,
-    scan: Scan,
-}
 
 /// A model that was made of a scan, and what its results will say about it.
 #[derive(Debug)]
@@ -33,27 +26,6 @@ pub struct Run<'a> {
 }
 
 impl OpenScan {
-    /// Opens a scan; see [`Scan::open_with_unit`] for the kinds of scan.
-    ///
-    /// # Errors
-    /// [`WorkflowError::Read`] if the path is no scan, a file is damaged, or the unit is missing or
-    /// is not the scan's.
-    pub fn open(path: impl Into<PathBuf>, unit: Option<LengthUnit>) -> Result<Self, WorkflowError> {
-        let path = path.into();
-        let scan = Scan::open_with_unit(&path, unit)?;
-        Ok(Self { path, scan })
-    }
-
-    /// Its contents.
-    pub fn scan(&self) -> &Scan {
-        &self.scan
-    }
-
-    /// Where it is.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
     /// Makes a model of all views.
     ///
     /// # Errors
@@ -63,7 +35,7 @@ impl OpenScan {
         settings: &Settings,
         watch: &dyn Watch,
     ) -> Result<Run<'_>, WorkflowError> {
-        let setup = settings.setup(&self.scan)?;
+        let setup = settings.setup(self.scan())?;
         let splines = self.splines(settings)?;
         let reconstruction = reconstruct(&self.views(""), &setup, watch)?;
         Ok(self.run(reconstruction, setup, settings.dxf, splines))
@@ -83,12 +55,12 @@ impl OpenScan {
         settings: &Settings,
         watch: &dyn Watch,
     ) -> Result<Run<'_>, WorkflowError> {
-        let asks_for_planes = self.scan.planes.is_some() || !settings.planes.is_empty();
+        let asks_for_planes = self.scan().planes.is_some() || !settings.planes.is_empty();
         let setup = if store.exists() && !asks_for_planes {
             let planes = crate::open_store(store)?.read()?.header().planes.clone();
-            settings.setup_with(planes, &self.scan)?
+            settings.setup_with(planes, self.scan())?
         } else {
-            settings.setup(&self.scan)?
+            settings.setup(self.scan())?
         };
         let splines = self.splines(settings)?;
         let Grown { reconstruction, views_present, planes_fused } =
@@ -104,15 +76,15 @@ impl OpenScan {
 
     fn views(&self, prefix: &str) -> Vec<FileView<'_>> {
         let view = |view| {
-            let view = origin(view, &self.path);
+            let view = origin(view, self.path());
             FileView { id: format!("{prefix}{}", view.id), ..view }
         };
-        self.scan.views.iter().map(view).collect()
+        self.scan().views.iter().map(view).collect()
     }
 
     fn splines(&self, settings: &Settings) -> Result<Option<f64>, WorkflowError> {
         let tolerance = settings.splines.as_ref();
-        tolerance.map(|text| parse_length(self.scan.unit, "splines", text)).transpose()
+        tolerance.map(|text| parse_length(self.scan().unit, "splines", text)).transpose()
     }
 
     fn run(
@@ -136,15 +108,15 @@ impl Run<'_> {
     /// [`WorkflowError`] naming the file that cannot be written, or read for the scores.
     pub fn write(&mut self, folder: &ResultFolder) -> Result<Vec<Row>, WorkflowError> {
         let (model, costs) = (&self.reconstruction.model, &mut self.costs);
-        let title = &self.scan.scan.name;
+        let title = &self.scan.scan().name;
         costs.stage("writing", || folder.write_model(title, model, self.dxf))?;
-        let mut rows = result_rows(&self.scan.scan, &self.reconstruction);
+        let mut rows = result_rows(self.scan.scan(), &self.reconstruction);
         rows.extend(self.store.iter().cloned());
         if let Some(tolerance) = self.splines {
             let write = || folder.write_splines(model, tolerance);
             rows.extend(costs.stage("fitting splines", write)?);
         }
-        let truth = Reference::beside(&self.scan.path);
+        let truth = Reference::beside(self.scan.path());
         if !matches!(truth, Reference::Nothing) {
             let score = || score(model, &truth, &ScoreLimits::default());
             rows.extend(costs.stage("scoring", score)?.agreement);

@@ -126,7 +126,8 @@ impl ScoreLimits {
             return Err(WorkflowError::setting("tolerance", problem));
         }
         let from = self.from.as_ref().map(|t| parse_length(unit, "from", t)).transpose()?;
-        Ok(EvaluateOptions { tolerance, from })
+        let options = EvaluateOptions::new(tolerance);
+        Ok(from.map_or(options, |station| options.from_station(station)))
     }
 }
 

@@ -49,7 +49,8 @@ pub struct PlaneSettings {
 pub struct GuideSettings {
     /// The file: `.csv`, `.geojson` or `.dxf`.
     pub path: PathBuf,
-    /// Its points are corners, which are rounded by arcs. Otherwise a cubic spline passes through them.
+    /// Its points are corners, which are rounded by arcs. Otherwise a cubic spline passes through
+    /// them.
     pub polyline: bool,
     /// Largest radius of a polyline's corners. Without it, as large as there is room for.
     pub radius: Option<String>,

@@ -182,7 +182,8 @@ pub(crate) fn grow(
         Err(GrowError::View(
             nothing @ (ReconstructError::Nothing { .. } | ReconstructError::NoCurves { .. }),
         )) if is_new => {
-            // The store's planes are fixed and miss every view: the next attempt will choose others.
+            // The store's planes are fixed and miss every view: the next attempt will choose
+            // others.
             drop(store);
             std::fs::remove_file(path).map_err(WorkflowError::io(path))?;
             return Err(nothing.into());

@@ -1,8 +1,40 @@
-//! The views of a scan, as the modeler takes them.
+//! A scan on disk, and its views in the form that the modeler takes.
 
+use crate::WorkflowError;
+use std::path::{Path, PathBuf};
 use transect::{LoadedView, SourceError, ViewSource};
-use transect_exchange::ScanView;
-use transect_geometry::Isometry3;
+use transect_exchange::{Scan, ScanView};
+use transect_geometry::{Isometry3, LengthUnit};
+
+/// A scan on disk. Its small files are read, its images are not.
+#[derive(Debug, Clone)]
+pub struct OpenScan {
+    path: PathBuf,
+    scan: Scan,
+}
+
+impl OpenScan {
+    /// Opens a scan; see [`Scan::open_with_unit`] for the kinds of scan.
+    ///
+    /// # Errors
+    /// [`WorkflowError::Read`] if the path is no scan, a file is damaged, or the unit is missing or
+    /// is not the scan's.
+    pub fn open(path: impl Into<PathBuf>, unit: Option<LengthUnit>) -> Result<Self, WorkflowError> {
+        let path = path.into();
+        let scan = Scan::open_with_unit(&path, unit)?;
+        Ok(Self { path, scan })
+    }
+
+    /// Its contents.
+    pub fn scan(&self) -> &Scan {
+        &self.scan
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}
 
 /// A view in a file.
 #[derive(Debug, Clone)]

@@ -8,7 +8,6 @@ mod table;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
-use transect_workflow::simulation;
 
 #[derive(Debug, Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask", version, next_line_help = true)]

@@ -171,7 +171,9 @@ fn check_packages(page: &TextFile, manifests: &Manifests, lock: &str) -> Vec<Fin
     });
     for row in rows(&page.text, &heads) {
         let (package, version) = row.cells[0].split_once(' ').unwrap_or_default();
-        if !lock.contains(&format!("name = \"{package}\"\nversion = \"{version}\"")) {
+        let entry = format!("name = \"{package}\"\nversion = \"{version}");
+        // Some versions have a suffix that says nothing about their age, such as +spec-1.1.0.
+        if !["\"", "+"].iter().any(|end| lock.contains(&format!("{entry}{end}"))) {
             let message = format!("Cargo.lock has no {}; write its version", row.cells[0]);
             findings.push(Finding { file: page.name.clone(), line: row.line, message });
         }
@@ -243,7 +245,7 @@ mod tests {
                             | nalgebra 0.35.0 | `device`, `partial` |\n\n## In tests\n\n\
                             | dependency | used by |\n|---|---|\n| proptest 1.12.0 | `partial` |\n";
     const LOCK: &str = "name = \"nalgebra\"\nversion = \"0.35.0\"\n\n\
-                        name = \"proptest\"\nversion = \"1.12.0\"\n";
+                        name = \"proptest\"\nversion = \"1.12.0+suffix\"\n";
 
     fn packages(text: &str) -> Vec<String> {
         check_packages(&page(text), &manifests(), LOCK).iter().map(Finding::to_string).collect()

@@ -21,7 +21,8 @@ type StructureCheck = fn(&Path) -> Result<(), Failure>;
 const STRUCTURE: [(&str, StructureCheck); 3] =
     [("prose", prose::run), ("imports", imports::run), ("dependencies", dependencies::run)];
 
-/// Runs the stages of the check; `--without-tests` leaves out the tests, for a caller that ran them.
+/// Runs the stages of the check; `--without-tests` leaves out the tests, for a caller that ran
+/// them.
 pub fn run(arguments: &[OsString]) -> Result<(), Failure> {
     let without_tests = match arguments {
         [] => false,
@@ -33,11 +34,7 @@ pub fn run(arguments: &[OsString]) -> Result<(), Failure> {
         }
     };
     run_command(cargo().args(["fmt", "--all", "--check"]))?;
-    let root = workspace_root();
-    for (name, check) in STRUCTURE {
-        eprintln!("$ check {name}");
-        check(&root)?;
-    }
+    check_structure()?;
     let clippy = ["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"];
     run_command(cargo().args(clippy))?;
     let mut docs = cargo();
@@ -48,6 +45,16 @@ pub fn run(arguments: &[OsString]) -> Result<(), Failure> {
         test::run(&[])?;
     }
     commands_of_the_readme()
+}
+
+/// Runs every check of the workspace's own files, so that one run names everything to mend.
+fn check_structure() -> Result<(), Failure> {
+    let root = workspace_root();
+    let results = STRUCTURE.map(|(name, check)| {
+        eprintln!("$ check {name}");
+        check(&root)
+    });
+    results.into_iter().collect()
 }
 
 /// Licences, sources and bans of the dependencies, where cargo-deny is installed.

@@ -14,7 +14,8 @@ use transect_workflow::{ResultFolder, StoreFile, dxf_frame};
 pub struct Arguments {
     /// Model store, model file, or folder that `reconstruct` wrote.
     file: PathBuf,
-    /// File for the whole content of a store as JSON lines: planes, views and the views' own curves.
+    /// File for the whole content of a store as JSON lines: planes, views and the views' own
+    /// curves.
     #[arg(long, value_name = "FILE", required_unless_present = "out")]
     lines: Option<PathBuf>,
     /// Folder for model.transect, contours.json, model.dxf and the pictures.

@@ -14,8 +14,8 @@ use transect_workflow::ModelFile;
 /// Options of `gaps`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Model store, model file, or folder that `reconstruct` wrote. Only a store keeps the curves of each
-    /// view, from which next views are proposed.
+    /// Model store, model file, or folder that `reconstruct` wrote. Only a store keeps the curves
+    /// of each view, from which next views are proposed.
     file: PathBuf,
     /// Number of gaps to list, the widest first.
     #[arg(long, default_value_t = 20)]
@@ -159,7 +159,7 @@ fn propose(
     };
     let patches: Vec<UnseenPatch> = missing.gaps.iter().flat_map(patches).collect();
     let max_incidence_rad = arguments.incidence.to_radians();
-    let options = NextViewOptions { views: arguments.views, max_incidence_rad, reach };
+    let options = NextViewOptions::new(arguments.views, max_incidence_rad, reach);
     let unseen: f64 = patches.iter().map(|p| p.area).sum();
     say("\nNext views that would see most of that, if no hidden surface stands in their way:\n");
     let line = |view: &NextView| {

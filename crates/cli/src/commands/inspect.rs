@@ -14,8 +14,8 @@ use transect_workflow::{is_model, with_causes};
 /// Options of `inspect`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Scan: a folder with scan.json, a scan.json, a Stanford .conf, or a folder of depth images; or a
-    /// model file, a model store, or a folder that `reconstruct` wrote.
+    /// Scan: a folder with scan.json, a scan.json, a Stanford .conf, or a folder of depth images;
+    /// or a model file, a model store, or a folder that `reconstruct` wrote.
     scan: PathBuf,
     /// Length unit of a scan that does not state one.
     #[arg(long)]

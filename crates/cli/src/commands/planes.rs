@@ -20,7 +20,8 @@ pub struct PlaneArguments {
     /// docs/guides.md.
     #[arg(long, value_name = "FILE", conflicts_with = "normal")]
     guide: Option<PathBuf>,
-    /// What the guide's points are: corners, which are rounded by arcs, or points of a cubic spline.
+    /// What the guide's points are: corners, which are rounded by arcs, or points of a cubic
+    /// spline.
     #[arg(long, value_parser = PossibleValuesParser::new(["polyline", "spline"]), default_value = "spline", value_name = "KIND")]
     guide_kind: String,
     /// Largest radius of a polyline's corners [default: as large as there is room for].

@@ -21,8 +21,8 @@ pub struct Arguments {
     /// Name of the view in that scan [default: its name in the scan that it came from].
     #[arg(long, value_name = "NAME")]
     view: Option<String>,
-    /// Pose in place of the scan's own: 16 numbers with commas between them, sensor to world, row by
-    /// row.
+    /// Pose in place of the scan's own: 16 numbers with commas between them, sensor to world, row
+    /// by row.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true)]
     pose: Option<String>,
 }

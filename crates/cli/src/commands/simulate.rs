@@ -27,8 +27,8 @@ pub struct Arguments {
     /// Factor on the rows and columns of the sensor that --sensor chooses.
     #[arg(long, default_value_t = 1.0, value_name = "FACTOR", requires = "sensor")]
     density: f64,
-    /// Write the camera images of light-stripe sensors, in which the reader finds the stripe, in place
-    /// of range images.
+    /// Write the camera images of light-stripe sensors, in which the reader finds the stripe, in
+    /// place of range images.
     #[arg(long)]
     stripe_images: bool,
     /// Folder to write scan.json, the images and truth.npz into [default: transect-out/NAME/scan].

@@ -1,4 +1,5 @@
-//! What is wrong with a scan is said with its place and its reason; nothing panics, nothing is left.
+//! What is wrong with a scan is said with its place and its reason; nothing panics, nothing is
+//! left.
 //!
 //! Each table begins with a sound scan and spoils one thing at a time; that the sound one passes is
 //! tested first, so that no row fails for a reason of its own.
@@ -314,11 +315,11 @@ fn planes_that_miss_everything_are_told_with_the_stations_seen() {
     // Counts of a micrometre instead of a millimetre: the wall is 1 mm to 2.1 mm away.
     manifest["views"][0]["depth_scale"] = json!(1e-6);
     let folder = scan_of(&manifest);
-    refused(&folder, "scan.json", &["no section plane crosses", "they lie between stations"]);
+    refused(&folder, "scan.json", &["no section plane crosses", "which lie between the stations"]);
     let said = folder.reconstruct("scan.json").stderr;
-    let (_, stations) = said.split_once("between stations ").unwrap();
+    let (_, stations) = said.split_once("between the stations ").unwrap();
     let words: Vec<&str> = stations.split_whitespace().take(4).collect();
-    let [low, "and", high, "m"] = words[..] else { panic!("{said}") };
+    let [low, "and", high, "m;"] = words[..] else { panic!("{said}") };
     let [low, high] = [low, high].map(|n| n.parse::<f64>().unwrap());
     assert!((low - 0.001).abs() < 1e-6 && (high - 0.0021).abs() < 1e-6, "{said}");
 }
@@ -356,7 +357,7 @@ fn warned(run: &Run) -> Vec<String> {
     let name = |line: &&str| line.split_whitespace().nth(2).unwrap().to_owned();
     let warnings = run.told("warning: ");
     assert!(warnings.iter().all(|w| w.contains("contradicts the others")), "{warnings:?}");
-    assert!(warnings.iter().all(|w| w.contains("is its pose right")), "{warnings:?}");
+    assert!(warnings.iter().all(|w| w.contains("Check its pose")), "{warnings:?}");
     warnings.iter().map(name).collect()
 }
 

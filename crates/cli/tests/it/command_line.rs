@@ -343,7 +343,8 @@ fn planes_are_refined_and_the_report_says_where() {
     let with_plane = gaps.iter().filter(|gap| gap["inserted"].is_i64()).count() as u64;
     assert_eq!(with_plane, inserted);
     assert!(gaps.iter().all(|gap| gap["reason"].is_string() && gap["length"].is_number()));
-    // The truth counts on planes that were asked for and no others: the planes between lack nothing.
+    // The truth counts on planes that were asked for and no others: the planes between lack
+    // nothing.
     let evaluated = folder.run("evaluate out --tolerance 16mm").succeeded();
     let completeness = evaluated.stdout.lines().find(|line| line.starts_with("completeness"));
     let mut words = completeness.unwrap().split_whitespace();

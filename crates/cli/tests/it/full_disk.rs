@@ -1,4 +1,5 @@
-//! A disk that fills up while a store grows: a clear error, nothing lost, and going on when there is room.
+//! A disk that fills up while a store grows: a clear error, nothing lost, and going on when there
+//! is room.
 #![cfg(unix)]
 
 use super::common::Folder;
@@ -26,7 +27,8 @@ fn views_left(folder: &Folder, store: &Path) -> f64 {
     folder.run(&format!("verify {store}")).succeeded().number("views")
 }
 
-/// A quota on the size of files, smaller than the store will be: the same error from the same calls.
+/// A quota on the size of files, smaller than the store will be: the same error from the same
+/// calls.
 #[test]
 fn a_quota_on_files_loses_nothing() {
     let folder = Folder::empty();

@@ -11,7 +11,8 @@ fn data(name: &str) -> Option<PathBuf> {
     if folder.is_dir() {
         return Some(folder.canonicalize().unwrap());
     }
-    // Written past the capture of passing tests' output: a skipped test must not look like a run one.
+    // Written past the capture of passing tests' output: a skipped test must not look like a run
+    // one.
     let reason = format!("skipped: ../shared/data is absent ({} is no folder)", folder.display());
     let mut stderr = std::io::stderr();
     writeln!(stderr, "{reason}").unwrap();

@@ -132,7 +132,8 @@ fn what_is_refused_says_why_and_changes_nothing() {
     let flat = ["0"; 16].join(",");
     folder.run(&format!("{} {flat}", pose.replace(" 1,2,3", ""))).failed_with(2, &["--pose"]);
     grow(&folder, "scan --interval 0.1").failed_with(1, &["s.transect", "planes", "0.08", "0.1"]);
-    grow(&folder, "scan --fusion pairwise").failed_with(1, &["s.transect", "options", "Pairwise"]);
+    grow(&folder, "scan --fusion pairwise")
+        .failed_with(1, &["s.transect", "its fusion", "pairwise"]);
     folder.edit_json("scan/scan.json", "scan/mm.json", |m| m["unit"] = "mm".into());
     grow(&folder, "scan/mm.json").failed_with(1, &["s.transect", "unit is m, not mm"]);
     folder

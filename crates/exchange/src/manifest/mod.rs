@@ -32,9 +32,9 @@
 //! Images are `.npy`, NaN or 0 = missing, in the unit of the sensor's pixels (the length unit for
 //! ranges and depths), or 16-bit grey `.png` with `depth_scale` in that unit per count, 0 and 65535
 //! = missing. Files that keys name are relative to the manifest. Notes by other programs (`scene`,
-//! `size`, `truth`, `seed`, `comment`, `description`) are accepted; any other key is told, also one
-//! of another sensor. `NaN` and `Infinity`, which some programs write though JSON has no such
-//! numbers, are read as "not a number".
+//! `size`, `truth`, `seed`, `comment`, `description`) are accepted. Any other key becomes a note,
+//! also one of another sensor. `NaN` and `Infinity`, which some programs write though JSON has no
+//! such numbers, are read as "not a number".
 
 mod entry;
 mod keys;

@@ -5,7 +5,7 @@ use crate::triangle_mesh::{MeshFile, TriangleMesh, fan, note_dropped};
 use crate::{Place, ReadError};
 use std::path::Path;
 
-/// Reads the elements `vertex` and `face`, of which there must be some.
+/// Reads the elements `vertex` and `face`. Both must be there.
 pub(crate) fn mesh(path: &Path, bytes: &[u8]) -> Result<MeshFile, ReadError> {
     let mut ply = Ply::open(path, bytes)?;
     let elements = ply.header.elements.clone();

@@ -131,10 +131,10 @@ fn oddities(vertices: &[Point3], cells: &[Cell]) -> Vec<String> {
     let unused = uses.iter().filter(|&&n| n == 0).count();
     let repeated = uses.iter().filter(|&&n| n > 1).count();
     let wild = vertices.iter().filter(|v| !v.coords.iter().all(|c| c.is_finite())).count();
-    let told = [
+    let counted = [
         (unused, "vertices are in no cell of the grid and are dropped"),
         (repeated, "vertices are in several cells of the grid"),
         (wild, "vertices have a coordinate that is not finite and count as missing"),
     ];
-    told.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect()
+    counted.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect()
 }

@@ -1,8 +1,8 @@
 //! The curves of all views at once: the default way to fuse a plane.
 //!
 //! **Problem.** Several views measured parts of the same section. Wanted: one curve where they
-//! overlap, more accurate than any single one; no duplicate, no fork, nothing invented, both sides of
-//! a thin sheet, and the same result for any order of views.
+//! overlap, more accurate than any single one; no duplicate, no fork, nothing invented, both sides
+//! of a thin sheet, and the same result for any order of views.
 //!
 //! **Idea.** The dissertation merges curves two by two (5.2 to 5.5). Every merge moves the curve a
 //! little, so errors add up, and the last view weighs as much as all before it. Here every view's
@@ -11,34 +11,38 @@
 //!
 //! **Steps**, in four rooms. Each hands one type on to the next.
 //! 1. `measure` → `Observation`s and the plane's `Scale`.
-//!    * Nodes of all views, in an order that depends on the measurements alone, with direction, error
-//!      and weight. Weights fall towards open ends, where real scanners overshoot.
-//!    * The spread between views sets the overlap threshold. Where one view saw two surfaces side by
-//!      side, half the gap between them bounds it. The views' systematic errors, which grow with the
-//!      incidence, are part of all weights.
+//!    * Nodes of all views, in an order that depends on the measurements alone, with direction,
+//!      error and weight. Weights fall towards open ends, where real scanners overshoot.
+//!    * The spread between views sets the overlap threshold. Where one view saw two surfaces side
+//!      by side, half the gap between them bounds it. The views' systematic errors, which grow with
+//!      the incidence, are part of all weights.
 //! 2. `estimate` → `PlacedNode`s.
 //!    * Groups of observations beside each other; rough fits treat a group as one.
-//!    * Thinning: best supported first, a group moves across the curve onto a robust line through its
-//!      neighbours, and absorbs what lies beside it. The neighbours never move, so nothing drifts.
+//!    * Thinning: best supported first, a group moves across the curve onto a robust line through
+//!      its neighbours, and absorbs what lies beside it. The neighbours never move, so nothing
+//!      drifts.
 //!    * Clusters: each node takes the weighted mean of the *original* places it absorbed.
-//!    * Final place: a robust parabola or arc, in the widest window that agrees with all narrower ones.
+//!    * Final place: a robust parabola or arc, in the widest window that agrees with all narrower
+//!      ones.
 //! 3. `connect` → `Chain`s.
-//!    * Links: cheapest first, one successor and one predecessor. The views' own curves suggest links.
+//!    * Links: cheapest first, one successor and one predecessor. The views' own curves suggest
+//!      links.
 //!    * Cover: longest chain first; what lies beside an accepted chain is cut away.
 //!    * Ends: joined where they meet and where the curve goes on, turned round thin tips, cut back
-//!      where they cross. Gaps are counted in samples of the coarsest view there. Chains with too few
-//!      measured footprints are left out.
+//!      where they cross. Gaps are counted in samples of the coarsest view there. Chains with too
+//!      few measured footprints are left out.
 //! 4. `shape` → curves.
 //!    * Rings: closed chains that cannot be told from a circle become one.
-//!    * Corners: where two sides meet at an angle, the curve goes through the place at which they do.
+//!    * Corners: where two sides meet at an angle, the curve goes through the place at which they
+//!      do.
 //!
-//! **Departures from the source.** Everything from the groups on replaces 5.5.2. The rule table of 5.4
-//! holds for the result as an invariant instead of deciding each merge.
+//! **Departures from the source.** Everything from the groups on replaces 5.5.2. The rule table of
+//! 5.4 holds for the result as an invariant instead of deciding each merge.
 //!
 //! **Cost.** Each step gathers neighbours from a grid. All steps work on groups or on nodes, whose
-//! number depends on the length of the result, not on the number of views; every observation is only
-//! grouped and added to its cluster. Not for views whose poses are wrong by more than the overlap
-//! threshold: fusion cannot repair registration.
+//! number depends on the length of the result, not on the number of views; every observation is
+//! only grouped and added to its cluster. Not for views whose poses are wrong by more than the
+//! overlap threshold: fusion cannot repair registration.
 
 mod connect;
 mod estimate;

@@ -1,45 +1,48 @@
 //! All tunables of consensus, by the file that uses them, in the order in which a node meets them.
 //!
-//! Each says what it means, its unit, where the value comes from, and what happens when it is doubled.
-//! "By hand" values were chosen on the simulated sets and the bunny, by the figures that
-//! `cargo xtask experiments ablation` prints. Lengths are in footprints (the sample spacing of a view)
-//! or in standard deviations, never in the user's unit. Numbers of a formula stand beside the formula.
+//! Each says what it means, its unit, where the value comes from, and what happens when it is
+//! doubled. "By hand" values were chosen on the simulated sets and the bunny, by the figures that
+//! `cargo xtask experiments ablation` prints. Lengths are in footprints (the sample spacing of a
+//! view) or in standard deviations, never in the user's unit. Numbers of a formula stand beside the
+//! formula.
 
 /// `measure/observations.rs`
 pub(super) mod observations {
     /// Distance from an open end at which a node has its full weight, in footprints. By hand: real
     /// scanners overshoot silhouettes by a few pixels. Doubled: clean scans lose a little accuracy.
     pub const FULL_WEIGHT_FOOTPRINTS: f64 = 8.0;
-    /// Weight factor of a node at an open end. By hand: enough to stand where no other view measured.
-    /// Doubled: overshooting ends pull the curve a little more.
+    /// Weight factor of a node at an open end. By hand: enough to stand where no other view
+    /// measured. Doubled: overshooting ends pull the curve a little more.
     pub const LEAST_TAPER: f64 = 0.02;
-    /// Arc on each side of a node that gives its direction, in footprints and in standard deviations.
-    /// By hand: noise turns shorter arcs. Doubled: directions lag behind bends and small legs merge.
+    /// Arc on each side of a node that gives its direction, in footprints and in standard
+    /// deviations. By hand: noise turns shorter arcs. Doubled: directions lag behind bends and
+    /// small legs merge.
     pub const TANGENT_FOOTPRINTS: f64 = 2.5;
     pub const TANGENT_SIGMAS: f64 = 3.0;
-    /// Least and largest sampling error of a node, in footprints. By hand: the least keeps noise-free
-    /// data finite; at sharp bends roughness is no error of sampling. Doubled: less weight on bends.
+    /// Least and largest sampling error of a node, in footprints. By hand: the least keeps
+    /// noise-free data finite; at sharp bends roughness is no error of sampling. Doubled: less
+    /// weight on bends.
     pub const SAMPLING_SHARES: [f64; 2] = [0.002, 0.06];
-    /// Smallest stated footprint that is believed, as a share of the mean distance between nodes. By
-    /// hand; any small number will do. Doubled: nothing changes.
+    /// Smallest stated footprint that is believed, as a share of the mean distance between nodes.
+    /// By hand; any small number will do. Doubled: nothing changes.
     pub const LEAST_FOOTPRINT: f64 = 1e-3;
 }
 
 /// `measure/spread.rs`
 pub(super) mod spread {
-    /// Every such node is compared with another view: neighbours are correlated. By hand. Doubled: half
-    /// the samples, which matters on small planes.
+    /// Every such node is compared with another view: neighbours are correlated. By hand. Doubled:
+    /// half the samples, which matters on small planes.
     pub const SAMPLE_EVERY: usize = 20;
-    /// Samples of a plane at least: with fewer, the median is uncertain by more than 10 %. Theory: the
-    /// median of n normal errors has a relative error of about 1.25 / √n. Doubled: more time.
+    /// Samples of a plane at least: with fewer, the median is uncertain by more than 10 %. Theory:
+    /// the median of n normal errors has a relative error of about 1.25 / √n. Doubled: more time.
     pub const MIN_SAMPLES: usize = 300;
-    /// Samples of a large plane: the median is then good to a few per cent. Theory as above. Doubled:
-    /// the spread takes twice its 5 % of the time.
+    /// Samples of a large plane: the median is then good to a few per cent. Theory as above.
+    /// Doubled: the spread takes twice its 5 % of the time.
     pub const WANTED_SAMPLES: usize = 500;
     /// Pairs that make a spread at least. By hand. Doubled: views that barely overlap count as one.
     pub const MIN_PAIRS: usize = 8;
-    /// Search distance for another view, in footprints and standard deviations of the node. By hand:
-    /// wider than poses usually err. Doubled: neighbouring surfaces enter the sample.
+    /// Search distance for another view, in footprints and standard deviations of the node. By
+    /// hand: wider than poses usually err. Doubled: neighbouring surfaces enter the sample.
     pub const SEARCH_FOOTPRINTS: f64 = 4.0;
     pub const SEARCH_SIGMAS: f64 = 6.0;
     /// Share of the search distance that is searched first. By hand: saves time where views agree.
@@ -48,8 +51,8 @@ pub(super) mod spread {
     /// Spreads that the nearby search must hold to count. Theory: the cut at four spreads must lie
     /// inside. Doubled: the whole distance is searched on most planes.
     pub const NEARBY_SPREADS: f64 = 4.5;
-    /// Pairs farther apart than this many spreads are of different surfaces. Theory: one normal error in
-    /// 16 000 is larger. Doubled: neighbouring surfaces widen the spread.
+    /// Pairs farther apart than this many spreads are of different surfaces. Theory: one normal
+    /// error in 16 000 is larger. Doubled: neighbouring surfaces widen the spread.
     pub const CUT_SPREADS: f64 = 4.0;
     /// Median of |x| of a normal x of standard deviation 1. Theory.
     pub const MEDIAN_OF_NORMAL: f64 = 0.6745;
@@ -59,11 +62,11 @@ pub(super) mod spread {
 pub(super) mod view_error {
     /// Variance of the square of a normal error, in squares of its variance. Theory.
     pub const VARIANCE_OF_SQUARE: f64 = 2.0;
-    /// Incidences of a sample that differ by less than this, squared and relative, count as one. By hand;
-    /// only rounding is smaller. Doubled: nothing changes.
+    /// Incidences of a sample that differ by less than this, squared and relative, count as one. By
+    /// hand; only rounding is smaller. Doubled: nothing changes.
     pub const LEAST_SPREAD: f64 = 1e-9;
-    /// How often weights follow from the last estimate. By hand: later rounds change little. Doubled:
-    /// nothing but time.
+    /// How often weights follow from the last estimate. By hand: later rounds change little.
+    /// Doubled: nothing but time.
     pub const ROUNDS: usize = 4;
     /// Squared standard deviations beyond which a pair does not count. By hand: three standard
     /// deviations. Doubled: pairs of different surfaces count as errors of views.
@@ -74,17 +77,18 @@ pub(super) mod view_error {
 
 /// `measure/scale.rs`
 pub(super) mod scale {
-    /// Least overlap threshold in standard deviations of the node. Theory: one normal error in 16 000 is
-    /// larger. Doubled: thin parts of one direction merge.
+    /// Least overlap threshold in standard deviations of the node. Theory: one normal error in 16
+    /// 000 is larger. Doubled: thin parts of one direction merge.
     pub const LEAST_SIGMAS: f64 = 4.0;
-    /// Least overlap threshold in footprints. By hand: curves differ by sampling. Doubled: as above.
+    /// Least overlap threshold in footprints. By hand: curves differ by sampling. Doubled: as
+    /// above.
     pub const LEAST_FOOTPRINTS: f64 = 0.35;
 }
 
 /// `estimate/groups.rs`
 pub(super) mod groups {
-    /// Half-width of a group along the curve, in footprints. By hand: less than half a sample, so that
-    /// groups lose no detail. Doubled: detail is lost.
+    /// Half-width of a group along the curve, in footprints. By hand: less than half a sample, so
+    /// that groups lose no detail. Doubled: detail is lost.
     pub const ALONG_FOOTPRINTS: f64 = 0.3;
     /// Half-width across, as a share of the overlap threshold. By hand. Doubled: thin parts lose
     /// accuracy.
@@ -99,20 +103,21 @@ pub(super) mod thin {
     /// Doubled: lines cut bends.
     pub const ROUGH_FOOTPRINTS: f64 = 2.0;
     pub const ROUGH_SIGMAS: f64 = 3.0;
-    /// A stand absorbs within this many of its footprints along the curve. By hand: one node per sample.
-    /// Doubled: half the nodes, and small details are lost.
+    /// A stand absorbs within this many of its footprints along the curve. By hand: one node per
+    /// sample. Doubled: half the nodes, and small details are lost.
     pub const ABSORB_FOOTPRINTS: f64 = 0.7;
-    /// And within this share of the overlap threshold across. By hand. Doubled: surfaces beside it merge.
+    /// And within this share of the overlap threshold across. By hand. Doubled: surfaces beside it
+    /// merge.
     pub const ABSORB_SHARE: f64 = 0.6;
 }
 
 /// `estimate/parabola`
 pub(super) mod parabola {
-    /// Half-width of a window's middle, as a share of its reach: a sample there is on neither side. By
-    /// hand; larger than rounding. Doubled: nothing changes.
+    /// Half-width of a window's middle, as a share of its reach: a sample there is on neither side.
+    /// By hand; larger than rounding. Doubled: nothing changes.
     pub const MIDDLE_SHARE: f64 = 1e-3;
-    /// Share of the threshold up to which samples have their whole weight. By hand. Doubled: no sample
-    /// is ever weighed less, and outliers pull the fit.
+    /// Share of the threshold up to which samples have their whole weight. By hand. Doubled: no
+    /// sample is ever weighed less, and outliers pull the fit.
     pub const FULL_TRUST: f64 = 0.5;
     /// Curvature times reach, in radians, beyond which a fit follows an arc no farther. Theory:
     /// directions no longer count as the same there. Doubled: noise is taken for a bend.
@@ -124,46 +129,50 @@ pub(super) mod place {
     /// Half-width of the narrowest window, in footprints. By hand: five nodes determine a parabola.
     /// Doubled: legs of a few footprints are smoothed away.
     pub const NARROWEST_FOOTPRINTS: f64 = 2.5;
-    /// Factor from one window to the next. By hand. Doubled: windows are either too narrow or too wide.
+    /// Factor from one window to the next. By hand. Doubled: windows are either too narrow or too
+    /// wide.
     pub const WINDOW_GROWTH: f64 = 1.5;
     /// Windows tried: the widest has 19 footprints. By hand. Doubled: more time, little gain.
     pub const WINDOWS: i32 = 6;
-    /// Windows that may be a node's first, whatever gaps lie in them. By hand. Doubled: fine nodes among
-    /// coarse ones are placed by ground beyond a gap.
+    /// Windows that may be a node's first, whatever gaps lie in them. By hand. Doubled: fine nodes
+    /// among coarse ones are placed by ground beyond a gap.
     pub const LAST_FIRST_WINDOW: i32 = 1;
-    /// Longest gap in a wider first window, in footprints of the coarser node beside it. Theory: thinning
-    /// leaves less. Doubled: as above.
+    /// Longest gap in a wider first window, in footprints of the coarser node beside it. Theory:
+    /// thinning leaves less. Doubled: as above.
     pub const GAP_FOOTPRINTS: f64 = 2.0;
     /// Largest difference of fits that agree, in its standard deviations. By hand: smaller follows
     /// noise, larger smooths over detail.
     pub const CONFIDENCE: f64 = 2.0;
-    /// The same for the one fit that may be off by chance. Theory: one of 20 exceeds two. Doubled: detail
-    /// is smoothed away.
+    /// The same for the one fit that may be off by chance. Theory: one of 20 exceeds two. Doubled:
+    /// detail is smoothed away.
     pub const STRAY_CONFIDENCE: f64 = 3.0;
     /// How many of the narrowest windows may be that one. By hand. Doubled: as above.
     pub const STRAY_WINDOWS: usize = 2;
-    /// Least variance of the difference of two fits, as a share of the narrower fit's. By hand: both are
-    /// estimates. Doubled: fits agree more easily.
+    /// Least variance of the difference of two fits, as a share of the narrower fit's. By hand:
+    /// both are estimates. Doubled: fits agree more easily.
     pub const LEAST_VARIANCE_SHARE: f64 = 0.1;
     /// Largest curvature times half-width of a window on a bend, whatever the noise, in radians. By
     /// hand. Doubled: bends are cut.
     pub const LARGEST_TURN: f64 = 0.13;
-    /// The same where the fit's error is small against noise. Theory: beyond it directions no longer
-    /// count as the same. Doubled: no effect, since the directions exclude the samples.
+    /// The same where the fit's error is small against noise. Theory: beyond it directions no
+    /// longer count as the same. Doubled: no effect, since the directions exclude the samples.
     pub const LARGEST_NOISY_TURN: f64 = 0.9;
-    /// Error of a fit in the middle of a bend, over (curvature × half-width)³ × half-width. Theory: an
-    /// evenly sampled parabola makes 0.0107 of an arc's fourth order, and fits that follow that order
-    /// leave two fifths at the turn below. Doubled: narrower windows on bends.
+    /// Error of a fit in the middle of a bend, over (curvature × half-width)³ × half-width. Theory:
+    /// an evenly sampled parabola makes 0.0107 of an arc's fourth order, and fits that follow that
+    /// order leave two fifths at the turn below. Doubled: narrower windows on bends.
     pub const ARC_ERROR: f64 = 0.4 * 0.0107;
-    /// Turn from which an arc's sixth order has this error; below, it falls as the turn's square. Theory.
+    /// Turn from which an arc's sixth order has this error; below, it falls as the turn's square.
+    /// Theory.
     pub const SIXTH_ORDER_TURN: f64 = 0.6;
-    /// Largest such error, in standard deviations of the fit. By hand. Doubled: bends are cut visibly.
+    /// Largest such error, in standard deviations of the fit. By hand. Doubled: bends are cut
+    /// visibly.
     pub const ERROR_SHARE: f64 = 0.5;
-    /// Windows for which neighbours are gathered at once, beyond the one that asks. Measured: time only.
+    /// Windows for which neighbours are gathered at once, beyond the one that asks. Measured: time
+    /// only.
     pub const GATHER_AHEAD: i32 = 2;
-    /// Length over which neighbouring fits share their errors, as a share of their half-width h. Theory:
-    /// a parabola through 2 h of even samples has 9/4 the variance of their mean, as if 2 h / (9/4) were
-    /// averaged. Doubled: the predicted errors of later steps are too large.
+    /// Length over which neighbouring fits share their errors, as a share of their half-width h.
+    /// Theory: a parabola through 2 h of even samples has 9/4 the variance of their mean, as if 2 h
+    /// / (9/4) were averaged. Doubled: the predicted errors of later steps are too large.
     pub const SHARED_WINDOW: f64 = 8.0 / 9.0;
 }
 
@@ -176,18 +185,19 @@ pub(super) mod node {
 
 /// `connect/link.rs`
 pub(super) mod link {
-    /// How far ahead a node searches for its successor, in footprints. By hand: thinning leaves up to
-    /// 1.4. Doubled: gaps are linked before the views' own curves are asked.
+    /// How far ahead a node searches for its successor, in footprints. By hand: thinning leaves up
+    /// to 1.4. Doubled: gaps are linked before the views' own curves are asked.
     pub const REACH_FOOTPRINTS: f64 = 3.0;
-    /// Least cosine between linked nodes, and between them and the step (60°). By hand. Doubled: no bend
-    /// is linked.
+    /// Least cosine between linked nodes, and between them and the step (60°). By hand. Doubled: no
+    /// bend is linked.
     pub const SMALLEST_TURN_COSINE: f64 = 0.5;
     /// The same for units of the views' curves, which also lead round thin tips. By hand.
     pub const BACKWARD: f64 = -0.2;
-    /// The same for such units between nodes of one direction. By hand: a step to the side is a change of
-    /// layer. Doubled: links between layers disappear with some bends.
+    /// The same for such units between nodes of one direction. By hand: a step to the side is a
+    /// change of layer. Doubled: links between layers disappear with some bends.
     pub const SIDEWAYS: f64 = 0.3;
-    /// Factor on the cost of a link that a view's own curve shows. By hand. Doubled: they come last.
+    /// Factor on the cost of a link that a view's own curve shows. By hand. Doubled: they come
+    /// last.
     pub const WITNESSED: f64 = 0.7;
     /// Increase of the cost for a node without support, as a share. By hand: four follows a real
     /// scanner's better views more closely, and loses corners that views saw with few samples.
@@ -196,24 +206,27 @@ pub(super) mod link {
 
 /// `connect/chain.rs`
 pub(super) mod chain {
-    /// Nodes on each side whose chord is a chain's direction at a node. By hand. Doubled: lags at bends.
+    /// Nodes on each side whose chord is a chain's direction at a node. By hand. Doubled: lags at
+    /// bends.
     pub const CHORD_NODES: usize = 2;
     /// Nodes whose mean direction is that of an end. By hand. Doubled: lags at bends.
     pub const DIRECTION_NODES: usize = 4;
-    /// Least length of an open chain, in mean standard deviations of its nodes. By hand: noise leaves
-    /// shorter ones of surfaces nearly parallel to the plane. Doubled: thin details are lost.
+    /// Least length of an open chain, in mean standard deviations of its nodes. By hand: noise
+    /// leaves shorter ones of surfaces nearly parallel to the plane. Doubled: thin details are
+    /// lost.
     pub const DIRECTION_SIGMAS: f64 = 6.0;
 }
 
 /// `connect/cover.rs`
 pub(super) mod cover {
-    /// Fewest nodes of a chain; fewer have no direction. Theory. Doubled: legs of few samples are lost.
+    /// Fewest nodes of a chain; fewer have no direction. Theory. Doubled: legs of few samples are
+    /// lost.
     pub const MIN_NODES: usize = 3;
-    /// Least length of the rest of a chain that was cut, in footprints, for it to be joined. By hand.
-    /// Doubled: gaps stay open.
+    /// Least length of the rest of a chain that was cut, in footprints, for it to be joined. By
+    /// hand. Doubled: gaps stay open.
     pub const REST_FOOTPRINTS: f64 = 2.0;
-    /// Longest unit that is searched for beside a node, in footprints: that of a joined gap. Theory: the
-    /// longest gap of the join rules. Doubled: more time.
+    /// Longest unit that is searched for beside a node, in footprints: that of a joined gap.
+    /// Theory: the longest gap of the join rules. Doubled: more time.
     pub const LONGEST_UNIT_FOOTPRINTS: f64 = 4.0;
 }
 
@@ -235,10 +248,12 @@ pub(super) mod ends {
     /// The rules. By hand. Doubled gaps: ends of different surfaces are joined. Doubled cuts: short
     /// chains are eaten up.
     impl JoinRule {
-        /// Ends that meet, whatever the turn: they belong together before anything is cut or bridged.
-        /// With a wider gap, a small gap round a corner would win over a longer one straight on.
+        /// Ends that meet, whatever the turn: they belong together before anything is cut or
+        /// bridged. With a wider gap, a small gap round a corner would win over a longer one
+        /// straight on.
         pub const MEETING: Self = Self::new(0.7, [-1.0, 1.0], -0.7, 0);
-        /// A smooth continuation; ends that pass beside each other are cut until the gap leads forward.
+        /// A smooth continuation; ends that pass beside each other are cut until the gap leads
+        /// forward.
         pub const SMOOTH: Self = Self::new(4.0, [0.5, 1.0], 0.3, 8);
         /// A sharp bend or a thin tip, where the curve turns back on itself.
         pub const HAIRPIN: Self = Self::new(4.0, [-1.0, 0.5], -0.7, 0);
@@ -257,8 +272,8 @@ pub(super) mod ends {
 
     /// Cost of a node that is cut, in its footprints. By hand. Doubled: overshooting ends stay.
     pub const CUT_COST: f64 = 0.3;
-    /// Share of the overlap threshold by which gaps may be longer: ends of two views' curves may lie that
-    /// far apart sideways. By hand. Doubled: ends of different surfaces are joined.
+    /// Share of the overlap threshold by which gaps may be longer: ends of two views' curves may
+    /// lie that far apart sideways. By hand. Doubled: ends of different surfaces are joined.
     pub const THRESHOLD_SHARE: f64 = 0.25;
 }
 
@@ -267,8 +282,8 @@ pub(super) mod spurs {
     /// Largest distance of a spur from the closed chain, in largest plausible offsets. By hand.
     /// Doubled: thin open parts beside a closed one are lost.
     pub const THRESHOLDS: f64 = 3.0;
-    /// Largest mean number of views, and largest mean support, of a spur's nodes. By hand. Doubled: curves
-    /// of two views are lost.
+    /// Largest mean number of views, and largest mean support, of a spur's nodes. By hand. Doubled:
+    /// curves of two views are lost.
     pub const MAX_VIEWS: f64 = 1.5;
     pub const MAX_SUPPORT: f64 = 1.0;
     /// Least share of a spur's nodes beside the closed chain: overshooting ends bend away. By hand.
@@ -281,12 +296,13 @@ pub(super) mod hooks {
     pub const PASSES: usize = 4;
     /// Fewest nodes of a chain whose hooks are removed: a small ring is all bends. By hand.
     pub const MIN_NODES: usize = 8;
-    /// Least cosine between a unit and the mean direction of its nodes, if the nodes have one direction, and
-    /// least cosine between theirs. By hand: below, the curve changes from one view's layer to another's.
+    /// Least cosine between a unit and the mean direction of its nodes, if the nodes have one
+    /// direction, and least cosine between theirs. By hand: below, the curve changes from one
+    /// view's layer to another's.
     pub const SIDEWAYS: f64 = 0.3;
     pub const ONE_WAY: f64 = 0.5;
-    /// Longest unit that is a hook, in footprints. Theory: thinning keeps neighbours of one curve farther
-    /// apart. Doubled: bends lose nodes.
+    /// Longest unit that is a hook, in footprints. Theory: thinning keeps neighbours of one curve
+    /// farther apart. Doubled: bends lose nodes.
     pub const SHORT_FOOTPRINTS: f64 = 0.5;
 }
 
@@ -298,97 +314,103 @@ pub(super) mod rings {
     /// Standard deviations by which the harmonics' squares may exceed their expectation. By hand.
     /// Doubled: rounded squares become circles.
     pub const CONFIDENCE: f64 = 3.0;
-    /// Largest radius of a ring, in footprints. Theory: on larger rings the narrowest window turns by
-    /// less than `place::LARGEST_TURN`, so windows may choose. Doubled: large rings become circles.
+    /// Largest radius of a ring, in footprints. Theory: on larger rings the narrowest window turns
+    /// by less than `place::LARGEST_TURN`, so windows may choose. Doubled: large rings become
+    /// circles.
     pub const LARGEST_RADIUS: f64 = 19.0;
-    /// Largest turn between neighbouring nodes, in radians. By hand: chords lie 1 % of the radius inside.
-    /// Doubled: 4 %.
+    /// Largest turn between neighbouring nodes, in radians. By hand: chords lie 1 % of the radius
+    /// inside. Doubled: 4 %.
     pub const LARGEST_TURN: f64 = 0.3;
-    /// Steps of the search for the centre. By hand: it converges in three. Doubled: nothing changes.
+    /// Steps of the search for the centre. By hand: it converges in three. Doubled: nothing
+    /// changes.
     pub const ROUNDS: usize = 5;
 }
 
 /// `shape/corners`
 pub(super) mod corners {
-    /// Longest way between two sides, and how far ahead of each they may meet, in footprints. By hand:
-    /// smoothing works over several pixels. Doubled: rounded edges become sharp.
+    /// Longest way between two sides, and how far ahead of each they may meet, in footprints. By
+    /// hand: smoothing works over several pixels. Doubled: rounded edges become sharp.
     pub const LONGEST_ZONE: f64 = 7.0;
     pub const AHEAD: f64 = 6.0;
     /// How far a side may reach beyond the corner, in footprints. By hand. Doubled: sides cross.
     pub const BEYOND: f64 = 0.5;
-    /// Least and largest turn of a corner, in radians (40° and 140°). By hand: a flatter one is a bend, a
-    /// sharper one a thin tip, which its nodes describe better than its sides.
+    /// Least and largest turn of a corner, in radians (40° and 140°). By hand: a flatter one is a
+    /// bend, a sharper one a thin tip, which its nodes describe better than its sides.
     pub const SMALLEST_TURN: f64 = 0.7;
     pub const LARGEST_TURN: f64 = 2.44;
     /// Largest curvature of a side, as a share of that of an arc along both sides, and standard
-    /// deviations by which it must be known. Measured on two simulated scenes: 146 corners of 217 and no
-    /// ring of 236 pass. Doubled: rings of a few footprints become polygons.
+    /// deviations by which it must be known. Measured on two simulated scenes: 146 corners of 217
+    /// and no ring of 236 pass. Doubled: rings of a few footprints become polygons.
     pub const BEND_SHARE: f64 = 0.6;
     pub const BEND_SIGMAS: f64 = 0.5;
-    /// How far nodes between the sides may lie off them, in standard deviations, besides the noise of a
-    /// pixel. By hand: smoothing over a crease moves a node by no more. Doubled: fillets become sharp.
+    /// How far nodes between the sides may lie off them, in standard deviations, besides the noise
+    /// of a pixel. By hand: smoothing over a crease moves a node by no more. Doubled: fillets
+    /// become sharp.
     pub const OFF_SIGMAS: f64 = 3.0;
-    /// Footprints from the corner within which a view's unit joins samples of both sides, and by how many
-    /// footprints that moves nodes. Theory: half a unit, and the height of its chord. Doubled: as above.
+    /// Footprints from the corner within which a view's unit joins samples of both sides, and by
+    /// how many footprints that moves nodes. Theory: half a unit, and the height of its chord.
+    /// Doubled: as above.
     pub const NEAR: f64 = 0.7;
     pub const SAMPLED: f64 = 0.2;
-    /// Largest distance from the corner to the ends of a chord that cuts it off, in footprints. Theory: a
-    /// longer unit is a gap. Doubled: gaps become corners.
+    /// Largest distance from the corner to the ends of a chord that cuts it off, in footprints.
+    /// Theory: a longer unit is a gap. Doubled: gaps become corners.
     pub const CHORD: f64 = 1.5;
     /// Least distance of the curve from the corner, in standard deviations of the corner. By hand.
     /// Doubled: fewer corners of noisy scans become sharp.
     pub const MIN_CUT_SIGMAS: f64 = 1.0;
-    /// Footprints from a corner within which nodes of a side move onto it. By hand: the last fits have
-    /// neighbours on one hand only. Doubled: nothing known.
+    /// Footprints from a corner within which nodes of a side move onto it. By hand: the last fits
+    /// have neighbours on one hand only. Doubled: nothing known.
     pub const RIM: f64 = 2.5;
     /// Distance that nodes keep from the corner and from each other, in footprints. By hand.
     pub const APART: f64 = 0.4;
-    /// Nodes before and after one whose turn shows that a corner may be near. By hand. Doubled: corners
-    /// of short sides are missed.
+    /// Nodes before and after one whose turn shows that a corner may be near. By hand. Doubled:
+    /// corners of short sides are missed.
     pub const LOOK_NODES: usize = 4;
-    /// Nodes on each side of a turn among which sides are searched for. By hand. Doubled: more time.
+    /// Nodes on each side of a turn among which sides are searched for. By hand. Doubled: more
+    /// time.
     pub const AROUND_NODES: usize = 16;
-    /// Nodes with which a side begins. By hand: two more than a line needs. Doubled: short sides are
-    /// missed.
+    /// Nodes with which a side begins. By hand: two more than a line needs. Doubled: short sides
+    /// are missed.
     pub const SEED_NODES: usize = 4;
-    /// Longest side, in footprints: farther nodes say little of the corner. By hand. Doubled: bent sides
-    /// end before.
+    /// Longest side, in footprints: farther nodes say little of the corner. By hand. Doubled: bent
+    /// sides end before.
     pub const LONGEST_SIDE: f64 = 10.0;
     /// Least cosine between the direction of a side and its nodes' (25°). By hand.
     pub const SAME_SIDE: f64 = 0.906;
-    /// Distance of a node on a side, in standard deviations, and in footprints besides. By hand. Doubled:
-    /// sides run on into the rounded corner.
+    /// Distance of a node on a side, in standard deviations, and in footprints besides. By hand.
+    /// Doubled: sides run on into the rounded corner.
     pub const ON_SIGMAS: f64 = 3.0;
     pub const ON_FOOTPRINTS: f64 = 0.02;
-    /// Least sine between two sides that meet. By hand; below `SMALLEST_TURN`. Doubled: nothing changes.
+    /// Least sine between two sides that meet. By hand; below `SMALLEST_TURN`. Doubled: nothing
+    /// changes.
     pub const SMALLEST_SINE: f64 = 0.3;
-    /// Longest way round the end of a thin part, in footprints, and most nodes there. By hand. Doubled:
-    /// more time.
+    /// Longest way round the end of a thin part, in footprints, and most nodes there. By hand.
+    /// Doubled: more time.
     pub const LONGEST_WAY: f64 = 12.0;
     pub const MAX_SHORT_NODES: usize = 16;
     /// Largest cosine between sides that face each other (140°). By hand.
     pub const FACING: f64 = -0.766;
-    /// Standard deviation of the slant of an end before any node is known, as a slope (17°). By hand: made
-    /// things have square ends. Doubled: noise slants ends.
+    /// Standard deviation of the slant of an end before any node is known, as a slope (17°). By
+    /// hand: made things have square ends. Doubled: noise slants ends.
     pub const SLANT: f64 = 0.3;
-    /// Largest misfit of a sharp end, over that of the best arc: smoothing alone rounds an end. By hand.
-    /// Doubled: round ends become sharp.
+    /// Largest misfit of a sharp end, over that of the best arc: smoothing alone rounds an end. By
+    /// hand. Doubled: round ends become sharp.
     pub const MAX_ROUND_RATIO: f64 = 2.0;
 }
 
 /// `shape/output.rs`
 pub(super) mod output {
-    /// Distance between neighbouring nodes, in footprints, from which the ground between is marked as
-    /// bridged. Theory: thinning leaves up to 1.4, and a single missing pixel is no gap. Doubled: gaps
-    /// count as measured.
+    /// Distance between neighbouring nodes, in footprints, from which the ground between is marked
+    /// as bridged. Theory: thinning leaves up to 1.4, and a single missing pixel is no gap.
+    /// Doubled: gaps count as measured.
     pub const BRIDGED_FOOTPRINTS: f64 = 3.0;
-    /// A node goes in between where the chord misses the curve by more than this share of the standard
-    /// deviation. By hand. Doubled: chords show.
+    /// A node goes in between where the chord misses the curve by more than this share of the
+    /// standard deviation. By hand. Doubled: chords show.
     pub const CHORD_SHARE: f64 = 0.25;
-    /// Least cosine between a unit and the directions of its nodes, for a cubic between them (20°). By
-    /// hand: at a corner directions do not tell the curve between.
+    /// Least cosine between a unit and the directions of its nodes, for a cubic between them (20°).
+    /// By hand: at a corner directions do not tell the curve between.
     pub const SMOOTH_COSINE: f64 = 0.94;
-    /// Search distance for the end of a view's curve at the end of a fused one, in footprints. By hand.
-    /// Doubled: reasons of ends farther away are taken.
+    /// Search distance for the end of a view's curve at the end of a fused one, in footprints. By
+    /// hand. Doubled: reasons of ends farther away are taken.
     pub const END_FOOTPRINTS: f64 = 4.0;
 }

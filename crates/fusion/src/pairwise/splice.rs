@@ -15,7 +15,8 @@
 //!
 //! **Departures from the source.** The dissertation averages, and does not say what happens at the
 //! ends: as printed, the merged curve would lose half a unit at each free end with every merge. The
-//! outermost node stays, and with it the reason why its curve ends there. Step 5 is not in the source.
+//! outermost node stays, and with it the reason why its curve ends there. Step 5 is not in the
+//! source.
 
 use super::average::{Averaged, average, lost_by};
 use super::strand::Strand;

@@ -1,4 +1,5 @@
-//! The overlap rules: which overlaps of two curves can be, and which would be a fork (dissertation 5.4).
+//! The overlap rules: which overlaps of two curves can be, and which would be a fork (dissertation
+//! 5.4).
 //!
 //! The idea: a surface bounds a volume, so its section never forks. Where two views saw the same
 //! piece of surface, their curves overlap, and whatever sticks out beyond the overlap belongs to

@@ -11,13 +11,14 @@
 //! 3. On closed curves, link the last to the first as well.
 //! 4. An overlap is a chain of two matches or more. Remainders no longer than the tolerance are
 //!    empty parts; [`verdict`] judges the parts.
-//! 5. Count the overlaps: one obeys Rule 2, two that close a ring obey Rule 3, more break the rules.
+//! 5. Count the overlaps: one obeys Rule 2, two that close a ring obey Rule 3, more break the
+//!    rules.
 //!
 //! Departures from the source: 5.5.1 looks for the first projected point only; matching all nodes
 //! also finds where the overlap ends, and how many there are. A node up to one threshold beyond an
 //! open end lies on that end: of two noisy ends at one place, each may project beyond the other.
-//! Ends that merely touch are therefore an overlap, of length zero, from end to beginning. A closed curve has no ends: its parts
-//! are `abc` if some of it is unenclosed, `âbĉ` otherwise.
+//! Ends that merely touch are therefore an overlap, of length zero, from end to beginning. A closed
+//! curve has no ends: its parts are `abc` if some of it is unenclosed, `âbĉ` otherwise.
 //!
 //! Cost: O(n·m) for the n and m nodes and units in the common rectangle. Not for a curve that
 //! overlaps itself: each node is matched once, with the nearest place.

@@ -1,18 +1,18 @@
 //! Which pairs of curves may overlap at all (dissertation 5.3).
 //!
-//! The idea: comparing every curve with every other is slow, and comparing rectangles is cheap. Every
-//! step below is necessary for an overlap, and none is sufficient;
+//! The idea: comparing every curve with every other is slow, and comparing rectangles is cheap.
+//! Every step below is necessary for an overlap, and none is sufficient;
 //! [`classify`](crate::pattern::classify) verifies the pairs that are left.
 //!
 //! 1. The envelopes of both planes' curves, grown by the tolerance, must meet (5.3.1).
-//! 2. So must the envelopes of the two curves; their common rectangle limits the search (5.3.2). Both are
-//!    the work of [`PlaneEnvelopes`](crate::envelopes::PlaneEnvelopes).
+//! 2. So must the envelopes of the two curves; their common rectangle limits the search (5.3.2).
+//!    Both are the work of [`PlaneEnvelopes`](crate::envelopes::PlaneEnvelopes).
 //! 3. Both curves must have units in the common rectangle (the dashed envelopes of Figure 5.3).
 //! 4. Some of those units must run the same way: the opposite sides of a sheet and neighbouring
 //!    surfaces that face each other do not (Figure 5.5).
 //!
-//! Departure from the source: the pairs of step 2 come from an R-tree of envelopes in place of two nested
-//! loops.
+//! Departure from the source: the pairs of step 2 come from an R-tree of envelopes in place of two
+//! nested loops.
 
 use transect_geometry::{Curve, CurveUnit, Envelope};
 
@@ -22,7 +22,8 @@ fn touches(unit: &CurveUnit, rectangle: &Envelope) -> bool {
     if !around.intersects(rectangle) {
         return false;
     }
-    // Two convex shapes are apart only if the segment's own line, too, has the rectangle on one side.
+    // Two convex shapes are apart only if the segment's own line, too, has the rectangle on one
+    // side.
     let (min, max) = (rectangle.min, rectangle.max);
     let corners = [min, [max.x, min.y].into(), max, [min.x, max.y].into()];
     let sides = corners.map(|corner| unit.line_value(&corner));

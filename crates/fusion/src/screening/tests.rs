@@ -41,7 +41,8 @@ fn candidate_pairs(first: &[Curve], second: &[Curve], tolerance: f64) -> Vec<Can
     first.iter().enumerate().flat_map(pairs_of).collect()
 }
 
-/// Whether envelopes meet; whether the common rectangle keeps the pair; how many overlaps there are.
+/// Whether envelopes meet; whether the common rectangle keeps the pair; how many overlaps there
+/// are.
 fn stages(a: &Curve, b: &Curve) -> (bool, bool, usize) {
     let pairs = candidate_pairs(std::slice::from_ref(a), std::slice::from_ref(b), TOLERANCE);
     let kept = pairs.iter().any(|pair| may_overlap(a, b, &pair.common, FRAC_PI_3));

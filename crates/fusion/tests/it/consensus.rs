@@ -106,7 +106,8 @@ proptest! {
         for (k, a) in fused.curves.iter().enumerate() {
             for b in &fused.curves[..k] {
                 let overlaps = classify(a, b, &tolerance);
-                // Ends that meet are one curve's worth of gap apart; anything longer is a duplicate.
+                // Ends that meet are one curve's worth of gap apart; anything longer is a
+                // duplicate.
                 let longest = overlaps.as_slice().iter().map(|o| o.on_a.length()).fold(0.0, f64::max);
                 let fine = overlaps.relation() == Relation::Apart || longest < 0.06;
                 prop_assert!(fine, "{longest} {:?}", overlaps.relation());

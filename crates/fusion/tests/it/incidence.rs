@@ -11,8 +11,8 @@ const ERROR: f64 = 0.003;
 /// How obliquely a view may see the circle.
 const LARGEST_INCIDENCE_DEG: f64 = 72.0;
 
-/// The arc of a circle of radius 1 that a view sees from afar. All of it errs in common, by an amount that
-/// follows from the tangent of the incidence.
+/// The arc of a circle of radius 1 that a view sees from afar. All of it errs in common, by an
+/// amount that follows from the tangent of the incidence.
 fn arc(view: u32, error: impl Fn(f64) -> f64, is_known: bool) -> Vec<Curve> {
     let from = TAU * f64::from(view) / 10.0;
     let most = LARGEST_INCIDENCE_DEG.to_radians();

@@ -3,8 +3,8 @@
 use transect_fusion::{FusedPlane, PairwiseOptions, pairwise};
 use transect_geometry::{Curve, EndReason, Node, Point2};
 
-/// Along x with nodes every 0.1 from a number of steps to another, displaced by a little; without the
-/// nodes of a gap, which is bridged.
+/// Along x with nodes every 0.1 from a number of steps to another, displaced by a little; without
+/// the nodes of a gap, which is bridged.
 fn wall((from, to): (i32, i32), gap: std::ops::Range<i32>, (dx, y): (f64, f64)) -> Curve {
     let node =
         |k: i32| Node::at(Point2::new(0.1 * f64::from(k) + dx, y)).with_bridged(k + 1 == gap.start);

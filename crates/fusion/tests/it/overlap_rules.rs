@@ -256,8 +256,8 @@ proptest! {
     fn the_enclosed_stretches_are_equally_long(case in cases()) {
         let overlap = single(&classify(&case.a, &case.b, &tolerance()))?;
         let (a, b) = (overlap.on_a.length(), overlap.on_b.length());
-        // Noise of up to a tenth of the spacing lengthens a curve by 2 %; a fork is left late, where curves are
-        // the distance apart, which noise moves.
+        // Noise of up to a tenth of the spacing lengthens a curve by 2 %; a fork is left late,
+        // where curves are the distance apart, which noise moves.
         let late = 1.25 * DISTANCE;
         prop_assert!((a - b).abs() < 0.05 * a.max(b) + late, "{} and {}", a, b);
         for (range, curve) in [(overlap.on_a, &case.a), (overlap.on_b, &case.b)] {

@@ -43,8 +43,8 @@ impl Sheets {
         Curve::new((0..count).map(node).collect(), false).unwrap()
     }
 
-    /// Surfaces at heights in standard deviations, the first whole and the others over a part, seen by
-    /// all views.
+    /// Surfaces at heights in standard deviations, the first whole and the others over a part, seen
+    /// by all views.
     fn fuse(&self, draw: u64, heights: &[f64], part: (f64, f64)) -> FusedPlane {
         let mut noise = Noise(1 + 1000 * draw);
         let view = |_| {

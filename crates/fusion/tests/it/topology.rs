@@ -3,7 +3,8 @@
 use transect_fusion::{ConsensusOptions, FusedPlane, consensus};
 use transect_geometry::{Curve, Node, Point2};
 
-/// What one view sees of a polyline: nodes every `step` along each of its sides, none at its corners.
+/// What one view sees of a polyline: nodes every `step` along each of its sides, none at its
+/// corners.
 fn seen(corners: &[[f64; 2]], step: f64) -> Vec<Curve> {
     let mut nodes = Vec::new();
     for side in corners.windows(2) {

@@ -1,9 +1,9 @@
 //! The robust fit of some neighbouring pixels of a row, side by side.
 //!
 //! A block has as many pixels as the processor has numbers in a vector. The fit of a pixel is the
-//! same to the bit with any number of others beside it. Places of the window are visited one after the
-//! other, and the numbers of a place are kept in the order of the visits, so inner loops step through
-//! plain slices.
+//! same to the bit with any number of others beside it. Places of the window are visited one after
+//! the other, and the numbers of a place are kept in the order of the visits, so inner loops step
+//! through plain slices.
 
 use super::estimate::{Estimates, Fitted};
 use super::grid::Grid;
@@ -82,8 +82,8 @@ impl Workspace {
         }
     }
 
-    /// Sets the rows and columns that the windows of a block can reach. Places that are connected to
-    /// none of its pixels are left out; their weights would be 0.
+    /// Sets the rows and columns that the windows of a block can reach. Places that are connected
+    /// to none of its pixels are left out; their weights would be 0.
     fn frame(&mut self, [rows, cols]: [f32; 2], any: &[u32; WINDOW_COLUMNS]) {
         let reach = (rows as usize).min(HALF_WINDOW);
         // Rows go on from the centre's, so they end at the first without a connected pixel.
@@ -170,20 +170,21 @@ impl Block {
         let at = (self.row, self.first);
         let any = grid.links.windows(simd, at, reach, &fitted, &mut work.connected);
         work.frame(self.largest, &any);
-        let mut sums = fit.pass(work, Some(&self.inverse_radii), None);
+        let radii = &self.inverse_radii;
         let mut last = None;
-        if steps.robust_weights {
-            let first = sums.fit();
-            let second = fit.pass(work, None, Some(&first)).fit();
-            sums = fit.pass(work, None, Some(&second));
-            last = Some(second);
-        }
+        let sums = if steps.robust_weights {
+            let first = fit.pass::<true>(work, Some(radii), None).fit();
+            let second = &*last.insert(fit.pass::<true>(work, None, Some(&first)).fit());
+            fit.pass::<false>(work, None, Some(second))
+        } else {
+            fit.pass::<false>(work, Some(radii), None)
+        };
         let narrow = fit.at_centre(work, &sums);
         if narrow.hold() == 0 || !steps.wider_window {
             return narrow.fitted(&narrow, fit.inverse_cut);
         }
         work.frame(wider, &any);
-        let sums = fit.pass(work, Some(&self.wider), last.as_ref());
+        let sums = fit.pass::<false>(work, Some(&self.wider), last.as_ref());
         narrow.fitted(&fit.at_centre(work, &sums), fit.inverse_cut)
     }
 }
@@ -202,9 +203,10 @@ impl<S: Simd> Fit<'_, S> {
     /// The sums over the windows, with weights by distance and, after a fit, by its residuals.
     ///
     /// `inverse_radii` are those of new windows; without them, values and weights by distance are
-    /// those of the pass before.
+    /// those of the pass before. With `VALUES`, the sums hold the values for a fit; without, the
+    /// weights are kept for [`Fit::at_centre`].
     #[inline(always)]
-    fn pass(
+    fn pass<const VALUES: bool>(
         &self,
         work: &mut Workspace,
         inverse_radii: Option<&[[f32; MOST]; 2]>,
@@ -232,8 +234,12 @@ impl<S: Simd> Fit<'_, S> {
                     if let Some(expected) = &expected {
                         weight *= self.robust(value - expected.at(column.powers[0]));
                     }
-                    place.weight.store::<S>(weight);
-                    row.add(column, weight, value);
+                    row.add_weight(column, weight);
+                    if VALUES {
+                        row.add_value(column, weight * value);
+                    } else {
+                        place.weight.store::<S>(weight);
+                    }
                 }
                 sums.add_row(y, &row);
             },

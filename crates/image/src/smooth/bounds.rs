@@ -1,20 +1,20 @@
 //! How far smoothing can move each value.
 
 use super::Smoother;
-use crate::tuning::CUT;
+use crate::tuning::LARGEST_CHANGE;
 use transect_device::{Pixel, RangeImage};
 
 /// Share of a value by which its bounds are widened, for rounding in single precision.
 const ROUNDING: f32 = 3e-5;
 
 /// Largest change, as a share of the value, for which bounds are given.
-const LARGEST_CHANGE: f32 = 0.5;
+const LARGEST_SHARE: f32 = 0.5;
 
 /// The smallest and the largest value that smoothing can give each pixel.
 ///
-/// A smoothed pixel differs from its sample by less than the cut of the robust weights, in the value
-/// or in its inverse. A pixel is missing in both images where its sample is missing and where no bound
-/// is known.
+/// A smoothed pixel differs from its sample by at most four standard deviations, in the value or in
+/// its inverse. A pixel is missing in both images where its sample is missing and where no bound is
+/// known.
 #[derive(Debug, Clone)]
 pub struct ValueBounds {
     /// The smallest values.
@@ -44,6 +44,6 @@ impl ValueBounds {
 fn relative_change(smoother: &Smoother<'_>, pixel: Pixel, value: f32) -> f32 {
     let Some(rate) = smoother.grid.length_per_value(pixel, value) else { return f32::NAN };
     let sigma = smoother.noise.value_sigma(f64::from(rate)) as f32;
-    let change = CUT * sigma / value + ROUNDING;
-    if change < LARGEST_CHANGE { change } else { f32::NAN }
+    let change = LARGEST_CHANGE * sigma / value + ROUNDING;
+    if change < LARGEST_SHARE { change } else { f32::NAN }
 }

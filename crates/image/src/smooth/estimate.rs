@@ -1,7 +1,7 @@
 //! The fitted value at the window's centre, and the choice between the narrow and the wide window.
 
 use super::lanes::{MOST, Native, all, positive};
-use crate::tuning::{AGREEMENT, CUT, DOUBT, MOST_DOUBT};
+use crate::tuning::{AGREEMENT, CUT, DOUBT, LARGEST_CHANGE, MOST_DOUBT};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
@@ -49,26 +49,27 @@ impl<S: Simd> Estimates<S> {
         fitted
     }
 
-    /// Which estimates are of the surface that the centre belongs to and better than the sample, one
-    /// bit each.
+    /// Which estimates are of the surface that the centre belongs to and better than the sample,
+    /// one bit each.
     #[inline(always)]
     pub fn hold(&self) -> u64 {
-        // A fit without pixels has variance 0. One that differs by a cut is of another surface.
-        let [zero, one] = [0.0, 1.0].map(|number| all(self.simd, number));
+        // A fit without pixels has variance 0.
+        let [zero, one, largest] =
+            [0.0, 1.0, LARGEST_CHANGE / CUT].map(|number| all(self.simd, number));
         self.variance.simd_gt(zero).to_bitmask()
             & self.variance.simd_lt(one).to_bitmask()
-            & self.change.abs().simd_lt(one).to_bitmask()
+            & self.change.abs().simd_lt(largest).to_bitmask()
     }
 
     /// The better of these estimates and those of the wider windows, and the wider ones' shares.
     ///
-    /// The wider window counts where noise explains the difference, the narrow one where it does not,
-    /// and a mean of both in between. A share that falls smoothly keeps neighbouring pixels from
-    /// taking different sides.
+    /// The wider window counts where noise explains the difference, the narrow one where it does
+    /// not, and a mean of both in between. A share that falls smoothly keeps neighbouring pixels
+    /// from taking different sides.
     #[inline(always)]
     fn or_wider(&self, wide: &Self) -> (Self, Native<S>) {
         let simd = self.simd;
-        let [zero, one] = [0.0, 1.0].map(|number| all(simd, number));
+        let [zero, one, largest] = [0.0, 1.0, LARGEST_CHANGE / CUT].map(|number| all(simd, number));
         // Of nested windows, the variance of the difference is the difference of the variances.
         let gain = self.variance - wide.variance;
         let apart = (self.change - wide.change) * CUT;
@@ -76,7 +77,7 @@ impl<S: Simd> Estimates<S> {
         let fall = positive(simd, one - squared / (gain * AGREEMENT * AGREEMENT));
         let counts = wide.variance.simd_gt(zero)
             & wide.variance.simd_lt(one)
-            & wide.change.abs().simd_lt(one)
+            & wide.change.abs().simd_lt(largest)
             & wide.variance.simd_lt(self.variance);
         let share = counts.select(fall * fall, zero);
         let mix = |this: Native<S>, wide: Native<S>| this + share * (wide - this);

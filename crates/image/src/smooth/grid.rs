@@ -1,4 +1,4 @@
-//! What the fit needs of every pixel, with room for a window around each.
+//! The fitted quantity and the unbroken pairs of every pixel, with a margin for windows.
 
 use super::lanes::MOST;
 use super::links::Links;
@@ -9,7 +9,7 @@ use crate::tuning::HALF_WINDOW;
 use fearless_simd::Simd;
 use transect_device::{ImageSize, Neighbour, Pixel, View};
 
-/// The image as the fit sees it.
+/// The fitted quantity of an image, with a margin on all sides.
 #[derive(Debug)]
 pub(super) struct Grid<'a> {
     stride: usize,
@@ -76,8 +76,8 @@ impl<'a> Grid<'a> {
         line.copy_within(HALF_WINDOW..HALF_WINDOW + self.beyond, HALF_WINDOW + cols);
     }
 
-    /// Distances between neighbouring rays of the row, and of the column, at a pixel; `None` where it has
-    /// no neighbour on its surface.
+    /// Distances between neighbouring rays of the row, and of the column, at a pixel; `None` where
+    /// it has no neighbour on its surface.
     #[inline(always)]
     pub fn spacings(&self, pixel: Pixel) -> Option<(f32, f32)> {
         let Pixel { row, col } = pixel;
@@ -110,8 +110,8 @@ impl<'a> Grid<'a> {
         self.pairs.length_per_value(pixel, value)
     }
 
-    /// The quantities from a place of a line on, for windows to be read from; rows, too, are counted from
-    /// [`HALF_WINDOW`] before the image.
+    /// The quantities from a place of a line on, for windows to be read from; rows, too, are
+    /// counted from [`HALF_WINDOW`] before the image.
     pub fn line(&self, row: usize, place: usize) -> &[f32] {
         &self.quantities[row * self.stride + place..]
     }

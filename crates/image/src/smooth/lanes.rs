@@ -1,7 +1,7 @@
 //! Several pixels side by side, one number each, in the vectors that the processor has.
 //!
-//! Multiplications and additions are never contracted and their order is fixed, so every instruction
-//! set gives the same bits.
+//! Multiplications and additions are never contracted and their order is fixed, so every
+//! instruction set gives the same bits.
 
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;

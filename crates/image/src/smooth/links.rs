@@ -5,8 +5,8 @@ use crate::tuning::{HALF_WINDOW, WINDOW_COLUMNS};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, u32x8};
 
-/// For each row of the window, the pixels that are connected to each lane's centre; bit `k` is column
-/// offset `k − HALF_WINDOW`.
+/// For each row of the window, the pixels that are connected to each lane's centre; bit `k` is
+/// column offset `k − HALF_WINDOW`.
 pub(super) type Connected<S> = [u32x8<S>; WINDOW_COLUMNS];
 
 /// The unbroken pairs of an image, one bit each, with room for a window around every pixel.
@@ -50,8 +50,8 @@ impl Links {
         self.words
     }
 
-    /// The pixels of a row of the image that have a neighbour of their surface in the row and one in the
-    /// column, one bit per place.
+    /// The pixels of a row of the image that have a neighbour of their surface in the row and one
+    /// in the column, one bit per place.
     pub fn paired(&self, row: usize, found: &mut [u64]) {
         let start = (row + HALF_WINDOW) * self.words;
         for (word, found) in found.iter_mut().enumerate() {
@@ -76,11 +76,11 @@ impl Links {
         bits[row * self.words + col / 64] >> (col % 64) & 1 == 1
     }
 
-    /// The pixels connected to each of [`LANES`] pixels of a row by ways that go up, or down, without
-    /// turning back.
+    /// The pixels connected to each of [`LANES`] pixels of a row by ways that go up, or down,
+    /// without turning back.
     ///
-    /// A way round a corner of the surface would let in what lies beyond. Rows beyond `reach` are left
-    /// out.
+    /// A way around a corner of the surface would add the surface behind it. Rows beyond `reach`
+    /// are left out.
     #[inline(always)]
     pub fn connected<S: Simd>(
         &self,
@@ -105,8 +105,8 @@ impl Links {
         connected.map(|row| row >> lanes)
     }
 
-    /// The same for as many pixels as are fitted together, [`MOST`] places per row; and the columns that are
-    /// connected to any of those pixels that count.
+    /// The same for as many pixels as are fitted together, [`MOST`] places per row; and the columns
+    /// that are connected to any of those pixels that count.
     #[inline(always)]
     pub fn windows<S: Simd>(
         &self,

@@ -1,8 +1,8 @@
 //! Edge-preserving smoothing of a range image before its contours are found.
 //!
 //! **Problem.** Where a section plane is nearly tangent to a surface, range noise moves the section
-//! by many times its own size and shatters it. The neighbours of each pixel hold the information that
-//! reduces this noise; more views help less.
+//! by many times its own size and shatters it. The neighbours of each pixel hold the information
+//! that reduces this noise; more views help less.
 //!
 //! **Idea.** Image processing before modelling, as the dissertation proposes (section 6.4): every
 //! pixel takes the value of a polynomial of second order in row and column, fitted to its
@@ -11,29 +11,29 @@
 //! Tukey, 1974; local fits: Cleveland, 1979).
 //!
 //! **Steps**, per pixel.
-//! 1. The window is round. Its radius follows from the noise per spacing of the rays; see `window.rs`.
-//!    Rows and columns that are spaced differently make an ellipse. Weights fall smoothly to 0 at its
-//!    rim, so that the result is smooth from pixel to pixel.
-//! 2. Only pixels that unbroken pairs connect to the centre count; see `links.rs`. Nothing is smoothed
-//!    across a range jump.
-//! 3. Three fits of the quantity in which planes are flat, see `quantity.rs`: the first with weights by
-//!    distance alone, the others also with weights by the residuals.
+//! 1. The window is round. Its radius follows from the noise per spacing of the rays; see
+//!    `window.rs`. Rows and columns that are spaced differently make an ellipse. Weights fall
+//!    smoothly to 0 at its rim, so that the result is smooth from pixel to pixel.
+//! 2. Only pixels that unbroken pairs connect to the centre count; see `links.rs`. Nothing is
+//!    smoothed across a range jump.
+//! 3. Three fits of the quantity in which planes are flat, see `quantity.rs`: the first with
+//!    weights by distance alone, the others also with weights by the residuals.
 //! 4. A fit in a wider window, with weights by the residuals of the last fit.
-//! 5. The wider window counts where noise explains the difference of both fits, the narrow one where it
-//!    does not, and a mean of both in between: two steps of the method of intersecting confidence
-//!    intervals (Goldenshluger and Nemirovski, 1997). Walls get the gain of wide windows, and bends
-//!    keep their shape.
-//! 6. The pixel takes that value, and its standard deviation follows from the weights. It stays as it
-//!    is if the fit is no less noisy, or if its sample differs from the fit by more than the cut.
+//! 5. The wider window counts where noise explains the difference of both fits, the narrow one
+//!    where it does not, and a mean of both in between: two steps of the method of intersecting
+//!    confidence intervals (Goldenshluger and Nemirovski, 1997). Walls get the gain of wide
+//!    windows, and bends keep their shape.
+//! 6. The pixel takes that value, and its standard deviation follows from the weights. It stays as
+//!    it is if the fit is no less noisy, or differs from its sample by more than noise does.
 //!
 //! Missing pixels stay missing. An image whose noise is negligible against the spacing of the rays
 //! keeps every bit. The noise of a result is shared with its neighbours over the window.
 //!
 //! **Tunables** are in `tuning.rs`.
 //!
-//! **Cost.** Four passes over the places of the windows and two half ones, for as many pixels side by
-//! side as a vector of the processor holds; see `block.rs`. Only the pixels that [`PixelChoice`] asks
-//! for are fitted.
+//! **Cost.** Four passes over the places of the windows and two half ones, for as many pixels side
+//! by side as a vector of the processor holds; see `block.rs`. Only the pixels that [`PixelChoice`]
+//! asks for are fitted.
 //!
 //! ```
 //! use std::sync::Arc;

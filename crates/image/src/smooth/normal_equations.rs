@@ -34,14 +34,19 @@ impl<S: Simd> RowSums<S> {
         Self { powers: [zero; 5], values: [zero; 3] }
     }
 
-    /// Adds the weights and the values of a column.
+    /// Adds the weights of a column.
     #[inline(always)]
-    pub fn add(&mut self, column: &Column, weight: Native<S>, value: Native<S>) {
+    pub fn add_weight(&mut self, column: &Column, weight: Native<S>) {
         let [x, x2, x3, x4] = column.powers;
         let [p0, p1, p2, p3, p4] = self.powers;
         self.powers =
             [p0 + weight, p1 + weight * x, p2 + weight * x2, p3 + weight * x3, p4 + weight * x4];
-        let weighted = weight * value;
+    }
+
+    /// Adds the weighted values of a column.
+    #[inline(always)]
+    pub fn add_value(&mut self, column: &Column, weighted: Native<S>) {
+        let [x, x2, ..] = column.powers;
         let [v0, v1, v2] = self.values;
         self.values = [v0 + weighted, v1 + weighted * x, v2 + weighted * x2];
     }
@@ -52,7 +57,7 @@ impl<S: Simd> RowSums<S> {
 pub(super) struct Column {
     /// `x`, `x²`, `x³` and `x⁴`.
     pub powers: [f32; 4],
-    /// Its bit in [`super::links::Connected`].
+    /// Its bit in the connected pixels of a row; see `links.rs`.
     pub bit: u32,
 }
 

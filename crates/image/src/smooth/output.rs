@@ -53,7 +53,8 @@ impl Output {
         }
     }
 
-    /// The view with its new image; `wanted` is the number of valid pixels that were to be smoothed.
+    /// The view with its new image; `wanted` is the number of valid pixels that were to be
+    /// smoothed.
     pub fn finish(self, view: &View, wanted: usize) -> Result<Smoothed, ViewError> {
         let image = RangeImage::from_values(view.image().size(), self.values);
         let unchanged = wanted - self.changed;

@@ -25,8 +25,8 @@ pub(super) struct Pairs<'a> {
 struct Geometry {
     /// Points of the row above and of this one.
     points: [Vec<Option<Point3>>; 2],
-    /// Distances between the rays of each pixel and of both its neighbours, row-major; NaN where there
-    /// is no pair.
+    /// Distances between the rays of each pixel and of both its neighbours, row-major; NaN where
+    /// there is no pair.
     laterals: [Vec<f32>; 2],
 }
 
@@ -121,8 +121,8 @@ impl<'a> Pairs<'a> {
 }
 
 impl Geometry {
-    /// Reads a row, which comes after the one above: each sample's point is found once, and pairs are
-    /// looked at where there are two samples.
+    /// Reads a row, which comes after the one above: each sample's point is found once, and pairs
+    /// are looked at where there are two samples.
     fn read(&mut self, view: &View, rule: &BreakRule, row: usize, bits: [&mut [u64]; 2]) {
         let [left, up] = bits;
         let (frame, image) = (view.frame(), view.image());

@@ -1,9 +1,10 @@
-//! Which function of the image's value is fitted: the one in which planes are straighter.
+//! The quantity that is fitted: the value or its inverse, whichever makes planes straighter.
 
 use crate::noise::lattice;
 use transect_device::{DeviceFrame, Pixel, SensorPlane, View};
 
-/// Pixels along each side of the lattice on which planes are tried.
+/// Pixels along each side of the lattice on which planes are tried. Chosen by hand; more change no
+/// choice.
 const LATTICE: usize = 12;
 
 /// Pixels between the places at which a plane is compared; about the largest window's radius.
@@ -14,8 +15,8 @@ const STEP: usize = 6;
 /// A fit of second order has no bias where the fitted quantity is of second order itself. The
 /// inverse depth of a plane is exactly affine in the pixel coordinates of a pinhole camera, and the
 /// inverse range nearly so in the angles of an imaging radar; depth and range themselves are not,
-/// the less the more obliquely the plane is seen. What a triangulation sensor or parallel rays
-/// measure is affine as it stands.
+/// least of all on planes seen obliquely. The values of triangulation sensors and of parallel rays
+/// are affine as they are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Quantity {
     Value,
@@ -23,8 +24,8 @@ pub(super) enum Quantity {
 }
 
 impl Quantity {
-    /// The better one for a view: oblique planes through some of its points are laid, and their
-    /// values at three pixels in a row compared.
+    /// The better one for a view: oblique planes are laid through some of its points, and the
+    /// values of each plane at three pixels in line are compared.
     pub fn of(view: &View) -> Self {
         let (mut value, mut inverse) = (0.0, 0.0);
         for (pixel, d3) in lattice(view.image(), LATTICE) {

@@ -1,36 +1,39 @@
-//! How large a window: from the noise and the spacing of the rays.
+//! The radius of a window, from the noise and the spacing of the rays.
 
 use crate::tuning::{LARGEST_RADIUS, RADIUS, SMALLEST_RADIUS, WIDER, WIDEST_RADIUS};
 
-/// Radii of a pixel's window in rows and in columns, from the distances between its rays and its noise, all
-/// lengths; 0 where noise is negligible against the spacing of the rays, or either is not known.
+/// Radii of a pixel's window in rows and in columns, from the distances between its rays and its
+/// noise, all lengths; 0 where noise is negligible against the spacing of the rays, or either is
+/// not known.
 #[inline(always)]
 pub(super) fn radii([across, down, noise]: [f32; 3]) -> [f32; 2] {
     let spacing = (across * down).sqrt();
     let radius = radius(noise, spacing);
-    // Nothing here branches, so several pixels are taken at a time.
+    // Nothing here branches, so that several pixels can be taken at a time.
     let limit = |radius: f32| radius.clamp(1.0, LARGEST_RADIUS);
     let [rows, cols] = [limit(radius * spacing / down), limit(radius * spacing / across)];
-    // Of rays that coincide no spacing is known.
+    // Rays that coincide have no spacing.
     let known = (radius > 0.0) & (across > 0.0) & (down > 0.0);
     if known { [rows, cols] } else { [0.0; 2] }
 }
 
-/// Radius of the window in pixels; 0 where noise is negligible against the spacing, or either is not known.
+/// Radius of the window in pixels; 0 where noise is negligible against the spacing, or either is
+/// not known.
 #[inline(always)]
 pub(super) fn radius(sigma: f32, spacing: f32) -> f32 {
     let radius = RADIUS * cube_root(sigma / spacing);
     if radius >= SMALLEST_RADIUS { radius.min(LARGEST_RADIUS) } else { 0.0 }
 }
 
-/// The cube root of a positive number by a guess at its exponent and Newton's method; 0 of all others. That
-/// of the standard library takes several times as long.
+/// The cube root of a positive number by a guess at its exponent and Newton's method; 0 of all
+/// others. That of the standard library takes several times as long.
 #[inline(always)]
 fn cube_root(x: f32) -> f32 {
-    // Nothing here branches, so several are found at a time.
+    // Nothing here branches, so that several can be found at a time.
     let known = x > 1e-30;
     let x = if known { x.min(1e30) } else { 1.0 };
-    // A third of the exponent and its bias again; each step then doubles the number of right digits.
+    // A third of the exponent and its bias again; each step then doubles the number of right
+    // digits.
     let mut root = f32::from_bits(x.to_bits() / 3 + 0x2a51_19f2);
     for _ in 0..3 {
         root = (root + root + x / (root * root)) * (1.0 / 3.0);
@@ -80,6 +83,6 @@ mod tests {
         assert_eq!(radius(100.0, 1.0), LARGEST_RADIUS);
         let sizes = [0.1, 0.5, 1.0, 2.5].map(|ratio| radius(ratio, 1.0));
         assert!(sizes.windows(2).all(|pair| pair[0] < pair[1]), "{sizes:?}");
-        assert!((radius(0.002, 0.004) - 4.762).abs() < 0.001);
+        assert!((radius(0.002, 0.004) - 0.7937 * RADIUS).abs() < 0.001);
     }
 }

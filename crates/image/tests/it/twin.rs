@@ -12,6 +12,8 @@ use transect_sensors::{AngularScan, ImagingRadar};
 
 const REACH: i64 = 10;
 const CUT: f64 = 4.685;
+/// Largest change, in cuts.
+const LARGEST: f64 = 4.0 / CUT;
 
 struct Twin<'a> {
     view: &'a View,
@@ -165,19 +167,21 @@ fn solve([narrow, wide]: &[Vec<Sample>; 2], d3: f64, cut: f64) -> Option<Expecte
     let (mut change, mut variance, _) = fit(narrow, Some(&second))?;
     let (wide_change, wide_variance, _) = fit(wide, Some(&second))?;
     let limits = [change.abs(), variance, wide_change.abs()];
-    if limits.iter().any(|v| close_to(*v, 1.0)) || (variance - wide_variance).abs() < 1e-3 {
+    if limits.iter().any(|v| close_to(*v, 1.0) || close_to(*v, LARGEST))
+        || (variance - wide_variance).abs() < 1e-3
+    {
         return None;
     }
-    if change.abs() > 1.0 || variance > 1.0 {
+    if change.abs() > LARGEST || variance > 1.0 {
         return Some(Expected::Stays);
     }
-    if wide_variance < variance && wide_change.abs() < 1.0 {
+    if wide_variance < variance && wide_change.abs() < LARGEST {
         let apart = (CUT * (wide_change - change)).powi(2);
         let share = (1.0 - apart / (variance - wide_variance) / 9.0).max(0.0).powi(2);
         change += share * (wide_change - change);
         variance += share * (wide_variance - variance) + 0.7 * apart.min(1.0);
     }
-    if close_to(variance, 1.0) {
+    if close_to(variance, 1.0) || close_to(change.abs(), LARGEST) {
         return None;
     }
     let value = 1.0 / (1.0 / d3 + change * cut);

@@ -41,7 +41,7 @@
 //!     (Point3::new(-3.0, y, 0.0), Point3::new(5.0, y, 0.0))
 //! };
 //! let space = FreeSpace::from_rays(&(0..200).map(ray).collect::<Vec<_>>()).ok_or("no rays")?;
-//! let options = NextViewOptions { views: 1, max_incidence_rad: 1.3, reach: 10.0 };
+//! let options = NextViewOptions::new(1, 1.3, 10.0);
 //! let view = next_views(&patches, &space, &options)[0];
 //! assert!(view.position.x > 2.0, "the right side is seen from the right");
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -33,6 +33,7 @@ pub struct UnseenPatch {
 
 /// Options of the search for views.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct NextViewOptions {
     /// Number of views to propose.
     pub views: usize,
@@ -40,6 +41,13 @@ pub struct NextViewOptions {
     pub max_incidence_rad: f64,
     /// Largest distance at which the sensor sees a surface, in the length unit.
     pub reach: f64,
+}
+
+impl NextViewOptions {
+    /// A number of views, the largest angle of incidence in radians, and the sensor's reach.
+    pub const fn new(views: usize, max_incidence_rad: f64, reach: f64) -> Self {
+        Self { views, max_incidence_rad, reach }
+    }
 }
 
 /// Largest number of candidates and of patches; larger sets are thinned evenly. Chosen by hand.
@@ -162,7 +170,7 @@ mod tests {
     }
 
     fn options(views: usize) -> NextViewOptions {
-        NextViewOptions { views, max_incidence_rad: 1.3, reach: 20.0 }
+        NextViewOptions::new(views, 1.3, 20.0)
     }
 
     #[test]

@@ -25,7 +25,7 @@ impl End {
     }
 }
 
-/// What follows an end.
+/// The link from an end to the next one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Link {
     /// The end on which the next pixel is entered.
@@ -136,7 +136,7 @@ impl<'a> Contour<'a> {
     }
 }
 
-/// What follows each end of every contour pixel.
+/// The links of both ends of every contour pixel.
 #[derive(Debug, Clone)]
 pub(super) struct Links {
     links: Vec<[Option<Link>; 2]>,

@@ -12,15 +12,15 @@
 //!
 //! **Steps**, for each plane that the view can see (3.2):
 //! 1. the plane range image (3.4.1): [`PlaneImage`], `plane_image.rs`;
-//! 2. the label image Ω (Eq. 3.2–3.4): [`LabelImage`], `label.rs`; thick borders are thinned (3.5.2) in
-//!    `thin.rs`;
+//! 2. the label image Ω (Eq. 3.2–3.4): [`LabelImage`], `label.rs`; thick borders are thinned
+//!    (3.5.2) in `thin.rs`;
 //! 3. codes 0–3, with the test for a range jump on both sides of a border (3.4.2): [`CodeImage`],
 //!    `code.rs`;
-//! 4. linking (3.5.1): search orders by code in `search.rs`, adjacent pixels in `link.rs`, gaps of 1 to 4
-//!    missing pixels in `gap.rs`, tracing in `trace.rs`;
+//! 4. linking (3.5.1): search orders by code in `search.rs`, adjacent pixels in `link.rs`, gaps of
+//!    1 to 4 missing pixels in `gap.rs`, tracing in `trace.rs`;
 //! 5. subpixel places (3.6): [`crate::subpixel`];
-//! 6. the direction of the curve (3.7): [`DirectionRule`], `orient.rs`; what is known of every node,
-//!    `nodes.rs`.
+//! 6. the direction of the curve (3.7): [`DirectionRule`], `orient.rs`; what is known of every
+//!    node, `nodes.rs`.
 //!
 //! **Departures from the source** stand at the head of each file. The main ones: labels come from
 //! signed heights, since the printed comparison loses the plane through the sensor; expected codes
@@ -29,8 +29,8 @@
 //! is marked; a saddle of four labels always cuts off the upper left and the lower right pixel,
 //! because a pixel of code 3 is one pixel of one curve.
 //!
-//! **Cost.** Every plane visits every pixel: this is the specification in the source's own terms, the
-//! baseline of benchmarks and the oracle for labels and codes. For speed there is
+//! **Cost.** Every plane visits every pixel: this is the specification in the source's own terms,
+//! the baseline of benchmarks and the oracle for labels and codes. For speed there is
 //! [`one_pass`](crate::one_pass). Not for sensors without an inverse mapping.
 
 mod code;
@@ -68,7 +68,7 @@ use transect_geometry::PlaneFamily;
 use transect_image::PreparedView;
 use transect_image::smooth::Smoothing;
 
-/// What can be set.
+/// Options.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DissertationOptions {
@@ -173,7 +173,7 @@ fn require_inverse(view: &View) -> Result<(), PartialError> {
     Err(PartialError::NoInverse { method: "dissertation", view: view.name().to_owned() })
 }
 
-/// What is the same for all planes.
+/// The modeler's inputs, which are the same for all planes.
 struct Modeler<'a> {
     samples: &'a Samples<'a>,
     order: &'a SearchOrder,

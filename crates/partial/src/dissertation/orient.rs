@@ -3,16 +3,17 @@
 //! Every node whose two rays tell votes for or against the direction in which the curve was traced;
 //! two ways of telling are built:
 //!
-//! * [`DirectionRule::PlanePoints`], free of conventions: of the two pixels of a border, the one whose
-//!   ray meets the plane before the surface has its point of the plane in free space, the other one
-//!   behind the surface. So inside lies from the first of these points towards the second, and must
-//!   be on the left of the curve.
-//! * [`DirectionRule::Codes`], the printed steps a–d: (a) the side of the plane on which the pixel's
-//!   ray starts; (b) the right-hand pixel, from the code and the way from the last contour pixel,
-//!   with the printed lines of codes 1 and 2 exchanged (errata), mirrored on grids of the other
-//!   handedness; (c) whether that pixel's ray meets the plane before the object, so that the plane
-//!   is outside there; (d) the direction is right if the start is on the positive side and right is
-//!   outside, or neither. A right-hand pixel of another surface tells nothing about this one.
+//! * [`DirectionRule::PlanePoints`], free of conventions: of the two pixels of a border, the one
+//!   whose ray meets the plane before the surface has its point of the plane in free space, the
+//!   other one behind the surface. So inside lies from the first of these points towards the
+//!   second, and must be on the left of the curve.
+//! * [`DirectionRule::Codes`], the printed steps a–d: (a) the side of the plane on which the
+//!   pixel's ray starts; (b) the right-hand pixel, from the code and the way from the last contour
+//!   pixel, with the printed lines of codes 1 and 2 exchanged (errata), mirrored on grids of the
+//!   other handedness; (c) whether that pixel's ray meets the plane before the object, so that the
+//!   plane is outside there; (d) the direction is right if the start is on the positive side and
+//!   right is outside, or neither. A right-hand pixel of another surface tells nothing about this
+//!   one.
 //!
 //! Where no node tells (a plane through the sensor, which no ray meets), the high side of the plane
 //! does: seen from the sensor it is on the left, whatever side of the plane the sensor is on, and
@@ -130,8 +131,8 @@ fn right_pixel(orient: &Orient<'_>, last: Pixel, crossing: &Crossing) -> Option<
     pixel.flatten().filter(|right| orient.surface.alike(crossing.second, *right))
 }
 
-/// Steps a, c and d; `None` where the pixel is missing, its ray starts on the plane, or it meets the
-/// plane where the sensor does not see.
+/// Steps a, c and d; `None` where the pixel is missing, its ray starts on the plane, or it meets
+/// the plane where the sensor does not see.
 fn is_correct(orient: &Orient<'_>, right: Pixel) -> Option<bool> {
     let view = orient.samples.view;
     let (ray, plane) = (view.frame().ray(right)?, &orient.plane);

@@ -1,4 +1,4 @@
-//! What all planes share of one view: levels, and which neighbours are of one surface.
+//! The part of a view that all planes share: levels, and which neighbours are of one surface.
 
 use super::JumpTest;
 use crate::pixel_grid::Grid;
@@ -74,8 +74,8 @@ impl<'a> Samples<'a> {
         pairs.get(self.grid.index(p)).copied().unwrap_or(false)
     }
 
-    /// Whether a curve that runs from one pixel towards another, and misses it by a length, stays on
-    /// one surface.
+    /// Whether a curve that runs from one pixel towards another, and misses it by a length, stays
+    /// on one surface.
     pub fn continues(&self, a: Pixel, b: Pixel, miss: Option<f64>) -> bool {
         continuation::continues(self.view, &self.grid, &self.rule, [a, b], miss)
     }

@@ -9,18 +9,18 @@
 //! ```
 //!
 //! A border between two pixels is crossed by the curve, which leaves it into the two cells of four
-//! pixels beside the border. A pixel of code 1 has one border, left to the west and the east; code 2
-//! to the north and the south; of code 3 the two borders share the cell north-west of the pixel and
-//! follow each other there, so it is left to the east and the south.
+//! pixels beside the border. A pixel of code 1 has one border, left to the west and the east; code
+//! 2 to the north and the south; of code 3 the two borders share the cell north-west of the pixel
+//! and follow each other there, so it is left to the east and the south.
 //!
 //! The order visits the closest pixel first and at equal distance the pixel of the same code, since
 //! along a smooth curve codes seldom change. Every step has the code it expects, and the side on
-//! which the curve comes in. **Adjacent** steps lead to a border of the same cell; all others bridge
-//! a gap.
+//! which the curve comes in. **Adjacent** steps lead to a border of the same cell; all others
+//! bridge a gap.
 //!
 //! **Departure from the source**: expected codes are exact, so that each way out of a pixel has at
-//! most one adjacent way in, except where pixels are missing; then gaps arise from missing pixels and
-//! range jumps alone, and never from the search.
+//! most one adjacent way in, except where pixels are missing; then gaps arise from missing pixels
+//! and range jumps alone, and never from the search.
 
 use transect_device::Neighbour;
 
@@ -124,9 +124,9 @@ fn steps_to(code: u8, (rows, cols): (i32, i32)) -> impl Iterator<Item = SearchSt
     })
 }
 
-/// Leaving side, offset and entering side of the steps between two borders of one cell. With TL, TR,
-/// BL, BR its pixels, the borders are top (TL, TR), left (TL, BL), right (TR, BR), bottom (BL, BR);
-/// each belongs to its lower or right pixel.
+/// Leaving side, offset and entering side of the steps between two borders of one cell. With TL,
+/// TR, BL, BR its pixels, the borders are top (TL, TR), left (TL, BL), right (TR, BR), bottom (BL,
+/// BR); each belongs to its lower or right pixel.
 const ADJACENT: [(Side, (i32, i32), Side); 10] = {
     use Side::{East, North, South, West};
     [

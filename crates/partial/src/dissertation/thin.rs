@@ -9,15 +9,15 @@
 //! **Steps.** Down every column and then along every row:
 //! 1. collect the borders between labels, as long as neighbours are of one surface;
 //! 2. from the first one on, take those within the thickness; of an even number leave out the last;
-//! 3. if they are three or more, keep the border nearest to the middle of the outermost two, and give
-//!    the pixels before and behind it the label of their side.
+//! 3. if they are three or more, keep the border nearest to the middle of the outermost two, and
+//!    give the pixels before and behind it the label of their side.
 //! 4. Again, until nothing changes.
 //!
 //! **Departures from the source.** Done on labels before tracing instead of on pixels during it, so
-//! that what is left is a border again: it has two sides and is traced like any other, up to its ends.
-//! An even number of borders has the same label on both sides: it is a strip, whose two curves run
-//! in opposite directions, and the printed rule would draw one line through it that has no
-//! inside. The printed choice between (i_v, j_v) and (i_h, j_h) takes the nearer to the current
+//! that what is left is a border again: it has two sides and is traced like any other, up to its
+//! ends. An even number of borders has the same label on both sides: it is a strip, whose two
+//! curves run in opposite directions, and the printed rule would draw one line through it that has
+//! no inside. The printed choice between (i_v, j_v) and (i_h, j_h) takes the nearer to the current
 //! pixel, which near a curve's end is that pixel itself; here borders between rows are thinned down
 //! columns and borders between columns along rows, which is across the curve by their code.
 //!

@@ -1,25 +1,27 @@
 //! Curved guides: a view in coordinates in which its guide is straight.
 //!
-//! **Problem.** Along a curved guide the level of a point is no affine function of its coordinates, on
-//! which the sweep rests.
+//! **Problem.** Along a curved guide the level of a point is no affine function of its coordinates,
+//! on which the sweep rests.
 //!
-//! **Idea.** Give every sample the coordinates (x, y, station) of the plane through it: in these the
-//! guide is a straight line and its planes are parallel. The sweep runs there unchanged, and finds which planes
-//! pass between which samples, and how their crossings are linked. Where a crossing is, is then solved
-//! again in space, exactly on its own plane.
+//! **Idea.** Give every sample the coordinates (x, y, station) of the plane through it: in these
+//! the guide is a straight line and its planes are parallel. The sweep runs there unchanged, and
+//! finds which planes pass between which samples, and how their crossings are linked. Where a
+//! crossing is, is then solved again in space, exactly on its own plane.
 //!
 //! **Steps.**
-//! 1. The station of every sample: its nearest place on the guide, looked for near that of its left neighbour.
-//!    Samples beyond the guide's ends or its reach have none; they count as missing, and are counted.
+//! 1. The station of every sample: its nearest place on the guide, looked for near that of its left
+//!    neighbour. Samples beyond the guide's ends or its reach have none; they count as missing, and
+//!    are counted.
 //! 2. The sweep, with rays and range jumps as the sensor has them.
-//! 3. Of each crossing, the point where the line between its two samples meets the plane, whose frame
-//!    gives the plane coordinates, and the directions that the node's errors come from.
+//! 3. Of each crossing, the point where the line between its two samples meets the plane, whose
+//!    frame gives the plane coordinates, and the directions that the node's errors come from.
 //!
-//! **Limits.** Within the guide's reach, stations of neighbouring samples are on the sides of a plane on
-//! which the samples are. Heights over a plane, for noise that is nearly tangent to it, are
-//! differences of stations: too large by the stretch of the planes there, at most ten times at the
-//! limit of the reach and 1 on the guide. Crossings are solved linearly, whatever [`Subpixel`] says.
-//! Samples a little beyond an end of the guide keep their neighbours joined, as on any other plane.
+//! **Limits.** Within the guide's reach, stations of neighbouring samples are on the sides of a
+//! plane on which the samples are. Heights over a plane, for noise that is nearly tangent to it,
+//! are differences of stations: too large by the stretch of the planes there, at most ten times at
+//! the limit of the reach and 1 on the guide. Crossings are solved linearly, whatever [`Subpixel`]
+//! says. Samples a little beyond an end of the guide keep their neighbours joined, as on any other
+//! plane.
 //!
 //! **Cost.** 24 bytes and the search for a station per sample.
 //!
@@ -57,7 +59,8 @@ pub(super) struct AlongGuide {
 }
 
 impl AlongGuide {
-    /// `None` if no sample has a station, or no plane lies between the guide's ends; then with the counts.
+    /// `None` if no sample has a station, or no plane lies between the guide's ends; then with the
+    /// counts.
     pub fn new(
         view: &View,
         family: &PlaneFamily,
@@ -133,7 +136,8 @@ fn points_along(view: &View, family: &PlaneFamily, guide: &CurvedGuide) -> (Vec<
     let nowhere = Point3::new(f64::NAN, f64::NAN, f64::NAN);
     let mut points = vec![nowhere; rows * cols];
     let mut off_guide = OffGuide::default();
-    // Half an interval beyond the last plane there is no plane, however far beyond the end a sample is.
+    // Half an interval beyond the last plane there is no plane, however far beyond the end a sample
+    // is.
     let (first, last) = family.ends().unwrap_or((PlaneIndex(1), PlaneIndex(0)));
     if last < first {
         return (points, off_guide);
@@ -160,8 +164,7 @@ fn points_along(view: &View, family: &PlaneFamily, guide: &CurvedGuide) -> (Vec<
 
 /// The device frame of one view's samples in guide coordinates.
 ///
-/// It knows the points of that view's image and no others: what a value would mean that is not the
-/// image's own, nobody asks.
+/// It knows only the points of that view's image, not the points of other values.
 #[derive(Debug)]
 struct Straightened {
     given: View,
@@ -204,7 +207,7 @@ impl DeviceFrame for Straightened {
         self.at(pixel)
     }
 
-    /// Lines are no lines in guide coordinates.
+    /// A straight line is not straight in guide coordinates.
     fn device_point(&self, _in_sensor: &Point3) -> Option<DevicePoint> {
         None
     }

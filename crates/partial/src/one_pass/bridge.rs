@@ -1,10 +1,11 @@
 //! Curves cut by a few missing pixels, put together again (3.5.1).
 //!
-//! **Problem.** Where pixels are missing, the lines of the sweep end, and one curve becomes several.
+//! **Problem.** Where pixels are missing, the lines of the sweep end, and one curve becomes
+//! several.
 //!
-//! **Idea.** Lines run with the solid on their left, so the last vertex of a line can only go on with
-//! the first vertex of another one, or of its own. Both lie between the pixels beside the gap, so a
-//! first vertex is looked for near each last one.
+//! **Idea.** Lines run with the solid on their left, so the last vertex of a line can only go on
+//! with the first vertex of another one, or of its own. Both lie between the pixels beside the gap,
+//! so a first vertex is looked for near each last one.
 //!
 //! **Steps**, for the open lines of one plane.
 //! 1. First vertices are sorted into squares of the image that are as wide as the largest gap
@@ -45,7 +46,7 @@ pub(super) struct Strand {
     pub closed: bool,
 }
 
-/// What ends are compared by.
+/// The view and the rules by which ends are compared.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Gaps<'a> {
     pub view: &'a View,

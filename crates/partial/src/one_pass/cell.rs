@@ -16,8 +16,8 @@ pub(super) const BOTTOM: u8 = 3;
 /// Entering and leaving edge of one curve through a cell.
 pub(super) type Link = [u8; 2];
 
-/// The link by code: bit 0 TL, 1 TR, 2 BL, 3 BR is high. Codes without a curve, and the two saddles,
-/// which have two links, hold the link of an edge to itself.
+/// The link by code: bit 0 TL, 1 TR, 2 BL, 3 BR is high. Codes without a curve, and the two
+/// saddles, which have two links, hold the link of an edge to itself.
 #[rustfmt::skip]
 pub(super) const LINKS: [Link; 16] = [
     /* ....          */ [TOP, TOP],
@@ -54,9 +54,9 @@ pub(super) fn saddle(code: usize, middle_high: bool) -> [Link; 2] {
     }
 }
 
-/// How the three corners that are left without one of four are treated as a cell: the missing corner
-/// moves onto a neighbour. The pair between the two then has no length, and its pair with the other
-/// neighbour becomes the triangle's diagonal.
+/// How the three corners that are left without one of four are treated as a cell: the missing
+/// corner moves onto a neighbour. The pair between the two then has no length, and its pair with
+/// the other neighbour becomes the triangle's diagonal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Triangle {
     /// The missing corner, as a bit of the code.

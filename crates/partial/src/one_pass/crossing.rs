@@ -1,4 +1,5 @@
-//! Crossings of planes with pixel pairs, and their linear subpixel solution (section 3.6), in `f64`.
+//! Crossings of planes with pixel pairs, and their linear subpixel solution (section 3.6), in
+//! `f64`.
 
 use super::vertex::Kind;
 use crate::SectionAxes;
@@ -44,8 +45,8 @@ pub(super) fn solve(
     [a, b]: [Pixel; 2],
     level: i32,
 ) -> Crossing {
-    // A joined pair has both points; should a backend disagree with itself, the crossing becomes NaN
-    // and is refused as a curve's node.
+    // A joined pair has both points; should a backend disagree with itself, the crossing becomes
+    // NaN and is refused as a curve's node.
     let nowhere = Point3::new(f64::NAN, f64::NAN, f64::NAN);
     let p = view.point_in_sensor(a).unwrap_or(nowhere);
     let q = view.point_in_sensor(b).unwrap_or(nowhere);

@@ -103,8 +103,8 @@ impl Lines<'_> {
         }));
     }
 
-    /// From one sample to another one of the same line, three pixels apart, if noise may have turned
-    /// the pair itself.
+    /// From one sample to another one of the same line, three pixels apart, if noise may have
+    /// turned the pair itself.
     ///
     /// Noise picks the pairs that are crossed: they are those that it made steeper. Samples beside
     /// them are not picked.

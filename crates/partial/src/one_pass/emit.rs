@@ -10,8 +10,8 @@ use super::source::Source;
 use super::vertex::{Kind, Vertex, edge_code};
 use fearless_simd::Simd;
 
-/// Vertices that are made together, whether they are all wanted or not: most pairs have fewer, and a
-/// loop that stops after one or two is guessed wrong more often than not.
+/// Vertices that are made together, whether they are all wanted or not: most pairs have fewer, and
+/// a loop that stops after one or two is guessed wrong more often than not.
 const AT_ONCE: usize = 2;
 
 /// One sample of a pair.
@@ -22,8 +22,8 @@ pub(super) struct Sample {
     pub place: [f32; 2],
 }
 
-/// The samples of a row by column. All slices are of one length, so that the processor tests an index
-/// once and not for each of them.
+/// The samples of a row by column. All slices are of one length, so that the processor tests an
+/// index once and not for each of them.
 #[derive(Clone, Copy)]
 pub(super) struct Samples<'a, P> {
     levels: &'a [f32],
@@ -60,8 +60,8 @@ pub(super) fn sample(
     Some(Sample { level, ceiling, place: source.place_at(i, row, (j, before))? })
 }
 
-/// The crossings of row `i`: of the pairs with the row above it, then of those with left neighbours, in
-/// the columns of two lists.
+/// The crossings of row `i`: of the pairs with the row above it, then of those with left
+/// neighbours, in the columns of two lists.
 #[inline(always)]
 pub(super) fn emit_row<S: Simd>(
     simd: S,
@@ -250,8 +250,8 @@ pub(super) fn cross_one(band: &mut Band, edge: u32, a: Sample, b: Sample) -> u32
     cross(out, &mut band.count, edge, a, b).unwrap_or_default()
 }
 
-/// Numbers the crossings of a row's left pairs without making vertices: the guests of a band. Returns
-/// how many there are.
+/// Numbers the crossings of a row's left pairs without making vertices: the guests of a band.
+/// Returns how many there are.
 pub(super) fn number_guests(row: &mut Row) -> usize {
     let mut at = 0_u32;
     for (word, mask) in row.left.crossed.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Why a line ends: what is wrong with the cell in which it would have gone on.
+//! Why a line ends: the reason in the cell where it would continue.
 
 use super::contours::Contours;
 use super::vertex::{Kind, Vertex};
@@ -6,8 +6,8 @@ use crate::EndReason;
 use crate::pixel_grid::Grid;
 use transect_device::{ImageSize, Pixel, View};
 
-/// The reasons for both ends of an open curve, whose first and last vertices are given with the ones
-/// next to them.
+/// The reasons for both ends of an open curve, whose first and last vertices are given with the
+/// ones next to them.
 pub(super) fn ends(
     view: &View,
     contours: &Contours<'_>,
@@ -16,7 +16,7 @@ pub(super) fn ends(
     [reason(view, contours, first), reason(view, contours, last)]
 }
 
-/// Why a curve does not go on from an end; `neighbour` is the vertex next to it.
+/// Why a curve ends; `neighbour` is the vertex next to the end.
 fn reason(view: &View, contours: &Contours<'_>, (end, neighbour): (&Vertex, &Vertex)) -> EndReason {
     let (kind, pair) = contours.pair(end);
     let own = cells(view, kind, contours.pixel(end));
@@ -37,8 +37,8 @@ fn reason(view: &View, contours: &Contours<'_>, (end, neighbour): (&Vertex, &Ver
     }
 }
 
-/// The cell of an end in which its curve would have gone on: the one that it does not share with the
-/// neighbour. Where pixels are missing in between they share none, and it is the farther one.
+/// The cell of an end in which its curve would have gone on: the one that it does not share with
+/// the neighbour. Where pixels are missing in between they share none, and it is the farther one.
 fn outer(view: &View, own: &[Pixel], shared: &[Pixel], neighbour: Pixel) -> Option<Pixel> {
     if own.iter().any(|cell| shared.contains(cell)) {
         return own.iter().copied().find(|cell| !shared.contains(cell));

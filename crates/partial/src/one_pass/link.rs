@@ -1,4 +1,4 @@
-//! Linking: in every cell of four pixels, what enters leads to what leaves.
+//! Linking: in every cell of four pixels, each entering crossing leads to a leaving one.
 
 use super::apart::apart;
 use super::band::{Band, FOLLOWS, capacity_bytes};
@@ -17,8 +17,8 @@ struct Cell {
     bases: [u32; 4],
 }
 
-/// What cells need of two rows, by the column of their lower right corner. All slices are of one
-/// length, so that one test of an index is enough.
+/// The numbers of two rows for cells, by the column of the cell's lower right corner. All slices
+/// are of one length, so that one test of an index is enough.
 struct Rows<'a> {
     /// Of the columns before, and of the columns themselves.
     above: [&'a [i32]; 2],
@@ -267,7 +267,7 @@ fn each(mut bits: u64, word: usize, mut act: impl FnMut(usize)) {
     }
 }
 
-/// Links what enters a cell to what leaves it, as far as both pairs are joined.
+/// Links entering crossings of a cell to leaving ones, where both pairs are joined.
 fn link(rows: &Rows<'_>, (j, cell): (usize, &Cell), joined: &[bool; 4], band: &mut Band) {
     let [a, b, c, d] = cell.ceilings;
     for level in a.min(b).min(c.min(d))..a.max(b).max(c.max(d)) {

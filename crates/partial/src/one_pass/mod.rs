@@ -10,47 +10,51 @@
 //! grows with planes × pixels.
 //!
 //! **Steps.**
-//! 1. Per row (`rows.rs`): levels, `L = ceil(level)`: plane k lies between two pixels exactly if k is in
-//!    `[min L, max L)`; a pixel on the plane counts as low (3.4).
+//! 1. Per row (`rows.rs`): levels, `L = ceil(level)`: plane k lies between two pixels exactly if k
+//!    is in `[min L, max L)`; a pixel on the plane counts as low (3.4).
 //! 2. Pairs with a missing pixel or a range jump are broken **before** anything is emitted: few
-//!    pairs are jumps, but they hold a large share of all level differences (3.4.2). Joined pairs, and
-//!    those among them that a plane crosses, are bit masks.
-//! 3. Each crossed pair emits its crossings with consecutive numbers (`emit.rs`), solved for the point
-//!    where the line between the two samples meets the plane (3.6, Cartesian curve–plane, linear).
+//!    pairs are jumps, but they hold a large share of all level differences (3.4.2). Joined pairs,
+//!    and those among them that a plane crosses, are bit masks.
+//! 3. Each crossed pair emits its crossings with consecutive numbers (`emit.rs`), solved for the
+//!    point where the line between the two samples meets the plane (3.6, Cartesian curve–plane,
+//!    linear).
 //! 4. Each cell of four pixels links its entering crossings to its leaving ones, seen with the high
 //!    side on the left (`link.rs`, `cell.rs`). This replaces the search windows of 3.5.
-//! 5. Every few rows, a *band*, links are followed while they are in the processor's cache, which gives
-//!    *pieces* of curves (`trace.rs`); pieces that meet at a band's border are joined, and whole lines
-//!    are put into their final order and place (`chains.rs`). Parts of the image may be swept in
-//!    parallel (`part.rs`); where it is cut, for either reason, changes no bit of the result.
+//! 5. Every few rows, a *band*, links are followed while they are in the processor's cache, which
+//!    gives *pieces* of curves (`trace.rs`); pieces that meet at a band's border are joined, and
+//!    whole lines are put into their final order and place (`chains.rs`). Parts of the image may be
+//!    swept in parallel (`part.rs`); where it is cut, for either reason, changes no bit of the
+//!    result.
 //! 6. Handedness turns "high on the left" into "solid on the left" (3.7): seen from the sensor, the
 //!    curve direction `n × N` (plane normal, outward surface normal) has the high side on its left
 //!    whatever side of the plane the sensor is on, so a mirrored grid reverses all curves and a
 //!    plain one none. No range comparison per curve is needed.
-//! 7. Lines that noise alone makes where the surface is nearly tangent to the plane are left out; see
-//!    `near_tangent.rs`. If asked, lines cut by a few missing pixels are joined, and the unit between is
-//!    marked (3.5.1); see `bridge.rs`.
+//! 7. Lines that noise alone makes where the surface is nearly tangent to the plane are left out;
+//!    see `near_tangent.rs`. If asked, lines cut by a few missing pixels are joined, and the unit
+//!    between is marked (3.5.1); see `bridge.rs`.
 //! 8. Lines become curves (`curves.rs`): places again in `f64`, by any of the ways of
 //!    [`mod@crate::subpixel`], what is known of every node (`nodes.rs`), and why open curves end
 //!    (`ends.rs`).
 //!
 //! Steps 1 to 5 are [`contours`], for those who want lines and nothing else.
 //!
-//! **Arithmetic.** Steps 1 to 6 work in `f32`, with the offset of the planes taken out in `f64` before
-//! ([`SectionAxes`]). Multiplications and additions are never contracted, so all instruction sets
-//! give the same bits, and so do all processors. A tie is low; a saddle is decided by the mean of its
-//! four levels; a missing pixel is known by its value, never by its level. A label may differ from that
-//! of the exact level where the level is within `2⁻²² · (|p| · |g| + |c|)` of a plane (level `g · p + c`);
-//! a pair may be judged otherwise than in `f64` where its range step is within `10⁻⁶` of the range of
-//! the limit. Backends without tables ([`transect_device::SeparableForm`]) round once, at the end.
+//! **Arithmetic.** Steps 1 to 6 work in `f32`, with the offset of the planes taken out in `f64`
+//! before ([`SectionAxes`]). Multiplications and additions are never contracted, so all instruction
+//! sets give the same bits, and so do all processors. A tie is low; a saddle is decided by the mean
+//! of its four levels; a missing pixel is known by its value, never by its level. A label may
+//! differ from that of the exact level where the level is within `2⁻²² · (|p| · |g| + |c|)` of a
+//! plane (level `g · p + c`); a pair may be judged otherwise than in `f64` where its range step is
+//! within `10⁻⁶` of the range of the limit. Backends without tables
+//! ([`transect_device::SeparableForm`]) round once, at the end.
 //!
 //! **Departures from the source.** No thinning: curves of a scalar image are one crossing wide.
 //!
-//! **Cost.** One visit per pixel, one per crossing. Memory, kept in a [`Workspace`]: some rows, one band,
-//! and about 42 bytes per crossing where planes are dense ([`Workspace::bytes`]), 16 of which are the lines.
+//! **Cost.** One visit per pixel, one per crossing. Memory, kept in a [`Workspace`]: some rows, one
+//! band, and about 42 bytes per crossing where planes are dense ([`Workspace::bytes`]), 16 of which
+//! are the lines.
 //!
-//! **Curved guides.** Levels along them are not an affine function of the point; `along_guide.rs` gives samples
-//! coordinates in which they are.
+//! **Curved guides.** Levels along them are not an affine function of the point; `along_guide.rs`
+//! gives samples coordinates in which they are.
 
 mod along_guide;
 mod apart;
@@ -92,7 +96,7 @@ use transect_geometry::{CurvedGuide, PlaneFamily};
 use transect_image::PreparedView;
 use transect_image::smooth::{Smoothing, SmoothingSteps, ValueBounds};
 
-/// What can be set.
+/// Options.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct OnePassOptions {
@@ -101,12 +105,13 @@ pub struct OnePassOptions {
     pub max_incidence_rad: f64,
     /// How many standard deviations of the range a pair may differ by from noise alone.
     pub jump_sigmas: f64,
-    /// Whether noisy images are smoothed before their contours are found; see [`mod@crate::smooth`].
+    /// Whether noisy images are smoothed before their contours are found; see
+    /// [`mod@crate::smooth`].
     pub smooth: bool,
-    /// How the point between two pixels is found. Diagonals of cells with a missing pixel are solved
-    /// linearly, and so are all crossings with four points that noise alone may have bent. Four
-    /// points take twice the time for nodes, and noise that neighbours share, which no estimate
-    /// sees, bends them: they are for ranges known to be clean.
+    /// How the point between two pixels is found. Diagonals of cells with a missing pixel are
+    /// solved linearly, and so are all crossings with four points that noise alone may have bent.
+    /// Four points take twice the time for nodes, and noise that neighbours share, which no
+    /// estimate sees, bends them: they are for ranges known to be clean.
     pub subpixel: Subpixel,
     /// Most missing pixels in a row that a curve is continued across, 4 as in the source; 0 bridges
     /// nothing. Bridged units are marked: fusion never lets them keep seen nodes from each other.
@@ -117,9 +122,9 @@ pub struct OnePassOptions {
     /// Smallest factor between range noise and a node's error across the curve.
     ///
     /// With errors along the ray alone, a surface seen obliquely moves less across the curve than
-    /// along the ray, by a factor of down to 0.25; with that as bound, the default, predicted errors
-    /// are the observed ones of simulated noise. Real scanners err in other ways, too, and most where
-    /// they see a surface obliquely: a bound of 1 does not claim the gain.
+    /// along the ray, by a factor of down to 0.25; with that as bound, the default, predicted
+    /// errors are the observed ones of simulated noise. Real scanners err in other ways, too, and
+    /// most where they see a surface obliquely: a bound of 1 does not claim the gain.
     pub least_sigma_factor: f64,
     /// Steps of the smoother that are taken; all but in experiments.
     #[doc(hidden)]
@@ -154,7 +159,7 @@ pub fn partial_model(
     partial_model_with(view, planes, options, &Effort::default(), &mut Workspace::default())
 }
 
-/// The same, in memory that is kept from view to view, and with a say in how the work is done.
+/// The same, in memory that is kept from view to view. `effort` sets how the work is done.
 ///
 /// # Errors
 /// As [`partial_model`].

@@ -1,4 +1,4 @@
-//! Curves that noise alone makes where the surface is nearly tangent to the plane.
+//! Curves that only noise makes, where the surface is nearly tangent to the plane.
 //!
 //! **Problem.** Where a plane runs within the noise of a surface, the samples are over and under it
 //! at random, and the section falls into loops and scraps. Their length tells nothing: a hole, a
@@ -6,10 +6,10 @@
 //!
 //! **Idea.** A curve parts a region of high samples from a region of low ones. It is real if both
 //! regions leave the plane by more than noise does. Noise moves a sample along its ray `d`, so its
-//! height over the plane has the standard deviation `σ |d · m|` with the plane's normal `m`: a plane
-//! that holds the rays has no such noise, however obliquely it meets the surface. A region that
-//! nowhere rises (or falls) by some of these deviations might as well not be there, and all curves
-//! around it are left out together. This is the simplification of contours by persistence
+//! height over the plane has the standard deviation `σ |d · m|` with the plane's normal `m`: a
+//! plane that holds the rays has no such noise, however obliquely it meets the surface. A region
+//! that nowhere rises (or falls) by some of these deviations might as well not be there, and all
+//! curves around it are left out together. This is the simplification of contours by persistence
 //! (Edelsbrunner, Letscher and Zomorodian, 2002) with a threshold for each sample.
 //!
 //! **Steps**, for each line of a plane.
@@ -27,7 +27,7 @@ use crate::{BreakRule, SectionAxes};
 use transect_device::{Pixel, View};
 use transect_image::PreparedView;
 
-/// Tells real curves from those that noise makes.
+/// Finds the curves that only noise makes.
 pub(super) struct NearTangent<'a> {
     view: &'a View,
     prepared: &'a PreparedView<'a>,
@@ -43,7 +43,7 @@ pub(super) struct NearTangent<'a> {
     visited: Vec<usize>,
 }
 
-/// What is known of a pixel's region on the plane at a level.
+/// The result for a pixel's region on the plane at a level.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Seen {
     level: i32,
@@ -51,8 +51,8 @@ struct Seen {
 }
 
 impl Seen {
-    /// As a number that is not 0: 0 stands for a pixel that was not visited, since memory full of it costs
-    /// nothing where it is never looked at.
+    /// As a number that is not 0: 0 stands for a pixel that was not visited, since memory full of
+    /// it costs nothing where it is never looked at.
     fn packed(self) -> u64 {
         let level = (i64::from(self.level) - i64::from(i32::MIN) + 1) as u64;
         level << 1 | u64::from(self.leaves)

@@ -1,4 +1,4 @@
-//! What is known about every node of a curve.
+//! The nodes of a curve: place, errors, footprint, normal and incidence.
 
 use super::crossing::Crossing;
 use crate::SectionAxes;
@@ -35,7 +35,7 @@ impl NodeMaker<'_> {
         }
     }
 
-    /// What is known at a crossing.
+    /// The node at a crossing.
     pub fn node(&self, k: usize, closed: bool) -> Node {
         let crossing = &self.crossings[k];
         let tangent = self.tangent(k, closed);
@@ -63,8 +63,8 @@ impl NodeMaker<'_> {
         self.prepared.sigma_at(crossing.pixel) * variance.sqrt()
     }
 
-    /// A step on the surface across the curve, to its high side, from all crossings around a node: a
-    /// single pair's direction is as noisy as its two samples.
+    /// A step on the surface across the curve, to its high side, from all crossings around a node:
+    /// a single pair's direction is as noisy as its two samples.
     fn across(&self, k: usize, closed: bool, tangent: &Vector2) -> Vector3 {
         let n = self.crossings.len();
         let (before, after) = self.neighbours(k, closed, TANGENT_NODES);
@@ -135,9 +135,9 @@ impl NodeMaker<'_> {
 
 /// Error across the curve per error along the ray.
 ///
-/// A sample displaced by δ along the ray `d` moves the surface by δ (d · N) along its normal and the
-/// section by that over (m · N), with `m` across the curve in the plane. The normal is N = t × e
-/// with the curve's direction t and a step e across it, both on the surface; then m · N is −e's
+/// A sample displaced by δ along the ray `d` moves the surface by δ (d · N) along its normal and
+/// the section by that over (m · N), with `m` across the curve in the plane. The normal is N = t ×
+/// e with the curve's direction t and a step e across it, both on the surface; then m · N is −e's
 /// height.
 fn sigma_factor(tangent: &Vector2, across: &Vector3, ray: &Vector3) -> f64 {
     let normal = Vector3::new(tangent.x, tangent.y, 0.0).cross(across);
@@ -145,8 +145,8 @@ fn sigma_factor(tangent: &Vector2, across: &Vector3, ray: &Vector3) -> f64 {
     if factor.is_nan() { LARGEST_SIGMA_FACTOR } else { factor.min(LARGEST_SIGMA_FACTOR) }
 }
 
-/// Unit normal of the surface that holds the curve's direction and a step across it, on the sensor's side;
-/// zero where the two do not span a surface.
+/// Unit normal of the surface that holds the curve's direction and a step across it, on the
+/// sensor's side; zero where the two do not span a surface.
 fn surface_normal(tangent: &Vector2, across: &Vector3, ray: &Vector3) -> Option<Vector3> {
     let normal = Vector3::new(tangent.x, tangent.y, 0.0).cross(across).try_normalize(0.0);
     let outward = normal.map(|n| if n.dot(ray) > 0.0 { -n } else { n });

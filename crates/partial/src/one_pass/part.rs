@@ -16,7 +16,8 @@ use crate::{Instructions, MAX_CROSSINGS, PartialError};
 use fearless_simd::{Simd, dispatch};
 use std::ops::Range;
 
-/// One crossed pair in so many pixels makes it worth while to find the places of all of them at once.
+/// One crossed pair in so many pixels makes it worth while to find the places of all of them at
+/// once.
 const MANY: usize = 16;
 
 /// Work space and result of one part.
@@ -141,7 +142,7 @@ impl Part {
         if crossed > 0 {
             emit_row(simd, source, i, (above, row), &mut self.band, [ups, lefts]);
         }
-        // Links of crossings that were not emitted would lead nowhere.
+        // Without their crossings, links would lead nowhere.
         if !self.band.full && i > 0 && above_crossed {
             link_row(simd, source, i, (above, row), &mut self.band, &mut self.cells);
         }

@@ -6,8 +6,8 @@ use fearless_simd::Simd;
 use transect_device::SeparableForm;
 
 impl Source<'_> {
-    /// Makes in-plane coordinates of a row available to [`Places`]; `many` if most of the row's pixels
-    /// will be asked for.
+    /// Makes in-plane coordinates of a row available to [`Places`]; `many` if most of the row's
+    /// pixels will be asked for.
     #[inline(always)]
     pub fn place<S: Simd>(&self, simd: S, i: usize, row: &mut Row, many: bool) {
         match &self.tables {
@@ -33,7 +33,8 @@ impl Source<'_> {
         row.placed = true;
     }
 
-    /// In-plane coordinates of the pixel of row `i` in column `j`, or some columns before, none or one.
+    /// In-plane coordinates of the pixel of row `i` in column `j`, or some columns before, none or
+    /// one.
     pub fn place_at(&self, i: usize, row: &Row, (j, before): (usize, usize)) -> Option<[f32; 2]> {
         let at = 1 - before + j;
         match &self.tables {
@@ -50,8 +51,8 @@ impl Source<'_> {
         }
     }
 
-    /// In-plane coordinates of the pixels of row `i`, from the sensor's, beginning some columns before
-    /// column 0, none or one, and a number of columns long.
+    /// In-plane coordinates of the pixels of row `i`, from the sensor's, beginning some columns
+    /// before column 0, none or one, and a number of columns long.
     #[inline(always)]
     pub fn places<'r>(
         &'r self,

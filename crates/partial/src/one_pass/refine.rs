@@ -8,7 +8,8 @@ use crate::subpixel::{AngularGrid, Meeting, PairLine, Solver, Subpixel};
 use transect_device::Pixel;
 use transect_image::PreparedView;
 
-/// Deviation of a cubic from its chord, per deviation of the samples, from which the cubic is taken.
+/// Deviation of a cubic from its chord, per deviation of the samples, from which the cubic is
+/// taken.
 ///
 /// Half way between samples with noise of their own, the cubic's error has 0.64 of their variance
 /// and the chord's 0.5, so the cubic is the better one where it leaves the chord by more than

@@ -1,8 +1,8 @@
-//! What the sweep keeps of one row of pixels, and how it is found: levels, and bit masks of pairs.
+//! One row of pixels in the sweep: levels, and bit masks of pairs.
 //!
 //! Arrays have [`PAD`] places before column 0, the last of which stands for the column before it:
 //! the last column of a full circle, and a missing pixel otherwise. They reach to the next multiple
-//! of 64 columns, where pixels are missing. So inner loops know no special column.
+//! of 64 columns, where pixels are missing. So inner loops have no special columns.
 //!
 //! Numbers: `f32`, and multiplications and additions are never contracted, so every instruction set
 //! gives the same bits.
@@ -32,7 +32,7 @@ pub(super) struct Pairs {
     pub bases: Vec<u32>,
 }
 
-/// What is kept of one row of pixels.
+/// The numbers of one row of pixels.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Row {
     /// The image's values.
@@ -56,7 +56,7 @@ pub(super) struct Row {
 }
 
 impl Row {
-    /// Makes room for a row; what it held is forgotten.
+    /// Makes room for a row; its old contents are dropped.
     pub fn fit(&mut self, cols: usize) {
         let words = cols.div_ceil(WORD);
         let places = PAD + words * WORD;
@@ -261,9 +261,9 @@ fn whole_part<S: Simd>(simd: S, block: &[i32; WORD], k: usize) -> S::i32s {
 
 /// The columns whose bits are set, in ascending order, in a list that is used again and again.
 ///
-/// Words without any are left out, and of the others four are written at least, whether they are there
-/// or not: sparse masks, the most frequent ones, then need few branches that the processor could guess
-/// wrong.
+/// Words without any are left out, and of the others four are written at least, whether they are
+/// there or not: sparse masks, the most frequent ones, then need few branches that the processor
+/// could guess wrong.
 #[inline(always)]
 pub(super) fn columns<'a>(mask: &[u64], list: &'a mut Vec<u32>) -> &'a [u32] {
     const AT_ONCE: usize = 4;

@@ -1,4 +1,4 @@
-//! What the sweep sees of an image, for those who check it or compare other methods with it.
+//! Levels and pairs of an image as the sweep has them, for tests and comparisons.
 
 use super::rows::{PAD, Row};
 use super::source::Source;

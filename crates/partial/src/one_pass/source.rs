@@ -1,4 +1,4 @@
-//! Where rows come from: a view's numbers, made ready for inner loops.
+//! The source of rows: a view's numbers, made ready for inner loops.
 
 use crate::SectionAxes;
 use transect_device::{LinearForm, Neighbour, SeparableForm, View};
@@ -8,8 +8,8 @@ use transect_image::{BreakRule, PairTests, padded};
 #[derive(Debug, Clone)]
 pub(super) struct Tables {
     pub level: SeparableForm,
-    /// In-plane coordinates, from the sensor's; their columns begin with the one before column 0, as
-    /// rows do.
+    /// In-plane coordinates, from the sensor's; their columns begin with the one before column 0,
+    /// as rows do.
     pub places: [SeparableForm; 2],
 }
 

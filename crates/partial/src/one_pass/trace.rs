@@ -70,8 +70,8 @@ pub(super) fn trace(band: &mut Band, out: &mut Pieces<'_>) {
     out.bottom.clear(band.last_row.len());
     let room = *out.used + band.count;
     if out.vertices.len() < room {
-        // Once and for all, if the rest of the rows is like those so far: new memory costs as much as
-        // the work itself.
+        // Once and for all, if the rest of the rows is like those so far: new memory costs as much
+        // as the work itself.
         out.vertices.reserve_exact(out.expected.max(room + room / 4) - out.vertices.len());
         out.vertices.resize(room, Vertex::default());
     }
@@ -151,8 +151,8 @@ impl Follow<'_> {
         u64::from_le_bytes(eight)
     }
 
-    /// Takes the crossings from one to where nothing follows or the first one does; returns the last
-    /// one and their number.
+    /// Takes the crossings from one to where nothing follows or the first one does; returns the
+    /// last one and their number.
     #[inline(always)]
     fn chain(&mut self, first: usize) -> (usize, usize) {
         let count = self.next.len();

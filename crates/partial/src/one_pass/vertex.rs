@@ -29,8 +29,8 @@ pub enum Kind {
     Falling,
 }
 
-/// Number of a pair: ascending by row, then upward pairs, left pairs, diagonals, each by column. Row
-/// and column are those of the lower right pixel of the cells that the pair belongs to.
+/// Number of a pair: ascending by row, then upward pairs, left pairs, diagonals, each by column.
+/// Row and column are those of the lower right pixel of the cells that the pair belongs to.
 pub(super) fn edge_code(row: usize, kind: Kind, col: usize, cols: usize) -> u32 {
     let within = match kind {
         Kind::Up => col,

@@ -6,10 +6,10 @@ use transect_device::{Point3, Ray, SensorPlane, Vector3};
 
 /// Where the two interpolated curves meet.
 ///
-/// Along the pair the surface's range is `r₀ + (r₁ − r₀) t`. Of the plane the reciprocal of the range
-/// is interpolated, `w₀ + (w₁ − w₀) t`, which passes through 0 where the rays pass the plane's
-/// horizon. They meet where their product is 1. `None` for a plane through the ray's start, which
-/// has no reciprocal.
+/// Along the pair the surface's range is `r₀ + (r₁ − r₀) t`. Of the plane the reciprocal of the
+/// range is interpolated, `w₀ + (w₁ − w₀) t`, which passes through 0 where the rays pass the
+/// plane's horizon. They meet where their product is 1. `None` for a plane through the ray's start,
+/// which has no reciprocal.
 pub(super) fn meet(
     rays: &[Ray; 2],
     points: &[Point3; 2],

@@ -1,6 +1,5 @@
 //! Gaps, range jumps and thick curves of the dissertation's method.
 
-#[macro_use]
 use crate::dissertation_scene::*;
 use crate::gaps::{curves_on, radar};
 use proptest::prelude::*;

@@ -1,5 +1,5 @@
-//! Smoothing what can take part in a curve against smoothing everything, and against itself with other
-//! instructions.
+//! Smoothing what can take part in a curve against smoothing everything, and against itself with
+//! other instructions.
 
 use crate::common::normals;
 use crate::surfaces::{Normal, camera, look, pixels, radar};
@@ -196,9 +196,9 @@ fn pixels_beside_a_crossed_pair_are_smoothed_too() {
     }
 }
 
-/// A bowl that bends by three deviations within a pixel, and whose lowest sample errs by three, too:
-/// smoothing takes that one most of the way back, through a plane that lies more than a deviation
-/// beyond all samples.
+/// A bowl that bends by three deviations within a pixel, and whose lowest sample errs by three,
+/// too: smoothing takes that one most of the way back, through a plane that lies more than a
+/// deviation beyond all samples.
 #[test]
 fn a_sample_that_smoothing_moves_by_most_of_what_it_may_counts() {
     let (frame, sigma) = (camera(), 0.1 * 3.0 / 120.0);

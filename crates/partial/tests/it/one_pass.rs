@@ -201,8 +201,8 @@ proptest! {
         for plane in &model.planes {
             for unit in plane.curves.iter().flat_map(|c| c.curve.units().collect::<Vec<_>>()) {
                 let v = unit.vector();
-                // Crossings of pairs in different directions lie on different chords of the ball, up
-                // to a sagitta apart; a unit shorter than that has no direction to speak of.
+                // Crossings of pairs in different directions lie on different chords of the ball,
+                // up to a sagitta apart; a unit shorter than that has no direction to speak of.
                 if v.norm() < 0.02 {
                     continue;
                 }
@@ -210,7 +210,8 @@ proptest! {
                 let step = 0.06;
                 let left = Vector2::new(-v.y, v.x).normalize() * step;
                 let middle = unit.at(0.5);
-                // Where a plane grazes a ball, the chords between samples may miss its small section.
+                // Where a plane grazes a ball, the chords between samples may miss its small
+                // section.
                 if section_radius(&balls, &planes, plane.plane, &middle) < 0.25 {
                     continue;
                 }

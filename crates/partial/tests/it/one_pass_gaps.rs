@@ -1,6 +1,5 @@
 //! Gaps and range jumps of the one-pass method.
 
-#[macro_use]
 use crate::dissertation_scene::*;
 use crate::gaps::Step;
 use proptest::prelude::*;

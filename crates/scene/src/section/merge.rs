@@ -19,7 +19,7 @@ const GRID: f64 = 1.0 / 4_294_967_296.0;
 ///
 /// A place belongs to the union if the curves wind around it a positive number of times; the ring
 /// of a hole without its solid around it therefore vanishes. Vertices in straight edges go away,
-/// positions move by no more than about 2⁻³¹ of the extent, and what is known of the nodes is
+/// positions move by no more than about 2⁻³¹ of the extent, and the nodes' other properties are
 /// reset.
 pub fn merge_overlaps(curves: Vec<Curve>) -> Vec<Curve> {
     let (closed, open): (Vec<_>, Vec<_>) = curves.into_iter().partition(Curve::is_closed);

@@ -73,8 +73,9 @@ struct Lifted {
     in_plane: Point2,
 }
 
-/// Of a curved guide, points beyond its ends have a level beyond its planes, and points beyond its
-/// reach have none. Faces are to be small against the guide's bends: only their corners are asked.
+/// The vertices along a curved guide. Points beyond its ends have a level beyond its planes; points
+/// beyond its reach have none. Faces must be small relative to the guide's bends, because only
+/// their corners get a level.
 fn lift_along(guide: &CurvedGuide, vertices: &[Point3], planes: &PlaneFamily) -> Vec<Lifted> {
     let mut hint = None;
     let one = |p: &Point3| {
@@ -101,7 +102,7 @@ fn corners(face: &[u32; 3], lifted: &[Lifted]) -> [f64; 3] {
     face.map(|i| lifted.get(i as usize).map_or(f64::NAN, |v| v.level))
 }
 
-/// The segment in which a plane crosses a triangle; none of a triangle a corner of which has no
+/// The segment in which a plane crosses a triangle; `None` if a corner of the triangle has no
 /// level.
 fn crossing(face: &[u32; 3], lifted: &[Lifted], k: f64) -> Option<Segment> {
     let levels = corners(face, lifted);

@@ -121,7 +121,7 @@ impl Shape {
         Ok(Self(Kind::Frustum(Frustum { bottom: radius, top: 0.0, half_height: 0.5 * height })))
     }
 
-    /// A truncated cone with flat ends, of which either may be the larger one. Its axis is the **z
+    /// A truncated cone with flat ends; either may be the larger one. Its axis is the **z
     /// axis** of its frame: `radius` is that at `z = -height/2`, `top_radius` that at
     /// `z = height/2`.
     ///

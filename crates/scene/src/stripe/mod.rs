@@ -13,7 +13,8 @@
 //!
 //! Left out: the stripe's broadening on surfaces that recede from the camera, light that is
 //! scattered from one surface to another, and the exposure's own noise, which read noise
-//! replaces. Profiles are sampled at the pixels' centres, which a width of two pixels and more allows.
+//! replaces. Profiles are sampled at the pixels' centres, which a width of two pixels and more
+//! allows.
 
 use crate::cast::{Caster, Echo, checked_size};
 use crate::noise::{Draw, source};

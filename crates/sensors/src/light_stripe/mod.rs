@@ -292,8 +292,9 @@ impl DeviceFrame for LightStripe {
 
     /// The corners of every column's part of the truncated prism (4.3.3).
     ///
-    /// Exact but for the fan: a column's points fill a trapezoid, of which these are the corners.
-    /// Infinite if [`LightStripeParameters::farthest`] is infinite and a column has no other limit.
+    /// Exact except for the fan: these are the corners of the trapezoid that a column's points
+    /// fill. Infinite if [`LightStripeParameters::farthest`] is infinite and a column has no other
+    /// limit.
     fn extent(&self, direction: &Vector3, nearest: f64, farthest: f64) -> (f64, f64) {
         let p = &self.parameters;
         let limit = p.farthest - p.focal_length;

@@ -37,7 +37,7 @@
 //!     Curve::new(ends.map(Node::at).to_vec(), false).map(|c| BTreeMap::from([(PlaneIndex(0), vec![c])]))
 //! };
 //! let planes = PlaneFamily::new(StraightGuide::along(Vector3::z())?, 0.0, 0.1)?;
-//! let options = EvaluateOptions { tolerance: 0.005, from: None };
+//! let options = EvaluateOptions::new(0.005);
 //! let accuracy = evaluate(&planes, &line(1.0, 0.001)?, &line(2.0, 0.0)?, &options)?;
 //! assert!((accuracy.median.unwrap() - 0.001).abs() < 1e-9);
 //! assert!((accuracy.completeness.unwrap() - 0.5).abs() < 0.005);
@@ -77,6 +77,7 @@ type PlaneCurves = BTreeMap<PlaneIndex, Vec<Curve>>;
 
 /// How curves are evaluated.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct EvaluateOptions {
     /// Largest distance that counts as near, in the model's length unit.
     pub tolerance: f64,
@@ -178,6 +179,17 @@ fn on_plane(curves: &PlaneCurves, k: PlaneIndex) -> &[Curve] {
 }
 
 impl EvaluateOptions {
+    /// A tolerance in the model's length unit, and all planes.
+    pub const fn new(tolerance: f64) -> Self {
+        Self { tolerance, from: None }
+    }
+
+    /// The same options for planes at a station or above it, in the model's length unit.
+    #[must_use]
+    pub const fn from_station(self, station: f64) -> Self {
+        Self { from: Some(station), ..self }
+    }
+
     fn first_plane(&self, planes: &PlaneFamily) -> Result<PlaneIndex, EvaluateError> {
         match self.from {
             None => Ok(PlaneIndex(i64::MIN)),

@@ -24,7 +24,7 @@ fn on_plane_0(curves: Vec<Curve>) -> PlaneCurves {
 }
 
 const TOLERANCE: f64 = 0.1;
-const ALL: EvaluateOptions = EvaluateOptions { tolerance: TOLERANCE, from: None };
+const ALL: EvaluateOptions = EvaluateOptions::new(TOLERANCE);
 
 fn score(curves: Vec<Curve>, truth: Vec<Curve>) -> Accuracy {
     evaluate(&planes(), &on_plane_0(curves), &on_plane_0(truth), &ALL).unwrap()
@@ -169,7 +169,7 @@ fn planes_are_judged_by_their_curves() {
 #[test]
 fn planes_below_the_first_station_do_not_count() {
     let both = |curve: Curve| BTreeMap::from([2, 3].map(|k| (PlaneIndex(k), vec![curve.clone()])));
-    let options = EvaluateOptions { from: Some(3.0), ..ALL };
+    let options = ALL.from_station(3.0);
     let a = evaluate(&planes(), &both(line(1.0, 0.0)), &both(square(1.0)), &options).unwrap();
     assert_eq!((a.planes_with_truth, a.pieces, a.truth_pieces), (1, 1, 1));
     assert!((a.length - 1.0).abs() < 1e-12);

@@ -1,5 +1,5 @@
 use super::*;
-use transect_fusion::{ConsensusOptions, PairwiseOptions};
+use transect_fusion::PairwiseOptions;
 use transect_geometry::{LengthUnit, PlaneFamily, StraightGuide, Vector3};
 use transect_partial::dissertation::DissertationOptions;
 use transect_partial::one_pass::OnePassOptions;
@@ -84,9 +84,8 @@ fn what_a_newer_program_wrote_is_refused_by_name() {
 
 #[test]
 fn only_the_fields_that_differ_are_listed() {
-    let mut consensus = ConsensusOptions::default();
-    consensus.threshold_spreads = 6.0;
-    let header = setup(Method::default(), FusionMethod::Consensus(consensus)).store_header();
+    let text = r#"{"version":1,"fusion":{"consensus":{"threshold_spreads":6.0}}}"#;
+    let header = with_options(text);
     let here = setup(Method::default(), FusionMethod::default());
     let difference = here.difference(&header).unwrap().unwrap();
     assert_eq!(difference, "its threshold_spreads is 6.0, not 8.0");

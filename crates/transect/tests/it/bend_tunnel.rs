@@ -47,7 +47,7 @@ fn accuracy(description: &Description, noise: &Noise) -> Accuracy {
     let planes = &description.planes;
     let found = curves(&run(&views(description, noise), planes));
     let truth = description.scene().sections(planes, 1e-4).unwrap();
-    let options = EvaluateOptions { tolerance: 0.02, from: None };
+    let options = EvaluateOptions::new(0.02);
     evaluate(planes, &found, &truth, &options).unwrap()
 }
 

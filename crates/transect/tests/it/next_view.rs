@@ -59,7 +59,7 @@ fn the_proposed_view_closes_more_than_most_places_would() {
     let first = scan(&scene, Point3::new(0.4, 0.4, 1.4));
     let patches = unseen(&model(std::slice::from_ref(&first)));
     let space = FreeSpace::from_rays(&rays(&first)).unwrap();
-    let options = NextViewOptions { views: 3, max_incidence_rad: 1.3, reach: 8.0 };
+    let options = NextViewOptions::new(3, 1.3, 8.0);
     let views = next_views(&patches, &space, &options);
     assert!(!views.is_empty());
     assert!(views.windows(2).all(|v| v[0].area >= v[1].area), "{views:?}");

@@ -311,7 +311,7 @@ fn without_noise_every_node_is_within_half_its_footprint_of_the_truth() {
 #[test]
 fn without_noise_curves_lie_on_the_truth_once() {
     let (result, truth) = clean();
-    let options = EvaluateOptions { tolerance: SAMPLING + CHORD_ERROR, from: None };
+    let options = EvaluateOptions::new(SAMPLING + CHORD_ERROR);
     let a = evaluate(&description().planes, &curves(&result), &truth, &options).unwrap();
     assert_eq!((a.off, a.duplicated), (Some(0.0), Some(0.0)), "{a:?}");
     assert!(a.max.is_some_and(|m| m < SAMPLING), "{a:?}");

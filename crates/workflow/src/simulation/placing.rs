@@ -3,13 +3,12 @@
 //! 1. View k has the place and the direction of the scene's station k mod M of M. Each further
 //!    round is turned about the vertical by the golden angle, so that no two views look the same
 //!    way. A station outside turns about the scene's middle, a station inside turns on the spot.
-//! 2. A sensor with a bounded field (triangulation scanner) is scaled as a whole and moved along its
-//!    direction. Outside, its field then holds the object. Inside a scene it moves a quarter of the
-//!    way to the first surface ahead, since stations stand in corners. There it is as large as the
-//!    free space allows, but does not reach beyond that surface.
+//! 2. A sensor with a bounded field (triangulation scanner) is scaled as a whole and moved along
+//!    its direction. Outside, its field then holds the object. Inside a scene it moves a quarter of
+//!    the way to the first surface ahead, since stations stand in corners. There it is as large as
+//!    the free space allows, but does not reach beyond that surface.
 //! 3. A sensor whose field is a cone gets the angle that holds the object, or a wide angle inside.
 
-use super::sensor::BoundedField;
 use nalgebra::{Rotation3, Translation3, UnitQuaternion};
 use std::f64::consts::PI;
 use transect_device::Ray;
@@ -26,12 +25,12 @@ fn golden_angle() -> f64 {
 /// see less of it.
 const ADVANCE_SHARE: f64 = 0.25;
 
-/// Share of the free space around it that a sensor fills inside a scene. Chosen by hand; above 1 the
-/// instrument would reach into a surface.
+/// Share of the free space around it that a sensor fills inside a scene. Chosen by hand; above 1
+/// the instrument would reach into a surface.
 const FILL_SHARE: f64 = 0.8;
 
-/// Size of the field of a sensor outside, as a multiple of the object's size. Chosen by hand; below 1
-/// parts of the object are outside the field, doubled the object has a quarter of the pixels.
+/// Size of the field of a sensor outside, as a multiple of the object's size. Chosen by hand; below
+/// 1 parts of the object are outside the field, doubled the object has a quarter of the pixels.
 const FIELD_MARGIN: f64 = 1.05;
 
 /// The ball and the box around the surface of a scene.
@@ -62,6 +61,17 @@ impl SceneBounds {
     fn contains(&self, p: &Point3) -> bool {
         *p >= self.low && *p <= self.high
     }
+}
+
+/// The bounded field of a triangulation scanner, in its sensor frame, z forward.
+#[derive(Debug, Clone, Copy)]
+pub struct BoundedField {
+    /// Its middle.
+    pub middle: Point3,
+    /// Radius of the ball around the middle that fits into it.
+    pub radius: f64,
+    /// Radius of the instrument around the sensor frame's origin.
+    pub size: f64,
 }
 
 /// A place with the directions forward and up: unit vectors at right angles.

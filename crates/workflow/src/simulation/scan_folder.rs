@@ -60,7 +60,8 @@ impl SimulatedScan {
 }
 
 /// The camera of a light-stripe sensor: 8 bits in a dim room. Its stripe is four cells wide at half
-/// its height of 180 counts. The values are chosen by hand, as a camera with a clear stripe has them.
+/// its height of 180 counts. The values are chosen by hand, as a camera with a clear stripe has
+/// them.
 pub fn stripe_camera(columns: usize, seed: u64) -> StripeCamera {
     StripeCamera {
         columns,

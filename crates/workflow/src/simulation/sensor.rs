@@ -1,6 +1,6 @@
 //! The sensors of a simulation: the dissertation's three, and a depth camera.
 
-use super::placing::Standpoint;
+use super::placing::{BoundedField, Standpoint};
 use crate::WorkflowError;
 use crate::settings::by_name;
 use std::f64::consts::PI;
@@ -54,17 +54,6 @@ impl FromStr for SensorKind {
     fn from_str(name: &str) -> Result<Self, WorkflowError> {
         by_name("sensor", name, Self::ALL.map(|kind| (kind.name(), kind)))
     }
-}
-
-/// The bounded field of a triangulation scanner, in its sensor frame, z forward.
-#[derive(Debug, Clone, Copy)]
-pub struct BoundedField {
-    /// Its middle.
-    pub middle: Point3,
-    /// Radius of the ball around the middle that fits into it.
-    pub radius: f64,
-    /// Radius of the instrument around the sensor frame's origin.
-    pub size: f64,
 }
 
 /// A sensor that turns a scene into a view: device frame, manifest entry and pose.

@@ -1,7 +1,7 @@
 //! What one pass is compared with: lower bounds, and the dissertation's ways plane by plane.
 //!
-//! All of it is written for the same vector instructions as one pass, on `f32`, with its tables made
-//! in advance and untimed, as are the masks of pairs that belong to one surface.
+//! All of it is written for the same vector instructions as one pass, on `f32`, with its tables
+//! made in advance and untimed, as are the masks of pairs that belong to one surface.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x8, i32x8};
@@ -225,8 +225,8 @@ impl Baselines {
         count
     }
 
-    /// The Cartesian way (Appendix A), once every sample is a point: for each plane the side of every
-    /// point, and the segments of every cell that the plane cuts, as points. Not linked.
+    /// The Cartesian way (Appendix A), once every sample is a point: for each plane the side of
+    /// every point, and the segments of every cell that the plane cuts, as points. Not linked.
     pub fn cartesian(&mut self, planes: &[f32]) -> usize {
         if self.points[0].is_empty() {
             self.points_of_all();

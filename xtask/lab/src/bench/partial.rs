@@ -209,9 +209,10 @@ fn lines_of(view: &View, axes: &SectionAxes, effort: &Effort, work: &mut Workspa
 
 /// Additions and multiplications as the dissertation's Appendix A counts them, and ours.
 ///
-/// m × n pixels, l planes, p crossings per plane. Ours, for an imaging radar: two of each for a level
-/// and two for each of the two pair tests; for a crossing at most four multiplications and two
-/// additions per sample for its place, and four (with a division) and six for the crossing itself.
+/// m × n pixels, l planes, p crossings per plane. Ours, for an imaging radar: two of each for a
+/// level and two for each of the two pair tests; for a crossing at most four multiplications and
+/// two additions per sample for its place, and four (with a division) and six for the crossing
+/// itself.
 fn counts(view: &View, planes: usize, vertices: usize) -> String {
     let (mn, m) = (view.image().size().pixels() as f64, view.image().size().rows as f64);
     let (l, lp) = (planes as f64, vertices as f64);

@@ -1,8 +1,8 @@
 //! Fair times on a machine that others use, too.
 //!
-//! Variants take turns, round by round, so that a slow minute slows all of them. One-thread variants
-//! count the time their thread was running rather than the time that passed. The result is the
-//! median of the rounds.
+//! Variants take turns, round by round, so that a slow minute slows all of them. One-thread
+//! variants count the time their thread was running rather than the time that passed. The result is
+//! the median of the rounds.
 
 use std::time::Instant;
 

@@ -1,15 +1,16 @@
 //! The error by density of the sensors' grids, on a ball and a torus, whose sections are circles.
 //!
-//! Without noise the error comes from sampling alone: between two samples h apart, a curve of radius
-//! R is a chord, off by up to h²/8R. Twice the density must leave a quarter of the error (order 2).
+//! Without noise the error comes from sampling alone: between two samples h apart, a curve of
+//! radius R is a chord, off by up to h²/8R. Twice the density must leave a quarter of the error
+//! (order 2).
 
 use super::{table, trial};
 use crate::failure::Failure;
-use crate::simulation::{PreparedScene, SensorKind, SensorPlan};
 use crate::table::{digits, say};
 use transect_geometry::{Curve, Point2};
 use transect_model::Model;
 use transect_scene::Description;
+use transect_workflow::simulation::{PreparedScene, SensorKind, SensorPlan};
 
 /// Options of `experiments orders`.
 #[derive(Debug, clap::Args)]

@@ -4,7 +4,6 @@ mod charts;
 
 use super::trial;
 use crate::failure::Failure;
-use crate::simulation::{PreparedScene, SensorKind, SensorPlan, describe};
 use crate::table::say;
 use std::path::{Path, PathBuf};
 use transect_device::{Pixel, View};
@@ -12,6 +11,7 @@ use transect_exchange::svg::{OverviewOptions, write_overview, write_points};
 use transect_exchange::write_file;
 use transect_geometry::Point3;
 use transect_scene::Noise;
+use transect_workflow::simulation::{PreparedScene, SensorKind, SensorPlan, describe};
 
 /// Options of `experiments pictures`.
 #[derive(Debug, clap::Args)]

@@ -2,10 +2,10 @@
 
 use super::{table, trial};
 use crate::failure::Failure;
-use crate::simulation::{PreparedScene, SensorKind, SensorPlan, describe};
 use crate::table::{digits, say};
 use std::path::Path;
 use transect_scene::{BUNDLED_SCENES, Noise};
+use transect_workflow::simulation::{PreparedScene, SensorKind, SensorPlan, describe};
 
 /// Options of `experiments sensors`.
 #[derive(Debug, clap::Args)]

@@ -1,11 +1,11 @@
 //! From a scene and a sensor plan to a model and its accuracy, all in memory.
 
 use crate::failure::Failure;
-use crate::simulation::{PreparedScene, SensorPlan};
 use transect::evaluate::Accuracy;
 use transect::{Setup, Unwatched, reconstruct};
 use transect_device::View;
 use transect_model::Model;
+use transect_workflow::simulation::{PreparedScene, SensorPlan};
 use transect_workflow::{ScoreLimits, simulated_accuracy};
 
 /// The views of a simulated scan and their model.

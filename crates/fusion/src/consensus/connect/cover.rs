@@ -16,8 +16,8 @@ pub(super) struct Shortest {
 }
 
 impl Shortest {
-    /// For chains that take part in joining: of a thin leg a view has a sample or two of each side. A
-    /// short rest beside another chain is no such leg.
+    /// For chains that take part in joining: of a thin leg a view has a sample or two of each side.
+    /// A short rest beside another chain is no such leg.
     pub const PART: Self = Self { footprints: REST_FOOTPRINTS, frees_whole: true };
 
     /// For chains that become curves.
@@ -64,8 +64,8 @@ pub(super) struct Cover<'a> {
     nodes: &'a [PlacedNode],
     scale: &'a Scale,
     grid: PointGrid,
-    /// Direction of the chain at each of its nodes. Noise may have turned it away from the direction
-    /// the node was placed with.
+    /// Direction of the chain at each of its nodes. Noise may have turned it away from the
+    /// direction the node was placed with.
     directions: Vec<Vector2>,
     /// For each accepted node the one that follows it, or itself at an end; [`NONE`] for others.
     following: Vec<u32>,

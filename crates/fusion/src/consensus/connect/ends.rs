@@ -1,8 +1,8 @@
-//! Open ends: joined where they meet and where the curve goes on, turned round thin tips, cut back where
-//! they cross.
+//! Open ends: joined where they meet and where the curve goes on, turned round thin tips, cut back
+//! where they cross.
 //!
-//! All limits are in *local footprints*, those of the coarsest view around: one fixed length fails where
-//! footprints differ sixfold.
+//! All limits are in *local footprints*, those of the coarsest view around: one fixed length fails
+//! where footprints differ sixfold.
 
 use super::super::estimate::PlacedNode;
 use super::super::measure::Scale;
@@ -133,8 +133,8 @@ impl Pair<'_> {
     }
 }
 
-/// Cost of the gap between two nodes, at which the curve has these directions; `None` if the gap does
-/// not fit the rule.
+/// Cost of the gap between two nodes, at which the curve has these directions; `None` if the gap
+/// does not fit the rule.
 fn gap_cost(
     [p, q]: [&PlacedNode; 2],
     directions: [&Vector2; 2],
@@ -212,7 +212,8 @@ mod tests {
 
     #[test]
     fn a_short_jamb_is_not_cut_off() {
-        // A wall, a jamb of three samples that begins and ends where others do, and the wall behind.
+        // A wall, a jamb of three samples that begins and ends where others do, and the wall
+        // behind.
         let mut nodes = Vec::new();
         let wall = |from: f64, y: f64| {
             (0..10).map(move |k| node(from + 0.02 * f64::from(k), y, Vector2::x(), 0.02))

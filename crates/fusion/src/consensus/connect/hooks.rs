@@ -41,8 +41,8 @@ fn steps_sideways(nodes: &[PlacedNode], chain: &Chain, a: usize) -> bool {
     one_way && (p.tangent + q.tangent).normalize().dot(&step) < SIDEWAYS
 }
 
-/// Whether the unit behind `a` is short and runs against the way from the node before it to the node
-/// behind it.
+/// Whether the unit behind `a` is short and runs against the way from the node before it to the
+/// node behind it.
 fn steps_back(nodes: &[PlacedNode], chain: &Chain, a: usize) -> bool {
     let n = chain.nodes.len();
     let at = |k: usize| &nodes[chain.nodes[k % n] as usize];

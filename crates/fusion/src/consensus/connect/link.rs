@@ -1,9 +1,9 @@
 //! Links between nodes: one successor and one predecessor each.
 //!
-//! Candidates are pairs that lie ahead of each other, and the units of all views' own curves, carried
-//! over to the nodes that absorbed their ends. The views' curves lead across gaps of single views and
-//! round sharp bends. The cheapest candidate comes first: cost is length, increased by bends and near
-//! open ends of the views' curves.
+//! Candidates are pairs that lie ahead of each other, and the units of all views' own curves,
+//! carried over to the nodes that absorbed their ends. The views' curves lead across gaps of single
+//! views and round sharp bends. The cheapest candidate comes first: cost is length, increased by
+//! bends and near open ends of the views' curves.
 
 use super::super::estimate::PlacedNode;
 use super::super::measure::{NONE, Observations, Scale};

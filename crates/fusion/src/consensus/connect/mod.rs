@@ -51,8 +51,8 @@ pub(super) fn connect(estimate: &mut Estimate, measured: &Measurements) -> Chain
     Chains { chains, dropped: nodes.len() - left }
 }
 
-/// Joins the ends of chains: first those that meet, then those that continue each other, those round a
-/// tip, and those that cross.
+/// Joins the ends of chains: first those that meet, then those that continue each other, those
+/// round a tip, and those that cross.
 fn joined(nodes: &[PlacedNode], chains: Vec<Chain>, scale: &Scale) -> Vec<Chain> {
     let steps = scale.steps();
     let rules: [(bool, JoinRule); 4] = [

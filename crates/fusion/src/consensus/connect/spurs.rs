@@ -1,7 +1,7 @@
 //! Spurs: open chains along a closed one that one view alone measured, or that have little support.
 //!
-//! Between two boundaries with their solid on the same side, a third runs the other way. Where no view
-//! measured one, the spur is an error of its view.
+//! Between two boundaries with their solid on the same side, a third runs the other way. Where no
+//! view measured one, the spur is an error of its view.
 
 use super::super::estimate::PlacedNode;
 use super::super::measure::Scale;

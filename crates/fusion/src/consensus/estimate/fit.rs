@@ -1,5 +1,5 @@
-//! Local fits in a curve's own direction: the robust line for the first place, and the parts it shares
-//! with the parabola for the final place.
+//! Local fits in a curve's own direction: the robust line for the first place, and the parts it
+//! shares with the parabola for the final place.
 
 /// A curve near x = 0: `y = place + slope x + bend x² + cubic x³ + quartic x⁴`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -47,7 +47,8 @@ impl LineSample {
     }
 }
 
-/// A robust weighted line. Samples farther from it than `across` do not count. `None` without samples.
+/// A robust weighted line. Samples farther from it than `across` do not count. `None` without
+/// samples.
 pub(super) fn line(samples: &[LineSample], across: f64) -> Option<Fit> {
     let rough = weighted_line(samples, |s| s.near)?;
     let residual = |s: &LineSample| s.y - (rough.place + rough.slope * s.x);

@@ -52,7 +52,8 @@ impl PlacedNode {
             .with_normal(normal)
     }
 
-    /// Whether the ground up to a neighbour was measured: the step is no longer than three footprints.
+    /// Whether the ground up to a neighbour was measured: the step is no longer than three
+    /// footprints.
     pub fn is_beside(&self, next: &Self) -> bool {
         let footprint = self.evidence.footprint.max(next.evidence.footprint);
         (next.position - self.position).norm() <= LONGEST_STEP * footprint

@@ -2,15 +2,15 @@
 //!
 //! The window is the widest whose estimate differs from those of all narrower windows by no more
 //! than random errors make it (Lepski's rule): wide along smooth curves, narrow at detail. Errors
-//! that neighbours share leave narrow windows in agreement whatever their width. So the *difference*
-//! is judged by its own standard deviation, not each estimate by its own.
+//! that neighbours share leave narrow windows in agreement whatever their width. So the
+//! *difference* is judged by its own standard deviation, not each estimate by its own.
 //!
 //! With a handful of windows, one of them differs by chance at every fifth node. So a single one is
 //! passed over if the next wider one agrees again, and two in a row end the search. One of the two
 //! narrowest may itself be off by chance.
 //!
-//! A parabola has an arc's second order. Fits follow the third and fourth too, as far as the bend is
-//! known, so the error that is left comes from changes of the bend.
+//! A parabola has an arc's second order. Fits follow the third and fourth too, as far as the bend
+//! is known, so the error that is left comes from changes of the bend.
 
 use super::super::measure::Scale;
 use super::super::tuning::place::*;
@@ -85,8 +85,8 @@ fn agrees(narrower: &[Fit], wide: &Fit, stray_windows: usize) -> bool {
 
 /// Whether a fit differs from one in a narrower window by at most so many standard deviations.
 ///
-/// The wider window holds the samples of the narrower one. The errors of common samples cancel in the
-/// difference, so its variance is that of the narrower fit less that of the wider.
+/// The wider window holds the samples of the narrower one. The errors of common samples cancel in
+/// the difference, so its variance is that of the narrower fit less that of the wider.
 fn agree(narrow: &Fit, wide: &Fit, confidence: f64) -> bool {
     let (before, after) = (narrow.place_sigma.powi(2), wide.place_sigma.powi(2));
     let variance = (before - after).max(LEAST_VARIANCE_SHARE * before);
@@ -228,8 +228,8 @@ fn half_width(here: &Cluster, step: i32) -> f64 {
     NARROWEST_FOOTPRINTS * here.evidence.footprint * WINDOW_GROWTH.powi(step)
 }
 
-/// Half-width of a window across: a bend leaves the tangent by up to half the reach where directions
-/// still count as the same.
+/// Half-width of a window across: a bend leaves the tangent by up to half the reach where
+/// directions still count as the same.
 fn across(threshold: f64, reach: f64) -> f64 {
     threshold.max(0.5 * reach)
 }

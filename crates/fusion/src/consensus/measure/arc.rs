@@ -69,8 +69,8 @@ impl<'a> Arc<'a> {
         d.try_normalize(0.0).unwrap_or_else(|| self.chord(k))
     }
 
-    /// Mean offset of the nodes within `reach` on one side: round closed curves, and up to the first
-    /// bridge.
+    /// Mean offset of the nodes within `reach` on one side: round closed curves, and up to the
+    /// first bridge.
     fn mean_offset(&self, k: usize, reach: f64, ahead: bool) -> Vector2 {
         let nodes = self.curve.nodes();
         let here = nodes[k].position;
@@ -123,8 +123,9 @@ fn residuals(curve: &Curve) -> Vec<Option<f64>> {
     residuals
 }
 
-/// The third difference, over the value that unit errors would give it. Its factors are the products
-/// of the distances between the other three nodes, with alternating signs, so one division is enough.
+/// The third difference, over the value that unit errors would give it. Its factors are the
+/// products of the distances between the other three nodes, with alternating signs, so one division
+/// is enough.
 fn residual([a, b, c, d]: [&Node; 4]) -> Option<f64> {
     let along = d.position - a.position;
     let (to_b, to_c) = (b.position - a.position, c.position - a.position);

@@ -117,8 +117,8 @@ impl Observations {
         }
     }
 
-    /// Median standard deviation of a single pixel across a curve. A node whose error is shared over
-    /// n pixels is an average of n, so a pixel's error is n times as large.
+    /// Median standard deviation of a single pixel across a curve. A node whose error is shared
+    /// over n pixels is an average of n, so a pixel's error is n times as large.
     pub fn pixel_noise(&self) -> f64 {
         let of_pixel = |o: &Observation| o.sigma * (o.correlation / o.footprint).max(1.0);
         median(self.all.iter().map(of_pixel))
@@ -187,8 +187,8 @@ fn observation(arc: &Arc<'_>, k: usize, steps: &Steps) -> Observation {
     }
 }
 
-/// The nodes of a curve with a measured unit on at least one side; a node between two bridges has no
-/// direction.
+/// The nodes of a curve with a measured unit on at least one side; a node between two bridges has
+/// no direction.
 fn measured_nodes(curve: &Curve) -> Vec<usize> {
     let nodes = curve.nodes();
     let n = nodes.len();

@@ -1,22 +1,23 @@
-//! The systematic errors of views: the part of the spread between views that the nodes' own errors do
-//! not explain (random effects model).
+//! The systematic errors of views: the part of the spread between views that the nodes' own errors
+//! do not explain (random effects model).
 //!
-//! **Problem.** Pixel noise averages out along a curve. Errors of calibration, pose and blur do not,
-//! since neighbouring nodes share them, and views have to be weighed by these. Real scanners err more
-//! where they see a surface obliquely: the laser's stripe and the pixel's patch get longer. Pixel
-//! noise suggests the opposite, as an error along the ray counts less across an oblique surface.
+//! **Problem.** Pixel noise averages out along a curve. Errors of calibration, pose and blur do
+//! not, since neighbouring nodes share them, and views have to be weighed by these. Real scanners
+//! err more where they see a surface obliquely: the laser's stripe and the pixel's patch get
+//! longer. Pixel noise suggests the opposite, as an error along the ray counts less across an
+//! oblique surface.
 //!
-//! **Idea.** Variance components by least squares. The variance across the curve is `h + o t²`, with
-//! `t` the tangent of the incidence. Two nodes of two views beside each other lie a distance `d`
-//! apart with `E d² = σ₁² + σ₂² + 2 h + o (t₁² + t₂²)`, which is linear in `h` and `o`.
+//! **Idea.** Variance components by least squares. The variance across the curve is `h + o t²`,
+//! with `t` the tangent of the incidence. Two nodes of two views beside each other lie a distance
+//! `d` apart with `E d² = σ₁² + σ₂² + 2 h + o (t₁² + t₂²)`, which is linear in `h` and `o`.
 //!
 //! **Steps.**
 //! 1. Start: the whole spread is independent of the incidence.
 //! 2. Least squares, weighted by the last estimate: the square of a normal error has a standard
 //!    deviation in proportion to its variance. Pairs more than three standard deviations apart are
 //!    outliers or of different surfaces, and do not count.
-//! 3. The part that grows with the incidence counts as far as it exceeds its own error (shrinkage of
-//!    James and Stein, 1961). Otherwise chance would give weights to views that err alike at any
+//! 3. The part that grows with the incidence counts as far as it exceeds its own error (shrinkage
+//!    of James and Stein, 1961). Otherwise chance would give weights to views that err alike at any
 //!    incidence.
 //!
 //! **Source.** Not in the dissertation, whose averages weigh all views alike (5.5.2). Weights that
@@ -121,8 +122,8 @@ struct Slope {
     variance: f64,
 }
 
-/// Weighted sums for a straight line. The weight of a sample is one over its squared expectation; the
-/// square of a normal error has twice that as its variance.
+/// Weighted sums for a straight line. The weight of a sample is one over its squared expectation;
+/// the square of a normal error has twice that as its variance.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     w: f64,

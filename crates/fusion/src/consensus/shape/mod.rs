@@ -1,7 +1,7 @@
 //! Room 4: from chains to curves.
 //!
-//! Small rings become circles, corners become sharp, and chains become [`Curve`]s with the reasons why
-//! they end.
+//! Small rings become circles, corners become sharp, and chains become [`Curve`]s with the reasons
+//! why they end.
 
 mod corners;
 mod output;

@@ -1,5 +1,5 @@
-//! From chains to curves: nodes in between where chords would miss the curve, marks of bridged ground,
-//! and the reasons why open curves end.
+//! From chains to curves: nodes in between where chords would miss the curve, marks of bridged
+//! ground, and the reasons why open curves end.
 
 use super::super::connect::{Chain, by_length};
 use super::super::estimate::PlacedNode;
@@ -41,8 +41,8 @@ fn curve_nodes(nodes: &[PlacedNode], chain: &Chain, middle_nodes: bool) -> Vec<N
     result
 }
 
-/// The mark of a gap: a node without views, if two neighbours are too far apart to have been measured
-/// as neighbours.
+/// The mark of a gap: a node without views, if two neighbours are too far apart to have been
+/// measured as neighbours.
 fn bridge(a: &PlacedNode, b: &PlacedNode) -> Option<Node> {
     let gap = (b.position - a.position).norm();
     let middle = || {
@@ -57,7 +57,8 @@ fn bridge(a: &PlacedNode, b: &PlacedNode) -> Option<Node> {
     (gap > BRIDGED_FOOTPRINTS * a.spacing.max(b.spacing)).then(middle)
 }
 
-/// The middle of the cubic with the places and directions of two nodes, where their chord misses it.
+/// The middle of the cubic with the places and directions of two nodes, where their chord misses
+/// it.
 fn between(a: &PlacedNode, b: &PlacedNode) -> Option<Node> {
     let step = b.position - a.position;
     let length = step.norm();

@@ -1,15 +1,15 @@
 //! Rings: small closed chains that cannot be told from a circle become one.
 //!
-//! **Problem.** A window of a few footprints covers much of a leg or a hole. Its parabola has too few
-//! neighbours, and every node errs by itself.
+//! **Problem.** A window of a few footprints covers much of a leg or a hole. Its parabola has too
+//! few neighbours, and every node errs by itself.
 //!
-//! **Idea.** All nodes of a closed chain together leave little error if the curve has few unknowns. A
-//! circle has three. Its nodes show whether it is one: the next harmonics of the distance from its
-//! centre are then no larger than their errors.
+//! **Idea.** All nodes of a closed chain together leave little error if the curve has few unknowns.
+//! A circle has three. Its nodes show whether it is one: the next harmonics of the distance from
+//! its centre are then no larger than their errors.
 //!
 //! **Steps**, on each closed chain without gaps whose nodes go round a centre.
-//! 1. The circle of least squares: `r(φ) = c₀ + c₁ cos φ + s₁ sin φ` around a centre that moves until
-//!    c₁ and s₁ vanish.
+//! 1. The circle of least squares: `r(φ) = c₀ + c₁ cos φ + s₁ sin φ` around a centre that moves
+//!    until c₁ and s₁ vanish.
 //! 2. Harmonics up to the fourth, of an ellipse, a triangle and a square. If together they are no
 //!    larger than their errors, the chain is a circle.
 //! 3. The nodes move onto it, with nodes in between where the chord would turn by much.

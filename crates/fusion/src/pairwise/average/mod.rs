@@ -20,19 +20,19 @@
 //! x means a corner) is believed only if a later unit of the basis curve holds one of the points
 //! looked at: the rising flank of a wide dimple would otherwise move the basis on. A point which a
 //! later unit holds is round a corner whatever noise does to the rise. For the same reason no unit
-//! may end in a point that is nowhere near the basis curve when the curves are exchanged. A point in the wedge outside
-//! a bend, behind one unit's end and before the next one's start, counts with the next one. A node
-//! that the chord between two new nodes would leave by more than the threshold is kept, or sharp
-//! corners between long units would be cut. If two exchanges follow each other without a point in
-//! between, as on zigzags, the second one is not made.
+//! may end in a point that is nowhere near the basis curve when the curves are exchanged. A point
+//! in the wedge outside a bend, behind one unit's end and before the next one's start, counts with
+//! the next one. A node that the chord between two new nodes would leave by more than the threshold
+//! is kept, or sharp corners between long units would be cut. If two exchanges follow each other
+//! without a point in between, as on zigzags, the second one is not made.
 //!
-//! A new unit is bridged if it crosses a bridged unit of the basis curve of whose ground the distant
-//! curve did not see half either.
+//! A new unit is bridged if it crosses a bridged unit of the basis curve of whose ground the
+//! distant curve did not see half either.
 //!
-//! The midpoint of a chord lies inside the arc: every merge moves a curve by up to h²/8R towards its
-//! inside (errata). This is the method's, and one reason why [`consensus`](mod@crate::consensus) is
-//! the default. The newest curve weighs half, so half of the loss is taken back with each merge, and
-//! on a circle it settles at little more than h²/8R.
+//! The midpoint of a chord lies inside the arc: every merge moves a curve by up to h²/8R towards
+//! its inside (errata). This is the method's, and one reason why
+//! [`consensus`](mod@crate::consensus) is the default. The newest curve weighs half, so half of the
+//! loss is taken back with each merge, and on a circle it settles at little more than h²/8R.
 //!
 //! **Cost.** Linear in the nodes of both overlaps; a look-forward reaches four thresholds.
 
@@ -176,8 +176,8 @@ impl Walk<'_> {
         self.exchanged = false;
     }
 
-    /// How much of the basis curve's unit the distant curve saw between its next point, at `x`, and the
-    /// one after, and up to its first point.
+    /// How much of the basis curve's unit the distant curve saw between its next point, at `x`, and
+    /// the one after, and up to its first point.
     fn seen_beside(&self, x: f64, x_end: f64) -> f64 {
         let (distant, point) = (self.strands[1 - self.basis], self.next[1 - self.basis]);
         let seen = |k: Option<usize>, longest: f64| {
@@ -305,8 +305,8 @@ impl Walk<'_> {
         self.finished = true;
     }
 
-    /// A unit without a new node becomes part of the one from the last new node, which crosses ground
-    /// that nobody saw if this does, and if the distant curve's unit above it does.
+    /// A unit without a new node becomes part of the one from the last new node, which crosses
+    /// ground that nobody saw if this does, and if the distant curve's unit above it does.
     fn pass_unit(&mut self) {
         let (basis, distant) = (self.basis, 1 - self.basis);
         let bridged = |side: usize, k: Option<usize>| {

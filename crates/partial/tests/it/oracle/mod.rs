@@ -1,5 +1,5 @@
-//! The slow and obvious way to the same lines: one crossing, one cell, one link at a time, in `f64`,
-//! chains followed over the whole image.
+//! The slow and obvious way to the same lines: one crossing, one cell, one link at a time, in
+//! `f64`, chains followed over the whole image.
 
 mod cell;
 mod crossing;

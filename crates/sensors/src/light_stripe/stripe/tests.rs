@@ -1,4 +1,4 @@
-//! Synthetic stripes of which the place is known.
+//! Synthetic stripes at known places.
 
 use super::*;
 use crate::light_stripe::{LaserAngles, LightStripeParameters};
@@ -196,7 +196,7 @@ fn rows_without_a_stripe_are_missing() {
     for (row, place) in curve.iter().enumerate() {
         assert_eq!(place.is_none(), dark(row), "row {row}: {place:?}");
     }
-    // A faint stripe is one if the finder is told so.
+    // A faint stripe counts if the finder's least height is small.
     let faint = image_u8(1, |_, col| 40.0 + 0.2 * stripe(&profile, 45.5, col));
     let usual = plain(profile, Peak::SubCell);
     assert_eq!(usual.curve(&faint).unwrap(), [None]);
@@ -218,7 +218,7 @@ fn the_median_moves_outliers_and_leaves_a_leaning_stripe_alone() {
     gap[3] = None;
     let kept = median_along(&gap, 5);
     assert_eq!(kept[3], None);
-    assert_eq!((kept[2], kept[4]), (leaning[2], leaning[4]), "the gap pulls nobody");
+    assert_eq!((kept[2], kept[4]), (leaning[2], leaning[4]), "the gap moves no row");
     assert_eq!(median_along(&broken, 1), broken);
 }
 

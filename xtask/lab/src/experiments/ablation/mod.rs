@@ -1,4 +1,5 @@
-//! What each step of fusion is worth: every set is fused with all steps, and again without one of them.
+//! What each step of fusion is worth: every set is fused with all steps, and again without one of
+//! them.
 
 mod crossings;
 mod sets;

@@ -1,4 +1,5 @@
-//! The sets that steps are measured on: partial models made once, and what their curves are held against.
+//! The sets that steps are measured on: partial models made once, and what their curves are held
+//! against.
 
 use super::crossings;
 use super::worth::Figures;
@@ -17,7 +18,8 @@ use transect_partial::{Method, partial_model};
 use transect_scene::{BUNDLED_SCENES, Mesh, Visibility, merge_overlaps, sections};
 use transect_workflow::simulation::{PreparedScene, SensorPlan, describe};
 
-/// Distance within which a curve counts as right, as a share of the plane interval, where no size is known.
+/// Distance within which a curve counts as right, as a share of the plane interval, where no size
+/// is known.
 const TOLERANCE_SHARE: f64 = 0.2;
 
 /// The same as a share of a peers' set's size.
@@ -204,7 +206,7 @@ fn simulated(
     let truth: Sections = cut.into_iter().map(|(k, c)| (k, merge_overlaps(c))).collect();
     let parts = vec![observed(&views, &planes)?];
     let visible = Some(Visible::new(mesh, views, &truth)?);
-    let options = EvaluateOptions { tolerance, from: None };
+    let options = EvaluateOptions::new(tolerance);
     Ok(Set { name, planes, parts, reference: Some(Reference { truth, visible }), options })
 }
 
@@ -215,7 +217,7 @@ fn bunny(name: String, folder: &Path) -> Result<Set, Failure> {
     let truth = sections(&mesh, &planes)?;
     let parts = vec![observed(&views, &planes)?];
     // The scans do not show the base, and the reference closes it.
-    let options = EvaluateOptions { tolerance: 0.0005, from: Some(0.06) };
+    let options = EvaluateOptions::new(0.0005).from_station(0.06);
     Ok(Set { name, planes, parts, reference: Some(Reference { truth, visible: None }), options })
 }
 
@@ -228,7 +230,7 @@ fn halves(name: String, folder: &Path) -> Result<Set, Failure> {
         observed(&views, &planes)
     };
     let parts = vec![half(0)?, half(1)?];
-    let options = EvaluateOptions { tolerance: 0.02, from: None };
+    let options = EvaluateOptions::new(0.02);
     Ok(Set { name, planes, parts, reference: None, options })
 }
 

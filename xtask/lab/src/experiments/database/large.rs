@@ -1,8 +1,8 @@
 //! The costs of building, opening and querying a store that is larger than memory.
 //!
-//! A scan along a corridor: four views see each plane, each view sees forty planes, with 5000 nodes on
-//! each. The first view's curves take the place of the fused curves: the time of fusion is measured
-//! elsewhere.
+//! A scan along a corridor: four views see each plane, each view sees forty planes, with 5000 nodes
+//! on each. The first view's curves take the place of the fused curves: the time of fusion is
+//! measured elsewhere.
 
 use crate::failure::Failure;
 use crate::table::{Row, digits, print, say};

@@ -7,10 +7,10 @@ mod space;
 mod utm;
 
 use crate::failure::Failure;
-use crate::simulation::{PreparedScene, SensorPlan};
 use std::fmt::Write;
 use transect_device::View;
 use transect_scene::Description;
+use transect_workflow::simulation::{PreparedScene, SensorPlan};
 
 /// Options of `experiments database`.
 #[derive(Debug, clap::Args)]

@@ -3,7 +3,6 @@
 use super::super::table;
 use super::{Surrounded, footprint, surround};
 use crate::failure::Failure;
-use crate::simulation::{PreparedScene, SensorPlan, describe};
 use crate::table::{digits, say};
 use std::path::Path;
 use transect::{Setup, Unwatched, reconstruct};
@@ -11,6 +10,7 @@ use transect_device::{Pixel, View};
 use transect_geometry::{Point3, Vector3};
 use transect_model::{Location, ModelIndex};
 use transect_scene::Scene;
+use transect_workflow::simulation::{PreparedScene, SensorPlan, describe};
 
 const POINTS: usize = 100_000;
 
@@ -103,8 +103,8 @@ fn solids(sampling: f64) -> Result<Tally, Failure> {
     tally(&scene, &views, INTERVAL, points, sampling)
 }
 
-/// Distance between samples in the room, in metres: its scanners have 400 pixels over their field, and
-/// walls are up to 4 m away.
+/// Distance between samples in the room, in metres: its scanners have 400 pixels over their field,
+/// and walls are up to 4 m away.
 const ROOM_SAMPLING: f64 = 0.03;
 
 /// Points on rays of the room's scanners, before the surface: certainly free space.
@@ -154,8 +154,8 @@ fn tally(
     Ok(tally)
 }
 
-/// Whether the surface comes within a distance of a point: whether it lies between the point and one
-/// of 26 points at that distance.
+/// Whether the surface comes within a distance of a point: whether it lies between the point and
+/// one of 26 points at that distance.
 fn near_surface(scene: &Scene, p: &Point3, distance: f64) -> bool {
     let inside = scene.contains(p);
     let steps = [-1.0, 0.0, 1.0];
@@ -168,7 +168,8 @@ fn near_surface(scene: &Scene, p: &Point3, distance: f64) -> bool {
     })
 }
 
-/// Numbers from 0 to 1 in three directions, evenly spread (R3 sequence, a generalised golden ratio).
+/// Numbers from 0 to 1 in three directions, evenly spread (R3 sequence, a generalised golden
+/// ratio).
 fn spread(i: usize) -> Vector3 {
     let part = |step: f64| (0.5 + i as f64 * step).fract();
     Vector3::new(part(0.819_172_513_4), part(0.671_043_606_7), part(0.549_700_477_9))

@@ -1,13 +1,13 @@
 //! The bundled room, and the same room at UTM coordinates: the same model, shifted.
 
 use crate::failure::Failure;
-use crate::simulation::{PreparedScene, SensorPlan, describe};
 use crate::table::{Row, digits, print, say};
 use std::path::Path;
 use transect::{Setup, Unwatched, reconstruct};
 use transect_device::View;
 use transect_geometry::{Isometry3, LengthUnit, PlaneFamily, Vector3};
 use transect_model::Model;
+use transect_workflow::simulation::{PreparedScene, SensorPlan, describe};
 
 /// Easting, northing and height of a place, in metres.
 const FAR: Vector3 = Vector3::new(500_000.0, 5_400_000.0, 300.0);

@@ -1,5 +1,5 @@
-//! How good one view's curves are: accuracy by method, noise, surface and angle; what the noise step
-//! does to whole scenes; gaps, jumps, and planes within the noise of a wall.
+//! How good one view's curves are: accuracy by method, noise, surface and angle; what the noise
+//! step does to whole scenes; gaps, jumps, and planes within the noise of a wall.
 
 mod accuracy;
 mod cases;

@@ -3,7 +3,6 @@
 use super::super::table;
 use super::error::quantile;
 use crate::failure::Failure;
-use crate::simulation::{PreparedScene, SensorPlan, describe};
 use crate::table::{digits, say};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -13,6 +12,7 @@ use transect_geometry::{Curve, CurveUnit, Node, PlaneIndex};
 use transect_partial::one_pass::OnePassOptions;
 use transect_partial::{Method, PartialModel, PlaneCurves, partial_model};
 use transect_scene::{Noise, merge_overlaps, sections};
+use transect_workflow::simulation::{PreparedScene, SensorPlan, describe};
 
 /// Range noise, as shares of the scene's size.
 const NOISE: [f64; 2] = [0.001, 0.005];

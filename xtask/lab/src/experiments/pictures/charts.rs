@@ -1,7 +1,6 @@
 //! Charts: a camera row with its stripe, and the grids of a calibration.
 
 use crate::failure::Failure;
-use crate::simulation::{PlacedInstrument, PreparedScene, stripe_camera};
 use plotters::prelude::*;
 use std::ops::Range;
 use std::path::Path;
@@ -10,6 +9,7 @@ use transect_scene::Counts;
 use transect_sensors::LookupTable;
 use transect_sensors::light_stripe::stripe::{IntensityImage, StripeFinder, StripeProfile};
 use transect_sensors::lookup_table::{CalibrationSweep, SynchronizedScanner};
+use transect_workflow::simulation::{PlacedInstrument, PreparedScene, stripe_camera};
 
 const SIZE: (u32, u32) = (900, 420);
 const INK: RGBColor = RGBColor(34, 34, 34);

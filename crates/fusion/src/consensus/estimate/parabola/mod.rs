@@ -1,24 +1,24 @@
 //! A robust parabola in windows that grow.
 //!
-//! **Problem.** The final place of a node needs the same fit in up to six nested windows, and the fit's
-//! standard deviation, with errors that neighbouring samples share.
+//! **Problem.** The final place of a node needs the same fit in up to six nested windows, and the
+//! fit's standard deviation, with errors that neighbouring samples share.
 //!
-//! **Idea.** A least-squares fit follows from sums over samples, and so does its error, a quadratic form
-//! in the coefficients. A wider window adds samples on both sides to the same sums, so six windows cost
-//! as much as the widest alone.
+//! **Idea.** A least-squares fit follows from sums over samples, and so does its error, a quadratic
+//! form in the coefficients. A wider window adds samples on both sides to the same sums, so six
+//! windows cost as much as the widest alone.
 //!
 //! **Steps.**
 //! 1. Samples in order along the curve; those in the window add to the sums.
 //! 2. The parabola of the sums.
 //! 3. The third and fourth order of an arc of that bend and slope are subtracted from the samples,
 //!    again by sums, and the parabola of the rest is added to the arc.
-//! 4. If no residual exceeds half the threshold, that is the fit. Otherwise it is repeated with weights
-//!    that fall from 1 at half the threshold to 0 at all of it. They begin to fall with no step and no
-//!    bend, so a sample on its way out changes the fit gradually.
+//! 4. If no residual exceeds half the threshold, that is the fit. Otherwise it is repeated with
+//!    weights that fall from 1 at half the threshold to 0 at all of it. They begin to fall with no
+//!    step and no bend, so a sample on its way out changes the fit gradually.
 //!
-//! **Shared errors.** The correlation of two samples is the product of the correlations of neighbours
-//! between them (an exponential law). So the error that all samples of a window share with its outermost
-//! one is a single number on each side, which the next sample takes over.
+//! **Shared errors.** The correlation of two samples is the product of the correlations of
+//! neighbours between them (an exponential law). So the error that all samples of a window share
+//! with its outermost one is a single number on each side, which the next sample takes over.
 
 use super::super::options::Steps;
 use super::super::tuning::parabola::*;
@@ -32,8 +32,8 @@ pub(super) struct Sample {
     pub weight: f64,
     /// Standard deviation of y.
     pub sigma: f64,
-    /// Variance along the curve of the places of which it is the mean; 0 for a single place. The mean
-    /// of places on a bend lies inside the bend, by this variance times the bend.
+    /// Variance along the curve of the places of which it is the mean; 0 for a single place. The
+    /// mean of places on a bend lies inside the bend, by this variance times the bend.
     pub along_variance: f64,
     /// Length along the curve over which samples share their errors; 0 if each has its own.
     pub correlation: f64,
@@ -79,7 +79,8 @@ impl Windows {
         Self { steps, samples, from: 0, to: 0, sums: Sums::default(), farthest: 0.0, inside }
     }
 
-    /// Takes samples sorted by x. Lengths are summed in `unit`, the half-width of the narrowest window.
+    /// Takes samples sorted by x. Lengths are summed in `unit`, the half-width of the narrowest
+    /// window.
     pub fn begin(&mut self, samples: impl Iterator<Item = Sample>, unit: f64) {
         self.samples.clear();
         self.samples.extend(samples);
@@ -284,8 +285,8 @@ impl Sums {
         [w * s.sigma, wu * s.sigma, wq * s.sigma]
     }
 
-    /// The arc of the samples, with the standard deviations of its place and bend from random errors;
-    /// `None` if they do not determine one in a window of this reach.
+    /// The arc of the samples, with the standard deviations of its place and bend from random
+    /// errors; `None` if they do not determine one in a window of this reach.
     fn solve(&self, reach: f64, arcs: bool) -> Option<Fit> {
         let inverse = self.inverse(reach)?;
         let [place, _, bend] = &inverse.rows;
@@ -321,8 +322,8 @@ impl Sums {
         Fit { place, slope: slope * scale, bend: bend * scale * scale, ..Fit::default() }
     }
 
-    /// The arc instead of the parabola: its higher orders are subtracted from the samples. Each round
-    /// leaves a quarter of the error or less.
+    /// The arc instead of the parabola: its higher orders are subtracted from the samples. Each
+    /// round leaves a quarter of the error or less.
     fn follow_arc(&self, parabola: Fit, inverse: &Inverse, reach: f64) -> Fit {
         const ROUNDS: usize = 2;
         const MATTERS: f64 = 1e-3;

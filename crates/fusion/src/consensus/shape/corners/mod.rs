@@ -5,17 +5,17 @@
 //! several pixels. So within two or three footprints of a corner nodes follow neither side, and the
 //! chord between the last two cuts the corner off.
 //!
-//! **Idea.** From farther away both sides show where they meet, as the faces of an object give edges
-//! sharper than any pixel on them.
+//! **Idea.** From farther away both sides show where they meet, as the faces of an object give
+//! edges sharper than any pixel on them.
 //!
 //! **Steps**, on each chain, near places where the direction turns.
-//! 1. Sides: rows of nodes that follow a line within their errors. A side begins where nodes follow a
-//!    line best, and grows while the next node does; see `path.rs` and `side.rs`.
-//! 2. A corner is where two sides that follow each other meet. It must lie ahead of both, and the nodes
-//!    between may lie off the sides by as much as smoothing and sampling move nodes at a corner. A
-//!    fillet whose nodes lie farther inside than that stays a fillet.
-//! 3. Two sides that face each other may have a short one between them, with a corner at both of its
-//!    ends; see `short.rs`.
+//! 1. Sides: rows of nodes that follow a line within their errors. A side begins where nodes follow
+//!    a line best, and grows while the next node does; see `path.rs` and `side.rs`.
+//! 2. A corner is where two sides that follow each other meet. It must lie ahead of both, and the
+//!    nodes between may lie off the sides by as much as smoothing and sampling move nodes at a
+//!    corner. A fillet whose nodes lie farther inside than that stays a fillet.
+//! 3. Two sides that face each other may have a short one between them, with a corner at both of
+//!    its ends; see `short.rs`.
 //! 4. The nodes between move onto their side, nodes beyond the corner are removed, and the corner
 //!    becomes a node.
 
@@ -31,8 +31,8 @@ use path::{Path, Stretch};
 use side::{Place, Side};
 use transect_geometry::{CurveUnit, Point2, Vector2};
 
-/// Makes corners sharp; new nodes are added to `nodes`. `noise` is the standard deviation of a single
-/// pixel across a curve.
+/// Makes corners sharp; new nodes are added to `nodes`. `noise` is the standard deviation of a
+/// single pixel across a curve.
 pub(super) fn sharpen(
     nodes: &mut Vec<PlacedNode>,
     chains: &mut [Chain],
@@ -52,8 +52,8 @@ struct Corner {
     first: usize,
     count: usize,
     nodes: Vec<PlacedNode>,
-    /// Whether the curve passes the corner at more than the corner's error; otherwise the curve stays
-    /// as it is.
+    /// Whether the curve passes the corner at more than the corner's error; otherwise the curve
+    /// stays as it is.
     is_cut_off: bool,
 }
 
@@ -119,7 +119,8 @@ fn corner(path: &Path<'_>, a: &Stretch, b: &Stretch, noise: f64) -> Option<Corne
     let meeting = Meeting::new([&a.side, &b.side])?;
     let ends = (path.node(last), path.node(b.first));
     let is_cut_off = meeting.is_cut_off(&path.nodes(first, count), ends, noise)?;
-    // The last nodes of a side have neighbours on one hand only; the side as a whole is more accurate.
+    // The last nodes of a side have neighbours on one hand only; the side as a whole is more
+    // accurate.
     let near = |k: &usize| (path.node(*k).position - meeting.place).norm() < RIM * footprint;
     let of_a = (1..=a.count / 2).take_while(|k| near(&(first + n - k))).count();
     let of_b = (0..b.count / 2).take_while(|k| near(&(b.first + k))).count();

@@ -101,8 +101,8 @@ impl<'a> Path<'a> {
         stretches
     }
 
-    /// How far off a side the nodes of a row are at most, in shares of the limit; `None` if they are no
-    /// side.
+    /// How far off a side the nodes of a row are at most, in shares of the limit; `None` if they
+    /// are no side.
     fn seed(&self, first: usize, free: &[bool]) -> Option<f64> {
         if !(first..first + SEED_NODES).all(|k| free[k % self.len()]) {
             return None;

@@ -1,18 +1,18 @@
 //! Short sides: the end of a thin part, between two long sides that face each other.
 //!
-//! **Problem.** The end of a thin part has too few nodes to be found as a side, and smoothing leaves
-//! most of them off it. So both its corners are cut off.
+//! **Problem.** The end of a thin part has too few nodes to be found as a side, and smoothing
+//! leaves most of them off it. So both its corners are cut off.
 //!
-//! **Idea.** The long sides are known well. Of the end, two numbers are left to find: where it crosses
-//! them, and its slant. Few nodes determine the slant badly, so it is drawn towards none.
+//! **Idea.** The long sides are known well. Of the end, two numbers are left to find: where it
+//! crosses them, and its slant. Few nodes determine the slant badly, so it is drawn towards none.
 //!
 //! **Steps.**
 //! 1. The direction straight across both sides.
-//! 2. A line through each run of nodes between the sides, its slant drawn towards none as far as it is
-//!    uncertain.
+//! 2. A line through each run of nodes between the sides, its slant drawn towards none as far as it
+//!    is uncertain.
 //! 3. The line that fits best: each node between is compared with the nearest of the three sides.
-//! 4. An arc that touches all three sides is the alternative. If an arc fits much better, the end is
-//!    round.
+//! 4. An arc that touches all three sides is the alternative. If an arc fits much better, the end
+//!    is round.
 
 use super::super::super::estimate::PlacedNode;
 use super::super::super::tuning::corners::*;
@@ -48,7 +48,8 @@ pub(super) fn between(path: &Path<'_>, a: &Stretch, b: &Stretch) -> Option<Stret
     (misfit <= MAX_ROUND_RATIO * round).then_some(short)
 }
 
-/// The direction across two sides, from the first to the second; `None` unless they face each other.
+/// The direction across two sides, from the first to the second; `None` unless they face each
+/// other.
 fn across(a: &Side, b: &Side) -> Option<Vector2> {
     let (before, after) = (a.at(a.length), b.at(0.0));
     if before.direction.dot(&after.direction) > FACING {

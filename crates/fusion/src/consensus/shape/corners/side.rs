@@ -7,8 +7,8 @@ use transect_geometry::{Point2, Vector2};
 
 /// A straight line through nodes in the order of a chain: x along, y to the left.
 ///
-/// `y = place + slope (x − centre)`, with the centre of gravity of the nodes, so that place and slope
-/// have independent errors.
+/// `y = place + slope (x − centre)`, with the centre of gravity of the nodes, so that place and
+/// slope have independent errors.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Side {
     origin: Point2,
@@ -139,8 +139,8 @@ impl Side {
     }
 }
 
-/// Curvature of samples: twice the coefficient of the polynomial of second order that is orthogonal to
-/// the line over the samples.
+/// Curvature of samples: twice the coefficient of the polynomial of second order that is orthogonal
+/// to the line over the samples.
 fn bend(samples: &[Sample], centre: f64) -> Estimate {
     let sum = |f: &dyn Fn(&Sample) -> f64| samples.iter().map(|s| s.weight * f(s)).sum::<f64>();
     let from_centre = |s: &Sample| s.x - centre;
