@@ -85,8 +85,8 @@ const REMAINDER_FOOTPRINTS: f64 = 2.0;
 /// assert!((middle.y - 0.002).abs() < 1e-9); // half way, in the length unit
 /// ```
 pub fn pairwise(views: &[&[Curve]], options: &PairwiseOptions) -> FusedPlane {
-    let mut measured = ConsensusOptions::default();
-    measured.threshold_spreads = options.threshold_spreads;
+    let threshold_spreads = options.threshold_spreads;
+    let measured = ConsensusOptions { threshold_spreads, ..ConsensusOptions::default() };
     let Some(measure) = measure(views, &measured) else { return without_curves(views) };
     let tolerance = options.tolerance.or_else(|| {
         let remainder =

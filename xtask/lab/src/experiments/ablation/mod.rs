@@ -46,7 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     say(
         "\nA figure is the change if the step is left out, in per cent: positive is worse. Median and p95 of the \
          distance, completeness, and time change relative to all steps. Loops lost and crossings added count per \
-         100 curves. Each cell has the largest gain of all sets, the set, and the largest loss.",
+         100 curves. Each cell has the largest gain of all sets, the set, and the largest loss; of times it has the median of all sets.",
     );
     Ok(())
 }

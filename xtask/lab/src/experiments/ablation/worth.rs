@@ -113,6 +113,12 @@ impl Worth {
                 self.sets.iter().filter_map(of)
             };
             let most = changes().max_by(|a, b| a.0.total_cmp(&b.0));
+            if column + 1 == COLUMNS.len() {
+                // Times scatter: their median over the sets says more than the largest.
+                let mut times: Vec<f64> = changes().map(|c| c.0).collect();
+                times.sort_by(f64::total_cmp);
+                return times.get(times.len() / 2).map_or_else(String::new, |t| format!("{t:+.0}"));
+            }
             let least = changes().map(|c| c.0).min_by(f64::total_cmp).unwrap_or(0.0);
             match most {
                 Some((gain, set)) if gain >= 0.05 => format!("{gain:+.1} {set}; {least:+.1}"),
