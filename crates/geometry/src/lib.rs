@@ -20,6 +20,7 @@ mod envelope;
 mod guide;
 mod length_unit;
 mod plane_frame;
+mod space;
 mod splines;
 mod unit;
 
@@ -32,16 +33,6 @@ pub use guide::{
 };
 pub use length_unit::{LengthError, LengthUnit};
 pub use plane_frame::PlaneFrame;
+pub use space::{Isometry3, Point2, Point3, Vector2, Vector3};
 pub use splines::{CubicSpline, CurveSplines, SplineError, fit_splines};
 pub use unit::{CurveUnit, Foot, Side};
-
-/// A point in space, in the model's length unit.
-pub type Point3 = nalgebra::Point3<f64>;
-/// A direction or displacement in space.
-pub type Vector3 = nalgebra::Vector3<f64>;
-/// A point in plane coordinates (see [`PlaneFrame`]), in the model's length unit.
-pub type Point2 = nalgebra::Point2<f64>;
-/// A direction or displacement in plane coordinates.
-pub type Vector2 = nalgebra::Vector2<f64>;
-/// A rigid motion; variables name it target-from-source, as in `world_from_sensor`.
-pub type Isometry3 = nalgebra::Isometry3<f64>;

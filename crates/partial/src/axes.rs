@@ -1,13 +1,8 @@
 //! Levels and plane coordinates as affine functions of sensor coordinates.
 
-use crate::PartialError;
+use crate::error::{MAX_LEVELS, PartialError};
 use transect_device::{LinearForm, Point3, SensorPlane, Vector3, View};
 use transect_geometry::{PlaneFamily, PlaneIndex, Point2};
-
-/// Largest number of planes one view may span, 2²².
-///
-/// Levels are compared as `f32`; at this many planes one still resolves a quarter of an interval.
-pub const MAX_LEVELS: i64 = 1 << 22;
 
 /// Levels and plane coordinates as functions of a view's sensor coordinates.
 ///

@@ -10,10 +10,10 @@
 //! * along the pixels from one end to the other, on the high and on the low side of the curve, each
 //!   valid pixel is of one surface with the valid one before it.
 
-use crate::BreakRule;
 use crate::pixel_grid::Grid;
 use transect_device::{PairGeometry, Pixel, View};
 use transect_geometry::{Point2, Vector2};
+use transect_image::BreakRule;
 
 /// Largest angle between a curve's end and the way across the gap, in radians: a curve as tight as
 /// five pixels in radius turns by half of this within four pixels.

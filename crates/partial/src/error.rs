@@ -1,6 +1,9 @@
 //! Why a view could not be modelled.
 
-use crate::axes::MAX_LEVELS;
+/// Largest number of planes one view may span, 2²².
+///
+/// Levels are compared as `f32`; at this many planes one still resolves a quarter of an interval.
+pub const MAX_LEVELS: i64 = 1 << 22;
 
 /// Most crossings of one view, 2²³: with their curves they take about 0.9 GiB. A view of four
 /// million pixels has that many if two planes pass between any two neighbours.

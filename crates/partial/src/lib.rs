@@ -26,8 +26,8 @@ mod partial_curve;
 mod pixel_grid;
 pub mod subpixel;
 
-pub use axes::{MAX_LEVELS, SectionAxes};
-pub use error::{MAX_CROSSINGS, PartialError};
+pub use axes::SectionAxes;
+pub use error::{MAX_CROSSINGS, MAX_LEVELS, PartialError};
 pub use method::{Method, partial_model};
 pub use model::{PartialCounts, PartialModel};
 #[doc(hidden)]

@@ -14,10 +14,10 @@
 use super::label::LabelImage;
 use super::plane_image::PlaneImage;
 use super::samples::Samples;
-use crate::BreakRule;
 use crate::pixel_grid::Grid;
 use serde::{Deserialize, Serialize};
 use transect_device::{ImageSize, Neighbour, Pixel, View};
+use transect_image::BreakRule;
 
 /// How an intersection is told from a range jump.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

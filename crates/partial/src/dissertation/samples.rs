@@ -2,8 +2,9 @@
 
 use super::JumpTest;
 use crate::pixel_grid::Grid;
-use crate::{BreakRule, SectionAxes, continuation};
+use crate::{SectionAxes, continuation};
 use transect_device::{Neighbour, PairGeometry, Pixel, View};
+use transect_image::BreakRule;
 
 /// A view, prepared once for all planes.
 #[derive(Debug)]

@@ -6,8 +6,8 @@
 use super::link::{Contour, End, Links};
 use super::samples::Samples;
 use super::search::Side;
-use crate::EndReason;
 use transect_device::{Neighbour, Pixel};
+use transect_geometry::EndReason;
 
 /// A border crossed by the plane: the pixel and which neighbour it is compared with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -25,11 +25,11 @@
 use super::contours::{Contours, Polyline};
 use super::crossing::Crossing;
 use super::vertex::Vertex;
-use crate::BreakRule;
 use crate::continuation::{self, Place, REACH};
 use crate::pixel_grid::Grid;
 use transect_device::{Pixel, View};
 use transect_geometry::Point2;
+use transect_image::BreakRule;
 
 /// A line with its solved crossings.
 #[derive(Debug, Clone, Copy)]

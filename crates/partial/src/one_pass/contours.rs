@@ -6,10 +6,12 @@ use super::part::Part;
 use super::source::Source;
 use super::trace::{Border, Piece, stitch};
 use super::vertex::{Kind, Vertex, decode};
-use crate::{BreakRule, Instructions, MAX_CROSSINGS, PartialError, SectionAxes};
+use crate::{MAX_CROSSINGS, PartialError, SectionAxes};
 use rayon::prelude::*;
 use transect_device::{Pixel, View};
 use transect_geometry::PlaneIndex;
+use transect_image::BreakRule;
+use transect_image::Instructions;
 
 /// Crossings per band: with 25 bytes for each, a band fits a processor's second cache level.
 const BAND_SIZE: usize = 1 << 14;

@@ -12,9 +12,11 @@ use super::pair_line::PairLines;
 use super::refine::Refinement;
 use super::vertex::Kind;
 use crate::pixel_grid::Grid;
-use crate::{BreakRule, EndReason, PartialCurve, PartialModel, PlaneCurves, SectionAxes};
+use crate::{PartialCurve, PartialModel, PlaneCurves, SectionAxes};
 use transect_device::{Pixel, Vector3, View};
+use transect_geometry::EndReason;
 use transect_geometry::PlaneFrame;
+use transect_image::BreakRule;
 use transect_image::PreparedView;
 
 /// Deviations of the noise over the plane beyond which a pair's rise is its surface's.

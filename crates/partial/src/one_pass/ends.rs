@@ -2,9 +2,9 @@
 
 use super::contours::Contours;
 use super::vertex::{Kind, Vertex};
-use crate::EndReason;
 use crate::pixel_grid::Grid;
 use transect_device::{ImageSize, Pixel, View};
+use transect_geometry::EndReason;
 
 /// The reasons for both ends of an open curve, whose first and last vertices are given with the
 /// ones next to them.

@@ -87,12 +87,13 @@ pub use vertex::{Kind, Vertex};
 
 use crate::near_planes::near_planes;
 use crate::subpixel::Subpixel;
-use crate::{BreakRule, PartialError, PartialModel, SectionAxes};
+use crate::{PartialError, PartialModel, SectionAxes};
 use along_guide::AlongGuide;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use transect_device::View;
 use transect_geometry::{CurvedGuide, PlaneFamily};
+use transect_image::BreakRule;
 use transect_image::PreparedView;
 use transect_image::smooth::{Smoothing, SmoothingSteps, ValueBounds};
 

@@ -22,9 +22,10 @@
 
 use super::bridge::Solved;
 use super::contours::Contours;
+use crate::SectionAxes;
 use crate::pixel_grid::Grid;
-use crate::{BreakRule, SectionAxes};
 use transect_device::{Pixel, View};
+use transect_image::BreakRule;
 use transect_image::PreparedView;
 
 /// Finds the curves that only noise makes.

@@ -1,10 +1,10 @@
 //! The next pixels along the row or column of a pair.
 
 use super::vertex::Kind;
-use crate::BreakRule;
 use crate::pixel_grid::Grid;
 use crate::subpixel::PairLine;
 use transect_device::{Pixel, View};
+use transect_image::BreakRule;
 
 /// Finds the pixels before and after a pair, as far as they are on its surface.
 #[derive(Debug, Clone, Copy)]

@@ -12,9 +12,10 @@ use super::rows::{Row, columns};
 use super::source::Source;
 use super::trace::{Border, Piece, Pieces, stitch, trace};
 use super::vertex::Vertex;
-use crate::{Instructions, MAX_CROSSINGS, PartialError};
+use crate::{MAX_CROSSINGS, PartialError};
 use fearless_simd::{Simd, dispatch};
 use std::ops::Range;
+use transect_image::Instructions;
 
 /// One crossed pair in so many pixels makes it worth while to find the places of all of them at
 /// once.

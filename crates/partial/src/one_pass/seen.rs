@@ -2,8 +2,10 @@
 
 use super::rows::{PAD, Row};
 use super::source::Source;
-use crate::{BreakRule, Instructions, SectionAxes};
+use crate::SectionAxes;
 use transect_device::View;
+use transect_image::BreakRule;
+use transect_image::Instructions;
 
 /// What the sweep compares: one entry per pixel, row-major.
 #[derive(Debug, Clone, Default, PartialEq)]
