@@ -4,7 +4,8 @@
 pub type Point3 = nalgebra::Point3<f64>;
 /// A direction or displacement in space.
 pub type Vector3 = nalgebra::Vector3<f64>;
-/// A point in plane coordinates (see [`PlaneFrame`](crate::PlaneFrame)), in the model's length unit.
+/// A point in plane coordinates (see [`PlaneFrame`](crate::PlaneFrame)), in the model's length
+/// unit.
 pub type Point2 = nalgebra::Point2<f64>;
 /// A direction or displacement in plane coordinates.
 pub type Vector2 = nalgebra::Vector2<f64>;

@@ -15,9 +15,9 @@ pub(crate) const WINDOW_COLUMNS: usize = 2 * HALF_WINDOW + 1;
 /// Radius of the window where noise equals the spacing of the rays, in pixels.
 ///
 /// Theory: the best radius grows with noise, and bias with the third power of the radius, so the
-/// radius follows the cube root of noise over spacing. The factor is measured: median and 95 %
-/// quantile together are best between 6.0 and 6.3. Doubled, small features are flattened.
-pub(crate) const RADIUS: f32 = 6.1;
+/// radius follows the cube root of noise over spacing. The factor is measured: between 5.9 and 6.3
+/// median and 95 % quantile together hardly change. Doubled, small features are flattened.
+pub(crate) const RADIUS: f32 = 6.0;
 
 /// Radius below which a pixel is not smoothed, in pixels.
 ///
@@ -43,9 +43,11 @@ pub(crate) const WIDER: f32 = 1.5;
 
 /// Residual at which a pixel's robust weight becomes 0, in standard deviations of a sample.
 ///
-/// Theory: Tukey's biweight is 95 % as efficient as least squares on normal noise with 4.685.
-/// Doubled, the other side of a crease or of a low step takes part in the fit.
-pub(crate) const CUT: f32 = 4.685;
+/// Theory: Tukey's biweight is 96 % as efficient as least squares on normal noise with 5, 95 % with
+/// 4.685 and 98 % with 6. Measured: with 4.685 parts at 0.5 % noise have a 95 % quantile 1 %
+/// larger, with 5.5 rooms at 0.5 % noise one 5 % larger. Doubled, the other side of a crease or of
+/// a low step takes part in the fit.
+pub(crate) const CUT: f32 = 5.0;
 
 /// Change from which a pixel keeps its sample, in standard deviations of a sample.
 ///

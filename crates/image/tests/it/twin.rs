@@ -11,7 +11,7 @@ use transect_image::{BreakRule, RangeNoise, length_per_value};
 use transect_sensors::{AngularScan, ImagingRadar};
 
 const REACH: i64 = 10;
-const CUT: f64 = 4.685;
+const CUT: f64 = 5.0;
 /// Largest change, in cuts.
 const LARGEST: f64 = 4.0 / CUT;
 

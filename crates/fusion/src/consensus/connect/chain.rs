@@ -7,7 +7,7 @@ use transect_geometry::Vector2;
 
 /// The numbers of nodes in the order of a curve.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(in super::super) struct Chain {
+pub(crate) struct Chain {
     pub nodes: Vec<u32>,
     pub closed: bool,
 }
@@ -97,7 +97,7 @@ pub(super) fn trace(next: &[u32]) -> Vec<Chain> {
 }
 
 /// Longest first; equal lengths by the place of their first node.
-pub(in super::super) fn by_length(nodes: &[PlacedNode], chains: Vec<Chain>) -> Vec<Chain> {
+pub(crate) fn by_length(nodes: &[PlacedNode], chains: Vec<Chain>) -> Vec<Chain> {
     let mut measured: Vec<(f64, Chain)> =
         chains.into_iter().map(|c| (c.length(nodes), c)).collect();
     let first =

@@ -6,7 +6,7 @@ use transect_geometry::{Node, Point2, Vector2};
 
 /// What the observations of a node tell together. It does not change when the node moves.
 #[derive(Debug, Clone, Copy)]
-pub(in super::super) struct Evidence {
+pub(crate) struct Evidence {
     pub footprint: f64,
     /// Standard deviation of the observations' mean, without the views' systematic errors.
     pub random_sigma: f64,
@@ -25,7 +25,7 @@ pub(in super::super) struct Evidence {
 
 /// A node at its final place.
 #[derive(Debug, Clone, Copy)]
-pub(in super::super) struct PlacedNode {
+pub(crate) struct PlacedNode {
     pub position: Point2,
     /// Unit direction of the curve.
     pub tangent: Vector2,

@@ -9,7 +9,7 @@ use crate::grid::PointGrid;
 
 /// Lengths of a plane, and the options that steps need beside them.
 #[derive(Debug, Clone, Copy)]
-pub(in super::super) struct Scale {
+pub(crate) struct Scale {
     /// Median footprint.
     pub spacing: f64,
     /// Overlap threshold across the curve.

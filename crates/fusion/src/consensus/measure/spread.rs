@@ -12,7 +12,7 @@ use crate::grid::PointGrid;
 
 /// Spread between views, in the length unit.
 #[derive(Debug, Clone, Copy)]
-pub(in super::super) struct Spread {
+pub(crate) struct Spread {
     /// Standard deviation of one view's curve against the common one, with the registration error.
     pub between_views: f64,
     /// The part of it that the nodes' own errors do not explain.
