@@ -126,7 +126,8 @@ fn sweep(criterion: &mut Criterion) {
 fn nodes(criterion: &mut Criterion) {
     let (view, planes) = (view(0.0), planes(64));
     let axes = SectionAxes::new(&view, &planes).expect("few planes");
-    let options = OnePassOptions { smooth: false, ..OnePassOptions::default() };
+    let mut options = OnePassOptions::default();
+    options.smooth = false;
     let effort = Effort::default();
     let mut work = Workspace::default();
     let mut group = criterion.benchmark_group("model");
@@ -152,7 +153,8 @@ fn smoothing(criterion: &mut Criterion) {
 fn one_plane(criterion: &mut Criterion) {
     let view = view(0.0);
     let planes = planes(1);
-    let options = DissertationOptions { smooth: false, ..DissertationOptions::default() };
+    let mut options = DissertationOptions::default();
+    options.smooth = false;
     let mut group = criterion.benchmark_group("dissertation");
     group.throughput(Throughput::Elements((SIZE * SIZE) as u64));
     group.bench_function("about one plane", |b| {

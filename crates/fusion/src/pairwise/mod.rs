@@ -48,6 +48,7 @@ use transect_geometry::{Curve, Point2};
 /// What can be set. Without a tolerance no length is in the user's unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
+#[non_exhaustive]
 pub struct PairwiseOptions {
     /// When two curves overlap; `None` takes it from the measured spread between the views.
     pub tolerance: Option<OverlapTolerance>,

@@ -292,7 +292,11 @@ fn a_given_tolerance_is_used() {
     let views = [vec![wall(0, 40, 0.0)], vec![wall(0, 40, 0.2)]];
     let with = |distance: f64| {
         let tolerance = OverlapTolerance::within(distance).ok();
-        pairwise(&slices(&views), &PairwiseOptions { tolerance, ..PairwiseOptions::default() })
+        pairwise(&slices(&views), &{
+            let mut options = PairwiseOptions::default();
+            options.tolerance = tolerance;
+            options
+        })
     };
     assert_eq!((with(0.1).curves.len(), with(0.3).curves.len()), (2, 1));
     assert_eq!(with(0.3).threshold, 0.3);
@@ -419,7 +423,7 @@ proptest! {
     #[test]
     fn any_scribble_is_fused_and_what_it_loses_is_counted(views in scribbles(any::<bool>())) {
         for tolerance in [None, Some(tolerance())] {
-            let options = PairwiseOptions { tolerance, ..PairwiseOptions::default() };
+            let mut options = PairwiseOptions::default(); options.tolerance = tolerance;
             let fused = pairwise(&slices(&views), &options);
             let nodes = |curves: &[Curve]| curves.iter().map(|c| c.nodes().len()).sum::<usize>();
             let seen = views.iter().map(|v| nodes(v)).sum();

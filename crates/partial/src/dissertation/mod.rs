@@ -71,6 +71,7 @@ use transect_image::smooth::Smoothing;
 /// Options.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
+#[non_exhaustive]
 pub struct DissertationOptions {
     /// How an intersection is told from a range jump.
     pub jump: JumpTest,

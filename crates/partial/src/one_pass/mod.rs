@@ -100,6 +100,7 @@ use transect_image::smooth::{Smoothing, SmoothingSteps, ValueBounds};
 /// Options.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
+#[non_exhaustive]
 pub struct OnePassOptions {
     /// Largest angle between a ray and the surface normal at which two pixels still count as one
     /// surface, in radians. Larger keeps more of the rims, where real scanners overshoot.

@@ -188,7 +188,7 @@ proptest! {
         let printed = printed.then_some(JumpTest::Printed { threshold: 0.3 * seen.rig.scale });
         let jump = printed.unwrap_or_default();
         let options =
-            DissertationOptions { subpixel: Subpixel::ALL[way], jump, ..Default::default() };
+            { let mut options = DissertationOptions::default(); options.subpixel = Subpixel::ALL[way]; options.jump = jump; options };
         let model = partial_model(&seen.view, &planes, &options).unwrap();
         for plane in &model.planes {
             for curve in &plane.curves {
@@ -204,7 +204,7 @@ proptest! {
     ) {
         let planes = family(&seen, normal, interval, kind);
         let model = |direction| {
-            let options = DissertationOptions { direction, ..Default::default() };
+            let mut options = DissertationOptions::default(); options.direction = direction;
             partial_model(&seen.view, &planes, &options).unwrap()
         };
         let (points, codes) = (model(DirectionRule::PlanePoints), model(DirectionRule::Codes));
@@ -269,9 +269,9 @@ proptest! {
         seen in seen(0.02), normal in directions(), interval in 0.1..0.3,
     ) {
         let planes = family(&seen, normal, interval, 1);
-        let options = DissertationOptions { gap: 0, thickness: 0, ..Default::default() };
+        let mut options = DissertationOptions::default(); options.gap = 0; options.thickness = 0;
         let model = partial_model(&seen.view, &planes, &options).unwrap();
-        let linear = OnePassOptions { subpixel: Subpixel::Cartesian, ..OnePassOptions::default() };
+        let mut linear = OnePassOptions::default(); linear.subpixel = Subpixel::Cartesian;
         let other = one_pass::partial_model(&seen.view, &planes, &linear);
         let other = other.unwrap();
         let same = 1e-5 * seen.rig.pixel();
@@ -359,7 +359,8 @@ fn full_circles_are_closed_across_the_seam() {
     for flip in [false, true] {
         for subpixel in Subpixel::ALL {
             let (view, planes) = room(|_| false, flip);
-            let options = DissertationOptions { subpixel, ..Default::default() };
+            let mut options = DissertationOptions::default();
+            options.subpixel = subpixel;
             let model = partial_model(&view, &planes, &options).unwrap();
             // Plane 0 passes through the sensor, where no ray meets it.
             for k in -2..=2 {

@@ -42,7 +42,8 @@ fn nearly_tangent(spread: f64, rise: f64, columns: usize) -> (View, PlaneFamily)
 fn a_thick_curve_becomes_one_pixel_wide_and_keeps_its_ends() {
     // Noise of up to 1.9 rows: labels are random in four rows, certain in all others.
     let (view, planes) = nearly_tangent(0.0019, 0.001, 64);
-    let options = DissertationOptions { thickness: 0, ..Default::default() };
+    let mut options = DissertationOptions::default();
+    options.thickness = 0;
     let thick = partial_model(&view, &planes, &options).unwrap();
     let thick = thick.planes.first().map_or(0, |p| p.curves.len());
     assert!(thick > 1, "{thick} pieces before thinning");
@@ -64,7 +65,8 @@ fn a_thick_curve_becomes_one_pixel_wide_and_keeps_its_ends() {
 fn noise_near_tangency_falls_into_far_fewer_pieces_when_thinned() {
     let (view, planes) = nearly_tangent(0.004, 0.001, 256);
     let pieces = |thickness| {
-        let options = DissertationOptions { thickness, ..Default::default() };
+        let mut options = DissertationOptions::default();
+        options.thickness = thickness;
         let model = partial_model(&view, &planes, &options).unwrap();
         model.planes.iter().map(|p| p.curves.len()).sum::<usize>()
     };

@@ -76,7 +76,8 @@ fn error(sensor: Sensor, solid: &Solid, subpixel: Subpixel, n: usize) -> f64 {
     let pose = Isometry3::from_parts(nalgebra::Translation3::identity(), turn);
     let view = look(frame, pose, &[*solid], |_| false).unwrap();
     let planes = planes_through(&Point3::new(0.0, 0.0, 1.0), Vector3::new(0.5, 0.8, 0.1), 0.021);
-    let options = DissertationOptions { subpixel, ..Default::default() };
+    let mut options = DissertationOptions::default();
+    options.subpixel = subpixel;
     let model = partial_model(&view, &planes, &options).unwrap();
     let (mut sum, mut count) = (0.0, 0_usize);
     for plane in &model.planes {

@@ -25,7 +25,9 @@ fn wall(sigma: f64) -> View {
 }
 
 fn with(view: &View, planes: &PlaneFamily, smooth: bool, excursion_sigmas: f64) -> PartialModel {
-    let options = OnePassOptions { smooth, excursion_sigmas, ..OnePassOptions::default() };
+    let mut options = OnePassOptions::default();
+    options.smooth = smooth;
+    options.excursion_sigmas = excursion_sigmas;
     partial_model(view, planes, &options).unwrap()
 }
 

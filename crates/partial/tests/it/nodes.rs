@@ -25,7 +25,8 @@ fn wall(rows: usize, cols: usize, change: impl Fn(usize, usize) -> f32) -> Parti
     let camera = Pinhole::new(size, Intrinsics { fx: 40.0, fy: 40.0, cx, cy }).unwrap();
     let view =
         View::new("wall", image, Arc::new(camera), Isometry3::identity(), Some(0.0)).unwrap();
-    let options = OnePassOptions { gap: 0, ..OnePassOptions::default() };
+    let mut options = OnePassOptions::default();
+    options.gap = 0;
     partial_model(&view, &planes_along(Vector3::x(), 0.11), &options).unwrap()
 }
 

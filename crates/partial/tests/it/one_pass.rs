@@ -174,11 +174,7 @@ proptest! {
         (view, _) in views(), normal in normals(), interval in 0.1..0.4,
     ) {
         let planes = planes(normal, interval);
-        let options = OnePassOptions {
-            gap: 0,
-            subpixel: Subpixel::Cartesian,
-            ..OnePassOptions::default()
-        };
+        let mut options = OnePassOptions::default(); options.gap = 0; options.subpixel = Subpixel::Cartesian;
         let model = partial_model(&view, &planes, &options).unwrap();
         let axes = SectionAxes::new(&view, &planes).unwrap();
         let rule = BreakRule::new(options.max_incidence_rad, 0.0);
@@ -230,7 +226,7 @@ proptest! {
         let planes = planes(normal, interval);
         // Chords of balls are inside; what is left of a cubic's error may be outside.
         for (subpixel, outside) in [(Subpixel::Cartesian, 1e-6), (Subpixel::FourPoint, 0.01)] {
-            let options = OnePassOptions { subpixel, ..OnePassOptions::default() };
+            let mut options = OnePassOptions::default(); options.subpixel = subpixel;
             let model = partial_model(&view, &planes, &options).unwrap();
             for plane in &model.planes {
                 for node in plane.curves.iter().flat_map(|c| c.curve.nodes()) {

@@ -11,7 +11,8 @@ use transect_partial::one_pass::{OnePassOptions, partial_model};
 use transect_sensors::{AngularScan, ImagingRadar};
 
 fn model(view: &View, planes: &PlaneFamily) -> PartialModel {
-    let options = OnePassOptions { gap: 4, ..OnePassOptions::default() };
+    let mut options = OnePassOptions::default();
+    options.gap = 4;
     partial_model(view, planes, &options).unwrap()
 }
 
@@ -66,7 +67,8 @@ fn several_gaps_of_a_ring_are_bridged_and_marked() {
 
 #[test]
 fn nothing_is_bridged_without_leave() {
-    let options = OnePassOptions { gap: 0, ..OnePassOptions::default() };
+    let mut options = OnePassOptions::default();
+    options.gap = 0;
     let step = Step { step: 0.0, tilt: 0.1, slant: 0.1, missing: vec![2; 48], upright: true };
     let planes = planes_through(&transect_device::Point3::new(5.0, 0.0, 0.0), Vector3::z(), 0.2);
     let cut = partial_model(&step.view(), &planes, &options).unwrap();

@@ -30,7 +30,8 @@ struct Checked {
 }
 
 fn checked(view: &View, surface: Distance, smooth: bool) -> Vec<Checked> {
-    let options = OnePassOptions { smooth, ..OnePassOptions::default() };
+    let mut options = OnePassOptions::default();
+    options.smooth = smooth;
     let mut found = Vec::new();
     for k in 0..12 {
         let (turn, lean) = (0.55 * f64::from(k), 0.13 * f64::from(k));

@@ -35,7 +35,8 @@ fn radar(step: f64) -> Arc<dyn DeviceFrame> {
 
 /// Distances of all nodes from the surface, on planes of some directions.
 fn errors(view: &View, surface: Distance, subpixel: Subpixel, inner: usize) -> Vec<f64> {
-    let options = OnePassOptions { subpixel, ..OnePassOptions::default() };
+    let mut options = OnePassOptions::default();
+    options.subpixel = subpixel;
     let size = view.image().size();
     let mut found = Vec::new();
     for normal in normals() {

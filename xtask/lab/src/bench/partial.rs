@@ -110,12 +110,10 @@ impl Case<'_> {
     fn one_pass(&self, axes: SectionAxes, far: SectionAxes) -> Vec<Variant<'_>> {
         let with = |instructions| Effort { instructions, ..Effort::default() };
         let two = |instructions| Effort { parts: 2, ..with(instructions) };
-        let options = OnePassOptions {
-            max_incidence_rad: 12_f64.atan(),
-            jump_sigmas: 0.0,
-            smooth: false,
-            ..OnePassOptions::default()
-        };
+        let mut options = OnePassOptions::default();
+        options.max_incidence_rad = 12_f64.atan();
+        options.jump_sigmas = 0.0;
+        options.smooth = false;
         let mut whole = Workspace::default();
         vec![
             self.kernel(DETECTION, far, with(Instructions::Best)),

@@ -84,14 +84,17 @@ fn cut(surface: &Surface, normal: &[f64; 3]) -> Result<Cut, Failure> {
 /// Both methods with every subpixel solution; with noise, the default also without smoothing.
 fn methods(noisy: bool) -> Vec<(String, Method)> {
     let one_pass = Subpixel::ALL.map(|subpixel| {
-        let options = OnePassOptions { subpixel, ..OnePassOptions::default() };
+        let mut options = OnePassOptions::default();
+        options.subpixel = subpixel;
         (format!("one_pass, {subpixel}"), Method::OnePass(options))
     });
     let dissertation = Subpixel::ALL.map(|subpixel| {
-        let options = DissertationOptions { subpixel, ..DissertationOptions::default() };
+        let mut options = DissertationOptions::default();
+        options.subpixel = subpixel;
         (format!("dissertation, {subpixel}"), Method::Dissertation(options))
     });
-    let plain = OnePassOptions { smooth: false, ..OnePassOptions::default() };
+    let mut plain = OnePassOptions::default();
+    plain.smooth = false;
     let plain = noisy.then(|| ("one_pass, not smoothed".to_owned(), Method::OnePass(plain)));
     one_pass.into_iter().chain(dissertation).chain(plain).collect()
 }

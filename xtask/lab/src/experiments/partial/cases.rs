@@ -36,8 +36,10 @@ pub fn run() -> Result<(), Failure> {
 }
 
 fn methods() -> [(&'static str, Method); 2] {
-    let one_pass = OnePassOptions { gap: GAP, ..OnePassOptions::default() };
-    let dissertation = DissertationOptions { gap: GAP, ..DissertationOptions::default() };
+    let mut one_pass = OnePassOptions::default();
+    one_pass.gap = GAP;
+    let mut dissertation = DissertationOptions::default();
+    dissertation.gap = GAP;
     [("one_pass", Method::OnePass(one_pass)), ("dissertation", Method::Dissertation(dissertation))]
 }
 
@@ -81,8 +83,10 @@ fn near_tangent() -> Result<(), Failure> {
             let plane = plane([sin, 0.0, cos], WALL * cos)?;
             let mut line = vec![sigma.to_string(), format!("{degrees:.0}°")];
             for smooth in [false, true] {
-                let options = OnePassOptions { smooth, ..OnePassOptions::default() };
-                let kept = OnePassOptions { excursion_sigmas: 0.0, ..options };
+                let mut options = OnePassOptions::default();
+                options.smooth = smooth;
+                let mut kept = options;
+                kept.excursion_sigmas = 0.0;
                 for options in [kept, options] {
                     let model = partial_model(&view, &plane, &Method::OnePass(options))?;
                     line.push(pieces(&model).to_string());

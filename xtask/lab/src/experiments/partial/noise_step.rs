@@ -78,7 +78,11 @@ fn score(
     truth: &Truth,
     smooth: bool,
 ) -> Result<Score, Failure> {
-    let method = Method::OnePass(OnePassOptions { smooth, ..OnePassOptions::default() });
+    let method = Method::OnePass({
+        let mut options = OnePassOptions::default();
+        options.smooth = smooth;
+        options
+    });
     let model = |view| partial_model(view, &stage.description.planes, &method);
     let models: Vec<PartialModel> = views.par_iter().map(model).collect::<Result<_, _>>()?;
     let planes: Vec<_> = models.iter().flat_map(|m| &m.planes).collect();
