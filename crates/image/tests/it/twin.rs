@@ -104,7 +104,7 @@ impl Twin<'_> {
         let rate = length_per_value(self.view.frame(), pixel, d3).unwrap();
         let sigma = self.noise.value_sigma(rate);
         let spacing = (across * down).sqrt();
-        let radius = 6.1 * (sigma * rate / spacing).cbrt();
+        let radius = 6.0 * (sigma * rate / spacing).cbrt();
         if radius < 2.3 {
             return Expected::Stays;
         }
