@@ -13,9 +13,8 @@
 //! 1. `measure` → `Observation`s and the plane's `Scale`.
 //!    * Nodes of all views, in an order that depends on the measurements alone, with direction,
 //!      error and weight. Weights fall towards open ends, where real scanners overshoot.
-//!    * The spread between views sets the overlap threshold. Where one view saw two surfaces side
-//!      by side, half the gap between them bounds it. The views' systematic errors, which grow with
-//!      the incidence, are part of all weights.
+//!    * The spread between views sets the overlap threshold. The views' systematic errors, which
+//!      grow with the incidence, are part of all weights.
 //! 2. `estimate` → `PlacedNode`s.
 //!    * Groups of observations beside each other; rough fits treat a group as one.
 //!    * Thinning: best supported first, a group moves across the curve onto a robust line through

@@ -25,7 +25,7 @@ pub(super) struct Measurements {
 }
 
 impl Measurements {
-    /// Measures spread, layers and view errors, and weighs the observations; `None` without any.
+    /// Measures spread and view errors, and weighs the observations; `None` without any.
     pub fn new(mut observations: Observations, options: &ConsensusOptions) -> Option<Self> {
         if observations.all.is_empty() {
             return None;
