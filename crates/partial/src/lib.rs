@@ -8,8 +8,6 @@
 //! * [`dissertation`]: plane by plane, in the dissertation's own steps;
 //! * [`subpixel`]: where a plane passes between two pixels (3.6);
 //! * [`BreakRule`]: where neighbouring pixels do not belong to one surface (3.4.2);
-//! * [`RangeNoise`]: the range noise of a view, stated or estimated from its image;
-//! * [`mod@smooth`]: edge-preserving smoothing of noisy images before that;
 //! * [`PartialCurve`]: a curve with what only its view knows of it;
 //! * [`SectionAxes`]: levels and plane coordinates straight from sensor coordinates.
 
