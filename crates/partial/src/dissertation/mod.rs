@@ -84,7 +84,7 @@ pub struct DissertationOptions {
     pub subpixel: Subpixel,
     /// How the direction of a curve is found.
     pub direction: DirectionRule,
-    /// Whether noisy images are smoothed first (6.4); see [`mod@crate::smooth`].
+    /// Whether noisy images are smoothed first (6.4); see [`transect_image::smooth`].
     pub smooth: bool,
 }
 

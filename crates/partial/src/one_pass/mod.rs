@@ -108,7 +108,7 @@ pub struct OnePassOptions {
     /// How many standard deviations of the range a pair may differ by from noise alone.
     pub jump_sigmas: f64,
     /// Whether noisy images are smoothed before their contours are found; see
-    /// [`mod@crate::smooth`].
+    /// [`transect_image::smooth`].
     pub smooth: bool,
     /// How the point between two pixels is found. Diagonals of cells with a missing pixel are
     /// solved linearly, and so are all crossings with four points that noise alone may have bent.

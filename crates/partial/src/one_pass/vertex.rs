@@ -6,13 +6,15 @@ use transect_device::Pixel;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[repr(C)]
 pub struct Vertex {
-    /// The pair, see [`Contours::pair`].
+    /// The pair, see [`Contours::pair`](super::Contours::pair).
     pub edge: u32,
     /// Where between the pair's first sample (0) and its second (1).
     pub t: f32,
-    /// In-plane coordinate along the plane frame's x axis, from [`Contours::origin`].
+    /// In-plane coordinate along the plane frame's x axis, from
+    /// [`Contours::origin`](super::Contours::origin).
     pub x: f32,
-    /// In-plane coordinate along the plane frame's y axis, from [`Contours::origin`].
+    /// In-plane coordinate along the plane frame's y axis, from
+    /// [`Contours::origin`](super::Contours::origin).
     pub y: f32,
 }
 

@@ -133,9 +133,8 @@ fn smoothed(
 ) -> Smoothed {
     let choice =
         near.map(|axes| move |bounds: &ValueBounds| near_planes(view, axes, bounds, instructions));
-    let mut smoothing = Smoothing::default();
-    smoothing.instructions = instructions;
-    smoothing.pixels = choice.as_ref().map(|choice| choice as &PixelChoice<'_>);
+    let pixels = choice.as_ref().map(|choice| choice as &PixelChoice<'_>);
+    let smoothing = Smoothing { instructions, pixels, ..Smoothing::default() };
     smooth_with(view, noise, rule, &smoothing).unwrap()
 }
 
