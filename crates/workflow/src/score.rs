@@ -80,7 +80,7 @@ pub fn score(
         Reference::Nothing => {
             let options = limits.options(model)?;
             let counts = duplication(&curves(model), options.tolerance)?.rows(unit);
-            return Ok(Score { counts: rows(counts), ..Score::default() });
+            return Ok(Score { counts, ..Score::default() });
         }
         Reference::Mesh(path) => {
             let mesh = solid(read_mesh(path)?.mesh);
@@ -91,8 +91,8 @@ pub fn score(
             simulated_accuracy(model, &solid(read_truth(truth)?), views(scan)?, limits)?
         }
     };
-    let agreement = rows(accuracy.agreement_rows(unit));
-    let counts = rows(accuracy.rows(unit)).split_off(agreement.len());
+    let agreement = accuracy.agreement_rows(unit);
+    let counts = accuracy.rows(unit).split_off(agreement.len());
     Ok(Score { agreement, counts })
 }
 
@@ -129,10 +129,6 @@ impl ScoreLimits {
         let options = EvaluateOptions::new(tolerance);
         Ok(from.map_or(options, |station| options.from_station(station)))
     }
-}
-
-fn rows(rows: Vec<transect::evaluate::Row>) -> Vec<Row> {
-    rows.into_iter().map(Row::from).collect()
 }
 
 fn solid(mesh: TriangleMesh) -> Mesh {

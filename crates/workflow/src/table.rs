@@ -1,49 +1,6 @@
 //! Tables of results as text: rows of metric, value and unit, and grids for the documentation.
 
-use serde::Serialize;
-
-/// One line of a table.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Row {
-    /// The quantity.
-    pub metric: String,
-    /// Its value, as text with a sensible number of digits.
-    pub value: String,
-    /// Its unit; empty for counts and texts.
-    pub unit: String,
-}
-
-impl Row {
-    /// A line from its three parts.
-    pub fn new(
-        metric: impl Into<String>,
-        value: impl Into<String>,
-        unit: impl Into<String>,
-    ) -> Self {
-        Self { metric: metric.into(), value: value.into(), unit: unit.into() }
-    }
-
-    /// A line without a unit: a count or a text.
-    pub fn plain(metric: impl Into<String>, value: impl ToString) -> Self {
-        Self::new(metric, value.to_string(), "")
-    }
-}
-
-impl From<transect::evaluate::Row> for Row {
-    fn from(row: transect::evaluate::Row) -> Self {
-        Self::new(row.metric, row.value, row.unit)
-    }
-}
-
-/// A number with four significant digits, or as many as its whole part has.
-pub fn digits(value: f64) -> String {
-    if !value.is_finite() || value == 0.0 {
-        return format!("{value}");
-    }
-    let magnitude = value.abs().log10().floor() as i32;
-    let decimals = (3 - magnitude).clamp(0, 12) as usize;
-    format!("{value:.decimals$}")
-}
+pub use transect::evaluate::{Row, digits};
 
 /// A table of rows, one line each below the heads "metric", "value" and "unit".
 pub fn rows(rows: &[Row]) -> String {
@@ -80,15 +37,6 @@ pub fn grid(heads: &[&str], lines: &[Vec<String>]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_keep_four_digits() {
-        assert_eq!(digits(0.000_123_456), "0.0001235");
-        assert_eq!(digits(12.3456), "12.35");
-        assert_eq!(digits(123_456.7), "123457");
-        assert_eq!(digits(0.0), "0");
-        assert_eq!(digits(f64::INFINITY), "inf");
-    }
 
     #[test]
     fn tables_are_aligned() {

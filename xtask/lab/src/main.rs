@@ -4,6 +4,7 @@
 mod bench;
 mod experiments;
 mod failure;
+mod statistics;
 mod table;
 
 use clap::{Parser, Subcommand};

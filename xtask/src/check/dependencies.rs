@@ -19,6 +19,7 @@ type Manifests = BTreeMap<String, Manifest>;
 #[derive(Debug, Default)]
 struct Manifest {
     normal: Names,
+    /// Those of the tests that are not among the normal ones.
     in_tests: Names,
 }
 
@@ -57,6 +58,7 @@ fn manifest(text: &str) -> Manifest {
             }
         }
     }
+    manifest.in_tests.retain(|name| !manifest.normal.contains(name));
     manifest
 }
 
@@ -104,14 +106,13 @@ fn compare(
     key: impl Fn(&Row) -> String,
 ) -> Vec<Finding> {
     let mut findings = Vec::new();
-    let rows = rows(&page.text, heads);
-    let mut add = |line, message| {
-        findings.push(Finding { file: page.name.clone(), line, message });
-    };
-    for row in &rows {
-        let name = key(row);
+    let mut last = 1;
+    for row in rows(&page.text, heads) {
+        let name = key(&row);
+        last = row.line;
         let Some(columns) = expected.remove(&name) else {
-            add(row.line, format!("{name}: no Cargo file asks for this row; remove it"));
+            let message = format!("{name}: no Cargo file asks for this row; remove it");
+            findings.push(page.finding(row.line, message));
             continue;
         };
         for ((head, cell), wanted) in heads.iter().zip(&row.cells).skip(1).zip(columns) {
@@ -120,27 +121,24 @@ fn compare(
                 let message = format!(
                     "{name}, column \"{head}\": found {found:?}, but the Cargo files say {wanted:?}"
                 );
-                add(row.line, message);
+                findings.push(page.finding(row.line, message));
             }
         }
     }
-    let last = rows.last().map_or(1, |row| row.line);
-    for (name, columns) in expected {
-        add(last, format!("a row is missing; add {name} with {columns:?} to the table {heads:?}"));
-    }
+    findings.extend(expected.into_iter().map(|(name, columns)| {
+        let row = format!("add {name} with {columns:?} to the table {heads:?}");
+        page.finding(last, format!("a row is missing; {row}"))
+    }));
     findings
 }
 
 /// Holds the tables of crates against the Cargo files.
 fn check_crates(page: &TextFile, manifests: &Manifests) -> Vec<Finding> {
     let ours = |names: &Names| {
-        let folders = names.iter().map(|name| name.strip_prefix("transect-").unwrap_or(name));
-        folders.filter(|name| manifests.contains_key(*name)).map(str::to_owned).collect::<Names>()
+        let folders = names.iter().map(|name| name.trim_start_matches("transect-").to_owned());
+        folders.filter(|folder| manifests.contains_key(folder)).collect::<Names>()
     };
-    let columns = |manifest: &Manifest| {
-        let in_tests = manifest.in_tests.difference(&manifest.normal).cloned().collect();
-        vec![ours(&manifest.normal), ours(&in_tests)]
-    };
+    let columns = |m: &Manifest| vec![ours(&m.normal), ours(&m.in_tests)];
     let graph = manifests.iter().map(|(name, manifest)| (name.clone(), columns(manifest)));
     let knowledge = manifests.keys().map(|name| (name.clone(), Vec::new()));
     let key = |row: &Row| row.cells[0].trim_matches('`').to_owned();
@@ -154,8 +152,7 @@ fn check_crates(page: &TextFile, manifests: &Manifests) -> Vec<Finding> {
 fn check_packages(page: &TextFile, manifests: &Manifests, lock: &str) -> Vec<Finding> {
     let mut expected = Expected::new();
     for (name, manifest) in manifests {
-        let in_tests = manifest.in_tests.difference(&manifest.normal);
-        let in_tests = in_tests.map(|package| format!("{package} in tests"));
+        let in_tests = manifest.in_tests.iter().map(|package| format!("{package} in tests"));
         for package in manifest.normal.iter().cloned().chain(in_tests) {
             if !package.starts_with("transect") {
                 let columns = expected.entry(package).or_insert_with(|| vec![Names::new()]);
@@ -175,7 +172,7 @@ fn check_packages(page: &TextFile, manifests: &Manifests, lock: &str) -> Vec<Fin
         // Some versions have a suffix that says nothing about their age, such as +spec-1.1.0.
         if !["\"", "+"].iter().any(|end| lock.contains(&format!("{entry}{end}"))) {
             let message = format!("Cargo.lock has no {}; write its version", row.cells[0]);
-            findings.push(Finding { file: page.name.clone(), line: row.line, message });
+            findings.push(page.finding(row.line, message));
         }
     }
     findings

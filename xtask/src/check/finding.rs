@@ -30,6 +30,13 @@ pub struct TextFile {
     pub text: String,
 }
 
+impl TextFile {
+    /// The finding at a line of this file.
+    pub fn finding(&self, line: usize, message: String) -> Finding {
+        Finding { file: self.name.clone(), line, message }
+    }
+}
+
 /// Reads all files below a folder of the workspace whose names end in one of the endings.
 /// Leaves out build results, model results, hidden folders and links.
 pub fn files(root: &Path, folder: &str, endings: &[&str]) -> Result<Vec<TextFile>, Failure> {

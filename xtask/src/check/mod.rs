@@ -69,38 +69,39 @@ fn deny() -> Result<(), Failure> {
     run_command(cargo().args(["deny", "check", "licenses", "bans", "sources"]))
 }
 
-/// The README's commands: the bundled room, and the real scans where they are.
+/// The README's commands on bundled scenes.
+const COMMANDS: [&str; 9] = [
+    "reconstruct --quiet",
+    "evaluate transect-out/room",
+    "simulate --out transect-out/simulated",
+    "inspect transect-out/simulated",
+    "experiments orders --doublings 1",
+    "experiments database utm",
+    "experiments database space",
+    "experiments sensors --scene thin_sheet",
+    "experiments pictures --out transect-out/pictures",
+];
+
+/// The README's commands on real scans.
+const COMMANDS_ON_SCANS: [&str; 5] = [
+    "reconstruct ../shared/data/stanford_bunny/bun.conf --normal 0,1,0 --interval 1mm \
+     --out target/bunny --quiet",
+    "evaluate target/bunny --reference ../shared/data/stanford_bunny/reference/bun_zipper.ply \
+     --from 0.06 --tolerance 0.5mm",
+    "manifest ../shared/data/rgbd_redkitchen --normal 0,-1,0 --interval 0.1m \
+     --out target/kitchen/scan.json",
+    "reconstruct target/kitchen/scan.json --out target/kitchen --quiet",
+    "evaluate target/kitchen",
+];
+
+/// Runs the README's commands; those on real scans where the scans are.
 fn commands_of_the_readme() -> Result<(), Failure> {
-    let xtask = |line: &str| {
-        let arguments: Vec<&str> = line.split_whitespace().collect();
-        run_command(cargo().arg("xtask").args(arguments))
-    };
-    xtask("reconstruct --quiet")?;
-    xtask("evaluate transect-out/room")?;
-    xtask("simulate --out transect-out/simulated")?;
-    xtask("inspect transect-out/simulated")?;
-    xtask("experiments orders --doublings 1")?;
-    xtask("experiments database utm")?;
-    xtask("experiments database space")?;
-    xtask("experiments sensors --scene thin_sheet")?;
-    xtask("experiments pictures --out transect-out/pictures")?;
+    let xtask = |line: &&str| run_command(cargo().arg("xtask").args(line.split_whitespace()));
+    COMMANDS.iter().try_for_each(xtask)?;
     let data = workspace_root().join("../shared/data");
-    if !data.is_dir() {
-        eprintln!("skipped: the real scans are not there ({})", data.display());
-        return Ok(());
+    if data.is_dir() {
+        return COMMANDS_ON_SCANS.iter().try_for_each(xtask);
     }
-    xtask(
-        "reconstruct ../shared/data/stanford_bunny/bun.conf --normal 0,1,0 --interval 1mm \
-         --out target/bunny --quiet",
-    )?;
-    xtask(
-        "evaluate target/bunny --reference ../shared/data/stanford_bunny/reference/bun_zipper.ply \
-         --from 0.06 --tolerance 0.5mm",
-    )?;
-    xtask(
-        "manifest ../shared/data/rgbd_redkitchen --normal 0,-1,0 --interval 0.1m \
-         --out target/kitchen/scan.json",
-    )?;
-    xtask("reconstruct target/kitchen/scan.json --out target/kitchen --quiet")?;
-    xtask("evaluate target/kitchen")
+    eprintln!("skipped: the real scans are not there ({})", data.display());
+    Ok(())
 }

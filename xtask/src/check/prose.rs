@@ -29,7 +29,7 @@ fn check(file: &TextFile) -> Vec<Finding> {
         let columns = line.chars().count();
         if columns > COLUMNS && !is_in_fence && can_be_wrapped(prose) {
             let message = format!("{columns} columns; wrap the text at {COLUMNS}");
-            findings.push(Finding { file: file.name.clone(), line: index + 1, message });
+            findings.push(file.finding(index + 1, message));
         }
     }
     findings

@@ -4,31 +4,40 @@ use super::{Accuracy, Duplication};
 use serde::Serialize;
 use transect_geometry::LengthUnit;
 
-/// A line of a result table.
+/// A line of a table of results.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Row {
-    /// Name of the figure, in a few words.
-    pub metric: &'static str,
-    /// The figure as text: lengths with four digits, shares in per cent, `none` if it is not known.
+    /// The quantity, in a few words.
+    pub metric: String,
+    /// Its value as text: lengths with four digits, shares in per cent, `none` if it is not known.
     pub value: String,
-    /// Its unit; empty for counts and for figures that are not known.
-    pub unit: &'static str,
+    /// Its unit; empty for counts, texts and quantities that are not known.
+    pub unit: String,
 }
 
 impl Row {
-    fn count(metric: &'static str, count: usize) -> Self {
-        Self { metric, value: count.to_string(), unit: "" }
+    /// A line from its three parts.
+    pub fn new(
+        metric: impl Into<String>,
+        value: impl Into<String>,
+        unit: impl Into<String>,
+    ) -> Self {
+        Self { metric: metric.into(), value: value.into(), unit: unit.into() }
     }
 
-    fn length(metric: &'static str, length: impl Into<Option<f64>>, unit: LengthUnit) -> Self {
-        let none = Self { metric, value: "none".to_owned(), unit: "" };
-        let shown = |length| Self { metric, value: four_digits(length), unit: unit.symbol() };
-        length.into().map_or(none, shown)
+    /// A line without a unit: a count or a text.
+    pub fn plain(metric: impl Into<String>, value: impl ToString) -> Self {
+        Self::new(metric, value.to_string(), "")
     }
 
-    fn share(metric: &'static str, share: Option<f64>) -> Self {
-        let none = Self { metric, value: "none".to_owned(), unit: "" };
-        share.map_or(none, |s| Self { metric, value: format!("{:.2}", 100.0 * s), unit: "%" })
+    fn length(metric: &str, length: impl Into<Option<f64>>, unit: LengthUnit) -> Self {
+        let shown = |length| Self::new(metric, digits(length), unit.symbol());
+        length.into().map_or(Self::plain(metric, "none"), shown)
+    }
+
+    fn share(metric: &str, share: Option<f64>) -> Self {
+        let shown = |share: f64| Self::new(metric, format!("{:.2}", 100.0 * share), "%");
+        share.map_or(Self::plain(metric, "none"), shown)
     }
 }
 
@@ -39,12 +48,12 @@ impl Accuracy {
         rows.extend([
             Row::share("planes with closed curves only", self.planes_closed_only),
             Row::share("planes with the true loops", self.planes_same_loops),
-            Row::count("planes with truth", self.planes_with_truth),
-            Row::count("curves", self.pieces),
-            Row::count("closed curves", self.closed),
-            Row::count("open curves", self.open),
-            Row::count("curves of the truth", self.truth_pieces),
-            Row::count("nodes", self.vertices),
+            Row::plain("planes with truth", self.planes_with_truth),
+            Row::plain("curves", self.pieces),
+            Row::plain("closed curves", self.closed),
+            Row::plain("open curves", self.open),
+            Row::plain("curves of the truth", self.truth_pieces),
+            Row::plain("nodes", self.vertices),
             Row::length("length", self.length, unit),
             Row::length("length of the truth", self.truth_length, unit),
             Row::length("length on planes without truth", self.length_without_truth, unit),
@@ -62,7 +71,7 @@ impl Accuracy {
         if self.truth_seen.is_some_and(|s| s < 1.0) {
             rows.push(Row::share("truth that the views could see", self.truth_seen));
             rows.push(Row::share("completeness of that", self.completeness));
-            rows.push(Row::count("curves expected from what was seen", self.expected_pieces));
+            rows.push(Row::plain("curves expected from what was seen", self.expected_pieces));
         } else {
             rows.push(Row::share("completeness", self.completeness));
         }
@@ -80,24 +89,25 @@ impl Duplication {
     pub fn rows(&self, unit: LengthUnit) -> Vec<Row> {
         vec![
             Row::share("duplicated length", self.duplicated),
-            Row::count("curves", self.pieces),
-            Row::count("closed curves", self.closed),
-            Row::count("open curves", self.open),
-            Row::count("nodes", self.vertices),
+            Row::plain("curves", self.pieces),
+            Row::plain("closed curves", self.closed),
+            Row::plain("open curves", self.open),
+            Row::plain("nodes", self.vertices),
             Row::length("length", self.length, unit),
         ]
     }
 }
 
-/// A number with four significant digits and no exponent; whole parts are kept whole.
-fn four_digits(x: f64) -> String {
+/// A number with four significant digits, or as many as its whole part has; no exponent.
+pub fn digits(value: f64) -> String {
     // Lengths below 1e-12 of any unit are rounding.
-    const MOST_DECIMALS: f64 = 12.0;
-    if x == 0.0 {
-        return "0".to_owned();
+    const MOST_DECIMALS: i32 = 12;
+    if !value.is_finite() || value == 0.0 {
+        return format!("{value}");
     }
-    let decimals = (3.0 - x.abs().log10().floor()).clamp(0.0, MOST_DECIMALS) as usize;
-    format!("{x:.decimals$}")
+    let magnitude = value.abs().log10().floor() as i32;
+    let decimals = (3 - magnitude).clamp(0, MOST_DECIMALS) as usize;
+    format!("{value:.decimals$}")
 }
 
 #[cfg(test)]
@@ -106,17 +116,25 @@ mod tests {
 
     #[test]
     fn lengths_show_four_digits_and_no_exponent() {
-        let shown = [34457.92, 34.457_92, 0.5, 3.2433e-5, 0.0].map(four_digits);
+        let shown = [34457.92, 34.457_92, 0.5, 3.2433e-5, 0.0].map(digits);
         assert_eq!(shown, ["34458", "34.46", "0.5000", "0.00003243", "0"]);
     }
 
     #[test]
+    fn numbers_keep_four_digits() {
+        assert_eq!(digits(0.000_123_456), "0.0001235");
+        assert_eq!(digits(12.3456), "12.35");
+        assert_eq!(digits(123_456.7), "123457");
+        assert_eq!(digits(0.0), "0");
+        assert_eq!(digits(f64::INFINITY), "inf");
+    }
+
+    #[test]
     fn figures_carry_their_unit_and_missing_ones_none() {
-        let row = |metric, value: &str, unit| Row { metric, value: value.to_owned(), unit };
         let length = Row::length("length", 2.5, LengthUnit::Inch);
-        assert_eq!(length, row("length", "2.500", "in"));
-        assert_eq!(Row::share("off", Some(0.012_34)), row("off", "1.23", "%"));
-        assert_eq!(Row::share("off", None), row("off", "none", ""));
-        assert_eq!(Row::count("curves", 7), row("curves", "7", ""));
+        assert_eq!(length, Row::new("length", "2.500", "in"));
+        assert_eq!(Row::share("off", Some(0.012_34)), Row::new("off", "1.23", "%"));
+        assert_eq!(Row::share("off", None), Row::new("off", "none", ""));
+        assert_eq!(Row::plain("curves", 7), Row::new("curves", "7", ""));
     }
 }

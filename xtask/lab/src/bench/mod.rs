@@ -1,6 +1,5 @@
 //! `cargo xtask bench`: how fast, beside what.
 
-mod baselines;
 mod partial;
 mod peers;
 mod scene;

@@ -1,28 +1,28 @@
 //! `cargo xtask bench partial`: the partial modeler, per pixel and per vertex.
 
-use super::baselines::Baselines;
 use super::peers;
 use super::scene::{self, Gaps};
 use super::timing::{Variant, load, time};
 use crate::failure::Failure;
 use crate::table::say;
-use std::cell::RefCell;
 use std::hint::black_box;
 use transect_device::View;
 use transect_geometry::PlaneFamily;
+use transect_partial::dissertation::{DissertationOptions, JumpTest};
 use transect_partial::one_pass::{
-    Effort, Instructions, OnePassOptions, Workspace, contours, partial_model_with, seen,
+    Effort, Instructions, OnePassOptions, Workspace, contours, partial_model_with,
 };
-use transect_partial::{BreakRule, SectionAxes};
+use transect_partial::{BreakRule, Method, SectionAxes, partial_model};
 
-/// Planes on which the plane-by-plane methods are timed; they are linear in their number.
+/// Planes on which the dissertation's method is timed. Its time is proportional to their number.
 const SAMPLE_PLANES: usize = 8;
 
 const DETECTION: &str = "one pass, no plane met";
 const OURS: &str = "one pass, AVX2";
 const BEST: &str = "one pass, best";
 const FRESH: &str = "one pass, fresh memory";
-const ROW_BY_ROW: &str = "dissertation, row by row";
+const CURVES: &str = "curves with all attributes";
+const DISSERTATION: &str = "dissertation, plane by plane";
 
 /// Options of `bench partial`.
 #[derive(Debug, clap::Args)]
@@ -86,15 +86,12 @@ impl Case<'_> {
         // Planes that nothing meets: what finding out costs.
         let far = PlaneFamily::new(self.planes.guide().clone(), 1e6, 1e5)?;
         let far = SectionAxes::new(self.view, &far)?;
-        let seen = seen(self.view, &axes, &rule(), Instructions::Best);
-        let baselines = Baselines::new(self.view, &axes, &seen);
-        let baselines = RefCell::new(baselines.ok_or_else(|| Failure::because("no baselines"))?);
         let mut work = Workspace::default();
         let found = contours(self.view, &axes, &rule(), &Effort::default(), &mut work)?;
         let (vertices, lines) = (found.vertex_count(), found.polylines().len());
         let bytes = work.bytes();
         let mut variants = self.one_pass(axes, far);
-        variants.extend(self.others(&baselines));
+        variants.extend(self.others()?);
         let seconds = time(&mut variants, self.rounds);
         self.print(&variants, &seconds, (vertices, lines));
         // A workspace only grows, so what it holds at the end is the most that it needed.
@@ -126,7 +123,7 @@ impl Case<'_> {
             self.kernel("portable, two threads", axes, two(Instructions::Portable)).threaded(),
             self.kernel("AVX2, two threads", axes, two(Instructions::Avx2)).threaded(),
             self.kernel("best, two threads", axes, two(Instructions::Best)).threaded(),
-            Variant::new("curves with all attributes", move || {
+            Variant::new(CURVES, move || {
                 let effort = Effort::default();
                 let model =
                     partial_model_with(self.view, self.planes, &options, &effort, &mut whole);
@@ -140,38 +137,24 @@ impl Case<'_> {
         Variant::new(name, move || lines_of(self.view, &axes, &effort, &mut work))
     }
 
-    fn others<'b>(&self, baselines: &'b RefCell<Baselines>) -> Vec<Variant<'b>> {
-        let spread = |k: usize| {
-            let share = (k as f32 + 0.5) / SAMPLE_PLANES as f32 - 0.5;
-            (share * self.count as f32).round()
-        };
-        let sample: Vec<f32> = (0..SAMPLE_PLANES).map(spread).collect();
-        let scale = self.count as f64 / SAMPLE_PLANES as f64;
-        let per_plane = |name, run: fn(&mut Baselines, &[f32]) -> usize| {
-            let sample = sample.clone();
-            let run = move || {
-                black_box(run(&mut baselines.borrow_mut(), &sample));
-            };
-            Variant::new(name, run).scaled(scale)
-        };
-        vec![
-            Variant::new("read", || {
-                black_box(baselines.borrow().read());
-            }),
-            Variant::new("read + heights", || {
-                black_box(baselines.borrow().heights());
-            }),
-            Variant::new("read + heights + levels", || {
-                black_box(baselines.borrow_mut().levels());
-            }),
-            per_plane(ROW_BY_ROW, Baselines::fused),
-            per_plane("dissertation, images stored", Baselines::stored),
-            // The points are made once, whatever the number of planes.
-            Variant::new("Cartesian, points", || {
-                black_box(baselines.borrow_mut().points_of_all());
-            }),
-            per_plane("Cartesian, planes", Baselines::cartesian),
-        ]
+    /// The lower bound of every method, and the dissertation's method on a sample of the planes.
+    fn others(&self) -> Result<Vec<Variant<'_>>, Failure> {
+        let sample = scene::planes(self.view, SAMPLE_PLANES);
+        let sample = sample.ok_or_else(|| Failure::because("no such planes"))?;
+        let jump = JumpTest::ScaleFree { max_incidence_rad: 12_f64.atan(), jump_sigmas: 0.0 };
+        let options = DissertationOptions { jump, smooth: false, ..Default::default() };
+        let method = Method::Dissertation(options);
+        // Not every sensor has the inverse mapping that this method needs.
+        partial_model(self.view, &sample, &method)?;
+        let dissertation = Variant::new(DISSERTATION, move || {
+            let _ = black_box(partial_model(self.view, &sample, &method));
+        });
+        let image = self.view.image();
+        let read = Variant::new("read", || {
+            let rows = (0..image.size().rows).map(|row| image.row(row).iter().sum::<f32>());
+            black_box(rows.sum::<f32>());
+        });
+        Ok(vec![read, dissertation.scaled(self.count as f64 / SAMPLE_PLANES as f64)])
     }
 
     fn print(&self, variants: &[Variant<'_>], seconds: &[f64], (vertices, lines): (usize, usize)) {
@@ -193,9 +176,9 @@ impl Case<'_> {
             say(&format!("{name:<30} {per_pixel:>8.3}  {beyond:>26}  {times:>10.2}"));
         }
         say(&format!(
-            "fresh memory takes {:.2} times a kept workspace; the dissertation's way row by row {:.1} times one pass",
+            "fresh memory takes {:.2} times a kept workspace; the dissertation's method {:.1} times {CURVES}",
             of(FRESH) / of(BEST),
-            of(ROW_BY_ROW) / of(BEST),
+            of(DISSERTATION) / of(CURVES),
         ));
     }
 }

@@ -4,6 +4,7 @@
 //! variants count the time their thread was running rather than the time that passed. The result is
 //! the median of the rounds.
 
+use crate::statistics::median;
 use std::time::Instant;
 
 /// One thing to be timed.
@@ -46,7 +47,7 @@ pub fn time(variants: &mut [Variant<'_>], rounds: usize) -> Vec<f64> {
             }
         }
     }
-    seconds.iter_mut().map(|s| median(s)).collect()
+    seconds.iter().map(|s| median(s)).collect()
 }
 
 /// Seconds that something took once: those its thread was running, where the system tells.
@@ -55,11 +56,6 @@ pub fn once(run: impl FnOnce()) -> f64 {
     run();
     let ran = thread_seconds().zip(running).map(|(end, start)| end - start);
     ran.unwrap_or_else(|| began.elapsed().as_secs_f64())
-}
-
-pub fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 /// How long this thread has been running, where the system tells.

@@ -10,7 +10,6 @@ mod orders;
 mod partial;
 mod pictures;
 mod sensors;
-mod table;
 mod trial;
 
 use crate::failure::Failure;

@@ -4,9 +4,10 @@
 //! radius R is a chord, off by up to h²/8R. Twice the density must leave a quarter of the error
 //! (order 2).
 
-use super::{table, trial};
+use super::trial;
 use crate::failure::Failure;
-use crate::table::{digits, say};
+use crate::statistics::quantile;
+use crate::table::{digits, print_grid, say};
 use transect_geometry::{Curve, Point2};
 use transect_model::Model;
 use transect_scene::Description;
@@ -73,7 +74,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             let density = 0.5 * f64::from(1 << doubling);
             let outcome = trial::run(&scene, &SensorPlan { density, ..SensorPlan::with(kind) })?;
             let errors = errors(&outcome.model);
-            let pixels: usize = outcome.views.iter().map(|v| v.image().size().pixels()).sum();
             let order = |k: usize| match before {
                 Some(b) => format!("{:.2}", (b[k] / errors[k]).log2()),
                 None => String::new(),
@@ -81,7 +81,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             lines.push(vec![
                 kind.name().to_owned(),
                 digits(density),
-                pixels.to_string(),
+                outcome.pixels().to_string(),
                 digits(errors[0]),
                 order(0),
                 digits(errors[1]),
@@ -91,7 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     let heads = ["sensor", "density", "pixels", "median", "order", "p95", "order"];
-    table::print(&heads, &lines);
+    print_grid(&heads, &lines);
     say(
         "\nDistances in mm from the exact circles, noise-free; order: how often the error halves with each doubling.",
     );
@@ -115,11 +115,7 @@ fn errors(model: &Model) -> [f64; 2] {
             errors.extend([error(&unit.start), error(&middle)]);
         }
     }
-    errors.sort_unstable_by(f64::total_cmp);
-    let quantile = |q: f64| {
-        errors.get(((errors.len() as f64 - 1.0) * q) as usize).copied().unwrap_or(f64::NAN)
-    };
-    [quantile(0.5), quantile(0.95)]
+    [quantile(errors.clone(), 0.5), quantile(errors, 0.95)]
 }
 
 /// Radii of the circles in which the plane at a height cuts the solids.

@@ -10,8 +10,7 @@ use transect_device::{Pixel, View};
 use transect_exchange::svg::{OverviewOptions, write_overview, write_points};
 use transect_exchange::write_file;
 use transect_geometry::Point3;
-use transect_scene::Noise;
-use transect_workflow::simulation::{PreparedScene, SensorKind, SensorPlan, describe};
+use transect_workflow::simulation::{PreparedScene, SensorKind, SensorPlan};
 
 /// Options of `experiments pictures`.
 #[derive(Debug, clap::Args)]
@@ -38,9 +37,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let out = &arguments.out;
     std::fs::create_dir_all(out).map_err(|e| Failure::with_file(out, e))?;
     for (kind, scene, view) in SHOWN {
-        let mut description = describe(Path::new(scene))?;
-        description.noise = Noise::NONE;
-        let scene = PreparedScene::new(description)?;
+        let scene = trial::bundled_without_noise(scene)?;
         scan_and_model(&scene, kind, view, out)?;
         if kind == SensorKind::LightStripe {
             let placed = scene.instruments(&SensorPlan::with(kind))?;

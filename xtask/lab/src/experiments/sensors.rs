@@ -1,11 +1,10 @@
 //! Accuracy of every sensor on every bundled scene, without noise, through the whole pipeline.
 
-use super::{table, trial};
+use super::trial;
 use crate::failure::Failure;
-use crate::table::{digits, say};
-use std::path::Path;
-use transect_scene::{BUNDLED_SCENES, Noise};
-use transect_workflow::simulation::{PreparedScene, SensorKind, SensorPlan, describe};
+use crate::table::{digits, print_grid, say};
+use transect_scene::BUNDLED_SCENES;
+use transect_workflow::simulation::{PreparedScene, SensorKind, SensorPlan};
 
 /// Options of `experiments sensors`.
 #[derive(Debug, clap::Args)]
@@ -26,9 +25,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let chosen = |name: &str| arguments.scene.as_ref().is_none_or(|s| s == name);
     let mut lines = Vec::new();
     for (name, _) in BUNDLED_SCENES.iter().filter(|(name, _)| chosen(name)) {
-        let mut description = describe(Path::new(name))?;
-        description.noise = Noise::NONE;
-        let scene = PreparedScene::new(description)?;
+        let scene = trial::bundled_without_noise(name)?;
         for kind in SensorKind::ALL {
             if arguments.sensor.is_none_or(|s| s == kind) {
                 eprintln!("{name}, {}", kind.name());
@@ -38,7 +35,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let heads =
         ["scene", "sensor", "views", "pixels", "median", "p95", "complete %", "oriented %", "unit"];
-    table::print(&heads, &lines);
+    print_grid(&heads, &lines);
     say("\nDistances from the true sections, noise-free, on what the views could see.");
     Ok(())
 }
@@ -47,14 +44,13 @@ fn line(scene: &PreparedScene, kind: SensorKind, density: f64) -> Result<Vec<Str
     let plan = SensorPlan { density, ..SensorPlan::with(kind) };
     let outcome = trial::run(scene, &plan)?;
     let accuracy = outcome.accuracy(scene)?;
-    let pixels: usize = outcome.views.iter().map(|v| v.image().size().pixels()).sum();
     let length = |l: Option<f64>| l.map_or("none".to_owned(), digits);
     let share = |s: Option<f64>| s.map_or("none".to_owned(), |s| format!("{:.2}", 100.0 * s));
     Ok(vec![
         scene.description.name.clone(),
         kind.name().to_owned(),
         outcome.views.len().to_string(),
-        pixels.to_string(),
+        outcome.pixels().to_string(),
         length(accuracy.median),
         length(accuracy.p95),
         share(accuracy.completeness),

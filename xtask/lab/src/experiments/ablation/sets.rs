@@ -1,6 +1,7 @@
 //! The sets that steps are measured on: partial models made once, and what their curves are held
 //! against.
 
+use super::super::trial;
 use super::crossings;
 use super::worth::Figures;
 use crate::bench::timing::once;
@@ -16,7 +17,7 @@ use transect_fusion::{ConsensusOptions, FusionMethod, fuse_plane};
 use transect_geometry::{Curve, PlaneFamily, PlaneIndex, Point2, StraightGuide, Vector3};
 use transect_partial::{Method, partial_model};
 use transect_scene::{BUNDLED_SCENES, Mesh, Visibility, merge_overlaps, sections};
-use transect_workflow::simulation::{PreparedScene, SensorPlan, describe};
+use transect_workflow::simulation::SensorPlan;
 
 /// Distance within which a curve counts as right, as a share of the plane interval, where no size
 /// is known.
@@ -173,7 +174,7 @@ impl Visible {
 }
 
 fn bundled(name: String, scene: &str) -> Result<Set, Failure> {
-    let stage = PreparedScene::new(describe(Path::new(scene))?)?;
+    let stage = trial::bundled(scene)?;
     let views = stage.simulate(&SensorPlan::OWN)?.views;
     let planes = stage.description.planes.clone();
     let tolerance = TOLERANCE_SHARE * planes.interval();

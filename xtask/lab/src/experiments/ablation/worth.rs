@@ -1,7 +1,7 @@
 //! What a step is worth, from the figures with and without it.
 
-use super::super::table;
-use crate::table::{digits, say};
+use crate::statistics::median;
+use crate::table::{digits, print_grid, say};
 use std::collections::BTreeMap;
 use transect::evaluate::Accuracy;
 
@@ -98,10 +98,10 @@ impl Worth {
         let heads =
             ["set", "median", "p95", "completeness", "loops", "open", "crossings", "seconds"];
         let full = |set: &String| self.full.get(set).map(|f| f.line(set));
-        table::print(&heads, &self.sets.iter().filter_map(full).collect::<Vec<_>>());
+        print_grid(&heads, &self.sets.iter().filter_map(full).collect::<Vec<_>>());
         say("");
         let lines: Vec<_> = self.order.iter().map(|step| self.line(step)).collect();
-        table::print(&[&["step"], COLUMNS.as_slice()].concat(), &lines);
+        print_grid(&[&["step"], COLUMNS.as_slice()].concat(), &lines);
     }
 
     fn line(&self, step: &'static str) -> Vec<String> {
@@ -115,9 +115,8 @@ impl Worth {
             let most = changes().max_by(|a, b| a.0.total_cmp(&b.0));
             if column + 1 == COLUMNS.len() {
                 // Times scatter: their median over the sets says more than the largest.
-                let mut times: Vec<f64> = changes().map(|c| c.0).collect();
-                times.sort_by(f64::total_cmp);
-                return times.get(times.len() / 2).map_or_else(String::new, |t| format!("{t:+.0}"));
+                let times: Vec<f64> = changes().map(|c| c.0).collect();
+                return format!("{:+.0}", median(&times));
             }
             let least = changes().map(|c| c.0).min_by(f64::total_cmp).unwrap_or(0.0);
             match most {

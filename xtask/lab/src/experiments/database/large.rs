@@ -5,6 +5,7 @@
 //! measured elsewhere.
 
 use crate::failure::Failure;
+use crate::statistics::median;
 use crate::table::{Row, digits, print, say};
 use std::path::Path;
 use std::time::Instant;
@@ -167,12 +168,6 @@ fn after_a_crash(path: &Path) -> Result<Vec<Row>, Failure> {
 
 fn ms(begin: Instant) -> f64 {
     begin.elapsed().as_secs_f64() * 1e3
-}
-
-fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 fn peak(metric: &str) -> Row {

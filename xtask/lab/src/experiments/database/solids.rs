@@ -1,11 +1,10 @@
 //! Areas and volumes of simulated solids against the exact ones, by interval.
 
-use super::super::table;
+use super::super::trial;
 use super::{STATIONS, surround};
 use crate::failure::Failure;
-use crate::table::{digits, say};
+use crate::table::{digits, print_grid, say};
 use std::f64::consts::PI;
-use transect::{Setup, Unwatched, reconstruct};
 use transect_geometry::{LengthUnit, PlaneFamily};
 use transect_model::{Model, ModelVolume};
 
@@ -61,15 +60,14 @@ pub fn run() -> Result<(), Failure> {
             let mut models = Vec::new();
             for offset in OFFSETS {
                 let planes = PlaneFamily::new(guide, offset * interval, interval)?;
-                let setup = Setup::new(LengthUnit::Millimetre, planes);
-                models.push(reconstruct(&seen.views, &setup, &Unwatched)?.model);
+                models.push(trial::model(&seen.views, LengthUnit::Millimetre, planes)?);
             }
             lines.push(line(&solid, interval, &models));
         }
     }
     let heads =
         ["solid", "interval, mm", "open curves", "area off, %", "volume off, %", "bound, %"];
-    table::print(&heads, &lines);
+    print_grid(&heads, &lines);
     say(
         "\nArea: sum of the differences from the exact areas over their sum. Volume: from the exact one, the worst of four places of the planes;\n\
          bound: the least of what the models say that the volume is off at most, from the interval.\n",

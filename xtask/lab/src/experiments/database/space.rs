@@ -1,16 +1,14 @@
 //! Inside, outside or unknown: the answers for many points whose truth is known.
 
-use super::super::table;
+use super::super::trial;
 use super::{Surrounded, footprint, surround};
 use crate::failure::Failure;
-use crate::table::{digits, say};
-use std::path::Path;
-use transect::{Setup, Unwatched, reconstruct};
+use crate::table::{digits, print_grid, say};
 use transect_device::{Pixel, View};
 use transect_geometry::{Point3, Vector3};
 use transect_model::{Location, ModelIndex};
 use transect_scene::Scene;
-use transect_workflow::simulation::{PreparedScene, SensorPlan, describe};
+use transect_workflow::simulation::{PreparedScene, SensorPlan};
 
 const POINTS: usize = 100_000;
 
@@ -70,7 +68,7 @@ pub fn run() -> Result<(), Failure> {
         "sampling error",
         "wrong beyond it",
     ];
-    table::print(&heads, &lines);
+    print_grid(&heads, &lines);
     say("");
     let beyond: usize = tallies.iter().map(|tally| tally.wrong_beyond_sampling).sum();
     if beyond == 0 {
@@ -109,7 +107,7 @@ const ROOM_SAMPLING: f64 = 0.03;
 
 /// Points on rays of the room's scanners, before the surface: certainly free space.
 fn room(sampling: f64) -> Result<Tally, Failure> {
-    let scene = PreparedScene::new(describe(Path::new("room"))?)?;
+    let scene = trial::bundled("room")?;
     let views = scene.simulate(&SensorPlan::OWN)?.views;
     let interval = scene.description.planes.interval();
     let points: Vec<Point3> = (0..POINTS).filter_map(|i| on_a_ray(&views, i)).collect();
@@ -134,7 +132,7 @@ fn tally(
 ) -> Result<Tally, Failure> {
     let planes = &scene.description.planes;
     let planes = transect_geometry::PlaneFamily::new(planes.guide(), planes.offset(), interval)?;
-    let model = reconstruct(views, &Setup::new(scene.description.unit, planes), &Unwatched)?.model;
+    let model = trial::model(views, scene.description.unit, planes)?;
     let (index, mut tally) = (ModelIndex::new(&model), Tally::default());
     for p in points {
         let inside = scene.scene.contains(&p);

@@ -1,13 +1,12 @@
 //! The bundled room, and the same room at UTM coordinates: the same model, shifted.
 
+use super::super::trial;
 use crate::failure::Failure;
 use crate::table::{Row, digits, print, say};
-use std::path::Path;
-use transect::{Setup, Unwatched, reconstruct};
 use transect_device::View;
-use transect_geometry::{Isometry3, LengthUnit, PlaneFamily, Vector3};
+use transect_geometry::{Isometry3, PlaneFamily, Vector3};
 use transect_model::Model;
-use transect_workflow::simulation::{PreparedScene, SensorPlan, describe};
+use transect_workflow::simulation::SensorPlan;
 
 /// Easting, northing and height of a place, in metres.
 const FAR: Vector3 = Vector3::new(500_000.0, 5_400_000.0, 300.0);
@@ -19,14 +18,15 @@ pub fn run() -> Result<(), Failure> {
     say(
         "The room at UTM coordinates (500 000, 5 400 000, 300) m, against the room at home, shifted\n",
     );
-    let scene = PreparedScene::new(describe(Path::new("room"))?)?;
+    let scene = trial::bundled("room")?;
     let views = scene.simulate(&SensorPlan::OWN)?.views;
     let far: Result<Vec<View>, _> = views.iter().map(moved).collect();
     let (near_planes, unit) = (scene.description.planes.clone(), scene.description.unit);
     let up = near_planes.guide().direction(0.0).dot(&FAR);
     let far_planes =
         PlaneFamily::new(near_planes.guide(), near_planes.offset() + up, near_planes.interval())?;
-    let (near, far) = (model(&views, near_planes, unit)?, model(&far?, far_planes, unit)?);
+    let (near, far) =
+        (trial::model(&views, unit, near_planes)?, trial::model(&far?, unit, far_planes)?);
     let largest = largest_difference(&near, &far)?;
     print(&[
         Row::plain("planes", near.sections().len()),
@@ -41,10 +41,6 @@ pub fn run() -> Result<(), Failure> {
 
 fn moved(view: &View) -> Result<View, transect_device::ViewError> {
     view.with_pose(Isometry3::translation(FAR.x, FAR.y, FAR.z) * view.world_from_sensor())
-}
-
-fn model(views: &[View], planes: PlaneFamily, unit: LengthUnit) -> Result<Model, Failure> {
-    Ok(reconstruct(views, &Setup::new(unit, planes), &Unwatched)?.model)
 }
 
 fn largest_difference(near: &Model, far: &Model) -> Result<f64, Failure> {

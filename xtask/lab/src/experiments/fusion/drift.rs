@@ -1,8 +1,7 @@
 //! How far each method moves a circle, by the number of arcs that were merged.
 
-use super::super::table;
 use super::rings::{Look, slices};
-use crate::table::say;
+use crate::table::{print_grid, say};
 use transect_fusion::{ConsensusOptions, FusedPlane, PairwiseOptions, consensus, pairwise};
 use transect_geometry::Curve;
 
@@ -30,7 +29,7 @@ pub fn print() {
     }
     let heads =
         ["arcs", "noise", "consensus: mean", "rms", "curves", "pairwise: mean", "rms", "curves"];
-    table::print(&heads, &lines);
+    print_grid(&heads, &lines);
     say(
         "\nDrift: arcs of 120 degrees of a circle of radius 1, samples 0.02 apart. Signed distance of nodes \
          from the circle, and noise, in chord sagittas (0.00005).",

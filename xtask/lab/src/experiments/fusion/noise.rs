@@ -1,8 +1,7 @@
 //! How the error falls with the number of views, and whether the result knows it.
 
-use super::super::table;
 use super::rings::{Look, slices};
-use crate::table::say;
+use crate::table::{print_grid, say};
 use std::f64::consts::TAU;
 use transect_fusion::{ConsensusOptions, consensus};
 use transect_geometry::Curve;
@@ -23,7 +22,7 @@ pub fn print() {
         ]
     };
     let lines: Vec<_> = counts.iter().zip(&found).map(line).collect();
-    table::print(&["views", "rms error", "predicted", "predicted / observed"], &lines);
+    print_grid(&["views", "rms error", "predicted", "predicted / observed"], &lines);
     let points: Vec<(f64, f64)> =
         counts.iter().zip(&found).map(|(v, [e, _])| ((*v as f64).ln(), e.ln())).collect();
     say(&format!(

@@ -1,9 +1,9 @@
 //! A tunnel of a kilometre: the time of every view as the model grows, and of its stages.
 
-use super::super::table;
 use super::rings::Look;
-use crate::bench::timing::{median, once};
-use crate::table::say;
+use crate::bench::timing::once;
+use crate::statistics::median;
+use crate::table::{print_grid, say};
 use std::collections::BTreeMap;
 use std::hint::black_box;
 use transect_fusion::{ConsensusOptions, consensus, measure};
@@ -58,7 +58,7 @@ pub fn print(views: u32) {
         "nodes in the model",
         "bytes per metre of curve",
     ];
-    table::print(&heads, &lines);
+    print_grid(&heads, &lines);
     say(&format!(
         "\nScale: a tunnel of radius 3 m, planes and views every {INTERVAL} m, half of the wall of 10 m seen by each \
          view; every plane a view touches is fused again from all that was seen of it. Time that the thread ran, \
@@ -88,7 +88,7 @@ fn add(model: &mut BTreeMap<u32, Plane>, view: u32) -> Seconds {
 
 fn line(view: u32, seconds: &[Seconds], model: &BTreeMap<u32, Plane>) -> Vec<String> {
     let last = |part: fn(&Seconds) -> f64| {
-        median(&mut seconds.iter().rev().take(100).map(part).collect::<Vec<_>>())
+        median(&seconds.iter().rev().take(100).map(part).collect::<Vec<_>>())
     };
     let all = last(|s| s.seeing + s.fusing);
     let share = |part: f64| format!("{:.0} %", 100.0 * part / all);

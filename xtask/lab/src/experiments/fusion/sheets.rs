@@ -1,8 +1,7 @@
 //! Neighbouring surfaces: both sides of a sheet, and two sheets that face the same way.
 
-use super::super::table;
 use super::rings::{Random, slices};
-use crate::table::say;
+use crate::table::{print_grid, say};
 use transect_fusion::{ConsensusOptions, FusedPlane, consensus};
 use transect_geometry::{Curve, Node, Point2};
 
@@ -21,7 +20,7 @@ pub fn print() {
         let found = (height(&fused, false) - height(&fused, true)) / SIGMA;
         vec![format!("{apart}"), format!("{found:.3}"), format!("{:+.3}", found - apart)]
     });
-    table::print(&["thickness", "found", "difference"], &opposite);
+    print_grid(&["thickness", "found", "difference"], &opposite);
     say("");
     let same = [2.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0, 12.0, 16.0].map(|apart| {
         let mut line = vec![format!("{apart}")];
@@ -30,7 +29,7 @@ pub fn print() {
         line
     });
     let heads = ["apart", "one curve", "two", "more", "by half each: one curve", "two", "more"];
-    table::print(&heads, &same);
+    print_grid(&heads, &same);
     say(&format!(
         "\nSheets: two surfaces with opposite directions, and two with the same, each seen by {VIEWS} views; lengths in \
          standard deviations of one sample. Of those with the same direction, in how many of {DRAWS} draws so many curves \

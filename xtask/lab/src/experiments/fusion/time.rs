@@ -1,9 +1,8 @@
 //! Time by the number of views, and of one more view in small and large models.
 
-use super::super::table;
 use super::rings::{Look, slices};
 use crate::bench::timing::{Variant, time};
-use crate::table::say;
+use crate::table::{print_grid, say};
 use std::f64::consts::TAU;
 use transect_fusion::{ConsensusOptions, FusedPlane, consensus};
 use transect_geometry::Curve;
@@ -46,7 +45,7 @@ fn by_views() {
         vec![n.to_string(), format!("{:.2}", 1e3 * s), format!("{:.2}", 1e6 * s / nodes)]
     };
     let lines: Vec<_> = counts.iter().zip(&seconds).map(line).collect();
-    table::print(&["views", "ms", "us per input node"], &lines);
+    print_grid(&["views", "ms", "us per input node"], &lines);
     say("\nTime by views: rings of 1000 nodes on one plane.");
 }
 
@@ -69,6 +68,6 @@ fn by_model() {
         vec![(planes * NODES).to_string(), TOUCHED.to_string(), format!("{:.2}", 1e3 * s)]
     };
     let lines: Vec<_> = sizes.iter().zip(&seconds).map(line).collect();
-    table::print(&["nodes in the model", "planes touched", "ms"], &lines);
+    print_grid(&["nodes in the model", "planes touched", "ms"], &lines);
     say("\nTime of one view more: only the planes it touches are fused again.");
 }

@@ -4,11 +4,10 @@
 //! the true surface normal and the section plane: 0° where the plane cuts the surface upright, 90°
 //! where it touches it.
 
-use super::super::table;
 use super::error::{NodeError, figures};
 use super::surface::{Surface, surfaces};
 use crate::failure::Failure;
-use crate::table::say;
+use crate::table::{print_grid, say};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use transect_device::View;
@@ -49,7 +48,7 @@ pub fn run(size: usize) -> Result<(), Failure> {
         let heads: Vec<String> =
             ["surface", "method", "all"].map(str::to_owned).into_iter().chain(angles).collect();
         let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
-        table::print(&heads, &lines.concat());
+        print_grid(&heads, &lines.concat());
     }
     say(
         "\nMedian / 95 % / bias (positive outside) in thousandths of the size / predicted over observed σ, by angle between surface normal and plane.",

@@ -3,9 +3,8 @@
 //! A camera looks along z at a ball (cut by missing columns), at a wall with a step (beside which
 //! columns are missing), and at a noisy wall that planes nearly touch.
 
-use super::super::table;
 use crate::failure::Failure;
-use crate::table::say;
+use crate::table::{print_grid, say};
 use std::sync::Arc;
 use transect_device::{ImageSize, Pixel, RangeImage, View};
 use transect_geometry::{Isometry3, PlaneFamily, StraightGuide, Vector3};
@@ -69,7 +68,7 @@ fn gaps() -> Result<(), Failure> {
     }
     say(&format!("\nCurves cut by missing pixels, up to {GAP} of which are bridged:\n"));
     let heads = ["method", "missing", "pieces", "bridged", "pieces at a step", "across the step"];
-    table::print(&heads, &lines);
+    print_grid(&heads, &lines);
     Ok(())
 }
 
@@ -97,7 +96,7 @@ fn near_tangent() -> Result<(), Failure> {
     }
     say("\nPieces on one plane at an angle to a noisy wall:\n");
     let heads = ["noise", "angle", "pieces", "noise left out", "pieces smoothed", "noise left out"];
-    table::print(&heads, &lines);
+    print_grid(&heads, &lines);
     Ok(())
 }
 

@@ -1,5 +1,6 @@
 //! Nodes' errors, and what is said about many of them.
 
+use crate::statistics::quantile;
 use crate::table::digits;
 
 /// What is known of a node after the fact; lengths as shares of the solid's size.
@@ -35,12 +36,6 @@ pub fn predicted_over_observed(errors: &[NodeError]) -> f64 {
     let normed = errors.iter().map(|e| e.signed.abs() / e.sigma).collect();
     // The median of |x| of a normal x is 0.6745 of its standard deviation.
     0.6745 / quantile(normed, 0.5)
-}
-
-/// A quantile; NaN of nothing.
-pub fn quantile(mut values: Vec<f64>, q: f64) -> f64 {
-    values.sort_unstable_by(f64::total_cmp);
-    values.get(((values.len() as f64 - 1.0) * q) as usize).copied().unwrap_or(f64::NAN)
 }
 
 /// Two digits, or a power of ten where there would be many zeros.

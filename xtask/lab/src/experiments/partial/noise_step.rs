@@ -1,9 +1,8 @@
 //! One view before and after the noise step: every view of a bundled scene, each by itself.
 
-use super::super::table;
-use super::error::quantile;
 use crate::failure::Failure;
-use crate::table::{digits, say};
+use crate::statistics::quantile;
+use crate::table::{digits, print_grid, say};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -41,7 +40,7 @@ pub fn run() -> Result<(), Failure> {
         "scene", "noise", "median", "smoothed", "gain", "p95", "smoothed", "gain", "pieces",
         "smoothed", "window",
     ];
-    table::print(&heads, &lines);
+    print_grid(&heads, &lines);
     say(
         "\nDistances of the views' nodes from the true sections, in thousandths of the scene's size; window in pixels.",
     );
