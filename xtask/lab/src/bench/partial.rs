@@ -142,7 +142,8 @@ impl Case<'_> {
         let sample = scene::planes(self.view, SAMPLE_PLANES);
         let sample = sample.ok_or_else(|| Failure::because("no such planes"))?;
         let jump = JumpTest::ScaleFree { max_incidence_rad: 12_f64.atan(), jump_sigmas: 0.0 };
-        let options = DissertationOptions { jump, smooth: false, ..Default::default() };
+        let mut options = DissertationOptions::default();
+        (options.jump, options.smooth) = (jump, false);
         let method = Method::Dissertation(options);
         // Not every sensor has the inverse mapping that this method needs.
         partial_model(self.view, &sample, &method)?;
