@@ -141,8 +141,9 @@ impl Case<'_> {
     fn others(&self) -> Result<Vec<Variant<'_>>, Failure> {
         let sample = scene::planes(self.view, SAMPLE_PLANES);
         let sample = sample.ok_or_else(|| Failure::because("no such planes"))?;
-        let jump = JumpTest::ScaleFree { max_incidence_rad: 12_f64.atan(), jump_sigmas: 0.0 };
-        let options = DissertationOptions { jump, smooth: false, ..Default::default() };
+        let mut options = DissertationOptions::default();
+        options.jump = JumpTest::ScaleFree { max_incidence_rad: 12_f64.atan(), jump_sigmas: 0.0 };
+        options.smooth = false;
         let method = Method::Dissertation(options);
         // Not every sensor has the inverse mapping that this method needs.
         partial_model(self.view, &sample, &method)?;
