@@ -1,5 +1,5 @@
-//! What each step of fusion is worth: every set is fused with all steps, and again without one of
-//! them.
+//! What each step of smoothing and fusion is worth: every set is modelled with all steps, and again
+//! without one of them.
 
 mod crossings;
 mod sets;
@@ -7,10 +7,12 @@ mod worth;
 
 use crate::failure::Failure;
 use crate::table::say;
-use sets::{Set, Sources};
+use sets::{Set, Source, Sources};
 use std::path::PathBuf;
 use transect_fusion::ConsensusOptions;
 use transect_fusion::consensus::Steps;
+use transect_partial::Method;
+use transect_partial::one_pass::OnePassOptions;
 use worth::{Figures, Worth};
 
 /// Options of `experiments ablation`.
@@ -39,8 +41,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             continue;
         }
         eprintln!("{}", source.name());
-        let set = source.load()?;
-        measure(&set, arguments, &mut worth)?;
+        measure(&source, arguments, &mut worth)?;
     }
     worth.print();
     say(
@@ -51,11 +52,19 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Fuses a set with all steps, and without each.
-fn measure(set: &Set, arguments: &Arguments, worth: &mut Worth) -> Result<(), Failure> {
+/// Models a set with all steps, and without each.
+fn measure(source: &Source, arguments: &Arguments, worth: &mut Worth) -> Result<(), Failure> {
     let chosen = |name: &str| arguments.step.as_ref().is_none_or(|s| name.contains(s.as_str()));
+    let set = &source.load(&Method::default())?;
     let full = figures(set, &ConsensusOptions::default())?;
     worth.add_full(&set.name, full);
+    for (name, method) in methods_left_out().into_iter().filter(|(name, _)| chosen(name)) {
+        let other = source.load(&method)?;
+        let mut without = figures(&other, &ConsensusOptions::default())?;
+        // The time of these rows is that of finding the curves.
+        without.seconds = full.seconds * other.finding_seconds / set.finding_seconds;
+        worth.add(&set.name, name, without);
+    }
     for (name, steps) in Steps::each_left_out().into_iter().filter(|(name, _)| chosen(name)) {
         let mut options = ConsensusOptions::default();
         options.steps = steps;
@@ -64,6 +73,21 @@ fn measure(set: &Set, arguments: &Arguments, worth: &mut Worth) -> Result<(), Fa
     // Once more, which tells how far times can be trusted.
     worth.add(&set.name, "(again)", figures(set, &ConsensusOptions::default())?);
     Ok(())
+}
+
+/// The default way to find curves without smoothing, and without each step of it.
+fn methods_left_out() -> [(&'static str, Method); 4] {
+    let without = |leave_out: fn(&mut OnePassOptions)| {
+        let mut options = OnePassOptions::default();
+        leave_out(&mut options);
+        Method::OnePass(options)
+    };
+    [
+        ("smoothing", without(|o| o.smooth = false)),
+        ("smoothing: near_planes", without(|o| o.smoothing.near_planes = false)),
+        ("smoothing: wider_window", without(|o| o.smoothing.wider_window = false)),
+        ("smoothing: robust_weights", without(|o| o.smoothing.robust_weights = false)),
+    ]
 }
 
 fn figures(set: &Set, options: &ConsensusOptions) -> Result<Figures, Failure> {

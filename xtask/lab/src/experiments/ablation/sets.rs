@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
+use std::time::Instant;
 use transect::evaluate::{Accuracy, EvaluateOptions, evaluate, evaluate_seen};
 use transect_device::View;
 use transect_exchange::{Scan, TriangleMesh, read_mesh, read_truth};
@@ -71,13 +72,13 @@ impl Source {
     }
 
     /// Reads or simulates the views and finds their curves.
-    pub fn load(&self) -> Result<Set, Failure> {
+    pub fn load(&self, method: &Method) -> Result<Set, Failure> {
         let name = self.name();
         match self {
-            Self::Bundled(scene) => bundled(name, scene),
-            Self::Bunny(folder) => bunny(name, folder),
-            Self::Halves(folder) => halves(name, folder),
-            Self::Peers(folder) => peers(name, folder),
+            Self::Bundled(scene) => bundled(name, scene, method),
+            Self::Bunny(folder) => bunny(name, folder, method),
+            Self::Halves(folder) => halves(name, folder, method),
+            Self::Peers(folder) => peers(name, folder, method),
         }
     }
 }
@@ -93,6 +94,8 @@ pub struct Set {
     planes: PlaneFamily,
     /// One part, or two halves that are held against each other.
     parts: Vec<Observed>,
+    /// Time of finding the views' curves.
+    pub finding_seconds: f64,
     reference: Option<Reference>,
     options: EvaluateOptions,
 }
@@ -173,15 +176,15 @@ impl Visible {
     }
 }
 
-fn bundled(name: String, scene: &str) -> Result<Set, Failure> {
+fn bundled(name: String, scene: &str, method: &Method) -> Result<Set, Failure> {
     let stage = trial::bundled(scene)?;
     let views = stage.simulate(&SensorPlan::OWN)?.views;
     let planes = stage.description.planes.clone();
     let tolerance = TOLERANCE_SHARE * planes.interval();
-    simulated(name, planes, (views, &stage.truth), tolerance)
+    simulated(name, planes, (views, &stage.truth), tolerance, method)
 }
 
-fn peers(name: String, folder: &Path) -> Result<Set, Failure> {
+fn peers(name: String, folder: &Path, method: &Method) -> Result<Set, Failure> {
     let scan = Scan::open(folder)?;
     let Some(entry) = &scan.planes else {
         return Err(Failure::because(format!("{name}: the scan states no planes")));
@@ -194,7 +197,7 @@ fn peers(name: String, folder: &Path) -> Result<Set, Failure> {
     let size = manifest.get("size").and_then(serde_json::Value::as_f64);
     let tolerance = size.map_or(TOLERANCE_SHARE * planes.interval(), |s| SIZE_SHARE * s);
     let mesh = solid(read_truth(&folder.join("truth.npz"))?);
-    simulated(name, planes, (load(&scan)?, &mesh), tolerance)
+    simulated(name, planes, (load(&scan)?, &mesh), tolerance, method)
 }
 
 fn simulated(
@@ -202,37 +205,41 @@ fn simulated(
     planes: PlaneFamily,
     (views, mesh): (Vec<View>, &Mesh),
     tolerance: f64,
+    method: &Method,
 ) -> Result<Set, Failure> {
     let cut = sections(mesh, &planes)?;
     let truth: Sections = cut.into_iter().map(|(k, c)| (k, merge_overlaps(c))).collect();
-    let parts = vec![observed(&views, &planes)?];
+    let (found, finding_seconds) = observed(&views, &planes, method)?;
     let visible = Some(Visible::new(mesh, views, &truth)?);
     let options = EvaluateOptions::new(tolerance);
-    Ok(Set { name, planes, parts, reference: Some(Reference { truth, visible }), options })
+    let (parts, reference) = (vec![found], Some(Reference { truth, visible }));
+    Ok(Set { name, planes, parts, finding_seconds, reference, options })
 }
 
-fn bunny(name: String, folder: &Path) -> Result<Set, Failure> {
+fn bunny(name: String, folder: &Path, method: &Method) -> Result<Set, Failure> {
     let planes = upright([0.0, 1.0, 0.0], 0.001)?;
     let views = load(&Scan::open(&folder.join("bun.conf"))?)?;
     let mesh = solid(read_mesh(&folder.join("reference/bun_zipper.ply"))?.mesh);
     let truth = sections(&mesh, &planes)?;
-    let parts = vec![observed(&views, &planes)?];
+    let (found, finding_seconds) = observed(&views, &planes, method)?;
     // The scans do not show the base, and the reference closes it.
     let options = EvaluateOptions::new(0.0005).from_station(0.06);
-    Ok(Set { name, planes, parts, reference: Some(Reference { truth, visible: None }), options })
+    let (parts, reference) = (vec![found], Some(Reference { truth, visible: None }));
+    Ok(Set { name, planes, parts, finding_seconds, reference, options })
 }
 
 /// The even frames and the odd ones.
-fn halves(name: String, folder: &Path) -> Result<Set, Failure> {
+fn halves(name: String, folder: &Path, method: &Method) -> Result<Set, Failure> {
     let planes = upright([0.0, -1.0, 0.0], 0.1)?;
     let views = load(&Scan::open(folder)?)?;
     let half = |first: usize| {
         let views: Vec<View> = views.iter().skip(first).step_by(2).cloned().collect();
-        observed(&views, &planes)
+        observed(&views, &planes, method)
     };
-    let parts = vec![half(0)?, half(1)?];
+    let ((even, even_seconds), (odd, odd_seconds)) = (half(0)?, half(1)?);
+    let (parts, finding_seconds) = (vec![even, odd], even_seconds + odd_seconds);
     let options = EvaluateOptions::new(0.02);
-    Ok(Set { name, planes, parts, reference: None, options })
+    Ok(Set { name, planes, parts, finding_seconds, reference: None, options })
 }
 
 fn upright(normal: [f64; 3], interval: f64) -> Result<PlaneFamily, Failure> {
@@ -251,11 +258,17 @@ fn load(scan: &Scan) -> Result<Vec<View>, Failure> {
     Ok(views?)
 }
 
-/// The curves of all views, by plane and view.
-fn observed(views: &[View], planes: &PlaneFamily) -> Result<Observed, Failure> {
-    let partial = |view: &View| partial_model(view, planes, &Method::default());
+/// The curves of all views, by plane and view, and the seconds that finding them took.
+fn observed(
+    views: &[View],
+    planes: &PlaneFamily,
+    method: &Method,
+) -> Result<(Observed, f64), Failure> {
+    let began = Instant::now();
+    let partial = |view: &View| partial_model(view, planes, method);
     let models: Result<Vec<_>, _> = views.par_iter().map(partial).collect();
     let models = models.map_err(|e| Failure::because(e.to_string()))?;
+    let seconds = began.elapsed().as_secs_f64();
     let mut observed = Observed::new();
     for (k, model) in models.into_iter().enumerate() {
         for found in model.planes {
@@ -264,5 +277,5 @@ fn observed(views: &[View], planes: &PlaneFamily) -> Result<Observed, Failure> {
             of_plane[k].extend(found.curves.into_iter().map(|c| c.curve));
         }
     }
-    Ok(observed)
+    Ok((observed, seconds))
 }

@@ -14,7 +14,7 @@ pub struct Figures {
     closed: f64,
     open: f64,
     crossings: f64,
-    seconds: f64,
+    pub seconds: f64,
 }
 
 /// Columns of the table.
