@@ -1,8 +1,9 @@
 //! Gaps of one to four missing pixels in a curve (3.5.1).
 //!
-//! An end of a curve is joined to the closest other end in its search window, if it is at the
-//! border expected by the search order, with the high pixel on the same side of the curve, and the
-//! curve continues there in direction and range: the rules are those of `continuation.rs`.
+//! An end of a curve is joined to the closest other end in its search window, on three conditions.
+//! The other end is at the border that the search order expects. Its high pixel is on the same side
+//! of the curve. The curve continues there in direction and range, by the rules of
+//! `continuation.rs`.
 //!
 //! Under the printed test for a jump, both sides of the gap and the valid pixels in it must lie
 //! near the plane instead.
