@@ -70,13 +70,12 @@ fn deny() -> Result<(), Failure> {
 }
 
 /// The README's commands on bundled scenes.
-const COMMANDS: [&str; 9] = [
+const COMMANDS: [&str; 8] = [
     "reconstruct --quiet",
     "evaluate transect-out/room",
     "simulate --out transect-out/simulated",
     "inspect transect-out/simulated",
     "experiments orders --doublings 1",
-    "experiments database utm",
     "experiments database space",
     "experiments sensors --scene thin_sheet",
     "experiments pictures --out transect-out/pictures",

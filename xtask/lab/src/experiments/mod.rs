@@ -5,7 +5,6 @@
 
 mod ablation;
 mod database;
-mod fusion;
 mod orders;
 mod partial;
 mod pictures;
@@ -27,8 +26,6 @@ enum Experiment {
     Sensors(sensors::Arguments),
     /// What is each step of fusion worth?
     Ablation(ablation::Arguments),
-    /// Does fusion drift, how much noise does it remove, and what does it cost?
-    Fusion(fusion::Arguments),
     /// How does the error fall when the sensors' grids get denser?
     Orders(orders::Arguments),
     /// How accurate are one view's curves, by method, noise, surface and angle?
@@ -44,7 +41,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.experiment {
         Experiment::Sensors(a) => sensors::run(a),
         Experiment::Ablation(a) => ablation::run(a),
-        Experiment::Fusion(a) => fusion::run(a),
         Experiment::Orders(a) => orders::run(a),
         Experiment::Partial(a) => partial::run(a),
         Experiment::Database(a) => database::run(a),

@@ -1,10 +1,8 @@
-//! The promises of the model database, measured: large coordinates, areas and volumes, inside and
-//! outside, size.
+//! The promises of the model database, measured: areas and volumes, inside and outside, size.
 
 mod large;
 mod solids;
 mod space;
-mod utm;
 
 use crate::failure::Failure;
 use std::fmt::Write;
@@ -28,8 +26,6 @@ pub struct Arguments {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum Part {
-    /// Does a model keep its shape at coordinates in the millions?
-    Utm,
     /// How far are areas and volumes of simulated solids from the exact ones?
     Solids,
     /// How often is the answer for a point wrong, and how often unknown?
@@ -41,9 +37,6 @@ enum Part {
 /// Runs the experiments.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let asked = |part| arguments.part.is_none_or(|only| only == part);
-    if asked(Part::Utm) {
-        utm::run()?;
-    }
     if asked(Part::Solids) {
         solids::run()?;
     }

@@ -1,8 +1,7 @@
-//! How good one view's curves are: accuracy by method, noise, surface and angle; what the noise
-//! step does to whole scenes; gaps, jumps, and planes within the noise of a wall.
+//! How good one view's curves are: accuracy by method, noise, surface and angle, and what the noise
+//! step does to whole scenes.
 
 mod accuracy;
-mod cases;
 mod error;
 mod noise_step;
 mod surface;
@@ -27,8 +26,6 @@ enum Table {
     Accuracy,
     /// One view before and after smoothing, on the bundled scenes.
     Noise,
-    /// Curves cut by missing pixels, jumps, and planes nearly tangent to a noisy wall.
-    Cases,
 }
 
 /// Runs the experiment.
@@ -39,9 +36,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     if chosen(Table::Noise) {
         noise_step::run()?;
-    }
-    if chosen(Table::Cases) {
-        cases::run()?;
     }
     say("");
     Ok(())
