@@ -1,8 +1,8 @@
 """Contours a height image with another program: its time, and whether it finds the same vertices.
 
-Arguments: the program, contourpy or GDAL; a folder with levels.npy (rows x columns of levels, NaN where missing) and vertices.npy
+Arguments: the program, contourpy or GDAL; a folder with levels.npy (rows x columns of levels, NaN where missing) and vertices.f64
 (plane, column, row of every vertex in pixels), how many planes there are, and how many rounds to time.
-Prints one line: name, nanoseconds per pixel for all planes, and the comparison.
+Prints one line: nanoseconds per pixel for all planes, and the comparison.
 """
 
 import sys
@@ -75,7 +75,7 @@ def with_contourpy(image, rounds, used, all_count, vertices):
             generator.lines(level)
 
     took = seconds(run, used, rounds) * all_count / len(used) / image.size * 1e9
-    print(f"contourpy {contourpy.__version__}\t{took}\t{compare(lines_of, vertices, used)}")
+    print(f"{took}\t{compare(lines_of, vertices, used)}; contourpy {contourpy.__version__}")
 
 
 def with_gdal(image, rounds, used, all_count, vertices):
@@ -107,7 +107,7 @@ def with_gdal(image, rounds, used, all_count, vertices):
     for feature in layer:
         points = np.array(feature.GetGeometryRef().GetPoints())[:, :2]
         lines.setdefault(feature.GetField(0), []).append(points)
-    print(f"GDAL {gdal.__version__}\t{took}\t{shared(lines, vertices, used, image)}")
+    print(f"{took}\t{shared(lines, vertices, used, image)}; GDAL {gdal.__version__}")
 
 
 def keys(points, shift):
@@ -154,7 +154,7 @@ PROGRAMS = {"contourpy": with_contourpy, "GDAL": with_gdal}
 def main():
     program, folder, count, rounds = sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4])
     image = np.load(f"{folder}/levels.npy").astype(np.float64)
-    vertices = np.load(f"{folder}/vertices.npy")
+    vertices = np.fromfile(f"{folder}/vertices.f64", "<f8").reshape(-1, 3)
     low, high = np.ceil(np.nanmin(image)), np.ceil(np.nanmax(image)) - 1
     levels = np.arange(low, high + 1)
     used = levels[np.unique(np.linspace(0, len(levels) - 1, MOST_LEVELS).round().astype(int))]

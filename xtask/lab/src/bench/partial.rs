@@ -1,26 +1,22 @@
 //! `cargo xtask bench partial`: the partial modeler, per pixel and per vertex.
 
 use super::peers;
-use super::scene::{self, Gaps};
-use super::timing::{Variant, load, time};
+use super::scene;
+use super::timing::{Variant, time};
 use crate::failure::Failure;
 use crate::table::say;
 use std::hint::black_box;
 use transect_device::View;
 use transect_geometry::PlaneFamily;
 use transect_partial::dissertation::{DissertationOptions, JumpTest};
-use transect_partial::one_pass::{
-    Effort, Instructions, OnePassOptions, Workspace, contours, partial_model_with,
-};
+use transect_partial::one_pass::{Effort, OnePassOptions, Workspace, contours, partial_model_with};
 use transect_partial::{BreakRule, Method, SectionAxes, partial_model};
 
 /// Planes on which the dissertation's method is timed. Its time is proportional to their number.
 const SAMPLE_PLANES: usize = 8;
 
 const DETECTION: &str = "one pass, no plane met";
-const OURS: &str = "one pass, AVX2";
 const BEST: &str = "one pass, best";
-const FRESH: &str = "one pass, fresh memory";
 const CURVES: &str = "curves with all attributes";
 const DISSERTATION: &str = "dissertation, plane by plane";
 
@@ -33,9 +29,6 @@ pub struct Arguments {
     /// Numbers of planes.
     #[arg(long, value_delimiter = ',', default_values_t = [16, 64, 256, 1024])]
     planes: Vec<usize>,
-    /// Where pixels are missing.
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Gaps::Single, Gaps::Clustered])]
-    gaps: Vec<Gaps>,
     /// Also time contourpy and GDAL, each in the first Python that has it: the one named by
     /// TRANSECT_PYTHON, python3, /usr/bin/python3.
     #[arg(long)]
@@ -48,19 +41,14 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     for &size in &arguments.size {
-        for &gaps in &arguments.gaps {
-            let view = scene::view(size, gaps).ok_or_else(|| Failure::because("no such view"))?;
-            for &count in &arguments.planes {
-                let planes = scene::planes(&view, count);
-                let planes = planes.ok_or_else(|| Failure::because("no such planes"))?;
-                say(&format!(
-                    "\n{size} × {size} pixels, {count} planes, {gaps:?} gaps, load {}",
-                    load()
-                ));
-                Case { view: &view, planes: &planes, count, rounds: arguments.rounds }.run()?;
-                if arguments.peers {
-                    peers::compare(&view, &planes, count, arguments.rounds)?;
-                }
+        let view = scene::view(size).ok_or_else(|| Failure::because("no such view"))?;
+        for &count in &arguments.planes {
+            let planes = scene::planes(&view, count);
+            let planes = planes.ok_or_else(|| Failure::because("no such planes"))?;
+            say(&format!("\n{size} × {size} pixels, {count} planes"));
+            Case { view: &view, planes: &planes, count, rounds: arguments.rounds }.run()?;
+            if arguments.peers {
+                peers::compare(&view, &planes, count, arguments.rounds)?;
             }
         }
     }
@@ -105,24 +93,14 @@ impl Case<'_> {
     }
 
     fn one_pass(&self, axes: SectionAxes, far: SectionAxes) -> Vec<Variant<'_>> {
-        let with = |instructions| Effort { instructions, ..Effort::default() };
-        let two = |instructions| Effort { parts: 2, ..with(instructions) };
         let mut options = OnePassOptions::default();
         options.max_incidence_rad = 12_f64.atan();
         options.jump_sigmas = 0.0;
         options.smooth = false;
         let mut whole = Workspace::default();
         vec![
-            self.kernel(DETECTION, far, with(Instructions::Best)),
-            self.kernel("one pass, portable", axes, with(Instructions::Portable)),
-            self.kernel(OURS, axes, with(Instructions::Avx2)),
-            self.kernel(BEST, axes, with(Instructions::Best)),
-            Variant::new(FRESH, move || {
-                lines_of(self.view, &axes, &Effort::default(), &mut Workspace::default());
-            }),
-            self.kernel("portable, two threads", axes, two(Instructions::Portable)).threaded(),
-            self.kernel("AVX2, two threads", axes, two(Instructions::Avx2)).threaded(),
-            self.kernel("best, two threads", axes, two(Instructions::Best)).threaded(),
+            self.kernel(DETECTION, far),
+            self.kernel(BEST, axes),
             Variant::new(CURVES, move || {
                 let effort = Effort::default();
                 let model =
@@ -132,9 +110,12 @@ impl Case<'_> {
         ]
     }
 
-    fn kernel(&self, name: &'static str, axes: SectionAxes, effort: Effort) -> Variant<'_> {
+    fn kernel(&self, name: &'static str, axes: SectionAxes) -> Variant<'_> {
         let mut work = Workspace::default();
-        Variant::new(name, move || lines_of(self.view, &axes, &effort, &mut work))
+        Variant::new(name, move || {
+            let found = contours(self.view, &axes, &rule(), &Effort::default(), &mut work);
+            let _ = black_box(found.map(|c| c.vertex_count()));
+        })
     }
 
     /// The lower bound of every method, and the dissertation's method on a sample of the planes.
@@ -164,50 +145,20 @@ impl Case<'_> {
             let place = variants.iter().position(|v| v.name == name);
             place.and_then(|k| seconds.get(k)).copied().unwrap_or(f64::NAN)
         };
-        let (detection, ours) = (of(DETECTION), of(OURS));
+        let (detection, sweep) = (of(DETECTION), of(BEST));
         let per_pixel = vertices as f64 / pixels as f64;
         say(&format!("{vertices} vertices, {per_pixel:.3} per pixel, on {lines} lines"));
-        say(&counts(self.view, self.count, vertices));
-        say("variant                        ns/pixel  ns/vertex beyond detection  times AVX2");
+        say("variant                        ns/pixel  ns/vertex beyond detection  times sweep");
         for (variant, s) in variants.iter().zip(seconds) {
             let beyond = (s - detection) * 1e9 / vertices as f64;
             let beyond = if beyond > 0.0 { format!("{beyond:.1}") } else { "-".to_owned() };
             let per_pixel = s * 1e9 / pixels as f64;
-            let (name, times) = (variant.name, s / ours);
-            say(&format!("{name:<30} {per_pixel:>8.3}  {beyond:>26}  {times:>10.2}"));
+            let (name, times) = (variant.name, s / sweep);
+            say(&format!("{name:<30} {per_pixel:>8.3}  {beyond:>26}  {times:>11.2}"));
         }
         say(&format!(
-            "fresh memory takes {:.2} times a kept workspace; the dissertation's method {:.1} times {CURVES}",
-            of(FRESH) / of(BEST),
+            "the dissertation's method takes {:.1} times {CURVES}",
             of(DISSERTATION) / of(CURVES),
         ));
     }
-}
-
-fn lines_of(view: &View, axes: &SectionAxes, effort: &Effort, work: &mut Workspace) {
-    let found = contours(view, axes, &rule(), effort, work).map(|c| c.vertex_count());
-    let _ = black_box(found);
-}
-
-/// Additions and multiplications as the dissertation's Appendix A counts them, and ours.
-///
-/// m × n pixels, l planes, p crossings per plane. Ours, for an imaging radar: two of each for a
-/// level and two for each of the two pair tests; for a crossing at most four multiplications and
-/// two additions per sample for its place, and four (with a division) and six for the crossing
-/// itself.
-fn counts(view: &View, planes: usize, vertices: usize) -> String {
-    let (mn, m) = (view.image().size().pixels() as f64, view.image().size().rows as f64);
-    let (l, lp) = (planes as f64, vertices as f64);
-    let cartesian = (12.0 * l * mn + 14.0 * mn, 12.0 * l * mn + 9.0 * mn);
-    let device = (14.0 * lp + 4.0 * l * mn + 3.0 * l * m, 9.0 * lp + 2.0 * l * mn);
-    let ours = (6.0 * mn + 12.0 * lp, 6.0 * mn + 10.0 * lp);
-    let line = |name: &str, (times, plus): (f64, f64)| {
-        format!("{name} {:.1} and {:.1}", times / mn, plus / mn)
-    };
-    format!(
-        "multiplications and additions per pixel (Appendix A): {}, {}, {}",
-        line("Cartesian frame", cartesian),
-        line("device frame", device),
-        line("one pass at most", ours),
-    )
 }

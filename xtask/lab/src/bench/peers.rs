@@ -12,6 +12,7 @@ use std::hint::black_box;
 use std::path::Path;
 use std::process::Command;
 use transect_device::View;
+use transect_exchange::{write_file, write_npy_image};
 use transect_geometry::PlaneFamily;
 use transect_partial::one_pass::{
     Contours, Effort, Instructions, Kind, Vertex, Workspace, contours, seen,
@@ -45,19 +46,14 @@ pub fn compare(
     std::fs::create_dir_all(&folder).map_err(|e| Failure::with_file(&folder, e))?;
     let size = view.image().size();
     let levels = seen(view, &axes, &rule, Instructions::Best).levels;
-    write_npy(
-        &folder.join("levels.npy"),
-        "<f4",
-        (size.rows, size.cols),
-        levels.iter().flat_map(|v| v.to_le_bytes()),
-    )?;
+    write_file(&folder.join("levels.npy"), |out| write_npy_image(size, &levels, out))?;
     let found = contours(view, &axes, &rule, &Effort::default(), &mut work)?;
     let rows = found
         .polylines()
         .flat_map(|line| line.vertices.iter().map(move |v| (f64::from(line.level), v)));
     let rows: Vec<[f64; 3]> = rows.map(|(level, v)| in_pixels(&found, level, v)).collect();
-    let bytes = rows.iter().flatten().flat_map(|v| v.to_le_bytes());
-    write_npy(&folder.join("vertices.npy"), "<f8", (rows.len(), 3), bytes)?;
+    let bytes: Vec<u8> = rows.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
+    write_file(&folder.join("vertices.f64"), |out| out.write_all(&bytes))?;
     let mut ours = [Variant::new("one pass", || {
         let _ = black_box(
             contours(view, &axes, &rule, &Effort::default(), &mut work).map(|c| c.vertex_count()),
@@ -70,14 +66,11 @@ pub fn compare(
         let line = program.run(&folder, count)?;
         let after = time(&mut ours, rounds)[0];
         let ours = 0.5 * (before + after) * 1e9 / size.pixels() as f64;
-        let mut parts = line.trim().split('\t');
-        let (name, took, verdict) = (parts.next(), parts.next(), parts.next());
-        let took: f64 = took.and_then(|t| t.parse().ok()).unwrap_or(f64::NAN);
+        let (took, verdict) = line.trim().split_once('\t').unwrap_or_default();
+        let took: f64 = took.parse().unwrap_or(f64::NAN);
+        let (name, times) = (program.name, took / ours);
         say(&format!(
-            "  {}: {took:.1} ns/pixel, {:.0} times one pass with {ours:.3}; {}",
-            name.unwrap_or(""),
-            took / ours,
-            verdict.unwrap_or("")
+            "  {name}: {took:.1} ns/pixel, {times:.0} times one pass with {ours:.3}; {verdict}"
         ));
     }
     Ok(())
@@ -132,21 +125,4 @@ fn in_pixels(found: &Contours<'_>, level: f64, vertex: &Vertex) -> [f64; 3] {
         Kind::Left => [level, along(a.col, b.col), a.row as f64],
         Kind::Rising | Kind::Falling => [level, along(a.col, b.col), along(a.row, b.row)],
     }
-}
-
-fn write_npy(
-    path: &Path,
-    kind: &str,
-    (rows, cols): (usize, usize),
-    bytes: impl Iterator<Item = u8>,
-) -> Result<(), Failure> {
-    let header =
-        format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({rows}, {cols}), }}");
-    // Magic, version, length and header fill a multiple of 64 bytes.
-    let length = (10 + header.len() + 1).next_multiple_of(64) - 10;
-    let mut file = b"\x93NUMPY\x01\x00".to_vec();
-    file.extend((length as u16).to_le_bytes());
-    file.extend(format!("{header:<width$}\n", width = length - 1).bytes());
-    file.extend(bytes);
-    std::fs::write(path, file).map_err(|e| Failure::with_file(path, e))
 }

@@ -11,18 +11,7 @@ use transect_geometry::{PlaneFamily, StraightGuide};
 use transect_sensors::{AngularScan, ImagingRadar};
 
 /// Share of the pixels that are missing.
-pub const MISSING: f64 = 0.02;
-
-/// Where pixels are missing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Gaps {
-    /// Nowhere.
-    None,
-    /// Single pixels at random.
-    Single,
-    /// Round spots of about a hundred pixels.
-    Clustered,
-}
+const MISSING: f64 = 0.02;
 
 /// Size of the room, in metres.
 const ROOM: [f64; 3] = [8.0, 6.0, 3.0];
@@ -32,7 +21,7 @@ const SENSOR: [f64; 3] = [1.1, 0.9, 1.4];
 const FIELD: f64 = 80.0;
 
 /// The field's view of the room.
-pub fn view(size: usize, gaps: Gaps) -> Option<View> {
+pub fn view(size: usize) -> Option<View> {
     let step = FIELD / size as f64;
     let theta = AngularScan::from_degrees(40.0 - 0.5 * FIELD, step);
     let phi = AngularScan::from_degrees(-0.5 * FIELD, step);
@@ -47,7 +36,7 @@ pub fn view(size: usize, gaps: Gaps) -> Option<View> {
         (0..size).map(ray).collect::<Vec<f32>>()
     };
     let mut values: Vec<f32> = (0..size).into_par_iter().flat_map_iter(row).collect();
-    punch(&mut values, size, gaps);
+    punch(&mut values);
     let image = RangeImage::from_values(shape, values).ok()?;
     let pose = Isometry3::translation(SENSOR[0], SENSOR[1], SENSOR[2]);
     View::new("bench", image, Arc::new(radar), pose, Some(0.0)).ok()
@@ -102,10 +91,8 @@ fn cuboid(p: &Vector3, centre: [f64; 3], half: [f64; 3]) -> f64 {
     d.norm()
 }
 
-/// Makes pixels missing, the same ones every time.
-fn punch(values: &mut [f32], size: usize, gaps: Gaps) {
-    /// Radius of a spot, in pixels.
-    const SPOT: i64 = 6;
+/// Makes single pixels missing, the same ones every time.
+fn punch(values: &mut [f32]) {
     let mut state = 88_172_645_463_325_252_u64;
     let mut random = move |below: usize| {
         state ^= state << 13;
@@ -113,19 +100,8 @@ fn punch(values: &mut [f32], size: usize, gaps: Gaps) {
         state ^= state << 17;
         (state >> 11) as usize % below
     };
-    let wanted = (MISSING * values.len() as f64) as usize;
-    let mut missing = 0;
-    while missing < wanted && gaps != Gaps::None {
-        let (row, col) = (random(size) as i64, random(size) as i64);
-        let reach = if gaps == Gaps::Single { 0 } else { SPOT };
-        for (i, j) in (-reach..=reach).flat_map(|i| (-reach..=reach).map(move |j| (i, j))) {
-            let (r, c) = (row + i, col + j);
-            let inside = (0..size as i64).contains(&r) && (0..size as i64).contains(&c);
-            if inside && i * i + j * j <= reach * reach {
-                let value = &mut values[r as usize * size + c as usize];
-                missing += usize::from(!value.is_nan());
-                *value = f32::NAN;
-            }
-        }
+    for _ in 0..(MISSING * values.len() as f64) as usize {
+        let pixel = random(values.len());
+        values[pixel] = f32::NAN;
     }
 }

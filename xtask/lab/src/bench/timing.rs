@@ -1,8 +1,8 @@
 //! Fair times on a machine that others use, too.
 //!
-//! Variants take turns, round by round, so that a slow minute slows all of them. One-thread
-//! variants count the time their thread was running rather than the time that passed. The result is
-//! the median of the rounds.
+//! Variants take turns, round by round, so that a slow minute slows all of them. Each counts the
+//! time its thread was running rather than the time that passed. The result is the median of the
+//! rounds.
 
 use crate::statistics::median;
 use std::time::Instant;
@@ -10,8 +10,6 @@ use std::time::Instant;
 /// One thing to be timed.
 pub struct Variant<'a> {
     pub name: &'static str,
-    /// Whether it runs on several threads, so that only the time that passes can be told.
-    pub threads: bool,
     /// What its time is multiplied by: for those that do a part of the work.
     pub scale: f64,
     pub run: Box<dyn FnMut() + 'a>,
@@ -19,15 +17,11 @@ pub struct Variant<'a> {
 
 impl<'a> Variant<'a> {
     pub fn new(name: &'static str, run: impl FnMut() + 'a) -> Self {
-        Self { name, threads: false, scale: 1.0, run: Box::new(run) }
+        Self { name, scale: 1.0, run: Box::new(run) }
     }
 
     pub fn scaled(self, scale: f64) -> Self {
         Self { scale, ..self }
-    }
-
-    pub fn threaded(self) -> Self {
-        Self { threads: true, ..self }
     }
 }
 
@@ -36,13 +30,9 @@ pub fn time(variants: &mut [Variant<'_>], rounds: usize) -> Vec<f64> {
     let mut seconds = vec![Vec::new(); variants.len()];
     for round in 0..=rounds {
         for (variant, seconds) in variants.iter_mut().zip(&mut seconds) {
-            let (began, running) = (Instant::now(), thread_seconds());
-            (variant.run)();
-            let ran = thread_seconds().zip(running).map(|(end, start)| end - start);
-            let passed = began.elapsed().as_secs_f64();
+            let took = once(&mut variant.run);
             // The first round warms up.
             if round > 0 {
-                let took = if variant.threads { passed } else { ran.unwrap_or(passed) };
                 seconds.push(took * variant.scale);
             }
         }
@@ -68,12 +58,4 @@ fn thread_seconds() -> Option<f64> {
 #[cfg(not(unix))]
 fn thread_seconds() -> Option<f64> {
     None
-}
-
-/// The machine's load, for the reader of the table.
-pub fn load() -> String {
-    std::fs::read_to_string("/proc/loadavg")
-        .ok()
-        .and_then(|text| text.split(' ').next().map(str::to_owned))
-        .unwrap_or_else(|| "unknown".to_owned())
 }

@@ -37,12 +37,20 @@ struct Cut {
     truth: BTreeMap<PlaneIndex, Vec<Curve>>,
 }
 
+/// Options of `experiments partial`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Rows and columns of the camera.
+    #[arg(long, default_value_t = 256, value_name = "NUMBER")]
+    size: usize,
+}
+
 /// Prints the table, one part for each noise.
-pub fn run(size: usize) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let surfaces = surfaces()?;
     for sigma in NOISE {
         say(&format!("\nNoise of {:.1} % of the solids' size:\n", 100.0 * sigma));
-        let lines = surfaces.iter().map(|surface| lines(surface, sigma, size));
+        let lines = surfaces.iter().map(|surface| lines(surface, sigma, arguments.size));
         let lines: Vec<_> = lines.collect::<Result<_, _>>()?;
         let angles = ANGLES.windows(2).map(|a| format!("{:.0}° to {:.0}°", a[0], a[1]));
         let heads: Vec<String> =
