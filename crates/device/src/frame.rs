@@ -34,6 +34,13 @@ pub enum Handedness {
     ColumnsLeft,
 }
 
+impl Handedness {
+    /// The orientation of a grid by that sign.
+    pub fn of(turn: f64) -> Self {
+        if turn > 0.0 { Self::ColumnsRight } else { Self::ColumnsLeft }
+    }
+}
+
 /// An affine function of a sensor-frame point: `gradient · p + constant`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinearForm {

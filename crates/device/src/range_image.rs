@@ -37,6 +37,18 @@ impl ImageSize {
         self.rows.saturating_mul(self.cols)
     }
 
+    /// All pixels, row by row.
+    pub fn all_pixels(self) -> impl Iterator<Item = Pixel> {
+        (0..self.rows).flat_map(move |row| (0..self.cols).map(move |col| Pixel::new(row, col)))
+    }
+
+    /// Place of a pixel in row-major order; `None` outside the image.
+    #[inline]
+    pub fn index(&self, pixel: Pixel) -> Option<usize> {
+        let inside = pixel.row < self.rows && pixel.col < self.cols;
+        inside.then(|| pixel.row * self.cols + pixel.col)
+    }
+
     /// Refuses impossible sizes, before memory is taken for them.
     ///
     /// # Errors
@@ -152,9 +164,7 @@ impl RangeImage {
     /// The value at a pixel; `None` where it is missing or outside the image.
     #[inline]
     pub fn get(&self, pixel: Pixel) -> Option<f32> {
-        let inside = pixel.row < self.size.rows && pixel.col < self.size.cols;
-        let value = inside.then(|| self.values.get(pixel.row * self.size.cols + pixel.col));
-        value.flatten().copied().filter(|v| !v.is_nan())
+        self.values.get(self.size.index(pixel)?).copied().filter(|v| !v.is_nan())
     }
 
     /// The values of one row for inner loops, **NaN where missing**; empty outside the image.

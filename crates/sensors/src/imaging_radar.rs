@@ -16,15 +16,15 @@
 //! last column a neighbour of the first.
 //!
 //! Departures from the source, after its errata: θ comes from `atan2` and is unwrapped into the
-//! scan (Eq. 4.6 prints `asin`, which folds the rear half-space onto the front), and the sensing
-//! volume's extremes are looked for at the corners, inside the field and along all four angular
-//! edges, since the eleven planes of section 4.2.4 miss planes.
+//! scan (Eq. 4.6 prints `asin`, which folds the rear half-space onto the front). The extent is taken
+//! over all rays, since the eleven planes of section 4.2.4 miss planes.
 
+use crate::central::{central_extent, central_plane_value};
 use crate::error::{SensorError, require};
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, TAU};
 use transect_device::{
-    DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, Neighbour, PairGeometry, Pixel,
-    Point3, RangeImage, Ray, RayProduct, RayProducts, SensorPlane, SeparableForm, Vector3,
+    DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, Neighbour, Pixel, Point3,
+    RangeImage, Ray, RayProduct, RayProducts, SensorPlane, SeparableForm, Vector3,
 };
 
 /// Equal angular steps: sample `k` looks along `first + k · step`.
@@ -134,37 +134,6 @@ impl ImagingRadar {
             }
         }
     }
-
-    /// Smallest and largest `direction · ray` over the angular field.
-    fn angular_extremes(&self, direction: &Vector3) -> (f64, f64) {
-        let (theta_range, phi_range) =
-            (self.theta.range(self.size.cols), self.phi.range(self.size.rows));
-        let mut thetas = vec![theta_range.0, theta_range.1];
-        // Extremes along an edge of constant φ, and the azimuth of ±n itself.
-        let azimuth = direction.y.atan2(direction.x);
-        thetas.extend(turns_within(azimuth, theta_range));
-        thetas.extend(turns_within(azimuth + PI, theta_range));
-        let mut extremes = (f64::INFINITY, f64::NEG_INFINITY);
-        for theta in thetas {
-            let horizontal = direction.x * theta.cos() + direction.y * theta.sin();
-            let mut phis = vec![phi_range.0, phi_range.1];
-            // Extremes along an edge of constant θ; at the azimuth of ±n these are ±n.
-            let elevation = direction.z.atan2(horizontal);
-            phis.extend(turns_within(elevation, phi_range));
-            phis.extend(turns_within(elevation + PI, phi_range));
-            for phi in phis {
-                let value = phi.cos() * horizontal + phi.sin() * direction.z;
-                extremes = (value.min(extremes.0), value.max(extremes.1));
-            }
-        }
-        extremes
-    }
-}
-
-/// An angle shifted by whole turns into a range, if it can be.
-fn turns_within(angle: f64, (low, high): (f64, f64)) -> Option<f64> {
-    let shifted = angle + ((low - angle) / TAU).ceil() * TAU;
-    (shifted <= high).then_some(shifted)
 }
 
 impl DeviceFrame for ImagingRadar {
@@ -174,11 +143,7 @@ impl DeviceFrame for ImagingRadar {
 
     fn handedness(&self) -> Handedness {
         // ∂ray/∂θ × ∂ray/∂φ is cos φ times the ray, so only the signs of the steps matter.
-        if self.theta.step * self.phi.step > 0.0 {
-            Handedness::ColumnsRight
-        } else {
-            Handedness::ColumnsLeft
-        }
+        Handedness::of(self.theta.step * self.phi.step)
     }
 
     fn columns_wrap(&self) -> bool {
@@ -208,15 +173,13 @@ impl DeviceFrame for ImagingRadar {
 
     /// Eq. 4.7: `r = offset / (n · ray)`.
     fn plane_value(&self, pixel: Pixel, plane: &SensorPlane) -> Option<f64> {
-        let value = plane.offset / plane.normal.dot(&self.direction(pixel)?);
-        (value.is_finite() && value > 0.0).then_some(value)
+        central_plane_value(&self.direction(pixel)?, plane)
     }
 
+    /// Exact, ray by ray.
     fn extent(&self, direction: &Vector3, nearest: f64, farthest: f64) -> (f64, f64) {
-        let (low, high) = self.angular_extremes(direction);
-        let values = [low * nearest, low * farthest, high * nearest, high * farthest];
-        let smallest = values.iter().copied().fold(f64::INFINITY, f64::min);
-        (smallest, values.iter().copied().fold(f64::NEG_INFINITY, f64::max))
+        let rays = self.size.all_pixels().filter_map(|pixel| self.direction(pixel));
+        central_extent(rays, direction, nearest, farthest)
     }
 
     fn form_row(&self, image: &RangeImage, row: usize, form: &LinearForm, out: &mut [f32]) {
@@ -227,36 +190,6 @@ impl DeviceFrame for ImagingRadar {
         for (value, (&d3, theta)) in out.iter_mut().zip(samples) {
             let per_range = x * theta.cos + y * theta.sin + z;
             *value = (f64::from(d3) * per_range + form.constant) as f32;
-        }
-    }
-
-    fn pair_row(
-        &self,
-        image: &RangeImage,
-        row: usize,
-        neighbour: Neighbour,
-        out: &mut [PairGeometry],
-    ) {
-        let samples = image.row(row);
-        let Some(phi) = self.rows.get(row) else { return out.fill(PairGeometry::MISSING) };
-        let angle = self.angle_between(phi, neighbour);
-        match neighbour {
-            Neighbour::Up => {
-                let Some(above) = row.checked_sub(1).map(|r| image.row(r)) else {
-                    return out.fill(PairGeometry::MISSING);
-                };
-                for ((pair, &a), &b) in out.iter_mut().zip(samples).zip(above) {
-                    *pair = polar_pair(a, b, angle);
-                }
-            }
-            Neighbour::Left => {
-                let last = samples.last().copied().filter(|_| self.columns_wrap());
-                let before =
-                    std::iter::once(last.unwrap_or(f32::NAN)).chain(samples.iter().copied());
-                for ((pair, &a), b) in out.iter_mut().zip(samples).zip(before) {
-                    *pair = polar_pair(a, b, angle);
-                }
-            }
         }
     }
 
@@ -278,12 +211,4 @@ impl DeviceFrame for ImagingRadar {
         };
         Some(RayProducts { rows: self.rows.iter().map(product).collect(), columns: Vec::new() })
     }
-}
-
-/// Two ranges on rays that an angle parts; NaN goes through.
-fn polar_pair(a: f32, b: f32, angle: SinCos) -> PairGeometry {
-    let (a, b) = (f64::from(a), f64::from(b));
-    let along = (b * angle.cos - a).abs();
-    let lateral = b * angle.sin + 0.0 * a;
-    PairGeometry { range_step: along as f32, lateral: lateral as f32 }
 }

@@ -13,6 +13,7 @@
 //! | [`pinhole`] | depth camera, with or without lens distortion | depth along the optical axis, or ray length | yes |
 //! | [`point_grid`] | organised grid of Cartesian points | distance from the ray's start | no |
 
+mod central;
 mod error;
 pub mod imaging_radar;
 pub mod light_stripe;

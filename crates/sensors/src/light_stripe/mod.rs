@@ -70,8 +70,7 @@ pub use parameters::LightStripeParameters;
 
 use crate::SensorError;
 use transect_device::{
-    DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, Pixel, Point3, RangeImage, Ray,
-    SensorPlane, Vector3,
+    DeviceFrame, DevicePoint, Handedness, ImageSize, Pixel, Point3, Ray, SensorPlane, Vector3,
 };
 
 /// The laser sheet of a column, which all its pixels share.
@@ -229,11 +228,7 @@ impl DeviceFrame for LightStripe {
 
     fn handedness(&self) -> Handedness {
         // ∂ray/∂θ = (-1/sin²θ, 0, 0) and ∂ray/∂row = (0, cell_height/f, 0): turned against z.
-        if self.parameters.theta_laser.ascending() {
-            Handedness::ColumnsLeft
-        } else {
-            Handedness::ColumnsRight
-        }
+        Handedness::of(if self.parameters.theta_laser.ascending() { -1.0 } else { 1.0 })
     }
 
     fn ray(&self, pixel: Pixel) -> Option<Ray> {
@@ -316,21 +311,5 @@ impl DeviceFrame for LightStripe {
             }
         }
         extremes
-    }
-
-    fn form_row(&self, image: &RangeImage, row: usize, form: &LinearForm, out: &mut [f32]) {
-        let f = self.parameters.focal_length;
-        let y_plane = self.y_plane(row as f64);
-        let g = form.gradient;
-        let (at_focus, of_row) = (form.constant + g.z * f, g.z - g.y * y_plane / f);
-        let samples = image.row(row).iter().zip(&self.sheets);
-        for (value, (&d3, sheet)) in out.iter_mut().zip(samples) {
-            let closing = self.x_plane(f64::from(d3)) + f * sheet.cot;
-            let depth = f * sheet.base / closing;
-            // A missing sample makes `closing` NaN, which is no valid depth either.
-            let valid = closing > 0.0 && depth <= self.reach(sheet, y_plane);
-            let level = at_focus - g.x * sheet.base + depth * (g.x * sheet.cot + of_row);
-            *value = if valid { level as f32 } else { f32::NAN };
-        }
     }
 }

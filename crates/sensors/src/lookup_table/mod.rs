@@ -53,8 +53,7 @@ use crate::error::{SensorError, require};
 use mounting::Axes;
 use nalgebra::Point2;
 use transect_device::{
-    DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, Pixel, Point3, RangeImage, Ray,
-    SensorPlane, Vector3,
+    DeviceFrame, DevicePoint, Handedness, ImageSize, Pixel, Point3, Ray, SensorPlane, Vector3,
 };
 
 /// Start of the light, and the point that sees it, in the local frame (u, v); lengths.
@@ -177,11 +176,7 @@ impl DeviceFrame for LookupTable {
         // Neighbouring columns lie along ±(a, b), neighbouring rows along the linear axis. (a, b)
         // is a quarter turn from u to v off the ray, so (a, b) × linear · ray has this sign.
         let quarter_turn = self.axes.v.cross(&self.axes.linear).dot(&self.axes.u);
-        if quarter_turn * self.field.turn() * self.rows.step() > 0.0 {
-            Handedness::ColumnsRight
-        } else {
-            Handedness::ColumnsLeft
-        }
+        Handedness::of(quarter_turn * self.field.turn() * self.rows.step())
     }
 
     fn ray(&self, pixel: Pixel) -> Option<Ray> {
@@ -230,20 +225,5 @@ impl DeviceFrame for LookupTable {
         let shift = |row: f64| self.axes.linear.dot(direction) * self.rows.place(row);
         let (first, last) = (shift(0.0), shift(self.rows.rows() as f64 - 1.0));
         (extremes.0 + first.min(last), extremes.1 + first.max(last))
-    }
-
-    fn form_row(&self, image: &RangeImage, row: usize, form: &LinearForm, out: &mut [f32]) {
-        out.fill(f32::NAN);
-        let samples = image.row(row);
-        let in_sweep = self.axes.local(&form.gradient);
-        let linear = self.axes.linear.dot(&form.gradient);
-        let of_row = form.constant + linear * self.rows.place(row as f64);
-        for (col, beam) in self.field.beams() {
-            let (Some(&d3), Some(value)) = (samples.get(col), out.get_mut(col)) else { continue };
-            // NaN lies outside every field.
-            let Some(distance) = beam.distance_of(f64::from(d3)) else { continue };
-            let near = in_sweep.dot(&beam.near_end().coords);
-            *value = (of_row + near + distance * in_sweep.dot(&beam.direction())) as f32;
-        }
     }
 }

@@ -19,6 +19,7 @@ mod ray_table;
 
 pub use ray_table::RayTable;
 
+use crate::central::{central_extent, central_plane_value};
 use crate::error::{SensorError, require};
 use transect_device::{
     DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, Neighbour, Pixel, Point3,
@@ -114,44 +115,8 @@ impl Pinhole {
 
     /// The pixel's ray, scaled to value 1.
     fn inside(&self, pixel: Pixel) -> Option<Vector3> {
-        let inside = pixel.row < self.size.rows && pixel.col < self.size.cols;
-        let ray = || self.ray_at_depth_one(pixel.row as f64, pixel.col as f64);
-        inside.then(|| self.scale.per_value(ray()))
-    }
-
-    /// Smallest and largest x and y of rays at depth 1.
-    fn field(&self) -> [(f64, f64); 2] {
-        let low = self.ray_at_depth_one(0.0, 0.0);
-        let (last_row, last_col) = (self.size.rows as f64 - 1.0, self.size.cols as f64 - 1.0);
-        let high = self.ray_at_depth_one(last_row, last_col);
-        [(low.x, high.x), (low.y, high.y)]
-    }
-
-    /// The rays at depth 1 where a linear form of the point may be extreme for one value.
-    ///
-    /// Depths: the corners, since the volume is their convex hull. Ray lengths: corners, edges and
-    /// the direction itself, since the volume bulges.
-    fn extreme_rays(&self, direction: &Vector3) -> Vec<Vector3> {
-        let [xs, ys] = self.field();
-        let ray = |x, y| Vector3::new(x, y, 1.0);
-        let mut rays = vec![ray(xs.0, ys.0), ray(xs.0, ys.1), ray(xs.1, ys.0), ray(xs.1, ys.1)];
-        if self.scale == PinholeScale::Depth {
-            return rays;
-        }
-        let within = |at: f64, (low, high): (f64, f64)| (low..=high).contains(&at);
-        let n = direction;
-        // Along an edge of constant y: where the derivative of (n · ray) / |ray| by x is 0.
-        for y in [ys.0, ys.1] {
-            let x = n.x * (1.0 + y * y) / (n.y * y + n.z);
-            rays.extend(within(x, xs).then(|| ray(x, y)));
-        }
-        for x in [xs.0, xs.1] {
-            let y = n.y * (1.0 + x * x) / (n.x * x + n.z);
-            rays.extend(within(y, ys).then(|| ray(x, y)));
-        }
-        let (x, y) = (n.x / n.z, n.y / n.z);
-        rays.extend((within(x, xs) && within(y, ys)).then(|| ray(x, y)));
-        rays
+        self.size.index(pixel)?;
+        Some(self.scale.per_value(self.ray_at_depth_one(pixel.row as f64, pixel.col as f64)))
     }
 }
 
@@ -184,42 +149,21 @@ impl DeviceFrame for Pinhole {
     }
 
     fn plane_value(&self, pixel: Pixel, plane: &SensorPlane) -> Option<f64> {
-        let value = plane.offset / plane.normal.dot(&self.inside(pixel)?);
-        (value.is_finite() && value > 0.0).then_some(value)
+        central_plane_value(&self.inside(pixel)?, plane)
     }
 
+    /// Exact, ray by ray.
     fn extent(&self, direction: &Vector3, nearest: f64, farthest: f64) -> (f64, f64) {
-        let mut extremes = (f64::INFINITY, f64::NEG_INFINITY);
-        for ray in self.extreme_rays(direction) {
-            let per_value = direction.dot(&self.scale.per_value(ray));
-            for value in [per_value * nearest, per_value * farthest] {
-                extremes = (value.min(extremes.0), value.max(extremes.1));
-            }
-        }
-        extremes
+        let rays = self.size.all_pixels().filter_map(|pixel| self.inside(pixel));
+        central_extent(rays, direction, nearest, farthest)
     }
 
     fn form_row(&self, image: &RangeImage, row: usize, form: &LinearForm, out: &mut [f32]) {
-        let first_ray = self.ray_at_depth_one(row as f64, 0.0);
-        let first = form.gradient.dot(&first_ray);
-        let per_column = form.gradient.x / self.intrinsics.fx;
-        let samples = out.iter_mut().zip(image.row(row)).enumerate();
-        match self.scale {
-            PinholeScale::Depth => {
-                for (col, (value, &depth)) in samples {
-                    let per_depth = first + per_column * col as f64;
-                    *value = (f64::from(depth) * per_depth + form.constant) as f32;
-                }
-            }
-            PinholeScale::RayLength => {
-                let of_row = 1.0 + first_ray.y * first_ray.y;
-                for (col, (value, &length)) in samples {
-                    let x = first_ray.x + col as f64 / self.intrinsics.fx;
-                    let depth = f64::from(length) / (of_row + x * x).sqrt();
-                    let per_depth = first + per_column * col as f64;
-                    *value = (depth * per_depth + form.constant) as f32;
-                }
-            }
+        let first = self.ray_at_depth_one(row as f64, 0.0);
+        for (col, (value, &d3)) in out.iter_mut().zip(image.row(row)).enumerate() {
+            let ray = Vector3::new(first.x + col as f64 / self.intrinsics.fx, first.y, 1.0);
+            let per_value = form.gradient.dot(&self.scale.per_value(ray));
+            *value = (f64::from(d3) * per_value + form.constant) as f32;
         }
     }
 

@@ -18,11 +18,12 @@
 //! Cost: some hundred dot products per point. All rays must start in one point.
 
 use super::PinholeScale;
+use crate::central::{central_extent, central_plane_value};
 use crate::error::{SensorError, require};
 use nalgebra::{Matrix2, Vector2};
 use transect_device::{
-    DeviceFrame, DevicePoint, Handedness, ImageError, ImageSize, LinearForm, Pixel, Point3,
-    RangeImage, Ray, SensorPlane, Vector3,
+    DeviceFrame, DevicePoint, Handedness, ImageError, ImageSize, Pixel, Point3, Ray, SensorPlane,
+    Vector3,
 };
 
 /// Rays per side of the coarsest grid of pixels, where the search starts. Chosen by hand. Doubled,
@@ -83,43 +84,24 @@ impl RayTable {
         }
         let rays = rays.into_iter().map(|r| Some(scale.per_value(r?))).collect();
         let mut table = Self { size, scale, handedness: Handedness::ColumnsRight, rays };
-        let (right, left) = table.count_turns();
-        if right + left == 0 {
-            return Err(SensorError::NoSurface);
-        }
-        let folded = right.min(left);
+        let turns: Vec<f64> = size.all_pixels().filter_map(|p| table.turn(p)).collect();
+        let first = *turns.first().ok_or(SensorError::NoSurface)?;
+        table.handedness = Handedness::of(first);
+        let folded = turns.iter().filter(|t| Handedness::of(**t) != table.handedness).count();
         require("rays", folded as f64, folded == 0, "no cells that fold back")?;
-        if left > 0 {
-            table.handedness = Handedness::ColumnsLeft;
-        }
         Ok(table)
     }
 
     fn scaled(&self, row: usize, col: usize) -> Option<Vector3> {
-        let inside = row < self.size.rows && col < self.size.cols;
-        *self.rays.get(row * self.size.cols + col).filter(|_| inside)?
+        *self.rays.get(self.size.index(Pixel::new(row, col))?)?
     }
 
-    /// How many corners of cells turn each way, seen along their rays.
-    fn count_turns(&self) -> (usize, usize) {
-        let (mut right, mut left) = (0, 0);
-        for row in 1..self.size.rows {
-            for col in 1..self.size.cols {
-                match self.turn(row, col) {
-                    Some(turn) if turn > 0.0 => right += 1,
-                    Some(_) => left += 1,
-                    None => {}
-                }
-            }
-        }
-        (right, left)
-    }
-
-    fn turn(&self, row: usize, col: usize) -> Option<f64> {
+    /// Which way a corner of a cell turns, seen along its ray.
+    fn turn(&self, Pixel { row, col }: Pixel) -> Option<f64> {
         let unit = |row, col| Some(self.scaled(row, col)?.normalize());
         let here = unit(row, col)?;
-        let along_columns = here - unit(row, col - 1)?;
-        let along_rows = here - unit(row - 1, col)?;
+        let along_columns = here - unit(row, col.checked_sub(1)?)?;
+        let along_rows = here - unit(row.checked_sub(1)?, col)?;
         Some(along_columns.cross(&along_rows).dot(&here))
     }
 
@@ -222,23 +204,11 @@ impl DeviceFrame for RayTable {
     }
 
     fn plane_value(&self, pixel: Pixel, plane: &SensorPlane) -> Option<f64> {
-        let value = plane.offset / plane.normal.dot(&self.scaled(pixel.row, pixel.col)?);
-        (value.is_finite() && value > 0.0).then_some(value)
+        central_plane_value(&self.scaled(pixel.row, pixel.col)?, plane)
     }
 
     /// Exact, ray by ray.
     fn extent(&self, direction: &Vector3, nearest: f64, farthest: f64) -> (f64, f64) {
-        let per_value = self.rays.iter().flatten().map(|r| direction.dot(r));
-        let both = per_value.flat_map(|d| [d * nearest, d * farthest]);
-        both.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
-    }
-
-    fn form_row(&self, image: &RangeImage, row: usize, form: &LinearForm, out: &mut [f32]) {
-        let start = row.saturating_mul(self.size.cols);
-        let rays = self.rays.iter().skip(start).take(self.size.cols);
-        for ((value, &d3), ray) in out.iter_mut().zip(image.row(row)).zip(rays) {
-            let at = |r: &Vector3| (f64::from(d3) * form.gradient.dot(r) + form.constant) as f32;
-            *value = ray.as_ref().map_or(f32::NAN, at);
-        }
+        central_extent(self.rays.iter().flatten().copied(), direction, nearest, farthest)
     }
 }

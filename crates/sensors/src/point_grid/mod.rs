@@ -108,9 +108,9 @@ impl PointGrid {
         let parallel_start = parallel_start(&points, &starts);
         let distance = |p: &Point3| starts.distance(p, parallel_start) as f32;
         let image = RangeImage::from_values(size, points.iter().map(distance).collect())?;
-        for (p, k) in points.iter_mut().zip(0..) {
+        for (p, pixel) in points.iter_mut().zip(size.all_pixels()) {
             // A point too far for the image's numbers is missing there, so it is missing here.
-            if image.get(Pixel::new(k / size.cols, k % size.cols)).is_none() {
+            if image.get(pixel).is_none() {
                 *p = MISSING;
             }
         }
@@ -153,9 +153,7 @@ impl PointGrid {
     }
 
     fn stored(&self, pixel: Pixel) -> Option<&Point3> {
-        let inside = pixel.row < self.size.rows && pixel.col < self.size.cols;
-        let point = inside.then(|| self.points.get(pixel.row * self.size.cols + pixel.col));
-        point.flatten().filter(|p| !p.x.is_nan())
+        self.points.get(self.size.index(pixel)?).filter(|p| !p.x.is_nan())
     }
 
     /// The point of a value other than that of a stored point.
@@ -187,19 +185,10 @@ impl PointGrid {
 
     /// The side from which most cells are seen: the sign of (∂p/∂column × ∂p/∂row) · ray.
     fn read_handedness(&self) -> Option<Handedness> {
-        let mut balance = 0_i64;
-        for row in 1..self.size.rows {
-            for col in 1..self.size.cols {
-                let Some(turn) = self.cell_turn(row, col) else { continue };
-                // A cell seen edge-on has no side.
-                balance += i64::from(turn > 0.0) - i64::from(turn < 0.0);
-            }
-        }
-        match balance.signum() {
-            1 => Some(Handedness::ColumnsRight),
-            -1 => Some(Handedness::ColumnsLeft),
-            _ => None,
-        }
+        let turns = self.size.all_pixels().filter_map(|pixel| self.cell_turn(pixel));
+        // A cell seen edge-on has no side.
+        let balance: i64 = turns.map(|t| i64::from(t > 0.0) - i64::from(t < 0.0)).sum();
+        (balance != 0).then(|| Handedness::of(balance as f64))
     }
 
     /// Whether the last column lies beside the first, as neighbouring columns do: a full circle.
@@ -220,10 +209,11 @@ impl PointGrid {
                 .is_some_and(|(seam, step)| seam <= 1.5 * step)
     }
 
-    fn cell_turn(&self, row: usize, col: usize) -> Option<f64> {
-        let here = self.stored(Pixel::new(row, col))?;
-        let along_columns = here - self.stored(Pixel::new(row, col - 1))?;
-        let along_rows = here - self.stored(Pixel::new(row - 1, col))?;
+    fn cell_turn(&self, pixel: Pixel) -> Option<f64> {
+        let Pixel { row, col } = pixel;
+        let here = self.stored(pixel)?;
+        let along_columns = here - self.stored(Pixel::new(row, col.checked_sub(1)?))?;
+        let along_rows = here - self.stored(Pixel::new(row.checked_sub(1)?, col))?;
         let ray = here - self.starts.start(here, self.parallel_start);
         Some(along_columns.cross(&along_rows).dot(&ray))
     }
@@ -299,7 +289,7 @@ impl DeviceFrame for PointGrid {
 
     fn point(&self, pixel: Pixel, d3: f64) -> Option<Point3> {
         let p = self.stored(pixel)?;
-        let distance = self.distances.get(pixel.row * self.size.cols + pixel.col)?;
+        let distance = self.distances.get(self.size.index(pixel)?)?;
         Some(self.moved(p, *distance, d3))
     }
 

@@ -1,18 +1,12 @@
-//! One intensity image of the camera, 8 or 16 bits deep.
+//! One intensity image of the camera, up to 16 bits deep.
 
-use transect_device::{ImageError, ImageSize, MAX_PIXELS};
+use transect_device::{ImageError, ImageSize};
 
 /// Intensities in counts, row-major, row 0 first, one per camera cell.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct IntensityImage {
     size: ImageSize,
-    counts: Counts,
-}
-
-#[derive(Debug, Clone, PartialEq, Eq)]
-enum Counts {
-    Bits8(Vec<u8>),
-    Bits16(Vec<u16>),
+    counts: Vec<u16>,
 }
 
 impl IntensityImage {
@@ -21,8 +15,7 @@ impl IntensityImage {
     /// # Errors
     /// [`ImageError`] if the size is absurd or the number of counts differs from it.
     pub fn from_u8(size: ImageSize, counts: Vec<u8>) -> Result<Self, ImageError> {
-        check(size, counts.len())?;
-        Ok(Self { size, counts: Counts::Bits8(counts) })
+        Self::from_u16(size, counts.into_iter().map(u16::from).collect())
     }
 
     /// An image of 16-bit counts.
@@ -30,8 +23,11 @@ impl IntensityImage {
     /// # Errors
     /// [`ImageError`] if the size is absurd or the number of counts differs from it.
     pub fn from_u16(size: ImageSize, counts: Vec<u16>) -> Result<Self, ImageError> {
-        check(size, counts.len())?;
-        Ok(Self { size, counts: Counts::Bits16(counts) })
+        size.check()?;
+        if counts.len() != size.pixels() {
+            return Err(ImageError::WrongCount { size, found: counts.len() });
+        }
+        Ok(Self { size, counts })
     }
 
     /// Rows and columns.
@@ -42,24 +38,8 @@ impl IntensityImage {
     /// Replaces `out` by the counts of one row; empties it for a row outside the image.
     pub fn copy_row(&self, row: usize, out: &mut Vec<f64>) {
         let start = row.saturating_mul(self.size.cols);
-        let places = start..start.saturating_add(self.size.cols);
+        let counts = self.counts.get(start..start.saturating_add(self.size.cols));
         out.clear();
-        match &self.counts {
-            Counts::Bits8(all) => {
-                out.extend(all.get(places).into_iter().flatten().map(|&c| f64::from(c)))
-            }
-            Counts::Bits16(all) => {
-                out.extend(all.get(places).into_iter().flatten().map(|&c| f64::from(c)))
-            }
-        }
-    }
-}
-
-fn check(size: ImageSize, found: usize) -> Result<(), ImageError> {
-    let ImageSize { rows, cols } = size;
-    match rows.checked_mul(cols) {
-        Some(n) if n > 0 && n <= MAX_PIXELS && n == found => Ok(()),
-        Some(n) if n > 0 && n <= MAX_PIXELS => Err(ImageError::WrongCount { size, found }),
-        _ => Err(ImageError::AbsurdSize { rows, cols }),
+        out.extend(counts.into_iter().flatten().copied().map(f64::from));
     }
 }
