@@ -13,7 +13,7 @@
 //! * [`Shape`], [`Solid`], [`Scene`], [`Hit`]: the solids, and the first hit of a ray;
 //! * [`Noise`]: reproducible errors of a real sensor;
 //! * [`StripeCamera`], [`StripeImages`]: the images of a light-stripe sensor's camera;
-//! * [`Mesh`], [`slice_mesh`], [`sections`], [`merge_overlaps`]: truth as oriented curves;
+//! * [`Mesh`], [`sections`], [`merge_overlaps`]: truth as oriented curves;
 //! * [`Visibility`]: the part of the truth that the views could see;
 //! * [`Description`], [`Station`]: the scene file (TOML), with [`BUNDLED_SCENES`] as examples,
 //!   whose free-form surfaces are made by [`fixtures`].
@@ -34,11 +34,11 @@ mod visibility;
 
 pub use cast::CastError;
 pub use description::{Description, DescriptionError, Problem, SensorParameters, Station};
-pub use mesh::{Mesh, MeshError};
-pub use noise::{Noise, NoisyPose, PoseNoise};
+pub use mesh::{LARGEST, Mesh, MeshError};
+pub use noise::{Noise, PoseNoise};
 pub use scene::{Hit, Scene, SceneError};
-pub use section::{MAX_PLANES, merge_overlaps, sections, slice_mesh};
-pub use solid::{Material, Shape, Solid, SolidError};
+pub use section::{MAX_PLANES, merge_overlaps, sections};
+pub use solid::{Shape, Solid, SolidError};
 pub use stripe::{BitDepth, Counts, StripeCamera, StripeError, StripeImages};
 pub use visibility::Visibility;
 

@@ -2,6 +2,11 @@
 
 use transect_geometry::{Isometry3, Point3};
 
+/// Largest coordinate, size or distance of a scene, in its length unit. Chosen by hand: UTM
+/// coordinates in micrometres (5.4e12) fit, and no product of a few lengths overflows. Doubled,
+/// nothing changes.
+pub const LARGEST: f64 = 1e13;
+
 /// A triangle mesh.
 ///
 /// Winding: seen from outside the solid, a face's vertices run counter-clockwise. Coordinates are
@@ -22,8 +27,8 @@ pub enum MeshError {
     /// There is no face at all.
     #[error("the mesh has no faces")]
     Empty,
-    /// A coordinate is NaN or infinite.
-    #[error("vertex {vertex} has a coordinate that is not a number")]
+    /// A coordinate is no number, or beyond [`LARGEST`].
+    #[error("vertex {vertex} has a coordinate that is not finite, or beyond {LARGEST:e}")]
     NotFinite {
         /// Index of the vertex.
         vertex: usize,
@@ -93,7 +98,18 @@ impl Mesh {
     /// # Errors
     /// [`MeshError`] naming the first vertex or face that is wrong.
     pub fn check(&self) -> Result<(), MeshError> {
-        check_parts(&self.vertices, &self.faces)
+        // Comparisons with NaN are false.
+        let usable = |p: &Point3| p.coords.iter().all(|c| c.abs() <= LARGEST);
+        if let Some(vertex) = self.vertices.iter().position(|p| !usable(p)) {
+            return Err(MeshError::NotFinite { vertex });
+        }
+        let vertices = self.vertices.len();
+        for (face, corners) in self.faces.iter().enumerate() {
+            if let Some(&index) = corners.iter().find(|&&i| i as usize >= vertices) {
+                return Err(MeshError::BadIndex { face, index, vertices });
+            }
+        }
+        Ok(())
     }
 
     /// Whether the mesh is the closed, outward-wound surface of a solid: every edge belongs to
@@ -163,20 +179,6 @@ impl Mesh {
         self.vertices.extend(other.vertices.iter().map(|p| target_from_source * p));
         self.faces.extend(other.faces.iter().map(|face| face.map(|i| i + base)));
     }
-}
-
-/// Checks vertices and faces before they are used.
-pub(crate) fn check_parts(vertices: &[Point3], faces: &[[u32; 3]]) -> Result<(), MeshError> {
-    let finite = |p: &Point3| p.coords.iter().all(|c| c.is_finite());
-    if let Some(vertex) = vertices.iter().position(|p| !finite(p)) {
-        return Err(MeshError::NotFinite { vertex });
-    }
-    for (face, corners) in faces.iter().enumerate() {
-        if let Some(&index) = corners.iter().find(|&&i| i as usize >= vertices.len()) {
-            return Err(MeshError::BadIndex { face, index, vertices: vertices.len() });
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -11,8 +11,8 @@
 //! The pose error concerns the whole view.
 
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
-use rand_distr::{Distribution, StandardNormal};
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use std::f64::consts::FRAC_PI_2;
 use transect_geometry::{Isometry3, Vector3};
 
@@ -59,15 +59,6 @@ pub struct PoseNoise {
     pub shift: f64,
 }
 
-/// The true pose of a sensor, and the one that its view states.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NoisyPose {
-    /// The pose that the view states.
-    pub stated_world_from_sensor: Isometry3,
-    /// The pose from which the ranges were measured.
-    pub true_world_from_sensor: Isometry3,
-}
-
 impl Noise {
     /// A perfect sensor.
     pub const NONE: Self = Self {
@@ -90,21 +81,19 @@ impl Noise {
         self.sigma + self.sigma_growth * range
     }
 
-    /// The pose that a view states, beside the true one: off by a rotation and a shift in the
+    /// The pose that a view states of a sensor's true pose: off by a rotation and a shift in the
     /// sensor's own frame. `view` is the view's number.
-    pub fn station_pose(&self, world_from_sensor: &Isometry3, view: u64) -> NoisyPose {
+    pub fn stated_pose(&self, world_from_sensor: &Isometry3, view: u64) -> Isometry3 {
         let PoseNoise { degrees, shift } = self.pose;
+        if degrees == 0.0 && shift == 0.0 {
+            // A pose without error stays the same to the last bit.
+            return *world_from_sensor;
+        }
         let mut source = self.source(view, POSE_POSITION);
         let mut three =
-            |sigma: f64| -> Vector3 { Vector3::from_fn(|_, _| sigma * source.sample_normal()) };
-        let (turn, shift) = (three(degrees.to_radians()), three(shift));
-        let stated = if turn == Vector3::zeros() && shift == Vector3::zeros() {
-            // A pose without error stays the same to the last bit.
-            *world_from_sensor
-        } else {
-            world_from_sensor * Isometry3::new(shift, turn)
-        };
-        NoisyPose { stated_world_from_sensor: stated, true_world_from_sensor: *world_from_sensor }
+            |sigma: f64| -> Vector3 { Vector3::from_fn(|_, _| sigma * normal(&mut source)) };
+        let turn = three(degrees.to_radians());
+        world_from_sensor * Isometry3::new(three(shift), turn)
     }
 
     /// Smallest cosine of incidence that returns; `None` if all do.
@@ -119,9 +108,9 @@ impl Noise {
 
     /// The noise of one row of a view, column by column.
     pub(crate) fn row(&self, view: u64, row: usize) -> RowNoise {
-        let normal = self.sigma != 0.0 || self.sigma_growth != 0.0;
+        let noisy = self.sigma != 0.0 || self.sigma_growth != 0.0;
         let position = (row as u128) << WORDS_PER_ROW_LOG2;
-        let returns = normal || self.dropout != 0.0 || self.needs_light();
+        let returns = noisy || self.dropout != 0.0 || self.needs_light();
         RowNoise {
             returns: returns.then(|| self.source(view, position)),
             mixing: (self.mixed != 0.0).then(|| self.source(view, position | MIXING_POSITION)),
@@ -154,22 +143,14 @@ pub(crate) fn source(seed: u64, stream: u64, word: u128) -> ChaCha8Rng {
     source
 }
 
-/// The two distributions of random numbers.
-pub(crate) trait Draw {
-    /// Evenly from 0 up to, but not including, 1.
-    fn sample_uniform(&mut self) -> f64;
-    /// Of mean 0 and spread 1.
-    fn sample_normal(&mut self) -> f64;
+/// A number evenly from 0 up to, but not including, 1.
+fn uniform(source: &mut ChaCha8Rng) -> f64 {
+    StandardUniform.sample(source)
 }
 
-impl Draw for ChaCha8Rng {
-    fn sample_uniform(&mut self) -> f64 {
-        (self.next_u64() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn sample_normal(&mut self) -> f64 {
-        StandardNormal.sample(self)
-    }
+/// A number of mean 0 and standard deviation 1.
+pub(crate) fn normal(source: &mut ChaCha8Rng) -> f64 {
+    StandardNormal.sample(source)
 }
 
 /// A row's random numbers, to be drawn once for every column, in order.
@@ -193,9 +174,8 @@ impl RowNoise {
     /// The next pixel's numbers.
     pub fn next_pixel(&mut self) -> PixelNoise {
         let returns = self.returns.as_mut();
-        let (chance, normal) =
-            returns.map_or((1.0, 0.0), |s| (s.sample_uniform(), s.sample_normal()));
-        let mixing = self.mixing.as_mut().map(|s| (s.sample_uniform(), s.sample_uniform()));
+        let (chance, normal) = returns.map_or((1.0, 0.0), |s| (uniform(s), normal(s)));
+        let mixing = self.mixing.as_mut().map(|s| (uniform(s), uniform(s)));
         PixelNoise { chance, normal, mixing }
     }
 }
@@ -312,7 +292,7 @@ mod tests {
         assert_eq!(Noise::NONE.quantised(3.3), 3.3);
         assert_eq!(Noise::NONE.least_cosine(), None);
         let pose = Isometry3::new(Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.1, 0.2, 0.3));
-        assert_eq!(Noise::NONE.station_pose(&pose, 3).stated_world_from_sensor, pose);
+        assert_eq!(Noise::NONE.stated_pose(&pose, 3), pose);
     }
 
     #[test]
@@ -336,9 +316,7 @@ mod tests {
         let views = 4000;
         let mut parts = vec![Vec::new(); 6];
         for view in 0..views {
-            let both = noise.station_pose(&truth, view);
-            assert_eq!(both.true_world_from_sensor, truth);
-            let error = truth.inverse() * both.stated_world_from_sensor;
+            let error = truth.inverse() * noise.stated_pose(&truth, view);
             let turn = error.rotation.scaled_axis().map(f64::to_degrees);
             let shift = error.translation.vector;
             for (k, value) in turn.iter().chain(shift.iter()).enumerate() {
@@ -352,6 +330,6 @@ mod tests {
             assert!(mean.abs() < 4.0 * expected / n.sqrt(), "axis {k}: {mean}");
             assert!((sigma / expected - 1.0).abs() < 4.0 / (2.0 * n).sqrt(), "axis {k}: {sigma}");
         }
-        assert_eq!(noise.station_pose(&truth, 8), noise.station_pose(&truth, 8));
+        assert_eq!(noise.stated_pose(&truth, 8), noise.stated_pose(&truth, 8));
     }
 }

@@ -16,7 +16,7 @@ use transect_geometry::{Curve, PlaneFamily, PlaneIndex, Point3, Vector3};
 pub enum SceneError {
     /// The chord error is not a length, or too small for the largest round solid.
     #[error(
-        "a chord error of {chord_error} is not possible; it must be positive and at least {smallest}"
+        "a chord error of {chord_error:e} is not possible; it must be positive and at least {smallest:e}"
     )]
     BadChordError {
         /// The requested chord error.

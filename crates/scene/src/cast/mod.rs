@@ -79,7 +79,7 @@ impl Scene {
     /// the mean range if it grows.
     ///
     /// The ranges are measured from the given pose. The view states that pose with the pose noise
-    /// ([`Noise::station_pose`]).
+    /// ([`Noise::stated_pose`]).
     ///
     /// # Errors
     /// [`CastError`] if the frame's size is absurd, no ray hit a solid, or the pose is not finite.
@@ -94,7 +94,7 @@ impl Scene {
         let image = self.scan(frame.as_ref(), &world_from_sensor, noise, view)?;
         let growing = noise.sigma_growth != 0.0;
         let range = if growing { mean_range(frame.as_ref(), &image) } else { 0.0 };
-        let stated = noise.station_pose(&world_from_sensor, view).stated_world_from_sensor;
+        let stated = noise.stated_pose(&world_from_sensor, view);
         Ok(View::new(name, image, frame, stated, Some(noise.sigma_at(range)))?)
     }
 }

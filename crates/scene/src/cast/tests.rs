@@ -1,6 +1,6 @@
 use super::*;
 use crate::test_frames::SheetOfLight;
-use crate::{Material, PoseNoise, Shape, Solid};
+use crate::{PoseNoise, Shape, Solid};
 use transect_device::Vector3;
 use transect_sensors::{AngularScan, ImagingRadar, Intrinsics, Pinhole};
 
@@ -190,8 +190,7 @@ fn a_camera_at_the_laser_sees_all_that_is_lit() {
 #[test]
 fn dark_and_oblique_surfaces_return_in_proportion_to_their_light() {
     let noise = Noise { full_return: 0.5, seed: 2, ..Noise::NONE };
-    let felt = Material::new("felt", 0.2).unwrap();
-    let wall = wall_at(4.0).solids()[0].clone().made_of(felt);
+    let wall = wall_at(4.0).solids()[0].clone().with_reflectivity(0.2).unwrap();
     let scene = Scene::new(vec![wall]);
     let views = 40;
     let mut found = vec![0; SIZE.cols];
@@ -267,7 +266,7 @@ fn a_view_states_the_noisy_pose_and_measures_from_the_true_one() {
     let pose = PoseNoise { degrees: 0.5, shift: 0.02 };
     let noise = Noise { sigma: 0.01, sigma_growth: 0.005, pose, seed: 3, ..Noise::NONE };
     let view = scene.view("off", Arc::new(radar()), truth, &noise, 2).unwrap();
-    let stated = noise.station_pose(&truth, 2).stated_world_from_sensor;
+    let stated = noise.stated_pose(&truth, 2);
     assert_eq!(view.world_from_sensor(), &stated);
     assert_ne!(stated, truth);
     let clean = scene.scan(&radar(), &truth, &Noise { pose: PoseNoise::default(), ..noise }, 2);

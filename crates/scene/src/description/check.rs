@@ -1,5 +1,6 @@
 //! Problems of a description, each with its place and key.
 
+use crate::LARGEST;
 use std::fmt;
 
 /// Why a text is not a scene description.
@@ -55,7 +56,7 @@ impl Place {
         Problem { place: self.0.clone(), key, reason: reason.to_string() }
     }
 
-    /// A value if it is finite and right.
+    /// A value if it is a number, right, and at most [`LARGEST`] in size.
     pub fn value(
         &self,
         key: &'static str,
@@ -63,7 +64,10 @@ impl Place {
         right: impl Fn(f64) -> bool,
         wanted: &str,
     ) -> Result<f64, Problem> {
-        if value.is_finite() && right(value) {
+        if value.abs() > LARGEST {
+            let wanted = format_args!("{value:?} is not a number of at most {LARGEST:e}");
+            Err(self.problem(key, wanted))
+        } else if right(value) && !value.is_nan() {
             Ok(value)
         } else {
             Err(self.problem(key, format_args!("{value} is not {wanted}")))

@@ -71,7 +71,7 @@ mod station;
 pub use check::{DescriptionError, Problem};
 pub use station::{SensorParameters, Station};
 
-use crate::{Material, Mesh, Noise, PoseNoise, Scene, Solid, fixtures};
+use crate::{Mesh, Noise, PoseNoise, Scene, Solid, fixtures};
 use check::Place;
 use serde::Deserialize;
 use solid::{Library, MaterialEntry, SolidEntry};
@@ -128,14 +128,10 @@ impl Description {
         let mut keep = |problem: Problem| problems.push(problem);
         let planes = file.planes.build().map_err(&mut keep).ok();
         let noise = file.noise.build().map_err(&mut keep).ok();
-        let (mut materials, mut refused) = (BTreeMap::<String, Material>::new(), Vec::new());
-        for (name, entry) in file.materials {
-            match entry.build(&name).map_err(&mut keep) {
-                Ok(material) => drop(materials.insert(name, material)),
-                Err(()) => refused.push(name),
-            }
+        for (name, entry) in &file.materials {
+            let _ = entry.check(name).map_err(&mut keep);
         }
-        let library = Library { meshes, materials: &materials, refused: &refused };
+        let library = Library { meshes, materials: &file.materials };
         let mut solids = Vec::new();
         for (index, entry) in file.solid.into_iter().enumerate() {
             solids.extend(entry.build(index, &library).map_err(&mut keep));
@@ -208,7 +204,9 @@ impl PlanesEntry {
             (None, Some(normal)) => StraightGuide::along(Vector3::from(normal)).map(Guide::from),
             (None, None) => return Err(place.problem("normal", "it is missing, and so is a guide")),
         };
-        let family = guide.and_then(|guide| PlaneFamily::new(guide, self.offset, self.interval));
+        let offset = place.value("offset", self.offset, |_| true, "a number")?;
+        let interval = place.value("interval", self.interval, |_| true, "a number")?;
+        let family = guide.and_then(|guide| PlaneFamily::new(guide, offset, interval));
         family.map_err(|error| {
             let key = match error {
                 GuideError::BadInterval(_) => "interval",

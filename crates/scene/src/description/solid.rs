@@ -1,7 +1,7 @@
 //! `[[solid]]` entries and their materials.
 
 use super::check::{Place, Problem};
-use crate::{Material, Mesh, Shape, Solid, SolidError, fixtures};
+use crate::{LARGEST, Mesh, Shape, Solid, SolidError, fixtures};
 use nalgebra::{Translation3, Unit, UnitQuaternion};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -62,16 +62,14 @@ impl ShapeName {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MaterialEntry {
-    reflectivity: f64,
+    pub reflectivity: f64,
 }
 
 impl MaterialEntry {
-    pub fn build(&self, name: &str) -> Result<Material, Problem> {
+    pub fn check(&self, name: &str) -> Result<f64, Problem> {
+        let share = |r: f64| r > 0.0 && r <= 1.0;
         let place = Place::new(&format!("materials, {name:?}"));
-        Material::new(name, self.reflectivity).map_err(|_| {
-            let wrong = format_args!("{} is not a share above 0, up to 1", self.reflectivity);
-            place.problem("reflectivity", wrong)
-        })
+        place.value("reflectivity", self.reflectivity, share, "a share above 0, up to 1")
     }
 }
 
@@ -85,9 +83,7 @@ struct Rotation {
 /// Materials and meshes that entries may name.
 pub(super) struct Library<'a> {
     pub meshes: &'a BTreeMap<String, Mesh>,
-    pub materials: &'a BTreeMap<String, Material>,
-    /// Names of materials that were refused already.
-    pub refused: &'a [String],
+    pub materials: &'a BTreeMap<String, MaterialEntry>,
 }
 
 impl Library<'_> {
@@ -97,14 +93,6 @@ impl Library<'_> {
         let missing = || place.problem("mesh", format_args!("no mesh is called {name:?}"));
         let shape = shape.ok_or_else(missing)?;
         shape.map_err(|error| place.problem("mesh", format_args!("{name:?}: {error}")))
-    }
-
-    fn material(&self, place: &Place, name: &str) -> Result<Option<Material>, Problem> {
-        if self.refused.iter().any(|refused| refused == name) {
-            return Ok(None);
-        }
-        let missing = || place.problem("material", format_args!("no material is called {name:?}"));
-        self.materials.get(name).cloned().map(Some).ok_or_else(missing)
     }
 }
 
@@ -120,10 +108,12 @@ impl SolidEntry {
         };
         let world_from_solid = Isometry3::from_parts(Translation3::from(position), rotation);
         let mut solid = Solid::new(shape, world_from_solid).map_err(|e| place.problem("at", e))?;
-        if let Some(material) = &self.material
-            && let Some(material) = library.material(&place, material)?
-        {
-            solid = solid.made_of(material);
+        if let Some(name) = &self.material {
+            let unknown =
+                || place.problem("material", format_args!("no material is called {name:?}"));
+            let reflectivity = library.materials.get(name).ok_or_else(unknown)?.reflectivity;
+            // An impossible one has been refused with its material.
+            solid = solid.clone().with_reflectivity(reflectivity).unwrap_or(solid);
         }
         Ok(match self.name {
             Some(name) => solid.named(name),
@@ -183,7 +173,8 @@ impl SolidEntry {
 fn wrong_shape(place: &Place, error: SolidError) -> Problem {
     match error {
         SolidError::BadSize { key, value } => {
-            place.problem(key, format_args!("{value} is not a positive length"))
+            let wanted = format_args!("{value:?} is not a positive length of at most {LARGEST:e}");
+            place.problem(key, wanted)
         }
         SolidError::TubeTooThick { tube, .. } => {
             place.problem("tube", format_args!("{tube} is not less than the radius"))

@@ -30,11 +30,14 @@ fn what_is_written_is_what_stands_there() {
 #[test]
 fn bad_values_name_entry_and_key() {
     let cases = [
-        ("[[solid]]\nshape='ball'\nradius=0\nat=[0,0,0]", "solid 1, key radius: 0 is not"),
+        ("[[solid]]\nshape='ball'\nradius=0\nat=[0,0,0]", "solid 1, key radius: 0.0 is not"),
         ("[[solid]]\nshape='ball'\nat=[0,0,0]", "key radius: it is missing, a ball needs it"),
         ("[[solid]]\nshape='ball'\nradius=1\nsize=[1,1,1]\nat=[0,0,0]", "key size: it means"),
         ("[[solid]]\nname='b'\nshape='box'\nsize=[1,nan,1]\nat=[0,0,0]", "solid 1 \"b\", key size"),
-        ("[[solid]]\nshape='ball'\nradius=1\nat=[0,inf,0]", "key at: inf is not a finite"),
+        (
+            "[[solid]]\nshape='ball'\nradius=1\nat=[0,inf,0]",
+            "key at: inf is not a number of at most 1e13",
+        ),
         (
             "[[solid]]\nshape='ball'\nradius=1\nat=[0,0,0]\nrotate={axis=[0,0,0],degrees=1}",
             "key rotate.axis: it has no direction",
@@ -65,6 +68,31 @@ fn bad_values_name_entry_and_key() {
         planes.to_string(),
         "planes, key interval: the plane interval must be a positive length, got 0"
     );
+}
+
+#[test]
+fn absurd_numbers_are_refused_with_solid_and_key() {
+    let ball = |keys: &str| format!("[[solid]]\nname='far'\nshape='ball'\n{keys}");
+    let prism = "[[solid]]\nname='far'\nshape='prism'\nheight=1\nat=[0,0,0]\n";
+    for (text, key) in [
+        (ball("radius=1\nat=[0,1e300,0]"), "at: 1e300"),
+        (ball("radius=1e300\nat=[0,0,0]"), "radius: 1e300"),
+        (ball("radius=inf\nat=[0,0,0]"), "radius: inf"),
+        (
+            ball("radius=1\nat=[0,0,0]\nrotate={axis=[0,0,1],degrees=1e300}"),
+            "rotate.degrees: 1e300",
+        ),
+        (ball("radius=1\nat=[0,0,0]\nrotate={axis=[0,1e300,1],degrees=1}"), "rotate.axis: 1e300"),
+        (format!("{prism}bottom=[[0,0],[1e300,0],[0,1]]"), "bottom: a corner is not finite"),
+    ] {
+        let (found, expected) = (problem(&text), format!("solid 1 \"far\", key {key}"));
+        assert!(found.starts_with(&expected), "{found}\nshould start with {expected}");
+    }
+    for (key, line) in [("offset", "offset = 0"), ("interval", "interval = 1")] {
+        let text = HEAD.replace(line, &format!("{key} = 1e300"));
+        let found = Description::parse(&text).unwrap_err().to_string();
+        assert_eq!(found, format!("planes, key {key}: 1e300 is not a number of at most 1e13"));
+    }
 }
 
 #[test]
@@ -121,7 +149,6 @@ fn materials_are_named_once_and_used_by_name() {
     let ball = "[[solid]]\nshape='ball'\nradius=1\nat=[0,0,0]\n";
     let head = "[materials]\nfelt = { reflectivity = 0.05 }\n";
     let d = with(&format!("{head}{ball}material='felt'\n{ball}")).unwrap();
-    assert_eq!(d.solids[0].material().map(Material::name), Some("felt"));
     assert_eq!((d.solids[0].reflectivity(), d.solids[1].reflectivity()), (0.05, 1.0));
     let found = problem(&format!("{head}{ball}material='silk'"));
     assert_eq!(found, "solid 1, key material: no material is called \"silk\"");

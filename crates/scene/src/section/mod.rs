@@ -19,7 +19,6 @@ mod merge;
 
 pub use merge::merge_overlaps;
 
-use crate::mesh::check_parts;
 use crate::{Mesh, MeshError};
 use link::{Chain, EdgeKey, Segment, link};
 use std::collections::BTreeMap;
@@ -31,23 +30,8 @@ use transect_geometry::{
 /// interval. Doubled, a wrong unit may take twice the memory before it is refused.
 pub const MAX_PLANES: usize = 1 << 24;
 
-/// The section of a mesh by one plane; open curves where the mesh has holes.
-///
-/// # Errors
-/// [`MeshError`] if a coordinate is not finite or a face names a missing vertex.
-pub fn slice_mesh(
-    vertices: &[Point3],
-    faces: &[[u32; 3]],
-    planes: &PlaneFamily,
-    k: PlaneIndex,
-) -> Result<Vec<Curve>, MeshError> {
-    check_parts(vertices, faces)?;
-    let lifted = lift(vertices, planes);
-    let segments = faces.iter().filter_map(|face| crossing(face, &lifted, k.0 as f64));
-    Ok(curves(segments.collect(), &Cut::new(planes, &lifted, vertices, k.0)))
-}
-
-/// The sections of a mesh by all planes of a family that it crosses.
+/// The sections of a mesh by all planes of a family that it crosses; open curves where the mesh has
+/// holes.
 ///
 /// # Errors
 /// [`MeshError`] if a coordinate is not finite, a face names a missing vertex, or the mesh crosses

@@ -67,8 +67,8 @@ fn reversed_winding_flips_the_curve() {
     let mut inward = cube();
     inward.faces.iter_mut().for_each(|f| f.swap(0, 1));
     let family = planes(Vector3::y(), 0.05, 0.1);
-    let curves = slice_mesh(&inward.vertices, &inward.faces, &family, PlaneIndex(3)).unwrap();
-    assert!((area(&curves) + 4.0).abs() < 1e-12);
+    let curves = &sections(&inward, &family).unwrap()[&PlaneIndex(3)];
+    assert!((area(curves) + 4.0).abs() < 1e-12);
 }
 
 #[test]
@@ -77,7 +77,7 @@ fn a_hole_in_the_mesh_leaves_an_open_curve() {
     // Without the two faces at x = -1.
     open.faces.drain(0..2);
     let family = planes(Vector3::z(), 0.05, 0.1);
-    let curves = slice_mesh(&open.vertices, &open.faces, &family, PlaneIndex(0)).unwrap();
+    let curves = &sections(&open, &family).unwrap()[&PlaneIndex(0)];
     assert_eq!(curves.len(), 1);
     assert!(!curves[0].is_closed());
     assert!((curves[0].length() - 6.0).abs() < 1e-12);
@@ -85,17 +85,6 @@ fn a_hole_in_the_mesh_leaves_an_open_curve() {
     let (first, last) = (curves[0].nodes()[0], curves[0].nodes()[curves[0].nodes().len() - 1]);
     assert_eq!((first.position.x, first.position.y), (-1.0, -1.0));
     assert_eq!((last.position.x, last.position.y), (-1.0, 1.0));
-}
-
-#[test]
-fn one_plane_and_all_planes_agree() {
-    let ball = mesh(Shape::ball(1.0).unwrap(), Isometry3::rotation(Vector3::new(0.3, 1.0, 0.2)));
-    let family = planes(Vector3::new(0.2, -0.4, 1.0), 0.0, 0.25);
-    let all = sections(&ball, &family).unwrap();
-    for k in -5..=5 {
-        let one = slice_mesh(&ball.vertices, &ball.faces, &family, PlaneIndex(k)).unwrap();
-        assert_eq!(all.get(&PlaneIndex(k)).cloned().unwrap_or_default(), one);
-    }
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The entry of a ray into a cone, whole or truncated, in closed form.
+//! The entry of a ray into a cylinder or a cone, whole or truncated, in closed form.
 //!
 //! The mantle is the surface `|p_xy| = m + s z` with the mean radius `m` and the slope `s`. Along a
 //! ray `p = o + t d` this is `a t² + 2 b t + c = 0` with
@@ -18,7 +18,8 @@
 use super::ray::{LocalRay, slab};
 use parry3d_f64::math::Vector;
 
-/// A truncated cone around the z axis, centred on the origin; a cone if one radius is 0.
+/// A truncated cone around the z axis, centred on the origin; a cone if one radius is 0, a cylinder
+/// if both are equal.
 #[derive(Debug, Clone, Copy)]
 pub struct Frustum {
     /// Radius at `z = -half_height`.
@@ -72,8 +73,9 @@ impl Frustum {
         // The root that subtracts nothing; the other one follows from their product c / a.
         let q = -(b + discriminant.sqrt().copysign(b));
         if q == 0.0 {
-            // a t² <= 0.
-            return [if a > 0.0 { Some((0.0, 0.0)) } else { Some(EVERYWHERE) }, None];
+            // a t² + c <= 0, where a or c is 0.
+            let within = if a > 0.0 { (0.0, 0.0) } else { EVERYWHERE };
+            return [(a != 0.0 || c <= 0.0).then_some(within), None];
         }
         let (one, other) = (q / a, c / q);
         let (first, second) = (one.min(other), one.max(other));

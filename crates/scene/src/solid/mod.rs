@@ -1,16 +1,15 @@
 //! Solids: a shape and its pose.
 
 mod frustum;
-mod material;
 mod prism;
 mod ray;
 mod tessellate;
 mod torus;
 
-pub use material::Material;
 pub(crate) use ray::LocalRay;
 pub(crate) use tessellate::smallest_chord_error;
 
+use crate::mesh::LARGEST;
 use crate::{Mesh, MeshError, parry};
 use frustum::Frustum;
 use parry3d_f64::bounding_volume::Aabb;
@@ -24,16 +23,16 @@ use transect_geometry::{Isometry3, Point2, Vector3};
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SolidError {
-    /// A size is zero, negative, NaN or infinite.
-    #[error("{key} = {value}: a positive length is wanted")]
+    /// A size is not positive, or beyond [`LARGEST`].
+    #[error("{key} = {value:?}: a positive length of at most {LARGEST:e} is wanted")]
     BadSize {
         /// The parameter, by its name in scene descriptions.
         key: &'static str,
         /// Its value.
         value: f64,
     },
-    /// The pose has a component that is NaN or infinite.
-    #[error("the pose is not finite")]
+    /// The pose has a component that is no number, or beyond [`LARGEST`].
+    #[error("the pose has a component that is not finite, or beyond {LARGEST:e}")]
     PoseNotFinite,
     /// A torus without a hole would cut itself.
     #[error("tube = {tube}: it must be thinner than the ring, whose radius is {radius}")]
@@ -69,9 +68,7 @@ pub struct Shape(Kind);
 enum Kind {
     /// Centred on the origin, edges along the axes.
     Box { half: Vector },
-    /// Axis along z, centred on the origin.
-    Cylinder { radius: f64, half_height: f64 },
-    /// Axis along z, centred on the origin.
+    /// A cylinder or a cone, whole or truncated: axis along z, centred on the origin.
     Frustum(Frustum),
     /// Centred on the origin.
     Ball { radius: f64 },
@@ -99,8 +96,7 @@ impl Shape {
     /// # Errors
     /// [`SolidError::BadSize`] unless both are positive and finite.
     pub fn cylinder(radius: f64, height: f64) -> Result<Self, SolidError> {
-        let radius = positive("radius", radius)?;
-        Ok(Self(Kind::Cylinder { radius, half_height: 0.5 * positive("height", height)? }))
+        Self::frustum(radius, radius, height)
     }
 
     /// A ball around its frame's origin.
@@ -193,9 +189,6 @@ impl Shape {
         let around = |half: Vector| Aabb::new(-half, half);
         match &self.0 {
             Kind::Box { half } => around(*half),
-            Kind::Cylinder { radius, half_height } => {
-                around(Vector::new(*radius, *radius, *half_height))
-            }
             Kind::Frustum(Frustum { bottom, top, half_height }) => {
                 let radius = bottom.max(*top);
                 around(Vector::new(radius, radius, *half_height))
@@ -210,7 +203,7 @@ impl Shape {
 }
 
 fn positive(key: &'static str, value: f64) -> Result<f64, SolidError> {
-    if value.is_finite() && value > 0.0 {
+    if value > 0.0 && value <= LARGEST {
         Ok(value)
     } else {
         Err(SolidError::BadSize { key, value })
@@ -221,7 +214,7 @@ fn positive(key: &'static str, value: f64) -> Result<f64, SolidError> {
 #[derive(Debug, Clone)]
 pub struct Solid {
     name: Option<String>,
-    material: Option<Material>,
+    reflectivity: f64,
     shape: Shape,
     world_from_solid: Isometry3,
 }
@@ -230,11 +223,11 @@ impl Solid {
     /// A shape at a pose.
     ///
     /// # Errors
-    /// [`SolidError::PoseNotFinite`] if the pose has a NaN or infinite component.
+    /// [`SolidError::PoseNotFinite`] if a component of the pose is no number, or beyond [`LARGEST`].
     pub fn new(shape: Shape, world_from_solid: Isometry3) -> Result<Self, SolidError> {
-        let finite = world_from_solid.to_homogeneous().iter().all(|c| c.is_finite());
-        if finite {
-            Ok(Self { name: None, material: None, shape, world_from_solid })
+        // Comparisons with NaN are false.
+        if world_from_solid.to_homogeneous().iter().all(|c| c.abs() <= LARGEST) {
+            Ok(Self { name: None, reflectivity: 1.0, shape, world_from_solid })
         } else {
             Err(SolidError::PoseNotFinite)
         }
@@ -246,20 +239,23 @@ impl Solid {
         Self { name: Some(name.into()), ..self }
     }
 
-    /// The same solid, made of a material.
-    #[must_use]
-    pub fn made_of(self, material: Material) -> Self {
-        Self { material: Some(material), ..self }
+    /// The same solid of a matt material: light comes back by the cosine law, in proportion to the
+    /// reflectivity. That is the share of the light that comes back from a surface seen head-on;
+    /// 1, a perfect white, unless it is set.
+    ///
+    /// # Errors
+    /// [`SolidError::BadReflectivity`] unless it is above 0 and at most 1.
+    pub fn with_reflectivity(self, reflectivity: f64) -> Result<Self, SolidError> {
+        if reflectivity > 0.0 && reflectivity <= 1.0 {
+            Ok(Self { reflectivity, ..self })
+        } else {
+            Err(SolidError::BadReflectivity(reflectivity))
+        }
     }
 
-    /// Its material, if it has one.
-    pub fn material(&self) -> Option<&Material> {
-        self.material.as_ref()
-    }
-
-    /// Share of the light that its surface returns; 1 without a material.
+    /// Share of the light that comes back from its surface, seen head-on.
     pub fn reflectivity(&self) -> f64 {
-        self.material.as_ref().map_or(1.0, Material::reflectivity)
+        self.reflectivity
     }
 
     /// Its name in reports, if it has one.
@@ -285,7 +281,7 @@ mod tests {
     #[test]
     fn bad_sizes_are_named() {
         let flat = Shape::cuboid(Vector3::new(1.0, 0.0, 1.0)).unwrap_err();
-        assert_eq!(flat.to_string(), "size = 0: a positive length is wanted");
+        assert_eq!(flat.to_string(), "size = 0.0: a positive length of at most 1e13 is wanted");
         let nan = Shape::cylinder(1.0, f64::NAN).unwrap_err();
         assert!(matches!(nan, SolidError::BadSize { key: "height", .. }));
         assert!(Shape::ball(f64::INFINITY).is_err());
@@ -302,21 +298,22 @@ mod tests {
     }
 
     #[test]
-    fn a_solid_reflects_like_its_material() {
+    fn a_solid_reflects_as_told() {
         let solid = Solid::new(Shape::ball(1.0).unwrap(), Isometry3::identity()).unwrap();
-        assert_eq!((solid.material(), solid.reflectivity()), (None, 1.0));
-        let solid = solid.made_of(Material::new("felt", 0.05).unwrap());
-        assert_eq!(solid.material().map(Material::name), Some("felt"));
-        assert_eq!(solid.reflectivity(), 0.05);
+        assert_eq!(solid.reflectivity(), 1.0);
+        assert_eq!(solid.clone().with_reflectivity(0.05).unwrap().reflectivity(), 0.05);
         for bad in [0.0, -0.1, 1.1, f64::NAN] {
-            assert!(matches!(Material::new("odd", bad), Err(SolidError::BadReflectivity(_))));
+            let refused = solid.clone().with_reflectivity(bad);
+            assert!(matches!(refused, Err(SolidError::BadReflectivity(_))));
         }
     }
 
     #[test]
     fn a_pose_must_be_finite() {
-        let nowhere = Isometry3::translation(f64::NAN, 0.0, 0.0);
-        let solid = Solid::new(Shape::ball(1.0).unwrap(), nowhere);
-        assert_eq!(solid.unwrap_err(), SolidError::PoseNotFinite);
+        for x in [f64::NAN, f64::INFINITY, 1e300] {
+            let nowhere = Isometry3::translation(x, 0.0, 0.0);
+            let solid = Solid::new(Shape::ball(1.0).unwrap(), nowhere);
+            assert_eq!(solid.unwrap_err(), SolidError::PoseNotFinite);
+        }
     }
 }

@@ -5,7 +5,7 @@
 //! hand.
 
 use super::SolidError;
-use crate::Mesh;
+use crate::{LARGEST, Mesh};
 use transect_geometry::{Point2, Point3, Vector3};
 
 /// Most corners of a polygon. Measured: with more corners, clipping ears takes seconds. Doubled, it
@@ -64,8 +64,8 @@ fn checked_area(key: &'static str, polygon: &[Point2]) -> Result<f64, SolidError
     if !(3..=MOST_CORNERS).contains(&count) {
         return bad("a polygon has at least 3 and at most 2048 corners");
     }
-    if !polygon.iter().all(|p| p.coords.iter().all(|c| c.is_finite())) {
-        return bad("a corner is not finite");
+    if !polygon.iter().all(|p| p.coords.iter().all(|c| c.abs() <= LARGEST)) {
+        return bad("a corner is not finite, or beyond 1e13");
     }
     let edge = |i: usize| (polygon[i % count], polygon[(i + 1) % count]);
     // Neighbours share a corner; they must not run back over each other.

@@ -23,7 +23,6 @@ impl Shape {
     pub(crate) fn entry(&self, ray: &LocalRay) -> Option<f64> {
         match &self.0 {
             Kind::Box { half } => box_entry(*half, ray),
-            Kind::Cylinder { radius, half_height } => cylinder_entry(*radius, *half_height, ray),
             Kind::Frustum(frustum) => frustum.entry(ray),
             Kind::Ball { radius } => ray_toi_with_ball(Vector::ZERO, *radius, ray, true).1,
             Kind::Torus(torus) => torus.entry(ray),
@@ -51,14 +50,6 @@ impl Shape {
                 };
                 axis * axis.dot(p).signum()
             }
-            Kind::Cylinder { radius, half_height } => {
-                let lateral = Vector::new(p.x, p.y, 0.0);
-                if half_height - p.z.abs() < radius - lateral.length() {
-                    Vector::Z * p.z.signum()
-                } else {
-                    lateral.normalize_or(Vector::Z)
-                }
-            }
             Kind::Frustum(frustum) => frustum.normal(p),
             Kind::Ball { .. } => p.normalize_or(Vector::Z),
             Kind::Torus(torus) => torus.normal(p),
@@ -83,26 +74,6 @@ fn box_entry(half: Vector, ray: &LocalRay) -> Option<f64> {
         inside = (slab.0.max(inside.0), slab.1.min(inside.1));
     }
     (inside.0 <= inside.1).then_some(inside.0)
-}
-
-fn cylinder_entry(radius: f64, half_height: f64, ray: &LocalRay) -> Option<f64> {
-    let (o, d) = (ray.origin, ray.dir);
-    let between_ends = slab(o.z, d.z, half_height)?;
-    // |(o + t d)_xy|² = radius²: a t² + 2 b t + c = 0.
-    let a = d.x * d.x + d.y * d.y;
-    let b = o.x * d.x + o.y * d.y;
-    let c = o.x * o.x + o.y * o.y - radius * radius;
-    let within_radius = if a > 0.0 {
-        let root = (b * b - a * c).sqrt();
-        // Outside of every tangent the root is NaN, and so are both bounds.
-        ((-b - root) / a, (-b + root) / a)
-    } else {
-        // Parallel to the axis: within the mantle everywhere or nowhere.
-        if c > 0.0 { return None } else { (f64::MIN, f64::MAX) }
-    };
-    let enters = between_ends.0.max(within_radius.0).max(0.0);
-    let inside = enters <= between_ends.1 && enters <= within_radius.1;
-    inside.then_some(enters)
 }
 
 /// Distances between which a coordinate running from `start` lies within ± `half`; `None` if it

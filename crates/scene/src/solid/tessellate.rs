@@ -30,7 +30,7 @@ impl Shape {
     /// The largest radius of a curved surface; `None` for flat-faced shapes.
     pub(crate) fn radius(&self) -> Option<f64> {
         match self.0 {
-            Kind::Cylinder { radius, .. } | Kind::Ball { radius } => Some(radius),
+            Kind::Ball { radius } => Some(radius),
             Kind::Frustum(Frustum { bottom, top, .. }) => Some(bottom.max(top)),
             Kind::Torus(Torus { radius, tube }) => Some(radius + tube),
             Kind::Box { .. } | Kind::Mesh(_) => None,
@@ -41,9 +41,6 @@ impl Shape {
     pub(crate) fn mesh_of(&self, chord_error: f64) -> Mesh {
         match &self.0 {
             Kind::Box { half } => box_mesh(half.x, half.y, half.z),
-            Kind::Cylinder { radius, half_height } => {
-                cylinder_mesh(*radius, *half_height, segments(*radius, chord_error))
-            }
             Kind::Frustum(frustum) => {
                 frustum_mesh(frustum, segments(frustum.bottom.max(frustum.top), chord_error))
             }
@@ -72,11 +69,6 @@ fn box_mesh(x: f64, y: f64, z: f64) -> Mesh {
         [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
     let faces = quads.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     Mesh { vertices: (0..8).map(corner).collect(), faces }
-}
-
-fn cylinder_mesh(radius: f64, half_height: f64, segments: u32) -> Mesh {
-    let rings = [Ring { radius, z: -half_height }, Ring { radius, z: half_height }];
-    revolved(-half_height, &rings, half_height, segments)
 }
 
 fn frustum_mesh(frustum: &Frustum, segments: u32) -> Mesh {

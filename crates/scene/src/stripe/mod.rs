@@ -17,7 +17,7 @@
 //! allows.
 
 use crate::cast::{Caster, Echo, checked_size};
-use crate::noise::{Draw, source};
+use crate::noise::{normal, source};
 use crate::{Noise, Scene};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Gamma};
@@ -246,7 +246,7 @@ impl Stack<'_> {
         light.fill(background);
         if read_noise > 0.0 {
             // Before the stripe, so that it is the same wherever the stripe is.
-            light.iter_mut().for_each(|v| *v += read_noise * random.sample_normal());
+            light.iter_mut().for_each(|v| *v += read_noise * normal(&mut random));
         }
         if let Some(spot) = self.spots.get(row * self.steps + step).copied().flatten() {
             self.draw(&spot, light, &mut random);

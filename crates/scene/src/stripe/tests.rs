@@ -1,6 +1,6 @@
 use super::*;
 use crate::test_frames::SheetOfLight;
-use crate::{Material, Shape, Solid};
+use crate::{Shape, Solid};
 use transect_device::Vector3;
 
 const ROWS: usize = 24;
@@ -26,7 +26,7 @@ fn column(_pixel: Pixel, d3: f64) -> Option<f64> {
 fn wall(reflectivity: f64) -> Scene {
     let slab = Shape::cuboid(Vector3::new(40.0, 40.0, 1.0)).unwrap();
     let slab = Solid::new(slab, Isometry3::translation(0.0, 0.0, 10.5)).unwrap();
-    Scene::new(vec![slab.made_of(Material::new("paint", reflectivity).unwrap())])
+    Scene::new(vec![slab.with_reflectivity(reflectivity).unwrap()])
 }
 
 fn images(scene: &Scene, camera: &StripeCamera) -> StripeImages {

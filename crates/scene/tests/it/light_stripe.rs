@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 use transect_device::{DeviceFrame, ImageSize, Pixel, RangeImage};
 use transect_geometry::{Isometry3, Vector3};
-use transect_scene::{BitDepth, Counts, Material, Scene, Shape, Solid, StripeCamera, fixtures};
+use transect_scene::{BitDepth, Counts, Scene, Shape, Solid, StripeCamera, fixtures};
 use transect_sensors::light_stripe::stripe::{
     IntensityImage, StripeFinder, StripeProfile, StripeStack,
 };
@@ -38,8 +38,7 @@ fn sensor() -> LightStripe {
 fn scene() -> Scene {
     let mask = Shape::mesh(&fixtures::face_mask()).unwrap();
     let pose = Isometry3::new(Vector3::new(0.0, 0.0, 760.0), Vector3::new(PI, 0.0, 0.0));
-    let plaster = Material::new("plaster", 0.8).unwrap();
-    Scene::new(vec![Solid::new(mask, pose).unwrap().made_of(plaster)])
+    Scene::new(vec![Solid::new(mask, pose).unwrap().with_reflectivity(0.8).unwrap()])
 }
 
 fn extracted(sensor: &LightStripe, camera: &StripeCamera) -> RangeImage {

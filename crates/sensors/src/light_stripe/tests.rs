@@ -1,8 +1,8 @@
 //! Numbers worked out by hand and by following the light, and parameters that make no sensor.
 
 use super::*;
-use transect_device::{LinearForm, RangeImage};
 use crate::SensorError;
+use transect_device::{LinearForm, RangeImage};
 
 /// A sensor with easy numbers: f = 1, cells of 0.1, a sheet that turns about (-2, 0, 0).
 fn simple(radians: Vec<f64>) -> LightStripeParameters {
