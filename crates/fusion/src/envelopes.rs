@@ -16,7 +16,8 @@
 //!
 //! **Cost.** O(log n) to insert, exchange or remove one of n curves, and O(log n + k) to find k.
 
-use rstar::{AABB, RTree, RTreeObject};
+use rstar::primitives::{GeomWithData, Rectangle};
+use rstar::{AABB, RTree};
 use std::collections::BTreeMap;
 use transect_geometry::{Curve, CurveUnit, Envelope, Point2};
 
@@ -51,14 +52,14 @@ impl PlaneEnvelopes {
     pub fn insert(&mut self, number: usize, curve: &Curve) {
         self.remove(number);
         let envelope = curve.envelope().grown(self.tolerance);
-        self.tree.insert(Entry::new(number, &envelope));
+        self.tree.insert(entry(number, &envelope));
         self.by_curve.insert(number, envelope);
     }
 
     /// Forgets a curve; its grown envelope, if it was there.
     pub fn remove(&mut self, number: usize) -> Option<Envelope> {
         let envelope = self.by_curve.remove(&number)?;
-        self.tree.remove(&Entry::new(number, &envelope));
+        self.tree.remove(&entry(number, &envelope));
         Some(envelope)
     }
 
@@ -76,8 +77,8 @@ impl PlaneEnvelopes {
         // The box around the plane is the tree's root: a curve outside it ends here.
         let near = self.tree.locate_in_envelope_intersecting(aabb(&around));
         let meeting = |entry: &Entry| {
-            let envelope = self.by_curve.get(&entry.number)?;
-            Some(Meeting { curve: entry.number, common: envelope.intersection(&around)? })
+            let envelope = self.by_curve.get(&entry.data)?;
+            Some(Meeting { curve: entry.data, common: envelope.intersection(&around)? })
         };
         let mut found: Vec<_> = near.filter_map(meeting).collect();
         found.sort_unstable_by_key(|m| m.curve);
@@ -86,24 +87,10 @@ impl PlaneEnvelopes {
 }
 
 /// A numbered box in a tree: a curve's envelope, or that of one of its units.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Entry {
-    number: usize,
-    around: AABB<[f64; 2]>,
-}
+type Entry = GeomWithData<Rectangle<[f64; 2]>, usize>;
 
-impl Entry {
-    fn new(number: usize, envelope: &Envelope) -> Self {
-        Self { number, around: aabb(envelope) }
-    }
-}
-
-impl RTreeObject for Entry {
-    type Envelope = AABB<[f64; 2]>;
-
-    fn envelope(&self) -> Self::Envelope {
-        self.around
-    }
+fn entry(number: usize, envelope: &Envelope) -> Entry {
+    GeomWithData::new(aabb(envelope).into(), number)
 }
 
 fn aabb(envelope: &Envelope) -> AABB<[f64; 2]> {
@@ -133,7 +120,7 @@ impl UnitIndex {
         let around =
             |u: &CurveUnit| Envelope { min: u.start.inf(&u.end), max: u.start.sup(&u.end) };
         let all = units.iter().map(around).enumerate().filter(|(_, e)| wanted(e));
-        let tree = RTree::bulk_load(all.map(|(k, e)| Entry::new(k, &e)).collect());
+        let tree = RTree::bulk_load(all.map(|(k, e)| entry(k, &e)).collect());
         Self { units, tree }
     }
 
@@ -150,7 +137,7 @@ impl UnitIndex {
         let around = Envelope { min: *place, max: *place }.grown(reach);
         numbers.clear();
         let near = self.tree.locate_in_envelope_intersecting(aabb(&around));
-        numbers.extend(near.map(|entry| entry.number));
+        numbers.extend(near.map(|entry| entry.data));
         numbers.sort_unstable();
     }
 }

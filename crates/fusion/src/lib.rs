@@ -19,6 +19,7 @@ mod grid;
 pub mod pairwise;
 pub mod pattern;
 pub mod screening;
+mod sequence;
 
 pub use agreement::{Agreement, agreement};
 pub use consensus::{ConsensusOptions, Measured, consensus, measure};

@@ -5,6 +5,7 @@
 //! is taken out when the curve closes again.
 
 use crate::pattern::CurveRange;
+use crate::sequence::arc_lengths;
 use std::ops::Range;
 use transect_geometry::{Curve, CurveUnit, EndReason, Node, Vector2};
 
@@ -29,8 +30,8 @@ pub(super) struct Strand {
 impl Strand {
     /// Lays out a curve around one of its overlaps.
     pub fn new(curve: &Curve, overlap: &CurveRange) -> Self {
-        let arc = arc_lengths(curve);
-        let length = arc.last().copied().unwrap_or(0.0);
+        let arc = arc_lengths(curve.units().map(|unit| unit.vector().norm()));
+        let length = arc[arc.len() - 1];
         if curve.is_closed() {
             return Self::cut(curve, &arc, overlap, length);
         }
@@ -96,17 +97,6 @@ impl Strand {
     pub fn is_observed(&self, k: usize) -> bool {
         !self.closed || (k > 0 && k + 1 < self.nodes.len())
     }
-}
-
-/// Arc length at each node, and at the end of the curve.
-fn arc_lengths(curve: &Curve) -> Vec<f64> {
-    let mut length = 0.0;
-    let mut arc = vec![0.0];
-    arc.extend(curve.units().map(|unit| {
-        length += unit.vector().norm();
-        length
-    }));
-    arc
 }
 
 /// A node some way along the unit from one node to another.

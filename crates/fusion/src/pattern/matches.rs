@@ -2,6 +2,7 @@
 
 use super::OverlapTolerance;
 use crate::envelopes::UnitIndex;
+use crate::sequence::arc_lengths;
 use transect_geometry::{Curve, Point2, Vector2};
 
 /// A curve with the arc length at each of its nodes, so that places on it are single numbers.
@@ -17,17 +18,11 @@ pub(super) struct Measured<'a> {
 
 impl<'a> Measured<'a> {
     pub(super) fn new(curve: &'a Curve) -> Self {
-        let mut length = 0.0;
-        let mut arc = Vec::with_capacity(curve.nodes().len() + 1);
-        let mut directions = Vec::with_capacity(curve.nodes().len());
-        for unit in curve.units() {
-            arc.push(length);
-            length += unit.vector().norm();
-            directions.push(unit.vector().try_normalize(0.0).unwrap_or_default());
-        }
-        // The end of an open curve; on a closed one, node 0 again.
-        arc.push(length);
-        Self { curve, arc, length, directions }
+        let units = || curve.units().map(|unit| unit.vector());
+        let arc = arc_lengths(units().map(|unit| unit.norm()));
+        let length = arc[arc.len() - 1];
+        let directions = units().map(|unit| unit.try_normalize(0.0).unwrap_or_default());
+        Self { curve, arc, length, directions: directions.collect() }
     }
 
     /// The directions in which the curve arrives at and leaves a node.

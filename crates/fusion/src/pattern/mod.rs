@@ -56,22 +56,6 @@ impl Parts {
         Self { begins_unenclosed, ends_unenclosed }
     }
 
-    /// The parts of the same curve walked the other way round.
-    #[must_use]
-    pub const fn reversed(self) -> Self {
-        Self::new(self.ends_unenclosed, self.begins_unenclosed)
-    }
-
-    /// The dissertation's string in lower case, for the first of two curves, such as `âbc`.
-    pub const fn symbols(self) -> &'static str {
-        ["abc", "âbc", "abĉ", "âbĉ"][self.place()]
-    }
-
-    /// The dissertation's string in upper case, for the second of two curves, such as `ÂBC`.
-    pub const fn capitals(self) -> &'static str {
-        ["ABC", "ÂBC", "ABĈ", "ÂBĈ"][self.place()]
-    }
-
     /// Row or column of Table 5.1.
     const fn place(self) -> usize {
         !self.begins_unenclosed as usize + 2 * !self.ends_unenclosed as usize
@@ -97,32 +81,6 @@ impl Pattern {
     /// All five in the order of Figure 5.7.
     pub const ALL: [Self; 5] =
         [EndToBeginning, BothWhole, WholeAndEnd, WholeAndBeginning, WholeAndMiddle];
-
-    /// Its letter in Figure 5.7.
-    pub const fn letter(self) -> char {
-        ['a', 'b', 'c', 'd', 'e'][self as usize]
-    }
-
-    /// What it is, in words.
-    pub const fn words(self) -> &'static str {
-        [
-            "end to beginning",
-            "both whole",
-            "whole and end",
-            "whole and beginning",
-            "whole and middle",
-        ][self as usize]
-    }
-
-    /// The pattern after both curves are walked the other way round: (c) and (d) change places.
-    #[must_use]
-    pub const fn reversed(self) -> Self {
-        match self {
-            WholeAndEnd => WholeAndBeginning,
-            WholeAndBeginning => WholeAndEnd,
-            same => same,
-        }
-    }
 }
 
 /// Where two overlapping curves would make a fork, which no section of a solid has (Rule 1).
@@ -139,26 +97,6 @@ pub enum Fork {
 impl Fork {
     /// All three in the order of their numbers.
     pub const ALL: [Self; 3] = [AtBeginning, AtEnd, AtBothEnds];
-
-    /// Where it is, in words.
-    pub const fn words(self) -> &'static str {
-        ["at the beginning", "at the end", "at both ends"][self as usize]
-    }
-
-    /// Its number in Table 5.1.
-    pub const fn number(self) -> u8 {
-        self as u8 + 1
-    }
-
-    /// The fork after both curves are walked the other way round: (1) and (2) change places.
-    #[must_use]
-    pub const fn reversed(self) -> Self {
-        match self {
-            AtBeginning => AtEnd,
-            AtEnd => AtBeginning,
-            AtBothEnds => AtBothEnds,
-        }
-    }
 }
 
 /// What the rules say about an overlap.
@@ -175,25 +113,6 @@ impl Verdict {
     pub const fn is_valid(self) -> bool {
         matches!(self, Yes(_))
     }
-
-    /// The verdict after both curves are walked the other way round.
-    #[must_use]
-    pub const fn reversed(self) -> Self {
-        match self {
-            Yes(pattern) => Yes(pattern.reversed()),
-            No(fork) => No(fork.reversed()),
-        }
-    }
-}
-
-/// As in the cells of Table 5.1: `VALID`, or `N/A` with the fork's number.
-impl std::fmt::Display for Verdict {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Yes(_) => f.pad("VALID"),
-            No(fork) => f.pad(&format!("N/A ({})", fork.number())),
-        }
-    }
 }
 
 /// Table 5.1: rows are the first curve's parts, columns the second's, both as in [`Parts::ALL`].
@@ -209,92 +128,4 @@ pub const TABLE_5_1: [[Verdict; 4]; 4] = [
 /// What Table 5.1 says about an overlap that leaves these parts of two curves.
 pub const fn verdict(first: Parts, second: Parts) -> Verdict {
     TABLE_5_1[first.place()][second.place()]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn combinations() -> impl Iterator<Item = (Parts, Parts)> {
-        Parts::ALL.into_iter().flat_map(|a| Parts::ALL.into_iter().map(move |b| (a, b)))
-    }
-
-    /// Rule 1, without the table.
-    fn fork_of(a: Parts, b: Parts) -> Option<Fork> {
-        let at_beginning = a.begins_unenclosed && b.begins_unenclosed;
-        let at_end = a.ends_unenclosed && b.ends_unenclosed;
-        match (at_beginning, at_end) {
-            (true, true) => Some(Fork::AtBothEnds),
-            (true, false) => Some(Fork::AtBeginning),
-            (false, true) => Some(Fork::AtEnd),
-            (false, false) => None,
-        }
-    }
-
-    /// The patterns by what they say: how much of each curve the overlap takes.
-    fn pattern_of(a: Parts, b: Parts) -> Pattern {
-        if a != Parts::WHOLE && b != Parts::WHOLE {
-            return Pattern::EndToBeginning;
-        }
-        let other = if a == Parts::WHOLE { b } else { a };
-        match (other.begins_unenclosed, other.ends_unenclosed) {
-            (false, false) => Pattern::BothWhole,
-            (true, false) => Pattern::WholeAndEnd,
-            (false, true) => Pattern::WholeAndBeginning,
-            (true, true) => Pattern::WholeAndMiddle,
-        }
-    }
-
-    #[test]
-    fn the_table_is_the_law_that_there_are_no_forks() {
-        for (a, b) in combinations() {
-            let law = match fork_of(a, b) {
-                Some(fork) => Verdict::Fork(fork),
-                None => Verdict::Valid(pattern_of(a, b)),
-            };
-            assert_eq!(verdict(a, b), law, "{} {}", a.symbols(), b.capitals());
-        }
-    }
-
-    #[test]
-    fn the_table_is_the_printed_one() {
-        let printed = [
-            ["N/A (3)", "N/A (2)", "N/A (1)", "VALID"],
-            ["N/A (2)", "N/A (2)", "VALID", "VALID"],
-            ["N/A (1)", "VALID", "N/A (1)", "VALID"],
-            ["VALID", "VALID", "VALID", "VALID"],
-        ];
-        assert_eq!(TABLE_5_1.map(|row| row.map(|cell| cell.to_string())), printed);
-    }
-
-    #[test]
-    fn nine_are_valid_and_fall_into_five_patterns() {
-        let count = |v| combinations().filter(|&(a, b)| verdict(a, b) == v).count();
-        let patterns = Pattern::ALL.map(|p| count(Verdict::Valid(p)));
-        assert_eq!(patterns, [2, 1, 2, 2, 2]);
-        let forks = [Fork::AtBeginning, Fork::AtEnd, Fork::AtBothEnds];
-        assert_eq!(forks.map(|f| count(Verdict::Fork(f))), [3, 3, 1]);
-        assert_eq!(Pattern::ALL.map(Pattern::letter), ['a', 'b', 'c', 'd', 'e']);
-    }
-
-    #[test]
-    fn the_rules_do_not_care_which_curve_is_the_first() {
-        for (a, b) in combinations() {
-            assert_eq!(verdict(a, b), verdict(b, a));
-        }
-    }
-
-    #[test]
-    fn walking_both_curves_back_exchanges_beginnings_and_ends() {
-        for (a, b) in combinations() {
-            assert_eq!(verdict(a.reversed(), b.reversed()), verdict(a, b).reversed());
-            assert_eq!(a.reversed().reversed(), a);
-        }
-    }
-
-    #[test]
-    fn parts_are_written_as_in_the_dissertation() {
-        assert_eq!(Parts::ALL.map(Parts::symbols), ["abc", "âbc", "abĉ", "âbĉ"]);
-        assert_eq!(Parts::ALL.map(Parts::place), [0, 1, 2, 3]);
-    }
 }

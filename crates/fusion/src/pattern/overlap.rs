@@ -156,11 +156,6 @@ impl Overlaps {
         &self.overlaps
     }
 
-    /// How many there are.
-    pub fn count(&self) -> usize {
-        self.overlaps.len()
-    }
-
     /// How the two curves lie to each other.
     pub fn relation(&self) -> Relation {
         self.relation

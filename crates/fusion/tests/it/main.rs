@@ -14,4 +14,5 @@ mod page;
 mod pairwise;
 mod scene;
 mod sheets;
+mod table;
 mod topology;

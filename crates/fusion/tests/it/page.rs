@@ -1,5 +1,6 @@
 //! The parts of `docs/overlap-rules.md` that the rules themselves write.
 
+use crate::table::{self, capitals, cell, number, symbols};
 use transect_fusion::pattern::{
     Fork, OverlapTolerance, Parts, Pattern, TABLE_5_1, Verdict, classify, verdict,
 };
@@ -19,11 +20,11 @@ pub fn generated_blocks() -> [(&'static str, String); 3] {
 
 /// Table 5.1 in Markdown, as the documentation shows it.
 fn table_as_markdown() -> String {
-    let heads = Parts::ALL.map(|p| format!(" {:<7} |", p.capitals())).concat();
+    let heads = Parts::ALL.map(|p| format!(" {:<7} |", capitals(p))).concat();
     let mut table = format!("|     |{heads}\n|-----|{}\n", "---------|".repeat(4));
-    for (parts, row) in Parts::ALL.iter().zip(TABLE_5_1) {
-        let cells = row.map(|cell| format!(" {cell:<7} |")).concat();
-        table += &format!("| {} |{cells}\n", parts.symbols());
+    for (&parts, row) in Parts::ALL.iter().zip(TABLE_5_1) {
+        let cells = row.map(|verdict| format!(" {:<7} |", cell(verdict))).concat();
+        table += &format!("| {} |{cells}\n", symbols(parts));
     }
     table
 }
@@ -33,9 +34,18 @@ const NAME: usize = 25;
 const UNENCLOSED: usize = 10;
 const ENCLOSED: usize = 6;
 
+/// The names of the patterns, in the order of Figure 5.7.
+const NAMES: [&str; 5] = [
+    "(a) end to beginning",
+    "(b) both whole",
+    "(c) whole and end",
+    "(d) whole and beginning",
+    "(e) whole and middle",
+];
+
 /// Figure 5.7: two curves of the first combination with a pattern, both running to the right.
 fn drawing_of_pattern(pattern: Pattern) -> String {
-    let name = format!("({}) {}", pattern.letter(), pattern.words());
+    let name = NAMES[pattern as usize].to_owned();
     let combinations = combinations(Verdict::Valid(pattern));
     let Some(&(a, b)) = combinations.first() else { return name };
     let (first, second) = (drawn_curve(a), drawn_curve(b));
@@ -53,7 +63,8 @@ fn drawn_curve(parts: Parts) -> String {
 
 /// Two curves that come together, part, or both.
 fn drawing_of_fork(fork: Fork) -> String {
-    let name = format!("({}) {}", fork.number(), fork.words());
+    let words = ["at the beginning", "at the end", "at both ends"][fork as usize];
+    let name = format!("({}) {words}", number(fork));
     let combinations = combinations(Verdict::Fork(fork));
     let begins = combinations.iter().all(|(a, b)| a.begins_unenclosed && b.begins_unenclosed);
     let ends = combinations.iter().all(|(a, b)| a.ends_unenclosed && b.ends_unenclosed);
@@ -68,12 +79,11 @@ fn drawing_of_fork(fork: Fork) -> String {
 
 /// All combinations with a verdict, in the order of the table.
 fn combinations(wanted: Verdict) -> Vec<(Parts, Parts)> {
-    let all = Parts::ALL.into_iter().flat_map(|a| Parts::ALL.into_iter().map(move |b| (a, b)));
-    all.filter(|&(a, b)| verdict(a, b) == wanted).collect()
+    table::combinations().filter(|&(a, b)| verdict(a, b) == wanted).collect()
 }
 
 fn listed(combinations: &[(Parts, Parts)]) -> String {
-    let names = combinations.iter().map(|(a, b)| format!("{} {}", a.symbols(), b.capitals()));
+    let names = combinations.iter().map(|(a, b)| format!("{} {}", symbols(*a), capitals(*b)));
     let word = if combinations.len() == 1 { "combination: " } else { "combinations:" };
     let names = names.collect::<Vec<_>>().join(", ");
     format!("{} {word} {names}", combinations.len())

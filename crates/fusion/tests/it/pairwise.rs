@@ -1,6 +1,7 @@
 //! What merging curve by curve must keep, on shapes whose truth is known.
 
 use crate::scene::{Look, Outline, circle_arcs, looks, moved, outlines, see, slices};
+use crate::table::number;
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 use transect_fusion::pairwise::{GrowingPlane, GrowthCase, GrowthCounts};
@@ -217,7 +218,7 @@ fn valid_patterns_are_merged_and_forks_are_refused_and_counted() {
                 Verdict::Fork(fork) => {
                     assert_eq!(curves, [a, b]);
                     let mut forks = [0; 3];
-                    forks[usize::from(fork.number()) - 1] = 1;
+                    forks[number(fork) - 1] = 1;
                     assert_eq!((counts.forks, counts.merged), (forks, 0));
                 }
             }

@@ -3,6 +3,7 @@
 use super::super::estimate::PlacedNode;
 use super::super::measure::NONE;
 use super::super::tuning::chain::*;
+use crate::sequence::neighbours;
 use transect_geometry::Vector2;
 
 /// The numbers of nodes in the order of a curve.
@@ -14,14 +15,12 @@ pub(crate) struct Chain {
 
 impl Chain {
     /// The pairs of nodes that follow each other.
-    fn units<'a>(
+    pub fn units<'a>(
         &'a self,
         nodes: &'a [PlacedNode],
     ) -> impl Iterator<Item = (&'a PlacedNode, &'a PlacedNode)> {
-        let closing = self.nodes.first().filter(|_| self.closed);
-        let next = self.nodes.iter().skip(1).chain(closing);
         let at = |k: &u32| &nodes[*k as usize];
-        self.nodes.iter().zip(next).map(move |(a, b)| (at(a), at(b)))
+        neighbours(&self.nodes, self.closed).map(move |(a, b)| (at(a), at(b)))
     }
 
     pub fn length(&self, nodes: &[PlacedNode]) -> f64 {

@@ -1,11 +1,12 @@
 //! What one view's curve tells along its length: arc lengths, directions, and how rough it is.
 
+use crate::sequence::arc_lengths;
 use transect_geometry::{Curve, Node, Vector2};
 
 /// Arc lengths along a curve.
 pub(super) struct Arc<'a> {
     pub curve: &'a Curve,
-    /// Arc length at each node, from the first.
+    /// Arc length at each node, from the first, and at the end.
     at: Vec<f64>,
     /// Length of the unit that begins at each node.
     steps: Vec<f64>,
@@ -16,21 +17,9 @@ pub(super) struct Arc<'a> {
 
 impl<'a> Arc<'a> {
     pub fn new(curve: &'a Curve) -> Self {
-        let nodes = curve.nodes();
-        let closing = nodes.first().filter(|_| curve.is_closed());
-        let follows = nodes.iter().skip(1).chain(closing);
-        let (mut at, mut steps) =
-            (Vec::with_capacity(nodes.len()), Vec::with_capacity(nodes.len()));
-        let mut length = 0.0;
-        for (node, next) in nodes.iter().zip(follows) {
-            let step = (next.position - node.position).norm();
-            at.push(length);
-            steps.push(step);
-            length += step;
-        }
-        if !curve.is_closed() {
-            at.push(length);
-        }
+        let steps: Vec<f64> = curve.units().map(|unit| unit.vector().norm()).collect();
+        let at = arc_lengths(steps.iter().copied());
+        let length = at[steps.len()];
         Self { curve, at, steps, length, residuals: residuals(curve) }
     }
 

@@ -192,15 +192,8 @@ fn observation(arc: &Arc<'_>, k: usize, steps: &Steps) -> Observation {
 fn measured_nodes(curve: &Curve) -> Vec<usize> {
     let nodes = curve.nodes();
     let n = nodes.len();
-    if !nodes.iter().any(|node| node.bridged) {
-        return (0..n).collect();
-    }
-    let before = |k: usize| {
-        let before = if k > 0 { Some(k - 1) } else { curve.is_closed().then_some(n - 1) };
-        before.is_some_and(|b| !nodes[b].bridged)
-    };
-    let after = |k: usize| !nodes[k].bridged && (k + 1 < n || curve.is_closed());
-    (0..n).filter(|&k| before(k) || after(k)).collect()
+    let measured = |k: usize| !nodes[k % n].bridged && (k % n + 1 < n || curve.is_closed());
+    (0..n).filter(|&k| measured(k + n - 1) || measured(k)).collect()
 }
 
 /// A total order of curves by everything known of them, so that results do not depend on the order

@@ -24,20 +24,14 @@ pub(super) fn curves(
 
 /// The nodes of a chain, with those that belong between them.
 fn curve_nodes(nodes: &[PlacedNode], chain: &Chain, middle_nodes: bool) -> Vec<Node> {
-    let closing = chain.nodes.first().filter(|_| chain.closed);
-    let next = chain.nodes.iter().skip(1).chain(closing).map(Some).chain([None]);
     let mut result: Vec<Node> = Vec::with_capacity(2 * chain.nodes.len());
-    for (&number, next) in chain.nodes.iter().zip(next) {
-        let here = &nodes[number as usize];
-        let Some(&next) = next else {
-            result.push(here.node());
-            break;
-        };
-        let next = &nodes[next as usize];
+    for (here, next) in chain.units(nodes) {
         let gap = bridge(here, next);
         result.push(here.node().with_bridged(gap.is_some()));
         result.extend(gap.or_else(|| between(here, next).filter(|_| middle_nodes)));
     }
+    let last = chain.nodes.last().filter(|_| !chain.closed);
+    result.extend(last.map(|&k| nodes[k as usize].node()));
     result
 }
 

@@ -20,6 +20,7 @@ use super::super::connect::Chain;
 use super::super::estimate::PlacedNode;
 use super::super::tuning::rings::*;
 use super::super::window::left_of;
+use crate::sequence::neighbours;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use transect_geometry::{Point2, Vector2};
@@ -85,9 +86,8 @@ impl Circle {
             let d = k.position - self.centre;
             d.y.atan2(d.x)
         };
-        let next = nodes.iter().skip(1).chain(nodes.first());
         let mut placed = Vec::with_capacity(2 * nodes.len());
-        for (a, b) in nodes.iter().zip(next) {
+        for (a, b) in neighbours(nodes, true) {
             let (from, turn) = (angle(a), turn(angle(a), angle(b)));
             let count = (turn.abs() / LARGEST_TURN).ceil().max(1.0);
             let lighter = if a.evidence.weight < b.evidence.weight { a } else { b };
@@ -118,8 +118,7 @@ fn footprint(nodes: &[&PlacedNode]) -> f64 {
 }
 
 fn perimeter(nodes: &[&PlacedNode]) -> f64 {
-    let next = nodes.iter().skip(1).chain(nodes.first());
-    nodes.iter().zip(next).map(|(a, b)| (b.position - a.position).norm()).sum()
+    neighbours(nodes, true).map(|(a, b)| (b.position - a.position).norm()).sum()
 }
 
 /// Whether the way round is at most twice that of the largest ring; noise makes it longer.
@@ -129,8 +128,7 @@ fn is_small(nodes: &[&PlacedNode]) -> bool {
 
 /// Whether no step round is a gap.
 fn has_no_gap(nodes: &[&PlacedNode]) -> bool {
-    let next = nodes.iter().skip(1).chain(nodes.first());
-    nodes.iter().zip(next).all(|(a, b)| a.is_beside(b))
+    neighbours(nodes, true).all(|(a, b)| a.is_beside(b))
 }
 
 /// The inverse variance of each node, divided by how many nodes share the error.
@@ -160,8 +158,7 @@ fn turn(from: f64, to: f64) -> f64 {
 
 /// Whether samples go once round, all one way, and by less than a quarter at once.
 fn goes_round(samples: &[Sample]) -> bool {
-    let next = samples.iter().skip(1).chain(samples.first());
-    let turns: Vec<f64> = samples.iter().zip(next).map(|(a, b)| turn(a[0], b[0])).collect();
+    let turns: Vec<f64> = neighbours(samples, true).map(|(a, b)| turn(a[0], b[0])).collect();
     let all: f64 = turns.iter().sum();
     let one_way = turns.iter().all(|t| t * all > 0.0 && t.abs() < FRAC_PI_2);
     one_way && (all.abs() - TAU).abs() < 1e-6

@@ -27,6 +27,7 @@ use super::super::connect::Chain;
 use super::super::estimate::{Evidence, PlacedNode};
 use super::super::options::Steps;
 use super::super::tuning::corners::*;
+use crate::sequence::neighbours;
 use path::{Path, Stretch};
 use side::{Place, Side};
 use transect_geometry::{CurveUnit, Point2, Vector2};
@@ -83,9 +84,8 @@ fn replace(nodes: &mut Vec<PlacedNode>, chain: &mut Chain, corners: Vec<Corner>)
 /// All corners, in the order of the chain.
 fn corners(path: &Path<'_>, noise: f64, steps: &Steps) -> Vec<Corner> {
     let stretches = path.stretches(SMALLEST_TURN.cos());
-    let follows = stretches.iter().skip(1).chain(stretches.first().filter(|_| path.is_closed()));
     let mut corners: Vec<Corner> = Vec::new();
-    for (a, b) in stretches.iter().zip(follows) {
+    for (a, b) in neighbours(&stretches, path.is_closed()) {
         let found = match corner(path, a, b, noise) {
             Some(corner) => vec![corner],
             None if steps.short_sides => {

@@ -23,14 +23,10 @@ pub(super) struct Stretch {
 
 impl<'a> Path<'a> {
     pub fn new(nodes: &'a [PlacedNode], chain: &'a Chain) -> Self {
-        let n = chain.nodes.len();
-        let place = |k: usize| nodes[chain.nodes[k] as usize].position;
-        let length = |k: usize| match k + 1 < n {
-            true => (place(k + 1) - place(k)).norm(),
-            false if chain.closed => (place(0) - place(k)).norm(),
-            false => 0.0,
-        };
-        Self { nodes, chain, units: (0..n).map(length).collect() }
+        let lengths = chain.units(nodes).map(|(a, b)| (b.position - a.position).norm());
+        let mut units: Vec<f64> = lengths.collect();
+        units.resize(chain.nodes.len(), 0.0);
+        Self { nodes, chain, units }
     }
 
     pub fn len(&self) -> usize {
