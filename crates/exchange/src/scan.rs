@@ -4,7 +4,7 @@
 //! knows none of them. A view keeps a [`LoadView`], which reads its image when it is asked to.
 
 use crate::{Place, ReadError};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -14,10 +14,11 @@ use transect_geometry::{
 };
 
 /// The section planes a scan asks for: plane k is `normal · p = offset + k · interval`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct PlanesEntry {
     /// Direction of the guide in the world; it need not have unit length.
+    #[serde(default = "upright")]
     pub normal: [f64; 3],
     /// Station of plane 0, in the scan's length unit.
     pub offset: f64,
@@ -26,6 +27,11 @@ pub struct PlanesEntry {
     /// A curved guide. If it is given, stations count along it and `normal` is not used.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub guide: Option<Arc<CurvedGuide>>,
+}
+
+/// The normal that files need not state beside a guide.
+fn upright() -> [f64; 3] {
+    [0.0, 0.0, 1.0]
 }
 
 impl PlanesEntry {

@@ -1,8 +1,8 @@
 //! Reading a JSON object key by key, with a record of the keys that were read.
 
-use super::word::{self, Word};
 use crate::{Place, ReadError};
-use serde_json::{Map, Value};
+use serde::de::{self, Deserialize, DeserializeSeed, Error as _, IntoDeserializer, Visitor};
+use serde_json::{Error, Map, Value};
 use std::cell::RefCell;
 use std::path::Path;
 
@@ -46,49 +46,43 @@ impl<'a> Keys<'a> {
         unknown.map(|k| format!("{path}{at}: unknown key \"{prefix}{k}\" ignored")).collect()
     }
 
-    /// The value of a key. A JSON null counts as absent.
-    pub(super) fn get(&self, key: &'static str) -> Option<&'a Value> {
-        self.asked.borrow_mut().push(key);
-        self.map.get(key).filter(|v| !v.is_null())
-    }
-
     pub(super) fn wrong(&self, key: &str, wanted: &str) -> ReadError {
         let prefix = self.prefix;
         let problem = match self.map.get(key) {
             None => format!("no \"{prefix}{key}\"; it must be {wanted}"),
             Some(_) => format!("\"{prefix}{key}\" must be {wanted}"),
         };
+        self.damaged(problem)
+    }
+
+    fn damaged(&self, problem: String) -> ReadError {
         ReadError::damaged(self.path, self.at.clone(), problem)
     }
 
-    /// The converted value of a key, if the key is there; an error if it cannot be converted.
-    fn optional<T>(
+    /// The value of a key. A JSON null counts as absent.
+    pub(super) fn get(&self, key: &'static str) -> Option<&'a Value> {
+        self.asked.borrow_mut().push(key);
+        self.map.get(key).filter(|v| !v.is_null())
+    }
+
+    pub(super) fn optional<T: Deserialize<'a>>(
+        &self,
+        key: &'static str,
+    ) -> Result<Option<T>, ReadError> {
+        let value = self.get(key).map(T::deserialize).transpose();
+        value.map_err(|e| self.damaged(format!("\"{}{key}\": {e}", self.prefix)))
+    }
+
+    pub(super) fn required<T: Deserialize<'a>>(
         &self,
         key: &'static str,
         wanted: &str,
-        convert: impl Fn(&'a Value) -> Option<T>,
-    ) -> Result<Option<T>, ReadError> {
-        let converted = |v| convert(v).ok_or_else(|| self.wrong(key, wanted));
-        self.get(key).map(converted).transpose()
+    ) -> Result<T, ReadError> {
+        self.optional(key)?.ok_or_else(|| self.wrong(key, wanted))
     }
 
-    pub(super) fn text(&self, key: &'static str) -> Result<Option<&'a str>, ReadError> {
-        self.optional(key, "a text", Value::as_str)
-    }
-
-    pub(super) fn number(&self, key: &'static str) -> Result<Option<f64>, ReadError> {
-        self.optional(key, "a number", Value::as_f64)
-    }
-
-    /// A choice spelt as a word.
-    pub(super) fn word<T: Word>(&self, key: &'static str) -> Result<Option<T>, ReadError> {
-        let read = |text| word::read(text).map_err(|wanted| self.wrong(key, &wanted));
-        self.text(key)?.map(read).transpose()
-    }
-
-    pub(super) fn required_word<T: Word>(&self, key: &'static str) -> Result<T, ReadError> {
-        let wanted = || format!("one of {}", word::known::<T>());
-        self.word(key)?.ok_or_else(|| self.wrong(key, &wanted()))
+    pub(super) fn number(&self, key: &'static str) -> Result<f64, ReadError> {
+        self.required(key, "a number")
     }
 
     /// An object inside this one; `prefix` is the text before its keys in messages.
@@ -100,59 +94,58 @@ impl<'a> Keys<'a> {
         self.get(key).map(|value| Keys::of(self.path, self.at.clone(), prefix, value)).transpose()
     }
 
-    pub(super) fn required_number(&self, key: &'static str) -> Result<f64, ReadError> {
-        self.number(key)?.ok_or_else(|| self.wrong(key, "a number"))
-    }
-
-    pub(super) fn count(&self, key: &'static str) -> Result<Option<usize>, ReadError> {
-        let whole = |v: &Value| usize::try_from(v.as_u64()?).ok();
-        self.optional(key, "a whole number", whole)
-    }
-
-    pub(super) fn required_count(&self, key: &'static str) -> Result<usize, ReadError> {
-        self.count(key)?.ok_or_else(|| self.wrong(key, "a whole number"))
-    }
-
-    pub(super) fn list(&self, key: &'static str) -> Result<Option<&'a [Value]>, ReadError> {
-        self.optional(key, "a list", |v| v.as_array().map(Vec::as_slice))
-    }
-
-    /// A list of numbers; a null in it means a number that is not finite.
-    pub(super) fn number_list(&self, key: &'static str) -> Result<Option<Vec<f64>>, ReadError> {
-        self.optional(key, "a list of numbers", all_numbers)
-    }
-
-    /// A list of exactly `N` numbers; a null in it means a number that is not finite.
-    pub(super) fn numbers<const N: usize>(
-        &self,
-        key: &'static str,
-    ) -> Result<Option<[f64; N]>, ReadError> {
-        let numbers = |v: &Value| all_numbers(v)?.try_into().ok();
-        self.optional(key, &format!("a list of {N} numbers"), numbers)
-    }
-
-    /// Sixteen numbers that modelling does not use. Other values than a list of numbers are notes
-    /// of other programs and count as absent.
-    pub(super) fn informational_pose(
-        &self,
-        key: &'static str,
-    ) -> Result<Option<[f64; 16]>, ReadError> {
-        match self.get(key).map(all_numbers) {
-            Some(Some(_)) => self.numbers(key),
-            _ => Ok(None),
-        }
-    }
-
-    pub(super) fn required_numbers<const N: usize>(
-        &self,
-        key: &'static str,
-    ) -> Result<[f64; N], ReadError> {
-        let wanted = format!("a list of {N} numbers");
-        self.numbers(key)?.ok_or_else(|| self.wrong(key, &wanted))
+    /// A structure whose fields are keys of this object. Its other keys stay unread.
+    pub(super) fn fields<T: Deserialize<'a>>(&self) -> Result<T, ReadError> {
+        T::deserialize(self).map_err(|e| self.damaged(e.to_string()))
     }
 }
 
-fn all_numbers(value: &Value) -> Option<Vec<f64>> {
-    let number = |v: &Value| if v.is_null() { Some(f64::NAN) } else { v.as_f64() };
-    value.as_array()?.iter().map(number).collect()
+/// Hands a structure the values of its fields, and records the fields as keys that were read.
+impl<'de> de::Deserializer<'de> for &Keys<'de> {
+    type Error = Error;
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Error> {
+        let entry = |key: &&'static str| Some((*key, self.get(key)?));
+        let entries = fields.iter().filter_map(entry).collect::<Vec<_>>().into_iter();
+        visitor.visit_map(Entries { prefix: self.prefix, entries, current: None })
+    }
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
+        self.deserialize_struct("", &[], visitor)
+    }
+
+    serde::forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf option
+        unit unit_struct newtype_struct seq tuple tuple_struct map enum identifier ignored_any
+    }
+}
+
+/// Keys with their values; errors name the key.
+struct Entries<'a> {
+    prefix: &'static str,
+    entries: std::vec::IntoIter<(&'static str, &'a Value)>,
+    current: Option<(&'static str, &'a Value)>,
+}
+
+impl<'a> de::MapAccess<'a> for Entries<'a> {
+    type Error = Error;
+
+    fn next_key_seed<K: DeserializeSeed<'a>>(
+        &mut self,
+        seed: K,
+    ) -> Result<Option<K::Value>, Error> {
+        self.current = self.entries.next();
+        self.current.map(|(key, _)| seed.deserialize(key.into_deserializer())).transpose()
+    }
+
+    fn next_value_seed<V: DeserializeSeed<'a>>(&mut self, seed: V) -> Result<V::Value, Error> {
+        let (key, value) = self.current.take().ok_or_else(|| Error::custom("no key was read"))?;
+        let named = |e| Error::custom(format!("\"{}{key}\": {e}", self.prefix));
+        seed.deserialize(value).map_err(named)
+    }
 }

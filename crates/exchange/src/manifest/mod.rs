@@ -43,7 +43,6 @@ mod sensor;
 #[cfg(test)]
 mod tests;
 mod to_scan;
-mod word;
 
 pub use entry::{Manifest, ViewEntry, write_manifest};
 pub use sensor::{

@@ -7,8 +7,7 @@ use crate::{Place, PlanesEntry, ReadError};
 use serde::Deserialize;
 use serde_json::Value;
 use std::path::Path;
-use std::sync::Arc;
-use transect_geometry::{CurvedGuide, LengthUnit};
+use transect_geometry::LengthUnit;
 
 /// Keys of other programs, at the top and in views. The reader ignores them without a note.
 const FOREIGN_KEYS: [&str; 7] =
@@ -21,21 +20,18 @@ pub(super) fn manifest(path: &Path, text: &str) -> Result<(Manifest, Vec<String>
     keys.informational(&FOREIGN_KEYS);
     let mut notes = Vec::new();
     let mut views = Vec::new();
-    let entries = keys.list("views")?.ok_or_else(|| keys.wrong("views", "a list"))?;
-    for (number, entry) in entries.iter().enumerate() {
+    let entries = keys.get("views").and_then(Value::as_array);
+    for (number, entry) in entries.ok_or_else(|| keys.wrong("views", "a list"))?.iter().enumerate()
+    {
         views.push(view(path, number, entry, &mut notes)?);
     }
-    let at_least_zero = |s: &f64| s.is_finite() && *s >= 0.0;
-    let sigma = keys.number("sigma")?;
-    if sigma.is_some_and(|s| !at_least_zero(&s)) {
+    let sigma: Option<f64> = keys.optional("sigma")?;
+    if sigma.is_some_and(|s| !(s.is_finite() && s >= 0.0)) {
         return Err(keys.wrong("sigma", "a length of at least 0"));
     }
-    let folder_name = || path.parent().and_then(Path::file_name).map(|n| n.to_string_lossy());
-    let name = match keys.text("name")? {
-        Some(name) => name.to_owned(),
-        None => folder_name().unwrap_or_default().into_owned(),
-    };
-    let planes = keys.get("planes").map(|v| planes(path, v, &mut notes)).transpose()?;
+    let folder = path.parent().and_then(Path::file_name).unwrap_or_default();
+    let name = keys.optional("name")?.unwrap_or_else(|| folder.to_string_lossy().into_owned());
+    let planes = keys.object("planes", "planes.")?.map(|k| planes(&k, &mut notes)).transpose()?;
     // The reader does not use the size, so any value is accepted.
     let size = value.get("size").and_then(Value::as_f64);
     let manifest = Manifest { name, unit: unit(&keys)?, sigma, planes, size, views };
@@ -44,28 +40,20 @@ pub(super) fn manifest(path: &Path, text: &str) -> Result<(Manifest, Vec<String>
 }
 
 fn unit(keys: &Keys<'_>) -> Result<Option<LengthUnit>, ReadError> {
-    let known = || LengthUnit::ALL.map(LengthUnit::symbol).join(", ");
     let parse = |symbol: &str| {
-        let wanted = || format!("one of {}; it is {symbol:?}", known());
-        symbol.parse().map_err(|_| keys.wrong("unit", &wanted()))
+        let known = LengthUnit::ALL.map(LengthUnit::symbol).join(", ");
+        let wanted = format!("one of {known}; it is {symbol:?}");
+        symbol.parse().map_err(|_| keys.wrong("unit", &wanted))
     };
-    keys.text("unit")?.map(parse).transpose()
+    keys.optional("unit")?.map(parse).transpose()
 }
 
-fn planes(path: &Path, value: &Value, notes: &mut Vec<String>) -> Result<PlanesEntry, ReadError> {
-    let keys = Keys::of(path, Place::Whole, "planes.", value)?;
-    let guide = keys.get("guide").map(|v| CurvedGuide::deserialize(v).map(Arc::new)).transpose();
-    let guide = guide.map_err(|e| keys.wrong("guide", &format!("a kind and points: {e}")))?;
-    let entry = PlanesEntry {
-        // Along a curve there is no single normal, so the key is optional.
-        normal: match guide {
-            Some(_) => keys.numbers("normal")?.unwrap_or([0.0, 0.0, 1.0]),
-            None => keys.required_numbers("normal")?,
-        },
-        offset: keys.required_number("offset")?,
-        interval: keys.required_number("interval")?,
-        guide,
-    };
+fn planes(keys: &Keys<'_>, notes: &mut Vec<String>) -> Result<PlanesEntry, ReadError> {
+    let entry: PlanesEntry = keys.fields()?;
+    // Along a curve there is no single normal, so the key is optional there.
+    if entry.guide.is_none() {
+        keys.required::<[f64; 3]>("normal", "[x, y, z]")?;
+    }
     notes.extend(keys.unknown());
     Ok(entry)
 }
@@ -80,22 +68,53 @@ fn view(
     let at = Place::View { number, name: file };
     let keys = Keys::of(path, at, "", value)?;
     keys.informational(&FOREIGN_KEYS);
-    let file = keys.text("file")?.ok_or_else(|| keys.wrong("file", "a file name"))?;
-    let depth_scale = keys.number("depth_scale")?;
+    let depth_scale: Option<f64> = keys.optional("depth_scale")?;
     if depth_scale.is_some_and(|s| !(s.is_finite() && s > 0.0)) {
         return Err(keys.wrong("depth_scale", "a positive length per count"));
     }
     let entry = ViewEntry {
-        file: file.to_owned(),
+        file: keys.required("file", "a file name")?,
         sensor: SensorEntry::read(&keys, notes)?,
-        rows: keys.count("rows")?,
-        cols: keys.count("cols")?,
+        rows: keys.optional("rows")?,
+        cols: keys.optional("cols")?,
         depth_scale,
-        pose: keys.required_numbers("pose")?,
-        pose_true: keys.informational_pose("pose_true")?,
+        pose: keys.required::<PoseText>("pose", POSE)?.matrix(&keys, "pose")?,
+        pose_true: pose_true(&keys)?,
     };
     notes.extend(keys.unknown());
     Ok(entry)
+}
+
+/// What a pose must be.
+const POSE: &str = "16 numbers, or 4 rows of 4";
+
+/// A pose as files hold it; a null stands for a number that is not finite.
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "16 numbers, or 4 rows of 4")]
+enum PoseText {
+    Flat(Vec<Option<f64>>),
+    Rows(Vec<[Option<f64>; 4]>),
+}
+
+impl PoseText {
+    fn matrix(self, keys: &Keys<'_>, key: &str) -> Result<[f64; 16], ReadError> {
+        let numbers = match self {
+            Self::Flat(numbers) => numbers,
+            Self::Rows(rows) => rows.concat(),
+        };
+        let numbers: Vec<f64> = numbers.into_iter().map(|n| n.unwrap_or(f64::NAN)).collect();
+        let found = numbers.len();
+        let wrong = |_| keys.wrong(key, &format!("{POSE}; it has {found} numbers"));
+        numbers.try_into().map_err(wrong)
+    }
+}
+
+/// The true pose, which modelling does not use. Text and objects are notes of other programs and
+/// count as absent.
+fn pose_true(keys: &Keys<'_>) -> Result<Option<[f64; 16]>, ReadError> {
+    let key = "pose_true";
+    let text = keys.get(key).and_then(|value| PoseText::deserialize(value).ok());
+    text.map(|text| text.matrix(keys, key)).transpose()
 }
 
 /// The text with `NaN`, `Infinity` and `-Infinity` outside strings replaced by nulls of the same

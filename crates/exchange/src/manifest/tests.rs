@@ -138,8 +138,12 @@ fn what_is_missing_or_wrong_is_named() {
     };
     let at = "view 0 (a.npy): ";
     for (replaced, by, wanted) in [
-        ("\"fx\": 2,", "", format!("{at}no \"fx\"; it must be a number")),
-        ("\"fx\": 2,", "\"fx\": \"2\",", format!("{at}\"fx\" must be a number")),
+        ("\"fx\": 2,", "", format!("{at}missing field `fx`")),
+        (
+            "\"fx\": 2,",
+            "\"fx\": \"2\",",
+            format!("{at}\"fx\": invalid type: string \"2\", expected f64"),
+        ),
         ("\"fx\": 2,", "\"fx\": 0,", "a.npy: the sensor is not usable: fx = 0".to_owned()),
         (
             "pinhole",
@@ -148,7 +152,11 @@ fn what_is_missing_or_wrong_is_named() {
                 "{at}\"sensor\" must be one of spherical, pinhole, light_stripe, lookup_table,"
             ),
         ),
-        ("0,0,0,1]", "0,0,1]", format!("{at}\"pose\" must be a list of 16 numbers")),
+        (
+            "0,0,0,1]",
+            "0,0,1]",
+            format!("{at}\"pose\" must be 16 numbers, or 4 rows of 4; it has 15 numbers"),
+        ),
         ("0,0,0,1]", "0,0,0,2]", format!("{at}the last row of the pose")),
         ("[1,0", "[-1,0", format!("{at}the pose is a reflection")),
         (
@@ -262,7 +270,10 @@ fn the_true_pose_is_kept_as_information() {
     let folder = Folder::pinhole(&format!(r#", "pose_true": {shifted}"#));
     assert!(folder.open().unwrap().views[0].load().is_ok());
     let short = Folder::pinhole(r#", "pose_true": [1]"#).error();
-    assert!(short.ends_with("\"pose_true\" must be a list of 16 numbers"), "{short}");
+    assert!(
+        short.ends_with("\"pose_true\" must be 16 numbers, or 4 rows of 4; it has 1 numbers"),
+        "{short}"
+    );
     for note in [r#""unknown""#, r#"{"x": 1}"#, r#"[[1, 0], [0, 1]]"#] {
         let folder = Folder::pinhole(&format!(r#", "pose_true": {note}"#));
         let (manifest, notes) = read_manifest(&folder.path("scan.json")).unwrap();

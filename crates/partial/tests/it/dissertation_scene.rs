@@ -214,7 +214,7 @@ pub fn stripes() -> impl Strategy<Value = Rig> {
         let (first, step) = if falling { (75.9, -0.28) } else { (58.0, 0.28) };
         let theta_laser = LaserAngles::equal_steps_degrees(first, step, SIZE.cols);
         let parameters = LightStripeParameters {
-            camera: ImageSize { rows: SIZE.rows, cols: 768 },
+            camera_rows: SIZE.rows,
             focal_length: 16.0 * mm,
             cell_width: 0.0084 * mm,
             cell_height: 0.1 * mm,

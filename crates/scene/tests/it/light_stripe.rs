@@ -25,7 +25,7 @@ const CAMERA: StripeCamera = StripeCamera {
 fn sensor() -> LightStripe {
     let full = LightStripeParameters::smart_eye();
     LightStripe::new(LightStripeParameters {
-        camera: ImageSize { rows: 61, cols: 768 },
+        camera_rows: 61,
         cell_height: 8.0 * full.cell_height,
         y_center: 30.0,
         theta_laser: LaserAngles::equal_steps_degrees(58.0, 0.45, 40),

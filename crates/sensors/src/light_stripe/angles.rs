@@ -12,7 +12,7 @@ const SINGLE_SHEET: f64 = 1e-6;
 ///
 /// Checked by [`LightStripe::new`](super::LightStripe::new): between 0° and 180°, and all
 /// increasing or all decreasing.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct LaserAngles {
     radians: Vec<f64>,
 }

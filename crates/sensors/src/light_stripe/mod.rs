@@ -215,7 +215,7 @@ impl LightStripe {
     }
 
     fn sheet_and_y(&self, pixel: Pixel) -> Option<(&Sheet, f64)> {
-        let inside = pixel.row < self.parameters.camera.rows;
+        let inside = pixel.row < self.parameters.camera_rows;
         let sheet = self.sheets.get(pixel.col).filter(|_| inside)?;
         Some((sheet, self.y_plane(pixel.row as f64)))
     }
@@ -223,7 +223,7 @@ impl LightStripe {
 
 impl DeviceFrame for LightStripe {
     fn size(&self) -> ImageSize {
-        ImageSize { rows: self.parameters.camera.rows, cols: self.sheets.len() }
+        ImageSize { rows: self.parameters.camera_rows, cols: self.sheets.len() }
     }
 
     fn handedness(&self) -> Handedness {
@@ -265,7 +265,7 @@ impl DeviceFrame for LightStripe {
         let col = p.theta_laser.column(theta)?;
         let lit =
             in_sensor.z <= p.farthest && in_sensor.y.abs() * theta.sin() <= self.fan * in_sensor.z;
-        let seen = lit && d3 > 0.0 && d3 <= p.camera.cols as f64;
+        let seen = lit && d3 > 0.0 && d3 <= p.camera_cols as f64;
         seen.then(|| DevicePoint { row: p.y_center - y_plane / p.cell_height, col, d3 })
     }
 
@@ -282,7 +282,7 @@ impl DeviceFrame for LightStripe {
         }
         let f = self.parameters.focal_length;
         let value = self.x_frame(f * sheet.base / depth - f * sheet.cot);
-        (value.is_finite() && value <= self.parameters.camera.cols as f64).then_some(value)
+        (value.is_finite() && value <= self.parameters.camera_cols as f64).then_some(value)
     }
 
     /// The corners of every column's part of the truncated prism (4.3.3).
@@ -293,7 +293,7 @@ impl DeviceFrame for LightStripe {
     fn extent(&self, direction: &Vector3, nearest: f64, farthest: f64) -> (f64, f64) {
         let p = &self.parameters;
         let limit = p.farthest - p.focal_length;
-        let last_row = p.camera.rows as f64 - 1.0;
+        let last_row = p.camera_rows as f64 - 1.0;
         let mut extremes = (f64::INFINITY, f64::NEG_INFINITY);
         for sheet in &self.sheets {
             let Some(near) = self.depth(sheet, self.x_plane(nearest)).filter(|n| *n <= limit)

@@ -2,6 +2,7 @@
 
 use super::LaserAngles;
 use crate::error::{SensorError, require};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use transect_device::{ImageSize, Point3};
 
@@ -12,10 +13,12 @@ const MAX_STEPS: usize = 80;
 ///
 /// # Units
 /// Lengths in the model's unit, angles in radians, image positions in camera cells.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LightStripeParameters {
-    /// Rows and columns of the camera. The range image has its rows, but a column per laser angle.
-    pub camera: ImageSize,
+    /// Rows of the camera, which are the range image's.
+    pub camera_rows: usize,
+    /// Columns of the camera. The range image has a column per laser angle.
+    pub camera_cols: usize,
     /// `f`: distance of the focal point from the array; a length.
     pub focal_length: f64,
     /// `aspect_ratio_x`: from one cell to the next along a row; a length.
@@ -32,16 +35,30 @@ pub struct LightStripeParameters {
     pub baseline: f64,
     /// `g`: distance of the mirror's axis from the laser's axis; a length, positive when the
     /// mirror's axis lies behind the laser beam as seen from the scene.
+    #[serde(default)]
     pub mirror_axis: f64,
     /// `R`: distance of the mirror's face from its axis; a length. 0 with `mirror_axis` 0 for a
     /// sheet that turns about a fixed line.
+    #[serde(default)]
     pub mirror_face: f64,
     /// Full opening angle of the line lens; radians, under π.
     pub fan_angle: f64,
     /// Largest z at which the stripe is bright enough to be found; a length, or infinite.
+    #[serde(default = "unlimited", skip_serializing_if = "is_unlimited")]
     pub farthest: f64,
-    /// `θ_laser` of every column.
+    /// `θ_laser` of every column. Files state the angles in several forms, so it is not among the
+    /// serialized fields.
+    #[serde(skip)]
     pub theta_laser: LaserAngles,
+}
+
+/// No largest depth. Infinity is not a number in JSON, so files leave the field out.
+fn unlimited() -> f64 {
+    f64::INFINITY
+}
+
+fn is_unlimited(depth: &f64) -> bool {
+    *depth == f64::INFINITY
 }
 
 impl LightStripeParameters {
@@ -62,7 +79,8 @@ impl LightStripeParameters {
     /// | farthest 2000 mm | three times the working depth; a 5 mW line is lost in daylight there |
     pub fn smart_eye() -> Self {
         Self {
-            camera: ImageSize { rows: 494, cols: 768 },
+            camera_rows: 494,
+            camera_cols: 768,
             focal_length: 16.0,
             cell_width: 0.0084,
             cell_height: 0.0098,
@@ -99,6 +117,11 @@ impl LightStripeParameters {
         }
     }
 
+    /// Rows and columns of the camera.
+    pub fn camera(&self) -> ImageSize {
+        ImageSize { rows: self.camera_rows, cols: self.camera_cols }
+    }
+
     /// `B_b = B + b(θ)`: from the laser's spot on the mirror to the focal point, along X.
     ///
     /// 4.3.2 (errata): `b = (R - g cos θ_m) / sin θ_m` with the mirror at `θ_m = θ/2`.
@@ -121,7 +144,7 @@ impl LightStripeParameters {
         require("mirror_face", mirror, mirror >= 0.0, "a length of at least 0")?;
         let opens = self.fan_angle > 0.0 && self.fan_angle < PI;
         require("fan_angle", self.fan_angle, opens, "an angle between 0 and π")?;
-        let (rows, cols) = (self.camera.rows as f64, self.camera.cols as f64);
+        let (rows, cols) = (self.camera_rows as f64, self.camera_cols as f64);
         require("camera_rows", rows, rows > 0.0, "at least one row")?;
         require("camera_cols", cols, cols > 0.0, "at least one column")?;
         if self.farthest > self.focal_length {

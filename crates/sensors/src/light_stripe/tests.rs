@@ -7,7 +7,8 @@ use transect_device::{LinearForm, RangeImage};
 /// A sensor with easy numbers: f = 1, cells of 0.1, a sheet that turns about (-2, 0, 0).
 fn simple(radians: Vec<f64>) -> LightStripeParameters {
     LightStripeParameters {
-        camera: ImageSize { rows: 11, cols: 20 },
+        camera_rows: 11,
+        camera_cols: 20,
         focal_length: 1.0,
         cell_width: 0.1,
         cell_height: 0.05,
@@ -289,7 +290,7 @@ fn bad_parameters_are_named() {
     assert!(message(|p| p.x_center = f64::INFINITY).starts_with("x_center = inf"));
     assert!(message(|p| p.fan_angle = 4.0).starts_with("fan_angle = 4: an angle between"));
     assert!(message(|p| p.mirror_face = -2.0).starts_with("mirror_face = -2: a length"));
-    assert!(message(|p| p.camera.rows = 0).starts_with("camera_rows = 0"));
+    assert!(message(|p| p.camera_rows = 0).starts_with("camera_rows = 0"));
     assert!(message(|p| p.farthest = 3.0).starts_with("farthest = 3: a depth beyond"));
     assert!(message(|p| p.farthest = f64::NAN).starts_with("farthest = NaN"));
     let angles = |list: &[f64]| {

@@ -26,6 +26,7 @@ use super::field::{Beam, DigitizedField};
 use super::filter::{Series, median, middle_third_mean};
 use crate::error::{SensorError, require};
 use nalgebra::{Point2, Vector2};
+use serde::{Deserialize, Serialize};
 
 /// One spot of a calibration sweep.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -115,7 +116,8 @@ impl Default for CalibrationOptions {
 }
 
 /// Which two depths give an estimate of a beam's line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum DepthPairs {
     /// A depth and the next: n − 1 estimates, the dissertation's.
     #[default]

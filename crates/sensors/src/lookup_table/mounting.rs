@@ -2,10 +2,12 @@
 
 use crate::error::{SensorError, require};
 use nalgebra::{Point2, Vector2};
+use serde::{Deserialize, Serialize};
 use transect_device::{Point3, Vector3};
 
 /// The coordinate plane the scanner sweeps, and with it the linear axis that carries it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum ScanPlane {
     /// Sweeps x–z, tilted about y, carried along y.
     Xz,

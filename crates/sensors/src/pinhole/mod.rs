@@ -21,13 +21,15 @@ pub use ray_table::RayTable;
 
 use crate::central::{central_extent, central_plane_value};
 use crate::error::{SensorError, require};
+use serde::{Deserialize, Serialize};
 use transect_device::{
     DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, Neighbour, Pixel, Point3,
     RangeImage, Ray, RayProduct, RayProducts, SensorPlane, SeparableForm, Vector3,
 };
 
 /// The meaning of a camera's values.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum PinholeScale {
     /// Depth along the optical axis z.
     #[default]
@@ -55,7 +57,7 @@ impl PinholeScale {
 }
 
 /// Focal lengths and principal point, in pixels.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Intrinsics {
     /// Focal length along the columns' direction.
     pub fx: f64,

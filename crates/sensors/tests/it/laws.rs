@@ -48,7 +48,8 @@ fn stripes() -> impl Strategy<Value = LightStripe> {
         let (baseline, mirror_axis, mirror_face) = lengths;
         let (cell_width, cell_height, x_center, y_center) = camera;
         let parameters = LightStripeParameters {
-            camera: ImageSize { rows: SIZE.rows, cols: 64 },
+            camera_rows: SIZE.rows,
+            camera_cols: 64,
             focal_length: 1.0,
             cell_width,
             cell_height,
@@ -197,7 +198,7 @@ fn at_one_pixel(frame: &LightStripe, row: f64, col: f64) -> LightStripe {
     let left = (col as usize).min(angles.len() - 2);
     let theta = angles[left] + (col - left as f64) * (angles[left + 1] - angles[left]);
     let one = LightStripeParameters {
-        camera: ImageSize { rows: 1, ..parameters.camera },
+        camera_rows: 1,
         y_center: parameters.y_center - row,
         theta_laser: LaserAngles::from_radians(vec![theta]),
         ..parameters

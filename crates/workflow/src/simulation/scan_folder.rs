@@ -124,7 +124,7 @@ fn write_stack(
             "only light-stripe sensors have intensity images".to_owned(),
         ));
     };
-    let camera = StripeCamera { columns: frame.parameters().camera.cols, ..*camera };
+    let camera = StripeCamera { columns: frame.parameters().camera_cols, ..*camera };
     // Values count from the array's edge, columns from the first one's centre.
     let column = |_: Pixel, d3: f64| Some(d3 - 0.5);
     let pose = &placed.instrument.world_from_sensor;

@@ -169,7 +169,7 @@ fn light_stripe(at: &Standpoint, density: f64) -> Result<Instrument, SensorError
     let theta_laser =
         LaserAngles::equal_steps_degrees(58.0, 199.0 * 0.09 / steps, steps as usize + 1);
     let parameters = LightStripeParameters {
-        camera: ImageSize { rows, cols: example.camera.cols },
+        camera_rows: rows,
         cell_height: example.cell_height * 494.0 / rows as f64,
         y_center: 0.5 * (rows as f64 - 1.0),
         theta_laser,

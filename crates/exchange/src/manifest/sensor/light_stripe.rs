@@ -36,34 +36,12 @@ use transect_device::{ImageSize, RangeImage};
 use transect_sensors::light_stripe::stripe::StripeStack;
 use transect_sensors::{LaserAngles, LightStripe, LightStripeParameters};
 
-/// A light-stripe range finder, as manifests describe it; units as in [`LightStripeParameters`].
+/// A light-stripe range finder, as manifests describe it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LightStripeEntry {
-    /// Rows of the camera, which are the range image's.
-    pub camera_rows: usize,
-    /// Columns of the camera.
-    pub camera_cols: usize,
-    /// Distance of the focal point from the array; a length.
-    pub focal_length: f64,
-    /// From one cell to the next along a row; a length.
-    pub cell_width: f64,
-    /// From one row to the next; a length.
-    pub cell_height: f64,
-    /// The optical axis along a row, in cells from the array's left edge.
-    pub x_center: f64,
-    /// Row of the optical axis.
-    pub y_center: f64,
-    /// From the mirror's axis to the focal point; a length.
-    pub baseline: f64,
-    /// Distance of the mirror's axis from the laser's axis; a length.
-    pub mirror_axis: f64,
-    /// Distance of the mirror's face from its axis; a length.
-    pub mirror_face: f64,
-    /// Full opening angle of the line lens; radians.
-    pub fan_angle: f64,
-    /// Largest depth at which the stripe is seen; a length, or infinite, which is not written.
-    #[serde(skip_serializing_if = "is_infinite")]
-    pub farthest: f64,
+    /// Camera, optics and mirror. Its own angles are not used; `angles` has them.
+    #[serde(flatten)]
+    pub parameters: LightStripeParameters,
     /// The laser's angles, one per column.
     #[serde(flatten)]
     pub angles: AnglesEntry,
@@ -90,31 +68,13 @@ pub enum AnglesEntry {
     },
 }
 
-fn is_infinite(farthest: &f64) -> bool {
-    *farthest == f64::INFINITY
-}
-
 impl LightStripeEntry {
     /// The entry of a range finder, with its angles listed.
     pub fn new(parameters: &LightStripeParameters, stripe: Option<StripeEntry>) -> Self {
-        let ImageSize { rows, cols } = parameters.camera;
         let theta_laser = parameters.theta_laser.as_radians().to_vec();
-        Self {
-            camera_rows: rows,
-            camera_cols: cols,
-            focal_length: parameters.focal_length,
-            cell_width: parameters.cell_width,
-            cell_height: parameters.cell_height,
-            x_center: parameters.x_center,
-            y_center: parameters.y_center,
-            baseline: parameters.baseline,
-            mirror_axis: parameters.mirror_axis,
-            mirror_face: parameters.mirror_face,
-            fan_angle: parameters.fan_angle,
-            farthest: parameters.farthest,
-            angles: AnglesEntry::Listed { theta_laser },
-            stripe,
-        }
+        let parameters =
+            LightStripeParameters { theta_laser: LaserAngles::default(), ..parameters.clone() };
+        Self { parameters, angles: AnglesEntry::Listed { theta_laser }, stripe }
     }
 
     /// The range finder's parameters for an image of `columns` laser angles.
@@ -125,20 +85,8 @@ impl LightStripeEntry {
             }
             AnglesEntry::Listed { theta_laser } => theta_laser.clone(),
         };
-        LightStripeParameters {
-            camera: self.camera(),
-            focal_length: self.focal_length,
-            cell_width: self.cell_width,
-            cell_height: self.cell_height,
-            x_center: self.x_center,
-            y_center: self.y_center,
-            baseline: self.baseline,
-            mirror_axis: self.mirror_axis,
-            mirror_face: self.mirror_face,
-            fan_angle: self.fan_angle,
-            farthest: self.farthest,
-            theta_laser: LaserAngles::from_radians(radians),
-        }
+        let theta_laser = LaserAngles::from_radians(radians);
+        LightStripeParameters { theta_laser, ..self.parameters.clone() }
     }
 
     /// The range finder. Its frame is made when the number of columns is known.
@@ -146,43 +94,23 @@ impl LightStripeEntry {
         LightStripeSensor { entry: self.clone(), frames: Shared::default() }
     }
 
-    fn camera(&self) -> ImageSize {
-        ImageSize { rows: self.camera_rows, cols: self.camera_cols }
-    }
-
     pub(super) fn read(keys: &Keys<'_>, notes: &mut Vec<String>) -> Result<Self, ReadError> {
+        let parameters = keys.fields()?;
         let stripe = keys.object("stripe", "stripe.")?;
-        let stripe = stripe.map(|keys| StripeEntry::read(&keys, notes)).transpose()?;
-        Ok(Self {
-            camera_rows: keys.required_count("camera_rows")?,
-            camera_cols: keys.required_count("camera_cols")?,
-            focal_length: keys.required_number("focal_length")?,
-            cell_width: keys.required_number("cell_width")?,
-            cell_height: keys.required_number("cell_height")?,
-            x_center: keys.required_number("x_center")?,
-            y_center: keys.required_number("y_center")?,
-            baseline: keys.required_number("baseline")?,
-            mirror_axis: keys.number("mirror_axis")?.unwrap_or(0.0),
-            mirror_face: keys.number("mirror_face")?.unwrap_or(0.0),
-            fan_angle: keys.required_number("fan_angle")?,
-            farthest: keys.number("farthest")?.unwrap_or(f64::INFINITY),
-            angles: AnglesEntry::read(keys)?,
-            stripe,
-        })
-    }
-}
-
-impl AnglesEntry {
-    fn read(keys: &Keys<'_>) -> Result<Self, ReadError> {
-        if let Some(theta_laser) = keys.number_list("theta_laser")? {
-            return Ok(Self::Listed { theta_laser });
-        }
-        let (theta0, dtheta) = (keys.number("theta0")?, keys.number("dtheta")?);
+        let read = |keys: Keys<'_>| {
+            let stripe = keys.fields()?;
+            notes.extend(keys.unknown());
+            Ok(stripe)
+        };
         let wanted = "a number of radians, unless \"theta_laser\" lists all angles";
-        Ok(Self::Steps {
-            theta0: theta0.ok_or_else(|| keys.wrong("theta0", wanted))?,
-            dtheta: dtheta.ok_or_else(|| keys.wrong("dtheta", wanted))?,
-        })
+        let angles = match keys.optional("theta_laser")? {
+            Some(theta_laser) => AnglesEntry::Listed { theta_laser },
+            None => AnglesEntry::Steps {
+                theta0: keys.required("theta0", wanted)?,
+                dtheta: keys.required("dtheta", wanted)?,
+            },
+        };
+        Ok(Self { parameters, angles, stripe: stripe.map(read).transpose()? })
     }
 }
 
@@ -198,7 +126,7 @@ impl Sensor for LightStripeSensor {
     }
 
     fn load(&self, file: &ViewFile, notes: &mut Vec<String>) -> Result<FramedImage, ReadError> {
-        match ImageStack::open(&file.path, self.entry.camera(), notes)? {
+        match ImageStack::open(&file.path, self.entry.parameters.camera(), notes)? {
             Some(stack) => self.load_stack(file, &stack, notes),
             None => self.load_places(file, notes),
         }
@@ -213,7 +141,7 @@ impl LightStripeSensor {
         stack: &ImageStack,
         notes: &mut Vec<String>,
     ) -> Result<FramedImage, ReadError> {
-        let (rows, steps) = (self.entry.camera_rows, stack.steps());
+        let (rows, steps) = (self.entry.parameters.camera_rows, stack.steps());
         self.check_columns(file, "the stack", "images", steps)?;
         check_stated(file, "rows", file.stated_rows, rows, "camera rows")?;
         check_stated(file, "cols", file.stated_cols, steps, "images")?;
@@ -229,7 +157,7 @@ impl LightStripeSensor {
         notes: &mut Vec<String>,
     ) -> Result<FramedImage, ReadError> {
         let image = file.load_image(notes)?;
-        let (ImageSize { rows, cols }, wanted) = (image.size(), self.entry.camera_rows);
+        let (ImageSize { rows, cols }, wanted) = (image.size(), self.entry.parameters.camera_rows);
         self.check_columns(file, "the image", "columns", cols)?;
         if rows != wanted {
             let problem = format!("the image has {rows} rows, but \"camera_rows\" is {wanted}");
@@ -261,7 +189,7 @@ impl LightStripeSensor {
     }
 
     fn frame(&self, file: &ViewFile, columns: usize) -> Result<Arc<LightStripe>, ReadError> {
-        let size = ImageSize { rows: self.entry.camera_rows, cols: columns };
+        let size = ImageSize { rows: self.entry.parameters.camera_rows, cols: columns };
         self.frames.get_or_make(size, || {
             LightStripe::new(self.entry.parameters(columns)).map_err(|e| file.bad_sensor(e))
         })
@@ -276,7 +204,8 @@ impl LightStripeSensor {
     ) -> Result<RangeImage, ReadError> {
         let bad = |e| file.unusable("\"stripe\"", e);
         let stripe = self.entry.stripe.unwrap_or_default();
-        let finder = stripe.bounded(self.entry.camera()).map_err(bad)?.measured(stack, notes)?;
+        let finder =
+            stripe.bounded(self.entry.parameters.camera()).map_err(bad)?.measured(stack, notes)?;
         let mut found = StripeStack::new(frame, finder).map_err(bad)?;
         stack.for_each(|at, image| {
             found.push(&image).map_err(|e| ReadError::unusable(at.path, at.place, "the image", e))

@@ -15,13 +15,12 @@
 //! Pixels hold `p`, the spot's place on the detector in the calibration's unit.
 
 use super::super::keys::Keys;
-use super::super::word;
 use super::Sensor;
 use super::shared::Shared;
 use crate::scan::FramedImage;
 use crate::view_file::ViewFile;
 use crate::{Place, ReadError, read_calibration};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use transect_device::ImageSize;
 use transect_sensors::lookup_table::{
@@ -31,7 +30,7 @@ use transect_sensors::lookup_table::{
 use transect_sensors::{LookupTable, SensorError};
 
 /// A calibrated scanner on a linear axis in a manifest.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LookupTableEntry {
     /// Scanning angle of column 0; radians.
     pub theta0: f64,
@@ -40,21 +39,22 @@ pub struct LookupTableEntry {
     /// The file of the calibration sweeps, relative to the manifest or absolute.
     pub calibration: String,
     /// Samples in the calibration's median filter, odd; 1 for none.
+    #[serde(default = "usual_window")]
     pub median_window: usize,
     /// Which two depths give an estimate of a beam.
-    #[serde(serialize_with = "word::write")]
+    #[serde(default)]
     pub pairs: DepthPairs,
     /// Place of row 0 on the linear axis; a length.
     pub y0: f64,
     /// From one row to the next; a signed length, not 0.
     pub dy: f64,
     /// The plane that is swept, and with it the linear axis.
-    #[serde(serialize_with = "word::write")]
     pub mounting: ScanPlane,
     /// Turn about the linear axis; radians.
+    #[serde(default)]
     pub tilt: f64,
     /// The start of the light and the point that sees it, if known.
-    #[serde(flatten)]
+    #[serde(flatten, skip_deserializing)]
     pub viewpoints: Option<ViewpointsEntry>,
 }
 
@@ -67,24 +67,22 @@ pub struct ViewpointsEntry {
     pub receiver: [f64; 2],
 }
 
+/// What each of the two keys must be.
+const BOTH: &str = "[u, v], and stand with the other of \"projector\" and \"receiver\"";
+
+fn usual_window() -> usize {
+    CalibrationOptions::default().median_window
+}
+
 impl LookupTableEntry {
     pub(super) fn read(keys: &Keys<'_>) -> Result<Self, ReadError> {
-        let usual = CalibrationOptions::default();
-        let calibration = keys.text("calibration")?;
-        Ok(Self {
-            theta0: keys.required_number("theta0")?,
-            dtheta: keys.required_number("dtheta")?,
-            calibration: calibration
-                .ok_or_else(|| keys.wrong("calibration", "a file name"))?
-                .to_owned(),
-            median_window: keys.count("median_window")?.unwrap_or(usual.median_window),
-            pairs: keys.word("pairs")?.unwrap_or(usual.pairs),
-            y0: keys.required_number("y0")?,
-            dy: keys.required_number("dy")?,
-            mounting: keys.required_word("mounting")?,
-            tilt: keys.number("tilt")?.unwrap_or(0.0),
-            viewpoints: ViewpointsEntry::read(keys)?,
-        })
+        let viewpoints = match (keys.optional("projector")?, keys.optional("receiver")?) {
+            (Some(projector), Some(receiver)) => Some(ViewpointsEntry { projector, receiver }),
+            (None, None) => None,
+            (None, Some(_)) => return Err(keys.wrong("projector", BOTH)),
+            (Some(_), None) => return Err(keys.wrong("receiver", BOTH)),
+        };
+        Ok(Self { viewpoints, ..keys.fields()? })
     }
 
     /// The scanner. Its calibration file is relative to `folder`.
@@ -96,17 +94,6 @@ impl LookupTableEntry {
     /// The treatment of the calibration data.
     pub(super) fn options(&self) -> CalibrationOptions {
         CalibrationOptions { median_window: self.median_window, pairs: self.pairs }
-    }
-}
-
-impl ViewpointsEntry {
-    fn read(keys: &Keys<'_>) -> Result<Option<Self>, ReadError> {
-        match (keys.numbers("projector")?, keys.numbers("receiver")?) {
-            (Some(projector), Some(receiver)) => Ok(Some(Self { projector, receiver })),
-            (None, None) => Ok(None),
-            (None, Some(_)) => Err(keys.wrong("projector", "given with \"receiver\": [u, v]")),
-            (Some(_), None) => Err(keys.wrong("receiver", "given with \"projector\": [u, v]")),
-        }
     }
 }
 

@@ -60,28 +60,25 @@ pub enum SensorEntry {
 impl SensorEntry {
     /// A depth camera without lens distortion whose pixels hold depths.
     pub fn pinhole(intrinsics: Intrinsics) -> Self {
-        let Intrinsics { fx, fy, cx, cy } = intrinsics;
-        let lens = LensEntry::Intrinsics { fx, fy, cx, cy, distortion: None };
+        let lens = LensEntry::Intrinsics { intrinsics, distortion: None };
         Self::Pinhole(PinholeEntry { lens, holds: PinholeScale::Depth })
     }
 
     /// Reads the sensor of a view. Unknown keys of its inner objects go to `notes`.
     pub(super) fn read(keys: &Keys<'_>, notes: &mut Vec<String>) -> Result<Self, ReadError> {
         let known = "one of spherical, pinhole, light_stripe, lookup_table, grid";
-        let number = |key| keys.required_number(key);
-        match keys.text("sensor")? {
-            Some("spherical") => Ok(Self::Spherical {
-                theta0: number("theta0")?,
-                dtheta: number("dtheta")?,
-                phi0: number("phi0")?,
-                dphi: number("dphi")?,
+        match keys.required("sensor", known)? {
+            "spherical" => Ok(Self::Spherical {
+                theta0: keys.number("theta0")?,
+                dtheta: keys.number("dtheta")?,
+                phi0: keys.number("phi0")?,
+                dphi: keys.number("dphi")?,
             }),
-            Some("pinhole") => PinholeEntry::read(keys).map(Self::Pinhole),
-            Some("light_stripe") => LightStripeEntry::read(keys, notes).map(Self::LightStripe),
-            Some("lookup_table") => LookupTableEntry::read(keys).map(Self::LookupTable),
-            Some("grid") => Ok(Self::Grid { viewpoint: keys.required_numbers("viewpoint")? }),
-            Some(other) => Err(keys.wrong("sensor", &format!("{known}; it is {other:?}"))),
-            None => Err(keys.wrong("sensor", known)),
+            "pinhole" => PinholeEntry::read(keys).map(Self::Pinhole),
+            "light_stripe" => LightStripeEntry::read(keys, notes).map(Self::LightStripe),
+            "lookup_table" => LookupTableEntry::read(keys).map(Self::LookupTable),
+            "grid" => Ok(Self::Grid { viewpoint: keys.required("viewpoint", "[x, y, z]")? }),
+            other => Err(keys.wrong("sensor", &format!("{known}; it is {other:?}"))),
         }
     }
 }

@@ -11,7 +11,6 @@
 //! distortion, the lens moves the ray to that place; see `distortion.rs` for the equations.
 
 use super::super::keys::Keys;
-use super::super::word;
 use super::shared::Shared;
 use super::{Sensor, distortion};
 use crate::scan::FramedImage;
@@ -30,7 +29,7 @@ pub struct PinholeEntry {
     #[serde(flatten)]
     pub lens: LensEntry,
     /// The meaning of its pixels' values, which are in the length unit.
-    #[serde(serialize_with = "word::write", skip_serializing_if = "is_usual")]
+    #[serde(skip_serializing_if = "is_usual")]
     pub holds: PinholeScale,
 }
 
@@ -38,16 +37,11 @@ pub struct PinholeEntry {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum LensEntry {
-    /// A lens by its parameters; all but the distortion in pixels.
+    /// A lens by its parameters.
     Intrinsics {
-        /// Focal length along columns.
-        fx: f64,
-        /// Focal length along rows.
-        fy: f64,
-        /// Column of the optical axis.
-        cx: f64,
-        /// Row of the optical axis.
-        cy: f64,
+        /// Focal lengths and principal point.
+        #[serde(flatten)]
+        intrinsics: Intrinsics,
         /// `[k1, k2, p1, p2, k3]` for image places in focal lengths; `None` for a straight lens.
         #[serde(skip_serializing_if = "Option::is_none")]
         distortion: Option<[f64; 5]>,
@@ -66,25 +60,21 @@ fn is_usual(holds: &PinholeScale) -> bool {
 
 impl PinholeEntry {
     pub(super) fn read(keys: &Keys<'_>) -> Result<Self, ReadError> {
-        let lens = match keys.text("rays")? {
-            Some(rays) => LensEntry::Rays { rays: rays.to_owned() },
+        let lens = match keys.optional("rays")? {
+            Some(rays) => LensEntry::Rays { rays },
             None => LensEntry::Intrinsics {
-                fx: keys.required_number("fx")?,
-                fy: keys.required_number("fy")?,
-                cx: keys.required_number("cx")?,
-                cy: keys.required_number("cy")?,
-                distortion: read_distortion(keys)?,
+                intrinsics: keys.fields()?,
+                distortion: keys.optional("distortion")?,
             },
         };
-        Ok(Self { lens, holds: keys.word("holds")?.unwrap_or_default() })
+        Ok(Self { lens, holds: keys.optional("holds")?.unwrap_or_default() })
     }
 
     /// The camera. A file with rays is relative to `folder`.
     pub(super) fn sensor(&self, folder: &Path) -> PinholeSensor {
         let lens = match &self.lens {
             LensEntry::Rays { rays } => Lens::Rays(folder.join(rays)),
-            &LensEntry::Intrinsics { fx, fy, cx, cy, distortion } => {
-                let intrinsics = Intrinsics { fx, fy, cx, cy };
+            &LensEntry::Intrinsics { intrinsics, distortion } => {
                 // Without distortion, the closed form is faster and finds pixels between rays.
                 match distortion.filter(|k| k.iter().any(|k| *k != 0.0)) {
                     Some(distortion) => Lens::Distorted(intrinsics, distortion),
@@ -93,15 +83,6 @@ impl PinholeEntry {
             }
         };
         PinholeSensor { lens, holds: self.holds, tables: Shared::default() }
-    }
-}
-
-fn read_distortion(keys: &Keys<'_>) -> Result<Option<[f64; 5]>, ReadError> {
-    match keys.numbers::<5>("distortion")? {
-        Some(k) if !k.iter().all(|k| k.is_finite()) => {
-            Err(keys.wrong("distortion", "a list of 5 finite numbers"))
-        }
-        distortion => Ok(distortion),
     }
 }
 

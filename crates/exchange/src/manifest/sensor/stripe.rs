@@ -12,20 +12,18 @@
 //! Stripes of a quarter to twice `height` are found, so half the largest count serves all surfaces
 //! but the darkest, unless a reflection is brighter than the stripe.
 
-use super::super::keys::Keys;
-use super::super::word;
 use crate::ReadError;
 use crate::image_stack::ImageStack;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use transect_device::ImageSize;
 use transect_sensors::SensorError;
 use transect_sensors::light_stripe::stripe::{Peak, StripeFinder, StripeProfile, StripeShape};
 
 /// How to find the stripe in intensity images.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct StripeEntry {
     /// Shape of the template.
-    #[serde(serialize_with = "word::write")]
     pub shape: StripeShape,
     /// Base of the triangle, in cells; twice the width at half height for every shape.
     pub width: f64,
@@ -38,7 +36,6 @@ pub struct StripeEntry {
     /// Rows of the median filter along the stripe, odd; 1 for none.
     pub median_rows: usize,
     /// Accuracy of the place: whole cells or parts of them.
-    #[serde(serialize_with = "word::write")]
     pub peak: Peak,
 }
 
@@ -66,20 +63,6 @@ impl From<StripeFinder> for StripeEntry {
 }
 
 impl StripeEntry {
-    pub(super) fn read(keys: &Keys<'_>, notes: &mut Vec<String>) -> Result<Self, ReadError> {
-        let usual = Self::default();
-        let entry = Self {
-            shape: keys.word("shape")?.unwrap_or(usual.shape),
-            width: keys.number("width")?.unwrap_or(usual.width),
-            height: keys.number("height")?,
-            least_height: keys.number("least_height")?,
-            median_rows: keys.count("median_rows")?.unwrap_or(usual.median_rows),
-            peak: keys.word("peak")?.unwrap_or(usual.peak),
-        };
-        notes.extend(keys.unknown());
-        Ok(entry)
-    }
-
     /// The finder for a height.
     pub(super) fn finder(&self, height: f64) -> StripeFinder {
         let profile = StripeProfile { shape: self.shape, width: self.width, height };

@@ -52,10 +52,12 @@ pub use profile::{StripeProfile, StripeShape};
 use super::LightStripe;
 use crate::error::{SensorError, require};
 use row::Template;
+use serde::{Deserialize, Serialize};
 use transect_device::{DeviceFrame, Pixel, RangeImage};
 
 /// How exactly the stripe's place in a row is read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Peak {
     /// The centre of the brightest cell, as in the dissertation: at best ±0.5 cells.
     WholeCell,
@@ -167,7 +169,7 @@ impl<'a> StripeStack<'a> {
     /// # Errors
     /// [`SensorError::BadParameter`] for settings that do not fit the range finder's camera.
     pub fn new(frame: &'a LightStripe, finder: StripeFinder) -> Result<Self, SensorError> {
-        finder.template(frame.parameters().camera.cols)?;
+        finder.template(frame.parameters().camera_cols)?;
         let values = vec![f32::NAN; frame.size().pixels()];
         Ok(Self { frame, finder, values, columns: 0 })
     }
@@ -178,7 +180,7 @@ impl<'a> StripeStack<'a> {
     /// [`SensorError::BadParameter`] if the image is not of the camera's size, or there are more
     /// images than angles.
     pub fn push(&mut self, image: &IntensityImage) -> Result<(), SensorError> {
-        let (size, camera) = (image.size(), self.frame.parameters().camera);
+        let (size, camera) = (image.size(), self.frame.parameters().camera());
         let (rows, cols) = (size.rows as f64, size.cols as f64);
         let same = (size.rows == camera.rows, size.cols == camera.cols);
         require("image_rows", rows, same.0, "as many rows as the camera")?;

@@ -1,12 +1,14 @@
 //! The profile of a stripe across its direction, for drawing stripes and for finding them.
 
 use crate::error::{SensorError, require};
+use serde::{Deserialize, Serialize};
 
 /// Standard deviations in the full width at half height of a Gaussian: 2 √(2 ln 2).
 const SIGMAS_PER_HALF_HEIGHT_WIDTH: f64 = 2.354_820_045_030_949_3;
 
 /// The shape of a stripe across.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum StripeShape {
     /// An isosceles triangle (Eq. 4.20).
     Triangle,

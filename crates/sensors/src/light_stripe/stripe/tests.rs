@@ -224,7 +224,7 @@ fn the_median_moves_outliers_and_leaves_a_leaning_stripe_alone() {
 
 fn small_sensor() -> LightStripe {
     let mut parameters = LightStripeParameters::smart_eye();
-    parameters.camera = ImageSize { rows: 7, cols: COLS };
+    (parameters.camera_rows, parameters.camera_cols) = (7, COLS);
     parameters.cell_width *= 8.0;
     parameters.cell_height *= 70.0;
     (parameters.x_center, parameters.y_center) = (48.0, 3.0);

@@ -27,7 +27,7 @@ pub fn stripe_row(
     else {
         return Err(Failure::because("no light-stripe sensor to draw a row of"));
     };
-    let cells = frame.parameters().camera;
+    let cells = frame.parameters().camera();
     let camera = stripe_camera(cells.cols, 1);
     let column = |_: Pixel, d3: f64| Some(d3 - 0.5);
     let images =

@@ -68,7 +68,11 @@ fn a_light_stripe_has_the_documented_defaults() {
     let (sensor, notes) = read(&keys).unwrap();
     assert_eq!(notes, Vec::<String>::new());
     let SensorEntry::LightStripe(entry) = sensor else { panic!("{sensor:?}") };
-    assert_eq!((entry.mirror_axis, entry.mirror_face, entry.farthest), (0.0, 0.0, f64::INFINITY));
+    let parameters = &entry.parameters;
+    assert_eq!(
+        (parameters.mirror_axis, parameters.mirror_face, parameters.farthest),
+        (0.0, 0.0, f64::INFINITY)
+    );
     let stripe = entry.stripe.unwrap();
     assert_eq!(stripe, StripeEntry::default());
     assert_eq!((stripe.shape, stripe.width, stripe.height), (StripeShape::Triangle, 8.0, None));
@@ -125,7 +129,7 @@ fn a_pinhole_reads_back_as_it_was_written() {
     assert_eq!(back, plain);
     assert!(!text.contains("holds") && !text.contains("distortion"), "{text}");
     let distortion = Some([-0.1, 0.02, 1e-3, -2e-3, 0.3]);
-    let lens = LensEntry::Intrinsics { fx: 585.0, fy: 586.0, cx: 320.0, cy: 240.0, distortion };
+    let lens = LensEntry::Intrinsics { intrinsics, distortion };
     let distorted = PinholeEntry { lens, holds: PinholeScale::RayLength };
     let lens = LensEntry::Rays { rays: "rays.npy".to_owned() };
     let rays = PinholeEntry { lens, holds: PinholeScale::Depth };
@@ -167,36 +171,57 @@ fn what_is_missing_or_wrong_names_its_key() {
     let steps = r#""theta0": 1, "dtheta": 0.1"#;
     for (error, wanted) in [
         (stripe(r#""theta0": 1"#), "no \"dtheta\"; it must be a number of radians, unless"),
-        (stripe(r#""theta_laser": 3"#), "\"theta_laser\" must be a list of numbers"),
+        (
+            stripe(r#""theta_laser": 3"#),
+            "\"theta_laser\": invalid type: integer `3`, expected a sequence",
+        ),
         (stripe(&format!(r#"{steps}, "stripe": 3"#)), "stripe must be a JSON object"),
         (
             stripe(&format!(r#"{steps}, "stripe": {{"shape": "box"}}"#)),
-            "\"stripe.shape\" must be one of triangle, gaussian; it is \"box\"",
+            "\"stripe.shape\": unknown variant `box`, expected `triangle` or `gaussian`",
         ),
         (
             stripe(&format!(r#"{steps}, "stripe": {{"peak": "exact"}}"#)),
-            "\"stripe.peak\" must be one of sub_cell, whole_cell; it is \"exact\"",
+            "\"stripe.peak\": unknown variant `exact`, expected `whole_cell` or `sub_cell`",
         ),
-        (read(&STRIPE.replace("494", "-1")).unwrap_err(), "\"camera_rows\" must be a whole number"),
-        (table("\"yz\"", "\"xy\""), "\"mounting\" must be one of xz, yz; it is \"xy\""),
-        (table(r#", "mounting": "yz""#, ""), "no \"mounting\"; it must be one of xz, yz"),
-        (table("\"sweeps.csv\"", "7"), "\"calibration\" must be a text"),
+        (
+            read(&STRIPE.replace("494", "-1")).unwrap_err(),
+            "\"camera_rows\": invalid value: integer `-1`, expected usize",
+        ),
+        (table("\"yz\"", "\"xy\""), "\"mounting\": unknown variant `xy`, expected `xz` or `yz`"),
+        (table(r#", "mounting": "yz""#, ""), "missing field `mounting`"),
+        (
+            table("\"sweeps.csv\"", "7"),
+            "\"calibration\": invalid type: integer `7`, expected a string",
+        ),
         (
             table("\"y0\"", "\"pairs\": \"all\", \"y0\""),
-            "\"pairs\" must be one of neighbours, half",
+            "\"pairs\": unknown variant `all`, expected `neighbours` or",
         ),
         (
             table("\"y0\"", "\"projector\": [0, 0], \"y0\""),
-            "no \"receiver\"; it must be given with",
+            "no \"receiver\"; it must be [u, v], and stand with",
         ),
         (
             table("\"y0\"", "\"receiver\": [0, 0], \"y0\""),
-            "no \"projector\"; it must be given with",
+            "no \"projector\"; it must be [u, v], and stand with",
         ),
-        (table("\"y0\"", "\"receiver\": [0], \"y0\""), "\"receiver\" must be a list of 2 numbers"),
-        (pinhole(r#""holds": "disparity""#), "\"holds\" must be one of depth, ray_length; it is"),
-        (pinhole(r#""distortion": [0, 0, 0, 0]"#), "\"distortion\" must be a list of 5 numbers"),
-        (pinhole(r#""distortion": [0, 0, 0, 0, null]"#), "must be a list of 5 finite numbers"),
+        (
+            table("\"y0\"", "\"receiver\": [0], \"y0\""),
+            "\"receiver\": invalid length 1, expected an array of length 2",
+        ),
+        (
+            pinhole(r#""holds": "disparity""#),
+            "\"holds\": unknown variant `disparity`, expected `depth` or",
+        ),
+        (
+            pinhole(r#""distortion": [0, 0, 0, 0]"#),
+            "\"distortion\": invalid length 4, expected an array of length 5",
+        ),
+        (
+            pinhole(r#""distortion": [0, 0, 0, 0, null]"#),
+            "\"distortion\": invalid type: null, expected f64",
+        ),
     ] {
         assert!(error.contains("view 0 (image.npy): ") && error.contains(wanted), "{error}");
     }

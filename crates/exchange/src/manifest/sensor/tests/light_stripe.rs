@@ -24,7 +24,8 @@ const KEYS: &str = r#""sensor": "light_stripe", "camera_rows": 9, "camera_cols":
 fn sensor() -> LightStripe {
     let radians = (0..STEPS).map(|k| 1.0 + 0.05 * k as f64).collect();
     LightStripe::new(LightStripeParameters {
-        camera: CAMERA,
+        camera_rows: ROWS,
+        camera_cols: COLS,
         cell_width: 0.0672,
         cell_height: 0.686,
         x_center: 48.0,
@@ -183,7 +184,10 @@ fn bad_parameters_name_their_key() {
             wrong(steps, "\"theta_laser\": [1, 1.1, 1.05, 1.2, 1.3, 1.4, 1.5]"),
             "theta_laser = 1.05: angles that all increase or all decrease",
         ),
-        (wrong(steps, "\"theta_laser\": [1, 1.1, null, 1.2, 1.3, 1.4, 1.5]"), "theta_laser = NaN"),
+        (
+            wrong(steps, "\"theta_laser\": [1, 1.1, null, 1.2, 1.3, 1.4, 1.5]"),
+            "\"theta_laser\": invalid type: null",
+        ),
         (
             wrong(steps, "\"theta_laser\": [1, 1.1, 1.2]"),
             "stack.npy: the stack has 7 images, but \"theta_laser\" has 3 angles",

@@ -97,7 +97,7 @@ fn bad_parameters_name_their_key() {
         (wrong("\"dtheta\": 0.02", "\"dtheta\": -1"), format!("{sensor}dtheta = -1: a posit")),
         (wrong("window\": 1", "window\": 2"), format!("{sensor}median_window = 2: an odd")),
         (wrong("[-30, 0]", "[-30, 120]"), format!("{sensor}projector = ")),
-        (wrong("[30, 0]", "[null, 0]"), format!("{sensor}receiver = NaN")),
+        (wrong("[30, 0]", "[null, 0]"), "\"receiver\": invalid type: null".to_owned()),
         (
             wrong("\"theta0\": -0.2", "\"theta0\": -0.21"),
             "sweeps.csv: the calibration is not usable: theta = -0.2: an angle of".to_owned(),
