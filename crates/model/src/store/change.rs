@@ -113,27 +113,11 @@ impl Store {
 }
 
 impl ViewTransaction<'_> {
-    /// Adds the view's curves on one plane and fuses that plane again.
-    ///
-    /// # Errors
-    /// If the plane was already given, or the store cannot be read or written.
-    pub fn add_plane(
-        &mut self,
-        plane: PlaneIndex,
-        curves: &[Curve],
-        fuse: &impl Fuse,
-    ) -> Result<(), StoreError> {
-        self.step(|transaction, view| {
-            let planes = put_in(transaction, view, plane, curves)?.then_some(plane);
-            fuse_again(transaction, planes, fuse)
-        })
-    }
-
     /// Adds the view's curves on several planes and fuses those planes again, many at a time
     /// ([`Fuse::fuse_planes`]).
     ///
     /// # Errors
-    /// As for [`ViewTransaction::add_plane`].
+    /// If a plane was already given, or the store cannot be read or written.
     pub fn add_planes(
         &mut self,
         curves: impl IntoIterator<Item = (PlaneIndex, Vec<Curve>)>,
@@ -153,7 +137,7 @@ impl ViewTransaction<'_> {
     /// For many views at once: a plane of several views is then fused once.
     ///
     /// # Errors
-    /// As for [`ViewTransaction::add_plane`].
+    /// As for [`ViewTransaction::add_planes`].
     pub fn defer_planes(
         &mut self,
         curves: impl IntoIterator<Item = (PlaneIndex, Vec<Curve>)>,

@@ -2,6 +2,7 @@
 
 use super::test_media::Memory;
 use super::*;
+use crate::CodecError;
 use crate::samples::{family, polyline, rectangle, strip, tangles};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
@@ -252,9 +253,6 @@ fn planes_are_walked_both_ways_and_make_the_model() {
     };
     assert_eq!(keys(snapshot.planes().unwrap().collect()), [-5, 0, 1, 7]);
     assert_eq!(keys(snapshot.planes().unwrap().rev().collect()), [7, 1, 0, -5]);
-    let beyond = (std::ops::Bound::Excluded(PlaneIndex(1)), std::ops::Bound::Unbounded);
-    assert_eq!(keys(snapshot.planes_in(beyond).unwrap().collect()), [7]);
-    assert_eq!(keys(snapshot.planes_in(..PlaneIndex(0)).unwrap().collect()), [-5]);
     assert_eq!(snapshot.plane_count().unwrap(), 4);
     let model = snapshot.model().unwrap();
     assert_eq!(model.check(), Ok(()));
@@ -267,7 +265,7 @@ fn a_snapshot_sees_the_last_whole_view_and_nothing_later() {
     let (_, mut store) = memory_store();
     add(&store, "a", &vec![(PlaneIndex(0), square(0.0))]).unwrap();
     let mut view = store.begin_view(entry("b")).unwrap();
-    view.add_plane(PlaneIndex(0), &square(3.0), &fuse).unwrap();
+    view.add_planes([(PlaneIndex(0), square(3.0))], &fuse).unwrap();
     let during = store.read().unwrap();
     view.commit().unwrap();
     let count = |snapshot: &Snapshot| {
@@ -302,8 +300,8 @@ fn what_cannot_be_done_says_why_and_changes_nothing() {
     let mut view = store.begin_view(entry("b")).unwrap();
     let busy = store.begin_view(entry("c")).unwrap_err();
     assert!(matches!(busy.problem, StoreProblem::Busy));
-    view.add_plane(PlaneIndex(1), &square(0.0), &fuse).unwrap();
-    let twice = view.add_plane(PlaneIndex(1), &square(1.0), &fuse).unwrap_err();
+    view.add_planes([(PlaneIndex(1), square(0.0))], &fuse).unwrap();
+    let twice = view.add_planes([(PlaneIndex(1), square(1.0))], &fuse).unwrap_err();
     assert!(matches!(twice.problem, StoreProblem::PlaneTwice(PlaneIndex(1))));
     assert!(matches!(view.commit().unwrap_err().problem, StoreProblem::Failed));
     assert_eq!(export(&store), before);
@@ -372,6 +370,43 @@ fn files_are_created_locked_and_opened_again() {
 }
 
 #[test]
+fn readers_share_a_file_and_leave_its_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("store");
+    let store = Store::create(&path, &header()).unwrap();
+    add(&store, "a", &vec![(PlaneIndex(0), square(0.0)), (PlaneIndex(1), vec![strip()])]).unwrap();
+    let mut view = store.begin_view(entry("b")).unwrap();
+    view.defer_planes([(PlaneIndex(1), square(3.0))]).unwrap();
+    view.commit().unwrap();
+    let refused = Store::open_read_only(&path).unwrap_err();
+    assert!(matches!(refused.problem, StoreProblem::InUse), "{refused:?}");
+    store.close().unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    // A reader must not need the permission to write.
+    let mut permissions = std::fs::metadata(&path).unwrap().permissions();
+    permissions.set_readonly(true);
+    std::fs::set_permissions(&path, permissions.clone()).unwrap();
+
+    let (mut first, second) =
+        (Store::open_read_only(&path).unwrap(), Store::open_read_only(&path).unwrap());
+    assert_eq!(first.verify().unwrap().pending, 1);
+    assert_eq!(first.fuse_pending(&fuse).unwrap(), 1);
+    assert_eq!(first.plane(PlaneIndex(1)).unwrap().unwrap().curve_records().len(), 2);
+    assert!(matches!(second.plane(PlaneIndex(1)).unwrap_err().problem, StoreProblem::Pending(1)));
+    assert_eq!(second.views().unwrap().len(), 2);
+    first.remove_view(&"a".into(), &fuse).unwrap();
+    first.compact().unwrap();
+    first.close().unwrap();
+    permissions.set_readonly(false);
+    std::fs::set_permissions(&path, permissions).unwrap();
+    let refused = Store::open(&path).unwrap_err();
+    assert!(matches!(refused.problem, StoreProblem::BeingRead), "{refused:?}");
+    drop(second);
+    assert!(std::fs::read(&path).unwrap() == bytes);
+    assert_eq!(Store::open(&path).unwrap().views().unwrap().len(), 2);
+}
+
+#[test]
 fn a_whole_model_is_no_store_and_a_store_no_whole_model() {
     let folder = tempfile::tempdir().unwrap();
     let (model, store) = (folder.path().join("model"), folder.path().join("store"));
@@ -379,13 +414,13 @@ fn a_whole_model_is_no_store_and_a_store_no_whole_model() {
     let refused = Store::open(&model).unwrap_err();
     assert!(matches!(
         refused.problem,
-        StoreProblem::Damaged(Damage::WrongVersion { found: crate::SCHEMA_VERSION })
+        StoreProblem::Damaged(CodecError::WrongVersion { found: crate::SCHEMA_VERSION, .. })
     ));
     Store::create(&store, &header()).unwrap();
     let refused = crate::Model::load(&store).unwrap_err();
     let cause = std::error::Error::source(&refused).unwrap().to_string();
     let (store, model) = (STORE_VERSION, crate::SCHEMA_VERSION);
-    assert_eq!(cause, format!("model file of version {store}; this program reads version {model}"));
+    assert_eq!(cause, format!("model file of version {store}; version {model} is expected here"));
 }
 
 proptest! {
