@@ -7,15 +7,14 @@
 //! the surface. So each loop states its *doubt*: the largest area that it can have too much or too
 //! little.
 //!
-//! 1. A gap of width w counts w times half the diagonal of the plane's envelope. That bounds an
-//!    unseen boundary which runs at most half the diagonal away from the chord, and encloses nothing
-//!    wider than the gap.
-//! 2. A bridged unit of length b counts b² / 2: the unseen boundary runs within b / 2 of it.
-//! 3. A measured unit counts its length times [`SIGMAS`] standard deviations.
-//! 4. The parent of a loop is the smallest loop around it, by the even-odd rule, which ignores
+//! 1. A gap of width w, and a bridged unit of length w, counts w times half the diagonal of the
+//!    plane's envelope. That bounds an unseen boundary which runs at most half the diagonal away
+//!    from the chord, and encloses nothing wider than the gap.
+//! 2. A measured unit counts its length times [`SIGMAS`] standard deviations.
+//! 3. The parent of a loop is the smallest loop around it, by the even-odd rule, which ignores
 //!    directions. Loop and parent run opposite ways round. Otherwise a direction is wrong, a surface
 //!    between them was not seen, or curves cross. The loop's area is then in doubt for its parent.
-//! 5. If the doubt exceeds the area, the gaps hide which way round the loop runs. Its parent decides.
+//! 4. If the doubt exceeds the area, the gaps hide which way round the loop runs. Its parent decides.
 //!
 //! Cost: for n loops with m nodes each, O(n²) comparisons of envelopes, and O(m) for each pair of
 //! nested envelopes. One node decides the parent of a loop that crosses others.
@@ -59,7 +58,8 @@ impl BoundaryLoop {
         let envelope = section.envelope();
         let (area, moment) = moments(&points, &envelope.min);
         let half_extent = 0.5 * envelope.size().norm();
-        let doubt = of_curves().map(doubt).sum::<f64>() + gaps.iter().sum::<f64>() * half_extent;
+        let unseen = gaps.iter().sum::<f64>() * half_extent;
+        let doubt = of_curves().map(|curve| doubt(curve, half_extent)).sum::<f64>() + unseen;
         let widest_gap = gaps.iter().copied().fold(0.0, f64::max);
         let envelope = Envelope::around(&points);
         let (parent, contradicts_parent, is_solid) = (None, false, area > 0.0);
@@ -159,11 +159,11 @@ impl Section {
     }
 }
 
-/// The area by which the true boundary can differ along a curve.
-fn doubt(curve: &Curve) -> f64 {
+/// The area by which the true boundary can differ along a curve, in a plane of this half extent.
+fn doubt(curve: &Curve, half_extent: f64) -> f64 {
     let doubts = curve.units().zip(curve.nodes()).map(|(unit, node)| {
-        let length = unit.vector().norm();
-        length * if node.bridged { 0.5 * length } else { SIGMAS * f64::from(node.sigma) }
+        let off = if node.bridged { half_extent } else { SIGMAS * f64::from(node.sigma) };
+        off * unit.vector().norm()
     });
     doubts.sum()
 }
@@ -235,7 +235,11 @@ mod tests {
         let plate = rectangle(0.0, 0.0, 2.0, 3.0).into_nodes();
         let plate = Curve::new(bridged(plate).collect(), true).unwrap();
         let found = Section::new(vec![plate]).unwrap().loops();
-        assert!((found[0].doubt - (2.0 + 3.0 * 0.01 * 8.0)).abs() < 1e-6, "{}", found[0].doubt);
+        assert!(
+            (found[0].doubt - (13.0_f64.sqrt() + 3.0 * 0.01 * 8.0)).abs() < 1e-6,
+            "{}",
+            found[0].doubt
+        );
     }
 
     #[test]

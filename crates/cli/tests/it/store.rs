@@ -120,6 +120,33 @@ fn models_and_stores_answer_alike() {
 }
 
 #[test]
+fn reading_commands_leave_the_store_as_it_is() {
+    let folder = stored();
+    let before = folder.bytes("s.transect");
+    let reader = Store::open_read_only(folder.path("s.transect")).unwrap();
+    for command in [
+        "query s.transect 0.1,-0.5,0.4",
+        "export s.transect --lines lines.json --out exported",
+        "inspect s.transect",
+        "list-views s.transect",
+        "verify s.transect --fusion",
+        "measure s.transect --close-gaps 0.1",
+        "gaps s.transect",
+    ] {
+        folder.run(command).succeeded();
+        assert!(folder.bytes("s.transect") == before, "{command}");
+    }
+    let refused = ["s.transect", "being read by another process"];
+    folder.run("compact s.transect").failed_with(1, &refused);
+    folder.run("remove-view s.transect range_000.npy").failed_with(1, &refused);
+    drop(reader);
+    let writer = Store::open(folder.path("s.transect")).unwrap();
+    let refused = ["s.transect", "being changed by another process"];
+    folder.run("list-views s.transect").failed_with(1, &refused);
+    drop(writer);
+}
+
+#[test]
 fn what_is_refused_says_why_and_changes_nothing() {
     let folder = stored();
     let before = exported(&folder);

@@ -42,17 +42,15 @@ impl Store {
     /// If a view of that id exists, the pose or noise is invalid, or another thread is changing the
     /// store.
     pub fn begin_view(&self, entry: ViewEntry) -> Result<ViewTransaction<'_>, StoreError> {
-        self.begin(entry).map_err(|problem| self.error(problem))
-    }
-
-    fn begin(&self, entry: ViewEntry) -> Result<ViewTransaction<'_>, StoreProblem> {
-        entry.check()?;
-        let transaction = self.write()?;
-        if read_view(&transaction.open_table(VIEWS)?, &entry.id)?.is_some() {
-            return Err(StoreProblem::ViewExists(entry.id));
-        }
-        let view = StoredView::new(entry);
-        Ok(ViewTransaction { store: self, transaction, view, broken: false })
+        self.run(|| {
+            entry.check()?;
+            let transaction = self.write()?;
+            if read_view(&transaction.open_table(VIEWS)?, &entry.id)?.is_some() {
+                return Err(StoreProblem::ViewExists(entry.id));
+            }
+            let view = StoredView::new(entry);
+            Ok(ViewTransaction { store: self, transaction, view, broken: false })
+        })
     }
 
     /// Removes a view and fuses its planes again.
@@ -60,15 +58,13 @@ impl Store {
     /// # Errors
     /// If there is no such view, or the store cannot be read or written; it is then unchanged.
     pub fn remove_view(&self, id: &ViewId, fuse: &impl Fuse) -> Result<StoredView, StoreError> {
-        self.remove(id, fuse).map_err(|problem| self.error(problem))
-    }
-
-    fn remove(&self, id: &ViewId, fuse: &impl Fuse) -> Result<StoredView, StoreProblem> {
-        let transaction = self.write()?;
-        let view = take_out(&transaction, id)?;
-        fuse_again(&transaction, view.planes.iter().copied(), fuse)?;
-        transaction.commit()?;
-        Ok(view)
+        self.run(|| {
+            let transaction = self.write()?;
+            let view = take_out(&transaction, id)?;
+            fuse_again(&transaction, view.planes.iter().copied(), fuse)?;
+            transaction.commit()?;
+            Ok(view)
+        })
     }
 
     /// Replaces the curves of a view, for example after a better registration, and fuses its old
@@ -84,31 +80,23 @@ impl Store {
         curves: impl IntoIterator<Item = (PlaneIndex, Vec<Curve>)>,
         fuse: &impl Fuse,
     ) -> Result<StoredView, StoreError> {
-        self.replace(id, entry, curves, fuse).map_err(|problem| self.error(problem))
-    }
-
-    fn replace(
-        &self,
-        id: &ViewId,
-        entry: ViewEntry,
-        curves: impl IntoIterator<Item = (PlaneIndex, Vec<Curve>)>,
-        fuse: &impl Fuse,
-    ) -> Result<StoredView, StoreProblem> {
-        entry.check()?;
-        let transaction = self.write()?;
-        let old = take_out(&transaction, id)?;
-        if read_view(&transaction.open_table(VIEWS)?, &entry.id)?.is_some() {
-            return Err(StoreProblem::ViewExists(entry.id));
-        }
-        let mut view = StoredView::new(entry);
-        let mut touched: BTreeSet<_> = old.planes.into_iter().collect();
-        for (plane, curves) in curves {
-            if put_in(&transaction, &mut view, plane, &curves)? {
-                touched.insert(plane);
+        self.run(|| {
+            entry.check()?;
+            let transaction = self.write()?;
+            let old = take_out(&transaction, id)?;
+            if read_view(&transaction.open_table(VIEWS)?, &entry.id)?.is_some() {
+                return Err(StoreProblem::ViewExists(entry.id));
             }
-        }
-        fuse_again(&transaction, touched, fuse)?;
-        finish(transaction, view)
+            let mut view = StoredView::new(entry);
+            let mut touched: BTreeSet<_> = old.planes.into_iter().collect();
+            for (plane, curves) in curves {
+                if put_in(&transaction, &mut view, plane, &curves)? {
+                    touched.insert(plane);
+                }
+            }
+            fuse_again(&transaction, touched, fuse)?;
+            finish(transaction, view)
+        })
     }
 }
 

@@ -61,7 +61,7 @@
 //!     view.commit()?;
 //! }
 //! store.remove_view(&"back".into(), &fuse)?;
-//! let section = store.plane(PlaneIndex(4))?.ok_or("no curves")?;
+//! let section = store.read()?.plane(PlaneIndex(4))?.ok_or("no curves")?;
 //! assert!((section.measures().solid.estimate - 3.0).abs() < 1e-12); // square metres
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -99,7 +99,6 @@ pub use verify::Verification;
 pub use view::{StoreHeader, StoredView, ViewEntry};
 pub use view_id::ViewId;
 
-use crate::Section;
 use blocks::Blocks;
 use in_memory::InMemory;
 use medium::Medium;
@@ -107,7 +106,6 @@ use redb::{Database, ReadableDatabase, StorageBackend, WriteTransaction};
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 use tables::{FUSED, HEADER, PARTIALS, PENDING, VIEWS};
-use transect_geometry::PlaneIndex;
 
 /// Memory for pages of the file, in bytes. Chosen by hand; doubled, pages are read again less
 /// often.
@@ -202,7 +200,7 @@ impl Store {
     /// # Errors
     /// If the store is damaged.
     pub fn read(&self) -> Result<Snapshot, StoreError> {
-        self.snapshot().map_err(|problem| self.error(problem))
+        self.run(|| self.snapshot())
     }
 
     fn snapshot(&self) -> Result<Snapshot, StoreProblem> {
@@ -215,14 +213,6 @@ impl Store {
     /// If the store is damaged.
     pub fn views(&self) -> Result<Vec<StoredView>, StoreError> {
         self.read()?.views()
-    }
-
-    /// The fused curves of a plane; `None` if it has none.
-    ///
-    /// # Errors
-    /// If the store is damaged.
-    pub fn plane(&self, plane: PlaneIndex) -> Result<Option<Section>, StoreError> {
-        self.read()?.plane(plane)
     }
 
     /// Returns the space of removed and replaced views to the disk; `true` if there was any.
@@ -246,6 +236,11 @@ impl Store {
         // Without quick repair, opening after a crash reads the whole file.
         transaction.set_quick_repair(true);
         Ok(transaction)
+    }
+
+    /// The result of some steps, with the file in their error.
+    fn run<T>(&self, steps: impl FnOnce() -> Result<T, StoreProblem>) -> Result<T, StoreError> {
+        steps().map_err(|problem| self.error(problem))
     }
 
     fn error(&self, problem: StoreProblem) -> StoreError {

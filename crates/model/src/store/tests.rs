@@ -3,10 +3,11 @@
 use super::test_media::Memory;
 use super::*;
 use crate::CodecError;
+use crate::Section;
 use crate::samples::{family, polyline, rectangle, strip, tangles};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
-use transect_geometry::{Curve, Isometry3, LengthUnit, Vector3};
+use transect_geometry::{Curve, Isometry3, LengthUnit, PlaneIndex, Vector3};
 
 mod damage;
 mod forged;
@@ -236,7 +237,7 @@ fn what_was_put_in_is_read_back() {
     assert_eq!(snapshot.partials(PlaneIndex(2)).unwrap(), expected);
     let fused = Section::new(fuse(PlaneIndex(2), &expected));
     assert_eq!(snapshot.plane(PlaneIndex(2)).unwrap(), fused);
-    assert_eq!(store.plane(PlaneIndex(3)).unwrap(), None);
+    assert_eq!(store.read().unwrap().plane(PlaneIndex(3)).unwrap(), None);
     assert_eq!(snapshot.stale_planes(&fuse).unwrap(), []);
     let nothing = |_: PlaneIndex, _: &[(ViewId, Vec<Curve>)]| Vec::new();
     assert_eq!(snapshot.stale_planes(&nothing).unwrap(), [PlaneIndex(-1), PlaneIndex(2)]);
@@ -391,8 +392,14 @@ fn readers_share_a_file_and_leave_its_bytes() {
         (Store::open_read_only(&path).unwrap(), Store::open_read_only(&path).unwrap());
     assert_eq!(first.verify().unwrap().pending, 1);
     assert_eq!(first.fuse_pending(&fuse).unwrap(), 1);
-    assert_eq!(first.plane(PlaneIndex(1)).unwrap().unwrap().curve_records().len(), 2);
-    assert!(matches!(second.plane(PlaneIndex(1)).unwrap_err().problem, StoreProblem::Pending(1)));
+    assert_eq!(
+        first.read().unwrap().plane(PlaneIndex(1)).unwrap().unwrap().curve_records().len(),
+        2
+    );
+    assert!(matches!(
+        second.read().unwrap().plane(PlaneIndex(1)).unwrap_err().problem,
+        StoreProblem::Pending(1)
+    ));
     assert_eq!(second.views().unwrap().len(), 2);
     first.remove_view(&"a".into(), &fuse).unwrap();
     first.compact().unwrap();
@@ -464,5 +471,5 @@ fn only_planes_that_a_view_touches_are_fused() {
     assert_eq!(fused.take(), [(48, 1), (49, 2)]);
     store.remove_view(&"b".into(), &counting).unwrap();
     assert_eq!(fused.take(), [(49, 1)]);
-    assert_eq!(store.plane(PlaneIndex(50)).unwrap(), None);
+    assert_eq!(store.read().unwrap().plane(PlaneIndex(50)).unwrap(), None);
 }

@@ -50,12 +50,11 @@ impl Store {
     /// # Errors
     /// The first problem found, or [`StoreProblem::Readers`] while a snapshot exists.
     pub fn verify(&mut self) -> Result<Verification, StoreError> {
-        let sound = self.database.check_integrity().map_err(StoreProblem::from);
-        let checked = sound.and_then(|sound| match sound {
+        let sound = self.database.check_integrity();
+        self.run(|| match sound? {
             true => self.snapshot()?.verify(),
             false => Err(StoreProblem::Inconsistent("the database had to be repaired".to_owned())),
-        });
-        checked.map_err(|problem| self.error(problem))
+        })
     }
 }
 

@@ -49,12 +49,16 @@ fn text(bracket: &Bracket) -> String {
 
 /// The bracket is at most as wide as gaps times the extent, and the noise of the nodes, explain.
 fn is_explained(section: &Section, bracket: &Bracket) -> bool {
-    let gaps: f64 = section.gaps().iter().map(|gap| gap.width()).sum();
+    let mut gaps: f64 = section.gaps().iter().map(|gap| gap.width()).sum();
     let mut noise = 0.0;
     for curve in section.curves() {
         for (unit, node) in curve.units().zip(curve.nodes()) {
             let length = unit.vector().norm();
-            noise += length * if node.bridged { length } else { 6.0 * f64::from(node.sigma) };
+            if node.bridged {
+                gaps += length;
+            } else {
+                noise += 6.0 * f64::from(node.sigma) * length;
+            }
         }
     }
     // A curve bounds the face within it and the face around it.
@@ -80,7 +84,7 @@ fn check_with_queries(section: &Section) {
     let step = section.envelope().size() / STEPS as f64;
     let filled: Vec<&Curve> =
         section.known_solid().into_iter().filter_map(|index| section.curve(index)).collect();
-    let (index, mut inside) = (SectionIndex::new(section), 0.0);
+    let (index, mut inside) = (SectionIndex::new(section.clone()), 0.0);
     for k in 0..STEPS * STEPS {
         let (i, j) = ((k % STEPS) as f64 + 0.5, (k / STEPS) as f64 + 0.5);
         let p = Point2::new(min.x + i * step.x, min.y + j * step.y);
@@ -127,8 +131,8 @@ fn check(name: &str, scene: &str, step: usize) -> usize {
 fn brackets_hold_the_exact_areas_of_every_plane() {
     assert!(check("machined part", transect_scene::BUNDLED_MACHINED_PART, 2) > 0);
     assert!(check("room", transect_scene::BUNDLED_ROOM, 2) > 0);
-    assert!(check("tunnel", transect_scene::BUNDLED_TUNNEL, 3) > 0);
-    assert!(check("bend tunnel", transect_scene::BUNDLED_BEND_TUNNEL, 3) > 0);
+    assert!(check("tunnel", transect_scene::BUNDLED_TUNNEL, 1) > 0);
+    assert!(check("bend tunnel", transect_scene::BUNDLED_BEND_TUNNEL, 1) > 0);
     check("thin sheet", transect_scene::BUNDLED_THIN_SHEET, 2);
 }
 
