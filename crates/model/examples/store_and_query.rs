@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Another program opens the file.
     let mut store = Store::open(&path)?;
     assert_eq!(store.verify()?.views, 2);
-    let volume = store.read()?.volume()?.volume();
+    let volume = store.read()?.volume()?.solid.bracket.estimate;
     assert!((volume - 2.0 * 8.0).abs() < 1e-9, "two blocks of 2 m × 2 m × 2 m: {volume} m³");
 
     let in_west = Point3::new(1.0, 1.0, 0.7);

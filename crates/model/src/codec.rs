@@ -28,21 +28,23 @@ const HEADER_SIZE: usize = 28;
 /// Version of the layout of a model file; other versions are refused. A store has version 7.
 pub const SCHEMA_VERSION: u32 = 6;
 
-/// Why bytes are not a model, or a model could not be written.
+/// Why bytes are not a model or a store, or could not be written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CodecError {
     /// Reading or writing failed.
     #[error("reading or writing failed")]
     Io(#[from] std::io::Error),
-    /// The first bytes are not those of a model file.
+    /// The first bytes are not those of a model file or a store.
     #[error("not a Transect model file")]
     NotAModel,
-    /// The file has another layout than this program's.
-    #[error("model file of version {found}; this program reads version {SCHEMA_VERSION}")]
+    /// The file has another layout than the expected one.
+    #[error("model file of version {found}; version {expected} is expected here")]
     WrongVersion {
         /// Version in the file.
         found: u32,
+        /// Version that the reader reads.
+        expected: u32,
     },
     /// The file ends too early.
     #[error("truncated: {expected} bytes expected, {found} found")]
@@ -52,18 +54,18 @@ pub enum CodecError {
         /// Number of bytes found.
         found: u64,
     },
-    /// There are bytes after the end.
-    #[error("damaged: there are bytes after the end of the model")]
-    TrailingBytes,
-    /// The payload is not the one that was written.
-    #[error("damaged: the contents do not match their checksum")]
-    Checksum,
-    /// The payload does not follow the layout, although its checksum is right.
+    /// The bytes are not those that were written, or do not follow the layout.
     #[error("damaged: {0}")]
-    Layout(String),
+    Damaged(String),
     /// The parts do not make a model.
     #[error("the contents break a promise of every model")]
     Invariant(#[from] InvariantError),
+}
+
+impl CodecError {
+    pub(crate) fn damaged(what: impl std::fmt::Display) -> Self {
+        Self::Damaged(what.to_string())
+    }
 }
 
 /// The payload. Its field order is the file layout; a change needs a new [`SCHEMA_VERSION`].
@@ -119,10 +121,10 @@ pub(crate) fn read(mut input: impl Read) -> Result<Model, CodecError> {
         return Err(CodecError::Truncated { expected, found: header + found });
     }
     if input.take(1).read_to_end(&mut Vec::new())? > 0 {
-        return Err(CodecError::TrailingBytes);
+        return Err(CodecError::damaged("there are bytes after the end of the model"));
     }
     if fnv1a(&payload) != hash {
-        return Err(CodecError::Checksum);
+        return Err(CodecError::damaged("the contents do not match their checksum"));
     }
     decode(&payload)
 }
@@ -141,7 +143,7 @@ fn read_header(input: &mut impl Read) -> Result<(u64, u64), CodecError> {
     let (version, fields) = fields.split_first_chunk().ok_or_else(truncated)?;
     match u32::from_le_bytes(*version) {
         SCHEMA_VERSION => (),
-        found => return Err(CodecError::WrongVersion { found }),
+        found => return Err(CodecError::WrongVersion { found, expected: SCHEMA_VERSION }),
     }
     let (length, fields) = fields.split_first_chunk().ok_or_else(truncated)?;
     let hash = fields.first_chunk().ok_or_else(truncated)?;

@@ -18,10 +18,9 @@
 //!
 //! * [`Model`], [`Section`], [`CurveRecord`], [`ViewRecord`]: the tree, and walking along it;
 //! * [`PlaneSelection`]: the planes that were selected, where they are not all of the family;
-//! * [`EditError`]: splitting and joining curves, inserting and deleting nodes;
 //! * [`Location`], [`SectionIndex`], [`ModelIndex`]: inside, outside or unknown;
-//! * [`SectionMeasures`], [`ModelVolume`], [`NestedCurve`]: area, volume with an error bound, and a
-//!   check of directions;
+//! * [`SectionMeasures`], [`ModelVolume`], [`Bracket`]: bounds of areas and volumes, of solid and of
+//!   clear space;
 //! * [`Model::save`], [`Model::load`], [`FileError`]: a whole model in a plain file;
 //! * [`gaps`]: unseen stretches of boundary, and places from which a next view would see most of
 //!   them;
@@ -32,14 +31,12 @@
 
 mod check;
 mod codec;
-mod edit;
 mod file;
 pub mod gaps;
 mod invariant;
+mod loops;
 mod measure;
 mod model;
-mod nesting;
-mod nodes;
 mod query;
 mod section;
 mod selection;
@@ -51,14 +48,12 @@ mod volume;
 mod samples;
 
 pub use codec::{CodecError, SCHEMA_VERSION};
-pub use edit::EditError;
 pub use file::FileError;
 pub use invariant::InvariantError;
-pub use measure::SectionMeasures;
+pub use measure::{Bracket, SectionMeasures};
 pub use model::{Model, ViewRecord};
-pub use nesting::NestedCurve;
 pub use query::{Location, ModelIndex, PlaneAnswer, SectionIndex, SpaceAnswer, locate_in_plane};
-pub use section::{CurveIndex, CurveRecord, NodeIndex, Section};
+pub use section::{CurveIndex, CurveRecord, Section};
 pub use selection::PlaneSelection;
 pub use unit_tree::InTree;
-pub use volume::{ModelVolume, RunVolume, VolumeSum};
+pub use volume::{ModelVolume, Volume, VolumeSum};

@@ -1,32 +1,99 @@
-//! Measures of one plane: area, perimeter, centroid (dissertation, section 2.4.3).
+//! Measures of one plane: areas as brackets, perimeter, centroid (dissertation, section 2.4.3).
+//!
+//! Problem: where a curve is open, the area of the solid is not known. One number would be wrong.
+//!
+//! Idea: every loop of the plane (`loops`) is the outer bound of one face, and its children are the
+//! inner bounds. A face is solid if its loop runs counter-clockwise, else clear: a room, a tunnel,
+//! a pipe, a hole. Its area lies in a bracket.
+//!
+//! 1. The estimate is the loop's area without its children's, with gaps closed by chords.
+//! 2. The doubts of these loops widen the bracket to both sides. A child whose direction contradicts
+//!    the loop's adds its area to the doubt.
+//! 3. A face is at least 0, and at most as large as its loop.
+//! 4. A loop of doubtful direction without a parent may bound a face of either kind.
+//! 5. Solid around a loop without a parent has no known bound: a clear loop, or one of doubtful
+//!    direction. The plane's solid is then unbounded.
+//!
+//! A closed surface that no view saw at all cannot be bounded, and is not in the brackets.
 
 use crate::Section;
+use crate::loops::BoundaryLoop;
+use std::ops::AddAssign;
 use transect_geometry::{Curve, Point2, Vector2};
+
+/// Bounds of an area or a volume, in the square or the cube of the length unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Bracket {
+    /// Least value.
+    pub least: f64,
+    /// Largest value; `None` if it is not known.
+    pub most: Option<f64>,
+    /// The value with every gap closed by a straight chord.
+    pub estimate: f64,
+}
+
+impl Bracket {
+    pub(crate) const ZERO: Self = Self { least: 0.0, most: Some(0.0), estimate: 0.0 };
+
+    pub(crate) fn times(self, factor: f64) -> Self {
+        let Self { least, most, estimate } = self;
+        let most = most.map(|most| most * factor);
+        Self { least: least * factor, most, estimate: estimate * factor }
+    }
+}
+
+impl AddAssign for Bracket {
+    fn add_assign(&mut self, other: Self) {
+        self.least += other.least;
+        self.most = self.most.zip(other.most).map(|(a, b)| a + b);
+        self.estimate += other.estimate;
+    }
+}
 
 /// Measures of the curves of one plane, in the model's length unit and plane coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct SectionMeasures {
-    /// Area of the solid that the closed curves bound; holes count negative.
-    ///
-    /// Negative where the solid surrounds a hole, such as a room seen from within.
-    /// # Units
-    /// The square of the length unit.
-    pub area: f64,
-    /// Centre of mass of that area; `None` if the area is 0.
-    ///
-    /// On a plane with more hole than solid it is the centre of the hole.
-    pub centroid: Option<Point2>,
+    /// Area of the solid within curves that run around solid.
+    pub solid: Bracket,
+    /// Area of the free space that solid surrounds: rooms, tunnels, pipes, holes.
+    pub clear: Bracket,
+    /// Centre of mass of the estimated solid; `None` without any.
+    pub solid_centroid: Option<Point2>,
+    /// Centre of mass of the estimated clear area; `None` without any.
+    pub clear_centroid: Option<Point2>,
+    /// Width of the widest gap between curves; 0 without gaps.
+    pub widest_gap: f64,
     /// Length of the closed curves.
     pub perimeter: f64,
-    /// Length of the open curves, which bound no known area.
+    /// Length of the open curves.
     pub open_length: f64,
     /// Number of closed curves around solid (counter-clockwise).
     pub outer_curves: usize,
     /// Number of closed curves around free space (clockwise).
     pub hole_curves: usize,
-    /// Number of open curves; if it is not 0, the area is incomplete.
+    /// Number of open curves.
     pub open_curves: usize,
+    /// Number of closed curves that run the same way round as the curve around them. A direction is
+    /// wrong there, a surface was not seen, or curves cross.
+    pub contradictions: usize,
+}
+
+/// The faces of one kind.
+struct Faces {
+    area: Bracket,
+    /// First moment of the estimate.
+    moment: Vector2,
+}
+
+impl Faces {
+    const NONE: Self = Self { area: Bracket::ZERO, moment: Vector2::new(0.0, 0.0) };
+
+    fn centroid(&self, anchor: Point2) -> Option<Point2> {
+        let area = self.area.estimate;
+        (area > 0.0).then(|| anchor + self.moment / area)
+    }
 }
 
 impl Section {
@@ -34,36 +101,60 @@ impl Section {
     ///
     /// Exact for the polylines, up to rounding; a surface bends away from a chord by about
     /// `h² / 8R` for nodes `h` apart on a radius `R`, and the area lacks that times the perimeter.
-    /// Curves that cross themselves or each other count overlaps twice.
     pub fn measures(&self) -> SectionMeasures {
+        let loops = self.loops();
+        let (mut solid, mut clear) = (Faces::NONE, Faces::NONE);
+        for (number, outer) in loops.iter().enumerate() {
+            let within = loops.iter().filter(|inner| inner.parent == Some(number));
+            add_face(outer, within, &mut solid, &mut clear);
+        }
         let (closed, open): (Vec<_>, Vec<_>) = self.curves().partition(|curve| curve.is_closed());
         let length = |curves: &[&Curve]| curves.iter().fold(0.0, |sum, curve| sum + curve.length());
-        let outer = closed.iter().filter(|c| c.signed_area().is_some_and(|a| a > 0.0)).count();
+        let closed_loops = || loops.iter().filter(|found| found.is_closed());
+        let outer_curves = closed_loops().filter(|found| found.area > 0.0).count();
         let anchor = self.envelope().min;
-        let moments = closed.iter().map(|curve| moments(curve, &anchor));
-        let (area, first) =
-            moments.fold((0.0, Vector2::zeros()), |(a, m), (da, dm)| (a + da, m + dm));
         SectionMeasures {
-            area,
-            centroid: (area != 0.0).then(|| anchor + first / area),
+            solid: solid.area,
+            clear: clear.area,
+            solid_centroid: solid.centroid(anchor),
+            clear_centroid: clear.centroid(anchor),
+            widest_gap: loops.iter().map(|found| found.widest_gap).fold(0.0, f64::max),
             perimeter: length(&closed),
             open_length: length(&open),
-            outer_curves: outer,
-            hole_curves: closed.len() - outer,
+            outer_curves,
+            hole_curves: closed.len() - outer_curves,
             open_curves: open.len(),
+            contradictions: closed_loops().filter(|found| found.contradicts_parent).count(),
         }
     }
 }
 
-/// Signed area of a closed curve and its first moment about `anchor`, by triangles from there.
-///
-/// An anchor close to the curve keeps the precision of world-sized coordinates.
-fn moments(curve: &Curve, anchor: &Point2) -> (f64, Vector2) {
-    curve.units().fold((0.0, Vector2::zeros()), |(area, moment), unit| {
-        let (a, b) = (unit.start - anchor, unit.end - anchor);
-        let triangle = 0.5 * a.perp(&b);
-        (area + triangle, moment + (a + b) * (triangle / 3.0))
-    })
+/// Adds the face within a loop, and outside of the loops directly in it.
+fn add_face<'a>(
+    outer: &BoundaryLoop,
+    within: impl Iterator<Item = &'a BoundaryLoop>,
+    solid: &mut Faces,
+    clear: &mut Faces,
+) {
+    let (mut area, mut doubt, mut moment) = (outer.own_area(), outer.doubt, outer.own_moment());
+    let whole = area + doubt;
+    for inner in within {
+        area -= inner.own_area();
+        moment -= inner.own_moment();
+        doubt += inner.doubt + if inner.contradicts_parent { inner.area.abs() } else { 0.0 };
+    }
+    let may_be_other = outer.is_doubtful() && outer.parent.is_none();
+    if outer.parent.is_none() && (may_be_other || !outer.is_solid) {
+        solid.area.most = None;
+    }
+    let (own, other) = if outer.is_solid { (solid, clear) } else { (clear, solid) };
+    let least = if may_be_other { 0.0 } else { (area - doubt).max(0.0) };
+    let most = Some((area + doubt).min(whole).max(0.0));
+    own.area += Bracket { least, most, estimate: area };
+    own.moment += moment;
+    if may_be_other {
+        other.area += Bracket { most: Some(outer.doubt - outer.own_area()), ..Bracket::ZERO };
+    }
 }
 
 #[cfg(test)]
@@ -71,21 +162,70 @@ mod tests {
     use super::*;
     use crate::samples::{circle, polyline, rectangle, rings, strip};
     use proptest::prelude::*;
-    use std::f64::consts::TAU;
+    use std::f64::consts::{PI, TAU};
 
     fn section(curves: Vec<Curve>) -> Section {
         Section::new(curves).unwrap()
     }
 
+    fn exactly(value: f64) -> Bracket {
+        Bracket { least: value, most: Some(value), estimate: value }
+    }
+
     #[test]
-    fn a_plate_with_a_hole_and_a_loose_strip() {
+    fn a_plate_with_a_hole() {
         let hole = rectangle(1.0, 1.0, 2.0, 2.0).reversed();
-        let plate = section(vec![rectangle(0.0, 0.0, 4.0, 3.0), hole, strip()]).measures();
-        assert_eq!((plate.area, plate.perimeter, plate.open_length), (11.0, 18.0, 2.0));
-        let centroid = plate.centroid.unwrap();
+        let plate = section(vec![rectangle(0.0, 0.0, 4.0, 3.0), hole]).measures();
+        assert_eq!((plate.solid, plate.clear), (exactly(11.0), exactly(1.0)));
+        assert_eq!((plate.perimeter, plate.open_length), (18.0, 0.0));
+        let centroid = plate.solid_centroid.unwrap();
         // (12 · (2, 1.5) − 1 · (1.5, 1.5)) / 11
         assert!((centroid - Point2::new(22.5 / 11.0, 1.5)).norm() < 1e-12);
-        assert_eq!((plate.outer_curves, plate.hole_curves, plate.open_curves), (1, 1, 1));
+        assert!((plate.clear_centroid.unwrap() - Point2::new(1.5, 1.5)).norm() < 1e-12);
+        assert_eq!((plate.outer_curves, plate.hole_curves, plate.open_curves), (1, 1, 0));
+    }
+
+    #[test]
+    fn a_room_has_a_clear_area_and_solid_without_bound() {
+        let post = rectangle(1.0, 1.0, 2.0, 2.0);
+        let room = section(vec![rectangle(0.0, 0.0, 5.0, 4.0).reversed(), post]).measures();
+        assert_eq!(room.clear, exactly(19.0));
+        assert_eq!(room.solid, Bracket { most: None, ..exactly(1.0) });
+    }
+
+    /// A profile of 5 × 4 with a gap of 0.2 in one side, as a room and as a plate.
+    #[test]
+    fn a_gap_makes_the_area_a_bracket_around_it() {
+        let corners = [(2.6, 0.0), (5.0, 0.0), (5.0, 4.0), (0.0, 4.0), (0.0, 0.0), (2.4, 0.0)];
+        let plate = polyline(&corners, false);
+        let doubt = 0.2 * 0.5 * 5.0_f64.hypot(4.0);
+        for (clear, curve) in [(false, plate.clone()), (true, plate.reversed())] {
+            let found = section(vec![curve]).measures();
+            let (area, none) =
+                if clear { (found.clear, found.solid) } else { (found.solid, found.clear) };
+            assert_eq!((area.estimate, none.least, none.estimate), (20.0, 0.0, 0.0));
+            assert!((area.least - (20.0 - doubt)).abs() < 1e-12, "{area:?}");
+            assert!((area.most.unwrap() - (20.0 + doubt)).abs() < 1e-12, "{area:?}");
+            assert_eq!(none.most, if clear { None } else { Some(0.0) });
+            assert!((found.widest_gap - 0.2).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn an_open_bore_takes_at_most_its_plate() {
+        let bore = circle(Point2::new(5.0, 5.0), 2.0, 100);
+        let half = Curve::new(bore.nodes()[..51].to_vec(), false).unwrap().reversed();
+        let found = section(vec![rectangle(0.0, 0.0, 10.0, 10.0), half]).measures();
+        let exact = 100.0 - 4.0 * PI;
+        assert!(found.solid.least < exact && exact < found.solid.most.unwrap(), "{found:?}");
+        assert_eq!(found.solid.most, Some(100.0));
+    }
+
+    #[test]
+    fn a_lone_open_curve_bounds_nothing() {
+        let found = section(vec![strip()]).measures();
+        assert_eq!((found.solid.least, found.solid.most), (0.0, None));
+        assert_eq!((found.clear.least, found.clear.most.is_some()), (0.0, true));
     }
 
     #[test]
@@ -95,24 +235,15 @@ mod tests {
             let measures = section(vec![circle(centre, radius, n)]).measures();
             let step = TAU / n as f64;
             let area = 0.5 * n as f64 * radius * radius * step.sin();
-            assert!((measures.area / area - 1.0).abs() < 1e-9, "{n}: {}", measures.area);
+            assert!((measures.solid.estimate / area - 1.0).abs() < 1e-9, "{n}: {measures:?}");
             let perimeter = 2.0 * n as f64 * radius * (step / 2.0).sin();
             assert!((measures.perimeter / perimeter - 1.0).abs() < 1e-9);
-            assert!((measures.centroid.unwrap() - centre).norm() < 1e-8);
+            assert!((measures.solid_centroid.unwrap() - centre).norm() < 1e-8);
             // The stated lack of area, from the sagitta of a chord.
             let chord = radius * step;
-            let lack = std::f64::consts::PI * radius * radius - area;
+            let lack = PI * radius * radius - area;
             assert!(n < 17 || lack < 1.01 * perimeter * chord * chord / (8.0 * radius));
         }
-    }
-
-    #[test]
-    fn open_curves_alone_have_no_area_and_no_centroid() {
-        let open = section(vec![strip()]).measures();
-        assert_eq!((open.area, open.centroid, open.perimeter), (0.0, None, 0.0));
-        let room = section(vec![rectangle(0.0, 0.0, 2.0, 1.0).reversed()]).measures();
-        assert_eq!((room.area, room.hole_curves), (-2.0, 1));
-        assert_eq!(room.centroid, Some(Point2::new(1.0, 0.5)));
     }
 
     proptest! {
@@ -127,11 +258,11 @@ mod tests {
             });
             let moved = section(moved.collect()).measures();
             let still = section(curves).measures();
-            prop_assert!((moved.area - still.area).abs() < 1e-9);
+            prop_assert!((moved.solid.estimate - still.solid.estimate).abs() < 1e-9);
+            prop_assert!((moved.clear.estimate - still.clear.estimate).abs() < 1e-9);
             prop_assert!((moved.perimeter - still.perimeter).abs() < 1e-9);
-            let shift = moved.centroid.unwrap() - still.centroid.unwrap();
+            let shift = moved.solid_centroid.unwrap() - still.solid_centroid.unwrap();
             prop_assert!((shift - Vector2::new(x, y)).norm() < 1e-8);
-            prop_assert_eq!(still.area, still.area.abs());
         }
     }
 }

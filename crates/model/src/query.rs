@@ -24,7 +24,6 @@
 
 use crate::{InTree, Model, PlaneSelection, Section};
 use rstar::RTree;
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use transect_geometry::{Curve, CurveUnit, Foot, PlaneFamily, PlaneIndex, Point2, Point3, Side};
 
@@ -122,23 +121,20 @@ const TREE_ROUNDING: f64 = 1e-12;
 
 /// The curve units of one section in a spatial index, for many points.
 #[derive(Debug, Clone)]
-pub struct SectionIndex<'a> {
-    section: Cow<'a, Section>,
+pub struct SectionIndex {
+    section: Section,
     tree: RTree<InTree<IndexedUnit>>,
 }
 
-impl SectionIndex<'static> {
-    /// Indexes the units of a section, and keeps the section.
-    pub fn owning(section: Section) -> Self {
-        let tree = tree_of(&section);
-        Self { section: Cow::Owned(section), tree }
-    }
-}
-
-impl<'a> SectionIndex<'a> {
+impl SectionIndex {
     /// Indexes the units of a section.
-    pub fn new(section: &'a Section) -> Self {
-        Self { section: Cow::Borrowed(section), tree: tree_of(section) }
+    pub fn new(section: Section) -> Self {
+        let units = section.curves().enumerate().flat_map(|(curve, c)| {
+            let indexed = move |(index, unit)| InTree(IndexedUnit { unit, curve, index });
+            c.units().enumerate().map(indexed)
+        });
+        let tree = RTree::bulk_load(units.collect());
+        Self { section, tree }
     }
 
     /// The indexed section.
@@ -180,13 +176,6 @@ impl<'a> SectionIndex<'a> {
     }
 }
 
-fn tree_of(section: &Section) -> RTree<InTree<IndexedUnit>> {
-    let units = section.curves().enumerate().flat_map(|(curve, c)| {
-        c.units().enumerate().map(move |(index, unit)| InTree(IndexedUnit { unit, curve, index }))
-    });
-    RTree::bulk_load(units.collect())
-}
-
 fn foot_on(indexed: &IndexedUnit, p: &Point2) -> Foot {
     let parameter = indexed.unit.parameter(p).clamp(0.0, 1.0);
     let point = indexed.unit.at(parameter);
@@ -195,16 +184,16 @@ fn foot_on(indexed: &IndexedUnit, p: &Point2) -> Foot {
 
 /// All sections of a model in spatial indices, for many points in space.
 #[derive(Debug, Clone)]
-pub struct ModelIndex<'a> {
+pub struct ModelIndex {
     planes: PlaneFamily,
     selection: PlaneSelection,
-    sections: BTreeMap<PlaneIndex, SectionIndex<'a>>,
+    sections: BTreeMap<PlaneIndex, SectionIndex>,
 }
 
-impl<'a> ModelIndex<'a> {
+impl ModelIndex {
     /// Indexes every section of a model.
-    pub fn new(model: &'a Model) -> Self {
-        let sections = model.sections().map(|(k, section)| (k, SectionIndex::new(section)));
+    pub fn new(model: &Model) -> Self {
+        let sections = model.sections().map(|(k, section)| (k, SectionIndex::new(section.clone())));
         let (planes, selection) = (model.planes().clone(), model.selection().clone());
         Self { planes, selection, sections: sections.collect() }
     }

@@ -4,21 +4,11 @@
 use serde::{Deserialize, Serialize};
 use transect_geometry::{Curve, Envelope};
 
-/// Position of a curve among the curves of its plane, from 0; removing a curve moves later ones up.
+/// Position of a curve among the curves of its plane, from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct CurveIndex(pub usize);
 
-/// Position of a node along its curve, from 0.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct NodeIndex(pub usize);
-
 impl std::fmt::Display for CurveIndex {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        self.0.fmt(f)
-    }
-}
-
-impl std::fmt::Display for NodeIndex {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         self.0.fmt(f)
     }
@@ -98,28 +88,9 @@ impl Section {
         self.curves().map(Curve::length).sum()
     }
 
-    /// Area of the solid cut by the plane, from its closed curves only: holes count negative.
-    ///
-    /// Open curves bound no known area and do not count. On a plane with open curves
-    /// ([`Section::open_curve_count`]) the area is therefore incomplete.
-    ///
-    /// # Units
-    /// The square of the model's length unit.
-    pub fn signed_area(&self) -> f64 {
-        self.curves().filter_map(Curve::signed_area).sum()
-    }
-
     /// Number of open curves.
     pub fn open_curve_count(&self) -> usize {
         self.curves().filter(|c| !c.is_closed()).count()
-    }
-
-    /// Appends a curve and widens the envelope.
-    pub(crate) fn push(&mut self, curve: Curve) -> CurveIndex {
-        let record = CurveRecord::new(curve);
-        self.envelope = self.envelope.merged(&record.envelope);
-        self.records.push(record);
-        CurveIndex(self.records.len() - 1)
     }
 
     /// The curves in order, giving up the section.
@@ -139,10 +110,9 @@ mod tests {
     use crate::samples::{rectangle, strip};
 
     #[test]
-    fn areas_of_closed_curves_add_up_with_holes_negative() {
+    fn nodes_and_lengths_of_all_curves_add_up() {
         let hole = rectangle(1.0, 1.0, 2.0, 2.0).reversed();
         let section = Section::new(vec![rectangle(0.0, 0.0, 4.0, 3.0), hole, strip()]).unwrap();
-        assert_eq!(section.signed_area(), 11.0);
         assert_eq!(section.open_curve_count(), 1);
         assert_eq!(section.node_count(), 4 + 4 + strip().nodes().len());
         assert_eq!(section.length(), 14.0 + 4.0 + strip().length());
@@ -151,13 +121,5 @@ mod tests {
     #[test]
     fn a_section_without_curves_does_not_exist() {
         assert!(Section::new(Vec::new()).is_none());
-    }
-
-    #[test]
-    fn a_pushed_curve_widens_the_envelope() {
-        let mut section = Section::new(vec![rectangle(0.0, 0.0, 1.0, 1.0)]).unwrap();
-        section.push(rectangle(3.0, -2.0, 4.0, 0.0));
-        let whole = Section::new(section.clone().into_curves()).unwrap();
-        assert_eq!(section, whole);
     }
 }

@@ -15,8 +15,9 @@
 //! breaks the assumption; a smaller interval restores it.
 //!
 //! The bound falls in proportion to the interval. The error itself falls faster where the solid is
-//! smooth. Not included: the sampling along curves ([`Section::measures`]) and the noise of their
-//! nodes.
+//! smooth. Gaps and noise are not part of it: they make the areas, and so the volume, a bracket.
+//!
+//! The volume of clear space, such as a room or a tunnel, is summed in the same way.
 //!
 //! Along a curved guide a slice between two planes is thinner on the inside of the bend. Each area
 //! counts with the spacing at its centre of mass, which is exact along a circular arc (Pappus).
@@ -24,118 +25,124 @@
 //! Selected planes without curves end a run, because free space there cannot be told from unseen
 //! space.
 
-use crate::{Model, PlaneSelection, Section, SectionMeasures};
+use crate::measure::Bracket;
+use crate::{Model, PlaneSelection, Section};
 use std::ops::RangeInclusive;
-use transect_geometry::{PlaneFamily, PlaneIndex};
+use transect_geometry::{PlaneFamily, PlaneIndex, Point2};
 
-/// The volume of one run of neighbouring planes.
-#[derive(Debug, Clone, PartialEq)]
+/// A volume in the cube of the model's length unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
-pub struct RunVolume {
-    /// The planes of the run.
-    pub planes: RangeInclusive<PlaneIndex>,
-    /// Volume of the solid.
-    /// # Units
-    /// The cube of the model's length unit.
-    pub volume: f64,
-    /// Largest error of the volume, if the area only grows or only shrinks between neighbouring
-    /// planes.
-    pub error_bound: f64,
-    /// Planes of the run with open curves, whose area is incomplete. If there are any, neither the
-    /// volume nor its bound is reliable.
-    pub planes_with_open_curves: usize,
+pub struct Volume {
+    /// Bounds from the areas of the planes; its estimate has gaps closed by chords.
+    pub bracket: Bracket,
+    /// Largest error of the estimate from the interval alone, if the area only grows or only
+    /// shrinks between neighbouring planes.
+    pub interval_error: f64,
+}
+
+impl Volume {
+    const NONE: Self = Self { bracket: Bracket::ZERO, interval_error: 0.0 };
+
+    /// Adds the slice between two areas, half a step beside each.
+    fn add(&mut self, half_step: f64, before: Bracket, after: Bracket) {
+        self.bracket += before.times(half_step);
+        self.bracket += after.times(half_step);
+        self.interval_error += half_step * (after.estimate - before.estimate).abs();
+    }
 }
 
 /// The volume of a model.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct ModelVolume {
-    /// Each run of neighbouring planes, in order of station.
-    pub runs: Vec<RunVolume>,
+    /// Runs of neighbouring planes with curves, in order of station.
+    pub runs: Vec<RangeInclusive<PlaneIndex>>,
+    /// Volume of the solid.
+    pub solid: Volume,
+    /// Volume of the free space that solid surrounds across the guide.
+    pub clear: Volume,
+    /// Width of the widest gap on any plane; 0 without gaps.
+    pub widest_gap: f64,
 }
 
-impl ModelVolume {
-    /// The sum over all runs, in the cube of the model's length unit.
-    pub fn volume(&self) -> f64 {
-        self.runs.iter().map(|run| run.volume).sum()
-    }
-
-    /// The sum of the bounds of all runs; `None` if a plane has open curves.
-    pub fn error_bound(&self) -> Option<f64> {
-        let closed = self.runs.iter().all(|run| run.planes_with_open_curves == 0);
-        closed.then(|| self.runs.iter().map(|run| run.error_bound).sum())
-    }
-}
+/// Solid and clear area of a plane, each scaled by the spacing of the planes there.
+type Areas = [Bracket; 2];
 
 /// Adds up the volume of planes in order of station, without keeping the planes.
 #[derive(Debug)]
 pub struct VolumeSum {
     planes: PlaneFamily,
     selection: PlaneSelection,
-    runs: Vec<RunVolume>,
-    /// The plane that was added last, and its area.
-    last: Option<(PlaneIndex, f64)>,
+    volume: ModelVolume,
+    /// The plane that was added last, and its areas.
+    last: Option<(PlaneIndex, Areas)>,
 }
 
 impl VolumeSum {
     /// An empty sum for a family of planes and the selected ones among them.
     pub fn new(planes: &PlaneFamily, selection: &PlaneSelection) -> Self {
-        let (planes, selection) = (planes.clone(), selection.clone());
-        Self { planes, selection, runs: Vec::new(), last: None }
+        let (solid, clear) = (Volume::NONE, Volume::NONE);
+        let volume = ModelVolume { runs: Vec::new(), solid, clear, widest_gap: 0.0 };
+        Self { planes: planes.clone(), selection: selection.clone(), volume, last: None }
     }
 
     /// Adds the next plane along the guide.
     pub fn add(&mut self, plane: PlaneIndex, section: &Section) {
-        let area = self.area(plane, section);
+        let measures = section.measures();
+        let scaled = |area: Bracket, centroid| area.times(self.stretch(plane, centroid));
+        let areas = [
+            scaled(measures.solid, measures.solid_centroid),
+            scaled(measures.clear, measures.clear_centroid),
+        ];
+        self.volume.widest_gap = self.volume.widest_gap.max(measures.widest_gap);
         let previous = self.selection.previous_before(plane);
-        let next_to = self.last.filter(|(last, _)| Some(*last) == previous);
-        if next_to.is_none() {
-            self.end_run();
-            self.runs.push(RunVolume {
-                planes: plane..=plane,
-                volume: 0.0,
-                error_bound: 0.0,
-                planes_with_open_curves: 0,
-            });
+        let before = match self.last.filter(|(last, _)| Some(*last) == previous) {
+            Some((_, before)) => before,
+            None => {
+                self.end_run();
+                self.volume.runs.push(plane..=plane);
+                [Bracket::ZERO; 2]
+            }
+        };
+        if let Some(run) = self.volume.runs.last_mut() {
+            *run = *run.start()..=plane;
         }
-        let before = next_to.map_or(0.0, |(_, area)| area);
-        let interval = self.planes.interval() * self.selection.steps(plane).before;
-        if let Some(run) = self.runs.last_mut() {
-            run.planes = *run.planes.start()..=plane;
-            run.volume += 0.5 * interval * (before + area);
-            run.error_bound += 0.5 * interval * (area - before).abs();
-            run.planes_with_open_curves += usize::from(section.open_curve_count() > 0);
-        }
-        self.last = Some((plane, area));
+        self.add_slice(self.selection.steps(plane).before, before, areas);
+        self.last = Some((plane, areas));
     }
 
-    /// The area of a section, scaled along a curved guide by the spacing of the planes at its
-    /// centre.
-    fn area(&self, plane: PlaneIndex, section: &Section) -> f64 {
-        let Some(guide) = self.planes.guide().curved() else { return section.signed_area() };
-        let SectionMeasures { area, centroid, .. } = section.measures();
-        let centre = centroid.map(|c| self.planes.frame(plane).world_from_plane(&c));
-        area * centre.map_or(1.0, |c| guide.stretch(self.planes.station(plane), &c))
+    /// Spacing of the planes at a point of a plane, over their spacing on the guide.
+    fn stretch(&self, plane: PlaneIndex, centroid: Option<Point2>) -> f64 {
+        let on_curve = self.planes.guide().curved().zip(centroid);
+        on_curve.map_or(1.0, |(guide, centroid)| {
+            let in_world = self.planes.frame(plane).world_from_plane(&centroid);
+            guide.stretch(self.planes.station(plane), &in_world)
+        })
+    }
+
+    fn add_slice(&mut self, steps: f64, before: Areas, after: Areas) {
+        let half_step = 0.5 * steps * self.planes.interval();
+        self.volume.solid.add(half_step, before[0], after[0]);
+        self.volume.clear.add(half_step, before[1], after[1]);
     }
 
     /// The volume of all planes that were added.
     pub fn finish(mut self) -> ModelVolume {
         self.end_run();
-        ModelVolume { runs: self.runs }
+        self.volume
     }
 
-    /// After its last plane the solid ends before the next selected one.
+    /// After its last plane the run ends before the next selected one.
     fn end_run(&mut self) {
-        if let (Some(run), Some((plane, area))) = (self.runs.last_mut(), self.last) {
-            let interval = self.planes.interval() * self.selection.steps(plane).after;
-            run.volume += 0.5 * interval * area;
-            run.error_bound += 0.5 * interval * area.abs();
+        if let Some((plane, areas)) = self.last {
+            self.add_slice(self.selection.steps(plane).after, areas, [Bracket::ZERO; 2]);
         }
     }
 }
 
 impl Model {
-    /// The volume of the solid; negative where the solid surrounds free space, as in a room.
+    /// The volume of the solid and of the free space that it surrounds.
     pub fn volume(&self) -> ModelVolume {
         let mut sum = VolumeSum::new(self.planes(), self.selection());
         self.sections().for_each(|(plane, section)| sum.add(plane, section));
@@ -146,7 +153,7 @@ impl Model {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::samples::{circle, rectangle, strip};
+    use crate::samples::{circle, polyline, rectangle, strip};
     use std::f64::consts::PI;
     use transect_geometry::{Curve, CurvedGuide, LengthUnit, Point2, StraightGuide, Vector3};
 
@@ -173,8 +180,8 @@ mod tests {
         let worst = |interval: f64| {
             let errors = (0..7).map(|i| {
                 let found = model(interval, interval * f64::from(i) / 7.0, &curves).volume();
-                let error = (found.volume() - volume).abs();
-                let bound = found.error_bound().unwrap();
+                let error = (found.solid.bracket.estimate - volume).abs();
+                let bound = found.solid.interval_error;
                 assert!(error <= bound + 1e-5 * volume, "{error} > {bound} at {interval}");
                 error
             });
@@ -228,8 +235,12 @@ mod tests {
         }
         let found = model.volume();
         let exact = PI * 0.16 * 3.5 * PI / 2.0;
-        assert!((found.volume() - exact).abs() < 0.005 * exact, "{} {exact}", found.volume());
-        assert!((found.volume() - exact).abs() <= found.error_bound().unwrap());
+        assert!(
+            (found.solid.bracket.estimate - exact).abs() < 0.005 * exact,
+            "{} {exact}",
+            found.solid.bracket.estimate
+        );
+        assert!((found.solid.bracket.estimate - exact).abs() <= found.solid.interval_error);
     }
 
     /// Every plane of a ball, or only some of them near its poles and few in between.
@@ -246,35 +257,53 @@ mod tests {
             few.volume()
         };
         let exact = 4.0 / 3.0 * PI;
-        let error = |found: &ModelVolume| (found.volume() - exact).abs();
+        let error = |found: &ModelVolume| (found.solid.bracket.estimate - exact).abs();
         let (coarse, refined) =
             (some(|k| k % 8 == 0), some(|k| k % 8 == 0 || (k % 4 == 0) || k.abs() > 12));
         assert_eq!((coarse.runs.len(), refined.runs.len()), (1, 1));
         assert!(error(&refined) < 0.4 * error(&coarse), "{refined:?} {coarse:?}");
-        assert!(error(&refined) <= refined.error_bound().unwrap());
-        assert!(refined.error_bound() < coarse.error_bound());
+        assert!(error(&refined) <= refined.solid.interval_error);
+        assert!(refined.solid.interval_error < coarse.solid.interval_error);
         // The trapezoids by hand: planes at -1.5, -1, -0.5, ... 1.5.
         let by_hand: f64 = [-0.5_f64, 0.0, 0.5].iter().map(|z| 0.5 * PI * (1.0 - z * z)).sum();
-        assert!((coarse.volume() - by_hand).abs() < 1e-4, "{} {by_hand}", coarse.volume());
+        assert!(
+            (coarse.solid.bracket.estimate - by_hand).abs() < 1e-4,
+            "{} {by_hand}",
+            coarse.solid.bracket.estimate
+        );
         assert_eq!(some(|_| true), all.volume());
     }
 
     #[test]
-    fn gaps_end_a_run_and_open_curves_take_the_bound_away() {
+    fn planes_without_curves_end_a_run_and_gaps_widen_the_bracket() {
         let mut model = model(0.5, 0.0, |_| Vec::new());
         for k in [-3, 1, 2, 7] {
             model.set_curves(PlaneIndex(k), vec![rectangle(0.0, 0.0, 2.0, 1.0)]);
         }
         let volume = model.volume();
-        let runs: Vec<_> =
-            volume.runs.iter().map(|r| (r.planes.start().0, r.planes.end().0)).collect();
+        let runs: Vec<_> = volume.runs.iter().map(|r| (r.start().0, r.end().0)).collect();
         assert_eq!(runs, [(-3, -3), (1, 2), (7, 7)]);
-        assert_eq!((volume.volume(), volume.error_bound()), (4.0, Some(3.0)));
-        model.insert_curve(PlaneIndex(2), strip());
-        let volume = model.volume();
-        assert_eq!((volume.volume(), volume.error_bound()), (4.0, None));
-        assert_eq!(volume.runs[1].planes_with_open_curves, 1);
+        let Volume { bracket, interval_error } = volume.solid;
+        assert_eq!((bracket.least, bracket.most, interval_error), (4.0, Some(4.0), 3.0));
+        let open = polyline(&[(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0)], false);
+        model.set_curves(PlaneIndex(2), vec![open]);
+        let bracket = model.volume().solid.bracket;
+        let doubt = 0.5 * 0.5 * 5.0_f64.sqrt();
+        assert_eq!(bracket.estimate, 4.0);
+        assert!((bracket.least - (4.0 - doubt)).abs() < 1e-12, "{bracket:?}");
+        assert!((bracket.most.unwrap() - (4.0 + doubt)).abs() < 1e-12, "{bracket:?}");
         model.set_curves(PlaneIndex(i64::MAX), vec![strip()]);
         assert_eq!(model.volume().runs.len(), 4);
+    }
+
+    #[test]
+    fn a_room_has_a_positive_clear_volume() {
+        let room = model(0.05, 0.025, |z| {
+            let inside = (0.0..=2.5).contains(&z);
+            inside.then(|| rectangle(0.0, 0.0, 5.0, 4.0).reversed()).into_iter().collect()
+        });
+        let found = room.volume();
+        assert!((found.clear.bracket.estimate - 50.0).abs() < 1e-9, "{found:?}");
+        assert_eq!((found.solid.bracket.least, found.solid.bracket.most), (0.0, None));
     }
 }

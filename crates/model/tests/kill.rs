@@ -120,6 +120,16 @@ fn check_that_others_are_refused(path: &Path) {
     assert!(!output.status.success() && said.contains("InUse"), "{said}");
 }
 
+/// A reader repairs what the killed process left, in memory.
+fn check_that_reading_writes_nothing(path: &Path, exports: &[Vec<u8>]) {
+    let before = std::fs::read(path).unwrap();
+    let mut store = Store::open_read_only(path).unwrap();
+    store.verify().unwrap();
+    assert!(export(&store) == exports[store.views().unwrap().len()], "read otherwise");
+    drop(store);
+    assert!(std::fs::read(path).unwrap() == before, "reading changed the file");
+}
+
 fn kill_many() {
     let kills = std::env::var("TRANSECT_KILLS").map_or(20, |n| n.parse().unwrap());
     let folder = tempfile::tempdir().unwrap();
@@ -133,6 +143,7 @@ fn kill_many() {
         if !path.exists() {
             continue;
         }
+        check_that_reading_writes_nothing(&path, &exports);
         let mut store = Store::open(&path).unwrap();
         store.verify().unwrap();
         let views = store.views().unwrap().len();

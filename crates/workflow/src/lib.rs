@@ -78,5 +78,5 @@ pub use settings::{
     GuideSettings, PlaneSettings, Settings, fusion_method, fusion_methods, parse_length,
     partial_method, partial_methods,
 };
-pub use store_file::{Replaced, Replacement, StoreFile, open_store, setup_of};
+pub use store_file::{Replaced, Replacement, StoreFile, open_store, read_store, setup_of};
 pub use views::{FileView, OpenScan};

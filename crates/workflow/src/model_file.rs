@@ -2,7 +2,7 @@
 
 use crate::WorkflowError;
 use crate::results::find_model;
-use crate::store_file::{finish, open_store};
+use crate::store_file::{finish, read_store};
 use std::io::Read;
 use std::path::Path;
 use transect_geometry::{LengthUnit, PlaneFamily, PlaneIndex};
@@ -38,13 +38,13 @@ pub struct OpenStore {
     pub snapshot: Box<Snapshot>,
     /// The store itself.
     pub store: Store,
-    /// Planes that an interrupted run had left and opening fused.
+    /// Planes that an interrupted run had left and opening fused, in memory.
     pub planes_finished: usize,
 }
 
 impl ModelFile {
-    /// Opens a model file, a store, or the model in a result folder. The planes of a store that an
-    /// interrupted run left are fused.
+    /// Opens a model file, a store, or the model in a result folder, which are not written. The
+    /// planes of a store that an interrupted run left are fused in memory.
     ///
     /// # Errors
     /// [`WorkflowError`] if the file is neither, is damaged, or is in use.
@@ -68,7 +68,7 @@ impl ModelFile {
         match Model::load(path) {
             Ok(model) => Ok(Self::Plain(Box::new(model))),
             Err(FileError::Load { source: CodecError::WrongVersion { .. }, .. }) => {
-                let store = open_store(path)?;
+                let store = read_store(path)?;
                 let planes_finished = finish(path, &store)?;
                 let snapshot = Box::new(store.read()?);
                 Ok(Self::Store(OpenStore { snapshot, store, planes_finished }))
@@ -93,7 +93,7 @@ impl ModelFile {
         }
     }
 
-    /// Planes that an interrupted run had left and opening fused.
+    /// Planes that an interrupted run had left and opening fused, in memory.
     pub fn planes_finished(&self) -> usize {
         match self {
             Self::Plain(_) => 0,

@@ -57,7 +57,7 @@ impl OpenScan {
     ) -> Result<Run<'_>, WorkflowError> {
         let asks_for_planes = self.scan().planes.is_some() || !settings.planes.is_empty();
         let setup = if store.exists() && !asks_for_planes {
-            let planes = crate::open_store(store)?.read()?.header().planes.clone();
+            let planes = crate::read_store(store)?.read()?.header().planes.clone();
             settings.setup_with(planes, self.scan())?
         } else {
             settings.setup(self.scan())?

@@ -9,8 +9,8 @@ use transect::{
 };
 use transect_exchange::{Scan, ScanView};
 use transect_geometry::Isometry3;
-use transect_model::SCHEMA_VERSION;
-use transect_model::store::{Damage, Store, StoreHeader, StoreProblem, StoredView, ViewId};
+use transect_model::store::{Store, StoreError, StoreHeader, StoreProblem, StoredView, ViewId};
+use transect_model::{CodecError, SCHEMA_VERSION};
 
 /// A store with the settings that it was made with; every plane of it is fused.
 #[derive(Debug)]
@@ -126,20 +126,33 @@ impl StoreFile {
     }
 }
 
-/// Opens a store. The error of a file of another kind says what to do.
+/// Opens a store for changes. The error of a file of another kind says what to do.
 ///
 /// # Errors
 /// [`WorkflowError`] if the file is no store, is damaged, or is in use.
 pub fn open_store(path: &Path) -> Result<Store, WorkflowError> {
     let path = &find_model(path)?;
-    Store::open(path).map_err(|error| match error.problem {
-        StoreProblem::Damaged(Damage::WrongVersion { found: SCHEMA_VERSION }) => {
+    Store::open(path).map_err(|error| store_error(path, error))
+}
+
+/// Opens a store for reading; its file is not written ([`Store::open_read_only`]).
+///
+/// # Errors
+/// [`WorkflowError`] if the file is no store, is damaged, or is being changed.
+pub fn read_store(path: &Path) -> Result<Store, WorkflowError> {
+    let path = &find_model(path)?;
+    Store::open_read_only(path).map_err(|error| store_error(path, error))
+}
+
+fn store_error(path: &Path, error: StoreError) -> WorkflowError {
+    match error.problem {
+        StoreProblem::Damaged(CodecError::WrongVersion { found: SCHEMA_VERSION, .. }) => {
             let problem = "a plain model file: its views cannot be listed or changed; make a model \
                            store with reconstruct --store FILE";
             WorkflowError::file(path, problem)
         }
         _ => error.into(),
-    })
+    }
 }
 
 /// Fuses the planes that an interrupted run left; returns their number.

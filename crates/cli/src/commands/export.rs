@@ -1,13 +1,13 @@
 //! `transect export`: the curves of a model as files for other programs, or a store as JSON lines.
 
-use super::{note_finished, open_model};
+use super::open_model;
 use crate::failure::Failure;
 use crate::table::{Row, print};
 use clap::builder::PossibleValuesParser;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use transect_exchange::write_file;
-use transect_workflow::{ResultFolder, StoreFile, dxf_frame};
+use transect_workflow::{ModelFile, ResultFolder, dxf_frame};
 
 /// Options of `export`.
 #[derive(Debug, clap::Args)]
@@ -45,11 +45,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn write_lines(file: &Path, lines: &Path) -> Result<(), Failure> {
-    let store = StoreFile::open(file)?;
-    note_finished(store.planes_finished());
+    let ModelFile::Store(store) = open_model(file)? else {
+        return Err(Failure::with_file(file, "a plain model file has no views to export as lines"));
+    };
     let mut failed = None;
     let written = write_file(lines, |out| {
-        store.store().export(BufWriter::new(out)).map_err(|error| {
+        store.snapshot.export(BufWriter::new(out)).map_err(|error| {
             failed = Some(error);
             std::io::Error::other("the export stopped")
         })

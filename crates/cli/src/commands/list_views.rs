@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::table::{digits, print_grid};
 use std::path::PathBuf;
 use transect_model::store::StoredView;
-use transect_workflow::open_store;
+use transect_workflow::read_store;
 
 /// Options of `list-views`.
 #[derive(Debug, clap::Args)]
@@ -15,7 +15,7 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let views = open_store(&arguments.file)?.views()?;
+    let views = read_store(&arguments.file)?.views()?;
     let heads =
         ["view", "sensor", "planes", "curves", "nodes", "noise", "position", "hash", "scan"];
     print_grid(&heads, &views.iter().map(line).collect::<Vec<_>>());

@@ -32,6 +32,12 @@ fn note_finished(planes: usize) {
 /// Opens a model file or a store for reading.
 fn open_model(path: &std::path::Path) -> Result<ModelFile, Failure> {
     let file = ModelFile::open(path)?;
-    note_finished(file.planes_finished());
+    let planes = file.planes_finished();
+    if planes > 0 {
+        eprintln!(
+            "note: {planes} planes that an interrupted run had left were fused in memory; repeat \
+             the run to store them"
+        );
+    }
     Ok(file)
 }

@@ -10,7 +10,6 @@ mod options;
 mod overview;
 mod points;
 mod ramp;
-mod regions;
 mod ruler;
 mod sheet;
 mod simplify;

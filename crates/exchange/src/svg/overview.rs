@@ -9,12 +9,11 @@ use super::camera::Camera;
 use super::canvas::{self, PathData};
 use super::options::OverviewOptions;
 use super::ramp::{self, Colour, Stations};
-use super::regions;
 use super::ruler::tidy;
 use super::simplify::simplified;
 use std::io::{self, Write};
 use transect_geometry::{Curve, Guide, PlaneFrame, PlaneIndex, Point2, Point3};
-use transect_model::{Model, Section};
+use transect_model::{CurveIndex, Model, Section};
 
 /// Steps of drawn coordinates per pixel: 0.05 px.
 const STEPS: f64 = 20.0;
@@ -122,11 +121,10 @@ fn drawn_plane(
         front: PathData::new(STEPS),
         back: PathData::new(STEPS),
     };
-    let curves: Vec<&Curve> = section.curves().collect();
-    let filled = regions::filled(&curves);
-    for (number, curve) in curves.iter().enumerate() {
+    let filled = section.known_solid();
+    for (number, curve) in section.curves().enumerate() {
         let line = Line::of(curve, &frame, camera);
-        if filled.contains(&number) {
+        if filled.contains(&CurveIndex(number)) {
             drawn.area.polyline(line.vertices.iter().map(|v| &v.place), true);
         }
         line.split(&mut drawn);

@@ -2,16 +2,15 @@
 //!
 //! Plane coordinates are drawn x to the right and y up, seen against the plane's normal, so that
 //! the solid is on the left of every curve. All sheets of a model have the same scale and window:
-//! leafing through them shows what changes. Closed curves around solid are filled; open curves,
-//! and rooms seen from inside, have ticks on their solid side; dots mark open ends.
+//! leafing through them shows what changes. Known solid is filled ([`Section::known_solid`]); other
+//! curves have ticks on their solid side; dots mark open ends.
 
 use super::canvas::{self, PathData};
-use super::regions;
 use super::ruler::{round_down, round_up, tidy, vector};
 use super::simplify::simplified;
 use std::io::{self, Write};
 use transect_geometry::{Curve, Envelope, PlaneIndex, Point2, Vector2};
-use transect_model::{Model, Section};
+use transect_model::{CurveIndex, Model, Section};
 
 /// Width and height of the paper, in millimetres: A3, landscape.
 const PAPER_WIDTH: f64 = 420.0;
@@ -122,12 +121,12 @@ impl<'a> Sheets<'a> {
     fn write_curves(&self, section: &Section, out: &mut dyn Write) -> io::Result<()> {
         let curves: Vec<&Curve> = section.curves().collect();
         let lines: Vec<Vec<Point2>> = curves.iter().map(|c| self.line(c)).collect();
-        let filled = regions::filled(&curves);
+        let filled = section.known_solid();
         let (mut area, mut outline) = (PathData::new(STEPS), PathData::new(STEPS));
         let (mut ticks, mut ends) = (PathData::new(STEPS), PathData::new(STEPS));
         for (number, (curve, line)) in curves.iter().zip(&lines).enumerate() {
             outline.polyline(line, curve.is_closed());
-            if filled.contains(&number) {
+            if filled.contains(&CurveIndex(number)) {
                 area.polyline(line, true);
             } else {
                 add_ticks(line, curve.is_closed(), &mut ticks);

@@ -19,7 +19,7 @@ fn check(bytes: &[u8]) {
     let Ok(model) = Model::from_reader(bytes) else { return };
     model.check().expect("a model that was read is sound");
     for (_, section) in model.sections() {
-        let _ = (section.measures(), section.nesting());
+        let _ = (section.measures(), section.known_solid());
     }
     let _ = model.volume();
     let mut again = Vec::new();

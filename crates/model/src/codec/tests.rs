@@ -143,7 +143,7 @@ fn lengths_beyond_the_file_set_no_memory_aside() {
     let after = |begin: &[u8]| [begin, &wild].concat();
     for lists in [after(&[1]), after(&[0]), after(&[0, 1])] {
         let payload = [&[0, 0][..], &planes, &lists].concat();
-        assert!(matches!(read(&file_around(&payload)[..]), Err(CodecError::Layout(_))));
+        assert!(matches!(read(&file_around(&payload)[..]), Err(CodecError::Damaged(_))));
     }
     // The beginning of that payload is right: with empty lists it is a model.
     let sound = [&[0, 0][..], &planes, &[0, 0, 0]].concat();
@@ -155,10 +155,10 @@ fn another_version_and_other_files_say_so() {
     let mut newer = bytes_of(&small());
     newer[8] = 9;
     let text = read(&newer[..]).unwrap_err().to_string();
-    assert_eq!(text, "model file of version 9; this program reads version 6");
+    assert_eq!(text, "model file of version 9; version 6 is expected here");
     assert!(matches!(read(&b"{ \"unit\": \"m\" }"[..]), Err(CodecError::NotAModel)));
     let longer = [bytes_of(&small()), vec![0]].concat();
-    assert!(matches!(read(&longer[..]), Err(CodecError::TrailingBytes)));
+    assert!(matches!(read(&longer[..]), Err(CodecError::Damaged(_))));
 }
 
 /// Encodes a payload that no constructor would make.

@@ -40,18 +40,14 @@ pub(crate) struct FusedValue<'a> {
 }
 
 pub(crate) fn encode(value: &impl Serialize) -> Result<Vec<u8>, CodecError> {
-    bincode::serde::encode_to_vec(value, bincode::config::standard())
-        .map_err(|e| CodecError::Layout(e.to_string()))
+    bincode::serde::encode_to_vec(value, bincode::config::standard()).map_err(CodecError::damaged)
 }
 
 pub(crate) fn decode<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<T, CodecError> {
     let decoded = bincode::serde::borrow_decode_from_slice(bytes, bincode::config::standard());
-    let (value, used) = decoded.map_err(|e| CodecError::Layout(e.to_string()))?;
-    if used == bytes.len() {
-        Ok(value)
-    } else {
-        Err(CodecError::Layout("bytes are left over".to_owned()))
-    }
+    let (value, used) = decoded.map_err(CodecError::damaged)?;
+    let whole = used == bytes.len();
+    whole.then_some(value).ok_or_else(|| CodecError::damaged("bytes are left over"))
 }
 
 /// Adds bytes to an FNV-1a hash, beginning with [`super::HASH_OF_NOTHING`].

@@ -81,7 +81,8 @@ impl FreeSpace {
         let length = (to - from).norm();
         let stop = (length - slack).max(0.0);
         let (mut cells, mut free) = (0_u32, 0_u32);
-        let clear = self.walk(from, to, |at, cell| {
+        let clear = self.walk(from, to, |at, number| {
+            let cell = self.cells.get(number).copied().unwrap_or(Cell::Unknown);
             cells += 1;
             free += u32::from(cell == Cell::Free || at >= stop);
             at >= stop || cell != Cell::Occupied
@@ -110,7 +111,7 @@ impl FreeSpace {
 
     fn clear_between(&mut self, sensor: &Point3, seen: &Point3) {
         let mut crossed = Vec::new();
-        self.walk_numbers(sensor, seen, |_, number| {
+        self.walk(sensor, seen, |_, number| {
             crossed.push(number);
             true
         });
@@ -132,20 +133,9 @@ impl FreeSpace {
         (x < nx && y < ny && z < nz).then(|| (z * ny + y) * nx + x)
     }
 
-    /// Visits the cells from one point to another, with the distance at which each is entered,
-    /// until `go_on` returns false. Returns whether the whole way was walked.
-    fn walk(&self, from: &Point3, to: &Point3, mut go_on: impl FnMut(f64, Cell) -> bool) -> bool {
-        self.walk_numbers(from, to, |at, number| {
-            go_on(at, self.cells.get(number).copied().unwrap_or(Cell::Unknown))
-        })
-    }
-
-    fn walk_numbers(
-        &self,
-        from: &Point3,
-        to: &Point3,
-        mut go_on: impl FnMut(f64, usize) -> bool,
-    ) -> bool {
+    /// Visits the cells from one point to another by number, with the distance at which each is
+    /// entered, until `go_on` returns false. Returns whether the whole way was walked.
+    fn walk(&self, from: &Point3, to: &Point3, mut go_on: impl FnMut(f64, usize) -> bool) -> bool {
         let (Some(mut cell), Some(last)) = (self.cell_of(from), self.cell_of(to)) else {
             return true;
         };
@@ -242,7 +232,7 @@ mod tests {
             let space = FreeSpace::from_rays(&[corners]).unwrap();
             let (from, to) = (Point3::from(from), Point3::from(to));
             let mut walked = Vec::new();
-            space.walk_numbers(&from, &to, |_, number| { walked.push(number); true });
+            space.walk(&from, &to, |_, number| { walked.push(number); true });
             for k in 0..=2000 {
                 let p = from + (to - from) * (f64::from(k) / 2000.0);
                 let number = space.cell_of(&p).and_then(|c| space.number(c)).unwrap();

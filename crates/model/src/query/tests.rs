@@ -35,7 +35,7 @@ proptest! {
         let nodes: Vec<_> = curves.iter().flat_map(|c| c.nodes().to_vec()).collect();
         let at_node = nodes[node % nodes.len()].position;
         let section = Section::new(curves).unwrap();
-        let index = SectionIndex::new(&section);
+        let index = SectionIndex::new(section.clone());
         for p in [p, at_node] {
             prop_assert_eq!(index.locate(&p), locate_in_plane(&section, &p));
         }
@@ -162,7 +162,7 @@ fn far_from_the_origin_a_point_on_a_plane_is_still_on_it() {
 fn huge_coordinates_do_not_break_the_tree() {
     let huge = polyline(&[(-1e308, -1e308), (1e308, 1e308), (0.0, 1e308)], true);
     let section = Section::new(vec![huge, strip()]).unwrap();
-    let index = SectionIndex::new(&section);
+    let index = SectionIndex::new(section.clone());
     for p in [Point2::origin(), Point2::new(-1e308, 1e308), Point2::new(f64::NAN, 0.0)] {
         let _ = index.locate(&p);
     }

@@ -30,6 +30,7 @@
 //! 4096.
 
 use super::medium::Medium;
+use crate::CodecError;
 use redb::StorageBackend;
 use std::io::{self, ErrorKind};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -41,7 +42,7 @@ pub const STORE_VERSION: u32 = 7;
 const SECTOR: usize = 512;
 const HEAD_PLACES: [u64; 2] = [512, 2048];
 /// Data bytes of a block, the page size of the database.
-const BLOCK: usize = 4096;
+pub(crate) const BLOCK: usize = 4096;
 /// A block with its checksum, as it is in the file.
 const STORED_BLOCK: usize = BLOCK + 8;
 const FIRST_BLOCK: u64 = 4096;
@@ -50,42 +51,19 @@ const HEAD_DATA: usize = 384;
 /// Marks a written block. A block that was never written is all zeros.
 const WRITTEN: [u8; 4] = *b"TSB1";
 
-/// Damage of the bytes of a store.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum Damage {
-    /// The file does not begin like a model.
-    #[error("not a Transect model")]
-    NotAModel,
-    /// A whole model or a store of another layout.
-    #[error("file of version {found}; a store has version {STORE_VERSION}")]
-    WrongVersion {
-        /// Version in the file.
-        found: u32,
-    },
-    /// The file ends too early.
-    #[error("truncated: {expected} bytes expected, {found} found")]
-    Truncated {
-        /// Expected number of bytes.
-        expected: u64,
-        /// Number of bytes found.
-        found: u64,
-    },
-    /// Both copies of the head are damaged.
-    #[error("damaged: neither copy of the head matches its checksum")]
-    Head,
-    /// A block does not match its checksum, or was never written.
-    #[error("damaged: block {0} does not match its checksum")]
-    Block(u64),
-    /// The database refers to a place outside of its file.
-    #[error("damaged: a reference points to byte {0}, outside of the file")]
-    OutOfRange(u64),
+impl From<CodecError> for io::Error {
+    fn from(error: CodecError) -> Self {
+        Self::new(ErrorKind::InvalidData, error)
+    }
 }
 
-impl From<Damage> for io::Error {
-    fn from(damage: Damage) -> Self {
-        Self::new(ErrorKind::InvalidData, damage)
-    }
+/// The error of a reference to a place outside of the database's file.
+fn out_of_range(offset: u64) -> CodecError {
+    CodecError::damaged(format_args!("a reference points to byte {offset}, outside of the file"))
+}
+
+fn damaged_head() -> CodecError {
+    CodecError::damaged("neither copy of the head matches its checksum")
 }
 
 /// The database's file within a medium.
@@ -118,21 +96,21 @@ impl<M: Medium> Blocks<M> {
     /// Opens the store in a medium.
     ///
     /// # Errors
-    /// [`Damage`] inside an I/O error, if the medium holds no store or an incomplete one.
+    /// [`CodecError`] inside an I/O error, if the medium holds no store or an incomplete one.
     pub(crate) fn open(medium: M) -> io::Result<Self> {
         let found = medium.len()?;
         check_preamble(&medium, found)?;
         if found < FIRST_BLOCK {
-            return Err(Damage::Truncated { expected: FIRST_BLOCK, found }.into());
+            return Err(CodecError::Truncated { expected: FIRST_BLOCK, found }.into());
         }
         let copies = [read_head(&medium, HEAD_PLACES[0])?, read_head(&medium, HEAD_PLACES[1])?];
         let latest = copies.into_iter().flatten().max_by_key(|head| head.sequence);
-        let head = latest.ok_or(Damage::Head)?;
+        let head = latest.ok_or_else(damaged_head)?;
         // After a crash while it grew, the file may be longer than the head says, but never
         // shorter.
         let expected = stored_length(head.length);
         if found < expected {
-            return Err(Damage::Truncated { expected, found }.into());
+            return Err(CodecError::Truncated { expected, found }.into());
         }
         Ok(Self { medium, head: Mutex::new(head) })
     }
@@ -159,7 +137,8 @@ impl<M: Medium> Blocks<M> {
         {
             let (data, trailer) = stored.split_at(BLOCK);
             if trailer != trailer_of(number, data) {
-                return Err(Damage::Block(number).into());
+                let what = format_args!("block {number} does not match its checksum");
+                return Err(CodecError::damaged(what).into());
             }
             out.copy_from_slice(data);
         }
@@ -170,7 +149,7 @@ impl<M: Medium> Blocks<M> {
     fn check_range(&self, offset: u64, size: usize) -> io::Result<()> {
         let end = offset.checked_add(size as u64);
         let inside = end.is_some_and(|end| end <= self.head().length);
-        if inside { Ok(()) } else { Err(Damage::OutOfRange(offset).into()) }
+        if inside { Ok(()) } else { Err(out_of_range(offset).into()) }
     }
 }
 
@@ -185,7 +164,7 @@ impl<M: Medium> StorageBackend for Blocks<M> {
             return self.read_blocks(whole_blocks(offset, out.len())?, out);
         }
         if out.len() > BLOCK {
-            return Err(Damage::OutOfRange(BLOCK as u64).into());
+            return Err(out_of_range(BLOCK as u64).into());
         }
         out.fill(0);
         out.iter_mut().zip(self.head().data).for_each(|(out, byte)| *out = byte);
@@ -215,7 +194,7 @@ impl<M: Medium> StorageBackend for Blocks<M> {
         if offset == 0 {
             let mut head = self.head().clone();
             let kept = head.data.get_mut(..data.len());
-            let kept = kept.ok_or(Damage::OutOfRange(HEAD_DATA as u64))?;
+            let kept = kept.ok_or_else(|| out_of_range(HEAD_DATA as u64))?;
             kept.copy_from_slice(data);
             return self.write_head(head);
         }
@@ -275,14 +254,14 @@ fn check_preamble(medium: &impl Medium, found: u64) -> io::Result<()> {
     let begin = sector.get_mut(..there).unwrap_or_default();
     medium.read_at(0, begin)?;
     if !begin.starts_with(&MAGIC) {
-        return Err(Damage::NotAModel.into());
+        return Err(CodecError::NotAModel.into());
     }
     let version = begin.get(MAGIC.len()..).and_then(|rest| rest.first_chunk());
     match version.map(|bytes| u32::from_le_bytes(*bytes)) {
-        None => Err(Damage::Truncated { expected: FIRST_BLOCK, found }.into()),
+        None => Err(CodecError::Truncated { expected: FIRST_BLOCK, found }.into()),
         Some(STORE_VERSION) if there < SECTOR || sector == preamble() => Ok(()),
-        Some(STORE_VERSION) => Err(Damage::Head.into()),
-        Some(found) => Err(Damage::WrongVersion { found }.into()),
+        Some(STORE_VERSION) => Err(damaged_head().into()),
+        Some(found) => Err(CodecError::WrongVersion { found, expected: STORE_VERSION }.into()),
     }
 }
 
@@ -298,7 +277,7 @@ fn trailer_of(number: u64, data: &[u8]) -> [u8; 8] {
 /// Number of the first block; only whole blocks can be read and written.
 fn whole_blocks(offset: u64, size: usize) -> io::Result<u64> {
     let whole = offset.is_multiple_of(BLOCK as u64) && size.is_multiple_of(BLOCK);
-    if whole { Ok(offset / BLOCK as u64) } else { Err(Damage::OutOfRange(offset).into()) }
+    if whole { Ok(offset / BLOCK as u64) } else { Err(out_of_range(offset).into()) }
 }
 
 /// Place of a block in the medium, for blocks from 1.

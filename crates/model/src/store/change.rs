@@ -42,17 +42,15 @@ impl Store {
     /// If a view of that id exists, the pose or noise is invalid, or another thread is changing the
     /// store.
     pub fn begin_view(&self, entry: ViewEntry) -> Result<ViewTransaction<'_>, StoreError> {
-        self.begin(entry).map_err(|problem| self.error(problem))
-    }
-
-    fn begin(&self, entry: ViewEntry) -> Result<ViewTransaction<'_>, StoreProblem> {
-        entry.check()?;
-        let transaction = self.write()?;
-        if read_view(&transaction.open_table(VIEWS)?, &entry.id)?.is_some() {
-            return Err(StoreProblem::ViewExists(entry.id));
-        }
-        let view = StoredView::new(entry);
-        Ok(ViewTransaction { store: self, transaction, view, broken: false })
+        self.run(|| {
+            entry.check()?;
+            let transaction = self.write()?;
+            if read_view(&transaction.open_table(VIEWS)?, &entry.id)?.is_some() {
+                return Err(StoreProblem::ViewExists(entry.id));
+            }
+            let view = StoredView::new(entry);
+            Ok(ViewTransaction { store: self, transaction, view, broken: false })
+        })
     }
 
     /// Removes a view and fuses its planes again.
@@ -60,15 +58,13 @@ impl Store {
     /// # Errors
     /// If there is no such view, or the store cannot be read or written; it is then unchanged.
     pub fn remove_view(&self, id: &ViewId, fuse: &impl Fuse) -> Result<StoredView, StoreError> {
-        self.remove(id, fuse).map_err(|problem| self.error(problem))
-    }
-
-    fn remove(&self, id: &ViewId, fuse: &impl Fuse) -> Result<StoredView, StoreProblem> {
-        let transaction = self.write()?;
-        let view = take_out(&transaction, id)?;
-        fuse_again(&transaction, view.planes.iter().copied(), fuse)?;
-        transaction.commit()?;
-        Ok(view)
+        self.run(|| {
+            let transaction = self.write()?;
+            let view = take_out(&transaction, id)?;
+            fuse_again(&transaction, view.planes.iter().copied(), fuse)?;
+            transaction.commit()?;
+            Ok(view)
+        })
     }
 
     /// Replaces the curves of a view, for example after a better registration, and fuses its old
@@ -84,56 +80,32 @@ impl Store {
         curves: impl IntoIterator<Item = (PlaneIndex, Vec<Curve>)>,
         fuse: &impl Fuse,
     ) -> Result<StoredView, StoreError> {
-        self.replace(id, entry, curves, fuse).map_err(|problem| self.error(problem))
-    }
-
-    fn replace(
-        &self,
-        id: &ViewId,
-        entry: ViewEntry,
-        curves: impl IntoIterator<Item = (PlaneIndex, Vec<Curve>)>,
-        fuse: &impl Fuse,
-    ) -> Result<StoredView, StoreProblem> {
-        entry.check()?;
-        let transaction = self.write()?;
-        let old = take_out(&transaction, id)?;
-        if read_view(&transaction.open_table(VIEWS)?, &entry.id)?.is_some() {
-            return Err(StoreProblem::ViewExists(entry.id));
-        }
-        let mut view = StoredView::new(entry);
-        let mut touched: BTreeSet<_> = old.planes.into_iter().collect();
-        for (plane, curves) in curves {
-            if put_in(&transaction, &mut view, plane, &curves)? {
-                touched.insert(plane);
+        self.run(|| {
+            entry.check()?;
+            let transaction = self.write()?;
+            let old = take_out(&transaction, id)?;
+            if read_view(&transaction.open_table(VIEWS)?, &entry.id)?.is_some() {
+                return Err(StoreProblem::ViewExists(entry.id));
             }
-        }
-        fuse_again(&transaction, touched, fuse)?;
-        finish(transaction, view)
+            let mut view = StoredView::new(entry);
+            let mut touched: BTreeSet<_> = old.planes.into_iter().collect();
+            for (plane, curves) in curves {
+                if put_in(&transaction, &mut view, plane, &curves)? {
+                    touched.insert(plane);
+                }
+            }
+            fuse_again(&transaction, touched, fuse)?;
+            finish(transaction, view)
+        })
     }
 }
 
 impl ViewTransaction<'_> {
-    /// Adds the view's curves on one plane and fuses that plane again.
-    ///
-    /// # Errors
-    /// If the plane was already given, or the store cannot be read or written.
-    pub fn add_plane(
-        &mut self,
-        plane: PlaneIndex,
-        curves: &[Curve],
-        fuse: &impl Fuse,
-    ) -> Result<(), StoreError> {
-        self.step(|transaction, view| {
-            let planes = put_in(transaction, view, plane, curves)?.then_some(plane);
-            fuse_again(transaction, planes, fuse)
-        })
-    }
-
     /// Adds the view's curves on several planes and fuses those planes again, many at a time
     /// ([`Fuse::fuse_planes`]).
     ///
     /// # Errors
-    /// As for [`ViewTransaction::add_plane`].
+    /// If a plane was already given, or the store cannot be read or written.
     pub fn add_planes(
         &mut self,
         curves: impl IntoIterator<Item = (PlaneIndex, Vec<Curve>)>,
@@ -153,7 +125,7 @@ impl ViewTransaction<'_> {
     /// For many views at once: a plane of several views is then fused once.
     ///
     /// # Errors
-    /// As for [`ViewTransaction::add_plane`].
+    /// As for [`ViewTransaction::add_planes`].
     pub fn defer_planes(
         &mut self,
         curves: impl IntoIterator<Item = (PlaneIndex, Vec<Curve>)>,

@@ -1,6 +1,5 @@
 //! Errors of a store.
 
-use super::blocks::Damage;
 use super::view_id::ViewId;
 use crate::{CodecError, InvariantError};
 use std::io;
@@ -22,9 +21,12 @@ pub struct StoreError {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StoreProblem {
-    /// Another process, or another handle of this one, has the file open.
-    #[error("is open in another process; close it there first")]
+    /// Another process, or another handle of this one, has the file open for writing.
+    #[error("is being changed by another process; wait until that process has finished")]
     InUse,
+    /// Another process, or another handle of this one, reads the file, and the call must write.
+    #[error("is being read by another process; wait until that process has finished")]
+    BeingRead,
     /// Another thread of this process is changing the store.
     #[error("is being changed by another thread of this program")]
     Busy,
@@ -33,7 +35,7 @@ pub enum StoreProblem {
     Readers,
     /// The bytes of the file are not those that were written.
     #[error("cannot be read")]
-    Damaged(#[source] Damage),
+    Damaged(#[source] CodecError),
     /// Reading or writing the file failed. Committed views are not lost.
     #[error("could not be read or written")]
     Io(#[source] io::Error),
@@ -95,11 +97,7 @@ impl StoreProblem {
 
 impl From<io::Error> for StoreProblem {
     fn from(error: io::Error) -> Self {
-        let damage = error.get_ref().and_then(|inner| inner.downcast_ref::<Damage>());
-        match damage.cloned() {
-            Some(damage) => Self::Damaged(damage),
-            None => Self::Io(error),
-        }
+        error.downcast().map_or_else(Self::Io, Self::Damaged)
     }
 }
 

@@ -89,6 +89,8 @@ fn read_header(lines: &mut Lines<impl BufRead>) -> Result<StoreHeader, StoreProb
 /// The contents that were read so far.
 #[derive(Default)]
 struct Contents {
+    /// Number of the line being read, from 1.
+    line: usize,
     views: BTreeMap<ViewId, StoredView>,
     planes: u64,
     last_plane: Option<i64>,
@@ -111,24 +113,18 @@ fn read_contents(
     let mut contents = Contents::default();
     loop {
         let line = lines.next()?;
-        let refused = |problem: Refused| match problem {
-            Refused::Line(problem) => lines.problem(problem),
-            Refused::Store(problem) => problem,
-        };
+        contents.line = lines.number;
         match line {
-            Line::Store(_) => return Err(lines.problem("a second store")),
-            Line::View(entry) => contents.add_view(entry).map_err(refused)?,
-            Line::Partial(line) => contents.add_partial(line, transaction).map_err(refused)?,
-            Line::Fused(line) => contents.add_fused(line, transaction).map_err(refused)?,
-            Line::End(line) => {
-                contents.check_end(&line, lines.hash).map_err(refused)?;
-                break;
-            }
+            Line::Store(_) => return contents.refuse("a second store"),
+            Line::View(entry) => contents.add_view(entry)?,
+            Line::Partial(line) => contents.add_partial(line, transaction)?,
+            Line::Fused(line) => contents.add_fused(line, transaction)?,
+            Line::End(line) => break contents.check_end(&line, lines.hash)?,
         }
     }
     let at_end = lines.input.fill_buf().map(<[u8]>::is_empty);
     if !at_end.map_err(|e| lines.problem(e))? {
-        return Err(lines.problem("there is more behind the end"));
+        return contents.refuse("there is more behind the end");
     }
     let mut table = transaction.open_table(VIEWS)?;
     for (id, view) in contents.views {
@@ -137,31 +133,19 @@ fn read_contents(
     Ok(())
 }
 
-/// Why a line was refused: its content is wrong, or the store cannot be written.
-enum Refused {
-    Line(String),
-    Store(StoreProblem),
-}
-
-impl<E: Into<StoreProblem>> From<E> for Refused {
-    fn from(error: E) -> Self {
-        Self::Store(error.into())
-    }
-}
-
-fn refuse<T>(problem: impl std::fmt::Display) -> Result<T, Refused> {
-    Err(Refused::Line(problem.to_string()))
-}
-
 impl Contents {
-    fn add_view(&mut self, entry: ViewEntry) -> Result<(), Refused> {
+    fn refuse<T>(&self, problem: impl std::fmt::Display) -> Result<T, StoreProblem> {
+        Err(StoreProblem::Import { line: self.line, problem: problem.to_string() })
+    }
+
+    fn add_view(&mut self, entry: ViewEntry) -> Result<(), StoreProblem> {
         if self.open.is_some() || self.last_plane.is_some() {
-            return refuse("views come before planes");
+            return self.refuse("views come before planes");
         }
         if self.views.last_key_value().is_some_and(|(last, _)| *last >= entry.id) {
-            return refuse("views come in order of their ids");
+            return self.refuse("views come in order of their ids");
         }
-        entry.check().or_else(refuse)?;
+        entry.check().or_else(|error| self.refuse(error))?;
         self.views.insert(entry.id.clone(), StoredView::new(entry));
         Ok(())
     }
@@ -170,28 +154,30 @@ impl Contents {
         &mut self,
         line: PartialLine,
         transaction: &WriteTransaction,
-    ) -> Result<(), Refused> {
+    ) -> Result<(), StoreProblem> {
         let PartialLine { plane, view: id, curves } = line;
         let hash = match &self.open {
             Some(open) if open.plane != plane => {
                 let open = open.plane;
-                return refuse(format_args!("plane {open} has no line of its fused curves"));
+                return self.refuse(format_args!("plane {open} has no line of its fused curves"));
             }
-            Some(open) if open.last >= id => return refuse("views come in order of their ids"),
+            Some(open) if open.last >= id => {
+                return self.refuse("views come in order of their ids");
+            }
             Some(open) => open.hash,
             None if self.last_plane.is_some_and(|last| last >= plane) => {
-                return refuse("planes come in order of station");
+                return self.refuse("planes come in order of station");
             }
             None => HASH_OF_NOTHING,
         };
-        let Some(view) = self.views.get_mut(&id) else {
-            return refuse(format_args!("there is no view {id}"));
-        };
-        let curves = curves_of(curves)?;
+        let curves = self.curves_of(curves)?;
         if curves.is_empty() {
-            return refuse("a view without curves on a plane has no line there");
+            return self.refuse("a view without curves on a plane has no line there");
         }
         let value = encode_curves(&curves)?;
+        let Some(view) = self.views.get_mut(&id) else {
+            return self.refuse(format_args!("there is no view {id}"));
+        };
         transaction.open_table(PARTIALS)?.insert((plane, id.0.as_str()), value.as_slice())?;
         view.count(PlaneIndex(plane), &curves);
         let hash = hash_piece(hash_piece(hash, id.0.as_bytes()), &value);
@@ -203,36 +189,38 @@ impl Contents {
         &mut self,
         line: FusedLine,
         transaction: &WriteTransaction,
-    ) -> Result<(), Refused> {
+    ) -> Result<(), StoreProblem> {
         let hash = match self.open.take() {
             Some(open) if open.plane == line.plane => open.hash,
-            _ => return refuse(format_args!("plane {} has no lines of its views", line.plane)),
+            _ => {
+                return self.refuse(format_args!("plane {} has no lines of its views", line.plane));
+            }
         };
-        let value = encode_fused(hash, &curves_of(line.curves)?)?;
+        let value = encode_fused(hash, &self.curves_of(line.curves)?)?;
         transaction.open_table(FUSED)?.insert(line.plane, value.as_slice())?;
         self.last_plane = Some(line.plane);
         self.planes += 1;
         Ok(())
     }
 
-    fn check_end(&self, end: &EndLine, hash: u64) -> Result<(), Refused> {
+    fn check_end(&self, end: &EndLine, hash: u64) -> Result<(), StoreProblem> {
         if self.open.is_some() {
-            return refuse("the last plane has no line of its fused curves");
+            return self.refuse("the last plane has no line of its fused curves");
         }
         if (end.views, end.planes) != (self.views.len() as u64, self.planes) {
-            return refuse("lines are missing: the counts do not match");
+            return self.refuse("lines are missing: the counts do not match");
         }
         if end.hash != format!("{hash:016x}") {
-            return refuse("the lines do not match their hash");
+            return self.refuse("the lines do not match their hash");
         }
         Ok(())
     }
-}
 
-fn curves_of(texts: Vec<CurveText>) -> Result<Vec<Curve>, Refused> {
-    let curve = |(number, text)| match Curve::try_from(text) {
-        Ok(curve) => Ok(curve),
-        Err(error) => refuse(format_args!("curve {number}: {error}")),
-    };
-    texts.into_iter().enumerate().map(curve).collect()
+    fn curves_of(&self, texts: Vec<CurveText>) -> Result<Vec<Curve>, StoreProblem> {
+        let curve = |(number, text)| {
+            Curve::try_from(text)
+                .or_else(|error| self.refuse(format_args!("curve {number}: {error}")))
+        };
+        texts.into_iter().enumerate().map(curve).collect()
+    }
 }

@@ -16,35 +16,22 @@ pub(crate) trait Medium: Debug + Send + Sync + 'static {
     fn sync(&self) -> io::Result<()>;
 }
 
-#[cfg(unix)]
 impl Medium for File {
     fn len(&self) -> io::Result<u64> {
         Ok(self.metadata()?.len())
     }
 
+    #[cfg(unix)]
     fn read_at(&self, offset: u64, out: &mut [u8]) -> io::Result<()> {
         std::os::unix::fs::FileExt::read_exact_at(self, out, offset)
     }
 
+    #[cfg(unix)]
     fn write_at(&self, offset: u64, data: &[u8]) -> io::Result<()> {
         std::os::unix::fs::FileExt::write_all_at(self, data, offset)
     }
 
-    fn set_len(&self, length: u64) -> io::Result<()> {
-        Self::set_len(self, length)
-    }
-
-    fn sync(&self) -> io::Result<()> {
-        self.sync_data()
-    }
-}
-
-#[cfg(windows)]
-impl Medium for File {
-    fn len(&self) -> io::Result<u64> {
-        Ok(self.metadata()?.len())
-    }
-
+    #[cfg(windows)]
     fn read_at(&self, mut offset: u64, mut out: &mut [u8]) -> io::Result<()> {
         while !out.is_empty() {
             match std::os::windows::fs::FileExt::seek_read(self, out, offset)? {
@@ -55,6 +42,7 @@ impl Medium for File {
         Ok(())
     }
 
+    #[cfg(windows)]
     fn write_at(&self, mut offset: u64, mut data: &[u8]) -> io::Result<()> {
         while !data.is_empty() {
             match std::os::windows::fs::FileExt::seek_write(self, data, offset)? {

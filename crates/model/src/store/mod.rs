@@ -21,8 +21,9 @@
 //! 5. [`Store::export`] writes the contents as lines of JSON, which can still be read when this
 //!    format is obsolete.
 //!
-//! One process at a time can open the file, even for reading; another process gets
-//! [`StoreProblem::InUse`].
+//! One process at a time can change the file ([`Store::open`]), or any number of processes can read
+//! it ([`Store::open_read_only`]). Others get [`StoreProblem::InUse`] or
+//! [`StoreProblem::BeingRead`].
 //!
 //! Departure from the dissertation: there one merged model is kept, without the partial ones.
 //!
@@ -56,12 +57,12 @@
 //!         world_from_sensor: Isometry3::identity(),
 //!         sigma: Some(0.001),
 //!     })?;
-//!     view.add_plane(PlaneIndex(4), std::slice::from_ref(&triangle), &fuse)?;
+//!     view.add_planes([(PlaneIndex(4), vec![triangle.clone()])], &fuse)?;
 //!     view.commit()?;
 //! }
 //! store.remove_view(&"back".into(), &fuse)?;
-//! let section = store.plane(PlaneIndex(4))?.ok_or("no curves")?;
-//! assert!((section.signed_area() - 3.0).abs() < 1e-12); // square metres
+//! let section = store.read()?.plane(PlaneIndex(4))?.ok_or("no curves")?;
+//! assert!((section.measures().solid.estimate - 3.0).abs() < 1e-12); // square metres
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -71,6 +72,7 @@ mod error;
 mod export;
 mod fuse;
 mod import;
+mod in_memory;
 mod lines;
 mod medium;
 mod pending;
@@ -86,7 +88,7 @@ mod test_media;
 #[cfg(test)]
 mod tests;
 
-pub use blocks::{Damage, STORE_VERSION};
+pub use blocks::STORE_VERSION;
 pub use change::ViewTransaction;
 pub use error::{StoreError, StoreProblem};
 pub use fuse::{Fuse, PlaneInputs};
@@ -97,14 +99,13 @@ pub use verify::Verification;
 pub use view::{StoreHeader, StoredView, ViewEntry};
 pub use view_id::ViewId;
 
-use crate::Section;
 use blocks::Blocks;
+use in_memory::InMemory;
 use medium::Medium;
-use redb::{Database, ReadableDatabase, WriteTransaction};
+use redb::{Database, ReadableDatabase, StorageBackend, WriteTransaction};
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 use tables::{FUSED, HEADER, PARTIALS, PENDING, VIEWS};
-use transect_geometry::PlaneIndex;
 
 /// Memory for pages of the file, in bytes. Chosen by hand; doubled, pages are read again less
 /// often.
@@ -134,17 +135,34 @@ impl Store {
         build(path, |file| Self::create_in(path, file, header)).map_err(|p| p.at(path))
     }
 
-    /// Opens a store.
+    /// Opens a store for reading and writing, alone.
     ///
     /// # Errors
-    /// [`StoreProblem::InUse`] if another process has it open, [`StoreProblem::Damaged`] if the
-    /// file is not a complete store, or an I/O error.
+    /// [`StoreProblem::InUse`] or [`StoreProblem::BeingRead`] if it is open elsewhere,
+    /// [`StoreProblem::Damaged`] if the file is not a complete store, or an I/O error.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, StoreError> {
         let path = path.as_ref();
         let open = || {
             let file = File::options().read(true).write(true).open(path)?;
             lock(&file)?;
             Self::open_in(path, file)
+        };
+        open().map_err(|problem: StoreProblem| problem.at(path))
+    }
+
+    /// Opens a store for reading; any number of processes can do so at a time.
+    ///
+    /// The file is never written. Changes, such as the repair of a file that a crash left and the
+    /// planes of [`Store::fuse_pending`], stay in memory and are lost when the store is dropped.
+    ///
+    /// # Errors
+    /// [`StoreProblem::InUse`] while another process writes, otherwise as for [`Store::open`].
+    pub fn open_read_only(path: impl AsRef<Path>) -> Result<Self, StoreError> {
+        let path = path.as_ref();
+        let open = || {
+            let file = File::open(path)?;
+            file.try_lock_shared().map_err(|error| locked(error, StoreProblem::InUse))?;
+            Self::open_on(path, InMemory::over(Blocks::open(file)?)?)
         };
         open().map_err(|problem: StoreProblem| problem.at(path))
     }
@@ -168,7 +186,10 @@ impl Store {
     }
 
     pub(crate) fn open_in(path: &Path, medium: impl Medium) -> Result<Self, StoreProblem> {
-        let blocks = Blocks::open(medium)?;
+        Self::open_on(path, Blocks::open(medium)?)
+    }
+
+    fn open_on(path: &Path, blocks: impl StorageBackend) -> Result<Self, StoreProblem> {
         let store = Self { path: path.to_owned(), database: database(blocks)? };
         store.snapshot()?;
         Ok(store)
@@ -179,7 +200,7 @@ impl Store {
     /// # Errors
     /// If the store is damaged.
     pub fn read(&self) -> Result<Snapshot, StoreError> {
-        self.snapshot().map_err(|problem| self.error(problem))
+        self.run(|| self.snapshot())
     }
 
     fn snapshot(&self) -> Result<Snapshot, StoreProblem> {
@@ -192,14 +213,6 @@ impl Store {
     /// If the store is damaged.
     pub fn views(&self) -> Result<Vec<StoredView>, StoreError> {
         self.read()?.views()
-    }
-
-    /// The fused curves of a plane; `None` if it has none.
-    ///
-    /// # Errors
-    /// If the store is damaged.
-    pub fn plane(&self, plane: PlaneIndex) -> Result<Option<Section>, StoreError> {
-        self.read()?.plane(plane)
     }
 
     /// Returns the space of removed and replaced views to the disk; `true` if there was any.
@@ -225,20 +238,34 @@ impl Store {
         Ok(transaction)
     }
 
+    /// The result of some steps, with the file in their error.
+    fn run<T>(&self, steps: impl FnOnce() -> Result<T, StoreProblem>) -> Result<T, StoreError> {
+        steps().map_err(|problem| self.error(problem))
+    }
+
     fn error(&self, problem: StoreProblem) -> StoreError {
         problem.at(&self.path)
     }
 }
 
-fn database(blocks: Blocks<impl Medium>) -> Result<Database, StoreProblem> {
+fn database(blocks: impl StorageBackend) -> Result<Database, StoreProblem> {
     Ok(Database::builder().set_cache_size(CACHE_BYTES).create_with_backend(blocks)?)
 }
 
+/// Locks a file for writing.
 fn lock(file: &File) -> Result<(), StoreProblem> {
-    file.try_lock().map_err(|error| match error {
-        TryLockError::WouldBlock => StoreProblem::InUse,
+    let busy = |error| match file.try_lock_shared() {
+        Ok(()) => locked(error, StoreProblem::BeingRead),
+        Err(_) => locked(error, StoreProblem::InUse),
+    };
+    file.try_lock().map_err(busy)
+}
+
+fn locked(error: TryLockError, busy: StoreProblem) -> StoreProblem {
+    match error {
+        TryLockError::WouldBlock => busy,
         TryLockError::Error(error) => error.into(),
-    })
+    }
 }
 
 /// Builds a store under another name and renames it when it is complete, so a crash never leaves

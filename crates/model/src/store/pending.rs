@@ -19,18 +19,15 @@ impl Store {
     /// # Errors
     /// If the store cannot be read or written; the marks are then unchanged.
     pub fn fuse_pending(&self, fuse: &impl Fuse) -> Result<u64, StoreError> {
-        self.fuse_marked(fuse).map_err(|problem| self.error(problem))
-    }
-
-    fn fuse_marked(&self, fuse: &impl Fuse) -> Result<u64, StoreProblem> {
-        let transaction = self.write()?;
-        let marked = planes(&transaction.open_table(PENDING)?)?;
-        if marked.is_empty() {
-            return Ok(0);
-        }
-        fuse_again(&transaction, marked.iter().copied(), fuse)?;
-        transaction.commit()?;
-        Ok(marked.len() as u64)
+        self.run(|| {
+            let transaction = self.write()?;
+            let marked = planes(&transaction.open_table(PENDING)?)?;
+            if !marked.is_empty() {
+                fuse_again(&transaction, marked.iter().copied(), fuse)?;
+                transaction.commit()?;
+            }
+            Ok(marked.len() as u64)
+        })
     }
 }
 

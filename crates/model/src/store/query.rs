@@ -24,7 +24,7 @@ pub struct SpaceQuery {
 #[derive(Debug)]
 struct Kept {
     /// `None` for a plane without curves.
-    index: Option<SectionIndex<'static>>,
+    index: Option<SectionIndex>,
     nodes: usize,
     /// Number of the question that used it last.
     asked: u64,
@@ -63,7 +63,7 @@ impl SpaceQuery {
             kept.asked = self.questions;
             return Ok(());
         }
-        let index = self.snapshot.plane(plane)?.map(SectionIndex::owning);
+        let index = self.snapshot.plane(plane)?.map(SectionIndex::new);
         // A plane without curves also takes memory.
         let nodes = index.as_ref().map_or(1, |index| index.section().node_count());
         self.planes.insert(plane, Kept { index, nodes, asked: self.questions });

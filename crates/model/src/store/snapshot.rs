@@ -8,7 +8,6 @@ use super::view::{StoreHeader, StoredView, ViewEntry};
 use super::view_id::ViewId;
 use crate::{Model, Section, ViewRecord};
 use redb::{ReadOnlyTable, ReadTransaction, ReadableTable, ReadableTableMetadata};
-use std::ops::RangeBounds;
 use std::path::{Path, PathBuf};
 use transect_geometry::{Curve, PlaneIndex};
 
@@ -57,7 +56,7 @@ impl Snapshot {
     /// # Errors
     /// If the store is damaged, as for everything below.
     pub fn views(&self) -> Result<Vec<StoredView>, StoreError> {
-        read_views(&self.views).map_err(|problem| problem.at(&self.path))
+        read_views(&self.views).map_err(|problem| self.error(problem))
     }
 
     /// One view; `None` if no view has that id.
@@ -65,7 +64,7 @@ impl Snapshot {
     /// # Errors
     /// If the store is damaged.
     pub fn view(&self, id: &ViewId) -> Result<Option<StoredView>, StoreError> {
-        read_view(&self.views, id).map_err(|problem| problem.at(&self.path))
+        read_view(&self.views, id).map_err(|problem| self.error(problem))
     }
 
     /// Number of planes with partial curves; some of them may have no fused curves.
@@ -74,7 +73,7 @@ impl Snapshot {
     /// If the store is damaged, or planes are still to be fused.
     pub fn plane_count(&self) -> Result<u64, StoreError> {
         let count = || self.check_fused().and(self.fused.len().map_err(StoreProblem::from));
-        count().map_err(|problem: StoreProblem| problem.at(&self.path))
+        count().map_err(|problem: StoreProblem| self.error(problem))
     }
 
     /// The fused curves of a plane; `None` if it has none.
@@ -82,7 +81,7 @@ impl Snapshot {
     /// # Errors
     /// If the store is damaged, or planes are still to be fused ([`StoreProblem::Pending`]).
     pub fn plane(&self, plane: PlaneIndex) -> Result<Option<Section>, StoreError> {
-        self.read_plane(plane).map_err(|problem| problem.at(&self.path))
+        self.read_plane(plane).map_err(|problem| self.error(problem))
     }
 
     fn read_plane(&self, plane: PlaneIndex) -> Result<Option<Section>, StoreProblem> {
@@ -99,7 +98,7 @@ impl Snapshot {
     /// If the store is damaged.
     pub fn partials(&self, plane: PlaneIndex) -> Result<Vec<(ViewId, Vec<Curve>)>, StoreError> {
         let found = read_partials(&self.partials, plane);
-        Ok(found.map_err(|problem| problem.at(&self.path))?.by_view)
+        Ok(found.map_err(|problem| self.error(problem))?.by_view)
     }
 
     /// The planes that have curves, in order of station, one in memory at a time.
@@ -112,25 +111,9 @@ impl Snapshot {
         impl DoubleEndedIterator<Item = Result<(PlaneIndex, Section), StoreError>>,
         StoreError,
     > {
-        self.planes_in(..)
-    }
-
-    /// The planes with curves in a range. Its first item is the next plane after the start of the
-    /// range, its last item the last one before its end.
-    ///
-    /// # Errors
-    /// As for [`Snapshot::planes`].
-    pub fn planes_in(
-        &self,
-        range: impl RangeBounds<PlaneIndex>,
-    ) -> Result<
-        impl DoubleEndedIterator<Item = Result<(PlaneIndex, Section), StoreError>>,
-        StoreError,
-    > {
-        self.check_fused().map_err(|problem| problem.at(&self.path))?;
-        let range = (range.start_bound().map(|k| k.0), range.end_bound().map(|k| k.0));
-        let found = ReadableTable::range(&self.fused, range);
-        let found = found.map_err(|error| StoreProblem::from(error).at(&self.path))?;
+        self.check_fused().map_err(|problem| self.error(problem))?;
+        let found = ReadableTable::iter(&self.fused);
+        let found = found.map_err(|error| self.error(error.into()))?;
         let read = |entry: Result<_, redb::StorageError>| -> Result<_, StoreProblem> {
             let (plane, value): (redb::AccessGuard<'_, i64>, redb::AccessGuard<'_, &[u8]>) = entry?;
             let plane = PlaneIndex(plane.value());
@@ -138,7 +121,7 @@ impl Snapshot {
         };
         Ok(found.filter_map(move |entry| match read(entry) {
             Ok((plane, section)) => Some(Ok((plane, section?))),
-            Err(problem) => Some(Err(problem.at(&self.path))),
+            Err(problem) => Some(Err(self.error(problem))),
         }))
     }
 

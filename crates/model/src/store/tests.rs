@@ -2,10 +2,12 @@
 
 use super::test_media::Memory;
 use super::*;
+use crate::CodecError;
+use crate::Section;
 use crate::samples::{family, polyline, rectangle, strip, tangles};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
-use transect_geometry::{Curve, Isometry3, LengthUnit, Vector3};
+use transect_geometry::{Curve, Isometry3, LengthUnit, PlaneIndex, Vector3};
 
 mod damage;
 mod forged;
@@ -235,7 +237,7 @@ fn what_was_put_in_is_read_back() {
     assert_eq!(snapshot.partials(PlaneIndex(2)).unwrap(), expected);
     let fused = Section::new(fuse(PlaneIndex(2), &expected));
     assert_eq!(snapshot.plane(PlaneIndex(2)).unwrap(), fused);
-    assert_eq!(store.plane(PlaneIndex(3)).unwrap(), None);
+    assert_eq!(store.read().unwrap().plane(PlaneIndex(3)).unwrap(), None);
     assert_eq!(snapshot.stale_planes(&fuse).unwrap(), []);
     let nothing = |_: PlaneIndex, _: &[(ViewId, Vec<Curve>)]| Vec::new();
     assert_eq!(snapshot.stale_planes(&nothing).unwrap(), [PlaneIndex(-1), PlaneIndex(2)]);
@@ -252,9 +254,6 @@ fn planes_are_walked_both_ways_and_make_the_model() {
     };
     assert_eq!(keys(snapshot.planes().unwrap().collect()), [-5, 0, 1, 7]);
     assert_eq!(keys(snapshot.planes().unwrap().rev().collect()), [7, 1, 0, -5]);
-    let beyond = (std::ops::Bound::Excluded(PlaneIndex(1)), std::ops::Bound::Unbounded);
-    assert_eq!(keys(snapshot.planes_in(beyond).unwrap().collect()), [7]);
-    assert_eq!(keys(snapshot.planes_in(..PlaneIndex(0)).unwrap().collect()), [-5]);
     assert_eq!(snapshot.plane_count().unwrap(), 4);
     let model = snapshot.model().unwrap();
     assert_eq!(model.check(), Ok(()));
@@ -267,7 +266,7 @@ fn a_snapshot_sees_the_last_whole_view_and_nothing_later() {
     let (_, mut store) = memory_store();
     add(&store, "a", &vec![(PlaneIndex(0), square(0.0))]).unwrap();
     let mut view = store.begin_view(entry("b")).unwrap();
-    view.add_plane(PlaneIndex(0), &square(3.0), &fuse).unwrap();
+    view.add_planes([(PlaneIndex(0), square(3.0))], &fuse).unwrap();
     let during = store.read().unwrap();
     view.commit().unwrap();
     let count = |snapshot: &Snapshot| {
@@ -302,8 +301,8 @@ fn what_cannot_be_done_says_why_and_changes_nothing() {
     let mut view = store.begin_view(entry("b")).unwrap();
     let busy = store.begin_view(entry("c")).unwrap_err();
     assert!(matches!(busy.problem, StoreProblem::Busy));
-    view.add_plane(PlaneIndex(1), &square(0.0), &fuse).unwrap();
-    let twice = view.add_plane(PlaneIndex(1), &square(1.0), &fuse).unwrap_err();
+    view.add_planes([(PlaneIndex(1), square(0.0))], &fuse).unwrap();
+    let twice = view.add_planes([(PlaneIndex(1), square(1.0))], &fuse).unwrap_err();
     assert!(matches!(twice.problem, StoreProblem::PlaneTwice(PlaneIndex(1))));
     assert!(matches!(view.commit().unwrap_err().problem, StoreProblem::Failed));
     assert_eq!(export(&store), before);
@@ -372,6 +371,49 @@ fn files_are_created_locked_and_opened_again() {
 }
 
 #[test]
+fn readers_share_a_file_and_leave_its_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("store");
+    let store = Store::create(&path, &header()).unwrap();
+    add(&store, "a", &vec![(PlaneIndex(0), square(0.0)), (PlaneIndex(1), vec![strip()])]).unwrap();
+    let mut view = store.begin_view(entry("b")).unwrap();
+    view.defer_planes([(PlaneIndex(1), square(3.0))]).unwrap();
+    view.commit().unwrap();
+    let refused = Store::open_read_only(&path).unwrap_err();
+    assert!(matches!(refused.problem, StoreProblem::InUse), "{refused:?}");
+    store.close().unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    // A reader must not need the permission to write.
+    let mut permissions = std::fs::metadata(&path).unwrap().permissions();
+    permissions.set_readonly(true);
+    std::fs::set_permissions(&path, permissions.clone()).unwrap();
+
+    let (mut first, second) =
+        (Store::open_read_only(&path).unwrap(), Store::open_read_only(&path).unwrap());
+    assert_eq!(first.verify().unwrap().pending, 1);
+    assert_eq!(first.fuse_pending(&fuse).unwrap(), 1);
+    assert_eq!(
+        first.read().unwrap().plane(PlaneIndex(1)).unwrap().unwrap().curve_records().len(),
+        2
+    );
+    assert!(matches!(
+        second.read().unwrap().plane(PlaneIndex(1)).unwrap_err().problem,
+        StoreProblem::Pending(1)
+    ));
+    assert_eq!(second.views().unwrap().len(), 2);
+    first.remove_view(&"a".into(), &fuse).unwrap();
+    first.compact().unwrap();
+    first.close().unwrap();
+    permissions.set_readonly(false);
+    std::fs::set_permissions(&path, permissions).unwrap();
+    let refused = Store::open(&path).unwrap_err();
+    assert!(matches!(refused.problem, StoreProblem::BeingRead), "{refused:?}");
+    drop(second);
+    assert!(std::fs::read(&path).unwrap() == bytes);
+    assert_eq!(Store::open(&path).unwrap().views().unwrap().len(), 2);
+}
+
+#[test]
 fn a_whole_model_is_no_store_and_a_store_no_whole_model() {
     let folder = tempfile::tempdir().unwrap();
     let (model, store) = (folder.path().join("model"), folder.path().join("store"));
@@ -379,13 +421,13 @@ fn a_whole_model_is_no_store_and_a_store_no_whole_model() {
     let refused = Store::open(&model).unwrap_err();
     assert!(matches!(
         refused.problem,
-        StoreProblem::Damaged(Damage::WrongVersion { found: crate::SCHEMA_VERSION })
+        StoreProblem::Damaged(CodecError::WrongVersion { found: crate::SCHEMA_VERSION, .. })
     ));
     Store::create(&store, &header()).unwrap();
     let refused = crate::Model::load(&store).unwrap_err();
     let cause = std::error::Error::source(&refused).unwrap().to_string();
     let (store, model) = (STORE_VERSION, crate::SCHEMA_VERSION);
-    assert_eq!(cause, format!("model file of version {store}; this program reads version {model}"));
+    assert_eq!(cause, format!("model file of version {store}; version {model} is expected here"));
 }
 
 proptest! {
@@ -429,5 +471,5 @@ fn only_planes_that_a_view_touches_are_fused() {
     assert_eq!(fused.take(), [(48, 1), (49, 2)]);
     store.remove_view(&"b".into(), &counting).unwrap();
     assert_eq!(fused.take(), [(49, 1)]);
-    assert_eq!(store.plane(PlaneIndex(50)).unwrap(), None);
+    assert_eq!(store.read().unwrap().plane(PlaneIndex(50)).unwrap(), None);
 }

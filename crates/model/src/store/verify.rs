@@ -4,7 +4,7 @@ use super::Store;
 use super::error::{StoreError, StoreProblem};
 use super::fuse::Fuse;
 use super::snapshot::Snapshot;
-use super::tables::{decode_curves, decode_fused, encode_fused, read_partials, read_views};
+use super::tables::{Partials, decode_fused, encode_fused, read_partials, read_views};
 use super::view::{StoredView, node_count};
 use super::view_id::ViewId;
 use crate::codec::HASH_OF_NOTHING;
@@ -50,12 +50,11 @@ impl Store {
     /// # Errors
     /// The first problem found, or [`StoreProblem::Readers`] while a snapshot exists.
     pub fn verify(&mut self) -> Result<Verification, StoreError> {
-        let sound = self.database.check_integrity().map_err(StoreProblem::from);
-        let checked = sound.and_then(|sound| match sound {
+        let sound = self.database.check_integrity();
+        self.run(|| match sound? {
             true => self.snapshot()?.verify(),
             false => Err(StoreProblem::Inconsistent("the database had to be repaired".to_owned())),
-        });
-        checked.map_err(|problem| self.error(problem))
+        })
     }
 }
 
@@ -85,110 +84,90 @@ impl Snapshot {
     }
 
     fn verify(&self) -> Result<Verification, StoreProblem> {
-        let views = read_views(&self.views)?;
-        let counted = views.iter().map(|v| (v.entry.id.clone(), StoredView::new(v.entry.clone())));
-        let mut seen = Seen { by_view: counted.collect(), ..Seen::default() };
-        seen.counts.views = views.len() as u64;
-        seen.counts.hash = HASH_OF_NOTHING;
+        let mut found = Verification { hash: HASH_OF_NOTHING, ..Verification::default() };
         for entry in ReadableTable::iter(&self.views)? {
             let (id, value) = entry?;
-            seen.add_hash(id.value().as_bytes(), value.value());
+            found.add_hash(id.value().as_bytes(), value.value());
         }
-        for entry in ReadableTable::iter(&self.partials)? {
-            let (key, value) = entry?;
-            let (k, id) = key.value();
-            if seen.plane.is_some_and(|plane| plane.0 != k) {
-                self.finish_plane(&mut seen)?;
-            }
-            seen.add_partial(PlaneIndex(k), id, value.value())?;
+        let views = read_views(&self.views)?;
+        found.views = views.len() as u64;
+        let empty = views.iter().map(|v| (v.entry.id.clone(), StoredView::new(v.entry.clone())));
+        let mut counted: BTreeMap<_, _> = empty.collect();
+        let (mut sections, mut from) = (0, Some(i64::MIN));
+        while let Some(plane) = self.first_plane_with_partials(from)? {
+            let partials = read_partials(&self.partials, plane)?;
+            count(&partials, plane, &mut counted)?;
+            sections += u64::from(self.verify_plane(plane, &partials, &mut found)?);
+            from = plane.0.checked_add(1);
         }
-        self.finish_plane(&mut seen)?;
-        if (self.fused.len()?, self.pending.len()?) != (seen.sections, seen.counts.pending) {
+        if (self.fused.len()?, self.pending.len()?) != (sections, found.pending) {
             let problem = "there are fused curves or marks on planes without partial curves";
             return Err(StoreProblem::Unsound(problem.to_owned()));
         }
-        match views.iter().zip(seen.by_view.values()).find(|(view, counted)| view != counted) {
-            Some((view, _)) => {
-                let problem =
-                    format!("the curves of view {} are not those in its record", view.entry.id);
-                Err(StoreProblem::Unsound(problem))
-            }
-            None => Ok(seen.counts),
+        if let Some(wrong) = views.iter().find(|view| counted.get(&view.entry.id) != Some(view)) {
+            let id = &wrong.entry.id;
+            let problem = format!("the curves of view {id} are not those in its record");
+            return Err(StoreProblem::Unsound(problem));
         }
+        Ok(found)
     }
 
-    /// Checks the fused curves of the plane whose partial curves were just read.
-    fn finish_plane(&self, seen: &mut Seen) -> Result<(), StoreProblem> {
-        let Some(plane) = seen.plane.take() else {
-            return Ok(());
-        };
-        seen.counts.planes += 1;
+    fn first_plane_with_partials(
+        &self,
+        from: Option<i64>,
+    ) -> Result<Option<PlaneIndex>, StoreProblem> {
+        let Some(from) = from else { return Ok(None) };
+        let first = self.partials.range((from, "")..)?.next().transpose()?;
+        Ok(first.map(|(key, _)| PlaneIndex(key.value().0)))
+    }
+
+    /// Checks a plane with partial curves; whether it has fused curves.
+    fn verify_plane(
+        &self,
+        plane: PlaneIndex,
+        partials: &Partials,
+        found: &mut Verification,
+    ) -> Result<bool, StoreProblem> {
+        found.planes += 1;
+        let curves = || partials.by_view.iter().map(|(_, curves)| curves);
+        found.partial_curves += curves().map(|c| c.len() as u64).sum::<u64>();
+        found.partial_nodes += curves().map(|c| node_count(c)).sum::<u64>();
+        found.add_hash(&plane.0.to_le_bytes(), &partials.hash.to_le_bytes());
+        let value = self.fused.get(plane.0)?;
+        let fused = value.as_ref().map(|v| decode_fused(plane, v.value())).transpose()?;
         if self.pending.get(plane.0)?.is_some() {
-            return self.finish_pending(plane, seen);
+            // The plane may have old fused curves or none; old ones must be readable.
+            found.pending += 1;
+            return Ok(fused.is_some());
         }
         let unsound = |what: &str| StoreProblem::Unsound(format!("plane {plane} {what}"));
-        let value = self.fused.get(plane.0)?.ok_or_else(|| unsound("was not fused"))?;
-        let (made_of, curves) = decode_fused(plane, value.value())?;
-        if made_of != seen.made_of {
+        let (made_of, curves) = fused.ok_or_else(|| unsound("was not fused"))?;
+        if made_of != partials.hash {
             return Err(unsound("was fused from other curves than those in the store"));
         }
-        seen.sections += 1;
-        seen.counts.curves += curves.len() as u64;
-        seen.counts.nodes += node_count(&curves);
-        seen.add_hash(&plane.0.to_le_bytes(), value.value());
-        Ok(())
+        found.curves += curves.len() as u64;
+        found.nodes += node_count(&curves);
+        found.add_hash(b"fused", value.as_ref().map_or(&[], |v| v.value()));
+        Ok(true)
     }
 }
 
-impl Snapshot {
-    /// A plane that is still to be fused may have old fused curves or none; old ones must be
-    /// readable.
-    fn finish_pending(&self, plane: PlaneIndex, seen: &mut Seen) -> Result<(), StoreProblem> {
-        seen.counts.pending += 1;
-        if let Some(value) = self.fused.get(plane.0)? {
-            decode_fused(plane, value.value())?;
-            seen.sections += 1;
-        }
-        seen.add_hash(&plane.0.to_le_bytes(), b"pending");
-        Ok(())
-    }
-}
-
-/// The state of the walk through the partial curves.
-#[derive(Default)]
-struct Seen {
-    counts: Verification,
-    /// Planes that have fused curves.
-    sections: u64,
-    /// The plane whose partial curves are being read, and the hash of the curves so far.
-    plane: Option<PlaneIndex>,
-    made_of: u64,
-    /// Every view with the curves that were read so far.
-    by_view: BTreeMap<ViewId, StoredView>,
-}
-
-impl Seen {
+impl Verification {
     fn add_hash(&mut self, key: &[u8], value: &[u8]) {
-        self.counts.hash = hash_piece(hash_piece(self.counts.hash, key), value);
+        self.hash = hash_piece(hash_piece(self.hash, key), value);
     }
+}
 
-    fn add_partial(
-        &mut self,
-        plane: PlaneIndex,
-        id: &str,
-        value: &[u8],
-    ) -> Result<(), StoreProblem> {
-        if self.plane.is_none() {
-            (self.plane, self.made_of) = (Some(plane), HASH_OF_NOTHING);
-        }
-        self.made_of = hash_piece(hash_piece(self.made_of, id.as_bytes()), value);
-        let curves = decode_curves(plane, id, value)?;
-        self.counts.partial_curves += curves.len() as u64;
-        self.counts.partial_nodes += node_count(&curves);
+/// Counts the partial curves of a plane for their views.
+fn count(
+    partials: &Partials,
+    plane: PlaneIndex,
+    counted: &mut BTreeMap<ViewId, StoredView>,
+) -> Result<(), StoreProblem> {
+    for (id, curves) in &partials.by_view {
         let unknown = || format!("there are curves of a view {id}, which has no record");
-        let view = self.by_view.get_mut(&id.into());
-        view.ok_or_else(|| StoreProblem::Unsound(unknown()))?.count(plane, &curves);
-        self.add_hash(id.as_bytes(), value);
-        Ok(())
+        let view = counted.get_mut(id).ok_or_else(|| StoreProblem::Unsound(unknown()))?;
+        view.count(plane, curves);
     }
+    Ok(())
 }

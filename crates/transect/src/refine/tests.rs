@@ -101,8 +101,10 @@ fn a_ball_gets_more_planes_near_its_poles_and_a_better_volume() {
     let volume = |keep: fn(i64) -> bool| model(&ball, keep).volume();
     let (fine, coarse) = (volume(|_| true), volume(|k| k % 16 == 0));
     let error = |volume: f64| (volume - exact).abs();
-    assert!(error(fine.volume()) < 0.1 * error(coarse.volume()), "{fine:?} {coarse:?}");
-    assert!(error(fine.volume()) < fine.error_bound().unwrap());
+    let fine_error = error(fine.solid.bracket.estimate);
+    let coarse_error = error(coarse.solid.bracket.estimate);
+    assert!(fine_error < 0.1 * coarse_error, "{fine:?} {coarse:?}");
+    assert!(fine_error < fine.solid.interval_error);
     assert_eq!(fine.runs.len(), 1);
 }
 

@@ -8,6 +8,7 @@
 )]
 
 mod bend_tunnel;
+mod brackets;
 mod grow;
 mod next_view;
 mod objects;

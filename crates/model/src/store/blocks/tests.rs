@@ -13,8 +13,12 @@ fn filled() -> (Memory, Vec<u8>) {
     (memory, data)
 }
 
-fn damage(error: &io::Error) -> Option<&Damage> {
+fn damage(error: &io::Error) -> Option<&CodecError> {
     error.get_ref()?.downcast_ref()
+}
+
+fn damaged_block(number: u64) -> String {
+    format!("damaged: block {number} does not match its checksum")
 }
 
 #[test]
@@ -40,7 +44,7 @@ fn a_flipped_bit_anywhere_in_a_block_is_found() {
         bytes[FIRST_BLOCK as usize + place] ^= 1 << (place % 8);
         let blocks = Blocks::open(Memory::of(bytes)).unwrap();
         let error = blocks.read(BLOCK as u64, &mut out).unwrap_err();
-        assert_eq!(damage(&error), Some(&Damage::Block(1)), "byte {place}");
+        assert_eq!(error.to_string(), damaged_block(1), "byte {place}");
     }
 }
 
@@ -54,10 +58,10 @@ fn a_block_in_the_wrong_place_and_one_never_written_are_found() {
     let mut out = vec![0; BLOCK];
     for number in [2, 3] {
         let error = blocks.read(number * BLOCK as u64, &mut out).unwrap_err();
-        assert_eq!(damage(&error), Some(&Damage::Block(number)));
+        assert_eq!(error.to_string(), damaged_block(number));
     }
     let beyond = blocks.read(4 * BLOCK as u64, &mut out).unwrap_err();
-    assert!(matches!(damage(&beyond), Some(Damage::OutOfRange(_))));
+    assert!(beyond.to_string().contains("outside of the file"), "{beyond}");
     assert!(blocks.read(u64::MAX - 1, &mut out).is_err());
 }
 
@@ -75,7 +79,7 @@ fn one_damaged_copy_of_the_head_loses_nothing_and_two_are_refused() {
     let mut bytes = memory.image();
     HEAD_PLACES.iter().for_each(|&place| bytes[place as usize + 30] ^= 4);
     let error = Blocks::open(Memory::of(bytes)).unwrap_err();
-    assert_eq!(damage(&error), Some(&Damage::Head));
+    assert!(error.to_string().contains("neither copy of the head"), "{error}");
 }
 
 #[test]
@@ -101,17 +105,17 @@ fn cut_and_foreign_files_say_so() {
     let image = memory.image();
     for length in [9, 11, 300, 512, 600, 2048, 4095, 5000, image.len() - 1] {
         let error = Blocks::open(Memory::of(image[..length].to_vec())).unwrap_err();
-        assert!(matches!(damage(&error), Some(Damage::Truncated { .. })), "{length}: {error}");
+        assert!(matches!(damage(&error), Some(CodecError::Truncated { .. })), "{length}: {error}");
     }
     for text in [&b""[..], b"PK\x03\x04", b"{\"unit\":\"m\"}"] {
         let error = Blocks::open(Memory::of(text.to_vec())).unwrap_err();
-        assert_eq!(damage(&error), Some(&Damage::NotAModel));
+        assert!(matches!(damage(&error), Some(CodecError::NotAModel)), "{error}");
     }
     let mut other = image.clone();
     other[8] = 1;
     let error = Blocks::open(Memory::of(other)).unwrap_err();
     assert_eq!(
         error.to_string(),
-        format!("file of version 1; a store has version {STORE_VERSION}")
+        format!("model file of version 1; version {STORE_VERSION} is expected here")
     );
 }

@@ -90,7 +90,7 @@ fn truncated_files_say_so() {
     let (bytes, _) = image();
     for length in (0..bytes.len()).step_by(997) {
         match read_all(bytes[..length].to_vec()).map(|(_, text)| text) {
-            Err(StoreProblem::Damaged(Damage::NotAModel | Damage::Truncated { .. })) => (),
+            Err(StoreProblem::Damaged(CodecError::NotAModel | CodecError::Truncated { .. })) => (),
             other => panic!("{length} bytes: {other:?}"),
         }
     }

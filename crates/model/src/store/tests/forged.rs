@@ -148,7 +148,7 @@ fn random_values_are_refused_or_sound() {
         }
         if let Ok(curves) = tables::decode_curves(PlaneIndex(0), "a", &bytes) {
             // Sound means usable: these would panic on a malformed curve.
-            let _ = Section::new(curves).map(|section| (section.measures(), section.nesting()));
+            let _ = Section::new(curves).map(|section| (section.measures(), section.known_solid()));
             accepted += 1;
         }
     }

@@ -64,7 +64,7 @@ proptest! {
         let mut view = store.begin_view(view).unwrap();
         // `fuse` would overflow the largest coordinates.
         let untouched = |_: PlaneIndex, partials: &[(ViewId, Vec<Curve>)]| partials[0].1.clone();
-        view.add_plane(PlaneIndex(i64::MIN), &curves, &untouched).unwrap();
+        view.add_planes([(PlaneIndex(i64::MIN), curves)], &untouched).unwrap();
         view.commit().unwrap();
         let text = export(&store);
         prop_assert_eq!(import(&text).unwrap(), text);
@@ -77,7 +77,7 @@ fn sample() -> String {
     let entry = ViewEntry { world_from_sensor: Isometry3::identity(), ..entry("a") };
     let mut view = store.begin_view(entry).unwrap();
     let same = |_: PlaneIndex, partials: &[(ViewId, Vec<Curve>)]| partials[0].1.clone();
-    view.add_plane(PlaneIndex(3), &triangle, &same).unwrap();
+    view.add_planes([(PlaneIndex(3), triangle.to_vec())], &same).unwrap();
     view.commit().unwrap();
     export(&store)
 }

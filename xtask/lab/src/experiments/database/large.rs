@@ -140,7 +140,7 @@ fn after_a_crash(path: &Path) -> Result<Vec<Row>, Failure> {
     let copy = path.with_extension("copy");
     let store = Store::open(path)?;
     let mut view = store.begin_view(entry(999_999))?;
-    view.add_plane(PlaneIndex(0), &curves(0, 0)?, &fuse)?;
+    view.add_planes([(PlaneIndex(0), curves(0, 0)?)], &fuse)?;
     view.commit()?;
     std::fs::copy(path, &copy)?;
     drop(store);

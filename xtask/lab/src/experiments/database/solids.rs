@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::table::{digits, print_grid, say};
 use std::f64::consts::PI;
 use transect_geometry::{LengthUnit, PlaneFamily};
-use transect_model::{Model, ModelVolume};
+use transect_model::{Model, Volume};
 
 /// A solid with exact volume and section areas. Lengths in millimetres, heights from its middle.
 struct Solid {
@@ -82,14 +82,14 @@ fn line(solid: &Solid, interval: f64, models: &[Model]) -> Vec<String> {
     let (mut off, mut sum, mut open) = (0.0, 0.0, 0);
     for (model, (plane, section)) in models.iter().flat_map(|m| m.sections().map(move |s| (m, s))) {
         let exact = (solid.area)(model.planes().station(plane));
-        off += (section.signed_area() - exact).abs();
+        off += (section.measures().solid.estimate - exact).abs();
         sum += exact;
         open += section.open_curve_count();
     }
-    let volumes: Vec<ModelVolume> = models.iter().map(Model::volume).collect();
-    let worst = volumes.iter().map(|v| (v.volume() - solid.volume).abs()).fold(0.0, f64::max);
-    let bounds: Option<Vec<f64>> = volumes.iter().map(ModelVolume::error_bound).collect();
-    let bound = bounds.map(|bounds| bounds.into_iter().fold(f64::INFINITY, f64::min));
+    let volumes: Vec<Volume> = models.iter().map(|model| model.volume().solid).collect();
+    let off_by = |v: &Volume| (v.bracket.estimate - solid.volume).abs();
+    let worst = volumes.iter().map(off_by).fold(0.0, f64::max);
+    let bound = volumes.iter().map(|v| v.interval_error).fold(f64::INFINITY, f64::min);
     let percent = |part: f64, whole: f64| digits(100.0 * part / whole);
     vec![
         solid.name.to_owned(),
@@ -97,6 +97,6 @@ fn line(solid: &Solid, interval: f64, models: &[Model]) -> Vec<String> {
         open.to_string(),
         percent(off, sum),
         percent(worst, solid.volume),
-        bound.map_or("unknown".to_owned(), |bound| percent(bound, solid.volume)),
+        percent(bound, solid.volume),
     ]
 }

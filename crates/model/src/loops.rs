@@ -1,0 +1,268 @@
+//! The boundary loops of a plane: closed curves, and open curves joined over their gaps.
+//!
+//! Problem: an area needs a closed boundary, and curves of real scans have gaps.
+//!
+//! Idea: the gaps of a plane ([`Section::gaps`]) lead from the end of a curve to the beginning of
+//! the next one. Along them open curves form loops, with a chord across every gap. The chord is not
+//! the surface. So each loop states its *doubt*: the largest area that it can have too much or too
+//! little.
+//!
+//! 1. A gap of width w, and a bridged unit of length w, counts w times half the diagonal of the
+//!    plane's envelope. That bounds an unseen boundary which runs at most half the diagonal away
+//!    from the chord, and encloses nothing wider than the gap.
+//! 2. A measured unit counts its length times [`SIGMAS`] standard deviations.
+//! 3. The parent of a loop is the smallest loop around it, by the even-odd rule, which ignores
+//!    directions. Loop and parent run opposite ways round. Otherwise a direction is wrong, a surface
+//!    between them was not seen, or curves cross. The loop's area is then in doubt for its parent.
+//! 4. If the doubt exceeds the area, the gaps hide which way round the loop runs. Its parent decides.
+//!
+//! Cost: for n loops with m nodes each, O(n²) comparisons of envelopes, and O(m) for each pair of
+//! nested envelopes. One node decides the parent of a loop that crosses others.
+
+use crate::{CurveIndex, Section};
+use std::collections::BTreeMap;
+use transect_geometry::{Curve, CurveUnit, Envelope, Point2, Vector2};
+
+/// Standard deviations by which a measured unit can be off along its whole length. Chosen by hand:
+/// systematic errors of a view shift whole curves. Doubled, brackets of closed curves double.
+const SIGMAS: f64 = 3.0;
+
+/// A closed boundary, seen or joined over gaps.
+#[derive(Debug)]
+pub(crate) struct BoundaryLoop {
+    /// Its curves in order; one for a closed curve.
+    pub curves: Vec<CurveIndex>,
+    /// Width of its widest gap, in the length unit; 0 for a closed curve.
+    pub widest_gap: f64,
+    /// Area with the gaps closed by chords: positive if the loop runs counter-clockwise.
+    pub area: f64,
+    /// First moment of that area about the least corner of the plane's envelope.
+    pub moment: Vector2,
+    /// Largest error of the area.
+    pub doubt: f64,
+    /// Number of the smallest loop around it.
+    pub parent: Option<usize>,
+    /// Whether the solid is within the loop, and free space around it.
+    pub is_solid: bool,
+    /// Whether its kind is that of its parent.
+    pub contradicts_parent: bool,
+    points: Vec<Point2>,
+    envelope: Option<Envelope>,
+}
+
+impl BoundaryLoop {
+    fn new(section: &Section, curves: Vec<CurveIndex>, gaps: &[f64]) -> Self {
+        let of_curves = || curves.iter().filter_map(|index| section.curve(*index));
+        let nodes = of_curves().flat_map(Curve::nodes);
+        let points: Vec<Point2> = nodes.map(|node| node.position).collect();
+        let envelope = section.envelope();
+        let (area, moment) = moments(&points, &envelope.min);
+        let half_extent = 0.5 * envelope.size().norm();
+        let unseen = gaps.iter().sum::<f64>() * half_extent;
+        let doubt = of_curves().map(|curve| doubt(curve, half_extent)).sum::<f64>() + unseen;
+        let widest_gap = gaps.iter().copied().fold(0.0, f64::max);
+        let envelope = Envelope::around(&points);
+        let (parent, contradicts_parent, is_solid) = (None, false, area > 0.0);
+        Self {
+            curves,
+            widest_gap,
+            area,
+            moment,
+            doubt,
+            parent,
+            is_solid,
+            contradicts_parent,
+            points,
+            envelope,
+        }
+    }
+
+    /// Whether it is one curve without a gap.
+    pub fn is_closed(&self) -> bool {
+        self.widest_gap == 0.0
+    }
+
+    /// Whether the gaps hide which way round it runs.
+    pub fn is_doubtful(&self) -> bool {
+        self.doubt >= self.area.abs()
+    }
+
+    /// Its area, positive if it runs as loops of its kind do.
+    pub fn own_area(&self) -> f64 {
+        if self.is_solid { self.area } else { -self.area }
+    }
+
+    /// First moment of [`Self::own_area`].
+    pub fn own_moment(&self) -> Vector2 {
+        if self.is_solid { self.moment } else { -self.moment }
+    }
+
+    fn lies_within(&self, other: &Self) -> bool {
+        let (Some(inner), Some(outer)) = (&self.envelope, &other.envelope) else { return false };
+        let smaller = self.area.abs() < other.area.abs();
+        let may = smaller && outer.contains(&inner.min) && outer.contains(&inner.max);
+        may && self.points.first().is_some_and(|p| encloses(&other.points, p))
+    }
+}
+
+impl Section {
+    /// The loops of the plane: closed curves in their order, then the loops of open curves.
+    pub(crate) fn loops(&self) -> Vec<BoundaryLoop> {
+        let closed = self.curves().enumerate().filter(|(_, curve)| curve.is_closed());
+        let mut loops: Vec<_> =
+            closed.map(|(k, _)| BoundaryLoop::new(self, vec![CurveIndex(k)], &[])).collect();
+        let gaps = self.gaps();
+        let mut next: BTreeMap<_, _> =
+            gaps.iter().map(|gap| (gap.after, (gap.before, gap.width()))).collect();
+        while let Some((&first, _)) = next.first_key_value() {
+            let (mut at, mut curves, mut widths) = (first, Vec::new(), Vec::new());
+            while let Some((before, width)) = next.remove(&at) {
+                curves.push(at);
+                widths.push(width);
+                at = before;
+            }
+            loops.push(BoundaryLoop::new(self, curves, &widths));
+        }
+        let mut outermost_first: Vec<usize> = (0..loops.len()).collect();
+        outermost_first.sort_by(|a, b| loops[*b].area.abs().total_cmp(&loops[*a].area.abs()));
+        for k in outermost_first {
+            let around = loops.iter().enumerate().filter(|(_, other)| loops[k].lies_within(other));
+            let parent = around.min_by(|(_, a), (_, b)| a.area.abs().total_cmp(&b.area.abs()));
+            let Some((number, in_solid)) = parent.map(|(k, parent)| (k, parent.is_solid)) else {
+                continue;
+            };
+            loops[k].parent = Some(number);
+            if loops[k].is_doubtful() {
+                loops[k].is_solid = !in_solid;
+            }
+            loops[k].contradicts_parent = loops[k].is_solid == in_solid;
+        }
+        loops
+    }
+
+    /// The closed curves that bound known solid, with the holes in it: what a drawing can fill.
+    ///
+    /// A curve around solid with an open curve directly in it is left out, because the open curve
+    /// bounds an unknown part of it. So is one with a curve of contradicting direction in it.
+    pub fn known_solid(&self) -> Vec<CurveIndex> {
+        let loops = self.loops();
+        let mut known = Vec::new();
+        for (number, outer) in loops.iter().enumerate() {
+            let within = || loops.iter().filter(|inner| inner.parent == Some(number));
+            let sound = within().all(|inner| inner.is_closed() && !inner.contradicts_parent);
+            if sound && outer.is_solid && outer.area > 0.0 && outer.is_closed() {
+                known.extend(within().chain([outer]).flat_map(|found| found.curves.clone()));
+            }
+        }
+        known.sort_unstable();
+        known
+    }
+}
+
+/// The area by which the true boundary can differ along a curve, in a plane of this half extent.
+fn doubt(curve: &Curve, half_extent: f64) -> f64 {
+    let doubts = curve.units().zip(curve.nodes()).map(|(unit, node)| {
+        let off = if node.bridged { half_extent } else { SIGMAS * f64::from(node.sigma) };
+        off * unit.vector().norm()
+    });
+    doubts.sum()
+}
+
+fn sides(points: &[Point2]) -> impl Iterator<Item = CurveUnit> + '_ {
+    let ends = points.iter().cycle().skip(1);
+    points.iter().zip(ends).map(|(start, end)| CurveUnit { start: *start, end: *end })
+}
+
+/// Signed area of a polygon and its first moment about `anchor`, by triangles from there.
+///
+/// An anchor close to the polygon keeps the precision of world-sized coordinates.
+fn moments(points: &[Point2], anchor: &Point2) -> (f64, Vector2) {
+    sides(points).fold((0.0, Vector2::zeros()), |(area, moment), side| {
+        let (a, b) = (side.start - anchor, side.end - anchor);
+        let triangle = 0.5 * a.perp(&b);
+        (area + triangle, moment + (a + b) * (triangle / 3.0))
+    })
+}
+
+/// Whether a ray along +x from the point crosses the polygon an odd number of times.
+fn encloses(points: &[Point2], p: &Point2) -> bool {
+    let crossed = sides(points).filter(|side| {
+        let (a, b) = (side.start, side.end);
+        (a.y <= p.y) != (b.y <= p.y) && ((side.line_value(p) < 0.0) == (b.y > a.y))
+    });
+    crossed.count() % 2 == 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples::{polyline, rectangle, rings, strip};
+    use proptest::prelude::*;
+
+    fn loops(curves: Vec<Curve>) -> Vec<(f64, Option<usize>, bool)> {
+        let found = Section::new(curves).unwrap().loops();
+        found.iter().map(|l| (l.area, l.parent, l.contradicts_parent)).collect()
+    }
+
+    #[test]
+    fn plate_hole_and_island_alternate() {
+        let hole = rectangle(1.0, 1.0, 9.0, 9.0).reversed();
+        let island = rectangle(4.0, 4.0, 5.0, 5.0);
+        let found = loops(vec![rectangle(0.0, 0.0, 10.0, 10.0), island.clone(), hole.clone()]);
+        assert_eq!(found, [(100.0, None, false), (1.0, Some(2), false), (-64.0, Some(0), false)]);
+        let turned = [rectangle(0.0, 0.0, 10.0, 10.0), island.reversed(), hole.reversed()];
+        let found = loops(turned.to_vec());
+        assert_eq!([found[1].2, found[2].2], [false, true]);
+    }
+
+    #[test]
+    fn open_curves_are_joined_over_their_gaps() {
+        let lower = polyline(&[(0.0, 1.0), (0.0, 0.0), (4.0, 0.0), (4.0, 1.0)], false);
+        let upper = polyline(&[(4.0, 2.0), (4.0, 3.0), (0.0, 3.0), (0.0, 2.0)], false);
+        let plate = Section::new(vec![upper, rectangle(1.0, 1.0, 2.0, 2.0).reversed(), lower]);
+        let found = plate.unwrap().loops();
+        assert_eq!(found[1].curves, [CurveIndex(0), CurveIndex(2)]);
+        assert_eq!((found[1].area, found[1].widest_gap), (12.0, 1.0));
+        assert_eq!(found[1].doubt, 2.0 * 2.5, "two gaps of 1 times half of 5");
+        assert_eq!((found[0].parent, found[0].doubt), (Some(1), 0.0));
+    }
+
+    #[test]
+    fn bridges_and_noise_leave_a_doubt() {
+        let bridged = |nodes: Vec<transect_geometry::Node>| {
+            nodes.into_iter().enumerate().map(|(k, n)| n.with_sigma(0.01).with_bridged(k == 0))
+        };
+        let plate = rectangle(0.0, 0.0, 2.0, 3.0).into_nodes();
+        let plate = Curve::new(bridged(plate).collect(), true).unwrap();
+        let found = Section::new(vec![plate]).unwrap().loops();
+        assert!(
+            (found[0].doubt - (13.0_f64.sqrt() + 3.0 * 0.01 * 8.0)).abs() < 1e-6,
+            "{}",
+            found[0].doubt
+        );
+    }
+
+    #[test]
+    fn only_known_solid_is_filled() {
+        let filled = |curves: &[Curve]| -> Vec<usize> {
+            let section = Section::new(curves.to_vec()).unwrap();
+            section.known_solid().iter().map(|index| index.0).collect()
+        };
+        let (outer, hole) = (rectangle(-2.0, -2.0, 2.0, 2.0), rectangle(-1.0, -1.0, 1.0, 1.0));
+        let island = rectangle(-0.5, -0.5, 0.5, 0.5);
+        assert_eq!(filled(&[outer.clone(), hole.reversed(), island.clone()]), [0, 1, 2]);
+        assert_eq!(filled(&[rectangle(-5.0, -5.0, 5.0, 5.0).reversed(), hole.clone()]), [1]);
+        let bore = polyline(&[(0.0, 1.0), (1.0, 0.0), (0.0, -1.0)], false);
+        assert_eq!(filled(&[outer.clone(), bore]), [] as [usize; 0]);
+        assert_eq!(filled(&[outer, hole]), [1], "a contradicting direction");
+        assert_eq!(filled(&[strip()]), [] as [usize; 0]);
+    }
+
+    proptest! {
+        #[test]
+        fn rings_nest_as_they_were_made(curves in rings()) {
+            let parents: Vec<_> = loops(curves).iter().map(|found| found.1).collect();
+            prop_assert_eq!(parents, [None, Some(0), None, Some(2)]);
+        }
+    }
+}
