@@ -13,4 +13,5 @@ mod next_view;
 mod objects;
 mod pipeline;
 mod refine;
+mod unseen;
 mod version_7;
