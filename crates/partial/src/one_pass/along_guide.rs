@@ -12,7 +12,8 @@
 //! 1. The station of every sample: its nearest place on the guide, looked for near that of its left
 //!    neighbour. Samples beyond the guide's ends or its reach have none; they count as missing, and
 //!    are counted.
-//! 2. The sweep, with rays and range jumps as the sensor has them.
+//! 2. The sweep, with rays and range jumps as the sensor has them. Neighbours whose stations differ
+//!    by more than their distance allows are broken, too: the guide comes near them twice.
 //! 3. Of each crossing, the point where the line between its two samples meets the plane, whose
 //!    frame gives the plane coordinates, and the directions that the node's errors come from.
 //!
@@ -30,6 +31,7 @@
 use super::crossing::{Crossing, parameter};
 use super::vertex::Kind;
 use crate::PartialError;
+use crate::pixel_grid::Grid;
 use std::sync::Arc;
 use transect_device::{
     DeviceFrame, DevicePoint, Handedness, ImageSize, Isometry3, LinearForm, Neighbour,
@@ -54,6 +56,8 @@ pub(super) struct AlongGuide {
     /// The planes in that world.
     pub planes: PlaneFamily,
     pub off_guide: OffGuide,
+    /// What is wrong with the guide, if pairs are torn.
+    pub note: Option<String>,
     given: View,
     family: PlaneFamily,
 }
@@ -73,7 +77,10 @@ impl AlongGuide {
         let Ok(image) = RangeImage::from_values(view.image().size(), kept.collect()) else {
             return Ok(Err(off_guide));
         };
-        let frame = Straightened { given: view.clone(), guide: Arc::clone(guide), points };
+        let (given, guide) = (view.clone(), Arc::clone(guide));
+        let mut frame = Straightened { given, guide, points, torn: 0 };
+        frame.torn = frame.count_torn();
+        let note = frame.note();
         let (name, at) = (view.name(), Isometry3::identity());
         let Ok(straight) = View::new(name, image, Arc::new(frame), at, view.sigma()) else {
             return Ok(Err(off_guide));
@@ -82,7 +89,7 @@ impl AlongGuide {
             .and_then(|z| PlaneFamily::new(z, family.offset(), family.interval()))
             .map_err(|_| PartialError::CurvedGuide)?;
         let (given, family) = (view.clone(), family.clone());
-        Ok(Ok(Self { view: straight, planes, off_guide, given, family }))
+        Ok(Ok(Self { view: straight, planes, off_guide, note, given, family }))
     }
 
     /// The frame of a plane of the curved guide.
@@ -170,7 +177,13 @@ struct Straightened {
     given: View,
     guide: Arc<CurvedGuide>,
     points: Vec<Point3>,
+    /// Pairs of neighbours that [`Straightened::is_torn`] breaks.
+    torn: usize,
 }
+
+/// Tolerance of the largest difference of two stations, relative to it. Source: rounding, far below
+/// any bend. Doubled, nothing changes.
+const ROUNDING: f64 = 1e-6;
 
 impl Straightened {
     fn at(&self, pixel: Pixel) -> Option<Point3> {
@@ -178,6 +191,57 @@ impl Straightened {
         let inside = pixel.row < rows && pixel.col < cols;
         let point = *self.points.get(pixel.row * cols + pixel.col).filter(|_| inside)?;
         (!point.x.is_nan()).then_some(point)
+    }
+
+    /// Whether the stations of two samples differ by more than their distance allows.
+    ///
+    /// Theory: at a distance r from a guide whose bend radius is at least R, planes lie closer than
+    /// on the guide by the factor 1 - r / R. So the station changes by at most the way over that
+    /// factor. A larger change means that the guide passes the samples at both stations, and that
+    /// its reach was stated too large.
+    fn is_torn(&self, a: Pixel, b: Pixel) -> bool {
+        let (Some(p), Some(q)) = (self.at(a), self.at(b)) else { return false };
+        let (Some(start), Some(end)) =
+            (self.given.point_in_sensor(a), self.given.point_in_sensor(b))
+        else {
+            return false;
+        };
+        let (way, aside) = ((end - start).norm(), p.xy().coords.norm().max(q.xy().coords.norm()));
+        // The stated reach is at most 0.9 x R.
+        let stretch = (1.0 - 0.9 * (aside + way) / self.guide.reach()).max(0.1);
+        (p.z - q.z).abs() > (1.0 + ROUNDING) * way / stretch
+    }
+
+    /// The number of torn pairs of neighbours.
+    fn count_torn(&self) -> usize {
+        let before = |pixel| {
+            let both = [Neighbour::Left, Neighbour::Up];
+            both.into_iter().filter_map(move |neighbour| self.neighbour(pixel, neighbour))
+        };
+        let torn = |pixel| before(pixel).filter(|other| self.is_torn(pixel, *other)).count();
+        Grid::new(self).pixels().map(torn).sum()
+    }
+
+    /// Names the guide's point that is farthest from the samples, if pairs are torn.
+    fn note(&self) -> Option<String> {
+        let sample = Grid::new(self).pixels().find(|pixel| self.at(*pixel).is_some())?;
+        let sample = self.given.world_from_sensor() * self.given.point_in_sensor(sample)?;
+        let points = self.guide.points().iter().enumerate();
+        let far = points.map(|(k, p)| (k, p, (p - sample).norm()));
+        let (k, point, distance) = far.max_by(|a, b| a.2.total_cmp(&b.2))?;
+        (self.torn > 0).then(|| {
+            format!(
+                "view {}: the guide passes its samples more than once: the stations of {} pairs of \
+                 neighbouring samples differ by more than the samples are apart, and curves end \
+                 there; point {k} of the guide, ({}, {}, {}), is {distance:.4} from the samples: \
+                 check its coordinates",
+                self.given.name(),
+                self.torn,
+                point.x,
+                point.y,
+                point.z
+            )
+        })
     }
 }
 
@@ -239,13 +303,19 @@ impl DeviceFrame for Straightened {
         out: &mut [PairGeometry],
     ) {
         self.given.frame().pair_row(image, row, neighbour, out);
+        for (col, pair) in out.iter_mut().enumerate().filter(|_| self.torn > 0) {
+            let pixel = Pixel::new(row, col);
+            if self.neighbour(pixel, neighbour).is_some_and(|other| self.is_torn(pixel, other)) {
+                *pair = PairGeometry::MISSING;
+            }
+        }
     }
 
     fn ray_products(&self, neighbour: Neighbour) -> Option<RayProducts> {
-        self.given.frame().ray_products(neighbour)
+        self.given.frame().ray_products(neighbour).filter(|_| self.torn == 0)
     }
 
     fn pair(&self, image: &RangeImage, pixel: Pixel, other: Pixel) -> Option<PairGeometry> {
-        self.given.frame().pair(image, pixel, other)
+        self.given.frame().pair(image, pixel, other).filter(|_| !self.is_torn(pixel, other))
     }
 }

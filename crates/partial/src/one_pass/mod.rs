@@ -225,6 +225,7 @@ fn along_guide(
                 along: Some(&along),
             };
             model = counted(lines, options);
+            model.notes.extend(along.note);
             along.off_guide
         }
     };

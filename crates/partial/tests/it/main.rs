@@ -4,6 +4,7 @@
 
 #[macro_use]
 mod gaps;
+mod along_guide;
 mod common;
 mod dissertation;
 mod dissertation_gaps;

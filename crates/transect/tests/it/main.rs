@@ -14,4 +14,5 @@ mod next_view;
 mod objects;
 mod pipeline;
 mod refine;
+mod unseen;
 mod version_7;
