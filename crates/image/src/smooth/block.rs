@@ -1,14 +1,15 @@
 //! The robust fit of some neighbouring pixels of a row, side by side.
 //!
 //! A block has as many pixels as the processor has numbers in a vector. The fit of a pixel is the
-//! same to the bit with any number of others beside it. Places of the window are visited one after
-//! the other, and the numbers of a place are kept in the order of the visits, so inner loops step
-//! through plain slices.
+//! same to the bit with any number of others beside it. The two places of a row at the same distance
+//! from its middle are visited together: they share the weight by distance, and the sums of odd and
+//! even powers need their difference and their sum alone. The numbers of a place are kept in the
+//! order of the visits, so inner loops step through plain slices.
 
 use super::estimate::{Estimates, Fitted};
 use super::grid::Grid;
 use super::lanes::{MOST, Native, all, positive};
-use super::normal_equations::{COLUMNS, Coefficients, Column, RowPolynomial, RowSums, Sums};
+use super::normal_equations::{COLUMNS, Coefficients, RowPolynomial, RowSums, Sums};
 use super::{SmoothingSteps, window};
 use crate::tuning::{CUT, HALF_WINDOW, WINDOW_COLUMNS};
 use fearless_simd::Simd;
@@ -60,12 +61,12 @@ struct Place {
 /// The places of a block's windows; memory that blocks use one after another.
 #[derive(Debug)]
 pub(super) struct Workspace {
-    /// One after the other, in the order of [`Workspace::columns`].
+    /// One after the other, row by row: the middle, then pairs going outward.
     places: Box<[Place]>,
     /// For each row of the window, the columns that are connected to each pixel's centre.
     connected: [[u32; MOST]; WINDOW_COLUMNS],
-    /// The first column and the one after the last, for each row of the window.
-    columns: [(usize, usize); WINDOW_COLUMNS],
+    /// Columns on either side of the middle, for each row of the window.
+    halves: [usize; WINDOW_COLUMNS],
     /// The first row of the window and the one after the last.
     rows: (usize, usize),
 }
@@ -77,7 +78,7 @@ impl Workspace {
         Self {
             places: vec![none; WINDOW_COLUMNS * WINDOW_COLUMNS].into_boxed_slice(),
             connected: [[0; MOST]; WINDOW_COLUMNS],
-            columns: [(0, 0); WINDOW_COLUMNS],
+            halves: [0; WINDOW_COLUMNS],
             rows: (0, 0),
         }
     }
@@ -96,44 +97,70 @@ impl Workspace {
             // Room for rounding, so that a pixel's fit does not depend on the others of its block.
             let share = (1.0 - (y / rows).powi(2)).max(0.0) + 1e-5;
             let half = ((share.sqrt() * cols) as usize).min(HALF_WINDOW);
-            let (first, end) = (any.trailing_zeros(), u32::BITS - any.leading_zeros());
-            let first = (HALF_WINDOW - half).max(first as usize);
-            self.columns[k] = (first, (HALF_WINDOW + half + 1).min(end as usize).max(first));
+            let (first, last) = (any.trailing_zeros() as usize, any.ilog2() as usize);
+            let farthest = HALF_WINDOW.saturating_sub(first).max(last.saturating_sub(HALF_WINDOW));
+            self.halves[k] = half.min(farthest);
         }
     }
+}
+
+/// What a row of the windows is read from.
+struct Source<'a, S: Simd> {
+    /// The image from the first pixel's place in the first column on.
+    image: &'a [f32],
+    connected: S::u32s,
 }
 
 /// A row of the windows of a block.
 struct WindowRow<'a, S: Simd> {
     /// Rows from the centre's.
     y: f32,
-    columns: &'a [Column],
-    /// The image from the first pixel's place in the first column on.
-    image: &'a [f32],
-    connected: S::u32s,
-    places: &'a mut [Place],
+    /// Columns on either side of the middle.
+    half: usize,
+    source: Source<'a, S>,
+    middle: &'a mut Place,
+    /// The places on the left and on the right, going outward.
+    pairs: &'a mut [[Place; 2]],
+}
+
+/// What the windows of a block follow from, by lane; 0 for pixels that are not fitted.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Scales {
+    /// Distances between neighbouring rays of the row.
+    pub across: [f32; MOST],
+    /// The same of the column.
+    pub down: [f32; MOST],
+    /// Standard deviation of the sample, as a length along the ray.
+    pub sigma: [f32; MOST],
+    /// 1 over the standard deviation of the fitted quantity.
+    pub inverse_sigma: [f32; MOST],
 }
 
 impl Block {
-    /// A block without pixels; its first pixel is in a row and a column of the image.
-    pub fn new(row: usize, first: usize) -> Self {
-        let none = [0.0; MOST];
-        let (inverse_radii, wider) = ([none; 2], [none; 2]);
-        Self { row, first, inverse_radii, wider, inverse_cut: none, largest: [0.0; 2], radii: none }
-    }
-
-    /// Adds a pixel with a window of some radii in rows and columns. `inverse_sigma` is 1 over the
-    /// standard deviation of its quantity.
+    /// A block whose first pixel is in a row and a column of the image. Pixels whose noise is
+    /// negligible are left out.
     #[inline(always)]
-    pub fn add(&mut self, lane: usize, radii: [f32; 2], inverse_sigma: f32) {
-        let inverse_square = |radius: f32| 1.0 / (radius * radius);
-        for (axis, radius) in radii.into_iter().enumerate() {
-            self.inverse_radii[axis][lane] = inverse_square(radius);
-            self.wider[axis][lane] = inverse_square(window::wider(radius));
-            self.largest[axis] = self.largest[axis].max(radius);
+    pub fn new(row: usize, first: usize, scales: &Scales) -> Self {
+        let none = [0.0; MOST];
+        let (mut inverse_radii, mut wider, mut inverse_cut) = ([none; 2], [none; 2], none);
+        let (mut largest, mut mean) = ([none; 2], none);
+        // Nothing here branches, so that the compiler takes all lanes at once.
+        for lane in 0..MOST {
+            let Scales { across, down, sigma, inverse_sigma } = scales;
+            let radii = window::radii([across[lane], down[lane], sigma[lane]]);
+            let fitted = (radii[0] > 0.0) & (inverse_sigma[lane] > 0.0);
+            let or_zero = |number: f32| if fitted { number } else { 0.0 };
+            for axis in [0, 1] {
+                let wide = window::wider(radii[axis]);
+                inverse_radii[axis][lane] = or_zero(1.0 / (radii[axis] * radii[axis]));
+                wider[axis][lane] = or_zero(1.0 / (wide * wide));
+                largest[axis][lane] = or_zero(radii[axis]);
+            }
+            inverse_cut[lane] = or_zero(inverse_sigma[lane] * (1.0 / CUT));
+            mean[lane] = (radii[0] * radii[1]).sqrt();
         }
-        self.inverse_cut[lane] = inverse_sigma * (1.0 / CUT);
-        self.radii[lane] = (radii[0] * radii[1]).sqrt();
+        let largest = largest.map(|radii| radii.into_iter().fold(0.0, f32::max));
+        Self { row, first, inverse_radii, wider, inverse_cut, largest, radii: mean }
     }
 
     pub fn is_empty(&self) -> bool {
@@ -219,26 +246,34 @@ impl<S: Simd> Fit<'_, S> {
         self.rows(
             work,
             #[inline(always)]
-            |WindowRow { y, columns, image, connected, places }| {
-                let radii = radii.map(|[per_row, per_col]| [per_row * (y * y), per_col]);
+            |WindowRow { y, half, source, middle, pairs }| {
                 let expected = last.map(|last| RowPolynomial::<S>::new(last, y));
-                let mut row = RowSums::zero(self.simd);
-                let images = image.windows(Native::<S>::LEN);
-                for ((column, image), place) in columns.iter().zip(images).zip(places) {
+                let (mut fall, mut at) = (None, [None; 2]);
+                let radii = radii.map(|[per_row, per_col]| [per_row * (y * y), per_col]);
+                if let Some(radii) = radii {
+                    fall = Some(self.fall(0.0, radii));
+                }
+                if let Some(expected) = &expected {
+                    at[0] = Some(expected.middle());
+                }
+                let bit = 1 << HALF_WINDOW;
+                let first = self.weigh::<VALUES>(middle, fall, (&source, half, bit), at[0]);
+                let mut row = RowSums::new(self.simd, first);
+                for (x, (column, [left, right_place])) in (1..).zip(COLUMNS.iter().zip(pairs)) {
                     if let Some(radii) = radii {
-                        place.spatial.store::<S>(self.spatial(column, connected, radii));
-                        place.value.store::<S>(self.value(image));
+                        fall = Some(self.fall(column.powers[1], radii));
                     }
-                    let value = place.value.load::<S>(self.simd);
-                    let mut weight = place.spatial.load::<S>(self.simd);
                     if let Some(expected) = &expected {
-                        weight *= self.robust(value - expected.at(column.powers[0]));
+                        let [left, right] = expected.at(column);
+                        at = [Some(left), Some(right)];
                     }
-                    row.add_weight(column, weight);
+                    let [bit, other] = column.bits;
+                    let left = self.weigh::<VALUES>(left, fall, (&source, half - x, bit), at[0]);
+                    let right = (&source, half + x, other);
+                    let right = self.weigh::<VALUES>(right_place, fall, right, at[1]);
+                    row.add_weights(column, [left[0], right[0]]);
                     if VALUES {
-                        row.add_value(column, weight * value);
-                    } else {
-                        place.weight.store::<S>(weight);
+                        row.add_values(column, [left[1], right[1]]);
                     }
                 }
                 sums.add_row(y, &row);
@@ -253,39 +288,70 @@ impl<S: Simd> Fit<'_, S> {
         let (top, bottom) = work.rows;
         let mut rest = &mut *work.places;
         for k in top..bottom {
-            let (first, end) = work.columns[k];
-            let (places, others) = rest.split_at_mut(end - first);
+            let half = work.halves[k];
+            let (places, others) = rest.split_at_mut(1 + 2 * half);
             rest = others;
-            let image = self.grid.line(self.block.row + k, self.block.first + first);
+            let Some((middle, pairs)) = places.split_first_mut() else { return };
+            let first = self.block.first + HALF_WINDOW - half;
+            let image = &self.grid.line(self.block.row + k, first)[..2 * half + Native::<S>::LEN];
+            let connected = S::u32s::from_slice(self.simd, &work.connected[k][..S::u32s::LEN]);
             visit(WindowRow {
                 y: k as f32 - HALF_WINDOW as f32,
-                columns: &COLUMNS[first..end],
-                image: &image[..end - first + Native::<S>::LEN - 1],
-                connected: S::u32s::from_slice(self.simd, &work.connected[k][..S::u32s::LEN]),
-                places,
+                half,
+                source: Source { image, connected },
+                middle,
+                pairs: pairs.as_chunks_mut().0,
             });
         }
+    }
+
+    /// The weight of a place and its weighted value, from what the pass before left there or, in a
+    /// new window, from the weight by distance, the column and the bit of its connection.
+    /// `expected` is the value of the last fit.
+    #[inline(always)]
+    fn weigh<const VALUES: bool>(
+        &self,
+        place: &mut Place,
+        fall: Option<Native<S>>,
+        (source, column, bit): (&Source<'_, S>, usize, u32),
+        expected: Option<Native<S>>,
+    ) -> [Native<S>; 2] {
+        if let Some(fall) = fall {
+            place.spatial.store::<S>(self.if_connected(fall, source.connected, bit));
+            place.value.store::<S>(self.value(&source.image[column..]));
+        }
+        let value = place.value.load::<S>(self.simd);
+        let mut weight = place.spatial.load::<S>(self.simd);
+        if let Some(expected) = expected {
+            weight *= self.robust(value - expected);
+        }
+        if !VALUES {
+            place.weight.store::<S>(weight);
+        }
+        [weight, weight * value]
     }
 
     /// Values relative to the centre's, in cuts.
     #[inline(always)]
     fn value(&self, image: &[f32]) -> Native<S> {
-        (Native::<S>::from_slice(self.simd, image) - self.centre) * self.inverse_cut
+        (Native::<S>::from_slice(self.simd, &image[..Native::<S>::LEN]) - self.centre)
+            * self.inverse_cut
     }
 
-    /// The weight by distance alone, 0 where a pixel is of another surface.
+    /// The weight by distance alone.
     #[inline(always)]
-    fn spatial(
-        &self,
-        column: &Column,
-        connected: S::u32s,
-        [from_row, per_col]: [Native<S>; 2],
-    ) -> Native<S> {
-        let squared = from_row + per_col * column.powers[1];
+    fn fall(&self, x2: f32, [from_row, per_col]: [Native<S>; 2]) -> Native<S> {
+        let squared = from_row + per_col * x2;
         let fall = positive(self.simd, all(self.simd, 1.0) - squared * squared);
-        let apart = (connected & S::u32s::splat(self.simd, column.bit))
-            .simd_eq(S::u32s::splat(self.simd, 0));
-        apart.select(all(self.simd, 0.0), fall * fall)
+        fall * fall
+    }
+
+    /// A weight, or 0 where the pixel of a bit is of another surface.
+    #[inline(always)]
+    fn if_connected(&self, weight: Native<S>, connected: S::u32s, bit: u32) -> Native<S> {
+        let apart =
+            (connected & S::u32s::splat(self.simd, bit)).simd_eq(S::u32s::splat(self.simd, 0));
+        apart.select(all(self.simd, 0.0), weight)
     }
 
     /// The weight by a residual: Tukey's biweight.
@@ -299,21 +365,29 @@ impl<S: Simd> Fit<'_, S> {
     #[inline(always)]
     fn at_centre(&self, work: &mut Workspace, sums: &Sums<S>) -> Estimates<S> {
         let polynomial = sums.centre_weights();
-        let zero = all(self.simd, 0.0);
-        let (mut change, mut variance) = (zero, zero);
+        let mut sums = [all(self.simd, 0.0); 2];
         self.rows(
             work,
             #[inline(always)]
-            |WindowRow { y, columns, places, .. }| {
+            |WindowRow { y, middle, pairs, .. }| {
                 let of_row = RowPolynomial::<S>::new(&polynomial, y);
-                for (column, place) in columns.iter().zip(places) {
-                    let weight = place.weight.load::<S>(self.simd);
-                    let share = weight * of_row.at(column.powers[0]);
-                    change += share * place.value.load::<S>(self.simd);
-                    variance += share * share;
+                self.add_share(middle, of_row.middle(), &mut sums);
+                for (column, [left, right]) in COLUMNS.iter().zip(pairs) {
+                    let at = of_row.at(column);
+                    self.add_share(left, at[0], &mut sums);
+                    self.add_share(right, at[1], &mut sums);
                 }
             },
         );
+        let [change, variance] = sums;
         Estimates::new(self.simd, change, variance)
+    }
+
+    /// Adds a place's share of the fit at the centre, and its square.
+    #[inline(always)]
+    fn add_share(&self, place: &Place, polynomial: Native<S>, sums: &mut [Native<S>; 2]) {
+        let share = place.weight.load::<S>(self.simd) * polynomial;
+        sums[0] += share * place.value.load::<S>(self.simd);
+        sums[1] += share * share;
     }
 }

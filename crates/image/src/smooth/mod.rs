@@ -73,7 +73,7 @@ pub use bounds::ValueBounds;
 
 use crate::tuning::HALF_WINDOW;
 use crate::{BreakRule, Instructions, RangeNoise};
-use block::{Block, Workspace};
+use block::{Block, Scales, Workspace};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, dispatch};
 use grid::Grid;
@@ -251,19 +251,18 @@ impl<'a> Smoother<'a> {
     /// whose noise is negligible, are left out.
     #[inline(always)]
     fn block(&self, row: usize, cols: impl Iterator<Item = usize>, first: usize) -> Block {
-        let mut block = Block::new(row, first);
+        let mut scales = Scales::default();
         let values = self.view.image().row(row);
         for col in cols {
             let pixel = Pixel { row, col };
             let Some((across, down)) = self.grid.spacings(pixel) else { continue };
             let Some(rate) = self.grid.length_per_value(pixel, values[col]) else { continue };
-            let sigma = self.noise.value_sigma(f64::from(rate));
-            let radii = window::radii([across, down, (sigma * f64::from(rate)) as f32]);
+            let (sigma, lane) = (self.noise.value_sigma(f64::from(rate)), col - first);
+            (scales.across[lane], scales.down[lane]) = (across, down);
+            scales.sigma[lane] = (sigma * f64::from(rate)) as f32;
             let inverse_sigma = self.quantity.inverse_sigma(values[col], (1.0 / sigma) as f32);
-            if radii[0] > 0.0 && inverse_sigma > 0.0 {
-                block.add(col - first, radii, inverse_sigma);
-            }
+            scales.inverse_sigma[lane] = inverse_sigma;
         }
-        block
+        Block::new(row, first, &scales)
     }
 }

@@ -1,7 +1,7 @@
 //! Weighted least squares for a polynomial of second order, several pixels at once.
 
 use super::lanes::{Native, all, inverse_above};
-use crate::tuning::{HALF_WINDOW, SMALLEST_PIVOT, WINDOW_COLUMNS};
+use crate::tuning::{HALF_WINDOW, SMALLEST_PIVOT};
 use fearless_simd::Simd;
 
 /// Coefficients of `1, x, y, x², xy, y²`.
@@ -28,46 +28,50 @@ pub(super) struct RowSums<S: Simd> {
 }
 
 impl<S: Simd> RowSums<S> {
+    /// The sums over the middle of a row alone.
     #[inline(always)]
-    pub fn zero(simd: S) -> Self {
+    pub fn new(simd: S, [weight, weighted]: [Native<S>; 2]) -> Self {
         let zero = all(simd, 0.0);
-        Self { powers: [zero; 5], values: [zero; 3] }
+        Self { powers: [weight, zero, zero, zero, zero], values: [weighted, zero, zero] }
     }
 
-    /// Adds the weights of a column.
+    /// Adds the weights at `−x` and `x`.
     #[inline(always)]
-    pub fn add_weight(&mut self, column: &Column, weight: Native<S>) {
+    pub fn add_weights(&mut self, column: &Column, [left, right]: [Native<S>; 2]) {
         let [x, x2, x3, x4] = column.powers;
+        let (even, odd) = (right + left, right - left);
         let [p0, p1, p2, p3, p4] = self.powers;
-        self.powers =
-            [p0 + weight, p1 + weight * x, p2 + weight * x2, p3 + weight * x3, p4 + weight * x4];
+        self.powers = [p0 + even, p1 + odd * x, p2 + even * x2, p3 + odd * x3, p4 + even * x4];
     }
 
-    /// Adds the weighted values of a column.
+    /// Adds the weighted values at `−x` and `x`.
     #[inline(always)]
-    pub fn add_value(&mut self, column: &Column, weighted: Native<S>) {
+    pub fn add_values(&mut self, column: &Column, [left, right]: [Native<S>; 2]) {
         let [x, x2, ..] = column.powers;
+        let (even, odd) = (right + left, right - left);
         let [v0, v1, v2] = self.values;
-        self.values = [v0 + weighted, v1 + weighted * x, v2 + weighted * x2];
+        self.values = [v0 + even, v1 + odd * x, v2 + even * x2];
     }
 }
 
-/// A column of a window. Its powers are read from a table, which is faster than multiplying.
+/// Two columns of a window, as far left of its middle as right of it. Their powers are read from a
+/// table, which is faster than multiplying.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Column {
     /// `x`, `x²`, `x³` and `x⁴`.
     pub powers: [f32; 4],
-    /// Its bit in the connected pixels of a row; see `links.rs`.
-    pub bit: u32,
+    /// The bits of `−x` and `x` in the connected pixels of a row; see `links.rs`.
+    pub bits: [u32; 2],
 }
 
-/// The columns of the largest window.
-pub(super) const COLUMNS: [Column; WINDOW_COLUMNS] = {
-    let mut columns = [Column { powers: [0.0; 4], bit: 0 }; WINDOW_COLUMNS];
+/// The pairs of columns of the largest window, going outward.
+pub(super) const COLUMNS: [Column; HALF_WINDOW] = {
+    let mut columns = [Column { powers: [0.0; 4], bits: [0; 2] }; HALF_WINDOW];
     let mut c = 0;
-    while c < WINDOW_COLUMNS {
-        let x = c as f32 - HALF_WINDOW as f32;
-        columns[c] = Column { powers: [x, x * x, x * x * x, x * x * x * x], bit: 1 << c };
+    while c < HALF_WINDOW {
+        let x = (c + 1) as f32;
+        let bits = [1 << (HALF_WINDOW - c - 1), 1 << (HALF_WINDOW + c + 1)];
+        columns[c] = Column { powers: [x, x * x, x * x * x, x * x * x * x], bits };
         c += 1;
     }
     columns
@@ -159,8 +163,17 @@ impl<S: Simd> RowPolynomial<S> {
         Self([c[0] + c[2] * y + c[5] * (y * y), c[1] + c[4] * y, c[3]])
     }
 
+    /// The value at 0.
     #[inline(always)]
-    pub fn at(&self, x: f32) -> Native<S> {
-        (self.0[2] * x + self.0[1]) * x + self.0[0]
+    pub fn middle(&self) -> Native<S> {
+        self.0[0]
+    }
+
+    /// The values at `−x` and `x`.
+    #[inline(always)]
+    pub fn at(&self, column: &Column) -> [Native<S>; 2] {
+        let [x, x2, ..] = column.powers;
+        let (even, odd) = (self.0[2] * x2 + self.0[0], self.0[1] * x);
+        [even - odd, even + odd]
     }
 }
