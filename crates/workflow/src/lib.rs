@@ -57,6 +57,7 @@
 mod costs;
 mod error;
 mod model_file;
+mod outputs;
 mod report_file;
 mod results;
 mod run;
@@ -70,6 +71,7 @@ mod views;
 pub use costs::{Costs, StageCost, peak_memory_mib};
 pub use error::{WorkflowError, with_causes};
 pub use model_file::{ModelFile, OpenStore, is_model};
+pub use outputs::{claim_manifest, claim_output};
 use report_file::ReportFile;
 pub use results::{ResultFolder, default_folder, dxf_frame, find_model};
 pub use run::Run;

@@ -1,5 +1,6 @@
 //! Result folders: the one place that writes the files of a run.
 
+use crate::outputs::{Staging, check_output, claim_output};
 use crate::settings::by_name;
 use crate::table::{Row, digits};
 use crate::{Costs, ReportFile, WorkflowError};
@@ -18,6 +19,15 @@ const MODEL: &str = "model.transect";
 
 /// The report's file in a result folder.
 const REPORT: &str = "report.json";
+
+/// The splines' files in a result folder.
+const SPLINES: [&str; 2] = ["splines.json", "splines.dxf"];
+
+/// The other files in a result folder: contours, drawing, picture of the whole model.
+const OTHERS: [&str; 3] = ["contours.json", "model.dxf", "overview.svg"];
+
+/// The folder of the sheets in a result folder.
+const SHEETS: &str = "planes";
 
 /// The folder, beneath the current one, that holds the results of a run without a chosen folder.
 const DEFAULT_PARENT: &str = "transect-out";
@@ -77,27 +87,83 @@ impl ResultFolder {
         self.0.join("overview.svg")
     }
 
-    /// Writes the model, its contours, the drawing, the overview and one sheet per plane.
+    /// Refuses results that would replace an input or a model store. Call it before long work.
     ///
     /// # Errors
-    /// [`WorkflowError`] naming the file that cannot be written.
+    /// [`WorkflowError::File`] naming the file that must stay.
+    pub fn claim(&self, inputs: &[PathBuf]) -> Result<(), WorkflowError> {
+        for folder in [self.0.clone(), self.0.join(SHEETS)] {
+            if folder.exists() && !folder.is_dir() {
+                let problem = "is a file, and the results need a folder there; choose another one";
+                return Err(WorkflowError::file(&folder, problem));
+            }
+        }
+        let files = [MODEL, REPORT].into_iter().chain(SPLINES).chain(OTHERS);
+        files.into_iter().try_for_each(|name| claim_output(&self.0.join(name), inputs))?;
+        self.old_sheets().iter().try_for_each(|sheet| check_output(sheet, inputs))
+    }
+
+    /// Writes the model, its contours, the drawing, the overview and one sheet per plane. All files
+    /// appear together, in place of older ones.
+    ///
+    /// # Errors
+    /// [`WorkflowError`] naming the file that cannot be written, or that must stay.
     pub fn write_model(
         &self,
         title: &str,
         model: &Model,
         frame: DxfFrame,
     ) -> Result<(), WorkflowError> {
-        let sheets = self.0.join("planes");
-        // Sheets of planes that this model no longer has would be taken for part of it.
-        remove_sheets(&sheets)?;
-        std::fs::create_dir_all(&sheets).map_err(WorkflowError::io(&sheets))?;
+        self.write_together(|staged| staged.write_curves(title, model, frame))
+    }
+
+    /// Writes files into a stage, moves them here together, and removes older sheets and splines,
+    /// which would be taken for part of the new results.
+    pub(crate) fn write_together<T>(
+        &self,
+        write: impl FnOnce(&Self) -> Result<T, WorkflowError>,
+    ) -> Result<T, WorkflowError> {
+        let staging = Staging::begin(&self.0)?;
+        let done = write(&Self::new(staging.path()))?;
+        let moved = staging.commit()?;
+        let old = SPLINES.map(|name| self.0.join(name)).into_iter().chain(self.old_sheets());
+        for file in old.filter(|file| file.exists() && !moved.contains(file)) {
+            std::fs::remove_file(&file).map_err(WorkflowError::io(&file))?;
+        }
+        Ok(done)
+    }
+
+    pub(crate) fn write_curves(
+        &self,
+        title: &str,
+        model: &Model,
+        frame: DxfFrame,
+    ) -> Result<(), WorkflowError> {
         model.save(self.0.join(MODEL))?;
-        write_file(&self.0.join("contours.json"), |out| write_contours(model, out))?;
-        write_file(&self.0.join("model.dxf"), |out| write_dxf(model, frame, out))?;
+        let [contours, drawing, _] = OTHERS.map(|name| self.0.join(name));
+        write_file(&contours, |out| write_contours(model, out))?;
+        write_file(&drawing, |out| write_dxf(model, frame, out))?;
         let mut options = OverviewOptions::default();
         options.title = title.to_owned();
         write_file(&self.overview(), |out| write_overview(model, &options, out))?;
+        let sheets = self.0.join(SHEETS);
+        std::fs::create_dir_all(&sheets).map_err(WorkflowError::io(&sheets))?;
         Ok(write_sheets(&sheets, model)?)
+    }
+
+    /// The sheets in the folder, by their names: `planes/plane_+0012.svg`.
+    fn old_sheets(&self) -> Vec<PathBuf> {
+        let is_sheet = |path: &PathBuf| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let number = name.strip_prefix("plane_").and_then(|n| n.strip_suffix(".svg"));
+            number.is_some_and(|n| {
+                n.len() >= 5
+                    && n.starts_with(['+', '-'])
+                    && n[1..].bytes().all(|b| b.is_ascii_digit())
+            })
+        };
+        let entries = std::fs::read_dir(self.0.join(SHEETS)).into_iter().flatten().flatten();
+        entries.map(|entry| entry.path()).filter(is_sheet).collect()
     }
 
     /// Writes the curves as splines within a tolerance; returns the table's rows on them.
@@ -108,8 +174,9 @@ impl ResultFolder {
     ) -> Result<Vec<Row>, WorkflowError> {
         let splines = ModelSplines::fit(model, tolerance);
         let splines = splines.map_err(|e| WorkflowError::setting("splines", e))?;
-        write_file(&self.0.join("splines.json"), |out| splines.write_json(out))?;
-        write_file(&self.0.join("splines.dxf"), |out| splines.write_dxf(out))?;
+        let [json, drawing] = SPLINES.map(|name| self.0.join(name));
+        write_file(&json, |out| splines.write_json(out))?;
+        write_file(&drawing, |out| splines.write_dxf(out))?;
         let deviation = digits(splines.deviation());
         Ok(vec![
             Row::plain("control points of splines", splines.control_count()),
@@ -154,16 +221,4 @@ fn write_sheets(folder: &Path, model: &Model) -> Result<(), WriteError> {
         let file = folder.join(format!("plane_{:+05}.svg", plane.0));
         write_file(&file, |out| sheets.write(plane, out))
     })
-}
-
-fn remove_sheets(folder: &Path) -> Result<(), WorkflowError> {
-    let Ok(entries) = std::fs::read_dir(folder) else { return Ok(()) };
-    for entry in entries.flatten() {
-        let path = entry.path();
-        let name = entry.file_name().to_string_lossy().into_owned();
-        if name.starts_with("plane_") && name.ends_with(".svg") {
-            std::fs::remove_file(&path).map_err(WorkflowError::io(&path))?;
-        }
-    }
-    Ok(())
 }

@@ -6,7 +6,7 @@ use crate::store_file::{Grown, grow, origin};
 use crate::table::{Row, digits};
 use crate::views::{FileView, OpenScan};
 use crate::{Costs, ReportFile, ResultFolder, Settings, WorkflowError};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use transect::{Reconstruction, RefinementReport, Setup, Watch, reconstruct};
 use transect_exchange::{DxfFrame, Scan};
 
@@ -21,11 +21,25 @@ pub struct Run<'a> {
     setup: Setup,
     /// Rows on the store, if one was grown.
     store: Vec<Row>,
+    /// Files that results must not replace.
+    inputs: Vec<PathBuf>,
     dxf: DxfFrame,
     splines: Option<f64>,
 }
 
 impl OpenScan {
+    /// Every file that a run reads: those of the scan, its truth, the guide and the store. Results
+    /// must not replace them; see [`ResultFolder::claim`].
+    pub fn inputs(&self, settings: &Settings, store: Option<&Path>) -> Vec<PathBuf> {
+        let mut inputs = self.scan().inputs.clone();
+        inputs.extend(settings.planes.guide.as_ref().map(|guide| guide.path.clone()));
+        inputs.extend(store.map(Path::to_owned));
+        if let Reference::Simulated { truth, .. } = Reference::beside(self.path()) {
+            inputs.push(truth);
+        }
+        inputs
+    }
+
     /// Makes a model of all views.
     ///
     /// # Errors
@@ -38,7 +52,8 @@ impl OpenScan {
         let setup = settings.setup(self.scan())?;
         let splines = self.splines(settings)?;
         let reconstruction = reconstruct(&self.views(""), &setup, watch)?;
-        Ok(self.run(reconstruction, setup, settings.dxf, splines))
+        let inputs = self.inputs(settings, None);
+        Ok(Run { inputs, ..self.run(reconstruction, setup, settings.dxf, splines) })
     }
 
     /// Adds the views to a model store, which is made if it is not there; then makes a model of all
@@ -71,7 +86,8 @@ impl OpenScan {
             Row::plain("views there already", views_present),
             Row::plain("planes fused", planes_fused),
         ];
-        Ok(Run { store: rows, ..self.run(reconstruction, setup, settings.dxf, splines) })
+        let inputs = self.inputs(settings, Some(store));
+        Ok(Run { store: rows, inputs, ..self.run(reconstruction, setup, settings.dxf, splines) })
     }
 
     fn views(&self, prefix: &str) -> Vec<FileView<'_>> {
@@ -96,20 +112,27 @@ impl OpenScan {
     ) -> Run<'_> {
         let mut costs = Costs::default();
         costs.modelled(&reconstruction.report.timings);
-        Run { reconstruction, costs, scan: self, setup, store: Vec::new(), dxf, splines }
+        let (store, inputs) = (Vec::new(), Vec::new());
+        Run { reconstruction, costs, scan: self, setup, store, inputs, dxf, splines }
     }
 }
 
 impl Run<'_> {
     /// Writes every result into a folder, and scores the model if the scan has its truth beside it.
-    /// Returns the table of the run, which is in the report, too.
+    /// Returns the table of the run, which is in the report, too. All files appear together.
     ///
     /// # Errors
-    /// [`WorkflowError`] naming the file that cannot be written, or read for the scores.
+    /// [`WorkflowError`] naming the file that cannot be written, or read for the scores. The folder
+    /// keeps its old files then.
     pub fn write(&mut self, folder: &ResultFolder) -> Result<Vec<Row>, WorkflowError> {
+        folder.claim(&self.inputs)?;
+        folder.write_together(|staged| self.write_into(staged))
+    }
+
+    fn write_into(&mut self, folder: &ResultFolder) -> Result<Vec<Row>, WorkflowError> {
         let (model, costs) = (&self.reconstruction.model, &mut self.costs);
         let title = &self.scan.scan().name;
-        costs.stage("writing", || folder.write_model(title, model, self.dxf))?;
+        costs.stage("writing", || folder.write_curves(title, model, self.dxf))?;
         let mut rows = result_rows(self.scan.scan(), &self.reconstruction);
         rows.extend(self.store.iter().cloned());
         if let Some(tolerance) = self.splines {

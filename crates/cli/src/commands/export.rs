@@ -7,7 +7,7 @@ use clap::builder::PossibleValuesParser;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use transect_exchange::write_file;
-use transect_workflow::{ModelFile, ResultFolder, dxf_frame};
+use transect_workflow::{ModelFile, ResultFolder, claim_output, dxf_frame, find_model};
 
 /// Options of `export`.
 #[derive(Debug, clap::Args)]
@@ -29,16 +29,19 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let mut rows = Vec::new();
+    let (inputs, mut rows) = ([find_model(&arguments.file)?], Vec::new());
+    let folder = arguments.out.as_ref().map(ResultFolder::new);
+    folder.iter().try_for_each(|folder| folder.claim(&inputs))?;
+    arguments.lines.iter().try_for_each(|lines| claim_output(lines, &inputs))?;
     if let Some(lines) = &arguments.lines {
         write_lines(&arguments.file, lines)?;
         rows.push(Row::plain("lines", lines.display()));
     }
-    if let Some(out) = &arguments.out {
+    if let Some(folder) = folder {
         let model = open_model(&arguments.file)?.into_model()?;
         let name = arguments.file.file_stem().unwrap_or_default().to_string_lossy();
-        ResultFolder::new(out).write_model(&name, &model, dxf_frame(&arguments.dxf)?)?;
-        rows.push(Row::plain("results", out.display()));
+        folder.write_model(&name, &model, dxf_frame(&arguments.dxf)?)?;
+        rows.push(Row::plain("results", folder.path().display()));
     }
     print(&rows);
     Ok(())

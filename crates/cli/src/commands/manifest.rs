@@ -8,7 +8,7 @@ use transect_exchange::{
     FileNames, PlanesEntry, depth_folder_manifest, write_file, write_manifest,
 };
 use transect_geometry::LengthUnit;
-use transect_workflow::parse_length;
+use transect_workflow::{claim_manifest, parse_length};
 
 /// Options of `manifest`.
 #[derive(Debug, clap::Args)]
@@ -18,6 +18,9 @@ pub struct Arguments {
     /// File to write; images are named by absolute path in it.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    /// Replace the file even if this program did not write it.
+    #[arg(long)]
+    force: bool,
     /// Normal of the section planes to put into it, as X,Y,Z.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, requires = "interval")]
     normal: Option<String>,
@@ -35,6 +38,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         planes.family().map_err(|e| Failure::Usage(e.to_string()))?;
         manifest.planes = Some(planes);
     }
+    let images = manifest.views.iter().map(|view| PathBuf::from(&view.file));
+    claim_manifest(&arguments.out, arguments.force, &images.collect::<Vec<_>>())?;
     if let Some(folder) = arguments.out.parent().filter(|f| !f.as_os_str().is_empty()) {
         std::fs::create_dir_all(folder).map_err(|e| Failure::with_file(folder, e))?;
     }

@@ -85,22 +85,27 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scan = OpenScan::open(path, arguments.unit)?;
     // Before anything can fail: a note may be the reason.
     scan.scan().notes.iter().for_each(|note| eprintln!("note: {note}"));
-    let mut run = model(arguments, &scan)?;
-    run.costs.begin_with(costs);
+    let settings = arguments.settings()?;
     let out = arguments.out.clone().unwrap_or_else(|| default_folder(&scan.scan().name));
     let folder = ResultFolder::new(out);
+    folder.claim(&scan.inputs(&settings, arguments.store.store.as_deref()))?;
+    let mut run = model(arguments, &scan, &settings)?;
+    run.costs.begin_with(costs);
     let rows = run.write(&folder)?;
     finish(&run, &rows, &folder);
     Ok(())
 }
 
 /// The model of a scan, in one run or by growing a store.
-fn model<'a>(arguments: &Arguments, scan: &'a OpenScan) -> Result<Run<'a>, Failure> {
-    let settings = arguments.settings()?;
+fn model<'a>(
+    arguments: &Arguments,
+    scan: &'a OpenScan,
+    settings: &Settings,
+) -> Result<Run<'a>, Failure> {
     let progress = Progress::new(arguments.quiet);
     let run = match &arguments.store.store {
-        Some(store) => scan.grow(store, &arguments.store.prefix, &settings, &progress),
-        None => scan.reconstruct(&settings, &progress),
+        Some(store) => scan.grow(store, &arguments.store.prefix, settings, &progress),
+        None => scan.reconstruct(settings, &progress),
     };
     progress.finish();
     Ok(run?)

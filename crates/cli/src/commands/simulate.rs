@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use transect_scene::{Description, Noise};
 use transect_workflow::default_folder;
 use transect_workflow::simulation::{
-    PreparedScene, SensorKind, SensorPlan, StripeImages, describe, stripe_camera,
+    PreparedScene, SensorKind, SensorPlan, StripeImages, claim_scan_folder, describe, stripe_camera,
 };
 
 /// Options of `simulate`.
@@ -34,6 +34,9 @@ pub struct Arguments {
     /// Folder to write scan.json, the images and truth.npz into [default: transect-out/NAME/scan].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Write into the folder even if it holds files that no simulation wrote.
+    #[arg(long)]
+    force: bool,
     /// Seed of the noise [default: the scene's own].
     #[arg(long, value_name = "NUMBER")]
     seed: Option<u64>,
@@ -68,12 +71,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     } else {
         StripeImages::Extracted
     };
+    claim_scan_folder(&folder, arguments.force)?;
     print(&simulate_as(description, &plan, images, &folder)?);
     Ok(())
 }
 
 /// Simulates a scene's own sensors and writes the scan folder.
 pub fn simulate(description: Description, folder: &Path) -> Result<(), Failure> {
+    claim_scan_folder(folder, false)?;
     simulate_as(description, &SensorPlan::OWN, StripeImages::Extracted, folder).map(drop)
 }
 

@@ -12,6 +12,7 @@ mod command_line;
 mod common;
 mod full_disk;
 mod launcher;
+mod outputs;
 mod real_scans;
 mod sensors;
 mod store;

@@ -65,13 +65,15 @@ impl ViewEntry {
     }
 }
 
-/// Writes a manifest that [`Scan::open`](crate::Scan::open) reads, one view per line.
+/// Writes a manifest that [`Scan::open`](crate::Scan::open) reads, one view per line. Its key
+/// `tool` names this program, so that it can be told from manifests of other origin.
 ///
 /// # Errors
 /// An error of `out`.
 pub fn write_manifest(manifest: &Manifest, out: &mut dyn Write) -> io::Result<()> {
     let Manifest { name, unit, sigma, planes, size, views } = manifest;
     writeln!(out, "{{ \"name\": {},", serde_json::to_string(name)?)?;
+    write_key(out, "tool", Some(&concat!("transect ", env!("CARGO_PKG_VERSION"))))?;
     write_key(out, "unit", unit.as_ref())?;
     write_key(out, "sigma", sigma.as_ref())?;
     write_key(out, "planes", planes.as_ref())?;

@@ -10,8 +10,8 @@ use std::path::Path;
 use transect_geometry::LengthUnit;
 
 /// Keys of other programs, at the top and in views. The reader ignores them without a note.
-const FOREIGN_KEYS: [&str; 7] =
-    ["scene", "size", "truth", "seed", "comment", "pose_true", "description"];
+const FOREIGN_KEYS: [&str; 8] =
+    ["scene", "size", "truth", "seed", "comment", "pose_true", "description", "tool"];
 
 pub(super) fn manifest(path: &Path, text: &str) -> Result<(Manifest, Vec<String>), ReadError> {
     let value: Value = serde_json::from_str(&without_nan(text))

@@ -9,7 +9,7 @@ mod scan_folder;
 mod sensor;
 
 pub use placing::SceneBounds;
-pub use scan_folder::{StripeImages, stripe_camera};
+pub use scan_folder::{StripeImages, claim_scan_folder, stripe_camera};
 pub use sensor::{Instrument, SensorKind};
 
 use crate::WorkflowError;

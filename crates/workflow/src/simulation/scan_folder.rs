@@ -2,6 +2,7 @@
 
 use super::{PlacedInstrument, PreparedScene, SimulatedScan};
 use crate::WorkflowError;
+use crate::outputs::{Staging, is_own_manifest};
 use std::path::Path;
 use transect_device::{Pixel, RangeImage, View};
 use transect_exchange::{
@@ -20,13 +21,36 @@ pub enum StripeImages {
     Seen(StripeCamera),
 }
 
+/// The manifest's file in a scan folder.
+const MANIFEST: &str = "scan.json";
+
+/// The file of the truth in a scan folder.
+const TRUTH: &str = "truth.npz";
+
 /// The file of a view's calibration.
 pub fn calibration_file(view: usize) -> String {
     format!("calibration_{view:03}.csv")
 }
 
+/// Prepares a folder for a simulated scan. Without `force`, it must be empty, or hold a simulated
+/// scan.
+///
+/// # Errors
+/// [`WorkflowError::File`] if the folder holds other files.
+pub fn claim_scan_folder(folder: &Path, force: bool) -> Result<(), WorkflowError> {
+    let is_empty = std::fs::read_dir(folder).map_or(true, |mut files| files.next().is_none());
+    let is_simulated = is_own_manifest(&folder.join(MANIFEST)) && folder.join(TRUTH).is_file();
+    if !(force || is_empty || is_simulated) {
+        let problem = "the folder holds files that no simulation wrote; choose another --out, or \
+                       write into it with --force";
+        return Err(WorkflowError::file(folder, problem));
+    }
+    Ok(())
+}
+
 impl SimulatedScan {
-    /// Writes a scan folder: manifest, images, calibrations, and the truth for scoring.
+    /// Writes a scan folder: manifest, images, calibrations, and the truth for scoring. All files
+    /// appear together, in place of older ones.
     ///
     /// # Errors
     /// [`WorkflowError`] naming the file that cannot be written.
@@ -36,7 +60,17 @@ impl SimulatedScan {
         images: StripeImages,
         folder: &Path,
     ) -> Result<(), WorkflowError> {
-        std::fs::create_dir_all(folder).map_err(WorkflowError::io(folder))?;
+        let staging = Staging::begin(folder)?;
+        self.write_into(scene, images, staging.path())?;
+        staging.commit().map(drop)
+    }
+
+    fn write_into(
+        &self,
+        scene: &PreparedScene,
+        images: StripeImages,
+        folder: &Path,
+    ) -> Result<(), WorkflowError> {
         let mut entries = Vec::new();
         for (k, (placed, view)) in self.instruments.iter().zip(&self.views).enumerate() {
             if let SensorEntry::LookupTable(entry) = &placed.instrument.entry {
@@ -51,10 +85,10 @@ impl SimulatedScan {
         manifest.sigma = sigma(&self.views, images);
         manifest.planes = Some(PlanesEntry::from(&description.planes));
         manifest.size = Some(scene.bounds.size());
-        write_file(&folder.join("scan.json"), |out| write_manifest(&manifest, out))?;
+        write_file(&folder.join(MANIFEST), |out| write_manifest(&manifest, out))?;
         let Mesh { vertices, faces } = scene.truth.clone();
         let truth = TriangleMesh { vertices, faces };
-        write_file(&folder.join("truth.npz"), |out| write_truth(&truth, out))?;
+        write_file(&folder.join(TRUTH), |out| write_truth(&truth, out))?;
         Ok(())
     }
 }
