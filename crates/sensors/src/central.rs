@@ -2,8 +2,8 @@
 
 use transect_device::{SensorPlane, Vector3};
 
-/// Bounds of `direction · p` over the points `value · ray` of all rays, for values from `nearest` to
-/// `farthest`. Exact, in one pass over the rays.
+/// Bounds of `direction · p` over the points `value · ray` of some rays, for values from `nearest`
+/// to `farthest`.
 pub(crate) fn central_extent(
     rays: impl Iterator<Item = Vector3>,
     direction: &Vector3,

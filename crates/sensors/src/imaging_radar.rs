@@ -16,8 +16,8 @@
 //! last column a neighbour of the first.
 //!
 //! Departures from the source, after its errata: θ comes from `atan2` and is unwrapped into the
-//! scan (Eq. 4.6 prints `asin`, which folds the rear half-space onto the front). The extent is taken
-//! over all rays, since the eleven planes of section 4.2.4 miss planes.
+//! scan (Eq. 4.6 prints `asin`, which folds the rear half-space onto the front). The extent comes
+//! from the rays, since the eleven planes of section 4.2.4 miss planes.
 
 use crate::central::{central_extent, central_plane_value};
 use crate::error::{SensorError, require};
@@ -176,9 +176,16 @@ impl DeviceFrame for ImagingRadar {
         central_plane_value(&self.direction(pixel)?, plane)
     }
 
-    /// Exact, ray by ray.
+    /// Exact: cos φ is not negative, so the same two columns are extreme in every row.
     fn extent(&self, direction: &Vector3, nearest: f64, farthest: f64) -> (f64, f64) {
-        let rays = self.size.all_pixels().filter_map(|pixel| self.direction(pixel));
+        let across = |t: &SinCos| direction.x * t.cos + direction.y * t.sin;
+        let columns = || self.columns.iter().enumerate().map(|(col, t)| (across(t), col));
+        let ends = [
+            columns().min_by(|a, b| a.0.total_cmp(&b.0)),
+            columns().max_by(|a, b| a.0.total_cmp(&b.0)),
+        ];
+        let pixel = |row| ends.into_iter().flatten().map(move |(_, col)| Pixel::new(row, col));
+        let rays = (0..self.size.rows).flat_map(pixel).filter_map(|p| self.direction(p));
         central_extent(rays, direction, nearest, farthest)
     }
 

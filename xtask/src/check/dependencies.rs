@@ -62,73 +62,52 @@ fn manifest(text: &str) -> Manifest {
     manifest
 }
 
-/// A row of a table.
-struct Row<'a> {
-    line: usize,
-    /// The heading above the table.
-    heading: &'a str,
-    cells: Vec<&'a str>,
+/// The rows that a table must have by their keys, each with the texts it may begin with.
+type Expected = BTreeMap<String, Vec<String>>;
+
+/// The beginning of a row: its first cell, and the cells with the names that follow.
+fn row(first: &str, columns: &[&Names]) -> String {
+    let cell = |names: &&Names| match names.iter().map(|name| format!("`{name}`")) {
+        quoted if quoted.len() > 0 => format!(" {} |", quoted.collect::<Vec<_>>().join(", ")),
+        _ => " |".to_owned(),
+    };
+    format!("| {first} |{}", columns.iter().map(cell).collect::<String>())
 }
 
-/// The rows of the tables of a page that have these heads.
-fn rows<'a>(text: &'a str, heads: &[&str]) -> Vec<Row<'a>> {
+/// The rows of the tables whose head begins so, with their lines and keys. The key is the first
+/// word of the row, with its place below the heading `In tests`.
+fn rows<'a>(text: &'a str, head: &str) -> Vec<(usize, String, &'a str)> {
     let mut rows = Vec::new();
-    let (mut heading, mut is_wanted, mut is_head) = ("", false, true);
+    let (mut place, mut is_wanted) = ("", false);
     for (line, number) in text.lines().zip(1..) {
-        let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
-        if !line.starts_with('|') {
-            is_head = true;
-            heading = line.strip_prefix("## ").unwrap_or(heading);
-        } else if is_head {
-            is_head = false;
-            is_wanted = cells.starts_with(heads);
+        if let Some(heading) = line.strip_prefix("## ") {
+            place = if heading == "In tests" { " in tests" } else { "" };
+        }
+        if line.starts_with(head) || !line.starts_with('|') {
+            is_wanted = line.starts_with(head);
         } else if is_wanted && !line.starts_with("|--") {
-            rows.push(Row { line: number, heading, cells });
+            let word = line.split(['|', ' ', '`']).find(|word| !word.is_empty());
+            rows.push((number, format!("{}{place}", word.unwrap_or_default()), line));
         }
     }
     rows
 }
 
-/// The names in backquotes in a cell.
-fn names(cell: &str) -> Names {
-    cell.split('`').skip(1).step_by(2).map(str::to_owned).collect()
-}
-
-/// What each row of a table has to name in each column behind the first, by the row's first cell.
-type Expected = BTreeMap<String, Vec<Names>>;
-
-/// Holds the rows of tables with these heads against what they have to be. `key` makes the name of
-/// a row.
-fn compare(
-    page: &TextFile,
-    heads: &[&str],
-    mut expected: Expected,
-    key: impl Fn(&Row) -> String,
-) -> Vec<Finding> {
+/// Holds the rows of the tables whose head begins so against what they have to be.
+fn compare(page: &TextFile, head: &str, mut expected: Expected) -> Vec<Finding> {
     let mut findings = Vec::new();
     let mut last = 1;
-    for row in rows(&page.text, heads) {
-        let name = key(&row);
-        last = row.line;
-        let Some(columns) = expected.remove(&name) else {
-            let message = format!("{name}: no Cargo file asks for this row; remove it");
-            findings.push(page.finding(row.line, message));
-            continue;
+    for (line, key, text) in rows(&page.text, head) {
+        last = line;
+        let message = match expected.remove(&key) {
+            Some(texts) if texts.iter().any(|wanted| text.starts_with(wanted)) => continue,
+            Some(texts) => format!("{key}: the row must begin with {}", texts.join(" or ")),
+            None => format!("{key}: no Cargo file asks for this row; remove it"),
         };
-        for ((head, cell), wanted) in heads.iter().zip(&row.cells).skip(1).zip(columns) {
-            let found = names(cell);
-            if found != wanted {
-                let message = format!(
-                    "{name}, column \"{head}\": found {found:?}, but the Cargo files say {wanted:?}"
-                );
-                findings.push(page.finding(row.line, message));
-            }
-        }
+        findings.push(page.finding(line, message));
     }
-    findings.extend(expected.into_iter().map(|(name, columns)| {
-        let row = format!("add {name} with {columns:?} to the table {heads:?}");
-        page.finding(last, format!("a row is missing; {row}"))
-    }));
+    let missing = expected.into_values().map(|texts| texts.join(" or "));
+    findings.extend(missing.map(|row| page.finding(last, format!("a row is missing; add {row}"))));
     findings
 }
 
@@ -138,44 +117,36 @@ fn check_crates(page: &TextFile, manifests: &Manifests) -> Vec<Finding> {
         let folders = names.iter().map(|name| name.trim_start_matches("transect-").to_owned());
         folders.filter(|folder| manifests.contains_key(folder)).collect::<Names>()
     };
-    let columns = |m: &Manifest| vec![ours(&m.normal), ours(&m.in_tests)];
-    let graph = manifests.iter().map(|(name, manifest)| (name.clone(), columns(manifest)));
-    let knowledge = manifests.keys().map(|name| (name.clone(), Vec::new()));
-    let key = |row: &Row| row.cells[0].trim_matches('`').to_owned();
-    let heads = ["crate", "depends on", "in its tests also"];
-    let mut findings = compare(page, &heads, graph.collect(), key);
-    findings.extend(compare(page, &["crate", "knows"], knowledge.collect(), key));
+    let (mut graph, mut knowledge) = (Expected::new(), Expected::new());
+    for (name, manifest) in manifests {
+        let first = format!("`{name}`");
+        let columns = [&ours(&manifest.normal), &ours(&manifest.in_tests)];
+        graph.insert(name.clone(), vec![row(&first, &columns)]);
+        knowledge.insert(name.clone(), vec![row(&first, &[])]);
+    }
+    let mut findings = compare(page, "| crate | depends on | in its tests also |", graph);
+    findings.extend(compare(page, "| crate | knows |", knowledge));
     findings
 }
 
 /// Holds the tables of packages from outside against the Cargo files and the lock file.
 fn check_packages(page: &TextFile, manifests: &Manifests, lock: &str) -> Vec<Finding> {
-    let mut expected = Expected::new();
-    for (name, manifest) in manifests {
-        let in_tests = manifest.in_tests.iter().map(|package| format!("{package} in tests"));
-        for package in manifest.normal.iter().cloned().chain(in_tests) {
-            if !package.starts_with("transect") {
-                let columns = expected.entry(package).or_insert_with(|| vec![Names::new()]);
-                columns[0].insert(name.clone());
-            }
+    let mut users = BTreeMap::<(&str, &str), Names>::new();
+    for (name, Manifest { normal, in_tests }) in manifests {
+        let all = normal.iter().map(|p| (p, "")).chain(in_tests.iter().map(|p| (p, " in tests")));
+        for (package, place) in all.filter(|(package, _)| !package.starts_with("transect")) {
+            users.entry((package, place)).or_default().insert(name.clone());
         }
     }
-    let heads = ["dependency", "used by"];
-    let mut findings = compare(page, &heads, expected, |row| {
-        let package = row.cells[0].split(' ').next().unwrap_or_default();
-        let place = if row.heading == "In tests" { " in tests" } else { "" };
-        format!("{package}{place}")
-    });
-    for row in rows(&page.text, &heads) {
-        let (package, version) = row.cells[0].split_once(' ').unwrap_or_default();
-        let entry = format!("name = \"{package}\"\nversion = \"{version}");
+    let expected = users.into_iter().map(|((package, place), users)| {
+        let entry = format!("name = \"{package}\"\nversion = \"");
+        let entries = lock.split(entry.as_str()).skip(1);
         // Some versions have a suffix that says nothing about their age, such as +spec-1.1.0.
-        if !["\"", "+"].iter().any(|end| lock.contains(&format!("{entry}{end}"))) {
-            let message = format!("Cargo.lock has no {}; write its version", row.cells[0]);
-            findings.push(page.finding(row.line, message));
-        }
-    }
-    findings
+        let versions = entries.filter_map(|rest| rest.split(['"', '+']).next());
+        let rows = versions.map(|version| row(&format!("{package} {version}"), &[&users]));
+        (format!("{package}{place}"), rows.collect())
+    });
+    compare(page, "| dependency | used by |", expected.collect())
 }
 
 #[cfg(test)]
@@ -216,20 +187,18 @@ mod tests {
     #[test]
     fn wrong_rows_of_crates_are_found() {
         let wrong = CRATES.replace("| `device` | | |", "| `device` | `scene` | |");
-        let message = "docs/page.md:3: device, column \"depends on\": found {\"scene\"}, but the \
-                       Cargo files say {}";
+        let message = "docs/page.md:3: device: the row must begin with | `device` | | |";
         assert_eq!(crates(&wrong), [message]);
         let missing = CRATES.replace("| `device` | `scene` |", "| `device` | |");
-        let message = "docs/page.md:4: partial, column \"in its tests also\": found {}, but the \
-                       Cargo files say {\"scene\"}";
+        let message =
+            "docs/page.md:4: partial: the row must begin with | `partial` | `device` | `scene` |";
         assert_eq!(crates(&missing), [message]);
     }
 
     #[test]
     fn missing_and_superfluous_rows_of_crates_are_found() {
         let missing = crates(&CRATES.replace("| `scene` | | |\n", ""));
-        assert_eq!(missing.len(), 1);
-        assert!(missing[0].starts_with("docs/page.md:4: a row is missing; add scene with"));
+        assert_eq!(missing, ["docs/page.md:4: a row is missing; add | `scene` | | |"]);
         let superfluous =
             crates(&CRATES.replace("| `scene` | c |", "| `scene` | c |\n| `x` | d |"));
         let message = "docs/page.md:12: x: no Cargo file asks for this row; remove it";
@@ -255,10 +224,11 @@ mod tests {
 
     #[test]
     fn wrong_rows_of_packages_are_found() {
-        let message = "docs/page.md:11: proptest in tests, column \"used by\": found {\"scene\"}, \
-                       but the Cargo files say {\"partial\"}";
+        let message = "docs/page.md:11: proptest in tests: the row must begin with \
+                       | proptest 1.12.0 | `partial` |";
         assert_eq!(packages(&PACKAGES.replace("0 | `partial` |", "0 | `scene` |")), [message]);
-        let message = "docs/page.md:5: Cargo.lock has no nalgebra 0.34.0; write its version";
+        let message = "docs/page.md:5: nalgebra: the row must begin with \
+                       | nalgebra 0.35.0 | `device`, `partial` |";
         assert_eq!(packages(&PACKAGES.replace("0.35.0", "0.34.0")), [message]);
         let moved = packages(&PACKAGES.replace("## In tests", "## Elsewhere"));
         assert_eq!(moved.len(), 2, "one row too many and one too few: {moved:?}");
@@ -268,11 +238,9 @@ mod tests {
     fn missing_and_superfluous_rows_of_packages_are_found() {
         let row = "| nalgebra 0.35.0 | `device`, `partial` |\n";
         let missing = packages(&PACKAGES.replace(row, ""));
-        assert_eq!(missing.len(), 1);
-        assert!(
-            missing[0].contains("add nalgebra with [{\"device\", \"partial\"}]"),
-            "{missing:?}"
-        );
+        let message = "docs/page.md:10: a row is missing; add \
+                       | nalgebra 0.35.0 | `device`, `partial` |";
+        assert_eq!(missing, [message]);
         let extra = packages(&format!("{PACKAGES}| nalgebra 0.35.0 | `partial` |\n"));
         let message =
             "docs/page.md:12: nalgebra in tests: no Cargo file asks for this row; remove it";

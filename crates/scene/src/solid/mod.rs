@@ -223,7 +223,8 @@ impl Solid {
     /// A shape at a pose.
     ///
     /// # Errors
-    /// [`SolidError::PoseNotFinite`] if a component of the pose is no number, or beyond [`LARGEST`].
+    /// [`SolidError::PoseNotFinite`] if a component of the pose is no number, or beyond
+    /// [`LARGEST`].
     pub fn new(shape: Shape, world_from_solid: Isometry3) -> Result<Self, SolidError> {
         // Comparisons with NaN are false.
         if world_from_solid.to_homogeneous().iter().all(|c| c.abs() <= LARGEST) {

@@ -154,10 +154,16 @@ impl DeviceFrame for Pinhole {
         central_plane_value(&self.inside(pixel)?, plane)
     }
 
-    /// Exact, ray by ray.
+    /// Exact. Rays of depth 1 fill a rectangle, whose corners are extreme; those of length 1 bulge.
     fn extent(&self, direction: &Vector3, nearest: f64, farthest: f64) -> (f64, f64) {
-        let rays = self.size.all_pixels().filter_map(|pixel| self.inside(pixel));
-        central_extent(rays, direction, nearest, farthest)
+        let (last_row, last_col) = (self.size.rows - 1, self.size.cols - 1);
+        let steps = match self.scale {
+            PinholeScale::Depth => (last_row.max(1), last_col.max(1)),
+            PinholeScale::RayLength => (1, 1),
+        };
+        let columns = |row| (0..=last_col).step_by(steps.1).map(move |col| Pixel::new(row, col));
+        let pixels = (0..=last_row).step_by(steps.0).flat_map(columns);
+        central_extent(pixels.filter_map(|p| self.inside(p)), direction, nearest, farthest)
     }
 
     fn form_row(&self, image: &RangeImage, row: usize, form: &LinearForm, out: &mut [f32]) {
