@@ -23,6 +23,7 @@
 //! * [`SectionMeasures`], [`ModelVolume`], [`NestedCurve`]: area, volume with an error bound, and a
 //!   check of directions;
 //! * [`Model::save`], [`Model::load`], [`FileError`]: a whole model in a plain file;
+//! * [`open_regular`]: opening files, for every reader of the workspace;
 //! * [`gaps`]: unseen stretches of boundary, and places from which a next view would see most of
 //!   them;
 //! * [`store`]: a model in a database, which grows view by view and may be larger than memory;
@@ -41,6 +42,7 @@ mod model;
 mod nesting;
 mod nodes;
 mod query;
+mod regular_file;
 mod section;
 mod selection;
 pub mod store;
@@ -58,6 +60,7 @@ pub use measure::SectionMeasures;
 pub use model::{Model, ViewRecord};
 pub use nesting::NestedCurve;
 pub use query::{Location, ModelIndex, PlaneAnswer, SectionIndex, SpaceAnswer, locate_in_plane};
+pub use regular_file::open_regular;
 pub use section::{CurveIndex, CurveRecord, NodeIndex, Section};
 pub use selection::PlaneSelection;
 pub use unit_tree::InTree;
