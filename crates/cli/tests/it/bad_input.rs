@@ -100,7 +100,10 @@ const MANIFESTS: &[Spoiled] = &[
         |m| m["views"][0]["sensor"] = "sonar".into(),
         &["scan.json, view 0 (wall.npy)", "\"sensor\"", "\"sonar\""],
     ),
-    (|m| m["views"][0]["fx"] = Value::Null, &["scan.json, view 0 (wall.npy)", "missing field `fx`"]),
+    (
+        |m| m["views"][0]["fx"] = Value::Null,
+        &["scan.json, view 0 (wall.npy)", "missing field `fx`"],
+    ),
     (|m| m["views"][0]["fx"] = json!(0), &["view wall.npy", "wall.npy", "fx = 0"]),
     (
         |m| m["views"][0]["pose"][0] = Value::Null,
