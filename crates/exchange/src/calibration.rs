@@ -15,7 +15,7 @@
 //! | `p` | place of the spot on the detector, in the detector's unit; empty or `nan`: no return |
 //! | `u`, `v` | place of the spot in the scanner's plane; lengths, not read where there is no return |
 
-use crate::error::read_text;
+use crate::input::read_text;
 use crate::{Place, ReadError};
 use std::io::{self, Write};
 use std::path::Path;

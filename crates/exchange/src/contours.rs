@@ -18,9 +18,10 @@
 //! Numbers have the fewest digits that read back as the same number. So the same model gives the
 //! same bytes, and no precision is lost far from the origin.
 
+use crate::input::read_text;
 use crate::{Place, ReadError};
 use serde::{Deserialize, Serialize};
-use std::io::{self, BufReader, Write};
+use std::io::{self, Write};
 use std::path::Path;
 use transect_geometry::{
     Curve, EndReason, LengthUnit, Node, PlaneFrame, PlaneIndex, Point2, Point3, Vector3,
@@ -136,9 +137,7 @@ fn plane_text(index: PlaneIndex, station: f64, frame: &PlaneFrame, section: &Sec
 /// [`ReadError`] if the file is not JSON of this form, a plane has no normal, or a polyline has too
 /// few points, points that are not finite, or lists of different lengths.
 pub fn read_contours(path: &Path) -> Result<Contours, ReadError> {
-    let file = std::fs::File::open(path);
-    let file = file.map_err(|e| ReadError::io(path, e))?;
-    let parsed = serde_json::from_reader(BufReader::with_capacity(1 << 16, file));
+    let parsed = serde_json::from_str(&read_text(path)?);
     let text: ContoursText =
         parsed.map_err(|source| ReadError::Json { path: path.to_owned(), source })?;
     let planes = text.planes.into_iter().map(|p| plane(path, p)).collect::<Result<_, _>>()?;
@@ -191,7 +190,7 @@ mod tests {
     use crate::test_data::{model, write_to_folder};
     use proptest::prelude::*;
 
-    fn read_text(text: &str) -> Result<Contours, ReadError> {
+    fn read(text: &str) -> Result<Contours, ReadError> {
         let (_folder, path) = write_to_folder("contours.json", text.as_bytes());
         read_contours(&path)
     }
@@ -212,7 +211,7 @@ mod tests {
             let model = model(normal, &[(-2, vec![curve.clone()])]);
             let mut text = Vec::new();
             write_contours(&model, &mut text).unwrap();
-            let back = read_text(std::str::from_utf8(&text).unwrap()).unwrap();
+            let back = read(std::str::from_utf8(&text).unwrap()).unwrap();
             prop_assert_eq!(back.planes[0].index, PlaneIndex(-2));
             let (frame, written) = (back.planes[0].frame, model.planes().frame(PlaneIndex(-2)));
             prop_assert_eq!(frame.origin(), written.origin());
@@ -249,7 +248,7 @@ mod tests {
         let with = |polyline: &str| {
             let head = r#"{"unit":"m","planes":[{"index":7,"origin":[0,0,0],"normal":[0,0,1],"#;
             let text = format!("{head}\"polylines\":[{polyline}]}}]}}");
-            read_text(&text).unwrap_err().to_string()
+            read(&text).unwrap_err().to_string()
         };
         let short = with(r#"{"closed":true,"points":[[0,0,0],[1,0,0]]}"#);
         assert!(
@@ -258,7 +257,7 @@ mod tests {
         );
         let uneven = with(r#"{"closed":false,"points":[[0,0,0],[1,0,0]],"sigma":[1]}"#);
         assert!(uneven.ends_with("1 values of sigma for 2 points"), "{uneven}");
-        let not_json = read_text("{\"unit\": \"m\"").unwrap_err();
+        let not_json = read("{\"unit\": \"m\"").unwrap_err();
         assert!(std::error::Error::source(&not_json).unwrap().to_string().contains("line 1"));
     }
 }

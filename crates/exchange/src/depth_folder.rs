@@ -8,7 +8,7 @@
 //!
 //! The unit is part of the convention: metres, with a depth of 0.001 m per count.
 
-use crate::error::read_text;
+use crate::input::read_text;
 use crate::manifest::{self, Manifest, SensorEntry, ViewEntry};
 use crate::{Place, ReadError, Scan, pose};
 use std::path::{Path, PathBuf};
@@ -66,7 +66,7 @@ pub fn depth_folder_manifest(folder: &Path, names: FileNames) -> Result<Manifest
         };
         let pose = read_pose(&pose_file(&folder.join(image)))?;
         let mut view = ViewEntry::new(file, camera.clone(), pose);
-        view.depth_scale = Some(DEPTH_SCALE);
+        view.scale = Some(DEPTH_SCALE);
         views.push(view);
     }
     if views.is_empty() {
@@ -126,7 +126,7 @@ fn numbers<const N: usize>(path: &Path, wanted: &str) -> Result<[f64; N], ReadEr
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_data::{IDENTITY_POSE, write_png};
+    use crate::test_data::{IDENTITY_POSE, in_unit, write_png};
 
     fn folder(pose: &str, counts: &[u16]) -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();
@@ -150,7 +150,7 @@ mod tests {
         assert_eq!(view.image().valid_count(), 2);
         assert_eq!(view.image().extremes(), Some((1.5, 2.5)));
         assert!(notes[0].ends_with("1 pixels at the largest count, 65535, taken as missing"));
-        let other = Scan::open_with_unit(folder.path(), Some(LengthUnit::Millimetre)).unwrap_err();
+        let other = Scan::open_with(folder.path(), in_unit(LengthUnit::Millimetre)).unwrap_err();
         assert!(matches!(other, ReadError::UnitConflict { .. }), "{other}");
     }
 

@@ -82,6 +82,22 @@ pub enum ReadError {
         #[source]
         source: std::io::Error,
     },
+    /// Views of a scan have no file: correct their names, or leave them out.
+    #[error(
+        "{}: {count} of {views} views have no file: {names}; correct the names, or pass \
+         --skip-missing to leave these views out",
+        .path.display()
+    )]
+    MissingFiles {
+        /// The scan.
+        path: PathBuf,
+        /// Number of views without a file.
+        count: usize,
+        /// Number of all views.
+        views: usize,
+        /// The missing files.
+        names: String,
+    },
     /// The path is no scan: name another one.
     #[error("{}: not a scan; accepted are: {accepted}", .path.display())]
     NotAScan {
@@ -230,17 +246,6 @@ impl Problem {
             ReadError::Damaged { path, at, problem }
         }
     }
-}
-
-/// A whole file in memory.
-pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
-    std::fs::read(path).map_err(|e| ReadError::io(path, e))
-}
-
-/// A whole text file in memory. Bytes that are not UTF-8 count as damage.
-pub(crate) fn read_text(path: &Path) -> Result<String, ReadError> {
-    String::from_utf8(read_bytes(path)?)
-        .map_err(|_| ReadError::damaged(path, Place::Whole, "not a text file"))
 }
 
 /// A file could not be written: check the folder and the space left.

@@ -1,6 +1,6 @@
 //! Images of range values and grids of points in `.npy` and `.png` files.
 
-use crate::error::read_bytes;
+use crate::input::read_bytes;
 use crate::npy::Npy;
 use crate::png_file::{self, GreyImage, Samples};
 use crate::{Place, ReadError};
@@ -13,39 +13,57 @@ pub(crate) struct Pixels {
     pub(crate) values: Vec<f32>,
 }
 
-/// A range or depth image: `.npy` (rows × columns) or 16-bit grey `.png` with a scale.
+/// A range or depth image: `.npy` (rows × columns) or 16-bit grey `.png`. Integers need a scale.
 pub(crate) fn read(
     path: &Path,
-    depth_scale: Option<f64>,
+    scale: Option<f64>,
     notes: &mut Vec<String>,
 ) -> Result<Pixels, ReadError> {
     let bytes = read_bytes(path)?;
     let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     match extension.as_deref() {
-        Some("npy") => from_npy(path, &bytes),
-        Some("png") => from_png(path, &bytes, depth_scale, notes),
+        Some("npy") => from_npy(path, &bytes, scale),
+        Some("png") => from_png(path, &bytes, scale, notes),
         _ => Err(ReadError::unsupported(path, Place::Whole, "images are read from .npy and .png")),
     }
 }
 
 /// A grid of points: `.npy` of rows × columns × 3.
-pub(crate) fn read_points(path: &Path) -> Result<(ImageSize, Vec<Point3>), ReadError> {
+pub(crate) fn read_points(
+    path: &Path,
+    scale: Option<f64>,
+) -> Result<(ImageSize, Vec<Point3>), ReadError> {
     let bytes = read_bytes(path)?;
     let array = Npy::parse(&bytes).map_err(|p| p.in_file(path))?;
     let [rows, cols, 3] = *array.shape() else {
         return Err(wrong_shape(path, &array, "rows × columns × 3"));
     };
-    let coordinates = array.to_f64();
-    let points = coordinates.as_chunks().0.iter().map(|c: &[f64; 3]| Point3::from(*c)).collect();
+    let scale = scale_of(path, &array, scale)?;
+    let points = array.triples().map(|c| Point3::from(c.map(|c| c * scale))).collect();
     Ok((ImageSize { rows, cols }, points))
 }
 
-fn from_npy(path: &Path, bytes: &[u8]) -> Result<Pixels, ReadError> {
+fn from_npy(path: &Path, bytes: &[u8], scale: Option<f64>) -> Result<Pixels, ReadError> {
     let array = Npy::parse(bytes).map_err(|p| p.in_file(path))?;
-    let [rows, cols] = *array.shape() else {
+    let ([rows, cols] | [rows, cols, 1]) = *array.shape() else {
         return Err(wrong_shape(path, &array, "rows × columns"));
     };
-    Ok(Pixels { size: ImageSize { rows, cols }, values: array.to_f32() })
+    let scale = scale_of(path, &array, scale)?;
+    let values = array.numbers().map(|v| (v * scale) as f32).collect();
+    Ok(Pixels { size: ImageSize { rows, cols }, values })
+}
+
+/// The factor of an array's numbers: the stated one; 1 for floating-point numbers without one.
+fn scale_of(path: &Path, array: &Npy<'_>, stated: Option<f64>) -> Result<f64, ReadError> {
+    match stated {
+        None if array.is_integer() => Err(no_scale(path, "integers")),
+        stated => Ok(stated.unwrap_or(1.0)),
+    }
+}
+
+fn no_scale(path: &Path, what: &str) -> ReadError {
+    let problem = format!("{what} need a scale; add \"scale\": length units per count to the view");
+    ReadError::damaged(path, Place::Whole, problem)
 }
 
 fn wrong_shape(path: &Path, array: &Npy<'_>, wanted: &str) -> ReadError {
@@ -60,13 +78,10 @@ const SATURATED: u16 = u16::MAX;
 fn from_png(
     path: &Path,
     bytes: &[u8],
-    depth_scale: Option<f64>,
+    scale: Option<f64>,
     notes: &mut Vec<String>,
 ) -> Result<Pixels, ReadError> {
-    let Some(scale) = depth_scale else {
-        let problem = "a .png image needs \"depth_scale\" (length units per count) in its view";
-        return Err(ReadError::damaged(path, Place::Whole, problem));
-    };
+    let scale = scale.ok_or_else(|| no_scale(path, "the counts of a .png image"))?;
     let GreyImage { size, samples } = png_file::decode(path, bytes)?;
     let Samples::Sixteen(counts) = samples else {
         let problem = "the image has 8 bits; ranges are read from 16-bit grey";
@@ -84,7 +99,7 @@ fn from_png(
     let values: Vec<f32> = counts.map(value).collect();
     if let Some(at) = values.iter().position(|v| v.is_infinite()) {
         let pixel = Pixel::new(at / size.cols, at % size.cols);
-        let problem = format!("depth_scale {scale} makes the value infinite");
+        let problem = format!("the scale {scale} makes the value infinite");
         return Err(ReadError::damaged(path, Place::Pixel(pixel), problem));
     }
     Ok(Pixels { size, values })

@@ -30,6 +30,7 @@
 //! | sections (`contours.json`, DXF) | [`read_contours`], [`write_contours`], [`write_dxf`] |
 //! | splines (DXF, JSON) | [`ModelSplines`] |
 //! | pictures | [`svg`] |
+//! | any text file | [`read_text`] |
 //!
 //! Every writer takes any [`std::io::Write`]. [`write_file`] writes a whole file or nothing.
 #![deny(clippy::indexing_slicing)]
@@ -43,14 +44,17 @@ mod error;
 mod guide_file;
 mod image_file;
 mod image_stack;
+mod input;
 mod manifest;
 mod mesh;
+mod missing;
 mod npy;
 mod npz;
 mod open;
 mod ply;
 mod png_file;
 mod pose;
+mod scalar;
 mod scan;
 mod spline_file;
 mod stanford;
@@ -70,11 +74,14 @@ pub use error::{Place, ReadError, Unusable, WriteError};
 pub use guide_file::read_guide;
 pub use image_file::write_npy_image;
 pub use image_stack::{Counts, write_npy_stack, write_png_image};
+pub use input::read_text;
 pub use manifest::{
     AnglesEntry, LensEntry, LightStripeEntry, LookupTableEntry, Manifest, PinholeEntry,
     SensorEntry, StripeEntry, ViewEntry, ViewpointsEntry, read_manifest, write_manifest,
 };
 pub use mesh::read_mesh;
+pub use missing::MissingValue;
+pub use open::OpenOptions;
 pub use ply::{RangeGrid, read_range_grid};
 pub use pose::{pose_of_row_major, row_major};
 pub use scan::{FramedImage, LoadView, PlanesEntry, Scan, ScanView};

@@ -6,40 +6,18 @@
 //! the numbers, row-major
 //! ```
 //!
-//! Read: C-ordered arrays of `f4 f8 i4 i8 u4` in either byte order. Stacks of camera images may
-//! also hold `u1` and `u2`. Written: little-endian arrays of version 1.
+//! Read: arrays of integers of 1 to 8 bytes and of `f2 f4 f8`, in either byte order, row-major or in
+//! Fortran order. Written: little-endian arrays of version 1.
 //!
 //! The crate `npyz` does the same, but it brings some twenty crates and a C compiler into the
 //! build. The announced shape is compared with the length of the file before memory is taken.
 //! Reference: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>
 
 use crate::error::Problem;
+use crate::scalar::Scalar;
 use std::io::{self, Write};
 
 const MAGIC: &[u8] = b"\x93NUMPY";
-
-/// The type of an array's numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Scalar {
-    U8,
-    U16,
-    F32,
-    F64,
-    I32,
-    U32,
-    I64,
-}
-
-impl Scalar {
-    pub(crate) fn size(self) -> usize {
-        match self {
-            Self::U8 => 1,
-            Self::U16 => 2,
-            Self::F32 | Self::I32 | Self::U32 => 4,
-            Self::F64 | Self::I64 => 8,
-        }
-    }
-}
 
 /// The header before an array's numbers.
 #[derive(Debug)]
@@ -47,6 +25,8 @@ pub(crate) struct Header {
     pub(crate) shape: Vec<usize>,
     pub(crate) scalar: Scalar,
     pub(crate) big_endian: bool,
+    /// Whether the first index runs fastest.
+    pub(crate) fortran: bool,
     /// Length of the header in bytes; the numbers follow.
     pub(crate) length: usize,
 }
@@ -56,12 +36,9 @@ impl Header {
     /// [`Header::data_size`] before using its sizes: it compares them with the file.
     pub(crate) fn parse(bytes: &[u8]) -> Result<Self, Problem> {
         let (header, length) = split_header(bytes)?;
-        if value_of(header, "fortran_order")?.starts_with("True") {
-            let advice = "save numpy.ascontiguousarray(image)";
-            return Err(Problem::unsupported(format!("the array is in Fortran order; {advice}")));
-        }
+        let fortran = value_of(header, "fortran_order")?.starts_with("True");
         let (scalar, big_endian) = scalar(value_of(header, "descr")?)?;
-        Ok(Self { shape: shape(value_of(header, "shape")?)?, scalar, big_endian, length })
+        Ok(Self { shape: shape(value_of(header, "shape")?)?, scalar, big_endian, fortran, length })
     }
 
     /// The bytes of all numbers, if a file of that many bytes holds them.
@@ -88,12 +65,6 @@ impl<'a> Npy<'a> {
     /// The array that fills the bytes; bytes beyond its end are ignored, as NumPy does.
     pub(crate) fn parse(bytes: &'a [u8]) -> Result<Self, Problem> {
         let header = Header::parse(bytes)?;
-        if matches!(header.scalar, Scalar::U8 | Scalar::U16) {
-            return Err(Problem::unsupported(format!(
-                "numbers of type u{}; {KNOWN}",
-                header.scalar.size()
-            )));
-        }
         let needed = header.data_size(bytes.len())?;
         let data = bytes.get(header.length..).and_then(|d| d.get(..needed)).unwrap_or_default();
         Ok(Self { header, data })
@@ -104,44 +75,40 @@ impl<'a> Npy<'a> {
     }
 
     /// The numbers in row-major order.
-    pub(crate) fn to_f64(&self) -> Vec<f64> {
-        macro_rules! each {
-            ($type:ty) => {{
-                let (numbers, _) = self.data.as_chunks();
-                let big = self.header.big_endian;
-                let read = if big { <$type>::from_be_bytes } else { <$type>::from_le_bytes };
-                numbers.iter().map(|bytes| read(*bytes) as f64).collect()
-            }};
-        }
-        match self.header.scalar {
-            Scalar::U8 => each!(u8),
-            Scalar::U16 => each!(u16),
-            Scalar::F32 => each!(f32),
-            Scalar::F64 => each!(f64),
-            Scalar::I32 => each!(i32),
-            Scalar::U32 => each!(u32),
-            Scalar::I64 => each!(i64),
-        }
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> + '_ {
+        let Header { scalar, big_endian, fortran, .. } = self.header;
+        let size = scalar.size();
+        (0..self.data.len() / size).map_while(move |n| {
+            let n = if fortran { self.fortran_place(n) } else { n };
+            scalar.read(self.data.get(n * size..)?, big_endian)
+        })
     }
 
-    /// The numbers in row-major order, rounded to `f32`.
-    pub(crate) fn to_f32(&self) -> Vec<f32> {
-        self.to_f64().into_iter().map(|v| v as f32).collect()
+    /// The numbers in threes.
+    pub(crate) fn triples(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
+        let mut numbers = self.numbers();
+        std::iter::from_fn(move || Some([numbers.next()?, numbers.next()?, numbers.next()?]))
     }
 
-    /// Refuses an array of floating-point numbers.
-    pub(crate) fn require_integers(&self) -> Result<(), Problem> {
-        match self.header.scalar {
-            Scalar::F32 | Scalar::F64 => {
-                Err(Problem::unsupported("the array holds floating-point numbers, not integers"))
-            }
-            _ => Ok(()),
+    /// The place of a number of a row-major array in one of Fortran order.
+    fn fortran_place(&self, row_major: usize) -> usize {
+        let mut stride: usize = self.header.shape.iter().product();
+        let (mut rest, mut place) = (row_major, 0);
+        for &length in self.header.shape.iter().rev() {
+            stride /= length.max(1);
+            place += rest % length.max(1) * stride;
+            rest /= length.max(1);
         }
+        place
+    }
+
+    pub(crate) fn is_integer(&self) -> bool {
+        self.header.scalar.is_integer()
     }
 }
 
-/// Types of numbers that are not counts of a camera.
-const KNOWN: &str = "read are f4, f8, i4, u4 and i8";
+/// The types of numbers that are read.
+const KNOWN: &str = "read are f2, f4, f8, i1 to i8 and u1 to u8";
 
 /// The header's text, and where it ends.
 fn split_header(bytes: &[u8]) -> Result<(&str, usize), Problem> {
@@ -181,13 +148,17 @@ fn scalar(value: &str) -> Result<(Scalar, bool), Problem> {
     };
     let big_endian = name.starts_with('>');
     let scalar = match name.trim_start_matches(['<', '>', '=', '|']) {
+        "i1" => Scalar::I8,
         "u1" => Scalar::U8,
+        "i2" => Scalar::I16,
         "u2" => Scalar::U16,
-        "f4" => Scalar::F32,
-        "f8" => Scalar::F64,
         "i4" => Scalar::I32,
         "u4" => Scalar::U32,
         "i8" => Scalar::I64,
+        "u8" => Scalar::U64,
+        "f2" => Scalar::F16,
+        "f4" => Scalar::F32,
+        "f8" => Scalar::F64,
         _ => return Err(Problem::unsupported(format!("numbers of type {name:?}; {KNOWN}"))),
     };
     Ok((scalar, big_endian))
@@ -244,11 +215,11 @@ mod tests {
         assert_eq!(little.len() % 64, 8, "the data is aligned");
         let little_array = Npy::parse(&little).ok().unwrap();
         let array = &little_array;
-        assert_eq!((array.shape(), array.to_f32()), (&[1, 2][..], vec![1.5, 2.0]));
+        assert_eq!((array.shape(), array.numbers().collect()), (&[1, 2][..], vec![1.5, 2.0]));
         let big = npy(">i8", &[1], &(-7i64).to_be_bytes());
         let array = Npy::parse(&big).ok().unwrap();
-        assert!(array.require_integers().is_ok() && little_array.require_integers().is_err());
-        assert_eq!(array.to_f64(), vec![-7.0]);
+        assert!(array.is_integer() && !little_array.is_integer());
+        assert_eq!(array.numbers().collect::<Vec<_>>(), [-7.0]);
     }
 
     #[test]
@@ -267,13 +238,21 @@ mod tests {
         assert!(problem(&nested).starts_with("numbers of type"));
     }
 
+    /// Two rows of three cells, with two numbers each: 100 row + 10 column + index.
     #[test]
-    fn what_is_not_read_says_what_would_be() {
-        let text = "{'descr': '<f4', 'fortran_order': True, 'shape': (2, 2), }";
-        let mut fortran = b"\x93NUMPY\x01\x00".to_vec();
-        fortran.extend((text.len() as u16).to_le_bytes());
-        fortran.extend(text.bytes().chain([0; 16]));
-        assert!(problem(&fortran).contains("ascontiguousarray"));
-        assert!(problem(&npy("<c8", &[1], &[0; 8])).contains("read are f4, f8"));
+    fn fortran_order_is_read_as_row_major() {
+        let text = "{'descr': '|u1', 'fortran_order': True, 'shape': (2, 3, 2), }";
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend((text.len() as u16).to_le_bytes());
+        bytes.extend(text.bytes());
+        bytes.extend([0, 100, 10, 110, 20, 120, 1, 101, 11, 111, 21, 121]);
+        let array = Npy::parse(&bytes).ok().unwrap();
+        let numbers: Vec<f64> = array.numbers().collect();
+        assert_eq!(numbers, [0, 1, 10, 11, 20, 21, 100, 101, 110, 111, 120, 121].map(f64::from));
+    }
+
+    #[test]
+    fn other_types_say_what_is_read() {
+        assert!(problem(&npy("<c8", &[1], &[0; 8])).contains("read are f2, f4, f8"));
     }
 }

@@ -3,7 +3,7 @@
 //! To add a format, write a module with a function like `manifest::open` and add a line to
 //! [`FORMATS`]. See "Add a scan format" in `docs/add-a-sensor.md`.
 
-use crate::{ReadError, Scan, depth_folder, manifest, stanford};
+use crate::{ReadError, Scan, ScanView, depth_folder, manifest, stanford};
 use std::path::Path;
 use transect_geometry::LengthUnit;
 
@@ -45,32 +45,60 @@ fn is_file_with(path: &Path, extension: &str) -> bool {
     !path.is_dir() && path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
+/// How a scan is opened.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct OpenOptions {
+    /// The unit of scans that do not state one. Lengths are never converted.
+    pub unit: Option<LengthUnit>,
+    /// Whether views without a file are left out, with a note. Otherwise they are an error.
+    pub skip_missing: bool,
+}
+
 impl Scan {
     /// Opens a scan whose files state their unit, or have one by convention.
     ///
     /// # Errors
-    /// See [`Scan::open_with_unit`].
+    /// See [`Scan::open_with`].
     pub fn open(path: &Path) -> Result<Self, ReadError> {
-        Self::open_with_unit(path, None)
+        Self::open_with(path, OpenOptions::default())
     }
 
     /// Opens a scan: a folder with `scan.json`, a manifest (`*.json`), a Stanford configuration
     /// (`*.conf`), or a folder of depth images with poses and `camera-intrinsics.txt`.
     ///
-    /// `unit` is used if the files do not state a unit. Lengths are never converted.
-    ///
     /// # Errors
-    /// [`ReadError`] if the path is none of these, a file is damaged, the unit is missing, or the
-    /// files state another unit than `unit`.
-    pub fn open_with_unit(path: &Path, unit: Option<LengthUnit>) -> Result<Self, ReadError> {
+    /// [`ReadError`] if the path is none of these, a file is missing or damaged, the unit is
+    /// missing, or the files state another unit than the options.
+    pub fn open_with(path: &Path, options: OpenOptions) -> Result<Self, ReadError> {
         std::fs::metadata(path).map_err(|e| ReadError::io(path, e))?;
-        match FORMATS.iter().find(|format| (format.recognise)(path)) {
-            Some(format) => (format.open)(path, unit),
-            None => {
-                let accepted = FORMATS.map(|format| format.name).join("; ");
-                Err(ReadError::NotAScan { path: path.to_owned(), accepted })
-            }
+        let Some(format) = FORMATS.iter().find(|format| (format.recognise)(path)) else {
+            let accepted = FORMATS.map(|format| format.name).join("; ");
+            return Err(ReadError::NotAScan { path: path.to_owned(), accepted });
+        };
+        let mut scan = (format.open)(path, options.unit)?;
+        scan.settle_missing(path, options.skip_missing)?;
+        Ok(scan)
+    }
+
+    /// Leaves out the views without a file, or refuses them.
+    fn settle_missing(&mut self, path: &Path, skip: bool) -> Result<(), ReadError> {
+        let is_missing = |view: &&ScanView| !view.path().exists();
+        let missing: Vec<_> = self.views.iter().filter(is_missing).map(ScanView::path).collect();
+        if missing.is_empty() {
+            return Ok(());
         }
+        let names: Vec<_> = missing.iter().map(|file| file.display().to_string()).collect();
+        let (count, views, names) = (missing.len(), self.views.len(), names.join(", "));
+        if !skip || count == views {
+            return Err(ReadError::MissingFiles { path: path.to_owned(), count, views, names });
+        }
+        let path = path.display();
+        let note = format!("{path}: {count} of {views} views left out, without a file: {names}");
+        self.notes.push(note);
+        self.inputs.retain(|file| file.exists());
+        self.views.retain(|view| view.path().exists());
+        Ok(())
     }
 }
 
@@ -88,5 +116,29 @@ mod tests {
         let text = folder.path().join("notes.txt");
         std::fs::write(&text, "no scan").unwrap();
         assert!(matches!(Scan::open(&text), Err(ReadError::NotAScan { .. })));
+    }
+
+    #[test]
+    fn views_without_a_file_are_an_error_that_says_how_to_go_on() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("bun.conf");
+        std::fs::write(&path, "mesh a.ply 0 0 0 0 0 0 1\nbmesh b.ply 0 0 0 0 0 0 1\n").unwrap();
+        std::fs::write(folder.path().join("b.ply"), "ply").unwrap();
+        let error = Scan::open(&path).unwrap_err().to_string();
+        assert!(error.contains("bun.conf: 1 of 2 views have no file: "), "{error}");
+        assert!(error.ends_with(
+            "a.ply; correct the names, or pass --skip-missing to leave these views out"
+        ));
+        let skip = OpenOptions { skip_missing: true, ..OpenOptions::default() };
+        let scan = Scan::open_with(&path, skip).unwrap();
+        let names: Vec<_> = scan.views.iter().map(ScanView::name).collect();
+        assert_eq!((names, scan.inputs.len()), (vec!["b.ply"], 2), "{:?}", scan.inputs);
+        assert!(
+            scan.notes[1].contains("1 of 2 views left out, without a file: "),
+            "{:?}",
+            scan.notes
+        );
+        std::fs::remove_file(folder.path().join("b.ply")).unwrap();
+        assert!(Scan::open_with(&path, skip).is_err(), "no view is left");
     }
 }

@@ -9,10 +9,10 @@
 //! quaternion rotates. Read the other way round, the ten scans of the bunny miss each other by
 //! centimetres. The format carries no unit; by its convention the numbers are metres.
 
-use crate::error::read_text;
+use crate::input::read_text;
 use crate::ply::read_range_grid;
 use crate::scan::{FramedImage, LoadView};
-use crate::{Place, ReadError, Scan, ScanView};
+use crate::{Place, ReadError, Scan, ScanView, missing};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -30,14 +30,20 @@ pub(crate) fn open(path: &Path, unit: Option<LengthUnit>) -> Result<Scan, ReadEr
         let convention = "the format carries no unit: taken as metres by its convention";
         notes.push(format!("{}: {convention}", path.display()));
     }
-    for (number, line) in text.lines().enumerate() {
-        match Line::parse(line) {
-            Line::Scan(words) => views.push(view(path, number + 1, &words, &mut notes)?),
-            Line::Quiet => {}
-            Line::Stray => {
-                let start: String = line.trim().chars().take(40).collect();
-                let (path, line) = (path.display(), number + 1);
-                notes.push(format!("{path}, line {line}: unknown line {start:?} ignored"));
+    for (number, line) in (1..).zip(text.lines()) {
+        let words: Vec<&str> = line.split_ascii_whitespace().collect();
+        match words.split_first() {
+            Some((&("bmesh" | "mesh"), scan)) => views.push(view(path, number, scan, &mut notes)?),
+            // A viewer's camera and comments do not concern the scan.
+            None | Some((&"camera", _)) => {}
+            Some((word, _)) if word.starts_with('#') => {}
+            Some((word, _)) => {
+                let start: String = word.chars().take(40).collect();
+                let problem = format!(
+                    "the line begins with {start:?}; expected \"bmesh\", \"mesh\", \"camera\" or \
+                     \"#\"; correct the word, or make the line a comment"
+                );
+                return Err(ReadError::damaged(path, Place::Line(number), problem));
             }
         }
     }
@@ -49,26 +55,6 @@ pub(crate) fn open(path: &Path, unit: Option<LengthUnit>) -> Result<Scan, ReadEr
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let unit = unit.unwrap_or(LengthUnit::Metre);
     Ok(Scan { name, unit, sigma: None, planes: None, views, notes, inputs })
-}
-
-enum Line<'a> {
-    /// The words after `bmesh` or `mesh`.
-    Scan(Vec<&'a str>),
-    /// Blank, a comment, or the viewer's camera.
-    Quiet,
-    Stray,
-}
-
-impl<'a> Line<'a> {
-    fn parse(line: &'a str) -> Self {
-        let mut words = line.split_ascii_whitespace();
-        match words.next() {
-            Some("bmesh" | "mesh") => Self::Scan(words.collect()),
-            None | Some("camera") => Self::Quiet,
-            Some(word) if word.starts_with('#') => Self::Quiet,
-            Some(_) => Self::Stray,
-        }
-    }
 }
 
 fn view(
@@ -108,8 +94,10 @@ struct RangeGridView {
 
 impl LoadView for RangeGridView {
     fn load(&self, notes: &mut Vec<String>) -> Result<FramedImage, ReadError> {
-        let grid = read_range_grid(&self.path)?;
+        let mut grid = read_range_grid(&self.path)?;
         notes.extend(grid.notes);
+        missing::clear_points(grid.size, &mut grid.points, None, notes)
+            .map_err(|p| p.in_file(&self.path))?;
         let made = PointGrid::from_translated_scan(grid.size, grid.points);
         let unusable = |e| ReadError::unusable(&self.path, Place::Whole, "the grid", e);
         let (frame, image) = made.map_err(unusable)?;
@@ -137,6 +125,7 @@ mod tests {
     fn open_text(text: &str) -> Result<Scan, ReadError> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("part.conf");
+        std::fs::write(folder.path().join("a.ply"), "ply").unwrap();
         std::fs::write(&path, text).unwrap();
         Scan::open(&path)
     }
@@ -167,15 +156,22 @@ mod tests {
     }
 
     #[test]
-    fn oddities_are_told_and_survived() {
-        let scan = open_text("spin 4\nmesh a.ply 0 0 0 0 0 0 2\n# a comment\n").unwrap();
+    fn byte_order_marks_comments_and_long_quaternions_are_read() {
+        let scan = open_text("\u{feff}mesh a.ply 0 0 0 0 0 0 2\n# a comment\n").unwrap();
         assert_eq!(scan.views[0].world_from_sensor(), &Isometry3::identity());
-        assert!(scan.notes[1].ends_with("part.conf, line 1: unknown line \"spin 4\" ignored"));
         assert!(
-            scan.notes[2].ends_with("line 2, view a.ply: quaternion of length 2.0000 normalised")
+            scan.notes[1].ends_with("line 1, view a.ply: quaternion of length 2.0000 normalised")
         );
         let empty = open_text("camera 1 2 3\n").unwrap_err().to_string();
         assert!(empty.ends_with("part.conf: no line \"bmesh FILE ...\""), "{empty}");
+    }
+
+    #[test]
+    fn a_line_that_is_none_is_an_error() {
+        let error = open_text("bmesh a.ply 0 0 0 0 0 0 1\nbmehs a.ply 0 0 0 0 0 0 1\n");
+        let error = error.unwrap_err().to_string();
+        let wanted = "part.conf, line 2: the line begins with \"bmehs\"; expected \"bmesh\"";
+        assert!(error.contains(wanted), "{error}");
     }
 
     /// Read the other way round, the poses put these two scans centimetres apart.

@@ -55,6 +55,11 @@ pub(crate) fn write_to_folder(name: &str, content: &[u8]) -> (tempfile::TempDir,
     (folder, path)
 }
 
+/// Options with a unit.
+pub(crate) fn in_unit(unit: LengthUnit) -> crate::OpenOptions {
+    crate::OpenOptions { unit: Some(unit), skip_missing: false }
+}
+
 /// A 16-bit grey image.
 pub(crate) fn write_png(path: &Path, cols: usize, counts: &[u16]) {
     let file = std::fs::File::create(path).unwrap();

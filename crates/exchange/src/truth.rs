@@ -3,7 +3,8 @@
 //! Arrays `vertices` (n × 3, float64, world frame and model unit) and `faces` (m × 3, int64 or
 //! int32). Written by this workspace's simulator and by the peer benchmark's generator.
 
-use crate::error::{Problem, read_bytes};
+use crate::error::Problem;
+use crate::input::read_bytes;
 use crate::npy::{self, Npy};
 use crate::{Place, ReadError, TriangleMesh, npz};
 use std::io::{self, Write};
@@ -17,8 +18,8 @@ use transect_geometry::Point3;
 /// face names a missing vertex.
 pub fn read_truth(path: &Path) -> Result<TriangleMesh, ReadError> {
     let bytes = read_bytes(path)?;
-    let vertices = triples(path, &bytes, "vertices", |_| Ok(()))?;
-    let faces = triples(path, &bytes, "faces", |array| array.require_integers())?;
+    let vertices = triples(path, &bytes, "vertices", false)?;
+    let faces = triples(path, &bytes, "faces", true)?;
     let at = |kind: &str, number| Place::Element { kind: kind.to_owned(), number, line: None };
     let vertices: Vec<_> = vertices.into_iter().map(Point3::from).collect();
     if let Some(bad) = vertices.iter().position(|v| !v.coords.iter().all(|c| c.is_finite())) {
@@ -42,7 +43,7 @@ fn triples(
     path: &Path,
     archive: &[u8],
     array: &str,
-    check: impl Fn(&Npy<'_>) -> Result<(), Problem>,
+    integers: bool,
 ) -> Result<Vec<[f64; 3]>, ReadError> {
     let parsed = || {
         let member = npz::member(archive, &format!("{array}.npy"))?;
@@ -51,8 +52,11 @@ fn triples(
             let problem = format!("its shape is {:?}, not n × 3", parsed.shape());
             return Err(Problem::damaged(problem));
         }
-        check(&parsed)?;
-        Ok(parsed.to_f64().as_chunks().0.to_vec())
+        if integers && !parsed.is_integer() {
+            let problem = "the array holds floating-point numbers, not integers";
+            return Err(Problem::unsupported(problem));
+        }
+        Ok(parsed.triples().collect())
     };
     parsed().map_err(|p| p.of(&format!("array {array}")).in_file(path))
 }

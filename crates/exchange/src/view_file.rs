@@ -1,9 +1,10 @@
 //! The image file of one view, with the facts that its manifest states about the image.
 
 use crate::image_file::{self, Pixels};
+use crate::missing::{self, MissingValue};
 use crate::{Place, ReadError, Unusable};
 use std::path::PathBuf;
-use transect_device::{ImageSize, RangeImage};
+use transect_device::{ImageSize, Point3, RangeImage};
 use transect_sensors::SensorError;
 
 /// An image file, and the size and scale that the manifest states.
@@ -15,15 +16,36 @@ pub(crate) struct ViewFile {
     /// Columns of the range image, where the manifest states them.
     pub(crate) stated_cols: Option<usize>,
     /// Length units per count of an integer image.
-    pub(crate) depth_scale: Option<f64>,
+    pub(crate) scale: Option<f64>,
+    /// The value of pixels without a return, where the manifest states it.
+    pub(crate) missing: Option<MissingValue>,
 }
 
 impl ViewFile {
     /// The range image in the file. Its size must be the stated one.
     pub(crate) fn load_image(&self, notes: &mut Vec<String>) -> Result<RangeImage, ReadError> {
-        let Pixels { size, values } = image_file::read(&self.path, self.depth_scale, notes)?;
+        let Pixels { size, mut values } = image_file::read(&self.path, self.scale, notes)?;
         self.check_size(size)?;
+        missing::clear_values(size, &mut values, self.mark(), notes)
+            .map_err(|p| p.in_file(&self.path))?;
         RangeImage::from_values(size, values).map_err(|e| self.unusable("the image", e))
+    }
+
+    /// The grid of points in the file. Its size must be the stated one.
+    pub(crate) fn load_points(
+        &self,
+        notes: &mut Vec<String>,
+    ) -> Result<(ImageSize, Vec<Point3>), ReadError> {
+        let (size, mut points) = image_file::read_points(&self.path, self.scale)?;
+        self.check_size(size)?;
+        missing::clear_points(size, &mut points, self.mark(), notes)
+            .map_err(|p| p.in_file(&self.path))?;
+        Ok((size, points))
+    }
+
+    /// The value of missing pixels after the file's scale.
+    fn mark(&self) -> Option<MissingValue> {
+        Some(self.missing?.scaled(self.scale.unwrap_or(1.0)))
     }
 
     pub(crate) fn damaged(&self, problem: impl Into<String>) -> ReadError {

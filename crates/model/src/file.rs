@@ -5,6 +5,7 @@
 
 use crate::Model;
 use crate::codec::{self, CodecError};
+use crate::regular_file::open_regular;
 use std::fs::{self, File};
 use std::io::{BufReader, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
@@ -72,7 +73,7 @@ impl Model {
     /// [`FileError::Load`], naming the file.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, FileError> {
         let path = path.as_ref();
-        let opened = File::open(path).map_err(CodecError::from);
+        let opened = open_regular(path).map_err(CodecError::from);
         let loaded = opened.and_then(|file| codec::read(BufReader::new(file)));
         loaded.map_err(|source| FileError::Load { path: path.to_owned(), source })
     }

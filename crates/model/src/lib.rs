@@ -22,6 +22,7 @@
 //! * [`SectionMeasures`], [`ModelVolume`], [`Bracket`]: bounds of areas and volumes, of solid and of
 //!   clear space;
 //! * [`Model::save`], [`Model::load`], [`FileError`]: a whole model in a plain file;
+//! * [`open_regular`]: opening files, for every reader of the workspace;
 //! * [`gaps`]: unseen stretches of boundary, and places from which a next view would see most of
 //!   them;
 //! * [`store`]: a model in a database, which grows view by view and may be larger than memory;
@@ -38,6 +39,7 @@ mod loops;
 mod measure;
 mod model;
 mod query;
+mod regular_file;
 mod section;
 mod selection;
 pub mod store;
@@ -53,6 +55,7 @@ pub use invariant::InvariantError;
 pub use measure::{Bracket, SectionMeasures};
 pub use model::{Model, ViewRecord};
 pub use query::{Location, ModelIndex, PlaneAnswer, SectionIndex, SpaceAnswer, locate_in_plane};
+pub use regular_file::open_regular;
 pub use section::{CurveIndex, CurveRecord, Section};
 pub use selection::PlaneSelection;
 pub use unit_tree::InTree;

@@ -13,6 +13,7 @@
 //!
 //! ```
 //! use transect::Unwatched;
+//! use transect_exchange::OpenOptions;
 //! use transect_workflow::simulation::{PreparedScene, SensorPlan, StripeImages};
 //! use transect_workflow::{ModelFile, OpenScan, ResultFolder, Settings};
 //!
@@ -40,7 +41,7 @@
 //! simulated.write(&scene, StripeImages::Extracted, &folder.path().join("scan"))?;
 //!
 //! // Open it, choose settings, make the model, write everything.
-//! let scan = OpenScan::open(folder.path().join("scan"), None)?;
+//! let scan = OpenScan::open(folder.path().join("scan"), OpenOptions::default())?;
 //! let mut settings = Settings::default();
 //! settings.planes.interval = Some("2mm".to_owned());
 //! let results = ResultFolder::new(folder.path().join("out"));

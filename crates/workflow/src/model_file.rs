@@ -7,7 +7,7 @@ use std::io::Read;
 use std::path::Path;
 use transect_geometry::{LengthUnit, PlaneFamily, PlaneIndex};
 use transect_model::store::{Snapshot, Store, StoreError};
-use transect_model::{CodecError, FileError, Model, ModelVolume, Section};
+use transect_model::{CodecError, FileError, Model, ModelVolume, Section, open_regular};
 
 /// Whether a path is a model file, a model store, or a result folder.
 ///
@@ -18,7 +18,7 @@ pub fn is_model(path: &Path) -> bool {
     }
     let Ok(file) = find_model(path) else { return false };
     let mut magic = [0; 8];
-    let read = std::fs::File::open(file).and_then(|mut file| file.read_exact(&mut magic));
+    let read = open_regular(&file).and_then(|mut file| file.read_exact(&mut magic));
     read.is_ok() && magic == *b"TRANSECT"
 }
 

@@ -5,11 +5,13 @@ use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use transect::{Report, Setup};
 use transect_fusion::FusionMethod;
 use transect_geometry::CurvedGuide;
+use transect_model::open_regular;
 use transect_partial::Method;
 
 /// The content of `report.json` without the table and the costs.
@@ -119,7 +121,8 @@ impl<'a> ReportFile<'a> {
 
 /// Size and hash of an input; an input that has vanished meanwhile is left out.
 fn input(path: &Path) -> Option<Input> {
-    let bytes = std::fs::read(path).ok()?;
+    let mut bytes = Vec::new();
+    open_regular(path).and_then(|mut file| file.read_to_end(&mut bytes)).ok()?;
     let hash = Sha256::digest(&bytes);
     let sha256 = hash.iter().map(|b| format!("{b:02x}")).collect();
     Some(Input { path: path.to_owned(), bytes: bytes.len() as u64, sha256 })

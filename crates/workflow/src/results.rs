@@ -9,7 +9,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use transect_exchange::svg::{OverviewOptions, Sheets, write_overview};
 use transect_exchange::{
-    DxfFrame, ModelSplines, WriteError, write_contours, write_dxf, write_file,
+    DxfFrame, ModelSplines, WriteError, read_text, write_contours, write_dxf, write_file,
 };
 use transect_geometry::PlaneIndex;
 use transect_model::Model;
@@ -209,7 +209,7 @@ impl ResultFolder {
         struct Written {
             scan: PathBuf,
         }
-        let text = std::fs::read_to_string(self.0.join(REPORT)).ok()?;
+        let text = read_text(&self.0.join(REPORT)).ok()?;
         serde_json::from_str(&text).ok().map(|written: Written| written.scan)
     }
 }

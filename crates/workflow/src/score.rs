@@ -6,7 +6,7 @@ use crate::{ResultFolder, WorkflowError};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use transect::evaluate::{Accuracy, EvaluateOptions, duplication, evaluate, evaluate_seen};
+use transect::evaluate::{Accuracy, EvaluateOptions, Extent, duplication, evaluate, evaluate_seen};
 use transect_device::View;
 use transect_exchange::{Scan, TriangleMesh, read_mesh, read_truth};
 use transect_geometry::{Curve, PlaneIndex, Point2};
@@ -84,6 +84,10 @@ pub fn score(
         }
         Reference::Mesh(path) => {
             let mesh = solid(read_mesh(path)?.mesh);
+            let extents = extent(model).zip(Extent::of(mesh.vertices.iter().copied()));
+            let margin = limits.options(model)?.tolerance;
+            let checked = extents.map_or(Ok(()), |(ours, theirs)| ours.check(&theirs, margin));
+            checked.map_err(|e| WorkflowError::file(path, e))?;
             let truth = cut(&mesh, model).map_err(|e| WorkflowError::file(path, e))?;
             evaluate(model.planes(), &curves(model), &truth, &limits.options(model)?)?
         }
@@ -148,6 +152,15 @@ fn widest_interval(model: &Model) -> f64 {
 /// A model's curves by plane.
 fn curves(model: &Model) -> BTreeMap<PlaneIndex, Vec<Curve>> {
     model.sections().map(|(k, s)| (k, s.curves().cloned().collect())).collect()
+}
+
+/// The box around a model's curves.
+fn extent(model: &Model) -> Option<Extent> {
+    Extent::of(model.sections().flat_map(|(k, section)| {
+        let frame = model.planes().frame(k);
+        let nodes = section.curves().flat_map(Curve::nodes);
+        nodes.map(move |node| frame.world_from_plane(&node.position))
+    }))
 }
 
 /// The sections of a surface on the planes that the model was asked for.

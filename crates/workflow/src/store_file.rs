@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use transect::{
     GrowError, Grower, Growth, ReconstructError, Reconstruction, Setup, Unwatched, Watch,
 };
-use transect_exchange::{Scan, ScanView};
+use transect_exchange::{OpenOptions, Scan, ScanView};
 use transect_geometry::Isometry3;
 use transect_model::store::{Store, StoreError, StoreHeader, StoreProblem, StoredView, ViewId};
 use transect_model::{CodecError, SCHEMA_VERSION};
@@ -107,7 +107,10 @@ impl StoreFile {
         let scan_path = replacement.scan.clone().unwrap_or_else(|| old.entry.source.clone().into());
         // A scan that does not state its unit is taken to have the store's; the modeler refuses
         // one of another unit.
-        let scan = Scan::open_with_unit(&scan_path, Some(self.setup.unit))?;
+        // Of the scan, one view is read.
+        let mut options = OpenOptions::default();
+        (options.unit, options.skip_missing) = (Some(self.setup.unit), true);
+        let scan = Scan::open_with(&scan_path, options)?;
         let in_scan = replacement.view.as_deref().unwrap_or(&old.entry.name);
         let view = view_of_scan(&scan, &scan_path, in_scan)?;
         let source =

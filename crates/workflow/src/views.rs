@@ -3,8 +3,8 @@
 use crate::WorkflowError;
 use std::path::{Path, PathBuf};
 use transect::{LoadedView, SourceError, ViewSource};
-use transect_exchange::{Scan, ScanView};
-use transect_geometry::{Isometry3, LengthUnit};
+use transect_exchange::{OpenOptions, Scan, ScanView};
+use transect_geometry::Isometry3;
 
 /// A scan on disk. Its small files are read, its images are not.
 #[derive(Debug, Clone)]
@@ -14,14 +14,14 @@ pub struct OpenScan {
 }
 
 impl OpenScan {
-    /// Opens a scan; see [`Scan::open_with_unit`] for the kinds of scan.
+    /// Opens a scan; see [`Scan::open_with`] for the kinds of scan.
     ///
     /// # Errors
-    /// [`WorkflowError::Read`] if the path is no scan, a file is damaged, or the unit is missing or
-    /// is not the scan's.
-    pub fn open(path: impl Into<PathBuf>, unit: Option<LengthUnit>) -> Result<Self, WorkflowError> {
+    /// [`WorkflowError::Read`] if the path is no scan, a file is missing or damaged, or the unit is
+    /// missing or is not the scan's.
+    pub fn open(path: impl Into<PathBuf>, options: OpenOptions) -> Result<Self, WorkflowError> {
         let path = path.into();
-        let scan = Scan::open_with_unit(&path, unit)?;
+        let scan = Scan::open_with(&path, options)?;
         Ok(Self { path, scan })
     }
 

@@ -2,9 +2,9 @@
 
 use crate::failure::Failure;
 use crate::table::{Row, print};
-use std::fs::File;
 use std::io::BufReader;
 use std::path::PathBuf;
+use transect_model::open_regular;
 use transect_model::store::Store;
 
 /// Options of `import`.
@@ -18,7 +18,7 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let lines = File::open(&arguments.lines);
+    let lines = open_regular(&arguments.lines);
     let lines = lines.map_err(|e| Failure::with_file(&arguments.lines, e))?;
     let store = Store::import(&arguments.file, BufReader::new(lines))?;
     let rows = [

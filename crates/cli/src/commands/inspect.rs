@@ -6,7 +6,7 @@ use crate::table::{Row, digits, print};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use transect_device::{Pixel, Point3, View};
-use transect_exchange::{Scan, ScanView};
+use transect_exchange::{OpenOptions, Scan, ScanView};
 use transect_geometry::LengthUnit;
 use transect_image::estimate_sigma;
 use transect_workflow::{is_model, with_causes};
@@ -20,6 +20,9 @@ pub struct Arguments {
     /// Length unit of a scan that does not state one.
     #[arg(long)]
     unit: Option<LengthUnit>,
+    /// Leave out views whose file does not exist, with a note.
+    #[arg(long)]
+    skip_missing: bool,
 }
 
 /// Runs the command.
@@ -27,7 +30,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if is_model(&arguments.scan) {
         return inspect_model::run(&arguments.scan);
     }
-    let scan = Scan::open_with_unit(&arguments.scan, arguments.unit)?;
+    let mut options = OpenOptions::default();
+    (options.unit, options.skip_missing) = (arguments.unit, arguments.skip_missing);
+    let scan = Scan::open_with(&arguments.scan, options)?;
     let loaded: Vec<_> = scan.views.par_iter().map(ScanView::load).collect();
     scan.notes.iter().for_each(|n| eprintln!("note: {n}"));
     let mut rows = scan_rows(&scan);

@@ -7,6 +7,7 @@ use crate::progress::Progress;
 use crate::table::{Row, print, say};
 use clap::builder::PossibleValuesParser;
 use std::path::{Path, PathBuf};
+use transect_exchange::OpenOptions;
 use transect_geometry::LengthUnit;
 use transect_workflow::{
     Costs, OpenScan, ResultFolder, Run, Settings, default_folder, dxf_frame, fusion_method,
@@ -22,6 +23,9 @@ pub struct Arguments {
     /// Length unit of a scan that does not state one: m, dm, cm, mm, um, in or ft.
     #[arg(long)]
     unit: Option<LengthUnit>,
+    /// Leave out views whose file does not exist, with a note.
+    #[arg(long)]
+    skip_missing: bool,
     /// Folder for the results [default: transect-out/NAME].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -82,7 +86,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(path) => path.clone(),
         None => costs.stage("simulating", || bundled_scan(arguments))?,
     };
-    let scan = OpenScan::open(path, arguments.unit)?;
+    let mut options = OpenOptions::default();
+    (options.unit, options.skip_missing) = (arguments.unit, arguments.skip_missing);
+    let scan = OpenScan::open(path, options)?;
     // Before anything can fail: a note may be the reason.
     scan.scan().notes.iter().for_each(|note| eprintln!("note: {note}"));
     let settings = arguments.settings()?;

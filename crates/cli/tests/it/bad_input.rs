@@ -100,7 +100,10 @@ const MANIFESTS: &[Spoiled] = &[
         |m| m["views"][0]["sensor"] = "sonar".into(),
         &["scan.json, view 0 (wall.npy)", "\"sensor\"", "\"sonar\""],
     ),
-    (|m| m["views"][0]["fx"] = Value::Null, &["scan.json, view 0 (wall.npy)", "\"fx\"", "number"]),
+    (
+        |m| m["views"][0]["fx"] = Value::Null,
+        &["scan.json, view 0 (wall.npy)", "missing field `fx`"],
+    ),
     (|m| m["views"][0]["fx"] = json!(0), &["view wall.npy", "wall.npy", "fx = 0"]),
     (
         |m| m["views"][0]["pose"][0] = Value::Null,
@@ -116,7 +119,7 @@ const MANIFESTS: &[Spoiled] = &[
     ),
     (
         |m| m["views"][0]["file"] = "gone.npy".into(),
-        &["view gone.npy", "gone.npy: cannot be read", "No such file"],
+        &["scan.json: 1 of 1 views have no file", "gone.npy", "pass --skip-missing"],
     ),
     (
         |m| m["views"][0]["file"] = "scan.json".into(),
@@ -132,7 +135,7 @@ const MANIFESTS: &[Spoiled] = &[
     ),
     (
         |m| m["views"][0]["file"] = "wall.png".into(),
-        &["view wall.png", "wall.png", "needs \"depth_scale\""],
+        &["view wall.png", "wall.png", "add \"scale\": length units per count"],
     ),
 ];
 
@@ -305,7 +308,7 @@ fn unknown_keys_are_told_when_the_run_fails_too() {
     manifest["views"][0]["file"] = "wall.png".into();
     manifest["views"][0]["depthscale"] = json!(0.001);
     let run = scan_of(&manifest).reconstruct("scan.json");
-    run.failed_with(1, &["needs \"depth_scale\"", "unknown key \"depthscale\""]);
+    run.failed_with(1, &["add \"scale\": length units per count", "unknown key \"depthscale\""]);
 }
 
 #[test]

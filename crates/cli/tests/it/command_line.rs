@@ -370,6 +370,8 @@ fn failures_end_with_1_and_name_their_file() {
     folder.write("broken.scene.toml", "name = \"x\"\nunit = 3\n");
     folder.write("no.transect", "nothing");
     folder.write("no.ply", "nothing");
+    let facet = "facet\nvertex 1e6 0 0\nvertex 2e6 0 0\nvertex 1e6 3e6 9e6\nendfacet\n";
+    folder.write("far.stl", &format!("solid a\n{facet}endsolid a\n"));
     for (line, texts) in [
         ("reconstruct nowhere --out o", ["nowhere: cannot be read", "No such file"]),
         ("inspect nowhere", ["nowhere: cannot be read", "No such file"]),
@@ -379,6 +381,7 @@ fn failures_end_with_1_and_name_their_file() {
         ("evaluate out --reference none.ply", ["none.ply: cannot be read", "No such file"]),
         ("evaluate out --reference no.transect", ["no.transect", "read from .ply, .stl and .obj"]),
         ("evaluate out --reference no.ply", ["no.ply, line 1", "not a PLY file"]),
+        ("evaluate out --reference far.stl", ["far.stl: the reference spans", "do not overlap"]),
         ("manifest scan --out m.json", ["camera-intrinsics.txt", "cannot be read"]),
     ] {
         folder.run(line).failed_with(1, &texts);

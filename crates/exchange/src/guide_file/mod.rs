@@ -15,7 +15,8 @@ mod geojson;
 #[cfg(test)]
 mod tests;
 
-use crate::error::{Problem, read_text};
+use crate::error::Problem;
+use crate::input::read_text;
 use crate::{Place, ReadError};
 use std::path::Path;
 use transect_geometry::{CurvedGuide, GuideKind, MAX_GUIDE_POINTS, Point3};

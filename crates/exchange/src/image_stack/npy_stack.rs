@@ -2,9 +2,9 @@
 
 use super::Located;
 use crate::error::Problem;
-use crate::npy::{Header, Scalar};
-use crate::{Place, ReadError};
-use std::fs::File;
+use crate::npy::Header;
+use crate::scalar::Scalar;
+use crate::{Place, ReadError, input};
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use transect_device::ImageSize;
@@ -25,15 +25,16 @@ impl NpyStack {
     pub(super) fn open(path: &Path, camera: ImageSize) -> Result<Option<Self>, ReadError> {
         let io = |e| ReadError::io(path, e);
         let damaged = |problem: String| ReadError::damaged(path, Place::Whole, problem);
-        let file = File::open(path).map_err(io)?;
+        let file = input::open(path)?;
         let length = file.metadata().map_err(io)?.len();
         let mut start = Vec::new();
         file.take(LONGEST_HEADER).read_to_end(&mut start).map_err(io)?;
         let located = |problem: Problem| problem.in_file(path);
         let header = Header::parse(&start).map_err(located)?;
         let [steps, rows, cols] = *header.shape else { return Ok(None) };
-        if !matches!(header.scalar, Scalar::U8 | Scalar::U16) {
-            let problem = "a stack of intensity images holds counts of type u1 or u2";
+        if header.fortran || !matches!(header.scalar, Scalar::U8 | Scalar::U16) {
+            let problem = "a stack of intensity images holds counts of type u1 or u2, not in Fortran order; \
+                 save numpy.ascontiguousarray(stack)";
             return Err(ReadError::unsupported(path, Place::Whole, problem));
         }
         header.data_size(usize::try_from(length).unwrap_or(usize::MAX)).map_err(located)?;
@@ -58,7 +59,7 @@ impl NpyStack {
         mut take: impl FnMut(Located<'_>, IntensityImage) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
         let io = |e| ReadError::io(&self.path, e);
-        let mut file = File::open(&self.path).map_err(io)?;
+        let mut file = input::open(&self.path)?;
         file.seek(SeekFrom::Start(self.header.length as u64)).map_err(io)?;
         // Not more than the file has, because `data_size` has compared them.
         let mut bytes = vec![0; self.size.pixels() * self.header.scalar.size()];

@@ -1,7 +1,7 @@
 //! A stack in a folder: `.png` files in the order of their names.
 
 use super::Located;
-use crate::error::read_bytes;
+use crate::input::read_bytes;
 use crate::png_file::{self, Samples};
 use crate::{Place, ReadError};
 use std::path::{Path, PathBuf};

@@ -2,6 +2,7 @@
 
 use super::sensor::SensorEntry;
 use crate::PlanesEntry;
+use crate::missing::MissingValue;
 use serde::Serialize;
 use std::io::{self, Write};
 use transect_geometry::LengthUnit;
@@ -47,9 +48,12 @@ pub struct ViewEntry {
     /// Columns of the image. The reader compares them with the file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cols: Option<usize>,
-    /// Length units per count, for `.png` images.
+    /// Length units per count, for images of integers.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub depth_scale: Option<f64>,
+    pub scale: Option<f64>,
+    /// The value of pixels without a return: a number, or a point in grids.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub missing: Option<MissingValue>,
     /// `world_from_sensor`, row-major homogeneous; see [`row_major`](crate::row_major).
     pub pose: [f64; 16],
     /// The true pose, if it is known and differs from `pose`. Modelling never uses it; it is for
@@ -61,7 +65,16 @@ pub struct ViewEntry {
 impl ViewEntry {
     /// A view without stated size, scale and true pose.
     pub fn new(file: String, sensor: SensorEntry, pose: [f64; 16]) -> Self {
-        Self { file, sensor, rows: None, cols: None, depth_scale: None, pose, pose_true: None }
+        Self {
+            file,
+            sensor,
+            rows: None,
+            cols: None,
+            scale: None,
+            missing: None,
+            pose,
+            pose_true: None,
+        }
     }
 }
 

@@ -16,8 +16,10 @@
 //! | `planes` | plane k is normal · p = offset + k · interval; optional |
 //! | `planes.guide` | a curve instead of the normal: `{"kind": "spline", "points": [[x, y, z], …]}`; `"kind": {"polyline": RADIUS}` is straight pieces with corners rounded by arcs up to that radius |
 //! | `file` | the image, relative to the manifest |
-//! | `pose` | 16 numbers, row-major, sensor to world |
+//! | `pose` | 16 numbers, row-major, or 4 rows of 4; sensor to world |
 //! | `pose_true` | the true pose, if it is known; modelling never uses it |
+//! | `scale` | length units per count, for images of integers; `depth_scale` is its older name |
+//! | `missing` | the value of pixels without a return in the file, before the scale: a number, or `[x, y, z]` for a grid; in a view, or at the top for all views |
 //! | `rows`, `cols` | size of the range image; optional, checked against the file |
 //! | `sensor` | one of the following, each with its own keys |
 //!
@@ -30,8 +32,8 @@
 //! | `grid` | `viewpoint` [x, y, z], where all rays start; a `.npy` of rows × cols × 3 points |
 //!
 //! Images are `.npy`, NaN or 0 = missing, in the unit of the sensor's pixels (the length unit for
-//! ranges and depths), or 16-bit grey `.png` with `depth_scale` in that unit per count, 0 and 65535
-//! = missing. Files that keys name are relative to the manifest. Notes by other programs (`scene`,
+//! ranges and depths). Integers, and 16-bit grey `.png` (0 and 65535 = missing), need a `scale`.
+//! Other values that mean "no return" are stated by `missing`, or found; see `missing.rs`. Files that keys name are relative to the manifest. Notes by other programs (`scene`,
 //! `size`, `truth`, `seed`, `comment`, `description`) are accepted. Any other key becomes a note,
 //! also one of another sensor. `NaN` and `Infinity`, which some programs write though JSON has no
 //! such numbers, are read as "not a number".
@@ -78,6 +80,6 @@ pub(crate) fn open(path: &Path, unit: Option<LengthUnit>) -> Result<Scan, ReadEr
 /// # Errors
 /// [`ReadError`] naming file, view and key if something is missing or wrong.
 pub fn read_manifest(path: &Path) -> Result<(Manifest, Vec<String>), ReadError> {
-    let text = crate::error::read_text(path)?;
+    let text = crate::input::read_text(path)?;
     read::manifest(path, &text)
 }

@@ -3,6 +3,7 @@
 use super::entry::{Manifest, ViewEntry};
 use super::keys::Keys;
 use super::sensor::SensorEntry;
+use crate::missing::MissingValue;
 use crate::{Place, PlanesEntry, ReadError};
 use serde::Deserialize;
 use serde_json::Value;
@@ -21,9 +22,10 @@ pub(super) fn manifest(path: &Path, text: &str) -> Result<(Manifest, Vec<String>
     let mut notes = Vec::new();
     let mut views = Vec::new();
     let entries = keys.get("views").and_then(Value::as_array);
+    let missing = keys.optional("missing")?;
     for (number, entry) in entries.ok_or_else(|| keys.wrong("views", "a list"))?.iter().enumerate()
     {
-        views.push(view(path, number, entry, &mut notes)?);
+        views.push(view(path, (number, entry), missing, &mut notes)?);
     }
     let sigma: Option<f64> = keys.optional("sigma")?;
     if sigma.is_some_and(|s| !(s.is_finite() && s >= 0.0)) {
@@ -60,24 +62,26 @@ fn planes(keys: &Keys<'_>, notes: &mut Vec<String>) -> Result<PlanesEntry, ReadE
 
 fn view(
     path: &Path,
-    number: usize,
-    value: &Value,
+    (number, value): (usize, &Value),
+    missing: Option<MissingValue>,
     notes: &mut Vec<String>,
 ) -> Result<ViewEntry, ReadError> {
     let file = value.get("file").and_then(Value::as_str).unwrap_or("no file").to_owned();
     let at = Place::View { number, name: file };
     let keys = Keys::of(path, at, "", value)?;
     keys.informational(&FOREIGN_KEYS);
-    let depth_scale: Option<f64> = keys.optional("depth_scale")?;
-    if depth_scale.is_some_and(|s| !(s.is_finite() && s > 0.0)) {
-        return Err(keys.wrong("depth_scale", "a positive length per count"));
+    // The second name is the older one.
+    let scale: Option<f64> = keys.optional("scale")?.or(keys.optional("depth_scale")?);
+    if scale.is_some_and(|s| !(s.is_finite() && s > 0.0)) {
+        return Err(keys.wrong("scale", "a positive length per count"));
     }
     let entry = ViewEntry {
         file: keys.required("file", "a file name")?,
         sensor: SensorEntry::read(&keys, notes)?,
         rows: keys.optional("rows")?,
         cols: keys.optional("cols")?,
-        depth_scale,
+        scale,
+        missing: keys.optional("missing")?.or(missing),
         pose: keys.required::<PoseText>("pose", POSE)?.matrix(&keys, "pose")?,
         pose_true: pose_true(&keys)?,
     };

@@ -1,7 +1,7 @@
 use super::*;
 use crate::PlanesEntry;
 use crate::npy;
-use crate::test_data::with_causes;
+use crate::test_data::{in_unit, with_causes};
 use std::path::PathBuf;
 use transect_device::{Pixel, Point3};
 
@@ -68,7 +68,7 @@ fn a_unit_is_never_guessed() {
     std::fs::write(pinhole.path("scan.json"), text.replace(r#""unit": "mm","#, "")).unwrap();
     let error = pinhole.error();
     assert!(error.ends_with("scan.json: no length unit; add \"unit\": \"m\" or pass --unit"));
-    let given = Scan::open_with_unit(&pinhole.path("scan.json"), Some(LengthUnit::Inch)).unwrap();
+    let given = Scan::open_with(&pinhole.path("scan.json"), in_unit(LengthUnit::Inch)).unwrap();
     assert_eq!(given.unit, LengthUnit::Inch);
     std::fs::write(pinhole.path("scan.json"), text.replace("\"mm\"", "\"furlong\"")).unwrap();
     assert!(pinhole.error().contains("\"unit\" must be one of m, dm,"), "{}", pinhole.error());
@@ -77,9 +77,9 @@ fn a_unit_is_never_guessed() {
 #[test]
 fn two_units_are_a_conflict_and_never_a_conversion() {
     let scan = Folder::pinhole("");
-    let error = Scan::open_with_unit(scan.0.path(), Some(LengthUnit::Metre)).unwrap_err();
+    let error = Scan::open_with(scan.0.path(), in_unit(LengthUnit::Metre)).unwrap_err();
     assert!(error.to_string().contains("the unit is mm, but m was asked for"), "{error}");
-    assert!(Scan::open_with_unit(scan.0.path(), Some(LengthUnit::Millimetre)).is_ok());
+    assert!(Scan::open_with(scan.0.path(), in_unit(LengthUnit::Millimetre)).is_ok());
 }
 
 #[test]
@@ -165,7 +165,7 @@ fn what_is_missing_or_wrong_is_named() {
             "\"sigma\" must be a length of at least 0".to_owned(),
         ),
         ("\"unit\"", "unit", "not valid JSON for this purpose: key must be a string".to_owned()),
-        ("\"a.npy\"", "\"b.npy\"", "b.npy: cannot be read: ".to_owned()),
+        ("\"a.npy\"", "\"b.npy\"", "1 of 1 views have no file: ".to_owned()),
     ] {
         let error = pinhole(replaced, by);
         assert!(error.contains(&wanted), "{by}: {error}");
@@ -218,7 +218,70 @@ fn sixteen_bit_images_need_a_scale() {
     assert_eq!(notes.len(), 1, "{notes:?}");
     let unscaled = text.replace(r#", "depth_scale": 0.5"#, "");
     std::fs::write(folder.path("scan.json"), unscaled).unwrap();
-    assert!(folder.error().contains("a .png image needs \"depth_scale\""), "{}", folder.error());
+    assert!(folder.error().contains("add \"scale\": length units per count"), "{}", folder.error());
+}
+
+/// The image of 2 × 2 pixels, in every form that programs write.
+#[test]
+fn integers_halves_fortran_order_and_a_third_dimension_are_read() {
+    let header = |descr: &str, fortran: &str, shape: &str| {
+        let text =
+            format!("{{'descr': '{descr}', 'fortran_order': {fortran}, 'shape': {shape}, }}");
+        let length = (text.len() as u16).to_le_bytes();
+        [b"\x93NUMPY\x01\x00".as_slice(), &length, text.as_bytes()].concat()
+    };
+    let counts = [1500_u16, 0, 2000, 65535].map(u16::to_le_bytes).concat();
+    let columns = [1500_u16, 2000, 0, 65535].map(u16::to_le_bytes).concat();
+    let halves = [0x3e00_u16, 0x7e00, 0x4000, 0xbc00].map(u16::to_le_bytes).concat();
+    let scaled = r#", "scale": 0.001, "missing": 65535"#;
+    for (bytes, keys) in [
+        ([header("<u2", "False", "(2, 2)"), counts.clone()].concat(), scaled),
+        ([header("<u2", "True", "(2, 2)"), columns].concat(), scaled),
+        ([header("<u2", "False", "(2, 2, 1)"), counts.clone()].concat(), scaled),
+        ([header("<f2", "False", "(2, 2)"), halves].concat(), ""),
+    ] {
+        let folder = Folder::pinhole(keys);
+        std::fs::write(folder.path("a.npy"), bytes).unwrap();
+        let (view, notes) = folder.open().unwrap().views[0].load().unwrap();
+        let image = view.image();
+        assert_eq!((image.extremes(), image.valid_count()), (Some((1.5, 2.0)), 2), "{keys}");
+        assert_eq!((image.get(Pixel::new(1, 0)), notes), (Some(2.0), Vec::new()), "{keys}");
+    }
+    let folder = Folder::pinhole("");
+    let unscaled = [header("<u2", "False", "(2, 2)"), counts].concat();
+    std::fs::write(folder.path("a.npy"), unscaled).unwrap();
+    let wanted = "a.npy: integers need a scale; add \"scale\": length units per count to the view";
+    assert!(folder.error().ends_with(wanted), "{}", folder.error());
+}
+
+#[test]
+fn poses_of_four_rows_are_read() {
+    let folder = Folder::pinhole("");
+    let text = std::fs::read_to_string(folder.path("scan.json")).unwrap();
+    let rows = "[[1,0,0,7], [0,1,0,8], [0,0,1,9], [0,0,0,1]]";
+    let text = format!("\u{feff}{}", text.replace(POSE, rows));
+    std::fs::write(folder.path("scan.json"), text).unwrap();
+    let scan = folder.open().unwrap();
+    let origin = scan.views[0].world_from_sensor() * Point3::origin();
+    assert_eq!(origin, Point3::new(7.0, 8.0, 9.0));
+}
+
+/// Both forms of the key: for all views, and for one.
+#[test]
+fn stated_missing_values_are_missing() {
+    let view = |more: &str| {
+        format!(
+            r#""file": "a.npy", "sensor": "pinhole", "fx": 2, "fy": 2, "cx": 0.5, "cy": 0.5,
+            "pose": {POSE}{more}"#
+        )
+    };
+    for (top, keys) in [(r#""missing": 2,"#, view("")), ("", view(r#", "missing": 2"#))] {
+        let folder = Folder::with(&format!(r#""unit": "m", {top}"#), &keys);
+        let (view, _) = folder.open().unwrap().views[0].load().unwrap();
+        assert_eq!(view.image().extremes(), Some((1.0, 1.0)));
+    }
+    let wrong = Folder::pinhole(r#", "missing": "none""#).error();
+    assert!(wrong.ends_with("\"missing\": a number, or [x, y, z] for a grid of points"), "{wrong}");
 }
 
 #[test]
@@ -301,7 +364,7 @@ fn a_written_manifest_reads_back() {
         size: Some(4.25),
         views: vec![
             ViewEntry { rows: Some(2), cols: Some(3), pose: far, ..view("a.npy", spherical) },
-            ViewEntry { depth_scale: Some(1e-3), pose_true: Some(far), ..view("b.png", grid) },
+            ViewEntry { scale: Some(1e-3), pose_true: Some(far), ..view("b.png", grid) },
         ],
     };
     let folder = tempfile::tempdir().unwrap();

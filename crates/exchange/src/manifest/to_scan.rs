@@ -54,7 +54,8 @@ pub(crate) fn to_scan(
             path: folder.join(&entry.file),
             stated_rows: entry.rows,
             stated_cols: entry.cols,
-            depth_scale: entry.depth_scale,
+            scale: entry.scale,
+            missing: entry.missing,
         };
         sensor.image_files(&file.path)?.into_iter().for_each(|image| files.add(image));
         let (name, path) = (entry.file.clone(), file.path.clone());

@@ -7,7 +7,7 @@ mod stl;
 #[cfg(test)]
 mod tests;
 
-use crate::error::read_bytes;
+use crate::input::read_bytes;
 use crate::triangle_mesh::MeshFile;
 use crate::{Place, ReadError, ply};
 use std::path::Path;

@@ -12,6 +12,7 @@
 
 use super::element;
 use crate::error::Problem;
+use crate::input::without_mark;
 use crate::triangle_mesh::{MeshFile, TriangleMesh, fan, note_dropped};
 use crate::{Place, ReadError};
 use std::borrow::Cow;
@@ -19,7 +20,7 @@ use std::path::Path;
 use transect_geometry::Point3;
 
 pub(super) fn mesh(path: &Path, bytes: &[u8]) -> Result<MeshFile, ReadError> {
-    let text = String::from_utf8_lossy(bytes);
+    let text = String::from_utf8_lossy(without_mark(bytes));
     let mut reader = Reader::default();
     let mut lines = text.lines().enumerate();
     while let Some((number, line)) = lines.next() {

@@ -17,6 +17,7 @@
 //! Corners of equal coordinates become one vertex, in the order in which they first occur.
 
 use super::element;
+use crate::input::without_mark;
 use crate::triangle_mesh::{MeshFile, TriangleMesh, note_dropped};
 use crate::{Place, ReadError};
 use std::collections::HashMap;
@@ -54,7 +55,7 @@ fn is_binary(bytes: &[u8]) -> bool {
         return true;
     }
     let beginning = bytes.get(..BEGINNING).unwrap_or(bytes);
-    let start = beginning.trim_ascii_start();
+    let start = without_mark(beginning).trim_ascii_start();
     let solid = start.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     // Names in any encoding are text; control characters are not.
     let is_text = |b: &u8| *b >= b' ' || b.is_ascii_whitespace();
@@ -100,7 +101,7 @@ fn binary(
 }
 
 fn text(path: &Path, bytes: &[u8], welder: &mut Welder) -> Result<(), ReadError> {
-    let text = String::from_utf8_lossy(bytes);
+    let text = String::from_utf8_lossy(without_mark(bytes));
     let mut reader = TextReader { welder, facet: None, open: false };
     for (number, line) in text.lines().enumerate() {
         reader.line(line).map_err(|problem| {

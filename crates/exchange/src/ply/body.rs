@@ -1,6 +1,7 @@
 //! The numbers after a PLY header.
 
-use super::header::{Encoding, Kind, Property, Scalar};
+use super::header::{Encoding, Kind, Property};
+use crate::scalar::Scalar;
 
 /// Reads the numbers of a file one by one, without copying the file.
 pub(super) struct Body<'a> {
@@ -85,34 +86,10 @@ impl<'a> Body<'a> {
         Ok(rest.get(..end).unwrap_or(rest))
     }
 
-    fn take<const N: usize>(&mut self) -> Result<[u8; N], String> {
-        let taken = self.rest().first_chunk().copied();
-        self.at += N;
-        taken.ok_or_else(|| "truncated: the file ends here".to_owned())
-    }
-
     fn binary(&mut self, scalar: Scalar) -> Result<f64, String> {
-        let big = self.encoding == Encoding::BigEndian;
-        macro_rules! read {
-            ($type:ty) => {{
-                let bytes = self.take()?;
-                f64::from(if big {
-                    <$type>::from_be_bytes(bytes)
-                } else {
-                    <$type>::from_le_bytes(bytes)
-                })
-            }};
-        }
-        Ok(match scalar {
-            Scalar::I8 => read!(i8),
-            Scalar::U8 => read!(u8),
-            Scalar::I16 => read!(i16),
-            Scalar::U16 => read!(u16),
-            Scalar::I32 => read!(i32),
-            Scalar::U32 => read!(u32),
-            Scalar::F32 => read!(f32),
-            Scalar::F64 => read!(f64),
-        })
+        let number = scalar.read(self.rest(), self.encoding == Encoding::BigEndian);
+        self.at += scalar.size();
+        number.ok_or_else(|| "truncated: the file ends here".to_owned())
     }
 }
 

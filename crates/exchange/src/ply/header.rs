@@ -2,6 +2,7 @@
 
 use crate::Place;
 use crate::error::Problem;
+use crate::scalar::Scalar;
 
 /// The encoding of the numbers after the header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -11,42 +12,19 @@ pub(super) enum Encoding {
     BigEndian,
 }
 
-/// A number's type. Only binary files depend on it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Scalar {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
-}
-
-impl Scalar {
-    fn parse(name: &str) -> Option<Self> {
-        Some(match name {
-            "char" | "int8" => Self::I8,
-            "uchar" | "uint8" => Self::U8,
-            "short" | "int16" => Self::I16,
-            "ushort" | "uint16" => Self::U16,
-            "int" | "int32" => Self::I32,
-            "uint" | "uint32" => Self::U32,
-            "float" | "float32" => Self::F32,
-            "double" | "float64" => Self::F64,
-            _ => return None,
-        })
-    }
-
-    pub(super) fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
-        }
-    }
+/// The type of a name. Only binary files depend on it.
+fn scalar(name: &str) -> Option<Scalar> {
+    Some(match name {
+        "char" | "int8" => Scalar::I8,
+        "uchar" | "uint8" => Scalar::U8,
+        "short" | "int16" => Scalar::I16,
+        "ushort" | "uint16" => Scalar::U16,
+        "int" | "int32" => Scalar::I32,
+        "uint" | "uint32" => Scalar::U32,
+        "float" | "float32" => Scalar::F32,
+        "double" | "float64" => Scalar::F64,
+        _ => return None,
+    })
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -111,8 +89,7 @@ impl Header {
             if text.trim() == "end_header" {
                 return builder.finish(line, at.min(bytes.len()));
             }
-            builder.line(text.trim()).map_err(|text| problem(line, text))?;
-            builder.count_stray(line, text.trim());
+            builder.line(line, text.trim()).map_err(|text| problem(line, text))?;
         }
         Err(problem(line.max(1), "truncated: there is no end_header"))
     }
@@ -136,22 +113,18 @@ fn require_magic(text: &str) -> Result<(), Problem> {
     if text == "ply" { Ok(()) } else { Err(problem(1, "not a PLY file")) }
 }
 
-/// Unknown header lines that get a note of their own; the rest is only counted. Chosen by hand.
-/// Doubled, a damaged header makes a longer report.
-const STRAY_LINES_NOTED: usize = 5;
-
 #[derive(Default)]
 struct Builder {
     encoding: Option<Encoding>,
     elements: Vec<Element>,
     infos: Vec<(String, String)>,
-    notes: Vec<String>,
-    stray: bool,
+    /// The first unknown line, and the number of them.
+    stray: Option<(usize, String)>,
     stray_count: usize,
 }
 
 impl Builder {
-    fn line(&mut self, text: &str) -> Result<(), String> {
+    fn line(&mut self, line: usize, text: &str) -> Result<(), String> {
         let mut words = text.split_ascii_whitespace();
         match words.next() {
             Some("format") => self.encoding = Some(encoding(words.next())?),
@@ -166,33 +139,27 @@ impl Builder {
                 let element = self.elements.last_mut();
                 element.ok_or("a property before any element")?.properties.push(property);
             }
-            Some(_) => self.stray = true,
+            Some(_) => {
+                self.stray_count += 1;
+                self.stray.get_or_insert_with(|| (line, text.chars().take(40).collect()));
+            }
             None => {}
         }
         Ok(())
     }
 
-    fn count_stray(&mut self, line: usize, text: &str) {
-        if std::mem::take(&mut self.stray) {
-            self.stray_count += 1;
-            if self.stray_count <= STRAY_LINES_NOTED {
-                let start: String = text.chars().take(40).collect();
-                self.notes.push(format!("line {line}: unknown header line {start:?} ignored"));
-            }
-        }
-    }
-
-    fn finish(mut self, line: usize, length: usize) -> Result<Header, Problem> {
+    fn finish(self, line: usize, length: usize) -> Result<Header, Problem> {
         let missing = || problem(line, "the header has no format line");
         let encoding = self.encoding.ok_or_else(missing)?;
         if let Some(empty) = self.elements.iter().find(|e| e.properties.is_empty()) {
             return Err(problem(line, format!("element {} has no properties", empty.name)));
         }
-        if self.stray_count > STRAY_LINES_NOTED {
-            let more = self.stray_count - STRAY_LINES_NOTED;
-            self.notes.push(format!("{more} more unknown header lines ignored"));
-        }
-        let Self { elements, infos, notes, .. } = self;
+        let count = self.stray_count;
+        let note = |(line, text)| {
+            format!("line {line}: unknown header line {text:?} ignored, one of {count}")
+        };
+        let notes = self.stray.map(note).into_iter().collect();
+        let Self { elements, infos, .. } = self;
         Ok(Header { encoding, elements, infos, notes, length })
     }
 }
@@ -213,15 +180,13 @@ fn element<'a>(text: &str, mut words: impl Iterator<Item = &'a str>) -> Result<E
 }
 
 fn property<'a>(text: &str, mut words: impl Iterator<Item = &'a str>) -> Result<Property, String> {
-    let mut scalar = || words.next().map(|w| (w == "list", Scalar::parse(w)));
-    let kind = match scalar() {
-        Some((true, _)) => {
-            let pair = scalar().and_then(|c| c.1).zip(scalar().and_then(|i| i.1));
-            pair.map(|(count, item)| Kind::List { count, item })
+    let kind = words.next().and_then(|word| match word {
+        "list" => {
+            let (count, item) = words.next().zip(words.next())?;
+            Some(Kind::List { count: scalar(count)?, item: scalar(item)? })
         }
-        Some((false, one)) => one.map(Kind::One),
-        None => None,
-    };
+        one => scalar(one).map(Kind::One),
+    });
     let parsed = kind.zip(words.next());
     let (kind, name) = parsed.ok_or_else(|| format!("{text:?} is not a property this reads"))?;
     Ok(Property { name: name.to_owned(), kind })

@@ -18,9 +18,11 @@ mod tests;
 pub(crate) use mesh::mesh;
 pub use range_grid::{RangeGrid, read_range_grid};
 
+use crate::input::without_mark;
+use crate::scalar::Scalar;
 use crate::{Place, ReadError};
 use body::Body;
-use header::{Element, Header, Kind, Scalar};
+use header::{Element, Header, Kind};
 use std::path::Path;
 use transect_geometry::Point3;
 
@@ -33,6 +35,7 @@ struct Ply<'a> {
 
 impl<'a> Ply<'a> {
     fn open(path: &'a Path, bytes: &'a [u8]) -> Result<Self, ReadError> {
+        let bytes = without_mark(bytes);
         let header = Header::parse(bytes).map_err(|p| p.in_file(path))?;
         let body = Body::new(bytes, header.length, header.encoding);
         Ok(Self { path, header, body })

@@ -1,7 +1,7 @@
 //! Range images as Stanford's scanner wrote them: a grid of cells, each with a vertex or none.
 
 use super::{Element, Ply, list};
-use crate::error::read_bytes;
+use crate::input::read_bytes;
 use crate::{Place, ReadError};
 use std::path::Path;
 use transect_device::{ImageSize, MAX_PIXELS, Pixel};

@@ -71,7 +71,7 @@ fn stray_header_lines_and_foreign_line_ends_are_survived_and_told() {
     assert_eq!(
         grid.notes,
         [
-            "line 7: unknown header line \"viewpoint 0 0 1\" ignored",
+            "line 7: unknown header line \"viewpoint 0 0 1\" ignored, one of 1",
             "7 bytes after the last element ignored",
         ]
     );

@@ -99,6 +99,7 @@ pub use verify::Verification;
 pub use view::{StoreHeader, StoredView, ViewEntry};
 pub use view_id::ViewId;
 
+use crate::regular_file::require_regular;
 use blocks::Blocks;
 use in_memory::InMemory;
 use medium::Medium;
@@ -143,6 +144,7 @@ impl Store {
     pub fn open(path: impl AsRef<Path>) -> Result<Self, StoreError> {
         let path = path.as_ref();
         let open = || {
+            require_regular(path)?;
             let file = File::options().read(true).write(true).open(path)?;
             lock(&file)?;
             Self::open_in(path, file)

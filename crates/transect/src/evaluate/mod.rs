@@ -46,6 +46,7 @@
 
 mod accuracy;
 mod closeness;
+mod extent;
 mod index;
 mod own;
 mod quantile;
@@ -54,6 +55,7 @@ mod sample;
 mod stretches;
 
 pub use accuracy::{Accuracy, Duplication};
+pub use extent::{Extent, ExtentError};
 pub use rows::{Row, digits};
 
 use closeness::Closeness;

@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
 use transect_device::{View, ViewError};
-use transect_exchange::{TriangleMesh, read_mesh};
+use transect_exchange::{TriangleMesh, read_mesh, read_text};
 use transect_scene::{BUNDLED_SCENES, CastError, Description, Mesh, Scene};
 
 /// Largest distance between a curved solid and the mesh of its surface, as a share of the plane
@@ -56,7 +56,7 @@ pub fn describe(scene: &Path) -> Result<Description, WorkflowError> {
     let bundled = BUNDLED_SCENES.iter().find(|(name, _)| Path::new(name) == scene);
     let text = match bundled {
         Some((_, text)) => (*text).to_owned(),
-        None => std::fs::read_to_string(scene).map_err(WorkflowError::io(scene))?,
+        None => read_text(scene)?,
     };
     let folder = scene.parent().unwrap_or(Path::new(""));
     let names = Description::mesh_names(&text).map_err(|e| WorkflowError::file(scene, e))?;

@@ -18,9 +18,9 @@ pub use pinhole::{LensEntry, PinholeEntry};
 pub use stripe::StripeEntry;
 
 use super::keys::Keys;
+use crate::ReadError;
 use crate::scan::FramedImage;
 use crate::view_file::ViewFile;
-use crate::{ReadError, image_file};
 use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -133,9 +133,8 @@ impl Sensor for Spherical {
 struct Grid(Point3);
 
 impl Sensor for Grid {
-    fn load(&self, file: &ViewFile, _: &mut Vec<String>) -> Result<FramedImage, ReadError> {
-        let (size, points) = image_file::read_points(&file.path)?;
-        file.check_size(size)?;
+    fn load(&self, file: &ViewFile, notes: &mut Vec<String>) -> Result<FramedImage, ReadError> {
+        let (size, points) = file.load_points(notes)?;
         let grid = PointGrid::new(size, points, RayStarts::Viewpoint(self.0));
         let (grid, image) = grid.map_err(|e| file.unusable("the grid", e))?;
         Ok(FramedImage { frame: Arc::new(grid), image })

@@ -150,7 +150,7 @@ impl PinholeSensor {
         size: ImageSize,
         path: &Path,
     ) -> Result<RayTable, ReadError> {
-        let (found, rays) = image_file::read_points(path)?;
+        let (found, rays) = image_file::read_points(path, Some(1.0))?;
         if found != size {
             let image = file.path.display();
             let problem = format!("\"rays\" has {found}, but the image {image} has {size}");

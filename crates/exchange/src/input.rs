@@ -1,0 +1,46 @@
+//! The bytes and the text of files.
+
+use crate::{Place, ReadError};
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+use transect_model::open_regular;
+
+/// The mark with which some programs begin text files.
+const BYTE_ORDER_MARK: &str = "\u{feff}";
+
+/// Opens a regular file.
+pub(crate) fn open(path: &Path) -> Result<File, ReadError> {
+    open_regular(path).map_err(|e| ReadError::io(path, e))
+}
+
+/// A whole file in memory.
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
+    let mut file = open(path)?;
+    let size = file.metadata().map_or(0, |m| m.len());
+    let mut bytes = Vec::with_capacity(usize::try_from(size).unwrap_or(0));
+    file.read_to_end(&mut bytes).map_err(|e| ReadError::io(path, e))?;
+    Ok(bytes)
+}
+
+/// A whole text file in memory, without its byte order mark.
+///
+/// # Errors
+/// [`ReadError`] if the path is no regular file, or its bytes are not UTF-8.
+pub fn read_text(path: &Path) -> Result<String, ReadError> {
+    let text = String::from_utf8(read_bytes(path)?);
+    let mut text = text.map_err(|e| {
+        let at = e.utf8_error().valid_up_to();
+        let problem = format!("byte {at} is not UTF-8; save the file as UTF-8 text");
+        ReadError::damaged(path, Place::Whole, problem)
+    })?;
+    if text.starts_with(BYTE_ORDER_MARK) {
+        text.drain(..BYTE_ORDER_MARK.len());
+    }
+    Ok(text)
+}
+
+/// The bytes of a text file without its byte order mark.
+pub(crate) fn without_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(BYTE_ORDER_MARK.as_bytes()).unwrap_or(bytes)
+}

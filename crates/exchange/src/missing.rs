@@ -1,0 +1,274 @@
+//! Values that mean "no return".
+//!
+//! Zero, negative, infinite and NaN values are missing in every image, and the point (0, 0, 0) in
+//! every grid. Programs write other values, too: the largest number of a type, 9999, or one point
+//! again and again. A manifest can state such a value. This file finds the values that can be
+//! nothing else, and refuses values that are neither plausible nor repeated.
+
+use crate::Place;
+use crate::error::Problem;
+use serde::{Deserialize, Serialize};
+use transect_device::{ImageSize, Pixel, Point3};
+
+/// The value that an image's file holds where there was no return, before any scale.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "a number, or [x, y, z] for a grid of points")]
+pub enum MissingValue {
+    /// A value of a range image.
+    Number(f64),
+    /// A point of a grid.
+    Point([f64; 3]),
+}
+
+impl MissingValue {
+    /// The value after the scale of the file.
+    pub(crate) fn scaled(self, scale: f64) -> Self {
+        match self {
+            Self::Number(value) => Self::Number(value * scale),
+            Self::Point(point) => Self::Point(point.map(|c| c * scale)),
+        }
+    }
+}
+
+/// Fewest pixels with one value that make it a mark instead of a measurement. Theory: two of a
+/// million 32-bit numbers share a value by chance, three of them far from all others do not.
+/// Doubled, an image with few missing pixels keeps them as surface.
+const FEWEST_REPEATS: usize = 3;
+
+/// A repeated value this many times as far as every other value is a mark. Chosen by hand: marks
+/// such as 9999 stand beside ranges below 100; a wall can stand 20 times as far as the object.
+/// Doubled, 9999 beside ranges of 50 to 100 stays surface.
+const FAR_OUTSIDE: f32 = 100.0;
+
+/// A value this many times the median is refused. Theory: `f32` resolves 2⁻²⁴ of a range, so a
+/// sensor that sees both is beyond any. Doubled, a value twice as absurd reaches the planes.
+const ABSURD: f64 = 1e6;
+
+/// How many times more often a mark occurs than the repetitions of the other points explain.
+/// Theory: rounding repeats points where they are dense, and the density of a scan varies with the
+/// square of the range, up to 30² within a view. Doubled, rare marks in coarsely rounded grids stay
+/// surface.
+const MORE_OFTEN: f64 = 1000.0;
+
+/// Makes the stated value, and repeated values far outside the rest, NaN. Refuses absurd values.
+pub(crate) fn clear_values(
+    size: ImageSize,
+    values: &mut [f32],
+    stated: Option<MissingValue>,
+    notes: &mut Vec<String>,
+) -> Result<(), Problem> {
+    match stated {
+        Some(MissingValue::Number(mark)) => clear_value(values, mark as f32),
+        Some(MissingValue::Point(_)) => {
+            return Err(Problem::damaged("\"missing\" is a point; a range image needs a number"));
+        }
+        None => {}
+    }
+    while let Some((mark, count)) = far_mark(values) {
+        clear_value(values, mark);
+        notes.push(note(count, &format!("{mark:?}")));
+    }
+    refuse_absurd(size, || values.iter().map(|v| f64::from(*v)), |v| format!("{:?}", v as f32))
+}
+
+fn clear_value(values: &mut [f32], mark: f32) {
+    values.iter_mut().filter(|v| **v == mark).for_each(|v| *v = f32::NAN);
+}
+
+/// The largest value and its count, if it repeats and is far outside the other values.
+fn far_mark(values: &[f32]) -> Option<(f32, usize)> {
+    let valid = || values.iter().copied().filter(|v| *v > 0.0 && v.is_finite());
+    let largest = valid().reduce(f32::max)?;
+    let second = valid().filter(|v| *v < largest).reduce(f32::max)?;
+    let count = valid().filter(|v| *v == largest).count();
+    let far = largest / second > FAR_OUTSIDE && count >= FEWEST_REPEATS;
+    far.then_some((largest, count))
+}
+
+/// Makes the stated point, and points that occur far more often than the others, NaN. Refuses
+/// absurd points.
+pub(crate) fn clear_points(
+    size: ImageSize,
+    points: &mut [Point3],
+    stated: Option<MissingValue>,
+    notes: &mut Vec<String>,
+) -> Result<(), Problem> {
+    match stated {
+        Some(MissingValue::Point(mark)) => clear_point(points, &Point3::from(mark)),
+        Some(MissingValue::Number(_)) => {
+            return Err(Problem::damaged("\"missing\" is a number; a grid needs [x, y, z]"));
+        }
+        None => {}
+    }
+    while let Some((mark, count)) = repeated_mark(points) {
+        clear_point(points, &mark);
+        notes.push(note(count, &format!("[{}, {}, {}]", mark.x, mark.y, mark.z)));
+    }
+    refuse_absurd(size, || points.iter().map(|p| p.coords.norm()), |v| format!("{v:e}"))
+}
+
+fn clear_point(points: &mut [Point3], mark: &Point3) {
+    points.iter_mut().filter(|p| *p == mark).for_each(clear);
+}
+
+fn clear(point: &mut Point3) {
+    *point = Point3::new(f64::NAN, f64::NAN, f64::NAN);
+}
+
+/// The most frequent point and its count, if the other points do not explain the count.
+fn repeated_mark(points: &[Point3]) -> Option<(Point3, usize)> {
+    let valid = |p: &&Point3| p.coords.norm().is_finite() && **p != Point3::origin();
+    let mut hashes: Vec<u64> = points.iter().filter(valid).map(hash).collect();
+    hashes.sort_unstable();
+    let runs = || hashes.chunk_by(u64::eq);
+    // Of equally frequent points the largest hash: the order of pixels does not matter.
+    let most = runs().max_by_key(|run| run.len())?;
+    let others = hashes.len() - most.len();
+    let repeats = others as f64 / (runs().count() as f64 - 1.0).max(1.0) - 1.0;
+    let explained = FEWEST_REPEATS as f64 + MORE_OFTEN * repeats.max(0.0);
+    let mark = points.iter().filter(valid).find(|p| Some(&hash(p)) == most.first())?;
+    let count = points.iter().filter(|p| *p == mark).count();
+    (count as f64 > explained).then_some((*mark, count))
+}
+
+/// A hash of the coordinates (Knuth's multiplicative method).
+fn hash(point: &Point3) -> u64 {
+    let mixed = |hash: u64, c: &f64| (hash.rotate_left(23) ^ c.to_bits()).wrapping_mul(GOLDEN);
+    point.iter().fold(0, mixed)
+}
+
+/// 2⁶⁴ divided by the golden ratio, made odd: spreads equal low bits over the whole hash.
+const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// Refuses the largest distance if it is absurd beside the median.
+fn refuse_absurd<I: Iterator<Item = f64>>(
+    size: ImageSize,
+    distances: impl Fn() -> I,
+    text: impl Fn(f64) -> String,
+) -> Result<(), Problem> {
+    let valid = || distances().filter(|v| *v > 0.0 && v.is_finite());
+    let Some(largest) = valid().reduce(f64::max) else { return Ok(()) };
+    // No median is smaller than the least distance, so most images need no sorting.
+    if valid().all(|v| largest <= ABSURD * v) {
+        return Ok(());
+    }
+    let mut sorted: Vec<f64> = valid().collect();
+    let middle = sorted.len() / 2;
+    let (_, median, _) = sorted.select_nth_unstable_by(middle, f64::total_cmp);
+    let at = distances().position(|v| v == largest).unwrap_or_default();
+    if largest <= ABSURD * *median {
+        return Ok(());
+    }
+    let value = text(largest);
+    let problem = format!(
+        "the pixel holds {value}; values over 1e6 times the median, {median:e}, are refused. If it \
+         means \"no return\", add \"missing\": {value} to the view; otherwise correct the pixel"
+    );
+    Err(Problem::at(Place::Pixel(Pixel::new(at / size.cols, at % size.cols)), problem))
+}
+
+fn note(count: usize, value: &str) -> String {
+    format!(
+        "{count} pixels hold exactly {value}, unlike any surface, and count as missing; \
+         \"missing\": {value} in the manifest states it without a note"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: ImageSize = ImageSize { rows: 4, cols: 8 };
+
+    fn ranges() -> Vec<f32> {
+        (0..32).map(|n| 2.0 + 0.25 * n as f32).collect()
+    }
+
+    fn cleared(values: &mut [f32], stated: Option<MissingValue>) -> Result<Vec<String>, String> {
+        let mut notes = Vec::new();
+        let result = clear_values(SIZE, values, stated, &mut notes);
+        result.map_err(|p| format!("{}: {}", p.at, p.text))?;
+        Ok(notes)
+    }
+
+    #[test]
+    fn marks_far_outside_the_ranges_are_missing() {
+        let mut values = ranges();
+        for (n, mark) in [(3, 9999.0), (9, 9999.0), (20, 9999.0)] {
+            values[n] = mark;
+        }
+        values[24..30].fill(f32::MAX);
+        let notes = cleared(&mut values, None).unwrap();
+        assert!(notes[0].starts_with("6 pixels hold exactly 3.4028235e38, unlike"), "{notes:?}");
+        assert!(notes[1].starts_with("3 pixels hold exactly 9999.0, unlike"), "{notes:?}");
+        assert_eq!(values.iter().filter(|v| v.is_nan()).count(), 9);
+    }
+
+    #[test]
+    fn walls_and_rounded_depths_stay() {
+        let mut wall = ranges();
+        wall[8..].fill(60.0);
+        let mut counts: Vec<f32> = (0..32).map(|n| 0.001 * (500 + n / 8) as f32).collect();
+        for values in [&mut wall, &mut counts] {
+            let before = values.clone();
+            assert_eq!(cleared(values, None), Ok(Vec::new()));
+            assert_eq!(*values, before);
+        }
+    }
+
+    #[test]
+    fn a_stated_value_is_missing_without_a_note() {
+        let mut values = ranges();
+        let notes = cleared(&mut values, Some(MissingValue::Number(2.5))).unwrap();
+        assert!(notes.is_empty() && values[2].is_nan() && values[3] == 2.75);
+        let point = cleared(&mut values, Some(MissingValue::Point([0.0; 3])));
+        assert!(point.unwrap_err().contains("a range image needs a number"));
+    }
+
+    #[test]
+    fn an_absurd_pixel_is_named() {
+        let mut values = ranges();
+        values[13] = 3.4e38;
+        let error = cleared(&mut values, None).unwrap_err();
+        let wanted = ", row 1, column 5: the pixel holds 3.4e38; values over 1e6 times the median";
+        assert!(error.starts_with(wanted), "{error}");
+        assert!(error.contains("add \"missing\": 3.4e38 to the view"), "{error}");
+        assert!(cleared(&mut values, Some(MissingValue::Number(3.4e38))).is_ok());
+    }
+
+    fn surface() -> Vec<Point3> {
+        (0..32).map(|n| Point3::new(f64::from(n % 8), f64::from(n / 8), 3.0)).collect()
+    }
+
+    #[test]
+    fn a_point_that_repeats_is_missing() {
+        for mark in [[0.0, 0.0, -1.0], [-1.0; 3], [-9999.0; 3]] {
+            let mut points = surface();
+            points.iter_mut().step_by(6).for_each(|p| *p = Point3::from(mark));
+            let mut notes = Vec::new();
+            assert!(clear_points(SIZE, &mut points, None, &mut notes).is_ok());
+            assert_eq!(points.iter().filter(|p| p.x.is_nan()).count(), 6);
+            assert!(
+                notes[0].starts_with("6 pixels hold exactly [") && notes.len() == 1,
+                "{notes:?}"
+            );
+        }
+        let mut points = surface();
+        let stated = Some(MissingValue::Point([1.0, 2.0, 3.0]));
+        assert!(clear_points(SIZE, &mut points, stated, &mut Vec::new()).is_ok());
+        assert_eq!(points.iter().position(|p| p.x.is_nan()), Some(17));
+    }
+
+    /// Rounding to whole units puts four pixels on one point.
+    #[test]
+    fn points_that_rounding_repeats_stay() {
+        let size = ImageSize { rows: 40, cols: 40 };
+        let point = |n: i32| Point3::new(f64::from(n % 40 / 2), f64::from(n / 80), 30.0);
+        let mut points: Vec<Point3> = (0..1600).map(point).collect();
+        // A place near the sensor, where the grid is denser.
+        points[..30].fill(Point3::new(0.0, 0.0, 1.0));
+        let (before, mut notes) = (points.clone(), Vec::new());
+        assert!(clear_points(size, &mut points, None, &mut notes).is_ok());
+        assert_eq!((points, notes), (before, Vec::new()));
+    }
+}
