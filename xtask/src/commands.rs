@@ -32,7 +32,7 @@ const TRANSECT: [(&str, &str); 15] = [
     ("compact", "Give the space of removed views back to the disk"),
     ("query", "Tell whether points are inside the solid, outside, or unknown"),
     ("gaps", "List the surface that no view saw, and propose next views"),
-    ("measure", "Measure each plane of a model, and the volume between the planes"),
+    ("measure", "Print bounds of the areas of each plane of a model, and of the volumes"),
     ("export", "Write a model's curves as files for other programs, or a store as JSON lines"),
     ("import", "Make a model store from JSON lines"),
     ("manifest", "Write a scan.json for a folder of depth images with poses"),

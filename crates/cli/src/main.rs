@@ -48,7 +48,7 @@ enum Command {
     Query(query::Arguments),
     /// List the surface that no view saw, and propose next views.
     Gaps(gaps::Arguments),
-    /// Measure each plane of a model, and the volume between the planes.
+    /// Print bounds of the areas of each plane of a model, and of the volumes.
     Measure(measure::Arguments),
     /// Write a model's curves as files for other programs, or a store as JSON lines.
     Export(export::Arguments),

@@ -15,10 +15,10 @@
 //! [`Model::check`].
 
 use crate::{InvariantError, Model, Section, ViewRecord};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::borrow::Cow;
 use std::io::{Read, Write};
-use transect_geometry::{Isometry3, LengthUnit, PlaneFamily, PlaneIndex};
+use transect_geometry::{LengthUnit, PlaneFamily, PlaneIndex};
 
 pub(crate) mod values;
 
@@ -75,20 +75,14 @@ struct Payload<'a> {
     planes: PlaneFamily,
     /// The selected planes, in order, if they are not all of the family.
     selected: Option<Vec<PlaneIndex>>,
-    #[serde(borrow)]
-    views: Vec<StoredView<'a>>,
+    views: Cow<'a, [ViewRecord]>,
     sections: Vec<(PlaneIndex, Cow<'a, Section>)>,
 }
 
-/// A view record. Its texts are borrowed from the payload: for an owned text, memory would be
-/// reserved by the announced length, before that many bytes are known to exist.
-#[derive(Serialize, Deserialize)]
-struct StoredView<'a> {
-    name: &'a str,
-    source: &'a str,
-    world_from_sensor: Isometry3,
-    sigma: Option<f64>,
-    nodes: u64,
+/// Reads a text by way of the payload's own bytes. For an owned text, the decoder would reserve
+/// memory by the announced length, before that many bytes are known to exist.
+pub(crate) fn read_text<'de, D: Deserializer<'de>>(decoder: D) -> Result<String, D::Error> {
+    <&str>::deserialize(decoder).map(str::to_owned)
 }
 
 /// Writes a model: header, then payload.
@@ -155,7 +149,7 @@ fn encode(model: &Model) -> Result<Vec<u8>, CodecError> {
         unit: model.unit(),
         planes: model.planes().clone(),
         selected: model.selected().map(|planes| planes.iter().copied().collect()),
-        views: model.views().iter().map(StoredView::from).collect(),
+        views: Cow::Borrowed(model.views()),
         sections: model.sections().map(|(k, section)| (k, Cow::Borrowed(section))).collect(),
     };
     values::encode(&payload)
@@ -165,25 +159,9 @@ fn encode(model: &Model) -> Result<Vec<u8>, CodecError> {
 /// memory beyond a first 1 MiB is reserved only as items are read (serde).
 fn decode(bytes: &[u8]) -> Result<Model, CodecError> {
     let payload: Payload<'_> = values::decode(bytes)?;
-    let views = payload.views.into_iter().map(ViewRecord::from).collect();
+    let views = payload.views.into_owned();
     let sections = payload.sections.into_iter().map(|(k, s)| (k, s.into_owned())).collect();
     Ok(Model::from_parts(payload.unit, payload.planes, payload.selected, views, sections)?)
-}
-
-impl<'a> From<&'a ViewRecord> for StoredView<'a> {
-    fn from(view: &'a ViewRecord) -> Self {
-        let ViewRecord { name, source, world_from_sensor, sigma, nodes } = view;
-        let world_from_sensor = *world_from_sensor;
-        Self { name, source, world_from_sensor, sigma: *sigma, nodes: *nodes }
-    }
-}
-
-impl From<StoredView<'_>> for ViewRecord {
-    fn from(stored: StoredView<'_>) -> Self {
-        let StoredView { name, source, world_from_sensor, sigma, nodes } = stored;
-        let (name, source) = (name.to_owned(), source.to_owned());
-        Self { name, source, world_from_sensor, sigma, nodes }
-    }
 }
 
 /// The 64-bit Fowler–Noll–Vo hash 1a (<http://www.isthe.com/chongo/tech/comp/fnv/>).

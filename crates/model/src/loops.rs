@@ -15,6 +15,8 @@
 //!    directions. Loop and parent run opposite ways round. Otherwise a direction is wrong, a surface
 //!    between them was not seen, or curves cross. The loop's area is then in doubt for its parent.
 //! 4. If the doubt exceeds the area, the gaps hide which way round the loop runs. Its parent decides.
+//!    Without a parent, the other loops without one decide: if all of them are surely around solid,
+//!    the plane is free outside. Else the loop may be of either kind.
 //!
 //! Cost: for n loops with m nodes each, O(n²) comparisons of envelopes, and O(m) for each pair of
 //! nested envelopes. One node decides the parent of a loop that crosses others.
@@ -32,6 +34,8 @@ const SIGMAS: f64 = 3.0;
 pub(crate) struct BoundaryLoop {
     /// Its curves in order; one for a closed curve.
     pub curves: Vec<CurveIndex>,
+    /// Whether it is one closed curve.
+    pub is_closed: bool,
     /// Width of its widest gap, in the length unit; 0 for a closed curve.
     pub widest_gap: f64,
     /// Area with the gaps closed by chords: positive if the loop runs counter-clockwise.
@@ -44,6 +48,8 @@ pub(crate) struct BoundaryLoop {
     pub parent: Option<usize>,
     /// Whether the solid is within the loop, and free space around it.
     pub is_solid: bool,
+    /// Whether it may as well be the other way round.
+    pub is_either: bool,
     /// Whether its kind is that of its parent.
     pub contradicts_parent: bool,
     points: Vec<Point2>,
@@ -60,30 +66,24 @@ impl BoundaryLoop {
         let half_extent = 0.5 * envelope.size().norm();
         let unseen = gaps.iter().sum::<f64>() * half_extent;
         let doubt = of_curves().map(|curve| doubt(curve, half_extent)).sum::<f64>() + unseen;
-        let widest_gap = gaps.iter().copied().fold(0.0, f64::max);
-        let envelope = Envelope::around(&points);
-        let (parent, contradicts_parent, is_solid) = (None, false, area > 0.0);
         Self {
+            is_closed: gaps.is_empty(),
+            widest_gap: gaps.iter().copied().fold(0.0, f64::max),
+            parent: None,
+            is_solid: area > 0.0,
+            is_either: false,
+            contradicts_parent: false,
+            envelope: Envelope::around(&points),
             curves,
-            widest_gap,
             area,
             moment,
             doubt,
-            parent,
-            is_solid,
-            contradicts_parent,
             points,
-            envelope,
         }
     }
 
-    /// Whether it is one curve without a gap.
-    pub fn is_closed(&self) -> bool {
-        self.widest_gap == 0.0
-    }
-
     /// Whether the gaps hide which way round it runs.
-    pub fn is_doubtful(&self) -> bool {
+    fn is_doubtful(&self) -> bool {
         self.doubt >= self.area.abs()
     }
 
@@ -123,20 +123,8 @@ impl Section {
             }
             loops.push(BoundaryLoop::new(self, curves, &widths));
         }
-        let mut outermost_first: Vec<usize> = (0..loops.len()).collect();
-        outermost_first.sort_by(|a, b| loops[*b].area.abs().total_cmp(&loops[*a].area.abs()));
-        for k in outermost_first {
-            let around = loops.iter().enumerate().filter(|(_, other)| loops[k].lies_within(other));
-            let parent = around.min_by(|(_, a), (_, b)| a.area.abs().total_cmp(&b.area.abs()));
-            let Some((number, in_solid)) = parent.map(|(k, parent)| (k, parent.is_solid)) else {
-                continue;
-            };
-            loops[k].parent = Some(number);
-            if loops[k].is_doubtful() {
-                loops[k].is_solid = !in_solid;
-            }
-            loops[k].contradicts_parent = loops[k].is_solid == in_solid;
-        }
+        find_parents(&mut loops);
+        decide_kinds(&mut loops);
         loops
     }
 
@@ -149,13 +137,38 @@ impl Section {
         let mut known = Vec::new();
         for (number, outer) in loops.iter().enumerate() {
             let within = || loops.iter().filter(|inner| inner.parent == Some(number));
-            let sound = within().all(|inner| inner.is_closed() && !inner.contradicts_parent);
-            if sound && outer.is_solid && outer.area > 0.0 && outer.is_closed() {
+            let sound = within().all(|inner| inner.is_closed && !inner.contradicts_parent);
+            if sound && outer.is_solid && outer.area > 0.0 && outer.is_closed {
                 known.extend(within().chain([outer]).flat_map(|found| found.curves.clone()));
             }
         }
         known.sort_unstable();
         known
+    }
+}
+
+fn find_parents(loops: &mut [BoundaryLoop]) {
+    for k in 0..loops.len() {
+        let around = loops.iter().enumerate().filter(|(_, other)| loops[k].lies_within(other));
+        let parent = around.min_by(|(_, a), (_, b)| a.area.abs().total_cmp(&b.area.abs()));
+        loops[k].parent = parent.map(|(number, _)| number);
+    }
+}
+
+fn decide_kinds(loops: &mut [BoundaryLoop]) {
+    let mut sure = loops.iter().filter(|found| found.parent.is_none() && !found.is_doubtful());
+    let is_free_outside =
+        sure.next().is_some_and(|first| first.is_solid) && sure.all(|found| found.is_solid);
+    let mut outermost_first: Vec<usize> = (0..loops.len()).collect();
+    outermost_first.sort_by(|a, b| loops[*b].area.abs().total_cmp(&loops[*a].area.abs()));
+    for k in outermost_first {
+        let is_in_solid = loops[k].parent.map(|parent| loops[parent].is_solid);
+        let is_doubtful = loops[k].is_doubtful();
+        loops[k].is_either = is_doubtful && is_in_solid.is_none() && !is_free_outside;
+        if is_doubtful && !loops[k].is_either {
+            loops[k].is_solid = is_in_solid != Some(true);
+        }
+        loops[k].contradicts_parent = is_in_solid == Some(loops[k].is_solid);
     }
 }
 

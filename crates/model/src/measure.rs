@@ -10,9 +10,9 @@
 //! 2. The doubts of these loops widen the bracket to both sides. A child whose direction contradicts
 //!    the loop's adds its area to the doubt.
 //! 3. A face is at least 0, and at most as large as its loop.
-//! 4. A loop of doubtful direction without a parent may bound a face of either kind.
-//! 5. Solid around a loop without a parent has no known bound: a clear loop, or one of doubtful
-//!    direction. The plane's solid is then unbounded.
+//! 4. A loop that may be either way round may bound a face of either kind.
+//! 5. Solid around such a loop, or around a clear one, has no known bound if no loop is around it.
+//!    The plane's solid is then unbounded.
 //!
 //! A closed surface that no view saw at all cannot be bounded, and is not in the brackets.
 
@@ -110,7 +110,7 @@ impl Section {
         }
         let (closed, open): (Vec<_>, Vec<_>) = self.curves().partition(|curve| curve.is_closed());
         let length = |curves: &[&Curve]| curves.iter().fold(0.0, |sum, curve| sum + curve.length());
-        let closed_loops = || loops.iter().filter(|found| found.is_closed());
+        let closed_loops = || loops.iter().filter(|found| found.is_closed);
         let outer_curves = closed_loops().filter(|found| found.area > 0.0).count();
         let anchor = self.envelope().min;
         SectionMeasures {
@@ -143,16 +143,15 @@ fn add_face<'a>(
         moment -= inner.own_moment();
         doubt += inner.doubt + if inner.contradicts_parent { inner.area.abs() } else { 0.0 };
     }
-    let may_be_other = outer.is_doubtful() && outer.parent.is_none();
-    if outer.parent.is_none() && (may_be_other || !outer.is_solid) {
+    if outer.parent.is_none() && (outer.is_either || !outer.is_solid) {
         solid.area.most = None;
     }
     let (own, other) = if outer.is_solid { (solid, clear) } else { (clear, solid) };
-    let least = if may_be_other { 0.0 } else { (area - doubt).max(0.0) };
+    let least = if outer.is_either { 0.0 } else { (area - doubt).max(0.0) };
     let most = Some((area + doubt).min(whole).max(0.0));
     own.area += Bracket { least, most, estimate: area };
     own.moment += moment;
-    if may_be_other {
+    if outer.is_either {
         other.area += Bracket { most: Some(outer.doubt - outer.own_area()), ..Bracket::ZERO };
     }
 }
@@ -222,10 +221,27 @@ mod tests {
     }
 
     #[test]
+    fn a_curve_that_ends_where_it_begins_is_an_open_one() {
+        let touching = polyline(&[(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 0.0)], false);
+        let found = section(vec![touching]).measures();
+        assert_eq!((found.solid, found.widest_gap), (exactly(1.0), 0.0));
+        assert_eq!((found.outer_curves, found.hole_curves, found.open_curves), (0, 0, 1));
+    }
+
+    #[test]
     fn a_lone_open_curve_bounds_nothing() {
         let found = section(vec![strip()]).measures();
         assert_eq!((found.solid.least, found.solid.most), (0.0, None));
         assert_eq!((found.clear.least, found.clear.most.is_some()), (0.0, true));
+    }
+
+    #[test]
+    fn a_piece_beside_a_plate_adds_what_its_gap_explains() {
+        let (plate, piece) = (rectangle(0.0, 0.0, 30.0, 40.0), strip());
+        let found = section(vec![plate, piece.reversed()]).measures();
+        let doubt = 2.0 * 0.5 * 33.0_f64.hypot(41.0);
+        assert_eq!((found.solid.least, found.clear), (1200.0, Bracket::ZERO));
+        assert!((found.solid.most.unwrap() - 1200.0 - doubt).abs() < 1e-9, "{found:?}");
     }
 
     #[test]

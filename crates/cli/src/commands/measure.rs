@@ -135,7 +135,7 @@ fn rows(file: &ModelFile, close_gaps: Option<f64>, sums: &Sums) -> Result<Vec<Ro
     {
         let cubed = format!("{unit}³");
         rows.push(Row::new(name, bounds(&bracket), cubed.clone()));
-        let off = format!("{name}, off by the interval by at most");
+        let off = format!("largest interval error of {name}");
         rows.push(Row::new(off, digits(interval_error), cubed.clone()));
         let closed = closed.map(|closed| estimate(&bracket, closed));
         rows.extend(closed.map(|text| Row::new(format!("{name}, gaps closed"), text, cubed)));

@@ -174,7 +174,7 @@ fn forged_selection(
     let selected = selected.map(|planes| planes.into_iter().map(PlaneIndex).collect());
     let sections = sections.into_iter().map(|(k, s)| (k, Cow::Owned(s))).collect();
     let (unit, planes) = (model.unit(), model.planes().clone());
-    let payload = Payload { unit, planes, selected, views: Vec::new(), sections };
+    let payload = Payload { unit, planes, selected, views: Cow::Borrowed(&[]), sections };
     let bytes = bincode::serde::encode_to_vec(&payload, bincode::config::standard()).unwrap();
     read(&file_around(&bytes)[..])
 }

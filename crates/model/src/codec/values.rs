@@ -7,18 +7,9 @@
 use super::CodecError;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
-use transect_geometry::{Curve, Isometry3, LengthUnit, PlaneFamily, PlaneIndex};
+use transect_geometry::{Curve, Isometry3, PlaneIndex};
 
-/// The header of a store. The order of fields is the file layout, here and below.
-#[derive(Debug, Serialize, Deserialize)]
-pub(crate) struct HeaderValue<'a> {
-    pub unit: LengthUnit,
-    pub planes: PlaneFamily,
-    pub options: &'a str,
-    pub tool: &'a str,
-}
-
-/// A view, without its id, which is the key.
+/// A view, without its id, which is the key. The order of fields is the file layout.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct ViewValue<'a> {
     pub name: &'a str,

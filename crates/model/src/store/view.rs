@@ -3,21 +3,23 @@
 use super::error::StoreProblem;
 use super::view_id::ViewId;
 use crate::check::{check_planes, check_pose, check_sigma};
-use crate::codec::values::{HeaderValue, ViewValue, decode, encode};
+use crate::codec::values::{ViewValue, decode, encode};
 use crate::{CodecError, InvariantError};
 use serde::{Deserialize, Serialize};
 use transect_geometry::{Curve, Isometry3, LengthUnit, PlaneFamily, PlaneIndex};
 
-/// The header of a store, fixed when it is created.
-#[derive(Debug, Clone, PartialEq)]
+/// The header of a store, fixed when it is created. The order of fields is the file layout.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StoreHeader {
     /// The unit of every length in the store.
     pub unit: LengthUnit,
     /// Where the section planes are.
     pub planes: PlaneFamily,
     /// The settings with which views are modelled and fused, as text; the store does not read them.
+    #[serde(deserialize_with = "crate::codec::read_text")]
     pub options: String,
     /// The program and its version.
+    #[serde(deserialize_with = "crate::codec::read_text")]
     pub tool: String,
 }
 
@@ -61,15 +63,11 @@ impl StoreHeader {
     }
 
     pub(crate) fn encode(&self) -> Result<Vec<u8>, StoreProblem> {
-        let Self { unit, planes, options, tool } = self;
-        encode(&HeaderValue { unit: *unit, planes: planes.clone(), options, tool })
-            .map_err(StoreProblem::value("header"))
+        encode(self).map_err(StoreProblem::value("header"))
     }
 
     pub(crate) fn decode(bytes: &[u8]) -> Result<Self, StoreProblem> {
-        let value: HeaderValue<'_> = decode(bytes).map_err(StoreProblem::value("header"))?;
-        let HeaderValue { unit, planes, options, tool } = value;
-        let header = Self { unit, planes, options: options.to_owned(), tool: tool.to_owned() };
+        let header: Self = decode(bytes).map_err(StoreProblem::value("header"))?;
         header.check()?;
         Ok(header)
     }
