@@ -63,7 +63,7 @@ impl Lines<'_> {
             model.counts.noise_lines += lines.len() - solved.len();
             let mut curves = Vec::new();
             for strand in gaps.bridge(&solved) {
-                match self.curve(&strand, &solved, &mut nodes) {
+                match curve(&gaps, &strand, &solved, &mut nodes) {
                     Some(curve) => curves.push(curve),
                     None => model.counts.lone += 1,
                 }
@@ -130,37 +130,37 @@ impl Lines<'_> {
         let wide = self.view.point_in_sensor(after)? - self.view.point_in_sensor(before)?;
         Some(self.axes.turn(&wide) / 3.0)
     }
+}
 
-    /// The curve of a strand; `None` if it has too few nodes.
-    fn curve(
-        &self,
-        strand: &Strand,
-        lines: &[Solved<'_>],
-        nodes: &mut NodeMaker<'_>,
-    ) -> Option<PartialCurve> {
-        collect(strand, lines, &mut nodes.crossings);
-        nodes.count_upward();
-        let count = nodes.crossings.len();
-        if count < 2 + usize::from(strand.closed) {
-            return None;
-        }
-        let units = nodes.crossings.iter().zip(0_u32..).filter(|(c, _)| c.bridged_after);
-        let bridged = units.map(|(_, k)| k).collect();
-        let all = (0..count).map(|k| nodes.node(k, strand.closed)).collect();
-        let pixels = nodes.crossings.iter().map(|c| c.pixel).collect();
-        let ends = if strand.closed { None } else { self.ends(strand, lines) };
-        PartialCurve::new((all, strand.closed), pixels, ends, bridged)
+/// The curve of a strand; `None` if it has too few nodes.
+fn curve(
+    gaps: &Gaps<'_>,
+    strand: &Strand,
+    lines: &[Solved<'_>],
+    nodes: &mut NodeMaker<'_>,
+) -> Option<PartialCurve> {
+    collect(strand, lines, &mut nodes.crossings);
+    nodes.count_upward();
+    let count = nodes.crossings.len();
+    if count < 2 + usize::from(strand.closed) {
+        return None;
     }
+    let units = nodes.crossings.iter().zip(0_u32..).filter(|(c, _)| c.bridged_after);
+    let bridged = units.map(|(_, k)| k).collect();
+    let all = (0..count).map(|k| nodes.node(k, strand.closed)).collect();
+    let pixels = nodes.crossings.iter().map(|c| c.pixel).collect();
+    let ends = if strand.closed { None } else { reasons(gaps, strand, lines) };
+    PartialCurve::new((all, strand.closed), pixels, ends, bridged)
+}
 
-    /// Why an open strand begins and ends where it does.
-    fn ends(&self, strand: &Strand, lines: &[Solved<'_>]) -> Option<[EndReason; 2]> {
-        let vertices = || strand.lines.iter().flat_map(|k| lines[*k].line.vertices);
-        let mut from_start = vertices();
-        let first = (from_start.next()?, from_start.next()?);
-        let mut from_end = vertices().rev();
-        let last = (from_end.next()?, from_end.next()?);
-        Some(ends(self.view, self.contours, [first, last]))
-    }
+/// Why an open strand begins and ends where it does.
+fn reasons(gaps: &Gaps<'_>, strand: &Strand, lines: &[Solved<'_>]) -> Option<[EndReason; 2]> {
+    let vertices = || strand.lines.iter().flat_map(|k| lines[*k].line.vertices);
+    let mut from_start = vertices();
+    let first = (from_start.next()?, from_start.next()?);
+    let mut from_end = vertices().rev();
+    let last = (from_end.next()?, from_end.next()?);
+    Some(ends(gaps, [first, last]))
 }
 
 /// Lines with their crossings, which lie one after the other.

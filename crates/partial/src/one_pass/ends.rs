@@ -1,23 +1,21 @@
 //! Why a line ends: the reason in the cell where it would continue.
 
-use super::contours::Contours;
+use super::bridge::Gaps;
 use super::vertex::{Kind, Vertex};
+use crate::continuation::alike;
 use crate::pixel_grid::Grid;
 use transect_device::{ImageSize, Pixel, View};
 use transect_geometry::EndReason;
 
 /// The reasons for both ends of an open curve, whose first and last vertices are given with the
 /// ones next to them.
-pub(super) fn ends(
-    view: &View,
-    contours: &Contours<'_>,
-    [first, last]: [(&Vertex, &Vertex); 2],
-) -> [EndReason; 2] {
-    [reason(view, contours, first), reason(view, contours, last)]
+pub(super) fn ends(gaps: &Gaps<'_>, [first, last]: [(&Vertex, &Vertex); 2]) -> [EndReason; 2] {
+    [reason(gaps, first), reason(gaps, last)]
 }
 
 /// Why a curve ends; `neighbour` is the vertex next to the end.
-fn reason(view: &View, contours: &Contours<'_>, (end, neighbour): (&Vertex, &Vertex)) -> EndReason {
+fn reason(gaps: &Gaps<'_>, (end, neighbour): (&Vertex, &Vertex)) -> EndReason {
+    let Gaps { view, contours, .. } = *gaps;
     let (kind, pair) = contours.pair(end);
     let own = cells(view, kind, contours.pixel(end));
     let (beside, pixel) = (contours.pair(neighbour).0, contours.pixel(neighbour));
@@ -28,13 +26,28 @@ fn reason(view: &View, contours: &Contours<'_>, (end, neighbour): (&Vertex, &Ver
         (_, Some(cell)) => corners(view, cell),
         (_, None) => Some(vec![pair[0], pair[1]]),
     };
-    match corners {
-        None => EndReason::ImageBorder,
-        Some(pixels) if pixels.iter().any(|p| view.image().get(*p).is_none()) => {
-            EndReason::MissingPixel
-        }
-        Some(_) => EndReason::RangeJump,
+    let Some(corners) = corners else { return EndReason::ImageBorder };
+    let missing = |p: &Pixel| view.image().get(*p).is_none();
+    if corners.iter().any(missing) && !hides_jump(gaps, pair, &corners) {
+        EndReason::MissingPixel
+    } else {
+        EndReason::RangeJump
     }
+}
+
+/// Whether another surface begins beyond the missing corners of a cell: straight on from one of the
+/// end's samples, within the largest gap that is bridged.
+fn hides_jump(gaps: &Gaps<'_>, pair: [Pixel; 2], corners: &[Pixel]) -> bool {
+    let valid = |p: &Pixel| gaps.view.image().get(*p).is_some();
+    let beyond = |sample: Pixel, missing: &Pixel| {
+        let (rows, cols) = gaps.grid.offset(sample, *missing);
+        let step = |k: i32| gaps.grid.step(sample, k * rows as i32, k * cols as i32);
+        let next = (1..=gaps.gap as i32 + 1).map_while(step).find(valid)?;
+        Some(!alike(gaps.view, gaps.rule, sample, next))
+    };
+    let missing = corners.iter().filter(|p| !valid(p));
+    let mut ways = missing.flat_map(|missing| pair.map(|sample| beyond(sample, missing)));
+    ways.any(|jump| jump == Some(true))
 }
 
 /// The cell of an end in which its curve would have gone on: the one that it does not share with

@@ -17,7 +17,8 @@ fn curves(model: &PartialModel) -> impl Iterator<Item = &PartialCurve> {
 }
 
 /// A wall at depth 2 seen by a camera, cut by upright planes; some pixels differ from it.
-fn wall(rows: usize, cols: usize, change: impl Fn(usize, usize) -> f32) -> PartialModel {
+fn wall(gap: usize, cols: usize, change: impl Fn(usize, usize) -> f32) -> PartialModel {
+    let rows = 12;
     let size = ImageSize { rows, cols };
     let values = (0..size.pixels()).map(|k| change(k / cols, k % cols)).collect();
     let image = RangeImage::from_values(size, values).unwrap();
@@ -26,13 +27,13 @@ fn wall(rows: usize, cols: usize, change: impl Fn(usize, usize) -> f32) -> Parti
     let view =
         View::new("wall", image, Arc::new(camera), Isometry3::identity(), Some(0.0)).unwrap();
     let mut options = OnePassOptions::default();
-    options.gap = 0;
+    options.gap = gap;
     partial_model(&view, &planes_along(Vector3::x(), 0.11), &options).unwrap()
 }
 
 #[test]
 fn ends_at_the_images_border_say_so() {
-    let model = wall(12, 40, |_, _| 2.0);
+    let model = wall(0, 40, |_, _| 2.0);
     let ends: Vec<_> = curves(&model).map(|c| c.ends).collect();
     assert!(ends.len() > 10);
     assert!(ends.iter().all(|e| *e == Some([EndReason::ImageBorder; 2])), "{ends:?}");
@@ -41,7 +42,7 @@ fn ends_at_the_images_border_say_so() {
 #[test]
 fn ends_at_missing_pixels_and_at_range_jumps_say_so() {
     for (odd, reason) in [(f32::NAN, EndReason::MissingPixel), (5.0, EndReason::RangeJump)] {
-        let model = wall(12, 40, |row, _| if row == 6 { odd } else { 2.0 });
+        let model = wall(0, 40, |row, _| if row == 6 { odd } else { 2.0 });
         let mut inner = 0;
         for curve in curves(&model).filter(|c| c.pixels.iter().all(|p| p.row != 6)) {
             let mut ends = curve.ends.unwrap();
@@ -53,6 +54,22 @@ fn ends_at_missing_pixels_and_at_range_jumps_say_so() {
             inner += 1;
         }
         assert!(inner > 10, "{inner} curves");
+    }
+}
+
+#[test]
+fn ends_at_missing_pixels_that_hide_another_surface_are_range_jumps() {
+    for (missing, expected) in [
+        (6..7, EndReason::RangeJump),
+        (5..9, EndReason::RangeJump),
+        (4..9, EndReason::MissingPixel),
+    ] {
+        let behind = |row: usize| if row < 6 { 2.0 } else { 5.0 };
+        let hole = |row: usize| if missing.contains(&row) { f32::NAN } else { behind(row) };
+        let model = wall(4, 40, |row, _| hole(row));
+        let mut ends: Vec<EndReason> = curves(&model).flat_map(|c| c.ends.unwrap()).collect();
+        ends.retain(|end| *end != EndReason::ImageBorder);
+        assert!(ends.len() > 10 && ends.iter().all(|end| *end == expected), "{ends:?}");
     }
 }
 
