@@ -16,6 +16,7 @@ pub mod consensus;
 pub mod envelopes;
 mod fused_plane;
 mod grid;
+mod ground;
 pub mod pairwise;
 pub mod pattern;
 pub mod screening;

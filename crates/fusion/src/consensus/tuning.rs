@@ -178,9 +178,16 @@ pub(super) mod place {
 
 /// `estimate/node.rs`
 pub(super) mod node {
-    /// Longest step of rings and of sides of corners, in footprints: a longer one is a gap. As
-    /// `output::BRIDGED_FOOTPRINTS`.
+    /// Longest step of rings and of sides of corners, in footprints: a longer one is a gap. Theory:
+    /// thinning leaves up to 1.4, and a single missing pixel is no gap. Doubled: corners are put
+    /// into gaps.
     pub const LONGEST_STEP: f64 = 3.0;
+    /// Shortest step that a view's shadow forbids, in footprints of the finer node. By hand: at a
+    /// rim the coarser one is large. Doubled: bridges from a rim to the ground behind it stay.
+    pub const SHADOW_FOOTPRINTS: f64 = 3.0;
+    /// Least cosine between a step and both directions if the step continues the curve (37°). By
+    /// hand: range jumps of grazing rays lie along one surface. Doubled: impossible.
+    pub const STRAIGHT: f64 = 0.8;
 }
 
 /// `connect/link.rs`
@@ -400,10 +407,9 @@ pub(super) mod corners {
 
 /// `shape/output.rs`
 pub(super) mod output {
-    /// Distance between neighbouring nodes, in footprints, from which the ground between is marked
-    /// as bridged. Theory: thinning leaves up to 1.4, and a single missing pixel is no gap.
-    /// Doubled: gaps count as measured.
-    pub const BRIDGED_FOOTPRINTS: f64 = 3.0;
+    /// Distance between neighbouring nodes, in footprints, from which the ground between may be a
+    /// gap. Theory: thinning leaves up to 1.4. Doubled: gaps of two samples count as measured.
+    pub const GAP_FOOTPRINTS: f64 = 1.5;
     /// A node goes in between where the chord misses the curve by more than this share of the
     /// standard deviation. By hand. Doubled: chords show.
     pub const CHORD_SHARE: f64 = 0.25;

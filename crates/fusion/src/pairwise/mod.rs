@@ -29,6 +29,7 @@
 //! **Cost.** For each view, the length of its curves and of those they meet, times its logarithm.
 
 mod average;
+mod bridges;
 mod grow;
 mod splice;
 mod strand;
@@ -37,9 +38,11 @@ mod verify;
 pub use grow::{GrowingPlane, GrowthCase, GrowthCounts};
 pub use splice::Refusal;
 
-use crate::consensus::{ConsensusOptions, measure};
+use crate::consensus::ConsensusOptions;
+use crate::consensus::measure::{Measurements, Observations};
 use crate::envelopes::UnitIndex;
 use crate::fused_plane::{FusedPlane, FusionCounts};
+use crate::ground::Ground;
 use crate::pattern::OverlapTolerance;
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
@@ -88,21 +91,27 @@ const REMAINDER_FOOTPRINTS: f64 = 2.0;
 pub fn pairwise(views: &[&[Curve]], options: &PairwiseOptions) -> FusedPlane {
     let threshold_spreads = options.threshold_spreads;
     let measured = ConsensusOptions { threshold_spreads, ..ConsensusOptions::default() };
-    let Some(measure) = measure(views, &measured) else { return without_curves(views) };
+    let observations = Observations::collect(views, &measured.steps);
+    let Some(measured) = Measurements::new(observations, &measured) else {
+        return without_curves(views);
+    };
+    let (scale, spacing) = (measured.scale, measured.scale.spacing);
     let tolerance = options.tolerance.or_else(|| {
         let remainder =
-            (REMAINDER_THRESHOLDS * measure.threshold).max(REMAINDER_FOOTPRINTS * measure.spacing);
-        let angle = measured.direction_limit_rad;
-        OverlapTolerance::new(measure.threshold, angle, remainder).ok()
+            (REMAINDER_THRESHOLDS * scale.threshold).max(REMAINDER_FOOTPRINTS * spacing);
+        OverlapTolerance::new(scale.threshold, scale.options.direction_limit_rad, remainder).ok()
     });
     // A spread that is no number comes of coordinates that are none, and then nothing is near.
     let Some(tolerance) = tolerance else { return without_curves(views) };
+    let ground = Ground::new(&measured.observations, &measured.grid);
     let mut plane = GrowingPlane::new(tolerance);
     for view in views {
-        plane.grow(view);
+        let kept = view.iter().flat_map(|curve| bridges::without_shadowed(curve, &ground));
+        plane.grow(&kept.collect::<Vec<_>>());
     }
     let counts = *plane.counts();
-    let mut curves = plane.into_curves();
+    let marked = |c: Curve| bridges::marked(c, &ground, spacing, tolerance.distance());
+    let mut curves: Vec<Curve> = plane.into_curves().into_iter().map(marked).collect();
     curves.sort_by(longest_first);
     let counts = FusionCounts {
         observations: counts.observations,
@@ -110,7 +119,7 @@ pub fn pairwise(views: &[&[Curve]], options: &PairwiseOptions) -> FusedPlane {
         dropped: unseen(views, &curves, tolerance.distance()),
         refused: counts.refused(),
     };
-    FusedPlane { curves, spread: measure.spread, threshold: tolerance.distance(), counts }
+    FusedPlane { curves, spread: measured.spread, threshold: tolerance.distance(), counts }
 }
 
 /// How many observations have no curve of the result within the threshold: left out as noise, on

@@ -1,6 +1,7 @@
 //! The tests of fusion through its public interface, as one program.
 #![allow(clippy::unwrap_used, reason = "test code; shared helpers are outside test functions")]
 
+mod bridges;
 mod consensus;
 mod corners;
 mod draws;

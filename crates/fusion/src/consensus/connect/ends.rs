@@ -10,6 +10,7 @@ pub(super) use super::super::tuning::ends::JoinRule;
 use super::super::tuning::ends::{CUT_COST, THRESHOLD_SHARE};
 use super::chain::Chain;
 use crate::grid::PointGrid;
+use crate::ground::Ground;
 use transect_geometry::{Point2, Vector2};
 
 impl JoinRule {
@@ -23,12 +24,13 @@ impl JoinRule {
 pub(super) fn join(
     nodes: &[PlacedNode],
     chains: Vec<Chain>,
+    ground: &Ground<'_>,
     scale: &Scale,
     rule: &JoinRule,
 ) -> Vec<Chain> {
     let mut slots: Vec<Option<Chain>> = chains.into_iter().map(Some).collect();
     loop {
-        let joins = candidates(nodes, &slots, scale, rule);
+        let joins = candidates(nodes, &slots, ground, scale, rule);
         if joins.is_empty() {
             return slots.into_iter().flatten().collect();
         }
@@ -62,6 +64,7 @@ struct JoinFit {
 fn candidates(
     nodes: &[PlacedNode],
     slots: &[Option<Chain>],
+    ground: &Ground<'_>,
     scale: &Scale,
     rule: &JoinRule,
 ) -> Vec<Join> {
@@ -80,7 +83,7 @@ fn candidates(
         let Some(at) = end(a.nodes.last()) else { continue };
         grid.within(&at.position, rule.farthest(at.spacing.max(widest), scale), |h, d| {
             let (head, b) = open[h];
-            let pair = Pair { nodes, tail: a, head: b, is_one: tail == head };
+            let pair = Pair { nodes, ground, tail: a, head: b, is_one: tail == head };
             // How far the rule reaches depends on the larger spacing of the two.
             if d.norm() <= rule.farthest(at.spacing.max(heads[h].spacing), scale) {
                 joins.extend(pair.best_fit(scale, rule).map(|fit| Join { tail, head, fit }));
@@ -96,6 +99,7 @@ fn candidates(
 /// The two chains of a join.
 struct Pair<'a> {
     nodes: &'a [PlacedNode],
+    ground: &'a Ground<'a>,
     tail: &'a Chain,
     head: &'a Chain,
     /// Whether both are one chain, which joining closes.
@@ -105,7 +109,7 @@ struct Pair<'a> {
 impl Pair<'_> {
     /// The cheapest way to join the tail to the head; `None` if no way fits the rule.
     fn best_fit(&self, scale: &Scale, rule: &JoinRule) -> Option<JoinFit> {
-        let Self { nodes, tail, head, is_one } = *self;
+        let Self { nodes, tail, head, is_one, .. } = *self;
         let outermost = [*tail.nodes.last()?, *head.nodes.first()?];
         let [lost_tail, lost_head] = outermost.map(|k| nodes[k as usize].evidence.footprint);
         let shortest = tail.nodes.len().min(head.nodes.len());
@@ -123,7 +127,8 @@ impl Pair<'_> {
                 };
                 let lost = cut_tail as f64 * lost_tail + cut_head as f64 * lost_head;
                 let cost = cost + CUT_COST * lost;
-                if best.is_none_or(|b| cost < b.cost) {
+                let is_best = best.is_none_or(|b| cost < b.cost);
+                if is_best && !p.is_across_shadow(q, self.ground) {
                     best = Some(JoinFit { cost, cut_tail, cut_head });
                 }
             }
@@ -170,11 +175,17 @@ fn apply(slots: &mut [Option<Chain>], join: &Join) {
 mod tests {
     use super::super::link::spread_spacing;
     use super::*;
+    use crate::consensus::measure::Observations;
     use crate::consensus::options::ConsensusOptions;
 
     fn scale() -> Scale {
         let options = ConsensusOptions::default();
         Scale { spacing: 0.003, threshold: 0.001, same_way: 0.6, options }
+    }
+
+    fn joined(nodes: &[PlacedNode], chains: Vec<Chain>, rule: &JoinRule) -> Vec<Chain> {
+        let (observations, grid) = (Observations::default(), PointGrid::new(&[], 1.0));
+        join(nodes, chains, &Ground::new(&observations, &grid), &scale(), rule)
     }
 
     /// Adds a chain of some nodes.
@@ -205,7 +216,7 @@ mod tests {
             add(&mut nodes, fine(170, 300)),
         ];
         spread_spacing(&mut nodes, &scale());
-        let joined = join(&nodes, chains, &scale(), &JoinRule::SMOOTH);
+        let joined = joined(&nodes, chains, &JoinRule::SMOOTH);
         assert_eq!(joined.len(), 1);
         assert_eq!(joined[0].nodes.len(), nodes.len(), "nothing need be cut");
     }
@@ -226,7 +237,7 @@ mod tests {
         ];
         let rules = [JoinRule::MEETING, JoinRule::SMOOTH, JoinRule::HAIRPIN, JoinRule::CROSSING];
         for rule in rules {
-            chains = join(&nodes, chains, &scale(), &rule);
+            chains = joined(&nodes, chains, &rule);
         }
         assert_eq!(chains.len(), 1);
         assert_eq!(chains[0].nodes.len(), nodes.len(), "nothing need be cut");

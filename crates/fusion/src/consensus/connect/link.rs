@@ -9,6 +9,7 @@ use super::super::estimate::PlacedNode;
 use super::super::measure::{NONE, Observations, Scale};
 use super::super::tuning::link::*;
 use crate::grid::PointGrid;
+use crate::ground::Ground;
 use transect_geometry::Point2;
 
 /// Gives every node the footprint of the coarsest one whose sample it lies within.
@@ -38,9 +39,10 @@ pub(super) fn link(
     nodes: &[PlacedNode],
     absorbed_by: &[u32],
     observations: &Observations,
+    ground: &Ground<'_>,
     scale: &Scale,
 ) -> Vec<u32> {
-    let mut candidates = Candidates { nodes, scale, all: Vec::new() };
+    let mut candidates = Candidates { nodes, ground, scale, all: Vec::new() };
     candidates.add_ahead();
     if scale.steps().witnessed_links {
         candidates.add_witnessed(absorbed_by, observations);
@@ -88,12 +90,16 @@ impl Step {
 /// Possible links; those that several views witness come several times.
 struct Candidates<'a> {
     nodes: &'a [PlacedNode],
+    ground: &'a Ground<'a>,
     scale: &'a Scale,
     all: Vec<Candidate>,
 }
 
 impl Candidates<'_> {
     fn add(&mut self, from: usize, to: usize, cost: f64, bridged: bool) {
+        if self.nodes[from].is_across_shadow(&self.nodes[to], self.ground) {
+            return;
+        }
         let cost = cost.to_bits() | u64::from(bridged) << 63;
         self.all.push(Candidate { cost, from: from as u32, to: to as u32 });
     }
@@ -165,7 +171,8 @@ mod tests {
         let nodes = [node(0.0, 0.002, 1.0), node(0.001, -0.002, 0.05), node(0.02, 0.0, 2.0)];
         let options = ConsensusOptions::default();
         let scale = Scale { spacing: 0.02, threshold: 0.001, same_way: 0.6, options };
-        let next = link(&nodes, &[], &Observations::default(), &scale);
+        let (observations, grid) = (Observations::default(), PointGrid::new(&[], 1.0));
+        let next = link(&nodes, &[], &observations, &Ground::new(&observations, &grid), &scale);
         assert_eq!(next, [2, NONE, NONE]);
     }
 }

@@ -13,6 +13,7 @@ pub(super) use chain::{Chain, by_length};
 
 use super::estimate::{Estimate, PlacedNode};
 use super::measure::{Measurements, Scale};
+use crate::ground::Ground;
 use cover::Shortest;
 use ends::JoinRule;
 
@@ -25,14 +26,15 @@ pub(super) struct Chains {
 
 /// Links nodes, and covers, joins and cuts the chains until they are curves.
 pub(super) fn connect(estimate: &mut Estimate, measured: &Measurements) -> Chains {
-    let Measurements { observations, scale, .. } = measured;
+    let Measurements { observations, scale, grid, .. } = measured;
+    let ground = &Ground::new(observations, grid);
     if scale.steps().coarse_spacing {
         link::spread_spacing(&mut estimate.nodes, scale);
     }
     let Estimate { nodes, absorbed_by } = &*estimate;
-    let next = link::link(nodes, absorbed_by, observations, scale);
+    let next = link::link(nodes, absorbed_by, observations, ground, scale);
     let chains = cover::cover(nodes, chain::trace(&next), scale, Shortest::PART);
-    let mut chains = joined(nodes, chains, scale);
+    let mut chains = joined(nodes, chains, ground, scale);
     // A joined chain may lie beside others, and one that stayed short is no curve.
     let shortest = Shortest::curve(scale.options.shortest_footprints);
     if scale.steps().second_cover {
@@ -53,7 +55,12 @@ pub(super) fn connect(estimate: &mut Estimate, measured: &Measurements) -> Chain
 
 /// Joins the ends of chains: first those that meet, then those that continue each other, those
 /// round a tip, and those that cross.
-fn joined(nodes: &[PlacedNode], chains: Vec<Chain>, scale: &Scale) -> Vec<Chain> {
+fn joined(
+    nodes: &[PlacedNode],
+    chains: Vec<Chain>,
+    ground: &Ground<'_>,
+    scale: &Scale,
+) -> Vec<Chain> {
     let steps = scale.steps();
     let rules: [(bool, JoinRule); 4] = [
         (steps.join_meeting, JoinRule::MEETING),
@@ -62,5 +69,5 @@ fn joined(nodes: &[PlacedNode], chains: Vec<Chain>, scale: &Scale) -> Vec<Chain>
         (steps.join_crossing, JoinRule::CROSSING),
     ];
     let chosen = rules.iter().filter(|(on, _)| *on).map(|(_, rule)| rule);
-    chosen.fold(chains, |chains, rule| ends::join(nodes, chains, scale, rule))
+    chosen.fold(chains, |chains, rule| ends::join(nodes, chains, ground, scale, rule))
 }

@@ -1,8 +1,9 @@
 //! A node of the result, and what its observations tell about it.
 
 use super::super::tuning::node::*;
+use crate::ground::Ground;
 use nalgebra::Vector3;
-use transect_geometry::{Node, Point2, Vector2};
+use transect_geometry::{CurveUnit, Node, Point2, Vector2};
 
 /// What the observations of a node tell together. It does not change when the node moves.
 #[derive(Debug, Clone, Copy)]
@@ -55,8 +56,24 @@ impl PlacedNode {
     /// Whether the ground up to a neighbour was measured: the step is no longer than three
     /// footprints.
     pub fn is_beside(&self, next: &Self) -> bool {
-        let footprint = self.evidence.footprint.max(next.evidence.footprint);
-        (next.position - self.position).norm() <= LONGEST_STEP * footprint
+        let (unit, footprint) = self.unit_to(next);
+        unit.vector().norm() <= LONGEST_STEP * footprint
+    }
+
+    /// The unit to the next node, and the larger of both footprints.
+    pub fn unit_to(&self, next: &Self) -> (CurveUnit, f64) {
+        let unit = CurveUnit { start: self.position, end: next.position };
+        (unit, self.evidence.footprint.max(next.evidence.footprint))
+    }
+
+    /// Whether the step to the next node is no continuation, and lies in the shadow of a view.
+    pub fn is_across_shadow(&self, next: &Self, ground: &Ground<'_>) -> bool {
+        let (unit, _) = self.unit_to(next);
+        let along = unit.vector().try_normalize(0.0).unwrap_or_default();
+        let footprint = self.evidence.footprint.min(next.evidence.footprint);
+        unit.vector().norm() > SHADOW_FOOTPRINTS * footprint
+            && along.dot(&self.tangent).min(along.dot(&next.tangent)) < STRAIGHT
+            && ground.is_in_shadow(&unit)
     }
 
     /// Standard deviation across the curve without the views' systematic errors.

@@ -9,13 +9,13 @@ mod spread;
 mod view_error;
 
 pub(crate) use observations::{NONE, Observation, Observations, ViewEnd, canonical};
-pub(super) use scale::Scale;
+pub(crate) use scale::Scale;
 
 use super::options::ConsensusOptions;
 use crate::grid::PointGrid;
 
 /// The observations of a plane with all that is known of their errors.
-pub(super) struct Measurements {
+pub(crate) struct Measurements {
     pub observations: Observations,
     pub scale: Scale,
     /// Standard deviation of one view's curve against the common one.

@@ -54,6 +54,8 @@ impl Observation {
 pub(crate) struct ViewEnd {
     /// Number of the observation there.
     pub observation: u32,
+    /// Number of the curve's first observation.
+    pub curve: u32,
     /// Whether the curve ends there; otherwise it begins.
     pub is_last: bool,
     pub reason: EndReason,
@@ -146,7 +148,12 @@ impl Observations {
         }
         let ends = [(start, false), (start + last as u32, true)];
         for (reason, (observation, is_last)) in curve.ends().into_iter().zip(ends) {
-            self.ends.extend(reason.map(|reason| ViewEnd { observation, is_last, reason }));
+            self.ends.extend(reason.map(|reason| ViewEnd {
+                observation,
+                curve: start,
+                is_last,
+                reason,
+            }));
         }
     }
 }

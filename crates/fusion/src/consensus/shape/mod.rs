@@ -27,5 +27,5 @@ pub(super) fn shape(
         corners::sharpen(&mut nodes, &mut chains, observations.pixel_noise(), scale.steps());
     }
     let ends = output::Ends::new(observations, &absorbed_by, &nodes);
-    output::curves(&nodes, chains, &ends, scale.steps().middle_nodes)
+    output::curves(&nodes, chains, measured, &ends)
 }

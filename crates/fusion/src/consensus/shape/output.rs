@@ -3,30 +3,38 @@
 
 use super::super::connect::{Chain, by_length};
 use super::super::estimate::PlacedNode;
-use super::super::measure::{Observations, ViewEnd};
+use super::super::measure::{Measurements, Observations, Scale, ViewEnd};
 use super::super::tuning::output::*;
 use crate::grid::PointGrid;
+use crate::ground::Ground;
 use transect_geometry::{Curve, EndReason, Node, Point2};
 
 /// The curves of the chains, longest first.
 pub(super) fn curves(
     nodes: &[PlacedNode],
     chains: Vec<Chain>,
+    measured: &Measurements,
     ends: &Ends<'_>,
-    middle_nodes: bool,
 ) -> Vec<Curve> {
+    let ground = Ground::new(&measured.observations, &measured.grid);
     let curve = |c: &Chain| {
-        let curve = Curve::new(curve_nodes(nodes, c, middle_nodes), c.closed).ok()?;
+        let curve = Curve::new(curve_nodes(nodes, c, &ground, &measured.scale), c.closed).ok()?;
         Some(curve.with_ends(ends.of(c)))
     };
     by_length(nodes, chains).iter().filter_map(curve).collect()
 }
 
 /// The nodes of a chain, with those that belong between them.
-fn curve_nodes(nodes: &[PlacedNode], chain: &Chain, middle_nodes: bool) -> Vec<Node> {
+fn curve_nodes(
+    nodes: &[PlacedNode],
+    chain: &Chain,
+    ground: &Ground<'_>,
+    scale: &Scale,
+) -> Vec<Node> {
+    let middle_nodes = scale.steps().middle_nodes;
     let mut result: Vec<Node> = Vec::with_capacity(2 * chain.nodes.len());
     for (here, next) in chain.units(nodes) {
-        let gap = bridge(here, next);
+        let gap = bridge(here, next, ground, scale);
         result.push(here.node().with_bridged(gap.is_some()));
         result.extend(gap.or_else(|| between(here, next).filter(|_| middle_nodes)));
     }
@@ -35,10 +43,11 @@ fn curve_nodes(nodes: &[PlacedNode], chain: &Chain, middle_nodes: bool) -> Vec<N
     result
 }
 
-/// The mark of a gap: a node without views, if two neighbours are too far apart to have been
-/// measured as neighbours.
-fn bridge(a: &PlacedNode, b: &PlacedNode) -> Option<Node> {
-    let gap = (b.position - a.position).norm();
+/// The mark of a gap: a node without views, if no view measured the ground between two neighbours.
+fn bridge(a: &PlacedNode, b: &PlacedNode, ground: &Ground<'_>, scale: &Scale) -> Option<Node> {
+    let (unit, footprint) = a.unit_to(b);
+    let gap = unit.vector().norm();
+    let across = scale.across(a.sigma.max(b.sigma)).max(footprint);
     let middle = || {
         // Only the two ends and their distance are known.
         Node::at(a.position + (b.position - a.position) * 0.5)
@@ -48,7 +57,7 @@ fn bridge(a: &PlacedNode, b: &PlacedNode) -> Option<Node> {
             .with_views(0)
             .with_bridged(true)
     };
-    (gap > BRIDGED_FOOTPRINTS * a.spacing.max(b.spacing)).then(middle)
+    (gap > GAP_FOOTPRINTS * footprint && !ground.is_measured(&unit, across)).then(middle)
 }
 
 /// The middle of the cubic with the places and directions of two nodes, where their chord misses

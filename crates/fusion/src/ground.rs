@@ -1,0 +1,73 @@
+//! What the views tell about the ground between two places: that one measured it, or that one saw
+//! the surface end on both sides of it.
+
+use crate::consensus::measure::{Observation, Observations};
+use crate::grid::PointGrid;
+use transect_geometry::{CurveUnit, EndReason, Point2};
+
+/// How far from a range jump a gap may begin or end that the jump forbids, in footprints of the
+/// view. By hand: other views may see a little farther round the rim. Doubled: neighbouring
+/// surfaces of small parts are kept apart.
+const JUMP_FOOTPRINTS: f64 = 3.0;
+
+/// A range jump at one end of a view's curve.
+struct Jump<'a> {
+    at: &'a Observation,
+    curve: u32,
+}
+
+/// The ground of a plane, as its views saw it.
+pub(crate) struct Ground<'a> {
+    observations: &'a Observations,
+    grid: &'a PointGrid,
+    /// Jumps at which curves end.
+    leaving: Vec<Jump<'a>>,
+    /// Jumps at which curves begin.
+    arriving: Vec<Jump<'a>>,
+}
+
+impl Jump<'_> {
+    fn is_near(&self, place: &Point2) -> bool {
+        (self.at.position - place).norm() <= JUMP_FOOTPRINTS * self.at.footprint
+    }
+}
+
+impl<'a> Ground<'a> {
+    /// The ground of observations, whose places are in the grid.
+    pub fn new(observations: &'a Observations, grid: &'a PointGrid) -> Self {
+        let jumps = |is_last: bool| {
+            let ends = observations.ends.iter();
+            let jumps = ends.filter(|e| e.is_last == is_last && e.reason == EndReason::RangeJump);
+            let at = |k: u32| &observations.all[k as usize];
+            jumps.map(|e| Jump { at: at(e.observation), curve: e.curve }).collect()
+        };
+        Self { observations, grid, leaving: jumps(true), arriving: jumps(false) }
+    }
+
+    /// Whether one view saw a surface end by a range jump where a unit begins, and another surface
+    /// begin by a range jump where the unit ends. The ground between is in that view's shadow.
+    pub fn is_in_shadow(&self, unit: &CurveUnit) -> bool {
+        let mut leaving = self.leaving.iter().filter(|jump| jump.is_near(&unit.start));
+        leaving.any(|out| {
+            let same = |jump: &&Jump<'_>| jump.at.view == out.at.view && jump.curve != out.curve;
+            self.arriving.iter().filter(same).any(|jump| jump.is_near(&unit.end))
+        })
+    }
+
+    /// Whether the middle of a unit lies within a distance of ground that a view measured along
+    /// the same way.
+    pub fn is_measured(&self, unit: &CurveUnit, distance: f64) -> bool {
+        let (way, middle) = (unit.vector(), unit.at(0.5));
+        let mut measured = false;
+        self.grid.within(&middle, 2.0 * way.norm() + distance, |k, _| {
+            let here = &self.observations.all[k];
+            let next = self.observations.all.get(here.next as usize).filter(|_| !here.bridged);
+            measured = measured
+                || next.is_some_and(|next| {
+                    let seen = CurveUnit { start: here.position, end: next.position };
+                    seen.vector().dot(&way) > 0.0 && seen.distance(&middle) <= distance
+                });
+        });
+        measured
+    }
+}
