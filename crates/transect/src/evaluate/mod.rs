@@ -54,7 +54,7 @@ mod sample;
 mod stretches;
 
 pub use accuracy::{Accuracy, Duplication};
-pub use rows::{Row, digits};
+pub use rows::{Quantity, Row, digits};
 
 use closeness::Closeness;
 use index::UnitIndex;
