@@ -14,7 +14,10 @@ use commands::{
     compact, evaluate, export, gaps, import, inspect, list_views, manifest, measure, query,
     reconstruct, remove_view, replace_view, simulate, verify,
 };
+use failure::Failure;
+use std::io::{self, ErrorKind};
 use std::process::ExitCode;
+use transect_geometry::LengthUnit;
 
 /// Registered range images in, cross-section models out.
 #[derive(Debug, Parser)]
@@ -22,6 +25,10 @@ use std::process::ExitCode;
 struct Arguments {
     #[command(subcommand)]
     command: Command,
+    /// Unit of the lengths, areas and volumes that are printed: m, dm, cm, mm, um, in or ft
+    /// [default: one in which each number is easy to read]. Files keep the model's unit.
+    #[arg(long, global = true, value_name = "UNIT")]
+    output_unit: Option<LengthUnit>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -59,7 +66,13 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let outcome = match Arguments::parse().command {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        // Help and version are no errors, unless they cannot be printed.
+        Err(text) => return code(text.exit_code(), text.print()),
+    };
+    arguments.output_unit.into_iter().for_each(table::set_output_unit);
+    let outcome = match arguments.command {
         Command::Reconstruct(a) => reconstruct::run(&a),
         Command::Simulate(a) => simulate::run(&a),
         Command::Evaluate(a) => evaluate::run(&a),
@@ -77,7 +90,18 @@ fn main() -> ExitCode {
         Command::Manifest(a) => manifest::run(&a),
     };
     match outcome {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => code(0, table::written()),
         Err(failure) => failure.report(),
+    }
+}
+
+/// An exit code, unless the output could not be written. A reader that has gone away is no error.
+fn code(code: i32, output: io::Result<()>) -> ExitCode {
+    match output {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            let reason = format!("the output cannot be written to stdout: {error}; free its disk");
+            Failure::Failed(reason.into()).report()
+        }
+        _ => u8::try_from(code).map_or(ExitCode::FAILURE, ExitCode::from),
     }
 }

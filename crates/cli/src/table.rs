@@ -1,12 +1,26 @@
-//! Printing results to stdout.
+//! Printing results to stdout, in the unit that the user chose.
 
-use std::io::Write;
-pub use transect_workflow::table::{Row, digits};
+use std::io::{self, Write};
+use std::sync::OnceLock;
+use transect_geometry::LengthUnit;
+pub use transect_workflow::table::{Quantity, Row, digits};
 use transect_workflow::table::{grid, rows};
+
+/// The unit of printed lengths; without it, one that a person can read.
+static OUTPUT_UNIT: OnceLock<LengthUnit> = OnceLock::new();
+
+/// The first error of stdout.
+static FAILED: OnceLock<io::Error> = OnceLock::new();
+
+/// Sets the unit of all lengths, areas and volumes that are printed.
+pub fn set_output_unit(unit: LengthUnit) {
+    let _ = OUTPUT_UNIT.set(unit);
+}
 
 /// Prints rows of metric, value and unit.
 pub fn print(table: &[Row]) {
-    say(&rows(table));
+    let shown: Vec<Row> = table.iter().map(|row| row.shown(OUTPUT_UNIT.get().copied())).collect();
+    say(&rows(&shown));
 }
 
 /// Prints a table with a head for each column.
@@ -14,7 +28,46 @@ pub fn print_grid(heads: &[&str], lines: &[Vec<String>]) {
     say(&grid(heads, lines));
 }
 
-/// Prints a line; a reader that has gone away is no error.
+/// Prints a line. [`written`] reports the first line that could not be written.
 pub fn say(line: &str) {
-    let _ = writeln!(std::io::stdout(), "{line}");
+    if let Err(error) = writeln!(io::stdout(), "{line}") {
+        let _ = FAILED.set(error);
+    }
+}
+
+/// Whether everything printed reached stdout.
+pub fn written() -> io::Result<()> {
+    let flushed = io::stdout().flush();
+    FAILED.get().map_or(flushed, |error| Err(io::Error::new(error.kind(), error.to_string())))
+}
+
+/// A length with its unit, as text.
+pub fn length(value: f64, unit: LengthUnit) -> String {
+    Quantity::new(value, unit, 1).shown(OUTPUT_UNIT.get().copied()).join(" ")
+}
+
+/// The lengths of one table, all in one unit.
+#[derive(Debug, Clone, Copy)]
+pub struct Lengths {
+    own: LengthUnit,
+    /// The unit to print.
+    pub unit: LengthUnit,
+}
+
+impl Lengths {
+    /// Lengths in a model's unit. The unit to print is chosen for the largest of them.
+    pub fn new(own: LengthUnit, largest: f64) -> Self {
+        let readable = || Quantity::new(largest, own, 1).readable_unit();
+        Self { own, unit: OUTPUT_UNIT.get().copied().unwrap_or_else(readable) }
+    }
+
+    /// A length (power 1), an area (2) or a volume (3) as text without its unit.
+    pub fn digits(&self, value: f64, power: u8) -> String {
+        digits(Quantity::new(value, self.own, power).in_unit(self.unit))
+    }
+
+    /// A place as text without its unit.
+    pub fn place(&self, place: &transect_geometry::Point3) -> String {
+        <[f64; 3]>::from(place.coords).map(|c| self.digits(c, 1)).join(", ")
+    }
 }

@@ -49,12 +49,13 @@ pub(crate) fn from_row_major(numbers: &[f64; 16]) -> Result<Pose, String> {
     Ok(Pose { world_from_sensor, repaired: (!exact).then_some(deviation) })
 }
 
-/// The pose of a row-major homogeneous matrix, sensor to world, as a person would give it.
+/// The pose of a row-major homogeneous matrix, sensor to world, as a person would give it. A matrix
+/// that is almost a rotation is replaced by the nearest one; its deviation is returned, too.
 ///
 /// # Errors
 /// A sentence: why it is no rigid motion.
-pub fn pose_of_row_major(numbers: &[f64; 16]) -> Result<Isometry3, String> {
-    Ok(from_row_major(numbers)?.world_from_sensor)
+pub fn pose_of_row_major(numbers: &[f64; 16]) -> Result<(Isometry3, Option<f64>), String> {
+    from_row_major(numbers).map(|pose| (pose.world_from_sensor, pose.repaired))
 }
 
 /// The polar factor U Vᵀ; `None` if the decomposition does not converge.

@@ -61,6 +61,17 @@ pub fn agreement(views: &[&[Curve]]) -> Vec<Agreement> {
 
 /// The same from what was collected of some views.
 pub(crate) fn between(observations: &Observations, views: usize) -> Vec<Agreement> {
+    let mut result = between_different(observations, views);
+    // A view agrees with its twin, and with the other views as the twin does.
+    for &(view, twin) in &observations.twins {
+        result[view].close += 1;
+        result[twin] = result[view];
+    }
+    result
+}
+
+/// The same for views that differ. Of identical ones, all but the first count nothing.
+fn between_different(observations: &Observations, views: usize) -> Vec<Agreement> {
     let mut result = vec![Agreement::default(); views];
     if observations.sources.len() < 2 || observations.all.is_empty() {
         return result;
@@ -122,6 +133,16 @@ mod tests {
         let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
         let found: Vec<bool> = agreement(&slices).iter().map(Agreement::is_contradicted).collect();
         assert_eq!(found, [false, false, false, true]);
+    }
+
+    #[test]
+    fn identical_views_agree() {
+        let views = [arc(0.0, 0.0, 3.0), arc(0.0, 0.0, 3.0), arc(0.15, 0.5, 3.5)];
+        let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+        let pair = agreement(&slices[..2]);
+        assert!(pair[0].close > 0 && pair[0] == pair[1], "{pair:?}");
+        let all = agreement(&slices);
+        assert!(all[0].abreast > 0 && all[0] == all[1], "{all:?}");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Levels and plane coordinates as affine functions of sensor coordinates.
 
-use crate::error::{MAX_LEVELS, PartialError};
+use crate::error::{MAX_LEVELS, MAX_PLANE, PartialError};
 use transect_device::{LinearForm, Point3, SensorPlane, Vector3, View};
 use transect_geometry::{PlaneFamily, PlaneIndex, Point2};
 
@@ -22,7 +22,8 @@ impl SectionAxes {
     ///
     /// # Errors
     /// [`PartialError::CurvedGuide`] if the planes are not parallel,
-    /// [`PartialError::TooManyPlanes`] if the view's sensing volume spans more than [`MAX_LEVELS`].
+    /// [`PartialError::TooManyPlanes`] if the view's sensing volume spans more than [`MAX_LEVELS`],
+    /// [`PartialError::TooFar`] if the view is too far from plane 0.
     pub fn new(view: &View, planes: &PlaneFamily) -> Result<Self, PartialError> {
         if planes.guide().straight().is_none() {
             return Err(PartialError::CurvedGuide);
@@ -40,9 +41,12 @@ impl SectionAxes {
         };
         let (low, high) = axes.involved_levels(view);
         let middle = (0.5 * (low + high)).floor();
-        let countable = middle.abs() < 9e15 && high - low < MAX_LEVELS as f64;
-        if !countable {
-            return Err(PartialError::TooManyPlanes { planes: high - low, interval });
+        let planes = high - low;
+        if planes.is_nan() || planes >= MAX_LEVELS as f64 {
+            return Err(PartialError::TooManyPlanes { planes, interval });
+        }
+        if middle.abs() >= MAX_PLANE {
+            return Err(PartialError::TooFar { planes: middle.abs(), interval });
         }
         axes.base = middle as i64;
         axes.level.constant -= middle;

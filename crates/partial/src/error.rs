@@ -5,6 +5,10 @@
 /// Levels are compared as `f32`; at this many planes one still resolves a quarter of an interval.
 pub const MAX_LEVELS: i64 = 1 << 22;
 
+/// Largest number of a plane. Theory: `f64` holds whole numbers up to 2⁵³, about 9e15. Doubled,
+/// neighbouring planes could get one number.
+pub const MAX_PLANE: f64 = 9e15;
+
 /// Most crossings of one view, 2²³: with their curves they take about 0.9 GiB. A view of four
 /// million pixels has that many if two planes pass between any two neighbours.
 pub const MAX_CROSSINGS: usize = 1 << 23;
@@ -20,6 +24,18 @@ pub enum PartialError {
     )]
     TooManyPlanes {
         /// How many planes the view's sensing volume spans.
+        planes: f64,
+        /// The interval, in the model's length unit.
+        interval: f64,
+    },
+    /// Plane 0 is so far away that a plane's number is no longer exact in `f64`.
+    #[error(
+        "the view lies {planes:.3e} planes of interval {interval} from plane 0; at most \
+         {MAX_PLANE:.0e} can be counted: is the interval in the right unit? If it is, choose an \
+         offset near the view"
+    )]
+    TooFar {
+        /// How many planes the middle of the view is from plane 0.
         planes: f64,
         /// The interval, in the model's length unit.
         interval: f64,

@@ -111,10 +111,10 @@ impl ImagingRadar {
         let circle = theta.step.abs() * size.cols as f64;
         // A full circle given with few decimals may come out a little long.
         let fits = circle < TAU + 0.5 * theta.step.abs();
-        require("dtheta", theta.step, fits, "columns within one full circle")?;
+        require("dtheta", theta.step, fits, "columns within one full circle (angles in radians)")?;
         let (low, high) = phi.range(size.rows);
         let upright = low >= -FRAC_PI_2 - 1e-9 && high <= FRAC_PI_2 + 1e-9;
-        require("phi0", phi.first, upright, "rows between -90° and 90°")?;
+        require("phi0", phi.first, upright, "rows between -90° and 90° (angles in radians)")?;
         let (columns, rows) = (theta.table(size.cols), phi.table(size.rows));
         Ok(Self { size, theta, phi, columns, rows })
     }

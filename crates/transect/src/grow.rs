@@ -202,7 +202,8 @@ impl<'a> Grower<'a> {
         Ok(self.store.remove_view(id, &Fuser::new(self.setup, &Unwatched))?)
     }
 
-    /// Replaces a view. The store is then as if the old view had never been added.
+    /// Replaces a view. The store is then as if the old view had never been added. The report has
+    /// the new view, with notes and warnings, and no counts of the fusion.
     ///
     /// # Errors
     /// If there is no such view, the new view fails, or its id is that of a third view; the store
@@ -211,10 +212,17 @@ impl<'a> Grower<'a> {
         &self,
         id: &ViewId,
         source: &S,
-    ) -> Result<StoredView, GrowError> {
+    ) -> Result<(StoredView, Report), GrowError> {
         let NewView { entry, view } = self.model(source, TimedView::load(source)?)?;
-        let fuser = Fuser::new(self.setup, &Unwatched);
-        Ok(self.store.replace_view(id, entry, view.planes, &fuser)?)
+        let (fuser, new_id) = (Fuser::new(self.setup, &Unwatched), entry.id.clone());
+        let ModelledView { planes, mut notes, report: mut of_view, .. } = view;
+        let stored = self.store.replace_view(id, entry, planes, &fuser)?;
+        of_view.set_agreement(&fuser.agreement(&new_id));
+        let several = self.store.views()?.len() > 1;
+        notes.extend(several.then(|| of_view.note_if_alone()).flatten());
+        let (views, fusion) = (vec![of_view], FusionReport::default());
+        let timings = Timings::default();
+        Ok((stored, Report { views, fusion, refinement: None, notes, timings }))
     }
 
     /// Stores views, as many at a time as there are threads, without fusing their planes.
@@ -304,7 +312,10 @@ impl<'a> Grower<'a> {
             report.set_agreement(&fuser.agreement(id));
         }
         notes.extend(reports.iter().filter(|_| several).filter_map(ViewReport::note_if_alone));
-        let fusion = whole_fusion(&snapshot, &fuser)?;
+        let mut fusion = whole_fusion(&snapshot, &fuser)?;
+        if !several {
+            (fusion.spread, fusion.threshold) = (0.0, 0.0);
+        }
         let fused = fuser.summaries().len();
         let report = Report { views: reports, fusion, refinement: None, notes, timings };
         Ok(Growth { present, report, fused })

@@ -41,7 +41,10 @@ impl Report {
         if views.len() > 1 {
             notes.extend(views.iter().filter_map(ViewReport::note_if_alone));
         }
-        let fusion = FusionReport::new(fused.iter().map(|f| &f.plane));
+        let mut fusion = FusionReport::new(fused.iter().map(|f| &f.plane));
+        if views.len() < 2 {
+            (fusion.spread, fusion.threshold) = (0.0, 0.0);
+        }
         Self { views, fusion, refinement: None, notes, timings }
     }
 
@@ -61,9 +64,10 @@ impl Report {
     }
 }
 
-/// Counts of curved guides are 0 for straight ones, and then are not written.
-fn is_zero(count: &usize) -> bool {
-    *count == 0
+/// Counts of curved guides are 0 for straight ones, and spreads of single views. They are not
+/// written then.
+fn is_zero<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 /// The counts of one view.
@@ -143,9 +147,12 @@ pub struct FusionReport {
     pub observations: usize,
     /// Candidate nodes that were dropped: beside a better curve, or in no curve.
     pub dropped: usize,
-    /// Median over the planes of the measured spread between views (standard deviation).
+    /// Median over the planes of the measured spread between views (standard deviation); 0 for a
+    /// single view.
+    #[serde(skip_serializing_if = "is_zero")]
     pub spread: f64,
-    /// Median over the planes of the overlap threshold.
+    /// Median over the planes of the overlap threshold; 0 for a single view.
+    #[serde(skip_serializing_if = "is_zero")]
     pub threshold: f64,
 }
 

@@ -15,7 +15,7 @@ use crate::Setup;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use transect_fusion::FusionMethod;
-use transect_geometry::Guide;
+use transect_geometry::{Guide, LengthUnit};
 use transect_model::store::StoreHeader;
 use transect_partial::Method;
 
@@ -118,14 +118,27 @@ impl Setup {
     /// # Errors
     /// [`SettingsError`] if a program with other options made the store.
     pub fn difference(&self, header: &StoreHeader) -> Result<Option<String>, SettingsError> {
-        let mut different = Vec::new();
-        if header.unit != self.unit {
-            different.push(format!("its unit is {}, not {}", header.unit, self.unit));
-        }
-        if header.planes != self.planes {
-            let (there, here) = (planes_text(header), planes_text(&self.store_header()));
-            different.push(format!("its planes are {there}, not {here}"));
-        }
+        let of = |name, value: [&dyn std::fmt::Display; 2]| {
+            let [there, here] = value.map(ToString::to_string);
+            (there != here).then(|| format!("{name}: the store has {there}, this run {here}"))
+        };
+        let planes = [&header.planes, &self.planes];
+        let [there, here] = planes.map(|planes| planes.guide());
+        let [a, b] = [header.unit, self.unit];
+        let along =
+            if there == here { None } else { of("guide", [&along(there, a), &along(here, b)]) };
+        let length = |name, value: [f64; 2]| {
+            of(name, [&format!("{} {a}", value[0]), &format!("{} {b}", value[1])])
+        };
+        let mut different: Vec<String> = [
+            of("unit", [&a, &b]),
+            along,
+            length("offset", planes.map(|planes| planes.offset())),
+            length("interval", planes.map(|planes| planes.interval())),
+        ]
+        .into_iter()
+        .flatten()
+        .collect();
         let (there, here) = (Record::read(header)?.fields(), Record::of(self).fields());
         list_differences("settings", &there, &here, &mut different);
         Ok((!different.is_empty()).then(|| different.join("; ")))
@@ -141,18 +154,23 @@ fn list_differences(name: &str, there: &Value, here: &Value, different: &mut Vec
             }
         }
         _ if there == here => {}
-        _ => different.push(format!("its {name} is {there}, not {here}")),
+        _ => {
+            // A method is an object with its name as the only key.
+            let [there, here] = [there, here].map(|value| match value {
+                Value::Object(method) => method.keys().next().cloned().unwrap_or_default(),
+                value => value.to_string(),
+            });
+            let name = if name == "partial" { "method" } else { name };
+            different.push(format!("{name}: the store has {there}, this run {here}"));
+        }
     }
 }
 
-fn planes_text(header: &StoreHeader) -> String {
-    let (planes, unit) = (&header.planes, header.unit);
-    let (offset, interval) = (planes.offset(), planes.interval());
-    let along = match planes.guide() {
-        Guide::Straight(guide) => format!("{:?}", <[f64; 3]>::from(guide.direction())),
-        Guide::Curved(guide) => format!("a curved guide of {} {unit}", guide.length()),
-    };
-    format!("every {interval} {unit} from {offset} {unit} along {along}")
+fn along(guide: &Guide, unit: LengthUnit) -> String {
+    match guide {
+        Guide::Straight(guide) => format!("the normal {:?}", <[f64; 3]>::from(guide.direction())),
+        Guide::Curved(guide) => format!("a curve of {} {unit}", guide.length()),
+    }
 }
 
 #[cfg(test)]

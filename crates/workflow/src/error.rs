@@ -46,6 +46,25 @@ pub enum WorkflowError {
         /// What was found, what was expected, and what to do.
         problem: String,
     },
+    /// Valid input that is most likely wrong.
+    #[error("{problem}; if it is right, pass --accept {check}")]
+    Implausible {
+        /// What was found, what is plausible, and the likely cause.
+        problem: String,
+        /// The name of the check; see [`Check`](crate::Check).
+        check: &'static str,
+    },
+    /// Fusion kept no curve.
+    #[error(
+        "the model is empty: none of the {nodes} nodes of {views} views became a curve. Check the \
+         interval of the planes, and the noise (sigma) that the scan states"
+    )]
+    Empty {
+        /// Views of the model.
+        views: usize,
+        /// Nodes of all views before fusion.
+        nodes: usize,
+    },
     /// A simulation that cannot be made.
     #[error("{0}")]
     Simulation(String),

@@ -2,7 +2,7 @@
 
 use crate::outputs::{Staging, check_output, claim_output};
 use crate::settings::by_name;
-use crate::table::{Row, digits};
+use crate::table::Row;
 use crate::{Costs, ReportFile, WorkflowError};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -177,10 +177,9 @@ impl ResultFolder {
         let [json, drawing] = SPLINES.map(|name| self.0.join(name));
         write_file(&json, |out| splines.write_json(out))?;
         write_file(&drawing, |out| splines.write_dxf(out))?;
-        let deviation = digits(splines.deviation());
         Ok(vec![
             Row::plain("control points of splines", splines.control_count()),
-            Row::new("splines within", deviation, model.unit().symbol()),
+            Row::length("splines within", splines.deviation(), model.unit()),
         ])
     }
 

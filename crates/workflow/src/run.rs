@@ -2,13 +2,14 @@
 
 use crate::score::{Reference, ScoreLimits, score};
 use crate::settings::parse_length;
-use crate::store_file::{Grown, grow, origin};
+use crate::store_file::{Grown, grow, origin, setup_of};
 use crate::table::{Row, digits};
 use crate::views::{FileView, OpenScan};
-use crate::{Costs, ReportFile, ResultFolder, Settings, WorkflowError};
+use crate::{Costs, Plausibility, ReportFile, ResultFolder, Settings, WorkflowError};
 use std::path::{Path, PathBuf};
 use transect::{Reconstruction, RefinementReport, Setup, Watch, reconstruct};
 use transect_exchange::{DxfFrame, Scan};
+use transect_geometry::LengthUnit;
 
 /// A model that was made of a scan, and what its results will say about it.
 #[derive(Debug)]
@@ -51,9 +52,10 @@ impl OpenScan {
     ) -> Result<Run<'_>, WorkflowError> {
         let setup = settings.setup(self.scan())?;
         let splines = self.splines(settings)?;
-        let reconstruction = reconstruct(&self.views(""), &setup, watch)?;
+        let views = self.views("", settings.plausibility(&setup))?;
+        let reconstruction = reconstruct(&views, &setup, watch)?;
         let inputs = self.inputs(settings, None);
-        Ok(Run { inputs, ..self.run(reconstruction, setup, settings.dxf, splines) })
+        Ok(Run { inputs, ..self.run(reconstruction, setup, settings.dxf, splines)? })
     }
 
     /// Adds the views to a model store, which is made if it is not there; then makes a model of all
@@ -70,16 +72,25 @@ impl OpenScan {
         settings: &Settings,
         watch: &dyn Watch,
     ) -> Result<Run<'_>, WorkflowError> {
-        let asks_for_planes = self.scan().planes.is_some() || !settings.planes.is_empty();
-        let setup = if store.exists() && !asks_for_planes {
-            let planes = crate::read_store(store)?.read()?.header().planes.clone();
-            settings.setup_with(planes, self.scan())?
+        let (scan, mut notes) = (self.scan(), Vec::new());
+        let setup = if store.exists() {
+            let there = setup_of(store, crate::read_store(store)?.read()?.header())?;
+            let scans_own = scan.planes.as_ref().and_then(|planes| planes.family().ok());
+            let setup = settings.setup_of_store(scan, there)?;
+            if settings.planes.is_empty() && scans_own.is_some_and(|own| own != setup.planes) {
+                notes.push(
+                    "the scan states other planes than the store; the store's are used".into(),
+                );
+            }
+            setup
         } else {
-            settings.setup(self.scan())?
+            settings.setup(scan)?
         };
         let splines = self.splines(settings)?;
-        let Grown { reconstruction, views_present, planes_fused } =
-            grow(store, &self.views(prefix), &setup, watch)?;
+        let views = self.views(prefix, settings.plausibility(&setup))?;
+        let Grown { mut reconstruction, views_present, planes_fused } =
+            grow(store, &views, &setup, watch)?;
+        reconstruction.report.notes.extend(notes);
         let rows = vec![
             Row::plain("store", store.display()),
             Row::plain("views added", reconstruction.report.views.len()),
@@ -87,15 +98,20 @@ impl OpenScan {
             Row::plain("planes fused", planes_fused),
         ];
         let inputs = self.inputs(settings, Some(store));
-        Ok(Run { store: rows, inputs, ..self.run(reconstruction, setup, settings.dxf, splines) })
+        Ok(Run { store: rows, inputs, ..self.run(reconstruction, setup, settings.dxf, splines)? })
     }
 
-    fn views(&self, prefix: &str) -> Vec<FileView<'_>> {
+    fn views(
+        &self,
+        prefix: &str,
+        plausibility: Plausibility,
+    ) -> Result<Vec<FileView<'_>>, WorkflowError> {
+        plausibility.check_distances(self.scan())?;
         let view = |view| {
-            let view = origin(view, self.path());
+            let view = origin(view, self.path(), plausibility.clone());
             FileView { id: format!("{prefix}{}", view.id), ..view }
         };
-        self.scan().views.iter().map(view).collect()
+        Ok(self.scan().views.iter().map(view).collect())
     }
 
     fn splines(&self, settings: &Settings) -> Result<Option<f64>, WorkflowError> {
@@ -109,11 +125,16 @@ impl OpenScan {
         setup: Setup,
         dxf: DxfFrame,
         splines: Option<f64>,
-    ) -> Run<'_> {
+    ) -> Result<Run<'_>, WorkflowError> {
+        let model = &reconstruction.model;
+        if model.sections().len() == 0 {
+            let (views, nodes) = (model.views().len(), reconstruction.report.fusion.observations);
+            return Err(WorkflowError::Empty { views, nodes });
+        }
         let mut costs = Costs::default();
         costs.modelled(&reconstruction.report.timings);
         let (store, inputs) = (Vec::new(), Vec::new());
-        Run { reconstruction, costs, scan: self, setup, store, inputs, dxf, splines }
+        Ok(Run { reconstruction, costs, scan: self, setup, store, inputs, dxf, splines })
     }
 }
 
@@ -152,7 +173,7 @@ impl Run<'_> {
 }
 
 fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
-    let (report, unit) = (&result.report, scan.unit.symbol());
+    let (report, unit) = (&result.report, scan.unit);
     let fusion = &report.fusion;
     let percent = |part: usize, whole: usize| digits(100.0 * part as f64 / whole.max(1) as f64);
     let mut rows = vec![
@@ -173,18 +194,22 @@ fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
         Row::plain("closed curves", fusion.closed),
         Row::plain("nodes", fusion.nodes),
         Row::plain("nodes of all views", fusion.observations),
-        Row::new("curve length", digits(fusion.length), unit),
-        Row::new("spread between views", digits(fusion.spread), unit),
-        Row::new("overlap threshold", digits(fusion.threshold), unit),
+        Row::length("curve length", fusion.length, unit),
     ]);
+    // Without a second view, or without planes to fuse, there is nothing to compare.
+    let compared =
+        [("spread between views", fusion.spread), ("overlap threshold", fusion.threshold)];
+    let several = result.model.views().len() > 1;
+    let compared = compared.into_iter().filter(|(_, length)| several && *length > 0.0);
+    rows.extend(compared.map(|(metric, length)| Row::length(metric, length, unit)));
     rows.extend(report.refinement.iter().flat_map(|refinement| refinement_rows(refinement, unit)));
     rows
 }
 
-fn refinement_rows(refinement: &RefinementReport, unit: &str) -> [Row; 4] {
+fn refinement_rows(refinement: &RefinementReport, unit: LengthUnit) -> [Row; 4] {
     [
-        Row::new("smallest interval", digits(refinement.least_interval), unit),
-        Row::plain("planes asked for", refinement.planes),
+        Row::length("smallest interval", refinement.least_interval, unit),
+        Row::plain("planes in use", refinement.planes),
         Row::plain("planes inserted", refinement.planes_inserted),
         Row::plain("intervals still above the tolerance", refinement.intervals_above_tolerance),
     ]

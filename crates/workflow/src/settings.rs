@@ -3,7 +3,7 @@
 //! A setting that is not given comes from the scan, or has a default. Lengths are texts: "1mm" has
 //! its own unit, a bare number is in the scan's.
 
-use crate::WorkflowError;
+use crate::{Check, Plausibility, WorkflowError};
 use std::path::PathBuf;
 use transect::{Refinement, Setup};
 use transect_exchange::{DxfFrame, PlanesEntry, Scan, read_guide};
@@ -17,10 +17,14 @@ use transect_partial::Method;
 pub struct Settings {
     /// Where the section planes are.
     pub planes: PlaneSettings,
-    /// How each view's curves are found; see [`partial_method`].
-    pub partial: Method,
-    /// How the views' curves are fused; see [`fusion_method`].
-    pub fusion: FusionMethod,
+    /// How each view's curves are found; see [`partial_method`]. Without it the store's method, else
+    /// the default.
+    pub partial: Option<Method>,
+    /// How the views' curves are fused; see [`fusion_method`]. Without it the store's method, else
+    /// the default.
+    pub fusion: Option<FusionMethod>,
+    /// Checks of plausibility that are turned off.
+    pub accept: Vec<Check>,
     /// Planes are inserted where the curves of neighbouring planes differ by more than this length.
     /// The smallest interval may follow a comma; without it, a sixteenth of the interval.
     pub refine: Option<String>,
@@ -108,21 +112,33 @@ impl Settings {
     /// [`WorkflowError`] if a setting has no usable value, neither settings nor scan state an
     /// interval, or a guide cannot be read.
     pub fn setup(&self, scan: &Scan) -> Result<Setup, WorkflowError> {
-        self.setup_with(self.planes.family(scan)?, scan)
+        let planes = self.planes.family(scan.unit, scan.planes.as_ref())?;
+        self.complete(Setup::new(scan.unit, planes))
     }
 
-    /// The same with planes that are known already, such as those of a store.
-    pub(crate) fn setup_with(
+    /// What the modeler needs to continue a store: these settings, completed by the store's.
+    pub(crate) fn setup_of_store(
         &self,
-        planes: PlaneFamily,
         scan: &Scan,
+        mut store: Setup,
     ) -> Result<Setup, WorkflowError> {
-        let mut setup = Setup::new(scan.unit, planes);
-        setup.partial = self.partial;
-        setup.fusion = self.fusion;
+        let own = PlanesEntry::from(&store.planes);
+        store.planes = self.planes.family(scan.unit, Some(&own))?;
+        store.unit = scan.unit;
+        self.complete(store)
+    }
+
+    fn complete(&self, mut setup: Setup) -> Result<Setup, WorkflowError> {
+        setup.partial = self.partial.unwrap_or(setup.partial);
+        setup.fusion = self.fusion.unwrap_or(setup.fusion);
         let refine = self.refine.as_ref();
         setup.refinement = refine.map(|text| parse_refinement(&setup, text)).transpose()?;
         Ok(setup)
+    }
+
+    pub(crate) fn plausibility(&self, setup: &Setup) -> Plausibility {
+        let (interval, accepted) = (setup.planes.interval(), self.accept.clone());
+        Plausibility { interval, unit: setup.unit, accepted }
     }
 }
 
@@ -133,25 +149,33 @@ impl PlaneSettings {
         normal.is_none() && guide.is_none() && interval.is_none() && offset.is_none()
     }
 
-    /// The planes of a scan: these settings, completed by the scan's own planes.
-    fn family(&self, scan: &Scan) -> Result<PlaneFamily, WorkflowError> {
-        let (own, guide) = (scan.planes.as_ref(), self.guide(scan)?);
-        let interval = match (&self.interval, own) {
-            (Some(text), _) => parse_length(scan.unit, "interval", text)?,
-            (None, own) => own.ok_or(WorkflowError::NoInterval)?.interval,
+    /// The planes: these settings, completed by those of a scan or a store.
+    fn family(
+        &self,
+        unit: LengthUnit,
+        own: Option<&PlanesEntry>,
+    ) -> Result<PlaneFamily, WorkflowError> {
+        let guide = self.guide(unit, own)?;
+        let length = |setting, text: &Option<String>, own: Option<f64>| match (text, own) {
+            (None, own) => Ok(own),
+            (Some(text), own) => {
+                let given = parse_length(unit, setting, text)?;
+                // "3in" and "7.62cm" are the same length, but for rounding.
+                let same = |own: &f64| (own - given).abs() <= 1e-12 * own.abs();
+                Ok::<_, WorkflowError>(own.filter(same).or(Some(given)))
+            }
         };
-        let offset = match &self.offset {
-            Some(text) => parse_length(scan.unit, "offset", text)?,
-            None => own.map_or(0.0, |p| p.offset),
-        };
-        Ok(PlaneFamily::new(guide, offset, interval)?)
+        let interval = length("interval", &self.interval, own.map(|p| p.interval))?;
+        let offset = length("offset", &self.offset, own.map(|p| p.offset))?;
+        let interval = interval.ok_or(WorkflowError::NoInterval)?;
+        Ok(PlaneFamily::new(guide, offset.unwrap_or(0.0), interval)?)
     }
 
-    fn guide(&self, scan: &Scan) -> Result<Guide, WorkflowError> {
+    fn guide(&self, unit: LengthUnit, own: Option<&PlanesEntry>) -> Result<Guide, WorkflowError> {
         if let Some(guide) = &self.guide {
-            return guide.read(scan.unit);
+            return guide.read(unit);
         }
-        let normal = match (self.normal, scan.planes.as_ref()) {
+        let normal = match (self.normal, own) {
             (Some(normal), _) => normal.into(),
             (None, Some(PlanesEntry { guide: Some(guide), .. })) => {
                 return Ok(guide.clone().into());

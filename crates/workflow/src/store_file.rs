@@ -1,11 +1,11 @@
 //! Model stores on disk: opening one, growing it by a scan, removing and replacing its views.
 
 use crate::results::find_model;
-use crate::{FileView, WorkflowError};
+use crate::{Check, FileView, Plausibility, WorkflowError};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use transect::{
-    GrowError, Grower, Growth, ReconstructError, Reconstruction, Setup, Unwatched, Watch,
+    GrowError, Grower, Growth, ReconstructError, Reconstruction, Report, Setup, Unwatched, Watch,
 };
 use transect_exchange::{OpenOptions, Scan, ScanView};
 use transect_geometry::Isometry3;
@@ -30,6 +30,8 @@ pub struct Replacement {
     pub view: Option<String>,
     /// Pose in place of the scan's own.
     pub pose: Option<Isometry3>,
+    /// Checks of plausibility that are turned off.
+    pub accept: Vec<Check>,
 }
 
 /// The effect of a replacement.
@@ -39,6 +41,8 @@ pub struct Replaced {
     pub view: StoredView,
     /// Planes that were fused anew: those that the old view or the new one has curves on.
     pub planes_fused: usize,
+    /// The new view's report, with notes and warnings.
+    pub report: Report,
 }
 
 impl StoreFile {
@@ -113,11 +117,17 @@ impl StoreFile {
         let scan = Scan::open_with(&scan_path, options)?;
         let in_scan = replacement.view.as_deref().unwrap_or(&old.entry.name);
         let view = view_of_scan(&scan, &scan_path, in_scan)?;
-        let source =
-            FileView { id: id.0.clone(), pose: replacement.pose, ..origin(view, &scan_path) };
-        let view = Grower::new(&self.store, &self.setup)?.replace_view(&id, &source)?;
+        let accepted = replacement.accept.clone();
+        let interval = self.setup.planes.interval();
+        let plausibility = Plausibility { interval, unit: self.setup.unit, accepted };
+        let source = FileView {
+            id: id.0.clone(),
+            pose: replacement.pose,
+            ..origin(view, &scan_path, plausibility)
+        };
+        let (view, report) = Grower::new(&self.store, &self.setup)?.replace_view(&id, &source)?;
         let planes: BTreeSet<_> = old.planes.iter().chain(&view.planes).collect();
-        Ok(Replaced { planes_fused: planes.len(), view })
+        Ok(Replaced { planes_fused: planes.len(), view, report })
     }
 
     /// Closes the store; what was changed is on disk then.
@@ -192,24 +202,34 @@ pub(crate) fn grow(
 ) -> Result<Grown, WorkflowError> {
     let is_new = !path.exists();
     let store = if is_new { create(path, setup)? } else { open_store(path)? };
-    let grower = Grower::new(&store, setup).map_err(|e| WorkflowError::file(path, e))?;
-    let grown = grower.add_views(views, watch);
+    let grown = Grower::new(&store, setup).and_then(|grower| grower.add_views(views, watch));
     let Growth { present, report, fused, .. } = match grown {
-        Err(GrowError::View(
-            nothing @ (ReconstructError::Nothing { .. } | ReconstructError::NoCurves { .. }),
-        )) if is_new => {
-            // The store's planes are fixed and miss every view: the next attempt will choose
-            // others.
-            drop(store);
-            std::fs::remove_file(path).map_err(WorkflowError::io(path))?;
-            return Err(nothing.into());
+        Ok(grown) => grown,
+        Err(error) => {
+            if is_new && is_useless(&store, &error) {
+                drop(store);
+                std::fs::remove_file(path).map_err(WorkflowError::io(path))?;
+            }
+            return Err(match error {
+                GrowError::View(error) => error.into(),
+                error @ GrowError::OtherSettings(_) => WorkflowError::file(path, error),
+                error => error.into(),
+            });
         }
-        grown => grown?,
     };
     let model = store.read()?.model()?;
     store.close()?;
     let reconstruction = Reconstruction { model, report };
     Ok(Grown { reconstruction, views_present: present.len(), planes_fused: fused })
+}
+
+/// Whether a new store stands in the way of the next attempt: it has no views, or its planes, which
+/// are fixed, miss them all.
+fn is_useless(store: &Store, error: &GrowError) -> bool {
+    use ReconstructError::{NoCurves, Nothing, OffGuide};
+    let misses =
+        matches!(error, GrowError::View(Nothing { .. } | NoCurves { .. } | OffGuide { .. }));
+    misses || store.views().is_ok_and(|views| views.is_empty())
 }
 
 fn create(path: &Path, setup: &Setup) -> Result<Store, WorkflowError> {
@@ -220,10 +240,14 @@ fn create(path: &Path, setup: &Setup) -> Result<Store, WorkflowError> {
 }
 
 /// A view of the scan at a path, under its own name.
-pub(crate) fn origin<'a>(view: &'a ScanView, scan: &Path) -> FileView<'a> {
+pub(crate) fn origin<'a>(
+    view: &'a ScanView,
+    scan: &Path,
+    plausibility: Plausibility,
+) -> FileView<'a> {
     let absolute = std::path::absolute(scan).unwrap_or_else(|_| scan.to_owned());
     let origin = absolute.display().to_string();
-    FileView { view, id: view.name().to_owned(), origin, pose: None }
+    FileView { view, id: view.name().to_owned(), origin, pose: None, plausibility }
 }
 
 fn view_of_scan<'a>(

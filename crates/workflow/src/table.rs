@@ -1,6 +1,6 @@
 //! Tables of results as text: rows of metric, value and unit, and grids for the documentation.
 
-pub use transect::evaluate::{Row, digits};
+pub use transect::evaluate::{Quantity, Row, digits};
 
 /// A table of rows, one line each below the heads "metric", "value" and "unit".
 pub fn rows(rows: &[Row]) -> String {

@@ -1,6 +1,6 @@
 //! A scan on disk, and its views in the form that the modeler takes.
 
-use crate::WorkflowError;
+use crate::{Plausibility, WorkflowError};
 use std::path::{Path, PathBuf};
 use transect::{LoadedView, SourceError, ViewSource};
 use transect_exchange::{OpenOptions, Scan, ScanView};
@@ -47,6 +47,8 @@ pub struct FileView<'a> {
     pub origin: String,
     /// A pose in place of the scan's own.
     pub pose: Option<Isometry3>,
+    /// The checks that it must pass.
+    pub plausibility: Plausibility,
 }
 
 impl ViewSource for FileView<'_> {
@@ -68,6 +70,7 @@ impl ViewSource for FileView<'_> {
             Some(pose) => view.with_pose(*pose)?,
             None => view,
         };
+        self.plausibility.check_view(&view)?;
         Ok(LoadedView { view, notes })
     }
 }

@@ -2,10 +2,10 @@
 
 use super::open_model;
 use crate::failure::Failure;
-use crate::table::{Row, digits, print, print_grid, say};
+use crate::table::{Lengths, Row, print, print_grid, say};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use transect_geometry::{EndReason, PlaneFamily, PlaneIndex, Point3};
+use transect_geometry::{EndReason, LengthUnit, PlaneFamily, PlaneIndex, Point3};
 use transect_model::Section;
 use transect_model::gaps::{FreeSpace, Gap, NextView, NextViewOptions, UnseenPatch, next_views};
 use transect_model::store::Snapshot;
@@ -44,8 +44,11 @@ struct Missing {
     length: f64,
     width: f64,
     gaps: Vec<(PlaneIndex, Gap)>,
-    by_plane: Vec<Vec<String>>,
+    by_plane: Vec<UnseenPart>,
 }
+
+/// The unseen part of one plane: station, length of curves, number and width of gaps.
+type UnseenPart = (PlaneIndex, f64, f64, usize, f64);
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -58,12 +61,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     file.for_each_section(|plane, section| missing.add(plane, &planes, section))?;
     missing.gaps.sort_by(|a, b| b.1.width().total_cmp(&a.1.width()).then(a.0.cmp(&b.0)));
     if arguments.planes {
-        let heads = ["plane", "station", "curves' length", "gaps", "gaps' width", "unseen, %"];
-        print_grid(&heads, &missing.by_plane);
-        say("");
+        missing.print_by_plane(file.unit());
     }
-    missing.print_widest(&planes, arguments.list);
-    print(&missing.rows(file.unit().symbol()));
+    missing.print_widest(&planes, file.unit(), arguments.list);
+    print(&missing.rows(file.unit()));
     match &file {
         ModelFile::Store(store) => propose(&missing, &planes, &store.snapshot, arguments),
         ModelFile::Plain(_) if arguments.views > 0 => {
@@ -81,32 +82,44 @@ impl Missing {
     fn add(&mut self, plane: PlaneIndex, planes: &PlaneFamily, section: &Section) {
         let (length, gaps) = (section.length(), section.gaps());
         let width: f64 = gaps.iter().map(Gap::width).sum();
-        self.by_plane.push(vec![
-            plane.to_string(),
-            digits(planes.station(plane)),
-            digits(length),
-            gaps.len().to_string(),
-            digits(width),
-            format!("{:.1}", percent(width, length)),
-        ]);
+        self.by_plane.push((plane, planes.station(plane), length, gaps.len(), width));
         self.length += length;
         self.width += width;
         self.gaps.extend(gaps.into_iter().map(|gap| (plane, gap)));
     }
 
-    fn print_widest(&self, planes: &PlaneFamily, count: usize) {
-        let lines: Vec<_> = self.gaps.iter().take(count).map(|g| line(g, planes)).collect();
+    fn print_by_plane(&self, unit: LengthUnit) {
+        let longest = self.by_plane.iter().map(|part| part.2).fold(0.0, f64::max);
+        let lengths = Lengths::new(unit, longest);
+        let [station, curves, widths] = ["station", "curves' length", "gaps' width"]
+            .map(|head| format!("{head}, {}", lengths.unit));
+        let line = |&(plane, station, length, gaps, width): &UnseenPart| {
+            let share = format!("{:.1}", percent(width, length));
+            let [station, length, width] = [station, length, width].map(|l| lengths.digits(l, 1));
+            vec![plane.to_string(), station, length, gaps.to_string(), width, share]
+        };
+        let lines: Vec<_> = self.by_plane.iter().map(line).collect();
+        print_grid(&["plane", &station, &curves, "gaps", &widths, "unseen, %"], &lines);
+        say("");
+    }
+
+    fn print_widest(&self, planes: &PlaneFamily, unit: LengthUnit, count: usize) {
+        let Some((_, widest)) = self.gaps.first() else { return };
+        let lengths = Lengths::new(unit, widest.width());
+        let line = |gap| line(gap, planes, &lengths);
+        let lines: Vec<_> = self.gaps.iter().take(count).map(line).collect();
+        let [width, from, to] = ["width", "from", "to"].map(|h| format!("{h}, {}", lengths.unit));
         if !lines.is_empty() {
-            print_grid(&["plane", "width", "from", "to", "ends for", "begins late for"], &lines);
+            print_grid(&["plane", &width, &from, &to, "ends for", "begins late for"], &lines);
             say("");
         }
     }
 
-    fn rows(&self, unit: &'static str) -> Vec<Row> {
+    fn rows(&self, unit: LengthUnit) -> Vec<Row> {
         let mut rows = vec![
             Row::plain("gaps", self.gaps.len()),
-            Row::new("width of gaps", digits(self.width), unit),
-            Row::new("length of curves", digits(self.length), unit),
+            Row::length("width of gaps", self.width, unit),
+            Row::length("length of curves", self.length, unit),
             Row::new("unseen, at least", format!("{:.1}", percent(self.width, self.length)), "%"),
         ];
         let mut by_reason = BTreeMap::<_, f64>::new();
@@ -115,7 +128,7 @@ impl Missing {
                 *by_reason.entry(word(reason)).or_default() += gap.width() / 2.0;
             }
         }
-        let row = |(reason, width)| Row::new(format!("of it for {reason}"), digits(width), unit);
+        let row = |(reason, width)| Row::length(format!("of it for {reason}"), width, unit);
         rows.extend(by_reason.into_iter().map(row));
         rows
     }
@@ -126,19 +139,15 @@ fn percent(width: f64, length: f64) -> f64 {
     if width + length > 0.0 { 100.0 * width / (width + length) } else { 0.0 }
 }
 
-fn line((plane, gap): &(PlaneIndex, Gap), planes: &PlaneFamily) -> Vec<String> {
+fn line((plane, gap): &(PlaneIndex, Gap), planes: &PlaneFamily, lengths: &Lengths) -> Vec<String> {
     let frame = planes.frame(*plane);
-    let [from, to] = gap.ends.map(|end| place(&frame.world_from_plane(&end)));
+    let [from, to] = gap.ends.map(|end| lengths.place(&frame.world_from_plane(&end)));
     let [ends, begins] = gap.reasons.map(word);
-    vec![plane.to_string(), digits(gap.width()), from, to, ends, begins]
+    vec![plane.to_string(), lengths.digits(gap.width(), 1), from, to, ends, begins]
 }
 
 fn word(reason: Option<EndReason>) -> String {
     reason.map_or("unknown reason".to_owned(), |r| r.to_string())
-}
-
-fn place(p: &Point3) -> String {
-    <[f64; 3]>::from(p.coords).map(digits).join(", ")
 }
 
 fn propose(
@@ -162,13 +171,16 @@ fn propose(
     let options = NextViewOptions::new(arguments.views, max_incidence_rad, reach);
     let unseen: f64 = patches.iter().map(|p| p.area).sum();
     say("\nNext views that would see most of that, if no hidden surface stands in their way:\n");
+    let lengths = Lengths::new(snapshot.header().unit, reach);
     let line = |view: &NextView| {
         let share = format!("{:.1}", 100.0 * view.area / unseen);
-        vec![place(&view.position), place(&view.target), digits(view.area), share]
+        let [position, target] = [view.position, view.target].map(|p| lengths.place(&p));
+        vec![position, target, lengths.digits(view.area, 2), share]
     };
     let lines: Vec<_> = next_views(&patches, &space, &options).iter().map(line).collect();
-    let area = format!("area, {}²", snapshot.header().unit);
-    print_grid(&["sensor at", "looking at", &area, "of the unseen, %"], &lines);
+    let [at, to] = ["sensor at", "looking at"].map(|head| format!("{head}, {}", lengths.unit));
+    let area = format!("area, {}²", lengths.unit);
+    print_grid(&[&at, &to, &area, "of the unseen, %"], &lines);
     Ok(())
 }
 

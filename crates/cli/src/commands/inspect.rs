@@ -2,7 +2,7 @@
 
 use super::inspect_model;
 use crate::failure::Failure;
-use crate::table::{Row, digits, print};
+use crate::table::{Row, digits, length, print};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use transect_device::{Pixel, Point3, View};
@@ -42,38 +42,38 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         match loaded {
             Ok((view, notes)) => {
                 notes.iter().for_each(|n| eprintln!("note: {n}"));
-                rows.push(view_row(view, scan.unit.symbol()));
+                rows.push(view_row(view, scan.unit));
                 corners = around(corners, view);
             }
             Err(error) => failures.push(format!("view {}: {}", source.name(), with_causes(error))),
         }
     }
-    rows.extend(corners.into_iter().flat_map(|c| extent_rows(c, scan.unit.symbol())));
+    rows.extend(corners.into_iter().flat_map(|c| extent_rows(c, scan.unit)));
     print(&rows);
     // Every bad view is named, not only the first.
     if failures.is_empty() { Ok(()) } else { Err(Failure::Failed(failures.join("\n").into())) }
 }
 
 fn scan_rows(scan: &Scan) -> Vec<Row> {
-    let unit = scan.unit.symbol();
     let mut rows =
         vec![Row::new("scan", scan.name.clone(), ""), Row::plain("views", scan.views.len())];
     if let Some(planes) = &scan.planes {
         rows.push(Row::new("planes, normal", planes.normal.map(digits).join(", "), ""));
-        rows.push(Row::new("planes, offset", digits(planes.offset), unit));
-        rows.push(Row::new("planes, interval", digits(planes.interval), unit));
+        rows.push(Row::length("planes, offset", planes.offset, scan.unit));
+        rows.push(Row::length("planes, interval", planes.interval, scan.unit));
     }
     rows
 }
 
-fn extent_rows((low, high): (Point3, Point3), unit: &str) -> [Row; 3] {
+fn extent_rows((low, high): (Point3, Point3), unit: LengthUnit) -> [Row; 3] {
     let row = |axis: &str, low: f64, high: f64| {
-        Row::new(format!("extent, {axis}"), format!("{} to {}", digits(low), digits(high)), unit)
+        let range = format!("{} to {}", length(low, unit), length(high, unit));
+        Row::new(format!("extent, {axis}"), range, "")
     };
     [row("x", low.x, high.x), row("y", low.y, high.y), row("z", low.z, high.z)]
 }
 
-fn view_row(view: &View, unit: &str) -> Row {
+fn view_row(view: &View, unit: LengthUnit) -> Row {
     let (image, size) = (view.image(), view.image().size());
     let valid = 100.0 * image.valid_count() as f64 / size.pixels() as f64;
     let (near, far) = image.extremes().unwrap_or((f32::NAN, f32::NAN));
@@ -85,9 +85,9 @@ fn view_row(view: &View, unit: &str) -> Row {
         "{size}, {valid:.1} % valid, values {} to {}, noise {} {how}",
         digits(f64::from(near)),
         digits(f64::from(far)),
-        digits(sigma)
+        length(sigma, unit)
     );
-    Row::new(format!("view {}", view.name()), value, unit)
+    Row::new(format!("view {}", view.name()), value, "")
 }
 
 /// The box around all points so far, in the world.

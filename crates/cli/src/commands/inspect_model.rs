@@ -1,7 +1,7 @@
 //! `transect inspect` of a model file or a model store.
 
 use crate::failure::Failure;
-use crate::table::{Row, digits, print, say};
+use crate::table::{Row, digits, length, print, say};
 use std::path::Path;
 use transect_geometry::Guide;
 use transect_model::store::{STORE_VERSION, Snapshot};
@@ -17,7 +17,7 @@ pub fn run(path: &Path) -> Result<(), Failure> {
         ModelFile::Plain(model) => {
             rows.extend(model_rows(model));
             rows.extend(plane_rows(&file));
-            rows.extend(model.selected().map(|asked| Row::plain("planes asked for", asked.len())));
+            rows.extend(model.selected().map(|asked| Row::plain("planes in use", asked.len())));
             rows.extend(curve_rows(&file)?);
         }
         ModelFile::Store(store) => {
@@ -42,9 +42,8 @@ fn model_rows(model: &Model) -> Vec<Row> {
     let kind = format!("model file, version {SCHEMA_VERSION}");
     let mut rows = vec![Row::new("kind", kind, ""), Row::plain("views", model.views().len())];
     rows.extend(model.views().iter().map(|view| {
-        let noise = view.sigma.map_or("unknown".to_owned(), digits);
-        let value = format!("{} nodes, noise {noise}", view.nodes);
-        Row::new(format!("view {}", view.name), value, model.unit().symbol())
+        let noise = view.sigma.map_or("unknown".to_owned(), |sigma| length(sigma, model.unit()));
+        Row::new(format!("view {}", view.name), format!("{} nodes, noise {noise}", view.nodes), "")
     }));
     rows
 }
@@ -61,30 +60,30 @@ fn store_rows(snapshot: &Snapshot) -> Result<Vec<Row>, Failure> {
 }
 
 fn plane_rows(file: &ModelFile) -> Vec<Row> {
-    let (planes, unit) = (file.planes(), file.unit().symbol());
+    let (planes, unit) = (file.planes(), file.unit());
     let along = match planes.guide() {
         Guide::Straight(guide) => {
             let normal: [f64; 3] = guide.direction().into();
             Row::new("planes, normal", normal.map(digits).join(", "), "")
         }
-        Guide::Curved(guide) => Row::new("guide, curved, length", digits(guide.length()), unit),
+        Guide::Curved(guide) => Row::length("guide, curved, length", guide.length(), unit),
     };
     vec![
         along,
-        Row::new("planes, offset", digits(planes.offset()), unit),
-        Row::new("planes, interval", digits(planes.interval()), unit),
+        Row::length("planes, offset", planes.offset(), unit),
+        Row::length("planes, interval", planes.interval(), unit),
     ]
 }
 
 fn curve_rows(file: &ModelFile) -> Result<Vec<Row>, Failure> {
-    let (mut planes, mut curves, mut closed, mut nodes, mut length) = (0, 0, 0, 0, 0.0);
+    let (mut planes, mut curves, mut closed, mut nodes, mut total) = (0, 0, 0, 0, 0.0);
     let mut range = None;
     file.for_each_section(|plane, section| {
         planes += 1;
         curves += section.curve_records().len();
         closed += section.curve_records().len() - section.open_curve_count();
         nodes += section.node_count();
-        length += section.length();
+        total += section.length();
         range = Some((range.map_or(plane, |(first, _)| first), plane));
     })?;
     let range = range.map_or("none".to_owned(), |(first, last)| format!("{first} to {last}"));
@@ -94,6 +93,6 @@ fn curve_rows(file: &ModelFile) -> Result<Vec<Row>, Failure> {
         Row::plain("curves", curves),
         Row::plain("closed curves", closed),
         Row::plain("nodes", nodes),
-        Row::new("curve length", digits(length), file.unit().symbol()),
+        Row::length("curve length", total, file.unit()),
     ])
 }

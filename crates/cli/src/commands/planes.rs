@@ -1,10 +1,10 @@
-//! The options that say where the section planes are.
+//! Options that several commands share: where the section planes are, and accepted input.
 
 use crate::failure::Failure;
 use clap::Args;
-use clap::builder::PossibleValuesParser;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
-use transect_workflow::{GuideSettings, PlaneSettings};
+use transect_workflow::{Check, GuideSettings, PlaneSettings};
 
 /// Where the section planes are: plane k is at normal · p = offset + k · interval.
 #[derive(Debug, Args)]
@@ -36,6 +36,15 @@ pub struct PlaneArguments {
     /// Station of plane 0 [default: the scan's own, else 0].
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     offset: Option<String>,
+}
+
+/// Checks of plausibility that are turned off.
+#[derive(Debug, Args)]
+pub struct AcceptArguments {
+    /// Accept input that a check of plausibility refuses; the check's message has its name.
+    #[arg(long, value_name = "CHECK", help_heading = "Running",
+        value_parser = PossibleValuesParser::new(Check::ALL.map(Check::name)).try_map(|name| name.parse::<Check>()))]
+    pub accept: Vec<Check>,
 }
 
 impl PlaneArguments {

@@ -3,7 +3,7 @@
 use super::open_model;
 use super::planes::parse_numbers;
 use crate::failure::Failure;
-use crate::table::{digits, print_grid};
+use crate::table::{Lengths, print_grid};
 use std::path::PathBuf;
 use transect_geometry::Point3;
 use transect_model::store::SpaceQuery;
@@ -25,10 +25,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let points: Result<Vec<Point3>, Failure> = arguments.points.iter().map(|p| point(p)).collect();
     let points = points?;
     let file = open_model(&arguments.file)?;
-    let unit = file.unit().symbol();
+    let unit = file.unit();
     let answers = answers(file, &points)?;
-    let heads = ["point", "location", &format!("nearest curve, {unit}"), "by plane"];
-    let lines = arguments.points.iter().zip(&answers).map(|(text, answer)| line(text, answer));
+    let distances = answers.iter().filter_map(|a| a.distance_to_nearest_curve);
+    let lengths = Lengths::new(unit, distances.fold(0.0, f64::max));
+    let heads = ["point", "location", &format!("nearest curve, {}", lengths.unit), "by plane"];
+    let lines = arguments.points.iter().zip(&answers).map(|(p, answer)| line(p, answer, &lengths));
     print_grid(&heads, &lines.collect::<Vec<_>>());
     Ok(())
 }
@@ -43,8 +45,8 @@ fn answers(file: ModelFile, points: &[Point3]) -> Result<Vec<SpaceAnswer>, Failu
     }
 }
 
-fn line(point: &str, answer: &SpaceAnswer) -> Vec<String> {
-    let distance = |d: Option<f64>| d.map_or("none".to_owned(), digits);
+fn line(point: &str, answer: &SpaceAnswer, lengths: &Lengths) -> Vec<String> {
+    let distance = |d: Option<f64>| d.map_or("none".to_owned(), |d| lengths.digits(d, 1));
     let planes = answer.planes.iter().map(|(plane, said)| {
         format!("{plane}: {} at {}", word(said.location), distance(said.distance_to_nearest_curve))
     });

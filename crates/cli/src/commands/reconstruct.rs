@@ -1,12 +1,13 @@
 //! `transect reconstruct`: a scan in, a cross-section model with its report and pictures out.
 
-use super::planes::PlaneArguments;
+use super::planes::{AcceptArguments, PlaneArguments};
 use super::simulate;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::table::{Row, print, say};
 use clap::builder::PossibleValuesParser;
 use std::path::{Path, PathBuf};
+use transect::Report;
 use transect_exchange::OpenOptions;
 use transect_geometry::LengthUnit;
 use transect_workflow::{
@@ -47,13 +48,15 @@ pub struct Arguments {
     #[command(flatten)]
     planes: PlaneArguments,
     /// How each view's curves are found: all planes in one sweep over the range image, or plane by
-    /// plane, in the dissertation's own steps.
-    #[arg(long, value_parser = PossibleValuesParser::new(["one_pass", "dissertation"]), default_value = "one_pass", help_heading = "Method")]
-    method: String,
+    /// plane, in the dissertation's own steps [default: the store's, else one_pass].
+    #[arg(long, value_parser = PossibleValuesParser::new(["one_pass", "dissertation"]), help_heading = "Method")]
+    method: Option<String>,
     /// How the views' curves are fused: all views at once, or view by view, by the dissertation's
-    /// overlap rules.
-    #[arg(long, value_parser = PossibleValuesParser::new(["consensus", "pairwise"]), default_value = "consensus", help_heading = "Method")]
-    fusion: String,
+    /// overlap rules [default: the store's, else consensus].
+    #[arg(long, value_parser = PossibleValuesParser::new(["consensus", "pairwise"]), help_heading = "Method")]
+    fusion: Option<String>,
+    #[command(flatten)]
+    accept: AcceptArguments,
     /// Number of threads; 0 takes all cores. The results do not depend on it.
     #[arg(long, default_value_t = 0, value_name = "NUMBER", help_heading = "Running")]
     threads: usize,
@@ -121,8 +124,9 @@ impl Arguments {
     fn settings(&self) -> Result<Settings, Failure> {
         let mut settings = Settings::default();
         settings.planes = self.planes.settings()?;
-        settings.partial = partial_method(&self.method)?;
-        settings.fusion = fusion_method(&self.fusion)?;
+        settings.partial = self.method.as_deref().map(partial_method).transpose()?;
+        settings.fusion = self.fusion.as_deref().map(fusion_method).transpose()?;
+        settings.accept.clone_from(&self.accept.accept);
         settings.dxf = dxf_frame(&self.dxf)?;
         settings.refine.clone_from(&self.refine);
         settings.splines.clone_from(&self.splines);
@@ -139,10 +143,14 @@ fn bundled_scan(arguments: &Arguments) -> Result<PathBuf, Failure> {
     Ok(folder)
 }
 
-fn finish(run: &Run<'_>, rows: &[Row], folder: &ResultFolder) {
-    let report = &run.reconstruction.report;
+/// Prints the notes and warnings of a report.
+pub fn tell(report: &Report) {
     report.notes.iter().for_each(|note| eprintln!("note: {note}"));
     report.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
+}
+
+fn finish(run: &Run<'_>, rows: &[Row], folder: &ResultFolder) {
+    tell(&run.reconstruction.report);
     print(rows);
     say(&format!("\nresults: {}", folder.path().display()));
     say(&format!("picture: {}", folder.overview().display()));

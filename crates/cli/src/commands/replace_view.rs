@@ -1,7 +1,8 @@
 //! `transect replace-view`: replaces the image or the pose of a view in a model store.
 
 use super::note_finished;
-use super::planes::parse_numbers;
+use super::planes::{AcceptArguments, parse_numbers};
+use super::reconstruct::tell;
 use crate::failure::Failure;
 use crate::table::{Row, print};
 use std::path::PathBuf;
@@ -25,6 +26,8 @@ pub struct Arguments {
     /// by row.
     #[arg(long, value_name = "NUMBERS", allow_hyphen_values = true)]
     pose: Option<String>,
+    #[command(flatten)]
+    accept: AcceptArguments,
 }
 
 /// Runs the command.
@@ -33,11 +36,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         scan: arguments.scan.clone(),
         view: arguments.view.clone(),
         pose: arguments.pose.as_deref().map(parse_pose).transpose()?,
+        accept: arguments.accept.accept.clone(),
     };
     let store = StoreFile::open(&arguments.file)?;
     note_finished(store.planes_finished());
     let replaced = store.replace_view(&arguments.name, &replacement)?;
     store.close()?;
+    tell(&replaced.report);
     print(&[
         Row::plain("replaced", replaced.view.entry.id),
         Row::plain("planes fused anew", replaced.planes_fused),
@@ -52,5 +57,12 @@ fn parse_pose(text: &str) -> Result<Isometry3, Failure> {
     let matrix = matrix.ok_or_else(|| {
         wrong(format!("expected 16 numbers with commas between them, found {text}"))
     })?;
-    pose_of_row_major(&matrix).map_err(wrong)
+    let (pose, repaired) = pose_of_row_major(&matrix).map_err(wrong)?;
+    if let Some(deviation) = repaired {
+        eprintln!(
+            "note: --pose: its columns deviate from orthonormal by {deviation:.2e}; the nearest \
+             rotation is used"
+        );
+    }
+    Ok(pose)
 }

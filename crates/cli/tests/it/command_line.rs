@@ -40,6 +40,83 @@ fn a_run_ends_with_its_table_and_nothing_on_stderr() {
 }
 
 #[test]
+fn lengths_are_printed_in_the_unit_that_was_asked_for() {
+    let (folder, run) = reconstructed();
+    let cell = |run: &super::common::Run, metric| {
+        let row = run.table().into_iter().find(|r| r.metric == metric).unwrap();
+        format!("{} {}", row.value, row.unit)
+    };
+    // Without a unit, numbers are readable; files keep the model's unit.
+    let (median, length) = ("median distance from truth", "curve length");
+    assert!(cell(&run, median).ends_with(" mm") && cell(&run, length).ends_with(" m"));
+    let asked = folder.reconstruct("scan --output-unit mm").succeeded();
+    assert!(cell(&asked, median).ends_with(" mm") && cell(&asked, length).ends_with(" mm"));
+    assert!((asked.number(length) / run.number(length) - 1.0).abs() < 1e-3);
+    let rows = folder.json("out/report.json")["result"].clone();
+    let row = rows.as_array().unwrap().iter().find(|r| r["metric"] == median).unwrap().clone();
+    assert!(row["unit"] == "m" && row["value"].as_str().unwrap().starts_with("0.000"), "{row}");
+    for (line, text) in [
+        ("inspect out", " mm\n"),
+        ("inspect scan", " mm to "),
+        ("gaps out", "| width, mm "),
+        ("query out 0,0,0.4", "nearest curve, mm"),
+        ("evaluate out", " mm\n"),
+    ] {
+        let said = folder.run(&format!("--output-unit mm {line}")).succeeded().stdout;
+        assert!(said.contains(text) && !said.contains(" m\n"), "{line}: {said}");
+    }
+    folder.run("inspect out --output-unit furlong").failed_with(2, &["furlong"]);
+}
+
+#[test]
+fn a_single_view_has_no_spread_between_views() {
+    let folder = Folder::simulated("objects.scene.toml");
+    assert!(folder.reconstruct("scan").stdout.contains("spread between views"));
+    folder.edit_json("scan/scan.json", "scan/one.json", |m| {
+        m["views"] = serde_json::json!([m["views"][0]]);
+    });
+    for options in ["", "--store s.transect"] {
+        let run = folder.reconstruct(&format!("scan/one.json {options}")).succeeded();
+        assert!(!run.stdout.contains("spread") && !run.stdout.contains("threshold"), "{options}");
+        assert!(folder.json("out/report.json")["fusion"]["spread"].is_null(), "{options}");
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn output_that_cannot_be_written_is_an_error() {
+    let (folder, _) = reconstructed();
+    folder.reconstruct("scan --store s.transect").succeeded();
+    let shell = |line: &str| {
+        let script = format!("set -o pipefail; {line}");
+        let mut bash = std::process::Command::new("bash");
+        bash.args(["-c", &script, env!("CARGO_BIN_EXE_transect")]).current_dir(folder.path("."));
+        let output = bash.output().unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    for command in [
+        "list-views s.transect",
+        "inspect out",
+        "measure out",
+        "gaps out",
+        "verify out",
+        "query out 0,0,0",
+        "evaluate out",
+        "export out --out e",
+        "--help",
+        "--version",
+        "reconstruct scan --out out --quiet",
+    ] {
+        let (code, said) = shell(&format!("\"$0\" {command} > /dev/full"));
+        assert_eq!(code, Some(1), "{command}: {said}");
+        assert!(said.contains("stdout") && said.contains("No space left"), "{command}: {said}");
+        // A reader that has seen enough is no error.
+        let (code, said) = shell(&format!("\"$0\" {command} | true"));
+        assert_eq!(code, Some(0), "{command}: {said}");
+    }
+}
+
+#[test]
 fn contours_have_the_documented_form() {
     let (folder, _) = reconstructed();
     let contours = folder.json("out/contours.json");
@@ -82,7 +159,8 @@ fn check_polyline(polyline: &Value, station: f64) -> Option<f64> {
 
 #[test]
 fn the_report_has_everything_to_repeat_the_run() {
-    let (folder, run) = reconstructed();
+    let folder = Folder::simulated("objects.scene.toml");
+    let run = folder.reconstruct("scan --output-unit m").succeeded();
     let report = folder.json("out/report.json");
     assert_eq!((&report["tool"], &report["unit"]), (&"transect".into(), &"m".into()));
     assert_eq!(report["version"], env!("CARGO_PKG_VERSION"));
@@ -350,7 +428,8 @@ fn planes_are_refined_and_the_report_says_where() {
     let mut words = completeness.unwrap().split_whitespace();
     let share: f64 = words.find_map(|word| word.parse().ok()).unwrap();
     assert!(share > 80.0, "{}", evaluated.stdout);
-    folder.run("inspect out/model.transect").succeeded();
+    let inspected = folder.run("inspect out/model.transect").succeeded();
+    assert_eq!(inspected.number("planes in use"), run.number("planes in use"));
 }
 
 #[test]

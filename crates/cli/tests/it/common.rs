@@ -3,6 +3,7 @@
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use transect_geometry::LengthUnit;
 
 /// A temporary folder in which commands run; paths are relative to it.
 pub struct Folder(tempfile::TempDir);
@@ -129,15 +130,21 @@ impl Run {
         lines.take_while(|l| !l.is_empty()).map(row).collect()
     }
 
-    /// The value of a metric.
+    /// The value of a metric as it is printed.
     pub fn value(&self, metric: &str) -> String {
         let row = self.table().into_iter().find(|r| r.metric == metric);
         row.unwrap_or_else(|| panic!("no {metric:?} in: {}", self.stdout)).value
     }
 
-    /// The value of a metric as a number.
+    /// The value of a metric as a number; lengths, areas and volumes in metres.
     pub fn number(&self, metric: &str) -> f64 {
-        self.value(metric).parse().unwrap_or_else(|e| panic!("{metric}: {e}"))
+        let row = self.table().into_iter().find(|r| r.metric == metric);
+        let row = row.unwrap_or_else(|| panic!("no {metric:?} in: {}", self.stdout));
+        let unit = row.unit.trim_end_matches(['²', '³']);
+        let power =
+            if row.unit.ends_with('²') { 2 } else { 1 + 2 * i32::from(row.unit.ends_with('³')) };
+        let metres = unit.parse::<LengthUnit>().map_or(1.0, |unit| unit.in_metres().powi(power));
+        metres * row.value.parse::<f64>().unwrap_or_else(|e| panic!("{metric}: {e}"))
     }
 }
 

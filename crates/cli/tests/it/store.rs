@@ -159,16 +159,105 @@ fn what_is_refused_says_why_and_changes_nothing() {
     folder.run(pose).failed_with(2, &["--pose", "16 numbers"]);
     let flat = ["0"; 16].join(",");
     folder.run(&format!("{} {flat}", pose.replace(" 1,2,3", ""))).failed_with(2, &["--pose"]);
-    grow(&folder, "scan --interval 0.1").failed_with(1, &["s.transect", "planes", "0.08", "0.1"]);
-    grow(&folder, "scan --fusion pairwise")
-        .failed_with(1, &["s.transect", "its fusion", "pairwise"]);
+    grow(&folder, "scan --interval 0.1")
+        .failed_with(1, &["s.transect", "interval", "0.08 m", "0.1 m"]);
+    grow(&folder, "scan --fusion pairwise").failed_with(
+        1,
+        &[
+            "s.transect",
+            "fusion: the store has consensus, this run pairwise",
+            "Leave these options",
+        ],
+    );
     folder.edit_json("scan/scan.json", "scan/mm.json", |m| m["unit"] = "mm".into());
-    grow(&folder, "scan/mm.json").failed_with(1, &["s.transect", "unit is m, not mm"]);
+    grow(&folder, "scan/mm.json")
+        .failed_with(1, &["s.transect", "unit: the store has m, this run mm"]);
     folder
         .edit_json("scan/scan.json", "scan/moved.json", |m| m["views"][1]["pose"][3] = 9.0.into());
     grow(&folder, "scan/moved.json").failed_with(1, &["range_001.npy", "another pose"]);
     folder.run("query s.transect 1,2").failed_with(2, &["1,2", "three numbers"]);
     assert!(exported(&folder) == before);
+}
+
+/// Every method and kind of planes: a store is continued, changed and verified without its options.
+#[test]
+fn stores_of_any_options_can_be_continued_and_changed() {
+    let folder = Folder::simulated("objects.scene.toml");
+    folder.write("axis.csv", "x,y,z\n-1,-1,-1\n-0.3,-0.2,0\n0,0.1,3\n");
+    let planes = [
+        ("", "--interval 0.1", "interval"),
+        ("--normal 1,2,3 --interval 4in --offset 1mm", "--normal 0,0,1", "guide"),
+        ("--guide axis.csv --interval 0.1", "--offset 0.02", "offset"),
+        ("--guide axis.csv --guide-kind polyline --interval 0.07", "--guide axis.csv", "guide"),
+    ];
+    for (method, fusion) in [
+        ("one_pass", "consensus"),
+        ("one_pass", "pairwise"),
+        ("dissertation", "consensus"),
+        ("dissertation", "pairwise"),
+    ] {
+        for (planes, other, name) in planes {
+            let own = format!("scan {planes} --method {method} --fusion {fusion}");
+            let made = grow(&folder, &own);
+            if planes.contains("guide") && method == "dissertation" {
+                made.failed_with(1, &["straight guide", "one_pass"]);
+                assert!(!folder.path("s.transect").exists(), "an empty store is in the way");
+                continue;
+            }
+            made.succeeded();
+            let whole = folder.bytes("grown/contours.json");
+            folder.run("replace-view s.transect range_000.npy").succeeded();
+            folder.run("remove-view s.transect range_001.npy").succeeded();
+            let verified = folder.run("verify s.transect --fusion").succeeded();
+            assert_eq!(verified.value("fused again"), "the same", "{own}");
+            for again in ["scan", &own] {
+                let run = grow(&folder, again).succeeded();
+                assert_eq!(run.number("views"), 4.0, "{again}");
+                assert!(folder.bytes("grown/contours.json") == whole, "{own}: {again}");
+            }
+            let differs = ["s.transect", &format!("{name}: the store has"), "this run"];
+            grow(&folder, &format!("scan {other}")).failed_with(1, &differs);
+            std::fs::remove_file(folder.path("s.transect")).unwrap();
+        }
+    }
+}
+
+#[test]
+fn a_store_keeps_its_planes_where_the_scan_states_others() {
+    let folder = Folder::simulated("objects.scene.toml");
+    grow(&folder, "scan --interval 4in").succeeded();
+    let run = grow(&folder, "scan --prefix b-").succeeded();
+    let notes = run.told("note: the scan states other planes than the store");
+    assert_eq!(notes.len(), 1, "{}", run.stderr);
+    assert_eq!(grow(&folder, "scan --interval 10.16cm").succeeded().number("views added"), 0.0);
+}
+
+#[test]
+fn a_replaced_pose_is_checked_as_in_a_run() {
+    let folder = stored();
+    let pose = |edit: fn(&mut [f64])| {
+        let views = folder.json("scan/scan.json")["views"].clone();
+        let mut pose: Vec<f64> = serde_json::from_value(views[0]["pose"].clone()).unwrap();
+        edit(&mut pose);
+        let numbers: Vec<String> = pose.iter().map(f64::to_string).collect();
+        folder.run(&format!("replace-view s.transect range_000.npy --pose {}", numbers.join(",")))
+    };
+    let before = exported(&folder);
+    for (edit, reason) in [
+        ((|p| p[0] *= 1.2) as fn(&mut [f64]), "no rotation"),
+        (|p| p.iter_mut().take(3).for_each(|n| *n = -*n), "reflection"),
+        (|p| p[3] = f64::NAN, "not finite"),
+        (|p| p[12] = 1.0, "last row"),
+    ] {
+        pose(edit).failed_with(2, &["--pose", reason]);
+    }
+    assert!(exported(&folder) == before);
+    let rounded = pose(|p| p[0] += 1e-4).succeeded();
+    assert!(rounded.stderr.contains("nearest rotation is used"), "{}", rounded.stderr);
+    let far = pose(|p| p[3] += 40.0).succeeded();
+    assert!(far.stderr.contains("range_000.npy overlaps no other view"), "{}", far.stderr);
+    let right = pose(|_| ()).succeeded();
+    assert_eq!(right.stderr, "");
 }
 
 #[test]

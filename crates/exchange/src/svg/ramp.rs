@@ -2,7 +2,7 @@
 
 use super::canvas;
 use super::options::OverviewOptions;
-use super::ruler::tidy;
+use super::ruler::{round_up, tidy};
 use std::io::{self, Write};
 use transect_geometry::LengthUnit;
 
@@ -50,7 +50,7 @@ impl std::fmt::Display for Colour {
     }
 }
 
-/// The first and the last station of a picture. Labels are rounded to `step`.
+/// The first and the last station of a picture. The label of a single one is rounded to `step`.
 pub(super) struct Stations {
     pub(super) first: f64,
     pub(super) last: f64,
@@ -60,7 +60,20 @@ pub(super) struct Stations {
 impl Stations {
     /// The place of a station between the first (0) and the last (1).
     pub(super) fn share(&self, station: f64) -> f64 {
-        (station - self.first) / (self.last - self.first)
+        if self.last > self.first { (station - self.first) / (self.last - self.first) } else { 0.0 }
+    }
+
+    /// Round stations between the first and the last one, two to six of them, with their labels.
+    fn labels(&self) -> impl Iterator<Item = (f64, String)> {
+        let &Self { first, last, step } = self;
+        let is_range = last > first;
+        let between = if is_range { round_up((last - first) / 5.0) } else { step };
+        // Rounding may put an end slightly beyond a round number.
+        let (low, high) = ((first / between - 1e-9).ceil(), (last / between + 1e-9).floor());
+        let round = (low as i64..=high as i64).filter(move |_| is_range);
+        let stations = round.map(move |k| k as f64 * between);
+        let only = (!is_range).then_some(first);
+        stations.chain(only).map(move |station| (station, tidy(station, between)))
     }
 }
 
@@ -83,14 +96,26 @@ pub(super) fn write_ramp(
          fill=\"url(#r)\"/>"
     )?;
     canvas::text(out, (x, top - 16.0), "", &format!("station [{unit}]"))?;
-    let &Stations { first, last, step } = stations;
-    let labels = if last > first { 5 } else { 1 };
-    for label in 0..labels {
-        let at = f64::from(label) / f64::from(labels.max(2) - 1);
-        let station = tidy(first + at * (last - first), step);
-        let y = top + height * (1.0 - at);
+    for (station, label) in stations.labels() {
+        let y = top + height * (1.0 - stations.share(station));
         canvas::line(out, (x + 18.0, y), (x + 24.0, y), "stroke=\"#222\"")?;
-        canvas::text(out, (x + 30.0, y + 5.5), "", &station)?;
+        canvas::text(out, (x + 30.0, y + 5.5), "", &label)?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_are_round_numbers() {
+        let labels = |first: f64, last: f64| -> Vec<String> {
+            Stations { first, last, step: 0.001 }.labels().map(|(_, label)| label).collect()
+        };
+        assert_eq!(labels(0.0537, 2.7837), ["1", "2"]);
+        assert_eq!(labels(0.0537, 2.2), ["0.5", "1", "1.5", "2"]);
+        assert_eq!(labels(-40.0, 60.0), ["\u{2212}40", "\u{2212}20", "0", "20", "40", "60"]);
+        assert_eq!(labels(0.0537, 0.0537), ["0.054"]);
+    }
 }

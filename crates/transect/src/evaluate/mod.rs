@@ -56,7 +56,7 @@ mod stretches;
 
 pub use accuracy::{Accuracy, Duplication};
 pub use extent::{Extent, ExtentError};
-pub use rows::{Row, digits};
+pub use rows::{Quantity, Row, digits};
 
 use closeness::Closeness;
 use index::UnitIndex;

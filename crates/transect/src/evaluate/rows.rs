@@ -5,7 +5,7 @@ use serde::Serialize;
 use transect_geometry::LengthUnit;
 
 /// A line of a table of results.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
     /// The quantity, in a few words.
     pub metric: String,
@@ -13,6 +13,58 @@ pub struct Row {
     pub value: String,
     /// Its unit; empty for counts, texts and quantities that are not known.
     pub unit: String,
+    /// The value as a number, if it is a length, an area or a volume. Files do not hold it.
+    #[serde(skip)]
+    pub quantity: Option<Quantity>,
+}
+
+/// A length, an area or a volume.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quantity {
+    value: f64,
+    unit: LengthUnit,
+    power: u8,
+}
+
+impl Quantity {
+    /// A length (power 1), an area (2) or a volume (3) in powers of a length unit.
+    pub fn new(value: f64, unit: LengthUnit, power: u8) -> Self {
+        Self { value, unit, power }
+    }
+
+    /// Its number in powers of another unit.
+    pub fn in_unit(&self, unit: LengthUnit) -> f64 {
+        let ratio = self.unit.in_metres() / unit.in_metres();
+        if unit == self.unit { self.value } else { self.value * ratio.powi(self.power.into()) }
+    }
+
+    /// Its own unit, if a person can read the number there: from 0.01 to 100 000. Otherwise the
+    /// largest unit of the same system in which this holds.
+    pub fn readable_unit(&self) -> LengthUnit {
+        use LengthUnit::{Centimetre, Foot, Inch, Metre, Micrometre, Millimetre};
+        let others: &[LengthUnit] = match (self.unit, self.power) {
+            (Inch | Foot, _) => &[Foot, Inch],
+            (_, 1) => &[Metre, Millimetre, Micrometre],
+            _ => &[Metre, Centimetre, Millimetre],
+        };
+        let is_readable = |unit: &LengthUnit| (0.01..1e5).contains(&self.in_unit(*unit).abs());
+        let units = [self.unit].into_iter().chain(others.iter().copied());
+        units.into_iter().find(is_readable).unwrap_or(self.unit)
+    }
+
+    /// Number and unit as text, in the given unit or the readable one.
+    pub fn shown(&self, unit: Option<LengthUnit>) -> [String; 2] {
+        let unit = unit.unwrap_or_else(|| self.readable_unit());
+        [digits(self.in_unit(unit)), format!("{unit}{}", power_mark(self.power))]
+    }
+}
+
+fn power_mark(power: u8) -> &'static str {
+    match power {
+        2 => "²",
+        3 => "³",
+        _ => "",
+    }
 }
 
 impl Row {
@@ -22,7 +74,25 @@ impl Row {
         value: impl Into<String>,
         unit: impl Into<String>,
     ) -> Self {
-        Self { metric: metric.into(), value: value.into(), unit: unit.into() }
+        Self { metric: metric.into(), value: value.into(), unit: unit.into(), quantity: None }
+    }
+
+    /// A line with a length, an area or a volume.
+    pub fn of(metric: impl Into<String>, quantity: Quantity) -> Self {
+        let [value, unit] = quantity.shown(Some(quantity.unit));
+        Self { quantity: Some(quantity), ..Self::new(metric, value, unit) }
+    }
+
+    /// A line with a length.
+    pub fn length(metric: impl Into<String>, length: f64, unit: LengthUnit) -> Self {
+        Self::of(metric, Quantity::new(length, unit, 1))
+    }
+
+    /// The line with its quantity in the given unit, or in one that a person can read.
+    pub fn shown(&self, unit: Option<LengthUnit>) -> Self {
+        let Some(quantity) = &self.quantity else { return self.clone() };
+        let [value, unit] = quantity.shown(unit);
+        Self::new(self.metric.clone(), value, unit)
     }
 
     /// A line without a unit: a count or a text.
@@ -30,9 +100,8 @@ impl Row {
         Self::new(metric, value.to_string(), "")
     }
 
-    fn length(metric: &str, length: impl Into<Option<f64>>, unit: LengthUnit) -> Self {
-        let shown = |length| Self::new(metric, digits(length), unit.symbol());
-        length.into().map_or(Self::plain(metric, "none"), shown)
+    fn distance(metric: &str, length: Option<f64>, unit: LengthUnit) -> Self {
+        length.map_or(Self::plain(metric, "none"), |length| Self::length(metric, length, unit))
     }
 
     fn share(metric: &str, share: Option<f64>) -> Self {
@@ -64,9 +133,9 @@ impl Accuracy {
     /// The first of those rows: the agreement of curves and truth, without the counts.
     pub fn agreement_rows(&self, unit: LengthUnit) -> Vec<Row> {
         let mut rows = vec![
-            Row::length("median distance from truth", self.median, unit),
-            Row::length("95 % of distances below", self.p95, unit),
-            Row::length("largest distance", self.max, unit),
+            Row::distance("median distance from truth", self.median, unit),
+            Row::distance("95 % of distances below", self.p95, unit),
+            Row::distance("largest distance", self.max, unit),
         ];
         if self.truth_seen.is_some_and(|s| s < 1.0) {
             rows.push(Row::share("truth that the views could see", self.truth_seen));
@@ -102,8 +171,11 @@ impl Duplication {
 pub fn digits(value: f64) -> String {
     // Lengths below 1e-12 of any unit are rounding.
     const MOST_DECIMALS: i32 = 12;
-    if !value.is_finite() || value == 0.0 {
-        return format!("{value}");
+    if value.abs() < 0.5 * 10_f64.powi(-MOST_DECIMALS) {
+        return "0".to_owned();
+    }
+    if !value.is_finite() {
+        return value.to_string();
     }
     let magnitude = value.abs().log10().floor() as i32;
     let decimals = (3 - magnitude).clamp(0, MOST_DECIMALS) as usize;
@@ -127,12 +199,35 @@ mod tests {
         assert_eq!(digits(123_456.7), "123457");
         assert_eq!(digits(0.0), "0");
         assert_eq!(digits(f64::INFINITY), "inf");
+        assert_eq!([-0.0, -1e-13, 1e-300].map(digits), ["0", "0", "0"]);
+    }
+
+    #[test]
+    fn quantities_are_shown_in_a_unit_that_people_read() {
+        use LengthUnit::{Foot, Inch, Metre, Millimetre};
+        for (value, unit, power, own, read) in [
+            (0.000_029_8, Metre, 1, "0.00002980 m", "0.02980 mm"),
+            (0.5, Metre, 1, "0.5000 m", "0.5000 m"),
+            (0.0, Metre, 1, "0 m", "0 m"),
+            (3e-9, Metre, 1, "0.000000003000 m", "0.000000003000 m"),
+            (123_456.0, Millimetre, 1, "123456 mm", "123.5 m"),
+            (-0.000_5, Metre, 2, "-0.0005000 m²", "-5.000 cm²"),
+            (3.2e-5, Metre, 3, "0.00003200 m³", "32.00 cm³"),
+            (2.5, Inch, 1, "2.500 in", "2.500 in"),
+            (0.001, Foot, 1, "0.001000 ft", "0.01200 in"),
+        ] {
+            let quantity = Quantity::new(value, unit, power);
+            assert_eq!(quantity.shown(Some(unit)).join(" "), own);
+            assert_eq!(quantity.shown(None).join(" "), read);
+        }
+        let volume = Row::of("volume", Quantity::new(2.0, Metre, 3));
+        assert_eq!(volume.shown(Some(Millimetre)), Row::new("volume", "2000000000", "mm³"));
     }
 
     #[test]
     fn figures_carry_their_unit_and_missing_ones_none() {
         let length = Row::length("length", 2.5, LengthUnit::Inch);
-        assert_eq!(length, Row::new("length", "2.500", "in"));
+        assert_eq!(length.shown(None), Row::new("length", "2.500", "in"));
         assert_eq!(Row::share("off", Some(0.012_34)), Row::new("off", "1.23", "%"));
         assert_eq!(Row::share("off", None), Row::new("off", "none", ""));
         assert_eq!(Row::plain("curves", 7), Row::new("curves", "7", ""));

@@ -17,7 +17,10 @@ pub enum GrowError {
     #[error("the store cannot grow: {0}")]
     Settings(#[from] SettingsError),
     /// The store was made with another unit, other planes or other options.
-    #[error("the store was made with other settings: {0}")]
+    #[error(
+        "the store was made with other settings, which cannot change: {0}. Leave these options out, \
+         or make another store"
+    )]
     OtherSettings(String),
     /// The store has another view with the same id.
     #[error(

@@ -88,7 +88,7 @@ fn only_the_fields_that_differ_are_listed() {
     let header = with_options(text);
     let here = setup(Method::default(), FusionMethod::default());
     let difference = here.difference(&header).unwrap().unwrap();
-    assert_eq!(difference, "its threshold_spreads is 6.0, not 8.0");
+    assert_eq!(difference, "threshold_spreads: the store has 6.0, this run 8.0");
 }
 
 /// Texts as they are in stores made before the record, for every pair of methods.

@@ -226,9 +226,12 @@ fn a_store_of_other_settings_says_which() {
     with_store(&setup, |store| {
         let planes = PlaneFamily::new(StraightGuide::along(Vector3::z()).unwrap(), 0.0137, 0.1);
         let others = [
-            (changed(|s| s.unit = LengthUnit::Millimetre), "its unit is m, not mm"),
-            (changed(|s| s.planes = planes.unwrap()), "every 0.08 m from 0.0137 m along"),
-            (methods()[1].clone(), "its fusion is {\"consensus\":"),
+            (changed(|s| s.unit = LengthUnit::Millimetre), "unit: the store has m, this run mm"),
+            (
+                changed(|s| s.planes = planes.unwrap()),
+                "interval: the store has 0.08 m, this run 0.1 m",
+            ),
+            (methods()[1].clone(), "fusion: the store has consensus"),
         ];
         for (other, text) in others {
             let error = Grower::new(store, &other).unwrap_err().to_string();
