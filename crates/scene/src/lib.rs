@@ -17,6 +17,27 @@
 //! * [`Visibility`]: the part of the truth that the views could see;
 //! * [`Description`], [`Station`]: the scene file (TOML), with [`BUNDLED_SCENES`] as examples,
 //!   whose free-form surfaces are made by [`fixtures`].
+//!
+//! A small scan for a property test takes a millisecond: a few solids before a wall, which throw
+//! shadows, and dropouts, which leave holes.
+//!
+//! ```
+//! use std::sync::Arc;
+//! use transect_geometry::{Isometry3, Vector3};
+//! use transect_scene::{Noise, Scene, Shape, Solid};
+//! use transect_sensors::{Intrinsics, Pinhole};
+//!
+//! let (x, radius, seed) = (0.2, 0.4, 7); // drawn by the test
+//! let at = |shape, x, z| Solid::new(shape, Isometry3::translation(x, 0.0, z));
+//! let wall = at(Shape::cuboid(Vector3::new(9.0, 9.0, 1.0))?, 0.0, 4.0)?;
+//! let scene = Scene::new(vec![wall, at(Shape::ball(radius)?, x, 2.0)?]);
+//! let size = transect_device::ImageSize { rows: 48, cols: 64 };
+//! let camera = Pinhole::new(size, Intrinsics { fx: 60.0, fy: 60.0, cx: 31.5, cy: 23.5 })?;
+//! let noise = Noise { sigma: 0.002, dropout: 0.05, seed, ..Noise::NONE };
+//! let view = scene.view("small", Arc::new(camera), Isometry3::identity(), &noise, 0)?;
+//! assert!((2500..3072).contains(&view.image().valid_count()));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod cast;
 mod description;

@@ -125,11 +125,9 @@ impl Mesh {
             return Err(MeshError::Empty);
         }
         for (face, &[a, b, c]) in self.faces.iter().enumerate() {
-            if a == b || c == a {
-                return Err(MeshError::Degenerate { face, index: a });
-            }
-            if b == c {
-                return Err(MeshError::Degenerate { face, index: b });
+            let repeated = [(a, b), (c, a), (b, c)].into_iter().find(|(p, q)| p == q);
+            if let Some((index, _)) = repeated {
+                return Err(MeshError::Degenerate { face, index });
             }
         }
         self.check_edges()?;

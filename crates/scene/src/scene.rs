@@ -62,18 +62,13 @@ pub struct Hit {
 /// assert!(sections[&PlaneIndex(0)][0].is_closed());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[derive(Debug)]
 pub struct Scene {
     solids: Vec<Solid>,
     /// For each solid, the motion from the world to its frame.
     solid_from_world: Vec<Motion>,
     /// Over the solids' boxes in the world; a leaf is an index into `solids`.
     hierarchy: Bvh,
-}
-
-impl std::fmt::Debug for Scene {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Scene").field("solids", &self.solids).finish_non_exhaustive()
-    }
 }
 
 /// A ray in the world, with the reciprocals that box tests need.

@@ -21,16 +21,11 @@ const REACHED: f64 = 1e-3;
 /// paths to the start of that pixel's ray and to its second viewpoint, if any, are free. A view
 /// whose device frame has no inverse mapping sees no point, because its rays between the pixels are
 /// unknown.
+#[derive(Debug)]
 pub struct Visibility {
     surface: TriMesh,
     views: Vec<View>,
     least_cosine: f64,
-}
-
-impl std::fmt::Debug for Visibility {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Visibility").field("views", &self.views.len()).finish_non_exhaustive()
-    }
 }
 
 impl Visibility {

@@ -62,7 +62,9 @@ impl Scene {
         noise: &Noise,
         view: u64,
     ) -> Result<RangeImage, ImageError> {
-        let size = checked_size(frame)?;
+        let size = frame.size();
+        // Before memory is taken for it.
+        size.check()?;
         let caster = Caster::new(self, frame, world_from_sensor, noise);
         let mut values = Vec::with_capacity(size.pixels());
         let mut window = Window::new(&caster);
@@ -97,12 +99,6 @@ impl Scene {
         let stated = noise.stated_pose(&world_from_sensor, view);
         Ok(View::new(name, image, frame, stated, Some(noise.sigma_at(range)))?)
     }
-}
-
-/// The frame's size, checked before memory is taken.
-pub(crate) fn checked_size(frame: &dyn DeviceFrame) -> Result<ImageSize, ImageError> {
-    frame.size().check()?;
-    Ok(frame.size())
 }
 
 fn mean_range(frame: &dyn DeviceFrame, image: &RangeImage) -> f64 {

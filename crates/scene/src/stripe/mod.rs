@@ -16,7 +16,7 @@
 //! replaces. Profiles are sampled at the pixels' centres, which a width of two pixels and more
 //! allows.
 
-use crate::cast::{Caster, Echo, checked_size};
+use crate::cast::{Caster, Echo};
 use crate::noise::{normal, source};
 use crate::{Noise, Scene};
 use rand_chacha::ChaCha8Rng;
@@ -153,7 +153,8 @@ impl Scene {
         view: u64,
     ) -> Result<StripeImages, StripeError> {
         camera.check()?;
-        let ImageSize { rows, cols: steps } = checked_size(frame)?;
+        frame.size().check()?;
+        let ImageSize { rows, cols: steps } = frame.size();
         let size = ImageSize { rows, cols: camera.columns };
         let pixels = rows.checked_mul(steps).and_then(|n| n.checked_mul(camera.columns));
         if pixels.is_none_or(|n| n > transect_device::MAX_PIXELS) {

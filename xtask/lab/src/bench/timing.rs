@@ -19,10 +19,6 @@ impl<'a> Variant<'a> {
     pub fn new(name: &'static str, run: impl FnMut() + 'a) -> Self {
         Self { name, scale: 1.0, run: Box::new(run) }
     }
-
-    pub fn scaled(self, scale: f64) -> Self {
-        Self { scale, ..self }
-    }
 }
 
 /// Median seconds of every variant.

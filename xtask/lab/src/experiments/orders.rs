@@ -26,47 +26,21 @@ const BALL: f64 = 40.0;
 const RING: f64 = 70.0;
 const TUBE: f64 = 15.0;
 
-/// Planes through both solids, off their symmetries, and the sensors' stations.
-const STATIONS: &str = r#"
-name = "ball and torus"
-unit = "mm"
-[planes]
-normal = [0, 0, 1]
-offset = 0.4
-interval = 4
-[[station]]
-name = "front"
-sensor = "pinhole"
-rows = 100
-cols = 100
-field_of_view = 30
-at = [30, -250, 180]
-look_at = [0, 0, 0]
-[[station]]
-name = "left"
-sensor = "pinhole"
-rows = 100
-cols = 100
-field_of_view = 30
-at = [-240, 130, 160]
-look_at = [0, 0, 0]
-[[station]]
-name = "right"
-sensor = "pinhole"
-rows = 100
-cols = 100
-field_of_view = 30
-at = [230, 140, 170]
-look_at = [0, 0, 0]
-"#;
+/// Places of the sensors, in millimetres.
+const STATIONS: [[f64; 3]; 3] =
+    [[30.0, -250.0, 180.0], [-240.0, 130.0, 160.0], [230.0, 140.0, 170.0]];
 
 /// Runs the experiment.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let solids = format!(
-        "[[solid]]\nshape = \"ball\"\nradius = {BALL}\nat = [0, 0, 0]\n\
-         [[solid]]\nshape = \"torus\"\nradius = {RING}\ntube = {TUBE}\nat = [0, 0, 0]\n"
+    // Planes through both solids, off their symmetries.
+    let text = format!(
+        "name = \"ball and torus\"\nunit = \"mm\"\n\
+         planes = {{ normal = [0, 0, 1], offset = 0.4, interval = 4 }}\n\
+         [[solid]]\nshape = \"ball\"\nradius = {BALL}\nat = [0, 0, 0]\n\
+         [[solid]]\nshape = \"torus\"\nradius = {RING}\ntube = {TUBE}\nat = [0, 0, 0]\n{}",
+        STATIONS.map(|at| trial::camera(at, 100, 30.0)).concat()
     );
-    let scene = PreparedScene::new(Description::parse(&format!("{STATIONS}{solids}"))?)?;
+    let scene = PreparedScene::new(Description::parse(&text)?)?;
     let mut lines = Vec::new();
     for kind in SensorKind::ALL {
         let mut before: Option<[f64; 2]> = None;

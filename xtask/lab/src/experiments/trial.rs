@@ -11,6 +11,14 @@ use transect_scene::Noise;
 use transect_workflow::simulation::{PreparedScene, SensorPlan, describe};
 use transect_workflow::{ScoreLimits, simulated_accuracy};
 
+/// The `[[station]]` of a square camera at a place, looking at the origin.
+pub fn camera([x, y, z]: [f64; 3], pixels: usize, field_deg: f64) -> String {
+    format!(
+        "[[station]]\nsensor = \"pinhole\"\nrows = {pixels}\ncols = {pixels}\n\
+         field_of_view = {field_deg}\nat = [{x}, {y}, {z}]\nlook_at = [0, 0, 0]\n"
+    )
+}
+
 /// A bundled scene, ready to be simulated.
 pub fn bundled(name: &str) -> Result<PreparedScene, Failure> {
     Ok(PreparedScene::new(describe(Path::new(name))?)?)

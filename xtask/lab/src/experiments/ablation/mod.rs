@@ -37,10 +37,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let sources = Sources { shared: &arguments.shared, peers: arguments.peers.as_deref() };
     let mut worth = Worth::default();
     for source in sources.list()? {
-        if arguments.set.as_ref().is_some_and(|s| !source.name().contains(s.as_str())) {
+        if arguments.set.as_ref().is_some_and(|s| !source.name.contains(s.as_str())) {
             continue;
         }
-        eprintln!("{}", source.name());
+        eprintln!("{}", source.name);
         measure(&source, arguments, &mut worth)?;
     }
     worth.print();
@@ -53,25 +53,25 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Models a set with all steps, and without each.
-fn measure(source: &Source, arguments: &Arguments, worth: &mut Worth) -> Result<(), Failure> {
+fn measure(source: &Source<'_>, arguments: &Arguments, worth: &mut Worth) -> Result<(), Failure> {
     let chosen = |name: &str| arguments.step.as_ref().is_none_or(|s| name.contains(s.as_str()));
-    let set = &source.load(&Method::default())?;
+    let set = &(source.load)(&Method::default())?;
     let full = figures(set, &ConsensusOptions::default())?;
-    worth.add_full(&set.name, full);
+    worth.add_full(&source.name, full);
     for (name, method) in methods_left_out().into_iter().filter(|(name, _)| chosen(name)) {
-        let other = source.load(&method)?;
+        let other = (source.load)(&method)?;
         let mut without = figures(&other, &ConsensusOptions::default())?;
         // The time of these rows is that of finding the curves.
         without.seconds = full.seconds * other.finding_seconds / set.finding_seconds;
-        worth.add(&set.name, name, without);
+        worth.add(&source.name, name, without);
     }
     for (name, steps) in Steps::each_left_out().into_iter().filter(|(name, _)| chosen(name)) {
         let mut options = ConsensusOptions::default();
         options.steps = steps;
-        worth.add(&set.name, name, figures(set, &options)?);
+        worth.add(&source.name, name, figures(set, &options)?);
     }
     // Once more, which tells how far times can be trusted.
-    worth.add(&set.name, "(again)", figures(set, &ConsensusOptions::default())?);
+    worth.add(&source.name, "(again)", figures(set, &ConsensusOptions::default())?);
     Ok(())
 }
 

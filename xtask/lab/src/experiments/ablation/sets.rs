@@ -7,9 +7,8 @@ use super::worth::Figures;
 use crate::bench::timing::once;
 use crate::failure::Failure;
 use rayon::prelude::*;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 use std::time::Instant;
 use transect::evaluate::{Accuracy, EvaluateOptions, evaluate, evaluate_seen};
 use transect_device::View;
@@ -33,53 +32,44 @@ pub struct Sources<'a> {
     pub peers: Option<&'a Path>,
 }
 
+/// Loads a set with the curves that a method finds.
+type Load<'a> = dyn Fn(&Method) -> Result<Set, Failure> + 'a;
+
 /// A set that is not loaded yet.
-pub enum Source {
-    Bundled(&'static str),
-    Bunny(PathBuf),
-    Halves(PathBuf),
-    Peers(PathBuf),
+pub struct Source<'a> {
+    pub name: String,
+    /// Reads or simulates the views and finds their curves.
+    pub load: Box<Load<'a>>,
+}
+
+impl<'a> Source<'a> {
+    fn new(name: &str, load: impl Fn(&Method) -> Result<Set, Failure> + 'a) -> Self {
+        Self { name: name.to_owned(), load: Box::new(load) }
+    }
 }
 
 impl Sources<'_> {
     /// All sets that are there.
-    pub fn list(&self) -> Result<Vec<Source>, Failure> {
-        let mut list: Vec<_> = BUNDLED_SCENES.iter().map(|(n, _)| Source::Bundled(n)).collect();
+    pub fn list(&self) -> Result<Vec<Source<'_>>, Failure> {
+        let bundled = |(name, _): (&'static str, _)| Source::new(name, move |m| bundled(name, m));
+        let mut list: Vec<_> = BUNDLED_SCENES.into_iter().map(bundled).collect();
         let data = |name: &str| Some(self.shared.join("data").join(name)).filter(|d| d.is_dir());
-        list.extend(data("stanford_bunny").map(Source::Bunny));
-        list.extend(data("rgbd_redkitchen").map(Source::Halves));
-        if let Some(peers) = self.peers {
-            let entries = std::fs::read_dir(peers).map_err(|e| Failure::with_file(peers, e))?;
+        let scan = data("stanford_bunny");
+        list.extend(scan.map(|folder| Source::new("bunny", move |m| bunny(&folder, m))));
+        let scan = data("rgbd_redkitchen");
+        list.extend(scan.map(|folder| Source::new("kitchen halves", move |m| halves(&folder, m))));
+        if let Some(peers_folder) = self.peers {
+            let entries = std::fs::read_dir(peers_folder);
+            let entries = entries.map_err(|e| Failure::with_file(peers_folder, e))?;
             let mut folders: Vec<PathBuf> = entries.flatten().map(|e| e.path()).collect();
             folders.retain(|f| f.join("truth.npz").is_file());
             folders.sort();
-            list.extend(folders.into_iter().map(Source::Peers));
+            list.extend(folders.into_iter().map(|folder| {
+                let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                Source::new(&name, move |m| peers(&folder, m))
+            }));
         }
         Ok(list)
-    }
-}
-
-impl Source {
-    pub fn name(&self) -> String {
-        match self {
-            Self::Bundled(name) => (*name).to_owned(),
-            Self::Bunny(_) => "bunny".to_owned(),
-            Self::Halves(_) => "kitchen halves".to_owned(),
-            Self::Peers(folder) => {
-                folder.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default()
-            }
-        }
-    }
-
-    /// Reads or simulates the views and finds their curves.
-    pub fn load(&self, method: &Method) -> Result<Set, Failure> {
-        let name = self.name();
-        match self {
-            Self::Bundled(scene) => bundled(name, scene, method),
-            Self::Bunny(folder) => bunny(name, folder, method),
-            Self::Halves(folder) => halves(name, folder, method),
-            Self::Peers(folder) => peers(name, folder, method),
-        }
     }
 }
 
@@ -90,7 +80,6 @@ type Observed = BTreeMap<PlaneIndex, Vec<Vec<Curve>>>;
 
 /// A set, ready to be fused.
 pub struct Set {
-    pub name: String,
     planes: PlaneFamily,
     /// One part, or two halves that are held against each other.
     parts: Vec<Observed>,
@@ -103,13 +92,8 @@ pub struct Set {
 /// What is known of the real thing.
 struct Reference {
     truth: Sections,
-    /// What the views could see of it, and what was asked so far; `None` if all of it counts.
-    visible: Option<Visible>,
-}
-
-struct Visible {
-    rays: Visibility,
-    asked: BTreeMap<PlaneIndex, Mutex<HashMap<[u64; 2], bool>>>,
+    /// What the views could see of it; `None` if all of it counts.
+    visible: Option<Visibility>,
 }
 
 /// Fused curves and the time it took.
@@ -158,36 +142,24 @@ impl Set {
         let Some(visible) = visible else {
             return Ok(evaluate(&self.planes, curves, truth, &self.options)?);
         };
-        let seen = |k: PlaneIndex, p: &Point2| visible.sees(&self.planes, k, p);
+        let seen =
+            |k: PlaneIndex, p: &Point2| visible.sees(&self.planes.frame(k).world_from_plane(p));
         Ok(evaluate_seen(&self.planes, curves, truth, &seen, &self.options)?)
     }
 }
 
-impl Visible {
-    fn new(mesh: &Mesh, views: Vec<View>, truth: &Sections) -> Result<Self, Failure> {
-        let asked = truth.keys().map(|k| (*k, Mutex::default())).collect();
-        Ok(Self { rays: Visibility::new(mesh, views)?, asked })
-    }
-
-    fn sees(&self, planes: &PlaneFamily, k: PlaneIndex, p: &Point2) -> bool {
-        let see = || self.rays.sees(&planes.frame(k).world_from_plane(p));
-        let Some(Ok(mut asked)) = self.asked.get(&k).map(Mutex::lock) else { return see() };
-        *asked.entry([p.x.to_bits(), p.y.to_bits()]).or_insert_with(see)
-    }
-}
-
-fn bundled(name: String, scene: &str, method: &Method) -> Result<Set, Failure> {
+fn bundled(scene: &str, method: &Method) -> Result<Set, Failure> {
     let stage = trial::bundled(scene)?;
     let views = stage.simulate(&SensorPlan::OWN)?.views;
     let planes = stage.description.planes.clone();
     let tolerance = TOLERANCE_SHARE * planes.interval();
-    simulated(name, planes, (views, &stage.truth), tolerance, method)
+    simulated(planes, (views, &stage.truth), tolerance, method)
 }
 
-fn peers(name: String, folder: &Path, method: &Method) -> Result<Set, Failure> {
+fn peers(folder: &Path, method: &Method) -> Result<Set, Failure> {
     let scan = Scan::open(folder)?;
     let Some(entry) = &scan.planes else {
-        return Err(Failure::because(format!("{name}: the scan states no planes")));
+        return Err(Failure::with_file(folder, "the scan states no planes"));
     };
     let planes = entry.family().map_err(|e| Failure::because(e.to_string()))?;
     let text = std::fs::read_to_string(folder.join("scan.json"))
@@ -197,11 +169,10 @@ fn peers(name: String, folder: &Path, method: &Method) -> Result<Set, Failure> {
     let size = manifest.get("size").and_then(serde_json::Value::as_f64);
     let tolerance = size.map_or(TOLERANCE_SHARE * planes.interval(), |s| SIZE_SHARE * s);
     let mesh = solid(read_truth(&folder.join("truth.npz"))?);
-    simulated(name, planes, (load(&scan)?, &mesh), tolerance, method)
+    simulated(planes, (load(&scan)?, &mesh), tolerance, method)
 }
 
 fn simulated(
-    name: String,
     planes: PlaneFamily,
     (views, mesh): (Vec<View>, &Mesh),
     tolerance: f64,
@@ -210,13 +181,13 @@ fn simulated(
     let cut = sections(mesh, &planes)?;
     let truth: Sections = cut.into_iter().map(|(k, c)| (k, merge_overlaps(c))).collect();
     let (found, finding_seconds) = observed(&views, &planes, method)?;
-    let visible = Some(Visible::new(mesh, views, &truth)?);
+    let visible = Some(Visibility::new(mesh, views)?);
     let options = EvaluateOptions::new(tolerance);
     let (parts, reference) = (vec![found], Some(Reference { truth, visible }));
-    Ok(Set { name, planes, parts, finding_seconds, reference, options })
+    Ok(Set { planes, parts, finding_seconds, reference, options })
 }
 
-fn bunny(name: String, folder: &Path, method: &Method) -> Result<Set, Failure> {
+fn bunny(folder: &Path, method: &Method) -> Result<Set, Failure> {
     let planes = upright([0.0, 1.0, 0.0], 0.001)?;
     let views = load(&Scan::open(&folder.join("bun.conf"))?)?;
     let mesh = solid(read_mesh(&folder.join("reference/bun_zipper.ply"))?.mesh);
@@ -225,11 +196,11 @@ fn bunny(name: String, folder: &Path, method: &Method) -> Result<Set, Failure> {
     // The scans do not show the base, and the reference closes it.
     let options = EvaluateOptions::new(0.0005).from_station(0.06);
     let (parts, reference) = (vec![found], Some(Reference { truth, visible: None }));
-    Ok(Set { name, planes, parts, finding_seconds, reference, options })
+    Ok(Set { planes, parts, finding_seconds, reference, options })
 }
 
 /// The even frames and the odd ones.
-fn halves(name: String, folder: &Path, method: &Method) -> Result<Set, Failure> {
+fn halves(folder: &Path, method: &Method) -> Result<Set, Failure> {
     let planes = upright([0.0, -1.0, 0.0], 0.1)?;
     let views = load(&Scan::open(folder)?)?;
     let half = |first: usize| {
@@ -239,7 +210,7 @@ fn halves(name: String, folder: &Path, method: &Method) -> Result<Set, Failure> 
     let ((even, even_seconds), (odd, odd_seconds)) = (half(0)?, half(1)?);
     let (parts, finding_seconds) = (vec![even, odd], even_seconds + odd_seconds);
     let options = EvaluateOptions::new(0.02);
-    Ok(Set { name, planes, parts, finding_seconds, reference: None, options })
+    Ok(Set { planes, parts, finding_seconds, reference: None, options })
 }
 
 fn upright(normal: [f64; 3], interval: f64) -> Result<PlaneFamily, Failure> {

@@ -4,8 +4,8 @@ mod large;
 mod solids;
 mod space;
 
+use super::trial;
 use crate::failure::Failure;
-use std::fmt::Write;
 use transect_device::View;
 use transect_scene::Description;
 use transect_workflow::simulation::{PreparedScene, SensorPlan};
@@ -67,26 +67,20 @@ fn footprint() -> f64 {
     2.0 * DISTANCE * (0.5 * FIELD_DEG).to_radians().tan() / PIXELS as f64
 }
 
-/// Prepares solids, in the text of a scene file, in millimetres around the origin.
+/// Prepares solids, in inline tables of a scene file, in millimetres around the origin.
 fn surround(solids: &str) -> Result<Surrounded, Failure> {
-    let mut text = String::from(
-        "name = \"solids\"\nunit = \"mm\"\n[planes]\nnormal = [0, 0, 1]\noffset = 0.3\ninterval = 4\n",
+    let mut text = format!(
+        "name = \"solids\"\nunit = \"mm\"\nsolid = [{solids}]\n\
+         planes = {{ normal = [0, 0, 1], offset = 0.3, interval = 4 }}\n"
     );
     for k in 0..STATIONS {
         // Points of a spiral, evenly spread over the ball.
         let z = 1.0 - (2.0 * k as f64 + 1.0) / STATIONS as f64;
         let (sin, cos) = (k as f64 * 2.399_963).sin_cos();
         let ring = DISTANCE * (1.0 - z * z).sqrt();
-        let _ = write!(
-            text,
-            "[[station]]\nname = \"s{k}\"\nsensor = \"pinhole\"\nrows = {PIXELS}\ncols = {PIXELS}\n\
-             field_of_view = {FIELD_DEG}\nat = [{}, {}, {}]\nlook_at = [0, 0, 0]\n",
-            ring * cos,
-            ring * sin,
-            DISTANCE * z
-        );
+        text += &trial::camera([ring * cos, ring * sin, DISTANCE * z], PIXELS, FIELD_DEG);
     }
-    let scene = PreparedScene::new(Description::parse(&(text + solids))?)?;
+    let scene = PreparedScene::new(Description::parse(&text)?)?;
     let views = scene.simulate(&SensorPlan::OWN)?.views;
     Ok(Surrounded { scene, views })
 }

@@ -24,25 +24,25 @@ fn solids() -> [Solid; 4] {
     [
         Solid {
             name: "ball",
-            scene: "shape = \"ball\"\nradius = 60\n",
+            scene: "shape = 'ball', radius = 60",
             volume: 4.0 / 3.0 * PI * 60_f64.powi(3),
             area: |z| disc(60.0 * 60.0 - z * z),
         },
         Solid {
             name: "torus",
-            scene: "shape = \"torus\"\nradius = 70\ntube = 25\n",
+            scene: "shape = 'torus', radius = 70, tube = 25",
             volume: 2.0 * PI * PI * 70.0 * 25.0 * 25.0,
             area: |z| 4.0 * PI * 70.0 * (25.0 * 25.0 - z * z).max(0.0).sqrt(),
         },
         Solid {
             name: "box",
-            scene: "shape = \"box\"\nsize = [120, 80, 90]\nrotate = { axis = [0, 0, 1], degrees = 20 }\n",
+            scene: "shape = 'box', size = [120, 80, 90], rotate = { axis = [0, 0, 1], degrees = 20 }",
             volume: 120.0 * 80.0 * 90.0,
             area: |z| if z.abs() <= 45.0 { 120.0 * 80.0 } else { 0.0 },
         },
         Solid {
             name: "cylinder",
-            scene: "shape = \"cylinder\"\nradius = 50\nheight = 100\n",
+            scene: "shape = 'cylinder', radius = 50, height = 100",
             volume: PI * 50.0 * 50.0 * 100.0,
             area: |z| if z.abs() <= 50.0 { PI * 50.0 * 50.0 } else { 0.0 },
         },
@@ -54,7 +54,7 @@ pub fn run() -> Result<(), Failure> {
     say(&format!("Areas and volumes of solids seen by {STATIONS} cameras, without noise\n"));
     let mut lines = Vec::new();
     for solid in solids() {
-        let seen = surround(&format!("[[solid]]\nat = [0, 0, 0]\n{}", solid.scene))?;
+        let seen = surround(&format!("{{ at = [0, 0, 0], {} }}", solid.scene))?;
         for interval in [16.0, 8.0, 4.0, 2.0] {
             let guide = seen.scene.description.planes.guide();
             let mut models = Vec::new();

@@ -15,29 +15,12 @@ const POINTS: usize = 100_000;
 /// Millimetres between planes of the solids.
 const INTERVAL: f64 = 4.0;
 
-const SOLIDS: &str = r#"
-[[solid]]
-shape = "ball"
-radius = 25
-at = [60, 45, 20]
-[[solid]]
-shape = "torus"
-radius = 30
-tube = 12
-at = [-55, 50, -10]
-rotate = { axis = [1, 0, 0], degrees = 50 }
-[[solid]]
-shape = "box"
-size = [50, 40, 60]
-at = [-50, -55, 0]
-rotate = { axis = [1, 1, 1], degrees = 40 }
-[[solid]]
-shape = "cylinder"
-radius = 20
-height = 70
-at = [55, -50, -15]
-rotate = { axis = [0, 1, 0], degrees = 25 }
-"#;
+const SOLIDS: &str = "
+{ shape = 'ball', radius = 25, at = [60, 45, 20] },
+{ shape = 'torus', radius = 30, tube = 12, at = [-55, 50, -10], rotate = { axis = [1, 0, 0], degrees = 50 } },
+{ shape = 'box', size = [50, 40, 60], at = [-50, -55, 0], rotate = { axis = [1, 1, 1], degrees = 40 } },
+{ shape = 'cylinder', radius = 20, height = 70, at = [55, -50, -15], rotate = { axis = [0, 1, 0], degrees = 25 } },
+";
 
 /// The number of answers of each kind.
 #[derive(Default)]
