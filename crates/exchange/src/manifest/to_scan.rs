@@ -2,12 +2,12 @@
 
 use super::entry::Manifest;
 use super::sensor::{self, Sensor, SensorEntry};
-use crate::pose::{self, Pose};
+use crate::pose;
 use crate::scan::{FramedImage, LoadView};
 use crate::view_file::ViewFile;
 use crate::{Place, ReadError, Scan, ScanView};
 use std::collections::HashSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use transect_geometry::LengthUnit;
 
@@ -40,16 +40,22 @@ pub(crate) fn to_scan(
     if manifest.views.is_empty() {
         return Err(ReadError::damaged(path, Place::Whole, "there are no views"));
     }
-    let mut repairs = Repairs::default();
-    let mut sensors = Sensors { folder, made: Vec::new() };
-    let mut files = Files::default();
+    let mut repairs = Vec::new();
+    // Equal entries get the same sensor, so that its tables are made once.
+    let mut sensors: Vec<(&SensorEntry, Arc<dyn Sensor>)> = Vec::new();
+    let mut inputs = Vec::new();
     let mut views = Vec::with_capacity(manifest.views.len());
     for (number, entry) in manifest.views.iter().enumerate() {
         let at = Place::View { number, name: entry.file.clone() };
         let pose = pose::from_row_major(&entry.pose)
             .map_err(|problem| ReadError::damaged(path, at.clone(), problem))?;
-        repairs.count(&pose, &at);
-        let sensor = sensors.get_or_make(&entry.sensor);
+        repairs.extend(pose.repaired.map(|deviation| (deviation, at)));
+        let known = sensors.iter().find(|(made_of, _)| *made_of == &entry.sensor);
+        let sensor = known.map(|(_, sensor)| Arc::clone(sensor)).unwrap_or_else(|| {
+            let made = sensor::of_entry(folder, &entry.sensor);
+            sensors.push((&entry.sensor, Arc::clone(&made)));
+            made
+        });
         let file = ViewFile {
             path: folder.join(&entry.file),
             stated_rows: entry.rows,
@@ -57,20 +63,22 @@ pub(crate) fn to_scan(
             scale: entry.scale,
             missing: entry.missing,
         };
-        sensor.image_files(&file.path)?.into_iter().for_each(|image| files.add(image));
+        inputs.extend(sensor.image_files(&file.path)?);
         let (name, path) = (entry.file.clone(), file.path.clone());
         let source = Arc::new(ManifestView { file, sensor });
         let view = ScanView::new(name, path, pose.world_from_sensor, source);
         views.push(view.with_sigma(manifest.sigma));
     }
-    sensors.made.iter().filter_map(|(_, s)| s.file()).for_each(|f| files.add(f.to_owned()));
+    inputs.extend(sensors.iter().filter_map(|(_, sensor)| Some(sensor.file()?.to_owned())));
+    let mut known = HashSet::new();
+    inputs.retain(|file| known.insert(file.clone()));
     Ok(Scan {
         name: manifest.name.clone(),
         unit,
         sigma: manifest.sigma,
         planes: manifest.planes.clone(),
-        inputs: files.list,
-        notes: repairs.note(path, views.len()).into_iter().collect(),
+        inputs,
+        notes: repairs_note(path, &repairs, views.len()).into_iter().collect(),
         views,
     })
 }
@@ -91,62 +99,12 @@ fn settle_unit(
     }
 }
 
-/// The sensors of a manifest's views. Equal entries get the same sensor, so that its tables are
-/// made once.
-struct Sensors<'a> {
-    folder: &'a Path,
-    made: Vec<(&'a SensorEntry, Arc<dyn Sensor>)>,
-}
-
-impl<'a> Sensors<'a> {
-    fn get_or_make(&mut self, entry: &'a SensorEntry) -> Arc<dyn Sensor> {
-        if let Some((_, known)) = self.made.iter().find(|(e, _)| *e == entry) {
-            return Arc::clone(known);
-        }
-        let sensor = sensor::of_entry(self.folder, entry);
-        self.made.push((entry, Arc::clone(&sensor)));
-        sensor
-    }
-}
-
-/// A list of files without repetitions.
-#[derive(Default)]
-struct Files {
-    list: Vec<PathBuf>,
-    known: HashSet<PathBuf>,
-}
-
-impl Files {
-    fn add(&mut self, file: PathBuf) {
-        if self.known.insert(file.clone()) {
-            self.list.push(file);
-        }
-    }
-}
-
-/// Counts poses that were replaced by the nearest rotation, for one note about all of them.
-#[derive(Default)]
-struct Repairs {
-    count: usize,
-    worst: f64,
-    worst_at: Option<Place>,
-}
-
-impl Repairs {
-    fn count(&mut self, pose: &Pose, at: &Place) {
-        let Some(deviation) = pose.repaired else { return };
-        self.count += 1;
-        if deviation > self.worst {
-            (self.worst, self.worst_at) = (deviation, Some(at.clone()));
-        }
-    }
-
-    fn note(&self, path: &Path, views: usize) -> Option<String> {
-        let (count, worst, path) = (self.count, self.worst, path.display());
-        let at = self.worst_at.as_ref()?;
-        Some(format!(
-            "{path}: {count} of {views} poses replaced by the nearest rotation; \
-             largest deviation from orthonormal {worst:.1e}{at}"
-        ))
-    }
+/// One note about all poses that were replaced by the nearest rotation.
+fn repairs_note(path: &Path, repairs: &[(f64, Place)], views: usize) -> Option<String> {
+    let (worst, at) = repairs.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let (count, path) = (repairs.len(), path.display());
+    Some(format!(
+        "{path}: {count} of {views} poses replaced by the nearest rotation; \
+         largest deviation from orthonormal {worst:.1e}{at}"
+    ))
 }

@@ -1,6 +1,6 @@
 //! Triangle meshes, for reference surfaces.
 
-use super::{Element, Ply, list};
+use super::{Element, Ply};
 use crate::triangle_mesh::{MeshFile, TriangleMesh, fan, note_dropped};
 use crate::{Place, ReadError};
 use std::path::Path;
@@ -35,25 +35,12 @@ fn read_faces(
     element: &Element,
     vertices: usize,
 ) -> Result<Vec<[u32; 3]>, ReadError> {
-    let Some((position, count, item)) = list(element, &["vertex_indices", "vertex_index"]) else {
-        let problem = "element face has no list vertex_indices";
-        return Err(ReadError::damaged(ply.path, Place::Whole, problem));
-    };
     let (mut faces, mut degenerate) = (Vec::new(), 0);
-    let mut corners: Vec<u32> = Vec::new();
-    ply.each_instance(element, |body, _| {
-        for (at, property) in element.properties.iter().enumerate() {
-            if at != position {
-                body.skip(property)?;
-                continue;
-            }
-            corners.clear();
-            for _ in 0..body.list_length(count, item)? {
-                corners.push(known_vertex(body.integer(item)?, vertices)?);
-            }
-            degenerate += usize::from(corners.len() < 3);
-            faces.extend(fan(&corners));
-        }
+    ply.vertex_lists(element, |indices| {
+        let corners = indices.iter().map(|&index| known_vertex(index, vertices));
+        let corners: Vec<u32> = corners.collect::<Result<_, _>>()?;
+        degenerate += usize::from(corners.len() < 3);
+        faces.extend(fan(&corners));
         Ok(())
     })?;
     ply.header.notes.extend(note_dropped(degenerate, "faces with fewer than 3 corners"));

@@ -19,7 +19,6 @@ pub(crate) use mesh::mesh;
 pub use range_grid::{RangeGrid, read_range_grid};
 
 use crate::input::without_mark;
-use crate::scalar::Scalar;
 use crate::{Place, ReadError};
 use body::Body;
 use header::{Element, Header, Kind};
@@ -105,6 +104,36 @@ impl<'a> Ply<'a> {
         Ok(points)
     }
 
+    /// Hands the list `vertex_indices` of every instance to `each`. Other properties are skipped.
+    fn vertex_lists(
+        &mut self,
+        element: &Element,
+        mut each: impl FnMut(&[i64]) -> Result<(), String>,
+    ) -> Result<(), ReadError> {
+        let names = ["vertex_indices", "vertex_index"];
+        let position = names.iter().find_map(|name| element.position(name));
+        let kind = position.and_then(|at| element.properties.get(at)).map(|p| p.kind);
+        let Some(Kind::List { count, item }) = kind else {
+            let problem = format!("element {} has no list vertex_indices", element.name);
+            return Err(ReadError::damaged(self.path, Place::Whole, problem));
+        };
+        let mut indices = Vec::new();
+        self.each_instance(element, |body, _| {
+            for (at, property) in element.properties.iter().enumerate() {
+                if Some(at) != position {
+                    body.skip(property)?;
+                    continue;
+                }
+                indices.clear();
+                for _ in 0..body.list_length(count, item)? {
+                    indices.push(body.integer(item)?);
+                }
+                each(&indices)?;
+            }
+            Ok(())
+        })
+    }
+
     fn note_leftovers(&mut self) {
         if !self.body.is_spent() {
             let left = self.body.remaining();
@@ -120,13 +149,4 @@ fn axes(element: &Element) -> Option<Vec<Option<usize>>> {
         *axes.get_mut(element.position(name)?)? = Some(axis);
     }
     Some(axes)
-}
-
-/// A list property of an element by one of several names, as (position, count, item).
-fn list(element: &Element, names: &[&str]) -> Option<(usize, Scalar, Scalar)> {
-    let at = names.iter().find_map(|name| element.position(name))?;
-    match element.properties.get(at)?.kind {
-        Kind::List { count, item } => Some((at, count, item)),
-        Kind::One(_) => None,
-    }
 }

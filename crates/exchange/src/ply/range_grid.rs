@@ -1,6 +1,6 @@
 //! Range images as Stanford's scanner wrote them: a grid of cells, each with a vertex or none.
 
-use super::{Element, Ply, list};
+use super::{Element, Ply};
 use crate::input::read_bytes;
 use crate::{Place, ReadError};
 use std::path::Path;
@@ -74,25 +74,13 @@ fn grid_size(ply: &Ply<'_>) -> Result<ImageSize, ReadError> {
 type Cell = Option<i64>;
 
 fn read_cells(ply: &mut Ply<'_>, grid: &Element) -> Result<Vec<Cell>, ReadError> {
-    let Some((position, count, item)) = list(grid, &["vertex_indices", "vertex_index"]) else {
-        let problem = "element range_grid has no list vertex_indices";
-        return Err(ReadError::damaged(ply.path, Place::Whole, problem));
-    };
     ply.require_room(grid)?;
     let mut cells = Vec::with_capacity(grid.count);
-    ply.each_instance(grid, |body, _| {
-        for (at, property) in grid.properties.iter().enumerate() {
-            if at != position {
-                body.skip(property)?;
-                continue;
-            }
-            let length = body.list_length(count, item)?;
-            let cell = if length > 0 { Some(body.integer(item)?) } else { None };
-            if length > 1 {
-                return Err(format!("{length} vertices in one cell"));
-            }
-            cells.push(cell);
+    ply.vertex_lists(grid, |indices| {
+        if indices.len() > 1 {
+            return Err(format!("{} vertices in one cell", indices.len()));
         }
+        cells.push(indices.first().copied());
         Ok(())
     })?;
     Ok(cells)

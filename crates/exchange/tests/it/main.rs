@@ -2,5 +2,5 @@
 #![allow(clippy::unwrap_used, reason = "tests and their helpers may fail loudly")]
 
 mod documentation;
-mod hostile;
+mod fuzz;
 mod inputs;

@@ -127,7 +127,9 @@ mod tests {
         assert_eq!(model.check(&extent([0.0; 3], [10.0, 10.0, 10.0]), 0.0), Ok(()));
         let error = model.check(&extent([6.0, 0.0, 0.0], [7.0, 9.0, 1.0]), 0.5).unwrap_err();
         assert!(
-            error.to_string().contains("(6.000, 0, 0) to (7.000, 9.000, 1.000), the model (4.000, 4.000, 0)"),
+            error
+                .to_string()
+                .contains("(6.000, 0, 0) to (7.000, 9.000, 1.000), the model (4.000, 4.000, 0)"),
             "{error}"
         );
         assert_eq!(model.check(&extent([5.4, 0.0, 0.0], [7.0, 9.0, 1.0]), 0.5), Ok(()));

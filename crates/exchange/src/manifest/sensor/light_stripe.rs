@@ -143,8 +143,7 @@ impl LightStripeSensor {
     ) -> Result<FramedImage, ReadError> {
         let (rows, steps) = (self.entry.parameters.camera_rows, stack.steps());
         self.check_columns(file, "the stack", "images", steps)?;
-        check_stated(file, "rows", file.stated_rows, rows, "camera rows")?;
-        check_stated(file, "cols", file.stated_cols, steps, "images")?;
+        file.check_size(ImageSize { rows, cols: steps })?;
         let frame = self.frame(file, steps)?;
         let image = self.extract(file, stack, &frame, notes)?;
         Ok(FramedImage { frame, image })
@@ -211,21 +210,5 @@ impl LightStripeSensor {
             found.push(&image).map_err(|e| ReadError::unusable(at.path, at.place, "the image", e))
         })?;
         found.finish().map_err(bad)
-    }
-}
-
-/// Refuses a stated number of rows or columns that differs from the stack's.
-fn check_stated(
-    file: &ViewFile,
-    key: &str,
-    stated: Option<usize>,
-    found: usize,
-    parts: &str,
-) -> Result<(), ReadError> {
-    match stated.filter(|s| *s != found) {
-        Some(stated) => {
-            Err(file.damaged(format!("the stack has {found} {parts}, but \"{key}\" is {stated}")))
-        }
-        None => Ok(()),
     }
 }

@@ -194,11 +194,11 @@ fn bad_parameters_name_their_key() {
         ),
         (
             wrong("\"baseline\"", "\"cols\": 8, \"baseline\""),
-            "stack.npy: the stack has 7 images, but \"cols\" is 8",
+            "stack.npy: the image has 9 rows × 7 columns, but the manifest states 9 rows × 8",
         ),
         (
             wrong("\"baseline\"", "\"rows\": 8, \"baseline\""),
-            "stack.npy: the stack has 9 camera rows, but \"rows\" is 8",
+            "stack.npy: the image has 9 rows × 7 columns, but the manifest states 8 rows × 7",
         ),
         (
             wrong("camera_cols\": 96", "camera_cols\": 97"),
