@@ -41,6 +41,7 @@ mod query;
 mod section;
 mod selection;
 pub mod store;
+mod text;
 mod unit_tree;
 mod volume;
 
