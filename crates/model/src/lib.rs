@@ -19,8 +19,8 @@
 //! * [`Model`], [`Section`], [`CurveRecord`], [`ViewRecord`]: the tree, and walking along it;
 //! * [`PlaneSelection`]: the planes that were selected, where they are not all of the family;
 //! * [`Location`], [`SectionIndex`], [`ModelIndex`]: inside, outside or unknown;
-//! * [`SectionMeasures`], [`ModelVolume`], [`Bracket`]: bounds of areas and volumes, of solid and of
-//!   clear space;
+//! * [`SectionMeasures`], [`ModelVolume`], [`Bracket`]: bounds of areas and volumes, of solid and
+//!   of clear space;
 //! * [`Model::save`], [`Model::load`], [`FileError`]: a whole model in a plain file;
 //! * [`gaps`]: unseen stretches of boundary, and places from which a next view would see most of
 //!   them;
