@@ -15,7 +15,7 @@
 //! [`Model::check`].
 
 use crate::{InvariantError, Model, Section, ViewRecord};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::io::{Read, Write};
 use transect_geometry::{LengthUnit, PlaneFamily, PlaneIndex};
@@ -77,12 +77,6 @@ struct Payload<'a> {
     selected: Option<Vec<PlaneIndex>>,
     views: Cow<'a, [ViewRecord]>,
     sections: Vec<(PlaneIndex, Cow<'a, Section>)>,
-}
-
-/// Reads a text by way of the payload's own bytes. For an owned text, the decoder would reserve
-/// memory by the announced length, before that many bytes are known to exist.
-pub(crate) fn read_text<'de, D: Deserializer<'de>>(decoder: D) -> Result<String, D::Error> {
-    <&str>::deserialize(decoder).map(str::to_owned)
 }
 
 /// Writes a model: header, then payload.

@@ -19,8 +19,8 @@
 //! * [`Model`], [`Section`], [`CurveRecord`], [`ViewRecord`]: the tree, and walking along it;
 //! * [`PlaneSelection`]: the planes that were selected, where they are not all of the family;
 //! * [`Location`], [`SectionIndex`], [`ModelIndex`]: inside, outside or unknown;
-//! * [`SectionMeasures`], [`ModelVolume`], [`Bracket`]: bounds of areas and volumes, of solid and of
-//!   clear space;
+//! * [`SectionMeasures`], [`ModelVolume`], [`Bracket`]: bounds of areas and volumes, of solid and
+//!   of clear space;
 //! * [`Model::save`], [`Model::load`], [`FileError`]: a whole model in a plain file;
 //! * [`open_regular`]: opening files, for every reader of the workspace;
 //! * [`gaps`]: unseen stretches of boundary, and places from which a next view would see most of
@@ -43,6 +43,7 @@ mod regular_file;
 mod section;
 mod selection;
 pub mod store;
+mod text;
 mod unit_tree;
 mod volume;
 

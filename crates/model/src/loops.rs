@@ -12,11 +12,12 @@
 //!    from the chord, and encloses nothing wider than the gap.
 //! 2. A measured unit counts its length times [`SIGMAS`] standard deviations.
 //! 3. The parent of a loop is the smallest loop around it, by the even-odd rule, which ignores
-//!    directions. Loop and parent run opposite ways round. Otherwise a direction is wrong, a surface
-//!    between them was not seen, or curves cross. The loop's area is then in doubt for its parent.
-//! 4. If the doubt exceeds the area, the gaps hide which way round the loop runs. Its parent decides.
-//!    Without a parent, the other loops without one decide: if all of them are surely around solid,
-//!    the plane is free outside. Else the loop may be of either kind.
+//!    directions. Loop and parent run opposite ways round. Otherwise a direction is wrong, curves
+//!    cross, or a surface between them was not seen. The loop's area is then in doubt for its
+//!    parent.
+//! 4. If the doubt exceeds the area, the gaps hide which way round the loop runs. Then its parent
+//!    decides. Without a parent, the other loops without one decide: if all of them are surely
+//!    around solid, the plane is free outside. Else the loop may be of either kind.
 //!
 //! Cost: for n loops with m nodes each, O(n²) comparisons of envelopes, and O(m) for each pair of
 //! nested envelopes. One node decides the parent of a loop that crosses others.

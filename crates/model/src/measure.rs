@@ -7,8 +7,8 @@
 //! a pipe, a hole. Its area lies in a bracket.
 //!
 //! 1. The estimate is the loop's area without its children's, with gaps closed by chords.
-//! 2. The doubts of these loops widen the bracket to both sides. A child whose direction contradicts
-//!    the loop's adds its area to the doubt.
+//! 2. The doubts of these loops widen the bracket to both sides. A child whose direction
+//!    contradicts the loop's adds its area to the doubt.
 //! 3. A face is at least 0, and at most as large as its loop.
 //! 4. A loop that may be either way round may bound a face of either kind.
 //! 5. Solid around such a loop, or around a clear one, has no known bound if no loop is around it.

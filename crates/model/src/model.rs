@@ -14,10 +14,10 @@ use transect_geometry::{Curve, Envelope, Isometry3, LengthUnit, PlaneFamily, Pla
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ViewRecord {
     /// Its name in reports.
-    #[serde(deserialize_with = "crate::codec::read_text")]
+    #[serde(deserialize_with = "crate::text::read")]
     pub name: String,
     /// Its origin, such as the file of its range image; for information.
-    #[serde(deserialize_with = "crate::codec::read_text")]
+    #[serde(deserialize_with = "crate::text::read")]
     pub source: String,
     /// Its pose; the translation is in the model's length unit.
     pub world_from_sensor: Isometry3,

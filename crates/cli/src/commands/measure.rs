@@ -133,12 +133,16 @@ fn rows(file: &ModelFile, close_gaps: Option<f64>, sums: &Sums) -> Result<Vec<Ro
     for (name, Volume { bracket, interval_error, .. }) in
         [("solid volume", volume.solid), ("clear volume", volume.clear)]
     {
-        let cubed = format!("{unit}³");
-        rows.push(Row::new(name, bounds(&bracket), cubed.clone()));
-        let off = format!("largest interval error of {name}");
-        rows.push(Row::new(off, digits(interval_error), cubed.clone()));
-        let closed = closed.map(|closed| estimate(&bracket, closed));
-        rows.extend(closed.map(|text| Row::new(format!("{name}, gaps closed"), text, cubed)));
+        let mut add = |name: String, value: String| {
+            let is_number = value.starts_with(|first: char| first.is_ascii_digit());
+            let unit = if is_number { format!("{unit}³") } else { String::new() };
+            rows.push(Row::new(name, value, unit));
+        };
+        add(name.to_owned(), bounds(&bracket));
+        add(format!("largest interval error of {name}"), digits(interval_error));
+        if let Some(closed) = closed {
+            add(format!("{name}, gaps closed"), estimate(&bracket, closed));
+        }
     }
     Ok(rows)
 }

@@ -13,7 +13,8 @@ fn circle(radius: f64, nodes: u32) -> Curve {
 fn ball() -> Model {
     let half = |k: i64| (1.0 - (k as f64 / 40.0).powi(2)).sqrt() * 10.0;
     let mut planes: Vec<_> = (-39..40).map(|k| (k, vec![circle(half(k), 5000)])).collect();
-    planes[3].1.push(curve(&[(-3.0, 0.0), (3.0, 0.1)], false));
+    // Outside of the circle, so that the disc is known solid.
+    planes[3].1.push(curve(&[(5.0, 0.0), (8.0, 0.1)], false));
     model([0.0, 0.0, 1.0], &planes)
 }
 

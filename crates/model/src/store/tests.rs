@@ -384,9 +384,10 @@ fn readers_share_a_file_and_leave_its_bytes() {
     store.close().unwrap();
     let bytes = std::fs::read(&path).unwrap();
     // A reader must not need the permission to write.
-    let mut permissions = std::fs::metadata(&path).unwrap().permissions();
+    let writable = std::fs::metadata(&path).unwrap().permissions();
+    let mut permissions = writable.clone();
     permissions.set_readonly(true);
-    std::fs::set_permissions(&path, permissions.clone()).unwrap();
+    std::fs::set_permissions(&path, permissions).unwrap();
 
     let (mut first, second) =
         (Store::open_read_only(&path).unwrap(), Store::open_read_only(&path).unwrap());
@@ -404,8 +405,7 @@ fn readers_share_a_file_and_leave_its_bytes() {
     first.remove_view(&"a".into(), &fuse).unwrap();
     first.compact().unwrap();
     first.close().unwrap();
-    permissions.set_readonly(false);
-    std::fs::set_permissions(&path, permissions).unwrap();
+    std::fs::set_permissions(&path, writable).unwrap();
     let refused = Store::open(&path).unwrap_err();
     assert!(matches!(refused.problem, StoreProblem::BeingRead), "{refused:?}");
     drop(second);

@@ -16,10 +16,10 @@ pub struct StoreHeader {
     /// Where the section planes are.
     pub planes: PlaneFamily,
     /// The settings with which views are modelled and fused, as text; the store does not read them.
-    #[serde(deserialize_with = "crate::codec::read_text")]
+    #[serde(deserialize_with = "crate::text::read")]
     pub options: String,
     /// The program and its version.
-    #[serde(deserialize_with = "crate::codec::read_text")]
+    #[serde(deserialize_with = "crate::text::read")]
     pub tool: String,
 }
 

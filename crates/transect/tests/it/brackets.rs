@@ -97,6 +97,7 @@ fn check_with_queries(section: &Section) {
 }
 
 /// Checks every plane of a scene; how many planes have gaps.
+#[allow(clippy::print_stdout, reason = "`--nocapture` shows the brackets")]
 fn check(name: &str, scene: &str, step: usize) -> usize {
     let description = Description::parse(scene).unwrap();
     let model = model(&description, step);

@@ -77,7 +77,7 @@ fn sample() -> String {
     let entry = ViewEntry { world_from_sensor: Isometry3::identity(), ..entry("a") };
     let mut view = store.begin_view(entry).unwrap();
     let same = |_: PlaneIndex, partials: &[(ViewId, Vec<Curve>)]| partials[0].1.clone();
-    view.add_planes([(PlaneIndex(3), triangle.to_vec())], &same).unwrap();
+    view.add_planes([(PlaneIndex(3), triangle)], &same).unwrap();
     view.commit().unwrap();
     export(&store)
 }
