@@ -2,9 +2,26 @@
 
 use transect_device::{DeviceFrame, Pixel, RangeImage, View};
 
-/// Largest number of rows or columns in the estimate. Measured: more change it by less than 1 %.
-/// Doubled, it takes twice the time.
+/// Most rows, and rows of groups down the columns, in an estimate. No unit. Measured: more change it
+/// by less than 1 %. Doubled, it takes twice the time.
 const LINES: usize = 128;
+
+/// The same in a check of a stated noise, which needs the estimate to about 10 %. Chosen by hand.
+/// Doubled, a check takes twice the time.
+const CHECKED_LINES: usize = 32;
+
+/// Factor between a stated and an estimated noise, either way, from which they contradict each
+/// other. No unit. Chosen by hand: texture and smoothing inside a sensor explain less, wrong units
+/// more. Doubled, a sigma of five times the noise passes, and smoothing flattens small features.
+const CONTRADICTION: f64 = 3.0;
+
+/// Factor by which an estimate from every second pixel exceeds that from all where the surface's
+/// bends dominate. No unit. Theory: noise gives 1, a smooth bend 8. Doubled, bends pass for noise.
+const BEND: f64 = 2.0;
+
+/// Share of differences that are exactly 0 from which the steps of the values hide the noise.
+/// Theory: noise of half a step gives 0.18. Doubled, steps pass for noise.
+const ZEROS: f64 = 0.25;
 
 /// Share of the differences that count, smallest first. Chosen by hand: the others may be at jumps
 /// and creases. A larger share counts jumps as noise.
@@ -50,6 +67,25 @@ impl RangeNoise {
         }
         let value = estimate_value_sigma(view.image());
         Self { known: Known::Value(value), length: value * median_length_per_value(view) }
+    }
+
+    /// The estimate, as a length, where it contradicts the noise that a view states.
+    ///
+    /// `None` where the image cannot tell: its values have steps as large as the noise, or the bends
+    /// of its surfaces exceed the stated noise. A stated 0 declares an image without noise.
+    pub fn contradicting(view: &View) -> Option<f64> {
+        let stated = view.sigma().filter(|sigma| *sigma > 0.0)?;
+        let of = |stride| differences(view.image(), CHECKED_LINES, stride);
+        let differences = of(1);
+        let zeros = |d: &Vec<f64>| d.iter().filter(|d| **d == 0.0).count() as f64;
+        if differences.iter().any(|d| zeros(d) > ZEROS * d.len() as f64) {
+            return None;
+        }
+        let value = smaller_spread(differences);
+        let length = value * median_length_per_value(view);
+        let too_small = stated > CONTRADICTION * length;
+        let too_large = || length > CONTRADICTION * stated && smaller_spread(of(2)) < BEND * value;
+        (length > 0.0 && (too_small || too_large())).then_some(length)
     }
 
     /// Standard deviation along the ray at the view's median pixel, in the model's length unit.
@@ -109,47 +145,40 @@ pub fn estimate_sigma(view: &View) -> f64 {
 /// # Units
 /// That of the image's values.
 pub fn estimate_value_sigma(image: &RangeImage) -> f64 {
-    let (mut along, mut down) = (along_rows(image), down_columns(image));
-    let fewest = along.len().max(down.len()) / 10;
-    let estimates =
-        [&mut along, &mut down].map(|d| if d.len() < fewest { None } else { spread(d) });
-    let [along, down] = estimates;
-    match (along, down) {
-        (Some(a), Some(b)) => a.min(b),
-        (a, b) => a.or(b).unwrap_or(0.0),
-    }
+    smaller_spread(differences(image, LINES, 1))
 }
 
-/// Third differences within rows.
-fn along_rows(image: &RangeImage) -> Vec<f64> {
-    let rows = image.size().rows;
-    let mut differences = Vec::new();
-    for row in (0..rows).step_by(rows.div_ceil(LINES).max(1)) {
-        for four in image.row(row).windows(4) {
-            keep(&mut differences, [four[0], four[1], four[2], four[3]]);
+/// The smaller of the estimates from both directions; 0 without differences. A direction with less
+/// than a tenth of the other's differences has no say.
+fn smaller_spread(mut differences: [Vec<f64>; 2]) -> f64 {
+    let fewest = differences.iter().map(Vec::len).max().unwrap_or(0) / 10;
+    let lists = differences.iter_mut().filter(|d| d.len() >= fewest);
+    lists.filter_map(|d| spread(d)).reduce(f64::min).unwrap_or(0.0)
+}
+
+/// Third differences of values `stride` pixels apart, within some rows and within columns.
+fn differences(image: &RangeImage, lines: usize, stride: usize) -> [Vec<f64>; 2] {
+    let size = image.size();
+    let step = size.rows.div_ceil(lines).max(1);
+    let [mut along, mut down] = [Vec::new(), Vec::new()];
+    for row in (0..size.rows).step_by(step) {
+        let of = |k: usize| image.row(row).get(k * stride..).unwrap_or_default();
+        keep(&mut along, [of(0), of(1), of(2), of(3)]);
+    }
+    for top in (0..size.rows.saturating_sub(3 * stride)).step_by(step) {
+        keep(&mut down, [0, 1, 2, 3].map(|k| image.row(top + k * stride)));
+    }
+    [along, down]
+}
+
+/// Keeps the third differences of values at the same places of four lists.
+fn keep(differences: &mut Vec<f64>, [a, b, c, d]: [&[f32]; 4]) {
+    for (((a, b), c), d) in a.iter().zip(b).zip(c).zip(d) {
+        let [a, b, c, d] = [a, b, c, d].map(|value| f64::from(*value));
+        let third = ((d - a) - 3.0 * (c - b)).abs();
+        if !third.is_nan() {
+            differences.push(third);
         }
-    }
-    differences
-}
-
-/// Third differences within columns, from groups of four rows.
-fn down_columns(image: &RangeImage) -> Vec<f64> {
-    let rows = image.size().rows;
-    let mut differences = Vec::new();
-    for top in (0..rows.saturating_sub(3)).step_by(rows.div_ceil(LINES).max(1)) {
-        let [a, b, c, d] = [0, 1, 2, 3].map(|k| image.row(top + k));
-        for (((a, b), c), d) in a.iter().zip(b).zip(c).zip(d) {
-            keep(&mut differences, [*a, *b, *c, *d]);
-        }
-    }
-    differences
-}
-
-fn keep(differences: &mut Vec<f64>, four: [f32; 4]) {
-    let [a, b, c, d] = four.map(f64::from);
-    let third = ((d - a) - 3.0 * (c - b)).abs();
-    if !third.is_nan() {
-        differences.push(third);
     }
 }
 

@@ -9,6 +9,7 @@ use transect_device::{Pixel, View, ViewError};
 pub struct PreparedView<'a> {
     given: &'a View,
     noise: RangeNoise,
+    contradicting: Option<f64>,
     smoothed: Option<Smoothed>,
     failure: Option<ViewError>,
 }
@@ -24,7 +25,9 @@ impl<'a> PreparedView<'a> {
         rule: impl FnOnce(f64) -> BreakRule,
     ) -> Self {
         let noise = RangeNoise::of(view);
-        let mut prepared = Self { given: view, noise, smoothed: None, failure: None };
+        let contradicting = RangeNoise::contradicting(view);
+        let mut prepared =
+            Self { given: view, noise, contradicting, smoothed: None, failure: None };
         if let Some(smoothing) = smoothing {
             match smooth_with(view, &noise, &rule(noise.length()), smoothing) {
                 Ok(smoothed) => prepared.smoothed = Some(smoothed),
@@ -47,6 +50,12 @@ impl<'a> PreparedView<'a> {
     /// Why the image could not be smoothed.
     pub fn failure(&self) -> Option<&ViewError> {
         self.failure.as_ref()
+    }
+
+    /// The noise of the image where it contradicts the one that the view states; see
+    /// [`RangeNoise::contradicting`].
+    pub fn contradicting_sigma(&self) -> Option<f64> {
+        self.contradicting
     }
 
     /// Range noise before smoothing, as a length.

@@ -55,6 +55,16 @@ impl PartialModel {
             counts.smoothed = smoothed.changed;
             counts.window = smoothed.window;
         }
+        if let Some(estimate) = prepared.contradicting_sigma() {
+            self.notes.push(format!(
+                "view {}: sigma is stated as {}, in the scan's length unit, but the noise of its image \
+                 is {}; check the unit of \"sigma\", or leave it out to use the \
+                 estimate",
+                prepared.view().name(),
+                two_digits(prepared.sigma()),
+                two_digits(estimate)
+            ));
+        }
         if let Some(error) = prepared.failure() {
             self.notes.push(format!(
                 "view {}: its image could not be smoothed ({error}); its curves come from the image \
@@ -63,4 +73,10 @@ impl PartialModel {
             ));
         }
     }
+}
+
+/// A positive number in decimals, with at least two significant digits.
+fn two_digits(number: f64) -> String {
+    let decimals = (1.0 - number.log10().floor()).max(0.0) as usize;
+    format!("{number:.decimals$}")
 }

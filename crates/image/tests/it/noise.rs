@@ -157,3 +157,45 @@ fn curvature_and_jumps_are_not_noise() {
         }
     }
 }
+
+/// The view with another stated noise.
+fn stating(view: &View, frame: &Arc<dyn DeviceFrame>, sigma: f64) -> View {
+    let image = view.image().clone();
+    View::new("stated", image, Arc::clone(frame), Isometry3::identity(), Some(sigma)).unwrap()
+}
+
+#[test]
+fn a_stated_noise_is_compared_with_the_estimate() {
+    for (name, frame, plane, sigma) in cases() {
+        let noisy = wall(&frame, plane, |_, _| sigma);
+        let length = estimate_sigma(&noisy);
+        for (factor, contradicts) in
+            [(30.0, true), (4.0, true), (2.0, false), (1.0, false), (0.5, false), (0.25, true)]
+        {
+            let found = RangeNoise::contradicting(&stating(&noisy, &frame, factor * length));
+            assert_eq!(found.is_some(), contradicts, "{name}, {factor} times");
+            assert!(found.is_none_or(|found| (found / length - 1.0).abs() < 0.1), "{name}");
+        }
+        assert_eq!(RangeNoise::contradicting(&noisy), None, "{name}: an estimate");
+        assert_eq!(
+            RangeNoise::contradicting(&stating(&noisy, &frame, 0.0)),
+            None,
+            "{name}: stated as 0"
+        );
+    }
+}
+
+#[test]
+fn bends_and_coarse_steps_contradict_no_stated_noise() {
+    let waves = |p: &Point3| 0.2 * (3.0 + 0.2 * (8.0 * p.x).sin() * (7.0 * p.y).cos() - p.z);
+    let clean = look(&camera(), waves, 0.0, None);
+    let bends = estimate_sigma(&clean);
+    assert_eq!(RangeNoise::contradicting(&stating(&clean, &camera(), 0.1 * bends)), None);
+    let (_, frame, plane, sigma) = cases().remove(0);
+    let noisy = wall(&frame, plane, |_, _| 0.02 * sigma);
+    let image = changed(&noisy, |v| ((f64::from(v) / sigma).round() * sigma) as f32);
+    for stated in [0.02 * sigma, 0.3 * sigma, sigma] {
+        let coarse = stating(&noisy.with_image(image.clone()).unwrap(), &frame, stated);
+        assert_eq!(RangeNoise::contradicting(&coarse), None, "{stated}");
+    }
+}

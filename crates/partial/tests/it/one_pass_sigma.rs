@@ -97,3 +97,18 @@ fn predicted_errors_are_observed_ones() {
     }
     assert!(bad.is_empty(), "{bad:#?}");
 }
+
+#[test]
+fn a_wrong_sigma_is_a_note_that_names_both_values() {
+    for (factor, stated) in [(30.0, Some("0.30")), (1.0, None), (1.0 / 30.0, Some("0.00033"))] {
+        let view = look(&camera(), |p| 3.0 - p.z + 0.3 * p.x, 0.01, Some(0.01 * factor));
+        let planes = PlaneFamily::new(StraightGuide::along(Vector3::y()).unwrap(), 0.0, 0.2);
+        let model = partial_model(&view, &planes.unwrap(), &OnePassOptions::default()).unwrap();
+        let expected = stated.map(|stated| format!("sigma is stated as {stated}, "));
+        assert_eq!(model.notes.len(), usize::from(expected.is_some()), "{:?}", model.notes);
+        for (note, expected) in model.notes.iter().zip(expected) {
+            assert!(note.contains(view.name()) && note.contains(&expected), "{note}");
+            assert!(note.contains("image is 0.0") && note.contains("\"sigma\""), "{note}");
+        }
+    }
+}
