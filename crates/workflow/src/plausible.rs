@@ -4,8 +4,6 @@
 //! with which a user can accept the input after all.
 
 use crate::WorkflowError;
-use crate::settings::by_name;
-use std::str::FromStr;
 use transect_device::{Pixel, Point3, View};
 use transect_exchange::Scan;
 use transect_geometry::LengthUnit;
@@ -53,14 +51,6 @@ impl Check {
 
     fn refuse(self, problem: String) -> Result<(), WorkflowError> {
         Err(WorkflowError::Implausible { problem, check: self.name() })
-    }
-}
-
-impl FromStr for Check {
-    type Err = WorkflowError;
-
-    fn from_str(name: &str) -> Result<Self, WorkflowError> {
-        by_name("accept", name, Self::ALL.map(|check| (check.name(), check)))
     }
 }
 
@@ -121,7 +111,7 @@ impl Plausibility {
         Check::Resolution.refuse(format!(
             "coordinates up to {largest:.0} {unit} are stored as 32-bit numbers, whose steps are \
              {step:.4} {unit} there: more than {of_what} ({limit:.4} {unit}). Store 64-bit numbers, \
-             or subtract an offset and put it into the pose"
+             or subtract an offset and put it into the pose."
         ))
     }
 
@@ -149,7 +139,7 @@ impl Plausibility {
         Check::Distance.refuse(format!(
             "the two nearest of the {} sensors are {nearest:.4} {unit} apart, but no view reaches \
              farther than {farthest:.4} {unit}, so no surface is seen twice. Check that poses and \
-             images are in the same unit",
+             images are in the same unit.",
             sensors.len()
         ))
     }
@@ -162,7 +152,7 @@ fn check_valid_pixels(view: &View) -> Result<(), WorkflowError> {
     }
     Check::ValidPixels.refuse(format!(
         "only {valid} of {pixels} pixels are valid; at least {:.0} % are plausible. Check the \
-         file, its number type and the value for missing pixels",
+         file, its number type and the value for missing pixels.",
         100.0 * LEAST_VALID
     ))
 }
