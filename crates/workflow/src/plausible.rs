@@ -100,18 +100,16 @@ impl Plausibility {
         }
         let largest = points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
         let step = largest * f64::from(f32::EPSILON);
-        let (limit, of_what) = match view.sigma().filter(|sigma| *sigma > 0.0) {
-            Some(sigma) => (sigma, "the noise"),
-            None => (0.5 * pixel_spacing(view).unwrap_or(f64::INFINITY), "half the pixel distance"),
-        };
+        let half = 0.5 * pixel_spacing(view).unwrap_or(f64::INFINITY);
+        let limit = half.max(view.sigma().unwrap_or(0.0));
         if step <= limit {
             return Ok(());
         }
         let unit = self.unit;
         Check::Resolution.refuse(format!(
             "coordinates up to {largest:.0} {unit} are stored as 32-bit numbers, whose steps are \
-             {step:.4} {unit} there: more than {of_what} ({limit:.4} {unit}). Store 64-bit numbers, \
-             or subtract an offset and put it into the pose."
+             {step:.4} {unit} there; the noise and half the distance of pixels allow {limit:.4} \
+             {unit}. Store 64-bit numbers, or subtract an offset and put it into the pose."
         ))
     }
 
@@ -122,16 +120,15 @@ impl Plausibility {
         let others = |k: usize| sensors.iter().skip(k + 1);
         let pairs = (0..sensors.len()).flat_map(|k| others(k).map(move |b| (k, b)));
         let nearest = pairs.map(|(k, b)| (sensors[k] - b).norm()).fold(f64::INFINITY, f64::min);
-        // Views share a surface only if both sensors reach it. One view is enough to pass.
-        let reach = scan.views.iter().map(|view| view.load().map_or(f64::MAX, |(v, _)| reach(&v)));
-        let is_far = |reach: f64| nearest > 2.0 * reach;
         if self.accepted.contains(&Check::Distance) || nearest.is_infinite() {
             return Ok(());
         }
+        // Views share a surface only if both sensors reach it. One view is enough to pass, so the
+        // others are rarely loaded. A view that cannot be loaded is reported later.
         let mut farthest: f64 = 0.0;
-        for reach in reach {
-            farthest = farthest.max(reach);
-            if !is_far(farthest) {
+        for view in &scan.views {
+            farthest = farthest.max(view.load().map_or(f64::MAX, |(view, _)| reach(&view)));
+            if nearest <= 2.0 * farthest {
                 return Ok(());
             }
         }
