@@ -47,7 +47,7 @@ pub enum WorkflowError {
         problem: String,
     },
     /// Valid input that is most likely wrong.
-    #[error("{problem}; if it is right, pass --accept {check}")]
+    #[error("{problem} If the input is right, pass --accept {check}")]
     Implausible {
         /// What was found, what is plausible, and the likely cause.
         problem: String,

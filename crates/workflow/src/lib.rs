@@ -76,12 +76,9 @@ pub use model_file::{ModelFile, OpenStore, is_model};
 pub use outputs::{claim_manifest, claim_output};
 pub use plausible::{Check, Plausibility};
 use report_file::ReportFile;
-pub use results::{ResultFolder, default_folder, dxf_frame, find_model};
+pub use results::{ResultFolder, default_folder, find_model};
 pub use run::Run;
 pub use score::{Reference, Score, ScoreLimits, score, simulated_accuracy};
-pub use settings::{
-    GuideSettings, PlaneSettings, Settings, fusion_method, fusion_methods, parse_length,
-    partial_method, partial_methods,
-};
+pub use settings::{GuideSettings, PlaneSettings, Settings, parse_length};
 pub use store_file::{Replaced, Replacement, StoreFile, open_store, read_store, setup_of};
 pub use views::{FileView, OpenScan};

@@ -4,8 +4,6 @@
 //! with which a user can accept the input after all.
 
 use crate::WorkflowError;
-use crate::settings::by_name;
-use std::str::FromStr;
 use transect_device::{Pixel, Point3, View};
 use transect_exchange::Scan;
 use transect_geometry::LengthUnit;
@@ -56,14 +54,6 @@ impl Check {
     }
 }
 
-impl FromStr for Check {
-    type Err = WorkflowError;
-
-    fn from_str(name: &str) -> Result<Self, WorkflowError> {
-        by_name("accept", name, Self::ALL.map(|check| (check.name(), check)))
-    }
-}
-
 /// The checks of a run, and what they compare the views with.
 #[derive(Debug, Clone)]
 pub struct Plausibility {
@@ -110,18 +100,16 @@ impl Plausibility {
         }
         let largest = points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
         let step = largest * f64::from(f32::EPSILON);
-        let (limit, of_what) = match view.sigma().filter(|sigma| *sigma > 0.0) {
-            Some(sigma) => (sigma, "the noise"),
-            None => (0.5 * pixel_spacing(view).unwrap_or(f64::INFINITY), "half the pixel distance"),
-        };
+        let half = 0.5 * pixel_spacing(view).unwrap_or(f64::INFINITY);
+        let limit = half.max(view.sigma().unwrap_or(0.0));
         if step <= limit {
             return Ok(());
         }
         let unit = self.unit;
         Check::Resolution.refuse(format!(
             "coordinates up to {largest:.0} {unit} are stored as 32-bit numbers, whose steps are \
-             {step:.4} {unit} there: more than {of_what} ({limit:.4} {unit}). Store 64-bit numbers, \
-             or subtract an offset and put it into the pose"
+             {step:.4} {unit} there; the noise and half the distance of pixels allow {limit:.4} \
+             {unit}. Store 64-bit numbers, or subtract an offset and put it into the pose."
         ))
     }
 
@@ -132,16 +120,15 @@ impl Plausibility {
         let others = |k: usize| sensors.iter().skip(k + 1);
         let pairs = (0..sensors.len()).flat_map(|k| others(k).map(move |b| (k, b)));
         let nearest = pairs.map(|(k, b)| (sensors[k] - b).norm()).fold(f64::INFINITY, f64::min);
-        // Views share a surface only if both sensors reach it. One view is enough to pass.
-        let reach = scan.views.iter().map(|view| view.load().map_or(f64::MAX, |(v, _)| reach(&v)));
-        let is_far = |reach: f64| nearest > 2.0 * reach;
         if self.accepted.contains(&Check::Distance) || nearest.is_infinite() {
             return Ok(());
         }
+        // Views share a surface only if both sensors reach it. One view is enough to pass, so the
+        // others are rarely loaded. A view that cannot be loaded is reported later.
         let mut farthest: f64 = 0.0;
-        for reach in reach {
-            farthest = farthest.max(reach);
-            if !is_far(farthest) {
+        for view in &scan.views {
+            farthest = farthest.max(view.load().map_or(f64::MAX, |(view, _)| reach(&view)));
+            if nearest <= 2.0 * farthest {
                 return Ok(());
             }
         }
@@ -149,7 +136,7 @@ impl Plausibility {
         Check::Distance.refuse(format!(
             "the two nearest of the {} sensors are {nearest:.4} {unit} apart, but no view reaches \
              farther than {farthest:.4} {unit}, so no surface is seen twice. Check that poses and \
-             images are in the same unit",
+             images are in the same unit.",
             sensors.len()
         ))
     }
@@ -162,7 +149,7 @@ fn check_valid_pixels(view: &View) -> Result<(), WorkflowError> {
     }
     Check::ValidPixels.refuse(format!(
         "only {valid} of {pixels} pixels are valid; at least {:.0} % are plausible. Check the \
-         file, its number type and the value for missing pixels",
+         file, its number type and the value for missing pixels.",
         100.0 * LEAST_VALID
     ))
 }

@@ -3,16 +3,14 @@
 use crate::views::OpenScan;
 use rayon::prelude::*;
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use transect::{Report, Setup};
-use transect_fusion::FusionMethod;
 use transect_geometry::CurvedGuide;
 use transect_model::open_regular;
-use transect_partial::Method;
 
 /// The content of `report.json` without the table and the costs.
 #[derive(Debug, Serialize)]
@@ -46,44 +44,14 @@ struct Settings {
     fusion: Value,
 }
 
-/// The options of a partial modeler.
-fn partial_settings(method: &Method) -> Value {
-    match method {
-        Method::OnePass(o) => json!({
-            "method": "one_pass",
-            "max_incidence_deg": o.max_incidence_rad.to_degrees(),
-            "jump_sigmas": o.jump_sigmas,
-            "smooth": o.smooth,
-        }),
-        Method::Dissertation(o) => json!({
-            "method": "dissertation",
-            "jump_test": format!("{:?}", o.jump),
-            "gap": o.gap,
-            "thickness": o.thickness,
-            "subpixel": o.subpixel.to_string(),
-            "direction": format!("{:?}", o.direction),
-            "smooth": o.smooth,
-        }),
-        other => json!({ "method": format!("{other:?}") }),
-    }
-}
-
-/// The options of a fusion method.
-fn fusion_settings(method: &FusionMethod) -> Value {
-    match method {
-        FusionMethod::Consensus(o) => json!({
-            "method": "consensus",
-            "threshold_spreads": o.threshold_spreads,
-            "direction_limit_deg": o.direction_limit_rad.to_degrees(),
-            "shortest_footprints": o.shortest_footprints,
-        }),
-        FusionMethod::Pairwise(o) => json!({
-            "method": "pairwise",
-            "tolerance": o.tolerance.map(|t| format!("{t:?}")),
-            "threshold_spreads": o.threshold_spreads,
-        }),
-        other => json!({ "method": format!("{other:?}") }),
-    }
+/// A method as one object: its name, then its options.
+fn with_options(method: &impl Serialize) -> Value {
+    let named = serde_json::to_value(method).unwrap_or_default();
+    let named = named.as_object().and_then(|named| named.iter().next());
+    let Some((name, options)) = named else { return Value::Null };
+    let mut all = Map::from_iter([("method".to_owned(), name.as_str().into())]);
+    all.extend(options.as_object().cloned().unwrap_or_default());
+    all.into()
 }
 
 #[derive(Debug, Serialize)]
@@ -108,8 +76,8 @@ impl<'a> ReportFile<'a> {
                 offset: setup.planes.offset(),
                 interval: setup.planes.interval(),
                 refine: report.refinement.as_ref().map(|r| [r.tolerance, r.least_interval]),
-                partial: partial_settings(&setup.partial),
-                fusion: fusion_settings(&setup.fusion),
+                partial: with_options(&setup.partial),
+                fusion: with_options(&setup.fusion),
             },
             inputs: scan.inputs.par_iter().filter_map(|p| input(p)).collect(),
             warnings: report.warnings(),

@@ -1,7 +1,6 @@
 //! Result folders: the one place that writes the files of a run.
 
 use crate::outputs::{Staging, check_output, claim_output};
-use crate::settings::by_name;
 use crate::table::Row;
 use crate::{Costs, ReportFile, WorkflowError};
 use rayon::prelude::*;
@@ -56,15 +55,6 @@ pub fn find_model(path: &Path) -> Result<PathBuf, WorkflowError> {
          file, or a model store"
     );
     Err(WorkflowError::file(path, problem))
-}
-
-/// The drawing frame of a name: "world" (3D polylines in the world) or "plane" (2D polylines in
-/// the coordinates of their planes, stacked by station).
-///
-/// # Errors
-/// [`WorkflowError::Setting`] if no frame has the name.
-pub fn dxf_frame(name: &str) -> Result<DxfFrame, WorkflowError> {
-    by_name("dxf", name, [("world", DxfFrame::World), ("plane", DxfFrame::Plane)])
 }
 
 /// The folder of a run's results.

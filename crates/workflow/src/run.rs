@@ -54,8 +54,7 @@ impl OpenScan {
         let splines = self.splines(settings)?;
         let views = self.views("", settings.plausibility(&setup))?;
         let reconstruction = reconstruct(&views, &setup, watch)?;
-        let inputs = self.inputs(settings, None);
-        Ok(Run { inputs, ..self.run(reconstruction, setup, settings.dxf, splines)? })
+        self.run(reconstruction, setup, (settings, splines), None, Vec::new())
     }
 
     /// Adds the views to a model store, which is made if it is not there; then makes a model of all
@@ -72,33 +71,38 @@ impl OpenScan {
         settings: &Settings,
         watch: &dyn Watch,
     ) -> Result<Run<'_>, WorkflowError> {
-        let (scan, mut notes) = (self.scan(), Vec::new());
-        let setup = if store.exists() {
-            let there = setup_of(store, crate::read_store(store)?.read()?.header())?;
-            let scans_own = scan.planes.as_ref().and_then(|planes| planes.family().ok());
-            let setup = settings.setup_of_store(scan, there)?;
-            if settings.planes.is_empty() && scans_own.is_some_and(|own| own != setup.planes) {
-                notes.push(
-                    "the scan states other planes than the store; the store's are used".into(),
-                );
-            }
-            setup
-        } else {
-            settings.setup(scan)?
-        };
+        let (setup, note) = self.setup_for_store(store, settings)?;
         let splines = self.splines(settings)?;
         let views = self.views(prefix, settings.plausibility(&setup))?;
         let Grown { mut reconstruction, views_present, planes_fused } =
             grow(store, &views, &setup, watch)?;
-        reconstruction.report.notes.extend(notes);
+        reconstruction.report.notes.extend(note);
         let rows = vec![
             Row::plain("store", store.display()),
             Row::plain("views added", reconstruction.report.views.len()),
             Row::plain("views there already", views_present),
             Row::plain("planes fused", planes_fused),
         ];
-        let inputs = self.inputs(settings, Some(store));
-        Ok(Run { store: rows, inputs, ..self.run(reconstruction, setup, settings.dxf, splines)? })
+        self.run(reconstruction, setup, (settings, splines), Some(store), rows)
+    }
+
+    /// The settings, completed by those of the store if it exists, else by the scan's. A note tells
+    /// where the scan's own planes give way.
+    fn setup_for_store(
+        &self,
+        store: &Path,
+        settings: &Settings,
+    ) -> Result<(Setup, Option<String>), WorkflowError> {
+        let scan = self.scan();
+        if !store.exists() {
+            return Ok((settings.setup(scan)?, None));
+        }
+        let there = setup_of(store, crate::read_store(store)?.read()?.header())?;
+        let setup = settings.setup_of_store(scan, there)?;
+        let scans_own = scan.planes.as_ref().and_then(|planes| planes.family().ok());
+        let differ = settings.planes.is_empty() && scans_own.is_some_and(|p| p != setup.planes);
+        let note = "the scan states other planes than the store; the store's are used";
+        Ok((setup, differ.then(|| note.to_owned())))
     }
 
     fn views(
@@ -123,8 +127,9 @@ impl OpenScan {
         &self,
         reconstruction: Reconstruction,
         setup: Setup,
-        dxf: DxfFrame,
-        splines: Option<f64>,
+        (settings, splines): (&Settings, Option<f64>),
+        store_path: Option<&Path>,
+        store: Vec<Row>,
     ) -> Result<Run<'_>, WorkflowError> {
         let model = &reconstruction.model;
         if model.sections().len() == 0 {
@@ -133,7 +138,7 @@ impl OpenScan {
         }
         let mut costs = Costs::default();
         costs.modelled(&reconstruction.report.timings);
-        let (store, inputs) = (Vec::new(), Vec::new());
+        let (inputs, dxf) = (self.inputs(settings, store_path), settings.dxf);
         Ok(Run { reconstruction, costs, scan: self, setup, store, inputs, dxf, splines })
     }
 }

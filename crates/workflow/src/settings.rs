@@ -17,10 +17,10 @@ use transect_partial::Method;
 pub struct Settings {
     /// Where the section planes are.
     pub planes: PlaneSettings,
-    /// How each view's curves are found; see [`partial_method`]. Without it the store's method, else
+    /// How each view's curves are found. Without it the store's method, else
     /// the default.
     pub partial: Option<Method>,
-    /// How the views' curves are fused; see [`fusion_method`]. Without it the store's method, else
+    /// How the views' curves are fused. Without it the store's method, else
     /// the default.
     pub fusion: Option<FusionMethod>,
     /// Checks of plausibility that are turned off.
@@ -60,49 +60,6 @@ pub struct GuideSettings {
     pub radius: Option<String>,
     /// Distance from the guide that is to be covered; an error if planes cross within it.
     pub reach: Option<String>,
-}
-
-/// The methods that find each view's curves, by name, with their default options.
-pub fn partial_methods() -> [(&'static str, Method); 2] {
-    [
-        ("one_pass", Method::OnePass(Default::default())),
-        ("dissertation", Method::Dissertation(Default::default())),
-    ]
-}
-
-/// The methods that fuse the views' curves, by name, with their default options.
-pub fn fusion_methods() -> [(&'static str, FusionMethod); 2] {
-    [
-        ("consensus", FusionMethod::Consensus(Default::default())),
-        ("pairwise", FusionMethod::Pairwise(Default::default())),
-    ]
-}
-
-/// The partial method of a name.
-///
-/// # Errors
-/// [`WorkflowError::Setting`] if no method has the name.
-pub fn partial_method(name: &str) -> Result<Method, WorkflowError> {
-    by_name("partial", name, partial_methods())
-}
-
-/// The fusion method of a name.
-///
-/// # Errors
-/// [`WorkflowError::Setting`] if no method has the name.
-pub fn fusion_method(name: &str) -> Result<FusionMethod, WorkflowError> {
-    by_name("fusion", name, fusion_methods())
-}
-
-/// The value of a name.
-pub(crate) fn by_name<T, const N: usize>(
-    setting: &'static str,
-    name: &str,
-    values: [(&'static str, T); N],
-) -> Result<T, WorkflowError> {
-    let names = values.each_ref().map(|(name, _)| *name).join(", ");
-    let found = values.into_iter().find(|(own, _)| *own == name).map(|(_, value)| value);
-    found.ok_or_else(|| WorkflowError::setting(setting, format!("{name:?} is not one of {names}")))
 }
 
 impl Settings {

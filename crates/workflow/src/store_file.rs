@@ -79,7 +79,7 @@ impl StoreFile {
         if names.iter().any(|there| there == name) {
             return Ok(name.into());
         }
-        names.sort_by_key(|there| edits(there, name));
+        names.sort_by_key(|there| strsim::levenshtein(there, name));
         names.truncate(5);
         let near = if names.is_empty() { "it has no views".to_owned() } else { names.join(", ") };
         let problem = format!("no view {name:?}; the names most like it: {near}");
@@ -259,35 +259,4 @@ fn view_of_scan<'a>(
         let names: Vec<&str> = scan.views.iter().take(20).map(ScanView::name).collect();
         WorkflowError::file(path, format!("no view {name:?}; it has {}", names.join(", ")))
     })
-}
-
-/// The least number of letters to insert, delete or change that makes one text the other
-/// (Levenshtein distance).
-fn edits(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, letter) in a.chars().enumerate() {
-        let mut diagonal = i;
-        row[0] = i + 1;
-        for (j, other) in b.iter().enumerate() {
-            let changed = diagonal + usize::from(letter != *other);
-            diagonal = row[j + 1];
-            row[j + 1] = changed.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[b.len()]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::edits;
-
-    #[test]
-    fn edits_are_counted() {
-        for (a, b, count) in [("", "", 0), ("east", "east", 0), ("eats", "east", 2), ("", "abc", 3)]
-        {
-            assert_eq!((edits(a, b), edits(b, a)), (count, count), "{a} {b}");
-        }
-        assert_eq!(edits("range_000.npy", "range_01.npy"), 2);
-    }
 }

@@ -1,13 +1,12 @@
 //! `transect export`: the curves of a model as files for other programs, or a store as JSON lines.
 
-use super::open_model;
+use super::{DxfArguments, open_model};
 use crate::failure::Failure;
 use crate::table::{Row, print};
-use clap::builder::PossibleValuesParser;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use transect_exchange::write_file;
-use transect_workflow::{ModelFile, ResultFolder, claim_output, dxf_frame, find_model};
+use transect_workflow::{ModelFile, ResultFolder, claim_output, find_model};
 
 /// Options of `export`.
 #[derive(Debug, clap::Args)]
@@ -21,10 +20,8 @@ pub struct Arguments {
     /// Folder for model.transect, contours.json, model.dxf and the pictures.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Frame of the curves in model.dxf: 3D polylines in the world, or 2D polylines in the
-    /// coordinates of their planes, stacked by station.
-    #[arg(long, value_parser = PossibleValuesParser::new(["world", "plane"]), default_value = "world", value_name = "FRAME")]
-    dxf: String,
+    #[command(flatten)]
+    dxf: DxfArguments,
 }
 
 /// Runs the command.
@@ -40,7 +37,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(folder) = folder {
         let model = open_model(&arguments.file)?.into_model()?;
         let name = arguments.file.file_stem().unwrap_or_default().to_string_lossy();
-        folder.write_model(&name, &model, dxf_frame(&arguments.dxf)?)?;
+        folder.write_model(&name, &model, arguments.dxf.dxf)?;
         rows.push(Row::plain("results", folder.path().display()));
     }
     print(&rows);

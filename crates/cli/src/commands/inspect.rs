@@ -2,7 +2,7 @@
 
 use super::inspect_model;
 use crate::failure::Failure;
-use crate::table::{Row, digits, length, print};
+use crate::table::{Lengths, Row, digits, length, print};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use transect_device::{Pixel, Point3, View};
@@ -67,8 +67,9 @@ fn scan_rows(scan: &Scan) -> Vec<Row> {
 
 fn extent_rows((low, high): (Point3, Point3), unit: LengthUnit) -> [Row; 3] {
     let row = |axis: &str, low: f64, high: f64| {
-        let range = format!("{} to {}", length(low, unit), length(high, unit));
-        Row::new(format!("extent, {axis}"), range, "")
+        let lengths = Lengths::new(unit, low.abs().max(high.abs()));
+        let range = format!("{} to {}", lengths.digits(low, 1), lengths.digits(high, 1));
+        Row::new(format!("extent, {axis}"), range, lengths.unit.symbol())
     };
     [row("x", low.x, high.x), row("y", low.y, high.y), row("z", low.z, high.z)]
 }

@@ -1,6 +1,8 @@
 //! One file per command.
 
 use crate::failure::Failure;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use transect_exchange::DxfFrame;
 use transect_workflow::ModelFile;
 
 pub mod compact;
@@ -21,6 +23,28 @@ pub mod verify;
 
 mod inspect_model;
 mod planes;
+
+/// The frame of drawings.
+#[derive(Debug, clap::Args)]
+struct DxfArguments {
+    /// Frame of the curves in model.dxf: 3D polylines in the world, or 2D polylines in the
+    /// coordinates of their planes, stacked by station.
+    #[arg(long, value_name = "FRAME", default_value = "world",
+        value_parser = named([("world", DxfFrame::World), ("plane", DxfFrame::Plane)]))]
+    dxf: DxfFrame,
+}
+
+/// A parser of names that stand for values.
+fn named<T: Clone + Send + Sync + 'static>(
+    values: impl IntoIterator<Item = (&'static str, T)>,
+) -> impl TypedValueParser<Value = T> {
+    let values: Vec<(&str, T)> = values.into_iter().collect();
+    let names: Vec<&str> = values.iter().map(|(name, _)| *name).collect();
+    PossibleValuesParser::new(names).try_map(move |name| {
+        let value = values.iter().find(|(own, _)| *own == name).map(|(_, value)| value.clone());
+        value.ok_or("unknown name")
+    })
+}
 
 /// Says that planes were fused which an interrupted run had left.
 fn note_finished(planes: usize) {

@@ -1,8 +1,8 @@
 //! Options that several commands share: where the section planes are, and accepted input.
 
+use super::named;
 use crate::failure::Failure;
 use clap::Args;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::PathBuf;
 use transect_workflow::{Check, GuideSettings, PlaneSettings};
 
@@ -22,8 +22,8 @@ pub struct PlaneArguments {
     guide: Option<PathBuf>,
     /// What the guide's points are: corners, which are rounded by arcs, or points of a cubic
     /// spline.
-    #[arg(long, value_parser = PossibleValuesParser::new(["polyline", "spline"]), default_value = "spline", value_name = "KIND")]
-    guide_kind: String,
+    #[arg(long, action = clap::ArgAction::Set, value_parser = named([("polyline", true), ("spline", false)]), default_value = "spline", value_name = "KIND")]
+    guide_kind: bool,
     /// Largest radius of a polyline's corners [default: as large as there is room for].
     #[arg(long, value_name = "LENGTH", requires = "guide")]
     guide_radius: Option<String>,
@@ -43,7 +43,7 @@ pub struct PlaneArguments {
 pub struct AcceptArguments {
     /// Accept input that a check of plausibility refuses; the check's message has its name.
     #[arg(long, value_name = "CHECK", help_heading = "Running",
-        value_parser = PossibleValuesParser::new(Check::ALL.map(Check::name)).try_map(|name| name.parse::<Check>()))]
+        value_parser = named(Check::ALL.map(|check| (check.name(), check))))]
     pub accept: Vec<Check>,
 }
 
@@ -54,7 +54,7 @@ impl PlaneArguments {
         settings.normal = self.normal.as_deref().map(parse_normal).transpose()?;
         settings.guide = self.guide.as_ref().map(|path| GuideSettings {
             path: path.clone(),
-            polyline: self.guide_kind == "polyline",
+            polyline: self.guide_kind,
             radius: self.guide_radius.clone(),
             reach: self.guide_reach.clone(),
         });

@@ -1,19 +1,17 @@
 //! `transect reconstruct`: a scan in, a cross-section model with its report and pictures out.
 
 use super::planes::{AcceptArguments, PlaneArguments};
-use super::simulate;
+use super::{DxfArguments, named, simulate};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::table::{Row, print, say};
-use clap::builder::PossibleValuesParser;
 use std::path::{Path, PathBuf};
 use transect::Report;
 use transect_exchange::OpenOptions;
+use transect_fusion::FusionMethod;
 use transect_geometry::LengthUnit;
-use transect_workflow::{
-    Costs, OpenScan, ResultFolder, Run, Settings, default_folder, dxf_frame, fusion_method,
-    partial_method, simulation,
-};
+use transect_partial::Method;
+use transect_workflow::{Costs, OpenScan, ResultFolder, Run, Settings, default_folder, simulation};
 
 /// Options of `reconstruct`.
 #[derive(Debug, clap::Args)]
@@ -32,10 +30,8 @@ pub struct Arguments {
     out: Option<PathBuf>,
     #[command(flatten)]
     store: StoreArguments,
-    /// Frame of the curves in model.dxf: 3D polylines in the world, or 2D polylines in the
-    /// coordinates of their planes, stacked by station.
-    #[arg(long, value_parser = PossibleValuesParser::new(["world", "plane"]), default_value = "world", value_name = "FRAME")]
-    dxf: String,
+    #[command(flatten)]
+    dxf: DxfArguments,
     /// Also write the curves as cubic B-splines no farther from them than this: splines.dxf and
     /// splines.json.
     #[arg(long, value_name = "TOLERANCE")]
@@ -49,12 +45,18 @@ pub struct Arguments {
     planes: PlaneArguments,
     /// How each view's curves are found: all planes in one sweep over the range image, or plane by
     /// plane, in the dissertation's own steps [default: the store's, else one_pass].
-    #[arg(long, value_parser = PossibleValuesParser::new(["one_pass", "dissertation"]), help_heading = "Method")]
-    method: Option<String>,
+    #[arg(long, value_name = "METHOD", help_heading = "Method", value_parser = named([
+        ("one_pass", Method::OnePass(Default::default())),
+        ("dissertation", Method::Dissertation(Default::default())),
+    ]))]
+    method: Option<Method>,
     /// How the views' curves are fused: all views at once, or view by view, by the dissertation's
     /// overlap rules [default: the store's, else consensus].
-    #[arg(long, value_parser = PossibleValuesParser::new(["consensus", "pairwise"]), help_heading = "Method")]
-    fusion: Option<String>,
+    #[arg(long, value_name = "METHOD", help_heading = "Method", value_parser = named([
+        ("consensus", FusionMethod::Consensus(Default::default())),
+        ("pairwise", FusionMethod::Pairwise(Default::default())),
+    ]))]
+    fusion: Option<FusionMethod>,
     #[command(flatten)]
     accept: AcceptArguments,
     /// Number of threads; 0 takes all cores. The results do not depend on it.
@@ -124,10 +126,10 @@ impl Arguments {
     fn settings(&self) -> Result<Settings, Failure> {
         let mut settings = Settings::default();
         settings.planes = self.planes.settings()?;
-        settings.partial = self.method.as_deref().map(partial_method).transpose()?;
-        settings.fusion = self.fusion.as_deref().map(fusion_method).transpose()?;
+        settings.partial = self.method;
+        settings.fusion = self.fusion;
         settings.accept.clone_from(&self.accept.accept);
-        settings.dxf = dxf_frame(&self.dxf)?;
+        settings.dxf = self.dxf.dxf;
         settings.refine.clone_from(&self.refine);
         settings.splines.clone_from(&self.splines);
         Ok(settings)

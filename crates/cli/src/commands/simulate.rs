@@ -1,8 +1,8 @@
 //! `transect simulate`: a scan folder of a simulated scene, with its truth.
 
+use super::named;
 use crate::failure::Failure;
 use crate::table::{Row, digits, print};
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::path::{Path, PathBuf};
 use transect_scene::{Description, Noise};
 use transect_workflow::default_folder;
@@ -18,7 +18,7 @@ pub struct Arguments {
     #[arg(default_value = "room")]
     scene: PathBuf,
     /// Sensor at all stations, in place of the scene's own.
-    #[arg(long, value_parser = PossibleValuesParser::new(SensorKind::ALL.map(SensorKind::name)).try_map(|name| name.parse::<SensorKind>()))]
+    #[arg(long, value_parser = named(SensorKind::ALL.map(|kind| (kind.name(), kind))))]
     sensor: Option<SensorKind>,
     /// Number of views; views beyond the number of stations are turned copies [default: one per
     /// station].

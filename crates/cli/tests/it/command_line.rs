@@ -57,7 +57,7 @@ fn lengths_are_printed_in_the_unit_that_was_asked_for() {
     assert!(row["unit"] == "m" && row["value"].as_str().unwrap().starts_with("0.000"), "{row}");
     for (line, text) in [
         ("inspect out", " mm\n"),
-        ("inspect scan", " mm to "),
+        ("inspect scan", " mm\n"),
         ("gaps out", "| width, mm "),
         ("query out 0,0,0.4", "nearest curve, mm"),
         ("evaluate out", " mm\n"),

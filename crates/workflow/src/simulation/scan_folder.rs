@@ -41,8 +41,8 @@ pub fn claim_scan_folder(folder: &Path, force: bool) -> Result<(), WorkflowError
     let is_empty = std::fs::read_dir(folder).map_or(true, |mut files| files.next().is_none());
     let is_simulated = is_own_manifest(&folder.join(MANIFEST)) && folder.join(TRUTH).is_file();
     if !(force || is_empty || is_simulated) {
-        let problem = "the folder holds files that no simulation wrote; choose another --out, or \
-                       write into it with --force";
+        let problem = "the folder holds files that no simulation wrote; remove them, or choose \
+                       another --out (simulate --force writes beside them)";
         return Err(WorkflowError::file(folder, problem));
     }
     Ok(())

@@ -2,7 +2,6 @@
 
 use super::placing::{BoundedField, Standpoint};
 use crate::WorkflowError;
-use crate::settings::by_name;
 use std::f64::consts::PI;
 use std::str::FromStr;
 use std::sync::Arc;
@@ -52,7 +51,10 @@ impl FromStr for SensorKind {
     type Err = WorkflowError;
 
     fn from_str(name: &str) -> Result<Self, WorkflowError> {
-        by_name("sensor", name, Self::ALL.map(|kind| (kind.name(), kind)))
+        let names = || Self::ALL.map(Self::name).join(", ");
+        let unknown =
+            || WorkflowError::setting("sensor", format!("{name:?} is none of {}", names()));
+        Self::ALL.into_iter().find(|kind| kind.name() == name).ok_or_else(unknown)
     }
 }
 
