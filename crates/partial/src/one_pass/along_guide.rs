@@ -28,10 +28,11 @@
 //!
 //! [`Subpixel`]: crate::subpixel::Subpixel
 
-use super::crossing::{Crossing, parameter};
+use super::crossing::{Crossing, direction, sample};
 use super::vertex::Kind;
 use crate::PartialError;
 use crate::pixel_grid::Grid;
+use crate::subpixel::parameter;
 use std::sync::Arc;
 use transect_device::{
     DeviceFrame, DevicePoint, Handedness, ImageSize, Isometry3, LinearForm, Neighbour,
@@ -98,28 +99,14 @@ impl AlongGuide {
     }
 
     /// Solves the crossing of a pair with a plane, given by its frame, exactly.
-    pub fn solve(&self, kind: Kind, [a, b]: [Pixel; 2], plane: &PlaneFrame) -> Crossing {
-        // As of straight guides: a point that is missing makes a node that is refused.
-        let nowhere = Point3::new(f64::NAN, f64::NAN, f64::NAN);
-        let p = self.in_world(a).unwrap_or(nowhere);
-        let q = self.in_world(b).unwrap_or(nowhere);
-        let t = parameter(plane.height(&p), plane.height(&q));
-        let d = q - p;
-        let (pixel, at) = if t < 0.5 { (a, p + d * t) } else { (b, q - d * (1.0 - t)) };
-        let direction = self.given.frame().ray(pixel).map_or(Vector3::z(), |r| r.direction);
-        let ray = self.given.world_from_sensor().rotation * direction;
-        let pair = in_plane(plane, &d);
-        Crossing {
-            position: plane.plane_from_world(&at),
-            pixel,
-            ray: in_plane(plane, &ray),
-            across_rows: kind != Kind::Left,
-            pair,
-            across: pair,
-            spacing: (d - ray * d.dot(&ray)).norm() as f32,
-            share: t as f32,
-            bridged_after: false,
-        }
+    pub fn solve(&self, kind: Kind, pair: [Pixel; 2], plane: &PlaneFrame) -> Crossing {
+        let pose = self.given.world_from_sensor();
+        let points = pair.map(|pixel| pose * sample(&self.given, pixel));
+        let [a, b] = points.map(|p| plane.height(&p));
+        let direction = |pixel| pose.rotation * direction(&self.given, pixel);
+        let turn = |v: &Vector3| in_plane(plane, v);
+        let place = |p: &Point3| plane.plane_from_world(p);
+        Crossing::new(kind, pair, points, parameter(a, b), direction, turn, place)
     }
 
     /// From one sample to another, in plane coordinates with the height third.

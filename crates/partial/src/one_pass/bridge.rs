@@ -8,11 +8,10 @@
 //! so a first vertex is looked for near each last one.
 //!
 //! **Steps**, for the open lines of one plane.
-//! 1. First vertices are sorted into squares of the image that are as wide as the largest gap
-//!    spans; those near the seam of a full circle are entered on both sides of it.
-//! 2. For each last vertex, the first ones in the nine squares around it that are near enough and
-//!    that the line may continue to; the rules for range and direction are those of
-//!    `continuation.rs`. At least one pixel must be missing in between, and no more than the gap.
+//! 1. First vertices are sorted by their rows.
+//! 2. For each last vertex, the first ones of the rows around it that are near enough and that the
+//!    line may continue to. The rules for range and direction are those of `continuation.rs`. At
+//!    least one pixel must be missing in between, and at most as many as the gap.
 //! 3. Closest pairs are joined first; of equally close ones the straightest.
 //!
 //! **Departures from the source.** It searches a window of pixels in an order by code, which here
@@ -20,7 +19,7 @@
 //! lines. The straight way across must not be longer than the gap in rows or in columns, whatever
 //! the outline of the missing pixels.
 //!
-//! **Cost.** That of sorting the ends.
+//! **Cost.** That of sorting the ends, and of comparing the ends of neighbouring rows.
 
 use super::contours::{Contours, Polyline};
 use super::crossing::Crossing;
@@ -67,13 +66,6 @@ struct Candidate {
     to: usize,
 }
 
-/// A first vertex in its square of the image.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Entry {
-    square: (i64, i64),
-    line: usize,
-}
-
 impl Gaps<'_> {
     /// The lines of one plane as curves, in the order of their smallest numbers.
     pub fn bridge(&self, lines: &[Solved<'_>]) -> Vec<Strand> {
@@ -97,25 +89,18 @@ impl Gaps<'_> {
 
     fn candidates(&self, lines: &[Solved<'_>]) -> Vec<Candidate> {
         let open = |k: &usize| !lines[*k].line.closed && !lines[*k].crossings.is_empty();
-        let mut entries = Vec::new();
-        for to in (0..lines.len()).filter(open) {
-            let Some(head) = self.place(&lines[to], 0) else { continue };
-            for square in self.squares(&head) {
-                entries.push(Entry { square, line: to });
-            }
-        }
-        entries.sort_unstable();
+        let place = |line: usize, k: usize| Some((self.row(&lines[line], k)?, line));
+        let mut heads: Vec<(f64, usize)> =
+            (0..lines.len()).filter(open).filter_map(|line| place(line, 0)).collect();
+        heads.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        // One row more than the gap, because of rounding.
+        let rows = self.reach() + 1.0;
+        let last = |line: usize| place(line, lines[line].crossings.len() - 1);
         let mut found = Vec::new();
-        for from in (0..lines.len()).filter(open) {
-            let Some(tail) = self.place(&lines[from], lines[from].crossings.len() - 1) else {
-                continue;
-            };
-            let (row, col) = self.square(&tail);
-            for row in row - 1..=row + 1 {
-                let first = entries.partition_point(|e| e.square < (row, col - 1));
-                let near = entries[first..].iter().take_while(|e| e.square <= (row, col + 1));
-                found.extend(near.filter_map(|e| self.candidate(lines, from, e.line)));
-            }
+        for (row, from) in (0..lines.len()).filter(open).filter_map(last) {
+            let first = heads.partition_point(|head| head.0 < row - rows);
+            let near = heads[first..].iter().take_while(|head| head.0 <= row + rows);
+            found.extend(near.filter_map(|head| self.candidate(lines, from, head.1)));
         }
         found
     }
@@ -123,27 +108,6 @@ impl Gaps<'_> {
     /// Longest way across a gap, in rows and in columns.
     fn reach(&self) -> f64 {
         self.gap as f64 + 1.0
-    }
-
-    fn square(&self, at: &Point2) -> (i64, i64) {
-        ((at.x / self.reach()).floor() as i64, (at.y / self.reach()).floor() as i64)
-    }
-
-    /// The square of a place, and those of its images across the seam.
-    fn squares(&self, at: &Point2) -> impl Iterator<Item = (i64, i64)> {
-        let circle = self.grid.size().cols as f64;
-        let shifts: &[f64] = if self.grid.wraps() { &[0.0, -1.0, 1.0] } else { &[0.0] };
-        let near = move |col: f64, reach: f64| col > -reach && col < circle + reach;
-        let mut squares: Vec<_> = Vec::with_capacity(1);
-        for shift in shifts {
-            let moved = Point2::new(at.x, at.y + shift * circle);
-            if near(moved.y, 2.0 * self.reach()) {
-                squares.push(self.square(&moved));
-            }
-        }
-        squares.sort_unstable();
-        squares.dedup();
-        squares.into_iter()
     }
 
     fn candidate(&self, lines: &[Solved<'_>], from: usize, to: usize) -> Option<Candidate> {
@@ -194,13 +158,14 @@ impl Gaps<'_> {
         (0..count.min(REACH)).filter_map(place).collect()
     }
 
-    /// Row and column of a crossing.
-    fn place(&self, solved: &Solved<'_>, k: usize) -> Option<Point2> {
-        let first = self.contours.pair(solved.line.vertices.get(k)?).1[0];
-        let from = self.place_from(solved, k, first)?;
-        Some(Point2::new(from.x + first.row as f64, from.y + first.col as f64))
+    /// Row of a crossing.
+    fn row(&self, solved: &Solved<'_>, k: usize) -> Option<f64> {
+        let share = f64::from(solved.crossings.get(k)?.share);
+        let [first, second] = self.contours.pair(solved.line.vertices.get(k)?).1;
+        Some(first.row as f64 + share * (second.row as f64 - first.row as f64))
     }
 
+    /// Row and column of a crossing, counted from an anchor.
     fn place_from(&self, solved: &Solved<'_>, k: usize, anchor: Pixel) -> Option<Point2> {
         let vertex = solved.line.vertices.get(k)?;
         let share = f64::from(solved.crossings.get(k)?.share);

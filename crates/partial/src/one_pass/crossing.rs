@@ -3,6 +3,7 @@
 
 use super::vertex::Kind;
 use crate::SectionAxes;
+use crate::subpixel::parameter;
 use transect_device::{Pixel, Point3, Vector3, View};
 use transect_geometry::Point2;
 
@@ -13,7 +14,8 @@ pub(super) struct Crossing {
     pub position: Point2,
     /// The pixel nearer to the crossing.
     pub pixel: Pixel,
-    /// Direction of that pixel's ray, or of the pair's other one, in the sensor frame.
+    /// Direction of that pixel's ray, or of the pair's other one, in plane coordinates with the
+    /// height third.
     pub ray: Vector3,
     /// Whether the pair is of two rows; a diagonal is one, too.
     pub across_rows: bool,
@@ -30,6 +32,36 @@ pub(super) struct Crossing {
 }
 
 impl Crossing {
+    /// The crossing of a pair at a share of the way between its samples.
+    ///
+    /// The samples and the rays' directions are in one frame; `turn` and `place` lead from it to
+    /// plane coordinates.
+    pub fn new(
+        kind: Kind,
+        [a, b]: [Pixel; 2],
+        [p, q]: [Point3; 2],
+        share: f64,
+        direction: impl Fn(Pixel) -> Vector3,
+        turn: impl Fn(&Vector3) -> Vector3,
+        place: impl Fn(&Point3) -> Point2,
+    ) -> Self {
+        let d = q - p;
+        // From the nearer sample, so that crossings at one sample are at one place.
+        let (pixel, at) = if share < 0.5 { (a, p + d * share) } else { (b, q - d * (1.0 - share)) };
+        let (pair, ray) = (turn(&d), direction(pixel));
+        Self {
+            position: place(&at),
+            pixel,
+            ray: turn(&ray),
+            across_rows: kind != Kind::Left,
+            pair,
+            across: pair,
+            spacing: (d - ray * d.dot(&ray)).norm() as f32,
+            share: share as f32,
+            bridged_after: false,
+        }
+    }
+
     /// Heights of the pair's samples over the plane, in the length unit.
     pub fn heights(&self) -> [f64; 2] {
         let share = f64::from(self.share);
@@ -42,52 +74,25 @@ pub(super) fn solve(
     view: &View,
     axes: &SectionAxes,
     kind: Kind,
-    [a, b]: [Pixel; 2],
+    pair: [Pixel; 2],
     level: i32,
 ) -> Crossing {
-    // A joined pair has both points; should a backend disagree with itself, the crossing becomes
-    // NaN and is refused as a curve's node.
-    let nowhere = Point3::new(f64::NAN, f64::NAN, f64::NAN);
-    let p = view.point_in_sensor(a).unwrap_or(nowhere);
-    let q = view.point_in_sensor(b).unwrap_or(nowhere);
-    let level = f64::from(level);
-    let t = parameter(axes.level().at(&p) - level, axes.level().at(&q) - level);
-    let d = q - p;
-    // From the nearer sample, so that crossings at one sample are at one place.
-    let (pixel, at) = if t < 0.5 { (a, p + d * t) } else { (b, q - d * (1.0 - t)) };
-    let pair = axes.turn(&d);
-    let ray = view.frame().ray(pixel).map_or(Vector3::z(), |r| r.direction);
-    Crossing {
-        position: axes.in_plane(&at),
-        pixel,
-        ray,
-        across_rows: kind != Kind::Left,
-        pair,
-        across: pair,
-        spacing: (d - ray * d.dot(&ray)).norm() as f32,
-        share: t as f32,
-        bridged_after: false,
-    }
+    let points = pair.map(|pixel| sample(view, pixel));
+    let [a, b] = points.map(|p| axes.level().at(&p) - f64::from(level));
+    let direction = |pixel| direction(view, pixel);
+    let turn = |v: &Vector3| axes.turn(v);
+    Crossing::new(kind, pair, points, parameter(a, b), direction, turn, |p| axes.in_plane(p))
 }
 
-/// Where between two heights over a plane the line through them meets it (errata to 3.6).
+/// A sample in the sensor frame.
 ///
-/// Clamped: labels are decided in `f32`, heights here in `f64`, so a sample that is on the plane
-/// within rounding may have the other sign.
-pub(super) fn parameter(height_a: f64, height_b: f64) -> f64 {
-    let t = height_a / (height_a - height_b);
-    if t.is_nan() { 0.5 } else { t.clamp(0.0, 1.0) }
+/// A joined pair has both points. Should a backend disagree with itself, the crossing becomes NaN
+/// and is refused as a curve's node.
+pub(super) fn sample(view: &View, pixel: Pixel) -> Point3 {
+    view.point_in_sensor(pixel).unwrap_or(Point3::new(f64::NAN, f64::NAN, f64::NAN))
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_plane_is_met_between_the_samples() {
-        assert_eq!(parameter(-1.0, 3.0), 0.25);
-        assert_eq!(parameter(0.0, 3.0), 0.0);
-        assert_eq!(parameter(1e-9, 3.0), 0.0, "a label that rounding flipped");
-        assert_eq!(parameter(0.0, 0.0), 0.5);
-    }
+/// Direction of a pixel's ray in the sensor frame.
+pub(super) fn direction(view: &View, pixel: Pixel) -> Vector3 {
+    view.frame().ray(pixel).map_or(Vector3::z(), |ray| ray.direction)
 }

@@ -48,7 +48,6 @@ impl Lines<'_> {
             NearTangent::new(view, prepared, axes, rule, options.excursion_sigmas);
         let mut nodes = NodeMaker {
             prepared,
-            axes,
             least_sigma_factor: options.least_sigma_factor,
             crossings: Vec::new(),
             upward: Vec::new(),
@@ -117,7 +116,7 @@ impl Lines<'_> {
         pairs: &PairLines<'_>,
         along: Option<(&AlongGuide, &PlaneFrame)>,
     ) -> Option<Vector3> {
-        let rise = self.axes.turn(&crossing.ray).z.abs();
+        let rise = crossing.ray.z.abs();
         let least = WIDE_SIGMAS * self.prepared.sigma() * rise;
         if least == 0.0 || crossing.pair.z.abs() > least {
             return None;

@@ -86,30 +86,14 @@ pub(super) fn emit_row<S: Simd>(
                 Some(Places::Tables(over)),
                 Some(Places::Tables(before)),
                 Some(Places::Tables(here)),
-            ) => {
-                apart(
-                    simd,
-                    #[inline(always)]
-                    || emission.all(over, before, here),
-                );
-            }
+            ) => emission.all(simd, over, before, here),
             (
                 Some(Places::Stored(over)),
                 Some(Places::Stored(before)),
                 Some(Places::Stored(here)),
-            ) => {
-                apart(
-                    simd,
-                    #[inline(always)]
-                    || emission.all(over, before, here),
-                );
-            }
+            ) => emission.all(simd, over, before, here),
             (over, Some(before), Some(here)) => {
-                apart(
-                    simd,
-                    #[inline(always)]
-                    || emission.all(over.unwrap_or(here), before, here),
-                );
+                emission.all(simd, over.unwrap_or(here), before, here);
             }
             _ => {}
         }
@@ -134,16 +118,22 @@ struct Emission<'a> {
 impl Emission<'_> {
     /// Emits all pairs, from the places of the row above, of the columns before, and of the row.
     #[inline(always)]
-    fn all<P: PlaceAt>(&mut self, over: P, before: P, here: P) {
+    fn all<S: Simd, P: PlaceAt>(&mut self, simd: S, over: P, before: P, here: P) {
         let Self { rows: (above, row), pairs, edges, bases: [up, left], band } = self;
         let len = up.len();
         let b = Samples::new(row, 0, len, here);
-        let a = Samples::new(above, 0, len, over);
-        emit_pairs(pairs[0], edges[0], a.zip(b), up, band);
-        let first = band.count;
-        let a = Samples::new(row, 1, len, before);
-        emit_pairs(pairs[1], edges[1], a.zip(b), left, band);
-        band.last_row = first..band.count;
+        apart(
+            simd,
+            #[inline(always)]
+            || {
+                let a = Samples::new(above, 0, len, over);
+                emit_pairs(pairs[0], edges[0], a.zip(b), up, band);
+                let first = band.count;
+                let a = Samples::new(row, 1, len, before);
+                emit_pairs(pairs[1], edges[1], a.zip(b), left, band);
+                band.last_row = first..band.count;
+            },
+        );
     }
 }
 
@@ -254,15 +244,11 @@ pub(super) fn cross_one(band: &mut Band, edge: u32, a: Sample, b: Sample) -> u32
 /// Returns how many there are.
 pub(super) fn number_guests(row: &mut Row) -> usize {
     let mut at = 0_u32;
-    for (word, mask) in row.left.crossed.iter().enumerate() {
-        let mut bits = *mask;
-        while bits != 0 {
-            let j = PAD + 64 * word + bits.trailing_zeros() as usize;
-            bits &= bits - 1;
-            let (a, b) = (row.ceilings[j - 1], row.ceilings[j]);
-            row.left.bases[j] = at.wrapping_sub(a.min(b) as u32);
-            at += a.abs_diff(b);
-        }
+    let Row { left, ceilings, .. } = row;
+    for j in crossed(&left.crossed) {
+        let (a, b) = (ceilings[j - 1], ceilings[j]);
+        left.bases[j] = at.wrapping_sub(a.min(b) as u32);
+        at += a.abs_diff(b);
     }
     at as usize
 }
@@ -270,13 +256,19 @@ pub(super) fn number_guests(row: &mut Row) -> usize {
 /// Whether each crossing of a row's left pairs runs up, in the order of their numbers.
 pub(super) fn runs_up(row: &Row, out: &mut Vec<bool>) {
     out.clear();
-    for (word, mask) in row.left.crossed.iter().enumerate() {
-        let mut bits = *mask;
-        while bits != 0 {
-            let j = PAD + 64 * word + bits.trailing_zeros() as usize;
-            bits &= bits - 1;
-            let (a, b) = (row.ceilings[j - 1], row.ceilings[j]);
-            out.resize(out.len() + a.abs_diff(b) as usize, a > b);
-        }
+    for j in crossed(&row.left.crossed) {
+        let (a, b) = (row.ceilings[j - 1], row.ceilings[j]);
+        out.resize(out.len() + a.abs_diff(b) as usize, a > b);
     }
+}
+
+/// The places of a row whose bits are set in a mask.
+fn crossed(mask: &[u64]) -> impl Iterator<Item = usize> {
+    let bits =
+        |word: u64| std::iter::successors(Some(word), |bits| Some(bits & bits.wrapping_sub(1)));
+    let columns = move |(k, word): (usize, &u64)| {
+        let rest = bits(*word).take_while(|bits| *bits != 0);
+        rest.map(move |bits| PAD + 64 * k + bits.trailing_zeros() as usize)
+    };
+    mask.iter().enumerate().flat_map(columns)
 }

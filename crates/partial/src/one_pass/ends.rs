@@ -4,7 +4,7 @@ use super::bridge::Gaps;
 use super::vertex::{Kind, Vertex};
 use crate::continuation::alike;
 use crate::pixel_grid::Grid;
-use transect_device::{ImageSize, Pixel, View};
+use transect_device::Pixel;
 use transect_geometry::EndReason;
 
 /// The reasons for both ends of an open curve, whose first and last vertices are given with the
@@ -15,15 +15,15 @@ pub(super) fn ends(gaps: &Gaps<'_>, [first, last]: [(&Vertex, &Vertex); 2]) -> [
 
 /// Why a curve ends; `neighbour` is the vertex next to the end.
 fn reason(gaps: &Gaps<'_>, (end, neighbour): (&Vertex, &Vertex)) -> EndReason {
-    let Gaps { view, contours, .. } = *gaps;
+    let Gaps { view, contours, grid, .. } = gaps;
     let (kind, pair) = contours.pair(end);
-    let own = cells(view, kind, contours.pixel(end));
+    let own = cells(grid, kind, contours.pixel(end));
     let (beside, pixel) = (contours.pair(neighbour).0, contours.pixel(neighbour));
-    let shared = cells(view, beside, pixel);
-    let corners = match (kind, outer(view, &own, &shared, pixel)) {
+    let shared = cells(grid, beside, pixel);
+    let corners = match (kind, outer(grid, &own, &shared, pixel)) {
         // A diagonal has one cell, of which a corner was left out.
-        (Kind::Rising | Kind::Falling, _) => corners(view, own[0]),
-        (_, Some(cell)) => corners(view, cell),
+        (Kind::Rising | Kind::Falling, _) => corners(grid, own[0]),
+        (_, Some(cell)) => corners(grid, cell),
         (_, None) => Some(vec![pair[0], pair[1]]),
     };
     let Some(corners) = corners else { return EndReason::ImageBorder };
@@ -52,11 +52,10 @@ fn hides_jump(gaps: &Gaps<'_>, pair: [Pixel; 2], corners: &[Pixel]) -> bool {
 
 /// The cell of an end in which its curve would have gone on: the one that it does not share with
 /// the neighbour. Where pixels are missing in between they share none, and it is the farther one.
-fn outer(view: &View, own: &[Pixel], shared: &[Pixel], neighbour: Pixel) -> Option<Pixel> {
+fn outer(grid: &Grid, own: &[Pixel], shared: &[Pixel], neighbour: Pixel) -> Option<Pixel> {
     if own.iter().any(|cell| shared.contains(cell)) {
         return own.iter().copied().find(|cell| !shared.contains(cell));
     }
-    let grid = Grid::new(view.frame());
     let apart = |cell: &Pixel| {
         let (rows, cols) = grid.offset(*cell, neighbour);
         rows.abs() + cols.abs()
@@ -65,9 +64,8 @@ fn outer(view: &View, own: &[Pixel], shared: &[Pixel], neighbour: Pixel) -> Opti
 }
 
 /// The one or two cells a pair belongs to, by their lower right pixel, which may lie outside.
-fn cells(view: &View, kind: Kind, Pixel { row, col }: Pixel) -> Vec<Pixel> {
-    let cols = view.frame().size().cols;
-    let next = if view.frame().columns_wrap() { (col + 1) % cols } else { col + 1 };
+fn cells(grid: &Grid, kind: Kind, Pixel { row, col }: Pixel) -> Vec<Pixel> {
+    let next = if grid.wraps() { (col + 1) % grid.size().cols } else { col + 1 };
     let here = Pixel { row, col };
     match kind {
         Kind::Up => vec![here, Pixel { row, col: next }],
@@ -77,12 +75,7 @@ fn cells(view: &View, kind: Kind, Pixel { row, col }: Pixel) -> Vec<Pixel> {
 }
 
 /// The four pixels of a cell; `None` if it reaches beyond the image.
-fn corners(view: &View, Pixel { row, col }: Pixel) -> Option<Vec<Pixel>> {
-    let ImageSize { rows, cols } = view.frame().size();
-    let up = row.checked_sub(1)?;
-    let before =
-        if col == 0 && view.frame().columns_wrap() { cols - 1 } else { col.checked_sub(1)? };
-    let inside = row < rows && col < cols;
-    let all = [(up, before), (up, col), (row, before), (row, col)];
-    inside.then(|| all.iter().map(|&(r, c)| Pixel::new(r, c)).collect())
+fn corners(grid: &Grid, cell: Pixel) -> Option<Vec<Pixel>> {
+    let steps = [(-1, -1), (-1, 0), (0, -1), (0, 0)];
+    steps.into_iter().map(|(rows, cols)| grid.step(cell, rows, cols)).collect()
 }

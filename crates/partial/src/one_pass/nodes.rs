@@ -1,7 +1,6 @@
 //! The nodes of a curve: place, errors, footprint, normal and incidence.
 
 use super::crossing::Crossing;
-use crate::SectionAxes;
 use crate::node_values::{LARGEST_SIGMA_FACTOR, sine_between, tan_incidence};
 use transect_device::Vector3;
 use transect_geometry::{Node, Vector2};
@@ -14,7 +13,6 @@ const TANGENT_NODES: usize = 3;
 /// Makes the nodes of curves.
 pub(super) struct NodeMaker<'a> {
     pub prepared: &'a PreparedView<'a>,
-    pub axes: &'a SectionAxes,
     /// Smallest factor between range noise and the error across the curve.
     pub least_sigma_factor: f64,
     /// The crossings of one curve, in order.
@@ -40,7 +38,7 @@ impl NodeMaker<'_> {
         let crossing = &self.crossings[k];
         let tangent = self.tangent(k, closed);
         let across = self.across(k, closed, &tangent);
-        let ray = self.axes.turn(&crossing.ray);
+        let ray = crossing.ray;
         let footprint = self.footprint(k, closed, &tangent, &ray);
         let factor = sigma_factor(&tangent, &across, &ray).max(self.least_sigma_factor);
         let sigma = self.sigma_between(crossing) * factor;
@@ -69,11 +67,10 @@ impl NodeMaker<'_> {
         let n = self.crossings.len();
         let (before, after) = self.neighbours(k, closed, TANGENT_NODES);
         let span = if after < before { after + n - before } else { after - before };
-        let ray = self.axes.turn(&self.crossings[k].ray);
         // With the solid on the left, the way along the curve, the way up and the outward normal
         // are right-handed, and the normal is against the ray. A step's own height would not do: it
         // is as often wrong as right where the pair lies along the curve.
-        let aside = ray.cross(&Vector3::new(tangent.x, tangent.y, 0.0));
+        let aside = self.crossings[k].ray.cross(&Vector3::new(tangent.x, tangent.y, 0.0));
         let (to_end, from_start) = (&self.crossings[before..], &self.crossings[..before]);
         let mut sum = Vector3::zeros();
         for crossing in to_end.iter().chain(from_start).take(span + 1) {

@@ -17,8 +17,9 @@ pub(super) fn meet([p, q]: &[Point3; 2], plane: &SensorPlane) -> Meeting {
 
 /// Where between two heights over a plane the line through them meets it.
 ///
-/// Of two heights on one side of the plane the one nearer to it.
-fn parameter(first: f64, second: f64) -> f64 {
+/// Of two heights on one side of the plane the one nearer to it: labels are decided in `f32`,
+/// heights here in `f64`, so a sample that is on the plane within rounding may have either sign.
+pub(crate) fn parameter(first: f64, second: f64) -> f64 {
     let t = first / (first - second);
     if t.is_nan() { 0.5 } else { t.clamp(0.0, 1.0) }
 }
@@ -31,6 +32,7 @@ mod tests {
     fn the_plane_is_met_between_the_samples() {
         assert_eq!(parameter(-1.0, 3.0), 0.25);
         assert_eq!(parameter(0.0, 3.0), 0.0);
+        assert_eq!(parameter(1e-9, 3.0), 0.0, "a label that rounding flipped");
         assert_eq!(parameter(0.0, 0.0), 0.5);
     }
 

@@ -33,6 +33,7 @@ mod order;
 mod root;
 
 pub use angular_grid::AngularGrid;
+pub(crate) use cartesian::parameter;
 pub use order::observed_orders;
 
 use serde::{Deserialize, Serialize};
