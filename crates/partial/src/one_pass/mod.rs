@@ -175,7 +175,9 @@ pub fn partial_model_with(
     if let Some(guide) = planes.guide().curved() {
         return along_guide(view, (planes, guide), options, effort, work);
     }
-    let rule = |sigma| BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma);
+    let rule = |sigma| {
+        BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma).on_rays_of(view)
+    };
     let axes = SectionAxes::new(view, planes)?;
     let near = |bounds: &ValueBounds| near_planes(view, &axes, bounds, effort.instructions);
     let (instructions, steps) = (effort.instructions, options.smoothing);
@@ -202,7 +204,9 @@ fn along_guide(
     effort: &Effort,
     work: &mut Workspace,
 ) -> Result<PartialModel, PartialError> {
-    let rule = |sigma| BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma);
+    let rule = |sigma| {
+        BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma).on_rays_of(view)
+    };
     let (instructions, steps) = (effort.instructions, options.smoothing);
     let smoothing = Smoothing { pixels: None, instructions, steps };
     let prepared = PreparedView::new(view, options.smooth.then_some(&smoothing), rule);

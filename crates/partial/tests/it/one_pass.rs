@@ -4,12 +4,12 @@ use crate::common::{Ball, views};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use std::sync::Arc;
-use transect_device::{Neighbour, Pixel, View};
+use transect_device::{ImageSize, Isometry3, Neighbour, Pixel, Point3, View};
 use transect_geometry::{PlaneFamily, Point2, StraightGuide, Vector2, Vector3};
 use transect_partial::one_pass::{OnePassOptions, partial_model};
 use transect_partial::subpixel::Subpixel;
 use transect_partial::{BreakRule, PartialModel, SectionAxes};
-use transect_sensors::{AngularScan, ImagingRadar};
+use transect_sensors::{AngularScan, ImagingRadar, PointGrid, RayStarts};
 
 /// A directed segment, rounded so that equal ones compare equal: plane, start, end.
 type Segment = (i64, [i64; 4]);
@@ -295,4 +295,32 @@ fn absurdly_dense_planes_are_refused() {
     let dense = planes(Vector3::z(), 1e-9);
     let error = partial_model(&one_ball(), &dense, &OnePassOptions::default()).unwrap_err();
     assert!(error.to_string().contains("is the interval in the right unit?"), "{error}");
+}
+
+/// A board of 0.1 m in a point grid; four of its points are metres off their rays.
+#[test]
+fn outliers_are_no_neighbours() {
+    let size = ImageSize { rows: 40, cols: 50 };
+    let outliers = [(20, 24), (20, 25), (21, 24), (21, 25)];
+    for offset in [Vector3::new(2.0, 1.0, 3.0), Vector3::new(-0.4, 0.2, 0.1), Vector3::zeros()] {
+        let point = |k: usize| {
+            let (row, col) = (k / size.cols, k % size.cols);
+            let on = Point3::new(col as f64 * 0.002 - 0.05, row as f64 * 0.002 - 0.04, 0.6);
+            if outliers.contains(&(row, col)) { on + offset } else { on }
+        };
+        let points = (0..size.pixels()).map(point).collect();
+        let (grid, image) =
+            PointGrid::new(size, points, RayStarts::Viewpoint(Point3::origin())).unwrap();
+        let pose = Isometry3::identity();
+        let view = View::new("board", image, Arc::new(grid), pose, None).unwrap();
+        let planes = PlaneFamily::new(StraightGuide::along(Vector3::y()).unwrap(), 0.0007, 0.004);
+        let model = partial_model(&view, &planes.unwrap(), &OnePassOptions::default()).unwrap();
+        let curves = model.planes.iter().flat_map(|p| &p.curves);
+        let nodes = curves.map(|c| c.curve.nodes());
+        let steps =
+            nodes.flat_map(|n| n.windows(2)).map(|n| (n[1].position - n[0].position).norm());
+        let longest = steps.fold(0.0, f64::max);
+        println!("{:?}: longest segment {longest:.4}", offset.as_slice());
+        assert!(longest > 0.0015 && longest < 0.004, "{:?}: {longest}", offset.as_slice());
+    }
 }
