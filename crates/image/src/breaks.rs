@@ -75,8 +75,14 @@ impl BreakRule {
         self.slack
     }
 
-    /// Whether the two samples of a pair belong to one surface; false if one is missing.
+    /// Whether two neighbouring samples belong to one surface; false if one is missing.
     pub fn holds(&self, pair: &PairGeometry) -> bool {
+        self.allows_step(pair) && pair.lateral <= self.largest_lateral
+    }
+
+    /// Whether the range step between two samples, which need not be neighbours, is one of a
+    /// surface; false if one is missing.
+    pub fn allows_step(&self, pair: &PairGeometry) -> bool {
         // A comparison with NaN is false, which is what a missing pixel needs.
         pair.range_step <= self.tan_incidence * pair.lateral + self.slack
             && pair.lateral <= self.largest_lateral

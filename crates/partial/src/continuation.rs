@@ -90,7 +90,7 @@ pub(crate) fn continues(
 
 /// Whether two pixels that need not be neighbours pass for samples of one surface.
 pub(crate) fn alike(view: &View, rule: &BreakRule, a: Pixel, b: Pixel) -> bool {
-    view.frame().pair(view.image(), a, b).is_some_and(|pair| rule.holds(&pair))
+    view.frame().pair(view.image(), a, b).is_some_and(|pair| rule.allows_step(&pair))
 }
 
 /// How many pixels are missing on the straight way from one pixel to another; `None` if the valid
