@@ -57,8 +57,13 @@ pub struct Lengths {
 impl Lengths {
     /// Lengths in a model's unit. The unit to print is chosen for the largest of them.
     pub fn new(own: LengthUnit, largest: f64) -> Self {
-        let readable = || Quantity::new(largest, own, 1).readable_unit();
-        Self { own, unit: OUTPUT_UNIT.get().copied().unwrap_or_else(readable) }
+        Self::of(&Quantity::new(largest, own, 1))
+    }
+
+    /// Lengths, areas or volumes, the largest of which is given.
+    pub fn of(largest: &Quantity) -> Self {
+        let readable = || largest.readable_unit();
+        Self { own: largest.unit(), unit: OUTPUT_UNIT.get().copied().unwrap_or_else(readable) }
     }
 
     /// A length (power 1), an area (2) or a volume (3) as text without its unit.

@@ -2,10 +2,10 @@
 
 use super::open_model;
 use crate::failure::Failure;
-use crate::table::{Row, digits, print, print_grid, say};
+use crate::table::{Lengths, Quantity, Row, print, print_grid, say};
 use std::path::PathBuf;
-use transect_geometry::{PlaneFamily, PlaneIndex};
-use transect_model::{Bracket, Section, Volume};
+use transect_geometry::{LengthUnit, PlaneFamily, PlaneIndex};
+use transect_model::{Bracket, SectionMeasures, Volume};
 use transect_workflow::{ModelFile, parse_length};
 
 /// Options of `measure`.
@@ -22,91 +22,86 @@ pub struct Arguments {
     close_gaps: Option<String>,
 }
 
-/// Sums over planes.
-#[derive(Default)]
-struct Sums {
-    planes: usize,
-    planes_with_open_curves: usize,
-    perimeter: f64,
-    open_length: f64,
-    contradictions: usize,
-}
-
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let file = open_model(&arguments.file)?;
     let parse = |text: &String| parse_length(file.unit(), "close-gaps", text);
     let close_gaps = arguments.close_gaps.as_ref().map(parse).transpose()?;
-    let (mut sums, mut lines, family) = (Sums::default(), Vec::new(), file.planes());
-    file.for_each_section(|plane, section| {
-        let line = line(family, plane, section, close_gaps, &mut sums);
-        if !arguments.sums {
-            lines.push(line);
-        }
-    })?;
+    let mut planes = Vec::new();
+    file.for_each_section(|plane, section| planes.push((plane, section.measures())))?;
     if !arguments.sums {
-        print_grid(&HEADS[..if close_gaps.is_some() { 12 } else { 10 }], &lines);
-        say("");
+        print_planes(&file, &planes, close_gaps);
     }
-    print(&rows(&file, close_gaps, &sums)?);
+    print(&rows(&file, &planes, close_gaps)?);
     Ok(())
 }
 
-const HEADS: [&str; 12] = [
-    "plane",
-    "station",
-    "solid area",
-    "clear area",
-    "perimeter",
-    "centroid",
-    "open length",
-    "outer",
-    "holes",
-    "open",
-    "solid, gaps closed",
-    "clear, gaps closed",
-];
+/// Prints a line per plane.
+fn print_planes(
+    file: &ModelFile,
+    planes: &[(PlaneIndex, SectionMeasures)],
+    close_gaps: Option<f64>,
+) {
+    let longest = planes.iter().map(|(_, m)| m.perimeter.max(m.open_length)).fold(0.0, f64::max);
+    let lengths = Lengths::new(file.unit(), longest);
+    let unit = lengths.unit;
+    let mut heads = vec![
+        "plane".to_owned(),
+        format!("station, {unit}"),
+        format!("solid area, {unit}²"),
+        format!("clear area, {unit}²"),
+        format!("perimeter, {unit}"),
+        format!("centroid, {unit}"),
+        format!("open length, {unit}"),
+        "outer".to_owned(),
+        "holes".to_owned(),
+        "open".to_owned(),
+    ];
+    if close_gaps.is_some() {
+        heads.extend(["solid", "clear"].map(|kind| format!("{kind}, gaps closed, {unit}²")));
+    }
+    let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
+    let line = |(plane, measures): &(PlaneIndex, SectionMeasures)| {
+        line(file.planes(), *plane, measures, close_gaps, &lengths)
+    };
+    print_grid(&heads, &planes.iter().map(line).collect::<Vec<_>>());
+    say("");
+}
 
 fn line(
     family: &PlaneFamily,
     plane: PlaneIndex,
-    section: &Section,
+    measures: &SectionMeasures,
     close_gaps: Option<f64>,
-    sums: &mut Sums,
+    lengths: &Lengths,
 ) -> Vec<String> {
-    let measures = section.measures();
-    sums.planes += 1;
-    sums.planes_with_open_curves += usize::from(measures.open_curves > 0);
-    sums.perimeter += measures.perimeter;
-    sums.open_length += measures.open_length;
-    sums.contradictions += measures.contradictions;
     let of_solid = measures.solid.estimate >= measures.clear.estimate;
     let centroid = if of_solid { measures.solid_centroid } else { measures.clear_centroid };
     let in_world = centroid.map(|c| family.frame(plane).world_from_plane(&c));
-    let centroid = in_world.map(|c| <[f64; 3]>::from(c.coords).map(digits).join(", "));
     let mut line = vec![
         plane.to_string(),
-        digits(family.station(plane)),
-        bounds(&measures.solid),
-        bounds(&measures.clear),
-        digits(measures.perimeter),
-        centroid.unwrap_or_default(),
-        digits(measures.open_length),
+        lengths.digits(family.station(plane), 1),
+        bounds(&measures.solid, lengths, 2),
+        bounds(&measures.clear, lengths, 2),
+        lengths.digits(measures.perimeter, 1),
+        in_world.map(|c| lengths.place(&c)).unwrap_or_default(),
+        lengths.digits(measures.open_length, 1),
         measures.outer_curves.to_string(),
         measures.hole_curves.to_string(),
         measures.open_curves.to_string(),
     ];
     if let Some(widest) = close_gaps {
         let closed = measures.widest_gap <= widest;
-        line.extend([measures.solid, measures.clear].map(|area| estimate(&area, closed)));
+        let areas = [measures.solid, measures.clear];
+        line.extend(areas.map(|area| estimate(&area, closed, lengths, 2)));
     }
     line
 }
 
 /// The bounds as text: one number if they agree in all printed digits.
-fn bounds(bracket: &Bracket) -> String {
-    let least = digits(bracket.least);
-    match bracket.most.map(digits) {
+fn bounds(bracket: &Bracket, lengths: &Lengths, power: u8) -> String {
+    let least = lengths.digits(bracket.least, power);
+    match bracket.most.map(|most| lengths.digits(most, power)) {
         None if bracket.least == 0.0 => "unknown".to_owned(),
         None => format!("{least} or more"),
         Some(most) if most == least => least,
@@ -114,35 +109,53 @@ fn bounds(bracket: &Bracket) -> String {
     }
 }
 
-fn estimate(bracket: &Bracket, closed: bool) -> String {
-    if closed { digits(bracket.estimate) } else { "wider gaps".to_owned() }
+fn estimate(bracket: &Bracket, closed: bool, lengths: &Lengths, power: u8) -> String {
+    if closed { lengths.digits(bracket.estimate, power) } else { "wider gaps".to_owned() }
 }
 
-fn rows(file: &ModelFile, close_gaps: Option<f64>, sums: &Sums) -> Result<Vec<Row>, Failure> {
-    let (volume, unit) = (file.volume()?, file.unit().symbol());
+/// The sums over all planes, and the volumes.
+fn rows(
+    file: &ModelFile,
+    planes: &[(PlaneIndex, SectionMeasures)],
+    close_gaps: Option<f64>,
+) -> Result<Vec<Row>, Failure> {
+    let (volume, unit) = (file.volume()?, file.unit());
+    let measures = || planes.iter().map(|(_, measures)| measures);
+    let with_open_curves = measures().filter(|m| m.open_curves > 0).count();
+    let contradictions: usize = measures().map(|m| m.contradictions).sum();
     let mut rows = vec![
-        Row::plain("planes with curves", sums.planes),
-        Row::plain("planes with open curves", sums.planes_with_open_curves),
-        Row::new("length of closed curves", digits(sums.perimeter), unit),
-        Row::new("length of open curves", digits(sums.open_length), unit),
-        Row::new("widest gap", digits(volume.widest_gap), unit),
-        Row::plain("directions that contradict nesting", sums.contradictions),
+        Row::plain("planes with curves", planes.len()),
+        Row::plain("planes with open curves", with_open_curves),
+        Row::length("length of closed curves", measures().map(|m| m.perimeter).sum(), unit),
+        Row::length("length of open curves", measures().map(|m| m.open_length).sum(), unit),
+        Row::length("widest gap", volume.widest_gap, unit),
+        Row::plain("directions that contradict nesting", contradictions),
         Row::plain("runs of neighbouring planes", volume.runs.len()),
     ];
     let closed = close_gaps.map(|widest| volume.widest_gap <= widest);
-    for (name, Volume { bracket, interval_error, .. }) in
-        [("solid volume", volume.solid), ("clear volume", volume.clear)]
-    {
-        let mut add = |name: String, value: String| {
-            let is_number = value.starts_with(|first: char| first.is_ascii_digit());
-            let unit = if is_number { format!("{unit}³") } else { String::new() };
-            rows.push(Row::new(name, value, unit));
-        };
-        add(name.to_owned(), bounds(&bracket));
-        add(format!("largest interval error of {name}"), digits(interval_error));
-        if let Some(closed) = closed {
-            add(format!("{name}, gaps closed"), estimate(&bracket, closed));
-        }
-    }
+    rows.extend(volume_rows("solid volume", &volume.solid, closed, unit));
+    rows.extend(volume_rows("clear volume", &volume.clear, closed, unit));
     Ok(rows)
+}
+
+fn volume_rows(name: &str, volume: &Volume, closed: Option<bool>, unit: LengthUnit) -> Vec<Row> {
+    let Volume { bracket, interval_error, .. } = volume;
+    let largest = Quantity::new(bracket.most.unwrap_or(bracket.least), unit, 3);
+    let lengths = Lengths::of(&largest);
+    let row = |name: String, value: String| {
+        let is_number = value.starts_with(|first: char| first.is_ascii_digit());
+        let unit = if is_number { format!("{}³", lengths.unit) } else { String::new() };
+        Row::new(name, value, unit)
+    };
+    let error = lengths.digits(*interval_error, 3);
+    let mut rows = vec![
+        row(name.to_owned(), bounds(bracket, &lengths, 3)),
+        row(format!("largest interval error of {name}"), error),
+    ];
+    rows.extend(
+        closed.map(|closed| {
+            row(format!("{name}, gaps closed"), estimate(bracket, closed, &lengths, 3))
+        }),
+    );
+    rows
 }

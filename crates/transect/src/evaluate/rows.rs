@@ -32,6 +32,11 @@ impl Quantity {
         Self { value, unit, power }
     }
 
+    /// The length unit whose powers its number counts.
+    pub fn unit(&self) -> LengthUnit {
+        self.unit
+    }
+
     /// Its number in powers of another unit.
     pub fn in_unit(&self, unit: LengthUnit) -> f64 {
         let ratio = self.unit.in_metres() / unit.in_metres();
