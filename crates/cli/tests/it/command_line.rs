@@ -450,7 +450,7 @@ fn failures_end_with_1_and_name_their_file() {
     folder.write("no.transect", "nothing");
     folder.write("no.ply", "nothing");
     let facet = "facet\nvertex 1e6 0 0\nvertex 2e6 0 0\nvertex 1e6 3e6 9e6\nendfacet\n";
-    folder.write("far.stl", &format!("solid a\n{facet}endsolid a\n"));
+    folder.write("far.stl", format!("solid a\n{facet}endsolid a\n"));
     for (line, texts) in [
         ("reconstruct nowhere --out o", ["nowhere: cannot be read", "No such file"]),
         ("inspect nowhere", ["nowhere: cannot be read", "No such file"]),

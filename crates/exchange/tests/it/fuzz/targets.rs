@@ -19,13 +19,13 @@ pub type Target = fn(&Path, &[u8]) -> Result<(), String>;
 
 /// Every reader with the name of its folder in the corpus.
 pub const TARGETS: [(&str, Target); 19] = [
-    ("calibration", |folder, bytes| read(folder, "a.csv", bytes, |p| read_calibration(p))),
+    ("calibration", |folder, bytes| read(folder, "a.csv", bytes, read_calibration)),
     ("conf", |folder, bytes| {
         write(folder, "a.ply", GRID.as_bytes());
         write(folder, "a.conf", bytes);
         load(folder, &folder.join("a.conf"))
     }),
-    ("contours", |folder, bytes| read(folder, "a.json", bytes, |p| read_contours(p))),
+    ("contours", |folder, bytes| read(folder, "a.json", bytes, read_contours)),
     ("depth_png", |folder, bytes| scan(folder, DEPTH, "a.png", bytes)),
     ("guide_csv", |folder, bytes| read(folder, "a.csv", bytes, spline)),
     ("guide_dxf", |folder, bytes| read(folder, "a.dxf", bytes, spline)),
@@ -38,24 +38,24 @@ pub const TARGETS: [(&str, Target); 19] = [
         write(folder, "a.npy", &npy("<f4", "(2, 2)", &SAMPLES));
         write(folder, "stack.npy", &npy("|u1", "(4, 3, 24)", &[90; 288]));
         write(folder, "a.csv", CALIBRATION.as_bytes());
-        read(folder, "scan.json", bytes, |path| Scan::open(path))?;
+        read(folder, "scan.json", bytes, Scan::open)?;
         load(folder, &folder.join("scan.json"))
     }),
     ("model", |folder, bytes| read(folder, "a.transect", bytes, |path| Model::load(path))),
     ("npy_grid", |folder, bytes| scan(folder, POINTS, "a.npy", bytes)),
     ("npy_image", |folder, bytes| scan(folder, IMAGE, "a.npy", bytes)),
     ("npy_stack", |folder, bytes| scan(folder, STACK, "a.npy", bytes)),
-    ("npz", |folder, bytes| read(folder, "a.npz", bytes, |path| read_truth(path))),
-    ("obj", |folder, bytes| read(folder, "a.obj", bytes, |path| read_mesh(path))),
-    ("ply_grid", |folder, bytes| read(folder, "a.ply", bytes, |path| read_range_grid(path))),
-    ("ply_mesh", |folder, bytes| read(folder, "a.ply", bytes, |path| read_mesh(path))),
+    ("npz", |folder, bytes| read(folder, "a.npz", bytes, read_truth)),
+    ("obj", |folder, bytes| read(folder, "a.obj", bytes, read_mesh)),
+    ("ply_grid", |folder, bytes| read(folder, "a.ply", bytes, read_range_grid)),
+    ("ply_mesh", |folder, bytes| read(folder, "a.ply", bytes, read_mesh)),
     ("pose", |folder, bytes| {
         write(folder, "camera-intrinsics.txt", b"2 0 0.5\n0 2 0.5\n0 0 1\n");
         write(folder, "a.depth.png", b"");
         write(folder, "a.pose.txt", bytes);
         Scan::open(folder).map(drop).map_err(|error| text(folder, &error))
     }),
-    ("stl", |folder, bytes| read(folder, "a.stl", bytes, |path| read_mesh(path))),
+    ("stl", |folder, bytes| read(folder, "a.stl", bytes, read_mesh)),
 ];
 
 /// The reader of a store's exported lines; each case makes a store, so it runs fewer cases.
