@@ -107,8 +107,8 @@ fn scan(folder: &Path, view: &str, name: &str, bytes: &[u8]) -> Result<(), Strin
 
 fn load(folder: &Path, path: &Path) -> Result<(), String> {
     let scan = Scan::open(path).map_err(|error| text(folder, &error))?;
-    let views = scan.views.iter();
-    views.map(|v| v.load().map(drop).map_err(|error| text(folder, &error))).collect()
+    let mut views = scan.views.iter();
+    views.try_for_each(|v| v.load().map(drop).map_err(|error| text(folder, &error)))
 }
 
 /// A `.npy` of version 1.
