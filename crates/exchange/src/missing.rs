@@ -64,6 +64,10 @@ pub(crate) fn clear_values(
         }
         None => {}
     }
+    // Nearly every image ends here, after one pass.
+    if extremes(values).is_none_or(|(least, largest)| largest / least <= FAR_OUTSIDE) {
+        return Ok(());
+    }
     while let Some((mark, count)) = far_mark(values) {
         clear_value(values, mark);
         notes.push(note(count, &format!("{mark:?}")));
@@ -73,6 +77,22 @@ pub(crate) fn clear_values(
 
 fn clear_value(values: &mut [f32], mark: f32) {
     values.iter_mut().filter(|v| **v == mark).for_each(|v| *v = f32::NAN);
+}
+
+/// The least and the largest value that can be a range. Positive floats are ordered as their bits,
+/// and integers are compared in whole vectors.
+fn extremes(values: &[f32]) -> Option<(f32, f32)> {
+    let infinite = f32::INFINITY.to_bits();
+    // Zero and negative values, NaN and infinity have bits that wrap around beyond every other.
+    let is_valid = |bits: u32| bits.wrapping_sub(1) < infinite - 1;
+    let (least, largest) = values.iter().map(|v| v.to_bits()).fold((u32::MAX, 0), |found, bits| {
+        let valid = is_valid(bits);
+        (
+            found.0.min(if valid { bits } else { u32::MAX }),
+            found.1.max(if valid { bits } else { 0 }),
+        )
+    });
+    (largest > 0).then(|| (f32::from_bits(least), f32::from_bits(largest)))
 }
 
 /// The largest value and its count, if it repeats and is far outside the other values.

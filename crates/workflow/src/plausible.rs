@@ -174,10 +174,7 @@ fn pixel_spacing(view: &View) -> Option<f64> {
     spacings.get(spacings.len() / 2).copied()
 }
 
-/// Largest distance of a point from the sensor's origin.
+/// Largest distance of a sample from the sensor's origin.
 fn reach(view: &View) -> f64 {
-    let size = view.image().size();
-    let pixels = (0..size.rows).flat_map(|row| (0..size.cols).map(move |col| Pixel::new(row, col)));
-    let points = pixels.filter_map(|pixel| view.point_in_sensor(pixel));
-    points.map(|p| p.coords.norm()).fold(0.0, f64::max)
+    samples(view).map(|[point, ..]| point.coords.norm()).fold(0.0, f64::max)
 }

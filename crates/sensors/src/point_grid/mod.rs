@@ -16,8 +16,8 @@ pub use carried_pinhole::CarriedPinhole;
 
 use crate::error::{SensorError, require};
 use transect_device::{
-    DeviceFrame, DevicePoint, Handedness, ImageSize, Pixel, Point3, RangeImage, Ray, SensorPlane,
-    Vector3,
+    DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, Neighbour, PairGeometry, Pixel,
+    Point3, RangeImage, Ray, SensorPlane, Vector3,
 };
 
 /// The starts of a point grid's rays.
@@ -167,6 +167,22 @@ impl PointGrid {
         start + (p - start) * (d3 / distance)
     }
 
+    /// The stored points of a row, each with the point of the row's value; NaN where it is missing.
+    fn points_of_row<'a>(
+        &'a self,
+        image: &'a RangeImage,
+        row: usize,
+    ) -> impl Iterator<Item = (&'a Point3, Point3)> {
+        let pixels = row.saturating_mul(self.size.cols)..;
+        let stored = self.points.get(pixels.clone()).unwrap_or_default();
+        let distances = self.distances.get(pixels).unwrap_or_default();
+        let samples = stored.iter().zip(distances).zip(image.row(row));
+        samples.map(|((p, distance), d3)| {
+            let missing = d3.is_nan() || p.x.is_nan();
+            (p, if missing { MISSING } else { self.moved(p, *distance, f64::from(*d3)) })
+        })
+    }
+
     /// The side from which most cells are seen: the sign of (∂p/∂column × ∂p/∂row) · ray.
     fn read_handedness(&self) -> Option<Handedness> {
         let turns = self.size.all_pixels().filter_map(|pixel| self.cell_turn(pixel));
@@ -275,6 +291,46 @@ impl DeviceFrame for PointGrid {
         let p = self.stored(pixel)?;
         let distance = self.distances.get(self.size.index(pixel)?)?;
         Some(self.moved(p, *distance, d3))
+    }
+
+    fn form_row(&self, image: &RangeImage, row: usize, form: &LinearForm, out: &mut [f32]) {
+        for (value, (_, p)) in out.iter_mut().zip(self.points_of_row(image, row)) {
+            *value = if p.x.is_nan() { f32::NAN } else { form.at(&p) as f32 };
+        }
+    }
+
+    fn pair_row(
+        &self,
+        image: &RangeImage,
+        row: usize,
+        neighbour: Neighbour,
+        out: &mut [PairGeometry],
+    ) {
+        out.fill(PairGeometry::MISSING);
+        let cols = self.size.cols;
+        let points = |row: usize| self.points_of_row(image, row).map(|(_, p)| p);
+        let others: Vec<Point3> = match neighbour {
+            Neighbour::Up => row.checked_sub(1).into_iter().flat_map(points).collect(),
+            Neighbour::Left => {
+                let mut before = MISSING;
+                let mut others: Vec<Point3> =
+                    points(row).map(|p| std::mem::replace(&mut before, p)).collect();
+                if let (true, Some(first)) = (self.wraps, others.first_mut()) {
+                    *first = before;
+                }
+                others
+            }
+        };
+        let pairs = self.points_of_row(image, row).zip(&others).take(cols);
+        for (pair, ((stored, p), other)) in out.iter_mut().zip(pairs) {
+            if p.x.is_nan() || other.x.is_nan() {
+                continue;
+            }
+            let along = stored - self.starts.start(stored, self.parallel_start);
+            if let Some(ray) = along.try_normalize(0.0) {
+                *pair = PairGeometry::between(&p, other, &ray);
+            }
+        }
     }
 
     fn device_point(&self, _in_sensor: &Point3) -> Option<DevicePoint> {
