@@ -101,12 +101,12 @@ impl AlongGuide {
     /// Solves the crossing of a pair with a plane, given by its frame, exactly.
     pub fn solve(&self, kind: Kind, pair: [Pixel; 2], plane: &PlaneFrame) -> Crossing {
         let pose = self.given.world_from_sensor();
-        let points = pair.map(|pixel| pose * sample(&self.given, pixel));
-        let [a, b] = points.map(|p| plane.height(&p));
+        let samples = pair.map(|pixel| (pixel, pose * sample(&self.given, pixel)));
+        let [a, b] = samples.map(|(_, p)| plane.height(&p));
         let direction = |pixel| pose.rotation * direction(&self.given, pixel);
         let turn = |v: &Vector3| in_plane(plane, v);
         let place = |p: &Point3| plane.plane_from_world(p);
-        Crossing::new(kind, pair, points, parameter(a, b), direction, turn, place)
+        Crossing::new(kind, samples, parameter(a, b), direction, turn, place)
     }
 
     /// From one sample to another, in plane coordinates with the height third.

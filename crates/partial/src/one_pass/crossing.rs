@@ -38,8 +38,7 @@ impl Crossing {
     /// plane coordinates.
     pub fn new(
         kind: Kind,
-        [a, b]: [Pixel; 2],
-        [p, q]: [Point3; 2],
+        [(a, p), (b, q)]: [(Pixel, Point3); 2],
         share: f64,
         direction: impl Fn(Pixel) -> Vector3,
         turn: impl Fn(&Vector3) -> Vector3,
@@ -77,11 +76,11 @@ pub(super) fn solve(
     pair: [Pixel; 2],
     level: i32,
 ) -> Crossing {
-    let points = pair.map(|pixel| sample(view, pixel));
-    let [a, b] = points.map(|p| axes.level().at(&p) - f64::from(level));
+    let samples = pair.map(|pixel| (pixel, sample(view, pixel)));
+    let [a, b] = samples.map(|(_, p)| axes.level().at(&p) - f64::from(level));
     let direction = |pixel| direction(view, pixel);
     let turn = |v: &Vector3| axes.turn(v);
-    Crossing::new(kind, pair, points, parameter(a, b), direction, turn, |p| axes.in_plane(p))
+    Crossing::new(kind, samples, parameter(a, b), direction, turn, |p| axes.in_plane(p))
 }
 
 /// A sample in the sensor frame.
