@@ -154,6 +154,14 @@ fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
         Row::new("spread between views", digits(fusion.spread), unit),
         Row::new("overlap threshold", digits(fusion.threshold), unit),
     ]);
+    rows.extend(fusion.growth.iter().flat_map(|growth| {
+        [
+            Row::plain("curves merged", growth.merged),
+            Row::plain("rings closed", growth.rings),
+            Row::plain("curves cut at forks", growth.cut),
+            Row::plain("merges refused", growth.refused()),
+        ]
+    }));
     rows.extend(report.refinement.iter().flat_map(|refinement| refinement_rows(refinement, unit)));
     rows
 }

@@ -19,6 +19,7 @@
 //! source.
 
 use super::average::{Averaged, average, lost_by};
+use super::fork::{Cut, cut};
 use super::strand::Strand;
 use super::verify::{Limits, verify};
 use crate::envelopes::UnitIndex;
@@ -32,6 +33,8 @@ pub(super) enum Outcome {
     Apart,
     /// They overlap as the rules forbid.
     Refused(Refusal),
+    /// They fork, and one of them was cut there.
+    Cut(Cut),
     /// They are one.
     Merged(Merged),
 }
@@ -65,7 +68,7 @@ pub(super) fn merge(
     views: u32,
 ) -> Outcome {
     if let Some(refusal) = refusal(pair, overlaps) {
-        return Outcome::Refused(refusal);
+        return cut(pair, overlaps).map_or(Outcome::Refused(refusal), Outcome::Cut);
     }
     let limits =
         Limits { threshold: tolerance.distance(), least_cosine: tolerance.max_angle_rad().cos() };
