@@ -112,7 +112,6 @@ pub struct GrowingPlane {
     curves: BTreeMap<usize, Curve>,
     envelopes: PlaneEnvelopes,
     next_record: usize,
-    views: u32,
     counts: GrowthCounts,
 }
 
@@ -124,7 +123,6 @@ impl GrowingPlane {
             curves: BTreeMap::new(),
             envelopes: PlaneEnvelopes::new(tolerance.distance()),
             next_record: 0,
-            views: 0,
             counts: GrowthCounts::default(),
         }
     }
@@ -132,7 +130,6 @@ impl GrowingPlane {
     /// Fuses the curves of one view into the plane.
     pub fn grow(&mut self, partial: &[Curve]) -> GrowthCase {
         let (was_empty, merged_before) = (self.curves.is_empty(), self.counts.merged);
-        self.views = self.views.saturating_add(1);
         let mut curves: Vec<&Curve> = partial.iter().collect();
         curves.sort_by(|a, b| canonical(a, b));
         for curve in curves {
@@ -236,6 +233,6 @@ impl GrowingPlane {
             return Outcome::Apart;
         }
         let overlaps = classify(curve, global, &self.tolerance);
-        merge([curve, global], &overlaps, &self.tolerance, self.views)
+        merge([curve, global], &overlaps, &self.tolerance)
     }
 }

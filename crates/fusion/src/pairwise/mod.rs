@@ -111,8 +111,8 @@ pub fn pairwise(views: &[&[Curve]], options: &PairwiseOptions) -> FusedPlane {
         plane.grow(&kept.collect::<Vec<_>>());
     }
     let growth = Some(*plane.counts());
-    let marked = |c: Curve| bridges::marked(c, &ground, spacing, tolerance.distance());
-    let mut curves: Vec<Curve> = plane.into_curves().into_iter().map(marked).collect();
+    let seen = |c: Curve| bridges::seen(c, &ground, spacing, tolerance.distance());
+    let mut curves: Vec<Curve> = plane.into_curves().into_iter().map(seen).collect();
     curves.sort_by(longest_first);
     let counts = FusionCounts {
         observations: views.iter().flat_map(|v| v.iter()).map(|c| c.nodes().len()).sum(),
