@@ -1,5 +1,6 @@
 //! The result of fusing one plane.
 
+use crate::pairwise::GrowthCounts;
 use transect_geometry::Curve;
 
 /// The fused curves of one plane.
@@ -14,6 +15,8 @@ pub struct FusedPlane {
     pub threshold: f64,
     /// How many nodes went in and were left out.
     pub counts: FusionCounts,
+    /// How the plane grew by `pairwise`; `None` for `consensus`, which merges all views at once.
+    pub growth: Option<GrowthCounts>,
 }
 
 /// Counts of one plane's fusion.
@@ -26,7 +29,4 @@ pub struct FusionCounts {
     /// Nodes left out. Of `consensus`: kept nodes beside a better curve or on a curve that is too
     /// short. Of `pairwise`: observations farther than the threshold from every fused curve.
     pub dropped: usize,
-    /// Pairs of curves that overlap as the rules forbid, and stay beside each other. Always 0 for
-    /// `consensus`, which resolves them.
-    pub refused: usize,
 }

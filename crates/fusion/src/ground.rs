@@ -3,7 +3,7 @@
 
 use crate::consensus::measure::{Observation, Observations};
 use crate::grid::PointGrid;
-use transect_geometry::{CurveUnit, EndReason, Point2};
+use transect_geometry::{CurveUnit, EndReason, Point2, Vector2};
 
 /// How far from a range jump a gap may begin or end that the jump forbids, in footprints of the
 /// view. By hand: other views may see a little farther round the rim. Doubled: neighbouring
@@ -54,20 +54,27 @@ impl<'a> Ground<'a> {
         })
     }
 
-    /// Whether the middle of a unit lies within a distance of ground that a view measured along
-    /// the same way.
+    /// Whether a view measured the ground within a distance of the middle of a unit.
     pub fn is_measured(&self, unit: &CurveUnit, distance: f64) -> bool {
-        let (way, middle) = (unit.vector(), unit.at(0.5));
-        let mut measured = false;
-        self.grid.within(&middle, 2.0 * way.norm() + distance, |k, _| {
+        let way = unit.vector();
+        !self.views_at(&unit.at(0.5), &way, [2.0 * way.norm(), distance]).is_empty()
+    }
+
+    /// The views that measured ground along a way, near a place: within a reach along the way, and
+    /// within a distance.
+    pub fn views_at(&self, place: &Point2, way: &Vector2, [reach, distance]: [f64; 2]) -> Vec<u32> {
+        let mut views = Vec::new();
+        self.grid.within(place, reach + distance, |k, _| {
             let here = &self.observations.all[k];
             let next = self.observations.all.get(here.next as usize).filter(|_| !here.bridged);
-            measured = measured
-                || next.is_some_and(|next| {
-                    let seen = CurveUnit { start: here.position, end: next.position };
-                    seen.vector().dot(&way) > 0.0 && seen.distance(&middle) <= distance
-                });
+            let measured = next.is_some_and(|next| {
+                let seen = CurveUnit { start: here.position, end: next.position };
+                seen.vector().dot(way) > 0.0 && seen.distance(place) <= distance
+            });
+            if measured && !views.contains(&here.view) {
+                views.push(here.view);
+            }
         });
-        measured
+        views
     }
 }

@@ -4,6 +4,7 @@ use crate::RefinementReport;
 use crate::fused::Fused;
 use serde::Serialize;
 use std::time::Duration;
+use transect_fusion::pairwise::GrowthCounts;
 use transect_fusion::{Agreement, FusedPlane};
 use transect_geometry::Curve;
 
@@ -154,6 +155,9 @@ pub struct FusionReport {
     /// Median over the planes of the overlap threshold; 0 for a single view.
     #[serde(skip_serializing_if = "is_zero")]
     pub threshold: f64,
+    /// Growth of the planes that `pairwise` fused in this run; `None` for `consensus`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub growth: Option<GrowthCounts>,
 }
 
 impl FusionReport {
@@ -175,6 +179,10 @@ impl FusionReport {
             dropped: planes.iter().map(|p| p.dropped).sum(),
             spread: median(planes.iter().filter_map(|p| p.spread)),
             threshold: median(planes.iter().filter_map(|p| p.threshold)),
+            growth: planes.iter().filter_map(|p| p.growth).reduce(|mut sum, plane| {
+                sum.add(&plane);
+                sum
+            }),
         }
     }
 }
@@ -191,6 +199,7 @@ pub(crate) struct PlaneSummary {
     /// `None` for a plane that was fused in an earlier run, as the threshold.
     spread: Option<f64>,
     threshold: Option<f64>,
+    growth: Option<GrowthCounts>,
 }
 
 impl PlaneSummary {
@@ -200,6 +209,7 @@ impl PlaneSummary {
             dropped: plane.counts.dropped,
             spread: Some(plane.spread),
             threshold: Some(plane.threshold),
+            growth: plane.growth,
             ..Self::of_curves(plane.curves.iter())
         }
     }

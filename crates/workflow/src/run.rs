@@ -207,6 +207,14 @@ fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
     let several = result.model.views().len() > 1;
     let compared = compared.into_iter().filter(|(_, length)| several && *length > 0.0);
     rows.extend(compared.map(|(metric, length)| Row::length(metric, length, unit)));
+    rows.extend(fusion.growth.iter().flat_map(|growth| {
+        [
+            Row::plain("curves merged", growth.merged),
+            Row::plain("rings closed", growth.rings),
+            Row::plain("curves cut at forks", growth.cut),
+            Row::plain("merges refused", growth.refused()),
+        ]
+    }));
     rows.extend(report.refinement.iter().flat_map(|refinement| refinement_rows(refinement, unit)));
     rows
 }

@@ -113,6 +113,7 @@ pub(crate) fn fuse(observations: Observations, options: &ConsensusOptions) -> Fu
         curves: shape::shape(estimate, chains, &measured),
         spread: measured.spread,
         threshold: measured.scale.threshold,
-        counts: FusionCounts { observations: count, kept, dropped, refused: 0 },
+        counts: FusionCounts { observations: count, kept, dropped },
+        growth: None,
     }
 }

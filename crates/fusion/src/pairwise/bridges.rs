@@ -32,22 +32,31 @@ pub(super) fn without_shadowed(curve: &Curve, ground: &Ground<'_>) -> Vec<Curve>
     pieces
 }
 
-/// A fused curve with a mark on each long unit whose ground no view measured within a distance.
-/// `spacing` stands for footprints that are not known.
-pub(super) fn marked(curve: Curve, ground: &Ground<'_>, spacing: f64, distance: f64) -> Curve {
-    let mark = |(a, b): (&Node, &Node)| {
-        let stated = f64::from(a.footprint.max(b.footprint));
-        let footprint = if stated > 0.0 { stated } else { spacing };
-        let unit = unit(a, b);
-        a.bridged
-            || unit.vector().norm() > GAP_FOOTPRINTS * footprint
-                && !ground.is_measured(&unit, distance.max(footprint))
+/// A fused curve as the views saw its ground within a distance: each long unit that no view
+/// measured is marked, and each node states how many views measured it. `spacing` stands for
+/// footprints that are not known.
+pub(super) fn seen(curve: Curve, ground: &Ground<'_>, spacing: f64, distance: f64) -> Curve {
+    let footprint = |node: &Node| {
+        if node.footprint > 0.0 { f64::from(node.footprint) } else { spacing }
     };
-    let marks: Vec<bool> = neighbours(curve.nodes(), curve.is_closed()).map(mark).collect();
-    let nodes = curve.nodes().iter().zip(marks.iter().chain([&false]));
-    let marked = nodes.map(|(node, mark)| node.with_bridged(*mark)).collect();
+    let is_gap = |(a, b): (&Node, &Node)| {
+        let (unit, footprint) = (unit(a, b), footprint(a).max(footprint(b)));
+        unit.vector().norm() > GAP_FOOTPRINTS * footprint
+            && !ground.is_measured(&unit, distance.max(footprint))
+    };
+    let gaps: Vec<bool> = neighbours(curve.nodes(), curve.is_closed()).map(is_gap).collect();
+    let units: Vec<CurveUnit> = curve.units().collect();
+    let seen = |(k, node): (usize, &Node)| {
+        // The unit that begins at the node; at an open end, the one before.
+        let unit = units.get(k.min(units.len() - 1));
+        let way = unit.map(CurveUnit::vector).unwrap_or_default();
+        let views = ground.views_at(&node.position, &way, [2.0 * footprint(node), distance]);
+        let is_gap = gaps.get(k).is_some_and(|gap| *gap);
+        node.with_views(views.len().max(1) as u32).with_bridged(node.bridged || is_gap)
+    };
+    let nodes = curve.nodes().iter().enumerate().map(seen).collect();
     let ends = curve.ends();
-    Curve::new(marked, curve.is_closed()).map_or(curve, |marked| marked.with_ends(ends))
+    Curve::new(nodes, curve.is_closed()).map_or(curve, |seen| seen.with_ends(ends))
 }
 
 fn unit(a: &Node, b: &Node) -> CurveUnit {

@@ -18,11 +18,13 @@
 //!
 //! **Cost.** O(log n) for n curves of the plane, and the length of the curves that meet.
 
+use super::fork::Cut;
 use super::splice::{Merged, Outcome, Refusal, merge};
 use crate::consensus::measure::canonical;
 use crate::envelopes::{Meeting, PlaneEnvelopes};
 use crate::pattern::{OverlapTolerance, classify};
 use crate::screening::may_overlap;
+use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use transect_geometry::Curve;
 
@@ -37,9 +39,12 @@ pub enum GrowthCase {
     Merged,
 }
 
-/// What happened while a plane grew.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+/// What happened while planes grew.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct GrowthCounts {
+    /// How often a view brought the first curves of a plane, curves that overlapped none, and
+    /// curves that overlapped some: cases 1 to 3 of 5.2.2.
+    pub cases: [usize; 3],
     /// Nodes that came.
     pub observations: usize,
     /// Partial curves put beside the others.
@@ -50,6 +55,8 @@ pub struct GrowthCounts {
     pub rings: usize,
     /// Of these, overlaps where averaging would have lost a node, and one curve stayed as it was.
     pub kept_as_seen: usize,
+    /// Forks at which a curve was cut.
+    pub cut: usize,
     /// Pairs refused because of a fork at the beginning (1), at the end (2), at both (3).
     pub forks: [usize; 3],
     /// Pairs refused because they overlap in several places and make no ring.
@@ -63,6 +70,23 @@ impl GrowthCounts {
     /// All pairs that the rules forbid to merge.
     pub fn refused(&self) -> usize {
         self.forks.iter().sum::<usize>() + self.several
+    }
+
+    /// Adds the counts of another plane.
+    pub fn add(&mut self, other: &Self) {
+        let sum = |a: [usize; 3], b: [usize; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+        *self = Self {
+            cases: sum(self.cases, other.cases),
+            observations: self.observations + other.observations,
+            appended: self.appended + other.appended,
+            merged: self.merged + other.merged,
+            rings: self.rings + other.rings,
+            kept_as_seen: self.kept_as_seen + other.kept_as_seen,
+            cut: self.cut + other.cut,
+            forks: sum(self.forks, other.forks),
+            several: self.several + other.several,
+            dropped: self.dropped.saturating_add(other.dropped),
+        };
     }
 
     fn refuse(&mut self, refusal: Refusal) {
@@ -88,7 +112,6 @@ pub struct GrowingPlane {
     curves: BTreeMap<usize, Curve>,
     envelopes: PlaneEnvelopes,
     next_record: usize,
-    views: u32,
     counts: GrowthCounts,
 }
 
@@ -100,7 +123,6 @@ impl GrowingPlane {
             curves: BTreeMap::new(),
             envelopes: PlaneEnvelopes::new(tolerance.distance()),
             next_record: 0,
-            views: 0,
             counts: GrowthCounts::default(),
         }
     }
@@ -108,7 +130,6 @@ impl GrowingPlane {
     /// Fuses the curves of one view into the plane.
     pub fn grow(&mut self, partial: &[Curve]) -> GrowthCase {
         let (was_empty, merged_before) = (self.curves.is_empty(), self.counts.merged);
-        self.views = self.views.saturating_add(1);
         let mut curves: Vec<&Curve> = partial.iter().collect();
         curves.sort_by(|a, b| canonical(a, b));
         for curve in curves {
@@ -119,11 +140,13 @@ impl GrowingPlane {
                 self.counts.dropped += curve.nodes().len();
             }
         }
-        match (was_empty, self.counts.merged > merged_before) {
+        let case = match (was_empty, self.counts.merged > merged_before) {
             (true, _) => GrowthCase::NewPlane,
             (false, false) => GrowthCase::Appended,
             (false, true) => GrowthCase::Merged,
-        }
+        };
+        self.counts.cases[case as usize] += 1;
+        case
     }
 
     /// The global curves in order of their records.
@@ -147,24 +170,52 @@ impl GrowingPlane {
     }
 
     fn integrate(&mut self, partial: Curve) {
-        let mut curve = partial;
-        let mut tried = BTreeSet::new();
-        let mut appended = true;
+        let mut waiting = vec![partial];
+        while let Some(curve) = waiting.pop() {
+            let (curve, is_new) = self.merged_with_all(curve, &mut waiting);
+            self.counts.appended += usize::from(is_new);
+            self.put(curve);
+        }
+    }
+
+    /// A curve with all global ones that it overlaps, and whether there are none. What is cut off
+    /// at forks goes to the waiting curves.
+    fn merged_with_all(&mut self, mut curve: Curve, waiting: &mut Vec<Curve>) -> (Curve, bool) {
+        let (mut tried, mut is_new) = (BTreeSet::new(), true);
         while let Some(meeting) = self.next_candidate(&curve, &mut tried) {
-            let Some(global) = self.curves.get(&meeting.curve) else { continue };
+            let number = meeting.curve;
+            let Some(global) = self.curves.get(&number) else { continue };
             match self.try_to_merge(&curve, global, &meeting) {
                 Outcome::Apart => {}
                 Outcome::Refused(refusal) => self.counts.refuse(refusal),
+                Outcome::Cut(Cut { side: 0, pieces: [first, second] }) => {
+                    self.counts.cut += 1;
+                    waiting.push(second);
+                    curve = first;
+                    tried.remove(&number);
+                }
+                Outcome::Cut(Cut { pieces, .. }) => {
+                    self.counts.cut += 1;
+                    self.remove(number);
+                    pieces.into_iter().for_each(|piece| self.put(piece));
+                }
                 Outcome::Merged(merged) => {
-                    self.curves.remove(&meeting.curve);
-                    self.envelopes.remove(meeting.curve);
+                    self.remove(number);
                     self.counts.count(&merged);
                     curve = merged.curve;
-                    appended = false;
+                    is_new = false;
                 }
             }
         }
-        self.counts.appended += usize::from(appended);
+        (curve, is_new)
+    }
+
+    fn remove(&mut self, number: usize) {
+        self.curves.remove(&number);
+        self.envelopes.remove(number);
+    }
+
+    fn put(&mut self, curve: Curve) {
         self.envelopes.insert(self.next_record, &curve);
         self.curves.insert(self.next_record, curve);
         self.next_record += 1;
@@ -182,6 +233,6 @@ impl GrowingPlane {
             return Outcome::Apart;
         }
         let overlaps = classify(curve, global, &self.tolerance);
-        merge([curve, global], &overlaps, &self.tolerance, self.views)
+        merge([curve, global], &overlaps, &self.tolerance)
     }
 }

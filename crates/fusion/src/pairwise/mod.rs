@@ -30,6 +30,7 @@
 
 mod average;
 mod bridges;
+mod fork;
 mod grow;
 mod splice;
 mod strand;
@@ -109,17 +110,16 @@ pub fn pairwise(views: &[&[Curve]], options: &PairwiseOptions) -> FusedPlane {
         let kept = view.iter().flat_map(|curve| bridges::without_shadowed(curve, &ground));
         plane.grow(&kept.collect::<Vec<_>>());
     }
-    let counts = *plane.counts();
-    let marked = |c: Curve| bridges::marked(c, &ground, spacing, tolerance.distance());
-    let mut curves: Vec<Curve> = plane.into_curves().into_iter().map(marked).collect();
+    let growth = Some(*plane.counts());
+    let seen = |c: Curve| bridges::seen(c, &ground, spacing, tolerance.distance());
+    let mut curves: Vec<Curve> = plane.into_curves().into_iter().map(seen).collect();
     curves.sort_by(longest_first);
     let counts = FusionCounts {
-        observations: counts.observations,
+        observations: views.iter().flat_map(|v| v.iter()).map(|c| c.nodes().len()).sum(),
         kept: curves.iter().map(|c| c.nodes().len()).sum(),
         dropped: unseen(views, &curves, tolerance.distance()),
-        refused: counts.refused(),
     };
-    FusedPlane { curves, spread: measured.spread, threshold: tolerance.distance(), counts }
+    FusedPlane { curves, spread: measured.spread, threshold: tolerance.distance(), counts, growth }
 }
 
 /// How many observations have no curve of the result within the threshold: left out as noise, on

@@ -19,6 +19,7 @@
 //! source.
 
 use super::average::{Averaged, average, lost_by};
+use super::fork::{Cut, cut};
 use super::strand::Strand;
 use super::verify::{Limits, verify};
 use crate::envelopes::UnitIndex;
@@ -32,6 +33,8 @@ pub(super) enum Outcome {
     Apart,
     /// They overlap as the rules forbid.
     Refused(Refusal),
+    /// They fork, and one of them was cut there.
+    Cut(Cut),
     /// They are one.
     Merged(Merged),
 }
@@ -62,14 +65,13 @@ pub(super) fn merge(
     pair: [&Curve; 2],
     overlaps: &Overlaps,
     tolerance: &OverlapTolerance,
-    views: u32,
 ) -> Outcome {
     if let Some(refusal) = refusal(pair, overlaps) {
-        return Outcome::Refused(refusal);
+        return cut(pair, overlaps).map_or(Outcome::Refused(refusal), Outcome::Cut);
     }
     let limits =
         Limits { threshold: tolerance.distance(), least_cosine: tolerance.max_angle_rad().cos() };
-    let merger = Merger { pair, limits, views };
+    let merger = Merger { pair, limits };
     let merged = match overlaps.as_slice() {
         [overlap] => merger.single(overlap),
         [coming, leaving] => merger.ring(coming, leaving),
@@ -100,7 +102,6 @@ fn refusal(pair: [&Curve; 2], overlaps: &Overlaps) -> Option<Refusal> {
 struct Merger<'a> {
     pair: [&'a Curve; 2],
     limits: Limits,
-    views: u32,
 }
 
 impl Merger<'_> {
@@ -111,7 +112,7 @@ impl Merger<'_> {
     fn average(&self, strands: &[Strand; 2]) -> Option<Averaged> {
         let strands = [&strands[0], &strands[1]];
         let start = verify(strands, &self.limits)?;
-        Some(average(strands, &start, &self.limits, self.views))
+        Some(average(strands, &start, &self.limits))
     }
 
     /// One overlap (Rule 2).

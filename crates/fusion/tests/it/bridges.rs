@@ -115,3 +115,19 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_view_counts_once_at_a_node_however_often_it_saw_it() {
+    // One view saw a row twice, as two curves that overlap; another saw it once, later.
+    let [whole, first, second] = [(0, 60), (0, 40), (20, 40)]
+        .map(|(k, count)| Curve::new(row(Point2::new(SPACING * f64::from(k), 0.0), count), false));
+    let views = [Vec::new(), vec![first.unwrap(), second.unwrap()], vec![whole.unwrap()]];
+    for method in methods() {
+        let fused = fuse_plane(&slices(&views), &method);
+        assert_eq!(fused.curves.len(), 1, "{method:?}");
+        let counts: Vec<u32> = fused.curves[0].nodes().iter().map(Node::view_count).collect();
+        assert!(counts.iter().all(|count| *count == 2), "{method:?}: {counts:?}");
+        // A view without curves on the plane changes nothing.
+        assert_eq!(fuse_plane(&slices(&views[1..]), &method).curves, fused.curves);
+    }
+}

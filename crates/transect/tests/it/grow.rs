@@ -4,18 +4,20 @@
 use crate::objects::{noisy_views, setup, views};
 use proptest::prelude::*;
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use transect::{
     GrowError, Grower, LoadedView, ReconstructError, Setup, SourceError, Stage, Unwatched,
     ViewSource, Watch, reconstruct,
 };
-use transect_device::{Isometry3, View};
+use transect_device::{ImageSize, Isometry3, View};
 use transect_exchange::write_contours;
 use transect_fusion::FusionMethod;
 use transect_geometry::{LengthUnit, PlaneFamily, StraightGuide, Vector3};
 use transect_model::Model;
 use transect_model::store::{Store, StoreProblem, ViewId};
-use transect_scene::Noise;
+use transect_scene::{Description, Noise, Station};
+use transect_sensors::{AngularScan, ImagingRadar};
 
 fn contours(model: &Model) -> Vec<u8> {
     let mut bytes = Vec::new();
@@ -112,6 +114,29 @@ fn a_removed_view_leaves_no_trace_and_a_moved_one_is_as_if_it_had_always_been_th
     }
 }
 
+/// Planes through the bundled room, and coarse scans of full circles from its stations. Some planes
+/// have no curves of some views.
+fn full_circles() -> (PlaneFamily, Vec<View>) {
+    let text = include_str!("../../../../fixtures/room.scene.toml");
+    let description = Description::parse(text).unwrap();
+    let scene = description.scene();
+    let view = |(k, station): (usize, &Station)| {
+        let size = ImageSize { rows: 24, cols: 180 };
+        let degrees = |first: f64, step: f64| {
+            AngularScan::from_radians(first.to_radians(), step.to_radians())
+        };
+        let down = 20.0 * k as f64;
+        let frame = ImagingRadar::new(size, degrees(180.0, -2.0), degrees(70.0 - down, -2.0));
+        let place =
+            Isometry3::from_parts(station.world_from_sensor.translation, Default::default());
+        let noise = &description.noise;
+        scene.view(station.name.clone(), Arc::new(frame.unwrap()), place, noise, k as u64).unwrap()
+    };
+    let views = description.stations.iter().take(4).enumerate().map(view).collect();
+    let guide = StraightGuide::along(Vector3::z()).unwrap();
+    (PlaneFamily::new(guide, 0.0337, 0.3).unwrap(), views)
+}
+
 #[derive(Debug, Clone)]
 enum Step {
     Add(usize),
@@ -164,15 +189,22 @@ proptest! {
 
     #[test]
     fn the_store_is_a_function_of_the_views_that_are_there(steps in steps()) {
-        let (setup, all) = (setup(), noisy_views());
-        let folder = tempfile::tempdir().unwrap();
-        let mut store = create(folder.path(), &setup);
-        let mut there: Vec<Option<View>> = vec![None; all.len()];
-        for step in steps {
-            take(step, &Grower::new(&store, &setup).unwrap(), &all, &mut there);
-            let views: Vec<View> = there.iter().flatten().cloned().collect();
-            prop_assert!(stored(&store) == at_once(&views, &setup));
-            prop_assert_eq!(store.verify().unwrap().views, views.len() as u64);
+        let (planes, room_views) = full_circles();
+        let both = methods().map(|setup| (setup, noisy_views()));
+        let rooms = methods().map(|mut setup| {
+            setup.planes = planes.clone();
+            (setup, room_views.clone())
+        });
+        for (setup, all) in both.into_iter().chain(rooms) {
+            let folder = tempfile::tempdir().unwrap();
+            let mut store = create(folder.path(), &setup);
+            let mut there: Vec<Option<View>> = vec![None; all.len()];
+            for step in steps.clone() {
+                take(step, &Grower::new(&store, &setup).unwrap(), &all, &mut there);
+                let views: Vec<View> = there.iter().flatten().cloned().collect();
+                prop_assert!(stored(&store) == at_once(&views, &setup));
+                prop_assert_eq!(store.verify().unwrap().views, views.len() as u64);
+            }
         }
     }
 }

@@ -63,14 +63,7 @@ pub(super) struct Averaged {
 }
 
 /// Averages two strands from a verified start to the end of their overlap.
-///
-/// `views` is the largest number of views a node can have been seen from.
-pub(super) fn average(
-    strands: [&Strand; 2],
-    start: &Start,
-    limits: &Limits,
-    views: u32,
-) -> Averaged {
+pub(super) fn average(strands: [&Strand; 2], start: &Start, limits: &Limits) -> Averaged {
     let mut result = Averaged::default();
     result.heads[start.basis] = start.unit + 1;
     result.heads[1 - start.basis] = start.point;
@@ -79,7 +72,6 @@ pub(super) fn average(
     let mut walk = Walk {
         strands,
         limits,
-        views,
         basis: start.basis,
         next,
         sum: Sum::default(),
@@ -99,7 +91,6 @@ struct Sum {
     y: f64,
     variance: f64,
     weight: f32,
-    views: u32,
     /// Length of the basis curve's unit over which the distant curve saw ground.
     seen: f64,
 }
@@ -110,7 +101,6 @@ impl Sum {
         self.y += y;
         self.variance += f64::from(node.sigma).powi(2);
         self.weight += node.weight;
-        self.views = self.views.max(node.view_count());
     }
 }
 
@@ -118,7 +108,6 @@ impl Sum {
 struct Walk<'a> {
     strands: [&'a Strand; 2],
     limits: &'a Limits,
-    views: u32,
     /// Which strand is the basis curve.
     basis: usize,
     /// The current unit of the basis curve, and the next point of the distant one.
@@ -282,13 +271,11 @@ impl Walk<'_> {
         let variance = |node: &Node| f64::from(node.sigma).powi(2);
         // Half the middle of the unit, half the mean of the points.
         let sigma = 0.5 * (0.25 * (variance(&a) + variance(&b)) + sum.variance / (n * n)).sqrt();
-        let views = sum.views + a.view_count().max(b.view_count());
         let normals = a.normal.unwrap_or_default() + b.normal.unwrap_or_default();
         let node = Node::at(frame.place(0.5 * frame.x_end, sum.y / (2.0 * n)))
             .with_sigma(sigma as f32)
             .with_footprint(0.5 * (a.footprint + b.footprint))
             .with_weight(sum.weight + 0.5 * (a.weight + b.weight))
-            .with_views(views.min(self.views))
             .with_correlation(0.5 * (a.correlation + b.correlation))
             .with_normal(normals.try_normalize(0.0))
             .with_bridged(a.bridged && sum.seen < 0.5 * frame.x_end);
