@@ -63,14 +63,6 @@ impl PlaneEnvelopes {
         Some(envelope)
     }
 
-    /// The envelope of the plane: the smallest around the grown envelopes of all its curves, as
-    /// far as coordinates are below 1e75; `None` without curves.
-    pub fn plane(&self) -> Option<Envelope> {
-        let around = self.tree.root().envelope();
-        let all = || Envelope { min: around.lower().into(), max: around.upper().into() };
-        (self.tree.size() > 0).then(all)
-    }
-
     /// The curves whose grown envelopes meet that of a curve, grown as well, in order of number.
     pub fn meeting(&self, curve: &Curve) -> Vec<Meeting> {
         let around = curve.envelope().grown(self.tolerance);
@@ -189,8 +181,6 @@ mod tests {
                         prop_assert_eq!(envelopes.remove(k), gone);
                     }
                 }
-                let grown = curves.values().map(|c| c.envelope().grown(tolerance));
-                prop_assert_eq!(envelopes.plane(), grown.reduce(|a, b| a.merged(&b)));
             }
             let around = asked.envelope().grown(tolerance);
             let meeting = |(&curve, c): (&usize, &Curve)| {

@@ -10,6 +10,10 @@ use transect_geometry::{CurveUnit, EndReason, Point2, Vector2};
 /// surfaces of small parts are kept apart.
 const JUMP_FOOTPRINTS: f64 = 3.0;
 
+/// How far beyond its ends a view's unit shows the ground, in lengths of the unit. By hand: outside
+/// a bend a place lies beyond both units. Doubled: a missing pixel passes as measured.
+const BEYOND: f64 = 0.25;
+
 /// A range jump at one end of a view's curve.
 struct Jump<'a> {
     at: &'a Observation,
@@ -55,9 +59,10 @@ impl<'a> Ground<'a> {
     }
 
     /// Whether a view measured the ground within a distance of the middle of a unit.
-    pub fn is_measured(&self, unit: &CurveUnit, distance: f64) -> bool {
+    pub fn is_measured(&self, unit: &CurveUnit, footprint: f64, distance: f64) -> bool {
         let way = unit.vector();
-        !self.views_at(&unit.at(0.5), &way, [2.0 * way.norm(), distance]).is_empty()
+        let reach = 2.0 * way.norm().max(footprint);
+        !self.views_at(&unit.at(0.5), &way, [reach, distance]).is_empty()
     }
 
     /// The views that measured ground along a way, near a place: within a reach along the way, and
@@ -69,7 +74,10 @@ impl<'a> Ground<'a> {
             let next = self.observations.all.get(here.next as usize).filter(|_| !here.bridged);
             let measured = next.is_some_and(|next| {
                 let seen = CurveUnit { start: here.position, end: next.position };
-                seen.vector().dot(way) > 0.0 && seen.distance(place) <= distance
+                let along = -BEYOND..=1.0 + BEYOND;
+                along.contains(&seen.parameter(place))
+                    && seen.vector().dot(way) > 0.0
+                    && seen.distance(place) <= distance
             });
             if measured && !views.contains(&here.view) {
                 views.push(here.view);

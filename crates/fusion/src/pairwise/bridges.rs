@@ -4,10 +4,6 @@ use crate::ground::Ground;
 use crate::sequence::neighbours;
 use transect_geometry::{Curve, CurveUnit, EndReason, Node};
 
-/// Longest unit without a look at its ground, in footprints. Theory: averaging keeps a node for
-/// each unit of a view. Doubled: gaps of two samples count as measured.
-const GAP_FOOTPRINTS: f64 = 1.5;
-
 /// A view's curve without its bridges over ground in the shadow of another view.
 pub(super) fn without_shadowed(curve: &Curve, ground: &Ground<'_>) -> Vec<Curve> {
     let goes = |(a, b): (&Node, &Node)| a.bridged && ground.is_in_shadow(&unit(a, b));
@@ -32,7 +28,7 @@ pub(super) fn without_shadowed(curve: &Curve, ground: &Ground<'_>) -> Vec<Curve>
     pieces
 }
 
-/// A fused curve as the views saw its ground within a distance: each long unit that no view
+/// A fused curve as the views saw its ground within a distance: each unit that no view
 /// measured is marked, and each node states how many views measured it. `spacing` stands for
 /// footprints that are not known.
 pub(super) fn seen(curve: Curve, ground: &Ground<'_>, spacing: f64, distance: f64) -> Curve {
@@ -40,9 +36,8 @@ pub(super) fn seen(curve: Curve, ground: &Ground<'_>, spacing: f64, distance: f6
         if node.footprint > 0.0 { f64::from(node.footprint) } else { spacing }
     };
     let is_gap = |(a, b): (&Node, &Node)| {
-        let (unit, footprint) = (unit(a, b), footprint(a).max(footprint(b)));
-        unit.vector().norm() > GAP_FOOTPRINTS * footprint
-            && !ground.is_measured(&unit, distance.max(footprint))
+        let footprint = footprint(a).max(footprint(b));
+        !ground.is_measured(&unit(a, b), footprint, distance.max(footprint))
     };
     let gaps: Vec<bool> = neighbours(curve.nodes(), curve.is_closed()).map(is_gap).collect();
     let units: Vec<CurveUnit> = curve.units().collect();
@@ -52,7 +47,7 @@ pub(super) fn seen(curve: Curve, ground: &Ground<'_>, spacing: f64, distance: f6
         let way = unit.map(CurveUnit::vector).unwrap_or_default();
         let views = ground.views_at(&node.position, &way, [2.0 * footprint(node), distance]);
         let is_gap = gaps.get(k).is_some_and(|gap| *gap);
-        node.with_views(views.len().max(1) as u32).with_bridged(node.bridged || is_gap)
+        node.with_views(views.len().max(1) as u32).with_bridged(is_gap)
     };
     let nodes = curve.nodes().iter().enumerate().map(seen).collect();
     let ends = curve.ends();

@@ -57,7 +57,7 @@ fn bridge(a: &PlacedNode, b: &PlacedNode, ground: &Ground<'_>, scale: &Scale) ->
             .with_views(0)
             .with_bridged(true)
     };
-    (gap > GAP_FOOTPRINTS * footprint && !ground.is_measured(&unit, across)).then(middle)
+    (gap > GAP_FOOTPRINTS * footprint && !ground.is_measured(&unit, footprint, across)).then(middle)
 }
 
 /// The middle of the cubic with the places and directions of two nodes, where their chord misses

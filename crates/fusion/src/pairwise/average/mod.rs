@@ -26,9 +26,6 @@
 //! is kept, or sharp corners between long units would be cut. If two exchanges follow each other
 //! without a point in between, as on zigzags, the second one is not made.
 //!
-//! A new unit is bridged if it crosses a bridged unit of the basis curve of whose ground the
-//! distant curve did not see half either.
-//!
 //! The midpoint of a chord lies inside the arc: every merge moves a curve by up to h²/8R towards
 //! its inside (errata). This is the method's, and one reason why
 //! [`consensus`](mod@crate::consensus) is the default. The newest curve weighs half, so half of the
@@ -91,8 +88,6 @@ struct Sum {
     y: f64,
     variance: f64,
     weight: f32,
-    /// Length of the basis curve's unit over which the distant curve saw ground.
-    seen: f64,
 }
 
 impl Sum {
@@ -136,12 +131,12 @@ impl Walk<'_> {
         }
         let in_the_wedge = x < 0.0 && near && x.hypot(y) <= self.limits.threshold;
         if near && x >= 0.0 {
-            self.add((x, y), frame.x_end, &node);
+            self.add(y, &node);
         } else if self.is_corner(&frame, point) {
             self.finish_unit();
             self.advance();
         } else if in_the_wedge {
-            self.add((x, y), frame.x_end, &node);
+            self.add(y, &node);
         } else {
             self.leave_out(point);
         }
@@ -158,24 +153,10 @@ impl Walk<'_> {
         (k < basis.enclosed.end).then(|| basis.unit(k)).flatten()
     }
 
-    fn add(&mut self, (x, y): (f64, f64), x_end: f64, node: &Node) {
-        self.sum.seen += self.seen_beside(x.clamp(0.0, x_end), x_end);
+    fn add(&mut self, y: f64, node: &Node) {
         self.sum.add(y, node);
         self.next[1 - self.basis] += 1;
         self.exchanged = false;
-    }
-
-    /// How much of the basis curve's unit the distant curve saw between its next point, at `x`, and
-    /// the one after, and up to its first point.
-    fn seen_beside(&self, x: f64, x_end: f64) -> f64 {
-        let (distant, point) = (self.strands[1 - self.basis], self.next[1 - self.basis]);
-        let seen = |k: Option<usize>, longest: f64| {
-            let unit = k.filter(|&k| distant.nodes.get(k).is_some_and(|node| !node.bridged));
-            let length = unit.and_then(|k| distant.unit(k)).map(|unit| unit.vector().norm());
-            length.map_or(0.0, |length| length.min(longest))
-        };
-        let before = if self.sum.points == 0 { seen(point.checked_sub(1), x) } else { 0.0 };
-        before + seen(Some(point), x_end - x)
     }
 
     /// Finishes the unit, and goes on to the next one or exchanges the curves (Figure 5.11).
@@ -261,7 +242,7 @@ impl Walk<'_> {
     fn finish_unit(&mut self) {
         let sum = std::mem::take(&mut self.sum);
         if sum.points == 0 {
-            return self.pass_unit();
+            return;
         }
         let Some(unit) = self.unit() else { return };
         let nodes = &self.strands[self.basis].nodes;
@@ -277,10 +258,7 @@ impl Walk<'_> {
             .with_footprint(0.5 * (a.footprint + b.footprint))
             .with_weight(sum.weight + 0.5 * (a.weight + b.weight))
             .with_correlation(0.5 * (a.correlation + b.correlation))
-            .with_normal(normals.try_normalize(0.0))
-            .with_bridged(a.bridged && sum.seen < 0.5 * frame.x_end);
-        // The unit from the last new node crosses the first half of this one.
-        self.mark_last(node.bridged);
+            .with_normal(normals.try_normalize(0.0));
         let passed = std::mem::take(&mut self.result.passed);
         // Nodes that a strand keeps before the first new one are no concern of this chord.
         let last = self.result.nodes.last().copied();
@@ -290,26 +268,6 @@ impl Walk<'_> {
         }
         self.result.nodes.push(node);
         self.finished = true;
-    }
-
-    /// A unit without a new node becomes part of the one from the last new node, which crosses
-    /// ground that nobody saw if this does, and if the distant curve's unit above it does.
-    fn pass_unit(&mut self) {
-        let (basis, distant) = (self.basis, 1 - self.basis);
-        let bridged = |side: usize, k: Option<usize>| {
-            k.and_then(|k| self.strands[side].nodes.get(k)).is_some_and(|node| node.bridged)
-        };
-        let both = !self.finished
-            && bridged(basis, Some(self.next[basis]))
-            && bridged(distant, self.next[distant].checked_sub(1));
-        self.mark_last(both);
-    }
-
-    /// Marks the unit from the last new node if it leads over ground that nobody saw.
-    fn mark_last(&mut self, bridged: bool) {
-        if let Some(last) = self.result.nodes.last_mut().filter(|_| bridged) {
-            last.bridged = true;
-        }
     }
 
     /// The look-forward of Figure 5.12 for a point that the current unit does not hold.
