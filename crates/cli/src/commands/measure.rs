@@ -4,7 +4,7 @@ use super::open_model;
 use crate::failure::Failure;
 use crate::table::{Lengths, Quantity, Row, print, print_grid, say};
 use std::path::PathBuf;
-use transect_geometry::{LengthUnit, PlaneFamily, PlaneIndex};
+use transect_geometry::{PlaneFamily, PlaneIndex};
 use transect_model::{Bracket, SectionMeasures, Volume};
 use transect_workflow::{ModelFile, parse_length};
 
@@ -133,15 +133,15 @@ fn rows(
         Row::plain("runs of neighbouring planes", volume.runs.len()),
     ];
     let closed = close_gaps.map(|widest| volume.widest_gap <= widest);
-    rows.extend(volume_rows("solid volume", &volume.solid, closed, unit));
-    rows.extend(volume_rows("clear volume", &volume.clear, closed, unit));
+    let largest = volume.solid.bracket.estimate.max(volume.clear.bracket.estimate);
+    let lengths = Lengths::of(&Quantity::new(largest, unit, 3));
+    rows.extend(volume_rows("solid volume", &volume.solid, closed, &lengths));
+    rows.extend(volume_rows("clear volume", &volume.clear, closed, &lengths));
     Ok(rows)
 }
 
-fn volume_rows(name: &str, volume: &Volume, closed: Option<bool>, unit: LengthUnit) -> Vec<Row> {
+fn volume_rows(name: &str, volume: &Volume, closed: Option<bool>, lengths: &Lengths) -> Vec<Row> {
     let Volume { bracket, interval_error, .. } = volume;
-    let largest = Quantity::new(bracket.most.unwrap_or(bracket.least), unit, 3);
-    let lengths = Lengths::of(&largest);
     let row = |name: String, value: String| {
         let is_number = value.starts_with(|first: char| first.is_ascii_digit());
         let unit = if is_number { format!("{}³", lengths.unit) } else { String::new() };
@@ -149,12 +149,12 @@ fn volume_rows(name: &str, volume: &Volume, closed: Option<bool>, unit: LengthUn
     };
     let error = lengths.digits(*interval_error, 3);
     let mut rows = vec![
-        row(name.to_owned(), bounds(bracket, &lengths, 3)),
+        row(name.to_owned(), bounds(bracket, lengths, 3)),
         row(format!("largest interval error of {name}"), error),
     ];
     rows.extend(
         closed.map(|closed| {
-            row(format!("{name}, gaps closed"), estimate(bracket, closed, &lengths, 3))
+            row(format!("{name}, gaps closed"), estimate(bracket, closed, lengths, 3))
         }),
     );
     rows

@@ -13,7 +13,7 @@
 //!
 //! **Departures from the source.** Candidates come from an R-tree, and are asked for again after
 //! each merge: a grown curve may reach one that the partial curve did not. Each is tried once per
-//! partial curve. The curves of a view go in a canonical order, so that the order in which a view
+//! partial curve, and once more if the partial curve was cut. The curves of a view go in a canonical order, so that the order in which a view
 //! lists them does not matter; the order of views does, which is the method's nature.
 //!
 //! **Cost.** O(log n) for n curves of the plane, and the length of the curves that meet.
@@ -45,8 +45,6 @@ pub struct GrowthCounts {
     /// How often a view brought the first curves of a plane, curves that overlapped none, and
     /// curves that overlapped some: cases 1 to 3 of 5.2.2.
     pub cases: [usize; 3],
-    /// Nodes that came.
-    pub observations: usize,
     /// Partial curves put beside the others.
     pub appended: usize,
     /// Global curves merged into partial ones.
@@ -77,7 +75,6 @@ impl GrowthCounts {
         let sum = |a: [usize; 3], b: [usize; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
         *self = Self {
             cases: sum(self.cases, other.cases),
-            observations: self.observations + other.observations,
             appended: self.appended + other.appended,
             merged: self.merged + other.merged,
             rings: self.rings + other.rings,
@@ -133,7 +130,6 @@ impl GrowingPlane {
         let mut curves: Vec<&Curve> = partial.iter().collect();
         curves.sort_by(|a, b| canonical(a, b));
         for curve in curves {
-            self.counts.observations += curve.nodes().len();
             if curve.length() > 0.0 {
                 self.integrate(curve.clone());
             } else {

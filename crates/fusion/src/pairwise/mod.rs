@@ -16,11 +16,14 @@
 //!    (`verify.rs`; 5.5.1).
 //! 5. The overlap is averaged (`average.rs`; 5.5.2) and spliced in (`splice.rs`).
 //! 6. The grown curve goes on to the next candidate (`grow.rs`; 5.2.2, 5.3.1).
+//! 7. Where two curves fork, the shorter part is cut off and the rest is merged (`fork.rs`).
+//! 8. Bridges over range jumps that another view saw are left out; units that no view measured are
+//!    marked, and each node counts its views (`bridges.rs`).
 //!
 //! **Departures from the source** stand in each file. In all: the dissertation gives no threshold;
 //! here it follows from the measured spread between the views, as for
-//! [`consensus`](mod@crate::consensus). Forks are refused and counted: the two curves stay beside
-//! each other.
+//! [`consensus`](mod@crate::consensus). Forks, which the source takes as impossible, are cut and
+//! counted.
 //!
 //! **When not to use it.** The result drifts with every merge, since midpoints of chords lie inside
 //! an arc, the last view weighs as much as all before it, and the order of views shows. It is the

@@ -4,7 +4,8 @@
 //! unenclosed parts must be joined to the averaged part without losing what was seen.
 //!
 //! **Steps.**
-//! 1. The rules: one valid overlap, or two of a ring. Everything else is refused.
+//! 1. The rules: one valid overlap, or two of a ring. Everything else is cut where it forks
+//!    (`fork.rs`), or refused.
 //! 2. Verification (5.5.1) and averaging (5.5.2) of the enclosed parts.
 //! 3. Before the overlap the curve that has more of it stays, and so it does behind. What the other
 //!    one has there is no longer than the remainder that counts as nothing.

@@ -43,7 +43,7 @@ impl Quantity {
         if unit == self.unit { self.value } else { self.value * ratio.powi(self.power.into()) }
     }
 
-    /// Its own unit, if a person can read the number there: from 0.01 to 100 000. Otherwise the
+    /// Its own unit, if a person can read the number there: from 0.1 to 100 000. Otherwise the
     /// largest unit of the same system in which this holds.
     pub fn readable_unit(&self) -> LengthUnit {
         use LengthUnit::{Centimetre, Foot, Inch, Metre, Micrometre, Millimetre};
@@ -52,7 +52,7 @@ impl Quantity {
             (_, 1) => &[Metre, Millimetre, Micrometre],
             _ => &[Metre, Centimetre, Millimetre],
         };
-        let is_readable = |unit: &LengthUnit| (0.01..1e5).contains(&self.in_unit(*unit).abs());
+        let is_readable = |unit: &LengthUnit| (0.1..1e5).contains(&self.in_unit(*unit).abs());
         let units = [self.unit].into_iter().chain(others.iter().copied());
         units.into_iter().find(is_readable).unwrap_or(self.unit)
     }
