@@ -87,8 +87,8 @@ impl Plausibility {
         Check::Planes.refuse(format!(
             "{planes:.0} planes lie between neighbouring pixels: pixels are {spacing:.4} {unit} \
              apart, planes {interval} {unit}. At most {PLANES_PER_PIXEL} planes between pixels are \
-             plausible. Check the unit of the images (unit, depth_scale): is the interval in the \
-             right unit?"
+             plausible. Check the unit of the images (\"unit\", \"scale\"): is the interval in \
+             the right unit?"
         ))
     }
 

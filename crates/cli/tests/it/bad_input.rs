@@ -420,7 +420,7 @@ fn implausible_scans_are_stopped_before_the_work_and_can_be_accepted() {
                 m["views"][0]["depth_scale"] = json!(1.0);
             },
             "planes",
-            &["view wall.png", "planes lie between neighbouring pixels", "depth_scale"],
+            &["view wall.png", "planes lie between neighbouring pixels", "\"scale\""],
         ),
         (
             |m| m["views"][0]["file"] = "holes.npy".into(),

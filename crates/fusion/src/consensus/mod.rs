@@ -25,7 +25,7 @@
 //!      ones.
 //! 3. `connect` → `Chain`s.
 //!    * Links: cheapest first, one successor and one predecessor. The views' own curves suggest
-//!      links.
+//!      links. No link crosses ground in the shadow of a view (`ground.rs`).
 //!    * Cover: longest chain first; what lies beside an accepted chain is cut away.
 //!    * Ends: joined where they meet and where the curve goes on, turned round thin tips, cut back
 //!      where they cross. Gaps are counted in samples of the coarsest view there. Chains with too

@@ -22,8 +22,9 @@
 //!
 //! **Departures from the source** stand in each file. In all: the dissertation gives no threshold;
 //! here it follows from the measured spread between the views, as for
-//! [`consensus`](mod@crate::consensus). Forks, which the source takes as impossible, are cut and
-//! counted.
+//! [`consensus`](mod@crate::consensus). Where two curves fork, one is cut (`fork.rs`). Pairs that
+//! cannot be cut or merged stay beside each other, and are counted. Bridges over ground in another
+//! view's shadow are taken out, and units that no view measured are marked (`bridges.rs`).
 //!
 //! **When not to use it.** The result drifts with every merge, since midpoints of chords lie inside
 //! an arc, the last view weighs as much as all before it, and the order of views shows. It is the
