@@ -85,7 +85,6 @@ impl BreakRule {
     pub fn allows_step(&self, pair: &PairGeometry) -> bool {
         // A comparison with NaN is false, which is what a missing pixel needs.
         pair.range_step <= self.tan_incidence * pair.lateral + self.slack
-            && pair.lateral <= self.largest_lateral
     }
 }
 

@@ -211,7 +211,7 @@ mod tests {
     fn quantities_are_shown_in_a_unit_that_people_read() {
         use LengthUnit::{Foot, Inch, Metre, Millimetre};
         for (value, unit, power, own, read) in [
-            (0.000_029_8, Metre, 1, "0.00002980 m", "0.02980 mm"),
+            (0.000_029_8, Metre, 1, "0.00002980 m", "29.80 um"),
             (0.5, Metre, 1, "0.5000 m", "0.5000 m"),
             (0.0, Metre, 1, "0 m", "0 m"),
             (3e-9, Metre, 1, "0.000000003000 m", "0.000000003000 m"),
@@ -219,7 +219,7 @@ mod tests {
             (-0.000_5, Metre, 2, "-0.0005000 m²", "-5.000 cm²"),
             (3.2e-5, Metre, 3, "0.00003200 m³", "32.00 cm³"),
             (2.5, Inch, 1, "2.500 in", "2.500 in"),
-            (0.001, Foot, 1, "0.001000 ft", "0.01200 in"),
+            (0.01, Foot, 1, "0.01000 ft", "0.1200 in"),
         ] {
             let quantity = Quantity::new(value, unit, power);
             assert_eq!(quantity.shown(Some(unit)).join(" "), own);
