@@ -45,7 +45,7 @@ const FAR_OUTSIDE: f32 = 100.0;
 const ABSURD: f64 = 1e6;
 
 /// How many times more often a mark occurs than the repetitions of the other points explain.
-/// Theory: rounding repeats points where they are dense, and the density of a scan varies with the
+/// Theory: rounding repeats points where they are dense. The density of a scan varies with the
 /// square of the range, up to 30² within a view. Doubled, rare marks in coarsely rounded grids stay
 /// surface.
 const MORE_OFTEN: f64 = 1000.0;
