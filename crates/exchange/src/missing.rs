@@ -45,7 +45,7 @@ const FAR_OUTSIDE: f32 = 100.0;
 const ABSURD: f64 = 1e6;
 
 /// How many times more often a mark occurs than the repetitions of the other points explain.
-/// Theory: rounding repeats points where they are dense, and the density of a scan varies with the
+/// Theory: rounding repeats points where they are dense. The density of a scan varies with the
 /// square of the range, up to 30² within a view. Doubled, rare marks in coarsely rounded grids stay
 /// surface.
 const MORE_OFTEN: f64 = 1000.0;
@@ -72,7 +72,8 @@ pub(crate) fn clear_values(
         clear_value(values, mark);
         notes.push(note(count, &format!("{mark:?}")));
     }
-    refuse_absurd(size, || values.iter().map(|v| f64::from(*v)), |v| format!("{:?}", v as f32))
+    let text = |at: usize| values.get(at).map_or_else(String::new, |v| format!("{v:?}"));
+    refuse_absurd(size, || values.iter().map(|v| f64::from(*v)), text)
 }
 
 fn clear_value(values: &mut [f32], mark: f32) {
@@ -124,7 +125,10 @@ pub(crate) fn clear_points(
         clear_point(points, &mark);
         notes.push(note(count, &format!("[{}, {}, {}]", mark.x, mark.y, mark.z)));
     }
-    refuse_absurd(size, || points.iter().map(|p| p.coords.norm()), |v| format!("{v:e}"))
+    let text = |at: usize| {
+        points.get(at).map_or_else(String::new, |p| format!("[{:?}, {:?}, {:?}]", p.x, p.y, p.z))
+    };
+    refuse_absurd(size, || points.iter().map(|p| p.coords.norm()), text)
 }
 
 fn clear_point(points: &mut [Point3], mark: &Point3) {
@@ -160,11 +164,12 @@ fn hash(point: &Point3) -> u64 {
 /// 2⁶⁴ divided by the golden ratio, made odd: spreads equal low bits over the whole hash.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// Refuses the largest distance if it is absurd beside the median.
+/// Refuses the largest distance if it is absurd beside the median. `text` shows the content of a
+/// pixel by its number, as the key `missing` states it.
 fn refuse_absurd<I: Iterator<Item = f64>>(
     size: ImageSize,
     distances: impl Fn() -> I,
-    text: impl Fn(f64) -> String,
+    text: impl Fn(usize) -> String,
 ) -> Result<(), Problem> {
     let valid = || distances().filter(|v| *v > 0.0 && v.is_finite());
     let Some(largest) = valid().reduce(f64::max) else { return Ok(()) };
@@ -179,7 +184,7 @@ fn refuse_absurd<I: Iterator<Item = f64>>(
     if largest <= ABSURD * *median {
         return Ok(());
     }
-    let value = text(largest);
+    let value = text(at);
     let problem = format!(
         "the pixel holds {value}; values over 1e6 times the median, {median:e}, are refused. If it \
          means \"no return\", add \"missing\": {value} to the view; otherwise correct the pixel"

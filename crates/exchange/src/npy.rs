@@ -6,8 +6,8 @@
 //! the numbers, row-major
 //! ```
 //!
-//! Read: arrays of integers of 1 to 8 bytes and of `f2 f4 f8`, in either byte order, row-major or in
-//! Fortran order. Written: little-endian arrays of version 1.
+//! Read: arrays of integers of 1 to 8 bytes and of `f2 f4 f8`, in either byte order, row-major or
+//! in Fortran order. Written: little-endian arrays of version 1.
 //!
 //! The crate `npyz` does the same, but it brings some twenty crates and a C compiler into the
 //! build. The announced shape is compared with the length of the file before memory is taken.

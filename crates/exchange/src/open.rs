@@ -68,8 +68,8 @@ impl Scan {
     /// (`*.conf`), or a folder of depth images with poses and `camera-intrinsics.txt`.
     ///
     /// # Errors
-    /// [`ReadError`] if the path is none of these, a file is missing or damaged, the unit is
-    /// missing, or the files state another unit than the options.
+    /// [`ReadError`] if the path is none of these, or a file is missing or damaged. Also if no unit
+    /// is known, or the files state another unit than the options.
     pub fn open_with(path: &Path, options: OpenOptions) -> Result<Self, ReadError> {
         std::fs::metadata(path).map_err(|e| ReadError::io(path, e))?;
         let Some(format) = FORMATS.iter().find(|format| (format.recognise)(path)) else {

@@ -5,8 +5,8 @@ use std::io::Cursor;
 use std::path::Path;
 use transect_device::{ImageSize, MAX_PIXELS};
 
-/// Images up to this many bytes may be compressed in any ratio: 16-bit images of 4096 × 2048 pixels.
-/// Chosen by hand. Doubled, a damaged header may take 32 MiB.
+/// Images up to this many bytes may be compressed in any ratio: 16-bit images of 4096 × 2048
+/// pixels. Chosen by hand. Doubled, a damaged header may take 32 MiB.
 const SMALL: usize = 16 << 20;
 
 /// Largest ratio of an image's bytes to those of its file, beyond [`SMALL`]. Measured on the depth

@@ -48,8 +48,8 @@ impl<'a> Ground<'a> {
         Self { observations, grid, leaving: jumps(true), arriving: jumps(false) }
     }
 
-    /// Whether one view saw a surface end by a range jump where a unit begins, and another surface
-    /// begin by a range jump where the unit ends. The ground between is in that view's shadow.
+    /// Whether a unit leads over ground in the shadow of a view. One curve of that view ends by a
+    /// range jump where the unit begins. Another one begins by a range jump where the unit ends.
     pub fn is_in_shadow(&self, unit: &CurveUnit) -> bool {
         let mut leaving = self.leaving.iter().filter(|jump| jump.is_near(&unit.start));
         leaving.any(|out| {

@@ -7,8 +7,8 @@ use transect_device::{Neighbour, PairGeometry, View};
 const LINES: usize = 32;
 
 /// Share of the pairs whose distance between rays is plausible. No unit. Chosen by hand: the widest
-/// gap between the rows of a 32-row laser scanner is 3 % of the pairs of rows. With 0.96, such a gap
-/// is broken.
+/// gap between the rows of a 32-row laser scanner is 3 % of the pairs of rows. With 0.96, such a
+/// gap is broken.
 const PLAUSIBLE: f64 = 0.98;
 
 /// Distance between the rays of a pair, over the plausible one, from which one sample is off its

@@ -2,8 +2,8 @@
 
 use transect_device::{DeviceFrame, Pixel, RangeImage, View};
 
-/// Most rows, and rows of groups down the columns, in an estimate. No unit. Measured: more change it
-/// by less than 1 %. Doubled, it takes twice the time.
+/// Most rows, and rows of groups down the columns, in an estimate. No unit. Measured: more change
+/// it by less than 1 %. Doubled, it takes twice the time.
 const LINES: usize = 128;
 
 /// The same in a check of a stated noise, which needs the estimate to about 10 %. Chosen by hand.
@@ -71,8 +71,8 @@ impl RangeNoise {
 
     /// The estimate, as a length, where it contradicts the noise that a view states.
     ///
-    /// `None` where the image cannot tell: its values have steps as large as the noise, or the bends
-    /// of its surfaces exceed the stated noise. A stated 0 declares an image without noise.
+    /// `None` where the image cannot tell: its values have steps as large as the noise, or the
+    /// bends of its surfaces exceed the stated noise. A stated 0 declares an image without noise.
     pub fn contradicting(view: &View) -> Option<f64> {
         let stated = view.sigma().filter(|sigma| *sigma > 0.0)?;
         let of = |stride| differences(view.image(), CHECKED_LINES, stride);

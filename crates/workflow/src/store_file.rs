@@ -81,7 +81,7 @@ impl StoreFile {
         }
         names.sort_by_key(|there| strsim::levenshtein(there, name));
         names.truncate(5);
-        let near = if names.is_empty() { "it has no views".to_owned() } else { names.join(", ") };
+        let near = if names.is_empty() { "none, the store has no views".to_owned() } else { names.join(", ") };
         let problem = format!("no view {name:?}; the names most like it: {near}");
         Err(WorkflowError::file(&self.path, problem))
     }
@@ -110,8 +110,7 @@ impl StoreFile {
         let old = self.store.read()?.view(&id)?.ok_or_else(missing)?;
         let scan_path = replacement.scan.clone().unwrap_or_else(|| old.entry.source.clone().into());
         // A scan that does not state its unit is taken to have the store's; the modeler refuses
-        // one of another unit.
-        // Of the scan, one view is read.
+        // one of another unit. One view of the scan is read, so other views may lack their files.
         let mut options = OpenOptions::default();
         (options.unit, options.skip_missing) = (Some(self.setup.unit), true);
         let scan = Scan::open_with(&scan_path, options)?;

@@ -33,9 +33,10 @@
 //!
 //! Images are `.npy`, NaN or 0 = missing, in the unit of the sensor's pixels (the length unit for
 //! ranges and depths). Integers, and 16-bit grey `.png` (0 and 65535 = missing), need a `scale`.
-//! Other values that mean "no return" are stated by `missing`, or found; see `missing.rs`. Files that keys name are relative to the manifest. Notes by other programs (`scene`,
-//! `size`, `truth`, `seed`, `comment`, `description`) are accepted. Any other key becomes a note,
-//! also one of another sensor. `NaN` and `Infinity`, which some programs write though JSON has no
+//! Other values that mean "no return" are stated by `missing`, or found; see `missing.rs`. Files
+//! that keys name are relative to the manifest. Notes by other programs (`scene`, `size`, `truth`,
+//! `seed`, `comment`, `description`, `tool`) are accepted. Any other key becomes a note, also one
+//! of another sensor. `NaN` and `Infinity`, which some programs write though JSON has no
 //! such numbers, are read as "not a number".
 
 mod entry;

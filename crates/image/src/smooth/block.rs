@@ -1,10 +1,10 @@
 //! The robust fit of some neighbouring pixels of a row, side by side.
 //!
 //! A block has as many pixels as the processor has numbers in a vector. The fit of a pixel is the
-//! same to the bit with any number of others beside it. The two places of a row at the same distance
-//! from its middle are visited together: they share the weight by distance, and the sums of odd and
-//! even powers need their difference and their sum alone. The numbers of a place are kept in the
-//! order of the visits, so inner loops step through plain slices.
+//! same to the bit with any number of others beside it. The two places of a row at the same
+//! distance from its middle are visited together: they share the weight by distance. The sums of
+//! odd powers need their difference alone, the sums of even powers their sum. The numbers of a
+//! place are kept in the order of the visits, so inner loops step through plain slices.
 
 use super::estimate::{Estimates, Fitted};
 use super::grid::Grid;
@@ -305,8 +305,8 @@ impl<S: Simd> Fit<'_, S> {
         }
     }
 
-    /// The weight of a place and its weighted value, from what the pass before left there or, in a
-    /// new window, from the weight by distance, the column and the bit of its connection.
+    /// The weight of a place and its weighted value, from what the pass before left there. In a new
+    /// window they follow from the weight by distance, the column and the bit of its connection.
     /// `expected` is the value of the last fit.
     #[inline(always)]
     fn weigh<const VALUES: bool>(

@@ -154,8 +154,9 @@ impl Store {
 
     /// Opens a store for reading; any number of processes can do so at a time.
     ///
-    /// The file is never written. Changes, such as the repair of a file that a crash left and the
-    /// planes of [`Store::fuse_pending`], stay in memory and are lost when the store is dropped.
+    /// The file is never written. Changes stay in memory, and are lost when the store is dropped.
+    /// Such changes are the repair of a file that a crash left, and the planes of
+    /// [`Store::fuse_pending`].
     ///
     /// # Errors
     /// [`StoreProblem::InUse`] while another process writes, otherwise as for [`Store::open`].

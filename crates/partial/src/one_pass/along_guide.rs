@@ -182,10 +182,10 @@ impl Straightened {
 
     /// Whether the stations of two samples differ by more than their distance allows.
     ///
-    /// Theory: at a distance r from a guide whose bend radius is at least R, planes lie closer than
-    /// on the guide by the factor 1 - r / R. So the station changes by at most the way over that
-    /// factor. A larger change means that the guide passes the samples at both stations, and that
-    /// its reach was stated too large.
+    /// Theory: the bend radius of the guide is at least R. At a distance r from the guide, planes
+    /// lie closer than on it by the factor 1 - r / R. The station changes by at most the way over
+    /// that factor. A larger change means that the guide passes the samples at both stations, and
+    /// that its reach was stated too large.
     fn is_torn(&self, a: Pixel, b: Pixel) -> bool {
         let (Some(p), Some(q)) = (self.at(a), self.at(b)) else { return false };
         let (Some(start), Some(end)) =

@@ -1,7 +1,7 @@
 //! Whether a model and its reference have the same unit and frame.
 //!
-//! A mesh file states no unit. A mesh in another one has sections of a thousand times the length,
-//! or none, so the boxes around both are compared before anything is cut.
+//! A mesh file states no unit. A mesh in another unit has sections of a thousand times the length,
+//! or none. The boxes around model and mesh are therefore compared before anything is cut.
 
 use std::fmt;
 use transect_geometry::Point3;
