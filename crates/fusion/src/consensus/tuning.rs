@@ -218,6 +218,9 @@ pub(super) mod chain {
     pub const CHORD_NODES: usize = 2;
     /// Nodes whose mean direction is that of an end. By hand. Doubled: lags at bends.
     pub const DIRECTION_NODES: usize = 4;
+    /// Longest step of a short chain that several views confirm, in spacings. Theory: one missing
+    /// pixel is no gap. Doubled: scraps of two views with a gap between them become curves.
+    pub const CONFIRMED_STEP: f64 = 2.0;
     /// Least length of an open chain, in mean standard deviations of its nodes. By hand: noise
     /// leaves shorter ones of surfaces nearly parallel to the plane. Doubled: thin details are
     /// lost.
