@@ -28,8 +28,8 @@
 //!      links. No link crosses ground in the shadow of a view (`ground.rs`).
 //!    * Cover: longest chain first; what lies beside an accepted chain is cut away.
 //!    * Ends: joined where they meet and where the curve goes on, turned round thin tips, cut back
-//!      where they cross. Gaps are counted in samples of the coarsest view there. Chains with too
-//!      few measured footprints are left out.
+//!      where they cross. Gaps are counted in samples of the coarsest view there. Short chains
+//!      that only one view measured are left out.
 //! 4. `shape` → curves.
 //!    * Rings: closed chains that cannot be told from a circle become one.
 //!    * Corners: where two sides meet at an angle, the curve goes through the place at which they

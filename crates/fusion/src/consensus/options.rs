@@ -13,7 +13,8 @@ pub struct ConsensusOptions {
     pub threshold_spreads: f64,
     /// Largest angle between the directions of two observations of one surface, in radians.
     pub direction_limit_rad: f64,
-    /// Shortest curve that is kept, in footprints that were measured: gaps do not count.
+    /// Shortest open curve that only one view measured, in footprints that were measured: gaps do
+    /// not count.
     pub shortest_footprints: f64,
     /// Steps to leave out, to measure what they are worth.
     #[doc(hidden)]

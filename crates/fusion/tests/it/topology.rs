@@ -35,6 +35,18 @@ fn a_thin_leg_of_which_each_view_sees_two_samples_is_one_closed_curve() {
 }
 
 #[test]
+fn a_short_part_is_a_curve_if_two_views_measured_it() {
+    // Two sides of the same leg, with a length of three footprints.
+    let corners = [[0.0, 0.0], [0.05, 0.0], [0.05, 0.05]];
+    let sides: Vec<_> = corners.windows(2).map(|side| seen(side, 0.02)).collect();
+    let plane = fuse(&sides);
+    assert_eq!(plane.curves.len(), 1);
+    assert!(!plane.curves[0].is_closed());
+    assert_eq!(plane.curves[0].nodes().iter().filter(|n| !n.bridged).count(), 4);
+    assert_eq!(fuse(&[seen(&corners, 0.02)]).curves.len(), 0, "one view saw one side");
+}
+
+#[test]
 fn two_scraps_with_a_gap_between_them_are_no_curve() {
     // Six footprints from end to end, and less than half of that was seen.
     let scrap = |x: f64| seen(&[[x, 0.0], [x + 0.03, 0.0]], 0.015);

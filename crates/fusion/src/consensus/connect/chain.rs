@@ -37,6 +37,17 @@ impl Chain {
         length * self.nodes.len() as f64 / footprint
     }
 
+    /// Whether the chain has no gap, and is closed or measured by at least two views.
+    pub fn is_confirmed(&self, nodes: &[PlacedNode]) -> bool {
+        let mut evidence = self.nodes.iter().map(|&k| &nodes[k as usize].evidence);
+        let view = evidence.clone().next().map(|e| e.last_view);
+        let is_shared = evidence.any(|e| e.views > 1 || Some(e.last_view) != view);
+        let is_gap = |(a, b): (&PlacedNode, &PlacedNode)| {
+            (b.position - a.position).norm() > CONFIRMED_STEP * a.spacing.max(b.spacing)
+        };
+        (self.closed || is_shared) && !self.units(nodes).any(is_gap)
+    }
+
     /// Whether the chain is closed, or long enough against its own error to have a direction. Noise
     /// leaves shorter chains of surfaces that run nearly along the plane.
     pub fn has_direction(&self, nodes: &[PlacedNode]) -> bool {

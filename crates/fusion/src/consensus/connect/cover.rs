@@ -9,27 +9,27 @@ use transect_geometry::{Point2, Vector2};
 
 /// Smallest chain that is accepted.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Shortest {
-    footprints: f64,
-    /// Whether a chain may be shorter if no part of it lies beside another.
-    frees_whole: bool,
+pub(super) enum Shortest {
+    /// For chains that take part in joining. Of a thin leg a view has a sample or two of each side,
+    /// so a chain that no other covers may be of any size.
+    Part,
+    /// For chains that become curves: the least length in footprints of a chain that a single view
+    /// measured on one side.
+    Curve(f64),
 }
 
 impl Shortest {
-    /// For chains that take part in joining: of a thin leg a view has a sample or two of each side.
-    /// A short rest beside another chain is no such leg.
-    pub const PART: Self = Self { footprints: REST_FOOTPRINTS, frees_whole: true };
-
-    /// For chains that become curves.
-    pub fn curve(footprints: f64) -> Self {
-        Self { footprints, frees_whole: false }
-    }
-
-    /// Whether a chain is large enough.
+    /// Whether a chain is large enough. A rest beside another chain is no thin part.
     pub fn accepts(&self, chain: &Chain, nodes: &[PlacedNode], is_whole: bool) -> bool {
-        let is_free = is_whole && self.frees_whole;
-        let is_long = || chain.footprints(nodes) >= self.footprints;
-        is_free || (chain.nodes.len() >= MIN_NODES && is_long())
+        let is_long = |least: f64| chain.footprints(nodes) >= least;
+        match *self {
+            Self::Part if is_whole => true,
+            Self::Part => chain.nodes.len() >= MIN_NODES && is_long(REST_FOOTPRINTS),
+            Self::Curve(least) => {
+                let is_confirmed = || is_whole && chain.is_confirmed(nodes);
+                chain.nodes.len() >= MIN_NODES && (is_long(least) || is_confirmed())
+            }
+        }
     }
 }
 

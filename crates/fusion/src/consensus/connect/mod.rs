@@ -33,10 +33,10 @@ pub(super) fn connect(estimate: &mut Estimate, measured: &Measurements) -> Chain
     }
     let Estimate { nodes, absorbed_by } = &*estimate;
     let next = link::link(nodes, absorbed_by, observations, ground, scale);
-    let chains = cover::cover(nodes, chain::trace(&next), scale, Shortest::PART);
+    let chains = cover::cover(nodes, chain::trace(&next), scale, Shortest::Part);
     let mut chains = joined(nodes, chains, ground, scale);
     // A joined chain may lie beside others, and one that stayed short is no curve.
-    let shortest = Shortest::curve(scale.options.shortest_footprints);
+    let shortest = Shortest::Curve(scale.options.shortest_footprints);
     if scale.steps().second_cover {
         chains = cover::cover(nodes, chains, scale, shortest);
     } else {

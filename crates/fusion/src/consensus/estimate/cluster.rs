@@ -119,6 +119,7 @@ impl Sums {
                 weight: self.weight,
                 support: self.support,
                 views: self.views,
+                last_view: self.last_view,
                 normal: self.normal.try_normalize(0.0),
                 tan_incidence: (self.known_weight > 0.0).then_some(tan_incidence),
             },

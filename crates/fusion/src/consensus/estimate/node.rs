@@ -18,6 +18,8 @@ pub(crate) struct Evidence {
     /// How many observations the node counts as: the sum of their support.
     pub support: f64,
     pub views: u32,
+    /// Highest number of a view that measured the node.
+    pub last_view: Option<u32>,
     /// Outward unit normal of the surface; `None` where not known.
     pub normal: Option<Vector3<f32>>,
     /// Mean tangent of the incidence; `None` where not known.
@@ -96,6 +98,7 @@ mod tests {
                 weight: 0.0,
                 support: 0.0,
                 views: 0,
+                last_view: None,
                 normal: None,
                 tan_incidence: None,
             };

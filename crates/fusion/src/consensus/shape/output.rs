@@ -47,7 +47,7 @@ fn curve_nodes(
 fn bridge(a: &PlacedNode, b: &PlacedNode, ground: &Ground<'_>, scale: &Scale) -> Option<Node> {
     let (unit, footprint) = a.unit_to(b);
     let gap = unit.vector().norm();
-    let across = scale.across(a.sigma.max(b.sigma)).max(footprint);
+    let across = scale.across(a.sigma.max(b.sigma)).max(MEASURED_FOOTPRINTS * footprint);
     let middle = || {
         // Only the two ends and their distance are known.
         Node::at(a.position + (b.position - a.position) * 0.5)
