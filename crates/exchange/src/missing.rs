@@ -187,7 +187,8 @@ fn refuse_absurd<I: Iterator<Item = f64>>(
     let value = text(at);
     let problem = format!(
         "the pixel holds {value}; values over 1e6 times the median, {median:e}, are refused. If it \
-         means \"no return\", add \"missing\": {value} to the view; otherwise correct the pixel"
+         means \"no return\", add \"missing\": {value} to the view (divided by its scale, if it has \
+         one); otherwise correct the pixel"
     );
     Err(Problem::at(Place::Pixel(Pixel::new(at / size.cols, at % size.cols)), problem))
 }
@@ -195,7 +196,8 @@ fn refuse_absurd<I: Iterator<Item = f64>>(
 fn note(count: usize, value: &str) -> String {
     format!(
         "{count} pixels hold exactly {value}, unlike any surface, and count as missing; \
-         \"missing\": {value} in the manifest states it without a note"
+         \"missing\": {value} in the manifest states it without a note (divide the value by the \
+         view's scale, if it has one)"
     )
 }
 

@@ -125,8 +125,10 @@ impl Setup {
         let planes = [&header.planes, &self.planes];
         let [there, here] = planes.map(|planes| planes.guide());
         let [a, b] = [header.unit, self.unit];
-        let along =
-            if there == here { None } else { of("guide", [&along(there, a), &along(here, b)]) };
+        let along = (there != here).then(|| {
+            let other_points = || "guide: its points differ from the store's guide".to_owned();
+            of("guide", [&along(there, a), &along(here, b)]).unwrap_or_else(other_points)
+        });
         let length = |name, value: [f64; 2]| {
             of(name, [&format!("{} {a}", value[0]), &format!("{} {b}", value[1])])
         };

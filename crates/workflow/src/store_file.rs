@@ -81,7 +81,11 @@ impl StoreFile {
         }
         names.sort_by_key(|there| strsim::levenshtein(there, name));
         names.truncate(5);
-        let near = if names.is_empty() { "none, the store has no views".to_owned() } else { names.join(", ") };
+        let near = if names.is_empty() {
+            "none, the store has no views".to_owned()
+        } else {
+            names.join(", ")
+        };
         let problem = format!("no view {name:?}; the names most like it: {near}");
         Err(WorkflowError::file(&self.path, problem))
     }

@@ -92,7 +92,7 @@ fn simulations_and_manifests_replace_their_own_files_only() {
     manifest("notes.txt").failed_with(1, &["notes.txt", "the file exists", "--force"]);
     manifest("s.transect --force").failed_with(1, &["s.transect", "model store"]);
     manifest("depth/a.depth.png --force").failed_with(1, &["a.depth.png", "input"]);
-    assert_eq!((folder.text("notes.txt"), folder.text("depth/a.depth.png")).0, "mine");
+    assert_eq!(folder.text("notes.txt"), "mine");
     manifest("notes.txt --force").succeeded();
 }
 
@@ -129,7 +129,8 @@ fn a_run_that_fails_midway_leaves_the_old_results() {
     let is_old = |name: &str| name.starts_with("planes/plane_+") || name.starts_with("splines.");
     assert!(gone.len() >= 4 && gone.iter().all(|name| is_old(name)), "{gone:?}");
     assert!(after.keys().all(|name| before.contains_key(name)), "{:?}", after.keys());
-    assert_eq!((&after["notes.txt"], &after["planes/plane_plan.svg"]).0, b"mine");
+    assert_eq!(after["notes.txt"], b"mine");
+    assert!(after.contains_key("planes/plane_plan.svg"), "a drawing of another program");
     // A file that cannot be replaced is found before the work.
     fs::remove_file(folder.path("out/model.dxf")).unwrap();
     fs::create_dir(folder.path("out/model.dxf")).unwrap();

@@ -1,6 +1,6 @@
 use super::*;
 use transect_fusion::PairwiseOptions;
-use transect_geometry::{LengthUnit, PlaneFamily, StraightGuide, Vector3};
+use transect_geometry::{CurvedGuide, LengthUnit, PlaneFamily, Point3, StraightGuide, Vector3};
 use transect_partial::dissertation::DissertationOptions;
 use transect_partial::one_pass::OnePassOptions;
 
@@ -125,4 +125,18 @@ fn settings_before_the_record_are_read() {
     for broken in [one_pass, "OnePass(; Consensus(", &format!("{one_pass}; {consensus} ")] {
         assert!(Setup::of_store(&with_options(broken)).is_err());
     }
+}
+
+#[test]
+fn another_guide_of_the_same_length_is_another_guide() {
+    let along = |y: f64| {
+        let points = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [4.0, y, 0.0]].map(Point3::from).to_vec();
+        let guide = CurvedGuide::spline(points).unwrap();
+        let planes = PlaneFamily::new(guide, 0.0, 0.5).unwrap();
+        Setup::new(LengthUnit::Metre, planes)
+    };
+    let header = along(1.0).store_header();
+    assert_eq!(along(1.0).difference(&header).unwrap(), None);
+    let mirrored = along(-1.0).difference(&header).unwrap().unwrap();
+    assert!(mirrored.starts_with("guide: "), "{mirrored}");
 }
