@@ -42,6 +42,11 @@ impl<'a> PreparedView<'a> {
         self.smoothed.as_ref().map_or(self.given, |s| &s.view)
     }
 
+    /// The view before smoothing.
+    pub fn given(&self) -> &View {
+        self.given
+    }
+
     /// The result of smoothing; `None` if it was not asked for or failed.
     pub fn smoothed(&self) -> Option<&Smoothed> {
         self.smoothed.as_ref()

@@ -2,14 +2,13 @@
 //!
 //! Smoothing keeps each value within bounds, so the level of a pixel stays between those of its two
 //! bounds. A cell of four pixels whose levels cannot have a plane between them carries no curve.
-//! The pixels of all other cells count, and one more on every side, so that curves can be
-//! interpolated from four samples in line.
+//! The pixels of all other cells count.
 //!
 //! Smoothing these pixels alone gives the curves of a view that is smoothed everywhere.
 //!
-//! **Gain.** Measured on whole runs with two threads: smoothing every pixel takes 1.9 times as long
-//! on the red kitchen, 1.7 times on `kitchen_kin40_real`, 1.1 to 1.3 times on `room_sph12_n01`, and
-//! no longer on the bunny, whose planes are as dense as its pixels.
+//! **Gain.** Measured on whole runs with two threads: smoothing every pixel takes at least 1.9 times
+//! as long on the red kitchen, 1.7 times on `kitchen_kin40_real`, 1.1 to 1.3 times on
+//! `room_sph12_n01`, and no longer on the bunny, whose planes are as dense as its pixels.
 
 use crate::SectionAxes;
 use fearless_simd::{Simd, dispatch};
@@ -59,8 +58,7 @@ struct Cells {
     here: Span,
     /// Both rows together by column, after those of the column before the first.
     both: Span,
-    /// Cells by their right column, after one that stands for the cells to the left, and before
-    /// two.
+    /// Cells by their right column, and the one to the right of the last column.
     crossed: Vec<bool>,
 }
 
@@ -70,7 +68,7 @@ impl Cells {
             |cols| Span { low: vec![f32::INFINITY; cols], high: vec![f32::NEG_INFINITY; cols] };
         let ends = [vec![f32::NAN; cols], vec![f32::NAN; cols]];
         let (above, here, both) = (missing(cols), missing(cols), missing(cols + 1));
-        Self { wraps, ends, above, here, both, crossed: vec![false; cols + 3] }
+        Self { wraps, ends, above, here, both, crossed: vec![false; cols + 1] }
     }
 
     /// Finds the cells between the next row and the last one that may be crossed.
@@ -101,27 +99,24 @@ impl Cells {
             (low[0], high[0]) = (low[cols], high[cols]);
         }
         let pairs = low.windows(2).zip(high.windows(2));
-        for (crossed, (low, high)) in self.crossed[1..=cols].iter_mut().zip(pairs) {
+        for (crossed, (low, high)) in self.crossed[..cols].iter_mut().zip(pairs) {
             *crossed = low[0].min(low[1]) < high[0].max(high[1]);
         }
         if self.wraps {
-            self.crossed[0] = self.crossed[cols];
-            self.crossed[cols + 1] = self.crossed[1];
-            self.crossed[cols + 2] = self.crossed[1 + 1 % cols];
+            self.crossed[cols] = self.crossed[0];
         }
     }
 
-    /// Marks the pixels of the crossed cells between a row and the one above, and those around
-    /// them.
+    /// Marks the pixels of the crossed cells between a row and the one above.
     fn mark(&self, row: usize, near: &mut [bool]) {
         if !self.crossed.contains(&true) {
             return;
         }
         let cols = self.here.low.len();
-        let first = row.saturating_sub(2);
-        for near in near[first * cols..].chunks_mut(cols).take(row + 2 - first) {
-            for (near, cells) in near.iter_mut().zip(self.crossed.windows(4)) {
-                *near |= cells[0] | cells[1] | cells[2] | cells[3];
+        let first = row.saturating_sub(1);
+        for near in near[first * cols..(row + 1) * cols].chunks_mut(cols) {
+            for (near, cells) in near.iter_mut().zip(self.crossed.windows(2)) {
+                *near |= cells[0] | cells[1];
             }
         }
     }

@@ -85,6 +85,7 @@ impl Workspace {
 
     /// Sets the rows and columns that the windows of a block can reach. Places that are connected
     /// to none of its pixels are left out; their weights would be 0.
+    #[inline(always)]
     fn frame(&mut self, [rows, cols]: [f32; 2], any: &[u32; WINDOW_COLUMNS]) {
         let reach = (rows as usize).min(HALF_WINDOW);
         // Rows go on from the centre's, so they end at the first without a connected pixel.

@@ -1,8 +1,10 @@
 //! How far smoothing can move each value.
 
 use super::Smoother;
+use crate::RangeNoise;
 use crate::tuning::LARGEST_CHANGE;
-use transect_device::{Pixel, RangeImage};
+use fearless_simd::Simd;
+use transect_device::RangeImage;
 
 /// Share of a value by which its bounds are widened, for rounding in single precision.
 const ROUNDING: f32 = 3e-5;
@@ -24,26 +26,34 @@ pub struct ValueBounds {
 }
 
 impl ValueBounds {
-    pub(super) fn new(smoother: &Smoother<'_>) -> Option<Self> {
+    #[inline(always)]
+    pub(super) fn new<S: Simd>(simd: S, smoother: &Smoother<'_>) -> Option<Self> {
         let image = smoother.view.image();
         let size = image.size();
-        let [mut low, mut high] = [(); 2].map(|()| Vec::with_capacity(size.pixels()));
-        for row in 0..size.rows {
-            for (col, value) in image.row(row).iter().enumerate() {
-                let change = relative_change(smoother, Pixel { row, col }, *value);
-                low.push(value * (1.0 - change));
-                high.push(value / (1.0 - change));
-            }
-        }
+        let [mut low, mut high] = [(); 2].map(|()| vec![f32::NAN; size.pixels()]);
+        let rows = smoother.grid.rates.chunks(size.cols);
+        let out = low.chunks_mut(size.cols).zip(high.chunks_mut(size.cols));
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for (row, (rates, (low, high))) in rows.zip(out).enumerate() {
+                    let pixels = image.row(row).iter().zip(rates);
+                    for ((value, rate), (low, high)) in pixels.zip(low.iter_mut().zip(high)) {
+                        let change = relative_change(smoother.noise, *rate, *value);
+                        (*low, *high) = (value * (1.0 - change), value / (1.0 - change));
+                    }
+                }
+            },
+        );
         let [low, high] = [low, high].map(|values| RangeImage::from_values(size, values).ok());
         Some(Self { low: low?, high: high? })
     }
 }
 
 /// Largest change of a value by smoothing, as a share of it; NaN where it is not known.
-fn relative_change(smoother: &Smoother<'_>, pixel: Pixel, value: f32) -> f32 {
-    let Some(rate) = smoother.grid.length_per_value(pixel, value) else { return f32::NAN };
-    let sigma = smoother.noise.value_sigma(f64::from(rate)) as f32;
+#[inline(always)]
+fn relative_change(noise: &RangeNoise, rate: f32, value: f32) -> f32 {
+    let sigma = noise.value_sigma(f64::from(rate)) as f32;
     let change = LARGEST_CHANGE * sigma / value + ROUNDING;
     if change < LARGEST_SHARE { change } else { f32::NAN }
 }

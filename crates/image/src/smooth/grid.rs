@@ -19,6 +19,9 @@ pub(super) struct Grid<'a> {
     quantities: Vec<f32>,
     /// Which pixels belong to one surface.
     pub links: Links,
+    /// Length along each pixel's ray per unit of its value, row-major; NaN where the value means no
+    /// point.
+    pub rates: Vec<f32>,
     size: ImageSize,
     pairs: Pairs<'a>,
 }
@@ -35,6 +38,7 @@ impl<'a> Grid<'a> {
             beyond: if wraps && size.cols > 2 * HALF_WINDOW { HALF_WINDOW } else { 0 },
             quantities: vec![0.0; stride * (size.rows + 2 * HALF_WINDOW)],
             links: Links::new(size.rows, size.cols),
+            rates: vec![0.0; size.pixels()],
             size,
             pairs: Pairs::new(view, rule),
         };
@@ -43,6 +47,8 @@ impl<'a> Grid<'a> {
         for row in 0..size.rows {
             let values = view.image().row(row);
             grid.read_values(row, values, quantity);
+            let rates = &mut grid.rates[row * size.cols..(row + 1) * size.cols];
+            grid.pairs.lengths_per_value(row, values, rates);
             here.read(values, wraps);
             let [left, up] = &mut bits;
             grid.pairs.read(simd, row, [&above, &here], [left, up]);
@@ -102,12 +108,6 @@ impl<'a> Grid<'a> {
             pair.and_then(|(of, kind)| self.pairs.lateral(of, kind))
         };
         Some((one_of(Neighbour::Left, right)?, one_of(Neighbour::Up, below)?))
-    }
-
-    /// Length along a pixel's ray per unit of its value; `None` where the value means no point.
-    #[inline(always)]
-    pub fn length_per_value(&self, pixel: Pixel, value: f32) -> Option<f32> {
-        self.pairs.length_per_value(pixel, value)
     }
 
     /// The quantities from a place of a line on, for windows to be read from; rows, too, are

@@ -172,9 +172,9 @@ pub fn smooth_with(
     let smoother =
         dispatch!(level, simd => Smoother::new(simd, view, noise, rule, smoothing.steps));
     let pixels = smoothing.pixels.filter(|_| smoothing.steps.near_planes);
-    let bounds = pixels.and_then(|choice| Some((choice, ValueBounds::new(&smoother)?)));
-    let wanted = match bounds {
-        Some((choice, bounds)) => choice(&bounds),
+    let bounds = || dispatch!(level, simd => ValueBounds::new(simd, &smoother));
+    let wanted = match pixels.and_then(|choice| Some(choice(&bounds()?))) {
+        Some(wanted) => wanted,
         None => vec![true; view.image().size().pixels()],
     };
     dispatch!(level, simd => smoother.image(simd, &wanted, &mut output));
@@ -256,7 +256,7 @@ impl<'a> Smoother<'a> {
         for col in cols {
             let pixel = Pixel { row, col };
             let Some((across, down)) = self.grid.spacings(pixel) else { continue };
-            let Some(rate) = self.grid.length_per_value(pixel, values[col]) else { continue };
+            let rate = self.grid.rates[row * values.len() + col];
             let (sigma, lane) = (self.noise.value_sigma(f64::from(rate)), col - first);
             (scales.across[lane], scales.down[lane]) = (across, down);
             scales.sigma[lane] = (sigma * f64::from(rate)) as f32;

@@ -107,16 +107,23 @@ impl<'a> Pairs<'a> {
         Some(other * (of_row.across + of_column.across) / here.sqrt())
     }
 
-    /// Length along a pixel's ray per unit of its value; `None` where the value means no point.
+    /// Length along each ray of a row per unit of its value; NaN where the value means no point.
     #[inline(always)]
-    pub fn length_per_value(&self, pixel: Pixel, value: f32) -> Option<f32> {
+    pub fn lengths_per_value(&self, row: usize, values: &[f32], rates: &mut [f32]) {
         let Some([(products, _), _]) = &self.tables else {
-            let rate = length_per_value(self.view.frame(), pixel, f64::from(value))?;
-            return Some(rate as f32);
+            for (col, (rate, value)) in rates.iter_mut().zip(values).enumerate() {
+                let pixel = Pixel { row, col };
+                let found = length_per_value(self.view.frame(), pixel, f64::from(*value));
+                *rate = found.map_or(f32::NAN, |rate| rate as f32);
+            }
+            return;
         };
         // A sample is its value times the ray.
-        let of_column = products.columns.get(pixel.col).copied().unwrap_or_default();
-        Some((products.rows.get(pixel.row)?.here + of_column.here).sqrt())
+        rates.fill(products.rows[row].here);
+        for (rate, of_column) in rates.iter_mut().zip(&products.columns) {
+            *rate += of_column.here;
+        }
+        rates.iter_mut().for_each(|rate| *rate = rate.sqrt());
     }
 }
 

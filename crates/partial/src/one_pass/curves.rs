@@ -87,6 +87,7 @@ impl Lines<'_> {
         let Some(level) = lines.first().map(|line| line.level) else { return };
         let along = self.along.map(|along| (along, along.frame(self.axes.plane(level))));
         let refined = refinement.map(|r| (r, r.solver(level)));
+        let given = PairLines { view: self.prepared.given(), ..*pairs };
         crossings.extend(lines.iter().flat_map(|line| line.vertices).map(|vertex| {
             let (kind, pair) = self.contours.pair(vertex);
             let mut crossing = match &along {
@@ -97,7 +98,7 @@ impl Lines<'_> {
                 refinement.refine(solver, kind, pair, &mut crossing);
             }
             let along = along.as_ref().map(|(along, plane)| (*along, plane));
-            if let Some(wide) = self.wide(&crossing, (kind, pair), pairs, along) {
+            if let Some(wide) = self.wide(&crossing, (kind, pair), &given, along) {
                 crossing.across = wide;
             }
             crossing
@@ -108,7 +109,8 @@ impl Lines<'_> {
     /// turned the pair itself.
     ///
     /// Noise picks the pairs that are crossed: they are those that it made steeper. Samples beside
-    /// them are not picked.
+    /// them are not picked. A smoothed pair keeps its direction, which a whole window made. Around
+    /// others, samples count as they were given, since those far from all planes stay so.
     fn wide(
         &self,
         crossing: &Crossing,
@@ -116,6 +118,9 @@ impl Lines<'_> {
         pairs: &PairLines<'_>,
         along: Option<(&AlongGuide, &PlaneFrame)>,
     ) -> Option<Vector3> {
+        if self.prepared.shared_pixels(crossing.pixel) > 0.0 {
+            return None;
+        }
         let rise = crossing.ray.z.abs();
         let least = WIDE_SIGMAS * self.prepared.sigma() * rise;
         if least == 0.0 || crossing.pair.z.abs() > least {
@@ -126,7 +131,7 @@ impl Lines<'_> {
         if let Some((along, plane)) = along {
             return Some(along.step([before, after], plane)? / 3.0);
         }
-        let wide = self.view.point_in_sensor(after)? - self.view.point_in_sensor(before)?;
+        let wide = pairs.view.point_in_sensor(after)? - pairs.view.point_in_sensor(before)?;
         Some(self.axes.turn(&wide) / 3.0)
     }
 }

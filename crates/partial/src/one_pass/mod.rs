@@ -95,7 +95,7 @@ use transect_device::View;
 use transect_geometry::{CurvedGuide, PlaneFamily};
 use transect_image::BreakRule;
 use transect_image::PreparedView;
-use transect_image::smooth::{Smoothing, SmoothingSteps, ValueBounds};
+use transect_image::smooth::{PixelChoice, Smoothing, SmoothingSteps, ValueBounds};
 
 /// Options.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -181,7 +181,9 @@ pub fn partial_model_with(
     let axes = SectionAxes::new(view, planes)?;
     let near = |bounds: &ValueBounds| near_planes(view, &axes, bounds, effort.instructions);
     let (instructions, steps) = (effort.instructions, options.smoothing);
-    let smoothing = Smoothing { pixels: Some(&near), instructions, steps };
+    // The cubic reads samples beside the pairs, which may be far from every plane.
+    let pixels = (options.subpixel != Subpixel::FourPoint).then_some(&near as &PixelChoice<'_>);
+    let smoothing = Smoothing { pixels, instructions, steps };
     let prepared = PreparedView::new(view, options.smooth.then_some(&smoothing), rule);
     let rule = rule(prepared.sigma());
     let contours = contours(prepared.view(), &axes, &rule, effort, work)?;

@@ -12,6 +12,7 @@ use transect_geometry::{PlaneFamily, StraightGuide};
 use transect_image::smooth::{PixelChoice, Smoothed, Smoothing, ValueBounds, smooth_with};
 use transect_image::{BreakRule, Instructions, RangeNoise};
 use transect_partial::one_pass::{OnePassOptions, partial_model};
+use transect_partial::subpixel::Subpixel;
 use transect_partial::{SectionAxes, near_planes};
 use transect_sensors::{AngularScan, ImagingRadar, LightStripe};
 
@@ -123,6 +124,20 @@ fn curves_are_those_of_a_view_that_is_smoothed_everywhere() {
     }
 }
 
+/// The cubic reads the samples before and after a pair, which may be far from every plane.
+#[test]
+fn cubic_curves_are_those_of_a_view_that_is_smoothed_everywhere() {
+    let view = noisy_view(0);
+    let planes = planes(Vector3::z(), 0.0123, 0.05 * depth(&view));
+    let models = [true, false].map(|near| {
+        let mut options = options(near);
+        options.subpixel = Subpixel::FourPoint;
+        partial_model(&view, &planes, &options).unwrap().planes
+    });
+    assert!(!models[0].is_empty());
+    assert_eq!(format!("{:?}", models[0]), format!("{:?}", models[1]));
+}
+
 /// A view that is smoothed near the planes of some axes, or everywhere.
 fn smoothed(
     view: &View,
@@ -163,7 +178,7 @@ fn all_instructions_give_the_same_bits() {
 }
 
 #[test]
-fn pixels_beside_a_crossed_pair_are_smoothed_too() {
+fn all_pixels_of_a_crossed_cell_are_smoothed() {
     for view in noisy_views() {
         let noise = RangeNoise::of(&view);
         let rule = BreakRule::new(78_f64.to_radians(), 4.0 * noise.length());
@@ -179,11 +194,11 @@ fn pixels_beside_a_crossed_pair_are_smoothed_too() {
             p.map(|p| axes.level().at(&p).ceil())
         };
         let mut crossed = 0;
-        for p in pixels(size).filter(|p| p.row > 1 && p.col > 0 && p.col + 1 < size.cols) {
+        for p in pixels(size).filter(|p| p.row > 0 && p.col > 0 && p.col + 1 < size.cols) {
             let pair = label(p.row - 1, p.col).zip(label(p.row, p.col));
             if pair.is_some_and(|(a, b)| a != b) {
                 crossed += 1;
-                for row in p.row - 2..(p.row + 2).min(size.rows) {
+                for row in p.row - 1..=p.row {
                     for col in p.col - 1..=p.col + 1 {
                         let at = row * size.cols + col;
                         assert_eq!(every[at], some[at], "row {row}, column {col}");
