@@ -4,7 +4,7 @@
 //! Each table begins with a sound scan and spoils one thing at a time; that the sound one passes is
 //! tested first, so that no row fails for a reason of its own.
 
-use super::common::{Folder, Run, conjugate};
+use super::common::{Folder, Run, conjugate, fixture};
 use serde_json::{Value, json};
 use transect_device::ImageSize;
 use transect_exchange::write_npy_image;
@@ -540,4 +540,15 @@ fn an_empty_model_is_a_failure() {
         folder.run(line).failed_with(1, &["no section plane along the guide"]);
         assert!(!folder.path("s.transect").exists() && !folder.path("o").exists());
     }
+}
+
+#[test]
+fn absurd_numbers_in_scenes_are_refused_with_their_key() {
+    let scene = std::fs::read_to_string(fixture("objects.scene.toml")).unwrap();
+    let folder = Folder::empty();
+    let absurd = scene.replace("radius = 0.45", "radius = 1e300");
+    assert_ne!(absurd, scene);
+    folder.write("absurd.toml", absurd);
+    let run = folder.run("simulate absurd.toml --out scan");
+    run.failed_with(1, &["absurd.toml", "ball", "radius", "1e300"]);
 }

@@ -8,6 +8,7 @@
 )]
 
 mod bad_input;
+mod bridges;
 mod command_line;
 mod common;
 mod full_disk;

@@ -1,0 +1,46 @@
+//! Ground that no view measured is marked in the files of results.
+
+use super::common::Folder;
+
+/// Simulates a bundled scene, models it, and asserts that each unit far longer than the samples
+/// apart is marked as bridged.
+fn long_units_are_marked(scene: &str) {
+    let folder = Folder::empty();
+    folder.run(&format!("simulate {scene} --out scan")).succeeded();
+    // Without its truth a scan is not scored, which takes most of the time.
+    std::fs::remove_file(folder.path("scan/truth.npz")).unwrap();
+    folder.reconstruct("scan").succeeded();
+    let contours = folder.json("out/contours.json");
+    let mut units = Vec::new();
+    for plane in contours["planes"].as_array().unwrap() {
+        for line in plane["polylines"].as_array().unwrap() {
+            let points: Vec<[f64; 3]> = serde_json::from_value(line["points"].clone()).unwrap();
+            let marked: Option<Vec<usize>> =
+                serde_json::from_value(line["bridged"].clone()).unwrap();
+            let is_marked = |k: usize| marked.as_ref().is_some_and(|marked| marked.contains(&k));
+            let closing = if line["closed"] == true { points.first() } else { None };
+            let ends = points.iter().skip(1).chain(closing);
+            for (k, (a, b)) in points.iter().zip(ends).enumerate() {
+                let length = (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
+                units.push((length, is_marked(k), plane["index"].clone()));
+            }
+        }
+    }
+    units.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Samples on oblique surfaces are up to 1 / cos 78 = 4.8 times as far apart as head-on.
+    let longest = 6.0 * units[units.len() / 2].0;
+    let unmarked = units.iter().filter(|(length, is_marked, _)| !is_marked && *length > longest);
+    assert_eq!(unmarked.collect::<Vec<_>>(), Vec::<&_>::new(), "{scene}: more than {longest}");
+    assert!(units.iter().any(|unit| unit.1), "{scene}: there is unseen ground");
+}
+
+/// Two views see the rim of the mask and the board behind it, and not the ground between.
+#[test]
+fn the_mask_is_not_joined_to_the_board_behind_it() {
+    long_units_are_marked("face_mask --sensor lookup_table --views 2");
+}
+
+#[test]
+fn long_units_of_the_room_are_marked() {
+    long_units_are_marked("room");
+}
