@@ -10,14 +10,14 @@ use transect_device::ImageSize;
 use transect_exchange::write_npy_image;
 
 /// Rows and columns of the images made here.
-const SIDE: usize = 12;
+pub const SIDE: usize = 12;
 
 /// Depths of a wall that leads away from the camera, from 1 m on the left to 2.1 m on the right.
 fn depths() -> Vec<f32> {
     (0..SIDE * SIDE).map(|k| 1.0 + 0.1 * (k % SIDE) as f32).collect()
 }
 
-fn npy(values: &[f32]) -> Vec<u8> {
+pub fn npy(values: &[f32]) -> Vec<u8> {
     let mut bytes = Vec::new();
     let size = ImageSize { rows: SIDE, cols: values.len() / SIDE };
     write_npy_image(size, values, &mut bytes).unwrap();
@@ -25,7 +25,7 @@ fn npy(values: &[f32]) -> Vec<u8> {
 }
 
 /// An image in counts of a millimetre.
-fn png() -> Vec<u8> {
+pub fn png() -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, SIDE as u32, SIDE as u32);
     encoder.set_color(png::ColorType::Grayscale);
@@ -37,7 +37,7 @@ fn png() -> Vec<u8> {
 }
 
 /// A camera's manifest with planes across its optical axis.
-fn manifest() -> Value {
+pub fn manifest() -> Value {
     json!({
         "unit": "m",
         "planes": { "normal": [0, 0, 1], "offset": 0.05, "interval": 0.2 },
@@ -50,7 +50,7 @@ fn manifest() -> Value {
 }
 
 /// A folder with the images and a manifest.
-fn scan_of(manifest: &Value) -> Folder {
+pub fn scan_of(manifest: &Value) -> Folder {
     let folder = Folder::empty();
     folder.write("wall.npy", npy(&depths()));
     folder.write("wall.png", png());
@@ -59,7 +59,7 @@ fn scan_of(manifest: &Value) -> Folder {
 }
 
 /// Reconstructs a spoiled scan, which must fail with the texts and leave no results.
-fn refused(folder: &Folder, line: &str, texts: &[&str]) {
+pub fn refused(folder: &Folder, line: &str, texts: &[&str]) {
     let run = folder.reconstruct(line);
     run.failed_with(1, texts);
     assert!(!folder.path("out").exists() && run.stdout.is_empty(), "{line} left results");
@@ -176,7 +176,7 @@ fn a_unit_that_contradicts_the_scan_is_refused() {
 }
 
 /// The header of a `.npy` of 32-bit numbers.
-fn npy_header(shape: &str) -> Vec<u8> {
+pub fn npy_header(shape: &str) -> Vec<u8> {
     let text = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}\n");
     let length = u16::try_from(text.len()).unwrap().to_le_bytes();
     [b"\x93NUMPY\x01\x00", &length[..], text.as_bytes()].concat()
@@ -404,141 +404,6 @@ fn a_wrong_pose_of_two_is_warned_of() {
         let run = folder.reconstruct("scan/two.json").succeeded();
         let name = format!("range_{wrong:03}.npy");
         assert!(warned(&run).contains(&name), "{right} and {wrong}: {}", run.stderr);
-    }
-}
-
-/// A single camera's scan of a slope, with one thing spoiled, what is said, and what accepts it.
-type Implausible = (fn(&mut Value), &'static str, &'static [&'static str]);
-
-#[test]
-fn implausible_scans_are_stopped_before_the_work_and_can_be_accepted() {
-    let cases: &[Implausible] = &[
-        // A depth image in millimetres that is declared as metres.
-        (
-            |m| {
-                m["views"][0]["file"] = "wall.png".into();
-                m["views"][0]["depth_scale"] = json!(1.0);
-            },
-            "planes",
-            &["view wall.png", "planes lie between neighbouring pixels", "\"scale\""],
-        ),
-        (
-            |m| m["views"][0]["file"] = "holes.npy".into(),
-            "valid-pixels",
-            &["view holes.npy", "only 4 of 1440 pixels are valid", "at least 1 %"],
-        ),
-        // Poses in millimetres.
-        (
-            |m| {
-                let mut other = m["views"][0].clone();
-                other["pose"][3] = json!(900.0);
-                m["views"].as_array_mut().unwrap().push(other);
-                m["views"][1]["file"] = "wall.png".into();
-                m["views"][1]["depth_scale"] = json!(0.001);
-            },
-            "distance",
-            &["nearest of the 2 sensors are 900.0000 m apart", "same unit"],
-        ),
-    ];
-    for (spoil, check, texts) in cases {
-        let mut manifest = manifest();
-        spoil(&mut manifest);
-        let folder = scan_of(&manifest);
-        let mut holes = vec![0.0; 12 * 120];
-        for k in [500, 501, 620, 621] {
-            holes[k] = 1.0 + 0.1 * (k % 2) as f32;
-        }
-        folder.write("holes.npy", npy(&holes));
-        refused(&folder, "scan.json", &[&format!("pass --accept {check}")]);
-        refused(&folder, "scan.json", texts);
-        let accepted = folder.reconstruct(&format!("scan.json --accept {check}"));
-        assert!(!accepted.stderr.contains("--accept"), "{check}: {}", accepted.stderr);
-    }
-    let unknown = scan_of(&manifest()).reconstruct("scan.json --accept everything");
-    unknown.failed_with(2, &["--accept", "valid-pixels"]);
-}
-
-/// Points in a national grid, as 32-bit numbers: their steps are half a metre.
-#[test]
-fn coordinates_that_their_number_type_does_not_resolve_are_stopped() {
-    let folder = Folder::empty();
-    let points = |north: f64| -> Vec<f64> {
-        let point = |k: usize| {
-            let (row, col) = ((k / SIDE) as f64, (k % SIDE) as f64);
-            [0.03 * col, north + 0.03 * row, 2.0 + 0.01 * col]
-        };
-        (0..SIDE * SIDE).flat_map(point).collect()
-    };
-    let shape = format!("({SIDE}, {SIDE}, 3)");
-    let single = |north| points(north).iter().flat_map(|c| (*c as f32).to_le_bytes()).collect();
-    let double: Vec<u8> = points(5_400_000.0).iter().flat_map(|c| c.to_le_bytes()).collect();
-    let header64 =
-        String::from_utf8(npy_header(&shape)[10..].to_vec()).unwrap().replace("f4", "f8");
-    let header64 = [&npy_header(&shape)[..10], header64.as_bytes()].concat();
-    folder.write("near.npy", [npy_header(&shape), single(0.0)].concat());
-    folder.write("far.npy", [npy_header(&shape), single(5_400_000.0)].concat());
-    folder.write("double.npy", [header64, double].concat());
-    for name in ["near", "far", "double"] {
-        let north = if name == "near" { 0.0 } else { 5_400_000.0 };
-        let manifest = json!({
-            "unit": "m",
-            "planes": { "normal": [1, 0, 0], "offset": 0.0, "interval": 0.05 },
-            "views": [ {
-                "file": format!("{name}.npy"), "sensor": "grid", "viewpoint": [0.2, north, -3],
-                "pose": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]
-            } ]
-        });
-        folder.write(&format!("{name}.json"), serde_json::to_vec(&manifest).unwrap());
-    }
-    refused(&folder, "far.json", &["far.npy", "32-bit", "subtract an offset", "resolution"]);
-    folder.reconstruct("near.json").succeeded();
-    folder.reconstruct("double.json").succeeded();
-}
-
-/// Degrees in the place of radians.
-#[test]
-fn angles_in_degrees_are_told_to_be_radians() {
-    let mut manifest = manifest();
-    manifest["views"][0] = json!({
-        "file": "wall.npy", "sensor": "spherical",
-        "theta0": -60.0, "dtheta": 10.0, "phi0": -60.0, "dphi": 10.0,
-        "pose": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]
-    });
-    refused(&scan_of(&manifest), "scan.json", &["wall.npy", "dtheta = 10", "radians"]);
-}
-
-#[test]
-fn planes_too_far_away_are_told_with_their_number() {
-    let folder = scan_of(&manifest());
-    let far = ["wall.npy", "from plane 0", "e16", "offset near the view"];
-    refused(&folder, "scan.json --offset 3e15", &far);
-}
-
-/// A view that is there twice agrees with itself.
-#[test]
-fn identical_views_overlap() {
-    let folder = Folder::simulated("objects.scene.toml");
-    std::fs::copy(folder.path("scan/range_000.npy"), folder.path("scan/copy.npy")).unwrap();
-    folder.edit_json("scan/scan.json", "scan/twice.json", |m| {
-        let mut copy = m["views"][0].clone();
-        copy["file"] = "copy.npy".into();
-        m["views"] = json!([m["views"][0], copy]);
-    });
-    assert_eq!(folder.reconstruct("scan/twice.json").succeeded().stderr, "");
-    let store = folder.reconstruct("scan/twice.json --store s.transect").succeeded();
-    assert_eq!(store.stderr, "");
-}
-
-/// A store whose planes miss every view is not left behind, and an empty model is a failure.
-#[test]
-fn an_empty_model_is_a_failure() {
-    let folder = Folder::simulated("objects.scene.toml");
-    folder.write("axis.csv", "x,y,z\n30,0,0\n30,0,1\n30.1,0,3\n");
-    let line =
-        "reconstruct scan --guide axis.csv --interval 0.1 --store s.transect --out o --quiet";
-    for _ in 0..2 {
-        folder.run(line).failed_with(1, &["no section plane along the guide"]);
-        assert!(!folder.path("s.transect").exists() && !folder.path("o").exists());
     }
 }
 
