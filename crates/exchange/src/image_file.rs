@@ -1,6 +1,7 @@
 //! Images of range values and grids of points in `.npy` and `.png` files.
 
 use crate::input::read_bytes;
+use crate::missing::narrowed;
 use crate::npy::Npy;
 use crate::png_file::{self, GreyImage, Samples};
 use crate::{Place, ReadError};
@@ -49,7 +50,7 @@ fn from_npy(path: &Path, bytes: &[u8], scale: Option<f64>) -> Result<Pixels, Rea
         return Err(wrong_shape(path, &array, "rows × columns"));
     };
     let scale = scale_of(path, &array, scale)?;
-    let values = array.numbers().map(|v| (v * scale) as f32).collect();
+    let values = array.numbers().map(|v| narrowed(v * scale)).collect();
     Ok(Pixels { size: ImageSize { rows, cols }, values })
 }
 

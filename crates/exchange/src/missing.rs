@@ -50,6 +50,13 @@ const ABSURD: f64 = 1e6;
 /// surface.
 const MORE_OFTEN: f64 = 1000.0;
 
+/// The nearest 32-bit number. A finite value beyond all of them becomes the largest one, which the
+/// search for absurd values finds; it would become infinite otherwise, and count as missing.
+pub(crate) fn narrowed(value: f64) -> f32 {
+    let largest = f64::from(f32::MAX);
+    if value.is_finite() { value.clamp(-largest, largest) as f32 } else { value as f32 }
+}
+
 /// Makes the stated value, and repeated values far outside the rest, NaN. Refuses absurd values.
 pub(crate) fn clear_values(
     size: ImageSize,
@@ -58,7 +65,7 @@ pub(crate) fn clear_values(
     notes: &mut Vec<String>,
 ) -> Result<(), Problem> {
     match stated {
-        Some(MissingValue::Number(mark)) => clear_value(values, mark as f32),
+        Some(MissingValue::Number(mark)) => clear_value(values, narrowed(mark)),
         Some(MissingValue::Point(_)) => {
             return Err(Problem::damaged("\"missing\" is a point; a range image needs a number"));
         }
@@ -261,6 +268,11 @@ mod tests {
         assert!(error.starts_with(wanted), "{error}");
         assert!(error.contains("add \"missing\": 3.4e38 to the view"), "{error}");
         assert!(cleared(&mut values, Some(MissingValue::Number(3.4e38))).is_ok());
+        // A 64-bit file holds a value that no 32-bit number reaches.
+        values[13] = narrowed(1e300);
+        assert!(cleared(&mut values, None).unwrap_err().starts_with(", row 1, column 5"));
+        assert!(cleared(&mut values, Some(MissingValue::Number(1e300))).is_ok());
+        assert!(narrowed(f64::INFINITY).is_infinite() && narrowed(f64::NAN).is_nan());
     }
 
     fn surface() -> Vec<Point3> {
