@@ -15,15 +15,16 @@ pub(super) fn without_shadowed(curve: &Curve, ground: &Ground<'_>) -> Vec<Curve>
     nodes.rotate_left(start % cuts.len());
     let count = nodes.len();
     let last = |k: &usize| *k + 1 == count || cuts[(k + start) % cuts.len()];
-    let mut begin =
-        (0, if curve.is_closed() { Some(EndReason::RangeJump) } else { curve.ends()[0] });
+    let jump = Some(EndReason::RangeJump);
+    let mut begin = 0;
+    let mut begins_by = if curve.is_closed() { jump } else { curve.ends()[0] };
     let mut pieces = Vec::new();
     for end in (0..count).filter(last) {
         let is_end = end + 1 == count && !curve.is_closed();
-        let reason = if is_end { curve.ends()[1] } else { Some(EndReason::RangeJump) };
-        let piece = Curve::new(nodes[begin.0..=end].to_vec(), false).ok();
-        pieces.extend(piece.map(|piece| piece.with_ends([begin.1, reason])));
-        begin = (end + 1, Some(EndReason::RangeJump));
+        let ends_by = if is_end { curve.ends()[1] } else { jump };
+        let piece = Curve::new(nodes[begin..=end].to_vec(), false).ok();
+        pieces.extend(piece.map(|piece| piece.with_ends([begins_by, ends_by])));
+        (begin, begins_by) = (end + 1, jump);
     }
     pieces
 }

@@ -45,6 +45,12 @@ pub(crate) struct ViewError {
     pub oblique: f64,
 }
 
+/// An estimate, and the share of its oblique part that exceeds the part's own error.
+struct Estimate {
+    error: ViewError,
+    trust: f64,
+}
+
 impl ViewError {
     /// Variance at an incidence of this squared tangent.
     pub fn variance(&self, squared_tangent: f64) -> f64 {
@@ -54,8 +60,11 @@ impl ViewError {
     /// The error from pairs of nodes; `between_views` is the standard deviation of one view.
     pub fn of(pairs: &[Pair], between_views: f64) -> Self {
         let error = Self { head_on: between_views * between_views, oblique: 0.0 };
-        let improve = |(error, _): (Self, f64), _| error.improved(pairs);
-        let (error, trust) = (0..ROUNDS).fold((error, 0.0), improve);
+        let mut last = Estimate { error, trust: 0.0 };
+        for _ in 0..ROUNDS {
+            last = last.error.improved(pairs);
+        }
+        let Estimate { error, trust } = last;
         let shrunk = Self { head_on: error.head_on, oblique: error.oblique * trust };
         // The part that shrinking removed counts at any incidence.
         shrunk.head_on_for(pairs)
@@ -79,18 +88,19 @@ impl ViewError {
         sums
     }
 
-    /// The next estimate, and the share of its oblique part that exceeds the part's own error.
-    fn improved(&self, pairs: &[Pair]) -> (Self, f64) {
+    /// The next estimate.
+    fn improved(&self, pairs: &[Pair]) -> Estimate {
         let sums = self.sums(pairs);
-        let (level, slope) = sums.line();
+        let line = sums.line();
         // A variance cannot be negative.
         let (head_on, oblique) =
-            if level < 0.0 { (0.0, sums.line_through_0()) } else { (level, slope) };
+            if line.level < 0.0 { (0.0, sums.line_through_0()) } else { (line.level, line.slope) };
         let trust = 1.0 - oblique.variance / (oblique.value * oblique.value);
         if oblique.value > 0.0 && trust > 0.0 {
-            (Self { head_on: 0.5 * head_on, oblique: oblique.value }, trust)
+            Estimate { error: Self { head_on: 0.5 * head_on, oblique: oblique.value }, trust }
         } else {
-            (Self { head_on: 0.5 * sums.level(0.0), oblique: 0.0 }, 0.0)
+            let error = Self { head_on: 0.5 * sums.level(0.0), oblique: 0.0 };
+            Estimate { error, trust: 0.0 }
         }
     }
 
@@ -98,6 +108,12 @@ impl ViewError {
     fn head_on_for(self, pairs: &[Pair]) -> Self {
         Self { head_on: 0.5 * self.sums(pairs).level(self.oblique), ..self }
     }
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Line {
+    level: f64,
+    slope: Slope,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -126,16 +142,16 @@ impl Sums {
         self.xy += w * x * y;
     }
 
-    /// Level and slope of the line; only a level where all samples have one place.
-    fn line(&self) -> (f64, Slope) {
+    /// The line; only a level where all samples have one place.
+    fn line(&self) -> Line {
         let spread = self.xx * self.w - self.x * self.x;
         if spread.is_nan() || spread <= LEAST_SPREAD * self.xx * self.w {
             let slope = Slope { value: 0.0, variance: f64::INFINITY };
-            return (self.level(0.0), slope);
+            return Line { level: self.level(0.0), slope };
         }
         let value = (self.xy * self.w - self.x * self.y) / spread;
         let slope = Slope { value, variance: VARIANCE_OF_SQUARE * self.w / spread };
-        ((self.y - value * self.x) / self.w, slope)
+        Line { level: (self.y - value * self.x) / self.w, slope }
     }
 
     /// The level that fits a slope, at least 0.

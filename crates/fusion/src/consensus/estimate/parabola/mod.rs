@@ -151,13 +151,20 @@ impl Windows {
     }
 }
 
+/// The terms of an arc beyond its parabola.
+#[derive(Debug, Clone, Copy)]
+struct HigherOrders {
+    cubic: f64,
+    quartic: f64,
+}
+
 /// Third and fourth order of an arc of this slope and bend, as far as the bend is known.
-fn beyond_parabola(fit: &Fit, reach: f64) -> [f64; 2] {
+fn beyond_parabola(fit: &Fit, reach: f64) -> HigherOrders {
     let most = 0.5 * LARGEST_TURN / reach;
     let bend = fit.bend.clamp(-most, most);
     let (signal, noise) = (bend * bend, fit.bend_sigma * fit.bend_sigma);
     let bend = if noise > 0.0 { bend * signal / (signal + noise) } else { bend };
-    [2.0 * bend * bend * fit.slope, bend.powi(3)]
+    HigherOrders { cubic: 2.0 * bend * bend * fit.slope, quartic: bend.powi(3) }
 }
 
 /// Distance of a sample from a fit.
@@ -323,12 +330,12 @@ impl Sums {
         let [.., s3, s4, s5, s6] = self.left;
         let mut fit = parabola;
         // The effect of the fourth order is at most its value at the window's ends.
-        let [cubic, quartic] = beyond_parabola(&fit, reach);
+        let HigherOrders { cubic, quartic } = beyond_parabola(&fit, reach);
         if (cubic.abs() + quartic.abs() * reach) * reach.powi(3) <= MATTERS * fit.place_sigma {
             return parabola;
         }
         for _ in 0..ROUNDS {
-            let [cubic, quartic] = beyond_parabola(&fit, reach);
+            let HigherOrders { cubic, quartic } = beyond_parabola(&fit, reach);
             let (c, q) = (cubic * self.unit.powi(3), quartic * self.unit.powi(4));
             let [a, b, d] = self.right;
             let right = [a - c * s3 - q * s4, b - c * s4 - q * s5, d - c * s5 - q * s6];

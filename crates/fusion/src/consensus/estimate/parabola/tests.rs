@@ -140,7 +140,7 @@ fn slow(samples: &[Sample], reach: f64) -> Fit {
     let (mut cubic, mut quartic) = (0.0, 0.0);
     for _ in 0..2 {
         let now = Fit { slope: fit[1], bend: fit[2], bend_sigma, ..Fit::default() };
-        [cubic, quartic] = beyond_parabola(&now, reach);
+        HigherOrders { cubic, quartic } = beyond_parabola(&now, reach);
         // Even powers from the fourth on are those of the mean square.
         let (mut moments, mut higher) = (design.transpose() * &weights * &places, [0.0; 3]);
         for s in samples {
