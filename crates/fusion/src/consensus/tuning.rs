@@ -414,8 +414,8 @@ pub(super) mod output {
     /// gap. Theory: thinning leaves up to 1.4. Doubled: gaps of two samples count as measured.
     pub const GAP_FOOTPRINTS: f64 = 1.5;
     /// Distance of a view's unit from the middle of a gap, within which the view measured it, in
-    /// footprints, and at least the overlap threshold. Measured on 10 000 random scans: no gap passes
-    /// as measured. Doubled: three gaps of those scans pass.
+    /// footprints, and at least the overlap threshold. Measured on 10 000 random scans: no gap
+    /// passes as measured. Doubled: three gaps of those scans pass.
     pub const MEASURED_FOOTPRINTS: f64 = 0.5;
     /// A node goes in between where the chord misses the curve by more than this share of the
     /// standard deviation. By hand. Doubled: chords show.
