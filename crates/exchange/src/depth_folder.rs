@@ -10,7 +10,7 @@
 
 use crate::input::read_text;
 use crate::manifest::{self, Manifest, SensorEntry, ViewEntry};
-use crate::{Place, ReadError, Scan, pose};
+use crate::{OpenOptions, Place, ReadError, Scan, pose};
 use std::path::{Path, PathBuf};
 use transect_geometry::LengthUnit;
 use transect_sensors::Intrinsics;
@@ -35,9 +35,9 @@ pub(crate) fn is_one(folder: &Path) -> bool {
     folder.join(INTRINSICS).is_file()
 }
 
-pub(crate) fn open(folder: &Path, unit: Option<LengthUnit>) -> Result<Scan, ReadError> {
+pub(crate) fn open(folder: &Path, options: &OpenOptions) -> Result<Scan, ReadError> {
     let manifest = depth_folder_manifest(folder, FileNames::Relative)?;
-    let mut scan = manifest::to_scan(folder, folder, &manifest, unit)?;
+    let mut scan = manifest::to_scan(folder, folder, &manifest, options.unit)?;
     let note = format!(
         "{}: metres, 0.001 m per count of the images: the convention of depth folders",
         folder.display()
@@ -150,7 +150,7 @@ mod tests {
         assert_eq!(view.image().valid_count(), 2);
         assert_eq!(view.image().extremes(), Some((1.5, 2.5)));
         assert!(notes[0].ends_with("1 pixels at the largest count, 65535, taken as missing"));
-        let other = Scan::open_with(folder.path(), in_unit(LengthUnit::Millimetre)).unwrap_err();
+        let other = Scan::open_with(folder.path(), &in_unit(LengthUnit::Millimetre)).unwrap_err();
         assert!(matches!(other, ReadError::UnitConflict { .. }), "{other}");
     }
 

@@ -3,9 +3,8 @@
 //! To add a format, write a module with a function like `manifest::open` and add a line to
 //! [`FORMATS`]. See "Add a scan format" in `docs/add-a-sensor.md`.
 
-use crate::{ReadError, Scan, ScanView, depth_folder, manifest, stanford};
+use crate::{OpenOptions, ReadError, Scan, ScanView, depth_folder, manifest, stanford};
 use std::path::Path;
-use transect_geometry::LengthUnit;
 
 /// A kind of scan on disk.
 struct Format {
@@ -13,8 +12,8 @@ struct Format {
     name: &'static str,
     /// Whether a path is of this kind. The path exists.
     recognise: fn(&Path) -> bool,
-    /// Reads everything but the images. The unit is the caller's, if the caller named one.
-    open: fn(&Path, Option<LengthUnit>) -> Result<Scan, ReadError>,
+    /// Reads everything but the images.
+    open: fn(&Path, &OpenOptions) -> Result<Scan, ReadError>,
 }
 
 /// The formats in the order in which they are tried.
@@ -22,7 +21,7 @@ const FORMATS: [Format; 4] = [
     Format {
         name: "a folder with scan.json",
         recognise: manifest::is_in,
-        open: |folder, unit| manifest::open(&folder.join(manifest::FILE_NAME), unit),
+        open: |folder, options| manifest::open(&folder.join(manifest::FILE_NAME), options),
     },
     Format {
         name: "a scan manifest (*.json)",
@@ -45,23 +44,13 @@ fn is_file_with(path: &Path, extension: &str) -> bool {
     !path.is_dir() && path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
-/// How a scan is opened.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct OpenOptions {
-    /// The unit of scans that do not state one. Lengths are never converted.
-    pub unit: Option<LengthUnit>,
-    /// Whether views without a file are left out, with a note. Otherwise they are an error.
-    pub skip_missing: bool,
-}
-
 impl Scan {
     /// Opens a scan whose files state their unit, or have one by convention.
     ///
     /// # Errors
     /// See [`Scan::open_with`].
     pub fn open(path: &Path) -> Result<Self, ReadError> {
-        Self::open_with(path, OpenOptions::default())
+        Self::open_with(path, &OpenOptions::default())
     }
 
     /// Opens a scan: a folder with `scan.json`, a manifest (`*.json`), a Stanford configuration
@@ -70,13 +59,13 @@ impl Scan {
     /// # Errors
     /// [`ReadError`] if the path is none of these, or a file is missing or damaged. Also if no unit
     /// is known, or the files state another unit than the options.
-    pub fn open_with(path: &Path, options: OpenOptions) -> Result<Self, ReadError> {
+    pub fn open_with(path: &Path, options: &OpenOptions) -> Result<Self, ReadError> {
         std::fs::metadata(path).map_err(|e| ReadError::io(path, e))?;
         let Some(format) = FORMATS.iter().find(|format| (format.recognise)(path)) else {
             let accepted = FORMATS.map(|format| format.name).join("; ");
             return Err(ReadError::NotAScan { path: path.to_owned(), accepted });
         };
-        let mut scan = (format.open)(path, options.unit)?;
+        let mut scan = (format.open)(path, options)?;
         scan.settle_missing(path, options.skip_missing)?;
         Ok(scan)
     }
@@ -130,7 +119,7 @@ mod tests {
             "a.ply; correct the names, or pass --skip-missing to leave these views out"
         ));
         let skip = OpenOptions { skip_missing: true, ..OpenOptions::default() };
-        let scan = Scan::open_with(&path, skip).unwrap();
+        let scan = Scan::open_with(&path, &skip).unwrap();
         let names: Vec<_> = scan.views.iter().map(ScanView::name).collect();
         assert_eq!((names, scan.inputs.len()), (vec!["b.ply"], 2), "{:?}", scan.inputs);
         assert!(
@@ -139,6 +128,6 @@ mod tests {
             scan.notes
         );
         std::fs::remove_file(folder.path().join("b.ply")).unwrap();
-        assert!(Scan::open_with(&path, skip).is_err(), "no view is left");
+        assert!(Scan::open_with(&path, &skip).is_err(), "no view is left");
     }
 }

@@ -12,7 +12,7 @@
 use crate::input::read_text;
 use crate::ply::read_range_grid;
 use crate::scan::{FramedImage, LoadView};
-use crate::{Place, ReadError, Scan, ScanView, missing};
+use crate::{OpenOptions, Place, ReadError, Scan, ScanView, missing};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -23,7 +23,8 @@ use transect_sensors::PointGrid;
 /// Chosen by hand. Doubled, a note about a normalised quaternion may be missing.
 const QUATERNION_ROUNDING: f64 = 1e-3;
 
-pub(crate) fn open(path: &Path, unit: Option<LengthUnit>) -> Result<Scan, ReadError> {
+pub(crate) fn open(path: &Path, options: &OpenOptions) -> Result<Scan, ReadError> {
+    let unit = options.unit;
     let text = read_text(path)?;
     let (mut views, mut notes) = (Vec::new(), Vec::new());
     if unit.is_none() {

@@ -57,7 +57,7 @@ pub(crate) fn write_to_folder(name: &str, content: &[u8]) -> (tempfile::TempDir,
 
 /// Options with a unit.
 pub(crate) fn in_unit(unit: LengthUnit) -> crate::OpenOptions {
-    crate::OpenOptions { unit: Some(unit), skip_missing: false }
+    crate::OpenOptions { unit: Some(unit), ..crate::OpenOptions::default() }
 }
 
 /// A 16-bit grey image.

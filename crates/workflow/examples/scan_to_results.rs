@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     simulated_scan(&path("scan"))?;
 
     // 1. Open the scan. Its images are read later, one by one.
-    let scan = OpenScan::open(path("scan"), OpenOptions::default())?;
+    let scan = OpenScan::open(path("scan"), &OpenOptions::default())?;
     assert_eq!(scan.scan().views.len(), 4);
 
     // 2. Choose settings. Settings that are not given come from the scan.

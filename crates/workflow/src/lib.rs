@@ -41,7 +41,7 @@
 //! simulated.write(&scene, StripeImages::Extracted, &folder.path().join("scan"))?;
 //!
 //! // Open it, choose settings, make the model, write everything.
-//! let scan = OpenScan::open(folder.path().join("scan"), OpenOptions::default())?;
+//! let scan = OpenScan::open(folder.path().join("scan"), &OpenOptions::default())?;
 //! let mut settings = Settings::default();
 //! settings.planes.interval = Some("2mm".to_owned());
 //! let results = ResultFolder::new(folder.path().join("out"));

@@ -117,7 +117,7 @@ impl StoreFile {
         // one of another unit. One view of the scan is read, so other views may lack their files.
         let mut options = OpenOptions::default();
         (options.unit, options.skip_missing) = (Some(self.setup.unit), true);
-        let scan = Scan::open_with(&scan_path, options)?;
+        let scan = Scan::open_with(&scan_path, &options)?;
         let in_scan = replacement.view.as_deref().unwrap_or(&old.entry.name);
         let view = view_of_scan(&scan, &scan_path, in_scan)?;
         let accepted = replacement.accept.clone();

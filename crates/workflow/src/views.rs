@@ -19,7 +19,7 @@ impl OpenScan {
     /// # Errors
     /// [`WorkflowError::Read`] if the path is no scan, a file is missing or damaged, or the unit is
     /// missing or is not the scan's.
-    pub fn open(path: impl Into<PathBuf>, options: OpenOptions) -> Result<Self, WorkflowError> {
+    pub fn open(path: impl Into<PathBuf>, options: &OpenOptions) -> Result<Self, WorkflowError> {
         let path = path.into();
         let scan = Scan::open_with(&path, options)?;
         Ok(Self { path, scan })

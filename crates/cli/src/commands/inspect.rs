@@ -1,12 +1,13 @@
 //! `transect inspect`: the contents of a scan, before it is modelled, or of a model.
 
 use super::inspect_model;
+use super::scan::ScanArguments;
 use crate::failure::Failure;
 use crate::table::{Lengths, Row, digits, length, print};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use transect_device::{Pixel, Point3, View};
-use transect_exchange::{OpenOptions, Scan, ScanView};
+use transect_exchange::{Scan, ScanView};
 use transect_geometry::LengthUnit;
 use transect_image::estimate_sigma;
 use transect_workflow::{is_model, with_causes};
@@ -17,12 +18,8 @@ pub struct Arguments {
     /// Scan: a folder with scan.json, a scan.json, a Stanford .conf, or a folder of depth images;
     /// or a model file, a model store, or a folder that `reconstruct` wrote.
     scan: PathBuf,
-    /// Length unit of a scan that does not state one.
-    #[arg(long)]
-    unit: Option<LengthUnit>,
-    /// Leave out views whose file does not exist, with a note.
-    #[arg(long)]
-    skip_missing: bool,
+    #[command(flatten)]
+    open: ScanArguments,
 }
 
 /// Runs the command.
@@ -30,9 +27,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if is_model(&arguments.scan) {
         return inspect_model::run(&arguments.scan);
     }
-    let mut options = OpenOptions::default();
-    (options.unit, options.skip_missing) = (arguments.unit, arguments.skip_missing);
-    let scan = Scan::open_with(&arguments.scan, options)?;
+    let scan = Scan::open_with(&arguments.scan, &arguments.open.options())?;
     let loaded: Vec<_> = scan.views.par_iter().map(ScanView::load).collect();
     scan.notes.iter().for_each(|n| eprintln!("note: {n}"));
     let mut rows = scan_rows(&scan);

@@ -23,6 +23,7 @@ pub mod verify;
 
 mod inspect_model;
 mod planes;
+mod scan;
 
 /// The frame of drawings.
 #[derive(Debug, clap::Args)]

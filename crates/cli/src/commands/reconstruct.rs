@@ -1,15 +1,14 @@
 //! `transect reconstruct`: a scan in, a cross-section model with its report and pictures out.
 
 use super::planes::{AcceptArguments, PlaneArguments};
+use super::scan::ScanArguments;
 use super::{DxfArguments, named, simulate};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::table::{Row, print, say};
 use std::path::{Path, PathBuf};
 use transect::Report;
-use transect_exchange::OpenOptions;
 use transect_fusion::FusionMethod;
-use transect_geometry::LengthUnit;
 use transect_partial::Method;
 use transect_workflow::{Costs, OpenScan, ResultFolder, Run, Settings, default_folder, simulation};
 
@@ -19,12 +18,8 @@ pub struct Arguments {
     /// Scan: a folder with scan.json, a scan.json, a Stanford .conf, or a folder of depth images
     /// [default: simulate the bundled room].
     scan: Option<PathBuf>,
-    /// Length unit of a scan that does not state one: m, dm, cm, mm, um, in or ft.
-    #[arg(long)]
-    unit: Option<LengthUnit>,
-    /// Leave out views whose file does not exist, with a note.
-    #[arg(long)]
-    skip_missing: bool,
+    #[command(flatten)]
+    open: ScanArguments,
     /// Folder for the results [default: transect-out/NAME].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -91,9 +86,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(path) => path.clone(),
         None => costs.stage("simulating", || bundled_scan(arguments))?,
     };
-    let mut options = OpenOptions::default();
-    (options.unit, options.skip_missing) = (arguments.unit, arguments.skip_missing);
-    let scan = OpenScan::open(path, options)?;
+    let scan = OpenScan::open(path, &arguments.open.options())?;
     // Before anything can fail: a note may be the reason.
     scan.scan().notes.iter().for_each(|note| eprintln!("note: {note}"));
     let settings = arguments.settings()?;

@@ -54,9 +54,8 @@ pub use sensor::{
 };
 pub(crate) use to_scan::to_scan;
 
-use crate::{ReadError, Scan};
+use crate::{OpenOptions, ReadError, Scan};
 use std::path::Path;
-use transect_geometry::LengthUnit;
 
 /// The manifest's name in a scan folder.
 pub(crate) const FILE_NAME: &str = "scan.json";
@@ -67,10 +66,10 @@ pub(crate) fn is_in(folder: &Path) -> bool {
 }
 
 /// Opens a manifest as a scan.
-pub(crate) fn open(path: &Path, unit: Option<LengthUnit>) -> Result<Scan, ReadError> {
+pub(crate) fn open(path: &Path, options: &OpenOptions) -> Result<Scan, ReadError> {
     let (manifest, notes) = read_manifest(path)?;
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-    let mut scan = to_scan(path, &folder, &manifest, unit)?;
+    let mut scan = to_scan(path, &folder, &manifest, options.unit)?;
     scan.notes.splice(0..0, notes);
     scan.inputs.insert(0, path.to_owned());
     Ok(scan)

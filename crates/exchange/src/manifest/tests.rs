@@ -4,6 +4,7 @@ use crate::npy;
 use crate::test_data::{in_unit, with_causes};
 use std::path::PathBuf;
 use transect_device::{Pixel, Point3};
+use transect_geometry::LengthUnit;
 
 const POSE: &str = "[1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]";
 
@@ -68,7 +69,7 @@ fn a_unit_is_never_guessed() {
     std::fs::write(pinhole.path("scan.json"), text.replace(r#""unit": "mm","#, "")).unwrap();
     let error = pinhole.error();
     assert!(error.ends_with("scan.json: no length unit; add \"unit\": \"m\" or pass --unit"));
-    let given = Scan::open_with(&pinhole.path("scan.json"), in_unit(LengthUnit::Inch)).unwrap();
+    let given = Scan::open_with(&pinhole.path("scan.json"), &in_unit(LengthUnit::Inch)).unwrap();
     assert_eq!(given.unit, LengthUnit::Inch);
     std::fs::write(pinhole.path("scan.json"), text.replace("\"mm\"", "\"furlong\"")).unwrap();
     assert!(pinhole.error().contains("\"unit\" must be one of m, dm,"), "{}", pinhole.error());
@@ -77,9 +78,9 @@ fn a_unit_is_never_guessed() {
 #[test]
 fn two_units_are_a_conflict_and_never_a_conversion() {
     let scan = Folder::pinhole("");
-    let error = Scan::open_with(scan.0.path(), in_unit(LengthUnit::Metre)).unwrap_err();
+    let error = Scan::open_with(scan.0.path(), &in_unit(LengthUnit::Metre)).unwrap_err();
     assert!(error.to_string().contains("the unit is mm, but m was asked for"), "{error}");
-    assert!(Scan::open_with(scan.0.path(), in_unit(LengthUnit::Millimetre)).is_ok());
+    assert!(Scan::open_with(scan.0.path(), &in_unit(LengthUnit::Millimetre)).is_ok());
 }
 
 #[test]
