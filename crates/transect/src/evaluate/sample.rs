@@ -45,7 +45,7 @@ pub(super) struct Sample {
 
 /// Most samples of a group. Chosen by hand: a search serves enough samples, and finds few units for
 /// each. Doubled or halved, scoring takes a tenth longer.
-const GROUP: usize = 16;
+const GROUP: usize = 32;
 
 /// The samples of a curve in order, in groups of neighbours.
 pub(super) fn groups(curve: &Curve, step: f64) -> impl Iterator<Item = Vec<Sample>> + '_ {
