@@ -11,7 +11,7 @@
 //! [`transect_device::DeviceFrame`], and reads scene descriptions as text.
 //!
 //! * [`Shape`], [`Solid`], [`Scene`], [`Hit`]: the solids, and the first hit of a ray;
-//! * [`Noise`]: reproducible errors of a real sensor;
+//! * [`Noise`], [`DepthCamera`], [`PoseNoise`]: reproducible errors of a real sensor;
 //! * [`StripeCamera`], [`StripeImages`]: the images of a light-stripe sensor's camera;
 //! * [`Mesh`], [`sections`], [`merge_overlaps`]: truth as oriented curves;
 //! * [`Visibility`]: the part of the truth that the views could see;
@@ -56,7 +56,7 @@ mod visibility;
 pub use cast::CastError;
 pub use description::{Description, DescriptionError, Problem, SensorParameters, Station};
 pub use mesh::{LARGEST, Mesh, MeshError};
-pub use noise::{Noise, PoseNoise};
+pub use noise::{DepthCamera, Noise, PoseNoise};
 pub use scene::{Hit, Scene, SceneError};
 pub use section::{MAX_PLANES, merge_overlaps, sections};
 pub use solid::{Shape, Solid, SolidError};
