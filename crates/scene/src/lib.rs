@@ -83,12 +83,16 @@ pub const BUNDLED_TUNNEL: &str = include_str!("../fixtures/tunnel.scene.toml");
 /// A tunnel along a bend ([`fixtures::bend_tunnel`]) with a curved guide, scanned from inside.
 pub const BUNDLED_BEND_TUNNEL: &str = include_str!("../fixtures/bend_tunnel.scene.toml");
 
+/// A cluttered kitchen, seen by a depth camera with all of its errors ([`DepthCamera`]).
+pub const BUNDLED_KITCHEN: &str = include_str!("../fixtures/kitchen.scene.toml");
+
 /// All bundled descriptions with their names.
-pub const BUNDLED_SCENES: [(&str, &str); 6] = [
+pub const BUNDLED_SCENES: [(&str, &str); 7] = [
     ("room", BUNDLED_ROOM),
     ("face_mask", BUNDLED_FACE_MASK),
     ("machined_part", BUNDLED_MACHINED_PART),
     ("thin_sheet", BUNDLED_THIN_SHEET),
     ("tunnel", BUNDLED_TUNNEL),
     ("bend_tunnel", BUNDLED_BEND_TUNNEL),
+    ("kitchen", BUNDLED_KITCHEN),
 ];
