@@ -11,7 +11,7 @@
 //! [`transect_device::DeviceFrame`], and reads scene descriptions as text.
 //!
 //! * [`Shape`], [`Solid`], [`Scene`], [`Hit`]: the solids, and the first hit of a ray;
-//! * [`Noise`]: reproducible errors of a real sensor;
+//! * [`Noise`], [`DepthCamera`], [`PoseNoise`]: reproducible errors of a real sensor;
 //! * [`StripeCamera`], [`StripeImages`]: the images of a light-stripe sensor's camera;
 //! * [`Mesh`], [`sections`], [`merge_overlaps`]: truth as oriented curves;
 //! * [`Visibility`]: the part of the truth that the views could see;
@@ -56,7 +56,7 @@ mod visibility;
 pub use cast::CastError;
 pub use description::{Description, DescriptionError, Problem, SensorParameters, Station};
 pub use mesh::{LARGEST, Mesh, MeshError};
-pub use noise::{Noise, PoseNoise};
+pub use noise::{DepthCamera, Noise, PoseNoise};
 pub use scene::{Hit, Scene, SceneError};
 pub use section::{MAX_PLANES, merge_overlaps, sections};
 pub use solid::{Shape, Solid, SolidError};
@@ -83,12 +83,16 @@ pub const BUNDLED_TUNNEL: &str = include_str!("../fixtures/tunnel.scene.toml");
 /// A tunnel along a bend ([`fixtures::bend_tunnel`]) with a curved guide, scanned from inside.
 pub const BUNDLED_BEND_TUNNEL: &str = include_str!("../fixtures/bend_tunnel.scene.toml");
 
+/// A cluttered kitchen, seen by a depth camera with all of its errors ([`DepthCamera`]).
+pub const BUNDLED_KITCHEN: &str = include_str!("../fixtures/kitchen.scene.toml");
+
 /// All bundled descriptions with their names.
-pub const BUNDLED_SCENES: [(&str, &str); 6] = [
+pub const BUNDLED_SCENES: [(&str, &str); 7] = [
     ("room", BUNDLED_ROOM),
     ("face_mask", BUNDLED_FACE_MASK),
     ("machined_part", BUNDLED_MACHINED_PART),
     ("thin_sheet", BUNDLED_THIN_SHEET),
     ("tunnel", BUNDLED_TUNNEL),
     ("bend_tunnel", BUNDLED_BEND_TUNNEL),
+    ("kitchen", BUNDLED_KITCHEN),
 ];

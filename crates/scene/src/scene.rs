@@ -79,7 +79,7 @@ pub(crate) struct WorldRay {
 }
 
 impl WorldRay {
-    /// A ray of unit direction.
+    /// A ray; distances along it count lengths of its direction.
     pub(crate) fn new(origin: Vector, direction: Vector) -> Self {
         // A component of zero becomes tiny, so that 0 · ∞ never makes a NaN.
         let inverse = |c: f64| 1.0 / if c.abs() < 1e-300 { 1e-300 } else { c };
@@ -88,7 +88,7 @@ impl WorldRay {
     }
 
     /// Distance at which the ray enters a box; infinite if it misses it.
-    fn box_entry(&self, mins: Vector, maxs: Vector) -> f64 {
+    pub(crate) fn box_entry(&self, mins: Vector, maxs: Vector) -> f64 {
         let a = (mins - self.origin) * self.inverse;
         let b = (maxs - self.origin) * self.inverse;
         let enters = a.min(b).max_element().max(0.0);

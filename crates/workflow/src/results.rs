@@ -7,9 +7,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use transect_exchange::svg::{OverviewOptions, Sheets, write_overview};
-use transect_exchange::{
-    DxfFrame, ModelSplines, WriteError, read_text, write_contours, write_dxf, write_file,
-};
+use transect_exchange::{DxfFrame, ModelSplines, read_text, write_contours, write_dxf, write_file};
 use transect_geometry::PlaneIndex;
 use transect_model::Model;
 
@@ -138,7 +136,7 @@ impl ResultFolder {
         write_file(&self.overview(), |out| write_overview(model, &options, out))?;
         let sheets = self.0.join(SHEETS);
         std::fs::create_dir_all(&sheets).map_err(WorkflowError::io(&sheets))?;
-        Ok(write_sheets(&sheets, model)?)
+        write_sheets(&sheets, model)
     }
 
     /// The sheets in the folder, by their names: `planes/plane_+0012.svg`.
@@ -203,11 +201,16 @@ impl ResultFolder {
     }
 }
 
-fn write_sheets(folder: &Path, model: &Model) -> Result<(), WriteError> {
+fn write_sheets(folder: &Path, model: &Model) -> Result<(), WorkflowError> {
     let sheets = Sheets::new(model);
     let planes: Vec<PlaneIndex> = model.sections().map(|(plane, _)| plane).collect();
     planes.par_iter().try_for_each(|&plane| {
-        let file = folder.join(format!("plane_{:+05}.svg", plane.0));
-        write_file(&file, |out| sheets.write(plane, out))
+        let path = folder.join(format!("plane_{:+05}.svg", plane.0));
+        // The folder is in a stage: no program reads the file before it is renamed with the others.
+        // A sheet is drawn from the model, so it may be lost in a crash of the machine. With a name
+        // and a sync of its own, each of some thousand sheets takes twice the time.
+        let mut text = Vec::new();
+        let written = sheets.write(plane, &mut text).and_then(|()| std::fs::write(&path, text));
+        written.map_err(WorkflowError::io(&path))
     })
 }

@@ -26,6 +26,8 @@ pub struct Run<'a> {
     inputs: Vec<PathBuf>,
     dxf: DxfFrame,
     splines: Option<f64>,
+    /// The truth that the model is scored against, if any.
+    truth: Reference,
 }
 
 impl OpenScan {
@@ -139,13 +141,15 @@ impl OpenScan {
         let mut costs = Costs::default();
         costs.modelled(&reconstruction.report.timings);
         let (inputs, dxf) = (self.inputs(settings, store_path), settings.dxf);
-        Ok(Run { reconstruction, costs, scan: self, setup, store, inputs, dxf, splines })
+        let truth =
+            if settings.no_score { Reference::Nothing } else { Reference::beside(self.path()) };
+        Ok(Run { reconstruction, costs, scan: self, setup, store, inputs, dxf, splines, truth })
     }
 }
 
 impl Run<'_> {
-    /// Writes every result into a folder, and scores the model if the scan has its truth beside it.
-    /// Returns the table of the run, which is in the report, too. All files appear together.
+    /// Writes every result into a folder, and scores the model if the scan has its truth beside it
+    /// and the settings ask for it. Returns the table of the run, which is in the report, too. All files appear together.
     ///
     /// # Errors
     /// [`WorkflowError`] naming the file that cannot be written, or read for the scores. The folder
@@ -165,9 +169,8 @@ impl Run<'_> {
             let write = || folder.write_splines(model, tolerance);
             rows.extend(costs.stage("fitting splines", write)?);
         }
-        let truth = Reference::beside(self.scan.path());
-        if !matches!(truth, Reference::Nothing) {
-            let score = || score(model, &truth, &ScoreLimits::default());
+        if !matches!(self.truth, Reference::Nothing) {
+            let score = || score(model, &self.truth, &ScoreLimits::default());
             rows.extend(costs.stage("scoring", score)?.agreement);
         }
         rows.extend(costs.rows());

@@ -112,9 +112,13 @@ pub fn simulated_accuracy(
 ) -> Result<Accuracy, WorkflowError> {
     let (planes, options) = (model.planes(), limits.options(model)?);
     // Solids of a scene may overlap: the part of one inside another is no surface.
-    let truth = cut(surface, model)?.into_iter().map(|(k, c)| (k, merge_overlaps(c))).collect();
+    let truth = cut(surface, model)?.into_par_iter().map(|(k, c)| (k, merge_overlaps(c))).collect();
     let visible = Visibility::new(surface, views)?;
-    let seen = |k: PlaneIndex, p: &Point2| visible.sees(&planes.frame(k).world_from_plane(p));
+    let seen = |k: PlaneIndex, points: &[Point2]| {
+        let frame = planes.frame(k);
+        let in_world: Vec<_> = points.iter().map(|p| frame.world_from_plane(p)).collect();
+        visible.sees(&in_world)
+    };
     Ok(evaluate_seen(planes, &curves(model), &truth, &seen, &options)?)
 }
 

@@ -32,6 +32,8 @@ pub struct Settings {
     pub dxf: DxfFrame,
     /// The curves are also written as cubic B-splines no farther from them than this length.
     pub splines: Option<String>,
+    /// The model of a simulated scan is not scored against its truth.
+    pub no_score: bool,
 }
 
 /// Where the section planes are: plane k is at normal · p = offset + k · interval.

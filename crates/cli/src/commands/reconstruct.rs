@@ -54,6 +54,9 @@ pub struct Arguments {
     fusion: Option<FusionMethod>,
     #[command(flatten)]
     accept: AcceptArguments,
+    /// Do not score the model against the truth of a simulated scan.
+    #[arg(long, help_heading = "Running")]
+    no_score: bool,
     /// Number of threads; 0 takes all cores. The results do not depend on it.
     #[arg(long, default_value_t = 0, value_name = "NUMBER", help_heading = "Running")]
     threads: usize,
@@ -125,6 +128,7 @@ impl Arguments {
         settings.dxf = self.dxf.dxf;
         settings.refine.clone_from(&self.refine);
         settings.splines.clone_from(&self.splines);
+        settings.no_score = self.no_score;
         Ok(settings)
     }
 }

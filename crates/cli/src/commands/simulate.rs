@@ -13,8 +13,8 @@ use transect_workflow::simulation::{
 /// Options of `simulate`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Scene file (TOML), or a bundled scene: room, face_mask, machined_part, thin_sheet, tunnel or
-    /// bend_tunnel.
+    /// Scene file (TOML), or a bundled scene: room, face_mask, machined_part, thin_sheet, tunnel,
+    /// bend_tunnel or kitchen.
     #[arg(default_value = "room")]
     scene: PathBuf,
     /// Sensor at all stations, in place of the scene's own.

@@ -69,3 +69,23 @@ fn wrong_sensor_options_are_told() {
     folder.run("simulate room --sensor pinhole --density 0").failed_with(2, &["--density"]);
     folder.run("simulate room --views 0").failed_with(2, &["--views"]);
 }
+
+#[test]
+fn a_depth_camera_as_real_ones_gives_a_model_that_is_scored_only_if_wanted() {
+    let folder = Folder::empty();
+    folder.run("simulate kitchen --out scan").succeeded();
+    let scan = folder.json("scan/scan.json");
+    assert!(scan["sigma"].is_null() && scan["views"][0]["pose_true"].is_array());
+    let run = folder.reconstruct("scan --no-score").succeeded();
+    assert_eq!(run.number("views"), 16.0);
+    assert!(run.number("planes with curves") >= 44.0, "{}", run.stdout);
+    // Poses err by 4 mm, and scale and lens by 0.4 % of two to three metres.
+    assert!(run.number("spread between views") > 0.004, "{}", run.stdout);
+    assert!(
+        !run.stdout.contains("from truth") && !run.stdout.contains("scoring"),
+        "{}",
+        run.stdout
+    );
+    let score = folder.run("evaluate out").succeeded();
+    assert!(score.number("median distance from truth") < 0.03, "{}", score.stdout);
+}

@@ -3,16 +3,18 @@
 //! 1. The pixel's ray, moved into the world, meets the scene at some distance.
 //! 2. A triangulation sensor must see the spot as well: the way from its second viewpoint to the
 //!    hit must be free. A place that either path cannot reach is in shadow (Figure 1.6).
+//!    So must a depth camera's projector.
 //! 3. Noise moves the hit along the ray, or drops it.
 //! 4. The value `d3` is the one that a plane through the hit, perpendicular to the ray, would have
 //!    at the pixel ([`DeviceFrame::plane_value`]). On the pixel's own ray that is exact for every
 //!    scale a frame may have, needs no inverse `F` and no arc tangent, and makes noise mean an
-//!    error along the ray for depths just as for ranges.
+//!    error along the ray for depths just as for ranges. A depth camera states the hit's own depth
+//!    with its errors.
 //!
 //! The code is serial on purpose: the caller may cast views in parallel. A row depends on itself
 //! and, for mixed pixels, on its two neighbours.
 
-use crate::noise::{PixelNoise, RowNoise};
+use crate::noise::{Field, Optics, PixelNoise, RowNoise};
 use crate::parry::{self, Motion};
 use crate::scene::WorldRay;
 use crate::{Noise, Scene};
@@ -65,11 +67,12 @@ impl Scene {
         let size = frame.size();
         // Before memory is taken for it.
         size.check()?;
-        let caster = Caster::new(self, frame, world_from_sensor, noise);
+        let caster = Caster::new(self, frame, world_from_sensor, (noise, view));
+        let mut field = Field::new(noise, view, size.cols);
         let mut values = Vec::with_capacity(size.pixels());
         let mut window = Window::new(&caster);
         for row in 0..size.rows {
-            let mut row_noise = noise.row(view, row);
+            let mut row_noise = noise.row(view, row, field.as_mut().map(Field::next_row));
             let valued = |d3: Option<f64>| d3.map_or(f32::NAN, |d3| d3 as f32);
             values.extend((0..size.cols).map(|col| valued(window.value(col, &mut row_noise))));
             window.advance();
@@ -78,7 +81,8 @@ impl Scene {
     }
 
     /// A whole view of the scene, ready for modelling, with the noise's sigma on record: that at
-    /// the mean range if it grows.
+    /// the mean range if it grows. Without it if the errors of pixels depend on each other, or are
+    /// those of a depth camera.
     ///
     /// The ranges are measured from the given pose. The view states that pose with the pose noise
     /// ([`Noise::stated_pose`]).
@@ -94,10 +98,11 @@ impl Scene {
         view: u64,
     ) -> Result<View, CastError> {
         let image = self.scan(frame.as_ref(), &world_from_sensor, noise, view)?;
-        let growing = noise.sigma_growth != 0.0;
+        let growing = noise.sigma_growth != 0.0 || noise.sigma_square != 0.0;
         let range = if growing { mean_range(frame.as_ref(), &image) } else { 0.0 };
         let stated = noise.stated_pose(&world_from_sensor, view);
-        Ok(View::new(name, image, frame, stated, Some(noise.sigma_at(range)))?)
+        let sigma = noise.is_white().then(|| noise.sigma_at(range));
+        Ok(View::new(name, image, frame, stated, sigma)?)
     }
 }
 
@@ -150,6 +155,10 @@ pub(crate) struct Caster<'a> {
     scene: &'a Scene,
     frame: &'a dyn DeviceFrame,
     noise: &'a Noise,
+    /// The number of the view.
+    view: u64,
+    /// The errors of a depth camera.
+    optics: Option<Optics>,
     world_from_sensor: Motion,
     least_cosine: Option<f64>,
     /// Whether echoes have their light.
@@ -161,11 +170,12 @@ impl<'a> Caster<'a> {
         scene: &'a Scene,
         frame: &'a dyn DeviceFrame,
         world_from_sensor: &Isometry3,
-        noise: &'a Noise,
+        (noise, view): (&'a Noise, u64),
     ) -> Self {
         let world_from_sensor = Motion::new(world_from_sensor);
         let (least_cosine, light) = (noise.least_cosine(), noise.needs_light());
-        Self { scene, frame, noise, world_from_sensor, least_cosine, light }
+        let optics = Optics::of(noise, frame);
+        Self { scene, frame, noise, view, optics, world_from_sensor, least_cosine, light }
     }
 
     /// The same, with the light of every echo.
@@ -177,12 +187,19 @@ impl<'a> Caster<'a> {
     pub fn row(&self, row: usize) -> Vec<Option<Echo>> {
         let ImageSize { rows, cols } = self.frame.size();
         let cols = if row < rows { cols } else { 0 };
-        (0..cols).map(|col| self.echo(Pixel::new(row, col))).collect()
+        let optics = self.optics.as_ref();
+        let mut turned = optics.map(|optics| (optics, self.noise.shuffling(self.view, row)));
+        let echo = |col| {
+            let pixel = Pixel::new(row, col);
+            let ray = self.frame.ray(pixel)?;
+            let turned = turned.as_mut().map(|(optics, numbers)| optics.shuffled(&ray, numbers));
+            self.echo(pixel, turned.unwrap_or(ray))
+        };
+        (0..cols).map(echo).collect()
     }
 
     /// The first surface that a pixel's ray meets, if the sensor can see it.
-    fn echo(&self, pixel: Pixel) -> Option<Echo> {
-        let in_sensor = self.frame.ray(pixel)?;
+    fn echo(&self, pixel: Pixel, in_sensor: Ray) -> Option<Echo> {
         let start = self.world_from_sensor.point(parry::point(&in_sensor.start));
         let direction = self.world_from_sensor.rotation * parry::vector(&in_sensor.direction);
         let ray = WorldRay::new(start, direction);
@@ -208,7 +225,8 @@ impl<'a> Caster<'a> {
 
     /// Whether a spot on a pixel's ray can be seen from the sensor's second viewpoint, if any.
     fn watches(&self, pixel: Pixel, spot: Vector) -> bool {
-        let Some(viewpoint) = self.frame.second_viewpoint(pixel) else { return true };
+        let projector = self.optics.as_ref().and_then(Optics::projector);
+        let Some(viewpoint) = self.frame.second_viewpoint(pixel).or(projector) else { return true };
         let viewpoint = self.world_from_sensor.point(parry::point(&viewpoint));
         let way = spot - viewpoint;
         // From the viewpoint to the spot, so that the spot's own surface is met last.
@@ -220,6 +238,9 @@ impl<'a> Caster<'a> {
     pub fn value(&self, pixel: Pixel, ray: &Ray, distance: f64) -> Option<f64> {
         if distance <= 0.0 {
             return None;
+        }
+        if let Some(optics) = &self.optics {
+            return optics.stated(pixel, (ray.start + ray.direction * distance).z);
         }
         let normal = ray.direction;
         let offset = normal.dot(&ray.start.coords) + distance;

@@ -1,6 +1,6 @@
 use super::*;
 use crate::test_frames::SheetOfLight;
-use crate::{PoseNoise, Shape, Solid};
+use crate::{DepthCamera, PoseNoise, Shape, Solid};
 use transect_device::Vector3;
 use transect_sensors::{AngularScan, ImagingRadar, Intrinsics, Pinhole};
 
@@ -180,7 +180,7 @@ fn a_camera_at_the_laser_sees_all_that_is_lit() {
     let frame = SheetOfLight { size: ImageSize { rows: 3, cols: 2000 }, base_line: 0.0 };
     assert_eq!(frame.second_viewpoint(Pixel::new(0, 0)), Some(frame.start(0)));
     let (scene, pose) = (step(), Isometry3::identity());
-    let caster = Caster::new(&scene, &frame, &pose, &Noise::NONE);
+    let caster = Caster::new(&scene, &frame, &pose, (&Noise::NONE, 0));
     for (col, echo) in caster.row(1).iter().enumerate() {
         let lit = scene.hit(&frame.ray(Pixel::new(1, col)).unwrap());
         assert_eq!(echo.map(|e| e.distance), lit.map(|h| h.distance), "column {col}");
@@ -274,4 +274,170 @@ fn a_view_states_the_noisy_pose_and_measures_from_the_true_one() {
     // Ranges run from 3.5 to 3.5 / cos² 30°, about.
     let sigma = view.sigma().unwrap();
     assert!((0.01 + 0.005 * 3.5..0.01 + 0.005 * 4.4).contains(&sigma), "{sigma}");
+}
+
+/// A depth camera of 120 × 160 pixels with a focal length of 150 pixels.
+fn depth_camera() -> Pinhole {
+    let size = ImageSize { rows: 120, cols: 160 };
+    Pinhole::new(size, Intrinsics { fx: 150.0, fy: 150.0, cx: 79.5, cy: 59.5 }).unwrap()
+}
+
+/// Depths of a scene before a camera at the origin that looks along z, row by row.
+fn depths(scene: &Scene, noise: &Noise, view: u64) -> Vec<Option<f64>> {
+    let frame = depth_camera();
+    let image = scene.scan(&frame, &Isometry3::identity(), noise, view).unwrap();
+    let pixels = (0..frame.size().pixels()).map(|k| Pixel::new(k / 160, k % 160));
+    pixels.map(|pixel| image.get(pixel).map(f64::from)).collect()
+}
+
+/// A wall through (0, 0, 4) that falls back to the right: depth = 4 + slope · x.
+fn slanted_wall(slope: f64) -> Scene {
+    let wall = Shape::cuboid(Vector3::new(80.0, 80.0, 2.0)).unwrap();
+    let turned = Isometry3::rotation(Vector3::y() * -slope.atan());
+    let pose =
+        Isometry3::translation(0.0, 0.0, 4.0) * turned * Isometry3::translation(0.0, 0.0, 1.0);
+    Scene::new(vec![Solid::new(wall, pose).unwrap()])
+}
+
+fn with_camera(depth_camera: DepthCamera) -> Noise {
+    Noise { depth_camera, seed: 17, ..Noise::NONE }
+}
+
+fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (count, sum) = values.fold((0.0, 0.0), |(n, sum), v| (n + 1.0, sum + v * v));
+    f64::sqrt(sum / count)
+}
+
+#[test]
+fn errors_of_neighbours_correlate_over_the_stated_length() {
+    let scene = slanted_wall(0.0);
+    let (sigma_square, length) = (0.001, 4.0);
+    let noise = Noise { sigma_square, correlation: length, seed: 5, ..Noise::NONE };
+    let clean = depths(&scene, &Noise::NONE, 0);
+    let ray =
+        |k: usize| ((k % 160) as f64 - 79.5).hypot((k / 160) as f64 - 59.5).hypot(150.0) / 150.0;
+    let errors: Vec<Vec<f64>> = (0..30)
+        .map(|view| {
+            let found = depths(&scene, &noise, view);
+            let pairs = found.iter().zip(&clean).enumerate();
+            // In standard deviations: along the ray, with the square of the range.
+            let error = |(k, (a, b)): (usize, (&Option<f64>, &Option<f64>))| {
+                let (range, off) = (b.unwrap() * ray(k), (a.unwrap() - b.unwrap()) * ray(k));
+                off / (sigma_square * range * range)
+            };
+            pairs.map(error).collect()
+        })
+        .collect();
+    // 30 views of about 120 · 160 / (π · 4² · 2) independent patches: one standard error is 1 %.
+    assert!((rms(errors.iter().flatten().copied()) - 1.0).abs() < 0.03);
+    for distance in [1, 2, 4, 6, 12] {
+        for (step, cols, rows) in
+            [(distance, 160 - distance, 120), (160 * distance, 160, 120 - distance)]
+        {
+            let inside = (0..rows * cols).map(|k| k / cols * 160 + k % cols);
+            let products =
+                |view: &Vec<f64>| inside.clone().map(|k| view[k] * view[k + step]).sum::<f64>();
+            let sum: f64 = errors.iter().map(products).sum();
+            let found = sum / (30 * rows * cols) as f64;
+            let expected = (-(distance as f64 / length).powi(2)).exp();
+            assert!((found - expected).abs() < 0.04, "{distance}, {step}: {found} for {expected}");
+        }
+    }
+    assert_ne!(errors[0], errors[1]);
+}
+
+#[test]
+fn disparities_are_whole_steps() {
+    let noise =
+        with_camera(DepthCamera { base_line: 0.1, disparity_step: 0.25, ..DepthCamera::default() });
+    let scene = slanted_wall(0.3);
+    let disparity = |depth: f64| 0.1 * 150.0 / depth;
+    let (mut levels, mut lit) = (std::collections::BTreeSet::new(), 0);
+    for (found, true_depth) in depths(&scene, &noise, 0).iter().zip(depths(&scene, &Noise::NONE, 0))
+    {
+        let (Some(found), Some(true_depth)) = (found, true_depth) else { continue };
+        let steps = disparity(*found) / 0.25;
+        assert!((steps - steps.round()).abs() < 1e-5, "{found} is at {steps} steps");
+        // Values are stored as f32.
+        assert!((disparity(*found) - disparity(true_depth)).abs() < 0.125 + 1e-5);
+        levels.insert(steps.round() as i32);
+        lit += 1;
+    }
+    // Depths run from 3.4 to 4.8: disparities from 4.4 to 3.1 pixels, in steps of a quarter.
+    assert_eq!(levels.into_iter().collect::<Vec<_>>(), (13..=17).collect::<Vec<_>>());
+    assert_eq!(lit, 120 * 160, "the projector lights all of a wall");
+}
+
+#[test]
+fn shuffled_pixels_measure_places_beside_their_own() {
+    let (slope, shuffle) = (0.5, 0.6);
+    let scene = slanted_wall(slope);
+    let noise = with_camera(DepthCamera { shuffle, ..DepthCamera::default() });
+    let (found, clean) = (depths(&scene, &noise, 0), depths(&scene, &Noise::NONE, 0));
+    // On depth = 4 / (1 - slope · u) a place beside by δ pixels is deeper by slope · depth² / 4 · δ/f.
+    let pairs = found.iter().zip(&clean).map(|(a, b)| (a.unwrap(), b.unwrap()));
+    let pixels = pairs.map(|(a, b)| (a - b) * 150.0 * 4.0 / (slope * a * b));
+    let spread = rms(pixels);
+    // Four standard errors of 19 200 pixels.
+    assert!((spread / shuffle - 1.0).abs() < 4.0 / (2.0 * 19_200f64).sqrt(), "{spread}");
+    let frontal = slanted_wall(0.0);
+    assert_eq!(depths(&frontal, &noise, 0), depths(&frontal, &Noise::NONE, 0));
+}
+
+#[test]
+fn a_projector_throws_shadows_beside_jumps() {
+    let noise = with_camera(DepthCamera { base_line: 4.0, ..DepthCamera::default() });
+    let (clean, found) = (depths(&step(), &Noise::NONE, 0), depths(&step(), &noise, 0));
+    let mut hidden = 0;
+    for (k, (clean, found)) in clean.into_iter().zip(found).enumerate() {
+        let depth = clean.unwrap();
+        let x = ((k % 160) as f64 - 79.5) / 150.0 * depth;
+        // The step's side, and the wall behind it as for the laser and the camera of the step.
+        let is_side = depth > 8.001 && depth < 9.999;
+        let is_hidden = is_side || depth > 9.0 && (0.25..1.0).contains(&x);
+        assert_eq!(found, clean.filter(|_| !is_hidden), "pixel {k}");
+        hidden += usize::from(is_hidden);
+    }
+    assert!(hidden > 1000, "{hidden}");
+}
+
+#[test]
+fn distortion_is_a_share_of_depth_that_all_views_have() {
+    let noise = with_camera(DepthCamera { distortion: 0.006, ..DepthCamera::default() });
+    let shares = |slope, noise: &Noise, view| -> Vec<f64> {
+        let scene = slanted_wall(slope);
+        let pairs = depths(&scene, noise, view).into_iter().zip(depths(&scene, &Noise::NONE, 0));
+        pairs.map(|(found, clean)| found.unwrap() / clean.unwrap() - 1.0).collect()
+    };
+    let first = shares(0.0, &noise, 0);
+    assert!((rms(first.iter().copied()) / 0.006 - 1.0).abs() < 1e-4);
+    for (a, b) in first.iter().zip(shares(0.4, &noise, 3)) {
+        // Values are stored as f32.
+        assert!((a - b).abs() < 1e-6);
+    }
+    let rows = first.chunks(160).flat_map(|row| row.windows(2));
+    let steps = rows.map(|pair| pair[1] - pair[0]);
+    assert!(rms(steps) < 0.1 * 0.006, "the distortion varies smoothly");
+    let other = shares(0.0, &Noise { seed: 18, ..noise }, 0);
+    assert!(rms(first.iter().zip(other).map(|(a, b)| a - b)) > 0.001);
+}
+
+#[test]
+fn a_depth_camera_has_the_same_bytes_for_the_same_seed_and_states_no_sigma() {
+    let camera =
+        DepthCamera { base_line: 0.3, disparity_step: 0.1, shuffle: 0.5, distortion: 0.01 };
+    let noise = Noise { sigma_square: 0.001, correlation: 3.0, mixed: 0.5, ..with_camera(camera) };
+    let bits = |view| -> Vec<_> {
+        depths(&step(), &noise, view).into_iter().map(|d| d.map(f64::to_bits)).collect()
+    };
+    let forward: Vec<_> = (0..3).map(bits).collect();
+    assert!(forward.iter().eq((0..3).rev().map(bits).collect::<Vec<_>>().iter().rev()));
+    assert_ne!(forward[0], forward[1]);
+    let pose = Isometry3::identity();
+    let view = step().view("camera", Arc::new(depth_camera()), pose, &noise, 0).unwrap();
+    assert_eq!(view.sigma(), None);
+    // A scanner has no projector, no disparities and no lens.
+    let radar_only = Noise { depth_camera: camera, ..Noise::NONE };
+    let scan = |noise| bytes(&wall_at(4.0).scan(&radar(), &pose, noise, 0).unwrap());
+    assert_eq!(scan(&radar_only), scan(&Noise::NONE));
 }

@@ -12,11 +12,14 @@
 //! [noise]                         # optional, like each of its keys
 //! sigma = 0.002                   # along the ray
 //! sigma_growth = 0.0005           # grows it with range: sigma + sigma_growth · range
+//! sigma_square = 0.0015           # and with its square, per length unit; of disparities
+//! correlation = 4                 # pixels at which the errors' correlation is 1/e, 0 to 100
 //! quantum = 0.001                 # step of the stored values
 //! dropout = 0.02                  # share of the pixels
 //! max_incidence = 85              # degrees
 //! full_return = 0.2               # reflectivity · cos(incidence) that always gives a range
 //! mixed = 0.3                     # share of the pixels at range jumps that lie in between
+//! depth_camera = { base_line = 0.075, disparity_step = 0.125, shuffle = 0.5, distortion = 0.006 }
 //! pose = { degrees = 0.05, shift = 0.003 }      # spread of the stated poses, each key optional
 //! seed = 1
 //!
@@ -43,6 +46,16 @@
 //! heading = 40                    # degrees from x towards y; and tilt, degrees upwards
 //! # look_at = [3, 2.5, 1]         # instead of heading and tilt
 //! ```
+//!
+//! Every error is off unless it is given. Those of `depth_camera` ([`DepthCamera`](crate::DepthCamera))
+//! act on `pinhole` stations alone. With them, or with `correlation`, views state no sigma:
+//!
+//! | key of `depth_camera` | unit, range | meaning |
+//! |---|---|---|
+//! | `base_line` | length, from 0 | distance of the projector, to the right; places without its light are missing |
+//! | `disparity_step` | pixels, 0 to 100 | depths have steps of `disparity_step · depth² / (base_line · focal length in pixels)`; needs a `base_line` |
+//! | `shuffle` | pixels, 0 to 100 | spread of the place that a pixel measures |
+//! | `distortion` | share, 0 to 1 | root mean square of a smooth relative depth error that all views share |
 //!
 //! | `shape` | its keys | where it is |
 //! |---|---|---|
@@ -71,7 +84,7 @@ mod station;
 pub use check::{DescriptionError, Problem};
 pub use station::{SensorParameters, Station};
 
-use crate::{Mesh, Noise, PoseNoise, Scene, Solid, fixtures};
+use crate::{DepthCamera, Mesh, Noise, PoseNoise, Scene, Solid, fixtures};
 use check::Place;
 use serde::Deserialize;
 use solid::{Library, MaterialEntry, SolidEntry};
@@ -223,14 +236,27 @@ impl PlanesEntry {
 struct NoiseEntry {
     sigma: Option<f64>,
     sigma_growth: Option<f64>,
+    sigma_square: Option<f64>,
+    correlation: Option<f64>,
     quantum: Option<f64>,
     dropout: Option<f64>,
     max_incidence: Option<f64>,
     full_return: Option<f64>,
     mixed: Option<f64>,
     #[serde(default)]
+    depth_camera: CameraEntry,
+    #[serde(default)]
     pose: PoseEntry,
     seed: Option<u64>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct CameraEntry {
+    base_line: Option<f64>,
+    disparity_step: Option<f64>,
+    shuffle: Option<f64>,
+    distortion: Option<f64>,
 }
 
 #[derive(Deserialize, Default)]
@@ -248,18 +274,33 @@ impl NoiseEntry {
         };
         let length = |key, value| within(key, value, f64::MAX, "a length of at least 0");
         let share = |key, value| within(key, value, 1.0, "a share from 0 to 1");
+        let pixels = |key, value| within(key, value, 100.0, "from 0 to 100 pixels");
+        let camera = &self.depth_camera;
+        let depth_camera = DepthCamera {
+            base_line: length("depth_camera.base_line", camera.base_line)?,
+            disparity_step: pixels("depth_camera.disparity_step", camera.disparity_step)?,
+            shuffle: pixels("depth_camera.shuffle", camera.shuffle)?,
+            distortion: share("depth_camera.distortion", camera.distortion)?,
+        };
+        if depth_camera.disparity_step > 0.0 && depth_camera.base_line == 0.0 {
+            let problem = "disparities need a base_line of more than 0";
+            return Err(place.problem("depth_camera.disparity_step", problem));
+        }
         let degrees = self.max_incidence.or(Some(90.0));
         let degrees = within("max_incidence", degrees, 90.0, "degrees from 0 to 90")?;
         let turn = within("pose.degrees", self.pose.degrees, 180.0, "degrees from 0 to 180")?;
         Ok(Noise {
             sigma: length("sigma", self.sigma)?,
             sigma_growth: share("sigma_growth", self.sigma_growth)?,
+            sigma_square: length("sigma_square", self.sigma_square)?,
+            correlation: pixels("correlation", self.correlation)?,
             quantum: within("quantum", self.quantum, f64::MAX, "a step of at least 0")?,
             dropout: share("dropout", self.dropout)?,
             // Exactly 90° means no limit, independent of the rounding of the conversion.
             max_incidence: if degrees < 90.0 { degrees.to_radians() } else { FRAC_PI_2 },
             full_return: share("full_return", self.full_return)?,
             mixed: share("mixed", self.mixed)?,
+            depth_camera,
             pose: PoseNoise { degrees: turn, shift: length("pose.shift", self.pose.shift)? },
             seed: self.seed.unwrap_or(0),
         })

@@ -58,6 +58,15 @@ fn bad_values_name_entry_and_key() {
         ("[noise]\ndropout = 1.5", "noise, key dropout: 1.5 is not a share"),
         ("[noise]\nsigma = nan", "noise, key sigma: NaN"),
         ("[noise]\nmax_incidence = 91", "key max_incidence: 91"),
+        ("[noise]\ncorrelation = -1", "key correlation: -1 is not from 0 to 100 pixels"),
+        (
+            "[noise]\ndepth_camera = { distortion = 2 }",
+            "key depth_camera.distortion: 2 is not a share",
+        ),
+        (
+            "[noise]\ndepth_camera = { disparity_step = 0.1 }",
+            "key depth_camera.disparity_step: disparities need a base_line",
+        ),
     ];
     for (text, expected) in cases {
         let found = problem(text);

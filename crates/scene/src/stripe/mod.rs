@@ -160,7 +160,7 @@ impl Scene {
         if pixels.is_none_or(|n| n > transect_device::MAX_PIXELS) {
             return Err(ImageError::AbsurdSize { rows, cols: camera.columns }.into());
         }
-        let caster = Caster::new(self, frame, world_from_sensor, &Noise::NONE).with_light();
+        let caster = Caster::new(self, frame, world_from_sensor, (&Noise::NONE, view)).with_light();
         let mut spots = Vec::with_capacity(rows * steps);
         for row in 0..rows {
             let echoes = caster.row(row).into_iter().enumerate();

@@ -1,8 +1,8 @@
 //! How near the curves of a plane are to the truth, and the truth to them.
 
 use super::Ruler;
-use super::index::UnitIndex;
-use super::sample::{Sample, samples};
+use super::index::{Nearby, UnitIndex};
+use super::sample::{Sample, groups};
 use super::stretches::seen_stretches;
 use transect_geometry::{Curve, Point2};
 
@@ -54,11 +54,11 @@ fn footprint(curves: &[Curve]) -> f64 {
 impl Closeness {
     /// The sums of one plane, from its curves and an index of their units.
     ///
-    /// `seen` is true for the truth's samples that count for completeness.
+    /// `seen` tells which of some neighbouring samples of the truth count for completeness.
     pub fn of(
         curves: (&[Curve], &UnitIndex),
         truth: &[Curve],
-        seen: impl Fn(&Point2) -> bool,
+        seen: impl Fn(&[Point2]) -> Vec<bool>,
         ruler: &Ruler,
     ) -> Self {
         let (curves, curve_index) = curves;
@@ -75,32 +75,37 @@ impl Closeness {
         };
         let shortest = ruler.tolerance.max(SHORTEST_FOOTPRINTS * footprint(curves));
         let truth_index = UnitIndex::new(truth);
-        for sample in curves.iter().flat_map(|c| samples(c, ruler.step)) {
-            sums.add_curve_sample(&sample, &truth_index, ruler);
+        for group in curves.iter().flat_map(|c| groups(c, ruler.step)) {
+            let nearby = truth_index.nearest_to(&group);
+            group.iter().for_each(|sample| sums.add_curve_sample(sample, &nearby, ruler));
         }
         for curve in truth {
-            let looked = samples(curve, ruler.step).map(|s| (s, seen(&s.position)));
-            let looked =
-                looked.inspect(|(s, seen)| sums.add_truth_sample(s, *seen, curve_index, ruler));
+            let looked = groups(curve, ruler.step).flat_map(|group| {
+                let places: Vec<Point2> = group.iter().map(|sample| sample.position).collect();
+                let looked: Vec<_> = group.into_iter().zip(seen(&places)).collect();
+                sums.add_truth_samples(&looked, curve_index, ruler);
+                looked
+            });
             let stretches = seen_stretches(looked, curve.is_closed(), shortest);
             sums.truth_stretches += stretches;
         }
         sums
     }
 
-    fn add_truth_sample(&mut self, sample: &Sample, seen: bool, curves: &UnitIndex, ruler: &Ruler) {
-        self.truth_length += sample.length;
-        if !seen {
-            return;
-        }
-        let nearest = curves.nearest(&sample.position);
-        self.truth_seen += sample.length;
-        if nearest.is_some_and(|n| n.distance < ruler.tolerance) {
-            self.truth_found += sample.length;
+    /// Adds a group of samples of the truth, each with whether it was seen.
+    fn add_truth_samples(&mut self, looked: &[(Sample, bool)], curves: &UnitIndex, ruler: &Ruler) {
+        let seen: Vec<Sample> = looked.iter().filter(|l| l.1).map(|l| l.0).collect();
+        let nearby = curves.within(&seen, ruler.tolerance);
+        self.truth_length = looked.iter().fold(self.truth_length, |sum, l| sum + l.0.length);
+        for sample in &seen {
+            self.truth_seen += sample.length;
+            if nearby.nearest(&sample.position).is_some_and(|n| n.distance < ruler.tolerance) {
+                self.truth_found += sample.length;
+            }
         }
     }
 
-    fn add_curve_sample(&mut self, sample: &Sample, truth: &UnitIndex, ruler: &Ruler) {
+    fn add_curve_sample(&mut self, sample: &Sample, truth: &Nearby, ruler: &Ruler) {
         let Some(nearest) = truth.nearest(&sample.position) else {
             self.far += sample.length;
             self.without_truth += sample.length;

@@ -5,7 +5,8 @@
 //! first walk finds false curves, the second finds missing ones.
 //!
 //! 1. Each curve unit is split into equal parts no longer than a fifth of the tolerance; each
-//!    part's midpoint is a sample that stands for the part's length.
+//!    part's midpoint is a sample that stands for the part's length. Samples are looked up in groups
+//!    of neighbours.
 //! 2. Samples of the curves: distance to the nearest unit of the truth on the same plane, and
 //!    whether that unit runs the same way (solid on the same side).
 //! 3. Samples of the truth: distance to the nearest curve unit on the same plane. A stretch of the
@@ -127,11 +128,12 @@ pub fn evaluate(
     truth: &PlaneCurves,
     options: &EvaluateOptions,
 ) -> Result<Accuracy, EvaluateError> {
-    evaluate_seen(planes, curves, truth, &|_, _| true, options)
+    evaluate_seen(planes, curves, truth, &|_, points| vec![true; points.len()], options)
 }
 
-/// Whether a point of the truth, in plane coordinates, counts for completeness.
-pub type Seen<'a> = dyn Fn(PlaneIndex, &Point2) -> bool + Sync + 'a;
+/// Whether points of the truth, in plane coordinates, count for completeness. The points lie beside
+/// each other on a curve, so that one search can serve all of them.
+pub type Seen<'a> = dyn Fn(PlaneIndex, &[Point2]) -> Vec<bool> + Sync + 'a;
 
 /// As [`evaluate`], with the completeness of the part of the truth that the views could see.
 ///
@@ -153,7 +155,7 @@ pub fn evaluate_seen(
     let ruler = Ruler::new(options.tolerance, all)?;
     let measure = |&(k, curves, truth): &(PlaneIndex, &[Curve], &[Curve])| {
         let index = UnitIndex::new(curves);
-        let seen = |p: &Point2| seen(k, p);
+        let seen = |points: &[Point2]| seen(k, points);
         (Own::of(curves, &index, &ruler), Closeness::of((curves, &index), truth, seen, &ruler))
     };
     let measured: Vec<_> = pairs.par_iter().map(measure).collect();

@@ -2,7 +2,7 @@
 
 use super::Ruler;
 use super::index::{IndexedUnit, UnitIndex};
-use super::sample::{Sample, samples};
+use super::sample::{Sample, groups};
 use transect_geometry::Curve;
 
 /// Distance along a curve, in tolerances, from which two of its pieces count as different. Chosen
@@ -34,15 +34,20 @@ impl Own {
             own.closed += usize::from(curve.is_closed());
             own.vertices += curve.nodes().len();
             let total = curve.length();
-            for sample in samples(curve, ruler.step) {
-                let another =
-                    |u: &IndexedUnit| u.curve != number || is_apart(&sample, u, total, ruler);
-                let same_way =
-                    |u: &IndexedUnit| sample.direction.dot(&u.placed.direction()) > SAME_DIRECTION;
-                let mut near = index.within(&sample.position, ruler.tolerance);
-                own.length += sample.length;
-                if near.any(|u| same_way(u) && another(u)) {
-                    own.duplicated += sample.length;
+            for group in groups(curve, ruler.step) {
+                let mut nearby = index.within(&group, ruler.tolerance);
+                nearby.retain(|u| u.curve != number || can_be_apart(&group, u, ruler));
+                for sample in &group {
+                    let another =
+                        |u: &IndexedUnit| u.curve != number || is_apart(sample, u, total, ruler);
+                    let same_way = |u: &IndexedUnit| {
+                        sample.direction.dot(&u.placed.direction()) > SAME_DIRECTION
+                    };
+                    let mut near = nearby.within(&sample.position, ruler.tolerance);
+                    own.length += sample.length;
+                    if near.any(|u| same_way(u) && another(u)) {
+                        own.duplicated += sample.length;
+                    }
                 }
             }
         }
@@ -59,6 +64,17 @@ impl Own {
             duplicated: a.duplicated + b.duplicated,
         })
     }
+}
+
+/// Whether a unit of the same curve is so long, or so far along it, that [`is_apart`] may hold for
+/// a sample of a group.
+fn can_be_apart(group: &[Sample], unit: &IndexedUnit, ruler: &Ruler) -> bool {
+    let ends = group.first().zip(group.last());
+    let farthest = ends.map(|(first, last)| {
+        let after = unit.placed.before + unit.placed.length - first.along;
+        after.max(last.along - unit.placed.before)
+    });
+    farthest.is_some_and(|length| length > APART_TOLERANCES * ruler.tolerance)
 }
 
 /// Whether the point of a unit nearest to a sample of the same curve is another piece of that

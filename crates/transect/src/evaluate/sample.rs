@@ -43,8 +43,21 @@ pub(super) struct Sample {
     pub along: f64,
 }
 
+/// Most samples of a group. Chosen by hand. Doubled, each sample goes through more units; halved,
+/// there are twice as many searches. The figures stay the same.
+const GROUP: usize = 32;
+
+/// The samples of a curve in order, in groups of neighbours.
+pub(super) fn groups(curve: &Curve, step: f64) -> impl Iterator<Item = Vec<Sample>> + '_ {
+    let mut samples = samples(curve, step);
+    std::iter::from_fn(move || {
+        let group: Vec<Sample> = samples.by_ref().take(GROUP).collect();
+        (!group.is_empty()).then_some(group)
+    })
+}
+
 /// Samples of a curve in order: every unit in equal parts of at most `step`.
-pub(super) fn samples(curve: &Curve, step: f64) -> impl Iterator<Item = Sample> + '_ {
+fn samples(curve: &Curve, step: f64) -> impl Iterator<Item = Sample> + '_ {
     placed_units(curve).flat_map(move |placed| {
         let parts = (placed.length / step).ceil().max(1.0);
         let (direction, length) = (placed.direction(), placed.length / parts);

@@ -88,14 +88,15 @@ fn a_missing_half_halves_the_completeness_only() {
 #[test]
 fn curves_are_expected_where_the_truth_was_seen() {
     // Of a square of side 10 the views saw all but the right side and a spot on the left.
-    let seen = |_: PlaneIndex, p: &Point2| p.x < 9.99 && !(p.x < 0.01 && (p.y - 5.0).abs() < 0.03);
-    let of = |seen: &Seen| {
+    let seen = |p: &Point2| p.x < 9.99 && !(p.x < 0.01 && (p.y - 5.0).abs() < 0.03);
+    let of = |seen: &(dyn Fn(&Point2) -> bool + Sync)| {
         let (curves, truth) = (on_plane_0(Vec::new()), on_plane_0(vec![square(10.0), square(3.0)]));
-        evaluate_seen(&planes(), &curves, &truth, seen, &ALL).unwrap()
+        let all = |points: &[Point2]| points.iter().map(seen).collect();
+        evaluate_seen(&planes(), &curves, &truth, &|_, points| all(points), &ALL).unwrap()
     };
     assert_eq!(of(&seen).expected_pieces, 2);
-    assert_eq!(of(&|_, p| seen(PlaneIndex(0), p) && p.y > 0.01).expected_pieces, 2);
-    assert_eq!(of(&|_, p| p.x > 3.5 && (p.x - 7.0).abs() > 1.0).expected_pieces, 3);
+    assert_eq!(of(&|p| seen(p) && p.y > 0.01).expected_pieces, 2);
+    assert_eq!(of(&|p| p.x > 3.5 && (p.x - 7.0).abs() > 1.0).expected_pieces, 3);
     let rows = of(&seen).rows(transect_geometry::LengthUnit::Metre);
     let row = rows.iter().find(|r| r.metric == "curves expected from what was seen").unwrap();
     assert_eq!(row.value, "2");

@@ -142,8 +142,11 @@ impl Set {
         let Some(visible) = visible else {
             return Ok(evaluate(&self.planes, curves, truth, &self.options)?);
         };
-        let seen =
-            |k: PlaneIndex, p: &Point2| visible.sees(&self.planes.frame(k).world_from_plane(p));
+        let seen = |k: PlaneIndex, points: &[Point2]| {
+            let frame = self.planes.frame(k);
+            let in_world: Vec<_> = points.iter().map(|p| frame.world_from_plane(p)).collect();
+            visible.sees(&in_world)
+        };
         Ok(evaluate_seen(&self.planes, curves, truth, &seen, &self.options)?)
     }
 }

@@ -5,10 +5,19 @@
 //! 1. *dropout*: the pixel is missing, at random, on a surface that is too oblique, or on one that
 //!    returns too little light;
 //! 2. *mixed pixel*: at a range jump the spot falls on both surfaces, and the range is one between;
-//! 3. *range noise*: a normal error along the ray, `σ = sigma + sigma_growth · range`;
+//! 3. *range noise*: a normal error along the ray, `σ = sigma + sigma_growth · range + sigma_square ·
+//!    range²`, which neighbouring pixels may share;
 //! 4. *quantisation*: the stored value `d3` is a whole number of steps.
 //!
-//! The pose error concerns the whole view.
+//! A depth camera has errors of its own ([`DepthCamera`]): rays turn before they meet a surface, and
+//! depths change before they are quantised. The pose error concerns the whole view.
+
+mod camera;
+mod field;
+
+pub use camera::DepthCamera;
+pub(crate) use camera::Optics;
+pub(crate) use field::Field;
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -31,6 +40,12 @@ pub struct Noise {
     /// Growth of that standard deviation per range, where ranges count from the start of the ray:
     /// `sigma + sigma_growth · range`.
     pub sigma_growth: f64,
+    /// Growth of that standard deviation with the square of the range, per length unit. A
+    /// disparity error of σ pixels gives σ / (base line · focal length in pixels).
+    pub sigma_square: f64,
+    /// Distance in the image, in pixels, at which the correlation of two pixels' range errors has
+    /// fallen to 1/e; at a distance d it is `exp(-(d / correlation)²)`. 0 for independent errors.
+    pub correlation: f64,
     /// Step of the values: `d3` is rounded to a multiple of it, in the unit of `d3`; 0 for none.
     /// The error of rounding has the standard deviation step / √12.
     pub quantum: f64,
@@ -44,6 +59,8 @@ pub struct Noise {
     /// Share of the pixels at range jumps whose range is one between the two surfaces, 0 to 1,
     /// evenly spread. Pixels are at a jump if only a surface seen at more than 85° could join them.
     pub mixed: f64,
+    /// Errors that only depth cameras have.
+    pub depth_camera: DepthCamera,
     /// Error of the pose that a view states.
     pub pose: PoseNoise,
     /// Key of the random numbers.
@@ -64,11 +81,19 @@ impl Noise {
     pub const NONE: Self = Self {
         sigma: 0.0,
         sigma_growth: 0.0,
+        sigma_square: 0.0,
+        correlation: 0.0,
         quantum: 0.0,
         dropout: 0.0,
         max_incidence: FRAC_PI_2,
         full_return: 0.0,
         mixed: 0.0,
+        depth_camera: DepthCamera {
+            base_line: 0.0,
+            disparity_step: 0.0,
+            shuffle: 0.0,
+            distortion: 0.0,
+        },
         pose: PoseNoise { degrees: 0.0, shift: 0.0 },
         seed: 0,
     };
@@ -78,7 +103,13 @@ impl Noise {
     /// # Units
     /// The model's length unit.
     pub fn sigma_at(&self, range: f64) -> f64 {
-        self.sigma + self.sigma_growth * range
+        self.sigma + self.sigma_growth * range + self.sigma_square * range * range
+    }
+
+    /// Whether standard deviations describe all of the errors. Those that pixels or views share,
+    /// and those of depth cameras, have more to them.
+    pub(crate) fn is_white(&self) -> bool {
+        self.correlation == 0.0 && self.depth_camera == DepthCamera::default()
     }
 
     /// The pose that a view states of a sensor's true pose: off by a rotation and a shift in the
@@ -106,13 +137,19 @@ impl Noise {
         self.full_return > 0.0
     }
 
-    /// The noise of one row of a view, column by column.
-    pub(crate) fn row(&self, view: u64, row: usize) -> RowNoise {
-        let noisy = self.sigma != 0.0 || self.sigma_growth != 0.0;
+    /// Random numbers that turn the rays of one row of a view.
+    pub(crate) fn shuffling(&self, view: u64, row: usize) -> ChaCha8Rng {
+        self.source(view, ((row as u128) << WORDS_PER_ROW_LOG2) | SHUFFLE_POSITION)
+    }
+
+    /// The noise of one row of a view, column by column. Range errors that pixels share are given.
+    pub(crate) fn row(&self, view: u64, row: usize, shared: Option<Vec<f64>>) -> RowNoise {
+        let noisy = [self.sigma, self.sigma_growth, self.sigma_square] != [0.0; 3];
         let position = (row as u128) << WORDS_PER_ROW_LOG2;
         let returns = noisy || self.dropout != 0.0 || self.needs_light();
         RowNoise {
             returns: returns.then(|| self.source(view, position)),
+            shared: shared.unwrap_or_default().into_iter(),
             mixing: (self.mixed != 0.0).then(|| self.source(view, position | MIXING_POSITION)),
         }
     }
@@ -132,8 +169,13 @@ impl Default for Noise {
 const WORDS_PER_ROW_LOG2: u32 = 36;
 /// Where the numbers for mixed pixels begin in a row's room.
 const MIXING_POSITION: u128 = 1 << (WORDS_PER_ROW_LOG2 - 1);
+/// Where the numbers that pixels share, and those that turn rays, begin in a row's room.
+const FIELD_POSITION: u128 = MIXING_POSITION >> 1;
+const SHUFFLE_POSITION: u128 = MIXING_POSITION | FIELD_POSITION;
 /// Beyond the last row: an image has at most 2^30 of them.
 const POSE_POSITION: u128 = 1 << 67;
+/// Beyond those of the pose, in the stream of view 0.
+const LENS_POSITION: u128 = POSE_POSITION | (1 << 66);
 
 /// Random numbers from a place in a stream of a key.
 pub(crate) fn source(seed: u64, stream: u64, word: u128) -> ChaCha8Rng {
@@ -156,6 +198,8 @@ pub(crate) fn normal(source: &mut ChaCha8Rng) -> f64 {
 /// A row's random numbers, to be drawn once for every column, in order.
 pub(crate) struct RowNoise {
     returns: Option<ChaCha8Rng>,
+    /// The range errors in standard deviations, if pixels share them.
+    shared: std::vec::IntoIter<f64>,
     mixing: Option<ChaCha8Rng>,
 }
 
@@ -175,6 +219,7 @@ impl RowNoise {
     pub fn next_pixel(&mut self) -> PixelNoise {
         let returns = self.returns.as_mut();
         let (chance, normal) = returns.map_or((1.0, 0.0), |s| (uniform(s), normal(s)));
+        let normal = self.shared.next().unwrap_or(normal);
         let mixing = self.mixing.as_mut().map(|s| (uniform(s), uniform(s)));
         PixelNoise { chance, normal, mixing }
     }
@@ -216,7 +261,7 @@ mod tests {
     const NOISE: Noise = Noise { sigma: 0.5, dropout: 0.1, seed: 7, ..Noise::NONE };
 
     fn draw(noise: &Noise, view: u64, row: usize, count: usize) -> Vec<PixelNoise> {
-        let mut row = noise.row(view, row);
+        let mut row = noise.row(view, row, None);
         (0..count).map(|_| row.next_pixel()).collect()
     }
 
@@ -285,7 +330,7 @@ mod tests {
 
     #[test]
     fn a_perfect_sensor_errs_nowhere() {
-        let pixel = Noise::NONE.row(1, 1).next_pixel();
+        let pixel = Noise::NONE.row(1, 1, None).next_pixel();
         assert!(pixel.returns(&Noise::NONE, 0.0));
         assert_eq!(pixel.mixture(&Noise::NONE), None);
         assert_eq!(pixel.range(&Noise::NONE, 3.3), 3.3);
