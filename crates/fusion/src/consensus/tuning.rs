@@ -87,9 +87,10 @@ pub(super) mod scale {
 
 /// `measure/settle.rs`
 pub(super) mod settle {
-    /// Shortest half-width of a common line, in footprints: with fewer samples on each side views
-    /// cannot be averaged. By hand. Doubled: depth cameras at close range zigzag.
-    pub const LEAST_FOOTPRINTS: f64 = 2.0;
+    /// Shortest half-width of a common line, in footprints. Theory: with the default threshold of
+    /// eight spreads, two views then differ by 0.7 footprints; below, their nodes hardly
+    /// interleave. Doubled: depth cameras at close range zigzag.
+    pub const LEAST_FOOTPRINTS: f64 = 4.0;
     /// Beads along half of a line. By hand. Doubled: four times the time, the same places.
     pub const BEADS_PER_REACH: f64 = 6.0;
     /// Rounds of averaging. By hand: the first line passes through beads that have not moved.
