@@ -29,4 +29,6 @@ pub struct FusionCounts {
     /// Nodes left out. Of `consensus`: kept nodes beside a better curve or on a curve that is too
     /// short. Of `pairwise`: observations farther than the threshold from every fused curve.
     pub dropped: usize,
+    /// Crossings of the curves that the last step resolved.
+    pub crossings: usize,
 }

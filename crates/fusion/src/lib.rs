@@ -19,6 +19,7 @@ mod grid;
 mod ground;
 pub mod pairwise;
 pub mod pattern;
+mod planar;
 pub mod screening;
 mod sequence;
 

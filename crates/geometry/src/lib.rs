@@ -14,6 +14,7 @@
 //! * [`fit_splines`]: a curve as cubic B-splines within a tolerance;
 //! * [`CurveUnit`], [`Foot`], [`Side`]: the distance of a point from a curve, and its side.
 
+mod crossings;
 mod curve;
 mod end_reason;
 mod envelope;
@@ -24,6 +25,7 @@ mod space;
 mod splines;
 mod unit;
 
+pub use crossings::{UnitPlace, crossings};
 pub use curve::{Curve, CurveError, Node};
 pub use end_reason::EndReason;
 pub use envelope::Envelope;

@@ -54,6 +54,7 @@ mod window;
 pub use options::{ConsensusOptions, Steps};
 
 use crate::fused_plane::{FusedPlane, FusionCounts};
+use crate::planar::without_crossings;
 use connect::Chains;
 use estimate::Estimate;
 use measure::{Measurements, Observations};
@@ -109,11 +110,13 @@ pub(crate) fn fuse(observations: Observations, options: &ConsensusOptions) -> Fu
     let mut estimate = Estimate::new(&measured);
     let kept = estimate.nodes.len();
     let Chains { chains, dropped } = connect::connect(&mut estimate, &measured);
+    let curves = shape::shape(estimate, chains, &measured);
+    let (curves, crossings) = without_crossings(curves, options.shortest_footprints);
     FusedPlane {
-        curves: shape::shape(estimate, chains, &measured),
+        curves,
         spread: measured.spread,
         threshold: measured.scale.threshold,
-        counts: FusionCounts { observations: count, kept, dropped },
+        counts: FusionCounts { observations: count, kept, dropped, crossings },
         growth: None,
     }
 }

@@ -72,6 +72,8 @@ steps! {
     incidence_error,
     /// A first search for other views nearby, before the full search distance.
     nearby_spread,
+    /// Views' curves moved onto their common course where their errors exceed the footprint.
+    settle,
     /// Groups of observations that rough fits treat as one.
     groups,
     /// Groups that go to a kept node when their turn comes.

@@ -85,6 +85,22 @@ pub(super) mod scale {
     pub const LEAST_FOOTPRINTS: f64 = 0.35;
 }
 
+/// `measure/settle.rs`
+pub(super) mod settle {
+    /// Shortest half-width of a common line, in footprints. Theory: with the default threshold of
+    /// eight spreads, two views then differ by 0.7 footprints; below, their nodes hardly
+    /// interleave. Doubled: depth cameras at close range zigzag.
+    pub const LEAST_FOOTPRINTS: f64 = 4.0;
+    /// Beads along half of a line. By hand. Doubled: four times the time, the same places.
+    pub const BEADS_PER_REACH: f64 = 6.0;
+    /// Rounds of averaging. By hand: the first line passes through beads that have not moved.
+    /// Doubled: corners become rounder, while accuracy gains 2 %.
+    pub const ROUNDS: usize = 2;
+    /// Least variance of the beads' places along a line, in squares of its half-width, for the line
+    /// to have a slope. By hand. Doubled: nothing changes.
+    pub const LEAST_VARIANCE: f64 = 0.01;
+}
+
 /// `estimate/groups.rs`
 pub(super) mod groups {
     /// Half-width of a group along the curve, in footprints. By hand: less than half a sample, so

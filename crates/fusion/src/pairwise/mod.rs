@@ -49,6 +49,7 @@ use crate::envelopes::UnitIndex;
 use crate::fused_plane::{FusedPlane, FusionCounts};
 use crate::ground::Ground;
 use crate::pattern::OverlapTolerance;
+use crate::planar::without_crossings;
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 use transect_geometry::{Curve, Point2};
@@ -95,7 +96,9 @@ const REMAINDER_FOOTPRINTS: f64 = 2.0;
 /// ```
 pub fn pairwise(views: &[&[Curve]], options: &PairwiseOptions) -> FusedPlane {
     let threshold_spreads = options.threshold_spreads;
-    let measured = ConsensusOptions { threshold_spreads, ..ConsensusOptions::default() };
+    let mut measured = ConsensusOptions { threshold_spreads, ..ConsensusOptions::default() };
+    // The views' curves are merged as they were measured.
+    measured.steps.settle = false;
     let observations = Observations::collect(views, &measured.steps);
     let Some(measured) = Measurements::new(observations, &measured) else {
         return without_curves(views);
@@ -116,12 +119,14 @@ pub fn pairwise(views: &[&[Curve]], options: &PairwiseOptions) -> FusedPlane {
     }
     let growth = Some(*plane.counts());
     let seen = |c: Curve| bridges::seen(c, &ground, spacing, tolerance.distance());
-    let mut curves: Vec<Curve> = plane.into_curves().into_iter().map(seen).collect();
+    let curves = plane.into_curves().into_iter().map(seen).collect();
+    let (mut curves, crossings) = without_crossings(curves, scale.options.shortest_footprints);
     curves.sort_by(longest_first);
     let counts = FusionCounts {
         observations: views.iter().flat_map(|v| v.iter()).map(|c| c.nodes().len()).sum(),
         kept: curves.iter().map(|c| c.nodes().len()).sum(),
         dropped: unseen(views, &curves, tolerance.distance()),
+        crossings,
     };
     FusedPlane { curves, spread: measured.spread, threshold: tolerance.distance(), counts, growth }
 }

@@ -13,6 +13,7 @@ mod noise;
 mod overlap_rules;
 mod page;
 mod pairwise;
+mod planar;
 mod scene;
 mod sheets;
 mod table;

@@ -5,6 +5,7 @@
 mod arc;
 mod observations;
 mod scale;
+mod settle;
 mod spread;
 mod view_error;
 
@@ -30,8 +31,12 @@ impl Measurements {
         if observations.all.is_empty() {
             return None;
         }
-        let grid = PointGrid::new(&observations.positions(), observations.spacing());
+        let mut grid = PointGrid::new(&observations.positions(), observations.spacing());
         let (scale, spread) = Scale::new(&observations, &grid, options);
+        if options.steps.settle {
+            settle::settle(&mut observations, &scale, spread.view_error.head_on.sqrt());
+            grid = PointGrid::new(&observations.positions(), observations.spacing());
+        }
         if options.steps.view_error {
             observations.weigh(&spread.view_error);
         }

@@ -1,0 +1,170 @@
+//! The views' curves are moved onto their common course, before the topology is decided.
+//!
+//! **Problem.** Poses, distortion and correlated noise displace each view's curve by more than a
+//! sample is wide. The nodes of several views then interleave. Links hop from the curve of one view
+//! to that of another, so the result zigzags, doubles and crosses itself.
+//!
+//! **Idea.** A volumetric method averages the distances to all views' surfaces first, and only then
+//! looks for the surface. Here every node moves across the curve onto the average of all views
+//! around it: a projection onto a moving least squares line (Alexa et al., 2003), in which each view
+//! counts alike. Direction still tells surfaces apart, so both sides of a thin wall stay.
+//!
+//! **Steps.**
+//! 1. Beads: short pieces of each view's curves. Lines through beads cost less than lines through
+//!    nodes.
+//! 2. Each bead moves onto the line through the beads around it, within the overlap threshold of
+//!    the views' errors. Twice, as the first lines pass through beads that have not moved yet.
+//! 3. Each observation moves onto the line of its bead, as far as errors of views exceed its own
+//!    noise.
+//!
+//! **Source.** Not in the dissertation, whose averages move two curves at a time (5.5.2).
+
+use super::super::tuning::settle::*;
+use super::super::window::{Window, left_of};
+use super::observations::{Observation, Observations};
+use super::scale::Scale;
+use crate::grid::PointGrid;
+use transect_geometry::{Point2, Vector2};
+
+/// Moves the observations. `error` is the standard deviation of the views' systematic errors.
+pub(super) fn settle(observations: &mut Observations, scale: &Scale, error: f64) {
+    let reach = scale.options.threshold_spreads * error;
+    if reach < LEAST_FOOTPRINTS * scale.spacing {
+        return;
+    }
+    let (mut beads, bead_of) = beads(observations, reach / BEADS_PER_REACH);
+    for _ in 0..ROUNDS {
+        beads = on_common_lines(&beads, observations.sources.len(), reach, scale.same_way);
+    }
+    for (o, &k) in observations.all.iter_mut().zip(&bead_of) {
+        let bead = &beads[k as usize];
+        let trust = error * error / (error * error + o.sigma * o.sigma);
+        let normal = left_of(&bead.tangent);
+        o.position += normal * (trust * normal.dot(&(bead.position - o.position)));
+        let turned = o.tangent + (bead.tangent - o.tangent) * trust;
+        o.tangent = turned.try_normalize(0.0).unwrap_or(o.tangent);
+    }
+}
+
+/// A short piece of a view's curve.
+#[derive(Debug, Clone, Copy)]
+struct Bead {
+    /// Weighted mean of its observations.
+    position: Point2,
+    /// Unit vector: their weighted mean direction.
+    tangent: Vector2,
+    /// Length that its observations stand for.
+    length: f64,
+    view: u32,
+}
+
+/// Cuts the views' curves into beads, and says which bead each observation is in.
+fn beads(observations: &Observations, length: f64) -> (Vec<Bead>, Vec<u32>) {
+    let all = &observations.all;
+    let (mut beads, mut bead_of) = (Vec::new(), Vec::with_capacity(all.len()));
+    let mut start = 0;
+    for k in 0..all.len() {
+        bead_of.push(beads.len() as u32);
+        let follows = all[k].next as usize == k + 1 && !all[k].bridged;
+        let fits = |next: &Point2| (next - all[start].position).norm() <= length;
+        if !(follows && fits(&all[k + 1].position)) {
+            beads.push(bead(&all[start..=k]));
+            start = k + 1;
+        }
+    }
+    (beads, bead_of)
+}
+
+fn bead(members: &[Observation]) -> Bead {
+    let first = &members[0];
+    let (mut length, mut place, mut tangent) = (0.0, Vector2::zeros(), Vector2::zeros());
+    for o in members {
+        let weight = o.support * o.footprint;
+        length += weight;
+        place += (o.position - first.position) * weight;
+        tangent += o.tangent * weight;
+    }
+    Bead {
+        position: first.position + place / length.max(f64::MIN_POSITIVE),
+        tangent: tangent.try_normalize(0.0).unwrap_or(first.tangent),
+        length,
+        view: first.view,
+    }
+}
+
+/// The beads, each moved onto the line through those around it.
+fn on_common_lines(beads: &[Bead], views: usize, reach: f64, same_way: f64) -> Vec<Bead> {
+    let places: Vec<Point2> = beads.iter().map(|bead| bead.position).collect();
+    let grid = PointGrid::new(&places, reach);
+    let (mut of_view, mut met) = (vec![Sums::default(); views], Vec::new());
+    let moved = |bead: &Bead| {
+        let (centre, tangent) = (bead.position, bead.tangent);
+        let window = Window { centre, tangent, reach, across: reach, same_way };
+        let tangent_of = |k: usize| beads[k].tangent;
+        window.visit(&grid, tangent_of, |k, x, y| {
+            let sums = &mut of_view[beads[k].view as usize];
+            if sums.length == 0.0 {
+                met.push(beads[k].view);
+            }
+            sums.add((1.0 - x.abs() / reach) * beads[k].length, x, y);
+        });
+        let mut common = Sums::default();
+        for view in met.drain(..) {
+            common.add_view(&std::mem::take(&mut of_view[view as usize]), reach);
+        }
+        let (offset, slope) = common.line(reach);
+        let normal = left_of(&tangent);
+        Bead {
+            position: centre + normal * offset.clamp(-reach, reach),
+            tangent: (tangent + normal * slope).normalize(),
+            ..*bead
+        }
+    };
+    beads.iter().map(moved).collect()
+}
+
+/// Weighted sums for a line y(x) through beads; the weights are lengths.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    length: f64,
+    x: f64,
+    y: f64,
+    xx: f64,
+    xy: f64,
+}
+
+impl Sums {
+    fn add(&mut self, length: f64, x: f64, y: f64) {
+        self.add_share(&Self { length: 1.0, x, y, xx: x * x, xy: x * y }, length);
+    }
+
+    fn add_share(&mut self, other: &Self, share: f64) {
+        self.length += share * other.length;
+        self.x += share * other.x;
+        self.y += share * other.y;
+        self.xx += share * other.xx;
+        self.xy += share * other.xy;
+    }
+
+    /// Adds the sums of one view. All views that measured the whole window count alike, however
+    /// densely they did.
+    fn add_view(&mut self, view: &Self, reach: f64) {
+        if view.length > 0.0 {
+            self.add_share(view, 1.0 / view.length.max(reach));
+        }
+    }
+
+    /// Value and slope of the line at x = 0. Samples all in one place have no slope.
+    fn line(&self, reach: f64) -> (f64, f64) {
+        if self.length <= 0.0 {
+            return (0.0, 0.0);
+        }
+        let (x, y) = (self.x / self.length, self.y / self.length);
+        let variance = self.xx / self.length - x * x;
+        if variance <= LEAST_VARIANCE * reach * reach {
+            return (y, 0.0);
+        }
+        let slope = (self.xy / self.length - x * y) / variance;
+        (y - slope * x, slope)
+    }
+}

@@ -1,0 +1,135 @@
+//! Where curves of one plane cross: places that no boundary of a solid can have.
+//!
+//! **Problem.** The boundary of a solid neither crosses nor touches itself. Curves from measurements
+//! may. Wanted: all pairs of units that meet.
+//!
+//! **Steps.** An R-tree of the units' boxes is joined with itself. Each pair of boxes that overlap
+//! is tested by the signs of four triangles.
+//!
+//! **Cost.** O(n log n) for n units, as far as few boxes overlap.
+
+use crate::{Curve, CurveUnit};
+use rstar::primitives::{GeomWithData, Rectangle};
+use rstar::{AABB, RTree};
+
+/// A unit of one of several curves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct UnitPlace {
+    /// The curve's place among the curves.
+    pub curve: usize,
+    /// The unit's place on the curve: unit k leads from node k to the next node.
+    pub unit: usize,
+}
+
+/// The pairs of units that cross or touch, each once, in the order of the curves. Units of one
+/// curve that share a node do not count.
+///
+/// ```
+/// use transect_geometry::{Curve, Node, Point2, crossings};
+///
+/// let curve = |places: [(f64, f64); 4]| {
+///     let nodes = places.map(|(x, y)| Node::at(Point2::new(x, y)));
+///     Curve::new(nodes.to_vec(), false)
+/// };
+/// let loops = curve([(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, -1.0)])?;
+/// let found = crossings(&[loops]);
+/// assert_eq!(found.len(), 1);
+/// assert_eq!((found[0].0.unit, found[0].1.unit), (0, 2));
+/// # Ok::<(), transect_geometry::CurveError>(())
+/// ```
+pub fn crossings(curves: &[Curve]) -> Vec<(UnitPlace, UnitPlace)> {
+    let places = curves.iter().enumerate().flat_map(|(curve, c)| {
+        c.units().enumerate().map(move |(unit, u)| (UnitPlace { curve, unit }, u))
+    });
+    let units: Vec<(UnitPlace, CurveUnit)> = places.collect();
+    let entry = |(k, (_, unit)): (usize, &(UnitPlace, CurveUnit))| {
+        let around = AABB::from_corners(unit.start.into(), unit.end.into());
+        GeomWithData::new(Rectangle::from_aabb(around), k)
+    };
+    let tree: RTree<GeomWithData<Rectangle<[f64; 2]>, usize>> =
+        RTree::bulk_load(units.iter().enumerate().map(entry).collect());
+    let pairs = tree.intersection_candidates_with_other_tree(&tree);
+    let ordered = pairs.map(|(a, b)| (a.data, b.data)).filter(|(a, b)| a < b);
+    let crossed = ordered.filter(|&(a, b)| {
+        let ((at_a, a), (at_b, b)) = (&units[a], &units[b]);
+        !are_neighbours(curves, *at_a, *at_b) && meet(a, b)
+    });
+    let mut found: Vec<_> = crossed.map(|(a, b)| (units[a].0, units[b].0)).collect();
+    found.sort_unstable();
+    found
+}
+
+/// Whether two units follow each other on one curve.
+fn are_neighbours(curves: &[Curve], a: UnitPlace, b: UnitPlace) -> bool {
+    let last = curves[a.curve].units().len() - 1;
+    let wraps = curves[a.curve].is_closed() && a.unit == 0 && b.unit == last;
+    a.curve == b.curve && (a.unit.abs_diff(b.unit) <= 1 || wraps)
+}
+
+/// Whether two units whose boxes overlap have a common point.
+fn meet(a: &CurveUnit, b: &CurveUnit) -> bool {
+    let parts = |unit: &CurveUnit, other: &CurveUnit| {
+        let (start, end) = (unit.line_value(&other.start), unit.line_value(&other.end));
+        !(start > 0.0 && end > 0.0 || start < 0.0 && end < 0.0)
+    };
+    parts(a, b) && parts(b, a)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Node, Point2};
+    use proptest::prelude::*;
+
+    /// The slow twin: every pair of units.
+    fn all_pairs(curves: &[Curve]) -> Vec<(UnitPlace, UnitPlace)> {
+        let mut units = Vec::new();
+        for (curve, c) in curves.iter().enumerate() {
+            units.extend(c.units().enumerate().map(|(unit, u)| (UnitPlace { curve, unit }, u)));
+        }
+        let mut found = Vec::new();
+        for (k, (at_a, a)) in units.iter().enumerate() {
+            for (at_b, b) in &units[k + 1..] {
+                let ranges = |f: fn(&Point2) -> f64| {
+                    let (low_a, high_a) = (f(&a.start).min(f(&a.end)), f(&a.start).max(f(&a.end)));
+                    let (low_b, high_b) = (f(&b.start).min(f(&b.end)), f(&b.start).max(f(&b.end)));
+                    low_a <= high_b && low_b <= high_a
+                };
+                let boxes = ranges(|p| p.x) && ranges(|p| p.y);
+                if boxes && !are_neighbours(curves, *at_a, *at_b) && meet(a, b) {
+                    found.push((*at_a, *at_b));
+                }
+            }
+        }
+        found
+    }
+
+    proptest! {
+        #[test]
+        fn the_tree_finds_what_all_pairs_find(
+            curves in prop::collection::vec(
+                (prop::collection::vec((-9_i8..9, -9_i8..9), 2..9), any::<bool>()), 0..5),
+        ) {
+            let curves: Vec<Curve> = curves.into_iter().filter_map(|(places, closed)| {
+                let node = |(x, y)| Node::at(Point2::new(f64::from(x), f64::from(y)));
+                Curve::new(places.into_iter().map(node).collect(), closed).ok()
+            }).collect();
+            prop_assert_eq!(crossings(&curves), all_pairs(&curves));
+        }
+    }
+
+    #[test]
+    fn curves_that_touch_or_lie_on_each_other_count() {
+        let line = |a: (f64, f64), b: (f64, f64)| {
+            let nodes = [a, b].map(|(x, y)| Node::at(Point2::new(x, y)));
+            Curve::new(nodes.to_vec(), false).unwrap()
+        };
+        let base = line((0.0, 0.0), (4.0, 0.0));
+        let count = |other: Curve| crossings(&[base.clone(), other]).len();
+        assert_eq!(count(line((1.0, -1.0), (1.0, 1.0))), 1, "across");
+        assert_eq!(count(line((1.0, 0.0), (1.0, 1.0))), 1, "a fork");
+        assert_eq!(count(line((3.0, 0.0), (9.0, 0.0))), 1, "on each other");
+        assert_eq!(count(line((5.0, 0.0), (9.0, 0.0))), 0, "beyond the end");
+        assert_eq!(count(line((1.0, 0.1), (3.0, 0.1))), 0, "beside");
+    }
+}
