@@ -2,11 +2,11 @@
 
 The images are 16-bit grey: TUM as PNG with 5000 counts a metre, ScanNet as PNG with 1000. A third
 folder has the layout of TUM with TIFF images of 32-bit floating-point numbers, which lose nothing.
+Tolerances hold for 99 of 100 nodes; ends of curves at silhouettes can move by a pixel's footprint.
 Needs numpy and imageio.
 """
 
 import json
-import math
 from pathlib import Path
 
 import imageio.v3 as imageio
@@ -15,10 +15,10 @@ import numpy as np
 # Further arguments of `transect simulate room`: the formats hold pinhole cameras only.
 SIMULATE = ["--sensor", "pinhole"]
 
-# Half a count is the error of a rounded depth; curves on surfaces seen at a shallow angle move by
-# several times that. Theory, with a factor of 10 for incidence. Doubled, a wrong pixel centre of a
-# tenth of a pixel passes.
-INCIDENCE = 10.0
+# Half a count is the largest error of a rounded depth. A curve on a surface seen at 60 degrees moves
+# by twice that. Measured: 99 % of the nodes are within 1 of it. Doubled, a camera whose centre is off
+# by half a pixel passes.
+INCIDENCE = 2.0
 
 
 def views(room: Path) -> list[dict]:
@@ -87,7 +87,7 @@ def write(room: Path, out: Path) -> list[tuple[Path, list[str], float]]:
     tiffs = tum(room, out / "tum_float", "tiff", np.nan_to_num)
     return [
         (pngs, [], INCIDENCE * 0.5 / 5000),
-        # Poses are printed with nine digits: a nanometre, and one at a metre's distance.
-        (tiffs, ["--depth-scale", "1"], 1e-6 * math.sqrt(2)),
+        # Poses are printed with nine digits: a nanometre at each metre of distance.
+        (tiffs, [], 1e-8),
         (scannet(room, out / "scannet"), [], INCIDENCE * 0.5 / 1000),
     ]

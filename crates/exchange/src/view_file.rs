@@ -69,6 +69,8 @@ impl ViewFile {
         if stated == found {
             return Ok(());
         }
-        Err(self.damaged(format!("the image has {found}, but the manifest states {stated}")))
+        let problem =
+            format!("the image has {found}, but the manifest or the camera file states {stated}");
+        Err(self.damaged(problem))
     }
 }

@@ -63,11 +63,11 @@ pub(super) struct Layout {
     pub(super) scale: f64,
 }
 
-/// Whether a folder is a depth sequence.
+/// Whether a folder is a depth sequence: it has a list of images, the camera of 7-Scenes, or images.
 pub(crate) fn is_one(folder: &Path) -> bool {
-    let is_file = |name: &&str| folder.join(name).is_file();
-    LISTS.iter().chain(&CAMERAS).any(|name| is_file(name))
-        || [folder.to_owned(), folder.join("depth")].iter().any(|f| !in_folder(f, "").is_empty())
+    let mut names = LISTS.iter().chain(CAMERAS.first());
+    names.any(|name| folder.join(name).is_file())
+        || [folder, &folder.join("depth")].iter().any(|f| !in_folder(f, "").is_empty())
 }
 
 impl Layout {

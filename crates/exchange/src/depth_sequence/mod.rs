@@ -76,11 +76,11 @@ fn sequence(folder: &Path, names: FileNames, options: &OpenOptions) -> Result<Se
     let layout = Layout::find(folder, options)?;
     let (camera, turned) = Camera::read(&layout.camera)?.with_y_down();
     let association = associate(&layout, options)?;
-    let absolute = std::path::absolute(folder).map_err(|e| ReadError::io(folder, e))?;
     let images = association.poses.iter().filter_map(|(index, _)| layout.images.get(*index));
     let images: Vec<&str> = images.map(|image| image.file.as_str()).collect();
     let sample = Sample::of(folder, &images);
     let (scale, kind) = scale(folder, &layout, &sample, options)?;
+    let absolute = std::path::absolute(folder).map_err(|e| ReadError::io(folder, e))?;
     let view = |(&file, (_, pose)): (&&str, &(usize, [f64; 16]))| {
         let file = match names {
             FileNames::Relative => file.to_owned(),
@@ -92,16 +92,9 @@ fn sequence(folder: &Path, names: FileNames, options: &OpenOptions) -> Result<Se
     };
     let views = images.iter().zip(&association.poses).map(view).collect();
     let name = absolute.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let mut manifest = Manifest::new(name, views);
-    manifest.unit = Some(LengthUnit::Metre);
+    let manifest = Manifest { unit: Some(LengthUnit::Metre), ..Manifest::new(name, views) };
     let mut notes = vec![format!("{}: metres, {kind}{}", folder.display(), sample.depths(scale))];
-    if turned {
-        notes.push(format!(
-            "{}: the focal length fy is negative, so y points up in the camera and in the poses; \
-             both are turned to y down, which mirrors the world's y",
-            folder.display()
-        ));
-    }
+    notes.extend(turned.then(|| format!("{}: {Y_TURNED}", folder.display())));
     notes.extend(association.notes);
     let camera_file = match layout.camera {
         CameraOption::File(path) => Some(path),
@@ -136,6 +129,10 @@ fn scale(
     }
 }
 
+/// The note of [`with_y_turned`].
+const Y_TURNED: &str = "the focal length fy is negative, so y points up in the camera and in the \
+                        poses; both are turned to y down, which mirrors the world's y";
+
 /// A pose whose camera and world have y down instead of up: both sides of it change their sign.
 fn with_y_turned(mut pose: [f64; 16]) -> [f64; 16] {
     for (place, number) in pose.iter_mut().enumerate() {
@@ -146,49 +143,52 @@ fn with_y_turned(mut pose: [f64; 16]) -> [f64; 16] {
     pose
 }
 
-/// Depths of a few images, in counts.
+/// What a few images hold, in counts.
 struct Sample {
-    images: usize,
     /// Whether the images hold integers; also if none could be read.
     integers: bool,
-    /// In ascending order.
-    counts: Vec<f32>,
+    /// Least, median and largest depth of each image.
+    depths: Vec<[f32; 3]>,
 }
 
 impl Sample {
     /// A sample of the first, the last and other images. Unreadable ones are left out here: each
     /// view reports its own problems when it is loaded.
     fn of(folder: &Path, images: &[&str]) -> Self {
-        let mut sample = Self { images: 0, integers: true, counts: Vec::new() };
+        let mut sample = Self { integers: true, depths: Vec::new() };
         let last = images.len().saturating_sub(1);
         let mut places: Vec<usize> = (0..SAMPLE).map(|k| k * last / (SAMPLE - 1)).collect();
         places.dedup();
         for image in places.iter().filter_map(|place| images.get(*place)) {
             let read = image_file::read(&folder.join(image), Some(1.0), &mut Vec::new());
-            if let Ok(Pixels { values, integers, .. }) = read {
-                (sample.integers, sample.images) = (integers, sample.images + 1);
-                sample.counts.extend(values.iter().filter(|v| **v > 0.0 && v.is_finite()));
+            let Ok(Pixels { mut values, integers, .. }) = read else { continue };
+            sample.integers = integers;
+            values.retain(|v| *v > 0.0 && v.is_finite());
+            values.sort_unstable_by(f32::total_cmp);
+            if let (Some(least), Some(largest)) = (values.first(), values.last()) {
+                let median = values.get(values.len() / 2).unwrap_or(least);
+                sample.depths.push([*least, *median, *largest]);
             }
         }
-        sample.counts.sort_unstable_by(f32::total_cmp);
         sample
     }
 
-    /// Words for the note: least, median and largest depth.
+    /// Words for the note: least and largest depth, and the median of the image between others.
     fn depths(&self, scale: Option<f64>) -> String {
-        let metres = |place: usize| {
-            let count = self.counts.get(place).copied().unwrap_or_default();
-            f64::from(count) * scale.unwrap_or(1.0)
+        let sorted = |which: usize| {
+            let depths = self.depths.iter().filter_map(|depths| depths.get(which));
+            let mut metres: Vec<f64> =
+                depths.map(|depth| f64::from(*depth) * scale.unwrap_or(1.0)).collect();
+            metres.sort_unstable_by(f64::total_cmp);
+            metres
         };
-        match self.counts.len() {
-            0 => String::new(),
-            n => format!(
-                "; depths {:.3} to {:.3} m, median {:.3} m, in {} of the images",
-                metres(0),
-                metres(n - 1),
-                metres(n / 2),
-                self.images
+        let (least, medians, largest) = (sorted(0), sorted(1), sorted(2));
+        match (least.first(), medians.get(medians.len() / 2), largest.last()) {
+            (Some(least), Some(median), Some(largest)) => format!(
+                "; depths {least:.3} to {largest:.3} m, median {median:.3} m, in a sample of {}",
+                medians.len()
             ),
+            _ => String::new(),
         }
     }
 }
