@@ -55,10 +55,11 @@ impl From<Intrinsics> for Camera {
 fn from_text(path: &Path, text: &str) -> Result<Camera, ReadError> {
     let words = text.lines().filter(|line| !line.trim_start().starts_with('#'));
     let all: Option<Vec<f64>> = words.flat_map(numbers).take(17).collect();
-    match all.unwrap_or_default().as_slice() {
-        &[fx, fy, cx, cy] => Ok(Intrinsics { fx, fy, cx, cy }.into()),
-        &[a, b, c, d, e, f, g, h, i] => from_matrix(path, [a, b, c, d, e, f, g, h, i]),
-        &[a, b, c, w, d, e, f, x, g, h, i, y, ref last @ ..]
+    let all = all.unwrap_or_default();
+    match *all.as_slice() {
+        [fx, fy, cx, cy] => Ok(Intrinsics { fx, fy, cx, cy }.into()),
+        [a, b, c, d, e, f, g, h, i] => from_matrix(path, [a, b, c, d, e, f, g, h, i]),
+        [a, b, c, w, d, e, f, x, g, h, i, y, ref last @ ..]
             if [w, x, y] == [0.0; 3] && last == [0.0, 0.0, 0.0, 1.0] =>
         {
             from_matrix(path, [a, b, c, d, e, f, g, h, i])

@@ -188,7 +188,8 @@ fn timed_pose(line: &str) -> Result<(f64, Isometry3), String> {
     }
     let quaternion = Quaternion::new(w, i, j, k);
     let length = quaternion.norm();
-    if !((length - 1.0).abs() <= QUATERNION_ROUNDING) {
+    let deviation = (length - 1.0).abs();
+    if deviation.is_nan() || deviation > QUATERNION_ROUNDING {
         return Err(format!("the quaternion has length {length}; a rotation has length 1"));
     }
     let rotation = UnitQuaternion::new_normalize(quaternion);
