@@ -15,9 +15,9 @@ import numpy as np
 # Further arguments of `transect simulate room`: the formats hold pinhole cameras only.
 SIMULATE = ["--sensor", "pinhole"]
 
-# Half a count is the largest error of a rounded depth. A curve on a surface seen at 60 degrees moves
-# by twice that. Measured: 99 % of the nodes are within 1 of it. Doubled, a camera whose centre is off
-# by half a pixel passes.
+# Half a count is the largest error of a rounded depth. A curve on a surface seen at 60 degrees
+# moves by twice that. Measured: 99 % of the nodes are within half a count. Doubled, a camera whose
+# centre is off by a pixel passes.
 INCIDENCE = 2.0
 
 

@@ -120,8 +120,8 @@ impl JsonCamera {
             }
             (None, Some(fx), Some(fy), Some(cx), Some(cy)) => Intrinsics { fx, fy, cx, cy }.into(),
             _ => {
-                let problem = "no camera; expected \"intrinsic_matrix\" with nine numbers (Open3D), \
-                               or \"fx\", \"fy\", \"ppx\" and \"ppy\" (RealSense)";
+                let problem = "no camera; expected \"intrinsic_matrix\" with nine numbers \
+                               (Open3D), or \"fx\", \"fy\", \"ppx\" and \"ppy\" (RealSense)";
                 return Err(ReadError::damaged(path, Place::Whole, problem));
             }
         };

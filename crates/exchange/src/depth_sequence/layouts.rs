@@ -63,7 +63,7 @@ pub(super) struct Layout {
     pub(super) scale: f64,
 }
 
-/// Whether a folder is a depth sequence: it has a list of images, the camera of 7-Scenes, or images.
+/// Whether a folder is a depth sequence: it has a list of images, images, or 7-Scenes' camera.
 pub(crate) fn is_one(folder: &Path) -> bool {
     let mut names = LISTS.iter().chain(CAMERAS.first());
     names.any(|name| folder.join(name).is_file())

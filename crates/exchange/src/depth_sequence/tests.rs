@@ -127,7 +127,7 @@ fn tum_images_get_the_pose_at_their_time_and_no_other() {
     assert!((turn - 45.0).abs() < 1e-6, "{turn}");
     let notes = scan.notes.join("\n");
     for text in [
-        "metres, 0.0002 m per count, the convention of this layout; depths 1.000 to 2.000 m, median",
+        "metres, 0.0002 m per count, the convention of this layout; depths 1.000 to 2.000 m, med",
         "groundtruth.txt: 1 lines left out; the first: line 4: expected 8 numbers",
         "1 of 4 images are left out, before the first pose or after the last; the first: \
          depth/b.png at 9.9; ",
