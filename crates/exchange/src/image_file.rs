@@ -1,10 +1,11 @@
-//! Images of range values and grids of points in `.npy` and `.png` files.
+//! Images of range values (`.npy`, `.png`, `.pgm`, `.tif`) and grids of points (`.npy`).
 
 use crate::input::read_bytes;
 use crate::missing::narrowed;
 use crate::npy::Npy;
 use crate::png_file::{self, GreyImage, Samples};
-use crate::{Place, ReadError};
+use crate::tiff_file::{self, TiffSamples};
+use crate::{Place, ReadError, pgm_file};
 use std::path::Path;
 use transect_device::{ImageSize, Pixel, Point3};
 
@@ -12,9 +13,15 @@ use transect_device::{ImageSize, Pixel, Point3};
 pub(crate) struct Pixels {
     pub(crate) size: ImageSize,
     pub(crate) values: Vec<f32>,
+    /// Whether the file holds integers.
+    pub(crate) integers: bool,
 }
 
-/// A range or depth image: `.npy` (rows × columns) or 16-bit grey `.png`. Integers need a scale.
+/// Extensions of files that may hold a depth image. `.exr` is known and refused with its reason.
+pub(crate) const EXTENSIONS: [&str; 6] = ["png", "npy", "pgm", "tif", "tiff", "exr"];
+
+/// A range or depth image: `.npy` (rows × columns), 16-bit grey `.png` or `.pgm`, or `.tif` of
+/// 16-bit integers or floating-point numbers. Integers need a scale.
 pub(crate) fn read(
     path: &Path,
     scale: Option<f64>,
@@ -25,7 +32,16 @@ pub(crate) fn read(
     match extension.as_deref() {
         Some("npy") => from_npy(path, &bytes, scale),
         Some("png") => from_png(path, &bytes, scale, notes),
-        _ => Err(ReadError::unsupported(path, Place::Whole, "images are read from .npy and .png")),
+        Some("pgm") => from_counts(path, pgm_file::decode(path, &bytes)?, scale, notes),
+        Some("tif" | "tiff") => from_tiff(path, &bytes, scale, notes),
+        Some("exr") => {
+            let problem = "EXR is not read; convert the depth to .npy or to a .tif of floats";
+            Err(ReadError::unsupported(path, Place::Whole, problem))
+        }
+        _ => {
+            let problem = "images are read from .npy, .png, .pgm and .tif";
+            Err(ReadError::unsupported(path, Place::Whole, problem))
+        }
     }
 }
 
@@ -51,7 +67,29 @@ fn from_npy(path: &Path, bytes: &[u8], scale: Option<f64>) -> Result<Pixels, Rea
     };
     let scale = scale_of(path, &array, scale)?;
     let values = array.numbers().map(|v| narrowed(v * scale)).collect();
-    Ok(Pixels { size: ImageSize { rows, cols }, values })
+    let integers = array.is_integer();
+    Ok(Pixels { size: ImageSize { rows, cols }, values, integers })
+}
+
+fn from_tiff(
+    path: &Path,
+    bytes: &[u8],
+    scale: Option<f64>,
+    notes: &mut Vec<String>,
+) -> Result<Pixels, ReadError> {
+    let (size, samples) = tiff_file::decode(path, bytes)?;
+    let factor = scale.unwrap_or(1.0);
+    let values = match samples {
+        TiffSamples::Counts(counts) => {
+            return from_counts(path, (size, counts), scale, notes);
+        }
+        TiffSamples::Singles(values) if factor == 1.0 => values,
+        TiffSamples::Singles(values) => {
+            values.into_iter().map(|v| narrowed(f64::from(v) * factor)).collect()
+        }
+        TiffSamples::Doubles(values) => values.into_iter().map(|v| narrowed(v * factor)).collect(),
+    };
+    Ok(Pixels { size, values, integers: false })
 }
 
 /// The factor of an array's numbers: the stated one; 1 for floating-point numbers without one.
@@ -82,12 +120,22 @@ fn from_png(
     scale: Option<f64>,
     notes: &mut Vec<String>,
 ) -> Result<Pixels, ReadError> {
-    let scale = scale.ok_or_else(|| no_scale(path, "the counts of a .png image"))?;
     let GreyImage { size, samples } = png_file::decode(path, bytes)?;
     let Samples::Sixteen(counts) = samples else {
         let problem = "the image has 8 bits; ranges are read from 16-bit grey";
         return Err(ReadError::unsupported(path, Place::Whole, problem));
     };
+    from_counts(path, (size, counts), scale, notes)
+}
+
+/// The values of an image of 16-bit counts.
+fn from_counts(
+    path: &Path,
+    (size, counts): (ImageSize, Vec<u16>),
+    scale: Option<f64>,
+    notes: &mut Vec<String>,
+) -> Result<Pixels, ReadError> {
+    let scale = scale.ok_or_else(|| no_scale(path, "the counts of an image"))?;
     let counts = counts.into_iter();
     let saturated = counts.clone().filter(|c| *c == SATURATED).count();
     if saturated > 0 {
@@ -103,7 +151,7 @@ fn from_png(
         let problem = format!("the scale {scale} makes the value infinite");
         return Err(ReadError::damaged(path, Place::Pixel(pixel), problem));
     }
-    Ok(Pixels { size, values })
+    Ok(Pixels { size, values, integers: true })
 }
 
 /// Writes row-major values as `.npy` (float32), the format of images in scan manifests.

@@ -15,13 +15,13 @@
 //! |---|---|---|
 //! | manifest | a folder with `scan.json`, or any `*.json` | stated, or the caller's |
 //! | Stanford configuration | `*.conf`, with PLY range grids | metres by convention |
-//! | depth images | a folder with `camera-intrinsics.txt`, `*.depth.png`, `*.pose.txt` | metres |
+//! | depth sequence | a folder as TUM RGB-D, ICL-NUIM, ScanNet, 7-Scenes or Open3D lay it out | metres |
 //!
 //! # Other files
 //!
 //! | content | functions |
 //! |---|---|
-//! | manifest | [`read_manifest`], [`write_manifest`], [`depth_folder_manifest`] |
+//! | manifest | [`read_manifest`], [`write_manifest`], [`depth_sequence_manifest`] |
 //! | range images, image stacks | [`write_npy_image`], [`write_npy_stack`], [`write_png_image`] |
 //! | calibration sweeps | [`read_calibration`], [`write_calibration`] |
 //! | guide curve (CSV, GeoJSON, DXF) | [`read_guide`] |
@@ -37,7 +37,7 @@
 
 mod calibration;
 mod contours;
-mod depth_folder;
+mod depth_sequence;
 mod dxf;
 mod dxf_groups;
 mod error;
@@ -52,6 +52,7 @@ mod npy;
 mod npz;
 mod open;
 mod open_options;
+mod pgm_file;
 mod ply;
 mod png_file;
 mod points;
@@ -63,6 +64,7 @@ mod stanford;
 pub mod svg;
 #[cfg(test)]
 mod test_data;
+mod tiff_file;
 mod triangle_mesh;
 mod truth;
 mod view_file;
@@ -70,7 +72,7 @@ mod write_file;
 
 pub use calibration::{read_calibration, write_calibration};
 pub use contours::{ContourPlane, Contours, read_contours, write_contours};
-pub use depth_folder::{FileNames, depth_folder_manifest};
+pub use depth_sequence::{FileNames, depth_sequence_manifest};
 pub use dxf::{DxfFrame, write_dxf};
 pub use error::{Place, ReadError, Unusable, WriteError};
 pub use guide_file::read_guide;
@@ -83,7 +85,7 @@ pub use manifest::{
 };
 pub use mesh::read_mesh;
 pub use missing::MissingValue;
-pub use open_options::OpenOptions;
+pub use open_options::{CameraOption, OpenOptions};
 pub use ply::{RangeGrid, read_range_grid};
 pub use pose::{pose_of_row_major, row_major};
 pub use scan::{FramedImage, LoadView, PlanesEntry, Scan, ScanView};

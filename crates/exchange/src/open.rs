@@ -3,7 +3,7 @@
 //! To add a format, write a module with a function like `manifest::open` and add a line to
 //! [`FORMATS`]. See "Add a scan format" in `docs/add-a-sensor.md`.
 
-use crate::{OpenOptions, ReadError, Scan, ScanView, depth_folder, manifest, stanford};
+use crate::{OpenOptions, ReadError, Scan, ScanView, depth_sequence, manifest, stanford};
 use std::path::Path;
 
 /// A kind of scan on disk.
@@ -12,6 +12,8 @@ struct Format {
     name: &'static str,
     /// Whether a path is of this kind. The path exists.
     recognise: fn(&Path) -> bool,
+    /// The options that only some formats have a use for, and this one has.
+    uses: &'static [&'static str],
     /// Reads everything but the images.
     open: fn(&Path, &OpenOptions) -> Result<Scan, ReadError>,
 }
@@ -21,22 +23,27 @@ const FORMATS: [Format; 4] = [
     Format {
         name: "a folder with scan.json",
         recognise: manifest::is_in,
+        uses: &[],
         open: |folder, options| manifest::open(&folder.join(manifest::FILE_NAME), options),
     },
     Format {
         name: "a scan manifest (*.json)",
         recognise: |path| is_file_with(path, "json"),
+        uses: &[],
         open: manifest::open,
     },
     Format {
         name: "a Stanford configuration (*.conf)",
         recognise: |path| is_file_with(path, "conf"),
+        uses: &[],
         open: stanford::open,
     },
     Format {
-        name: "a folder of *.depth.png and *.pose.txt with camera-intrinsics.txt",
-        recognise: depth_folder::is_one,
-        open: depth_folder::open,
+        name: "a folder of depth images with poses and a camera (TUM, ICL-NUIM, ScanNet, 7-Scenes, \
+               Open3D)",
+        recognise: depth_sequence::is_one,
+        uses: &["--poses", "--camera", "--depth-scale", "--max-time-difference"],
+        open: depth_sequence::open,
     },
 ];
 
@@ -54,7 +61,7 @@ impl Scan {
     }
 
     /// Opens a scan: a folder with `scan.json`, a manifest (`*.json`), a Stanford configuration
-    /// (`*.conf`), or a folder of depth images with poses and `camera-intrinsics.txt`.
+    /// (`*.conf`), or a folder of depth images with poses and a camera.
     ///
     /// # Errors
     /// [`ReadError`] if the path is none of these, or a file is missing or damaged. Also if no unit
@@ -65,6 +72,7 @@ impl Scan {
             let accepted = FORMATS.map(|format| format.name).join("; ");
             return Err(ReadError::NotAScan { path: path.to_owned(), accepted });
         };
+        options.refuse_unused(path, format.uses)?;
         let mut scan = (format.open)(path, options)?;
         scan.settle_missing(path, options.skip_missing)?;
         Ok(scan)

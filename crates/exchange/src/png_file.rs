@@ -1,17 +1,10 @@
 //! Grey `.png` images of 8 or 16 bits.
 
+use crate::input::{SMALL_IMAGE, check_announced};
 use crate::{Place, ReadError};
 use std::io::Cursor;
 use std::path::Path;
-use transect_device::{ImageSize, MAX_PIXELS};
-
-/// Images up to this many bytes may be compressed in any ratio: 16-bit images of 4096 × 2048
-/// pixels. Chosen by hand. Doubled, a damaged header may take 32 MiB.
-const SMALL: usize = 16 << 20;
-
-/// Largest ratio of an image's bytes to those of its file, beyond [`SMALL`]. Measured on the depth
-/// images of 7-Scenes: 2 to 4. Doubled, a crafted file takes twice the memory.
-const LARGEST_COMPRESSION: usize = 100;
+use transect_device::ImageSize;
 
 /// A decoded image.
 pub(crate) struct GreyImage {
@@ -30,7 +23,7 @@ pub(crate) fn decode(path: &Path, bytes: &[u8]) -> Result<GreyImage, ReadError> 
     let damaged = |text: String| ReadError::damaged(path, Place::Whole, text);
     let undecodable = |e: png::DecodingError| damaged(format!("cannot be decoded: {e}"));
     // The decoder's own buffers: lines, and chunks that are not part of the image.
-    let limits = png::Limits { bytes: SMALL };
+    let limits = png::Limits { bytes: SMALL_IMAGE };
     let decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
     let mut reader = decoder.read_info().map_err(undecodable)?;
     let (cols, rows) = reader.info().size();
@@ -44,16 +37,8 @@ pub(crate) fn decode(path: &Path, bytes: &[u8]) -> Result<GreyImage, ReadError> 
             return Err(ReadError::unsupported(path, Place::Whole, problem));
         }
     };
-    let most = bytes.len().saturating_mul(LARGEST_COMPRESSION).clamp(SMALL, 2 * MAX_PIXELS);
-    let needed = reader.output_buffer_size().filter(|&n| n <= most);
-    let absurd = || {
-        damaged(format!(
-            "the header announces {size}, but the file has {} bytes; an image of that size in a \
-             .png has at most {most} bytes. If it is sound, save it as .npy",
-            bytes.len()
-        ))
-    };
-    let mut bytes = vec![0; needed.ok_or_else(absurd)?];
+    let needed = check_announced(path, size, reader.output_buffer_size(), bytes.len())?;
+    let mut bytes = vec![0; needed];
     reader.next_frame(&mut bytes).map_err(undecodable)?;
     let samples = if wide {
         Samples::Sixteen(bytes.as_chunks().0.iter().map(|pair| u16::from_be_bytes(*pair)).collect())

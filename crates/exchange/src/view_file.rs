@@ -24,7 +24,7 @@ pub(crate) struct ViewFile {
 impl ViewFile {
     /// The range image in the file. Its size must be the stated one.
     pub(crate) fn load_image(&self, notes: &mut Vec<String>) -> Result<RangeImage, ReadError> {
-        let Pixels { size, mut values } = image_file::read(&self.path, self.scale, notes)?;
+        let Pixels { size, mut values, .. } = image_file::read(&self.path, self.scale, notes)?;
         self.check_size(size)?;
         missing::clear_values(size, &mut values, self.mark(), notes)
             .map_err(|p| p.in_file(&self.path))?;
@@ -69,6 +69,8 @@ impl ViewFile {
         if stated == found {
             return Ok(());
         }
-        Err(self.damaged(format!("the image has {found}, but the manifest states {stated}")))
+        let problem =
+            format!("the image has {found}, but the manifest or the camera file states {stated}");
+        Err(self.damaged(problem))
     }
 }

@@ -1,11 +1,12 @@
 //! `transect manifest`: a scan.json for a folder of depth images.
 
 use super::planes::parse_normal;
+use super::scan::DepthArguments;
 use crate::failure::Failure;
 use crate::table::{Row, print};
 use std::path::PathBuf;
 use transect_exchange::{
-    FileNames, PlanesEntry, depth_folder_manifest, write_file, write_manifest,
+    FileNames, PlanesEntry, depth_sequence_manifest, write_file, write_manifest,
 };
 use transect_geometry::LengthUnit;
 use transect_workflow::{claim_manifest, parse_length};
@@ -13,8 +14,10 @@ use transect_workflow::{claim_manifest, parse_length};
 /// Options of `manifest`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Folder with *.depth.png, *.pose.txt and camera-intrinsics.txt.
+    /// Folder of depth images with poses and a camera: TUM, ICL-NUIM, ScanNet, 7-Scenes, Open3D.
     folder: PathBuf,
+    #[command(flatten)]
+    depth: DepthArguments,
     /// File to write; images are named by absolute path in it.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -31,7 +34,10 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let mut manifest = depth_folder_manifest(&arguments.folder, FileNames::Absolute)?;
+    let options = arguments.depth.options();
+    let (mut manifest, notes) =
+        depth_sequence_manifest(&arguments.folder, FileNames::Absolute, &options)?;
+    notes.iter().for_each(|n| eprintln!("note: {n}"));
     if let (Some(normal), Some(interval)) = (&arguments.normal, &arguments.interval) {
         let interval = parse_length(LengthUnit::Metre, "interval", interval)?;
         let planes = PlanesEntry::new(parse_normal(normal)?, 0.0, interval);

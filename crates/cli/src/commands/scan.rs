@@ -1,6 +1,7 @@
 //! Options that say how a scan is opened.
 
-use transect_exchange::OpenOptions;
+use std::path::PathBuf;
+use transect_exchange::{CameraOption, OpenOptions};
 use transect_geometry::LengthUnit;
 
 /// How a scan is opened.
@@ -12,13 +13,46 @@ pub struct ScanArguments {
     /// Leave out views whose file does not exist, with a note.
     #[arg(long)]
     skip_missing: bool,
+    #[command(flatten)]
+    depth: DepthArguments,
+}
+
+/// What the caller says in place of the files of a folder of depth images.
+#[derive(Debug, clap::Args)]
+pub struct DepthArguments {
+    /// Trajectory of a folder of depth images (TUM, KITTI, Open3D .log or .json, 4 × 4 numbers), or
+    /// a folder with one pose file per image; camera to world.
+    #[arg(long, value_name = "FILE")]
+    poses: Option<PathBuf>,
+    /// Camera of a folder of depth images: a JSON file of Open3D or RealSense, a text file, or the
+    /// numbers FX,FY,CX,CY in pixels.
+    #[arg(long, value_name = "FILE")]
+    camera: Option<CameraOption>,
+    /// Metres per count of a folder's depth images, such as 0.001.
+    #[arg(long, value_name = "METRES")]
+    depth_scale: Option<f64>,
+    /// Largest difference between the times of a depth image and of the nearest pose, in seconds;
+    /// 0.02 if not stated.
+    #[arg(long, value_name = "SECONDS")]
+    max_time_difference: Option<f64>,
 }
 
 impl ScanArguments {
     /// The options that the arguments stand for.
     pub fn options(&self) -> OpenOptions {
-        let mut options = OpenOptions::default();
+        let mut options = self.depth.options();
         (options.unit, options.skip_missing) = (self.unit, self.skip_missing);
+        options
+    }
+}
+
+impl DepthArguments {
+    /// The options that the arguments stand for.
+    pub fn options(&self) -> OpenOptions {
+        let mut options = OpenOptions::default();
+        (options.poses, options.camera) = (self.poses.clone(), self.camera.clone());
+        options.depth_scale = self.depth_scale;
+        options.max_time_difference = self.max_time_difference;
         options
     }
 }

@@ -123,15 +123,15 @@ const MANIFESTS: &[Spoiled] = &[
     ),
     (
         |m| m["views"][0]["file"] = "scan.json".into(),
-        &["view scan.json", "images are read from .npy and .png"],
+        &["view scan.json", "images are read from .npy, .png, .pgm and .tif"],
     ),
     (
         |m| m["views"][0]["rows"] = json!(13),
-        &["wall.npy", "12 rows × 12 columns", "manifest states 13 rows × 12 columns"],
+        &["wall.npy", "12 rows × 12 columns", "the camera file states 13 rows × 12 columns"],
     ),
     (
         |m| m["views"][0]["cols"] = json!(1_000_000_000_000_u64),
-        &["wall.npy", "manifest states 12 rows × 1000000000000 columns"],
+        &["wall.npy", "the camera file states 12 rows × 1000000000000 columns"],
     ),
     (
         |m| m["views"][0]["file"] = "wall.png".into(),

@@ -91,6 +91,9 @@ fn simulations_and_manifests_replace_their_own_files_only() {
     folder.write("notes.txt", "mine");
     manifest("notes.txt").failed_with(1, &["notes.txt", "the file exists", "--force"]);
     manifest("s.transect --force").failed_with(1, &["s.transect", "model store"]);
+    manifest("n.json --camera 9,8,3,2 --depth-scale 0.0002").succeeded();
+    let view = &folder.json("n.json")["views"][0];
+    assert_eq!((view["fy"].as_f64(), view["scale"].as_f64()), (Some(8.0), Some(0.0002)));
     manifest("depth/a.depth.png --force").failed_with(1, &["a.depth.png", "input"]);
     assert_eq!(folder.text("notes.txt"), "mine");
     manifest("notes.txt --force").succeeded();

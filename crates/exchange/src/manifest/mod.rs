@@ -32,7 +32,8 @@
 //! | `grid` | `viewpoint` [x, y, z], where all rays start; a `.npy` of rows × cols × 3 points |
 //!
 //! Images are `.npy`, NaN or 0 = missing, in the unit of the sensor's pixels (the length unit for
-//! ranges and depths). Integers, and 16-bit grey `.png` (0 and 65535 = missing), need a `scale`.
+//! ranges and depths). Integers need a `scale`, also those of 16-bit grey `.png`, `.pgm` and `.tif`
+//! (0 and 65535 = missing). A `.tif` may hold floating-point numbers.
 //! Other values that mean "no return" are stated by `missing`, or found; see `missing.rs`. Files
 //! that keys name are relative to the manifest. Notes by other programs (`scene`, `size`, `truth`,
 //! `seed`, `comment`, `description`, `tool`) are accepted. Any other key becomes a note, also one

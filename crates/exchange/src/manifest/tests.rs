@@ -187,7 +187,8 @@ fn planes_that_are_none_are_refused_before_any_image_is_read() {
 #[test]
 fn an_image_of_another_size_names_both() {
     let error = Folder::pinhole(r#", "rows": 2, "cols": 3"#).error();
-    let end = "a.npy: the image has 2 rows × 2 columns, but the manifest states 2 rows × 3 columns";
+    let end = "a.npy: the image has 2 rows × 2 columns, but the manifest or the camera file states 2 \
+               rows × 3 columns";
     assert!(error.ends_with(end), "{error}");
 }
 

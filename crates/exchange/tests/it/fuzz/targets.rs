@@ -18,7 +18,7 @@ use transect_model::{Model, store::Store};
 pub type Target = fn(&Path, &[u8]) -> Result<(), String>;
 
 /// Every reader with the name of its folder in the corpus.
-pub const TARGETS: [(&str, Target); 19] = [
+pub const TARGETS: [(&str, Target); 24] = [
     ("calibration", |folder, bytes| read(folder, "a.csv", bytes, read_calibration)),
     ("conf", |folder, bytes| {
         write(folder, "a.ply", GRID.as_bytes());
@@ -26,7 +26,11 @@ pub const TARGETS: [(&str, Target); 19] = [
         load(folder, &folder.join("a.conf"))
     }),
     ("contours", |folder, bytes| read(folder, "a.json", bytes, read_contours)),
+    ("depth_camera", |folder, bytes| sequence(folder, "camera.json", bytes)),
+    ("depth_list", |folder, bytes| sequence(folder, "depth.txt", bytes)),
+    ("depth_pgm", |folder, bytes| scan(folder, &DEPTH.replace("a.png", "a.pgm"), "a.pgm", bytes)),
     ("depth_png", |folder, bytes| scan(folder, DEPTH, "a.png", bytes)),
+    ("depth_tiff", |folder, bytes| scan(folder, &DEPTH.replace("a.png", "a.tif"), "a.tif", bytes)),
     ("guide_csv", |folder, bytes| read(folder, "a.csv", bytes, spline)),
     ("guide_dxf", |folder, bytes| read(folder, "a.dxf", bytes, spline)),
     ("guide_geojson", |folder, bytes| read(folder, "a.geojson", bytes, spline)),
@@ -56,6 +60,7 @@ pub const TARGETS: [(&str, Target); 19] = [
         Scan::open(folder).map(drop).map_err(|error| text(folder, &error))
     }),
     ("stl", |folder, bytes| read(folder, "a.stl", bytes, read_mesh)),
+    ("trajectory", |folder, bytes| sequence(folder, "trajectory.txt", bytes)),
 ];
 
 /// The reader of a store's exported lines; each case makes a store, so it runs fewer cases.
@@ -103,6 +108,16 @@ fn scan(folder: &Path, view: &str, name: &str, bytes: &[u8]) -> Result<(), Strin
     let manifest = format!(r#"{{"unit": "m", "views": [{{ {view}, "pose": {pose} }}]}}"#);
     write(folder, "scan.json", manifest.as_bytes());
     load(folder, &folder.join("scan.json"))
+}
+
+/// Opens a sequence of one depth image, one of whose files holds the bytes.
+fn sequence(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), String> {
+    fs::create_dir_all(folder.join("depth")).unwrap();
+    write(folder, "depth/0.png", b"");
+    write(folder, "camera.json", b"2 2 0.5 0.5");
+    write(folder, "trajectory.txt", b"0 0 0 0 0 0 0 1");
+    write(folder, name, bytes);
+    Scan::open(folder).map(drop).map_err(|error| text(folder, &error))
 }
 
 fn load(folder: &Path, path: &Path) -> Result<(), String> {

@@ -194,11 +194,13 @@ fn bad_parameters_name_their_key() {
         ),
         (
             wrong("\"baseline\"", "\"cols\": 8, \"baseline\""),
-            "stack.npy: the image has 9 rows × 7 columns, but the manifest states 9 rows × 8",
+            "stack.npy: the image has 9 rows × 7 columns, but the manifest or the \
+             camera file states 9 rows × 8",
         ),
         (
             wrong("\"baseline\"", "\"rows\": 8, \"baseline\""),
-            "stack.npy: the image has 9 rows × 7 columns, but the manifest states 8 rows × 7",
+            "stack.npy: the image has 9 rows × 7 columns, but the manifest or the \
+             camera file states 8 rows × 7",
         ),
         (
             wrong("camera_cols\": 96", "camera_cols\": 97"),

@@ -106,7 +106,9 @@ fn bad_parameters_name_their_key() {
         (wrong("sweeps.csv", "none.csv"), "none.csv: cannot be read".to_owned()),
         (
             wrong("\"y0\": 5", "\"y0\": 5, \"cols\": 15"),
-            "p.npy: the image has 4 rows × 16 columns, but the manifest states".to_owned(),
+            "p.npy: the image has 4 rows × 16 columns, but the manifest or the \
+             camera file states"
+                .to_owned(),
         ),
     ] {
         assert!(error.contains(&wanted), "{error}");

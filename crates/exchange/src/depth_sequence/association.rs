@@ -1,0 +1,186 @@
+//! Which pose belongs to which image.
+//!
+//! Images without a pose are left out and counted by reason. It is an error if none is left.
+
+use super::layouts::{DepthImage, Layout, pose_file};
+use super::text::numbers;
+use super::trajectory::{NoPose, Posed, Timed, Trajectory};
+use crate::input::read_text;
+use crate::{OpenOptions, Place, ReadError, pose, row_major};
+use std::path::{Path, PathBuf};
+
+/// Largest difference in seconds between the time of an image and of the nearest pose. Source: the
+/// default of TUM's own association. Doubled, gaps of 0.08 s in a trajectory are bridged.
+const MOST_DIFFERENCE: f64 = 0.02;
+
+/// The poses of images.
+#[derive(Debug, Default)]
+pub(super) struct Association {
+    /// The images with a pose, by their place in the layout, and the row-major pose.
+    pub(super) poses: Vec<(usize, [f64; 16])>,
+    /// The images without a pose.
+    losses: Vec<Losses>,
+    pub(super) notes: Vec<String>,
+    /// The files that were read.
+    pub(super) files: Vec<PathBuf>,
+}
+
+/// Images without a pose for one reason.
+#[derive(Debug)]
+struct Losses {
+    reason: String,
+    count: usize,
+    /// The first image, and what its pose's file holds.
+    first: String,
+}
+
+/// Why an image has no pose: the reason, and what its pose's file holds.
+struct Loss(String, String);
+
+/// Finds the poses of a layout's images.
+pub(super) fn associate(layout: &Layout, options: &OpenOptions) -> Result<Association, ReadError> {
+    let mut found = Association::default();
+    if layout.poses.is_dir() {
+        for (index, image) in layout.images.iter().enumerate() {
+            let file = pose_file(&layout.poses, &image.file);
+            let pose = file.as_deref().map_or_else(|| Err(no_file(&layout.poses)), in_file);
+            found.files.extend(file);
+            found.add(index, image, pose);
+        }
+    } else {
+        found.files.push(layout.poses.clone());
+        match Trajectory::read(&layout.poses)? {
+            Trajectory::Ordered(poses) => found.in_order(layout, &poses)?,
+            Trajectory::Timed(timed) => {
+                found.in_time(layout, &timed, options.max_time_difference);
+                return found.not_empty(layout);
+            }
+        }
+    }
+    if options.max_time_difference.is_some() {
+        let problem =
+            "the poses have no times, so --max-time-difference has no meaning; leave it out";
+        return Err(ReadError::damaged(&layout.poses, Place::Whole, problem));
+    }
+    found.not_empty(layout)
+}
+
+fn no_file(folder: &Path) -> Loss {
+    Loss(format!("without a pose file in {}", folder.display()), String::new())
+}
+
+/// The pose in a file of 4 × 4 numbers.
+fn in_file(path: &Path) -> Result<[f64; 16], Loss> {
+    let unusable = |problem: String| {
+        Loss("without a usable pose".to_owned(), format!(", {}: {problem}", path.display()))
+    };
+    let text =
+        read_text(path).map_err(|e| Loss("without a usable pose".to_owned(), format!(", {e}")))?;
+    let parsed: Option<Vec<f64>> = text.lines().flat_map(numbers).take(17).collect();
+    let matrix = parsed.and_then(|numbers| numbers.try_into().ok());
+    let matrix = matrix.ok_or_else(|| unusable("not a pose of 4 × 4 numbers".to_owned()))?;
+    pose::from_row_major(&matrix).map_err(unusable)?;
+    Ok(matrix)
+}
+
+impl Association {
+    fn add(&mut self, index: usize, image: &DepthImage, pose: Result<[f64; 16], Loss>) {
+        let Loss(reason, detail) = match pose {
+            Ok(pose) => return self.poses.push((index, pose)),
+            Err(loss) => loss,
+        };
+        match self.losses.iter_mut().find(|known| known.reason == reason) {
+            Some(known) => known.count += 1,
+            None => {
+                let first = format!("{}{detail}", image.file);
+                self.losses.push(Losses { reason, count: 1, first });
+            }
+        }
+    }
+
+    /// Pose k belongs to image k. If their numbers differ, it belongs to the image whose name ends
+    /// with the number k.
+    fn in_order(&mut self, layout: &Layout, poses: &[Posed]) -> Result<(), ReadError> {
+        let (images, path) = (&layout.images, &layout.poses);
+        let by_name = poses.len() != images.len();
+        if by_name && images.iter().any(|image| image.number.is_none()) {
+            let problem = format!(
+                "{} poses, but {} images whose names have no numbers; expected one pose per image",
+                poses.len(),
+                images.len()
+            );
+            return Err(ReadError::damaged(path, Place::Whole, problem));
+        }
+        if by_name {
+            self.notes.push(format!(
+                "{}: {} poses for {} images; pose k (from 0) belongs to the image whose name ends \
+                 with the number k",
+                path.display(),
+                poses.len(),
+                images.len()
+            ));
+        }
+        for (index, image) in images.iter().enumerate() {
+            let place = if by_name { image.number } else { Some(index) };
+            let pose = match place.and_then(|place| poses.get(place)) {
+                Some(Ok(pose)) => Ok(*pose),
+                Some(Err(problem)) => {
+                    let detail = format!(", {}, {problem}", path.display());
+                    Err(Loss("without a usable pose".to_owned(), detail))
+                }
+                None => Err(Loss("with numbers beyond the last pose".to_owned(), String::new())),
+            };
+            self.add(index, image, pose);
+        }
+        Ok(())
+    }
+
+    /// The pose at the time of each image, interpolated between its neighbours in time.
+    fn in_time(&mut self, layout: &Layout, timed: &Timed, most_difference: Option<f64>) {
+        let most = most_difference.unwrap_or(MOST_DIFFERENCE);
+        let path = layout.poses.display();
+        self.notes.push(format!(
+            "{path}: poses are interpolated at the times of the images; the nearest one is within \
+             {most} s (--max-time-difference)"
+        ));
+        if let Some((count, first)) = &timed.refused {
+            self.notes.push(format!("{path}: {count} lines left out; the first: {first}"));
+        }
+        let span = timed.span().map_or_else(
+            || "has no pose".to_owned(),
+            |(first, last)| format!("has poses from {first} to {last}"),
+        );
+        for (index, image) in layout.images.iter().enumerate() {
+            let at = image.time.map(|time| (time, timed.at(time, most)));
+            let pose = match at {
+                None => Err(Loss("without a time".to_owned(), String::new())),
+                Some((_, Ok(pose))) => Ok(row_major(&pose)),
+                Some((time, Err(NoPose::Outside))) => {
+                    let detail = format!(" at {time}; {path} {span}");
+                    Err(Loss("before the first pose or after the last".to_owned(), detail))
+                }
+                Some((time, Err(NoPose::TooFar))) => {
+                    let detail = format!(" at {time}; pass --max-time-difference to allow more");
+                    Err(Loss(format!("without a pose within {most} s"), detail))
+                }
+            };
+            self.add(index, image, pose);
+        }
+    }
+
+    /// Turns the losses into notes, or into an error if no image has a pose.
+    fn not_empty(mut self, layout: &Layout) -> Result<Self, ReadError> {
+        let images = layout.images.len();
+        let told = self.losses.iter().map(|Losses { reason, count, first }| {
+            format!("{count} of {images} images are left out, {reason}; the first: {first}")
+        });
+        let told: Vec<String> = told.collect();
+        if self.poses.is_empty() {
+            let problem = format!("no image has a pose: {}", told.join("; "));
+            return Err(ReadError::damaged(&layout.poses, Place::Whole, problem));
+        }
+        let path = layout.poses.display();
+        self.notes.extend(told.iter().map(|note| format!("{path}: {note}")));
+        Ok(self)
+    }
+}

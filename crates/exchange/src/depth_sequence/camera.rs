@@ -1,0 +1,154 @@
+//! The camera of a depth sequence: a JSON file of Open3D or RealSense, or a text file.
+
+use super::text::numbers;
+use crate::input::read_text;
+use crate::manifest::{LensEntry, PinholeEntry, SensorEntry};
+use crate::{CameraOption, Place, ReadError};
+use serde::Deserialize;
+use std::path::Path;
+use transect_sensors::{Intrinsics, PinholeScale};
+
+/// A camera, and the size of its images where its file states it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Camera {
+    pub(super) intrinsics: Intrinsics,
+    distortion: Option<[f64; 5]>,
+    pub(super) rows: Option<usize>,
+    pub(super) cols: Option<usize>,
+}
+
+impl Camera {
+    pub(super) fn read(source: &CameraOption) -> Result<Self, ReadError> {
+        let path = match source {
+            CameraOption::Numbers(intrinsics) => return Ok((*intrinsics).into()),
+            CameraOption::File(path) => path,
+        };
+        let text = read_text(path)?;
+        if text.trim_start().starts_with('{') {
+            from_json(path, &text)
+        } else {
+            from_text(path, &text)
+        }
+    }
+
+    /// A focal length below 0 means that the camera's y axis points up, as ICL-NUIM states its
+    /// camera. The result has y down, and whether y was turned.
+    pub(super) fn with_y_down(self) -> (Self, bool) {
+        let turned = self.intrinsics.fy < 0.0;
+        let intrinsics = Intrinsics { fy: self.intrinsics.fy.abs(), ..self.intrinsics };
+        (Self { intrinsics, ..self }, turned)
+    }
+
+    pub(super) fn sensor(&self) -> SensorEntry {
+        let lens =
+            LensEntry::Intrinsics { intrinsics: self.intrinsics, distortion: self.distortion };
+        SensorEntry::Pinhole(PinholeEntry { lens, holds: PinholeScale::Depth })
+    }
+}
+
+impl From<Intrinsics> for Camera {
+    fn from(intrinsics: Intrinsics) -> Self {
+        Self { intrinsics, distortion: None, rows: None, cols: None }
+    }
+}
+
+fn from_text(path: &Path, text: &str) -> Result<Camera, ReadError> {
+    let words = text.lines().filter(|line| !line.trim_start().starts_with('#'));
+    let all: Option<Vec<f64>> = words.flat_map(numbers).take(17).collect();
+    let all = all.unwrap_or_default();
+    match *all.as_slice() {
+        [fx, fy, cx, cy] => Ok(Intrinsics { fx, fy, cx, cy }.into()),
+        [a, b, c, d, e, f, g, h, i] => from_matrix(path, [a, b, c, d, e, f, g, h, i]),
+        [a, b, c, w, d, e, f, x, g, h, i, y, ref last @ ..]
+            if [w, x, y] == [0.0; 3] && last == [0.0, 0.0, 0.0, 1.0] =>
+        {
+            from_matrix(path, [a, b, c, d, e, f, g, h, i])
+        }
+        _ => {
+            let problem = "not a camera; expected a matrix of 3 × 3 or 4 × 4 numbers, the four \
+                           numbers fx fy cx cy, or JSON";
+            Err(ReadError::damaged(path, Place::Whole, problem))
+        }
+    }
+}
+
+/// The camera of a row-major matrix.
+fn from_matrix(path: &Path, matrix: [f64; 9]) -> Result<Camera, ReadError> {
+    let [fx, skew, cx, zero, fy, cy, last @ ..] = matrix;
+    if [skew, zero] != [0.0, 0.0] || last != [0.0, 0.0, 1.0] {
+        let problem = "not a camera matrix fx 0 cx / 0 fy cy / 0 0 1";
+        return Err(ReadError::damaged(path, Place::Whole, problem));
+    }
+    Ok(Intrinsics { fx, fy, cx, cy }.into())
+}
+
+/// The keys of the JSON files of several programs.
+#[derive(Debug, Deserialize)]
+struct JsonCamera {
+    /// Open3D: nine numbers, column by column.
+    intrinsic_matrix: Option<[f64; 9]>,
+    fx: Option<f64>,
+    fy: Option<f64>,
+    #[serde(alias = "ppx")]
+    cx: Option<f64>,
+    #[serde(alias = "ppy")]
+    cy: Option<f64>,
+    width: Option<usize>,
+    height: Option<usize>,
+    /// RealSense: the coefficients of its lens model.
+    coeffs: Option<[f64; 5]>,
+    model: Option<String>,
+    /// Open3D's parameters of one view, and of a trajectory.
+    intrinsic: Option<Box<JsonCamera>>,
+    parameters: Option<Vec<JsonCamera>>,
+}
+
+impl JsonCamera {
+    /// The cameras inside this object, or the object itself.
+    fn innermost(&self) -> Vec<&Self> {
+        match (&self.parameters, &self.intrinsic) {
+            (Some(views), _) => views.iter().flat_map(Self::innermost).collect(),
+            (None, Some(inner)) => vec![inner],
+            (None, None) => vec![self],
+        }
+    }
+
+    fn camera(&self, path: &Path) -> Result<Camera, ReadError> {
+        let read = match (self.intrinsic_matrix, self.fx, self.fy, self.cx, self.cy) {
+            (Some([a, b, c, d, e, f, g, h, i]), ..) => {
+                from_matrix(path, [a, d, g, b, e, h, c, f, i])?
+            }
+            (None, Some(fx), Some(fy), Some(cx), Some(cy)) => Intrinsics { fx, fy, cx, cy }.into(),
+            _ => {
+                let problem = "no camera; expected \"intrinsic_matrix\" with nine numbers \
+                               (Open3D), or \"fx\", \"fy\", \"ppx\" and \"ppy\" (RealSense)";
+                return Err(ReadError::damaged(path, Place::Whole, problem));
+            }
+        };
+        let distortion = self.coeffs.filter(|coeffs| coeffs.iter().any(|c| *c != 0.0));
+        let model = self.model.as_deref().unwrap_or("brown_conrady").to_ascii_lowercase();
+        if distortion.is_some() && !matches!(model.as_str(), "brown_conrady" | "brown conrady") {
+            let problem = format!(
+                "the lens model is {model:?}; expected \"brown_conrady\", or \"coeffs\" of 0; \
+                 write undistorted depth images"
+            );
+            return Err(ReadError::unsupported(path, Place::Whole, problem));
+        }
+        Ok(Camera { distortion, rows: self.height, cols: self.width, ..read })
+    }
+}
+
+fn from_json(path: &Path, text: &str) -> Result<Camera, ReadError> {
+    let json: JsonCamera = serde_json::from_str(text)
+        .map_err(|source| ReadError::Json { path: path.to_owned(), source })?;
+    let mut cameras = json.innermost().into_iter().map(|camera| camera.camera(path));
+    let empty = || ReadError::damaged(path, Place::Whole, "\"parameters\" is empty; no camera");
+    let first = cameras.next().ok_or_else(empty)??;
+    for other in cameras {
+        if other? != first {
+            let problem = "the views have different cameras; expected one camera for all images";
+            return Err(ReadError::unsupported(path, Place::Whole, problem));
+        }
+    }
+    Ok(first)
+}
