@@ -15,6 +15,8 @@
 //! |---|---|---|
 //! | manifest | a folder with `scan.json`, or any `*.json` | stated, or the caller's |
 //! | Stanford configuration | `*.conf`, with PLY range grids | metres by convention |
+//! | E57 | `*.e57`, structured scans | metres by convention |
+//! | PTX | `*.ptx` | metres by convention |
 //! | depth images | a folder with `camera-intrinsics.txt`, `*.depth.png`, `*.pose.txt` | metres |
 //!
 //! # Other files
@@ -40,6 +42,7 @@ mod contours;
 mod depth_folder;
 mod dxf;
 mod dxf_groups;
+mod e57;
 mod error;
 mod guide_file;
 mod image_file;

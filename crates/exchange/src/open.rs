@@ -3,7 +3,7 @@
 //! To add a format, write a module with a function like `manifest::open` and add a line to
 //! [`FORMATS`]. See "Add a scan format" in `docs/add-a-sensor.md`.
 
-use crate::{OpenOptions, ReadError, Scan, ScanView, depth_folder, manifest, stanford};
+use crate::{OpenOptions, ReadError, Scan, ScanView, depth_folder, e57, manifest, stanford};
 use std::path::Path;
 
 /// A kind of scan on disk.
@@ -17,7 +17,7 @@ struct Format {
 }
 
 /// The formats in the order in which they are tried.
-const FORMATS: [Format; 4] = [
+const FORMATS: [Format; 5] = [
     Format {
         name: "a folder with scan.json",
         recognise: manifest::is_in,
@@ -38,6 +38,11 @@ const FORMATS: [Format; 4] = [
         recognise: depth_folder::is_one,
         open: depth_folder::open,
     },
+    Format {
+        name: "an E57 file with structured scans (*.e57)",
+        recognise: e57::is_one,
+        open: e57::open,
+    },
 ];
 
 fn is_file_with(path: &Path, extension: &str) -> bool {
@@ -54,7 +59,8 @@ impl Scan {
     }
 
     /// Opens a scan: a folder with `scan.json`, a manifest (`*.json`), a Stanford configuration
-    /// (`*.conf`), or a folder of depth images with poses and `camera-intrinsics.txt`.
+    /// (`*.conf`), an E57 file, or a folder of depth images with poses and
+    /// `camera-intrinsics.txt`.
     ///
     /// # Errors
     /// [`ReadError`] if the path is none of these, or a file is missing or damaged. Also if no unit
