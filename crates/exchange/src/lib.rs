@@ -59,6 +59,7 @@ mod ply;
 mod png_file;
 mod points;
 mod pose;
+mod ptx;
 mod scalar;
 mod scan;
 mod spline_file;

@@ -3,7 +3,7 @@
 //! To add a format, write a module with a function like `manifest::open` and add a line to
 //! [`FORMATS`]. See "Add a scan format" in `docs/add-a-sensor.md`.
 
-use crate::{OpenOptions, ReadError, Scan, ScanView, depth_folder, e57, manifest, stanford};
+use crate::{OpenOptions, ReadError, Scan, ScanView, depth_folder, e57, manifest, ptx, stanford};
 use std::path::Path;
 
 /// A kind of scan on disk.
@@ -17,7 +17,7 @@ struct Format {
 }
 
 /// The formats in the order in which they are tried.
-const FORMATS: [Format; 5] = [
+const FORMATS: [Format; 6] = [
     Format {
         name: "a folder with scan.json",
         recognise: manifest::is_in,
@@ -43,6 +43,11 @@ const FORMATS: [Format; 5] = [
         recognise: e57::is_one,
         open: e57::open,
     },
+    Format {
+        name: "a PTX file (*.ptx)",
+        recognise: |path| is_file_with(path, "ptx"),
+        open: ptx::open,
+    },
 ];
 
 fn is_file_with(path: &Path, extension: &str) -> bool {
@@ -59,7 +64,7 @@ impl Scan {
     }
 
     /// Opens a scan: a folder with `scan.json`, a manifest (`*.json`), a Stanford configuration
-    /// (`*.conf`), an E57 file, or a folder of depth images with poses and
+    /// (`*.conf`), an E57 or PTX file, or a folder of depth images with poses and
     /// `camera-intrinsics.txt`.
     ///
     /// # Errors
