@@ -16,6 +16,8 @@
 //! | manifest | a folder with `scan.json`, or any `*.json` | stated, or the caller's |
 //! | Stanford configuration | `*.conf`, with PLY range grids | metres by convention |
 //! | depth sequence | a folder as TUM RGB-D, ICL-NUIM, ScanNet, 7-Scenes or Open3D lay it out | metres |
+//! | E57 | `*.e57`, structured scans | metres by convention |
+//! | PTX | `*.ptx` | metres by convention |
 //!
 //! # Other files
 //!
@@ -40,6 +42,7 @@ mod contours;
 mod depth_sequence;
 mod dxf;
 mod dxf_groups;
+mod e57;
 mod error;
 mod guide_file;
 mod image_file;
@@ -57,6 +60,7 @@ mod ply;
 mod png_file;
 mod points;
 mod pose;
+mod ptx;
 mod scalar;
 mod scan;
 mod spline_file;

@@ -3,7 +3,9 @@
 //! To add a format, write a module with a function like `manifest::open` and add a line to
 //! [`FORMATS`]. See "Add a scan format" in `docs/add-a-sensor.md`.
 
-use crate::{OpenOptions, ReadError, Scan, ScanView, depth_sequence, manifest, stanford};
+use crate::{
+    OpenOptions, ReadError, Scan, ScanView, depth_sequence, e57, manifest, ptx, stanford,
+};
 use std::path::Path;
 
 /// A kind of scan on disk.
@@ -19,7 +21,7 @@ struct Format {
 }
 
 /// The formats in the order in which they are tried.
-const FORMATS: [Format; 4] = [
+const FORMATS: [Format; 6] = [
     Format {
         name: "a folder with scan.json",
         recognise: manifest::is_in,
@@ -45,6 +47,18 @@ const FORMATS: [Format; 4] = [
         uses: &["--poses", "--camera", "--depth-scale", "--max-time-difference"],
         open: depth_sequence::open,
     },
+    Format {
+        name: "an E57 file with structured scans (*.e57)",
+        recognise: e57::is_one,
+        uses: &[],
+        open: e57::open,
+    },
+    Format {
+        name: "a PTX file (*.ptx)",
+        recognise: |path| is_file_with(path, "ptx"),
+        uses: &[],
+        open: ptx::open,
+    },
 ];
 
 fn is_file_with(path: &Path, extension: &str) -> bool {
@@ -61,7 +75,7 @@ impl Scan {
     }
 
     /// Opens a scan: a folder with `scan.json`, a manifest (`*.json`), a Stanford configuration
-    /// (`*.conf`), or a folder of depth images with poses and a camera.
+    /// (`*.conf`), an E57 or PTX file, or a folder of depth images with poses and a camera.
     ///
     /// # Errors
     /// [`ReadError`] if the path is none of these, or a file is missing or damaged. Also if no unit

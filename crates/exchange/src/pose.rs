@@ -1,6 +1,6 @@
 //! Rigid motions from the numbers in files.
 
-use nalgebra::{Matrix3, Rotation3, SVD, Translation3, UnitQuaternion};
+use nalgebra::{Matrix3, Quaternion, Rotation3, SVD, Translation3, UnitQuaternion};
 use transect_geometry::Isometry3;
 
 /// Deviation from orthonormality that is rounding of printed `f64` numbers.
@@ -8,6 +8,9 @@ const ROUNDING: f64 = 1e-9;
 /// Deviation that is rounding of few printed digits or of `f32`; beyond, the matrix is no rotation.
 /// Ten times this would let a shear of 0.1 rad pass for rounding.
 const REPAIRABLE: f64 = 1e-2;
+/// Largest deviation of a quaternion's length from 1 that counts as rounding of printed digits.
+/// Chosen by hand. Doubled, a note about a normalised quaternion may be missing.
+const QUATERNION_ROUNDING: f64 = 1e-3;
 
 /// A pose, and how far its matrix was from a rotation if it had to be repaired.
 #[derive(Debug, Clone, Copy)]
@@ -56,6 +59,27 @@ pub(crate) fn from_row_major(numbers: &[f64; 16]) -> Result<Pose, String> {
 /// A sentence: why it is no rigid motion.
 pub fn pose_of_row_major(numbers: &[f64; 16]) -> Result<(Isometry3, Option<f64>), String> {
     from_row_major(numbers).map(|pose| (pose.world_from_sensor, pose.repaired))
+}
+
+/// The pose of a translation and a quaternion, with a note if the quaternion was normalised.
+///
+/// # Errors
+/// A sentence for the caller to put after the place.
+pub(crate) fn from_quaternion(
+    translation: [f64; 3],
+    q: Quaternion<f64>,
+) -> Result<(Isometry3, Option<String>), String> {
+    if !translation.iter().chain(q.coords.iter()).all(|n| n.is_finite()) {
+        return Err("the pose has a number that is not finite".to_owned());
+    }
+    let length = q.norm();
+    if !(length.is_finite() && length > 0.0) {
+        return Err(format!("the quaternion has length {length}, which is no rotation"));
+    }
+    let rotation = UnitQuaternion::new_normalize(q);
+    let normalised = (length - 1.0).abs() > QUATERNION_ROUNDING;
+    let note = normalised.then(|| format!("quaternion of length {length:.4} normalised"));
+    Ok((Isometry3::from_parts(Translation3::from(translation), rotation), note))
 }
 
 /// The polar factor U Vᵀ; `None` if the decomposition does not converge.

@@ -12,25 +12,16 @@
 use crate::input::read_text;
 use crate::ply::read_range_grid;
 use crate::scan::{FramedImage, LoadView};
-use crate::{OpenOptions, Place, ReadError, Scan, ScanView, missing};
-use nalgebra::{Quaternion, Translation3, UnitQuaternion};
+use crate::{OpenOptions, Place, ReadError, Scan, ScanView, missing, points, pose};
+use nalgebra::Quaternion;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use transect_geometry::{Isometry3, LengthUnit};
 use transect_sensors::PointGrid;
 
-/// Largest deviation of a quaternion's length from 1 that counts as rounding of printed digits.
-/// Chosen by hand. Doubled, a note about a normalised quaternion may be missing.
-const QUATERNION_ROUNDING: f64 = 1e-3;
-
 pub(crate) fn open(path: &Path, options: &OpenOptions) -> Result<Scan, ReadError> {
-    let unit = options.unit;
     let text = read_text(path)?;
     let (mut views, mut notes) = (Vec::new(), Vec::new());
-    if unit.is_none() {
-        let convention = "the format carries no unit: taken as metres by its convention";
-        notes.push(format!("{}: {convention}", path.display()));
-    }
+    let unit = points::unit_or_metres(path, options, &mut notes);
     for (number, line) in (1..).zip(text.lines()) {
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
         match words.split_first() {
@@ -54,7 +45,6 @@ pub(crate) fn open(path: &Path, options: &OpenOptions) -> Result<Scan, ReadError
     let files = views.iter().map(|v: &ScanView| v.path().to_owned());
     let inputs = std::iter::once(path.to_owned()).chain(files).collect();
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let unit = unit.unwrap_or(LengthUnit::Metre);
     Ok(Scan { name, unit, sigma: None, planes: None, views, notes, inputs })
 }
 
@@ -72,16 +62,10 @@ fn view(
     let Some(&[tx, ty, tz, qx, qy, qz, qw]) = numbers.as_deref() else {
         return Err(damaged("expected a file and 7 numbers: tx ty tz qx qy qz qw".to_owned()));
     };
-    if ![tx, ty, tz, qx, qy, qz, qw].iter().all(|n| n.is_finite()) {
-        return Err(damaged("the pose has a number that is not finite".to_owned()));
-    }
-    let (world_from_sensor, length) =
-        pose([tx, ty, tz], Quaternion::new(qw, qx, qy, qz)).map_err(|length| {
-            damaged(format!("the quaternion has length {length}, which is no rotation"))
-        })?;
-    if (length - 1.0).abs() > QUATERNION_ROUNDING {
-        notes.push(format!("{}{at}: quaternion of length {length:.4} normalised", path.display()));
-    }
+    // The conjugate: see the module's page.
+    let q = Quaternion::new(qw, qx, qy, qz).conjugate();
+    let (world_from_sensor, note) = pose::from_quaternion([tx, ty, tz], q).map_err(damaged)?;
+    notes.extend(note.map(|note| format!("{}{at}: {note}", path.display())));
     let file = path.parent().unwrap_or(Path::new("")).join(&name);
     let source = Arc::new(RangeGridView { path: file.clone() });
     Ok(ScanView::new(name, file, world_from_sensor, source))
@@ -106,22 +90,11 @@ impl LoadView for RangeGridView {
     }
 }
 
-/// The pose world = R(q)ᵀ p + t and the length of q; the length alone if it gives no rotation.
-fn pose(translation: [f64; 3], q: Quaternion<f64>) -> Result<(Isometry3, f64), f64> {
-    let length = q.norm();
-    if !(length.is_finite() && length > 0.0) {
-        return Err(length);
-    }
-    // The conjugate: see the module's page.
-    let rotation = UnitQuaternion::new_normalize(q).inverse();
-    Ok((Isometry3::from_parts(Translation3::from(translation), rotation), length))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::f64::consts::FRAC_1_SQRT_2;
-    use transect_geometry::Point3;
+    use transect_geometry::{Isometry3, LengthUnit, Point3};
 
     fn open_text(text: &str) -> Result<Scan, ReadError> {
         let folder = tempfile::tempdir().unwrap();

@@ -18,7 +18,7 @@ use transect_model::{Model, store::Store};
 pub type Target = fn(&Path, &[u8]) -> Result<(), String>;
 
 /// Every reader with the name of its folder in the corpus.
-pub const TARGETS: [(&str, Target); 24] = [
+pub const TARGETS: [(&str, Target); 26] = [
     ("calibration", |folder, bytes| read(folder, "a.csv", bytes, read_calibration)),
     ("conf", |folder, bytes| {
         write(folder, "a.ply", GRID.as_bytes());
@@ -31,6 +31,10 @@ pub const TARGETS: [(&str, Target); 24] = [
     ("depth_pgm", |folder, bytes| scan(folder, &DEPTH.replace("a.png", "a.pgm"), "a.pgm", bytes)),
     ("depth_png", |folder, bytes| scan(folder, DEPTH, "a.png", bytes)),
     ("depth_tiff", |folder, bytes| scan(folder, &DEPTH.replace("a.png", "a.tif"), "a.tif", bytes)),
+    ("e57", |folder, bytes| {
+        write(folder, "a.e57", &pages(bytes));
+        load(folder, &folder.join("a.e57"))
+    }),
     ("guide_csv", |folder, bytes| read(folder, "a.csv", bytes, spline)),
     ("guide_dxf", |folder, bytes| read(folder, "a.dxf", bytes, spline)),
     ("guide_geojson", |folder, bytes| read(folder, "a.geojson", bytes, spline)),
@@ -58,6 +62,10 @@ pub const TARGETS: [(&str, Target); 24] = [
         write(folder, "a.depth.png", b"");
         write(folder, "a.pose.txt", bytes);
         Scan::open(folder).map(drop).map_err(|error| text(folder, &error))
+    }),
+    ("ptx", |folder, bytes| {
+        write(folder, "a.ptx", bytes);
+        load(folder, &folder.join("a.ptx"))
     }),
     ("stl", |folder, bytes| read(folder, "a.stl", bytes, read_mesh)),
     ("trajectory", |folder, bytes| sequence(folder, "trajectory.txt", bytes)),
@@ -124,6 +132,26 @@ fn load(folder: &Path, path: &Path) -> Result<(), String> {
     let scan = Scan::open(path).map_err(|error| text(folder, &error))?;
     let mut views = scan.views.iter();
     views.try_for_each(|v| v.load().map(drop).map_err(|error| text(folder, &error)))
+}
+
+/// The pages of an E57 file. The corpus holds their content without the checksums, because a reader
+/// gets no farther than a wrong checksum.
+fn pages(content: &[u8]) -> Vec<u8> {
+    let mut file = Vec::new();
+    for page in content.chunks(1020) {
+        let start = file.len();
+        file.extend_from_slice(page);
+        file.resize(start + 1020, 0);
+        let checksum = crc32c(&file[start..]);
+        file.extend_from_slice(&checksum.to_be_bytes());
+    }
+    file
+}
+
+/// The checksum of Castagnoli, bit by bit.
+fn crc32c(bytes: &[u8]) -> u32 {
+    let bit = |sum: u32| (sum >> 1) ^ (0x82f6_3b78 * (sum & 1));
+    !bytes.iter().fold(!0, |sum, byte| (0..8).fold(sum ^ u32::from(*byte), |sum, _| bit(sum)))
 }
 
 /// A `.npy` of version 1.

@@ -1,0 +1,155 @@
+//! PTX files: gridded scans as text, the exchange format of many terrestrial scanners' programs.
+//!
+//! ```text
+//! 345                          columns
+//! 1074                         rows
+//! 10.2 4.1 1.7                 the scanner in the world
+//! 1 0 0                        its x axis; the lines of its y and z axes follow
+//! 1 0 0 0                      4 × 4 matrix with the translation in its 4th line:
+//! ...                          world = (x y z 1) · matrix
+//! 1.25 -0.3 0.8 0.5            one point per line, column by column: x y z, then an intensity, then
+//! 0 0 0 0.5                    red, green and blue if there are colours; 0 0 0: no return
+//! ```
+//!
+//! The next scan follows without a mark. [`open`] goes through the file once and keeps the place of
+//! each scan. A view reads its own lines. The format has no unit; its numbers are metres by
+//! convention.
+
+mod header;
+mod lines;
+
+use crate::scan::{FramedImage, LoadView};
+use crate::{OpenOptions, Place, ReadError, Scan, ScanView, points};
+use header::Header;
+use lines::Lines;
+use nalgebra::Vector3;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use transect_device::ImageSize;
+use transect_geometry::Point3;
+
+/// Fewest bytes of a point: `0 0 0` and a line feed.
+const LEAST_BYTES: u64 = 6;
+
+/// The scans of a file.
+pub(crate) fn open(path: &Path, options: &OpenOptions) -> Result<Scan, ReadError> {
+    let mut notes = Vec::new();
+    let unit = points::unit_or_metres(path, options, &mut notes);
+    let mut lines = Lines::open(path)?;
+    let (mut views, mut left_out) = (Vec::new(), Vec::new());
+    while lines.skip_blank()? {
+        let number = views.len() + left_out.len();
+        let (at, line) = (Place::View { number, name: name(number) }, lines.number());
+        let header = Header::read(&mut lines, &at)?;
+        let start = lines.position();
+        skip_points(&mut lines, &header, line)?;
+        if header.size.rows < 2 || header.size.cols < 2 {
+            left_out.push(format!("scan {number} (line {line}) has {}", header.size));
+            continue;
+        }
+        notes.extend(header.notes.iter().map(|note| format!("{}{at}: {note}", path.display())));
+        let pose = header.world_from_sensor;
+        let view = PtxView { path: path.to_owned(), at, header, start };
+        views.push(ScanView::new(name(number), path.to_owned(), pose, Arc::new(view)));
+    }
+    settle(path, &views, &left_out, &mut notes)?;
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let inputs = vec![path.to_owned()];
+    Ok(Scan { name, unit, sigma: None, planes: None, views, notes, inputs })
+}
+
+/// PTX names no scan.
+fn name(number: usize) -> String {
+    format!("scan {number}")
+}
+
+/// Notes the scans without neighbouring pixels, or refuses a file that has no other.
+fn settle(
+    path: &Path,
+    views: &[ScanView],
+    left_out: &[String],
+    notes: &mut Vec<String>,
+) -> Result<(), ReadError> {
+    let reason = "a scan needs 2 rows and 2 columns; export the setups in full";
+    match (views, left_out) {
+        ([], []) => Err(ReadError::damaged(path, Place::Whole, "the file holds no scan")),
+        ([], _) => {
+            let problem = format!("{}; {reason}", left_out.join("; "));
+            Err(ReadError::unsupported(path, Place::Whole, problem))
+        }
+        (_, []) => Ok(()),
+        _ => {
+            let all = left_out.join("; ");
+            notes.push(format!("{}: left out: {all}; {reason}", path.display()));
+            Ok(())
+        }
+    }
+}
+
+/// Goes to the end of a scan, which began at `line`.
+fn skip_points(lines: &mut Lines, header: &Header, line: usize) -> Result<(), ReadError> {
+    let (size, left) = (header.size, lines.bytes_left());
+    let announced = size.rows.saturating_mul(size.cols);
+    // The last line of a file need not end in a line feed.
+    let needed = (announced as u64).saturating_mul(LEAST_BYTES).saturating_sub(1);
+    let found = if needed > left { None } else { Some(lines.skip(announced)?) };
+    if found == Some(announced) {
+        return Ok(());
+    }
+    let found = found.map_or_else(|| format!("{left} bytes"), |n| format!("{n} lines"));
+    let problem = format!(
+        "the scan announces {size}, but {found} follow; the file is cut off, or another line is \
+         missing; export it again"
+    );
+    Err(ReadError::damaged(lines.path(), Place::Line(line), problem))
+}
+
+/// One scan of a file.
+#[derive(Debug)]
+struct PtxView {
+    path: PathBuf,
+    at: Place,
+    header: Header,
+    /// The first line of its points.
+    start: lines::Position,
+}
+
+impl LoadView for PtxView {
+    fn load(&self, notes: &mut Vec<String>) -> Result<FramedImage, ReadError> {
+        let points = self.points()?;
+        let own = &mut Vec::new();
+        let framed = points::framed(&self.path, self.header.size, points, own)?;
+        let name = self.at.to_string();
+        let name = name.trim_start_matches(", ");
+        // The file holds several scans, so the notes name this one.
+        notes.extend(own.iter().map(|note| format!("{name}: {note}")));
+        Ok(framed)
+    }
+}
+
+impl PtxView {
+    /// The scan's points, row by row.
+    fn points(&self) -> Result<Vec<Point3>, ReadError> {
+        let ImageSize { rows, cols } = self.header.size;
+        let mut lines = Lines::at(&self.path, self.start)?;
+        let mut points = vec![Point3::origin(); rows * cols];
+        for col in 0..cols {
+            for row in 0..rows {
+                let point = read_point(&mut lines, &self.at, &self.header.scale)?;
+                if let Some(place) = points.get_mut(row * cols + col) {
+                    *place = point;
+                }
+            }
+        }
+        Ok(points)
+    }
+}
+
+fn read_point(lines: &mut Lines, at: &Place, scale: &Vector3<f64>) -> Result<Point3, ReadError> {
+    let wanted = "a point: x y z, then an intensity, then red, green and blue";
+    let [x, y, z] = lines.numbers(at, wanted, 3..=7)?;
+    Ok(Point3::from(Vector3::new(x, y, z).component_mul(scale)))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,134 @@
+"""Compares scans that other programs write with the scan that Transect simulated.
+
+    python3 xtask/foreign/run.py FORMAT...        one or more of the modules beside this file
+
+A module FORMAT.py has a function `write(room, out)`. It writes the room in its format into the
+folder `out` and returns a list of (path of a scan, further arguments, tolerance in metres). It can
+have two constants:
+
+    SIMULATE    further arguments of `transect simulate room`, such as another sensor
+    POINTS      True if the format holds points: the room is compared as point grids, because a
+                format of points does not tell the angles of its sensor
+
+Both scans are reconstructed at the same planes. Distances run from the nodes of each scan to the
+segments of the other, in every plane. 99 % of them must be within the tolerance, because a curve
+can end a pixel earlier at a silhouette. Both scans must have curves in the same planes.
+
+TRANSECT names the program; without it, cargo builds it. Needs numpy; each format states its own
+needs, and requirements.txt has them all.
+"""
+
+import importlib
+import json
+import os
+import shlex
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import room as simulated
+
+BUILD = "cargo run --quiet --release -p transect-cli --"
+# Differences of the counts of curves: a pixel at a silhouette can split a curve. Chosen by hand.
+# Doubled, one lost curve in 25 passes.
+SPLIT_CURVES = 0.02
+
+
+def transect(*arguments: str | Path) -> None:
+    program = shlex.split(os.environ.get("TRANSECT", BUILD))
+    done = subprocess.run([*program, *map(str, arguments)], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise SystemExit(f"{shlex.join(map(str, arguments))}:\n{done.stdout}{done.stderr}")
+
+
+def simulate(folder: Path, arguments: list[str]) -> Path:
+    """The room without its stated noise, which no other format carries."""
+    transect("simulate", "room", "--out", folder, *arguments)
+    path = folder / "scan.json"
+    manifest = json.loads(path.read_text())
+    manifest.pop("sigma", None)
+    path.write_text(json.dumps(manifest))
+    return folder
+
+
+def sections(scan: Path, arguments: list[str], planes: dict, out: Path) -> dict[int, list]:
+    """The curves of each plane, as arrays of points."""
+    normal = ",".join(map(str, planes["normal"]))
+    at = [f"--normal={normal}", f"--offset={planes['offset']}", f"--interval={planes['interval']}"]
+    transect("reconstruct", scan, *at, *arguments, "--out", out, "--quiet")
+    found = {}
+    for plane in json.loads((out / "contours.json").read_text())["planes"]:
+        lines = [closed(line) for line in plane["polylines"]]
+        found[round(plane["station"], 9)] = [line for line in lines if len(line) > 1]
+    return {station: lines for station, lines in found.items() if lines}
+
+
+def closed(line: dict) -> np.ndarray:
+    points = np.array(line["points"])
+    return np.vstack([points, points[:1]]) if line["closed"] else points
+
+
+def distances(nodes: np.ndarray, lines: list[np.ndarray]) -> np.ndarray:
+    """Distance of each node from the nearest segment."""
+    start = np.vstack([line[:-1] for line in lines])
+    along = np.vstack([line[1:] for line in lines]) - start
+    length = np.maximum((along**2).sum(axis=1), 1e-30)
+    found = []
+    for node in nodes:
+        share = np.clip(((node - start) * along).sum(axis=1) / length, 0, 1)
+        found.append(np.sqrt((((start + share[:, None] * along) - node) ** 2).sum(axis=1).min()))
+    return np.array(found)
+
+
+def compare(name: str, wanted: dict, found: dict, tolerance: float) -> bool:
+    if wanted.keys() != found.keys():
+        differing = sorted(wanted.keys() ^ found.keys())
+        print(f"{name}: planes at {differing} have curves in one of the scans alone")
+        return False
+    off = np.concatenate([
+        distances(np.vstack(a[station]), b[station])
+        for station in wanted for a, b in ((wanted, found), (found, wanted))
+    ])
+    curves = [sum(map(len, scan.values())) for scan in (wanted, found)]
+    median, most = np.median(off), np.quantile(off, 0.99)
+    fine = most <= tolerance and abs(curves[1] - curves[0]) <= SPLIT_CURVES * curves[0]
+    print(
+        f"{name}: {len(wanted)} planes, {curves[0]} and {curves[1]} curves, {len(off)} nodes; "
+        f"distances in mm: median {1e3 * median:.6f}, 99 % {1e3 * most:.6f}, "
+        f"largest {1e3 * off.max():.6f}; allowed {1e3 * tolerance:.6f}: {'equal' if fine else 'DIFFERENT'}"
+    )
+    return fine
+
+
+def run(format_name: str, folder: Path) -> bool:
+    module = importlib.import_module(format_name)
+    room = simulate(folder / "room", getattr(module, "SIMULATE", []))
+    planes = json.loads((room / "scan.json").read_text())["planes"]
+    points = getattr(module, "POINTS", False)
+    reference = simulated.write_grid(room, folder / "grid") if points else room
+    wanted = sections(reference, [], planes, folder / "wanted")
+    scans = folder / "scans"
+    scans.mkdir()
+    fine = []
+    for number, (scan, arguments, tolerance) in enumerate(module.write(room, scans)):
+        found = sections(scan, arguments, planes, folder / f"found_{number}")
+        name = f"{format_name}, {Path(scan).relative_to(scans)}"
+        fine.append(compare(name, wanted, found, tolerance))
+    return bool(fine) and all(fine)
+
+
+def main() -> None:
+    names = sys.argv[1:]
+    if not names:
+        raise SystemExit(__doc__)
+    fine = True
+    for name in names:
+        with tempfile.TemporaryDirectory() as folder:
+            fine &= run(name, Path(folder))
+    raise SystemExit(0 if fine else 1)
+
+
+if __name__ == "__main__":
+    main()
