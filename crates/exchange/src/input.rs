@@ -44,3 +44,12 @@ pub fn read_text(path: &Path) -> Result<String, ReadError> {
 pub(crate) fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(BYTE_ORDER_MARK.as_bytes()).unwrap_or(bytes)
 }
+
+/// The first bytes of a file, enough for the header of a cloud.
+pub(crate) fn read_head(path: &Path) -> Result<Vec<u8>, ReadError> {
+    /// Chosen by hand: headers have some hundred bytes. Doubled, opening a folder reads more.
+    const LONGEST: u64 = 1 << 16;
+    let mut bytes = Vec::new();
+    open(path)?.take(LONGEST).read_to_end(&mut bytes).map_err(|e| ReadError::io(path, e))?;
+    Ok(bytes)
+}

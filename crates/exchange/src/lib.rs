@@ -36,6 +36,7 @@
 #![deny(clippy::indexing_slicing)]
 
 mod calibration;
+mod cloud;
 mod contours;
 mod depth_folder;
 mod dxf;

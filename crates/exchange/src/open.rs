@@ -3,7 +3,9 @@
 //! To add a format, write a module with a function like `manifest::open` and add a line to
 //! [`FORMATS`]. See "Add a scan format" in `docs/add-a-sensor.md`.
 
-use crate::{OpenOptions, ReadError, Scan, ScanView, depth_folder, manifest, stanford};
+use crate::{
+    OpenOptions, Place, ReadError, Scan, ScanView, cloud, depth_folder, manifest, stanford,
+};
 use std::path::Path;
 
 /// A kind of scan on disk.
@@ -12,32 +14,64 @@ struct Format {
     name: &'static str,
     /// Whether a path is of this kind. The path exists.
     recognise: fn(&Path) -> bool,
+    /// The options that it uses, beside the unit and missing files.
+    options: &'static [&'static str],
     /// Reads everything but the images.
     open: fn(&Path, &OpenOptions) -> Result<Scan, ReadError>,
 }
 
 /// The formats in the order in which they are tried.
-const FORMATS: [Format; 4] = [
+const FORMATS: [Format; 6] = [
     Format {
         name: "a folder with scan.json",
         recognise: manifest::is_in,
+        options: &[],
         open: |folder, options| manifest::open(&folder.join(manifest::FILE_NAME), options),
     },
     Format {
         name: "a scan manifest (*.json)",
         recognise: |path| is_file_with(path, "json"),
+        options: &[],
         open: manifest::open,
     },
     Format {
         name: "a Stanford configuration (*.conf)",
         recognise: |path| is_file_with(path, "conf"),
+        options: &[],
         open: stanford::open,
     },
     Format {
         name: "a folder of *.depth.png and *.pose.txt with camera-intrinsics.txt",
         recognise: depth_folder::is_one,
+        options: &[],
         open: depth_folder::open,
     },
+    Format {
+        name: "a cloud of a structured scan or a rotating lidar (*.pcd, *.ply, *.bin)",
+        recognise: cloud::is_file,
+        options: &["--poses", "--grid", "--rings"],
+        open: cloud::open_file,
+    },
+    Format {
+        name: "a folder of such clouds with their poses",
+        recognise: cloud::is_folder,
+        options: &["--poses", "--grid", "--rings"],
+        open: cloud::open_folder,
+    },
+];
+
+/// Files that are recognised and cannot be read: extensions, and the reason with the way out.
+const REFUSED: [(&[&str], &str); 2] = [
+    (
+        &["las", "laz"],
+        "LAS and LAZ keep no rows and columns, so no point has neighbours to trace. Export the scan \
+         positions structured from the scanner's program, as E57 or PTX",
+    ),
+    (
+        &["xyz", "pts", "asc", "txt"],
+        "lists of points state neither rows and columns nor the place of the scanner, so no point \
+         has neighbours to trace. Export the scan structured, as E57, PTX or organised PCD",
+    ),
 ];
 
 fn is_file_with(path: &Path, extension: &str) -> bool {
@@ -62,9 +96,19 @@ impl Scan {
     pub fn open_with(path: &Path, options: &OpenOptions) -> Result<Self, ReadError> {
         std::fs::metadata(path).map_err(|e| ReadError::io(path, e))?;
         let Some(format) = FORMATS.iter().find(|format| (format.recognise)(path)) else {
+            let is_refused = |(extensions, _): &&(&[&str], _)| {
+                extensions.iter().any(|extension| is_file_with(path, extension))
+            };
+            if let Some((_, reason)) = REFUSED.iter().find(is_refused) {
+                return Err(ReadError::unsupported(path, Place::Whole, *reason));
+            }
             let accepted = FORMATS.map(|format| format.name).join("; ");
             return Err(ReadError::NotAScan { path: path.to_owned(), accepted });
         };
+        if let Some(option) = options.given().find(|name| !format.options.contains(name)) {
+            let problem = format!("{option} has no use for {}; leave it out", format.name);
+            return Err(ReadError::unsupported(path, Place::Whole, problem));
+        }
         let mut scan = (format.open)(path, options)?;
         scan.settle_missing(path, options.skip_missing)?;
         Ok(scan)
@@ -102,9 +146,30 @@ mod tests {
         assert!(error.contains("accepted are: a folder with scan.json; "), "{error}");
         let missing = Scan::open(&folder.path().join("nowhere")).unwrap_err();
         assert!(matches!(missing, ReadError::Io { .. }), "{missing}");
-        let text = folder.path().join("notes.txt");
+        let text = folder.path().join("notes.md");
         std::fs::write(&text, "no scan").unwrap();
         assert!(matches!(Scan::open(&text), Err(ReadError::NotAScan { .. })));
+        for (name, reason) in [("a.laz", "LAS and LAZ keep no rows"), ("a.XYZ", "lists of points")]
+        {
+            let path = folder.path().join(name);
+            std::fs::write(&path, "LASF").unwrap();
+            let error = Scan::open(&path).unwrap_err().to_string();
+            assert!(error.contains(&format!("{name}: {reason}")) && error.contains("as E57"));
+        }
+    }
+
+    #[test]
+    fn an_option_without_use_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("bun.conf");
+        std::fs::write(&path, "bmesh b.ply 0 0 0 0 0 0 1\n").unwrap();
+        let options = OpenOptions { rings: Some(32), ..OpenOptions::default() };
+        let error = Scan::open_with(&path, &options).unwrap_err().to_string();
+        assert!(
+            error.ends_with(
+                "--rings has no use for a Stanford configuration (*.conf); leave it out"
+            )
+        );
     }
 
     #[test]

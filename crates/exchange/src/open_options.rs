@@ -25,3 +25,19 @@ pub struct OpenOptions {
     /// Number of rings of a rotating lidar whose file has no ring field.
     pub rings: Option<usize>,
 }
+
+impl OpenOptions {
+    /// The names of the given options that concern some formats only.
+    pub(crate) fn given(&self) -> impl Iterator<Item = &'static str> {
+        [
+            ("--poses", self.poses.is_some()),
+            ("--camera", self.camera.is_some()),
+            ("--depth-scale", self.depth_scale.is_some()),
+            ("--max-time-difference", self.max_time_difference.is_some()),
+            ("--grid", self.grid.is_some()),
+            ("--rings", self.rings.is_some()),
+        ]
+        .into_iter()
+        .filter_map(|(name, is_given)| is_given.then_some(name))
+    }
+}
