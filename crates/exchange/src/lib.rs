@@ -15,6 +15,7 @@
 //! |---|---|---|
 //! | manifest | a folder with `scan.json`, or any `*.json` | stated, or the caller's |
 //! | Stanford configuration | `*.conf`, with PLY range grids | metres by convention |
+//! | cloud of a structured scan or a lidar | `*.pcd`, `*.ply`, `*.bin`, or a folder of them | metres |
 //! | depth images | a folder with `camera-intrinsics.txt`, `*.depth.png`, `*.pose.txt` | metres |
 //!
 //! # Other files

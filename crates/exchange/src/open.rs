@@ -88,11 +88,12 @@ impl Scan {
     }
 
     /// Opens a scan: a folder with `scan.json`, a manifest (`*.json`), a Stanford configuration
-    /// (`*.conf`), or a folder of depth images with poses and `camera-intrinsics.txt`.
+    /// (`*.conf`), a folder of depth images with poses and `camera-intrinsics.txt`, or a cloud with
+    /// rows and columns (`*.pcd`, `*.ply`, `*.bin`) or a folder of them.
     ///
     /// # Errors
     /// [`ReadError`] if the path is none of these, or a file is missing or damaged. Also if no unit
-    /// is known, or the files state another unit than the options.
+    /// is known, or the files state another unit than the options, or the format has no use for an option.
     pub fn open_with(path: &Path, options: &OpenOptions) -> Result<Self, ReadError> {
         std::fs::metadata(path).map_err(|e| ReadError::io(path, e))?;
         let Some(format) = FORMATS.iter().find(|format| (format.recognise)(path)) else {
