@@ -37,10 +37,7 @@ pub(super) fn columns(
     rings: &Rings,
     notes: &mut Vec<String>,
 ) -> Result<Cells, Problem> {
-    let valid = points.iter().enumerate().filter(|(_, p)| is_valid(p));
-    let mut order: Vec<(f64, u32)> =
-        valid.map(|(k, p)| (p.y.atan2(p.x), u32::try_from(k).unwrap_or(u32::MAX))).collect();
-    order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let order = by_azimuth(points);
     let step = usual_step(&order, rings)?;
     let first = order.first().map_or(0.0, |(azimuth, _)| *azimuth);
     let mut turn = Turn {
@@ -72,6 +69,27 @@ pub(super) fn columns(
         notes.push(format!("{farther} points left out: a nearer return of the same pulse stays"));
     }
     Ok(Cells { lasers: rows, cols, cell: turn.cell })
+}
+
+/// The azimuths of the returns with their numbers, in order. The turn begins after its widest gap, so
+/// that a scanner that sees a part of the circle gets no empty columns.
+fn by_azimuth(points: &[Point3]) -> Vec<(f64, u32)> {
+    let valid = points.iter().enumerate().filter(|(_, p)| is_valid(p));
+    let mut order: Vec<(f64, u32)> =
+        valid.map(|(k, p)| (p.y.atan2(p.x), u32::try_from(k).unwrap_or(u32::MAX))).collect();
+    order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let ends = order.first().zip(order.last());
+    let mut widest = (ends.map_or(0.0, |(first, last)| first.0 + TAU - last.0), 0);
+    for (at, pair) in (1..).zip(order.windows(2)) {
+        let gap = pair.last().zip(pair.first()).map_or(0.0, |(next, this)| next.0 - this.0);
+        if gap > widest.0 {
+            widest = (gap, at);
+        }
+    }
+    order.rotate_left(widest.1);
+    let before = order.len() - widest.1;
+    order.iter_mut().skip(before).for_each(|(azimuth, _)| *azimuth += TAU);
+    order
 }
 
 /// A point that was put into a column.
@@ -126,7 +144,7 @@ impl Turn {
         self.last.get_mut(usize::from(ring)).into_iter().for_each(|last| *last = Some(placed));
     }
 
-    /// Joins the last column with the first, if the cut at ±180° went through one firing.
+    /// Joins the last column with the first, if the turn begins within a firing.
     fn close(&mut self, first: f64) {
         let ends = self.col;
         let is_taken = |ring: u16| {

@@ -72,7 +72,7 @@ impl Firings {
 /// The firings that the rings prove, where the file has a field for them, or else the elevations.
 pub(super) fn find(points: &[Point3], rings: Option<&[u16]>) -> Option<Firings> {
     let by_field = rings.is_some();
-    let divisors = (FEWEST..=points.len() / FEWEST).filter(|n| points.len() % n == 0);
+    let divisors = (FEWEST..=points.len() / FEWEST).filter(|n| points.len().is_multiple_of(*n));
     let candidates = divisors.flat_map(|n| {
         let cols = points.len() / n;
         [Order::FiringByFiring, Order::LaserByLaser].map(|order| Firings {

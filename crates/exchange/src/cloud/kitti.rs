@@ -14,7 +14,7 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Cloud, Problem> {
     let has_ring = name.ends_with(".pcd.bin");
     let floats = if has_ring { 5 } else { 4 };
     let record = floats * Scalar::F32.size();
-    if bytes.is_empty() || bytes.len() % record != 0 {
+    if bytes.is_empty() || !bytes.len().is_multiple_of(record) {
         let length = bytes.len();
         return Err(Problem::damaged(format!(
             "the file has {length} bytes; expected a multiple of {record}: {floats} 32-bit floats \

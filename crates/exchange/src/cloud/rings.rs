@@ -77,7 +77,7 @@ fn by_laps(points: &[Point3], count: usize) -> Option<Rings> {
         numbers.push((farthest.abs() / TAU) as usize);
     }
     let laps = farthest.abs() / TAU;
-    if !((count as f64 - laps).abs() < 0.5) {
+    if (count as f64 - laps).abs() >= 0.5 {
         return None;
     }
     let numbers: Vec<u16> = numbers.iter().map(|n| (*n).min(count - 1) as u16).collect();

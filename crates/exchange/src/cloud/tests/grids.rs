@@ -32,10 +32,11 @@ fn cells(points: &[Point3]) -> Vec<Option<[f64; 3]>> {
     points.iter().map(|p| (!p.x.is_nan()).then_some((*p).into())).collect()
 }
 
-/// The firing in the first column by azimuth.
-fn first_firing(returns: &[Return]) -> usize {
-    let azimuth = |r: &&Return| r.point.y.atan2(r.point.x);
-    returns.iter().min_by(|a, b| azimuth(a).total_cmp(&azimuth(b))).unwrap().firing
+/// The firing in the first column of a grid: columns by azimuth begin anywhere.
+fn first_firing(returns: &[Return], size: ImageSize, found: &[Point3]) -> usize {
+    let mut first = found.iter().step_by(size.cols).filter(|p| !p.x.is_nan());
+    let point = first.next().unwrap();
+    returns.iter().find(|r| r.point == *point).unwrap().firing
 }
 
 #[test]
@@ -44,9 +45,8 @@ fn firings_are_found_without_any_field() {
     returns.iter_mut().skip(3).step_by(7).for_each(|r| r.point = Point3::origin());
     let (size, points, notes) = grid(points(&returns), None, None).unwrap();
     assert_eq!((size.rows, size.cols), (8, 90));
-    let kept: Vec<_> = returns.iter().copied().collect();
     let zero = |c: Option<[f64; 3]>| c.filter(|p| *p != [0.0; 3]);
-    let (found, wanted) = (cells(&points), truth(&kept, 90, 0));
+    let (found, wanted) = (cells(&points), truth(&returns, 90, 0));
     assert!(found.into_iter().map(zero).eq(wanted.into_iter().map(zero)));
     assert!(notes[0].starts_with("90 firings of 8 lasers found: point k is laser k mod 8"));
     assert!(notes[1].starts_with("8 rows are the rings from 10.00° down to -20.00°"), "{notes:?}");
@@ -89,7 +89,8 @@ fn columns_by_azimuth_are_the_firings() {
     let returns = sparse(0.0);
     let (size, found, notes) = grid(points(&returns), Some(rings(&returns)), None).unwrap();
     assert_eq!((size.rows, size.cols), (8, 360), "{notes:?}");
-    assert!(cells(&found) == truth(&returns, 360, first_firing(&returns)));
+    let first = first_firing(&returns, size, &found);
+    assert!(cells(&found) == truth(&returns, 360, first));
 }
 
 /// Lasers that fire one after the other: a column may begin with any of them.
@@ -99,17 +100,21 @@ fn columns_of_staggered_lasers_hold_one_turn_of_all() {
     let (size, found, notes) = grid(points(&returns), Some(rings(&returns)), None).unwrap();
     assert!(size.cols.abs_diff(360) <= 10, "{notes:?}");
     assert_eq!(cells(&found).iter().flatten().count(), returns.len(), "no point is lost");
-    let azimuth = |p: &Point3| p.y.atan2(p.x);
+    // Azimuths from the middle of the turn's first column.
+    let first = found.iter().step_by(size.cols).find(|p| !p.x.is_nan()).unwrap();
+    let azimuth = |p: &Point3| {
+        let ahead = p.y.atan2(p.x) - first.y.atan2(first.x) + 0.02;
+        ahead.rem_euclid(std::f64::consts::TAU)
+    };
     for col in 1..size.cols {
         let column = found.iter().skip(col).step_by(size.cols).filter(|p| !p.x.is_nan());
         let (low, high) = column
             .map(azimuth)
-            .fold((4.0_f64, -4.0_f64), |(low, high), a| (low.min(a), high.max(a)));
+            .fold((7.0_f64, 0.0_f64), |(low, high), a| (low.min(a), high.max(a)));
         assert!(high - low < 0.023, "column {col}: {low} to {high}");
     }
     for row in found.chunks(size.cols) {
-        let azimuths: Vec<f64> =
-            row.iter().skip(1).filter(|p| !p.x.is_nan()).map(azimuth).collect();
+        let azimuths: Vec<f64> = row.iter().filter(|p| !p.x.is_nan()).map(azimuth).collect();
         assert!(azimuths.is_sorted());
     }
 }
@@ -118,9 +123,8 @@ fn columns_of_staggered_lasers_hold_one_turn_of_all() {
 fn rings_are_found_by_elevation_or_by_laps() {
     let mut returns = sweep(90, 0.0);
     returns.retain(|r| (r.firing * 7 + usize::from(r.laser)) % 5 > 0);
-    let wanted = truth(&returns, 90, first_firing(&returns));
-    let (_, found, notes) = grid(points(&returns), None, Some(8)).unwrap();
-    assert!(cells(&found) == wanted);
+    let (size, found, notes) = grid(points(&returns), None, Some(8)).unwrap();
+    assert!(cells(&found) == truth(&returns, 90, first_firing(&returns, size, &found)));
     assert!(notes[0].contains("8 rings by the gaps between elevations"), "{notes:?}");
     let error = grid(points(&returns), None, Some(9)).unwrap_err();
     assert!(error.contains("--rings 9: neither the elevations nor the order"), "{error}");
@@ -144,8 +148,8 @@ fn of_two_returns_of_a_pulse_the_nearer_one_stays() {
         points.insert(0, points[points.len() - k] * 1.5);
         rings.insert(0, rings[rings.len() - k]);
     }
-    let (_, found, notes) = grid(points, Some(rings), None).unwrap();
-    assert!(cells(&found) == truth(&returns, 90, first_firing(&returns)));
+    let (size, found, notes) = grid(points, Some(rings), None).unwrap();
+    assert!(cells(&found) == truth(&returns, 90, first_firing(&returns, size, &found)));
     assert!(notes.iter().any(|n| n.starts_with("3 points left out: a nearer return")), "{notes:?}");
 }
 
