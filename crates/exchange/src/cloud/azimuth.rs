@@ -71,12 +71,13 @@ pub(super) fn columns(
     Ok(Cells { lasers: rows, cols, cell: turn.cell })
 }
 
-/// The azimuths of the returns with their numbers, in order. The turn begins after its widest gap, so
-/// that a scanner that sees a part of the circle gets no empty columns.
+/// The azimuths of the returns with their numbers, in order. They count clockwise from above, so that
+/// columns run to the right as the sensor sees them. The turn begins after its widest gap, so that a
+/// scanner that sees a part of the circle gets no empty columns.
 fn by_azimuth(points: &[Point3]) -> Vec<(f64, u32)> {
     let valid = points.iter().enumerate().filter(|(_, p)| is_valid(p));
     let mut order: Vec<(f64, u32)> =
-        valid.map(|(k, p)| (p.y.atan2(p.x), u32::try_from(k).unwrap_or(u32::MAX))).collect();
+        valid.map(|(k, p)| ((-p.y).atan2(p.x), u32::try_from(k).unwrap_or(u32::MAX))).collect();
     order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let ends = order.first().zip(order.last());
     let mut widest = (ends.map_or(0.0, |(first, last)| first.0 + TAU - last.0), 0);

@@ -15,28 +15,30 @@ fn grid(
     Ok((size, points, notes))
 }
 
-/// The grid that the simulation stands for, with the first firing in `first`.
-fn truth(returns: &[Return], firings: usize, first: usize) -> Vec<Option<[f64; 3]>> {
+/// The grid that the simulation stands for, with its firings in their order.
+fn truth(returns: &[Return], firings: usize) -> Vec<Option<[f64; 3]>> {
     let mut order: Vec<usize> = (0..LASERS.len()).collect();
     order.sort_by(|a, b| LASERS[*b].total_cmp(&LASERS[*a]));
     let mut cells = vec![None; firings * LASERS.len()];
     for r in returns {
         let row = order.iter().position(|l| *l == usize::from(r.laser)).unwrap();
-        let col = (r.firing + firings - first) % firings;
-        cells[row * firings + col] = Some(r.point.into());
+        cells[row * firings + r.firing] = Some(r.point.into());
     }
     cells
 }
 
-fn cells(points: &[Point3]) -> Vec<Option<[f64; 3]>> {
-    points.iter().map(|p| (!p.x.is_nan()).then_some((*p).into())).collect()
+/// The same by azimuth: clockwise, while the simulation turns the other way round, and from the
+/// firing in the first column of `found`.
+fn turned(returns: &[Return], firings: usize, found: &[Point3]) -> Vec<Option<[f64; 3]>> {
+    let mut column = found.iter().step_by(firings).filter(|p| !p.x.is_nan());
+    let point = column.next().unwrap();
+    let first = returns.iter().find(|r| r.point == *point).unwrap().firing;
+    let turn = |r: &Return| Return { firing: (first + firings - r.firing) % firings, ..*r };
+    truth(&returns.iter().map(turn).collect::<Vec<_>>(), firings)
 }
 
-/// The firing in the first column of a grid: columns by azimuth begin anywhere.
-fn first_firing(returns: &[Return], size: ImageSize, found: &[Point3]) -> usize {
-    let mut first = found.iter().step_by(size.cols).filter(|p| !p.x.is_nan());
-    let point = first.next().unwrap();
-    returns.iter().find(|r| r.point == *point).unwrap().firing
+fn cells(points: &[Point3]) -> Vec<Option<[f64; 3]>> {
+    points.iter().map(|p| (!p.x.is_nan()).then_some((*p).into())).collect()
 }
 
 #[test]
@@ -46,7 +48,7 @@ fn firings_are_found_without_any_field() {
     let (size, points, notes) = grid(points(&returns), None, None).unwrap();
     assert_eq!((size.rows, size.cols), (8, 90));
     let zero = |c: Option<[f64; 3]>| c.filter(|p| *p != [0.0; 3]);
-    let (found, wanted) = (cells(&points), truth(&returns, 90, 0));
+    let (found, wanted) = (cells(&points), truth(&returns, 90));
     assert!(found.into_iter().map(zero).eq(wanted.into_iter().map(zero)));
     assert!(notes[0].starts_with("90 firings of 8 lasers found: point k is laser k mod 8"));
     assert!(notes[1].starts_with("8 rows are the rings from 10.00° down to -20.00°"), "{notes:?}");
@@ -58,7 +60,7 @@ fn lasers_one_after_the_other_are_found_too() {
     returns.sort_by_key(|r| r.laser);
     let (size, found, notes) = grid(points(&returns), None, None).unwrap();
     assert_eq!((size.rows, size.cols), (8, 90));
-    assert!(cells(&found) == truth(&returns, 90, 0));
+    assert!(cells(&found) == truth(&returns, 90));
     assert!(notes[0].contains("point k is firing k mod 90 of laser k / 90"), "{notes:?}");
 }
 
@@ -89,8 +91,7 @@ fn columns_by_azimuth_are_the_firings() {
     let returns = sparse(0.0);
     let (size, found, notes) = grid(points(&returns), Some(rings(&returns)), None).unwrap();
     assert_eq!((size.rows, size.cols), (8, 360), "{notes:?}");
-    let first = first_firing(&returns, size, &found);
-    assert!(cells(&found) == truth(&returns, 360, first));
+    assert!(cells(&found) == turned(&returns, 360, &found));
 }
 
 /// Lasers that fire one after the other: a column may begin with any of them.
@@ -100,12 +101,16 @@ fn columns_of_staggered_lasers_hold_one_turn_of_all() {
     let (size, found, notes) = grid(points(&returns), Some(rings(&returns)), None).unwrap();
     assert!(size.cols.abs_diff(360) <= 10, "{notes:?}");
     assert_eq!(cells(&found).iter().flatten().count(), returns.len(), "no point is lost");
-    // Azimuths from the middle of the turn's first column.
-    let first = found.iter().step_by(size.cols).find(|p| !p.x.is_nan()).unwrap();
-    let azimuth = |p: &Point3| {
-        let ahead = p.y.atan2(p.x) - first.y.atan2(first.x) + 0.02;
-        ahead.rem_euclid(std::f64::consts::TAU)
-    };
+    // Azimuths from the first point of the first column.
+    let clockwise = |p: &Point3| (-p.y).atan2(p.x);
+    let column = found.iter().step_by(size.cols).filter(|p| !p.x.is_nan());
+    let column: Vec<f64> = column.map(clockwise).collect();
+    let least = column
+        .iter()
+        .copied()
+        .min_by(|a, b| (a - column[0]).sin().total_cmp(&(b - column[0]).sin()));
+    let azimuth =
+        |p: &Point3| (clockwise(p) - least.unwrap() + 1e-9).rem_euclid(std::f64::consts::TAU);
     for col in 1..size.cols {
         let column = found.iter().skip(col).step_by(size.cols).filter(|p| !p.x.is_nan());
         let (low, high) = column
@@ -123,8 +128,8 @@ fn columns_of_staggered_lasers_hold_one_turn_of_all() {
 fn rings_are_found_by_elevation_or_by_laps() {
     let mut returns = sweep(90, 0.0);
     returns.retain(|r| (r.firing * 7 + usize::from(r.laser)) % 5 > 0);
-    let (size, found, notes) = grid(points(&returns), None, Some(8)).unwrap();
-    assert!(cells(&found) == truth(&returns, 90, first_firing(&returns, size, &found)));
+    let (_, found, notes) = grid(points(&returns), None, Some(8)).unwrap();
+    assert!(cells(&found) == turned(&returns, 90, &found));
     assert!(notes[0].contains("8 rings by the gaps between elevations"), "{notes:?}");
     let error = grid(points(&returns), None, Some(9)).unwrap_err();
     assert!(error.contains("--rings 9: neither the elevations nor the order"), "{error}");
@@ -148,8 +153,8 @@ fn of_two_returns_of_a_pulse_the_nearer_one_stays() {
         points.insert(0, points[points.len() - k] * 1.5);
         rings.insert(0, rings[rings.len() - k]);
     }
-    let (size, found, notes) = grid(points, Some(rings), None).unwrap();
-    assert!(cells(&found) == truth(&returns, 90, first_firing(&returns, size, &found)));
+    let (_, found, notes) = grid(points, Some(rings), None).unwrap();
+    assert!(cells(&found) == turned(&returns, 90, &found));
     assert!(notes.iter().any(|n| n.starts_with("3 points left out: a nearer return")), "{notes:?}");
 }
 
