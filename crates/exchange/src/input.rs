@@ -72,3 +72,12 @@ pub(crate) fn check_announced(
         ReadError::damaged(path, Place::Whole, problem)
     })
 }
+
+/// The first bytes of a file, enough for the header of a cloud.
+pub(crate) fn read_head(path: &Path) -> Result<Vec<u8>, ReadError> {
+    /// Chosen by hand: headers have some hundred bytes. Doubled, opening a folder reads more.
+    const LONGEST: u64 = 1 << 16;
+    let mut bytes = Vec::new();
+    open(path)?.take(LONGEST).read_to_end(&mut bytes).map_err(|e| ReadError::io(path, e))?;
+    Ok(bytes)
+}

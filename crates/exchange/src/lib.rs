@@ -18,6 +18,7 @@
 //! | depth sequence | a folder as TUM RGB-D, ICL-NUIM, ScanNet, 7-Scenes or Open3D lay it out | metres |
 //! | E57 | `*.e57`, structured scans | metres by convention |
 //! | PTX | `*.ptx` | metres by convention |
+//! | cloud of a structured scan or a lidar | `*.pcd`, `*.ply`, `*.bin`, or a folder of them | metres |
 //!
 //! # Other files
 //!
@@ -38,6 +39,7 @@
 #![deny(clippy::indexing_slicing)]
 
 mod calibration;
+mod cloud;
 mod contours;
 mod depth_sequence;
 mod dxf;

@@ -4,7 +4,8 @@
 //! [`FORMATS`]. See "Add a scan format" in `docs/add-a-sensor.md`.
 
 use crate::{
-    OpenOptions, ReadError, Scan, ScanView, depth_sequence, e57, manifest, ptx, stanford,
+    OpenOptions, Place, ReadError, Scan, ScanView, cloud, depth_sequence, e57, manifest, ptx,
+    stanford,
 };
 use std::path::Path;
 
@@ -21,7 +22,7 @@ struct Format {
 }
 
 /// The formats in the order in which they are tried.
-const FORMATS: [Format; 6] = [
+const FORMATS: [Format; 8] = [
     Format {
         name: "a folder with scan.json",
         recognise: manifest::is_in,
@@ -59,6 +60,32 @@ const FORMATS: [Format; 6] = [
         uses: &[],
         open: ptx::open,
     },
+    Format {
+        name: "a cloud of a structured scan or a rotating lidar (*.pcd, *.ply, *.bin)",
+        recognise: cloud::is_file,
+        uses: &["--poses", "--grid", "--rings"],
+        open: cloud::open_file,
+    },
+    Format {
+        name: "a folder of such clouds with their poses",
+        recognise: cloud::is_folder,
+        uses: &["--poses", "--grid", "--rings"],
+        open: cloud::open_folder,
+    },
+];
+
+/// Files that are recognised and cannot be read: extensions, and the reason with the way out.
+const REFUSED: [(&[&str], &str); 2] = [
+    (
+        &["las", "laz"],
+        "LAS and LAZ keep no rows and columns, so no point has neighbours to trace. Export the scan \
+         positions structured from the scanner's program, as E57 or PTX",
+    ),
+    (
+        &["xyz", "pts", "asc", "txt"],
+        "lists of points state neither rows and columns nor the place of the scanner, so no point \
+         has neighbours to trace. Export the scan structured, as E57, PTX or organised PCD",
+    ),
 ];
 
 fn is_file_with(path: &Path, extension: &str) -> bool {
@@ -75,14 +102,21 @@ impl Scan {
     }
 
     /// Opens a scan: a folder with `scan.json`, a manifest (`*.json`), a Stanford configuration
-    /// (`*.conf`), an E57 or PTX file, or a folder of depth images with poses and a camera.
+    /// (`*.conf`), an E57 or PTX file, a folder of depth images with poses and a camera, or a cloud
+    /// with rows and columns (`*.pcd`, `*.ply`, `*.bin`) or a folder of them.
     ///
     /// # Errors
     /// [`ReadError`] if the path is none of these, or a file is missing or damaged. Also if no unit
-    /// is known, or the files state another unit than the options.
+    /// is known, or the files state another unit than the options, or the format has no use for an option.
     pub fn open_with(path: &Path, options: &OpenOptions) -> Result<Self, ReadError> {
         std::fs::metadata(path).map_err(|e| ReadError::io(path, e))?;
         let Some(format) = FORMATS.iter().find(|format| (format.recognise)(path)) else {
+            let is_refused = |(extensions, _): &&(&[&str], _)| {
+                extensions.iter().any(|extension| is_file_with(path, extension))
+            };
+            if let Some((_, reason)) = REFUSED.iter().find(is_refused) {
+                return Err(ReadError::unsupported(path, Place::Whole, *reason));
+            }
             let accepted = FORMATS.map(|format| format.name).join("; ");
             return Err(ReadError::NotAScan { path: path.to_owned(), accepted });
         };
@@ -124,9 +158,30 @@ mod tests {
         assert!(error.contains("accepted are: a folder with scan.json; "), "{error}");
         let missing = Scan::open(&folder.path().join("nowhere")).unwrap_err();
         assert!(matches!(missing, ReadError::Io { .. }), "{missing}");
-        let text = folder.path().join("notes.txt");
+        let text = folder.path().join("notes.md");
         std::fs::write(&text, "no scan").unwrap();
         assert!(matches!(Scan::open(&text), Err(ReadError::NotAScan { .. })));
+        for (name, reason) in [("a.laz", "LAS and LAZ keep no rows"), ("a.XYZ", "lists of points")]
+        {
+            let path = folder.path().join(name);
+            std::fs::write(&path, "LASF").unwrap();
+            let error = Scan::open(&path).unwrap_err().to_string();
+            assert!(error.contains(&format!("{name}: {reason}")) && error.contains("as E57"));
+        }
+    }
+
+    #[test]
+    fn an_option_without_use_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("bun.conf");
+        std::fs::write(&path, "bmesh b.ply 0 0 0 0 0 0 1\n").unwrap();
+        let options = OpenOptions { rings: Some(32), ..OpenOptions::default() };
+        let error = Scan::open_with(&path, &options).unwrap_err().to_string();
+        assert!(
+            error.ends_with(
+                "--rings has no use for a Stanford configuration (*.conf); leave it out"
+            )
+        );
     }
 
     #[test]

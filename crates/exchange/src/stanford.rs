@@ -12,11 +12,10 @@
 use crate::input::read_text;
 use crate::ply::read_range_grid;
 use crate::scan::{FramedImage, LoadView};
-use crate::{OpenOptions, Place, ReadError, Scan, ScanView, missing, points, pose};
+use crate::{OpenOptions, Place, ReadError, Scan, ScanView, points, pose};
 use nalgebra::Quaternion;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use transect_sensors::PointGrid;
 
 pub(crate) fn open(path: &Path, options: &OpenOptions) -> Result<Scan, ReadError> {
     let text = read_text(path)?;
@@ -79,14 +78,9 @@ struct RangeGridView {
 
 impl LoadView for RangeGridView {
     fn load(&self, notes: &mut Vec<String>) -> Result<FramedImage, ReadError> {
-        let mut grid = read_range_grid(&self.path)?;
+        let grid = read_range_grid(&self.path)?;
         notes.extend(grid.notes);
-        missing::clear_points(grid.size, &mut grid.points, None, notes)
-            .map_err(|p| p.in_file(&self.path))?;
-        let made = PointGrid::from_translated_scan(grid.size, grid.points);
-        let unusable = |e| ReadError::unusable(&self.path, Place::Whole, "the grid", e);
-        let (frame, image) = made.map_err(unusable)?;
-        Ok(FramedImage { frame: Arc::new(frame), image })
+        points::framed_carried(&self.path, grid.size, grid.points, notes)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Options that say how a scan is opened.
 
 use std::path::PathBuf;
+use transect_device::ImageSize;
 use transect_exchange::{CameraOption, OpenOptions};
 use transect_geometry::LengthUnit;
 
@@ -13,6 +14,12 @@ pub struct ScanArguments {
     /// Leave out views whose file does not exist, with a note.
     #[arg(long)]
     skip_missing: bool,
+    /// Rows and columns of a cloud whose points are stored row by row, such as 480x640.
+    #[arg(long, value_name = "ROWSxCOLS", value_parser = grid)]
+    grid: Option<ImageSize>,
+    /// Number of lasers of a rotating lidar whose file has no field for them.
+    #[arg(long, value_name = "N")]
+    rings: Option<usize>,
     #[command(flatten)]
     depth: DepthArguments,
 }
@@ -20,8 +27,8 @@ pub struct ScanArguments {
 /// What the caller says in place of the files of a folder of depth images.
 #[derive(Debug, clap::Args)]
 pub struct DepthArguments {
-    /// Trajectory of a folder of depth images (TUM, KITTI, Open3D .log or .json, 4 × 4 numbers), or
-    /// a folder with one pose file per image; camera to world.
+    /// Poses of a folder of depth images or clouds (TUM, KITTI, Open3D .log or .json, 3 × 4 or 4 × 4
+    /// numbers), or a folder with one pose file per image; sensor to world.
     #[arg(long, value_name = "FILE")]
     poses: Option<PathBuf>,
     /// Camera of a folder of depth images: a JSON file of Open3D or RealSense, a text file, or the
@@ -37,11 +44,19 @@ pub struct DepthArguments {
     max_time_difference: Option<f64>,
 }
 
+fn grid(text: &str) -> Result<ImageSize, String> {
+    let (rows, cols) = text.split_once(['x', '×']).unwrap_or((text, ""));
+    let size = rows.trim().parse().ok().zip(cols.trim().parse().ok());
+    let size = size.map(|(rows, cols)| ImageSize { rows, cols }).filter(|s| s.check().is_ok());
+    size.ok_or_else(|| "expected rows x columns, such as 480x640".to_owned())
+}
+
 impl ScanArguments {
     /// The options that the arguments stand for.
     pub fn options(&self) -> OpenOptions {
         let mut options = self.depth.options();
         (options.unit, options.skip_missing) = (self.unit, self.skip_missing);
+        (options.grid, options.rings) = (self.grid, self.rings);
         options
     }
 }

@@ -1,4 +1,4 @@
-//! Reading PLY files: range grids of structured scans, and triangle meshes.
+//! Reading PLY files: range grids of structured scans, point clouds, and triangle meshes.
 //!
 //! Text and binary files of either byte order. The header may hold comments, `obj_info` lines,
 //! blank lines, CRLF line ends and unknown lines, which become notes. Announced numbers are
@@ -9,12 +9,14 @@
 //! 3D Scanning Repository for the element `range_grid`.
 
 mod body;
+mod cloud;
 mod header;
 mod mesh;
 mod range_grid;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use cloud::cloud;
 pub(crate) use mesh::mesh;
 pub use range_grid::{RangeGrid, read_range_grid};
 
@@ -40,12 +42,12 @@ impl<'a> Ply<'a> {
         Ok(Self { path, header, body })
     }
 
-    /// Refuses an element with more instances than the rest of the file can hold.
-    fn require_room(&self, element: &Element) -> Result<(), ReadError> {
+    /// The instances of an element, if the rest of the file can hold them.
+    fn room_for(&self, element: &Element) -> Result<usize, ReadError> {
         let fewest = element.fewest_bytes(self.header.encoding).checked_mul(element.count);
         // The last number of a text file needs no separator.
         if fewest.is_some_and(|n| n <= self.body.remaining() + 1) {
-            return Ok(());
+            return Ok(element.count);
         }
         let problem = format!(
             "truncated: the header announces {} instances of element {}, but only {} bytes follow",
@@ -62,7 +64,7 @@ impl<'a> Ply<'a> {
         element: &Element,
         mut each: impl FnMut(&mut Body<'a>, usize) -> Result<(), String>,
     ) -> Result<(), ReadError> {
-        self.require_room(element)?;
+        self.room_for(element)?;
         for number in 0..element.count {
             each(&mut self.body, number).map_err(|problem| {
                 let (kind, line) = (element.name.clone(), self.body.line());
@@ -80,28 +82,36 @@ impl<'a> Ply<'a> {
 
     /// The properties x, y, z of an element. Other properties are skipped.
     fn points(&mut self, element: &Element) -> Result<Vec<Point3>, ReadError> {
-        let Some(axes) = axes(element) else {
-            let problem = format!("element {} has no scalar properties x, y, z", element.name);
-            return Err(ReadError::damaged(self.path, Place::Whole, problem));
-        };
-        self.require_room(element)?;
-        let mut points = Vec::with_capacity(element.count);
-        self.each_instance(element, |body, _| {
-            let mut point = Point3::origin();
-            for (property, axis) in element.properties.iter().zip(&axes) {
-                match (axis, property.kind) {
-                    (Some(axis), Kind::One(scalar)) => {
-                        if let Some(c) = point.coords.get_mut(*axis) {
-                            *c = body.number(scalar)?;
-                        }
-                    }
-                    _ => body.skip(property)?,
-                }
-            }
-            points.push(point);
+        let mut points = Vec::with_capacity(self.room_for(element)?);
+        self.numbers(element, ["x", "y", "z"], |point| {
+            points.push(Point3::from(point));
             Ok(())
         })?;
         Ok(points)
+    }
+
+    /// Hands some scalar properties of every instance to `each`. Other properties are skipped.
+    fn numbers<const N: usize>(
+        &mut self,
+        element: &Element,
+        names: [&str; N],
+        mut each: impl FnMut([f64; N]) -> Result<(), String>,
+    ) -> Result<(), ReadError> {
+        let Some(places) = places(element, names) else {
+            let (name, wanted) = (&element.name, names.join(", "));
+            let problem = format!("element {name} has no scalar properties {wanted}");
+            return Err(ReadError::damaged(self.path, Place::Whole, problem));
+        };
+        self.each_instance(element, |body, _| {
+            let mut numbers = [0.0; N];
+            for (property, place) in element.properties.iter().zip(&places) {
+                match (place.and_then(|at| numbers.get_mut(at)), property.kind) {
+                    (Some(number), Kind::One(scalar)) => *number = body.number(scalar)?,
+                    _ => body.skip(property)?,
+                }
+            }
+            each(numbers)
+        })
     }
 
     /// Hands the list `vertex_indices` of every instance to `each`. Other properties are skipped.
@@ -142,11 +152,11 @@ impl<'a> Ply<'a> {
     }
 }
 
-/// The axis of each property of an element; `None` unless all three axes are there.
-fn axes(element: &Element) -> Option<Vec<Option<usize>>> {
-    let mut axes = vec![None; element.properties.len()];
-    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-        *axes.get_mut(element.position(name)?)? = Some(axis);
+/// The place of each property of an element among the names; `None` unless all names are there.
+fn places<const N: usize>(element: &Element, names: [&str; N]) -> Option<Vec<Option<usize>>> {
+    let mut places = vec![None; element.properties.len()];
+    for (at, name) in names.into_iter().enumerate() {
+        *places.get_mut(element.position(name)?)? = Some(at);
     }
-    Some(axes)
+    Some(places)
 }

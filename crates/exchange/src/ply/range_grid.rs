@@ -74,8 +74,7 @@ fn grid_size(ply: &Ply<'_>) -> Result<ImageSize, ReadError> {
 type Cell = Option<i64>;
 
 fn read_cells(ply: &mut Ply<'_>, grid: &Element) -> Result<Vec<Cell>, ReadError> {
-    ply.require_room(grid)?;
-    let mut cells = Vec::with_capacity(grid.count);
+    let mut cells = Vec::with_capacity(ply.room_for(grid)?);
     ply.vertex_lists(grid, |indices| {
         if indices.len() > 1 {
             return Err(format!("{} vertices in one cell", indices.len()));

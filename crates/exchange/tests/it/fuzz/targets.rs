@@ -18,8 +18,16 @@ use transect_model::{Model, store::Store};
 pub type Target = fn(&Path, &[u8]) -> Result<(), String>;
 
 /// Every reader with the name of its folder in the corpus.
-pub const TARGETS: [(&str, Target); 26] = [
+pub const TARGETS: [(&str, Target); 29] = [
     ("calibration", |folder, bytes| read(folder, "a.csv", bytes, read_calibration)),
+    ("cloud_poses", |folder, bytes| {
+        let clouds = folder.join("clouds");
+        fs::create_dir_all(&clouds).unwrap();
+        write(&clouds, "a.ply", GRID.as_bytes());
+        write(&clouds, "b.ply", GRID.as_bytes());
+        write(&clouds, "poses.txt", bytes);
+        load(&clouds, &clouds)
+    }),
     ("conf", |folder, bytes| {
         write(folder, "a.ply", GRID.as_bytes());
         write(folder, "a.conf", bytes);
@@ -38,6 +46,7 @@ pub const TARGETS: [(&str, Target); 26] = [
     ("guide_csv", |folder, bytes| read(folder, "a.csv", bytes, spline)),
     ("guide_dxf", |folder, bytes| read(folder, "a.dxf", bytes, spline)),
     ("guide_geojson", |folder, bytes| read(folder, "a.geojson", bytes, spline)),
+    ("lidar_bin", |folder, bytes| view(folder, "a.bin", bytes)),
     ("lookup_table", |folder, bytes| {
         write(folder, "a.npy", &npy("<f4", "(2, 2)", &SAMPLES));
         scan(folder, TABLE, "a.csv", bytes)
@@ -55,6 +64,8 @@ pub const TARGETS: [(&str, Target); 26] = [
     ("npy_stack", |folder, bytes| scan(folder, STACK, "a.npy", bytes)),
     ("npz", |folder, bytes| read(folder, "a.npz", bytes, read_truth)),
     ("obj", |folder, bytes| read(folder, "a.obj", bytes, read_mesh)),
+    ("pcd", |folder, bytes| view(folder, "a.pcd", bytes)),
+    ("ply_cloud", |folder, bytes| view(folder, "a.ply", bytes)),
     ("ply_grid", |folder, bytes| read(folder, "a.ply", bytes, read_range_grid)),
     ("ply_mesh", |folder, bytes| read(folder, "a.ply", bytes, read_mesh)),
     ("pose", |folder, bytes| {
@@ -126,6 +137,12 @@ fn sequence(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), String> {
     write(folder, "trajectory.txt", b"0 0 0 0 0 0 0 1");
     write(folder, name, bytes);
     Scan::open(folder).map(drop).map_err(|error| text(folder, &error))
+}
+
+/// Loads a file that is a scan of its own.
+fn view(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), String> {
+    write(folder, name, bytes);
+    load(folder, &folder.join(name))
 }
 
 fn load(folder: &Path, path: &Path) -> Result<(), String> {

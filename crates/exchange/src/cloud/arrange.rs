@@ -1,0 +1,170 @@
+//! Rows and columns of a cloud: which point belongs to which cell of the grid.
+
+use super::{Cloud, azimuth, firings, rings};
+use crate::error::Problem;
+use transect_device::ImageSize;
+use transect_geometry::Point3;
+
+/// The laser and the column of every point.
+pub(super) struct Cells {
+    pub(super) lasers: usize,
+    pub(super) cols: usize,
+    /// The cell of a point; `None` for a point that is left out.
+    pub(super) cell: Vec<Option<(u16, u32)>>,
+}
+
+/// Row-major points of a grid. Cells without a point are missing.
+pub(super) fn arrange(
+    cloud: Cloud,
+    grid: Option<ImageSize>,
+    stated_rings: Option<usize>,
+    notes: &mut Vec<String>,
+) -> Result<(ImageSize, Vec<Point3>), Problem> {
+    let Cloud { points, rings, size, .. } = cloud;
+    if let (Some(found), Some(asked)) = (size, grid.filter(|g| Some(*g) != size)) {
+        let problem = format!("the header states {found}, --grid {asked}; leave --grid out");
+        return Err(Problem::damaged(problem));
+    }
+    if let Some(size) = size.or(grid) {
+        if stated_rings.is_some() {
+            let problem = format!("the cloud has {size}; leave --rings out");
+            return Err(Problem::damaged(problem));
+        }
+        return rectangle(size, points);
+    }
+    let fields = rings.map(|rings| Rings::of_field(&rings)).transpose()?;
+    if let (Some(rings), Some(stated)) = (&fields, stated_rings) {
+        let count = rings.count;
+        if count > stated {
+            let problem = format!("the field of rings has {count} values; --rings states {stated}");
+            return Err(Problem::damaged(problem));
+        }
+    }
+    let numbers = fields.as_ref().map(|r| r.numbers.as_slice());
+    let cells = match firings::find(&points, numbers)
+        .filter(|f| numbers.is_some() || stated_rings.is_none_or(|stated| stated == f.lasers))
+    {
+        Some(found) => {
+            notes.push(found.note());
+            found.cells(points.len())
+        }
+        None => {
+            let rings = match (fields, stated_rings) {
+                (Some(rings), _) => rings,
+                (None, Some(count)) => rings::find(&points, count, notes)?,
+                (None, None) => return Err(unorganised(points.len())),
+            };
+            azimuth::columns(&points, &rings, notes)?
+        }
+    };
+    Ok(place(&points, &cells, notes))
+}
+
+/// Why points without any order are refused, and the ways out.
+fn unorganised(points: usize) -> Problem {
+    Problem::unsupported(format!(
+        "the {points} points have no rows and columns (no grid in the header, no ring field, no \
+         firings found), so no point has neighbours to trace. For a rotating lidar pass --rings \
+         N; for points stored row by row pass --grid ROWSxCOLS; otherwise export the scan \
+         structured, as E57, PTX or organised PCD"
+    ))
+}
+
+fn rectangle(size: ImageSize, points: Vec<Point3>) -> Result<(ImageSize, Vec<Point3>), Problem> {
+    if Some(points.len()) == size.rows.checked_mul(size.cols) {
+        return Ok((size, points));
+    }
+    let found = points.len();
+    let problem = format!(
+        "the file has {found} points, {size} need {}; state the grid of the scanner, with one \
+         point (0, 0, 0) or NaN for each missing return",
+        size.pixels()
+    );
+    Err(Problem::damaged(problem))
+}
+
+/// The ring of every point, as a number from 0 without gaps.
+pub(super) struct Rings {
+    pub(super) count: usize,
+    pub(super) numbers: Vec<u16>,
+}
+
+/// Most rings of a file. Chosen by hand: eight times the most lasers of a rotating lidar in use.
+/// Doubled, a damaged field makes a grid of more rows before it is refused.
+pub(super) const MOST_RINGS: usize = 1024;
+
+impl Rings {
+    fn of_field(values: &[u16]) -> Result<Self, Problem> {
+        let mut numbers = vec![None; usize::from(u16::MAX) + 1];
+        for value in values {
+            if let Some(number) = numbers.get_mut(usize::from(*value)) {
+                *number = Some(0);
+            }
+        }
+        let mut count = 0_u16;
+        for number in numbers.iter_mut().flatten() {
+            *number = count;
+            count = count.saturating_add(1);
+        }
+        if usize::from(count) > MOST_RINGS {
+            let problem = format!("{count} different rings; expected at most {MOST_RINGS}");
+            return Err(Problem::damaged(problem));
+        }
+        let number = |v: &u16| numbers.get(usize::from(*v)).copied().flatten().unwrap_or(0);
+        Ok(Self { count: count.into(), numbers: values.iter().map(number).collect() })
+    }
+}
+
+/// Puts the points into their cells: the rows are the lasers from top to bottom. Lasers without any
+/// return have no row.
+fn place(points: &[Point3], cells: &Cells, notes: &mut Vec<String>) -> (ImageSize, Vec<Point3>) {
+    let mut elevations = vec![Vec::new(); cells.lasers];
+    for (point, cell) in points.iter().zip(&cells.cell) {
+        let Some((laser, _)) = cell else { continue };
+        if let (true, Some(list)) = (is_valid(point), elevations.get_mut(usize::from(*laser))) {
+            list.push(elevation(point));
+        }
+    }
+    let medians = elevations.iter_mut().enumerate();
+    let mut order: Vec<(f64, usize)> =
+        medians.filter_map(|(laser, list)| Some((median(list)?, laser))).collect();
+    order.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    if let (Some(top), Some(bottom)) = (order.first(), order.last()) {
+        let rows = order.len();
+        let (top, bottom) = (top.0.to_degrees(), bottom.0.to_degrees());
+        notes.push(format!("{rows} rows are the rings from {top:.2}° down to {bottom:.2}°"));
+    }
+    let size = ImageSize { rows: order.len(), cols: cells.cols };
+    let mut row_of = vec![None; cells.lasers];
+    for (row, (_, laser)) in order.iter().enumerate() {
+        if let Some(place) = row_of.get_mut(*laser) {
+            *place = Some(row);
+        }
+    }
+    let mut placed = vec![Point3::new(f64::NAN, f64::NAN, f64::NAN); size.pixels()];
+    for (point, cell) in points.iter().zip(&cells.cell) {
+        let Some((laser, col)) = cell else { continue };
+        let row = row_of.get(usize::from(*laser)).copied().flatten();
+        let at = row.map(|row| row * size.cols + *col as usize);
+        if let Some(place) = at.and_then(|at| placed.get_mut(at)) {
+            *place = *point;
+        }
+    }
+    (size, placed)
+}
+
+/// Whether a point is a return.
+pub(super) fn is_valid(point: &Point3) -> bool {
+    point.coords.iter().all(|c| c.is_finite()) && *point != Point3::origin()
+}
+
+/// Angle of a point above the plane of rotation, in radians.
+pub(super) fn elevation(point: &Point3) -> f64 {
+    point.z.atan2(point.x.hypot(point.y))
+}
+
+pub(super) fn median(values: &mut [f64]) -> Option<f64> {
+    let middle = values.len() / 2;
+    values.sort_by(f64::total_cmp);
+    values.get(middle).copied()
+}

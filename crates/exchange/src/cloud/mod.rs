@@ -1,0 +1,175 @@
+//! Point clouds of structured scans: organised PCD and PLY files, and rotating lidars.
+//!
+//! A file is one view, and a folder of such files is a scan whose poses a trajectory states
+//! ([`poses`]). A cloud without rows and columns cannot be traced, so each file must show them, in
+//! one of these ways ([`arrange`]):
+//!
+//! 1. its header states rows and columns, or the caller does;
+//! 2. its points come in firings of all lasers, which a field `ring` or the elevations prove;
+//! 3. a field `ring`, or the stated number of rings, gives the rows, and the azimuth the columns.
+//!
+//! Points are put into cells; no point is moved. The files state no unit. Robotics uses metres
+//! (ROS REP 103), so metres are taken, with a note. Points are in the frame of the sensor, which is
+//! at its origin with z along the axis of rotation.
+
+mod arrange;
+mod azimuth;
+mod firings;
+mod kitti;
+mod lzf;
+mod pcd;
+mod poses;
+mod rings;
+#[cfg(test)]
+mod tests;
+
+use crate::input::read_bytes;
+use crate::scan::{FramedImage, LoadView};
+use crate::{OpenOptions, Place, ReadError, Scan, ScanView, ply, points};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use transect_device::ImageSize;
+use transect_geometry::{Isometry3, LengthUnit, Point3};
+
+/// The points of a file in their order.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Cloud {
+    pub(crate) points: Vec<Point3>,
+    /// The laser of each point, where the file has a field for it.
+    pub(crate) rings: Option<Vec<u16>>,
+    /// Rows and columns of row-major points, where the file states them.
+    pub(crate) size: Option<ImageSize>,
+    /// Whether a triangulation scanner was carried along x.
+    pub(crate) is_carried: bool,
+    pub(crate) notes: Vec<String>,
+}
+
+/// The formats of cloud files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Pcd,
+    Ply,
+    Kitti,
+}
+
+impl Kind {
+    fn of(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        match extension.as_str() {
+            "pcd" => Some(Self::Pcd),
+            "ply" => Some(Self::Ply),
+            "bin" => Some(Self::Kitti),
+            _ => None,
+        }
+    }
+}
+
+/// Whether a path is a cloud file.
+pub(crate) fn is_file(path: &Path) -> bool {
+    !path.is_dir() && Kind::of(path).is_some()
+}
+
+/// Whether a path is a folder with cloud files.
+pub(crate) fn is_folder(path: &Path) -> bool {
+    files(path).is_ok_and(|files| !files.is_empty())
+}
+
+/// Opens one cloud file: a scan of one view.
+pub(crate) fn open_file(path: &Path, options: &OpenOptions) -> Result<Scan, ReadError> {
+    scan(path, vec![path.to_owned()], options)
+}
+
+/// Opens a folder of cloud files.
+pub(crate) fn open_folder(folder: &Path, options: &OpenOptions) -> Result<Scan, ReadError> {
+    let files = files(folder).map_err(|e| ReadError::io(folder, e))?;
+    let kinds = |kind| files.iter().filter(|f| Kind::of(f) == Some(kind)).count();
+    let counts = [Kind::Pcd, Kind::Ply, Kind::Kitti].map(kinds);
+    if counts.iter().filter(|n| **n > 0).count() > 1 {
+        let [pcd, ply, bin] = counts;
+        let problem = format!(
+            "the folder has {pcd} *.pcd, {ply} *.ply and {bin} *.bin; a scan has clouds of one \
+             kind; move the others out"
+        );
+        return Err(ReadError::damaged(folder, Place::Whole, problem));
+    }
+    scan(folder, files, options)
+}
+
+/// The cloud files of a folder, sorted by name.
+fn files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        if is_file(&path) {
+            files.push(path);
+        }
+    }
+    files.sort();
+    Ok(files)
+}
+
+fn scan(path: &Path, files: Vec<PathBuf>, options: &OpenOptions) -> Result<Scan, ReadError> {
+    let mut notes = Vec::new();
+    if options.unit.is_none() {
+        let convention = "the files carry no unit: taken as metres by the convention of robotics";
+        notes.push(format!("{}: {convention}; --unit states another", path.display()));
+    }
+    let placed = poses::find(path, &files, options.poses.as_deref())?;
+    notes.extend(placed.notes);
+    let view = |(file, pose): (&PathBuf, Isometry3)| {
+        let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let source = CloudView { path: file.clone(), grid: options.grid, rings: options.rings };
+        ScanView::new(name, file.clone(), pose, Arc::new(source))
+    };
+    let views = files.iter().zip(placed.poses).map(view).collect();
+    let absolute = std::path::absolute(path).map_err(|e| ReadError::io(path, e))?;
+    let name = absolute.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let inputs = placed.files.into_iter().chain(files).collect();
+    let unit = options.unit.unwrap_or(LengthUnit::Metre);
+    Ok(Scan { name, unit, sigma: None, planes: None, views, notes, inputs })
+}
+
+/// A cloud file, and the rows that the caller states.
+#[derive(Debug)]
+struct CloudView {
+    path: PathBuf,
+    grid: Option<ImageSize>,
+    rings: Option<usize>,
+}
+
+impl LoadView for CloudView {
+    fn load(&self, notes: &mut Vec<String>) -> Result<FramedImage, ReadError> {
+        let mut cloud = read(&self.path)?;
+        notes.append(&mut cloud.notes);
+        let is_carried = cloud.is_carried;
+        let (size, points) = arrange::arrange(cloud, self.grid, self.rings, notes)
+            .map_err(|p| p.in_file(&self.path))?;
+        if is_carried {
+            return points::framed_carried(&self.path, size, points, notes);
+        }
+        points::framed(&self.path, size, points, notes)
+    }
+}
+
+fn read(path: &Path) -> Result<Cloud, ReadError> {
+    let bytes = read_bytes(path)?;
+    match Kind::of(path) {
+        Some(Kind::Pcd) => pcd::read(&bytes).map_err(|p| p.in_file(path)),
+        Some(Kind::Kitti) => kitti::read(path, &bytes).map_err(|p| p.in_file(path)),
+        _ => ply::cloud(path, &bytes),
+    }
+}
+
+/// The laser of a point from the number in its field.
+pub(crate) fn ring(value: f64) -> Result<u16, String> {
+    let is_whole = value.fract() == 0.0 && (0.0..=f64::from(u16::MAX)).contains(&value);
+    let problem = || format!("the ring is {value}; expected a whole number from 0 to 65535");
+    is_whole.then_some(value as u16).ok_or_else(problem)
+}
+
+/// Whether a field's name means the laser of a point. CloudCompare puts `scalar_` before names.
+pub(crate) fn is_ring_name(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    let name = name.strip_prefix("scalar_").unwrap_or(&name);
+    ["ring", "laser_id", "laserid", "channel", "beam"].contains(&name)
+}
