@@ -446,8 +446,8 @@ impl<S: Simd> Visitor<S> for Centre<S> {
             #[inline(always)]
             |n| RowPolynomial::<S>::new(&self.polynomial, rows.y[n]),
         );
-        for n in 0..N {
-            self.add_share(&rows.middle[n], of_rows[n].middle(), n);
+        for (n, (place, of_row)) in rows.middle.iter().zip(&of_rows).enumerate() {
+            self.add_share(place, of_row.middle(), n);
         }
         for (column, pairs) in COLUMNS.iter().zip(rows.pairs) {
             for (n, [left, right]) in pairs.iter().enumerate() {
