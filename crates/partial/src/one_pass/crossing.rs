@@ -73,14 +73,16 @@ pub(super) fn solve(
     view: &View,
     axes: &SectionAxes,
     kind: Kind,
-    pair: [Pixel; 2],
+    [first, second]: [Pixel; 2],
     level: i32,
 ) -> Crossing {
-    let samples = pair.map(|pixel| (pixel, sample(view, pixel)));
-    let [a, b] = samples.map(|(_, p)| axes.level().at(&p) - f64::from(level));
+    let (p, q) = (sample(view, first), sample(view, second));
+    let height = |p: &Point3| axes.level().at(p) - f64::from(level);
+    let share = parameter(height(&p), height(&q));
     let direction = |pixel| direction(view, pixel);
     let turn = |v: &Vector3| axes.turn(v);
-    Crossing::new(kind, samples, parameter(a, b), direction, turn, |p| axes.in_plane(p))
+    let samples = [(first, p), (second, q)];
+    Crossing::new(kind, samples, share, direction, turn, |p| axes.in_plane(p))
 }
 
 /// A sample in the sensor frame.

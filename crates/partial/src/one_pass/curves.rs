@@ -84,6 +84,7 @@ impl Lines<'_> {
         crossings: &mut Vec<Crossing>,
     ) {
         crossings.clear();
+        crossings.reserve(lines.iter().map(|line| line.vertices.len()).sum());
         let Some(level) = lines.first().map(|line| line.level) else { return };
         let along = self.along.map(|along| (along, along.frame(self.axes.plane(level))));
         let refined = refinement.map(|r| (r, r.solver(level)));
