@@ -4,7 +4,8 @@
 //! with which a user can accept the input after all.
 
 use crate::WorkflowError;
-use transect_device::{Pixel, Point3, View};
+use crate::samples::{pixel_spacing, reach, samples};
+use transect_device::{Point3, View};
 use transect_exchange::Scan;
 use transect_geometry::LengthUnit;
 
@@ -17,10 +18,6 @@ const PLANES_PER_PIXEL: f64 = 10.0;
 /// (measured on the Stanford bunny: 15 %). Doubled, views of an object that fills a seventh of the
 /// image in each direction are refused.
 const LEAST_VALID: f64 = 0.01;
-
-/// Rows and columns of a view that are looked at. A median of 4000 samples is certain to 2 %.
-/// Doubled, checking takes four times as long.
-const SAMPLES: usize = 64;
 
 /// A check of plausibility.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,7 +76,7 @@ impl Plausibility {
     }
 
     fn check_planes(&self, view: &View) -> Result<(), WorkflowError> {
-        let Some(spacing) = pixel_spacing(view) else { return Ok(()) };
+        let Some([spacing, _]) = pixel_spacing(view) else { return Ok(()) };
         let (interval, unit, planes) = (self.interval, self.unit, spacing / self.interval);
         if planes <= PLANES_PER_PIXEL {
             return Ok(());
@@ -93,14 +90,14 @@ impl Plausibility {
     }
 
     fn check_resolution(&self, view: &View) -> Result<(), WorkflowError> {
-        let points: Vec<Point3> = samples(view).map(|[point, ..]| point).collect();
+        let points: Vec<Point3> = samples(view).map(|sample| sample.point).collect();
         let is_single = |c: f64| f64::from(c as f32) == c;
         if points.is_empty() || !points.iter().all(|p| p.iter().all(|c| is_single(*c))) {
             return Ok(());
         }
         let largest = points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
         let step = largest * f64::from(f32::EPSILON);
-        let half = 0.5 * pixel_spacing(view).unwrap_or(f64::INFINITY);
+        let half = 0.5 * pixel_spacing(view).map_or(f64::INFINITY, |[denser, _]| denser);
         let limit = half.max(view.sigma().unwrap_or(0.0));
         if step <= limit {
             return Ok(());
@@ -152,29 +149,4 @@ fn check_valid_pixels(view: &View) -> Result<(), WorkflowError> {
          file, its number type and the value for missing pixels.",
         100.0 * LEAST_VALID
     ))
-}
-
-/// Points of an evenly thinned view, each with its right and its lower neighbour, in the sensor
-/// frame.
-fn samples(view: &View) -> impl Iterator<Item = [Point3; 3]> {
-    let size = view.image().size();
-    let every = |pixels: usize| (0..pixels.saturating_sub(1)).step_by(pixels.div_ceil(SAMPLES));
-    let pixels = every(size.rows).flat_map(move |row| every(size.cols).map(move |col| (row, col)));
-    let point = |row: usize, col: usize| view.point_in_sensor(Pixel::new(row, col));
-    pixels.filter_map(move |(row, col)| {
-        Some([point(row, col)?, point(row, col + 1)?, point(row + 1, col)?])
-    })
-}
-
-/// Median distance between neighbouring pixels, in the direction in which they are denser.
-fn pixel_spacing(view: &View) -> Option<f64> {
-    let spacing = |[p, right, below]: [Point3; 3]| (right - p).norm().min((below - p).norm());
-    let mut spacings: Vec<f64> = samples(view).map(spacing).collect();
-    spacings.sort_by(f64::total_cmp);
-    spacings.get(spacings.len() / 2).copied()
-}
-
-/// Largest distance of a sample from the sensor's origin.
-fn reach(view: &View) -> f64 {
-    samples(view).map(|[point, ..]| point.coords.norm()).fold(0.0, f64::max)
 }

@@ -1,6 +1,7 @@
 //! From a scan on disk to a model, and from there to a result folder.
 
 use crate::score::{Reference, ScoreLimits, score};
+use crate::selection::Limits;
 use crate::settings::parse_length;
 use crate::store_file::{Grown, grow, origin, setup_of};
 use crate::table::{Row, digits};
@@ -71,6 +72,12 @@ impl OpenScan {
         settings: &Settings,
         watch: &dyn Watch,
     ) -> Result<Run<'_>, WorkflowError> {
+        if self.limits != Limits::default() {
+            let setting = if self.selection.crop.is_some() { "crop" } else { "max_range" };
+            let problem = "a store takes whole views, because replace-view reads them again from \
+                           the scan; leave out the option, or --store";
+            return Err(WorkflowError::setting(setting, problem));
+        }
         let (setup, note) = self.setup_for_store(store, settings)?;
         let splines = self.splines(settings)?;
         let views = self.views(prefix, settings.plausibility(&setup))?;
@@ -113,7 +120,7 @@ impl OpenScan {
         plausibility.check_distances(self.scan())?;
         let view = |view| {
             let view = origin(view, self.path(), plausibility.clone());
-            FileView { id: format!("{prefix}{}", view.id), ..view }
+            FileView { id: format!("{prefix}{}", view.id), limits: self.limits, ..view }
         };
         Ok(self.scan().views.iter().map(view).collect())
     }
@@ -166,7 +173,8 @@ impl Run<'_> {
             rows.extend(costs.stage("fitting splines", write)?);
         }
         let truth = Reference::beside(self.scan.path());
-        if !matches!(truth, Reference::Nothing) {
+        // The truth counts what all views could see, so a part of them is not scored.
+        if self.scan.selection.is_whole() && !matches!(truth, Reference::Nothing) {
             let score = || score(model, &truth, &ScoreLimits::default());
             rows.extend(costs.stage("scoring", score)?.agreement);
         }

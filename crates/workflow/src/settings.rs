@@ -38,7 +38,8 @@ pub struct Settings {
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct PlaneSettings {
-    /// Normal of the planes in the world, of any length. Without it the scan's own, else (0, 0, 1).
+    /// Normal of the planes in the world, of any length. Without it the scan's own; see
+    /// [`OpenScan::suggest_planes`](crate::OpenScan::suggest_planes).
     pub normal: Option<[f64; 3]>,
     /// Curve that the planes are perpendicular to, instead of a normal.
     pub guide: Option<GuideSettings>,
@@ -106,6 +107,16 @@ impl PlaneSettings {
         normal.is_none() && guide.is_none() && interval.is_none() && offset.is_none()
     }
 
+    /// Whether the planes need nothing else.
+    pub(crate) fn is_complete(&self) -> bool {
+        self.interval.is_some() && (self.normal.is_some() || self.guide.is_some())
+    }
+
+    /// The distance between neighbouring planes, if it is given.
+    pub(crate) fn interval(&self, unit: LengthUnit) -> Result<Option<f64>, WorkflowError> {
+        self.interval.as_ref().map(|text| parse_length(unit, "interval", text)).transpose()
+    }
+
     /// The planes: these settings, completed by those of a scan or a store.
     fn family(
         &self,
@@ -144,7 +155,7 @@ impl PlaneSettings {
 }
 
 impl GuideSettings {
-    fn read(&self, unit: LengthUnit) -> Result<Guide, WorkflowError> {
+    pub(crate) fn read(&self, unit: LengthUnit) -> Result<Guide, WorkflowError> {
         let length = |setting: &'static str, text: &Option<String>| {
             text.as_ref().map(|text| parse_length(unit, setting, text)).transpose()
         };

@@ -1,6 +1,7 @@
 //! Model stores on disk: opening one, growing it by a scan, removing and replacing its views.
 
 use crate::results::find_model;
+use crate::selection::Limits;
 use crate::{Check, FileView, Plausibility, WorkflowError};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -250,7 +251,8 @@ pub(crate) fn origin<'a>(
 ) -> FileView<'a> {
     let absolute = std::path::absolute(scan).unwrap_or_else(|_| scan.to_owned());
     let origin = absolute.display().to_string();
-    FileView { view, id: view.name().to_owned(), origin, pose: None, plausibility }
+    let (id, limits) = (view.name().to_owned(), Limits::default());
+    FileView { view, id, origin, pose: None, limits, plausibility }
 }
 
 fn view_of_scan<'a>(
