@@ -89,5 +89,5 @@ pub use selection::Selection;
 pub use settings::{GuideSettings, PlaneSettings, Settings, parse_length};
 pub use store_file::{Replaced, Replacement, StoreFile, open_store, read_store, setup_of};
 pub use suggest::Suggestion;
-pub use survey::{SensorKind, ViewSurvey};
+pub use survey::{SensorClass, ViewSurvey};
 pub use views::{FileView, OpenScan};

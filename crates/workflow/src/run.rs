@@ -115,9 +115,9 @@ impl OpenScan {
     fn views(
         &self,
         prefix: &str,
-        plausibility: Plausibility,
+        mut plausibility: Plausibility,
     ) -> Result<Vec<FileView<'_>>, WorkflowError> {
-        plausibility.check_distances(self.scan())?;
+        plausibility.look_at(self.scan())?;
         let view = |view| {
             let view = origin(view, self.path(), plausibility.clone());
             FileView { id: format!("{prefix}{}", view.id), limits: self.limits, ..view }

@@ -123,7 +123,8 @@ impl StoreFile {
         let view = view_of_scan(&scan, &scan_path, in_scan)?;
         let accepted = replacement.accept.clone();
         let interval = self.setup.planes.interval();
-        let plausibility = Plausibility { interval, unit: self.setup.unit, accepted };
+        let unit = self.setup.unit;
+        let plausibility = Plausibility { interval, unit, accepted, usual_spacing: None };
         let source = FileView {
             id: id.0.clone(),
             pose: replacement.pose,

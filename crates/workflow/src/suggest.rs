@@ -10,11 +10,11 @@
 //! 3. The **offset** keeps the planes away from faces that are parallel to them.
 
 use crate::samples::{median, quantile};
-use crate::survey::{SensorKind, ViewSurvey};
+use crate::survey::{SensorClass, ViewSurvey};
 use crate::table::Quantity;
 use crate::{OpenScan, PlaneSettings, Settings, WorkflowError};
 use transect_exchange::PlanesEntry;
-use transect_geometry::{Guide, LengthUnit, Vector3};
+use transect_geometry::{Guide, LengthUnit, Point3, Vector3};
 
 /// Most views that are looked at. Chosen by hand: views of one scan are alike, and the second
 /// reading of these views delays a run. Doubled, the delay doubles.
@@ -129,18 +129,18 @@ impl OpenScan {
         let guide = settings.guide.as_ref().map(|guide| guide.read(unit)).transpose()?;
         let curved = guide.as_ref().and_then(Guide::curved).cloned();
         let along = Vector3::from(normal).try_normalize(0.0).unwrap_or(Vector3::z());
-        let stations = || points(views).map(|(p, _)| p.coords.dot(&along)).collect::<Vec<f64>>();
-        let extent = match &curved {
-            Some(guide) => guide.length(),
-            None => {
-                let [low, high] = [TAIL, 1.0 - TAIL].map(|share| quantile(stations(), share));
-                high.unwrap_or(0.0) - low.unwrap_or(0.0)
-            }
+        let [given, interval] = settings.lengths(unit)?;
+        let interval = interval.unwrap_or_else(|| {
+            let extent = curved.as_ref().map_or_else(|| extent(views, &along), |g| g.length());
+            let spacing = median(views.iter().filter_map(|v| Some(v.spacing?[1])).collect());
+            let resolved = PIXELS_PER_INTERVAL * spacing.unwrap_or(0.0);
+            round_up(resolved.max(extent / MOST_PLANES))
+        });
+        let offset = match (given, &curved) {
+            (Some(given), _) => given,
+            (None, Some(_)) => 0.0,
+            (None, None) => offset(views, &along, interval),
         };
-        let spacing = median(views.iter().filter_map(|v| Some(v.spacing?[1])).collect());
-        let wanted = (extent / MOST_PLANES).max(PIXELS_PER_INTERVAL * spacing.unwrap_or(0.0));
-        let interval = settings.interval(unit)?.unwrap_or_else(|| round_up(wanted));
-        let offset = if curved.is_some() { 0.0 } else { offset(views, &along, interval) };
         let mut planes = PlanesEntry::new(normal, offset, interval);
         let reason = reason.filter(|_| curved.is_none());
         planes.guide = curved;
@@ -148,41 +148,54 @@ impl OpenScan {
     }
 }
 
-fn points(
-    views: &[ViewSurvey],
-) -> impl Iterator<Item = &(transect_geometry::Point3, Vector3)> + Clone {
+/// The points and surface normals of all views.
+fn surface(views: &[ViewSurvey]) -> impl Iterator<Item = &(Point3, Vector3)> {
     views.iter().flat_map(|view| &view.surface)
+}
+
+/// The extent of the points along a direction, without [`TAIL`].
+fn extent(views: &[ViewSurvey], along: &Vector3) -> f64 {
+    let stations: Vec<f64> = surface(views).map(|(p, _)| p.coords.dot(along)).collect();
+    let ends = [TAIL, 1.0 - TAIL].map(|share| quantile(stations.clone(), share).unwrap_or(0.0));
+    ends[1] - ends[0]
 }
 
 /// The direction that is up in the world, and the reason for it.
 fn upward(views: &[ViewSurvey]) -> ([f64; 3], Option<&'static str>) {
     let ups: Vec<Vector3> = views.iter().map(|view| view.up).collect();
-    let is = |kind| 2 * views.iter().filter(|view| view.sensor == kind).count() > views.len();
-    if is(SensorKind::Turning) {
-        let mean = ups.iter().sum();
-        return (rounded(mean), Some("the mean z axis of the scanners"));
+    let is = |class| 2 * views.iter().filter(|view| view.sensor == class).count() > views.len();
+    if let Some(up) = common(&ups) {
+        if is(SensorClass::Turning) {
+            return (rounded(up), Some("the mean z axis of the scanners"));
+        }
+        if is(SensorClass::Camera) {
+            return match level_surfaces(views, &up) {
+                Some(normal) => (rounded(normal), Some("that of floors and other level surfaces")),
+                None => (rounded(up), Some("the mean upward direction of the cameras")),
+            };
+        }
     }
-    if is(SensorKind::Camera)
-        && let Some(up) = ups.iter().sum::<Vector3>().try_normalize(0.0)
-        && 2 * ups.iter().filter(|u| u.dot(&up) > UPWARD).count() > ups.len()
-    {
-        let normals = points(views).map(|(_, n)| n * n.dot(&up).signum());
-        let all: Vec<Vector3> = normals.collect();
-        let upward: Vec<Vector3> = all.iter().filter(|n| n.dot(&up) > UPWARD).copied().collect();
-        return match group(&upward) {
-            Some((mean, count)) if count as f64 > LEVEL_SHARE * all.len() as f64 => {
-                (rounded(mean), Some("that of the largest level surfaces, as the cameras stand"))
-            }
-            _ => (rounded(up), Some("the mean upward direction of the cameras")),
-        };
+    match group(&ups) {
+        Some((mean, count)) if ups.len() > 1 && 2 * count > ups.len() => {
+            (rounded(mean), Some("the common direction of the rows of most images"))
+        }
+        _ => (longest_side(views), Some("the longest side of the box around all points")),
     }
-    if let Some((mean, count)) = group(&ups)
-        && 2 * count > ups.len()
-        && ups.len() > 1
-    {
-        return (rounded(mean), Some("the common direction of the rows of most images"));
-    }
-    (longest_side(views), Some("the longest side of the box around all points"))
+}
+
+/// The mean of directions most of which are within 45° of it.
+fn common(directions: &[Vector3]) -> Option<Vector3> {
+    let mean = directions.iter().sum::<Vector3>().try_normalize(0.0)?;
+    let near = directions.iter().filter(|d| d.dot(&mean) > UPWARD).count();
+    (2 * near > directions.len()).then_some(mean)
+}
+
+/// The normal of the largest group of surfaces that are about level.
+fn level_surfaces(views: &[ViewSurvey], up: &Vector3) -> Option<Vector3> {
+    let normals = surface(views).map(|(_, normal)| normal * normal.dot(up).signum());
+    let upward: Vec<Vector3> = normals.filter(|normal| normal.dot(up) > UPWARD).collect();
+    let (normal, count) = group(&upward)?;
+    (count as f64 > LEVEL_SHARE * surface(views).count() as f64).then_some(normal)
 }
 
 /// The mean of the largest group of directions, and its size.
@@ -244,7 +257,7 @@ fn round_up(length: f64) -> f64 {
 /// The place of plane 0, in tenths of the interval, at which planes hit the fewest points of faces
 /// that are parallel to them.
 fn offset(views: &[ViewSurvey], along: &Vector3, interval: f64) -> f64 {
-    let level = points(views).filter(|(_, normal)| normal.dot(along).abs() > ONE_GROUP);
+    let level = surface(views).filter(|(_, normal)| normal.dot(along).abs() > ONE_GROUP);
     let mut hits = [0_usize; 10];
     for (point, _) in level {
         let tenth = (10.0 * (point.coords.dot(along) / interval).rem_euclid(1.0)).round();
@@ -257,4 +270,125 @@ fn offset(views: &[ViewSurvey], along: &Vector3, interval: f64) -> f64 {
     };
     let best = PHASES.into_iter().min_by_key(|phase| cost(*phase)).unwrap_or(5);
     interval * f64::from(best) / 10.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+    use transect_device::{DeviceFrame, ImageSize, Isometry3, RangeImage, SensorPlane, View};
+    use transect_sensors::{AngularScan, ImagingRadar, Intrinsics, Pinhole};
+
+    const SIZE: ImageSize = ImageSize { rows: 90, cols: 120 };
+
+    /// A view inside a room of 6 × 5 × 2.5 m, whose floor is at 0, turned into the world. `looking`
+    /// is room from sensor.
+    fn in_room(
+        frame: impl DeviceFrame + 'static,
+        looking: Isometry3,
+        world: Isometry3,
+    ) -> ViewSurvey {
+        let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()];
+        let walls = [(x, 3.0), (-x, 3.0), (y, 2.5), (-y, 2.5), (z, 2.5), (-z, 0.0)];
+        let value = |pixel| {
+            let of_wall = |(normal, offset): &(Vector3, f64)| {
+                let offset = offset - normal.dot(&looking.translation.vector);
+                let normal = looking.rotation.inverse_transform_vector(normal);
+                frame.plane_value(pixel, &SensorPlane { normal, offset })
+            };
+            walls.iter().filter_map(of_wall).fold(f64::INFINITY, f64::min) as f32
+        };
+        let values = frame.size().all_pixels().map(value).collect();
+        let image = RangeImage::from_values(frame.size(), values).unwrap();
+        let pose = world * looking;
+        let view = View::new("room", image, Arc::new(frame), pose, Some(0.0)).unwrap();
+        ViewSurvey::of(&view, Vec::new())
+    }
+
+    /// The world of a room whose floor is inclined by an angle about x.
+    fn inclined(degrees: f64) -> Isometry3 {
+        Isometry3::rotation(Vector3::x() * degrees.to_radians())
+    }
+
+    fn camera(heading_degrees: f64, world: Isometry3) -> ViewSurvey {
+        let intrinsics = Intrinsics { fx: 80.0, fy: 80.0, cx: 59.5, cy: 44.5 };
+        let eye = Point3::new(0.3, -0.2, 1.5);
+        let (sin, cos) = heading_degrees.to_radians().sin_cos();
+        // Looking about 20° down; y of the camera runs down.
+        let target = eye + Vector3::new(cos, sin, -0.35);
+        let looking = Isometry3::face_towards(&eye, &target, &-Vector3::z());
+        in_room(Pinhole::new(SIZE, intrinsics).unwrap(), looking, world)
+    }
+
+    fn scanner(world: Isometry3) -> ViewSurvey {
+        let (theta, phi) =
+            (AngularScan::from_degrees(0.0, 3.0), AngularScan::from_degrees(-50.0, 1.5));
+        let standing = Isometry3::translation(0.4, 0.3, 1.6);
+        in_room(ImagingRadar::new(SIZE, theta, phi).unwrap(), standing, world)
+    }
+
+    fn angle_to(normal: [f64; 3], world: Isometry3) -> f64 {
+        Vector3::from(normal).angle(&(world * Vector3::z())).to_degrees()
+    }
+
+    #[test]
+    fn scanners_stand_upright() {
+        let (normal, reason) = upward(&[scanner(inclined(0.0))]);
+        assert_eq!((normal, reason), ([0.0, 0.0, 1.0], Some("the mean z axis of the scanners")));
+        // A world in which y is up.
+        let (normal, _) = upward(&[scanner(inclined(-90.0)), scanner(inclined(-88.0))]);
+        assert_eq!(normal, [0.0, 1.0, 0.0]);
+    }
+
+    /// All cameras look the same way, so their mean upward direction leans by 20°.
+    #[test]
+    fn cameras_find_the_floor_of_an_inclined_world() {
+        for degrees in [0.0, 27.0, 120.0] {
+            let world = inclined(degrees);
+            let views: Vec<_> = (0..5).map(|k| camera(12.0 * f64::from(k), world)).collect();
+            let (normal, reason) = upward(&views);
+            assert_eq!(reason, Some("that of floors and other level surfaces"));
+            assert!(angle_to(normal, world) < 0.5, "{degrees}: {normal:?}");
+        }
+    }
+
+    #[test]
+    fn planes_keep_away_from_the_floor_and_are_resolved() {
+        let views = [scanner(inclined(0.0))];
+        let up = Vector3::z();
+        assert!((extent(&views, &up) - 2.5).abs() < 0.2);
+        let offset = offset(&views, &up, 0.1);
+        assert!(
+            (0.019..0.081).contains(&offset),
+            "the floor is at 0, the ceiling at 2.5: {offset}"
+        );
+    }
+
+    #[test]
+    fn a_few_views_of_another_kind_do_not_count() {
+        let turned = |up| ViewSurvey {
+            up,
+            sensor: SensorClass::Triangulation,
+            ..camera(0.0, inclined(0.0))
+        };
+        let (x, y) = (Vector3::x(), Vector3::y());
+        let (normal, reason) = upward(&[turned(y), turned(x), turned(y), turned(y)]);
+        assert_eq!(normal, [0.0, 1.0, 0.0], "{reason:?}");
+        let (normal, reason) = upward(&[turned(y)]);
+        assert_eq!(
+            (normal, reason.unwrap().starts_with("the longest side")),
+            ([1.0, 0.0, 0.0], true)
+        );
+    }
+
+    #[test]
+    fn intervals_are_round_numbers() {
+        let round = [0.00165, 0.002, 0.0021, 0.051, 1.0, 30.0, 700.0].map(round_up);
+        assert_eq!(round, [0.002, 0.002, 0.005, 0.1, 1.0, 50.0, 1000.0]);
+        assert_eq!([0.0, f64::NAN, f64::INFINITY].map(round_up), [1.0; 3]);
+        let shown = [(0.002, "2mm"), (0.5, "0.5m"), (0.015, "15mm"), (0.0, "0m")];
+        for (length, text) in shown {
+            assert_eq!(plain_length(length, LengthUnit::Metre), text);
+        }
+    }
 }

@@ -30,7 +30,7 @@ pub struct ViewSurvey {
     /// The kind of its device frame.
     pub frame: &'static str,
     /// The way its sensor looks around.
-    pub sensor: SensorKind,
+    pub sensor: SensorClass,
     /// Rows and columns.
     pub size: ImageSize,
     /// Number of valid pixels.
@@ -66,7 +66,7 @@ pub struct ViewSurvey {
 
 /// The way in which a sensor looks around.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SensorKind {
+pub enum SensorClass {
     /// It turns about its z axis: terrestrial scanners and lidars.
     Turning,
     /// It looks along its z axis: cameras.
@@ -75,7 +75,7 @@ pub enum SensorKind {
     Triangulation,
 }
 
-impl SensorKind {
+impl SensorClass {
     /// The words for it in tables.
     pub fn name(self) -> &'static str {
         match self {
@@ -143,7 +143,7 @@ impl ViewSurvey {
 }
 
 /// The kind of a sensor, and the mean direction of its rays, in the sensor frame.
-fn sight(view: &View) -> (SensorKind, Vector3) {
+fn sight(view: &View) -> (SensorClass, Vector3) {
     let (mut sum, mut count, mut first) = (Vector3::zeros(), 0.0, None);
     let (mut moves, mut two_paths) = (false, false);
     for pixel in samples(view).map(|s| s.pixel) {
@@ -155,9 +155,9 @@ fn sight(view: &View) -> (SensorKind, Vector3) {
     }
     let mean = if count > 0.0 { sum / count } else { Vector3::zeros() };
     let kind = match () {
-        () if moves || two_paths => SensorKind::Triangulation,
-        () if mean.z.abs() > ALONG_AXIS => SensorKind::Camera,
-        () => SensorKind::Turning,
+        () if moves || two_paths => SensorClass::Triangulation,
+        () if mean.z.abs() > ALONG_AXIS => SensorClass::Camera,
+        () => SensorClass::Turning,
     };
     (kind, mean)
 }
@@ -165,8 +165,8 @@ fn sight(view: &View) -> (SensorKind, Vector3) {
 /// The sensor axis that is up in the image: z of a turning scanner, otherwise the axis along which
 /// rows run. Rows of a camera run down. Those of a triangulation scanner have no common direction;
 /// the positive axis is taken.
-fn up(view: &View, sensor: SensorKind) -> Vector3 {
-    if sensor == SensorKind::Turning {
+fn up(view: &View, sensor: SensorClass) -> Vector3 {
+    if sensor == SensorClass::Turning {
         return Vector3::z();
     }
     let down: Vector3 = samples(view)
@@ -177,7 +177,7 @@ fn up(view: &View, sensor: SensorKind) -> Vector3 {
         .sum();
     let mut up = Vector3::zeros();
     let axis = down.iamax();
-    up[axis] = if sensor == SensorKind::Camera { -down[axis].signum() } else { 1.0 };
+    up[axis] = if sensor == SensorClass::Camera { -down[axis].signum() } else { 1.0 };
     up
 }
 
