@@ -61,7 +61,7 @@ pub struct ViewSurvey {
     /// Evenly thinned points and surface normals in the world.
     pub(crate) surface: Vec<(Point3, Vector3)>,
     /// Median distance between neighbouring points of `surface`.
-    step: Option<f64>,
+    pub(crate) step: Option<f64>,
 }
 
 /// The way in which a sensor looks around.

@@ -116,7 +116,8 @@ fn pixels_metres_apart_are_told_to_be_in_another_unit() {
     manifest["views"][0]["depth_scale"] = json!(1.0);
     manifest["planes"]["interval"] = json!(200);
     let folder = scan_of(&manifest);
-    let texts = ["view wall.png", "pixels are 83.", "at most 0.5 m", "pass --accept extent"];
+    let texts =
+        ["view wall.png", "pixels are 125.0000 m apart", "at most 0.5 m", "pass --accept extent"];
     refused(&folder, "scan.json", &texts);
     folder.reconstruct("scan.json --accept extent").succeeded();
 }
