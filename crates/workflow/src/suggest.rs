@@ -45,8 +45,11 @@ const UPWARD: f64 = 0.7;
 const LEVEL_SHARE: f64 = 0.1;
 
 /// Cosine of the angle to a world axis within which the axis itself is taken: 3°. Chosen by hand:
-/// the uncertainty of the estimate. Doubled to 6°, a real inclination disappears.
+/// the uncertainty of an estimate. Doubled to 6°, a real inclination disappears.
 const ON_AXIS: f64 = 0.9986;
+
+/// The same for the mean upward direction of cameras: 10°, as cameras stand upright by no better.
+const NEAR_AXIS: f64 = ONE_GROUP;
 
 /// Directions that are tried as the middle of a group. Chosen by hand. Doubled, it takes twice the
 /// time.
@@ -166,18 +169,20 @@ fn upward(views: &[ViewSurvey]) -> ([f64; 3], Option<&'static str>) {
     let is = |class| 2 * views.iter().filter(|view| view.sensor == class).count() > views.len();
     if let Some(up) = common(&ups) {
         if is(SensorClass::Turning) {
-            return (rounded(up), Some("the mean z axis of the scanners"));
+            return (rounded(up, ON_AXIS), Some("the mean z axis of the scanners"));
         }
         if is(SensorClass::Camera) {
             return match level_surfaces(views, &up) {
-                Some(normal) => (rounded(normal), Some("that of floors and other level surfaces")),
-                None => (rounded(up), Some("the mean upward direction of the cameras")),
+                Some(normal) => {
+                    (rounded(normal, ON_AXIS), Some("that of floors and other level surfaces"))
+                }
+                None => (rounded(up, NEAR_AXIS), Some("the mean upward direction of the cameras")),
             };
         }
     }
     match group(&ups) {
         Some((mean, count)) if ups.len() > 1 && 2 * count > ups.len() => {
-            (rounded(mean), Some("the common direction of the rows of most images"))
+            (rounded(mean, ON_AXIS), Some("the common direction of the rows of most images"))
         }
         _ => (longest_side(views), Some("the longest side of the box around all points")),
     }
@@ -212,12 +217,13 @@ fn group(directions: &[Vector3]) -> Option<(Vector3, usize)> {
     Some((near(&mean).sum(), near(&mean).count()))
 }
 
-/// A direction as few digits: a world axis if it is near one, otherwise thousandths.
-fn rounded(direction: Vector3) -> [f64; 3] {
+/// A direction as few digits: a world axis if the cosine to it exceeds a limit, otherwise
+/// thousandths.
+fn rounded(direction: Vector3, limit: f64) -> [f64; 3] {
     let unit = direction.try_normalize(0.0).unwrap_or(Vector3::z());
     let axis = unit.iamax();
     let mut rounded = [0.0; 3];
-    if unit[axis].abs() > ON_AXIS {
+    if unit[axis].abs() > limit {
         rounded[axis] = unit[axis].signum();
         return rounded;
     }

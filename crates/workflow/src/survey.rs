@@ -226,3 +226,80 @@ fn overlap(views: &mut [&mut ViewSurvey]) {
         view.overlap = Some(shared as f64 / view.surface.len().max(1) as f64);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{OpenScan, Settings};
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::sync::{Arc, Mutex, Weak};
+    use transect::Unwatched;
+    use transect_device::{ImageSize, Isometry3, RangeImage};
+    use transect_exchange::{
+        FramedImage, LoadView, OpenOptions, ReadError, ScanView, write_file, write_npy_image,
+    };
+    use transect_sensors::{Intrinsics, Pinhole};
+
+    const SIZE: ImageSize = ImageSize { rows: 40, cols: 50 };
+    const CAMERA: Intrinsics = Intrinsics { fx: 40.0, fy: 40.0, cx: 24.5, cy: 19.5 };
+
+    /// Makes views of a wall and notes how many of them were in memory at the same time.
+    #[derive(Debug, Default)]
+    struct Wall {
+        frames: Mutex<Vec<Weak<Pinhole>>>,
+        most: AtomicUsize,
+    }
+
+    impl LoadView for Wall {
+        fn load(&self, _: &mut Vec<String>) -> Result<FramedImage, ReadError> {
+            let frame = Arc::new(Pinhole::new(SIZE, CAMERA).unwrap());
+            let image = RangeImage::from_values(SIZE, vec![2.0; SIZE.pixels()]).unwrap();
+            let mut frames = self.frames.lock().unwrap();
+            frames.push(Arc::downgrade(&frame));
+            let alive = frames.iter().filter(|frame| frame.strong_count() > 0).count();
+            self.most.fetch_max(alive, Ordering::Relaxed);
+            Ok(FramedImage { frame, image })
+        }
+    }
+
+    /// A scan of 30 views of the wall.
+    fn scan(folder: &std::path::Path, wall: &Arc<Wall>) -> OpenScan {
+        let values = vec![2.0; SIZE.pixels()];
+        let image = folder.join("a.npy");
+        write_file(&image, |out| write_npy_image(SIZE, &values, out)).unwrap();
+        let manifest = r#"{ "unit": "m", "views": [ { "file": "a.npy", "sensor": "pinhole",
+            "fx": 40, "fy": 40, "cx": 24.5, "cy": 19.5,
+            "pose": [1, 0, 0, 0,  0, 1, 0, 0,  0, 0, 1, 0,  0, 0, 0, 1] } ] }"#;
+        std::fs::write(folder.join("scan.json"), manifest).unwrap();
+        let mut scan = OpenScan::open(folder, &OpenOptions::default()).unwrap();
+        let view = |k: usize| {
+            let place = Isometry3::translation(0.01 * k as f64, 0.0, 0.0);
+            ScanView::new(format!("view {k}"), image.clone(), place, wall.clone())
+        };
+        scan.scan.views = (0..30).map(view).collect();
+        scan
+    }
+
+    #[test]
+    fn each_thread_holds_one_view() {
+        let folder = tempfile::tempdir().unwrap();
+        let wall = Arc::new(Wall::default());
+        let mut scan = scan(folder.path(), &wall);
+        let two = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+        let numbers: Vec<usize> = (0..30).collect();
+        let surveyed = two.install(|| scan.survey(&numbers));
+        let most = || wall.most.swap(0, Ordering::Relaxed);
+        assert_eq!(surveyed.len(), 30);
+        assert!((1..=2).contains(&most()));
+        // All views see the same wall, up to the strip by which they are shifted.
+        let overlaps = surveyed.iter().flatten().map(|view| view.overlap.unwrap());
+        assert!(overlaps.clone().all(|share| share > 0.98), "{:?}", overlaps.collect::<Vec<_>>());
+        let mut settings = Settings::default();
+        settings.planes.normal = Some([1.0, 0.0, 0.1]);
+        two.install(|| {
+            scan.suggest_planes(&settings).unwrap();
+            scan.reconstruct(&settings, &Unwatched).unwrap();
+        });
+        // A thread that waits for a part of its view may begin another one.
+        assert!(most() <= 6, "views are dropped once their curves are found");
+    }
+}
