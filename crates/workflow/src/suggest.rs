@@ -87,15 +87,17 @@ fn plain_length(value: f64, unit: LengthUnit) -> String {
 }
 
 impl OpenScan {
-    /// Gives the scan planes if neither the settings nor the scan state them all. The note, which
-    /// the scan gets, too, tells the planes, their reason, and how to choose others.
+    /// Whether neither the settings nor the scan state all planes.
+    pub fn lacks_planes(&self, settings: &Settings) -> bool {
+        self.scan().planes.is_none() && !settings.planes.is_complete()
+    }
+
+    /// Gives the scan planes, as far as the settings leave them open. The returned note, which the
+    /// scan gets, too, tells the planes, their reason, and how to choose others.
     ///
     /// # Errors
     /// [`WorkflowError`] if a setting has no usable value or a view cannot be read.
-    pub fn suggest_planes(&mut self, settings: &Settings) -> Result<Option<String>, WorkflowError> {
-        if self.scan().planes.is_some() || settings.planes.is_complete() {
-            return Ok(None);
-        }
+    pub fn suggest_planes(&mut self, settings: &Settings) -> Result<String, WorkflowError> {
         let numbers = self.surveyed_for_planes();
         let views: Result<Vec<ViewSurvey>, _> = self.survey(&numbers).into_iter().collect();
         let suggestion = self.suggestion(&views?, &settings.planes)?;
@@ -106,7 +108,7 @@ impl OpenScan {
             suggestion.options()
         );
         self.set_planes(suggestion.planes, note.clone());
-        Ok(Some(note))
+        Ok(note)
     }
 
     /// The numbers of the views that a suggestion looks at.

@@ -92,9 +92,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let folder = ResultFolder::new(out);
     folder.claim(&scan.inputs(&settings, arguments.store.store.as_deref()))?;
     // A store has its planes.
-    if !arguments.store.store.as_ref().is_some_and(|store| store.exists()) {
-        let suggested = costs.stage("suggesting planes", || scan.suggest_planes(&settings))?;
-        suggested.iter().for_each(|note| eprintln!("note: {note}"));
+    let has_store = arguments.store.store.as_ref().is_some_and(|store| store.exists());
+    if !has_store && scan.lacks_planes(&settings) {
+        let note = costs.stage("suggesting planes", || scan.suggest_planes(&settings))?;
+        eprintln!("note: {note}");
     }
     let mut run = model(arguments, &scan, &settings)?;
     run.costs.begin_with(costs);

@@ -40,7 +40,7 @@ fn views_are_chosen_by_number_range_and_name() {
         ("--crop 2,1,,,,", "--crop: x runs from 2 m to 1 m; write x0 < x1"),
         ("--crop a,,,,,", "--crop: \"a\" is not a length"),
         ("--max-range far", "--max-range: \"far\" is not a length"),
-        ("--max-range 2 --store s", "--max-range: a store takes whole views"),
+        ("--max-range 20 --store s", "--max-range: a store takes whole views"),
     ] {
         folder.reconstruct(&format!("scan {options}")).failed_with(2, &["error: ", reason]);
     }
