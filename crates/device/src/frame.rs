@@ -175,6 +175,12 @@ pub trait DeviceFrame: std::fmt::Debug + Send + Sync {
         false
     }
 
+    /// The largest angle among the sensor's parameters, in radians, with its key in manifests, for
+    /// a check of its unit; `None` without angles whose range the sensor leaves open.
+    fn largest_angle(&self) -> Option<(&'static str, f64)> {
+        None
+    }
+
     /// The ray of a pixel; `None` outside the image, or where the sensor has no ray.
     fn ray(&self, pixel: Pixel) -> Option<Ray>;
 

@@ -150,6 +150,11 @@ impl DeviceFrame for ImagingRadar {
         (self.theta.step.abs() * self.size.cols as f64 - TAU).abs() < 0.5 * self.theta.step.abs()
     }
 
+    fn largest_angle(&self) -> Option<(&'static str, f64)> {
+        // The elevations are within ±90°.
+        Some(("theta0", self.theta.first))
+    }
+
     fn ray(&self, pixel: Pixel) -> Option<Ray> {
         Some(Ray { start: Point3::origin(), direction: self.direction(pixel)? })
     }

@@ -6,6 +6,8 @@
 //! [`Watch`](transect::Watch), and every failure is a [`WorkflowError`].
 //!
 //! * [`OpenScan`], [`Settings`], [`Run`], [`ResultFolder`]: from a scan to results;
+//! * [`Selection`]: the part of a scan that is used;
+//! * [`ViewSurvey`], [`Suggestion`]: what a scan holds, and section planes that fit it;
 //! * [`StoreFile`], [`ModelFile`]: models on disk, in a store or in a plain file;
 //! * [`score()`]: the accuracy of a model, against a mesh or the truth of a simulated scan;
 //! * [`simulation`]: a simulated scene as a scan folder;
@@ -63,10 +65,14 @@ mod plausible;
 mod report_file;
 mod results;
 mod run;
+mod samples;
 mod score;
+mod selection;
 mod settings;
 pub mod simulation;
 mod store_file;
+mod suggest;
+mod survey;
 pub mod table;
 mod views;
 
@@ -79,6 +85,9 @@ use report_file::ReportFile;
 pub use results::{ResultFolder, default_folder, find_model};
 pub use run::Run;
 pub use score::{Reference, Score, ScoreLimits, score, simulated_accuracy};
+pub use selection::Selection;
 pub use settings::{GuideSettings, PlaneSettings, Settings, parse_length};
 pub use store_file::{Replaced, Replacement, StoreFile, open_store, read_store, setup_of};
+pub use suggest::Suggestion;
+pub use survey::{SensorClass, ViewSurvey};
 pub use views::{FileView, OpenScan};

@@ -1,5 +1,6 @@
 //! `report.json`: the table of a run with everything needed to repeat it.
 
+use crate::Selection;
 use crate::views::OpenScan;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -20,6 +21,9 @@ pub struct ReportFile<'a> {
     /// Absolute path of the scan.
     scan: PathBuf,
     unit: &'static str,
+    /// The part of the scan that was used.
+    #[serde(skip_serializing_if = "Selection::is_whole")]
+    selection: &'a Selection,
     settings: Settings,
     inputs: Vec<Input>,
     warnings: Vec<String>,
@@ -70,6 +74,7 @@ impl<'a> ReportFile<'a> {
             version: env!("CARGO_PKG_VERSION"),
             scan: std::path::absolute(path).unwrap_or_else(|_| path.to_owned()),
             unit: scan.unit.symbol(),
+            selection: &opened.selection,
             settings: Settings {
                 normal: setup.planes.guide().direction(0.0).into(),
                 guide: setup.planes.guide().curved().cloned(),

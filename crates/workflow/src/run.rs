@@ -1,6 +1,7 @@
 //! From a scan on disk to a model, and from there to a result folder.
 
 use crate::score::{Reference, ScoreLimits, score};
+use crate::selection::Limits;
 use crate::settings::parse_length;
 use crate::store_file::{Grown, grow, origin, setup_of};
 use crate::table::{Row, digits};
@@ -73,6 +74,12 @@ impl OpenScan {
         settings: &Settings,
         watch: &dyn Watch,
     ) -> Result<Run<'_>, WorkflowError> {
+        if self.limits != Limits::default() {
+            let setting = if self.selection.crop.is_some() { "crop" } else { "max_range" };
+            let problem = "a store takes whole views, because replace-view reads them again from \
+                           the scan; leave out the option, or --store";
+            return Err(WorkflowError::setting(setting, problem));
+        }
         let (setup, note) = self.setup_for_store(store, settings)?;
         let splines = self.splines(settings)?;
         let views = self.views(prefix, settings.plausibility(&setup))?;
@@ -110,12 +117,12 @@ impl OpenScan {
     fn views(
         &self,
         prefix: &str,
-        plausibility: Plausibility,
+        mut plausibility: Plausibility,
     ) -> Result<Vec<FileView<'_>>, WorkflowError> {
-        plausibility.check_distances(self.scan())?;
+        plausibility.look_at(self.scan())?;
         let view = |view| {
             let view = origin(view, self.path(), plausibility.clone());
-            FileView { id: format!("{prefix}{}", view.id), ..view }
+            FileView { id: format!("{prefix}{}", view.id), limits: self.limits, ..view }
         };
         Ok(self.scan().views.iter().map(view).collect())
     }
@@ -169,7 +176,8 @@ impl Run<'_> {
             let write = || folder.write_splines(model, tolerance);
             rows.extend(costs.stage("fitting splines", write)?);
         }
-        if !matches!(self.truth, Reference::Nothing) {
+        // The truth counts what all views could see, so a part of them is not scored.
+        if self.scan.selection.is_whole() && !matches!(self.truth, Reference::Nothing) {
             let score = || score(model, &self.truth, &ScoreLimits::default());
             rows.extend(costs.stage("scoring", score)?.agreement);
         }

@@ -40,7 +40,8 @@ pub struct Settings {
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct PlaneSettings {
-    /// Normal of the planes in the world, of any length. Without it the scan's own, else (0, 0, 1).
+    /// Normal of the planes in the world, of any length. Without it the scan's own; see
+    /// [`OpenScan::suggest_planes`](crate::OpenScan::suggest_planes).
     pub normal: Option<[f64; 3]>,
     /// Curve that the planes are perpendicular to, instead of a normal.
     pub guide: Option<GuideSettings>,
@@ -97,7 +98,7 @@ impl Settings {
 
     pub(crate) fn plausibility(&self, setup: &Setup) -> Plausibility {
         let (interval, accepted) = (setup.planes.interval(), self.accept.clone());
-        Plausibility { interval, unit: setup.unit, accepted }
+        Plausibility { interval, unit: setup.unit, accepted, usual_spacing: None }
     }
 }
 
@@ -108,6 +109,19 @@ impl PlaneSettings {
         normal.is_none() && guide.is_none() && interval.is_none() && offset.is_none()
     }
 
+    /// Whether the planes need nothing else.
+    pub(crate) fn is_complete(&self) -> bool {
+        self.interval.is_some() && (self.normal.is_some() || self.guide.is_some())
+    }
+
+    /// The station of plane 0 and the distance between neighbouring planes, where they are given.
+    pub(crate) fn lengths(&self, unit: LengthUnit) -> Result<[Option<f64>; 2], WorkflowError> {
+        let length = |setting, text: &Option<String>| {
+            text.as_ref().map(|text| parse_length(unit, setting, text)).transpose()
+        };
+        Ok([length("offset", &self.offset)?, length("interval", &self.interval)?])
+    }
+
     /// The planes: these settings, completed by those of a scan or a store.
     fn family(
         &self,
@@ -115,17 +129,15 @@ impl PlaneSettings {
         own: Option<&PlanesEntry>,
     ) -> Result<PlaneFamily, WorkflowError> {
         let guide = self.guide(unit, own)?;
-        let length = |setting, text: &Option<String>, own: Option<f64>| match (text, own) {
-            (None, own) => Ok(own),
-            (Some(text), own) => {
-                let given = parse_length(unit, setting, text)?;
-                // "3in" and "7.62cm" are the same length, but for rounding.
-                let same = |own: &f64| (own - given).abs() <= 1e-12 * own.abs();
-                Ok::<_, WorkflowError>(own.filter(same).or(Some(given)))
-            }
+        let [offset, interval] = self.lengths(unit)?;
+        // "3in" and "7.62cm" are the same length, but for rounding.
+        let same = |own: f64, given: f64| (own - given).abs() <= 1e-12 * own.abs();
+        let complete = |given: Option<f64>, own: Option<f64>| match given {
+            Some(given) => own.filter(|own| same(*own, given)).or(Some(given)),
+            None => own,
         };
-        let interval = length("interval", &self.interval, own.map(|p| p.interval))?;
-        let offset = length("offset", &self.offset, own.map(|p| p.offset))?;
+        let interval = complete(interval, own.map(|p| p.interval));
+        let offset = complete(offset, own.map(|p| p.offset));
         let interval = interval.ok_or(WorkflowError::NoInterval)?;
         Ok(PlaneFamily::new(guide, offset.unwrap_or(0.0), interval)?)
     }
@@ -146,7 +158,7 @@ impl PlaneSettings {
 }
 
 impl GuideSettings {
-    fn read(&self, unit: LengthUnit) -> Result<Guide, WorkflowError> {
+    pub(crate) fn read(&self, unit: LengthUnit) -> Result<Guide, WorkflowError> {
         let length = |setting: &'static str, text: &Option<String>| {
             text.as_ref().map(|text| parse_length(unit, setting, text)).transpose()
         };

@@ -1,6 +1,7 @@
 //! Model stores on disk: opening one, growing it by a scan, removing and replacing its views.
 
 use crate::results::find_model;
+use crate::selection::Limits;
 use crate::{Check, FileView, Plausibility, WorkflowError};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -122,7 +123,8 @@ impl StoreFile {
         let view = view_of_scan(&scan, &scan_path, in_scan)?;
         let accepted = replacement.accept.clone();
         let interval = self.setup.planes.interval();
-        let plausibility = Plausibility { interval, unit: self.setup.unit, accepted };
+        let unit = self.setup.unit;
+        let plausibility = Plausibility { interval, unit, accepted, usual_spacing: None };
         let source = FileView {
             id: id.0.clone(),
             pose: replacement.pose,
@@ -250,7 +252,8 @@ pub(crate) fn origin<'a>(
 ) -> FileView<'a> {
     let absolute = std::path::absolute(scan).unwrap_or_else(|_| scan.to_owned());
     let origin = absolute.display().to_string();
-    FileView { view, id: view.name().to_owned(), origin, pose: None, plausibility }
+    let (id, limits) = (view.name().to_owned(), Limits::default());
+    FileView { view, id, origin, pose: None, limits, plausibility }
 }
 
 fn view_of_scan<'a>(

@@ -1,16 +1,19 @@
 //! A scan on disk, and its views in the form that the modeler takes.
 
-use crate::{Plausibility, WorkflowError};
+use crate::selection::Limits;
+use crate::{Plausibility, Selection, WorkflowError};
 use std::path::{Path, PathBuf};
 use transect::{LoadedView, SourceError, ViewSource};
-use transect_exchange::{OpenOptions, Scan, ScanView};
+use transect_exchange::{OpenOptions, PlanesEntry, Scan, ScanView};
 use transect_geometry::Isometry3;
 
 /// A scan on disk. Its small files are read, its images are not.
 #[derive(Debug, Clone)]
 pub struct OpenScan {
-    path: PathBuf,
-    scan: Scan,
+    pub(crate) path: PathBuf,
+    pub(crate) scan: Scan,
+    pub(crate) selection: Selection,
+    pub(crate) limits: Limits,
 }
 
 impl OpenScan {
@@ -22,7 +25,7 @@ impl OpenScan {
     pub fn open(path: impl Into<PathBuf>, options: &OpenOptions) -> Result<Self, WorkflowError> {
         let path = path.into();
         let scan = Scan::open_with(&path, options)?;
-        Ok(Self { path, scan })
+        Ok(Self { path, scan, selection: Selection::default(), limits: Limits::default() })
     }
 
     /// Its contents.
@@ -33,6 +36,12 @@ impl OpenScan {
     /// Where it is.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Gives the scan planes, as if its files stated them, and tells so.
+    pub(crate) fn set_planes(&mut self, planes: PlanesEntry, note: String) {
+        self.scan.planes = Some(planes);
+        self.scan.notes.push(note);
     }
 }
 
@@ -47,6 +56,8 @@ pub struct FileView<'a> {
     pub origin: String,
     /// A pose in place of the scan's own.
     pub pose: Option<Isometry3>,
+    /// The limits of its points.
+    pub(crate) limits: Limits,
     /// The checks that it must pass.
     pub plausibility: Plausibility,
 }
@@ -70,6 +81,7 @@ impl ViewSource for FileView<'_> {
             Some(pose) => view.with_pose(*pose)?,
             None => view,
         };
+        let view = self.limits.apply(view)?;
         self.plausibility.check_view(&view)?;
         Ok(LoadedView { view, notes })
     }

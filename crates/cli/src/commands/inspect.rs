@@ -3,14 +3,10 @@
 use super::inspect_model;
 use super::scan::ScanArguments;
 use crate::failure::Failure;
-use crate::table::{Lengths, Row, digits, length, print};
-use rayon::prelude::*;
+use crate::table::{Lengths, Row, digits, length, print, print_grid, say};
 use std::path::PathBuf;
-use transect_device::{Pixel, Point3, View};
-use transect_exchange::{Scan, ScanView};
-use transect_geometry::LengthUnit;
-use transect_image::estimate_sigma;
-use transect_workflow::{is_model, with_causes};
+use transect_geometry::{LengthUnit, Point3};
+use transect_workflow::{OpenScan, PlaneSettings, ViewSurvey, is_model, with_causes};
 
 /// Options of `inspect`.
 #[derive(Debug, clap::Args)]
@@ -27,36 +23,42 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if is_model(&arguments.scan) {
         return inspect_model::run(&arguments.scan);
     }
-    let scan = Scan::open_with(&arguments.scan, &arguments.open.options())?;
-    let loaded: Vec<_> = scan.views.par_iter().map(ScanView::load).collect();
-    scan.notes.iter().for_each(|n| eprintln!("note: {n}"));
-    let mut rows = scan_rows(&scan);
-    let mut corners: Option<(Point3, Point3)> = None;
-    let mut failures = Vec::new();
-    for (source, loaded) in scan.views.iter().zip(&loaded) {
-        match loaded {
-            Ok((view, notes)) => {
-                notes.iter().for_each(|n| eprintln!("note: {n}"));
-                rows.push(view_row(view, scan.unit));
-                corners = around(corners, view);
-            }
-            Err(error) => failures.push(format!("view {}: {}", source.name(), with_causes(error))),
+    let scan = arguments.open.open(&arguments.scan)?;
+    let numbers: Vec<usize> = (0..scan.scan().views.len()).collect();
+    let (mut views, mut failures) = (Vec::new(), Vec::new());
+    for (number, surveyed) in numbers.iter().zip(scan.survey(&numbers)) {
+        match surveyed {
+            Ok(view) => views.push((*number, view)),
+            Err(error) => failures.push(with_causes(&error)),
         }
     }
-    rows.extend(corners.into_iter().flat_map(|c| extent_rows(c, scan.unit)));
-    print(&rows);
+    let notes = views.iter().flat_map(|(_, view)| &view.notes);
+    notes.for_each(|note| eprintln!("note: {note}"));
+    print(&scan_rows(&scan, &views));
+    if !views.is_empty() {
+        say("");
+        print_views(&views, scan.scan().unit);
+        say(&format!("\nreconstruct it: {}", command(&scan, &views)?));
+    }
     // Every bad view is named, not only the first.
     if failures.is_empty() { Ok(()) } else { Err(Failure::Failed(failures.join("\n").into())) }
 }
 
-fn scan_rows(scan: &Scan) -> Vec<Row> {
-    let mut rows =
-        vec![Row::new("scan", scan.name.clone(), ""), Row::plain("views", scan.views.len())];
+fn scan_rows(opened: &OpenScan, views: &[(usize, ViewSurvey)]) -> Vec<Row> {
+    let (scan, unit) = (opened.scan(), opened.scan().unit);
+    let mut rows = vec![
+        Row::new("scan", scan.name.clone(), ""),
+        Row::new("unit", unit.symbol(), ""),
+        Row::plain("views", scan.views.len()),
+    ];
     if let Some(planes) = &scan.planes {
         rows.push(Row::new("planes, normal", planes.normal.map(digits).join(", "), ""));
-        rows.push(Row::length("planes, offset", planes.offset, scan.unit));
-        rows.push(Row::length("planes, interval", planes.interval, scan.unit));
+        rows.push(Row::length("planes, offset", planes.offset, unit));
+        rows.push(Row::length("planes, interval", planes.interval, unit));
     }
+    let corners = views.iter().map(|(_, view)| view.corners);
+    let extent = corners.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)));
+    rows.extend(extent.into_iter().flat_map(|corners| extent_rows(corners, unit)));
     rows
 }
 
@@ -69,31 +71,76 @@ fn extent_rows((low, high): (Point3, Point3), unit: LengthUnit) -> [Row; 3] {
     [row("x", low.x, high.x), row("y", low.y, high.y), row("z", low.z, high.z)]
 }
 
-fn view_row(view: &View, unit: LengthUnit) -> Row {
-    let (image, size) = (view.image(), view.image().size());
-    let valid = 100.0 * image.valid_count() as f64 / size.pixels() as f64;
-    let (near, far) = image.extremes().unwrap_or((f32::NAN, f32::NAN));
-    let (sigma, how) = match view.sigma() {
-        Some(sigma) => (sigma, "given"),
-        None => (estimate_sigma(view), "estimated"),
+/// One line per view.
+fn print_views(views: &[(usize, ViewSurvey)], unit: LengthUnit) {
+    let farthest = views.iter().map(|(_, view)| view.range[2]).fold(0.0, f64::max);
+    let origins = views.iter().map(|(_, v)| v.world_from_sensor.translation.vector.amax());
+    let (ranges, places) =
+        (Lengths::new(unit, farthest), Lengths::new(unit, origins.fold(0.0, f64::max)));
+    let heads = [
+        "number",
+        "view",
+        "sensor",
+        "rows × columns",
+        "missing, %",
+        &format!("nearest, median, farthest, {}", ranges.unit),
+        "pixel spacing",
+        "noise",
+        "seen by others, %",
+        &format!("sensor at, {}", places.unit),
+        "looking along",
+    ];
+    let line = |(number, view): &(usize, ViewSurvey)| {
+        let missing = 100.0 * (1.0 - view.valid as f64 / view.size.pixels() as f64);
+        let spacing = view.spacing.map(|both| both.map(|one| length(one, unit)).join(" × "));
+        let how = if view.sigma_given { "stated" } else { "estimated" };
+        let [x, y, z] = (view.world_from_sensor.translation.vector).into();
+        let sight = <[f64; 3]>::from(view.sight).map(|c| format!("{:.2}", c + 0.0));
+        vec![
+            number.to_string(),
+            view.name.clone(),
+            format!("{}, {}", view.frame, view.sensor.name()),
+            format!("{} × {}", view.size.rows, view.size.cols),
+            format!("{missing:.1}"),
+            view.range.map(|range| ranges.digits(range, 1)).join(", "),
+            spacing.unwrap_or_default(),
+            format!("{} {how}", length(view.sigma, unit)),
+            view.overlap.map_or(String::new(), |share| format!("{:.0}", 100.0 * share)),
+            places.place(&Point3::new(x, y, z)),
+            sight.join(", "),
+        ]
     };
-    let value = format!(
-        "{size}, {valid:.1} % valid, values {} to {}, noise {} {how}",
-        digits(f64::from(near)),
-        digits(f64::from(far)),
-        length(sigma, unit)
-    );
-    Row::new(format!("view {}", view.name()), value, "")
+    print_grid(&heads, &views.iter().map(line).collect::<Vec<_>>());
 }
 
-/// The box around all points so far, in the world.
-fn around(corners: Option<(Point3, Point3)>, view: &View) -> Option<(Point3, Point3)> {
-    let size = view.image().size();
-    let pixels = (0..size.rows).flat_map(|row| (0..size.cols).map(move |col| Pixel::new(row, col)));
-    let points =
-        pixels.filter_map(|p| view.point_in_sensor(p)).map(|p| view.world_from_sensor() * p);
-    points.fold(corners, |corners, p| {
-        let (low, high) = corners.unwrap_or((p, p));
-        Some((low.inf(&p), high.sup(&p)))
-    })
+/// The command that reconstructs the scan as it was inspected, with suggested planes if the scan
+/// states none. The reason for them is printed before.
+fn command(scan: &OpenScan, views: &[(usize, ViewSurvey)]) -> Result<String, Failure> {
+    let mut words: Vec<String> = std::env::args().skip(1).collect();
+    if let Some(command) = words.iter_mut().find(|word| *word == "inspect") {
+        *command = "reconstruct".to_owned();
+    }
+    let mut command =
+        format!("transect {}", words.iter().map(|w| quoted(w)).collect::<Vec<_>>().join(" "));
+    if scan.scan().planes.is_none() {
+        let wanted = scan.surveyed_for_planes();
+        let of_plane = views.iter().filter(|(number, _)| wanted.contains(number));
+        let surveyed: Vec<ViewSurvey> = of_plane.map(|(_, view)| view.clone()).collect();
+        let suggestion = scan.suggestion(&surveyed, &PlaneSettings::default())?;
+        let reason = suggestion.reason.unwrap_or_default();
+        say(&format!("\nsuggested planes: {}", suggestion.options()));
+        say(&format!("the normal is {reason}"));
+        command = format!("{command} {}", suggestion.options());
+    }
+    Ok(command)
+}
+
+/// A word as a shell reads it.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=+:@%".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    }
 }

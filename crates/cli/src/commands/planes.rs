@@ -13,7 +13,7 @@ use transect_workflow::{Check, GuideSettings, PlaneSettings};
 )]
 pub struct PlaneArguments {
     /// Normal of the planes in the world, as X,Y,Z of any length [default: the scan's own, else
-    /// 0,0,1].
+    /// suggested from its points].
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     normal: Option<String>,
     /// Curve that the planes are perpendicular to, instead of a normal: .csv, .geojson or .dxf; see
@@ -30,10 +30,10 @@ pub struct PlaneArguments {
     /// Distance from the guide that is to be covered; an error if planes cross within it.
     #[arg(long, value_name = "LENGTH", requires = "guide")]
     guide_reach: Option<String>,
-    /// Distance between neighbouring planes [default: the scan's own].
+    /// Distance between neighbouring planes [default: the scan's own, else suggested].
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     interval: Option<String>,
-    /// Station of plane 0 [default: the scan's own, else 0].
+    /// Station of plane 0 [default: the scan's own, else suggested with them, else 0].
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     offset: Option<String>,
 }

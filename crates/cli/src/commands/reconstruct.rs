@@ -89,13 +89,17 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(path) => path.clone(),
         None => costs.stage("simulating", || bundled_scan(arguments))?,
     };
-    let scan = OpenScan::open(path, &arguments.open.options())?;
-    // Before anything can fail: a note may be the reason.
-    scan.scan().notes.iter().for_each(|note| eprintln!("note: {note}"));
+    let mut scan = arguments.open.open(&path)?;
     let settings = arguments.settings()?;
     let out = arguments.out.clone().unwrap_or_else(|| default_folder(&scan.scan().name));
     let folder = ResultFolder::new(out);
     folder.claim(&scan.inputs(&settings, arguments.store.store.as_deref()))?;
+    // A store has its planes.
+    let has_store = arguments.store.store.as_ref().is_some_and(|store| store.exists());
+    if !has_store && scan.lacks_planes(&settings) {
+        let note = costs.stage("suggesting planes", || scan.suggest_planes(&settings))?;
+        eprintln!("note: {note}");
+    }
     let mut run = model(arguments, &scan, &settings)?;
     run.costs.begin_with(costs);
     let rows = run.write(&folder)?;

@@ -1,9 +1,11 @@
-//! Options that say how a scan is opened.
+//! Options that say how a scan is opened, and which part of it is used.
 
-use std::path::PathBuf;
+use crate::failure::Failure;
+use std::path::{Path, PathBuf};
 use transect_device::ImageSize;
 use transect_exchange::{CameraOption, OpenOptions};
 use transect_geometry::LengthUnit;
+use transect_workflow::{OpenScan, Selection};
 
 /// How a scan is opened.
 #[derive(Debug, clap::Args)]
@@ -22,6 +24,26 @@ pub struct ScanArguments {
     rings: Option<usize>,
     #[command(flatten)]
     depth: DepthArguments,
+    #[command(flatten)]
+    part: PartArguments,
+}
+
+/// The part of a scan that is used.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Part of the scan")]
+struct PartArguments {
+    /// Use these views only: numbers from 0, ranges of numbers and names, such as 3-7,12.
+    #[arg(long, value_name = "LIST")]
+    views: Option<String>,
+    /// Use the first view and every NUMBERth after it.
+    #[arg(long, value_name = "NUMBER")]
+    every: Option<usize>,
+    /// Leave out points outside a box in the world; an empty length leaves its side open.
+    #[arg(long, value_name = "X0,X1,Y0,Y1,Z0,Z1", allow_hyphen_values = true)]
+    crop: Option<String>,
+    /// Leave out points farther than this from their sensor.
+    #[arg(long, value_name = "LENGTH")]
+    max_range: Option<String>,
 }
 
 /// What the caller says in place of the files of a folder of depth images.
@@ -52,8 +74,21 @@ fn grid(text: &str) -> Result<ImageSize, String> {
 }
 
 impl ScanArguments {
+    /// Opens the part of a scan that the arguments name.
+    pub fn open(&self, path: &Path) -> Result<OpenScan, Failure> {
+        let mut selection = Selection::default();
+        selection.views.clone_from(&self.part.views);
+        selection.every = self.part.every;
+        selection.crop.clone_from(&self.part.crop);
+        selection.max_range.clone_from(&self.part.max_range);
+        let scan = OpenScan::open(path, &self.options())?.select(&selection)?;
+        // Before anything can fail: a note may be the reason.
+        scan.scan().notes.iter().for_each(|note| eprintln!("note: {note}"));
+        Ok(scan)
+    }
+
     /// The options that the arguments stand for.
-    pub fn options(&self) -> OpenOptions {
+    fn options(&self) -> OpenOptions {
         let mut options = self.depth.options();
         (options.unit, options.skip_missing) = (self.unit, self.skip_missing);
         (options.grid, options.rings) = (self.grid, self.rings);

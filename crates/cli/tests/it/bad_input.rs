@@ -232,7 +232,8 @@ const AT_ORIGIN: &str = "0 0 0 0 0 0 1";
 
 #[test]
 fn spoiled_range_grids_are_refused_with_file_and_place() {
-    let planes = "slope.conf --interval 0.5 --offset 0.25 --normal 1,0,0";
+    // Its pixels are a metre apart.
+    let planes = "slope.conf --interval 0.5 --offset 0.25 --normal 1,0,0 --accept extent";
     // So small a grid has no curve that is long enough to keep.
     grid_scan(GRID, AT_ORIGIN).run("inspect slope.conf").succeeded();
     refused(&grid_scan(GRID, AT_ORIGIN), planes, &["the model is empty", "18 nodes of 1 views"]);

@@ -63,6 +63,9 @@ fn lengths_are_printed_in_the_unit_that_was_asked_for() {
         ("evaluate out", " mm\n"),
     ] {
         let said = folder.run(&format!("--output-unit mm {line}")).succeeded().stdout;
+        // The unit of the scan's files stays.
+        let said: String =
+            said.lines().filter(|l| !l.starts_with("unit ")).map(|l| format!("{l}\n")).collect();
         assert!(said.contains(text) && !said.contains(" m\n"), "{line}: {said}");
     }
     folder.run("inspect out --output-unit furlong").failed_with(2, &["furlong"]);
@@ -331,15 +334,19 @@ fn inspection_has_a_row_for_every_view() {
     let folder = Folder::simulated("objects.scene.toml");
     let run = folder.run("inspect scan").succeeded();
     assert_eq!((run.value("views"), run.stderr.as_str()), ("4".to_owned(), ""));
-    for (view, size) in [
-        ("view range_000.npy", "90 rows × 120 columns"),
-        ("view range_001.npy", "90 rows × 120 columns"),
-        ("view range_002.npy", "100 rows × 120 columns"),
-        ("view range_003.npy", "100 rows × 120 columns"),
-    ] {
-        let row = run.table().into_iter().find(|r| r.metric == view).unwrap();
-        assert!(row.value.starts_with(size) && row.value.contains("valid"), "{row:?}");
+    for (number, rows) in [(0, 90), (1, 90), (2, 100), (3, 100)] {
+        let name = format!("range_00{number}.npy");
+        let line = run.stdout.lines().find(|line| line.contains(&name)).unwrap();
+        let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
+        assert_eq!((cells[0], cells[3]), (&*number.to_string(), &*format!("{rows} × 120")));
+        let numbers = |k: usize| cells[k].split(", ").map(|n| n.parse::<f64>().unwrap());
+        assert!(numbers(5).is_sorted() && numbers(5).count() == 3, "{line}");
+        assert!(cells[7].ends_with(" mm stated") && cells[6].contains(" × "), "{line}");
+        let seen: f64 = cells[8].parse().unwrap();
+        assert!((30.0..=100.0).contains(&seen), "{line}");
+        assert_eq!((numbers(9).count(), numbers(10).count()), (3, 3), "{line}");
     }
+    assert!(run.stdout.ends_with("reconstruct it: transect reconstruct scan\n"), "{}", run.stdout);
 }
 
 #[test]
@@ -433,14 +440,34 @@ fn planes_are_refined_and_the_report_says_where() {
 }
 
 #[test]
-fn a_scan_without_planes_asks_for_an_interval() {
+fn a_scan_without_planes_gets_suggested_ones_and_says_so() {
     let folder = Folder::simulated("objects.scene.toml");
     folder.edit_json("scan/scan.json", "scan/bare.json", |manifest| {
         manifest.as_object_mut().unwrap().remove("planes");
     });
-    let run = folder.reconstruct("scan/bare.json");
-    run.failed_with(2, &["does not say how far apart the planes are", "--interval 10mm"]);
-    folder.reconstruct("scan/bare.json --interval 8cm --offset 13.7mm").succeeded();
+    let run = folder.reconstruct("scan/bare.json").succeeded();
+    let [note] = run.told("note: ")[..] else { panic!("{}", run.stderr) };
+    let (_, planes) = note.split_once("suggested planes are used: ").unwrap();
+    let (planes, how) = planes.split_once(". ").unwrap();
+    assert!(planes.starts_with("--normal 0,0,1 --offset "), "{note}");
+    assert!(how.contains("Pass --normal X,Y,Z, --offset LENGTH and --interval LENGTH"), "{note}");
+    // The objects are a metre high, and neighbouring rows are some 40 mm apart on them.
+    assert!((8.0..=11.0).contains(&run.number("planes with curves")), "{}", run.stdout);
+    let report = folder.json("out/report.json");
+    assert!(list(&report, "reader_notes").iter().any(|n| note.contains(n.as_str().unwrap())));
+    // The suggestion is the command that inspect proposes, and has the same result.
+    let curves = folder.bytes("out/contours.json");
+    let inspected = folder.run("inspect scan/bare.json").succeeded();
+    let (_, command) = inspected.stdout.split_once("reconstruct it: transect ").unwrap();
+    assert_eq!(command.trim_end(), format!("reconstruct scan/bare.json {planes}"));
+    let asked = folder.run(&format!("{} --out asked --quiet", command.trim_end())).succeeded();
+    assert_eq!(asked.stderr, "");
+    assert!(folder.bytes("asked/contours.json") == curves);
+    // What is given stays, and is completed.
+    let given = folder.reconstruct("scan/bare.json --interval 8cm --offset 13.7mm").succeeded();
+    assert!(given.stderr.contains("--normal 0,0,1 --offset"), "{}", given.stderr);
+    let settings = folder.json("out/report.json")["settings"].clone();
+    assert_eq!((&settings["interval"], &settings["offset"]), (&0.08.into(), &0.0137.into()));
 }
 
 #[test]

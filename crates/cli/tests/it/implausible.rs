@@ -16,8 +16,14 @@ fn implausible_scans_are_stopped_before_the_work_and_can_be_accepted() {
                 m["views"][0]["file"] = "wall.png".into();
                 m["views"][0]["depth_scale"] = json!(1.0);
             },
-            "planes",
+            "planes --accept extent",
             &["view wall.png", "planes lie between neighbouring pixels", "\"scale\""],
+        ),
+        // Angles whose range the sensor leaves open; degrees in the place of radians.
+        (
+            |m| m["views"][0] = turning(-57.0),
+            "angles",
+            &["view wall.npy", "theta0 = -57 rad", "full circle", "multiply it by π/180"],
         ),
         (
             |m| m["views"][0]["file"] = "holes.npy".into(),
@@ -46,7 +52,8 @@ fn implausible_scans_are_stopped_before_the_work_and_can_be_accepted() {
             holes[k] = 1.0 + 0.1 * (k % 2) as f32;
         }
         folder.write("holes.npy", npy(&holes));
-        refused(&folder, "scan.json", &[&format!("pass --accept {check}")]);
+        let first = check.split(' ').next().unwrap();
+        refused(&folder, "scan.json", &[&format!("pass --accept {first}")]);
         refused(&folder, "scan.json", texts);
         let accepted = folder.reconstruct(&format!("scan.json --accept {check}"));
         assert!(!accepted.stderr.contains("--accept"), "{check}: {}", accepted.stderr);
@@ -90,6 +97,74 @@ fn coordinates_that_their_number_type_does_not_resolve_are_stopped() {
     refused(&folder, "far.json", &["far.npy", "32-bit", "subtract an offset", "resolution"]);
     folder.reconstruct("near.json").succeeded();
     folder.reconstruct("double.json").succeeded();
+}
+
+/// A turning scanner's view of the wall, whose first column looks along an angle.
+fn turning(theta0: f64) -> Value {
+    json!({
+        "file": "wall.npy", "sensor": "spherical",
+        "theta0": theta0, "dtheta": 0.02, "phi0": -0.1, "dphi": 0.02,
+        "pose": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]
+    })
+}
+
+/// Depths in millimetres that are declared as metres, on planes that fit them.
+#[test]
+fn pixels_metres_apart_are_told_to_be_in_another_unit() {
+    let mut manifest = manifest();
+    manifest["views"][0]["file"] = "wall.png".into();
+    manifest["views"][0]["depth_scale"] = json!(1.0);
+    manifest["planes"]["interval"] = json!(200);
+    let folder = scan_of(&manifest);
+    let texts =
+        ["view wall.png", "pixels are 125.0000 m apart", "at most 0.5 m", "pass --accept extent"];
+    refused(&folder, "scan.json", &texts);
+    folder.reconstruct("scan.json --accept extent").succeeded();
+}
+
+/// One view in millimetres among views in metres. Its few planes make it look sound.
+#[test]
+fn a_view_of_another_scale_is_named() {
+    let mut manifest = manifest();
+    for (file, scale) in [("small.png", 1e-6), ("third.png", 0.001)] {
+        let mut view = manifest["views"][0].clone();
+        view["file"] = file.into();
+        view["depth_scale"] = json!(scale);
+        manifest["views"].as_array_mut().unwrap().push(view);
+    }
+    let folder = scan_of(&manifest);
+    for file in ["small.png", "third.png"] {
+        folder.write(file, super::bad_input::png());
+    }
+    let texts = ["view small.png", "differ by a factor of 1000", "pass --accept extent"];
+    refused(&folder, "scan.json", &texts);
+    let accepted = folder.reconstruct("scan.json --accept extent");
+    assert!(!accepted.stderr.contains("--accept"), "{}", accepted.stderr);
+}
+
+/// The tilt of a lookup table in degrees, and the fan of a light stripe, which is limited anyway.
+#[test]
+fn angles_of_other_sensors_in_degrees_are_told_to_be_radians() {
+    for (sensor, key, texts) in [
+        ("lookup_table", "tilt", ["tilt = 30 rad", "full circle", "--accept angles"]),
+        ("light_stripe", "fan_angle", ["fan_angle = 30", "between 0 and π", "in radians"]),
+    ] {
+        let folder = Folder::empty();
+        let scene = super::common::fixture("thin_sheet.scene.toml");
+        let line = format!("simulate {} --sensor {sensor} --views 2 --out scan", scene.display());
+        folder.run(&line).succeeded();
+        folder.edit_json("scan/scan.json", "scan/degrees.json", |manifest| {
+            for view in manifest["views"].as_array_mut().unwrap() {
+                assert!(view[key].is_number(), "{view}");
+                view[key] = json!(30.0);
+            }
+        });
+        refused(&folder, "scan/degrees.json", &texts);
+        if sensor == "lookup_table" {
+            let accepted = folder.reconstruct("scan/degrees.json --accept angles");
+            assert!(!accepted.stderr.contains("--accept"), "{}", accepted.stderr);
+        }
+    }
 }
 
 /// Degrees in the place of radians.

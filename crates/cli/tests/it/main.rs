@@ -16,5 +16,6 @@ mod implausible;
 mod launcher;
 mod outputs;
 mod real_scans;
+mod selection;
 mod sensors;
 mod store;

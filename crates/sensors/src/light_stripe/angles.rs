@@ -46,7 +46,7 @@ impl LaserAngles {
             return bad(0.0, "at least one angle");
         }
         if let Some(&angle) = self.radians.iter().find(|a| !(**a > 0.0 && **a < PI)) {
-            return bad(angle, "angles between 0 and π");
+            return bad(angle, "angles between 0 and π, in radians");
         }
         let ascending = self.ascending();
         for (&before, &angle) in self.radians.iter().zip(self.radians.iter().skip(1)) {

@@ -143,7 +143,7 @@ impl LightStripeParameters {
         let mirror = self.mirror_face;
         require("mirror_face", mirror, mirror >= 0.0, "a length of at least 0")?;
         let opens = self.fan_angle > 0.0 && self.fan_angle < PI;
-        require("fan_angle", self.fan_angle, opens, "an angle between 0 and π")?;
+        require("fan_angle", self.fan_angle, opens, "an angle between 0 and π, in radians")?;
         let (rows, cols) = (self.camera_rows as f64, self.camera_cols as f64);
         require("camera_rows", rows, rows > 0.0, "at least one row")?;
         require("camera_cols", cols, cols > 0.0, "at least one column")?;

@@ -298,8 +298,8 @@ fn bad_parameters_are_named() {
         message(|p| p.theta_laser = LaserAngles::from_radians(list))
     };
     assert_eq!(angles(&[]), "theta_laser = 0: at least one angle");
-    assert_eq!(angles(&[1.0, 3.5]), "theta_laser = 3.5: angles between 0 and π");
-    assert_eq!(angles(&[0.0, 1.0]), "theta_laser = 0: angles between 0 and π");
+    assert_eq!(angles(&[1.0, 3.5]), "theta_laser = 3.5: angles between 0 and π, in radians");
+    assert_eq!(angles(&[0.0, 1.0]), "theta_laser = 0: angles between 0 and π, in radians");
     assert!(angles(&[1.0, f64::NAN]).starts_with("theta_laser = NaN"));
     let unsorted = "theta_laser = 1.05: angles that all increase or all decrease";
     assert_eq!(angles(&[1.0, 1.1, 1.05, 1.2]), unsorted);

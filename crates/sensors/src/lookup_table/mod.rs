@@ -83,6 +83,7 @@ pub struct Viewpoints {
 pub struct LookupTable {
     field: DigitizedField,
     rows: LinearSteps,
+    mounting: Mounting,
     axes: Axes,
     viewpoints: Option<Viewpoints>,
 }
@@ -98,7 +99,8 @@ impl LookupTable {
         rows: LinearSteps,
         mounting: Mounting,
     ) -> Result<Self, SensorError> {
-        Ok(Self { field, rows: rows.checked()?, axes: mounting.axes()?, viewpoints: None })
+        let (rows, axes) = (rows.checked()?, mounting.axes()?);
+        Ok(Self { field, rows, mounting, axes, viewpoints: None })
     }
 
     /// The same scanner, with the places of its mirrors.
@@ -177,6 +179,10 @@ impl DeviceFrame for LookupTable {
         // is a quarter turn from u to v off the ray, so (a, b) × linear · ray has this sign.
         let quarter_turn = self.axes.v.cross(&self.axes.linear).dot(&self.axes.u);
         Handedness::of(quarter_turn * self.field.turn() * self.rows.step())
+    }
+
+    fn largest_angle(&self) -> Option<(&'static str, f64)> {
+        Some(("tilt", self.mounting.tilt_rad))
     }
 
     fn ray(&self, pixel: Pixel) -> Option<Ray> {

@@ -22,7 +22,7 @@ pub enum ScanPlane {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mounting {
     plane: ScanPlane,
-    tilt_rad: f64,
+    pub(super) tilt_rad: f64,
 }
 
 impl Mounting {

@@ -18,7 +18,7 @@ use transect_model::{Model, store::Store};
 pub type Target = fn(&Path, &[u8]) -> Result<(), String>;
 
 /// Every reader with the name of its folder in the corpus.
-pub const TARGETS: [(&str, Target); 29] = [
+pub const TARGETS: [(&str, Target); 30] = [
     ("calibration", |folder, bytes| read(folder, "a.csv", bytes, read_calibration)),
     ("cloud_poses", |folder, bytes| {
         let clouds = folder.join("clouds");

@@ -1,0 +1,189 @@
+//! The part of a scan that is used: some of its views, and their points within some limits.
+
+use crate::settings::parse_length;
+use crate::{OpenScan, WorkflowError};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::ops::RangeInclusive;
+use transect_device::{RangeImage, View, ViewError};
+use transect_exchange::{Scan, ScanView};
+use transect_geometry::LengthUnit;
+
+/// The part of a scan that is used, as a user gives it. Without anything it is the whole scan.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Selection {
+    /// Views by number from 0, by range of numbers or by name, with commas between them: `3-7,12`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub views: Option<String>,
+    /// Of these views, the first one and every so many further on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub every: Option<usize>,
+    /// A box in the world, x0,x1,y0,y1,z0,z1, as lengths. An empty one leaves its side open. Points
+    /// outside are left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crop: Option<String>,
+    /// Points farther than this length from the start of their ray are left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_range: Option<String>,
+}
+
+/// Limits of the points that are used, in the scan's unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Limits {
+    low: [f64; 3],
+    high: [f64; 3],
+    max_range: f64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        let far = f64::INFINITY;
+        Self { low: [-far; 3], high: [far; 3], max_range: far }
+    }
+}
+
+impl Limits {
+    /// The view without its points beyond the limits; their pixels are missing.
+    ///
+    /// # Errors
+    /// [`ViewError::NoValidPixel`] if no point is left.
+    pub fn apply(&self, view: View) -> Result<View, ViewError> {
+        if *self == Self::default() {
+            return Ok(view);
+        }
+        let size = view.image().size();
+        let value = |pixel| {
+            let value = view.image().get(pixel)?;
+            let point = view.point_in_sensor(pixel)?;
+            let range = (point - view.frame().ray(pixel)?.start).norm();
+            let world = view.world_from_sensor() * point;
+            let inside = (0..3).all(|k| (self.low[k]..=self.high[k]).contains(&world[k]));
+            (inside && range <= self.max_range).then_some(value)
+        };
+        let values = size.all_pixels().map(|pixel| value(pixel).unwrap_or(f32::NAN)).collect();
+        let image = RangeImage::from_values(size, values).map_err(|_| ViewError::NoValidPixel)?;
+        view.with_image(image)
+    }
+}
+
+impl Selection {
+    /// Whether it is the whole scan.
+    pub(crate) fn is_whole(&self) -> bool {
+        *self == Self::default()
+    }
+
+    fn limits(&self, unit: LengthUnit) -> Result<Limits, WorkflowError> {
+        let mut limits = Limits::default();
+        if let Some(text) = &self.max_range {
+            limits.max_range = parse_length(unit, "max_range", text)?;
+        }
+        let Some(text) = &self.crop else { return Ok(limits) };
+        let sides: Vec<&str> = text.split(',').map(str::trim).collect();
+        if sides.len() != 6 {
+            let problem = format!("{text:?} has {} lengths; write x0,x1,y0,y1,z0,z1", sides.len());
+            return Err(WorkflowError::setting("crop", problem));
+        }
+        for (k, side) in sides.iter().enumerate().filter(|(_, side)| !side.is_empty()) {
+            let bounds = if k % 2 == 0 { &mut limits.low } else { &mut limits.high };
+            bounds[k / 2] = parse_length(unit, "crop", side)?;
+        }
+        if let Some(k) = (0..3).find(|&k| limits.low[k] >= limits.high[k]) {
+            let (low, high, axis) = (limits.low[k], limits.high[k], ["x", "y", "z"][k]);
+            let problem =
+                format!("{axis} runs from {low} {unit} to {high} {unit}; write {axis}0 < {axis}1");
+            return Err(WorkflowError::setting("crop", problem));
+        }
+        Ok(limits)
+    }
+
+    /// The numbers of the views, in the order of the scan.
+    fn numbers(&self, scan: &Scan) -> Result<Vec<usize>, WorkflowError> {
+        let every = self.every.unwrap_or(1);
+        if every == 0 {
+            return Err(WorkflowError::setting("every", "0 selects no view; write 1 or more"));
+        }
+        let Some(text) = &self.views else {
+            return Ok((0..scan.views.len()).step_by(every).collect());
+        };
+        let mut chosen = vec![false; scan.views.len()];
+        for item in text.split(',').map(str::trim) {
+            let range = numbered(item);
+            let of_item = |(number, view): (usize, &ScanView)| match &range {
+                Some(range) => range.contains(&number),
+                None => view.name() == item,
+            };
+            let beyond = range.as_ref().is_some_and(|range| *range.end() >= chosen.len());
+            let mut found = false;
+            for (number, view) in scan.views.iter().enumerate() {
+                if of_item((number, view)) {
+                    (chosen[number], found) = (true, true);
+                }
+            }
+            if beyond || !found {
+                let last = chosen.len().saturating_sub(1);
+                let problem = format!(
+                    "there is no view {item:?}; write names of views, or numbers from 0 to {last} \
+                     such as 3-7,12"
+                );
+                return Err(WorkflowError::setting("views", problem));
+            }
+        }
+        Ok((0..chosen.len()).filter(|&k| chosen[k]).step_by(every).collect())
+    }
+}
+
+/// The numbers `3`, or `3-7` from 3 to 7; `None` for a name.
+fn numbered(item: &str) -> Option<RangeInclusive<usize>> {
+    let (first, last) = item.split_once('-').unwrap_or((item, item));
+    Some(first.parse().ok()?..=last.parse().ok()?)
+}
+
+impl OpenScan {
+    /// The part of the scan that a selection names. Notes tell how many views are left out.
+    ///
+    /// # Errors
+    /// [`WorkflowError`] if the selection names no view, or no view has a point within its limits.
+    pub fn select(mut self, selection: &Selection) -> Result<Self, WorkflowError> {
+        let numbers = selection.numbers(self.scan())?;
+        self.limits = selection.limits(self.scan().unit)?;
+        self.selection = selection.clone();
+        let all = self.scan.views.len();
+        self.scan.views = numbers.iter().map(|&k| self.scan.views[k].clone()).collect();
+        if numbers.len() < all {
+            let note = format!("{} of {all} views are used, as asked for", numbers.len());
+            self.scan.notes.push(note);
+        }
+        if self.limits != Limits::default() {
+            self.leave_out_empty_views()?;
+        }
+        Ok(self)
+    }
+
+    /// Leaves out the views without a point within the limits. A view that cannot be read stays:
+    /// the run reports it.
+    fn leave_out_empty_views(&mut self) -> Result<(), WorkflowError> {
+        let limits = self.limits;
+        let has_points = |view: &ScanView| match view.load() {
+            Ok((view, _)) => limits.apply(view).is_ok(),
+            Err(_) => true,
+        };
+        let kept: Vec<bool> = self.scan.views.par_iter().map(has_points).collect();
+        let named = self.scan.views.iter().zip(&kept).filter(|(_, kept)| !**kept);
+        let empty: Vec<&str> = named.map(|(view, _)| view.name()).collect();
+        if empty.is_empty() {
+            return Ok(());
+        }
+        let (count, names) = (empty.len(), empty.join(", "));
+        let note = format!("{count} views left out, without a point within the limits: {names}");
+        if count == kept.len() {
+            let problem = "no view has a point within the limits; inspect shows the scan's extent \
+                           and ranges";
+            return Err(WorkflowError::file(&self.path, problem));
+        }
+        self.scan.notes.push(note);
+        let mut kept = kept.into_iter();
+        self.scan.views.retain(|_| kept.next().unwrap_or(true));
+        Ok(())
+    }
+}
