@@ -1,11 +1,10 @@
 //! The robust fit of some neighbouring pixels of a row, side by side.
 //!
 //! A block has as many pixels as the processor has numbers in a vector. The fit of a pixel is the
-//! same to the bit with any number of others beside it. The four places at the same distance from
-//! the window's middle row and from its middle column are visited together: they share the weight
-//! by distance. The sums of odd powers need their differences alone, the sums of even powers their
-//! sums. The numbers of a place are kept in the order of the visits, so inner loops step through
-//! plain slices.
+//! same to the bit with any number of others beside it. The two places of a row at the same
+//! distance from its middle are visited together: they share the weight by distance. The sums of
+//! odd powers need their difference alone, the sums of even powers their sum. The numbers of a
+//! place are kept in the order of the visits, so inner loops step through plain slices.
 
 use super::estimate::{Estimates, Fitted};
 use super::grid::Grid;
@@ -62,14 +61,14 @@ struct Place {
 /// The places of a block's windows; memory that blocks use one after another.
 #[derive(Debug)]
 pub(super) struct Workspace {
-    /// One after the other: the middle row, then pairs of rows going outward. In each, the middle
-    /// places come first, then those of pairs of columns going outward.
+    /// One after the other, row by row: the middle, then pairs going outward.
     places: Box<[Place]>,
     /// For each row of the window, the columns that are connected to each pixel's centre.
     connected: [[u32; MOST]; WINDOW_COLUMNS],
-    /// Columns on either side of the middle, for the middle row and the pairs of rows that the
-    /// window has.
-    halves: Vec<usize>,
+    /// Columns on either side of the middle, for each row of the window.
+    halves: [usize; WINDOW_COLUMNS],
+    /// The first row of the window and the one after the last.
+    rows: (usize, usize),
 }
 
 impl Workspace {
@@ -79,7 +78,8 @@ impl Workspace {
         Self {
             places: vec![none; WINDOW_COLUMNS * WINDOW_COLUMNS].into_boxed_slice(),
             connected: [[0; MOST]; WINDOW_COLUMNS],
-            halves: Vec::with_capacity(HALF_WINDOW + 1),
+            halves: [0; WINDOW_COLUMNS],
+            rows: (0, 0),
         }
     }
 
@@ -87,46 +87,41 @@ impl Workspace {
     /// to none of its pixels are left out; their weights would be 0.
     #[inline(always)]
     fn frame(&mut self, [rows, cols]: [f32; 2], any: &[u32; WINDOW_COLUMNS]) {
-        self.halves.clear();
-        for y in 0..=(rows as usize).min(HALF_WINDOW) {
-            let any = any[HALF_WINDOW - y] | any[HALF_WINDOW + y];
-            // Rows go on from the centre's, so they end at the first without a connected pixel.
-            if any == 0 {
-                break;
-            }
+        let reach = (rows as usize).min(HALF_WINDOW);
+        // Rows go on from the centre's, so they end at the first without a connected pixel.
+        let above = (HALF_WINDOW - reach..HALF_WINDOW).rev().take_while(|k| any[*k] != 0);
+        let top = above.last().unwrap_or(HALF_WINDOW);
+        let below = (HALF_WINDOW + 1..=HALF_WINDOW + reach).take_while(|k| any[*k] != 0);
+        self.rows = (top, below.last().unwrap_or(HALF_WINDOW) + 1);
+        for (k, any) in any.iter().enumerate().take(self.rows.1).skip(self.rows.0) {
+            let y = k as f32 - HALF_WINDOW as f32;
             // Room for rounding, so that a pixel's fit does not depend on the others of its block.
-            let share = (1.0 - (y as f32 / rows).powi(2)).max(0.0) + 1e-5;
+            let share = (1.0 - (y / rows).powi(2)).max(0.0) + 1e-5;
             let half = ((share.sqrt() * cols) as usize).min(HALF_WINDOW);
             let (first, last) = (any.trailing_zeros() as usize, any.ilog2() as usize);
             let farthest = HALF_WINDOW.saturating_sub(first).max(last.saturating_sub(HALF_WINDOW));
-            self.halves.push(half.min(farthest));
+            self.halves[k] = half.min(farthest);
         }
     }
 }
 
 /// What a row of the windows is read from.
-#[derive(Clone, Copy)]
 struct Source<'a, S: Simd> {
     /// The image from the first pixel's place in the first column on.
     image: &'a [f32],
     connected: S::u32s,
 }
 
-/// The middle row of the windows of a block, or the two at the same distance from it.
-struct WindowRows<'a, S: Simd, const N: usize> {
-    /// Rows from the centre's, of each.
-    y: [f32; N],
+/// A row of the windows of a block.
+struct WindowRow<'a, S: Simd> {
+    /// Rows from the centre's.
+    y: f32,
     /// Columns on either side of the middle.
     half: usize,
-    sources: [Source<'a, S>; N],
-    middle: &'a mut [Place; N],
-    /// The places on the left and on the right of each row, going outward.
-    pairs: &'a mut [[[Place; 2]; N]],
-}
-
-/// Work on the rows of the windows.
-trait Visitor<S: Simd> {
-    fn visit<const N: usize>(&mut self, rows: WindowRows<'_, S, N>);
+    source: Source<'a, S>,
+    middle: &'a mut Place,
+    /// The places on the left and on the right, going outward.
+    pairs: &'a mut [[Place; 2]],
 }
 
 /// What the windows of a block follow from, by lane; 0 for pixels that are not fitted.
@@ -248,54 +243,67 @@ impl<S: Simd> Fit<'_, S> {
         let radii = inverse_radii.map(|radii| {
             radii.each_ref().map(|r| Native::<S>::from_slice(self.simd, &r[..Native::<S>::LEN]))
         });
-        let sums = Sums::zero(self.simd);
-        let mut pass = Pass::<S, VALUES> { fit: self, radii, last, sums };
-        self.rows(work, &mut pass);
-        pass.sums
+        let mut sums = Sums::zero(self.simd);
+        self.rows(
+            work,
+            #[inline(always)]
+            |WindowRow { y, half, source, middle, pairs }| {
+                let expected = last.map(|last| RowPolynomial::<S>::new(last, y));
+                let (mut fall, mut at) = (None, [None; 2]);
+                let radii = radii.map(|[per_row, per_col]| [per_row * (y * y), per_col]);
+                if let Some(radii) = radii {
+                    fall = Some(self.fall(0.0, radii));
+                }
+                if let Some(expected) = &expected {
+                    at[0] = Some(expected.middle());
+                }
+                let bit = 1 << HALF_WINDOW;
+                let first = self.weigh::<VALUES>(middle, fall, (&source, half, bit), at[0]);
+                let mut row = RowSums::new(self.simd, first);
+                for (x, (column, [left, right_place])) in (1..).zip(COLUMNS.iter().zip(pairs)) {
+                    if let Some(radii) = radii {
+                        fall = Some(self.fall(column.powers[1], radii));
+                    }
+                    if let Some(expected) = &expected {
+                        let [left, right] = expected.at(column);
+                        at = [Some(left), Some(right)];
+                    }
+                    let [bit, other] = column.bits;
+                    let left = self.weigh::<VALUES>(left, fall, (&source, half - x, bit), at[0]);
+                    let right = (&source, half + x, other);
+                    let right = self.weigh::<VALUES>(right_place, fall, right, at[1]);
+                    row.add_weights(column, [left[0], right[0]]);
+                    if VALUES {
+                        row.add_values(column, [left[1], right[1]]);
+                    }
+                }
+                sums.add_row(y, &row);
+            },
+        );
+        sums
     }
 
     /// Visits the rows of the windows.
     #[inline(always)]
-    fn rows(&self, work: &mut Workspace, visitor: &mut impl Visitor<S>) {
-        let Some((middle, pairs)) = work.halves.split_first() else { return };
+    fn rows(&self, work: &mut Workspace, mut visit: impl FnMut(WindowRow<'_, S>)) {
+        let (top, bottom) = work.rows;
         let mut rest = &mut *work.places;
-        let mut take = |half: usize, rows: usize| {
-            rest.split_off_mut(..rows * (1 + 2 * half)).unwrap_or_default()
-        };
-        let connected = &work.connected;
-        self.visit([HALF_WINDOW], *middle, (take(*middle, 1), connected), visitor);
-        for (y, half) in (1..).zip(pairs) {
-            let rows = [HALF_WINDOW - y, HALF_WINDOW + y];
-            self.visit(rows, *half, (take(*half, 2), connected), visitor);
+        for k in top..bottom {
+            let half = work.halves[k];
+            let (places, others) = rest.split_at_mut(1 + 2 * half);
+            rest = others;
+            let Some((middle, pairs)) = places.split_first_mut() else { return };
+            let first = self.block.first + HALF_WINDOW - half;
+            let image = &self.grid.line(self.block.row + k, first)[..2 * half + Native::<S>::LEN];
+            let connected = S::u32s::from_slice(self.simd, &work.connected[k][..S::u32s::LEN]);
+            visit(WindowRow {
+                y: k as f32 - HALF_WINDOW as f32,
+                half,
+                source: Source { image, connected },
+                middle,
+                pairs: pairs.as_chunks_mut().0,
+            });
         }
-    }
-
-    /// Visits one row of the windows, or two.
-    #[inline(always)]
-    fn visit<const N: usize>(
-        &self,
-        rows: [usize; N],
-        half: usize,
-        (places, connected): (&mut [Place], &[[u32; MOST]; WINDOW_COLUMNS]),
-        visitor: &mut impl Visitor<S>,
-    ) {
-        let Some((middle, pairs)) = places.split_first_chunk_mut() else { return };
-        let first = self.block.first + HALF_WINDOW - half;
-        let source = each(
-            #[inline(always)]
-            |n| Source {
-                image: &self.grid.line(self.block.row + rows[n], first)
-                    [..2 * half + Native::<S>::LEN],
-                connected: S::u32s::from_slice(self.simd, &connected[rows[n]][..S::u32s::LEN]),
-            },
-        );
-        visitor.visit(WindowRows {
-            y: rows.map(|k| k as f32 - HALF_WINDOW as f32),
-            half,
-            sources: source,
-            middle,
-            pairs: pairs.as_chunks_mut().0.as_chunks_mut().0,
-        });
     }
 
     /// The weight of a place and its weighted value, from what the pass before left there. In a new
@@ -357,114 +365,30 @@ impl<S: Simd> Fit<'_, S> {
     /// The fit at the centre: a weighted sum of values, and the sum of its squared weights.
     #[inline(always)]
     fn at_centre(&self, work: &mut Workspace, sums: &Sums<S>) -> Estimates<S> {
-        let zero = all(self.simd, 0.0);
-        let mut centre = Centre {
-            simd: self.simd,
-            polynomial: sums.centre_weights(),
-            change: [zero; 2],
-            variance: [zero; 2],
-        };
-        self.rows(work, &mut centre);
-        let [change, variance] = [centre.change, centre.variance].map(|[a, b]| a + b);
+        let polynomial = sums.centre_weights();
+        let mut sums = [all(self.simd, 0.0); 2];
+        self.rows(
+            work,
+            #[inline(always)]
+            |WindowRow { y, middle, pairs, .. }| {
+                let of_row = RowPolynomial::<S>::new(&polynomial, y);
+                self.add_share(middle, of_row.middle(), &mut sums);
+                for (column, [left, right]) in COLUMNS.iter().zip(pairs) {
+                    let at = of_row.at(column);
+                    self.add_share(left, at[0], &mut sums);
+                    self.add_share(right, at[1], &mut sums);
+                }
+            },
+        );
+        let [change, variance] = sums;
         Estimates::new(self.simd, change, variance)
     }
-}
 
-/// One of each row. The closures of the standard library's arrays would not be inlined.
-#[inline(always)]
-fn each<const N: usize, T: Copy>(mut make: impl FnMut(usize) -> T) -> [T; N] {
-    let mut all = [make(0); N];
-    for (n, one) in all.iter_mut().enumerate().skip(1) {
-        *one = make(n);
-    }
-    all
-}
-
-/// The sums over the windows; see [`Fit::pass`].
-struct Pass<'a, S: Simd, const VALUES: bool> {
-    fit: &'a Fit<'a, S>,
-    radii: Option<[Native<S>; 2]>,
-    last: Option<&'a Coefficients<S>>,
-    sums: Sums<S>,
-}
-
-impl<S: Simd, const VALUES: bool> Visitor<S> for Pass<'_, S, VALUES> {
-    #[inline(always)]
-    fn visit<const N: usize>(&mut self, rows: WindowRows<'_, S, N>) {
-        let WindowRows { y, half, sources, middle, pairs } = rows;
-        let (fit, last) = (self.fit, self.last);
-        let expected = last.map(
-            #[inline(always)]
-            |last| {
-                each::<N, _>(
-                    #[inline(always)]
-                    |n| RowPolynomial::<S>::new(last, y[n]),
-                )
-            },
-        );
-        let radii = self.radii.map(|[per_row, per_col]| [per_row * (y[0] * y[0]), per_col]);
-        let fall = radii.map(|radii| fit.fall(0.0, radii));
-        let mut sums = each::<N, _>(
-            #[inline(always)]
-            |n| {
-                let at = expected.as_ref().map(|expected| expected[n].middle());
-                let from = (&sources[n], half, 1 << HALF_WINDOW);
-                RowSums::new(fit.simd, fit.weigh::<VALUES>(&mut middle[n], fall, from, at))
-            },
-        );
-        for (x, (column, pairs)) in (1..).zip(COLUMNS.iter().zip(pairs)) {
-            let fall = radii.map(|radii| fit.fall(column.powers[1], radii));
-            for (n, [left, right]) in pairs.iter_mut().enumerate() {
-                let at = expected.as_ref().map(|expected| expected[n].at(column));
-                let [to_left, to_right] = column.bits;
-                let from = (&sources[n], half - x, to_left);
-                let left = fit.weigh::<VALUES>(left, fall, from, at.map(|at| at[0]));
-                let from = (&sources[n], half + x, to_right);
-                let right = fit.weigh::<VALUES>(right, fall, from, at.map(|at| at[1]));
-                sums[n].add_weights(column, [left[0], right[0]]);
-                if VALUES {
-                    sums[n].add_values(column, [left[1], right[1]]);
-                }
-            }
-        }
-        self.sums.add_rows(y, &sums);
-    }
-}
-
-/// The fit at the centre, from two kinds of rows each; see [`Fit::at_centre`].
-struct Centre<S: Simd> {
-    simd: S,
-    polynomial: Coefficients<S>,
-    change: [Native<S>; 2],
-    variance: [Native<S>; 2],
-}
-
-impl<S: Simd> Visitor<S> for Centre<S> {
-    #[inline(always)]
-    fn visit<const N: usize>(&mut self, rows: WindowRows<'_, S, N>) {
-        let of_rows = each::<N, _>(
-            #[inline(always)]
-            |n| RowPolynomial::<S>::new(&self.polynomial, rows.y[n]),
-        );
-        for (n, (place, of_row)) in rows.middle.iter().zip(&of_rows).enumerate() {
-            self.add_share(place, of_row.middle(), n);
-        }
-        for (column, pairs) in COLUMNS.iter().zip(rows.pairs) {
-            for (n, [left, right]) in pairs.iter().enumerate() {
-                let at = of_rows[n].at(column);
-                self.add_share(left, at[0], n);
-                self.add_share(right, at[1], n);
-            }
-        }
-    }
-}
-
-impl<S: Simd> Centre<S> {
     /// Adds a place's share of the fit at the centre, and its square.
     #[inline(always)]
-    fn add_share(&mut self, place: &Place, polynomial: Native<S>, n: usize) {
+    fn add_share(&self, place: &Place, polynomial: Native<S>, sums: &mut [Native<S>; 2]) {
         let share = place.weight.load::<S>(self.simd) * polynomial;
-        self.change[n] += share * place.value.load::<S>(self.simd);
-        self.variance[n] += share * share;
+        sums[0] += share * place.value.load::<S>(self.simd);
+        sums[1] += share * share;
     }
 }

@@ -150,14 +150,14 @@ fn copy(bits: &mut [u64], from: usize, to: usize) {
 /// All pixels of a row that unbroken pairs join to the given ones.
 #[inline(always)]
 fn spread<S: Simd>(seen: u32x8<S>, left: u32x8<S>) -> u32x8<S> {
-    // A sum carries from each seen pixel through its whole run of unbroken pairs.
-    let joined = (seen << 1) & left;
-    let upward = seen | joined | (left & !(left + joined));
-    // Doubling steps: after each, `back` tells over which ever longer stretches all pairs are
-    // unbroken.
-    let (mut back, mut downward) = (left >> 1, seen);
+    // Doubling steps: after each, `right` and `back` tell over which ever longer stretches all
+    // pairs are unbroken.
+    let (mut right, mut back) = (left, left >> 1);
+    let (mut upward, mut downward) = (seen, seen);
     for step in [1, 2, 4, 8, 16] {
+        upward |= right & (upward << step);
         downward |= back & (downward >> step);
+        right &= right << step;
         back &= back >> step;
     }
     upward | downward

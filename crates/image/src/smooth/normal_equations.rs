@@ -84,24 +84,16 @@ impl<S: Simd> Sums<S> {
         Self { simd, powers: [[zero; 5]; 5], values: [zero; 6] }
     }
 
-    /// Adds the middle row, or the rows at `−y` and `y`.
     #[inline(always)]
-    pub fn add_rows<const N: usize>(&mut self, y: [f32; N], rows: &[RowSums<S>; N]) {
-        let (first, last) = (&rows[0], &rows[N - 1]);
-        let y = y[N - 1];
+    pub fn add_row(&mut self, y: f32, row: &RowSums<S>) {
         let ys = [1.0, y, y * y, y * y * y, y * y * y * y];
-        // Sums of odd powers of y need the difference of both rows; the middle row adds to none.
         for a in 0..5 {
-            let row = even_and_odd::<S, N>(first.powers[a], last.powers[a]);
-            for b in (0..5 - a).take(if N == 1 { 1 } else { 5 }) {
-                self.powers[a][b] += row[b % 2] * ys[b];
+            for (sum, y) in self.powers[a].iter_mut().zip(ys).take(5 - a) {
+                *sum += row.powers[a] * y;
             }
         }
         for (sum, (a, b)) in self.values.iter_mut().zip(POWERS) {
-            let row = even_and_odd::<S, N>(first.values[a], last.values[a]);
-            if N > 1 || b == 0 {
-                *sum += row[b % 2] * ys[b];
-            }
+            *sum += row.values[a] * ys[b];
         }
     }
 
@@ -159,12 +151,6 @@ impl<S: Simd> Sums<S> {
         let ((ai, bi), (aj, bj)) = (POWERS[i], POWERS[j]);
         self.powers[ai + aj][bi + bj]
     }
-}
-
-/// The sum of two rows' numbers and their difference; of the middle row alone, its number.
-#[inline(always)]
-fn even_and_odd<S: Simd, const N: usize>(first: Native<S>, last: Native<S>) -> [Native<S>; 2] {
-    if N == 1 { [last, last] } else { [last + first, last - first] }
 }
 
 /// A polynomial along one row of the window: `c0 + c1 x + c2 x²`.
