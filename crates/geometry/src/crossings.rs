@@ -37,7 +37,8 @@ pub struct UnitPlace {
 /// assert_eq!((found[0].0.unit, found[0].1.unit), (0, 2));
 /// # Ok::<(), transect_geometry::CurveError>(())
 /// ```
-pub fn crossings(curves: &[Curve]) -> Vec<(UnitPlace, UnitPlace)> {
+pub fn crossings<'a>(curves: impl IntoIterator<Item = &'a Curve>) -> Vec<(UnitPlace, UnitPlace)> {
+    let curves: Vec<&Curve> = curves.into_iter().collect();
     let places = curves.iter().enumerate().flat_map(|(curve, c)| {
         c.units().enumerate().map(move |(unit, u)| (UnitPlace { curve, unit }, u))
     });
@@ -52,7 +53,7 @@ pub fn crossings(curves: &[Curve]) -> Vec<(UnitPlace, UnitPlace)> {
     let ordered = pairs.map(|(a, b)| (a.data, b.data)).filter(|(a, b)| a < b);
     let crossed = ordered.filter(|&(a, b)| {
         let ((at_a, a), (at_b, b)) = (&units[a], &units[b]);
-        !are_neighbours(curves, *at_a, *at_b) && meet(a, b)
+        !are_neighbours(&curves, *at_a, *at_b) && meet(a, b)
     });
     let mut found: Vec<_> = crossed.map(|(a, b)| (units[a].0, units[b].0)).collect();
     found.sort_unstable();
@@ -60,7 +61,7 @@ pub fn crossings(curves: &[Curve]) -> Vec<(UnitPlace, UnitPlace)> {
 }
 
 /// Whether two units follow each other on one curve.
-fn are_neighbours(curves: &[Curve], a: UnitPlace, b: UnitPlace) -> bool {
+fn are_neighbours(curves: &[&Curve], a: UnitPlace, b: UnitPlace) -> bool {
     let last = curves[a.curve].units().len() - 1;
     let wraps = curves[a.curve].is_closed() && a.unit == 0 && b.unit == last;
     a.curve == b.curve && (a.unit.abs_diff(b.unit) <= 1 || wraps)
@@ -96,7 +97,10 @@ mod tests {
                     low_a <= high_b && low_b <= high_a
                 };
                 let boxes = ranges(|p| p.x) && ranges(|p| p.y);
-                if boxes && !are_neighbours(curves, *at_a, *at_b) && meet(a, b) {
+                if boxes
+                    && !are_neighbours(&curves.iter().collect::<Vec<_>>(), *at_a, *at_b)
+                    && meet(a, b)
+                {
                     found.push((*at_a, *at_b));
                 }
             }

@@ -8,7 +8,9 @@
 use crate::{InvariantError, PlaneSelection, Section};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
-use transect_geometry::{Curve, Envelope, Isometry3, LengthUnit, PlaneFamily, PlaneIndex};
+use transect_geometry::{
+    Curve, Envelope, Isometry3, LengthUnit, PlaneFamily, PlaneIndex, crossings,
+};
 
 /// One view of the model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -119,6 +121,11 @@ impl Model {
     /// Number of nodes on all planes.
     pub fn node_count(&self) -> usize {
         self.sections.values().map(Section::node_count).sum()
+    }
+
+    /// Number of places where curves of a plane cross or touch each other: 0 for fused curves.
+    pub fn crossing_count(&self) -> usize {
+        self.sections.values().map(|section| crossings(section.curves()).len()).sum()
     }
 
     /// Length of all curves, in the model's length unit.

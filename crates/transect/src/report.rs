@@ -148,6 +148,9 @@ pub struct FusionReport {
     pub observations: usize,
     /// Candidate nodes that were dropped: beside a better curve, or in no curve.
     pub dropped: usize,
+    /// Places where fused curves crossed or touched each other, before the last step of fusion
+    /// resolved them.
+    pub crossings_resolved: usize,
     /// Median over the planes of the measured spread between views (standard deviation); 0 for a
     /// single view.
     #[serde(skip_serializing_if = "is_zero")]
@@ -177,6 +180,7 @@ impl FusionReport {
             length: used().map(|p| p.length).sum(),
             observations: planes.iter().map(|p| p.observations).sum(),
             dropped: planes.iter().map(|p| p.dropped).sum(),
+            crossings_resolved: planes.iter().map(|p| p.crossings_resolved).sum(),
             spread: median(planes.iter().filter_map(|p| p.spread)),
             threshold: median(planes.iter().filter_map(|p| p.threshold)),
             growth: planes.iter().filter_map(|p| p.growth).reduce(|mut sum, plane| {
@@ -196,6 +200,7 @@ pub(crate) struct PlaneSummary {
     length: f64,
     observations: usize,
     dropped: usize,
+    crossings_resolved: usize,
     /// `None` for a plane that was fused in an earlier run, as the threshold.
     spread: Option<f64>,
     threshold: Option<f64>,
@@ -207,6 +212,7 @@ impl PlaneSummary {
         Self {
             observations: plane.counts.observations,
             dropped: plane.counts.dropped,
+            crossings_resolved: plane.counts.crossings,
             spread: Some(plane.spread),
             threshold: Some(plane.threshold),
             growth: plane.growth,

@@ -210,6 +210,7 @@ fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
         Row::plain("closed curves", fusion.closed),
         Row::plain("nodes", fusion.nodes),
         Row::plain("nodes of all views", fusion.observations),
+        Row::plain("crossings resolved", fusion.crossings_resolved),
         Row::length("curve length", fusion.length, unit),
     ]);
     // Without a second view, or without planes to fuse, there is nothing to compare.

@@ -27,6 +27,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             Row::plain("planes", model.sections().len()),
             Row::plain("curves", model.curve_count()),
             Row::plain("nodes", model.node_count()),
+            Row::plain("crossings", model.crossing_count()),
         ]),
         ModelFile::Store(OpenStore { snapshot, mut store, .. }) => {
             // Verifying needs the store alone.
@@ -49,6 +50,7 @@ fn rows(found: &Verification) -> Vec<Row> {
         Row::plain("nodes of all views", found.partial_nodes),
         Row::plain("curves", found.curves),
         Row::plain("nodes", found.nodes),
+        Row::plain("crossings", found.crossings),
         Row::new("hash of the contents", format!("{:016x}", found.hash), ""),
     ]
 }

@@ -11,7 +11,7 @@ use crate::codec::HASH_OF_NOTHING;
 use crate::codec::values::hash_piece;
 use redb::{ReadableTable, ReadableTableMetadata};
 use std::collections::BTreeMap;
-use transect_geometry::PlaneIndex;
+use transect_geometry::{PlaneIndex, crossings};
 
 /// The counts of [`Store::verify`].
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -31,6 +31,8 @@ pub struct Verification {
     pub curves: u64,
     /// Nodes of the fused curves.
     pub nodes: u64,
+    /// Places where fused curves of a plane cross or touch each other.
+    pub crossings: u64,
     /// FNV-1a hash of all contents; equal for stores of equal contents, whatever their history.
     pub hash: u64,
 }
@@ -147,6 +149,7 @@ impl Snapshot {
         }
         found.curves += curves.len() as u64;
         found.nodes += node_count(&curves);
+        found.crossings += crossings(&curves).len() as u64;
         found.add_hash(b"fused", value.as_ref().map_or(&[], |v| v.value()));
         Ok(true)
     }
