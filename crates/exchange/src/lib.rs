@@ -56,6 +56,7 @@ mod open;
 mod open_options;
 mod ply;
 mod png_file;
+mod point_table;
 mod points;
 mod pose;
 mod scalar;

@@ -7,7 +7,7 @@
 //!
 //! Cost: one sort of the points.
 
-use super::arrange::{Cells, Rings, is_valid, median};
+use super::cells::{Cells, Rings, is_valid, median};
 use crate::error::Problem;
 use std::f64::consts::TAU;
 use transect_geometry::Point3;

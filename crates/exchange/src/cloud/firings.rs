@@ -5,7 +5,7 @@
 //! it: a field of rings repeats, or the elevation of every laser is constant. This file looks for
 //! the proof, and finds nothing in doubt.
 
-use super::arrange::{Cells, elevation, is_valid};
+use super::cells::{Cells, elevation, is_valid};
 use transect_geometry::Point3;
 
 /// Largest difference of elevations within a laser, in radians. Theory: coordinates of 32 bits round
@@ -82,7 +82,7 @@ pub(super) fn find(points: &[Point3], rings: Option<&[u16]>) -> Option<Firings> 
             by_field,
         })
     });
-    let candidates = candidates.filter(|f| f.lasers <= super::arrange::MOST_RINGS);
+    let candidates = candidates.filter(|f| f.lasers <= super::cells::MOST_RINGS);
     match rings {
         Some(rings) => candidates.into_iter().find(|f| rings_repeat(f, rings)),
         None => {

@@ -4,7 +4,7 @@
 //! ring. Other files have any order, and the elevations of the rings are separated by gaps. Both are
 //! checked against the stated number of rings; files that pass neither check are refused.
 
-use super::arrange::{MOST_RINGS, Rings, elevation, is_valid, median};
+use super::cells::{MOST_RINGS, Rings, elevation, is_valid, median};
 use crate::error::Problem;
 use std::f64::consts::{PI, TAU};
 use transect_geometry::Point3;
