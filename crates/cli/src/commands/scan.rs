@@ -14,7 +14,7 @@ pub struct ScanArguments {
     /// Leave out views whose file does not exist, with a note.
     #[arg(long)]
     skip_missing: bool,
-    /// File with one pose per cloud of a folder, world from sensor: lines of 3 × 4 or 4 × 4 numbers.
+    /// File with one pose per cloud of a folder, world from sensor, as 3 × 4 or 4 × 4 numbers.
     #[arg(long, value_name = "FILE")]
     poses: Option<PathBuf>,
     /// Rows and columns of a cloud whose points are stored row by row, such as 480x640.
