@@ -68,7 +68,7 @@ const REFUSED: [(&[&str], &str); 2] = [
          positions structured from the scanner's program, as E57 or PTX",
     ),
     (
-        &["xyz", "pts", "asc", "txt"],
+        &["xyz", "pts", "asc"],
         "lists of points state neither rows and columns nor the place of the scanner, so no point \
          has neighbours to trace. Export the scan structured, as E57, PTX or organised PCD",
     ),

@@ -9,8 +9,9 @@ use crate::error::Problem;
 use std::f64::consts::{PI, TAU};
 use transect_geometry::Point3;
 
-/// The least gap between rings over the largest gap within rings. Chosen by hand: the
-/// ratio of a 32-ring lidar with 32-bit coordinates is above 10⁵, and 1 means no gap. Doubled, lidars with rounded coordinates are refused.
+/// The least gap between rings over the largest gap within rings. Chosen by hand: the ratio of a
+/// 32-ring lidar with 32-bit coordinates is above 10⁵, and 1 means no gap. Doubled, lidars with
+/// rounded coordinates are refused.
 const GAP_RATIO: f64 = 2.0;
 
 /// Fewest points of a ring. Chosen by hand. Doubled, rings that mostly look at the sky are refused.
