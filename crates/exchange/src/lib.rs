@@ -60,6 +60,7 @@ mod open_options;
 mod pgm_file;
 mod ply;
 mod png_file;
+mod point_table;
 mod points;
 mod pose;
 mod ptx;

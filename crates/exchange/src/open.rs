@@ -82,7 +82,7 @@ const REFUSED: [(&[&str], &str); 2] = [
          positions structured from the scanner's program, as E57 or PTX",
     ),
     (
-        &["xyz", "pts", "asc", "txt"],
+        &["xyz", "pts", "asc"],
         "lists of points state neither rows and columns nor the place of the scanner, so no point \
          has neighbours to trace. Export the scan structured, as E57, PTX or organised PCD",
     ),
@@ -107,7 +107,8 @@ impl Scan {
     ///
     /// # Errors
     /// [`ReadError`] if the path is none of these, or a file is missing or damaged. Also if no unit
-    /// is known, or the files state another unit than the options, or the format has no use for an option.
+    /// is known, if the files state another unit than the options, or if the format has no use for
+    /// an option.
     pub fn open_with(path: &Path, options: &OpenOptions) -> Result<Self, ReadError> {
         std::fs::metadata(path).map_err(|e| ReadError::io(path, e))?;
         let Some(format) = FORMATS.iter().find(|format| (format.recognise)(path)) else {

@@ -1,17 +1,11 @@
 //! Rows and columns of a cloud: which point belongs to which cell of the grid.
 
-use super::{Cloud, azimuth, firings, rings};
+use super::cells::{Cells, Rings, elevation, is_valid, median};
+use super::{azimuth, firings, rings};
 use crate::error::Problem;
+use crate::point_table::Cloud;
 use transect_device::ImageSize;
 use transect_geometry::Point3;
-
-/// The laser and the column of every point.
-pub(super) struct Cells {
-    pub(super) lasers: usize,
-    pub(super) cols: usize,
-    /// The cell of a point; `None` for a point that is left out.
-    pub(super) cell: Vec<Option<(u16, u32)>>,
-}
 
 /// Row-major points of a grid. Cells without a point are missing.
 pub(super) fn arrange(
@@ -83,38 +77,6 @@ fn rectangle(size: ImageSize, points: Vec<Point3>) -> Result<(ImageSize, Vec<Poi
     Err(Problem::damaged(problem))
 }
 
-/// The ring of every point, as a number from 0 without gaps.
-pub(super) struct Rings {
-    pub(super) count: usize,
-    pub(super) numbers: Vec<u16>,
-}
-
-/// Most rings of a file. Chosen by hand: eight times the most lasers of a rotating lidar in use.
-/// Doubled, a damaged field makes a grid of more rows before it is refused.
-pub(super) const MOST_RINGS: usize = 1024;
-
-impl Rings {
-    fn of_field(values: &[u16]) -> Result<Self, Problem> {
-        let mut numbers = vec![None; usize::from(u16::MAX) + 1];
-        for value in values {
-            if let Some(number) = numbers.get_mut(usize::from(*value)) {
-                *number = Some(0);
-            }
-        }
-        let mut count = 0_u16;
-        for number in numbers.iter_mut().flatten() {
-            *number = count;
-            count = count.saturating_add(1);
-        }
-        if usize::from(count) > MOST_RINGS {
-            let problem = format!("{count} different rings; expected at most {MOST_RINGS}");
-            return Err(Problem::damaged(problem));
-        }
-        let number = |v: &u16| numbers.get(usize::from(*v)).copied().flatten().unwrap_or(0);
-        Ok(Self { count: count.into(), numbers: values.iter().map(number).collect() })
-    }
-}
-
 /// Puts the points into their cells: the rows are the lasers from top to bottom. Lasers without any
 /// return have no row.
 fn place(points: &[Point3], cells: &Cells, notes: &mut Vec<String>) -> (ImageSize, Vec<Point3>) {
@@ -151,20 +113,4 @@ fn place(points: &[Point3], cells: &Cells, notes: &mut Vec<String>) -> (ImageSiz
         }
     }
     (size, placed)
-}
-
-/// Whether a point is a return.
-pub(super) fn is_valid(point: &Point3) -> bool {
-    point.coords.iter().all(|c| c.is_finite()) && *point != Point3::origin()
-}
-
-/// Angle of a point above the plane of rotation, in radians.
-pub(super) fn elevation(point: &Point3) -> f64 {
-    point.z.atan2(point.x.hypot(point.y))
-}
-
-pub(super) fn median(values: &mut [f64]) -> Option<f64> {
-    let middle = values.len() / 2;
-    values.sort_by(f64::total_cmp);
-    values.get(middle).copied()
 }

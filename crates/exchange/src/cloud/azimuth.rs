@@ -1,13 +1,13 @@
 //! Columns of a rotating lidar by azimuth, where the file keeps no missing returns.
 //!
 //! **Idea.** The points in the order of their azimuth are cut into columns: a column ends where one
-//! of its rings occurs again, or before a gap. Columns so follow the firings, whose spacing varies with the speed of
-//! the motor, and the offsets between lasers. A grid of equal angles would put two points into one
-//! cell and none into the next wherever the speed deviates.
+//! of its rings occurs again, or before a gap. Columns so follow the firings, whose spacing varies
+//! with the speed of the motor, and the offsets between lasers. A grid of equal angles would put
+//! two points into one cell and none into the next wherever the speed deviates.
 //!
 //! Cost: one sort of the points.
 
-use super::arrange::{Cells, Rings, is_valid, median};
+use super::cells::{Cells, Rings, is_valid, median};
 use crate::error::Problem;
 use std::f64::consts::TAU;
 use transect_geometry::Point3;
@@ -71,9 +71,9 @@ pub(super) fn columns(
     Ok(Cells { lasers: rows, cols, cell: turn.cell })
 }
 
-/// The azimuths of the returns with their numbers, in order. They count clockwise from above, so that
-/// columns run to the right as the sensor sees them. The turn begins after its widest gap, so that a
-/// scanner that sees a part of the circle gets no empty columns.
+/// The azimuths of the returns with their numbers, in order. They count clockwise from above, so
+/// that columns run to the right as the sensor sees them. The turn begins after its widest gap, so
+/// that a scanner that sees a part of the circle gets no empty columns.
 fn by_azimuth(points: &[Point3]) -> Vec<(f64, u32)> {
     let valid = points.iter().enumerate().filter(|(_, p)| is_valid(p));
     let mut order: Vec<(f64, u32)> =
@@ -161,8 +161,8 @@ impl Turn {
     }
 }
 
-/// The median step between neighbouring points of a ring, in radians. Steps over missing returns are
-/// left out by a second median, of the steps below 1.5 times the first.
+/// The median step between neighbouring points of a ring, in radians. Steps over missing returns
+/// are left out by a second median, of the steps below 1.5 times the first.
 fn usual_step(order: &[(f64, u32)], rings: &Rings) -> Result<f64, Problem> {
     let mut before = vec![f64::NAN; rings.count];
     let mut steps = Vec::with_capacity(order.len());

@@ -1,9 +1,9 @@
 //! Raw lidar points: `x y z intensity` as 32-bit floats (KITTI, `*.bin`), or with the laser as a
 //! fifth float (nuScenes, `*.pcd.bin`). The files have no header.
 
-use super::{Cloud, ring};
 use crate::Place;
 use crate::error::Problem;
+use crate::point_table::{Cloud, ring};
 use crate::scalar::Scalar;
 use std::path::Path;
 use transect_geometry::Point3;

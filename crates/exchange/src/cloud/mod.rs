@@ -14,6 +14,7 @@
 
 mod arrange;
 mod azimuth;
+mod cells;
 mod firings;
 mod kitti;
 mod lzf;
@@ -24,25 +25,13 @@ mod rings;
 mod tests;
 
 use crate::input::read_bytes;
+use crate::point_table::Cloud;
 use crate::scan::{FramedImage, LoadView};
 use crate::{OpenOptions, Place, ReadError, Scan, ScanView, ply, points};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use transect_device::ImageSize;
-use transect_geometry::{Isometry3, LengthUnit, Point3};
-
-/// The points of a file in their order.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Cloud {
-    pub(crate) points: Vec<Point3>,
-    /// The laser of each point, where the file has a field for it.
-    pub(crate) rings: Option<Vec<u16>>,
-    /// Rows and columns of row-major points, where the file states them.
-    pub(crate) size: Option<ImageSize>,
-    /// Whether a triangulation scanner was carried along x.
-    pub(crate) is_carried: bool,
-    pub(crate) notes: Vec<String>,
-}
+use transect_geometry::{Isometry3, LengthUnit};
 
 /// The formats of cloud files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -158,18 +147,4 @@ fn read(path: &Path) -> Result<Cloud, ReadError> {
         Some(Kind::Kitti) => kitti::read(path, &bytes).map_err(|p| p.in_file(path)),
         _ => ply::cloud(path, &bytes),
     }
-}
-
-/// The laser of a point from the number in its field.
-pub(crate) fn ring(value: f64) -> Result<u16, String> {
-    let is_whole = value.fract() == 0.0 && (0.0..=f64::from(u16::MAX)).contains(&value);
-    let problem = || format!("the ring is {value}; expected a whole number from 0 to 65535");
-    is_whole.then_some(value as u16).ok_or_else(problem)
-}
-
-/// Whether a field's name means the laser of a point. CloudCompare puts `scalar_` before names.
-pub(crate) fn is_ring_name(name: &str) -> bool {
-    let name = name.to_ascii_lowercase();
-    let name = name.strip_prefix("scalar_").unwrap_or(&name);
-    ["ring", "laser_id", "laserid", "channel", "beam"].contains(&name)
 }

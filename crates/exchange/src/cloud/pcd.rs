@@ -5,9 +5,10 @@
 //! columns. `VIEWPOINT tx ty tz qw qx qy qz` is the pose of the sensor: `pcl_viewer` and
 //! `pcl_transform_from_viewpoint` take it as world-from-sensor, and so does this reader.
 
-use super::{Cloud, is_ring_name, lzf, ring};
+use super::lzf;
 use crate::Place;
 use crate::error::Problem;
+use crate::point_table::{Cloud, is_ring_name, ring};
 use crate::scalar::Scalar;
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use transect_device::{ImageSize, MAX_PIXELS};

@@ -1,17 +1,17 @@
 //! The rings of a rotating lidar whose file has no field for them.
 //!
 //! Two orders of points are known. KITTI writes ring after ring, so the azimuth goes round once per
-//! ring. Other files have any order, and the elevations of the rings are separated by gaps. Both are
-//! checked against the stated number of rings; files that pass neither check are refused.
+//! ring. Other files have any order, and the elevations of the rings are separated by gaps. Both
+//! are checked against the stated number of rings; files that pass neither check are refused.
 
-use super::arrange::{MOST_RINGS, Rings, elevation, is_valid, median};
+use super::cells::{MOST_RINGS, Rings, elevation, is_valid, median};
 use crate::error::Problem;
 use std::f64::consts::{PI, TAU};
 use transect_geometry::Point3;
 
-/// The least gap between rings over the largest gap within rings. Chosen by hand: gaps of a
-/// 32-ring lidar are 1000 times those of its rounding, and random points have a ratio below 1.2.
-/// Doubled, lidars with rounded coordinates are refused.
+/// The least gap between rings over the largest gap within rings. Chosen by hand: the ratio of a
+/// 32-ring lidar with 32-bit coordinates is above 10⁵, and 1 means no gap. Doubled, lidars with
+/// rounded coordinates are refused.
 const GAP_RATIO: f64 = 2.0;
 
 /// Fewest points of a ring. Chosen by hand. Doubled, rings that mostly look at the sky are refused.

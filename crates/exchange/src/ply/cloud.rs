@@ -1,7 +1,7 @@
 //! Points of structured scans: a range grid, or vertices with rows and columns or with rings.
 
 use super::{Element, Ply, range_grid};
-use crate::cloud::{Cloud, is_ring_name, ring};
+use crate::point_table::{Cloud, is_ring_name, ring};
 use crate::{Place, ReadError};
 use std::path::Path;
 use transect_device::ImageSize;

@@ -55,9 +55,9 @@ impl RayStarts {
 /// The point of a missing pixel.
 const MISSING: Point3 = Point3::new(f64::NAN, f64::NAN, f64::NAN);
 
-/// Widest step from the last column to the first, over the usual step. Theory: a rotating lidar ends
-/// its turn anywhere between two firings, so up to one may be missing (2 steps), and it moves a
-/// little during a turn. Measured on two turns of a 32-ring lidar: 1.3 and 1.9. Doubled, grids of
+/// Widest step from the last column to the first, over the usual step. Theory: a rotating lidar
+/// ends its turn anywhere between two firings, so up to one may be missing (2 steps), and it moves
+/// a little during a turn. Measured on two turns of a 32-ring lidar: 1.3 and 1.9. Doubled, grids of
 /// five columns count as full circles.
 const WIDEST_SEAM: f64 = 2.5;
 

@@ -4,6 +4,7 @@ mod scans;
 
 use super::*;
 use crate::test_data::write_to_folder;
+use transect_geometry::Point3;
 
 /// Elevations of eight lasers in degrees, in the order in which they fire.
 const LASERS: [f64; 8] = [-20.0, 1.0, -16.0, 4.0, -9.0, 7.5, -4.0, 10.0];
