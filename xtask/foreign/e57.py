@@ -123,6 +123,13 @@ def write(room: Path, out: Path) -> list[tuple[Path, list[str], float]]:
                 add(e57, number, view, spherical, kind)
             e57.close()
             scans.append((path, [], EXACT if kind == "double" else ROUNDED))
+    # Points in the world's frame with a pose that moves nothing: the viewpoint is found again.
+    path = out / "world.e57"
+    e57 = pye57.E57(str(path), mode="w")
+    for number, view in enumerate(views(room)):
+        add(e57, number, view.in_world(), spherical=False, kind="double")
+    e57.close()
+    scans.append((path, [], EXACT))
     path = out / "singles.e57"
     e57 = pye57.E57(str(path), mode="w")
     for view in views(room):

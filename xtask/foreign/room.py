@@ -18,6 +18,10 @@ class View:
     def valid(self) -> np.ndarray:
         return np.isfinite(self.points[..., 0])
 
+    def in_world(self) -> "View":
+        """The same points in the world's frame, with a pose that moves nothing."""
+        return View(self.points @ self.pose[:3, :3].T + self.pose[:3, 3], np.eye(4))
+
 
 def directions(view: dict) -> np.ndarray:
     """The rays of a spherical sensor, scaled to a range of 1; see docs/sensors.md."""

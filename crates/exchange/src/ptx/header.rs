@@ -4,7 +4,7 @@ use super::lines::Lines;
 use crate::{Place, ReadError, pose};
 use nalgebra::{Matrix3, Vector3};
 use transect_device::ImageSize;
-use transect_geometry::Isometry3;
+use transect_geometry::{Isometry3, Point3};
 
 /// Largest deviation of an axis' length from 1 that is rounding of printed digits. Ten times the
 /// step of four decimals. Doubled, a scale of 0.1 % stays in the pose, which ignores it.
@@ -15,6 +15,8 @@ const SCALE_ROUNDING: f64 = 1e-3;
 pub(super) struct Header {
     pub(super) size: ImageSize,
     pub(super) world_from_sensor: Isometry3,
+    /// The scanner's stated place in its own frame: the origin, unless the points are in the world's.
+    pub(super) scanner: Point3,
     /// Factors of the coordinates x, y and z, which the matrix applies before the rotation.
     pub(super) scale: Vector3<f64>,
     pub(super) notes: Vec<String>,
@@ -26,7 +28,7 @@ impl Header {
         let cols = count(lines, at, "the number of columns")?;
         let rows = count(lines, at, "the number of rows")?;
         let size = ImageSize { rows, cols };
-        let _position: [f64; 3] = lines.numbers(at, "the scanner's position: x y z", 3..=3)?;
+        let place: [f64; 3] = lines.numbers(at, "the scanner's position: x y z", 3..=3)?;
         for axis in ["x", "y", "z"] {
             let wanted = format!("the scanner's {axis} axis: three numbers");
             let _axis: [f64; 3] = lines.numbers(at, &wanted, 3..=3)?;
@@ -37,7 +39,8 @@ impl Header {
         }
         let motion = Motion::of(&matrix).map_err(|problem| lines.problem(at, &problem))?;
         let Motion { world_from_sensor, scale, notes } = motion;
-        Ok(Self { size, world_from_sensor, scale, notes })
+        let scanner = world_from_sensor.inverse_transform_point(&Point3::from(place));
+        Ok(Self { size, world_from_sensor, scanner, scale, notes })
     }
 }
 

@@ -19,7 +19,7 @@ mod header;
 mod lines;
 
 use crate::scan::{FramedImage, LoadView};
-use crate::{OpenOptions, Place, ReadError, Scan, ScanView, points};
+use crate::{OpenOptions, Place, ReadError, Scan, ScanView, points, survey};
 use header::Header;
 use lines::Lines;
 use nalgebra::Vector3;
@@ -117,13 +117,8 @@ struct PtxView {
 impl LoadView for PtxView {
     fn load(&self, notes: &mut Vec<String>) -> Result<FramedImage, ReadError> {
         let points = self.points()?;
-        let own = &mut Vec::new();
-        let framed = points::framed(&self.path, self.header.size, points, own)?;
-        let name = self.at.to_string();
-        let name = name.trim_start_matches(", ");
-        // The file holds several scans, so the notes name this one.
-        notes.extend(own.iter().map(|note| format!("{name}: {note}")));
-        Ok(framed)
+        let Header { size, scanner, .. } = self.header;
+        survey::framed(&self.path, &self.at, size, points, Some(scanner), notes)
     }
 }
 
