@@ -10,8 +10,8 @@ from room import View, views
 
 POINTS = True
 
-# Coordinates are printed with six decimals, as Leica's programs print them: off by half a micrometre.
-# The nodes move by up to three times that.
+# Coordinates are printed with six decimals, as Leica's programs print them: off by half a
+# micrometre. The nodes move by up to three times that. Doubled, coarser printing passes.
 PRINTED = 2e-6
 
 
@@ -38,7 +38,8 @@ def write_scan(file, view: View, scanner: np.ndarray, colours: bool, scale: floa
 def write(room: Path, out: Path) -> list[tuple[Path, list[str], float]]:
     """Writes the room; returns paths of scans, further arguments, and tolerances in metres."""
     scans = []
-    kinds = [("plain", False, 1), ("colours", True, 1), ("millimetres", True, 1e-3), ("world", False, 1)]
+    kinds = [("plain", False, 1), ("colours", True, 1), ("millimetres", True, 1e-3)]
+    kinds.append(("world", False, 1))
     for name, colours, scale in kinds:
         path = out / f"{name}.ptx"
         with path.open("w") as file:

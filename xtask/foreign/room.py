@@ -9,7 +9,7 @@ import numpy as np
 
 @dataclass
 class View:
-    """One view: rows × columns × 3 points in the sensor's frame, NaN where missing, and its pose."""
+    """One view: rows × columns × 3 points in the sensor's frame, NaN where missing; its pose."""
 
     points: np.ndarray
     pose: np.ndarray

@@ -10,12 +10,17 @@ use transect_geometry::{Isometry3, Point3};
 /// step of four decimals. Doubled, a scale of 0.1 % stays in the pose, which ignores it.
 const SCALE_ROUNDING: f64 = 1e-3;
 
+/// Largest deviation of a matrix from a rotation that is rounding of its printed digits. Theory:
+/// programs print six decimals. Doubled, a note about a repaired pose may be missing.
+const PRINTED: f64 = 1e-5;
+
 /// The facts of a scan's header.
 #[derive(Debug, Clone)]
 pub(super) struct Header {
     pub(super) size: ImageSize,
     pub(super) world_from_sensor: Isometry3,
-    /// The scanner's stated place in its own frame: the origin, unless the points are in the world's.
+    /// The scanner's stated place in the frame of the points: the origin, unless they are in the
+    /// world's frame.
     pub(super) scanner: Point3,
     /// Factors of the coordinates x, y and z, which the matrix applies before the rotation.
     pub(super) scale: Vector3<f64>,
@@ -82,15 +87,15 @@ impl Motion {
         // The transpose of the axes, because the pose multiplies columns.
         let axis = |k: usize| axes.row(k) / scale.get(k).copied().unwrap_or(1.0);
         let (u, v, w) = (axis(0), axis(1), axis(2));
-        let pose = pose::from_row_major(&[
-            u.x, v.x, w.x, x, u.y, v.y, w.y, y, u.z, v.z, w.z, z, 0.0, 0.0, 0.0, 1.0,
-        ])
-        .map_err(|problem| format!("{problem}; the lines of the matrix are {a} {b} {c}, {d} {e} {f}, {g} {h} {i}; export the scan with a rigid pose"))?;
-        notes.extend(
-            pose.repaired.map(|by| {
-                format!("pose replaced by the nearest rotation; it deviated by {by:.1e}")
-            }),
-        );
+        let numbers = [u.x, v.x, w.x, x, u.y, v.y, w.y, y, u.z, v.z, w.z, z, 0.0, 0.0, 0.0, 1.0];
+        let pose = pose::from_row_major(&numbers).map_err(|problem| {
+            format!(
+                "{problem}; the lines of the matrix are {a} {b} {c}, {d} {e} {f}, {g} {h} {i}; \
+                 export the scan with a rigid pose"
+            )
+        })?;
+        let note = |by| format!("pose replaced by the nearest rotation; it deviated by {by:.1e}");
+        notes.extend(pose.repaired.filter(|by| *by > PRINTED).map(note));
         Ok(Self { world_from_sensor: pose.world_from_sensor, scale, notes })
     }
 }

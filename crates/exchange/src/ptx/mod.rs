@@ -7,8 +7,8 @@
 //! 1 0 0                        its x axis; the lines of its y and z axes follow
 //! 1 0 0 0                      4 × 4 matrix with the translation in its 4th line:
 //! ...                          world = (x y z 1) · matrix
-//! 1.25 -0.3 0.8 0.5            one point per line, column by column: x y z, then an intensity, then
-//! 0 0 0 0.5                    red, green and blue if there are colours; 0 0 0: no return
+//! 1.25 -0.3 0.8 0.5            one point per line, column by column: x y z, an intensity,
+//! 0 0 0 0.5                    and red, green, blue if there are colours; 0 0 0: no return
 //! ```
 //!
 //! The next scan follows without a mark. [`open`] goes through the file once and keeps the place of

@@ -35,8 +35,8 @@ const UNEVEN: f32 = 5.0;
 const COMPARED: usize = 100_000;
 
 /// The share of neighbouring points whose directions from a viewpoint differ by over five times the
-/// median. From the true viewpoint of a scanner it is 0. From another place, range jumps and slanted
-/// surfaces show; a room without jumps looks even from any place inside. 0 if there are no
+/// median. From the true viewpoint of a scanner it is 0. From another place, range jumps and
+/// slanted surfaces show; a room without jumps looks even from any place inside. 0 if there are no
 /// neighbours.
 pub fn uneven_rays(size: ImageSize, points: &[Point3], viewpoint: &Point3) -> f64 {
     let every = (size.pixels() / COMPARED).max(1);
