@@ -1,4 +1,4 @@
-"""E57 files that libE57 writes, through pye57: Cartesian and spherical, doubles and scaled integers.
+"""E57 files that libE57 writes, through pye57: Cartesian, spherical, doubles, scaled integers.
 
 Needs numpy, pye57 and pyquaternion (which pye57 brings).
 """
@@ -15,9 +15,9 @@ POINTS = True
 
 # Metres per count of the scaled integers, as terrestrial scanners' programs choose it.
 STEP = 1e-4
-# A rounded coordinate is off by half a step on each axis. Measured: 99 % of the nodes are within 2.6
-# steps, because rounding changes which neighbours a node averages. Doubled, an offset of half a
-# millimetre passes.
+# A rounded coordinate is off by half a step on each axis. Measured: 99 % of the nodes are within
+# 2.6 steps, because rounding changes which neighbours a node averages. Doubled, an offset of half
+# a millimetre passes.
 ROUNDED = 3 * STEP
 # 32-bit numbers of up to 8 m are off by 0.24 µm on each axis.
 SINGLE = 2e-6
@@ -123,6 +123,13 @@ def write(room: Path, out: Path) -> list[tuple[Path, list[str], float]]:
                 add(e57, number, view, spherical, kind)
             e57.close()
             scans.append((path, [], EXACT if kind == "double" else ROUNDED))
+    # Points in the world's frame with a pose that moves nothing: the viewpoint is found again.
+    path = out / "world.e57"
+    e57 = pye57.E57(str(path), mode="w")
+    for number, view in enumerate(views(room)):
+        add(e57, number, view.in_world(), spherical=False, kind="double")
+    e57.close()
+    scans.append((path, [], EXACT))
     path = out / "singles.e57"
     e57 = pye57.E57(str(path), mode="w")
     for view in views(room):

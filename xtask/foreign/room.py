@@ -9,7 +9,7 @@ import numpy as np
 
 @dataclass
 class View:
-    """One view: rows × columns × 3 points in the sensor's frame, NaN where missing, and its pose."""
+    """One view: rows × columns × 3 points in the sensor's frame, NaN where missing; its pose."""
 
     points: np.ndarray
     pose: np.ndarray
@@ -17,6 +17,10 @@ class View:
     @property
     def valid(self) -> np.ndarray:
         return np.isfinite(self.points[..., 0])
+
+    def in_world(self) -> "View":
+        """The same points in the world's frame, with a pose that moves nothing."""
+        return View(self.points @ self.pose[:3, :3].T + self.pose[:3, 3], np.eye(4))
 
 
 def directions(view: dict) -> np.ndarray:

@@ -97,7 +97,8 @@ def compare(name: str, wanted: dict, found: dict, tolerance: float) -> bool:
     print(
         f"{name}: {len(wanted)} planes, {curves[0]} and {curves[1]} curves, {len(off)} nodes; "
         f"distances in mm: median {1e3 * median:.6f}, 99 % {1e3 * most:.6f}, "
-        f"largest {1e3 * off.max():.6f}; allowed {1e3 * tolerance:.6f}: {'equal' if fine else 'DIFFERENT'}"
+        f"largest {1e3 * off.max():.6f}; allowed {1e3 * tolerance:.6f}: "
+        f"{'equal' if fine else 'DIFFERENT'}"
     )
     return fine
 

@@ -68,6 +68,7 @@ mod scalar;
 mod scan;
 mod spline_file;
 mod stanford;
+mod survey;
 pub mod svg;
 #[cfg(test)]
 mod test_data;

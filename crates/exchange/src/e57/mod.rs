@@ -12,7 +12,7 @@ mod grid;
 mod records;
 
 use crate::scan::{FramedImage, LoadView};
-use crate::{OpenOptions, Place, ReadError, Scan, ScanView, input, points, pose};
+use crate::{OpenOptions, Place, ReadError, Scan, ScanView, input, points, pose, survey};
 use e57::{E57Reader, Header, PointCloud, RecordDataType};
 use nalgebra::Quaternion;
 use std::fs::File;
@@ -172,21 +172,14 @@ impl LoadView for E57View {
         let mut reader = reader(&self.path)?;
         let raw = reader.pointcloud_raw(&self.cloud);
         let raw = raw.map_err(|e| damaged(&self.path, self.at.clone(), &e))?;
-        let own = &mut Vec::new();
         let refused = |problem| ReadError::damaged(&self.path, self.at.clone(), problem);
         let cells = records::read(&self.cloud, raw).map_err(refused)?;
-        let grid = grid::of(cells, self.cloud.index_bounds.as_ref(), own);
+        let mut own = Vec::new();
+        let grid = grid::of(cells, self.cloud.index_bounds.as_ref(), &mut own);
         let (size, points) = grid.map_err(refused)?;
-        let framed = points::framed(&self.path, size, points, own)?;
-        // The file holds several scans, so the notes name this one.
-        notes.extend(own.iter().map(|note| format!("{}: {note}", self.name())));
-        Ok(framed)
-    }
-}
-
-impl E57View {
-    fn name(&self) -> String {
-        self.at.to_string().trim_start_matches(", ").to_owned()
+        let name = survey::words(&self.at);
+        notes.extend(own.iter().map(|note| format!("{name}: {note}")));
+        survey::framed(&self.path, &self.at, size, points, None, notes)
     }
 }
 

@@ -24,12 +24,12 @@ const MISSING: Point3 = Point3::new(f64::NAN, f64::NAN, f64::NAN);
 /// All records of a structured scan. An error is a sentence that names the record.
 pub(super) fn read<R: Read + Seek>(
     cloud: &PointCloud,
-    mut raw: PointCloudReaderRaw<'_, R>,
+    raw: PointCloudReaderRaw<'_, R>,
 ) -> Result<Vec<Cell>, String> {
     let fields = Fields::of(cloud).ok_or("the scan has no rows, columns or coordinates")?;
     let mut cells = Vec::new();
     // The announced number is not trusted, so the list grows with the records that are there.
-    while let Some(values) = raw.next() {
+    for values in raw {
         let number = cells.len();
         let cell = match values {
             Ok(values) => fields.cell(&values),

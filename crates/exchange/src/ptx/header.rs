@@ -4,17 +4,24 @@ use super::lines::Lines;
 use crate::{Place, ReadError, pose};
 use nalgebra::{Matrix3, Vector3};
 use transect_device::ImageSize;
-use transect_geometry::Isometry3;
+use transect_geometry::{Isometry3, Point3};
 
 /// Largest deviation of an axis' length from 1 that is rounding of printed digits. Ten times the
 /// step of four decimals. Doubled, a scale of 0.1 % stays in the pose, which ignores it.
 const SCALE_ROUNDING: f64 = 1e-3;
+
+/// Largest deviation of a matrix from a rotation that is rounding of its printed digits. Theory:
+/// programs print six decimals. Doubled, a note about a repaired pose may be missing.
+const PRINTED: f64 = 1e-5;
 
 /// The facts of a scan's header.
 #[derive(Debug, Clone)]
 pub(super) struct Header {
     pub(super) size: ImageSize,
     pub(super) world_from_sensor: Isometry3,
+    /// The scanner's stated place in the frame of the points: the origin, unless they are in the
+    /// world's frame.
+    pub(super) scanner: Point3,
     /// Factors of the coordinates x, y and z, which the matrix applies before the rotation.
     pub(super) scale: Vector3<f64>,
     pub(super) notes: Vec<String>,
@@ -26,7 +33,7 @@ impl Header {
         let cols = count(lines, at, "the number of columns")?;
         let rows = count(lines, at, "the number of rows")?;
         let size = ImageSize { rows, cols };
-        let _position: [f64; 3] = lines.numbers(at, "the scanner's position: x y z", 3..=3)?;
+        let place: [f64; 3] = lines.numbers(at, "the scanner's position: x y z", 3..=3)?;
         for axis in ["x", "y", "z"] {
             let wanted = format!("the scanner's {axis} axis: three numbers");
             let _axis: [f64; 3] = lines.numbers(at, &wanted, 3..=3)?;
@@ -37,7 +44,8 @@ impl Header {
         }
         let motion = Motion::of(&matrix).map_err(|problem| lines.problem(at, &problem))?;
         let Motion { world_from_sensor, scale, notes } = motion;
-        Ok(Self { size, world_from_sensor, scale, notes })
+        let scanner = world_from_sensor.inverse_transform_point(&Point3::from(place));
+        Ok(Self { size, world_from_sensor, scanner, scale, notes })
     }
 }
 
@@ -79,15 +87,15 @@ impl Motion {
         // The transpose of the axes, because the pose multiplies columns.
         let axis = |k: usize| axes.row(k) / scale.get(k).copied().unwrap_or(1.0);
         let (u, v, w) = (axis(0), axis(1), axis(2));
-        let pose = pose::from_row_major(&[
-            u.x, v.x, w.x, x, u.y, v.y, w.y, y, u.z, v.z, w.z, z, 0.0, 0.0, 0.0, 1.0,
-        ])
-        .map_err(|problem| format!("{problem}; the lines of the matrix are {a} {b} {c}, {d} {e} {f}, {g} {h} {i}; export the scan with a rigid pose"))?;
-        notes.extend(
-            pose.repaired.map(|by| {
-                format!("pose replaced by the nearest rotation; it deviated by {by:.1e}")
-            }),
-        );
+        let numbers = [u.x, v.x, w.x, x, u.y, v.y, w.y, y, u.z, v.z, w.z, z, 0.0, 0.0, 0.0, 1.0];
+        let pose = pose::from_row_major(&numbers).map_err(|problem| {
+            format!(
+                "{problem}; the lines of the matrix are {a} {b} {c}, {d} {e} {f}, {g} {h} {i}; \
+                 export the scan with a rigid pose"
+            )
+        })?;
+        let note = |by| format!("pose replaced by the nearest rotation; it deviated by {by:.1e}");
+        notes.extend(pose.repaired.filter(|by| *by > PRINTED).map(note));
         Ok(Self { world_from_sensor: pose.world_from_sensor, scale, notes })
     }
 }

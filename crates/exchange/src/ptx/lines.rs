@@ -1,7 +1,6 @@
 //! The lines of a large text file, read one at a time.
 
-use crate::input;
-use crate::{Place, ReadError};
+use crate::{Place, ReadError, input, survey};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Seek, SeekFrom};
 use std::ops::RangeInclusive;
@@ -129,7 +128,7 @@ impl Lines {
     /// An error about the line that was read last, in a scan.
     pub(super) fn problem(&self, at: &Place, problem: &str) -> ReadError {
         let line = Place::Line(self.next.number.saturating_sub(1).max(1));
-        ReadError::damaged(&self.path, line, format!("{}: {problem}", in_words(at)))
+        ReadError::damaged(&self.path, line, format!("{}: {problem}", survey::words(at)))
     }
 
     /// Counts a line of some bytes; there is no line of 0 bytes.
@@ -139,9 +138,4 @@ impl Lines {
         self.next.number += usize::from(length > 0);
         Ok(length)
     }
-}
-
-/// A place without the comma that follows a file's name.
-fn in_words(at: &Place) -> String {
-    at.to_string().trim_start_matches(", ").to_owned()
 }

@@ -7,8 +7,8 @@
 //! 1 0 0                        its x axis; the lines of its y and z axes follow
 //! 1 0 0 0                      4 × 4 matrix with the translation in its 4th line:
 //! ...                          world = (x y z 1) · matrix
-//! 1.25 -0.3 0.8 0.5            one point per line, column by column: x y z, then an intensity, then
-//! 0 0 0 0.5                    red, green and blue if there are colours; 0 0 0: no return
+//! 1.25 -0.3 0.8 0.5            one point per line, column by column: x y z, an intensity,
+//! 0 0 0 0.5                    and red, green, blue if there are colours; 0 0 0: no return
 //! ```
 //!
 //! The next scan follows without a mark. [`open`] goes through the file once and keeps the place of
@@ -19,7 +19,7 @@ mod header;
 mod lines;
 
 use crate::scan::{FramedImage, LoadView};
-use crate::{OpenOptions, Place, ReadError, Scan, ScanView, points};
+use crate::{OpenOptions, Place, ReadError, Scan, ScanView, points, survey};
 use header::Header;
 use lines::Lines;
 use nalgebra::Vector3;
@@ -117,13 +117,8 @@ struct PtxView {
 impl LoadView for PtxView {
     fn load(&self, notes: &mut Vec<String>) -> Result<FramedImage, ReadError> {
         let points = self.points()?;
-        let own = &mut Vec::new();
-        let framed = points::framed(&self.path, self.header.size, points, own)?;
-        let name = self.at.to_string();
-        let name = name.trim_start_matches(", ");
-        // The file holds several scans, so the notes name this one.
-        notes.extend(own.iter().map(|note| format!("{name}: {note}")));
-        Ok(framed)
+        let Header { size, scanner, .. } = self.header;
+        survey::framed(&self.path, &self.at, size, points, Some(scanner), notes)
     }
 }
 

@@ -84,6 +84,14 @@ fn matrices_that_are_no_pose_are_refused_with_their_numbers() {
 }
 
 #[test]
+fn rotations_of_few_digits_are_noted() {
+    let matrix = |cos: f64| format!("{cos} 0.6 0 0\n-0.6 {cos} 0 0\n0 0 1 0\n0 0 0 1");
+    let notes = |cos| opened(&wall(&matrix(cos), "")).unwrap().notes.split_off(1);
+    assert_eq!(notes(0.800001), Vec::<String>::new(), "six digits");
+    assert!(notes(0.8002)[0].ends_with("replaced by the nearest rotation; it deviated by 3.2e-4"));
+}
+
+#[test]
 fn damaged_lines_are_named() {
     let text = wall(IDENTITY, "");
     let error = loaded(&text.replacen("3.5 1 1", "3.5 one 1", 1)).unwrap_err();

@@ -11,8 +11,10 @@
 //! whose last column lies beside its first is a full circle. Noise is an error along the ray.
 
 mod carried_pinhole;
+mod rotating_scan;
 
 pub use carried_pinhole::CarriedPinhole;
+pub use rotating_scan::{fit_viewpoint, uneven_rays};
 
 use crate::error::{SensorError, require};
 use transect_device::{
