@@ -15,6 +15,7 @@
 //!      error and weight. Weights fall towards open ends, where real scanners overshoot.
 //!    * The spread between views sets the overlap threshold. The views' systematic errors, which
 //!      grow with the incidence, are part of all weights.
+//!    * Where these errors exceed a footprint, the views' curves move onto their common course.
 //! 2. `estimate` → `PlacedNode`s.
 //!    * Groups of observations beside each other; rough fits treat a group as one.
 //!    * Thinning: best supported first, a group moves across the curve onto a robust line through
@@ -34,6 +35,7 @@
 //!    * Rings: closed chains that cannot be told from a circle become one.
 //!    * Corners: where two sides meet at an angle, the curve goes through the place at which they
 //!      do.
+//!    * Crossings: units that cross better ones are left out (`planar.rs`).
 //!
 //! **Departures from the source.** Everything from the groups on replaces 5.5.2. The rule table of
 //! 5.4 holds for the result as an invariant instead of deciding each merge.
