@@ -58,6 +58,12 @@ impl<'a> Ground<'a> {
         })
     }
 
+    /// Whether a unit begins and ends at range jumps, of any views.
+    pub fn is_between_jumps(&self, unit: &CurveUnit) -> bool {
+        self.leaving.iter().any(|jump| jump.is_near(&unit.start))
+            && self.arriving.iter().any(|jump| jump.is_near(&unit.end))
+    }
+
     /// Whether a view measured the ground within a distance of the middle of a unit.
     pub fn is_measured(&self, unit: &CurveUnit, footprint: f64, distance: f64) -> bool {
         let way = unit.vector();

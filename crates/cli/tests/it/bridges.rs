@@ -3,8 +3,8 @@
 use super::common::Folder;
 
 /// Simulates a bundled scene, models it, and asserts that each unit far longer than the samples
-/// apart is marked as bridged.
-fn long_units_are_marked(scene: &str) {
+/// apart is marked as bridged. Returns the length of the longest marked unit.
+fn long_units_are_marked(scene: &str) -> f64 {
     let folder = Folder::empty();
     folder.run(&format!("simulate {scene} --out scan")).succeeded();
     // Without its truth a scan is not scored, which takes most of the time.
@@ -31,7 +31,8 @@ fn long_units_are_marked(scene: &str) {
     let longest = 6.0 * units[units.len() / 2].0;
     let unmarked = units.iter().filter(|(length, is_marked, _)| !is_marked && *length > longest);
     assert_eq!(unmarked.collect::<Vec<_>>(), Vec::<&_>::new(), "{scene}: more than {longest}");
-    assert!(units.iter().any(|unit| unit.1), "{scene}: there is unseen ground");
+    let longest = units.iter().rfind(|unit| unit.1).map(|unit| unit.0);
+    longest.expect("there is unseen ground")
 }
 
 /// Two views see the rim of the mask and the board behind it, and not the ground between.
@@ -42,5 +43,6 @@ fn the_mask_is_not_joined_to_the_board_behind_it() {
 
 #[test]
 fn long_units_of_the_room_are_marked() {
-    long_units_are_marked("room");
+    // A mark has two units. On plane 8 two views end at furniture in front of a wall, 0.26 m apart.
+    assert!(long_units_are_marked("room") < 0.11);
 }

@@ -78,6 +78,15 @@ impl PlacedNode {
             && ground.is_in_shadow(&unit)
     }
 
+    /// Whether the step to the next node is long, and leads from a range jump of one view to a
+    /// range jump of any view.
+    pub fn is_between_jumps(&self, next: &Self, ground: &Ground<'_>) -> bool {
+        let (unit, _) = self.unit_to(next);
+        let footprint = self.evidence.footprint.min(next.evidence.footprint);
+        unit.vector().norm() > BETWEEN_JUMPS_FOOTPRINTS * footprint
+            && ground.is_between_jumps(&unit)
+    }
+
     /// Standard deviation across the curve without the views' systematic errors.
     pub fn random_sigma(&self) -> f64 {
         (self.sigma * self.sigma - self.evidence.view_variance).max(0.0).sqrt()
