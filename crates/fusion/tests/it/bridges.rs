@@ -85,29 +85,6 @@ fn a_closed_curve_with_a_bridge_over_a_range_jump_is_opened_there() {
     }
 }
 
-/// A wall that one view saw coarsely up to a gap, and another one finely from there on.
-fn interrupted_wall(gap_footprints: f64, reason: EndReason) -> [Vec<Curve>; 2] {
-    let coarse = |n: Node| n.moved_to(Point2::from(n.position.coords * 4.0));
-    let before = row(Point2::new(-19.0 * SPACING, 0.0), 20);
-    let before = before.into_iter().map(|n| coarse(n).with_footprint(4.0 * SPACING as f32));
-    let after = row(Point2::new(gap_footprints * SPACING, 0.0), 60);
-    let before = Curve::new(before.collect(), false).unwrap().with_ends([None, Some(reason)]);
-    let after = Curve::new(after, false).unwrap().with_ends([Some(reason), None]);
-    [vec![before], vec![after]]
-}
-
-/// The ground between may be behind something that stands in front of the wall.
-#[test]
-fn a_long_gap_between_range_jumps_of_two_views_stays_open() {
-    let count = |gap_footprints: f64, reason: EndReason| {
-        let views = interrupted_wall(gap_footprints, reason);
-        fuse_plane(&slices(&views), &FusionMethod::default()).curves.len()
-    };
-    assert_eq!(count(12.0, EndReason::RangeJump), 2);
-    assert_eq!(count(6.0, EndReason::RangeJump), 1, "no longer than samples of the coarse view");
-    assert_eq!(count(12.0, EndReason::MissingPixel), 1, "a gap of three coarse samples");
-}
-
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]
 

@@ -111,11 +111,7 @@ impl Pair<'_> {
     fn best_fit(&self, scale: &Scale, rule: &JoinRule) -> Option<JoinFit> {
         let Self { nodes, tail, head, is_one, .. } = *self;
         let outermost = [*tail.nodes.last()?, *head.nodes.first()?];
-        let [end, start] = outermost.map(|k| &nodes[k as usize]);
-        if end.is_between_jumps(start, self.ground) {
-            return None;
-        }
-        let [lost_tail, lost_head] = [end, start].map(|node| node.evidence.footprint);
+        let [lost_tail, lost_head] = outermost.map(|k| nodes[k as usize].evidence.footprint);
         let shortest = tail.nodes.len().min(head.nodes.len());
         let most = rule.cut_nodes.min(if is_one { shortest / 3 } else { shortest / 2 });
         // An overshooting end points elsewhere than the curve it is cut back to.

@@ -97,8 +97,7 @@ struct Candidates<'a> {
 
 impl Candidates<'_> {
     fn add(&mut self, from: usize, to: usize, cost: f64, bridged: bool) {
-        let (a, b) = (&self.nodes[from], &self.nodes[to]);
-        if a.is_across_shadow(b, self.ground) || a.is_between_jumps(b, self.ground) {
+        if self.nodes[from].is_across_shadow(&self.nodes[to], self.ground) {
             return;
         }
         let cost = cost.to_bits() | u64::from(bridged) << 63;

@@ -68,23 +68,16 @@ impl PlacedNode {
         (unit, self.evidence.footprint.max(next.evidence.footprint))
     }
 
-    /// Whether the step to the next node is no continuation, and lies in the shadow of a view.
+    /// Whether the step to the next node is no continuation and lies in the shadow of a view, or is
+    /// a long one between range jumps of any views.
     pub fn is_across_shadow(&self, next: &Self, ground: &Ground<'_>) -> bool {
         let (unit, _) = self.unit_to(next);
         let along = unit.vector().try_normalize(0.0).unwrap_or_default();
         let footprint = self.evidence.footprint.min(next.evidence.footprint);
-        unit.vector().norm() > SHADOW_FOOTPRINTS * footprint
-            && along.dot(&self.tangent).min(along.dot(&next.tangent)) < STRAIGHT
-            && ground.is_in_shadow(&unit)
-    }
-
-    /// Whether the step to the next node is long, and leads from a range jump of one view to a
-    /// range jump of any view.
-    pub fn is_between_jumps(&self, next: &Self, ground: &Ground<'_>) -> bool {
-        let (unit, _) = self.unit_to(next);
-        let footprint = self.evidence.footprint.min(next.evidence.footprint);
-        unit.vector().norm() > BETWEEN_JUMPS_FOOTPRINTS * footprint
-            && ground.is_between_jumps(&unit)
+        let is_longer = |footprints: f64| unit.vector().norm() > footprints * footprint;
+        let turns = along.dot(&self.tangent).min(along.dot(&next.tangent)) < STRAIGHT;
+        is_longer(SHADOW_FOOTPRINTS) && turns && ground.is_in_shadow(&unit)
+            || is_longer(BETWEEN_JUMPS_FOOTPRINTS) && ground.is_between_jumps(&unit)
     }
 
     /// Standard deviation across the curve without the views' systematic errors.
