@@ -1,6 +1,11 @@
 """Compares scans that other programs write with the scan that Transect simulated.
 
-    python3 xtask/foreign/run.py FORMAT...        one or more of the modules beside this file
+    python3 -m venv target/foreign
+    target/foreign/bin/pip install -r xtask/foreign/requirements.txt
+    target/foreign/bin/python xtask/foreign/run.py [FORMAT...]
+
+A FORMAT is one of the modules beside this file; without any, all of them run. A format whose
+Python modules are missing is skipped and named.
 
 A module FORMAT.py has a function `write(room, out)`. It writes the room in its format into the
 folder `out` and returns a list of (path of a scan, further arguments, tolerance in metres). It can
@@ -30,6 +35,7 @@ from pathlib import Path
 import numpy as np
 import room as simulated
 
+FORMATS = ("e57", "ptx", "tum", "open3d_log", "pcd", "ply")
 BUILD = "cargo run --quiet --release -p transect-cli --"
 # Differences of the counts of curves: a pixel at a silhouette can split a curve. Chosen by hand.
 # Doubled, one lost curve in 25 passes.
@@ -104,7 +110,11 @@ def compare(name: str, wanted: dict, found: dict, tolerance: float) -> bool:
 
 
 def run(format_name: str, folder: Path) -> bool:
-    module = importlib.import_module(format_name)
+    try:
+        module = importlib.import_module(format_name)
+    except ModuleNotFoundError as missing:
+        print(f"{format_name}: SKIPPED: {missing}")
+        return True
     room = simulate(folder / "room", getattr(module, "SIMULATE", []))
     planes = json.loads((room / "scan.json").read_text())["planes"]
     points = getattr(module, "POINTS", False)
@@ -121,11 +131,8 @@ def run(format_name: str, folder: Path) -> bool:
 
 
 def main() -> None:
-    names = sys.argv[1:]
-    if not names:
-        raise SystemExit(__doc__)
     fine = True
-    for name in names:
+    for name in sys.argv[1:] or FORMATS:
         with tempfile.TemporaryDirectory() as folder:
             fine &= run(name, Path(folder))
     raise SystemExit(0 if fine else 1)
