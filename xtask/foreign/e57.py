@@ -16,9 +16,8 @@ POINTS = True
 # Metres per count of the scaled integers, as terrestrial scanners' programs choose it.
 STEP = 1e-4
 # A rounded coordinate is off by half a step on each axis. Measured: 99 % of the nodes are within
-# 2.6 steps, because rounding changes which neighbours a node averages. Doubled, an offset of half
-# a millimetre passes.
-ROUNDED = 3 * STEP
+# 0.7 steps. Doubled, a pose that is off by one step passes.
+ROUNDED = STEP
 # 32-bit numbers of up to 8 m are off by 0.24 µm on each axis.
 SINGLE = 2e-6
 # Doubles differ by the rounding of sines and cosines, and poses by that of quaternions.

@@ -12,9 +12,8 @@ from pathlib import Path
 import imageio.v3 as imageio
 import numpy as np
 
-# Further arguments of `transect simulate room`: the formats hold pinhole cameras only. Without noise,
-# because rounding changes which of several noisy observations a node is made of.
-SIMULATE = ["--sensor", "pinhole", "--noise-free"]
+# Further arguments of `transect simulate room`: the formats hold pinhole cameras only.
+SIMULATE = ["--sensor", "pinhole"]
 
 # Half a count is the largest error of a rounded depth. A curve on a surface seen at 60 degrees
 # moves by twice that. Measured: 99 % of the nodes are within half a count. Doubled, a camera whose

@@ -73,6 +73,7 @@ pub mod svg;
 #[cfg(test)]
 mod test_data;
 mod tiff_file;
+mod trajectory;
 mod triangle_mesh;
 mod truth;
 mod view_file;

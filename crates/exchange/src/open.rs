@@ -36,17 +36,17 @@ const FORMATS: [Format; 8] = [
         open: manifest::open,
     },
     Format {
-        name: "a Stanford configuration (*.conf)",
-        recognise: |path| is_file_with(path, "conf"),
-        uses: &[],
-        open: stanford::open,
-    },
-    Format {
         name: "a folder of depth images with poses and a camera (TUM, ICL-NUIM, ScanNet, 7-Scenes, \
                Open3D)",
         recognise: depth_sequence::is_one,
         uses: &["--poses", "--camera", "--depth-scale", "--max-time-difference"],
         open: depth_sequence::open,
+    },
+    Format {
+        name: "a Stanford configuration (*.conf), or a folder with one",
+        recognise: |path| stanford::configuration(path).is_some(),
+        uses: &[],
+        open: stanford::open,
     },
     Format {
         name: "an E57 file with structured scans (*.e57)",
@@ -102,7 +102,7 @@ impl Scan {
     }
 
     /// Opens a scan: a folder with `scan.json`, a manifest (`*.json`), a Stanford configuration
-    /// (`*.conf`), an E57 or PTX file, a folder of depth images with poses and a camera, or a cloud
+    /// (`*.conf`) or a folder with one, an E57 or PTX file, a folder of depth images with poses and a camera, or a cloud
     /// with rows and columns (`*.pcd`, `*.ply`, `*.bin`) or a folder of them.
     ///
     /// # Errors
@@ -178,11 +178,8 @@ mod tests {
         std::fs::write(&path, "bmesh b.ply 0 0 0 0 0 0 1\n").unwrap();
         let options = OpenOptions { rings: Some(32), ..OpenOptions::default() };
         let error = Scan::open_with(&path, &options).unwrap_err().to_string();
-        assert!(
-            error.ends_with(
-                "--rings has no use for a Stanford configuration (*.conf); leave it out"
-            )
-        );
+        let wanted = "bun.conf: --rings has no meaning for a scan of this format; leave it out";
+        assert!(error.ends_with(wanted), "{error}");
     }
 
     #[test]

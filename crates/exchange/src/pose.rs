@@ -1,6 +1,8 @@
 //! Rigid motions from the numbers in files.
 
+use crate::Place;
 use nalgebra::{Matrix3, Quaternion, Rotation3, SVD, Translation3, UnitQuaternion};
+use std::path::Path;
 use transect_geometry::Isometry3;
 
 /// Deviation from orthonormality that is rounding of printed `f64` numbers.
@@ -80,6 +82,16 @@ pub(crate) fn from_quaternion(
     let normalised = (length - 1.0).abs() > QUATERNION_ROUNDING;
     let note = normalised.then(|| format!("quaternion of length {length:.4} normalised"));
     Ok((Isometry3::from_parts(Translation3::from(translation), rotation), note))
+}
+
+/// One note about all poses that were replaced by the nearest rotation.
+pub(crate) fn repairs_note(path: &Path, repairs: &[(f64, Place)], views: usize) -> Option<String> {
+    let (worst, at) = repairs.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let (count, path) = (repairs.len(), path.display());
+    Some(format!(
+        "{path}: {count} of {views} poses replaced by the nearest rotation; \
+         largest deviation from orthonormal {worst:.1e}{at}"
+    ))
 }
 
 /// The polar factor U Vᵀ; `None` if the decomposition does not converge.

@@ -17,7 +17,19 @@ use nalgebra::Quaternion;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// The configuration that a path is: a file `*.conf`, or the only one in a folder.
+pub(crate) fn configuration(path: &Path) -> Option<PathBuf> {
+    let is_one = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("conf"));
+    if !path.is_dir() {
+        return Some(path.to_owned()).filter(is_one);
+    }
+    let entries = std::fs::read_dir(path).ok()?.flatten().map(|entry| entry.path());
+    let mut found = entries.filter(|path| is_one(path) && path.is_file());
+    found.next().filter(|_| found.next().is_none())
+}
+
 pub(crate) fn open(path: &Path, options: &OpenOptions) -> Result<Scan, ReadError> {
+    let path = &configuration(path).unwrap_or_else(|| path.to_owned());
     let text = read_text(path)?;
     let (mut views, mut notes) = (Vec::new(), Vec::new());
     let unit = points::unit_or_metres(path, options, &mut notes);
@@ -109,6 +121,18 @@ mod tests {
         assert_eq!((scan.name.as_str(), scan.unit), ("part", LengthUnit::Metre));
         assert_eq!(scan.notes.len(), 1);
         assert!(scan.notes[0].ends_with("taken as metres by its convention"));
+    }
+
+    #[test]
+    fn a_folder_with_one_configuration_is_its_scan() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("a.ply"), "ply").unwrap();
+        std::fs::write(folder.path().join("bun.conf"), "bmesh a.ply 0 0 0 0 0 0 1\n").unwrap();
+        let scan = Scan::open(folder.path()).unwrap();
+        assert_eq!((scan.name.as_str(), scan.views.len()), ("bun", 1));
+        std::fs::write(folder.path().join("head.conf"), "").unwrap();
+        assert_eq!(configuration(folder.path()), None, "either may be meant");
+        assert_eq!(configuration(&folder.path().join("a.ply")), None);
     }
 
     #[test]

@@ -31,7 +31,7 @@ use crate::{OpenOptions, Place, ReadError, Scan, ScanView, ply, points};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use transect_device::ImageSize;
-use transect_geometry::{Isometry3, LengthUnit};
+use transect_geometry::Isometry3;
 
 /// The formats of cloud files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -99,10 +99,7 @@ fn files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
 
 fn scan(path: &Path, files: Vec<PathBuf>, options: &OpenOptions) -> Result<Scan, ReadError> {
     let mut notes = Vec::new();
-    if options.unit.is_none() {
-        let convention = "the files carry no unit: taken as metres by the convention of robotics";
-        notes.push(format!("{}: {convention}; --unit states another", path.display()));
-    }
+    let unit = points::unit_or_metres(path, options, &mut notes);
     let placed = poses::find(path, &files, options.poses.as_deref())?;
     notes.extend(placed.notes);
     let view = |(file, pose): (&PathBuf, Isometry3)| {
@@ -114,7 +111,6 @@ fn scan(path: &Path, files: Vec<PathBuf>, options: &OpenOptions) -> Result<Scan,
     let absolute = std::path::absolute(path).map_err(|e| ReadError::io(path, e))?;
     let name = absolute.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let inputs = placed.files.into_iter().chain(files).collect();
-    let unit = options.unit.unwrap_or(LengthUnit::Metre);
     Ok(Scan { name, unit, sigma: None, planes: None, views, notes, inputs })
 }
 

@@ -3,7 +3,7 @@
 //! In the order of precedence:
 //!
 //! 1. the file that the caller names, or `poses.txt` in the folder: one pose per file, in the order
-//!    of the files' names, as lines of 12 (KITTI) or 16 numbers, or as four lines of 4 numbers;
+//!    of the files' names, in any format of trajectories without times;
 //! 2. `NAME.pose.txt` beside each `NAME.pcd`, `.ply` or `.bin`: 4 × 4 or 3 × 4 numbers;
 //! 3. `T_A_B.txt`: A from B, for the files A and B of the folder; A is the world;
 //! 4. the line VIEWPOINT of PCD files;
@@ -14,7 +14,8 @@
 
 use super::{Kind, pcd};
 use crate::input::{read_head, read_text};
-use crate::pose::from_row_major;
+use crate::pose::{from_row_major, repairs_note};
+use crate::trajectory::{Trajectory, matrix, read_one};
 use crate::{Place, ReadError};
 use std::path::{Path, PathBuf};
 use transect_geometry::Isometry3;
@@ -24,11 +25,23 @@ const TRAJECTORY: &str = "poses.txt";
 const CALIBRATION: &str = "calib.txt";
 
 /// The poses of all files, in their order.
+#[derive(Default)]
 pub(super) struct Poses {
     pub(super) poses: Vec<Isometry3>,
     pub(super) notes: Vec<String>,
     /// The files that state the poses.
     pub(super) files: Vec<PathBuf>,
+}
+
+impl Poses {
+    /// Adds the one pose of a file.
+    fn add(&mut self, file: &Path) -> Result<(), ReadError> {
+        let one = isometries(file, &[read_one(file)?])?;
+        self.poses.extend(one.poses);
+        self.notes.extend(one.notes);
+        self.files.extend(one.files);
+        Ok(())
+    }
 }
 
 /// Finds the poses of files. `path` is the folder, or the file alone.
@@ -75,24 +88,29 @@ pub(super) fn find(
 
 /// Poses of one file for all clouds.
 fn of_trajectory(folder: &Path, file: &Path, clouds: &[PathBuf]) -> Result<Poses, ReadError> {
-    let (mut poses, mut notes) = read(file)?;
-    if poses.len() != clouds.len() {
+    let Trajectory::Ordered(ordered) = Trajectory::read(file)? else {
+        let problem = "the poses have times, but the clouds have none; expected one line of 12 \
+                       numbers (3 × 4, world from sensor) for each cloud, in the order of names";
+        return Err(ReadError::damaged(file, Place::Whole, problem));
+    };
+    if ordered.len() != clouds.len() {
         let problem = format!(
             "the file has {} poses; expected one for each of the {} clouds in {}",
-            poses.len(),
+            ordered.len(),
             clouds.len(),
             folder.display()
         );
         return Err(ReadError::damaged(file, Place::Whole, problem));
     }
-    let mut files = vec![file.to_owned()];
+    let matrices: Result<Vec<_>, _> = (0..clouds.len()).filter_map(|k| ordered.get(k)).collect();
+    let mut found = isometries(file, &matrices?)?;
     if let Some((path, camera_from_lidar)) = calibration(folder)? {
-        poses.iter_mut().for_each(|world_from_camera| *world_from_camera *= camera_from_lidar);
+        found.poses.iter_mut().for_each(|pose| *pose *= camera_from_lidar);
         let path_text = path.display();
-        notes.push(format!("{path_text}: \"Tr:\" turns the poses of camera 0 into the lidar's"));
-        files.push(path);
+        found.notes.push(format!("{path_text}: \"Tr:\" turns camera 0's poses into the lidar's"));
+        found.files.push(path);
     }
-    Ok(Poses { poses, notes, files })
+    Ok(found)
 }
 
 /// KITTI's camera-from-lidar, from the folder of the clouds or the one above.
@@ -105,10 +123,9 @@ fn calibration(folder: &Path) -> Result<Option<(PathBuf, Isometry3)>, ReadError>
     let text = read_text(&path)?;
     for (line, text) in (1..).zip(text.lines()) {
         let Some(numbers) = text.strip_prefix("Tr:") else { continue };
-        let at = Place::Line(line);
-        let numbers = numbers_of(&path, &at, numbers)?;
-        let (pose, _) = pose(&path, at, &numbers)?;
-        return Ok(Some((path, pose)));
+        let pose = matrix(std::iter::once(numbers)).and_then(|matrix| from_row_major(&matrix));
+        let pose = pose.map_err(|p| ReadError::damaged(&path, Place::Line(line), p))?;
+        return Ok(Some((path, pose.world_from_sensor)));
     }
     Ok(None)
 }
@@ -128,13 +145,11 @@ fn beside(clouds: &[PathBuf]) -> Result<Option<Poses>, ReadError> {
         );
         return Err(ReadError::damaged(first, Place::Whole, problem));
     }
-    let (mut poses, mut notes) = (Vec::new(), Vec::new());
+    let mut found = Poses::default();
     for file in &files {
-        let (pose, note) = read_one(file)?;
-        poses.push(pose);
-        notes.extend(note);
+        found.add(file)?;
     }
-    Ok(Some(Poses { poses, notes, files }))
+    Ok(Some(found))
 }
 
 /// Files `T_A_B.txt` with one A for all other clouds; `None` if there is no such file.
@@ -145,18 +160,14 @@ fn of_pairs(folder: &Path, clouds: &[PathBuf]) -> Result<Option<Poses>, ReadErro
     let Some(world) = stems.iter().find(|a| stems.iter().any(|b| pair(a, b).is_file())) else {
         return Ok(None);
     };
-    let mut found = Poses { poses: Vec::new(), notes: Vec::new(), files: Vec::new() };
+    let mut found = Poses::default();
     found.notes.push(format!("{}: the world is the frame of {world}", folder.display()));
     for stem in &stems {
         if stem == world {
             found.poses.push(Isometry3::identity());
             continue;
         }
-        let file = pair(world, stem);
-        let (pose, note) = read_one(&file)?;
-        found.poses.push(pose);
-        found.notes.extend(note);
-        found.files.push(file);
+        found.add(&pair(world, stem))?;
     }
     Ok(Some(found))
 }
@@ -173,67 +184,15 @@ fn viewpoints(files: &[PathBuf]) -> Result<Vec<Option<Isometry3>>, ReadError> {
     files.iter().map(viewpoint).collect()
 }
 
-/// The one pose of a file.
-fn read_one(file: &Path) -> Result<(Isometry3, Vec<String>), ReadError> {
-    let (poses, notes) = read(file)?;
-    let &[pose] = poses.as_slice() else {
-        let problem = format!("the file has {} poses; expected one, of 4 × 4 numbers", poses.len());
-        return Err(ReadError::damaged(file, Place::Whole, problem));
-    };
-    Ok((pose, notes))
-}
-
-/// All poses of a text file: lines of 12 or 16 numbers, or of 4 numbers in groups of four or three.
-fn read(file: &Path) -> Result<(Vec<Isometry3>, Vec<String>), ReadError> {
-    let text = read_text(file)?;
-    let lines = (1..).zip(text.lines().map(str::trim));
-    let mut lines = lines.filter(|(_, l)| !l.is_empty() && !l.starts_with('#')).peekable();
-    let (mut poses, mut repaired, mut largest) = (Vec::new(), 0, 0.0_f64);
-    while let Some((line, text)) = lines.next() {
-        let mut numbers = numbers_of(file, &Place::Line(line), text)?;
-        while numbers.len() % 4 == 0 && numbers.len() < 16 && text.split_whitespace().count() == 4 {
-            let Some((line, text)) = lines.next() else { break };
-            numbers.extend(numbers_of(file, &Place::Line(line), text)?);
-        }
-        let (pose, deviation) = pose(file, Place::Line(line), &numbers)?;
-        poses.push(pose);
-        repaired += usize::from(deviation.is_some());
-        largest = largest.max(deviation.unwrap_or(0.0));
+/// The isometries of a file's matrices, and a note if some had to be repaired.
+fn isometries(file: &Path, matrices: &[[f64; 16]]) -> Result<Poses, ReadError> {
+    let (mut poses, mut repairs) = (Vec::new(), Vec::new());
+    for matrix in matrices {
+        let damaged = |problem| ReadError::damaged(file, Place::Whole, problem);
+        let pose = from_row_major(matrix).map_err(damaged)?;
+        poses.push(pose.world_from_sensor);
+        repairs.extend(pose.repaired.map(|deviation| (deviation, Place::Whole)));
     }
-    let note = format!(
-        "{}: {repaired} of {} poses replaced by the nearest rotation; the largest deviation is \
-         {largest:.1e}",
-        file.display(),
-        poses.len()
-    );
-    let notes = if repaired > 0 { vec![note] } else { Vec::new() };
-    Ok((poses, notes))
-}
-
-fn numbers_of(file: &Path, at: &Place, text: &str) -> Result<Vec<f64>, ReadError> {
-    let parse = |word: &str| {
-        let start: String = word.chars().take(20).collect();
-        word.parse().map_err(|_| {
-            ReadError::damaged(file, at.clone(), format!("{start:?} is no number of a pose"))
-        })
-    };
-    text.split(|c: char| c.is_whitespace() || c == ',')
-        .filter(|w| !w.is_empty())
-        .map(parse)
-        .collect()
-}
-
-/// A pose, and how far it was from a rotation if it had to be repaired.
-fn pose(file: &Path, at: Place, numbers: &[f64]) -> Result<(Isometry3, Option<f64>), ReadError> {
-    let damaged = |problem: String| ReadError::damaged(file, at.clone(), problem);
-    let full: Vec<f64> = match numbers.len() {
-        12 => numbers.iter().chain(&[0.0, 0.0, 0.0, 1.0]).copied().collect(),
-        _ => numbers.to_vec(),
-    };
-    let count = numbers.len();
-    let full = full.try_into().map_err(|_| {
-        damaged(format!("{count} numbers; a pose has 12 (3 × 4) or 16 (4 × 4), row by row"))
-    })?;
-    let pose = from_row_major(&full).map_err(damaged)?;
-    Ok((pose.world_from_sensor, pose.repaired))
+    let notes = repairs_note(file, &repairs, poses.len()).into_iter().collect();
+    Ok(Poses { poses, notes, files: vec![file.to_owned()] })
 }

@@ -3,10 +3,8 @@
 //! Images without a pose are left out and counted by reason. It is an error if none is left.
 
 use super::layouts::{DepthImage, Layout, pose_file};
-use super::text::numbers;
-use super::trajectory::{NoPose, Posed, Timed, Trajectory};
-use crate::input::read_text;
-use crate::{OpenOptions, Place, ReadError, pose, row_major};
+use crate::trajectory::{self, NoPose, Ordered, Timed, Trajectory};
+use crate::{OpenOptions, Place, ReadError, row_major};
 use std::path::{Path, PathBuf};
 
 /// Largest difference in seconds between the time of an image and of the nearest pose. Source: the
@@ -43,7 +41,8 @@ pub(super) fn associate(layout: &Layout, options: &OpenOptions) -> Result<Associ
     if layout.poses.is_dir() {
         for (index, image) in layout.images.iter().enumerate() {
             let file = pose_file(&layout.poses, &image.file);
-            let pose = file.as_deref().map_or_else(|| Err(no_file(&layout.poses)), in_file);
+            let read = |file: &Path| trajectory::read_one(file).map_err(unusable);
+            let pose = file.as_deref().map_or_else(|| Err(no_file(&layout.poses)), read);
             found.files.extend(file);
             found.add(index, image, pose);
         }
@@ -69,18 +68,8 @@ fn no_file(folder: &Path) -> Loss {
     Loss(format!("without a pose file in {}", folder.display()), String::new())
 }
 
-/// The pose in a file of 4 × 4 numbers.
-fn in_file(path: &Path) -> Result<[f64; 16], Loss> {
-    let unusable = |problem: String| {
-        Loss("without a usable pose".to_owned(), format!(", {}: {problem}", path.display()))
-    };
-    let text =
-        read_text(path).map_err(|e| Loss("without a usable pose".to_owned(), format!(", {e}")))?;
-    let parsed: Option<Vec<f64>> = text.lines().flat_map(numbers).take(17).collect();
-    let matrix = parsed.and_then(|numbers| numbers.try_into().ok());
-    let matrix = matrix.ok_or_else(|| unusable("not a pose of 4 × 4 numbers".to_owned()))?;
-    pose::from_row_major(&matrix).map_err(unusable)?;
-    Ok(matrix)
+fn unusable(error: ReadError) -> Loss {
+    Loss("without a usable pose".to_owned(), format!(", {error}"))
 }
 
 impl Association {
@@ -100,7 +89,7 @@ impl Association {
 
     /// Pose k belongs to image k. If their numbers differ, it belongs to the image whose name ends
     /// with the number k.
-    fn in_order(&mut self, layout: &Layout, poses: &[Posed]) -> Result<(), ReadError> {
+    fn in_order(&mut self, layout: &Layout, poses: &Ordered) -> Result<(), ReadError> {
         let (images, path) = (&layout.images, &layout.poses);
         let by_name = poses.len() != images.len();
         if by_name && images.iter().any(|image| image.number.is_none()) {
@@ -123,11 +112,7 @@ impl Association {
         for (index, image) in images.iter().enumerate() {
             let place = if by_name { image.number } else { Some(index) };
             let pose = match place.and_then(|place| poses.get(place)) {
-                Some(Ok(pose)) => Ok(*pose),
-                Some(Err(problem)) => {
-                    let detail = format!(", {}, {problem}", path.display());
-                    Err(Loss("without a usable pose".to_owned(), detail))
-                }
+                Some(pose) => pose.map_err(unusable),
                 None => Err(Loss("with numbers beyond the last pose".to_owned(), String::new())),
             };
             self.add(index, image, pose);

@@ -1,8 +1,8 @@
 //! The camera of a depth sequence: a JSON file of Open3D or RealSense, or a text file.
 
-use super::text::numbers;
 use crate::input::read_text;
 use crate::manifest::{LensEntry, PinholeEntry, SensorEntry};
+use crate::trajectory::{lines, numbers};
 use crate::{CameraOption, Place, ReadError};
 use serde::Deserialize;
 use std::path::Path;
@@ -53,9 +53,7 @@ impl From<Intrinsics> for Camera {
 }
 
 fn from_text(path: &Path, text: &str) -> Result<Camera, ReadError> {
-    let words = text.lines().filter(|line| !line.trim_start().starts_with('#'));
-    let all: Option<Vec<f64>> = words.flat_map(numbers).take(17).collect();
-    let all = all.unwrap_or_default();
+    let all = numbers(lines(text, 0).map(|(_, line)| line)).unwrap_or_default();
     match *all.as_slice() {
         [fx, fy, cx, cy] => Ok(Intrinsics { fx, fy, cx, cy }.into()),
         [a, b, c, d, e, f, g, h, i] => from_matrix(path, [a, b, c, d, e, f, g, h, i]),

@@ -17,8 +17,6 @@ mod camera;
 mod layouts;
 #[cfg(test)]
 mod tests;
-mod text;
-mod trajectory;
 
 pub(crate) use layouts::is_one;
 

@@ -96,7 +96,10 @@ fn images_without_a_usable_pose_are_counted_and_refused_if_none_is_left() {
     let note = &scan.notes[1];
     assert!(note.contains("1 of 2 images are left out, without a usable pose"), "{note}");
     let short = error(&seven_scenes("1 0 0", &[9; 4]), &OpenOptions::default());
-    assert!(short.ends_with("a.pose.txt: not a pose of 4 × 4 numbers"), "{short}");
+    assert!(
+        short.ends_with("a.pose.txt: 3 numbers; a pose has 12 (3 × 4) or 16 (4 × 4), row by row"),
+        "{short}"
+    );
     fs::remove_file(bad.path().join("a.pose.txt")).unwrap();
     let scan = Scan::open(bad.path()).unwrap();
     assert!(scan.notes[1].contains("left out, without a pose file in "), "{}", scan.notes[1]);
@@ -128,7 +131,7 @@ fn tum_images_get_the_pose_at_their_time_and_no_other() {
     let notes = scan.notes.join("\n");
     for text in [
         "metres, 0.0002 m per count, the convention of this layout; depths 1.000 to 2.000 m, med",
-        "groundtruth.txt: 1 lines left out; the first: line 4: expected 8 numbers",
+        "groundtruth.txt: 1 lines left out; the first: line 4: \"broken\" is no number; expected 8",
         "1 of 4 images are left out, before the first pose or after the last; the first: \
          depth/b.png at 9.9; ",
         "has poses from 10 to 40",

@@ -78,7 +78,7 @@ pub(crate) fn to_scan(
         sigma: manifest.sigma,
         planes: manifest.planes.clone(),
         inputs,
-        notes: repairs_note(path, &repairs, views.len()).into_iter().collect(),
+        notes: pose::repairs_note(path, &repairs, views.len()).into_iter().collect(),
         views,
     })
 }
@@ -97,14 +97,4 @@ fn settle_unit(
             stated.or(asked).ok_or_else(|| ReadError::NoUnit { path: path.to_owned() })
         }
     }
-}
-
-/// One note about all poses that were replaced by the nearest rotation.
-fn repairs_note(path: &Path, repairs: &[(f64, Place)], views: usize) -> Option<String> {
-    let (worst, at) = repairs.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let (count, path) = (repairs.len(), path.display());
-    Some(format!(
-        "{path}: {count} of {views} poses replaced by the nearest rotation; \
-         largest deviation from orthonormal {worst:.1e}{at}"
-    ))
 }

@@ -41,6 +41,8 @@ fn poses_come_from_a_trajectory_from_files_or_from_pairs() {
     assert_eq!(open(&[("poses.txt", KITTI)]), Ok(vec![1.0, 2.0, 3.0]));
     let blocks = format!("# three poses\n{}\n{}\n{}", shift(4.0), shift(5.0), shift(6.0));
     assert_eq!(open(&[("poses.txt", &blocks)]), Ok(vec![4.0, 5.0, 6.0]));
+    let log = format!("0 0 1\n{}1 1 2\n{}2 2 3\n{}", shift(4.0), shift(5.0), shift(6.0));
+    assert_eq!(open(&[("poses.txt", &log)]), Ok(vec![4.0, 5.0, 6.0]));
     let (a, b, c) = (shift(7.0), shift(8.0), shift(9.0));
     let beside = [("a.pose.txt", &*a), ("b.pose.txt", &*b), ("c.pose.txt", &*c)];
     assert_eq!(open(&beside), Ok(vec![7.0, 8.0, 9.0]));
@@ -66,9 +68,11 @@ fn poses_that_do_not_fit_are_refused_by_file_and_line() {
     let few = open(&[("poses.txt", &KITTI[..24])]).unwrap_err();
     assert!(few.contains("poses.txt: the file has 1 poses; expected one for each of the 3"));
     let word = open(&[("poses.txt", &KITTI.replacen('2', "two", 1))]).unwrap_err();
-    assert!(word.ends_with("poses.txt, line 2: \"two\" is no number of a pose"), "{word}");
+    assert!(word.ends_with("poses.txt, line 2: \"two\" is no number"), "{word}");
     let short = open(&[("poses.txt", "1 2 3 4 5 6 7\n")]).unwrap_err();
-    assert!(short.contains("line 1: 7 numbers; a pose has 12 (3 × 4) or 16"), "{short}");
+    assert!(short.contains("line 1: the line has 7 words; a trajectory begins with"), "{short}");
+    let timed = open(&[("poses.txt", "10.5 0 0 0 0 0 0 1\n")]).unwrap_err();
+    assert!(timed.contains("poses.txt: the poses have times, but the clouds have none"), "{timed}");
     let shear = open(&[("poses.txt", &KITTI.replacen("1 0 0 1", "2 0 0 1", 1))]).unwrap_err();
     assert!(shear.contains("line 1: the pose is no rotation"), "{shear}");
     let missing = open(&[("a.pose.txt", &shift(1.0))]).unwrap_err();

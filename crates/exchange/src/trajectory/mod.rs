@@ -1,0 +1,174 @@
+//! Trajectories: the poses of many views in one file. All poses are world from sensor.
+//!
+//! | format | a pose | belongs to |
+//! |---|---|---|
+//! | TUM, ICL-NUIM | a line `time tx ty tz qx qy qz qw` | its time |
+//! | KITTI | a line of 3 × 4 numbers, row by row | the view in its place |
+//! | 4 × 4 | a line of 16 numbers, or four lines of 4 | the view in its place |
+//! | Open3D `.log` | a line of three counts, then four lines of 4 numbers | the view in its place |
+//! | Open3D `.json` | `extrinsic`: sensor from world, column by column | the view in its place |
+//!
+//! The number of words in the first line tells the text formats apart. Commas separate words, too.
+//! Blank lines and those that begin with `#` or `%` are comments.
+
+mod timed;
+
+use crate::input::read_text;
+use crate::{Place, ReadError, pose, row_major};
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+pub(crate) use timed::{NoPose, Timed};
+
+/// The poses of a file.
+pub(crate) enum Trajectory {
+    /// One pose per view, in order.
+    Ordered(Ordered),
+    /// Poses with their times, in the order of time.
+    Timed(Timed),
+}
+
+/// One pose per view, in order. Each is parsed when it is asked for: views may need a few of many,
+/// and a file with many damaged lines takes no memory for them.
+pub(crate) struct Ordered {
+    path: PathBuf,
+    poses: Poses,
+}
+
+enum Poses {
+    /// A pose begins at each of `starts`. It has some lines before its numbers.
+    Text {
+        text: String,
+        starts: Vec<usize>,
+        heads: usize,
+        rows: usize,
+    },
+    Json(Vec<Open3dView>),
+}
+
+#[derive(Deserialize)]
+struct Open3dTrajectory {
+    parameters: Vec<Open3dView>,
+}
+
+#[derive(Deserialize)]
+struct Open3dView {
+    extrinsic: [f64; 16],
+}
+
+impl Trajectory {
+    pub(crate) fn read(path: &Path) -> Result<Self, ReadError> {
+        let text = read_text(path)?;
+        let ordered = |poses| Ok(Self::Ordered(Ordered { path: path.to_owned(), poses }));
+        if text.trim_start().starts_with('{') {
+            let parsed: Result<Open3dTrajectory, _> = serde_json::from_str(&text);
+            let parsed =
+                parsed.map_err(|e| ReadError::Json { path: path.to_owned(), source: e })?;
+            return ordered(Poses::Json(parsed.parameters));
+        }
+        let Some((start, line)) = lines(&text, 0).next() else {
+            return Err(ReadError::damaged(path, Place::Whole, "no poses"));
+        };
+        let (heads, rows) = match words(line).count() {
+            8 => return Ok(Self::Timed(Timed::of_text(&text))),
+            12 | 16 => (0, 1),
+            4 => (0, 4),
+            3 => (1, 4),
+            found => {
+                let problem = format!(
+                    "the line has {found} words; a trajectory begins with 8 (TUM: time tx ty tz qx \
+                     qy qz qw), 12 (KITTI: 3 × 4), 16 or 4 (4 × 4), or 3 (Open3D .log)"
+                );
+                let at = Place::Line(line_number(&text, start));
+                return Err(ReadError::damaged(path, at, problem));
+            }
+        };
+        let starts = lines(&text, 0).step_by(heads + rows).map(|(start, _)| start).collect();
+        ordered(Poses::Text { text, starts, heads, rows })
+    }
+}
+
+impl Ordered {
+    pub(crate) fn len(&self) -> usize {
+        match &self.poses {
+            Poses::Text { starts, .. } => starts.len(),
+            Poses::Json(views) => views.len(),
+        }
+    }
+
+    /// Pose `k` as a row-major matrix; `None` beyond the last one.
+    pub(crate) fn get(&self, k: usize) -> Option<Result<[f64; 16], ReadError>> {
+        let (matrix, at) = match &self.poses {
+            Poses::Text { text, starts, heads, rows } => {
+                let start = *starts.get(k)?;
+                let numbered = lines(text, start).skip(*heads).take(*rows);
+                (matrix(numbered.map(|(_, line)| line)), Place::Line(line_number(text, start)))
+            }
+            Poses::Json(views) => {
+                let name = "of \"parameters\"".to_owned();
+                (world_from_sensor(views.get(k)?), Place::View { number: k, name })
+            }
+        };
+        Some(matrix.map_err(|problem| ReadError::damaged(&self.path, at, problem)))
+    }
+}
+
+/// The one pose of a file, as a row-major matrix: 4 × 4 or 3 × 4 numbers.
+pub(crate) fn read_one(path: &Path) -> Result<[f64; 16], ReadError> {
+    let text = read_text(path)?;
+    let matrix = matrix(lines(&text, 0).map(|(_, line)| line));
+    matrix.map_err(|problem| ReadError::damaged(path, Place::Whole, problem))
+}
+
+/// The pose of 3 × 4 or 4 × 4 numbers, row by row, or a sentence about its problem.
+pub(crate) fn matrix<'a>(lines: impl Iterator<Item = &'a str>) -> Result<[f64; 16], String> {
+    let mut numbers = numbers(lines)?;
+    let count = numbers.len();
+    if count == 12 {
+        numbers.extend([0.0, 0.0, 0.0, 1.0]);
+    }
+    let matrix = numbers.try_into().map_err(|_| {
+        let more = if count == TOO_MANY { " or more" } else { "" };
+        format!("{count}{more} numbers; a pose has 12 (3 × 4) or 16 (4 × 4), row by row")
+    })?;
+    pose::from_row_major(&matrix).map(|_| matrix)
+}
+
+/// More numbers than a pose or a camera has.
+const TOO_MANY: usize = 17;
+
+/// At most [`TOO_MANY`] numbers of lines.
+pub(crate) fn numbers<'a>(lines: impl Iterator<Item = &'a str>) -> Result<Vec<f64>, String> {
+    let number = |word: &str| {
+        let start = || word.chars().take(20).collect::<String>();
+        word.parse().map_err(|_| format!("{:?} is no number", start()))
+    };
+    lines.flat_map(words).take(TOO_MANY).map(number).collect()
+}
+
+/// Words between white space or commas.
+fn words(line: &str) -> impl Iterator<Item = &str> {
+    line.split(|c: char| c.is_ascii_whitespace() || c == ',').filter(|word| !word.is_empty())
+}
+
+/// The lines from a byte on that are no comments, each with the byte at which it begins.
+pub(crate) fn lines(text: &str, from: usize) -> impl Iterator<Item = (usize, &str)> {
+    let mut start = from;
+    let rest = text.get(from..).unwrap_or_default().split_inclusive('\n');
+    let lines = rest.map(move |line| {
+        let begins = start;
+        start += line.len();
+        (begins, line.trim())
+    });
+    lines.filter(|(_, line)| !line.is_empty() && !line.starts_with(['#', '%']))
+}
+
+fn line_number(text: &str, start: usize) -> usize {
+    1 + text.bytes().take(start).filter(|byte| *byte == b'\n').count()
+}
+
+fn world_from_sensor(view: &Open3dView) -> Result<[f64; 16], String> {
+    let [a, d, g, k, b, e, h, l, c, f, i, m, x, y, z, n] = view.extrinsic;
+    let sensor_from_world =
+        pose::from_row_major(&[a, b, c, x, d, e, f, y, g, h, i, z, k, l, m, n])?;
+    Ok(row_major(&sensor_from_world.world_from_sensor.inverse()))
+}
