@@ -67,6 +67,7 @@ mod results;
 mod run;
 mod samples;
 mod score;
+mod select;
 mod selection;
 mod settings;
 pub mod simulation;

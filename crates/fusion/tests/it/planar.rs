@@ -6,13 +6,9 @@ use transect_geometry::{Curve, Node, Point2, crossings};
 
 /// A view's curves: walks of random turns, off the other views' by any pose error.
 fn walks() -> impl Strategy<Value = Vec<Curve>> {
-    let walk = (
-        (-1.0..1.0, -1.0..1.0),
-        0.0..6.3,
-        prop::collection::vec((-0.9..0.9, 0.02..0.2), 3..40),
-        any::<bool>(),
-    );
-    let curve = |((x, y), heading, steps, closed): ((f64, f64), f64, Vec<(f64, f64)>, bool)| {
+    let steps = prop::collection::vec((-0.9..0.9_f64, 0.02..0.2_f64), 3..40);
+    let start = (-1.0..1.0_f64, -1.0..1.0_f64, 0.0..6.3_f64);
+    let walk = (start, steps, any::<bool>()).prop_map(|((x, y, heading), steps, closed)| {
         let start = (Point2::new(x, y), heading);
         let places = steps.into_iter().scan(start, |(at, heading), (turn, step)| {
             *heading += turn;
@@ -21,8 +17,8 @@ fn walks() -> impl Strategy<Value = Vec<Curve>> {
             Some(Node::at(*at).with_footprint(0.1).with_sigma(0.01))
         });
         Curve::new(places.collect(), closed).unwrap()
-    };
-    prop::collection::vec(walk.prop_map(curve), 1..4)
+    });
+    prop::collection::vec(walk, 1..4)
 }
 
 /// Views of one wavy wall that differ by several footprints.
