@@ -99,6 +99,10 @@ pub(super) mod settle {
     /// Least variance of the beads' places along a line, in squares of its half-width, for the line
     /// to have a slope. By hand. Doubled: nothing changes.
     pub const LEAST_VARIANCE: f64 = 0.01;
+    /// Least variance of a view's distance from a common line, in variances of the view, for the
+    /// distance to tell something of the views' errors. Theory: two views that count alike have
+    /// half. Doubled: lines of two views do not count.
+    pub const LEAST_OFF_VARIANCE: f64 = 0.25;
 }
 
 /// `estimate/groups.rs`

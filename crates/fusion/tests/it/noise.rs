@@ -106,3 +106,34 @@ fn normals_and_shared_lengths_reach_the_result() {
         assert!((3.99..25.0).contains(&spacings), "{spacings}");
     }
 }
+
+/// A straight wall as one view saw it from a pose that errs across the wall by `pose_error`.
+fn wall(seed: u64, pose_error: f64) -> Vec<Curve> {
+    let mut noise = Noise(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
+    let (phase, offset) = (noise.uniform(), pose_error * noise.normal());
+    let mut node = |k: u32| {
+        let place = Point2::new((f64::from(k) + phase) * SPACING, offset + 1e-3 * noise.normal());
+        Node::at(place).with_sigma(1e-3).with_footprint(SPACING as f32)
+    };
+    vec![Curve::new((0..100).map(&mut node).collect(), false).unwrap()]
+}
+
+#[test]
+fn views_farther_apart_than_samples_are_known_to_err() {
+    for footprints in [1.0, 2.0, 2.5] {
+        let pose_error = footprints * SPACING;
+        let (mut errors, mut claims) = (0.0, 0.0);
+        for round in 0..240 {
+            let views: Vec<_> = (1..=8).map(|v| wall(v + 1000 * round, pose_error)).collect();
+            let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+            let fused = consensus(&slices, &ConsensusOptions::default());
+            for n in fused.curves.iter().flat_map(|c| c.nodes()) {
+                errors += n.position.y.powi(2);
+                claims += f64::from(n.sigma).powi(2);
+            }
+        }
+        let ratio = (claims / errors).sqrt();
+        println!("poses err by {footprints} footprints: predicted over observed {ratio:.2}");
+        assert!((0.7..1.4).contains(&ratio), "{footprints} footprints: {ratio}");
+    }
+}

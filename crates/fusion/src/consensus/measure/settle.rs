@@ -16,12 +16,15 @@
 //!    the views' errors. Twice, as the first lines pass through beads that have not moved yet.
 //! 3. Each observation moves onto the line of its bead, as far as errors of views exceed its own
 //!    noise.
+//! 4. The distances of the views from the first lines tell how far a view is off *after averaging
+//!    along the window*. This, over the views that share a line, is the line's own error.
 //!
 //! **Source.** Not in the dissertation, whose averages move two curves at a time (5.5.2).
 
 use super::super::tuning::settle::*;
+use super::super::tuning::spread::MEDIAN_OF_NORMAL;
 use super::super::window::{Window, left_of};
-use super::observations::{Observation, Observations};
+use super::observations::{Observation, Observations, median};
 use super::scale::Scale;
 use crate::grid::PointGrid;
 use transect_geometry::{Point2, Vector2};
@@ -33,11 +36,16 @@ pub(super) fn settle(observations: &mut Observations, scale: &Scale, error: f64)
         return;
     }
     let (mut beads, bead_of) = beads(observations, reach / BEADS_PER_REACH);
-    for _ in 0..ROUNDS {
+    let mut view_error = 0.0;
+    for round in 0..ROUNDS {
         beads = on_common_lines(&beads, observations.sources.len(), reach, scale.same_way);
+        if round == 0 {
+            view_error = averaged_view_error(&beads);
+        }
     }
     for (o, &k) in observations.all.iter_mut().zip(&bead_of) {
         let bead = &beads[k as usize];
+        o.line_error = view_error / bead.views.sqrt();
         let trust = error * error / (error * error + o.sigma * o.sigma);
         let normal = left_of(&bead.tangent);
         o.position += normal * (trust * normal.dot(&(bead.position - o.position)));
@@ -56,6 +64,12 @@ struct Bead {
     /// Length that its observations stand for.
     length: f64,
     view: u32,
+    /// How far its view is off the common line, averaged over the window, and the variance of this
+    /// in variances of a view: a view takes part in the line that it is compared with.
+    off: f64,
+    off_variance: f64,
+    /// Number of views in the common line. One that measured a part of the window counts in part.
+    views: f64,
 }
 
 /// Cuts the views' curves into beads, and says which bead each observation is in.
@@ -89,7 +103,17 @@ fn bead(members: &[Observation]) -> Bead {
         tangent: tangent.try_normalize(0.0).unwrap_or(first.tangent),
         length,
         view: first.view,
+        off: 0.0,
+        off_variance: 0.0,
+        views: 1.0,
     }
+}
+
+/// Standard deviation of a view's error, averaged over a window, from what the first lines left.
+/// Unlike the spread between nodes beside each other, it is not cut at the search distance.
+fn averaged_view_error(beads: &[Bead]) -> f64 {
+    let known = beads.iter().filter(|b| b.length > 0.0 && b.off_variance > LEAST_OFF_VARIANCE);
+    median(known.map(|bead| bead.off.abs() / bead.off_variance.sqrt())) / MEDIAN_OF_NORMAL
 }
 
 /// The beads, each moved onto the line through those around it.
@@ -108,15 +132,23 @@ fn on_common_lines(beads: &[Bead], views: usize, reach: f64, same_way: f64) -> V
             }
             sums.add((1.0 - x.abs() / reach) * beads[k].length, x, y);
         });
-        let mut common = Sums::default();
+        let (mut common, mut squared_shares) = (Sums::default(), 0.0);
+        let own = of_view[bead.view as usize];
         for view in met.drain(..) {
-            common.add_view(&std::mem::take(&mut of_view[view as usize]), reach);
+            let sums = std::mem::take(&mut of_view[view as usize]);
+            squared_shares += sums.share(reach).powi(2);
+            common.add_view(&sums, reach);
         }
         let (offset, slope) = common.line(reach);
         let normal = left_of(&tangent);
+        let has_length = common.length > 0.0;
+        let views = if has_length { common.length.powi(2) / squared_shares } else { 1.0 };
         Bead {
             position: centre + normal * offset.clamp(-reach, reach),
             tangent: (tangent + normal * slope).normalize(),
+            off: (own.y - slope * own.x) / own.length - offset,
+            off_variance: 1.0 - 2.0 * own.share(reach) / common.length + 1.0 / views,
+            views,
             ..*bead
         }
     };
@@ -152,6 +184,11 @@ impl Sums {
         if view.length > 0.0 {
             self.add_share(view, 1.0 / view.length.max(reach));
         }
+    }
+
+    /// What a view counts as: the part of the window that it measured.
+    fn share(&self, reach: f64) -> f64 {
+        (self.length / reach).min(1.0)
     }
 
     /// Value and slope of the line at x = 0. Samples all in one place have no slope.
