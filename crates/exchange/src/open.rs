@@ -102,8 +102,8 @@ impl Scan {
     }
 
     /// Opens a scan: a folder with `scan.json`, a manifest (`*.json`), a Stanford configuration
-    /// (`*.conf`) or a folder with one, an E57 or PTX file, a folder of depth images with poses and a camera, or a cloud
-    /// with rows and columns (`*.pcd`, `*.ply`, `*.bin`) or a folder of them.
+    /// (`*.conf`) or a folder with one, an E57 or PTX file, a folder of depth images with poses and
+    /// a camera, or a cloud with rows and columns (`*.pcd`, `*.ply`, `*.bin`) or a folder of them.
     ///
     /// # Errors
     /// [`ReadError`] if the path is none of these, or a file is missing or damaged. Also if no unit

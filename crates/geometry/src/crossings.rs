@@ -1,7 +1,7 @@
 //! Where curves of one plane cross: places that no boundary of a solid can have.
 //!
-//! **Problem.** The boundary of a solid neither crosses nor touches itself. Curves from measurements
-//! may. Wanted: all pairs of units that meet.
+//! **Problem.** The boundary of a solid neither crosses nor touches itself. Curves from
+//! measurements may. Wanted: all pairs of units that meet.
 //!
 //! **Steps.** An R-tree of the units' boxes is joined with itself. Each pair of boxes that overlap
 //! is tested by the signs of four triangles.

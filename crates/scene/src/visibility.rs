@@ -173,8 +173,8 @@ impl Visibility {
 
     /// The triangles that neighbouring ways can meet.
     ///
-    /// The middle one of the ways is as thick as the largest distance of another one's ends from its
-    /// own. In between, and a little beyond the end, other ways are no farther from it.
+    /// The middle one of the ways is as thick as the largest distance of another one's ends from
+    /// its own. In between, and a little beyond the end, other ways are no farther from it.
     fn around<'a>(&self, ways: impl Iterator<Item = &'a Ray> + Clone) -> Vec<Triangle> {
         let Some(middle) = ways.clone().nth(ways.clone().count() / 2) else { return Vec::new() };
         let end = |way: &Ray| way.origin + way.dir;

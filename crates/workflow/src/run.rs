@@ -156,7 +156,8 @@ impl OpenScan {
 
 impl Run<'_> {
     /// Writes every result into a folder, and scores the model if the scan has its truth beside it
-    /// and the settings ask for it. Returns the table of the run, which is in the report, too. All files appear together.
+    /// and the settings ask for it. Returns the table of the run, which is in the report, too. All
+    /// files appear together.
     ///
     /// # Errors
     /// [`WorkflowError`] naming the file that cannot be written, or read for the scores. The folder

@@ -1,10 +1,10 @@
 //! Section planes for a scan that states none, derived from its views.
 //!
 //! 1. The **normal** is the direction that is up. Turning scanners stand upright: their z axis. For
-//!    cameras it is the normal of the level surfaces (floors, tables) near the mean upward direction
-//!    of their images. For triangulation scanners it is the direction along which most images have
-//!    their rows. Where the views have no common direction, it is the longest side of the box
-//!    around all points.
+//!    cameras it is the normal of the level surfaces (floors, tables) near the mean upward
+//!    direction of their images. For triangulation scanners it is the direction along which most
+//!    images have their rows. Where the views have no common direction, it is the longest side of
+//!    the box around all points.
 //! 2. The **interval** is a round number: at least [`PIXELS_PER_INTERVAL`] pixels, and at least a
 //!    [`MOST_PLANES`]th of the extent along the normal.
 //! 3. The **offset** keeps the planes away from faces that are parallel to them.

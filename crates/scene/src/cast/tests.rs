@@ -374,7 +374,8 @@ fn shuffled_pixels_measure_places_beside_their_own() {
     let scene = slanted_wall(slope);
     let noise = with_camera(DepthCamera { shuffle, ..DepthCamera::default() });
     let (found, clean) = (depths(&scene, &noise, 0), depths(&scene, &Noise::NONE, 0));
-    // On depth = 4 / (1 - slope · u) a place beside by δ pixels is deeper by slope · depth² / 4 · δ/f.
+    // On depth = 4 / (1 - slope · u) a place beside by δ pixels is deeper by slope · depth² / 4 ·
+    // δ/f.
     let pairs = found.iter().zip(&clean).map(|(a, b)| (a.unwrap(), b.unwrap()));
     let pixels = pairs.map(|(a, b)| (a - b) * 150.0 * 4.0 / (slope * a * b));
     let spread = rms(pixels);

@@ -47,8 +47,9 @@
 //! # look_at = [3, 2.5, 1]         # instead of heading and tilt
 //! ```
 //!
-//! Every error is off unless it is given. Those of `depth_camera` ([`DepthCamera`](crate::DepthCamera))
-//! act on `pinhole` stations alone. With them, or with `correlation`, views state no sigma:
+//! Every error is off unless it is given. Those of `depth_camera`
+//! ([`DepthCamera`](crate::DepthCamera)) act on `pinhole` stations alone. With them, or with
+//! `correlation`, views state no sigma:
 //!
 //! | key of `depth_camera` | unit, range | meaning |
 //! |---|---|---|

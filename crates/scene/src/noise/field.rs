@@ -1,13 +1,15 @@
 //! Normal numbers that neighbouring pixels share.
 //!
-//! Independent numbers are smoothed along rows, then along columns, by a Gaussian window. Its weights
-//! have a sum of squares of 1, which keeps the variance. Only the rows inside the window are kept.
+//! Independent numbers are smoothed along rows, then along columns, by a Gaussian window. Its
+//! weights have a sum of squares of 1, which keeps the variance. Only the rows inside the window
+//! are kept.
 
 use super::{FIELD_POSITION, Noise, WORDS_PER_ROW_LOG2, normal, source};
 use std::collections::VecDeque;
 
 /// Standard deviations that the window reaches to either side. Chosen by hand: weights beyond are
-/// below 4e-4 of the largest. Doubled, the numbers stay the same to three digits, at twice the time.
+/// below 4e-4 of the largest. Doubled, the numbers stay the same to three digits, at twice the
+/// time.
 const REACH: f64 = 4.0;
 
 /// The rows of a view's shared numbers, from row 0 on.

@@ -5,12 +5,12 @@
 //! 1. *dropout*: the pixel is missing, at random, on a surface that is too oblique, or on one that
 //!    returns too little light;
 //! 2. *mixed pixel*: at a range jump the spot falls on both surfaces, and the range is one between;
-//! 3. *range noise*: a normal error along the ray, `σ = sigma + sigma_growth · range + sigma_square ·
-//!    range²`, which neighbouring pixels may share;
+//! 3. *range noise*: a normal error along the ray, `σ = sigma + sigma_growth · range + sigma_square
+//!    · range²`, which neighbouring pixels may share;
 //! 4. *quantisation*: the stored value `d3` is a whole number of steps.
 //!
-//! A depth camera has errors of its own ([`DepthCamera`]): rays turn before they meet a surface, and
-//! depths change before they are quantised. The pose error concerns the whole view.
+//! A depth camera has errors of its own ([`DepthCamera`]): rays turn before they meet a surface,
+//! and depths change before they are quantised. The pose error concerns the whole view.
 
 mod camera;
 mod field;

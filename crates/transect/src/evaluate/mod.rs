@@ -5,8 +5,8 @@
 //! first walk finds false curves, the second finds missing ones.
 //!
 //! 1. Each curve unit is split into equal parts no longer than a fifth of the tolerance; each
-//!    part's midpoint is a sample that stands for the part's length. Samples are looked up in groups
-//!    of neighbours.
+//!    part's midpoint is a sample that stands for the part's length. Samples are looked up in
+//!    groups of neighbours.
 //! 2. Samples of the curves: distance to the nearest unit of the truth on the same plane, and
 //!    whether that unit runs the same way (solid on the same side).
 //! 3. Samples of the truth: distance to the nearest curve unit on the same plane. A stretch of the
