@@ -4,6 +4,9 @@ use proptest::prelude::*;
 use transect_fusion::{ConsensusOptions, FusionMethod, PairwiseOptions, fuse_plane};
 use transect_geometry::{Curve, Node, Point2, crossings};
 
+/// The start of a walk, its heading, its turns and steps, and whether it is closed.
+type Walk = ((f64, f64), f64, Vec<(f64, f64)>, bool);
+
 /// A view's curves: walks of random turns, off the other views' by any pose error.
 fn walks() -> impl Strategy<Value = Vec<Curve>> {
     let walk = (
@@ -12,7 +15,7 @@ fn walks() -> impl Strategy<Value = Vec<Curve>> {
         prop::collection::vec((-0.9..0.9, 0.02..0.2), 3..40),
         any::<bool>(),
     );
-    let curve = |((x, y), heading, steps, closed): ((f64, f64), f64, Vec<(f64, f64)>, bool)| {
+    let curve = |((x, y), heading, steps, closed): Walk| {
         let start = (Point2::new(x, y), heading);
         let places = steps.into_iter().scan(start, |(at, heading), (turn, step)| {
             *heading += turn;
