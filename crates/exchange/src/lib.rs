@@ -14,7 +14,7 @@
 //! | scan | path | unit |
 //! |---|---|---|
 //! | manifest | a folder with `scan.json`, or any `*.json` | stated, or the caller's |
-//! | Stanford configuration | `*.conf`, with PLY range grids | metres by convention |
+//! | Stanford configuration | `*.conf`, with PLY range grids, or a folder with one | metres by convention |
 //! | depth sequence | a folder as TUM RGB-D, ICL-NUIM, ScanNet, 7-Scenes or Open3D lay it out | metres |
 //! | E57 | `*.e57`, structured scans | metres by convention |
 //! | PTX | `*.ptx` | metres by convention |

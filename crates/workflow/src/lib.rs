@@ -67,7 +67,6 @@ mod results;
 mod run;
 mod samples;
 mod score;
-mod select;
 mod selection;
 mod settings;
 pub mod simulation;

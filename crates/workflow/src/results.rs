@@ -70,6 +70,11 @@ impl ResultFolder {
         &self.0
     }
 
+    /// The curves for CAD.
+    pub fn drawing(&self) -> PathBuf {
+        self.0.join("model.dxf")
+    }
+
     /// The picture of the whole model.
     pub fn overview(&self) -> PathBuf {
         self.0.join("overview.svg")

@@ -156,5 +156,6 @@ fn finish(run: &Run<'_>, rows: &[Row], folder: &ResultFolder) {
     tell(&run.reconstruction.report);
     print(rows);
     say(&format!("\nresults: {}", folder.path().display()));
+    say(&format!("for CAD: {}", folder.drawing().display()));
     say(&format!("picture: {}", folder.overview().display()));
 }

@@ -220,9 +220,20 @@ fn scalar(kind: &str, size: usize) -> Option<Scalar> {
 pub(super) fn read(bytes: &[u8]) -> Result<Cloud, Problem> {
     let header = Header::parse(bytes)?;
     let body = bytes.get(header.length..).unwrap_or_default();
+    let unpacked = match header.encoding {
+        Encoding::Compressed => Some(decompressed(&header, body)?),
+        _ => None,
+    };
+    let body = unpacked.as_deref().unwrap_or(body);
     let axes = [header.field("x")?, header.field("y")?, header.field("z")?];
     let ring_field = header.fields.iter().find(|f| is_ring_name(&f.name));
-    let mut cloud = Cloud { rings: ring_field.map(|_| Vec::new()), ..Cloud::default() };
+    // Fewest bytes of a point: in a text, a digit and a separator for each word.
+    let least =
+        if header.encoding == Encoding::Text { 2 * header.words() } else { header.record() };
+    let most = header.size.pixels().min(body.len() / least.max(1));
+    let points = Vec::with_capacity(most);
+    let rings = ring_field.map(|_| Vec::with_capacity(most));
+    let mut cloud = Cloud { points, rings, ..Cloud::default() };
     let mut add = |number: usize, line, value: &dyn Fn(&Field) -> Result<f64, String>| {
         let mut one = || {
             let [x, y, z] = axes.map(value);
@@ -237,10 +248,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Cloud, Problem> {
     };
     match header.encoding {
         Encoding::Text => read_text(&header, body, &mut add)?,
-        Encoding::Binary => read_binary(&header, body, &mut add)?,
-        Encoding::Compressed => {
-            read_binary(&header, &decompressed(&header, body)?, &mut add)?;
-        }
+        Encoding::Binary | Encoding::Compressed => read_binary(&header, body, &mut add)?,
     }
     cloud.size = (header.size.rows > 1).then_some(header.size);
     Ok(cloud)
