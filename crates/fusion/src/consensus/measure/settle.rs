@@ -32,7 +32,8 @@ use transect_geometry::{Point2, Vector2};
 /// Moves the observations. `error` is the standard deviation of the views' systematic errors.
 pub(super) fn settle(observations: &mut Observations, scale: &Scale, error: f64) {
     let reach = scale.options.threshold_spreads * error;
-    if reach < LEAST_FOOTPRINTS * scale.spacing {
+    let noise = median(observations.all.iter().map(|o| o.sigma));
+    if reach < LEAST_FOOTPRINTS * scale.spacing || error < LEAST_NOISE_RATIO * noise {
         return;
     }
     let (mut beads, bead_of) = beads(observations, reach / BEADS_PER_REACH);
