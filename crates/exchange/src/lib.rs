@@ -16,7 +16,7 @@
 //! | manifest | a folder with `scan.json`, or any `*.json` | stated, or the caller's |
 //! | Stanford configuration | `*.conf`, with PLY range grids, or a folder with one | metres by convention |
 //! | depth sequence | a folder as TUM RGB-D, ICL-NUIM, ScanNet, 7-Scenes or Open3D lay it out | metres |
-//! | E57 | `*.e57`, structured scans | metres by convention |
+//! | E57 | `*.e57`, structured scans | metres |
 //! | PTX | `*.ptx` | metres by convention |
 //! | cloud of a structured scan or a lidar | `*.pcd`, `*.ply`, `*.bin`, or a folder of them | metres |
 //!

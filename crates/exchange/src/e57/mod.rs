@@ -12,14 +12,14 @@ mod grid;
 mod records;
 
 use crate::scan::{FramedImage, LoadView};
-use crate::{OpenOptions, Place, ReadError, Scan, ScanView, input, points, pose, survey};
+use crate::{OpenOptions, Place, ReadError, Scan, ScanView, input, pose, survey};
 use e57::{E57Reader, Header, PointCloud, RecordDataType};
 use nalgebra::Quaternion;
 use std::fs::File;
 use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use transect_geometry::Isometry3;
+use transect_geometry::{Isometry3, LengthUnit};
 
 /// The first bytes of every E57 file.
 const SIGNATURE: &[u8; 8] = b"ASTM-E57";
@@ -46,7 +46,8 @@ fn begins_with_signature(path: &Path) -> Result<bool, std::io::Error> {
 /// The structured scans of a file. Reads the file's XML part alone.
 pub(crate) fn open(path: &Path, options: &OpenOptions) -> Result<Scan, ReadError> {
     let mut notes = Vec::new();
-    let unit = points::unit_or_metres(path, options, &mut notes);
+    // The standard (ASTM E2807) states metres.
+    let unit = options.unit.unwrap_or(LengthUnit::Metre);
     let clouds = reader(path)?.pointclouds();
     let (mut views, mut refused) = (Vec::new(), Vec::new());
     for (number, cloud) in clouds.iter().enumerate() {
