@@ -91,9 +91,9 @@ pub(super) mod settle {
     /// eight spreads, two views then differ by 0.7 footprints; below, their nodes hardly
     /// interleave. Doubled: depth cameras at close range zigzag.
     pub const LEAST_FOOTPRINTS: f64 = 4.0;
-    /// Least ratio of the views' errors to the nodes' own. By hand: on one plane of a noisy room the
-    /// errors of views seem to be three times the noise by chance; depth cameras have 9 and more.
-    /// Doubled: nothing changes.
+    /// Least ratio of the views' errors to the nodes' own. By hand: on one plane of a noisy room
+    /// the errors of views seem to be three times the noise by chance; depth cameras have 9 and
+    /// more. Doubled: nothing changes.
     pub const LEAST_NOISE_RATIO: f64 = 4.0;
     /// Beads along half of a line. By hand. Doubled: four times the time, the same places.
     pub const BEADS_PER_REACH: f64 = 6.0;
