@@ -21,6 +21,7 @@ pub(crate) fn decode(path: &Path, bytes: &[u8]) -> Result<(ImageSize, TiffSample
     let undecodable = |e: tiff::TiffError| {
         ReadError::damaged(path, Place::Whole, format!("cannot be decoded: {e}"))
     };
+    check_tags(path, bytes)?;
     let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(undecodable)?;
     let (cols, rows) = decoder.dimensions().map_err(undecodable)?;
     let size = ImageSize { rows: rows as usize, cols: cols as usize };
@@ -47,6 +48,42 @@ pub(crate) fn decode(path: &Path, bytes: &[u8]) -> Result<(ImageSize, TiffSample
         _ => return Err(unsupported()),
     };
     Ok((size, samples))
+}
+
+/// Refuses a file whose first directory announces a tag larger than the file. The decoder takes
+/// memory for tags before its limits can be set.
+fn check_tags(path: &Path, bytes: &[u8]) -> Result<(), ReadError> {
+    let big_endian = bytes.starts_with(b"MM");
+    let number = |at: usize, length: usize| -> Option<usize> {
+        let digits = bytes.get(at..at.checked_add(length)?)?.iter().map(|b| usize::from(*b));
+        let join = |sum: usize, digit: usize| sum << 8 | digit;
+        Some(if big_endian { digits.fold(0, join) } else { digits.rev().fold(0, join) })
+    };
+    let damaged = |problem: String| ReadError::damaged(path, Place::Whole, problem);
+    if number(2, 2) == Some(43) {
+        return Err(damaged("cannot be decoded: BigTIFF; save it as a plain TIFF".to_owned()));
+    }
+    let directory = number(4, 4).unwrap_or(usize::MAX);
+    for tag in 0..number(directory, 2).unwrap_or(0) {
+        let at = directory + 2 + 12 * tag;
+        let Some((kind, count)) = number(at + 2, 2).zip(number(at + 4, 4)) else { break };
+        // Bytes, 16-bit and 32-bit numbers by their codes; all others have at most 64 bits.
+        let size = match kind {
+            1 | 2 | 6 | 7 => 1,
+            3 | 8 => 2,
+            4 | 9 | 11 | 13 => 4,
+            _ => 8,
+        };
+        if count.saturating_mul(size) > bytes.len() {
+            let problem = format!(
+                "cannot be decoded: entry {tag} of the directory announces {count} values of \
+                 {size} bytes, but the file has {} bytes",
+                bytes.len()
+            );
+            return Err(damaged(problem));
+        }
+    }
+    Ok(())
 }
 
 /// Bytes of a usual tile: 256 × 256 numbers of 64 bits. Theory. Doubled, a damaged header may take
@@ -84,6 +121,17 @@ mod tests {
             let found = read(&image::<Gray64Float>(&doubles, compression));
             assert_eq!(found, (size, TiffSamples::Doubles(doubles.to_vec())));
         }
+    }
+
+    #[test]
+    fn tags_larger_than_the_file_are_refused_before_memory_is_taken() {
+        let mut bytes = image::<Gray16>(&[1, 2, 3, 4], Compression::Uncompressed);
+        let directory = u32::from_le_bytes(bytes[4..8].try_into().unwrap()) as usize;
+        // The first entry becomes a text of 256 MiB.
+        bytes[directory + 4..directory + 6].copy_from_slice(&2_u16.to_le_bytes());
+        bytes[directory + 6..directory + 10].copy_from_slice(&(1_u32 << 28).to_le_bytes());
+        let error = decode(Path::new("a.tif"), &bytes).unwrap_err().to_string();
+        assert!(error.contains("a.tif: cannot be decoded: entry 0 of the directory"), "{error}");
     }
 
     #[test]
