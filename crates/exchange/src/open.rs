@@ -101,9 +101,7 @@ impl Scan {
         Self::open_with(path, &OpenOptions::default())
     }
 
-    /// Opens a scan: a folder with `scan.json`, a manifest (`*.json`), a Stanford configuration
-    /// (`*.conf`) or a folder with one, an E57 or PTX file, a folder of depth images with poses and
-    /// a camera, or a cloud with rows and columns (`*.pcd`, `*.ply`, `*.bin`) or a folder of them.
+    /// Opens a scan of any format in the table of the crate's page.
     ///
     /// # Errors
     /// [`ReadError`] if the path is none of these, or a file is missing or damaged. Also if no unit

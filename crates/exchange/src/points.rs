@@ -10,7 +10,6 @@ use transect_sensors::{PointGrid, RayStarts, SensorError};
 
 /// The frame and the image of row-major points, in the frame of a scanner at the origin. Points
 /// that are not finite, (0, 0, 0) and points that repeat are missing.
-#[allow(dead_code, reason = "for readers of point files")]
 pub(crate) fn framed(
     path: &Path,
     size: ImageSize,
