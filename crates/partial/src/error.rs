@@ -54,15 +54,4 @@ pub enum PartialError {
         "this method is for planes along a straight guide; along a curved one use the method `one_pass`"
     )]
     CurvedGuide,
-    /// The method needs the inverse mapping F, which the sensor of the view does not have.
-    #[error(
-        "the method `{method}` needs a sensor with an inverse mapping, which that of view {view} \
-         does not have"
-    )]
-    NoInverse {
-        /// The method that was asked for.
-        method: &'static str,
-        /// Name of the view.
-        view: String,
-    },
 }

@@ -14,7 +14,7 @@ use transect_geometry::PlaneFamily;
 pub enum Method {
     /// All planes in one sweep over the image: the default, and faster by an order or two.
     OnePass(OnePassOptions),
-    /// Plane by plane, as chapter 3 describes it; not for sensors without an inverse mapping.
+    /// Plane by plane, as chapter 3 describes it.
     Dissertation(DissertationOptions),
 }
 

@@ -59,6 +59,7 @@
 
 mod costs;
 mod error;
+mod method_settings;
 mod model_file;
 mod outputs;
 mod plausible;
@@ -78,6 +79,7 @@ mod views;
 
 pub use costs::{Costs, StageCost, peak_memory_mib};
 pub use error::{WorkflowError, with_causes};
+pub use method_settings::MethodSettings;
 pub use model_file::{ModelFile, OpenStore, is_model};
 pub use outputs::{claim_manifest, claim_output};
 pub use plausible::{Check, Plausibility};

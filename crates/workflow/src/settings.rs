@@ -3,7 +3,7 @@
 //! A setting that is not given comes from the scan, or has a default. Lengths are texts: "1mm" has
 //! its own unit, a bare number is in the scan's.
 
-use crate::{Check, Plausibility, WorkflowError};
+use crate::{Check, MethodSettings, Plausibility, WorkflowError};
 use std::path::PathBuf;
 use transect::{Refinement, Setup};
 use transect_exchange::{DxfFrame, PlanesEntry, Scan, read_guide};
@@ -23,6 +23,8 @@ pub struct Settings {
     /// How the views' curves are fused. Without it the store's method, else
     /// the default.
     pub fusion: Option<FusionMethod>,
+    /// Settings of the dissertation's own methods.
+    pub methods: MethodSettings,
     /// Checks of plausibility that are turned off.
     pub accept: Vec<Check>,
     /// Planes are inserted where the curves of neighbouring planes differ by more than this length.
@@ -91,6 +93,7 @@ impl Settings {
     fn complete(&self, mut setup: Setup) -> Result<Setup, WorkflowError> {
         setup.partial = self.partial.unwrap_or(setup.partial);
         setup.fusion = self.fusion.unwrap_or(setup.fusion);
+        self.methods.apply(&mut setup)?;
         let refine = self.refine.as_ref();
         setup.refinement = refine.map(|text| parse_refinement(&setup, text)).transpose()?;
         Ok(setup)

@@ -22,6 +22,7 @@ pub mod simulate;
 pub mod verify;
 
 mod inspect_model;
+mod method;
 mod planes;
 mod scan;
 

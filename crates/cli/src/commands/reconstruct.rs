@@ -1,15 +1,14 @@
 //! `transect reconstruct`: a scan in, a cross-section model with its report and pictures out.
 
+use super::method::MethodArguments;
 use super::planes::{AcceptArguments, PlaneArguments};
 use super::scan::ScanArguments;
-use super::{DxfArguments, named, simulate};
+use super::{DxfArguments, simulate};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::table::{Row, print, say};
 use std::path::{Path, PathBuf};
 use transect::Report;
-use transect_fusion::FusionMethod;
-use transect_partial::Method;
 use transect_workflow::{Costs, OpenScan, ResultFolder, Run, Settings, default_folder, simulation};
 
 /// Options of `reconstruct`.
@@ -38,20 +37,8 @@ pub struct Arguments {
     refine: Option<String>,
     #[command(flatten)]
     planes: PlaneArguments,
-    /// How each view's curves are found: all planes in one sweep over the range image, or plane by
-    /// plane, in the dissertation's own steps [default: the store's, else one_pass].
-    #[arg(long, value_name = "METHOD", help_heading = "Method", value_parser = named([
-        ("one_pass", Method::OnePass(Default::default())),
-        ("dissertation", Method::Dissertation(Default::default())),
-    ]))]
-    method: Option<Method>,
-    /// How the views' curves are fused: all views at once, or view by view, by the dissertation's
-    /// overlap rules [default: the store's, else consensus].
-    #[arg(long, value_name = "METHOD", help_heading = "Method", value_parser = named([
-        ("consensus", FusionMethod::Consensus(Default::default())),
-        ("pairwise", FusionMethod::Pairwise(Default::default())),
-    ]))]
-    fusion: Option<FusionMethod>,
+    #[command(flatten)]
+    methods: MethodArguments,
     #[command(flatten)]
     accept: AcceptArguments,
     /// Do not score the model against the truth of a simulated scan.
@@ -126,8 +113,7 @@ impl Arguments {
     fn settings(&self) -> Result<Settings, Failure> {
         let mut settings = Settings::default();
         settings.planes = self.planes.settings()?;
-        settings.partial = self.method;
-        settings.fusion = self.fusion;
+        self.methods.apply(&mut settings);
         settings.accept.clone_from(&self.accept.accept);
         settings.dxf = self.dxf.dxf;
         settings.refine.clone_from(&self.refine);

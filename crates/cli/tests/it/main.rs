@@ -11,6 +11,7 @@ mod bad_input;
 mod bridges;
 mod command_line;
 mod common;
+mod dissertation;
 mod full_disk;
 mod implausible;
 mod launcher;

@@ -111,3 +111,20 @@ fn the_red_kitchen_is_read_from_its_folder() {
     let notes = folder.json("out/report.json")["reader_notes"].to_string();
     assert!(notes.contains(repaired), "{notes}");
 }
+
+/// The bunny's views are grids of points, which have no inverse mapping.
+#[test]
+fn the_dissertation_models_grids_of_points() {
+    let Some(data) = data("stanford_bunny") else { return };
+    let folder = Folder::empty();
+    let planes = "--normal 0,1,0 --interval 10mm --method dissertation --fusion pairwise";
+    let run = folder.reconstruct(&format!("{} {planes}", data.join("bun.conf").display()));
+    assert!(run.succeeded().number("planes with curves") >= 15.0);
+    let reference = data.join("reference/bun_zipper.ply");
+    let options = "--from 0.06 --tolerance 0.5mm";
+    let line = format!("evaluate out --reference {} {options}", reference.display());
+    let score = folder.run(&line).succeeded();
+    assert!(score.number("median distance from truth") < 0.2e-3, "{}", score.stdout);
+    assert!(score.number("oriented like the truth") > 99.0, "{}", score.stdout);
+    assert!(score.number("completeness") > 90.0, "{}", score.stdout);
+}

@@ -31,7 +31,8 @@
 //!
 //! **Cost.** Every plane visits every pixel: this is the specification in the source's own terms,
 //! the baseline of benchmarks and the oracle for labels and codes. For speed there is
-//! [`one_pass`](crate::one_pass). Not for sensors without an inverse mapping.
+//! [`one_pass`](crate::one_pass). Of the inverse mapping F it needs the values of planes alone, so
+//! grids of points are modelled, too: their rays meet planes without F.
 
 mod code;
 mod crossing;
@@ -105,13 +106,12 @@ impl Default for DissertationOptions {
 /// The partial model of a view.
 ///
 /// # Errors
-/// [`PartialError`] if the sensor has no inverse mapping, or the planes are too dense for the view.
+/// [`PartialError`] if the planes are not parallel, or too dense for the view.
 pub fn partial_model(
     view: &View,
     planes: &PlaneFamily,
     options: &DissertationOptions,
 ) -> Result<PartialModel, PartialError> {
-    require_inverse(view)?;
     // All of it, since gaps are bridged and thick labels thinned by what is around a curve.
     let smoothing = options.smooth.then(Smoothing::default);
     let rule = |sigma| options.jump.smoothing_rule(sigma);
@@ -162,16 +162,6 @@ pub fn code_image(
     let surface = Surface::new(&samples, &plane_image);
     let labels = LabelImage::new(&samples, level);
     CodeImage::new(&labels, &samples.grid, |p, n| surface.joined(p, n))
-}
-
-/// Refuses views whose sensor gives no device coordinates for the points it sees itself.
-fn require_inverse(view: &View) -> Result<(), PartialError> {
-    let grid = crate::pixel_grid::Grid::new(view.frame());
-    let mut points = grid.pixels().filter_map(|p| view.point_in_sensor(p));
-    if points.any(|p| view.frame().device_point(&p).is_some()) {
-        return Ok(());
-    }
-    Err(PartialError::NoInverse { method: "dissertation", view: view.name().to_owned() })
 }
 
 /// The modeler's inputs, which are the same for all planes.
