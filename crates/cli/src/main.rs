@@ -105,3 +105,22 @@ fn code(code: i32, output: io::Result<()>) -> ExitCode {
         _ => u8::try_from(code).map_or(ExitCode::FAILURE, ExitCode::from),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_command_of_the_dissertations_index_parses() {
+        let page = include_str!("../../../docs/dissertation.md");
+        let quoted = page.split('`').skip(1).step_by(2);
+        let commands: Vec<&str> = quoted.filter(|c| c.starts_with("transect ")).collect();
+        assert!(commands.len() > 10, "{commands:?}");
+        for command in commands {
+            let words = command.split_whitespace();
+            if let Err(error) = Arguments::try_parse_from(words) {
+                panic!("docs/dissertation.md: {command}: {error}");
+            }
+        }
+    }
+}

@@ -35,3 +35,22 @@ fn main() -> ExitCode {
         Err(failure) => failure.report(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_command_of_the_dissertations_index_parses() {
+        let page = include_str!("../../../docs/dissertation.md");
+        let quoted = page.split('`').skip(1).step_by(2);
+        let commands: Vec<&str> = quoted.filter(|c| c.starts_with("cargo xtask ")).collect();
+        assert!(commands.len() > 5, "{commands:?}");
+        for command in commands {
+            let words = command.split_whitespace().skip(1);
+            if let Err(error) = Arguments::try_parse_from(words) {
+                panic!("docs/dissertation.md: {command}: {error}");
+            }
+        }
+    }
+}

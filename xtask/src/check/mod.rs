@@ -6,6 +6,7 @@
 mod dependencies;
 mod finding;
 mod imports;
+mod index;
 mod prose;
 
 use crate::run::{Failure, cargo, run_command, workspace_root};
@@ -18,8 +19,12 @@ use std::process::Command;
 type StructureCheck = fn(&Path) -> Result<(), Failure>;
 
 /// The checks of the workspace's own files, by name, in the order in which they run.
-const STRUCTURE: [(&str, StructureCheck); 3] =
-    [("prose", prose::run), ("imports", imports::run), ("dependencies", dependencies::run)];
+const STRUCTURE: [(&str, StructureCheck); 4] = [
+    ("prose", prose::run),
+    ("imports", imports::run),
+    ("dependencies", dependencies::run),
+    ("index", index::run),
+];
 
 /// Runs the stages of the check; `--without-tests` leaves out the tests, for a caller that ran
 /// them.
