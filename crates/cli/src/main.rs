@@ -11,8 +11,8 @@ mod table;
 
 use clap::{Parser, Subcommand};
 use commands::{
-    compact, evaluate, export, gaps, import, inspect, list_views, manifest, measure, query,
-    reconstruct, remove_view, replace_view, simulate, verify,
+    compact, evaluate, explain, export, gaps, grow, import, inspect, list_views, manifest, measure,
+    query, reconstruct, remove_view, replace_view, simulate, verify,
 };
 use failure::Failure;
 use std::io::{self, ErrorKind};
@@ -39,6 +39,10 @@ enum Command {
     Simulate(simulate::Arguments),
     /// Score a model against a reference mesh or a simulated scan's truth.
     Evaluate(evaluate::Arguments),
+    /// Draw each step of the methods on one view and one plane.
+    Explain(explain::Arguments),
+    /// Draw how a plane of a scan grows view by view.
+    Grow(grow::Arguments),
     /// List the views, sizes, noise and extent of a scan, or the contents of a model.
     Inspect(inspect::Arguments),
     /// List the views of a model store.
@@ -76,6 +80,8 @@ fn main() -> ExitCode {
         Command::Reconstruct(a) => reconstruct::run(&a),
         Command::Simulate(a) => simulate::run(&a),
         Command::Evaluate(a) => evaluate::run(&a),
+        Command::Explain(a) => explain::run(&a),
+        Command::Grow(a) => grow::run(&a),
         Command::Inspect(a) => inspect::run(&a),
         Command::ListViews(a) => list_views::run(&a),
         Command::RemoveView(a) => remove_view::run(&a),

@@ -10,6 +10,7 @@
 //! * [`ViewSurvey`], [`Suggestion`]: what a scan holds, and section planes that fit it;
 //! * [`StoreFile`], [`ModelFile`]: models on disk, in a store or in a plain file;
 //! * [`score()`]: the accuracy of a model, against a mesh or the truth of a simulated scan;
+//! * [`explain`]: the steps of the methods as figures;
 //! * [`simulation`]: a simulated scene as a scan folder;
 //! * [`table`]: the rows that all of these report.
 //!
@@ -59,6 +60,7 @@
 
 mod costs;
 mod error;
+pub mod explain;
 mod method_settings;
 mod model_file;
 mod outputs;

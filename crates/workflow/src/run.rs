@@ -114,7 +114,7 @@ impl OpenScan {
         Ok((setup, differ.then(|| note.to_owned())))
     }
 
-    fn views(
+    pub(crate) fn views(
         &self,
         prefix: &str,
         mut plausibility: Plausibility,

@@ -7,8 +7,10 @@ use transect_workflow::ModelFile;
 
 pub mod compact;
 pub mod evaluate;
+pub mod explain;
 pub mod export;
 pub mod gaps;
+pub mod grow;
 pub mod import;
 pub mod inspect;
 pub mod list_views;

@@ -38,6 +38,11 @@ impl Colour {
         Self(mixed)
     }
 
+    /// Red, green and blue in whole steps.
+    pub(super) fn bytes(self) -> [u8; 3] {
+        self.0.map(|c| c.round() as u8)
+    }
+
     pub(super) fn lightened(self, share: f64) -> Self {
         Self(self.0.map(|c| c + (255.0 - c) * share))
     }
@@ -45,7 +50,7 @@ impl Colour {
 
 impl std::fmt::Display for Colour {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let [r, g, b] = self.0.map(|c| c.round() as u8);
+        let [r, g, b] = self.bytes();
         write!(f, "#{r:02x}{g:02x}{b:02x}")
     }
 }

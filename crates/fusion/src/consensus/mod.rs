@@ -50,10 +50,12 @@ mod estimate;
 pub(crate) mod measure;
 mod options;
 mod shape;
+mod steps;
 mod tuning;
 mod window;
 
 pub use options::{ConsensusOptions, Steps};
+pub use steps::{ChainStep, ConsensusSteps, NodeStep, ObservationStep};
 
 use crate::fused_plane::{FusedPlane, FusionCounts};
 use crate::planar::without_crossings;
@@ -105,6 +107,28 @@ pub fn consensus(views: &[&[Curve]], options: &ConsensusOptions) -> FusedPlane {
 
 /// The same from collected observations.
 pub(crate) fn fuse(observations: Observations, options: &ConsensusOptions) -> FusedPlane {
+    fuse_watched(observations, options, |_, _, _| ())
+}
+
+/// The same, and what each room handed on.
+pub fn consensus_steps(
+    views: &[&[Curve]],
+    options: &ConsensusOptions,
+) -> (FusedPlane, ConsensusSteps) {
+    let mut steps = ConsensusSteps::default();
+    let observations = Observations::collect(views, &options.steps);
+    let plane = fuse_watched(observations, options, |measured, estimate, chains| {
+        steps = ConsensusSteps::new(measured, estimate, chains);
+    });
+    (plane, steps)
+}
+
+/// Fuses observations; `watch` gets what the first three rooms handed on.
+fn fuse_watched(
+    observations: Observations,
+    options: &ConsensusOptions,
+    watch: impl FnOnce(&Measurements, &Estimate, &[connect::Chain]),
+) -> FusedPlane {
     let count = observations.all.len();
     let Some(measured) = Measurements::new(observations, options) else {
         return FusedPlane::default();
@@ -112,6 +136,7 @@ pub(crate) fn fuse(observations: Observations, options: &ConsensusOptions) -> Fu
     let mut estimate = Estimate::new(&measured);
     let kept = estimate.nodes.len();
     let Chains { chains, dropped } = connect::connect(&mut estimate, &measured);
+    watch(&measured, &estimate, &chains);
     let curves = shape::shape(estimate, chains, &measured);
     let (curves, crossings) = without_crossings(curves, options.shortest_footprints);
     FusedPlane {

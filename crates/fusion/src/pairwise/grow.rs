@@ -50,6 +50,8 @@ pub struct GrowthCounts {
     pub appended: usize,
     /// Global curves merged into partial ones.
     pub merged: usize,
+    /// Of these, overlaps of the five patterns of Figure 5.7, in its order.
+    pub patterns: [usize; 5],
     /// Of these, rings that two curves closed.
     pub rings: usize,
     /// Of these, overlaps where averaging would have lost a node, and one curve stayed as it was.
@@ -73,15 +75,15 @@ impl GrowthCounts {
 
     /// Adds the counts of another plane.
     pub fn add(&mut self, other: &Self) {
-        let sum = |a: [usize; 3], b: [usize; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
         *self = Self {
-            cases: sum(self.cases, other.cases),
+            cases: sums(self.cases, other.cases),
             appended: self.appended + other.appended,
             merged: self.merged + other.merged,
+            patterns: sums(self.patterns, other.patterns),
             rings: self.rings + other.rings,
             kept_as_seen: self.kept_as_seen + other.kept_as_seen,
             cut: self.cut + other.cut,
-            forks: sum(self.forks, other.forks),
+            forks: sums(self.forks, other.forks),
             several: self.several + other.several,
             dropped: self.dropped.saturating_add(other.dropped),
         };
@@ -96,10 +98,18 @@ impl GrowthCounts {
 
     fn count(&mut self, merged: &Merged) {
         self.merged += 1;
+        if let Some(pattern) = merged.pattern {
+            self.patterns[pattern as usize] += 1;
+        }
         self.rings += usize::from(merged.ring);
         self.kept_as_seen += usize::from(!merged.averaged);
         self.dropped = self.dropped.saturating_add(merged.dropped);
     }
+}
+
+fn sums<const N: usize>(mut a: [usize; N], b: [usize; N]) -> [usize; N] {
+    a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+    a
 }
 
 /// The curves of one plane, fused so far.
@@ -149,6 +159,16 @@ impl GrowingPlane {
     /// The global curves in order of their records.
     pub fn curves(&self) -> impl Iterator<Item = &Curve> {
         self.curves.values()
+    }
+
+    /// The global curve of a record.
+    pub fn curve(&self, record: usize) -> Option<&Curve> {
+        self.curves.get(&record)
+    }
+
+    /// When two curves overlap.
+    pub fn tolerance(&self) -> &OverlapTolerance {
+        &self.tolerance
     }
 
     /// The envelopes of the global curves, by record.

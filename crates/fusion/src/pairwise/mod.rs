@@ -37,11 +37,13 @@ mod bridges;
 mod fork;
 mod grow;
 mod splice;
+mod steps;
 mod strand;
 mod verify;
 
 pub use grow::{GrowingPlane, GrowthCase, GrowthCounts};
 pub use splice::Refusal;
+pub use steps::{MergeOutcome, MergeSteps, VerifiedOverlap, merge_steps};
 
 use crate::consensus::ConsensusOptions;
 use crate::consensus::measure::{Measurements, Observations};
@@ -95,6 +97,16 @@ const REMAINDER_FOOTPRINTS: f64 = 2.0;
 /// assert!((middle.y - 0.002).abs() < 1e-9); // half way, in the length unit
 /// ```
 pub fn pairwise(views: &[&[Curve]], options: &PairwiseOptions) -> FusedPlane {
+    pairwise_watched(views, options, &mut |_, _, _| ())
+}
+
+/// The same. Before each view is fused, `watch` gets its number, its curves without the bridges
+/// that another view contradicts, and the plane so far.
+pub fn pairwise_watched(
+    views: &[&[Curve]],
+    options: &PairwiseOptions,
+    watch: &mut dyn FnMut(usize, &[Curve], &GrowingPlane),
+) -> FusedPlane {
     let threshold_spreads = options.threshold_spreads;
     let mut measured = ConsensusOptions { threshold_spreads, ..ConsensusOptions::default() };
     // The views' curves are merged as they were measured.
@@ -113,9 +125,11 @@ pub fn pairwise(views: &[&[Curve]], options: &PairwiseOptions) -> FusedPlane {
     let Some(tolerance) = tolerance else { return without_curves(views) };
     let ground = Ground::new(&measured.observations, &measured.grid);
     let mut plane = GrowingPlane::new(tolerance);
-    for view in views {
+    for (number, view) in views.iter().enumerate() {
         let kept = view.iter().flat_map(|curve| bridges::without_shadowed(curve, &ground));
-        plane.grow(&kept.collect::<Vec<_>>());
+        let kept: Vec<Curve> = kept.collect();
+        watch(number, &kept, &plane);
+        plane.grow(&kept);
     }
     let growth = Some(*plane.counts());
     let seen = |c: Curve| bridges::seen(c, &ground, spacing, tolerance.distance());

@@ -24,7 +24,9 @@ use super::fork::{Cut, cut};
 use super::strand::Strand;
 use super::verify::{Limits, verify};
 use crate::envelopes::UnitIndex;
-use crate::pattern::{Fork, Overlap, OverlapTolerance, Overlaps, Parts, Relation, Verdict};
+use crate::pattern::{
+    Fork, Overlap, OverlapTolerance, Overlaps, Parts, Pattern, Relation, Verdict,
+};
 use transect_geometry::{Curve, EndReason, Node};
 
 /// What became of two curves.
@@ -53,6 +55,8 @@ pub enum Refusal {
 #[derive(Debug, Clone)]
 pub(super) struct Merged {
     pub curve: Curve,
+    /// The pattern of the overlap; `None` for a ring.
+    pub pattern: Option<Pattern>,
     /// Whether two open curves became a closed one.
     pub ring: bool,
     /// Whether the overlap was averaged; if not, the better supported curve's part was taken.
@@ -133,7 +137,11 @@ impl Merger<'_> {
             }
         };
         let curve = if closed { curve } else { curve.with_ends(ends.reasons(&strands)) };
-        Some(Merged { curve, ring: false, averaged, dropped: lost.total() })
+        let pattern = match overlap.verdict {
+            Verdict::Valid(pattern) => Some(pattern),
+            Verdict::Fork(_) => None,
+        };
+        Some(Merged { curve, pattern, ring: false, averaged, dropped: lost.total() })
     }
 
     /// Two overlaps, each the end of one curve on the beginning of the other (Rule 3).
@@ -155,7 +163,8 @@ impl Merger<'_> {
             nodes.extend(self.up_to(averaged, next));
         }
         let (curve, lost) = self.checked(&ends, &[&there, &back], nodes, true)?;
-        Some(Merged { curve, ring: true, averaged: true, dropped: lost.total() })
+        let dropped = lost.total();
+        Some(Merged { curve, pattern: None, ring: true, averaged: true, dropped })
     }
 
     /// The head of one strand, the averaged part, and the tail of one strand.

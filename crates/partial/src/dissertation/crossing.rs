@@ -13,6 +13,8 @@ pub(super) struct Crossing {
     pub neighbour: Neighbour,
     /// Where, in plane coordinates.
     pub position: Point2,
+    /// Share of the way from the first pixel to the second, from 0 to 1.
+    pub parameter: f64,
     /// The pixel nearer to the crossing.
     pub nearest: Pixel,
     /// Distance between the two samples, in the length unit.

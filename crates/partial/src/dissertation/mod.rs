@@ -44,6 +44,7 @@ mod orient;
 mod plane_image;
 mod samples;
 mod search;
+mod steps;
 mod thin;
 mod trace;
 
@@ -52,6 +53,7 @@ pub use label::{Label, LabelImage};
 pub use orient::DirectionRule;
 use orient::Orient;
 pub use plane_image::PlaneImage;
+pub use steps::{CrossingStep, CurveSteps, PlaneSteps};
 
 use crate::subpixel::{AngularGrid, Solver, Subpixel};
 use crate::{
@@ -64,8 +66,9 @@ use nodes::Maker;
 use samples::Samples;
 use search::SearchOrder;
 use serde::{Deserialize, Serialize};
+use trace::Trace;
 use transect_device::View;
-use transect_geometry::PlaneFamily;
+use transect_geometry::{PlaneFamily, PlaneIndex};
 use transect_image::PreparedView;
 use transect_image::smooth::Smoothing;
 
@@ -112,27 +115,14 @@ pub fn partial_model(
     planes: &PlaneFamily,
     options: &DissertationOptions,
 ) -> Result<PartialModel, PartialError> {
-    // All of it, since gaps are bridged and thick labels thinned by what is around a curve.
-    let smoothing = options.smooth.then(Smoothing::default);
-    let rule = |sigma| options.jump.smoothing_rule(sigma);
-    let prepared = PreparedView::new(view, smoothing.as_ref(), rule);
-    let view = prepared.view();
-    let axes = SectionAxes::new(view, planes)?;
-    let samples = Samples::new(view, &axes, options.jump, prepared.sigma());
-    let angles = options.subpixel.uses_angles().then(|| AngularGrid::read(view.frame())).flatten();
-    let order = SearchOrder::new(options.gap);
-    let modeler = Modeler {
-        samples: &samples,
-        order: &order,
-        angles: angles.as_ref(),
-        options,
-        prepared: &prepared,
-    };
+    let prepared = prepared(view, options);
+    let axes = SectionAxes::new(prepared.view(), planes)?;
+    let modeler = Modeler::new(&prepared, &axes, options);
     let mut model = PartialModel::default();
-    model.counts.jumps = samples.jumps;
+    model.counts.jumps = modeler.samples.jumps;
     model.take_prepared(&prepared);
     // A plane passes between two levels exactly if it is at the lower one or over it.
-    let (low, high) = samples.extremes();
+    let (low, high) = modeler.samples.extremes();
     for level in low.ceil() as i32..high.ceil() as i32 {
         let curves = modeler.curves(level, &mut model.counts)?;
         if !curves.is_empty() {
@@ -140,6 +130,34 @@ pub fn partial_model(
         }
     }
     Ok(model)
+}
+
+/// The steps of one plane, from its range image to its directed curves; see [`PlaneSteps`].
+///
+/// # Errors
+/// [`PartialError`] if the planes are not parallel, or too dense for the view.
+pub fn plane_steps(
+    view: &View,
+    planes: &PlaneFamily,
+    plane: PlaneIndex,
+    options: &DissertationOptions,
+) -> Result<PlaneSteps, PartialError> {
+    let prepared = prepared(view, options);
+    let axes = SectionAxes::new(prepared.view(), planes)?;
+    let modeler = Modeler::new(&prepared, &axes, options);
+    let level = i32::try_from(plane.0 - axes.base().0);
+    let level = level.map_err(|_| PartialError::TooFar {
+        planes: (plane.0 - axes.base().0) as f64,
+        interval: axes.interval(),
+    })?;
+    Ok(modeler.with_plane(level, |traced| traced.steps(&modeler)))
+}
+
+/// The view, smoothed as the options say. All of it is smoothed, since gaps are bridged and thick
+/// labels thinned by what is around a curve.
+fn prepared<'a>(view: &'a View, options: &DissertationOptions) -> PreparedView<'a> {
+    let smoothing = options.smooth.then(Smoothing::default);
+    PreparedView::new(view, smoothing.as_ref(), |sigma| options.jump.smoothing_rule(sigma))
 }
 
 /// The label image of the plane at a level from the axes' base, before thinning.
@@ -166,41 +184,85 @@ pub fn code_image(
 
 /// The modeler's inputs, which are the same for all planes.
 struct Modeler<'a> {
-    samples: &'a Samples<'a>,
-    order: &'a SearchOrder,
-    angles: Option<&'a AngularGrid>,
-    options: &'a DissertationOptions,
+    samples: Samples<'a>,
+    order: SearchOrder,
+    angles: Option<AngularGrid>,
+    options: DissertationOptions,
     prepared: &'a PreparedView<'a>,
 }
 
-impl Modeler<'_> {
+/// One plane after tracing.
+struct Traced<'a> {
+    level: i32,
+    plane_image: &'a PlaneImage,
+    labels: &'a LabelImage,
+    codes: &'a CodeImage,
+    surface: &'a Surface<'a>,
+    traces: Vec<Trace>,
+}
+
+impl<'a> Modeler<'a> {
+    fn new(
+        prepared: &'a PreparedView<'a>,
+        axes: &'a SectionAxes,
+        options: &DissertationOptions,
+    ) -> Self {
+        let view = prepared.view();
+        let uses_angles = options.subpixel.uses_angles();
+        Self {
+            samples: Samples::new(view, axes, options.jump, prepared.sigma()),
+            order: SearchOrder::new(options.gap),
+            angles: uses_angles.then(|| AngularGrid::read(view.frame())).flatten(),
+            options: *options,
+            prepared,
+        }
+    }
+
+    /// Steps 1 to 4 of one plane, and what is to be done with them.
+    fn with_plane<T>(&self, level: i32, then: impl FnOnce(Traced<'_>) -> T) -> T {
+        let samples = &self.samples;
+        let plane = samples.axes.sensor_plane(level);
+        let plane_image = PlaneImage::new(samples.view.frame(), &plane);
+        let surface = Surface::new(samples, &plane_image);
+        let joined = |p, n| surface.joined(p, n);
+        let mut labels = LabelImage::new(samples, level);
+        thin::thin(&mut labels, &samples.grid, self.options.thickness, joined);
+        let codes = CodeImage::new(&labels, &samples.grid, joined);
+        let contour = Contour::new(samples.grid, &labels, &codes, &surface);
+        let mut links = contour.link_adjacent(&self.order);
+        gap::bridge(&contour, samples, level, &self.order, &mut links);
+        let traces = trace::trace(&contour, &links, samples);
+        let (plane_image, labels, codes) = (&plane_image, &labels, &codes);
+        then(Traced { level, plane_image, labels, codes, surface: &surface, traces })
+    }
+
     /// The curves of one plane; adds to the counts.
     fn curves(
         &self,
         level: i32,
         counts: &mut PartialCounts,
     ) -> Result<Vec<PartialCurve>, PartialError> {
-        let (samples, options) = (self.samples, self.options);
+        self.with_plane(level, |traced| {
+            counts.crossings += traced.codes.crossings();
+            if counts.crossings > MAX_CROSSINGS {
+                return Err(PartialError::TooManyCrossings {
+                    interval: self.samples.axes.interval(),
+                });
+            }
+            let maker = self.maker(&traced);
+            let curves: Vec<_> = traced.traces.iter().filter_map(|t| maker.curve(t)).collect();
+            counts.lone += traced.traces.len() - curves.len();
+            Ok(curves)
+        })
+    }
+
+    /// What makes curves of the traces of a plane: steps 5 and 6.
+    fn maker<'b>(&'b self, traced: &'b Traced<'_>) -> Maker<'b> {
+        let (samples, options) = (&self.samples, &self.options);
+        let (surface, plane_image, level) = (traced.surface, traced.plane_image, traced.level);
         let plane = samples.axes.sensor_plane(level);
-        let plane_image = PlaneImage::new(samples.view.frame(), &plane);
-        let surface = Surface::new(samples, &plane_image);
-        let mut labels = LabelImage::new(samples, level);
-        thin::thin(&mut labels, &samples.grid, options.thickness, |p, n| surface.joined(p, n));
-        let codes = CodeImage::new(&labels, &samples.grid, |p, n| surface.joined(p, n));
-        counts.crossings += codes.crossings();
-        if counts.crossings > MAX_CROSSINGS {
-            return Err(PartialError::TooManyCrossings { interval: samples.axes.interval() });
-        }
-        let contour = Contour::new(samples.grid, &labels, &codes, &surface);
-        let mut links = contour.link_adjacent(self.order);
-        gap::bridge(&contour, samples, level, self.order, &mut links);
-        let traces = trace::trace(&contour, &links, samples);
-        let solver = Solver::new(samples.view, plane, options.subpixel, self.angles);
-        let (surface, plane_image) = (&surface, &plane_image);
+        let solver = Solver::new(samples.view, plane, options.subpixel, self.angles.as_ref());
         let orient = Orient { rule: options.direction, samples, surface, plane, plane_image };
-        let maker = Maker { prepared: self.prepared, samples, surface, orient, level, solver };
-        let curves: Vec<_> = traces.iter().filter_map(|t| maker.curve(t)).collect();
-        counts.lone += traces.len() - curves.len();
-        Ok(curves)
+        Maker { prepared: self.prepared, samples, surface, orient, level, solver }
     }
 }

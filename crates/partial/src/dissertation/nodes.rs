@@ -35,9 +35,12 @@ pub(super) struct Maker<'a> {
 impl Maker<'_> {
     /// The curve of a trace; `None` if it is too short for one.
     pub fn curve(&self, trace: &Trace) -> Option<PartialCurve> {
+        self.directed(trace, self.crossings(trace))
+    }
+
+    /// The curve of a trace through its crossings, with its solid on the left.
+    pub fn directed(&self, trace: &Trace, mut crossings: Vec<Crossing>) -> Option<PartialCurve> {
         let closed = trace.ends.is_none();
-        let mut crossings = self.crossings(trace);
-        tidy(&mut crossings, closed);
         let mut ends = trace.ends;
         if !self.orient.solid_on_left(&crossings, closed, trace.high_on_left) {
             reverse(&mut crossings, closed);
@@ -52,7 +55,7 @@ impl Maker<'_> {
     }
 
     /// The nodes' places, in the order of the trace.
-    fn crossings(&self, trace: &Trace) -> Vec<Crossing> {
+    pub fn crossings(&self, trace: &Trace) -> Vec<Crossing> {
         let mut found: Vec<Crossing> = Vec::with_capacity(trace.borders.len());
         for border in &trace.borders {
             match self.crossing(border) {
@@ -65,6 +68,7 @@ impl Maker<'_> {
                 }
             }
         }
+        tidy(&mut found, trace.ends.is_none());
         found
     }
 
@@ -82,6 +86,7 @@ impl Maker<'_> {
             second,
             neighbour,
             position: self.samples.axes.in_plane(&meeting.point),
+            parameter: meeting.parameter,
             nearest: if meeting.parameter < 0.5 { first } else { second },
             pair_length: (points[1] - points[0]).norm(),
             bridged_after: border.bridged_after,

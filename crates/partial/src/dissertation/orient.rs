@@ -51,15 +51,26 @@ pub(super) struct Orient<'a> {
 impl Orient<'_> {
     /// Whether a traced curve already has its solid on the left.
     pub fn solid_on_left(&self, crossings: &[Crossing], closed: bool, high_on_left: bool) -> bool {
-        let votes = match self.rule {
-            DirectionRule::PlanePoints => by_plane_points(self, crossings, closed),
-            DirectionRule::Codes => by_codes(self, crossings),
-        };
+        let votes = self.votes(crossings, closed);
         if votes == 0.0 {
             high_on_left == (self.samples.view.frame().handedness() == Handedness::ColumnsRight)
         } else {
             votes > 0.0
         }
+    }
+
+    /// Positive if the nodes find that the solid is on the left; 0 where no node tells.
+    pub fn votes(&self, crossings: &[Crossing], closed: bool) -> f64 {
+        match self.rule {
+            DirectionRule::PlanePoints => by_plane_points(self, crossings, closed),
+            DirectionRule::Codes => by_codes(self, crossings),
+        }
+    }
+
+    /// Unit direction in the plane from free space to behind the surface; `None` unless both rays
+    /// meet the plane, one of them before the surface.
+    pub fn towards_inside(&self, crossing: &Crossing) -> Option<Vector2> {
+        towards_inside(self, crossing)
     }
 }
 

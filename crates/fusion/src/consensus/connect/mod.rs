@@ -31,7 +31,7 @@ pub(super) fn connect(estimate: &mut Estimate, measured: &Measurements) -> Chain
     if scale.steps().coarse_spacing {
         link::spread_spacing(&mut estimate.nodes, scale);
     }
-    let Estimate { nodes, absorbed_by } = &*estimate;
+    let Estimate { nodes, absorbed_by, .. } = &*estimate;
     let next = link::link(nodes, absorbed_by, observations, ground, scale);
     let chains = cover::cover(nodes, chain::trace(&next), scale, Shortest::Part);
     let mut chains = joined(nodes, chains, ground, scale);

@@ -19,6 +19,8 @@ pub(super) struct Estimate {
     pub nodes: Vec<PlacedNode>,
     /// For every observation the node that absorbed it.
     pub absorbed_by: Vec<u32>,
+    /// For every observation the number of its group.
+    pub group_of: Vec<u32>,
 }
 
 impl Estimate {
@@ -29,6 +31,6 @@ impl Estimate {
         let absorbed_by: Vec<u32> =
             groups.of.iter().map(|&g| thinned.absorbed_by[g as usize]).collect();
         let clusters = cluster::clusters(observations, &absorbed_by, &thinned.stands, scale);
-        Self { nodes: place::place(&clusters, scale), absorbed_by }
+        Self { nodes: place::place(&clusters, scale), absorbed_by, group_of: groups.of }
     }
 }

@@ -19,7 +19,7 @@ pub(super) fn shape(
     measured: &Measurements,
 ) -> Vec<Curve> {
     let Measurements { observations, scale, .. } = measured;
-    let Estimate { mut nodes, absorbed_by } = estimate;
+    let Estimate { mut nodes, absorbed_by, .. } = estimate;
     if scale.steps().rings {
         rings::round(&mut nodes, &mut chains);
     }

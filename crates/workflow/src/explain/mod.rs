@@ -1,0 +1,239 @@
+//! The steps of the methods on one view and one plane, as numbered figures with a page around them.
+//!
+//! [`OpenScan::explain`] runs the methods that the settings choose and draws what each step hands
+//! on: first in the range image of one view, then on the plane with the curves of all views.
+//! [`OpenScan::explain_growth`] draws how a plane grows with every view.
+
+mod consensus;
+mod dissertation;
+mod growth;
+mod image;
+mod one_pass;
+mod page;
+mod pairwise;
+mod palette;
+mod plane_map;
+mod rules;
+
+pub use page::{Explanation, Step};
+pub use rules::rule_figures;
+
+use crate::views::FileView;
+use crate::{OpenScan, Settings, WorkflowError};
+use page::Builder;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
+use transect::{Setup, ViewSource};
+use transect_device::{Pixel, View};
+use transect_fusion::FusionMethod;
+use transect_geometry::{Curve, PlaneFamily, PlaneIndex};
+use transect_partial::dissertation::plane_steps;
+use transect_partial::{Method, PartialError, one_pass as sweep};
+
+/// One plane with the curves that every view has on it.
+struct PlaneOfViews<'a> {
+    setup: &'a Setup,
+    plane: PlaneIndex,
+    /// Names of the views, in the order of the scan.
+    names: Vec<String>,
+    /// The curves of each view.
+    curves: Vec<Vec<Curve>>,
+}
+
+impl OpenScan {
+    /// The steps of the chosen methods on a plane, in the range image of one view and between all
+    /// views. Without a plane, the one that tells most: it crosses most pairs of
+    /// pixels along rows, or along columns if these are fewer.
+    ///
+    /// # Errors
+    /// [`WorkflowError`] if a setting cannot be used, the view cannot be loaded, or the plane does
+    /// not cross what it saw.
+    pub fn explain(
+        &self,
+        settings: &Settings,
+        view: &str,
+        plane: Option<i64>,
+    ) -> Result<Explanation, WorkflowError> {
+        let setup = straight(settings.setup(self.scan())?)?;
+        let views = self.views("", settings.plausibility(&setup))?;
+        let number = number_of(&views, view)?;
+        let chosen = load(&views[number])?;
+        let crossed = planes_of(&chosen, &setup.planes);
+        let plane = plane.map_or_else(|| telling_plane(&chosen, &setup.planes), PlaneIndex);
+        if !crossed.contains(&plane.0) {
+            let problem = format!(
+                "plane {plane} does not cross the surface that view {} saw; planes {} to {} do",
+                views[number].name(),
+                crossed.start(),
+                crossed.end()
+            );
+            return Err(WorkflowError::setting("plane", problem));
+        }
+        let mut pages = Builder::new(format!(
+            "{}: plane {plane} at {} {} in view {}",
+            self.scan().name,
+            crate::table::digits(setup.planes.station(plane)),
+            setup.unit,
+            views[number].name()
+        ));
+        match &setup.partial {
+            Method::Dissertation(options) => {
+                let steps = plane_steps(&chosen, &setup.planes, plane, options);
+                dissertation::draw(&steps.map_err(failed(&views[number]))?, &setup, &mut pages);
+            }
+            Method::OnePass(options) => {
+                let drawn = one_pass::draw(&chosen, &setup, plane, options, &mut pages);
+                drawn.map_err(failed(&views[number]))?;
+            }
+            _ => (),
+        }
+        let of_views = PlaneOfViews::collect(&views, &setup, plane)?;
+        match &setup.fusion {
+            FusionMethod::Pairwise(options) => {
+                pairwise::draw(&of_views, number, options, &mut pages);
+            }
+            FusionMethod::Consensus(options) => consensus::draw(&of_views, options, &mut pages),
+            _ => (),
+        }
+        Ok(pages.finish())
+    }
+
+    /// How a plane grows with every view: a figure per view, and one that repeats all of them.
+    /// Without a plane, the one that tells most of the first view.
+    ///
+    /// # Errors
+    /// As [`OpenScan::explain`].
+    pub fn explain_growth(
+        &self,
+        settings: &Settings,
+        plane: Option<i64>,
+    ) -> Result<Explanation, WorkflowError> {
+        let setup = straight(settings.setup(self.scan())?)?;
+        let views = self.views("", settings.plausibility(&setup))?;
+        let Some(first) = views.first() else {
+            return Err(WorkflowError::setting("views", "the scan has no view"));
+        };
+        let plane = match plane {
+            Some(plane) => PlaneIndex(plane),
+            None => telling_plane(&load(first)?, &setup.planes),
+        };
+        let of_views = PlaneOfViews::collect(&views, &setup, plane)?;
+        let mut pages = Builder::new(format!(
+            "{}: how plane {plane} at {} {} grows",
+            self.scan().name,
+            crate::table::digits(setup.planes.station(plane)),
+            setup.unit
+        ));
+        growth::draw(&of_views, &mut pages)?;
+        Ok(pages.finish())
+    }
+}
+
+impl<'a> PlaneOfViews<'a> {
+    /// Models the views, in parallel, and keeps their curves on one plane.
+    fn collect(
+        views: &[FileView<'_>],
+        setup: &'a Setup,
+        plane: PlaneIndex,
+    ) -> Result<Self, WorkflowError> {
+        let curves =
+            |view: &FileView<'_>| curves_on(&load(view)?, setup, plane).map_err(failed(view));
+        let curves: Vec<Result<_, WorkflowError>> = views.par_iter().map(curves).collect();
+        let names = views.iter().map(|view| view.name().to_owned()).collect();
+        Ok(Self { setup, plane, names, curves: curves.into_iter().collect::<Result<_, _>>()? })
+    }
+
+    /// The curves in the form that fusion takes.
+    fn views(&self) -> Vec<&[Curve]> {
+        self.curves.iter().map(Vec::as_slice).collect()
+    }
+}
+
+/// The curves of a view on one plane.
+fn curves_on(view: &View, setup: &Setup, plane: PlaneIndex) -> Result<Vec<Curve>, PartialError> {
+    Ok(match &setup.partial {
+        Method::Dissertation(options) => {
+            let steps = plane_steps(view, &setup.planes, plane, options)?;
+            steps.curves.into_iter().filter_map(|c| Some(c.curve?.curve)).collect()
+        }
+        Method::OnePass(options) => {
+            let model = sweep::partial_model(view, &setup.planes, options)?;
+            let found = model.planes.into_iter().find(|p| p.plane == plane);
+            found.into_iter().flat_map(|p| p.curves).map(|c| c.curve).collect()
+        }
+        _ => Vec::new(),
+    })
+}
+
+/// Refuses curved guides: the figures show planes that are parallel.
+fn straight(setup: Setup) -> Result<Setup, WorkflowError> {
+    if setup.planes.guide().straight().is_some() {
+        return Ok(setup);
+    }
+    let problem = "the figures show parallel planes; give --normal instead of a curved guide";
+    Err(WorkflowError::setting("guide", problem))
+}
+
+/// A view by its number from 0, or by its name.
+fn number_of(views: &[FileView<'_>], text: &str) -> Result<usize, WorkflowError> {
+    let by_name = views.iter().position(|view| view.name() == text);
+    let number = by_name.or_else(|| text.parse().ok().filter(|k| *k < views.len()));
+    number.ok_or_else(|| {
+        let last = views.len().saturating_sub(1);
+        let problem = format!("no view {text}; views have numbers from 0 to {last}, and names");
+        WorkflowError::setting("view", problem)
+    })
+}
+
+fn load(view: &FileView<'_>) -> Result<View, WorkflowError> {
+    let loaded = view.load().map_err(|source| {
+        let view = view.name().to_owned();
+        WorkflowError::Reconstruct(transect::ReconstructError::Load { view, source })
+    })?;
+    Ok(loaded.view)
+}
+
+fn failed(view: &FileView<'_>) -> impl Fn(PartialError) -> WorkflowError + use<> {
+    let view = view.name().to_owned();
+    move |source| {
+        let view = view.clone();
+        WorkflowError::Reconstruct(transect::ReconstructError::Partial { view, source })
+    }
+}
+
+/// The level of every pixel of a view, in intervals from plane 0.
+fn levels<'a>(view: &'a View, planes: &'a PlaneFamily) -> impl Fn(Pixel) -> Option<f64> + 'a {
+    move |p| Some(planes.level(&(view.world_from_sensor() * view.point_in_sensor(p)?)))
+}
+
+/// The planes that pass between points of a view.
+fn planes_of(view: &View, planes: &PlaneFamily) -> RangeInclusive<i64> {
+    let levels = view.image().size().all_pixels().filter_map(levels(view, planes));
+    let (low, high) =
+        levels.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), l| (low.min(l), high.max(l)));
+    low.ceil() as i64..=high.floor() as i64
+}
+
+/// The plane that tells most: it crosses pairs of neighbours in both directions.
+///
+/// Pairs that several planes cross are most likely range jumps, and do not count.
+fn telling_plane(view: &View, planes: &PlaneFamily) -> PlaneIndex {
+    let (level, size) = (levels(view, planes), view.image().size());
+    let all: Vec<Option<f64>> = size.all_pixels().map(&level).collect();
+    let mut counts: BTreeMap<i64, [usize; 2]> = BTreeMap::new();
+    for (at, p) in size.all_pixels().enumerate() {
+        let others = [(p.row > 0, size.cols), (p.col > 0, 1)];
+        for (direction, (is_there, back)) in others.into_iter().enumerate() {
+            let other = is_there.then(|| all[at - back]).flatten();
+            let Some((a, b)) = all[at].zip(other) else { continue };
+            let plane = a.max(b).floor();
+            if plane == a.min(b).floor() + 1.0 {
+                counts.entry(plane as i64).or_default()[direction] += 1;
+            }
+        }
+    }
+    let telling = |[up, left]: [usize; 2]| (up.min(left), up.max(left));
+    let best = counts.iter().max_by_key(|(_, counts)| telling(**counts));
+    PlaneIndex(best.map_or(0, |(plane, _)| *plane))
+}
