@@ -24,7 +24,7 @@ pub struct Arguments {
 pub struct DrawingArguments {
     /// Scan, as for reconstruct.
     scan: PathBuf,
-    /// Number of the plane [default: the one that crosses most of what the view saw].
+    /// Number of the plane [default: the one on which the view has most curves].
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     plane: Option<i64>,
     /// Folder for the figures and the page index.html [default: transect-out/NAME/COMMAND].

@@ -40,7 +40,7 @@ fn code(steps: &PlaneSteps, p: Pixel) -> u8 {
 
 /// How much a pixel shows of both kinds of intersection, and of range jumps.
 fn interest(steps: &PlaneSteps, p: Pixel) -> [f64; 2] {
-    let jump = if jumps(steps, p).is_empty() { 0.0 } else { 0.3 };
+    let jump = if jumps(steps, p).is_empty() { 0.0 } else { 0.05 };
     [Neighbour::Up, Neighbour::Left]
         .map(|n| jump + f64::from(u8::from(steps.codes.get(p).crosses(n))))
 }

@@ -22,14 +22,17 @@ use crate::views::FileView;
 use crate::{OpenScan, Settings, WorkflowError};
 use page::Builder;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use transect::{Setup, ViewSource};
-use transect_device::{Pixel, View};
+use transect_device::View;
 use transect_fusion::FusionMethod;
 use transect_geometry::{Curve, PlaneFamily, PlaneIndex};
 use transect_partial::dissertation::plane_steps;
-use transect_partial::{Method, PartialError, one_pass as sweep};
+use transect_partial::one_pass::{self as sweep, OnePassOptions};
+use transect_partial::{Method, PartialError, PlaneCurves};
+
+/// Fewest nodes of a curve that tells something. By hand: between 6 and 20 the choice is the same.
+const LEAST_NODES: usize = 10;
 
 /// One plane with the curves that every view has on it.
 struct PlaneOfViews<'a> {
@@ -43,8 +46,7 @@ struct PlaneOfViews<'a> {
 
 impl OpenScan {
     /// The steps of the chosen methods on a plane, in the range image of one view and between all
-    /// views. Without a plane, the one that tells most: it crosses most pairs of
-    /// pixels along rows, or along columns if these are fewer.
+    /// views. Without a plane, the one on which the view has most curves.
     ///
     /// # Errors
     /// [`WorkflowError`] if a setting cannot be used, the view cannot be loaded, or the plane does
@@ -60,7 +62,10 @@ impl OpenScan {
         let number = number_of(&views, view)?;
         let chosen = load(&views[number])?;
         let crossed = planes_of(&chosen, &setup.planes);
-        let plane = plane.map_or_else(|| telling_plane(&chosen, &setup.planes), PlaneIndex);
+        let plane = match plane {
+            Some(plane) => PlaneIndex(plane),
+            None => telling_plane(&chosen, &setup.planes).map_err(failed(&views[number]))?,
+        };
         if !crossed.contains(&plane.0) {
             let problem = format!(
                 "plane {plane} does not cross the surface that view {} saw; planes {} to {} do",
@@ -100,7 +105,7 @@ impl OpenScan {
     }
 
     /// How a plane grows with every view: a figure per view, and one that repeats all of them.
-    /// Without a plane, the one that tells most of the first view.
+    /// Without a plane, the one on which the first view has most curves.
     ///
     /// # Errors
     /// As [`OpenScan::explain`].
@@ -116,7 +121,7 @@ impl OpenScan {
         };
         let plane = match plane {
             Some(plane) => PlaneIndex(plane),
-            None => telling_plane(&load(first)?, &setup.planes),
+            None => telling_plane(&load(first)?, &setup.planes).map_err(failed(first))?,
         };
         let of_views = PlaneOfViews::collect(&views, &setup, plane)?;
         let mut pages = Builder::new(format!(
@@ -202,38 +207,22 @@ fn failed(view: &FileView<'_>) -> impl Fn(PartialError) -> WorkflowError + use<>
     }
 }
 
-/// The level of every pixel of a view, in intervals from plane 0.
-fn levels<'a>(view: &'a View, planes: &'a PlaneFamily) -> impl Fn(Pixel) -> Option<f64> + 'a {
-    move |p| Some(planes.level(&(view.world_from_sensor() * view.point_in_sensor(p)?)))
-}
-
 /// The planes that pass between points of a view.
 fn planes_of(view: &View, planes: &PlaneFamily) -> RangeInclusive<i64> {
-    let levels = view.image().size().all_pixels().filter_map(levels(view, planes));
+    let points = view.image().size().all_pixels().filter_map(|p| view.point_in_sensor(p));
+    let levels = points.map(|p| planes.level(&(view.world_from_sensor() * p)));
     let (low, high) =
         levels.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), l| (low.min(l), high.max(l)));
     low.ceil() as i64..=high.floor() as i64
 }
 
-/// The plane that tells most: it crosses pairs of neighbours in both directions.
-///
-/// Pairs that several planes cross are most likely range jumps, and do not count.
-fn telling_plane(view: &View, planes: &PlaneFamily) -> PlaneIndex {
-    let (level, size) = (levels(view, planes), view.image().size());
-    let all: Vec<Option<f64>> = size.all_pixels().map(&level).collect();
-    let mut counts: BTreeMap<i64, [usize; 2]> = BTreeMap::new();
-    for (at, p) in size.all_pixels().enumerate() {
-        let others = [(p.row > 0, size.cols), (p.col > 0, 1)];
-        for (direction, (is_there, back)) in others.into_iter().enumerate() {
-            let other = is_there.then(|| all[at - back]).flatten();
-            let Some((a, b)) = all[at].zip(other) else { continue };
-            let plane = a.max(b).floor();
-            if plane == a.min(b).floor() + 1.0 {
-                counts.entry(plane as i64).or_default()[direction] += 1;
-            }
-        }
-    }
-    let telling = |[up, left]: [usize; 2]| (up.min(left), up.max(left));
-    let best = counts.iter().max_by_key(|(_, counts)| telling(**counts));
-    PlaneIndex(best.map_or(0, |(plane, _)| *plane))
+/// The plane with most curves that are no scraps; of equal ones the plane with most nodes.
+fn telling_plane(view: &View, planes: &PlaneFamily) -> Result<PlaneIndex, PartialError> {
+    let model = sweep::partial_model(view, planes, &OnePassOptions::default())?;
+    let telling = |found: &&PlaneCurves| {
+        let nodes = found.curves.iter().map(|c| c.curve.nodes().len());
+        let nodes = nodes.filter(|count| *count >= LEAST_NODES);
+        (nodes.clone().count(), nodes.sum::<usize>())
+    };
+    Ok(model.planes.iter().max_by_key(telling).map_or(PlaneIndex(0), |found| found.plane))
 }

@@ -42,11 +42,17 @@ pub(super) fn draw(
     count_growth(&fused, pages);
     // The view itself, else the first one after it, else any; of its pairs the longest.
     let by_view = |p: &&Pair| (p.view + pairs.len() * usize::from(p.view < view)).abs_diff(view);
+    // Two curves that both go on tell more than one that lies on another.
+    let lies_on_other = |p: &Pair| {
+        let mut parts = p.steps.overlaps.as_slice().iter().flat_map(|o| [o.parts_a, o.parts_b]);
+        parts.any(|parts| parts == Parts::WHOLE)
+    };
     let length =
         |p: &Pair| -> f64 { p.steps.overlaps.as_slice().iter().map(|o| o.on_a.length()).sum() };
-    let best = pairs
-        .iter()
-        .min_by(|a, b| by_view(a).cmp(&by_view(b)).then(length(b).total_cmp(&length(a))));
+    let best = pairs.iter().min_by(|a, b| {
+        let by_kind = lies_on_other(a).cmp(&lies_on_other(b));
+        by_view(a).cmp(&by_view(b)).then(by_kind).then(length(b).total_cmp(&length(a)))
+    });
     let Some(pair) = best else { return };
     let Some(verified) = &pair.steps.verified else { return };
     let name = &of_views.names[pair.view];
@@ -174,7 +180,7 @@ fn overlap(of_views: &PlaneOfViews<'_>, pair: &Pair, pages: &mut Builder) {
     );
     pages.step("overlap", ("Overlap pattern", &caption), SIZE, |figure| {
         map.inside(figure, |figure| {
-            draw_parts(figure, &map, [&pair.partial, &pair.global], overlaps);
+            draw_parts(figure, &map, ([&pair.partial, &pair.global], 2.4), overlaps);
         });
         map.frame(figure);
         parts_legend(figure);
@@ -197,11 +203,11 @@ pub(super) fn string_of(parts: Parts, first: char) -> String {
     format!("{a}{}{b}{c}{}", hat(parts.begins_unenclosed), hat(parts.ends_unenclosed))
 }
 
-/// Both curves of a pair, their enclosed parts, and the letters of all parts.
+/// Both curves of a pair in a width, their enclosed parts, and the letters of all parts.
 pub(super) fn draw_parts(
     figure: &mut Figure,
     map: &PlaneMap,
-    pair: [&Curve; 2],
+    (pair, width): ([&Curve; 2], f64),
     overlaps: &Overlaps,
 ) {
     let ranges = |side: usize| {
@@ -217,7 +223,7 @@ pub(super) fn draw_parts(
         }
     }
     for (side, curve) in pair.iter().enumerate() {
-        map.curve(figure, curve, palette::PAIR[side], 2.4);
+        map.curve(figure, curve, palette::PAIR[side], width);
         let letters = [["a", "b", "c"], ["A", "B", "C"]][side];
         let Some(range) = ranges(side).next() else { continue };
         let length = curve.length();

@@ -87,7 +87,7 @@ fn figure(
     let map = PlaneMap::fit(&around, LengthUnit::Metre);
     let mut figure = Figure::new(title, caption, SIZE);
     map.inside(&mut figure, |figure| {
-        draw_parts(figure, &map, pair, &steps.overlaps);
+        draw_parts(figure, &map, (pair, 5.0), &steps.overlaps);
         if let MergeOutcome::Merged(merged) = &steps.outcome {
             map.curve(figure, merged, palette::FRAME, 1.6);
         }
@@ -109,7 +109,9 @@ fn figure(
         MergeOutcome::Apart => figure.legend(Mark::Remark, "No overlap."),
     }
     let at = Point2::new(SIZE[0] - 12.0, SIZE[1] - 14.0);
-    let text = "the solid is on the left, above the curves";
+    let side =
+        if steps.overlaps.as_slice().len() > 1 { "inside the ring" } else { "above the curves" };
+    let text = &format!("the solid is on the left: {side}");
     figure.text(at, Anchor::End, 14.0, "#555", text);
     Some(figure)
 }

@@ -8,6 +8,7 @@ mod database;
 mod orders;
 mod partial;
 mod pictures;
+mod rules;
 mod sensors;
 mod trial;
 
@@ -34,6 +35,8 @@ enum Experiment {
     Database(database::Arguments),
     /// Draw scanned points and models of every sensor.
     Pictures(pictures::Arguments),
+    /// Draw an example of each overlap rule.
+    Rules(rules::Arguments),
 }
 
 /// Runs the command.
@@ -45,5 +48,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Experiment::Partial(a) => partial::run(a),
         Experiment::Database(a) => database::run(a),
         Experiment::Pictures(a) => pictures::run(a),
+        Experiment::Rules(a) => rules::run(a),
     }
 }
