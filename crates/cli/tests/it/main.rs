@@ -12,6 +12,7 @@ mod bridges;
 mod command_line;
 mod common;
 mod dissertation;
+mod explain;
 mod full_disk;
 mod implausible;
 mod launcher;

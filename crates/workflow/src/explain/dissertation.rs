@@ -105,7 +105,7 @@ fn range_images(steps: &PlaneSteps, whole: &Window, window: &Window, pages: &mut
         whole.outline(figure, window);
         whole.frame(figure);
         legend(figure);
-        figure.legend(Mark::Area(palette::MISSING), "the ray never meets the plane");
+        figure.legend(Mark::Area(palette::MISSING), "no ray, or it never meets the plane");
     });
 }
 

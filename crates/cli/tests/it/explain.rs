@@ -1,0 +1,101 @@
+//! The figures of `explain` and `grow`.
+
+use super::common::{Folder, Run};
+use std::collections::BTreeSet;
+
+/// The figures of a page, in the order in which it shows them; each must be a whole SVG file with
+/// its number, and the folder must hold nothing else.
+fn figures(folder: &Folder, out: &str) -> Vec<String> {
+    let page = folder.text(&format!("{out}/index.html"));
+    let shown: Vec<String> =
+        page.split("src=\"").skip(1).map(|s| s.split('"').next().unwrap().to_owned()).collect();
+    let mut there: BTreeSet<String> = std::fs::read_dir(folder.path(out))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    there.remove("index.html");
+    assert_eq!(there, shown.iter().cloned().collect());
+    for (number, name) in shown.iter().enumerate() {
+        let svg = folder.text(&format!("{out}/{name}"));
+        assert!(name.starts_with(&format!("{:02}-", number + 1)), "{name}");
+        assert!(svg.contains(&format!("<title>{} · ", number + 1)), "{name}");
+        assert!(svg.ends_with("</svg>\n") && !svg.contains("NaN") && !svg.contains("inf,"));
+        let opened =
+            svg.matches('<').count() - svg.matches("</").count() - svg.matches("/>").count();
+        assert_eq!(opened, svg.matches("</").count(), "{name}");
+    }
+    shown
+}
+
+fn has_all(shown: &[String], steps: &[&str]) {
+    for step in steps {
+        assert!(shown.iter().any(|name| name.contains(step)), "no figure {step} among {shown:?}");
+    }
+}
+
+#[test]
+fn every_step_of_the_dissertation_has_its_figure() {
+    let folder = Folder::simulated("objects.scene.toml");
+    let line = "explain scan --view 1 --method dissertation --fusion pairwise --out a";
+    let run = folder.run(line).succeeded();
+    let shown = figures(&folder, "a");
+    has_all(&shown, &["object-range-image", "plane-range-image", "label-image", "codes"]);
+    has_all(&shown, &["thinning", "tracing", "subpixel", "directions"]);
+    has_all(&shown, &["envelopes", "overlap", "verification", "averaging", "merged"]);
+    assert_eq!(run.number("figures"), shown.len() as f64);
+    assert!(run.number("contour pixels") > 20.0, "{}", run.stdout);
+    assert!(folder.text("a/10-overlap.svg").contains("valid, pattern ("));
+    // The same scan gives the same bytes, for any number of the view's names.
+    folder.run(&line.replace("--view 1", "--view range_001.npy").replace("--out a", "--out b"));
+    for name in figures(&folder, "b") {
+        assert_eq!(
+            folder.bytes(&format!("a/{name}")),
+            folder.bytes(&format!("b/{name}")),
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn every_room_of_the_default_methods_has_its_figure() {
+    let folder = Folder::simulated("objects.scene.toml");
+    let run = folder.run("explain scan --out a").succeeded();
+    let shown = figures(&folder, "a");
+    has_all(&shown, &["range-image", "heights", "pairs", "links", "curves"]);
+    has_all(&shown, &["observations", "groups", "nodes", "chains", "fused"]);
+    assert!(run.number("observations") > run.number("nodes"), "{}", run.stdout);
+}
+
+#[test]
+fn a_plane_grows_by_cases_and_patterns() {
+    let folder = Folder::simulated("objects.scene.toml");
+    let run = folder.run("grow scan --out a").succeeded();
+    let shown = figures(&folder, "a");
+    let cases = |run: &Run| -> f64 {
+        let names = ["1 (new plane)", "2 (appended)", "3 (merged)"];
+        names.iter().map(|name| run.number(&format!("views of case {name}"))).sum()
+    };
+    assert_eq!(cases(&run), 4.0, "{}", run.stdout);
+    assert_eq!(run.number("views of case 1 (new plane)"), 1.0);
+    assert!(run.number("merges of pattern (a) end to beginning") > 0.0, "{}", run.stdout);
+    assert!(run.number("gaps left") >= 0.0);
+    // One figure per view, and the animation.
+    let last = folder.text(&format!("a/{}", shown.last().unwrap()));
+    assert_eq!(last.matches("<animate ").count(), shown.len() - 1);
+    assert!(folder.text("a/01-view-000.svg").contains("Case 1"));
+}
+
+#[test]
+fn views_planes_and_guides_that_cannot_be_drawn_are_refused() {
+    let folder = Folder::simulated("objects.scene.toml");
+    folder.run("explain scan --view 9 --out a").failed_with(2, &["--view", "no view 9", "0 to 3"]);
+    folder.run("explain scan --plane 4000 --out a").failed_with(
+        2,
+        &["--plane", "plane 4000 does not cross", "view range_000.npy saw; planes"],
+    );
+    folder.run("grow scan --plane -4000 --out a").failed_with(2, &["--plane", "no view saw"]);
+    folder.write("axis.csv", "0,0,0\n0,0,1\n0,0.2,2\n");
+    folder
+        .run("explain scan --guide axis.csv --out a")
+        .failed_with(2, &["--guide", "parallel planes", "--normal"]);
+}
