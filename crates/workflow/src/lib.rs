@@ -61,6 +61,7 @@
 mod costs;
 mod error;
 pub mod explain;
+mod length;
 mod method_settings;
 mod model_file;
 mod outputs;
@@ -81,6 +82,7 @@ mod views;
 
 pub use costs::{Costs, StageCost, peak_memory_mib};
 pub use error::{WorkflowError, with_causes};
+pub use length::parse_length;
 pub use method_settings::MethodSettings;
 pub use model_file::{ModelFile, OpenStore, is_model};
 pub use outputs::{claim_manifest, claim_output};
@@ -90,7 +92,7 @@ pub use results::{ResultFolder, default_folder, find_model};
 pub use run::Run;
 pub use score::{Reference, Score, ScoreLimits, score, simulated_accuracy};
 pub use selection::Selection;
-pub use settings::{GuideSettings, PlaneSettings, Settings, parse_length};
+pub use settings::{GuideSettings, PlaneSettings, Settings};
 pub use store_file::{Replaced, Replacement, StoreFile, open_store, read_store, setup_of};
 pub use suggest::Suggestion;
 pub use survey::{SensorClass, ViewSurvey};

@@ -1,7 +1,7 @@
 //! The settings of the dissertation's own methods: chapter 3 for one view, 5.4 for two curves.
 
 use crate::WorkflowError;
-use crate::settings::parse_length;
+use crate::length::parse_length;
 use transect::Setup;
 use transect_fusion::FusionMethod;
 use transect_fusion::pattern::OverlapTolerance;

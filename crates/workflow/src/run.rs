@@ -1,8 +1,8 @@
 //! From a scan on disk to a model, and from there to a result folder.
 
+use crate::length::parse_length;
 use crate::score::{Reference, ScoreLimits, score};
 use crate::selection::Limits;
-use crate::settings::parse_length;
 use crate::store_file::{Grown, grow, origin, setup_of};
 use crate::table::{Row, digits};
 use crate::views::{FileView, OpenScan};

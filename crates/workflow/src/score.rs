@@ -1,6 +1,6 @@
 //! Scoring a model against a mesh, or against the truth that a simulation left.
 
-use crate::settings::parse_length;
+use crate::length::parse_length;
 use crate::table::Row;
 use crate::{ResultFolder, WorkflowError};
 use rayon::prelude::*;

@@ -1,7 +1,7 @@
 //! The part of a scan that is used: some of its views, and their points within some limits.
 
 use crate::WorkflowError;
-use crate::settings::parse_length;
+use crate::length::parse_length;
 use serde::Serialize;
 use std::ops::RangeInclusive;
 use transect_device::{RangeImage, View, ViewError};

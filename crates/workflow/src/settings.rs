@@ -3,6 +3,7 @@
 //! A setting that is not given comes from the scan, or has a default. Lengths are texts: "1mm" has
 //! its own unit, a bare number is in the scan's.
 
+use crate::length::parse_length;
 use crate::{Check, MethodSettings, Plausibility, WorkflowError};
 use std::path::PathBuf;
 use transect::{Refinement, Setup};
@@ -192,16 +193,4 @@ fn parse_refinement(setup: &Setup, text: &str) -> Result<Refinement, WorkflowErr
         }
     };
     refinement.map_err(|e| WorkflowError::setting("refine", format!("{e} (in {})", setup.unit)))
-}
-
-/// A length in the model's unit from the text of a setting.
-///
-/// # Errors
-/// [`WorkflowError::Setting`] if the text is no length.
-pub fn parse_length(
-    unit: LengthUnit,
-    setting: &'static str,
-    text: &str,
-) -> Result<f64, WorkflowError> {
-    unit.parse_length(text).map_err(|e| WorkflowError::setting(setting, e))
 }

@@ -80,14 +80,6 @@ fn observations(
     (map, near): (&PlaneMap, &PlaneMap),
     pages: &mut Builder,
 ) {
-    let legend = |figure: &mut Figure| {
-        for (number, name) in of_views.names.iter().enumerate().take(palette::MANY.len()) {
-            figure.legend(Mark::Dot(palette::of_many(number)), name.as_str());
-        }
-        if of_views.names.len() > palette::MANY.len() {
-            figure.legend(Mark::Remark, "Colours repeat for further views.");
-        }
-    };
     let caption = format!(
         "The nodes of all views are observations: {} of them. Each has a place, a direction and an \
          error.",
@@ -107,7 +99,7 @@ fn observations(
             figure.circle(map.place(&middle), 16.0, &format!("fill=\"none\" {style}"));
         });
         map.frame(figure);
-        legend(figure);
+        view_legend(of_views, figure);
         figure.legend(Mark::Line(palette::FOUND), "part that the close-ups show");
     });
     let text = (
@@ -123,9 +115,19 @@ fn observations(
             }
         });
         near.frame(figure);
-        legend(figure);
+        view_legend(of_views, figure);
         figure.legend(Mark::Remark, "The stroke through a dot is its direction.");
     });
+}
+
+/// The colours of the views.
+fn view_legend(of_views: &PlaneOfViews<'_>, figure: &mut Figure) {
+    for (number, name) in of_views.names.iter().enumerate().take(palette::MANY.len()) {
+        figure.legend(Mark::Dot(palette::of_many(number)), name.as_str());
+    }
+    if of_views.names.len() > palette::MANY.len() {
+        figure.legend(Mark::Remark, "Colours repeat for further views.");
+    }
 }
 
 fn groups(steps: &ConsensusSteps, near: &PlaneMap, pages: &mut Builder) {

@@ -68,7 +68,7 @@ impl Window {
                 + at(rows.start, cols.start);
             sum.min() + COMMON_SHARE * sum.sum()
         };
-        let every = |p: &Pixel| p.row % 2 == 0 && p.col % 2 == 0;
+        let every = |p: &Pixel| p.row.is_multiple_of(2) && p.col.is_multiple_of(2);
         let windows = size.all_pixels().filter(every).map(|p| Self::around(p, shape, size));
         let best = windows.map(|w| (within(&w), w)).max_by(|a, b| a.0.total_cmp(&b.0));
         let Some((_, window)) = best else { return Self::whole(size) };

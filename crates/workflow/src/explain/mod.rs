@@ -67,13 +67,7 @@ impl OpenScan {
             None => telling_plane(&chosen, &setup.planes).map_err(failed(&views[number]))?,
         };
         if !crossed.contains(&plane.0) {
-            let problem = format!(
-                "plane {plane} does not cross the surface that view {} saw; planes {} to {} do",
-                views[number].name(),
-                crossed.start(),
-                crossed.end()
-            );
-            return Err(WorkflowError::setting("plane", problem));
+            return Err(off_plane(plane, views[number].name(), &crossed));
         }
         let mut pages = Builder::new(format!(
             "{}: plane {plane} at {} {} in view {}",
@@ -178,6 +172,14 @@ fn straight(setup: Setup) -> Result<Setup, WorkflowError> {
     }
     let problem = "the figures show parallel planes; give --normal instead of a curved guide";
     Err(WorkflowError::setting("guide", problem))
+}
+
+fn off_plane(plane: PlaneIndex, view: &str, crossed: &RangeInclusive<i64>) -> WorkflowError {
+    let (first, last) = (crossed.start(), crossed.end());
+    let problem = format!(
+        "plane {plane} does not cross the surface that view {view} saw; planes {first} to {last} do"
+    );
+    WorkflowError::setting("plane", problem)
 }
 
 /// A view by its number from 0, or by its name.

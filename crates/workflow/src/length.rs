@@ -1,0 +1,16 @@
+//! Lengths in settings: texts with a unit, or bare numbers in the scan's unit.
+
+use crate::WorkflowError;
+use transect_geometry::LengthUnit;
+
+/// A length in the model's unit from the text of a setting.
+///
+/// # Errors
+/// [`WorkflowError::Setting`] if the text is no length.
+pub fn parse_length(
+    unit: LengthUnit,
+    setting: &'static str,
+    text: &str,
+) -> Result<f64, WorkflowError> {
+    unit.parse_length(text).map_err(|e| WorkflowError::setting(setting, e))
+}
