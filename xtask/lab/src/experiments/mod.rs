@@ -5,6 +5,7 @@
 
 mod ablation;
 mod database;
+mod figures;
 mod orders;
 mod partial;
 mod pictures;
@@ -35,6 +36,8 @@ enum Experiment {
     Database(database::Arguments),
     /// Draw scanned points and models of every sensor.
     Pictures(pictures::Arguments),
+    /// Draw the dissertation's own results, by its own methods.
+    Figures(figures::Arguments),
     /// Draw an example of each overlap rule.
     Rules(rules::Arguments),
 }
@@ -48,6 +51,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Experiment::Partial(a) => partial::run(a),
         Experiment::Database(a) => database::run(a),
         Experiment::Pictures(a) => pictures::run(a),
+        Experiment::Figures(a) => figures::run(a),
         Experiment::Rules(a) => rules::run(a),
     }
 }

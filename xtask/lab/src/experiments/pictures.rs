@@ -80,7 +80,7 @@ fn scan_and_model(
 }
 
 /// Points of a view on a coarser grid, in the world.
-fn scanned(view: &View) -> Vec<Point3> {
+pub fn scanned(view: &View) -> Vec<Point3> {
     let size = view.image().size();
     let valid = view.image().valid_count() as f64;
     let step = ((valid / POINTS as f64).sqrt().ceil() as usize).max(1);
