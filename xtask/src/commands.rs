@@ -20,7 +20,7 @@ const OWN: [(&str, Owner, &str); 4] = [
 ];
 
 /// The commands of `transect`. A test of `transect-cli` compares this list with the program's help.
-const TRANSECT: [(&str, &str); 17] = [
+const TRANSECT: [(&str, &str); 18] = [
     ("reconstruct", "Make a cross-section model of a scan; without a scan, of the bundled room"),
     ("simulate", "Write a scan of a simulated scene, with its truth"),
     ("evaluate", "Score a model against a reference mesh or a simulated scan's truth"),
@@ -37,6 +37,7 @@ const TRANSECT: [(&str, &str); 17] = [
     ("measure", "Print bounds of the areas of each plane of a model, and of the volumes"),
     ("export", "Write a model's curves as files for other programs, or a store as JSON lines"),
     ("import", "Make a model store from JSON lines"),
+    ("align", "Find a scanner's pose from scans of the machine table and of spheres"),
     ("manifest", "Write a scan.json for a folder of depth images with poses"),
 ];
 

@@ -11,8 +11,8 @@ mod table;
 
 use clap::{Parser, Subcommand};
 use commands::{
-    compact, evaluate, explain, export, gaps, grow, import, inspect, list_views, manifest, measure,
-    query, reconstruct, remove_view, replace_view, simulate, verify,
+    align, compact, evaluate, explain, export, gaps, grow, import, inspect, list_views, manifest,
+    measure, query, reconstruct, remove_view, replace_view, simulate, verify,
 };
 use failure::Failure;
 use std::io::{self, ErrorKind};
@@ -65,6 +65,8 @@ enum Command {
     Export(export::Arguments),
     /// Make a model store from JSON lines.
     Import(import::Arguments),
+    /// Find a scanner's pose from scans of the machine table and of spheres.
+    Align(align::Arguments),
     /// Write a scan.json for a folder of depth images with poses.
     Manifest(manifest::Arguments),
 }
@@ -93,6 +95,7 @@ fn main() -> ExitCode {
         Command::Measure(a) => measure::run(&a),
         Command::Export(a) => export::run(&a),
         Command::Import(a) => import::run(&a),
+        Command::Align(a) => align::run(&a),
         Command::Manifest(a) => manifest::run(&a),
     };
     match outcome {

@@ -58,6 +58,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod align;
 mod costs;
 mod error;
 pub mod explain;
@@ -80,6 +81,7 @@ mod survey;
 pub mod table;
 mod views;
 
+pub use align::{AlignmentScans, SphereFile};
 pub use costs::{Costs, StageCost, peak_memory_mib};
 pub use error::{WorkflowError, with_causes};
 pub use length::parse_length;

@@ -5,6 +5,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use transect_exchange::DxfFrame;
 use transect_workflow::ModelFile;
 
+pub mod align;
 pub mod compact;
 pub mod evaluate;
 pub mod explain;

@@ -7,6 +7,7 @@
     reason = "tests and their helpers fail loudly, and say what they skip"
 )]
 
+mod align;
 mod bad_input;
 mod bridges;
 mod command_line;

@@ -1,0 +1,79 @@
+//! `transect align`: the pose of a scanner from scans of the machine table and of spheres.
+
+use super::planes::parse_numbers;
+use crate::failure::Failure;
+use crate::table::{Row, print};
+use std::path::PathBuf;
+use transect_geometry::{LengthUnit, Point3, Vector3};
+use transect_workflow::{AlignmentScans, SphereFile};
+
+/// Options of `align`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Points on the machine table in the sensor frame: one x,y,z per line.
+    #[arg(long, value_name = "FILE")]
+    table: PathBuf,
+    /// The table's normal in the world.
+    #[arg(long, value_name = "X,Y,Z", default_value = "0,0,1", allow_hyphen_values = true)]
+    table_normal: String,
+    /// A point of the table in the world.
+    #[arg(long, value_name = "X,Y,Z", default_value = "0,0,0", allow_hyphen_values = true)]
+    table_point: String,
+    /// Points on a sphere in the sensor frame, its centre in the world and its radius; may be
+    /// repeated.
+    #[arg(long, value_name = "FILE,X,Y,Z,RADIUS", required = true)]
+    sphere: Vec<String>,
+    /// A direction known in both frames, such as the machine's linear axis: in the sensor, then in
+    /// the world [default: unknown; then two spheres are needed].
+    #[arg(long, value_name = "X,Y,Z,X,Y,Z", allow_hyphen_values = true)]
+    axis: Option<String>,
+    /// Unit of all lengths: m, dm, cm, mm, um, in or ft.
+    #[arg(long)]
+    unit: LengthUnit,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let vector = |option: &str, text: &str| numbers::<3>(option, text).map(Vector3::from);
+    let axis = arguments.axis.as_deref().map(|text| numbers::<6>("axis", text)).transpose()?;
+    let scans = AlignmentScans {
+        table: arguments.table.clone(),
+        table_in_world: [
+            vector("table-normal", &arguments.table_normal)?,
+            vector("table-point", &arguments.table_point)?,
+        ],
+        spheres: arguments.sphere.iter().map(|text| sphere(text)).collect::<Result<_, _>>()?,
+        axis: axis.map(|[a, b, c, d, e, f]| [Vector3::new(a, b, c), Vector3::new(d, e, f)]),
+    };
+    let found = scans.align()?;
+    let pose = found.world_from_sensor.to_homogeneous();
+    let rows = pose.row_iter().map(|row| {
+        let numbers: Vec<String> = row.iter().map(|number| format!("{number:.9}")).collect();
+        numbers.join(", ")
+    });
+    let rows: Vec<String> = rows.collect();
+    print(&[
+        Row::length("residual, root mean square", found.residual_rms, arguments.unit),
+        Row::plain("points used", found.used),
+        Row::plain("outliers", found.rejected),
+        Row::plain("pose", format!("[{}]", rows.join(", "))),
+    ]);
+    Ok(())
+}
+
+fn sphere(text: &str) -> Result<SphereFile, Failure> {
+    // The path may hold commas.
+    let at = text.rmatch_indices(',').nth(3).map(|(at, _)| at);
+    let (path, rest) = at.map_or((text, ""), |at| (&text[..at], &text[at + 1..]));
+    let [x, y, z, radius] = numbers("sphere", rest)?;
+    Ok(SphereFile { path: PathBuf::from(path), center: Point3::new(x, y, z), radius })
+}
+
+fn numbers<const N: usize>(option: &str, text: &str) -> Result<[f64; N], Failure> {
+    let wrong = || {
+        let problem =
+            format!("--{option}: found {text:?}; expected {N} numbers with commas between");
+        Failure::Usage(problem)
+    };
+    parse_numbers(text).ok_or_else(wrong)
+}
