@@ -4,7 +4,7 @@ use super::PlaneOfViews;
 use super::page::Builder;
 use super::pairwise::curves_apart;
 use super::palette;
-use super::plane_map::{PlaneMap, SIZE, envelope_of};
+use super::plane_map::{PlaneMap, SIZE, envelope_of, is_outside};
 use transect_exchange::svg::{Figure, Mark};
 use transect_fusion::consensus::{ConsensusSteps, consensus_steps};
 use transect_fusion::{ConsensusOptions, FusedPlane};
@@ -69,6 +69,9 @@ fn distance(o: &transect_fusion::consensus::ObservationStep, p: &Point2) -> f64 
 /// A short line through a place, along a direction.
 fn needle(figure: &mut Figure, map: &PlaneMap, at: &Point2, along: &Vector2, colour: &str) {
     let place = map.place(at);
+    if is_outside(&[place]) {
+        return;
+    }
     let way = (map.place(&(at + along)) - place).try_normalize(0.0).unwrap_or_default();
     let style = format!("stroke=\"{colour}\" stroke-width=\"1.6\"");
     figure.line(&[place - way * 9.0, place + way * 9.0], false, &style);

@@ -50,7 +50,8 @@ pub(super) fn draw(of_views: &PlaneOfViews<'_>, pages: &mut Builder) -> Result<(
     let (gaps, open) = gaps(last);
     pages.count("curves of the plane", last.changed.len() + last.same.len());
     pages.count("gaps left", gaps.len());
-    pages.count("longest gap", crate::table::digits(open));
+    let longest = format!("{} {}", crate::table::digits(open), of_views.setup.unit);
+    pages.count("longest gap", longest);
     let caption = format!(
         "All {} views in turn, {SECONDS} seconds each, again and again. {} gaps are left.",
         states.len(),

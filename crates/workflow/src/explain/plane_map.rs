@@ -71,7 +71,10 @@ impl PlaneMap {
         style: &str,
     ) {
         let places: Vec<Point2> = points.into_iter().map(|p| self.place(p)).collect();
-        figure.line(&places, closed, &format!("fill=\"none\" stroke-linejoin=\"round\" {style}"));
+        if !is_outside(&places) {
+            let style = format!("fill=\"none\" stroke-linejoin=\"round\" {style}");
+            figure.line(&places, closed, &style);
+        }
     }
 
     /// A curve, with heads in its direction.
@@ -103,7 +106,10 @@ impl PlaneMap {
     }
 
     pub fn dot(&self, figure: &mut Figure, p: &Point2, radius: f64, colour: &str) {
-        figure.circle(self.place(p), radius, &format!("fill=\"{colour}\""));
+        let place = self.place(p);
+        if !is_outside(&[place]) {
+            figure.circle(place, radius, &format!("fill=\"{colour}\""));
+        }
     }
 
     /// A rectangle of the plane; only on maps that are not turned.
@@ -119,12 +125,21 @@ impl PlaneMap {
         let unit = self.unit.to_string();
         let at = Point2::new(0.0, SIZE[1] + 20.0);
         figure.scale_bar(at, [self.scale[0], 130.0], &unit);
-        if (self.stretch() - 1.0).abs() > 1e-9 {
+        if self.stretch() >= 1.5 {
             let text = format!("lengths upwards are drawn {:.0} times larger", self.stretch());
             let at = Point2::new(SIZE[0], SIZE[1] + 22.0);
             figure.text(at, Anchor::End, 14.0, palette::FOUND, &text);
         }
     }
+}
+
+/// Whether places are all beyond one side of the drawing, so that nothing of them can be seen.
+pub fn is_outside(places: &[Point2]) -> bool {
+    let [width, height] = SIZE;
+    places.iter().all(|p| p.x < -MARGIN)
+        || places.iter().all(|p| p.x > width + MARGIN)
+        || places.iter().all(|p| p.y < -MARGIN)
+        || places.iter().all(|p| p.y > height + MARGIN)
 }
 
 /// The envelope of curves; `None` without any.
