@@ -130,3 +130,27 @@ fn ring(tolerance: &OverlapTolerance) -> Option<Figure> {
                    curves become one closed curve (Rule 3).";
     figure("Ring", caption, [&pair[0], &pair[1]], tolerance)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    /// The drawings of docs/overlap-rules.md are those that the code makes, and all are shown.
+    #[test]
+    fn the_drawings_of_the_page_are_those_of_the_code() {
+        let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
+        let page = std::fs::read_to_string(docs.join("overlap-rules.md")).unwrap();
+        let figures = rule_figures().unwrap();
+        assert_eq!(figures.len(), Pattern::ALL.len() + Fork::ALL.len() + 1);
+        for (name, figure) in figures {
+            let file = format!("images/rules/{name}.svg");
+            let mut drawn = Vec::new();
+            figure.write(&mut drawn).unwrap();
+            let there = std::fs::read(docs.join(&file)).unwrap_or_default();
+            let help = "run: cargo xtask experiments rules";
+            assert!(there == drawn, "docs/{file} is not what the code draws; {help}");
+            assert!(page.contains(&format!("]({file})")), "overlap-rules.md does not show {file}");
+        }
+    }
+}

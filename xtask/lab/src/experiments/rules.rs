@@ -25,28 +25,3 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     say(&format!("{} figures in {}", figures.len(), out.display()));
     Ok(())
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::path::Path;
-    use transect_fusion::pattern::{Fork, Pattern};
-
-    /// The drawings of docs/overlap-rules.md are those that the code makes, and all are shown.
-    #[test]
-    fn the_drawings_of_the_page_are_those_of_the_code() {
-        let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
-        let page = std::fs::read_to_string(docs.join("overlap-rules.md")).unwrap();
-        let figures = rule_figures().unwrap();
-        assert_eq!(figures.len(), Pattern::ALL.len() + Fork::ALL.len() + 1);
-        for (name, figure) in figures {
-            let file = format!("images/rules/{name}.svg");
-            let mut drawn = Vec::new();
-            figure.write(&mut drawn).unwrap();
-            let there = std::fs::read(docs.join(&file)).unwrap_or_default();
-            let help = "run: cargo xtask experiments rules";
-            assert!(there == drawn, "docs/{file} is not what the code draws; {help}");
-            assert!(page.contains(&format!("]({file})")), "overlap-rules.md does not show {file}");
-        }
-    }
-}
