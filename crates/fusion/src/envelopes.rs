@@ -109,9 +109,7 @@ impl UnitIndex {
     }
 
     fn of(units: Vec<CurveUnit>, wanted: impl Fn(&Envelope) -> bool) -> Self {
-        let around =
-            |u: &CurveUnit| Envelope { min: u.start.inf(&u.end), max: u.start.sup(&u.end) };
-        let all = units.iter().map(around).enumerate().filter(|(_, e)| wanted(e));
+        let all = units.iter().map(CurveUnit::envelope).enumerate().filter(|(_, e)| wanted(e));
         let tree = RTree::bulk_load(all.map(|(k, e)| entry(k, &e)).collect());
         Self { units, tree }
     }

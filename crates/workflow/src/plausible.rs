@@ -7,7 +7,7 @@ use crate::WorkflowError;
 use crate::samples::{median, pixel_spacing, reach, samples};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
-use transect_device::{Point3, View};
+use transect_device::View;
 use transect_exchange::Scan;
 use transect_geometry::LengthUnit;
 
@@ -96,20 +96,21 @@ pub struct Plausibility {
 impl Plausibility {
     /// Checks a view.
     pub(crate) fn check_view(&self, view: &View) -> Result<(), WorkflowError> {
+        let spacing = pixel_spacing(view);
         Check::ALL.into_iter().filter(|check| !self.accepted.contains(check)).try_for_each(
             |check| match check {
-                Check::Planes => self.check_planes(view),
+                Check::Planes => self.check_planes(spacing),
                 Check::ValidPixels => check_valid_pixels(view),
-                Check::Resolution => self.check_resolution(view),
+                Check::Resolution => self.check_resolution(view, spacing),
                 Check::Distance => Ok(()),
-                Check::Extent => self.check_extent(view),
+                Check::Extent => self.check_extent(spacing),
                 Check::Angles => check_angles(view),
             },
         )
     }
 
-    fn check_planes(&self, view: &View) -> Result<(), WorkflowError> {
-        let Some([spacing, _]) = pixel_spacing(view) else { return Ok(()) };
+    fn check_planes(&self, spacing: Option<[f64; 2]>) -> Result<(), WorkflowError> {
+        let Some([spacing, _]) = spacing else { return Ok(()) };
         let (interval, unit, planes) = (self.interval, self.unit, spacing / self.interval);
         if planes <= PLANES_PER_PIXEL {
             return Ok(());
@@ -122,15 +123,18 @@ impl Plausibility {
         ))
     }
 
-    fn check_resolution(&self, view: &View) -> Result<(), WorkflowError> {
-        let points: Vec<Point3> = samples(view).map(|sample| sample.point).collect();
-        let is_single = |c: f64| f64::from(c as f32) == c;
-        if points.is_empty() || !points.iter().all(|p| p.iter().all(|c| is_single(*c))) {
+    fn check_resolution(
+        &self,
+        view: &View,
+        spacing: Option<[f64; 2]>,
+    ) -> Result<(), WorkflowError> {
+        let is_single = |c: &f64| f64::from(*c as f32) == *c;
+        if !samples(view).all(|sample| sample.point.iter().all(is_single)) {
             return Ok(());
         }
-        let largest = points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
+        let largest = samples(view).map(|sample| sample.point.coords.amax()).fold(0.0, f64::max);
         let step = largest * f64::from(f32::EPSILON);
-        let half = 0.5 * pixel_spacing(view).map_or(f64::INFINITY, |[denser, _]| denser);
+        let half = 0.5 * spacing.map_or(f64::INFINITY, |[denser, _]| denser);
         let limit = half.max(view.sigma().unwrap_or(0.0));
         if step <= limit {
             return Ok(());
@@ -143,8 +147,8 @@ impl Plausibility {
         ))
     }
 
-    fn check_extent(&self, view: &View) -> Result<(), WorkflowError> {
-        let Some([spacing, _]) = pixel_spacing(view) else { return Ok(()) };
+    fn check_extent(&self, spacing: Option<[f64; 2]>) -> Result<(), WorkflowError> {
+        let Some([spacing, _]) = spacing else { return Ok(()) };
         let (unit, limit) = (self.unit, FARTHEST_PIXELS / self.unit.in_metres());
         let cause = "Check the unit of the image (\"unit\", \"scale\"): millimetres that are \
                      declared as metres look like this.";

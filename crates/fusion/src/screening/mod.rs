@@ -18,8 +18,7 @@ use transect_geometry::{Curve, CurveUnit, Envelope};
 
 /// Whether a segment and a rectangle share a point.
 fn touches(unit: &CurveUnit, rectangle: &Envelope) -> bool {
-    let around = Envelope { min: unit.start.inf(&unit.end), max: unit.start.sup(&unit.end) };
-    if !around.intersects(rectangle) {
+    if !unit.envelope().intersects(rectangle) {
         return false;
     }
     // Two convex shapes are apart only if the segment's own line, too, has the rectangle on one
