@@ -146,7 +146,7 @@ fn repeated_mark(points: &[Point3]) -> Option<(Point3, usize)> {
     hashes.sort_unstable();
     let runs = || hashes.chunk_by(u64::eq);
     // Of equally frequent points the largest hash: the order of pixels does not matter.
-    let most = runs().max_by_key(|run| run.len())?;
+    let most = runs().max_by_key(|run| run.len()).filter(|run| run.len() > FEWEST_REPEATS)?;
     let others = hashes.len() - most.len();
     let repeats = others as f64 / (runs().count() as f64 - 1.0).max(1.0) - 1.0;
     let explained = FEWEST_REPEATS as f64 + MORE_OFTEN * repeats.max(0.0);
@@ -172,9 +172,10 @@ fn refuse_absurd<I: Iterator<Item = f64>>(
     text: impl Fn(usize) -> String,
 ) -> Result<(), Problem> {
     let valid = || distances().filter(|v| *v > 0.0 && v.is_finite());
-    let Some(largest) = valid().reduce(f64::max) else { return Ok(()) };
+    let extremes = (f64::INFINITY, 0.0_f64);
+    let (least, largest) = valid().fold(extremes, |(low, high), v| (low.min(v), high.max(v)));
     // No median is smaller than the least distance, so most images need no sorting.
-    if valid().all(|v| largest <= ABSURD * v) {
+    if largest <= ABSURD * least {
         return Ok(());
     }
     let mut sorted: Vec<f64> = valid().collect();

@@ -31,9 +31,17 @@ const FARTHEST_PIXELS: f64 = 0.5;
 /// centimetres among metres pass.
 const BETWEEN_VIEWS: f64 = 50.0;
 
+/// Most pixels of a view that is kept from the look at a scan until its turn in the run. Chosen by
+/// hand: such a view takes some ten megabytes, and reading it again takes longer than anything else
+/// of the look. Doubled, runs of large views take more memory.
+const KEPT_PIXELS: usize = 1 << 20;
+
 /// Views of a scan with which every view is compared. Theory: of three, the median survives one
 /// wrong view. Doubled, the start of a run takes twice the time.
 const COMPARED: usize = 3;
+
+/// A view that was read, and the notes on its file.
+pub(crate) type ReadView = (View, Vec<String>);
 
 /// A check of plausibility.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -171,8 +179,9 @@ impl Plausibility {
     }
 
     /// Looks at a few views of a scan, with which every view is compared later. Checks that the
-    /// sensors are near enough to each other to see one surface.
-    pub(crate) fn look_at(&mut self, scan: &Scan) -> Result<(), WorkflowError> {
+    /// sensors are near enough to each other to see one surface. Returns the small ones with their
+    /// places in the scan, so that they are not read again.
+    pub(crate) fn look_at(&mut self, scan: &Scan) -> Result<Vec<(usize, ReadView)>, WorkflowError> {
         let last = scan.views.len().saturating_sub(1);
         let mut numbers = [0, last / 2, last].to_vec();
         numbers.dedup();
@@ -181,14 +190,17 @@ impl Plausibility {
         let seen: Vec<_> = numbers
             .par_iter()
             .filter_map(|&k| {
-                let (view, _) = scan.views.get(k)?.load().ok()?;
-                Some((pixel_spacing(&view), reach(&view)))
+                let read = scan.views.get(k)?.load().ok()?;
+                let (spacing, reach) = (pixel_spacing(&read.0), reach(&read.0));
+                let is_small = read.0.image().size().pixels() <= KEPT_PIXELS;
+                Some((spacing, reach, is_small.then_some((k, read))))
             })
             .collect();
-        let spacings: Vec<f64> = seen.iter().filter_map(|(s, _)| Some((*s)?[0])).collect();
+        let spacings: Vec<f64> = seen.iter().filter_map(|(s, ..)| Some((*s)?[0])).collect();
         self.usual_spacing = if spacings.len() > 1 { median(spacings) } else { None };
-        let farthest = seen.iter().map(|(_, reach)| *reach).fold(0.0, f64::max);
-        self.check_distances(scan, farthest)
+        let farthest = seen.iter().map(|(_, reach, _)| *reach).fold(0.0, f64::max);
+        self.check_distances(scan, farthest)?;
+        Ok(seen.into_iter().filter_map(|(.., kept)| kept).collect())
     }
 
     /// Checks that two sensors of a scan are within each other's reach; that of some views is

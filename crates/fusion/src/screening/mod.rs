@@ -10,9 +10,6 @@
 //! 3. Both curves must have units in the common rectangle (the dashed envelopes of Figure 5.3).
 //! 4. Some of those units must run the same way: the opposite sides of a sheet and neighbouring
 //!    surfaces that face each other do not (Figure 5.5).
-//!
-//! Departure from the source: the pairs of step 2 come from an R-tree of envelopes in place of two
-//! nested loops.
 
 use transect_geometry::{Curve, CurveUnit, Envelope};
 
