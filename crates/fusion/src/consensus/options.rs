@@ -114,6 +114,10 @@ steps! {
     second_cover,
     /// Open chains of one view beside a closed one are left out.
     spurs,
+    /// Units across the curve, between nodes of one direction, are removed.
+    sideways,
+    /// Short units that run backwards are removed.
+    backward,
     /// Open chains shorter than their error are left out.
     direction,
     /// Small closed chains become circles.

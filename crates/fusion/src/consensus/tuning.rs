@@ -328,6 +328,22 @@ pub(super) mod spurs {
     pub const BESIDE_SHARE: f64 = 2.0 / 3.0;
 }
 
+/// `connect/hooks.rs`
+pub(super) mod hooks {
+    /// How often hooks are searched for in what is left. By hand. Doubled: nothing changes.
+    pub const PASSES: usize = 4;
+    /// Fewest nodes of a chain whose hooks are removed: a small ring is all bends. By hand.
+    pub const MIN_NODES: usize = 8;
+    /// Least cosine between a unit and the mean direction of its nodes, if the nodes have one
+    /// direction, and least cosine between theirs. By hand: below, the curve changes from one
+    /// view's layer to another's.
+    pub const SIDEWAYS: f64 = 0.3;
+    pub const ONE_WAY: f64 = 0.5;
+    /// Longest unit that is a hook, in footprints. Theory: thinning keeps neighbours of one curve
+    /// farther apart. Doubled: bends lose nodes.
+    pub const SHORT_FOOTPRINTS: f64 = 0.5;
+}
+
 /// `shape/rings.rs`
 pub(super) mod rings {
     /// Highest harmonic that is compared: ellipse, triangle and square have 2, 3 and 4. By hand.

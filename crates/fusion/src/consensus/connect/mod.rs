@@ -5,6 +5,7 @@
 mod chain;
 mod cover;
 mod ends;
+mod hooks;
 mod link;
 mod spurs;
 
@@ -44,6 +45,7 @@ pub(super) fn connect(estimate: &mut Estimate, measured: &Measurements) -> Chain
     if scale.steps().spurs {
         chains = spurs::without_spurs(nodes, chains, scale);
     }
+    chains.iter_mut().for_each(|c| hooks::remove_hooks(nodes, c, scale.steps()));
     if scale.steps().direction {
         chains.retain(|c| c.has_direction(nodes));
     }
