@@ -66,7 +66,10 @@ fn from_npy(path: &Path, bytes: &[u8], scale: Option<f64>) -> Result<Pixels, Rea
         return Err(wrong_shape(path, &array, "rows × columns"));
     };
     let scale = scale_of(path, &array, scale)?;
-    let values = array.numbers().map(|v| narrowed(v * scale)).collect();
+    let values = match array.singles() {
+        Some(values) if scale == 1.0 => values,
+        _ => array.numbers().map(|v| narrowed(v * scale)).collect(),
+    };
     let integers = array.is_integer();
     Ok(Pixels { size: ImageSize { rows, cols }, values, integers })
 }

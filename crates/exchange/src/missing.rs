@@ -8,7 +8,7 @@
 use crate::Place;
 use crate::error::Problem;
 use serde::{Deserialize, Serialize};
-use transect_device::{ImageSize, Pixel, Point3};
+use transect_device::{ImageSize, Pixel, Point3, RangeImage};
 
 /// The value that an image's file holds where there was no return, before any scale.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -57,12 +57,10 @@ pub(crate) fn narrowed(value: f64) -> f32 {
     if value.is_finite() { value.clamp(-largest, largest) as f32 } else { value as f32 }
 }
 
-/// Makes the stated value, and repeated values far outside the rest, NaN. Refuses absurd values.
-pub(crate) fn clear_values(
-    size: ImageSize,
+/// Makes the stated value NaN.
+pub(crate) fn clear_stated(
     values: &mut [f32],
     stated: Option<MissingValue>,
-    notes: &mut Vec<String>,
 ) -> Result<(), Problem> {
     match stated {
         Some(MissingValue::Number(mark)) => clear_value(values, narrowed(mark)),
@@ -71,36 +69,31 @@ pub(crate) fn clear_values(
         }
         None => {}
     }
-    // Nearly every image ends here, after one pass.
-    if extremes(values).is_none_or(|(least, largest)| largest / least <= FAR_OUTSIDE) {
-        return Ok(());
+    Ok(())
+}
+
+/// The image without repeated values far outside the rest. Refuses absurd values.
+pub(crate) fn without_marks(
+    image: RangeImage,
+    notes: &mut Vec<String>,
+) -> Result<RangeImage, Problem> {
+    // Nearly every image ends here.
+    if image.extremes().is_none_or(|(least, largest)| largest / least <= FAR_OUTSIDE) {
+        return Ok(image);
     }
-    while let Some((mark, count)) = far_mark(values) {
-        clear_value(values, mark);
+    let size = image.size();
+    let mut values: Vec<f32> = (0..size.rows).flat_map(|row| image.row(row)).copied().collect();
+    while let Some((mark, count)) = far_mark(&values) {
+        clear_value(&mut values, mark);
         notes.push(note(count, &format!("{mark:?}")));
     }
     let text = |at: usize| values.get(at).map_or_else(String::new, |v| format!("{v:?}"));
-    refuse_absurd(size, || values.iter().map(|v| f64::from(*v)), text)
+    refuse_absurd(size, || values.iter().map(|v| f64::from(*v)), text)?;
+    RangeImage::from_values(size, values).map_err(|e| Problem::damaged(e.to_string()))
 }
 
 fn clear_value(values: &mut [f32], mark: f32) {
     values.iter_mut().filter(|v| **v == mark).for_each(|v| *v = f32::NAN);
-}
-
-/// The least and the largest value that can be a range. Positive floats are ordered as their bits,
-/// and integers are compared in whole vectors.
-fn extremes(values: &[f32]) -> Option<(f32, f32)> {
-    let infinite = f32::INFINITY.to_bits();
-    // Zero and negative values, NaN and infinity have bits that wrap around beyond every other.
-    let is_valid = |bits: u32| bits.wrapping_sub(1) < infinite - 1;
-    let (least, largest) = values.iter().map(|v| v.to_bits()).fold((u32::MAX, 0), |found, bits| {
-        let valid = is_valid(bits);
-        (
-            found.0.min(if valid { bits } else { u32::MAX }),
-            found.1.max(if valid { bits } else { 0 }),
-        )
-    });
-    (largest > 0).then(|| (f32::from_bits(least), f32::from_bits(largest)))
 }
 
 /// The largest value and its count, if it repeats and is far outside the other values.
@@ -153,7 +146,7 @@ fn repeated_mark(points: &[Point3]) -> Option<(Point3, usize)> {
     hashes.sort_unstable();
     let runs = || hashes.chunk_by(u64::eq);
     // Of equally frequent points the largest hash: the order of pixels does not matter.
-    let most = runs().max_by_key(|run| run.len())?;
+    let most = runs().max_by_key(|run| run.len()).filter(|run| run.len() > FEWEST_REPEATS)?;
     let others = hashes.len() - most.len();
     let repeats = others as f64 / (runs().count() as f64 - 1.0).max(1.0) - 1.0;
     let explained = FEWEST_REPEATS as f64 + MORE_OFTEN * repeats.max(0.0);
@@ -179,9 +172,10 @@ fn refuse_absurd<I: Iterator<Item = f64>>(
     text: impl Fn(usize) -> String,
 ) -> Result<(), Problem> {
     let valid = || distances().filter(|v| *v > 0.0 && v.is_finite());
-    let Some(largest) = valid().reduce(f64::max) else { return Ok(()) };
+    let extremes = (f64::INFINITY, 0.0_f64);
+    let (least, largest) = valid().fold(extremes, |(low, high), v| (low.min(v), high.max(v)));
     // No median is smaller than the least distance, so most images need no sorting.
-    if valid().all(|v| largest <= ABSURD * v) {
+    if largest <= ABSURD * least {
         return Ok(());
     }
     let mut sorted: Vec<f64> = valid().collect();
@@ -218,11 +212,17 @@ mod tests {
         (0..32).map(|n| 2.0 + 0.25 * n as f32).collect()
     }
 
-    fn cleared(values: &mut [f32], stated: Option<MissingValue>) -> Result<Vec<String>, String> {
+    /// The values that stay; NaN where missing.
+    fn cleared(
+        mut values: Vec<f32>,
+        stated: Option<MissingValue>,
+    ) -> Result<(Vec<f32>, Vec<String>), String> {
+        let text = |p: Problem| format!("{}: {}", p.at, p.text);
+        clear_stated(&mut values, stated).map_err(text)?;
         let mut notes = Vec::new();
-        let result = clear_values(SIZE, values, stated, &mut notes);
-        result.map_err(|p| format!("{}: {}", p.at, p.text))?;
-        Ok(notes)
+        let image = RangeImage::from_values(SIZE, values).unwrap();
+        let image = without_marks(image, &mut notes).map_err(text)?;
+        Ok(((0..SIZE.rows).flat_map(|row| image.row(row)).copied().collect(), notes))
     }
 
     #[test]
@@ -232,7 +232,7 @@ mod tests {
             values[n] = mark;
         }
         values[24..30].fill(f32::MAX);
-        let notes = cleared(&mut values, None).unwrap();
+        let (values, notes) = cleared(values, None).unwrap();
         assert!(notes[0].starts_with("6 pixels hold exactly 3.4028235e38, unlike"), "{notes:?}");
         assert!(notes[1].starts_with("3 pixels hold exactly 9999.0, unlike"), "{notes:?}");
         assert_eq!(values.iter().filter(|v| v.is_nan()).count(), 9);
@@ -242,20 +242,17 @@ mod tests {
     fn walls_and_rounded_depths_stay() {
         let mut wall = ranges();
         wall[8..].fill(60.0);
-        let mut counts: Vec<f32> = (0..32).map(|n| 0.001 * (500 + n / 8) as f32).collect();
-        for values in [&mut wall, &mut counts] {
-            let before = values.clone();
-            assert_eq!(cleared(values, None), Ok(Vec::new()));
-            assert_eq!(*values, before);
+        let counts: Vec<f32> = (0..32).map(|n| 0.001 * (500 + n / 8) as f32).collect();
+        for values in [wall, counts] {
+            assert_eq!(cleared(values.clone(), None), Ok((values, Vec::new())));
         }
     }
 
     #[test]
     fn a_stated_value_is_missing_without_a_note() {
-        let mut values = ranges();
-        let notes = cleared(&mut values, Some(MissingValue::Number(2.5))).unwrap();
+        let (values, notes) = cleared(ranges(), Some(MissingValue::Number(2.5))).unwrap();
         assert!(notes.is_empty() && values[2].is_nan() && values[3] == 2.75);
-        let point = cleared(&mut values, Some(MissingValue::Point([0.0; 3])));
+        let point = cleared(values, Some(MissingValue::Point([0.0; 3])));
         assert!(point.unwrap_err().contains("a range image needs a number"));
     }
 
@@ -263,15 +260,15 @@ mod tests {
     fn an_absurd_pixel_is_named() {
         let mut values = ranges();
         values[13] = 3.4e38;
-        let error = cleared(&mut values, None).unwrap_err();
+        let error = cleared(values.clone(), None).unwrap_err();
         let wanted = ", row 1, column 5: the pixel holds 3.4e38; values over 1e6 times the median";
         assert!(error.starts_with(wanted), "{error}");
         assert!(error.contains("add \"missing\": 3.4e38 to the view"), "{error}");
-        assert!(cleared(&mut values, Some(MissingValue::Number(3.4e38))).is_ok());
+        assert!(cleared(values.clone(), Some(MissingValue::Number(3.4e38))).is_ok());
         // A 64-bit file holds a value that no 32-bit number reaches.
         values[13] = narrowed(1e300);
-        assert!(cleared(&mut values, None).unwrap_err().starts_with(", row 1, column 5"));
-        assert!(cleared(&mut values, Some(MissingValue::Number(1e300))).is_ok());
+        assert!(cleared(values.clone(), None).unwrap_err().starts_with(", row 1, column 5"));
+        assert!(cleared(values.clone(), Some(MissingValue::Number(1e300))).is_ok());
         assert!(narrowed(f64::INFINITY).is_infinite() && narrowed(f64::NAN).is_nan());
     }
 

@@ -84,6 +84,15 @@ impl<'a> Npy<'a> {
         })
     }
 
+    /// The numbers of a row-major array of little-endian `f4`, which most images are, without the
+    /// way over 64 bits; `None` for other arrays.
+    pub(crate) fn singles(&self) -> Option<Vec<f32>> {
+        let Header { scalar, big_endian, fortran, .. } = self.header;
+        let is_plain = scalar == Scalar::F32 && !big_endian && !fortran;
+        let numbers = || self.data.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes));
+        is_plain.then(|| numbers().collect())
+    }
+
     /// The numbers in threes.
     pub(crate) fn triples(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
         let mut numbers = self.numbers();

@@ -26,9 +26,10 @@ impl ViewFile {
     pub(crate) fn load_image(&self, notes: &mut Vec<String>) -> Result<RangeImage, ReadError> {
         let Pixels { size, mut values, .. } = image_file::read(&self.path, self.scale, notes)?;
         self.check_size(size)?;
-        missing::clear_values(size, &mut values, self.mark(), notes)
-            .map_err(|p| p.in_file(&self.path))?;
-        RangeImage::from_values(size, values).map_err(|e| self.unusable("the image", e))
+        missing::clear_stated(&mut values, self.mark()).map_err(|p| p.in_file(&self.path))?;
+        let image = RangeImage::from_values(size, values);
+        let image = image.map_err(|e| self.unusable("the image", e))?;
+        missing::without_marks(image, notes).map_err(|p| p.in_file(&self.path))
     }
 
     /// The grid of points in the file. Its size must be the stated one.

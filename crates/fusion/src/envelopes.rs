@@ -4,17 +4,15 @@
 //! many there are.
 //!
 //! **Idea.** Two curves that overlap have envelopes that meet: necessary, not sufficient, and
-//! cheap. The envelopes of a plane stand in an R-tree, and each is exchanged when its curve grows.
+//! cheap. Each is exchanged when its curve grows.
 //!
 //! **Steps.**
 //! 1. Each curve's envelope is grown by the tolerance, so that curves side by side are not missed.
-//! 2. The plane's envelope holds all of them; a curve outside it meets none.
-//! 3. The tree gives the curves whose envelopes meet that of a new one, each with the rectangle
-//!    common to both, which limits the search for overlaps (5.3.2).
+//! 2. Each of a plane's envelopes is compared with that of a new curve. Where both meet, their
+//!    common rectangle limits the search for overlaps (5.3.2).
 //!
-//! **Departure from the source.** A tree in place of the two nested loops of 5.3.1.
-//!
-//! **Cost.** O(log n) to insert, exchange or remove one of n curves, and O(log n + k) to find k.
+//! **Cost.** O(n) to find the curves that meet one, for n curves of the plane: comparing rectangles
+//! is cheap beside merging curves.
 
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
@@ -29,7 +27,6 @@ const LARGEST_COORDINATE: f64 = 1e75;
 #[derive(Debug, Clone, Default)]
 pub struct PlaneEnvelopes {
     tolerance: f64,
-    tree: RTree<Entry>,
     by_curve: BTreeMap<usize, Envelope>,
 }
 
@@ -45,45 +42,31 @@ pub struct Meeting {
 impl PlaneEnvelopes {
     /// No envelopes yet. Each will be grown by `tolerance`, in the curves' length unit.
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, ..Self::default() }
+        Self { tolerance, by_curve: BTreeMap::new() }
     }
 
     /// Takes a curve in, or exchanges the envelope of one that has grown.
     pub fn insert(&mut self, number: usize, curve: &Curve) {
-        self.remove(number);
-        let envelope = curve.envelope().grown(self.tolerance);
-        self.tree.insert(entry(number, &envelope));
-        self.by_curve.insert(number, envelope);
+        self.by_curve.insert(number, curve.envelope().grown(self.tolerance));
     }
 
     /// Forgets a curve; its grown envelope, if it was there.
     pub fn remove(&mut self, number: usize) -> Option<Envelope> {
-        let envelope = self.by_curve.remove(&number)?;
-        self.tree.remove(&entry(number, &envelope));
-        Some(envelope)
+        self.by_curve.remove(&number)
     }
 
     /// The curves whose grown envelopes meet that of a curve, grown as well, in order of number.
     pub fn meeting(&self, curve: &Curve) -> Vec<Meeting> {
         let around = curve.envelope().grown(self.tolerance);
-        // The box around the plane is the tree's root: a curve outside it ends here.
-        let near = self.tree.locate_in_envelope_intersecting(aabb(&around));
-        let meeting = |entry: &Entry| {
-            let envelope = self.by_curve.get(&entry.data)?;
-            Some(Meeting { curve: entry.data, common: envelope.intersection(&around)? })
+        let meeting = |(&curve, envelope): (&usize, &Envelope)| {
+            Some(Meeting { curve, common: envelope.intersection(&around)? })
         };
-        let mut found: Vec<_> = near.filter_map(meeting).collect();
-        found.sort_unstable_by_key(|m| m.curve);
-        found
+        self.by_curve.iter().filter_map(meeting).collect()
     }
 }
 
-/// A numbered box in a tree: a curve's envelope, or that of one of its units.
+/// The numbered box of a unit in a tree.
 type Entry = GeomWithData<Rectangle<[f64; 2]>, usize>;
-
-fn entry(number: usize, envelope: &Envelope) -> Entry {
-    GeomWithData::new(aabb(envelope).into(), number)
-}
 
 fn aabb(envelope: &Envelope) -> AABB<[f64; 2]> {
     let corner = |p: &Point2| [p.x, p.y].map(|c| c.clamp(-LARGEST_COORDINATE, LARGEST_COORDINATE));
@@ -109,16 +92,20 @@ impl UnitIndex {
     }
 
     fn of(units: Vec<CurveUnit>, wanted: impl Fn(&Envelope) -> bool) -> Self {
-        let around =
-            |u: &CurveUnit| Envelope { min: u.start.inf(&u.end), max: u.start.sup(&u.end) };
-        let all = units.iter().map(around).enumerate().filter(|(_, e)| wanted(e));
-        let tree = RTree::bulk_load(all.map(|(k, e)| entry(k, &e)).collect());
+        let all = units.iter().map(CurveUnit::envelope).enumerate().filter(|(_, e)| wanted(e));
+        let tree = RTree::bulk_load(all.map(|(k, e)| Entry::new(aabb(&e).into(), k)).collect());
         Self { units, tree }
     }
 
     /// A unit by its number.
     pub fn unit(&self, number: usize) -> Option<&CurveUnit> {
         self.units.get(number)
+    }
+
+    /// Whether a unit is within a distance of a place. `numbers` is memory for the search.
+    pub fn is_near(&self, place: &Point2, distance: f64, numbers: &mut Vec<usize>) -> bool {
+        self.near(place, distance, numbers);
+        numbers.iter().any(|k| self.units[*k].distance(place) <= distance)
     }
 
     /// Writes the numbers of all units that may be within a distance of a place into `numbers`, in

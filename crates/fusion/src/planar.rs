@@ -17,6 +17,7 @@
 //! **Source.** Not in the dissertation. Its rule table keeps pairs of curves apart (5.4), but
 //! averaging moves them afterwards (5.5.2).
 
+use crate::sequence::{arc_lengths, without_units};
 use transect_geometry::{Curve, CurveUnit, Node, Point2, UnitPlace, crossings};
 
 /// Units on each side of a crossing whose evidence counts. By hand: a stray end has fewer units
@@ -66,8 +67,12 @@ fn without_repeats(curve: Curve) -> Option<Curve> {
 /// Cuts short loops off curves that cross themselves, as far as they do not overlap.
 fn cut_loops(curves: &mut [Curve], found: &[(UnitPlace, UnitPlace)], shortest_footprints: f64) {
     for (k, curve) in curves.iter_mut().enumerate() {
-        let own = found.iter().filter(|(a, b)| a.curve == k && b.curve == k);
-        let loops = own.map(|(a, b)| Loop::new(curve, a.unit, b.unit));
+        let own: Vec<_> = found.iter().filter(|(a, b)| a.curve == k && b.curve == k).collect();
+        if own.is_empty() {
+            continue;
+        }
+        let arc = arc_lengths(curve.units().map(|unit| unit.vector().norm()));
+        let loops = own.iter().map(|(a, b)| Loop::new(&arc, curve.is_closed(), a.unit, b.unit));
         let shortest = shortest_footprints * mean_footprint(curve.nodes());
         let mut loops: Vec<_> = loops.filter(|l| l.length <= shortest).collect();
         loops.sort_by(|a, b| a.length.total_cmp(&b.length).then(a.units.cmp(&b.units)));
@@ -93,13 +98,12 @@ struct Loop {
 }
 
 impl Loop {
-    /// The shorter of the two ways between two units that cross. An open curve has one way.
-    fn new(curve: &Curve, a: usize, b: usize) -> Self {
-        let lengths: Vec<f64> = curve.units().map(|u| u.vector().norm()).collect();
-        let total: f64 = lengths.iter().sum();
-        let inside: f64 = lengths[a + 1..b].iter().sum();
-        let outside = total - inside - lengths[a] - lengths[b];
-        if curve.is_closed() && outside < inside {
+    /// The shorter of the two ways between two units that cross, by the arc lengths of the curve.
+    /// An open curve has one way.
+    fn new(arc: &[f64], is_closed: bool, a: usize, b: usize) -> Self {
+        let inside = arc[b] - arc[a + 1];
+        let outside = arc[a] + arc[arc.len() - 1] - arc[b + 1];
+        if is_closed && outside < inside {
             Self { units: (b, a), length: outside }
         } else {
             Self { units: (a, b), length: inside }
@@ -184,35 +188,18 @@ fn opened(
         };
         if accepted.iter().any(meets) { left_out.push(place) } else { accepted.push(place) }
     }
-    let cut = |(k, curve): (usize, Curve)| {
-        let units: Vec<usize> = left_out.iter().filter(|p| p.curve == k).map(|p| p.unit).collect();
-        if units.is_empty() { vec![curve] } else { pieces(&curve, &units, shortest_footprints) }
-    };
-    curves.into_iter().enumerate().flat_map(cut).collect()
-}
-
-/// The parts of a curve between units that are left out, if they are long enough.
-fn pieces(curve: &Curve, left_out: &[usize], shortest_footprints: f64) -> Vec<Curve> {
-    let n = curve.nodes().len();
-    // A closed curve is opened behind a unit that is left out, so that no part is cut in two.
-    let first = if curve.is_closed() { left_out[0] + 1 } else { 0 };
-    let (mut parts, mut part) = (Vec::new(), Vec::new());
-    for k in (first..first + n).map(|k| k % n) {
-        part.push(curve.nodes()[k]);
-        if left_out.contains(&k) {
-            parts.push(std::mem::take(&mut part));
+    let is_long =
+        |part: &Curve| part.length() >= shortest_footprints * mean_footprint(part.nodes());
+    let parts = |(curve, whole): (usize, Curve)| {
+        if !left_out.iter().any(|place| place.curve == curve) {
+            return vec![whole];
         }
-    }
-    parts.push(part);
-    let [begin, end] = curve.ends();
-    let last = parts.len() - 1;
-    let made = parts.into_iter().enumerate().filter_map(|(k, nodes)| {
-        let shortest = shortest_footprints * mean_footprint(&nodes);
-        let part = Curve::new(nodes, false).ok()?;
-        let ends = [begin.filter(|_| k == 0), end.filter(|_| k == last)];
-        (part.length() >= shortest).then(|| part.with_ends(ends))
-    });
-    made.collect()
+        let is_left_out = |unit| left_out.contains(&UnitPlace { curve, unit });
+        let mut parts = without_units(&whole, is_left_out, None);
+        parts.retain(is_long);
+        parts
+    };
+    curves.into_iter().enumerate().flat_map(parts).collect()
 }
 
 /// Mean footprint; NaN without nodes.

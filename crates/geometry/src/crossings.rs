@@ -3,14 +3,18 @@
 //! **Problem.** The boundary of a solid neither crosses nor touches itself. Curves from
 //! measurements may. Wanted: all pairs of units that meet.
 //!
-//! **Steps.** An R-tree of the units' boxes is joined with itself. Each pair of boxes that overlap
-//! is tested by the signs of four triangles.
+//! **Steps.** An R-tree of boxes around runs of units is joined with itself. Each pair of units in
+//! two boxes that overlap is tested by their own boxes, then by the signs of four triangles.
 //!
 //! **Cost.** O(n log n) for n units, as far as few boxes overlap.
 
-use crate::{Curve, CurveUnit};
+use crate::{Curve, CurveUnit, Envelope};
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
+
+/// Units that share a box. Measured on a whole run: with one, finding crossings takes 2.5 times as
+/// long. Doubled, each pair of boxes has four times as many pairs of units.
+const RUN: usize = 8;
 
 /// A unit of one of several curves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -43,19 +47,27 @@ pub fn crossings<'a>(curves: impl IntoIterator<Item = &'a Curve>) -> Vec<(UnitPl
         c.units().enumerate().map(move |(unit, u)| (UnitPlace { curve, unit }, u))
     });
     let units: Vec<(UnitPlace, CurveUnit)> = places.collect();
-    let entry = |(k, (_, unit)): (usize, &(UnitPlace, CurveUnit))| {
-        let around = AABB::from_corners(unit.start.into(), unit.end.into());
-        GeomWithData::new(Rectangle::from_aabb(around), k)
+    let boxes: Vec<Envelope> = units.iter().map(|(_, unit)| unit.envelope()).collect();
+    let entry = |(k, run): (usize, &[Envelope])| {
+        let around = run.iter().skip(1).fold(run[0], |around, unit| around.merged(unit));
+        let around = AABB::from_corners(around.min.into(), around.max.into());
+        GeomWithData::new(Rectangle::from_aabb(around), k * RUN)
     };
     let tree: RTree<GeomWithData<Rectangle<[f64; 2]>, usize>> =
-        RTree::bulk_load(units.iter().enumerate().map(entry).collect());
-    let pairs = tree.intersection_candidates_with_other_tree(&tree);
-    let ordered = pairs.map(|(a, b)| (a.data, b.data)).filter(|(a, b)| a < b);
-    let crossed = ordered.filter(|&(a, b)| {
-        let ((at_a, a), (at_b, b)) = (&units[a], &units[b]);
-        !are_neighbours(&curves, *at_a, *at_b) && meet(a, b)
-    });
-    let mut found: Vec<_> = crossed.map(|(a, b)| (units[a].0, units[b].0)).collect();
+        RTree::bulk_load(boxes.chunks(RUN).enumerate().map(entry).collect());
+    let runs = tree.intersection_candidates_with_other_tree(&tree);
+    let mut found = Vec::new();
+    for (a, b) in runs.map(|(a, b)| (a.data, b.data)).filter(|(a, b)| a <= b) {
+        for a in a..(a + RUN).min(units.len()) {
+            for b in b.max(a + 1)..(b + RUN).min(units.len()) {
+                let ((at_a, unit_a), (at_b, unit_b)) = (&units[a], &units[b]);
+                let may_meet = boxes[a].intersects(&boxes[b]);
+                if may_meet && !are_neighbours(&curves, *at_a, *at_b) && meet(unit_a, unit_b) {
+                    found.push((*at_a, *at_b));
+                }
+            }
+        }
+    }
     found.sort_unstable();
     found
 }

@@ -1,6 +1,6 @@
 //! Curve units: the segments between neighbouring nodes (dissertation, sections 2.5.2 and 5.5.1).
 
-use crate::{Point2, Vector2};
+use crate::{Envelope, Point2, Vector2};
 
 /// On which side of a curve a point is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,6 +24,11 @@ impl CurveUnit {
     /// The displacement from start to end.
     pub fn vector(&self) -> Vector2 {
         self.end - self.start
+    }
+
+    /// The smallest rectangle around the unit.
+    pub fn envelope(&self) -> Envelope {
+        Envelope { min: self.start.inf(&self.end), max: self.start.sup(&self.end) }
     }
 
     /// The left side of the line equation of section 2.5.2: positive right of start → end.

@@ -184,15 +184,11 @@ fn keep(differences: &mut Vec<f64>, [a, b, c, d]: [&[f32]; 4]) {
 
 /// Standard deviation of the values of which these are third differences, without the largest.
 fn spread(differences: &mut [f64]) -> Option<f64> {
-    if differences.is_empty() {
-        return None;
-    }
-    let kept = ((differences.len() as f64 * KEPT) as usize).clamp(1, differences.len());
-    differences.select_nth_unstable_by(kept - 1, f64::total_cmp);
-    // Sorted, because selection leaves an unspecified order, and sums depend on the order.
-    let smallest = &mut differences[..kept];
-    smallest.sort_unstable_by(f64::total_cmp);
-    let mean_square = smallest.iter().map(|d| d * d).sum::<f64>() / kept as f64;
+    let last = differences.len().checked_sub(1)?;
+    let largest = ((differences.len() as f64 * KEPT) as usize).clamp(1, last + 1) - 1;
+    let (smaller, largest, _) = differences.select_nth_unstable_by(largest, f64::total_cmp);
+    let squares = smaller.iter().chain([&*largest]).map(|d| d * d);
+    let mean_square = squares.sum::<f64>() / (smaller.len() + 1) as f64;
     Some((mean_square / VARIANCE_OF_KEPT / VARIANCE_OF_DIFFERENCE).sqrt())
 }
 

@@ -7,7 +7,7 @@ use crate::WorkflowError;
 use crate::samples::{median, pixel_spacing, reach, samples};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
-use transect_device::{Point3, View};
+use transect_device::View;
 use transect_exchange::Scan;
 use transect_geometry::LengthUnit;
 
@@ -31,9 +31,17 @@ const FARTHEST_PIXELS: f64 = 0.5;
 /// centimetres among metres pass.
 const BETWEEN_VIEWS: f64 = 50.0;
 
+/// Most pixels of a view that is kept from the look at a scan until its turn in the run. Chosen by
+/// hand: such a view takes some ten megabytes, and reading it again takes longer than anything else
+/// of the look. Doubled, runs of large views take more memory.
+const KEPT_PIXELS: usize = 1 << 20;
+
 /// Views of a scan with which every view is compared. Theory: of three, the median survives one
 /// wrong view. Doubled, the start of a run takes twice the time.
 const COMPARED: usize = 3;
+
+/// A view that was read, and the notes on its file.
+pub(crate) type ReadView = (View, Vec<String>);
 
 /// A check of plausibility.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -96,20 +104,21 @@ pub struct Plausibility {
 impl Plausibility {
     /// Checks a view.
     pub(crate) fn check_view(&self, view: &View) -> Result<(), WorkflowError> {
+        let spacing = pixel_spacing(view);
         Check::ALL.into_iter().filter(|check| !self.accepted.contains(check)).try_for_each(
             |check| match check {
-                Check::Planes => self.check_planes(view),
+                Check::Planes => self.check_planes(spacing),
                 Check::ValidPixels => check_valid_pixels(view),
-                Check::Resolution => self.check_resolution(view),
+                Check::Resolution => self.check_resolution(view, spacing),
                 Check::Distance => Ok(()),
-                Check::Extent => self.check_extent(view),
+                Check::Extent => self.check_extent(spacing),
                 Check::Angles => check_angles(view),
             },
         )
     }
 
-    fn check_planes(&self, view: &View) -> Result<(), WorkflowError> {
-        let Some([spacing, _]) = pixel_spacing(view) else { return Ok(()) };
+    fn check_planes(&self, spacing: Option<[f64; 2]>) -> Result<(), WorkflowError> {
+        let Some([spacing, _]) = spacing else { return Ok(()) };
         let (interval, unit, planes) = (self.interval, self.unit, spacing / self.interval);
         if planes <= PLANES_PER_PIXEL {
             return Ok(());
@@ -122,15 +131,18 @@ impl Plausibility {
         ))
     }
 
-    fn check_resolution(&self, view: &View) -> Result<(), WorkflowError> {
-        let points: Vec<Point3> = samples(view).map(|sample| sample.point).collect();
-        let is_single = |c: f64| f64::from(c as f32) == c;
-        if points.is_empty() || !points.iter().all(|p| p.iter().all(|c| is_single(*c))) {
+    fn check_resolution(
+        &self,
+        view: &View,
+        spacing: Option<[f64; 2]>,
+    ) -> Result<(), WorkflowError> {
+        let is_single = |c: &f64| f64::from(*c as f32) == *c;
+        if !samples(view).all(|sample| sample.point.iter().all(is_single)) {
             return Ok(());
         }
-        let largest = points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
+        let largest = samples(view).map(|sample| sample.point.coords.amax()).fold(0.0, f64::max);
         let step = largest * f64::from(f32::EPSILON);
-        let half = 0.5 * pixel_spacing(view).map_or(f64::INFINITY, |[denser, _]| denser);
+        let half = 0.5 * spacing.map_or(f64::INFINITY, |[denser, _]| denser);
         let limit = half.max(view.sigma().unwrap_or(0.0));
         if step <= limit {
             return Ok(());
@@ -143,8 +155,8 @@ impl Plausibility {
         ))
     }
 
-    fn check_extent(&self, view: &View) -> Result<(), WorkflowError> {
-        let Some([spacing, _]) = pixel_spacing(view) else { return Ok(()) };
+    fn check_extent(&self, spacing: Option<[f64; 2]>) -> Result<(), WorkflowError> {
+        let Some([spacing, _]) = spacing else { return Ok(()) };
         let (unit, limit) = (self.unit, FARTHEST_PIXELS / self.unit.in_metres());
         let cause = "Check the unit of the image (\"unit\", \"scale\"): millimetres that are \
                      declared as metres look like this.";
@@ -167,8 +179,9 @@ impl Plausibility {
     }
 
     /// Looks at a few views of a scan, with which every view is compared later. Checks that the
-    /// sensors are near enough to each other to see one surface.
-    pub(crate) fn look_at(&mut self, scan: &Scan) -> Result<(), WorkflowError> {
+    /// sensors are near enough to each other to see one surface. Returns the small ones with their
+    /// places in the scan, so that they are not read again.
+    pub(crate) fn look_at(&mut self, scan: &Scan) -> Result<Vec<(usize, ReadView)>, WorkflowError> {
         let last = scan.views.len().saturating_sub(1);
         let mut numbers = [0, last / 2, last].to_vec();
         numbers.dedup();
@@ -177,14 +190,17 @@ impl Plausibility {
         let seen: Vec<_> = numbers
             .par_iter()
             .filter_map(|&k| {
-                let (view, _) = scan.views.get(k)?.load().ok()?;
-                Some((pixel_spacing(&view), reach(&view)))
+                let read = scan.views.get(k)?.load().ok()?;
+                let (spacing, reach) = (pixel_spacing(&read.0), reach(&read.0));
+                let is_small = read.0.image().size().pixels() <= KEPT_PIXELS;
+                Some((spacing, reach, is_small.then_some((k, read))))
             })
             .collect();
-        let spacings: Vec<f64> = seen.iter().filter_map(|(s, _)| Some((*s)?[0])).collect();
+        let spacings: Vec<f64> = seen.iter().filter_map(|(s, ..)| Some((*s)?[0])).collect();
         self.usual_spacing = if spacings.len() > 1 { median(spacings) } else { None };
-        let farthest = seen.iter().map(|(_, reach)| *reach).fold(0.0, f64::max);
-        self.check_distances(scan, farthest)
+        let farthest = seen.iter().map(|(_, reach, _)| *reach).fold(0.0, f64::max);
+        self.check_distances(scan, farthest)?;
+        Ok(seen.into_iter().filter_map(|(.., kept)| kept).collect())
     }
 
     /// Checks that two sensors of a scan are within each other's reach; that of some views is

@@ -7,7 +7,9 @@ use crate::store_file::{Grown, grow, origin, setup_of};
 use crate::table::{Row, digits};
 use crate::views::{FileView, OpenScan};
 use crate::{Costs, Plausibility, ReportFile, ResultFolder, Settings, WorkflowError};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
 use transect::{Reconstruction, RefinementReport, Setup, Watch, reconstruct};
 use transect_exchange::{DxfFrame, Scan};
 use transect_geometry::LengthUnit;
@@ -119,12 +121,14 @@ impl OpenScan {
         prefix: &str,
         mut plausibility: Plausibility,
     ) -> Result<Vec<FileView<'_>>, WorkflowError> {
-        plausibility.look_at(self.scan())?;
-        let view = |view| {
+        let mut read: BTreeMap<_, _> = plausibility.look_at(self.scan())?.into_iter().collect();
+        let view = |(k, view)| {
             let view = origin(view, self.path(), plausibility.clone());
-            FileView { id: format!("{prefix}{}", view.id), limits: self.limits, ..view }
+            let (id, read) =
+                (format!("{prefix}{}", view.id), Arc::new(Mutex::new(read.remove(&k))));
+            FileView { id, read, limits: self.limits, ..view }
         };
-        Ok(self.scan().views.iter().map(view).collect())
+        Ok(self.scan().views.iter().enumerate().map(view).collect())
     }
 
     fn splines(&self, settings: &Settings) -> Result<Option<f64>, WorkflowError> {

@@ -5,6 +5,7 @@ use crate::selection::Limits;
 use crate::{Check, FileView, Plausibility, WorkflowError};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use transect::{
     GrowError, Grower, Growth, ReconstructError, Reconstruction, Report, Setup, Unwatched, Watch,
 };
@@ -253,7 +254,7 @@ pub(crate) fn origin<'a>(
     let absolute = std::path::absolute(scan).unwrap_or_else(|_| scan.to_owned());
     let origin = absolute.display().to_string();
     let (id, limits) = (view.name().to_owned(), Limits::default());
-    FileView { view, id, origin, pose: None, limits, plausibility }
+    FileView { view, id, origin, pose: None, read: Arc::default(), limits, plausibility }
 }
 
 fn view_of_scan<'a>(

@@ -1,9 +1,11 @@
 //! A scan on disk, and its views in the form that the modeler takes.
 
+use crate::plausible::ReadView;
 use crate::selection::Limits;
 use crate::{Plausibility, Selection, WorkflowError};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
 use transect::{LoadedView, SourceError, ViewSource};
 use transect_exchange::{OpenOptions, PlanesEntry, Scan, ScanView};
 use transect_geometry::Isometry3;
@@ -104,6 +106,8 @@ pub struct FileView<'a> {
     pub origin: String,
     /// A pose in place of the scan's own.
     pub pose: Option<Isometry3>,
+    /// The view, if it has been read already and not been loaded since.
+    pub(crate) read: Arc<Mutex<Option<ReadView>>>,
     /// The limits of its points.
     pub(crate) limits: Limits,
     /// The checks that it must pass.
@@ -124,7 +128,8 @@ impl ViewSource for FileView<'_> {
     }
 
     fn load(&self) -> Result<LoadedView, SourceError> {
-        let (view, notes) = self.view.load()?;
+        let read = self.read.lock().ok().and_then(|mut read| read.take());
+        let (view, notes) = read.map_or_else(|| self.view.load(), Ok)?;
         let view = match &self.pose {
             Some(pose) => view.with_pose(*pose)?,
             None => view,

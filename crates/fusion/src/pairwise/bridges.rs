@@ -1,32 +1,18 @@
 //! Ground that no view measured: bridges that another view contradicts, and marks of the others.
 
 use crate::ground::Ground;
-use crate::sequence::neighbours;
+use crate::sequence::{neighbours, without_units};
 use transect_geometry::{Curve, CurveUnit, EndReason, Node};
 
 /// A view's curve without its bridges over ground in the shadow of another view.
 pub(super) fn without_shadowed(curve: &Curve, ground: &Ground<'_>) -> Vec<Curve> {
     let goes = |(a, b): (&Node, &Node)| a.bridged && ground.is_in_shadow(&unit(a, b));
     let cuts: Vec<bool> = neighbours(curve.nodes(), curve.is_closed()).map(goes).collect();
-    let Some(first) = cuts.iter().position(|cut| *cut) else { return vec![curve.clone()] };
-    // A closed curve is opened at its first cut.
-    let start = if curve.is_closed() { first + 1 } else { 0 };
-    let mut nodes = curve.nodes().to_vec();
-    nodes.rotate_left(start % cuts.len());
-    let count = nodes.len();
-    let last = |k: &usize| *k + 1 == count || cuts[(k + start) % cuts.len()];
-    let jump = Some(EndReason::RangeJump);
-    let mut begin = 0;
-    let mut begins_by = if curve.is_closed() { jump } else { curve.ends()[0] };
-    let mut pieces = Vec::new();
-    for end in (0..count).filter(last) {
-        let is_end = end + 1 == count && !curve.is_closed();
-        let ends_by = if is_end { curve.ends()[1] } else { jump };
-        let piece = Curve::new(nodes[begin..=end].to_vec(), false).ok();
-        pieces.extend(piece.map(|piece| piece.with_ends([begins_by, ends_by])));
-        (begin, begins_by) = (end + 1, jump);
+    if !cuts.contains(&true) {
+        return vec![curve.clone()];
     }
-    pieces
+    let is_cut = |unit: usize| cuts.get(unit) == Some(&true);
+    without_units(curve, is_cut, Some(EndReason::RangeJump))
 }
 
 /// A fused curve as the views saw its ground within a distance: each unit that no view

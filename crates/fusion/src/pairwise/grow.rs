@@ -11,13 +11,13 @@
 //!    bridges any number of global ones. In the end it takes its place among the global curves.
 //! 4. The envelopes of the curve and of the plane are exchanged with it.
 //!
-//! **Departures from the source.** Candidates come from an R-tree, and are asked for again after
-//! each merge: a grown curve may reach one that the partial curve did not. Each is tried once per
-//! partial curve, and once more if the partial curve was cut. The curves of a view go in a
-//! canonical order, so that the order in which a view lists them does not matter. The order of
-//! views does: it is the method's nature.
+//! **Departures from the source.** Candidates are asked for again after each merge: a grown curve
+//! may reach one that the partial curve did not. Each is tried once per partial curve, and once
+//! more if the partial curve was cut. The curves of a view go in a canonical order, so that the
+//! order in which a view lists them does not matter. The order of views does: it is the method's
+//! nature.
 //!
-//! **Cost.** O(log n) for n curves of the plane, and the length of the curves that meet.
+//! **Cost.** O(n) for n curves of the plane, and the length of the curves that meet.
 
 use super::fork::Cut;
 use super::splice::{Merged, Outcome, Refusal, merge};

@@ -54,7 +54,7 @@ use crate::pattern::OverlapTolerance;
 use crate::planar::without_crossings;
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
-use transect_geometry::{Curve, Point2};
+use transect_geometry::Curve;
 
 /// What can be set. Without a tolerance no length is in the user's unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -150,12 +150,8 @@ pub fn pairwise_watched(
 fn unseen(views: &[&[Curve]], curves: &[Curve], threshold: f64) -> usize {
     let index = UnitIndex::new(curves);
     let mut near = Vec::new();
-    let mut beside = |p: &Point2| {
-        index.near(p, threshold, &mut near);
-        near.iter().any(|k| index.unit(*k).is_some_and(|u| u.distance(p) <= threshold))
-    };
     let nodes = views.iter().flat_map(|view| view.iter()).flat_map(Curve::nodes);
-    nodes.filter(|node| !beside(&node.position)).count()
+    nodes.filter(|node| !index.is_near(&node.position, threshold, &mut near)).count()
 }
 
 /// Nothing could be fused, and every node is counted as left out.

@@ -200,19 +200,14 @@ impl Merger<'_> {
         closed: bool,
     ) -> Option<(Curve, Lost)> {
         let curve = Curve::new(nodes, closed).ok()?;
-        let around = self.pair[0].envelope().grown(self.limits.threshold);
-        let around = around.merged(&self.pair[1].envelope().grown(self.limits.threshold));
-        let index = UnitIndex::within(&curve, &around);
+        let index = UnitIndex::new([&curve]);
         let mut lost = Lost::default();
         let mut near = Vec::new();
         for (side, strand) in strands.iter().enumerate() {
             let noise = |k: usize| averaged.iter().any(|a| a.noise.contains(&(side, k)));
             for (k, node) in strand.nodes.iter().enumerate().filter(|(k, _)| strand.is_observed(*k))
             {
-                index.near(&node.position, self.limits.threshold, &mut near);
-                let distance = |u: &usize| Some(index.unit(*u)?.distance(&node.position));
-                let beside = |u: &usize| distance(u).is_some_and(|d| d <= self.limits.threshold);
-                if near.iter().any(beside) {
+                if index.is_near(&node.position, self.limits.threshold, &mut near) {
                     continue;
                 }
                 let enclosed = strand.enclosed.contains(&k) && !noise(k);

@@ -10,16 +10,12 @@
 //! 3. Both curves must have units in the common rectangle (the dashed envelopes of Figure 5.3).
 //! 4. Some of those units must run the same way: the opposite sides of a sheet and neighbouring
 //!    surfaces that face each other do not (Figure 5.5).
-//!
-//! Departure from the source: the pairs of step 2 come from an R-tree of envelopes in place of two
-//! nested loops.
 
 use transect_geometry::{Curve, CurveUnit, Envelope};
 
 /// Whether a segment and a rectangle share a point.
 fn touches(unit: &CurveUnit, rectangle: &Envelope) -> bool {
-    let around = Envelope { min: unit.start.inf(&unit.end), max: unit.start.sup(&unit.end) };
-    if !around.intersects(rectangle) {
+    if !unit.envelope().intersects(rectangle) {
         return false;
     }
     // Two convex shapes are apart only if the segment's own line, too, has the rectangle on one

@@ -1,4 +1,4 @@
-//! Figures 5.3 to 5.5 of the dissertation, and the tree against the nested loops.
+//! Figures 5.3 to 5.5 of the dissertation, and the envelopes against the nested loops.
 
 use super::*;
 use crate::envelopes::PlaneEnvelopes;

@@ -11,7 +11,7 @@ use super::grid::Grid;
 use super::lanes::{MOST, Native, all, positive};
 use super::normal_equations::{COLUMNS, Coefficients, RowPolynomial, RowSums, Sums};
 use super::{SmoothingSteps, window};
-use crate::tuning::{CUT, HALF_WINDOW, WINDOW_COLUMNS};
+use crate::tuning::{CUT, HALF_WINDOW, WIDER, WIDEST_RADIUS, WINDOW_COLUMNS};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
@@ -141,27 +141,29 @@ impl Block {
     /// A block whose first pixel is in a row and a column of the image. Pixels whose noise is
     /// negligible are left out.
     #[inline(always)]
-    pub fn new(row: usize, first: usize, scales: &Scales) -> Self {
-        let none = [0.0; MOST];
-        let (mut inverse_radii, mut wider, mut inverse_cut) = ([none; 2], [none; 2], none);
-        let (mut largest, mut mean) = ([none; 2], none);
-        // Nothing here branches, so that the compiler takes all lanes at once.
-        for lane in 0..MOST {
-            let Scales { across, down, sigma, inverse_sigma } = scales;
-            let radii = window::radii([across[lane], down[lane], sigma[lane]]);
-            let fitted = (radii[0] > 0.0) & (inverse_sigma[lane] > 0.0);
-            let or_zero = |number: f32| if fitted { number } else { 0.0 };
-            for axis in [0, 1] {
-                let wide = window::wider(radii[axis]);
-                inverse_radii[axis][lane] = or_zero(1.0 / (radii[axis] * radii[axis]));
-                wider[axis][lane] = or_zero(1.0 / (wide * wide));
-                largest[axis][lane] = or_zero(radii[axis]);
-            }
-            inverse_cut[lane] = or_zero(inverse_sigma[lane] * (1.0 / CUT));
-            mean[lane] = (radii[0] * radii[1]).sqrt();
+    pub fn new<S: Simd>(simd: S, row: usize, first: usize, scales: &Scales) -> Self {
+        let lanes = ..Native::<S>::LEN;
+        let read = |numbers: &[f32; MOST]| Native::<S>::from_slice(simd, &numbers[lanes]);
+        let Scales { across, down, sigma, inverse_sigma } = scales;
+        let inverse_sigma = read(inverse_sigma);
+        let [zero, one] = [0.0, 1.0].map(|number| all(simd, number));
+        let radii = window::radii(simd, [across, down, sigma].map(read));
+        let fitted = radii[0].simd_gt(zero) & inverse_sigma.simd_gt(zero);
+        let stored = |numbers: Native<S>| {
+            let mut stored = [0.0; MOST];
+            fitted.select(numbers, zero).store_slice(&mut stored[lanes]);
+            stored
+        };
+        let wide = radii.map(|radius| (radius * WIDER).min(all(simd, WIDEST_RADIUS)));
+        Self {
+            row,
+            first,
+            inverse_radii: radii.map(|radius| stored(one / (radius * radius))),
+            wider: wide.map(|radius| stored(one / (radius * radius))),
+            inverse_cut: stored(inverse_sigma * (1.0 / CUT)),
+            largest: radii.map(|radii| stored(radii).into_iter().fold(0.0, f32::max)),
+            radii: stored((radii[0] * radii[1]).sqrt()),
         }
-        let largest = largest.map(|radii| radii.into_iter().fold(0.0, f32::max));
-        Self { row, first, inverse_radii, wider, inverse_cut, largest, radii: mean }
     }
 
     pub fn is_empty(&self) -> bool {

@@ -234,7 +234,8 @@ impl<'a> Smoother<'a> {
                 simd.vectorize(
                     #[inline(always)]
                     || {
-                        let block = self.block(row, (first..end).filter(|col| counts(*col)), first);
+                        let block =
+                            self.block(simd, row, (first..end).filter(|col| counts(*col)), first);
                         if !block.is_empty() {
                             let fitted = block.fit(simd, &self.grid, self.steps, &mut work);
                             let radii = block.radii(&fitted.shares);
@@ -250,7 +251,13 @@ impl<'a> Smoother<'a> {
     /// Some pixels of a row with their windows. Pixels whose noise or ray spacing is not known, or
     /// whose noise is negligible, are left out.
     #[inline(always)]
-    fn block(&self, row: usize, cols: impl Iterator<Item = usize>, first: usize) -> Block {
+    fn block<S: Simd>(
+        &self,
+        simd: S,
+        row: usize,
+        cols: impl Iterator<Item = usize>,
+        first: usize,
+    ) -> Block {
         let mut scales = Scales::default();
         let values = self.view.image().row(row);
         for col in cols {
@@ -263,6 +270,6 @@ impl<'a> Smoother<'a> {
             let inverse_sigma = self.quantity.inverse_sigma(values[col], (1.0 / sigma) as f32);
             scales.inverse_sigma[lane] = inverse_sigma;
         }
-        Block::new(row, first, &scales)
+        Block::new(simd, row, first, &scales)
     }
 }

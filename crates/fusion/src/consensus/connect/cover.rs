@@ -5,6 +5,7 @@ use super::super::measure::{NONE, Scale};
 use super::super::tuning::cover::*;
 use super::chain::{Chain, by_length};
 use crate::grid::PointGrid;
+use crate::sequence::runs;
 use transect_geometry::{Point2, Vector2};
 
 /// Smallest chain that is accepted.
@@ -49,7 +50,7 @@ pub(super) fn cover(
         let covered: Vec<bool> =
             chain.nodes.iter().map(|&k| !first && cover.lies_beside(k)).collect();
         let is_whole = !covered.contains(&true);
-        for run in runs(&chain, &covered) {
+        for run in uncovered(&chain, &covered) {
             if shortest.accepts(&run, nodes, is_whole) {
                 cover.accept(&run);
                 accepted.push(run);
@@ -127,24 +128,14 @@ impl<'a> Cover<'a> {
 }
 
 /// The uncovered runs of a chain.
-fn runs(chain: &Chain, covered: &[bool]) -> Vec<Chain> {
-    if covered.iter().all(|c| !c) {
+fn uncovered(chain: &Chain, covered: &[bool]) -> Vec<Chain> {
+    if !covered.contains(&true) {
         return vec![chain.clone()];
     }
-    let n = chain.nodes.len();
-    // A closed chain is opened at a covered node, so that no run is cut in two.
-    let start = if chain.closed { covered.iter().position(|c| *c).unwrap_or(0) } else { 0 };
-    let mut result = Vec::new();
-    let mut nodes = Vec::new();
-    for k in (start..n).chain(0..start) {
-        if !covered[k] {
-            nodes.push(chain.nodes[k]);
-        } else if !nodes.is_empty() {
-            result.push(Chain { nodes: std::mem::take(&mut nodes), closed: false });
-        }
-    }
-    if !nodes.is_empty() {
-        result.push(Chain { nodes, closed: false });
-    }
-    result
+    let run = |run: Vec<usize>| {
+        let nodes = run.into_iter().filter(|k| !covered[*k]).map(|k| chain.nodes[k]).collect();
+        Chain { nodes, closed: false }
+    };
+    let runs = runs(chain.nodes.len(), chain.closed, |k| covered[k]).into_iter().map(run);
+    runs.filter(|run| !run.nodes.is_empty()).collect()
 }

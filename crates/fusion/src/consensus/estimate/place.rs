@@ -209,7 +209,7 @@ impl<'a> Near<'a> {
             |j| clusters[j].tangent,
             |j, x, y| found.push(Neighbour { number: j as u32, x, y }),
         );
-        found.sort_by(|a, b| (a.x as f32).total_cmp(&(b.x as f32)));
+        found.sort_by_cached_key(|n| ordered(n.x as f32));
         let samples = found.iter().map(|n| sample(clusters, n));
         self.windows.begin(samples, half_width(here, 0));
         self.reach = reach;
@@ -221,6 +221,12 @@ fn sample(clusters: &[Cluster], n: &Neighbour) -> Sample {
     let Cluster { evidence, along_variance, correlation, .. } = clusters[n.number as usize];
     let (weight, sigma) = (evidence.weight, evidence.random_sigma);
     Sample { x: n.x, y: n.y, weight, sigma, along_variance, correlation }
+}
+
+/// An integer for each number, in the order of [`f32::total_cmp`]: integers sort faster.
+fn ordered(x: f32) -> i32 {
+    let bits = x.to_bits() as i32;
+    if bits < 0 { bits ^ i32::MAX } else { bits }
 }
 
 /// Half-width along the curve of a node's windows, from the narrowest on.
