@@ -126,10 +126,14 @@ impl<'a> Grower<'a> {
     ///
     /// # Errors
     /// [`GrowError::OtherSettings`] with the settings that differ, [`GrowError::Settings`] if they
-    /// cannot be read, [`GrowError::Refinement`] if the setup asks for refinement.
+    /// cannot be read, [`GrowError::Refinement`] if the setup asks to refine planes,
+    /// [`GrowError::Poses`] if it asks to refine poses.
     pub fn new(store: &'a Store, setup: &'a Setup) -> Result<Self, GrowError> {
         if setup.refinement.is_some() {
             return Err(GrowError::Refinement);
+        }
+        if setup.refine_poses.is_some() {
+            return Err(GrowError::Poses);
         }
         match setup.difference(store.read()?.header())? {
             Some(difference) => Err(GrowError::OtherSettings(difference)),
@@ -173,7 +177,13 @@ impl<'a> Grower<'a> {
         let fuser = self.fuse_pending_with(Fuser::new(self.setup, watch))?;
         taken?;
         let Added { reading, modelling, .. } = added;
-        let timings = Timings { views, reading, modelling, fusion: started.elapsed() - views };
+        let timings = Timings {
+            poses: Duration::ZERO,
+            views,
+            reading,
+            modelling,
+            fusion: started.elapsed() - views,
+        };
         self.growth(added, fuser, timings)
     }
 
@@ -202,27 +212,43 @@ impl<'a> Grower<'a> {
         Ok(self.store.remove_view(id, &Fuser::new(self.setup, &Unwatched))?)
     }
 
-    /// Replaces a view. The store is then as if the old view had never been added. The report has
-    /// the new view, with notes and warnings, and no counts of the fusion.
+    /// Replaces views by others, all in one transaction. The store is then as if the old views had
+    /// never been added. The report has the new views, with notes and warnings, and no counts of
+    /// the fusion.
     ///
     /// # Errors
-    /// If there is no such view, the new view fails, or its id is that of a third view; the store
+    /// If there is no view of an id, a new view fails, or its id is that of another view; the store
     /// is then unchanged.
-    pub fn replace_view<S: ViewSource>(
+    pub fn replace_views<S: ViewSource>(
         &self,
-        id: &ViewId,
-        source: &S,
-    ) -> Result<(StoredView, Report), GrowError> {
-        let NewView { entry, view } = self.model(source, TimedView::load(source)?)?;
-        let (fuser, new_id) = (Fuser::new(self.setup, &Unwatched), entry.id.clone());
-        let ModelledView { planes, mut notes, report: mut of_view, .. } = view;
-        let stored = self.store.replace_view(id, entry, planes, &fuser)?;
-        of_view.set_agreement(&fuser.agreement(&new_id));
+        replacements: &[(ViewId, S)],
+        watch: &dyn Watch,
+    ) -> Result<(Vec<StoredView>, Report), GrowError> {
+        watch.begin(Stage::Views, replacements.len());
+        let model = |(id, source): &(ViewId, S)| {
+            let new = self.model(source, TimedView::load(source)?)?;
+            watch.step(Stage::Views);
+            Ok((id.clone(), new))
+        };
+        let modelled: Vec<Result<_, GrowError>> = replacements.par_iter().map(model).collect();
+        let (mut new, mut reports, mut notes) = (Vec::new(), Vec::new(), Vec::new());
+        for modelled in modelled {
+            let (id, NewView { entry, view }) = modelled?;
+            reports.push((entry.id.clone(), view.report));
+            notes.extend(view.notes);
+            new.push((id, entry, view.planes));
+        }
+        let fuser = Fuser::new(self.setup, watch);
+        let stored = self.store.replace_views(new, &fuser)?;
         let several = self.store.views()?.len() > 1;
-        notes.extend(several.then(|| of_view.note_if_alone()).flatten());
-        let (views, fusion) = (vec![of_view], FusionReport::default());
-        let timings = Timings::default();
-        Ok((stored, Report { views, fusion, refinement: None, notes, timings }))
+        let mut views = Vec::new();
+        for (id, mut report) in reports {
+            report.set_agreement(&fuser.agreement(&id));
+            notes.extend(several.then(|| report.note_if_alone()).flatten());
+            views.push(report);
+        }
+        let (fusion, timings) = (FusionReport::default(), Timings::default());
+        Ok((stored, Report { views, fusion, poses: None, refinement: None, notes, timings }))
     }
 
     /// Stores views, as many at a time as there are threads, without fusing their planes.
@@ -317,7 +343,8 @@ impl<'a> Grower<'a> {
             (fusion.spread, fusion.threshold) = (0.0, 0.0);
         }
         let fused = fuser.summaries().len();
-        let report = Report { views: reports, fusion, refinement: None, notes, timings };
+        let report =
+            Report { views: reports, fusion, poses: None, refinement: None, notes, timings };
         Ok(Growth { present, report, fused })
     }
 }

@@ -13,7 +13,7 @@ pub struct PosePrior {
 }
 
 /// Options of [`refine`].
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct RefineOptions {
     /// How far the given poses may be wrong; estimated from the views' contradictions if `None`.
     pub prior: Option<PosePrior>,
@@ -67,6 +67,13 @@ pub struct Refinement {
     /// Change of the squared distances of the pairs that were left out of the estimate, as a share:
     /// -0.5 is half of them. `None` if there were too few pairs to leave some out.
     pub left_out_pairs: Option<f64>,
+}
+
+impl RefinedPose {
+    /// Whether the refined pose differs from the given one.
+    pub fn has_moved(&self) -> bool {
+        matches!(self.outcome, PoseOutcome::Refined | PoseOutcome::BroughtBack)
+    }
 }
 
 /// Refines the poses of all views together.
