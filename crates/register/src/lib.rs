@@ -4,10 +4,13 @@
 //! views, and never through curves. It knows no section planes, no files and no model.
 //!
 //! * [`CoarseView`]: a view as a few thousand patches of surface and the free space before them.
+//! * [`PoseReading`]: another convention by which the same poses may have been written.
 
 mod coarse;
+mod readings;
 mod refine;
 mod tuning;
 
 pub use coarse::{CoarseView, Meeting, Patch, Sighting};
+pub use readings::PoseReading;
 pub use refine::{PoseOutcome, PosePrior, RefineOptions, RefinedPose, Refinement, refine};
