@@ -39,6 +39,9 @@ impl Manifest {
 pub struct ViewEntry {
     /// The image's file, relative to the manifest or absolute.
     pub file: String,
+    /// The view's name, if it is not the file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
     /// Kind of sensor and its parameters.
     #[serde(flatten)]
     pub sensor: SensorEntry,
@@ -67,6 +70,7 @@ impl ViewEntry {
     pub fn new(file: String, sensor: SensorEntry, pose: [f64; 16]) -> Self {
         Self {
             file,
+            name: None,
             sensor,
             rows: None,
             cols: None,
