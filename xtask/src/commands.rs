@@ -20,11 +20,12 @@ const OWN: [(&str, Owner, &str); 4] = [
 ];
 
 /// The commands of `transect`. A test of `transect-cli` compares this list with the program's help.
-const TRANSECT: [(&str, &str); 15] = [
+const TRANSECT: [(&str, &str); 16] = [
     ("reconstruct", "Make a cross-section model of a scan; without a scan, of the bundled room"),
     ("simulate", "Write a scan of a simulated scene, with its truth"),
     ("evaluate", "Score a model against a reference mesh or a simulated scan's truth"),
     ("inspect", "List the views, sizes, noise and extent of a scan, or the contents of a model"),
+    ("register", "Refine the poses of a scan, or of the views in a model store"),
     ("list-views", "List the views of a model store"),
     ("remove-view", "Remove a view from a model store"),
     ("replace-view", "Replace the image or the pose of a view in a model store"),

@@ -12,7 +12,7 @@ mod table;
 use clap::{Parser, Subcommand};
 use commands::{
     compact, evaluate, export, gaps, import, inspect, list_views, manifest, measure, query,
-    reconstruct, remove_view, replace_view, simulate, verify,
+    reconstruct, register, remove_view, replace_view, simulate, verify,
 };
 use failure::Failure;
 use std::io::{self, ErrorKind};
@@ -41,6 +41,8 @@ enum Command {
     Evaluate(evaluate::Arguments),
     /// List the views, sizes, noise and extent of a scan, or the contents of a model.
     Inspect(inspect::Arguments),
+    /// Refine the poses of a scan, or of the views in a model store.
+    Register(Box<register::Arguments>),
     /// List the views of a model store.
     ListViews(list_views::Arguments),
     /// Remove a view from a model store.
@@ -77,6 +79,7 @@ fn main() -> ExitCode {
         Command::Simulate(a) => simulate::run(&a),
         Command::Evaluate(a) => evaluate::run(&a),
         Command::Inspect(a) => inspect::run(&a),
+        Command::Register(a) => register::run(&a),
         Command::ListViews(a) => list_views::run(&a),
         Command::RemoveView(a) => remove_view::run(&a),
         Command::ReplaceView(a) => replace_view::run(&a),

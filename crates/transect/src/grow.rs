@@ -27,7 +27,8 @@ use crate::fingerprint::fingerprint;
 use crate::modelled_view::{ModelledView, TimedView, no_curves};
 use crate::report::{PlaneSummary, Report, Timings, ViewReport};
 use crate::{
-    FusionReport, LoadedView, ReconstructError, Setup, Stage, Unwatched, ViewSource, Watch,
+    FusionReport, LoadedView, PoseReport, ReconstructError, Setup, SourceError, Stage, Unwatched,
+    ViewSource, Watch,
 };
 use fuser::Fuser;
 use rayon::prelude::*;
@@ -35,6 +36,7 @@ use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 use transect_geometry::PlaneIndex;
 use transect_model::store::{Snapshot, Store, StoreError, StoredView, ViewEntry, ViewId};
+use transect_register::RefineOptions;
 
 /// The result of adding views.
 #[derive(Debug)]
@@ -251,6 +253,34 @@ impl<'a> Grower<'a> {
         Ok((stored, Report { views, fusion, poses: None, refinement: None, notes, timings }))
     }
 
+    /// Refines the poses of stored views together, and replaces all views that move in one
+    /// transaction. `sources` are the sources of those views; the poses are those of the store.
+    ///
+    /// # Errors
+    /// If a source has no view in the store, or its image is another one than the store's, or the
+    /// store cannot be read or written; the store is then unchanged.
+    pub fn refine_poses<S: ViewSource>(
+        &self,
+        sources: &[S],
+        options: &RefineOptions,
+        watch: &dyn Watch,
+    ) -> Result<(Vec<StoredView>, Report), GrowError> {
+        let snapshot = self.store.read()?;
+        let mut stored = Vec::with_capacity(sources.len());
+        for source in sources {
+            let there = snapshot.view(&source.id().into())?;
+            let no_view = || GrowError::NotThere(source.id().to_owned());
+            stored.push(Stored { source, entry: there.ok_or_else(no_view)?.entry });
+        }
+        let poses = PoseReport::refined(&stored, options, self.setup.unit, watch)?;
+        let moved = poses.posed(&stored).into_iter().zip(&poses.refinement.poses);
+        let moved = moved.filter(|(_, pose)| pose.has_moved());
+        let moved: Vec<_> = moved.map(|(view, _)| (view.source.entry.id.clone(), view)).collect();
+        let (views, mut report) = self.replace_views(&moved, watch)?;
+        report.set_poses(Some(poses));
+        Ok((views, report))
+    }
+
     /// Stores views, as many at a time as there are threads, without fusing their planes.
     fn take_in<S: ViewSource>(
         &self,
@@ -346,6 +376,39 @@ impl<'a> Grower<'a> {
         let report =
             Report { views: reports, fusion, poses: None, refinement: None, notes, timings };
         Ok(Growth { present, report, fused })
+    }
+}
+
+/// The source of a stored view, which must still have the image of the store.
+struct Stored<'a, S> {
+    source: &'a S,
+    entry: ViewEntry,
+}
+
+impl<S: ViewSource> ViewSource for Stored<'_, S> {
+    fn name(&self) -> &str {
+        self.source.name()
+    }
+
+    fn id(&self) -> &str {
+        &self.entry.id.0
+    }
+
+    fn origin(&self) -> String {
+        self.entry.source.clone()
+    }
+
+    fn load(&self) -> Result<LoadedView, SourceError> {
+        let LoadedView { view, notes } = self.source.load()?;
+        if fingerprint(&view) != self.entry.source_hash {
+            let from = &self.entry.source;
+            return Err(format!(
+                "{from} has another image, sensor or noise than the store; put back the files that \
+                 the view was added from, or replace the view first: transect replace-view"
+            )
+            .into());
+        }
+        Ok(LoadedView { view: view.with_pose(self.entry.world_from_sensor)?, notes })
     }
 }
 

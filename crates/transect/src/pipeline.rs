@@ -14,7 +14,7 @@ use crate::modelled_view::{ModelledView, model_views, no_curves};
 use crate::refine::{Refined, refine};
 use crate::report::{Report, Timings};
 use crate::{PoseReport, ReconstructError, Setup, ViewSource, Watch};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use transect_geometry::PlaneIndex;
 use transect_model::{Model, ViewRecord};
 
@@ -86,7 +86,7 @@ pub fn reconstruct<S: ViewSource>(
         }
     };
     let timings = Timings {
-        poses: poses_done - started,
+        poses: if poses.is_some() { poses_done - started } else { Duration::ZERO },
         views: views_done - poses_done,
         reading: views.iter().map(|v| v.reading).sum(),
         modelling: views.iter().map(|v| v.modelling).sum(),

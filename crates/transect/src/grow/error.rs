@@ -45,6 +45,9 @@ pub enum GrowError {
          views at their given poses, then run transect register on the store"
     )]
     Poses,
+    /// The store has no view of an id.
+    #[error("the store has no view {0}")]
+    NotThere(String),
     /// Two of the given views have the same id.
     #[error("two of the views have the name {0}; ids must differ")]
     SameId(String),
