@@ -17,6 +17,7 @@
 //! | `poses` | the views that are used, in the order of the scan: `view` is the name in the scan, `pose` is 16 numbers, row-major, sensor to world |
 
 use crate::input::read_text;
+use crate::manifest::{write_key, write_list};
 use crate::{
     LensEntry, Manifest, OpenOptions, Place, ReadError, Scan, SensorEntry, pose, row_major,
     write_manifest,
@@ -38,20 +39,16 @@ pub enum PosedScan {
 }
 
 /// A list of poses that names its scan.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PoseList {
     name: String,
     #[serde(default)]
     tool: String,
     scan: PathBuf,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     unit: Option<LengthUnit>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     grid: Option<[usize; 2]>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     rings: Option<usize>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     poses_from: Option<PathBuf>,
     poses: Vec<NamedPose>,
 }
@@ -71,7 +68,7 @@ impl PosedScan {
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         match self {
             Self::Manifest(manifest) => write_manifest(manifest, out),
-            Self::Poses(list) => Ok(serde_json::to_writer_pretty(out, list)?),
+            Self::Poses(list) => list.write(out),
         }
     }
 }
@@ -96,6 +93,19 @@ fn file_of(path: &Path) -> PathBuf {
 }
 
 impl PoseList {
+    /// Writes the list, one view per line.
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let Self { name, tool, scan, unit, grid, rings, poses_from, poses } = self;
+        writeln!(out, "{{ \"name\": {},", serde_json::to_string(name)?)?;
+        write_key(out, "tool", Some(tool))?;
+        write_key(out, "scan", Some(scan))?;
+        write_key(out, "unit", unit.as_ref())?;
+        write_key(out, "grid", grid.as_ref())?;
+        write_key(out, "rings", rings.as_ref())?;
+        write_key(out, "poses_from", poses_from.as_ref())?;
+        write_list(out, "poses", poses)
+    }
+
     /// The list for a scan that was opened from a path, for a file in a folder that exists.
     pub(crate) fn new(
         (scan, name): (&Path, &str),

@@ -50,6 +50,7 @@ mod tests;
 mod to_scan;
 
 pub use entry::{Manifest, ViewEntry, write_manifest};
+pub(crate) use entry::{write_key, write_list};
 pub use sensor::{
     AnglesEntry, LensEntry, LightStripeEntry, LookupTableEntry, PinholeEntry, SensorEntry,
     StripeEntry, ViewpointsEntry,
