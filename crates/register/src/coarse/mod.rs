@@ -143,8 +143,8 @@ impl CoarseView {
     pub fn meeting(&self, in_sensor: &Point3) -> Option<Meeting> {
         let cell = self.cell_of(in_sensor)?;
         let patch = self.cells.get(cell)?.patch.as_ref()?;
-        let (distance, normal) = patch.distance(in_sensor)?;
-        Some(Meeting { cell, distance, normal, sigma: patch.sigma() })
+        let (distance, normal, sigma) = patch.distance(in_sensor)?;
+        Some(Meeting { cell, distance, normal, sigma })
     }
 
     /// Where a sensor-frame point lies along the view's rays.

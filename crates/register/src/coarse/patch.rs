@@ -12,7 +12,7 @@
 //! 3. What the samples depart from it is compared with their noise; a crease, a jump or texture is
 //!    no patch.
 
-use crate::tuning::{LEAST_FILLED, MAX_INCIDENCE_DEGREES, ROUGH, SAMPLING_ROUGH};
+use crate::tuning::{FLAT, LEAST_FILLED, MAX_INCIDENCE_DEGREES, ROUGH, SAMPLING_ROUGH};
 use nalgebra::{Matrix3, Matrix6, SymmetricEigen, Vector6};
 use transect_device::{Point3, Vector3};
 
@@ -26,7 +26,10 @@ pub struct Patch {
     /// units of `radius`; heights in the model's length unit.
     height: [f64; 6],
     radius: f64,
+    /// Standard deviation of the mean of its samples.
     sigma: f64,
+    /// Whether it is a plane.
+    flat: bool,
 }
 
 /// What one cell's samples are fitted from.
@@ -59,29 +62,23 @@ impl Patch {
         };
         let reach = |p: &Point3| local(p).0.abs().max(local(p).1.abs());
         let radius = cell.samples.iter().map(reach).fold(0.0, f64::max);
-        let (mut normal, mut right) = (Matrix6::zeros(), Vector6::zeros());
-        for p in cell.samples {
-            let (a, b, h) = local(p);
-            let terms = Vector6::from(terms(a / radius, b / radius));
-            normal.syger(1.0, &terms, &terms, 1.0);
-            right.axpy(h, &terms, 1.0);
-        }
-        normal.fill_upper_triangle_with_lower_triangle();
-        let height: [f64; 6] = normal.cholesky()?.solve(&right).into();
-        let misfit = |p: &Point3| {
-            let (a, b, h) = local(p);
-            (h - at(&height, a / radius, b / radius)).powi(2)
-        };
+        let points: Vec<(f64, f64, f64)> = cell.samples.iter().map(local).collect();
+        let points: Vec<_> = points.iter().map(|(a, b, h)| (a / radius, b / radius, *h)).collect();
+        let height = second_order(&points)?;
         let spare = n.checked_sub(6).filter(|n| *n > 0)? as f64;
-        let rough = (cell.samples.iter().map(misfit).sum::<f64>() / spare).sqrt();
+        let bent = squares(&points, &height);
+        let rough = (bent / spare).sqrt();
         // The range noise moves a sample off its surface by its share across the surface.
         let noise = cell.sigma * incidence;
         let spacing = 2.0 * radius / (n as f64).sqrt();
         if rough > ROUGH * noise + SAMPLING_ROUGH * spacing {
             return None;
         }
-        let sigma = rough.max(noise) / (n as f64).sqrt();
-        let patch = Self { center: mean, axes, height, radius, sigma };
+        let variance = rough.max(noise).powi(2);
+        let flat = squares(&points, &[0.0; 6]) - bent < FLAT * variance;
+        let height = if flat { [0.0; 6] } else { height };
+        let sigma = (variance / n as f64).sqrt();
+        let patch = Self { center: mean, axes, height, radius, sigma, flat };
         sigma.is_finite().then_some(patch)
     }
 
@@ -97,7 +94,17 @@ impl Patch {
 
     /// Standard deviation of the point along the normal from noise alone, in the model's unit.
     pub fn sigma(&self) -> f64 {
-        self.sigma
+        self.sigma_at(0.0, 0.0)
+    }
+
+    /// The standard deviation over a place of the tangent plane, for samples that are spread evenly
+    /// over the square: the sum of the squares of Legendre's polynomials, up to the patch's order.
+    fn sigma_at(&self, a: f64, b: f64) -> f64 {
+        let (aa, bb) = (a * a, b * b);
+        let plane = 1.0 + 3.0 * (aa + bb);
+        let second = |x: f64| 5.0 * (1.5 * x - 0.5).powi(2);
+        let bent = second(aa) + second(bb) + 9.0 * aa * bb;
+        self.sigma * if self.flat { plane } else { plane + bent }.sqrt()
     }
 
     /// Half the side of the square that holds its samples, in the model's length unit.
@@ -106,8 +113,8 @@ impl Patch {
     }
 
     /// Signed distance of a point from the surface, positive on the sensor's side, with the normal
-    /// there; `None` beyond the samples.
-    pub fn distance(&self, p: &Point3) -> Option<(f64, Vector3)> {
+    /// and the standard deviation there; `None` beyond the samples.
+    pub fn distance(&self, p: &Point3) -> Option<(f64, Vector3, f64)> {
         let d = p - self.center;
         let (a, b) = (d.dot(&self.axes[0]) / self.radius, d.dot(&self.axes[1]) / self.radius);
         if a.abs().max(b.abs()) > 1.0 {
@@ -115,7 +122,7 @@ impl Patch {
         }
         let normal = self.normal_at(a, b);
         let above = d.dot(&self.axes[2]) - at(&self.height, a, b);
-        Some((above * normal.dot(&self.axes[2]), normal))
+        Some((above * normal.dot(&self.axes[2]), normal, self.sigma_at(a, b)))
     }
 
     fn normal_at(&self, a: f64, b: f64) -> Vector3 {
@@ -124,6 +131,23 @@ impl Patch {
         let slope_b = (c2 + c4 * a + 2.0 * c5 * b) / self.radius;
         (self.axes[2] - self.axes[0] * slope_a - self.axes[1] * slope_b).normalize()
     }
+}
+
+/// The heights of second order that fit points best.
+fn second_order(points: &[(f64, f64, f64)]) -> Option<[f64; 6]> {
+    let (mut normal, mut right) = (Matrix6::zeros(), Vector6::zeros());
+    for (a, b, h) in points {
+        let terms = Vector6::from(terms(*a, *b));
+        normal.syger(1.0, &terms, &terms, 1.0);
+        right.axpy(*h, &terms, 1.0);
+    }
+    normal.fill_upper_triangle_with_lower_triangle();
+    Some(normal.cholesky()?.solve(&right).into())
+}
+
+/// Sum of the squares of what points depart from heights.
+fn squares(points: &[(f64, f64, f64)], height: &[f64; 6]) -> f64 {
+    points.iter().map(|(a, b, h)| (h - at(height, *a, *b)).powi(2)).sum()
 }
 
 fn terms(a: f64, b: f64) -> [f64; 6] {
