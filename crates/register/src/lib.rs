@@ -7,10 +7,14 @@
 //! * [`PoseReading`]: another convention by which the same poses may have been written.
 
 mod coarse;
+mod judge;
 mod readings;
 mod refine;
 mod tuning;
 
 pub use coarse::{CoarseView, Meeting, Patch, Sighting};
+pub use judge::{
+    Agreement, Finding, Judgement, Misplaced, Motion, Region, RegionKind, Scaled, judge,
+};
 pub use readings::PoseReading;
 pub use refine::{PoseOutcome, PosePrior, RefineOptions, RefinedPose, Refinement, refine};

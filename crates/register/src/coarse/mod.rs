@@ -15,7 +15,7 @@ mod patch;
 
 pub use patch::Patch;
 
-use crate::tuning::{CELLS, LEAST_STEP};
+use crate::tuning::{CELLS, LEAST_STEP, LEAST_WHOLE};
 use by_points::ByPoints;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -58,7 +58,7 @@ struct Seen {
     /// Distances of the nearest and the farthest sample from the ray's start, along the ray.
     nearest: f64,
     farthest: f64,
-    /// Whether every pixel has a sample.
+    /// Whether nearly every pixel has a sample; see [`LEAST_WHOLE`].
     whole: bool,
 }
 
@@ -129,6 +129,11 @@ impl CoarseView {
         self.size
     }
 
+    /// Pixels along the side of a cell.
+    pub fn step(&self) -> usize {
+        self.step
+    }
+
     /// Range noise of the view along its rays, at its median pixel, in the model's length unit.
     pub fn sigma(&self) -> f64 {
         self.sigma
@@ -177,7 +182,7 @@ impl CoarseView {
     }
 
     /// The cell whose rays pass a sensor-frame point.
-    fn cell_of(&self, in_sensor: &Point3) -> Option<usize> {
+    pub(crate) fn cell_of(&self, in_sensor: &Point3) -> Option<usize> {
         match &self.lookup {
             Lookup::Inverse(frame) => {
                 let at = frame.device_point(in_sensor)?;
@@ -227,7 +232,7 @@ impl Cell {
             ray,
             nearest: samples.iter().map(depth).fold(f64::INFINITY, f64::min),
             farthest: samples.iter().map(depth).fold(f64::NEG_INFINITY, f64::max),
-            whole: samples.len() == pixels,
+            whole: samples.len() as f64 >= LEAST_WHOLE * pixels as f64,
         };
         let sigma = noise.length_at(view, pixel);
         let cell = patch::Cell { samples: &samples, pixels, ray: ray.direction, sigma };
