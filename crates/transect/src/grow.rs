@@ -28,7 +28,7 @@ use crate::modelled_view::{ModelledView, TimedView, no_curves};
 use crate::report::{PlaneSummary, Report, Timings, ViewReport};
 use crate::{
     FusionReport, LoadedView, PoseReport, ReconstructError, Setup, SourceError, Stage, Unwatched,
-    ViewSource, Watch,
+    ViewSource, Watch, coarse_views,
 };
 use fuser::Fuser;
 use rayon::prelude::*;
@@ -272,8 +272,10 @@ impl<'a> Grower<'a> {
             let no_view = || GrowError::NotThere(source.id().to_owned());
             stored.push(Stored { source, entry: there.ok_or_else(no_view)?.entry });
         }
-        let poses = PoseReport::refined(&stored, options, self.setup.unit, watch)?;
-        let moved = poses.posed(&stored).into_iter().zip(&poses.refinement.poses);
+        let copies = coarse_views(&stored, watch)?;
+        let poses = PoseReport::new(copies, Some(options), self.setup.unit);
+        let refined = poses.refinement.iter().flat_map(|refinement| &refinement.poses);
+        let moved = poses.posed(&stored).into_iter().zip(refined);
         let moved = moved.filter(|(_, pose)| pose.has_moved());
         let moved: Vec<_> = moved.map(|(view, _)| (view.source.entry.id.clone(), view)).collect();
         let (views, mut report) = self.replace_views(&moved, watch)?;

@@ -13,7 +13,7 @@ use crate::fused::{Fused, Observed, fuse};
 use crate::modelled_view::{ModelledView, model_views, no_curves};
 use crate::refine::{Refined, refine};
 use crate::report::{Report, Timings};
-use crate::{PoseReport, ReconstructError, Setup, ViewSource, Watch};
+use crate::{PoseReport, ReconstructError, Setup, ViewSource, Watch, coarse_views};
 use std::time::{Duration, Instant};
 use transect_geometry::PlaneIndex;
 use transect_model::{Model, ViewRecord};
@@ -64,9 +64,12 @@ pub fn reconstruct<S: ViewSource>(
 ) -> Result<Reconstruction, ReconstructError> {
     let started = Instant::now();
     let setup = &setup.with_least_interval().map_err(ReconstructError::Refine)?;
-    let refine_poses = |options| PoseReport::refined(sources, options, setup.unit, watch);
-    let poses = setup.refine_poses.as_ref().map(refine_poses).transpose()?;
-    let poses_done = Instant::now();
+    let poses = setup.refine_poses.as_ref().map(|options| {
+        let copies = coarse_views(sources, watch)?;
+        Ok(PoseReport::new(copies, Some(options), setup.unit))
+    });
+    let poses = poses.transpose()?;
+    let poses_time = started.elapsed();
     let views = match &poses {
         None => model_views(sources, setup, watch)?,
         Some(poses) => model_views(&poses.posed(sources), setup, watch)?,
@@ -86,8 +89,8 @@ pub fn reconstruct<S: ViewSource>(
         }
     };
     let timings = Timings {
-        poses: if poses.is_some() { poses_done - started } else { Duration::ZERO },
-        views: views_done - poses_done,
+        poses: if poses.is_some() { poses_time } else { Duration::ZERO },
+        views: views_done - started - poses_time,
         reading: views.iter().map(|v| v.reading).sum(),
         modelling: views.iter().map(|v| v.modelling).sum(),
         fusion: views_done.elapsed(),

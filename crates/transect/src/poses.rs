@@ -5,25 +5,30 @@
 //!
 //! **Steps.**
 //! 1. Every view is loaded and dropped; its [`CoarseView`] stays ([`coarse_views`]).
-//! 2. The poses are refined together, see [`transect_register::refine`].
-//! 3. The pipeline loads every view again and models it at its refined pose.
+//! 2. The poses are refined together ([`refine`]), if that is asked for.
+//! 3. What still contradicts is found ([`judge`]).
+//! 4. The pipeline loads every view again and models it at its refined pose.
+
+mod messages;
 
 use crate::modelled_view::TimedView;
 use crate::{Posed, ReconstructError, Stage, ViewSource, Watch};
 use rayon::prelude::*;
 use serde::Serialize;
 use transect_geometry::LengthUnit;
-use transect_register::{CoarseView, PoseOutcome, RefineOptions, RefinedPose, Refinement, refine};
+use transect_register::{CoarseView, Judgement, RefineOptions, Refinement, judge, refine};
 
-/// The refined poses of a run.
+/// The poses of a run: what contradicts, and how they were refined.
 #[derive(Debug, Clone, Serialize)]
 #[non_exhaustive]
 pub struct PoseReport {
-    /// The poses of all views, in the order given.
-    #[serde(flatten)]
-    pub refinement: Refinement,
     /// The unit of its lengths.
     pub unit: LengthUnit,
+    /// What contradicts at the refined poses, or at the given ones if they were kept.
+    pub judgement: Judgement,
+    /// The refined poses; `None` if the given ones were kept.
+    #[serde(flatten)]
+    pub refinement: Option<Refinement>,
 }
 
 /// Coarse copies of all views, in their order; each view is dropped as soon as it is copied.
@@ -51,65 +56,24 @@ pub fn coarse_views<S: ViewSource>(
 }
 
 impl PoseReport {
-    /// Refines the poses of views.
-    ///
-    /// # Errors
-    /// As [`coarse_views`].
-    pub fn refined<S: ViewSource>(
-        sources: &[S],
-        options: &RefineOptions,
+    /// Judges the poses of views, after refining them if there are options for that.
+    pub fn new(
+        mut copies: Vec<CoarseView>,
+        options: Option<&RefineOptions>,
         unit: LengthUnit,
-        watch: &dyn Watch,
-    ) -> Result<Self, ReconstructError> {
-        Ok(Self { refinement: refine(&coarse_views(sources, watch)?, options), unit })
-    }
-
-    /// The views at their refined poses; `sources` are those whose poses were refined.
-    pub fn posed<'a, S: ViewSource>(&self, sources: &'a [S]) -> Vec<Posed<'a, S>> {
-        let poses = self.refinement.poses.iter().map(|pose| pose.world_from_sensor);
-        sources.iter().zip(poses).map(|(source, pose)| Posed { source, pose }).collect()
-    }
-
-    /// Notes: how many views moved, and views whose pose nothing tells.
-    pub fn notes(&self) -> Vec<String> {
-        let poses = &self.refinement.poses;
-        let moved = poses.iter().filter(|pose| pose.has_moved());
-        let (count, all, unit) = (moved.clone().count(), poses.len(), self.unit);
-        let most = |of: fn(&RefinedPose) -> f64| moved.clone().map(of).fold(0.0, f64::max);
-        let (turn, shift) = (most(|p| p.rotation).to_degrees(), most(|p| p.translation));
-        let mut notes = vec![match count {
-            0 => format!("the poses of all {all} views stay as given"),
-            _ => format!(
-                "the poses of {count} of {all} views were refined, by up to {turn:.3}° and \
-                 {shift:.4} {unit}"
-            ),
-        }];
-        let alone = poses.iter().filter(|pose| pose.outcome == PoseOutcome::Alone);
-        notes.extend(alone.map(|pose| {
-            let name = &pose.view;
-            format!("view {name} keeps its pose: no other view sees enough of the same surfaces")
-        }));
-        notes
-    }
-
-    /// Warnings: views that were far off, and views that agree with the others nowhere near.
-    pub fn warnings(&self) -> Vec<String> {
-        self.refinement.poses.iter().filter_map(|pose| self.warning(pose)).collect()
-    }
-
-    fn warning(&self, pose: &RefinedPose) -> Option<String> {
-        let RefinedPose { view, rotation, translation, .. } = pose;
-        let (turn, unit) = (rotation.to_degrees(), self.unit);
-        match pose.outcome {
-            PoseOutcome::BroughtBack => Some(format!(
-                "view {view} was {turn:.2}° and {translation:.4} {unit} off, farther than the \
-                 other views; it was brought back. Check where its pose comes from"
-            )),
-            PoseOutcome::Misplaced => Some(format!(
-                "view {view} contradicts the others, and no nearby pose agrees with them; it keeps \
-                 its pose. Correct the pose, or leave the view out with --views"
-            )),
-            PoseOutcome::Refined | PoseOutcome::Kept | PoseOutcome::Alone => None,
+    ) -> Self {
+        let refinement = options.map(|options| refine(&copies, options));
+        if let Some(Refinement { poses, .. }) = &refinement {
+            let posed = copies.into_iter().zip(poses);
+            copies = posed.map(|(copy, pose)| copy.with_pose(pose.world_from_sensor)).collect();
         }
+        Self { unit, judgement: judge(&copies), refinement }
+    }
+
+    /// The views at their refined poses; none if the given ones were kept.
+    pub fn posed<'a, S: ViewSource>(&self, sources: &'a [S]) -> Vec<Posed<'a, S>> {
+        let poses = self.refinement.iter().flat_map(|refinement| &refinement.poses);
+        let posed = sources.iter().zip(poses);
+        posed.map(|(source, pose)| Posed { source, pose: pose.world_from_sensor }).collect()
     }
 }

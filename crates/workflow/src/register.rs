@@ -6,7 +6,7 @@ use crate::{Check, OpenScan, Plausibility, WorkflowError, claim_manifest};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use transect::register::{PoseReading, RefinedPose};
-use transect::{PoseReport, Watch};
+use transect::{PoseReport, Watch, coarse_views};
 use transect_exchange::write_file;
 
 /// The file of the scan with refined poses.
@@ -55,8 +55,24 @@ impl OpenScan {
         let unit = self.scan().unit;
         let options = refine_options(unit, prior)?;
         let views = self.views("", Plausibility::without_planes(unit, accept))?;
-        let poses = PoseReport::refined(&views, &options, unit, watch)?;
+        let poses = PoseReport::new(coarse_views(&views, watch)?, Some(&options), unit);
         Ok(Registration { notes: poses.notes(), poses, scan: self })
+    }
+}
+
+impl OpenScan {
+    /// Judges the poses of all views as they are; `None` for a single view.
+    ///
+    /// # Errors
+    /// [`WorkflowError`] if a view cannot be loaded.
+    pub fn judge(&self, watch: &dyn Watch) -> Result<Option<PoseReport>, WorkflowError> {
+        let unit = self.scan().unit;
+        if self.scan().views.len() < 2 {
+            return Ok(None);
+        }
+        let accepted = Plausibility::without_planes(unit, &Check::ALL);
+        let views = self.views("", accepted)?;
+        Ok(Some(PoseReport::new(coarse_views(&views, watch)?, None, unit)))
     }
 }
 
@@ -86,7 +102,8 @@ impl Registration<'_> {
         Self::claim(self.scan, folder)?;
         let staging = Staging::begin(folder)?;
         let of_view = |pose: &RefinedPose| (pose.view.clone(), pose.world_from_sensor);
-        let poses: Vec<_> = self.poses.refinement.poses.iter().map(of_view).collect();
+        let poses: Vec<_> =
+            self.poses.refinement.iter().flat_map(|r| &r.poses).map(of_view).collect();
         let OpenScan { path, options, scan, .. } = self.scan;
         let posed = scan.posed(path, options, &poses, folder)?;
         write_file(&staging.path().join(SCAN), |out| posed.write(out))?;

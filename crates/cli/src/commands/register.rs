@@ -82,8 +82,8 @@ fn store(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
 
 /// One line per view.
 fn print_poses(report: &PoseReport) {
-    let poses = &report.refinement.poses;
-    let lengths = |p: &RefinedPose| {
+    let poses: Vec<_> = report.refinement.iter().flat_map(|r| &r.poses).collect();
+    let lengths = |p: &&RefinedPose| {
         let residual = p.residual_before.unwrap_or(0.0);
         p.translation.max(residual)
     };
@@ -100,7 +100,7 @@ fn print_poses(report: &PoseReport) {
         &format!("after, {unit}"),
     ];
     let residual = |r: Option<f64>| r.map_or(String::new(), |r| lengths.digits(r, 1));
-    let line = |pose: &RefinedPose| {
+    let line = |pose: &&RefinedPose| {
         vec![
             pose.view.clone(),
             outcome(pose.outcome).to_owned(),

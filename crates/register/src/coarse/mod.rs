@@ -114,6 +114,11 @@ impl CoarseView {
         }
     }
 
+    /// The same copy at another pose.
+    pub fn with_pose(self, world_from_sensor: Isometry3) -> Self {
+        Self { world_from_sensor, ..self }
+    }
+
     /// The name of the view.
     pub fn name(&self) -> &str {
         &self.name
