@@ -16,5 +16,5 @@ pub use coarse::{CoarseView, Meeting, Patch, Sighting};
 pub use judge::{
     Agreement, Finding, Judgement, Misplaced, Motion, Region, RegionKind, Scaled, judge,
 };
-pub use readings::PoseReading;
+pub use readings::{Accord, Explanation, PoseReading, explain};
 pub use refine::{PoseOutcome, PosePrior, RefineOptions, RefinedPose, Refinement, refine};

@@ -15,7 +15,7 @@
 mod blame;
 mod evidence;
 mod motion;
-mod pair;
+pub(crate) mod pair;
 mod region;
 mod tuning;
 
@@ -127,7 +127,7 @@ pub struct Region {
     pub cols: [usize; 2],
     /// Median distance between its surface and the free space's end, in the model's length unit.
     pub distance: f64,
-    /// How many other views contradict it.
+    /// How many other views were found to contradict it: 2 to 4.
     pub views: usize,
     /// How many cells of the coarse copy it has.
     pub cells: usize,
@@ -274,9 +274,10 @@ fn of_view(
 /// Views that no other view meets, where the others meet each other.
 fn apart(evidence: &Evidence<'_>, table: &Table, blamed: &[usize]) -> Vec<Finding> {
     let n = evidence.views.len();
-    let few = |k: &usize| table.with_right(*k, blamed).all() < LEAST_SAMPLES;
+    let few = |k: &usize| table.with_right(*k, &[]).all() < LEAST_SAMPLES;
     let lonely: Vec<usize> = (0..n).filter(|k| !blamed.contains(k)).filter(few).collect();
-    if 2 * lonely.len() >= n {
+    // A view that overlaps a wrong view alone meets no other view, either.
+    if 2 * lonely.len() >= n || !blamed.is_empty() {
         return Vec::new();
     }
     let name = |k: &usize| evidence.views[*k].name().to_owned();

@@ -10,7 +10,7 @@ const ALIKE: f64 = 0.8;
 
 /// Where a view is taken to be: its pose, and a factor on its lengths.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Placing {
+pub(crate) struct Placing {
     pub world_from_sensor: Isometry3,
     /// 1, unless a wrong scale of the ranges is looked for.
     pub scale: f64,
@@ -32,7 +32,7 @@ impl Placing {
 
 /// A patch of a view, in its sensor frame.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Probe {
+pub(crate) struct Probe {
     /// The number of its cell.
     pub cell: usize,
     point: Point3,
@@ -42,7 +42,7 @@ pub(super) struct Probe {
 }
 
 /// Patches of a view, at most `count`, evenly over its image.
-pub(super) fn probes(view: &CoarseView, count: usize) -> Vec<Probe> {
+pub(crate) fn probes(view: &CoarseView, count: usize) -> Vec<Probe> {
     let all: Vec<Probe> = view
         .patches()
         .map(|(cell, patch)| Probe {
@@ -59,7 +59,7 @@ pub(super) fn probes(view: &CoarseView, count: usize) -> Vec<Probe> {
 
 /// A patch of one view, compared with what another view measured there.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Sample {
+pub(crate) struct Sample {
     /// The cell of the patch, in its own view.
     pub cell: usize,
     /// The cell of the other view that it falls into.
@@ -81,7 +81,7 @@ pub(super) struct Sample {
 
 /// The patches about which a view says anything: they meet its surface within `reach` times their
 /// radius, or the view looks through them.
-pub(super) fn samples(
+pub(crate) fn samples(
     probes: &[Probe],
     own: Placing,
     other: &CoarseView,

@@ -9,7 +9,7 @@
 
 use super::evidence::Evidence;
 use super::pair::{Sample, probes, samples};
-use super::tuning::{REACH, REGION_CELLS, REGION_FRONT, REGION_HINTS};
+use super::tuning::{REACH, REGION_CELLS, REGION_FRONT, REGION_HINTS, REGION_WITNESSES};
 use super::{Region, RegionKind};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -30,10 +30,15 @@ pub(super) fn regions(evidence: &Evidence<'_>, view: usize, right: &[usize]) -> 
             };
             pair.iter().filter(|s| gross(evidence, s)).count()
         };
-        let accusers: Vec<usize> = right.iter().copied().filter(|o| hints(o) > 0).collect();
-        if accusers.len() < 2 || accusers.iter().map(hints).sum::<usize>() < REGION_HINTS {
+        let mut accusers: Vec<(usize, usize)> =
+            right.iter().map(|other| (hints(other), *other)).collect();
+        accusers.retain(|(hints, _)| *hints >= REGION_HINTS);
+        accusers.sort_by_key(|(hints, other)| (std::cmp::Reverse(*hints), *other));
+        accusers.truncate(REGION_WITNESSES);
+        if accusers.len() < 2 {
             continue;
         }
+        let accusers: Vec<usize> = accusers.into_iter().map(|(_, other)| other).collect();
         let accused = accused_cells(evidence, view, &accusers, kind);
         for cells in neighbours(evidence, view, &accused) {
             found.regions.push(region(evidence, view, &accused, &cells, kind));

@@ -6,6 +6,10 @@
 //! **Idea.** Each reading turns a pose that was read by this program into the pose that the same
 //! numbers have under another convention.
 
+mod explain;
+
+pub use explain::{Accord, Explanation, explain};
+
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use std::fmt;
 use std::str::FromStr;
