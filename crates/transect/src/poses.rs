@@ -4,7 +4,8 @@
 //! may not fit into memory.
 //!
 //! **Steps.**
-//! 1. Every view is loaded and dropped; its [`CoarseView`] stays ([`coarse_views`]).
+//! 1. Every view is loaded and dropped; its [`CoarseView`] stays ([`coarse_views`]). Poses that
+//!    agree under another convention are recognised ([`explain`]).
 //! 2. The poses are refined together ([`refine`]), if that is asked for.
 //! 3. What still contradicts is found ([`judge`]).
 //! 4. The pipeline loads every view again and models it at its refined pose.
@@ -16,7 +17,9 @@ use crate::{Posed, ReconstructError, Stage, ViewSource, Watch};
 use rayon::prelude::*;
 use serde::Serialize;
 use transect_geometry::LengthUnit;
-use transect_register::{CoarseView, Judgement, RefineOptions, Refinement, judge, refine};
+use transect_register::{
+    CoarseView, Explanation, Judgement, RefineOptions, Refinement, explain, judge, refine,
+};
 
 /// The poses of a run: what contradicts, and how they were refined.
 #[derive(Debug, Clone, Serialize)]
@@ -24,6 +27,9 @@ use transect_register::{CoarseView, Judgement, RefineOptions, Refinement, judge,
 pub struct PoseReport {
     /// The unit of its lengths.
     pub unit: LengthUnit,
+    /// Another reading of the given poses under which the views agree, where they contradict.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub explanation: Option<Explanation>,
     /// What contradicts at the refined poses, or at the given ones if they were kept.
     pub judgement: Judgement,
     /// The refined poses; `None` if the given ones were kept.
@@ -62,12 +68,13 @@ impl PoseReport {
         options: Option<&RefineOptions>,
         unit: LengthUnit,
     ) -> Self {
+        let explanation = explain(&copies);
         let refinement = options.map(|options| refine(&copies, options));
         if let Some(Refinement { poses, .. }) = &refinement {
             let posed = copies.into_iter().zip(poses);
             copies = posed.map(|(copy, pose)| copy.with_pose(pose.world_from_sensor)).collect();
         }
-        Self { unit, judgement: judge(&copies), refinement }
+        Self { unit, explanation, judgement: judge(&copies), refinement }
     }
 
     /// The views at their refined poses; none if the given ones were kept.

@@ -93,6 +93,26 @@ fn poses_of_another_convention_are_read_as_asked_for() {
 }
 
 #[test]
+fn inspect_names_a_wrong_view_and_the_convention_that_mends_all() {
+    let folder = perturbed();
+    let warnings = |scan: &str| {
+        let run = folder.run(&format!("inspect {scan}")).succeeded();
+        run.told("warning:").into_iter().map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(warnings("scan"), [""; 0], "sound poses");
+    let wrong = warnings("scan/off.json");
+    assert!(wrong.len() == 1 && wrong[0].contains("view range_001.npy contradicts"), "{wrong:?}");
+    folder.edit_json("scan/scan.json", "scan/inverse.json", |m| {
+        for view in m["views"].as_array_mut().unwrap() {
+            let inverse = row_major(&pose(view).inverse());
+            view["pose"] = serde_json::to_value(inverse).unwrap();
+        }
+    });
+    let wrong = warnings("scan/inverse.json");
+    assert!(wrong.len() == 1 && wrong[0].ends_with("Pass --pose-convention inverse"), "{wrong:?}");
+}
+
+#[test]
 fn what_cannot_be_registered_is_refused() {
     let folder = Folder::simulated("objects.scene.toml");
     let prior = |prior: &str| format!("register scan --out new --prior {prior}");

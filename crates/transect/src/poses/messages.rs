@@ -2,7 +2,9 @@
 
 use super::PoseReport;
 use crate::evaluate::digits;
-use transect_register::{Finding, Motion, PoseOutcome, RefinedPose, Region, RegionKind};
+use transect_register::{
+    Explanation, Finding, Motion, PoseOutcome, RefinedPose, Region, RegionKind,
+};
 
 /// Most names of views that a warning lists of each group. Chosen by hand; doubled, the warning of
 /// a scan of hundreds of views fills a screen.
@@ -30,7 +32,12 @@ impl PoseReport {
     }
 
     /// Warnings: what contradicts, and views that were far off before they were refined.
+    ///
+    /// Where another convention explains the contradictions, they are not listed.
     pub fn warnings(&self) -> Vec<String> {
+        if let Some(explanation) = &self.explanation {
+            return vec![convention(explanation)];
+        }
         let refined = self.refinement.iter().flat_map(|refinement| &refinement.poses);
         let findings = self.judgement.findings.iter().map(|finding| self.finding(finding));
         refined.filter_map(|pose| self.outcome(pose)).chain(findings).collect()
@@ -140,6 +147,18 @@ impl PoseReport {
     fn motion(&self, rotation: f64, translation: f64) -> String {
         format!("{}° and {} {}", digits(rotation.to_degrees()), digits(translation), self.unit)
     }
+}
+
+fn convention(explanation: &Explanation) -> String {
+    let Explanation { reading, given, read } = explanation;
+    let shares = [given.agreeing, given.contradicting, read.agreeing, read.contradicting];
+    let [agree, contradict, agree_read, contradict_read] = shares.map(percent);
+    format!(
+        "the poses contradict each other, and agree under another convention: {}. Of the surfaces \
+         that views share, {agree} agree and {contradict} contradict as given, {agree_read} and \
+         {contradict_read} when read that way. Pass --pose-convention {reading}",
+        reading.meaning()
+    )
 }
 
 fn percent(share: f64) -> String {
