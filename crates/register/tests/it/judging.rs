@@ -24,7 +24,7 @@ fn unseen(scene: &str, axis: usize, degrees: f64) -> bool {
 
 #[test]
 fn a_turned_view_is_named_alone() {
-    for scene in ["room", "face mask", "tunnel"] {
+    for scene in ["room", "face_mask", "tunnel"] {
         let views = simulated(scene, "");
         for (k, view) in views.iter().enumerate() {
             for (axis, degrees) in
@@ -57,7 +57,7 @@ fn the_motion_back_is_stated() {
 
 #[test]
 fn a_wrong_scale_of_the_ranges_is_named_with_its_factor() {
-    for scene in ["room", "face mask", "tunnel"] {
+    for scene in ["room", "face_mask", "tunnel"] {
         let mut views = simulated(scene, "");
         views[1] = changed(&views[1], |_, _, range| range * 1.005);
         let found = findings(&views);
@@ -138,7 +138,7 @@ proptest! {
     /// Judging depends neither on the order of the views nor on the number of threads.
     #[test]
     fn the_order_of_views_does_not_matter(order in Just([0, 1, 2, 3]).prop_shuffle(), degrees in 0.0..4.0) {
-        let mut views = simulated("face mask", "");
+        let mut views = simulated("face_mask", "");
         views[1] = turned(&views[1], 0, degrees);
         let expected = judge(&coarse(&views));
         let shuffled = order.map(|k| views[k].clone());
@@ -153,7 +153,7 @@ proptest! {
         shift in prop::array::uniform3(-500.0..500.0),
         degrees in prop::sample::select(vec![0.0, 1.0, 3.0, 30.0]),
     ) {
-        let mut views = simulated("face mask", "");
+        let mut views = simulated("face_mask", "");
         views[1] = turned(&views[1], 0, degrees);
         let motion = Isometry3::new(Vector3::from(shift), Vector3::from(turn));
         let moved: Vec<_> =

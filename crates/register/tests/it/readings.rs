@@ -34,7 +34,7 @@ fn every_wrong_reading_is_named(name: &str, views: &[View]) {
 #[test]
 fn wrong_readings_of_simulated_scans_are_named() {
     // The scanners of the tunnel are not turned at all: there, several readings are one.
-    for name in ["room", "face mask", "machined part", "kitchen"] {
+    for name in ["room", "face_mask", "machined_part", "kitchen"] {
         every_wrong_reading_is_named(name, &simulated(name, ""));
     }
 }
@@ -50,7 +50,7 @@ fn wrong_readings_of_real_scans_are_named() {
 
 #[test]
 fn one_wrong_view_is_no_convention() {
-    for scene in ["room", "face mask"] {
+    for scene in ["room", "face_mask"] {
         for degrees in [3.0, 30.0, 180.0] {
             let mut views = simulated(scene, "");
             views[1] = turned(&views[1], 1, degrees);
