@@ -3,7 +3,7 @@
 use super::blame::{Counts, Table};
 use super::pair::{Placing, Probe, Sample, probes, samples};
 use super::tuning::{
-    CONTRADICTION, HARMLESS, LARGEST_USUAL, LEAST_SAMPLES, NOISE_FACTOR, PROBES, REACH,
+    CONTRADICTION, HARMLESS, LARGEST_USUAL, LEAST_SAMPLES, NOISE_FACTOR, PROBES, REACH, USUAL_PAIR,
 };
 use crate::coarse::CoarseView;
 use rayon::prelude::*;
@@ -62,8 +62,9 @@ impl<'a> Evidence<'a> {
         Table::new(self.views.len(), |a, b| self.count(both(a, b)))
     }
 
-    /// The median of the views' medians of their pairs' medians. A wrong view spoils all of its own
-    /// pairs and one pair of each other view, so that medians of pairs are sound for most views.
+    /// The median over the views of what is usual for the pairs of each. A wrong view spoils all of
+    /// its own pairs and one pair of each other view; each of two equal camps keeps just less than
+    /// half of its pairs.
     fn usual(&self) -> f64 {
         let n = self.views.len();
         let of_pair = |a: usize, b: usize| {
@@ -71,7 +72,8 @@ impl<'a> Evidence<'a> {
             let met: Vec<f64> = both.filter(|s| s.met).map(|s| s.distance.abs()).collect();
             (met.len() >= LEAST_SAMPLES).then(|| median(met)).flatten()
         };
-        let of_view = |a: usize| median((0..n).filter_map(|b| of_pair(a, b)).collect());
+        let of_view =
+            |a: usize| quantile((0..n).filter_map(|b| of_pair(a, b)).collect(), USUAL_PAIR);
         let usual = median((0..n).filter_map(of_view).collect()).unwrap_or(0.0);
         let radii = self.probes.iter().flatten().map(|probe| probe.radius).collect();
         usual.min(LARGEST_USUAL * median(radii).unwrap_or(0.0))
@@ -79,7 +81,12 @@ impl<'a> Evidence<'a> {
 }
 
 /// The median; of an even number the lower one.
-pub(super) fn median(mut values: Vec<f64>) -> Option<f64> {
-    let middle = values.len().checked_sub(1)? / 2;
-    Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
+pub(super) fn median(values: Vec<f64>) -> Option<f64> {
+    quantile(values, 0.5)
+}
+
+/// A quantile; between two values the lower one.
+fn quantile(mut values: Vec<f64>, q: f64) -> Option<f64> {
+    let at = (values.len().checked_sub(1)? as f64 * q) as usize;
+    Some(*values.select_nth_unstable_by(at, f64::total_cmp).1)
 }

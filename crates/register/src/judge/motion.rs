@@ -10,9 +10,8 @@ use super::tuning::{MOTION_REACH, REACH, ROUNDS};
 use nalgebra::{SMatrix, SVector, Translation3, UnitQuaternion};
 use transect_device::{Isometry3, Vector3};
 
-/// A part of the undetermined directions' weight, so that they stay where they are. No unit. Chosen
-/// by hand: far below the share of any direction that surfaces determine. Doubled, one more round
-/// is needed.
+/// Weight that holds each direction in place, as a share of all weights. No unit. Chosen by hand: far
+/// below the weight of any direction that surfaces determine. Doubled, one more round is needed.
 const RIDGE: f64 = 1e-3;
 
 /// Width of the biweight, over the median distance. No unit. Theory: 4.685 standard deviations have
@@ -32,7 +31,7 @@ pub(super) struct Changed {
     pub placing: Placing,
     /// The counts with the other views after the change.
     pub counts: Counts,
-    /// Mean of the squared distances over those at which patches contradict; at most 1 each.
+    /// Median distance of the patches that meet, increased by the share of contradictions.
     pub cost: f64,
 }
 
@@ -45,12 +44,10 @@ pub(super) fn best(evidence: &Evidence<'_>, view: usize, right: &[usize], of: Ch
         placing = next;
     }
     let rows = compared(evidence, view, placing, right, REACH);
-    let cost = |(sample, _): &(Sample, f64)| if evidence.contradicts(sample) { 1.0 } else { 0.0 };
-    let total: f64 = rows.iter().map(cost).sum();
     let met = rows.iter().map(|(s, _)| s).filter(|s| s.met).map(|s| s.distance.abs());
     let usual = median(met.collect()).unwrap_or(f64::INFINITY);
     let counts = evidence.count(rows.iter().map(|(sample, _)| sample));
-    Changed { placing, counts, cost: usual * (1.0 + total / rows.len().max(1) as f64) }
+    Changed { placing, counts, cost: usual * (1.0 + counts.bad_share()) }
 }
 
 /// Patches of the view in the others, and of the others in the view. With each the sign with which

@@ -12,6 +12,10 @@ pub const REACH: f64 = 1.0;
 /// hand: a median of twelve is off by less than half. Doubled, views of a chain have no pairs left.
 pub const LEAST_SAMPLES: usize = 12;
 
+/// Quantile of the pairs of a view that is usual for it. No unit. Theory: of two equal camps of four
+/// views or more, at least this share of pairs is within a camp. Doubled, the worst pairs are usual.
+pub const USUAL_PAIR: f64 = 0.4;
+
 /// Distance at which two patches contradict, over their noise. No unit. Theory: four standard
 /// deviations are exceeded once in 16 000 patches. Doubled, small turns of noisy views pass.
 pub const NOISE_FACTOR: f64 = 4.0;

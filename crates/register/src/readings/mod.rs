@@ -11,9 +11,15 @@ mod explain;
 pub use explain::{Accord, Explanation, explain};
 
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
+use std::f64::consts::{PI, TAU};
 use std::fmt;
 use std::str::FromStr;
 use transect_device::{Isometry3, Vector3};
+
+/// Distance of an angle in degrees from a whole number that counts as rounding. In degrees. Chosen
+/// by hand: poses are written with six digits or more. Doubled, one angle in fifty that is not whole
+/// passes for one.
+const WHOLE: f64 = 1e-4;
 
 /// A convention by which the poses of a scan may have been written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -102,16 +108,29 @@ impl PoseReading {
             Self::Wxyz => turned(unit(x, y, z, w)),
             Self::Xyzw => turned(unit(z, w, x, y)),
             Self::CameraYUp => {
-                let half_turn =
-                    UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+                let half_turn = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI);
                 turned(pose.rotation * half_turn)
             }
             Self::Millimetres => moved(0.001),
             Self::Metres => moved(1000.0),
             Self::Radians => turned(scaled(1f64.to_degrees())),
-            Self::Degrees => turned(scaled(1f64.to_radians())),
+            Self::Degrees => turned(degrees(&pose.rotation)),
         }
     }
+}
+
+/// The rotation whose vector in degrees was read as radians.
+///
+/// Full turns of the wrong angle are lost: 45 radians and 45 - 14 pi look alike. Of the angles up
+/// to 180 that look alike, the one closest to a whole number is taken if it is [`WHOLE`]; turntables
+/// stop there. Otherwise it is the smallest.
+fn degrees(wrong: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
+    let Some((axis, smallest)) = wrong.axis_angle() else { return *wrong };
+    let turns = (-28..=28).map(|k| smallest + f64::from(k) * TAU);
+    let off = |angle: &f64| (angle - angle.round()).abs();
+    let whole = turns.filter(|a| a.abs() <= 180.0).min_by(|a, b| off(a).total_cmp(&off(b)));
+    let angle = whole.filter(|angle| off(angle) < WHOLE).unwrap_or(smallest);
+    UnitQuaternion::from_axis_angle(&axis, angle.to_radians())
 }
 
 impl fmt::Display for PoseReading {

@@ -8,6 +8,7 @@ mod database;
 mod orders;
 mod partial;
 mod pictures;
+mod poses_judged;
 mod sensors;
 mod trial;
 
@@ -32,6 +33,8 @@ enum Experiment {
     Partial(partial::Arguments),
     /// Does the model database keep its promises?
     Database(database::Arguments),
+    /// Is a turned view named, and does it spoil the sections?
+    PosesJudged(poses_judged::Arguments),
     /// Draw scanned points and models of every sensor.
     Pictures(pictures::Arguments),
 }
@@ -44,6 +47,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Experiment::Orders(a) => orders::run(a),
         Experiment::Partial(a) => partial::run(a),
         Experiment::Database(a) => database::run(a),
+        Experiment::PosesJudged(a) => poses_judged::run(a),
         Experiment::Pictures(a) => pictures::run(a),
     }
 }
