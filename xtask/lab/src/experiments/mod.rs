@@ -8,6 +8,7 @@ mod database;
 mod orders;
 mod partial;
 mod pictures;
+mod poses;
 mod poses_judged;
 mod sensors;
 mod trial;
@@ -35,6 +36,8 @@ enum Experiment {
     Database(database::Arguments),
     /// Is a turned view named, and does it spoil the sections?
     PosesJudged(poses_judged::Arguments),
+    /// What do errors of the poses cost, as given and refined?
+    Poses(poses::Arguments),
     /// Draw scanned points and models of every sensor.
     Pictures(pictures::Arguments),
 }
@@ -48,6 +51,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Experiment::Partial(a) => partial::run(a),
         Experiment::Database(a) => database::run(a),
         Experiment::PosesJudged(a) => poses_judged::run(a),
+        Experiment::Poses(a) => poses::run(a),
         Experiment::Pictures(a) => pictures::run(a),
     }
 }
