@@ -20,13 +20,14 @@ const OWN: [(&str, Owner, &str); 4] = [
 ];
 
 /// The commands of `transect`. A test of `transect-cli` compares this list with the program's help.
-const TRANSECT: [(&str, &str); 18] = [
+const TRANSECT: [(&str, &str); 19] = [
     ("reconstruct", "Make a cross-section model of a scan; without a scan, of the bundled room"),
     ("simulate", "Write a scan of a simulated scene, with its truth"),
     ("evaluate", "Score a model against a reference mesh or a simulated scan's truth"),
     ("explain", "Draw each step of the methods on one view and one plane"),
     ("grow", "Draw how a plane of a scan grows view by view"),
     ("inspect", "List the views, sizes, noise and extent of a scan, or the contents of a model"),
+    ("register", "Refine the poses of a scan, or of the views in a model store"),
     ("list-views", "List the views of a model store"),
     ("remove-view", "Remove a view from a model store"),
     ("replace-view", "Replace the image or the pose of a view in a model store"),

@@ -12,7 +12,7 @@ mod table;
 use clap::{Parser, Subcommand};
 use commands::{
     align, compact, evaluate, explain, export, gaps, grow, import, inspect, list_views, manifest,
-    measure, query, reconstruct, remove_view, replace_view, simulate, verify,
+    measure, query, reconstruct, register, remove_view, replace_view, simulate, verify,
 };
 use failure::Failure;
 use std::io::{self, ErrorKind};
@@ -45,6 +45,8 @@ enum Command {
     Grow(grow::Arguments),
     /// List the views, sizes, noise and extent of a scan, or the contents of a model.
     Inspect(inspect::Arguments),
+    /// Refine the poses of a scan, or of the views in a model store.
+    Register(Box<register::Arguments>),
     /// List the views of a model store.
     ListViews(list_views::Arguments),
     /// Remove a view from a model store.
@@ -85,6 +87,7 @@ fn main() -> ExitCode {
         Command::Explain(a) => explain::run(&a),
         Command::Grow(a) => grow::run(&a),
         Command::Inspect(a) => inspect::run(&a),
+        Command::Register(a) => register::run(&a),
         Command::ListViews(a) => list_views::run(&a),
         Command::RemoveView(a) => remove_view::run(&a),
         Command::ReplaceView(a) => replace_view::run(&a),

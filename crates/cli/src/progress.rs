@@ -33,6 +33,7 @@ impl Watch for Progress {
             return;
         }
         let name = match stage {
+            Stage::Poses => "poses",
             Stage::Views => "views",
             Stage::Planes => "planes",
         };

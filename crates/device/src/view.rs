@@ -98,6 +98,11 @@ impl View {
         self.frame.as_ref()
     }
 
+    /// The device frame, for users that outlive the view.
+    pub fn shared_frame(&self) -> Arc<dyn DeviceFrame> {
+        Arc::clone(&self.frame)
+    }
+
     /// The pose: world coordinates from sensor coordinates.
     pub fn world_from_sensor(&self) -> &Isometry3 {
         &self.world_from_sensor

@@ -14,6 +14,7 @@
 //! | scan | path | unit |
 //! |---|---|---|
 //! | manifest | a folder with `scan.json`, or any `*.json` | stated, or the caller's |
+//! | list of poses | a `*.json` that names a scan of another format | as that scan |
 //! | Stanford configuration | `*.conf`, with PLY range grids, or a folder with one | metres by convention |
 //! | depth sequence | a folder as TUM RGB-D, ICL-NUIM, ScanNet, 7-Scenes or Open3D lay it out | metres |
 //! | E57 | `*.e57`, structured scans | metres |
@@ -25,6 +26,7 @@
 //! | content | functions |
 //! |---|---|
 //! | manifest | [`read_manifest`], [`write_manifest`], [`depth_sequence_manifest`] |
+//! | scan with other poses | [`Scan::posed`], [`PosedScan`] |
 //! | range images, image stacks | [`write_npy_image`], [`write_npy_stack`], [`write_png_image`] |
 //! | calibration sweeps | [`read_calibration`], [`write_calibration`] |
 //! | guide curve (CSV, GeoJSON, DXF) | [`read_guide`] |
@@ -63,6 +65,7 @@ mod png_file;
 mod point_table;
 mod points;
 mod pose;
+mod posed_scan;
 mod ptx;
 mod scalar;
 mod scan;
@@ -97,6 +100,7 @@ pub use missing::MissingValue;
 pub use open_options::{CameraOption, OpenOptions};
 pub use ply::{RangeGrid, read_range_grid};
 pub use pose::{pose_of_row_major, row_major};
+pub use posed_scan::{PoseList, PosedScan};
 pub use scan::{FramedImage, LoadView, PlanesEntry, Scan, ScanView};
 pub use spline_file::ModelSplines;
 pub use triangle_mesh::{MeshFile, TriangleMesh};

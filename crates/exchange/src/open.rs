@@ -4,10 +4,12 @@
 //! [`FORMATS`]. See "Add a scan format" in `docs/add-a-sensor.md`.
 
 use crate::{
-    OpenOptions, Place, ReadError, Scan, ScanView, cloud, depth_sequence, e57, manifest, ptx,
+    FileNames, Manifest, OpenOptions, Place, PoseList, PosedScan, ReadError, Scan, ScanView, cloud,
+    depth_sequence, depth_sequence_manifest, e57, manifest, posed_scan, ptx, read_manifest,
     stanford,
 };
 use std::path::Path;
+use transect_geometry::Isometry3;
 
 /// A kind of scan on disk.
 struct Format {
@@ -19,21 +21,36 @@ struct Format {
     uses: &'static [&'static str],
     /// Reads everything but the images.
     open: fn(&Path, &OpenOptions) -> Result<Scan, ReadError>,
+    /// Reads the scan as a manifest beside its images; `None` where views have no file of their own.
+    manifest: Option<fn(&Path, &OpenOptions) -> Result<Manifest, ReadError>>,
 }
 
 /// The formats in the order in which they are tried.
-const FORMATS: [Format; 8] = [
+const FORMATS: [Format; 9] = [
     Format {
         name: "a folder with scan.json",
-        recognise: manifest::is_in,
+        recognise: |path| manifest::is_in(path) && !posed_scan::is_one(path),
         uses: &[],
         open: |folder, options| manifest::open(&folder.join(manifest::FILE_NAME), options),
+        manifest: Some(|folder, _| Ok(read_manifest(&folder.join(manifest::FILE_NAME))?.0)),
     },
     Format {
         name: "a scan manifest (*.json)",
-        recognise: |path| is_file_with(path, "json"),
+        recognise: |path| is_file_with(path, "json") && !posed_scan::is_one(path),
         uses: &[],
         open: manifest::open,
+        manifest: Some(|path, _| Ok(read_manifest(path)?.0)),
+    },
+    Format {
+        name: "a list of poses that names its scan (*.json)",
+        recognise: posed_scan::is_one,
+        uses: &[],
+        open: |path, options| {
+            let list = PoseList::read(path)?;
+            let (scan, options) = list.scan(path, options.unit)?;
+            list.applied(path, Scan::open_with(&scan, &options)?)
+        },
+        manifest: None,
     },
     Format {
         name: "a folder of depth images with poses and a camera (TUM, ICL-NUIM, ScanNet, 7-Scenes, \
@@ -41,36 +58,44 @@ const FORMATS: [Format; 8] = [
         recognise: depth_sequence::is_one,
         uses: &["--poses", "--camera", "--depth-scale", "--max-time-difference"],
         open: depth_sequence::open,
+        manifest: Some(|folder, options| {
+            Ok(depth_sequence_manifest(folder, FileNames::Relative, options)?.0)
+        }),
     },
     Format {
         name: "a Stanford configuration (*.conf), or a folder with one",
         recognise: |path| stanford::configuration(path).is_some(),
         uses: &[],
         open: stanford::open,
+        manifest: None,
     },
     Format {
         name: "an E57 file with structured scans (*.e57)",
         recognise: e57::is_one,
         uses: &[],
         open: e57::open,
+        manifest: None,
     },
     Format {
         name: "a PTX file (*.ptx)",
         recognise: |path| is_file_with(path, "ptx"),
         uses: &[],
         open: ptx::open,
+        manifest: None,
     },
     Format {
         name: "a cloud of a structured scan or a rotating lidar (*.pcd, *.ply, *.bin)",
         recognise: cloud::is_file,
         uses: &["--poses", "--grid", "--rings"],
         open: cloud::open_file,
+        manifest: None,
     },
     Format {
         name: "a folder of such clouds with their poses",
         recognise: cloud::is_folder,
         uses: &["--poses", "--grid", "--rings"],
         open: cloud::open_folder,
+        manifest: None,
     },
 ];
 
@@ -123,6 +148,33 @@ impl Scan {
         let mut scan = (format.open)(path, options)?;
         scan.settle_missing(path, options.skip_missing)?;
         Ok(scan)
+    }
+
+    /// A scan with other poses, for a file in a folder that exists. `poses` are those of the views
+    /// to use, by name, in the order of the scan; `options` are those the scan was opened with.
+    ///
+    /// # Errors
+    /// [`ReadError`] if the scan's own files cannot be read any more.
+    pub fn posed(
+        &self,
+        path: &Path,
+        options: &OpenOptions,
+        poses: &[(String, Isometry3)],
+        folder: &Path,
+    ) -> Result<PosedScan, ReadError> {
+        if posed_scan::is_one(path) {
+            let (scan, options) = PoseList::read(path)?.scan(path, options.unit)?;
+            return self.posed(&scan, &options, poses, folder);
+        }
+        let format = FORMATS.iter().find(|format| (format.recognise)(path));
+        let Some(manifest) = format.and_then(|format| format.manifest) else {
+            let list = PoseList::new((path, &self.name), options, poses, folder);
+            return Ok(PosedScan::Poses(list));
+        };
+        let beside = if path.is_dir() { path } else { path.parent().unwrap_or(Path::new("")) };
+        let mut manifest = manifest(path, options)?.posed(beside, poses, folder);
+        manifest.unit = Some(self.unit);
+        Ok(PosedScan::Manifest(Box::new(manifest)))
     }
 
     /// Leaves out the views without a file, or refuses them.

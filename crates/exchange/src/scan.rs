@@ -157,7 +157,12 @@ impl ScanView {
         Self { sigma, ..self }
     }
 
-    /// The name that reports show: for a manifest, the image's file as the manifest names it.
+    /// The same view at another pose.
+    pub fn with_pose(self, world_from_sensor: Isometry3) -> Self {
+        Self { world_from_sensor, ..self }
+    }
+
+    /// The name that reports show: for a manifest, the key `name`, else the image's file.
     pub fn name(&self) -> &str {
         &self.name
     }

@@ -27,7 +27,8 @@ use crate::fingerprint::fingerprint;
 use crate::modelled_view::{ModelledView, TimedView, no_curves};
 use crate::report::{PlaneSummary, Report, Timings, ViewReport};
 use crate::{
-    FusionReport, LoadedView, ReconstructError, Setup, Stage, Unwatched, ViewSource, Watch,
+    FusionReport, LoadedView, PoseReport, ReconstructError, Setup, SourceError, Stage, Unwatched,
+    ViewSource, Watch, coarse_views,
 };
 use fuser::Fuser;
 use rayon::prelude::*;
@@ -35,6 +36,7 @@ use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 use transect_geometry::PlaneIndex;
 use transect_model::store::{Snapshot, Store, StoreError, StoredView, ViewEntry, ViewId};
+use transect_register::RefineOptions;
 
 /// The result of adding views.
 #[derive(Debug)]
@@ -126,10 +128,14 @@ impl<'a> Grower<'a> {
     ///
     /// # Errors
     /// [`GrowError::OtherSettings`] with the settings that differ, [`GrowError::Settings`] if they
-    /// cannot be read, [`GrowError::Refinement`] if the setup asks for refinement.
+    /// cannot be read, [`GrowError::Refinement`] if the setup asks to refine planes,
+    /// [`GrowError::Poses`] if it asks to refine poses.
     pub fn new(store: &'a Store, setup: &'a Setup) -> Result<Self, GrowError> {
         if setup.refinement.is_some() {
             return Err(GrowError::Refinement);
+        }
+        if setup.refine_poses.is_some() {
+            return Err(GrowError::Poses);
         }
         match setup.difference(store.read()?.header())? {
             Some(difference) => Err(GrowError::OtherSettings(difference)),
@@ -173,7 +179,13 @@ impl<'a> Grower<'a> {
         let fuser = self.fuse_pending_with(Fuser::new(self.setup, watch))?;
         taken?;
         let Added { reading, modelling, .. } = added;
-        let timings = Timings { views, reading, modelling, fusion: started.elapsed() - views };
+        let timings = Timings {
+            poses: Duration::ZERO,
+            views,
+            reading,
+            modelling,
+            fusion: started.elapsed() - views,
+        };
         self.growth(added, fuser, timings)
     }
 
@@ -202,27 +214,73 @@ impl<'a> Grower<'a> {
         Ok(self.store.remove_view(id, &Fuser::new(self.setup, &Unwatched))?)
     }
 
-    /// Replaces a view. The store is then as if the old view had never been added. The report has
-    /// the new view, with notes and warnings, and no counts of the fusion.
+    /// Replaces views by others, all in one transaction. The store is then as if the old views had
+    /// never been added. The report has the new views, with notes and warnings, and no counts of
+    /// the fusion.
     ///
     /// # Errors
-    /// If there is no such view, the new view fails, or its id is that of a third view; the store
+    /// If there is no view of an id, a new view fails, or its id is that of another view; the store
     /// is then unchanged.
-    pub fn replace_view<S: ViewSource>(
+    pub fn replace_views<S: ViewSource>(
         &self,
-        id: &ViewId,
-        source: &S,
-    ) -> Result<(StoredView, Report), GrowError> {
-        let NewView { entry, view } = self.model(source, TimedView::load(source)?)?;
-        let (fuser, new_id) = (Fuser::new(self.setup, &Unwatched), entry.id.clone());
-        let ModelledView { planes, mut notes, report: mut of_view, .. } = view;
-        let stored = self.store.replace_view(id, entry, planes, &fuser)?;
-        of_view.set_agreement(&fuser.agreement(&new_id));
+        replacements: &[(ViewId, S)],
+        watch: &dyn Watch,
+    ) -> Result<(Vec<StoredView>, Report), GrowError> {
+        watch.begin(Stage::Views, replacements.len());
+        let model = |(id, source): &(ViewId, S)| {
+            let new = self.model(source, TimedView::load(source)?)?;
+            watch.step(Stage::Views);
+            Ok((id.clone(), new))
+        };
+        let modelled: Vec<Result<_, GrowError>> = replacements.par_iter().map(model).collect();
+        let (mut new, mut reports, mut notes) = (Vec::new(), Vec::new(), Vec::new());
+        for modelled in modelled {
+            let (id, NewView { entry, view }) = modelled?;
+            reports.push((entry.id.clone(), view.report));
+            notes.extend(view.notes);
+            new.push((id, entry, view.planes));
+        }
+        let fuser = Fuser::new(self.setup, watch);
+        let stored = self.store.replace_views(new, &fuser)?;
         let several = self.store.views()?.len() > 1;
-        notes.extend(several.then(|| of_view.note_if_alone()).flatten());
-        let (views, fusion) = (vec![of_view], FusionReport::default());
-        let timings = Timings::default();
-        Ok((stored, Report { views, fusion, refinement: None, notes, timings }))
+        let mut views = Vec::new();
+        for (id, mut report) in reports {
+            report.set_agreement(&fuser.agreement(&id));
+            notes.extend(several.then(|| report.note_if_alone()).flatten());
+            views.push(report);
+        }
+        let (fusion, timings) = (FusionReport::default(), Timings::default());
+        Ok((stored, Report { views, fusion, poses: None, refinement: None, notes, timings }))
+    }
+
+    /// Refines the poses of stored views together, and replaces all views that move in one
+    /// transaction. `sources` are the sources of those views; the poses are those of the store.
+    ///
+    /// # Errors
+    /// If a source has no view in the store, or its image is another one than the store's, or the
+    /// store cannot be read or written; the store is then unchanged.
+    pub fn refine_poses<S: ViewSource>(
+        &self,
+        sources: &[S],
+        options: &RefineOptions,
+        watch: &dyn Watch,
+    ) -> Result<(Vec<StoredView>, Report), GrowError> {
+        let snapshot = self.store.read()?;
+        let mut stored = Vec::with_capacity(sources.len());
+        for source in sources {
+            let there = snapshot.view(&source.id().into())?;
+            let no_view = || GrowError::NotThere(source.id().to_owned());
+            stored.push(Stored { source, entry: there.ok_or_else(no_view)?.entry });
+        }
+        let copies = coarse_views(&stored, watch)?;
+        let poses = PoseReport::new(copies, Some(options), self.setup.unit);
+        let refined = poses.refinement.iter().flat_map(|refinement| &refinement.poses);
+        let moved = poses.posed(&stored).into_iter().zip(refined);
+        let moved = moved.filter(|(_, pose)| pose.has_moved());
+        let moved: Vec<_> = moved.map(|(view, _)| (view.source.entry.id.clone(), view)).collect();
+        let (views, mut report) = self.replace_views(&moved, watch)?;
+        report.set_poses(Some(poses));
+        Ok((views, report))
     }
 
     /// Stores views, as many at a time as there are threads, without fusing their planes.
@@ -317,8 +375,42 @@ impl<'a> Grower<'a> {
             (fusion.spread, fusion.threshold) = (0.0, 0.0);
         }
         let fused = fuser.summaries().len();
-        let report = Report { views: reports, fusion, refinement: None, notes, timings };
+        let report =
+            Report { views: reports, fusion, poses: None, refinement: None, notes, timings };
         Ok(Growth { present, report, fused })
+    }
+}
+
+/// The source of a stored view, which must still have the image of the store.
+struct Stored<'a, S> {
+    source: &'a S,
+    entry: ViewEntry,
+}
+
+impl<S: ViewSource> ViewSource for Stored<'_, S> {
+    fn name(&self) -> &str {
+        self.source.name()
+    }
+
+    fn id(&self) -> &str {
+        &self.entry.id.0
+    }
+
+    fn origin(&self) -> String {
+        self.entry.source.clone()
+    }
+
+    fn load(&self) -> Result<LoadedView, SourceError> {
+        let LoadedView { view, notes } = self.source.load()?;
+        if fingerprint(&view) != self.entry.source_hash {
+            let from = &self.entry.source;
+            return Err(format!(
+                "{from} has another image, sensor or noise than the store; put back the files that \
+                 the view was added from, or replace the view first: transect replace-view"
+            )
+            .into());
+        }
+        Ok(LoadedView { view: view.with_pose(self.entry.world_from_sensor)?, notes })
     }
 }
 

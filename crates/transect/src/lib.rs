@@ -12,8 +12,8 @@
 //!
 //! One line in `Cargo.toml` is enough. The crates below are modules here: [`device`] (images and
 //! views), [`geometry`] (planes and curves), [`model`] (the result and its store), [`image`]
-//! (noise and smoothing), [`partial`] and [`fusion`] (the two steps and their options), and
-//! [`nalgebra`], whose vectors and poses they share. Three more are features:
+//! (noise and smoothing), [`register`] (poses), [`partial`] and [`fusion`] (the two steps and their
+//! options), and [`nalgebra`], whose vectors and poses they share. Three more are features:
 //!
 //! | feature | module | contents |
 //! |---|---|---|
@@ -62,6 +62,7 @@ mod fused;
 mod grow;
 mod modelled_view;
 mod pipeline;
+mod poses;
 mod refine;
 mod refinement;
 mod report;
@@ -73,12 +74,13 @@ mod watch;
 pub use error::ReconstructError;
 pub use grow::{GrowError, Grower, Growth};
 pub use pipeline::{Reconstruction, reconstruct};
+pub use poses::{PoseReport, coarse_views};
 pub use refine::{DifferenceReason, RefinedGap, RefinementReport};
 pub use refinement::{Refinement, RefinementError};
 pub use report::{FusionReport, Report, Timings, ViewReport};
 pub use settings::SettingsError;
 pub use setup::Setup;
-pub use source::{LoadedView, SourceError, ViewSource};
+pub use source::{LoadedView, Posed, SourceError, ViewSource};
 pub use watch::{Stage, Unwatched, Watch};
 
 pub use nalgebra;
@@ -90,6 +92,7 @@ pub use transect_geometry as geometry;
 pub use transect_image as image;
 pub use transect_model as model;
 pub use transect_partial as partial;
+pub use transect_register as register;
 #[cfg(feature = "scene")]
 pub use transect_scene as scene;
 #[cfg(feature = "sensors")]

@@ -1,5 +1,6 @@
 //! The modeler on one screen: views in, cross-section model out (dissertation, 2.5.3 and 5.2).
 //!
+//! 0. With [`Setup::refine_poses`], the poses of all views are refined together, see [`PoseReport`].
 //! 1. Each view is loaded, its curves on every plane it crosses are found, and it is dropped.
 //! 2. The curves of each plane are fused, independent of every other plane. With
 //!    [`Refinement`](crate::Refinement), planes are inserted where neighbours differ.
@@ -12,8 +13,8 @@ use crate::fused::{Fused, Observed, fuse};
 use crate::modelled_view::{ModelledView, model_views, no_curves};
 use crate::refine::{Refined, refine};
 use crate::report::{Report, Timings};
-use crate::{ReconstructError, Setup, ViewSource, Watch};
-use std::time::Instant;
+use crate::{PoseReport, ReconstructError, Setup, ViewSource, Watch, coarse_views};
+use std::time::{Duration, Instant};
 use transect_geometry::PlaneIndex;
 use transect_model::{Model, ViewRecord};
 
@@ -63,7 +64,16 @@ pub fn reconstruct<S: ViewSource>(
 ) -> Result<Reconstruction, ReconstructError> {
     let started = Instant::now();
     let setup = &setup.with_least_interval().map_err(ReconstructError::Refine)?;
-    let views = model_views(sources, setup, watch)?;
+    let poses = setup.refine_poses.as_ref().map(|options| {
+        let copies = coarse_views(sources, watch)?;
+        Ok(PoseReport::new(copies, Some(options), setup.unit))
+    });
+    let poses = poses.transpose()?;
+    let poses_time = started.elapsed();
+    let views = match &poses {
+        None => model_views(sources, setup, watch)?,
+        Some(poses) => model_views(&poses.posed(sources), setup, watch)?,
+    };
     let views_done = Instant::now();
     let planes = by_plane(&views);
     if planes.is_empty() {
@@ -79,7 +89,8 @@ pub fn reconstruct<S: ViewSource>(
         }
     };
     let timings = Timings {
-        views: views_done - started,
+        poses: if poses.is_some() { poses_time } else { Duration::ZERO },
+        views: views_done - started - poses_time,
         reading: views.iter().map(|v| v.reading).sum(),
         modelling: views.iter().map(|v| v.modelling).sum(),
         fusion: views_done.elapsed(),
@@ -87,6 +98,7 @@ pub fn reconstruct<S: ViewSource>(
     let reports = views.iter().map(|view| view.report.clone()).collect();
     let notes = views.iter().flat_map(|view| view.notes.clone()).collect();
     let mut report = Report::new(reports, notes, &fused, timings);
+    report.set_poses(poses);
     let mut model = assemble(setup, views, fused);
     if let Some((selected, refinement)) = refined {
         model = model.with_selection(selected);

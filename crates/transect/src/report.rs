@@ -1,7 +1,7 @@
 //! The report of a run: counts, notes and times.
 
-use crate::RefinementReport;
 use crate::fused::Fused;
+use crate::{PoseReport, RefinementReport};
 use serde::Serialize;
 use std::time::Duration;
 use transect_fusion::pairwise::GrowthCounts;
@@ -16,6 +16,9 @@ pub struct Report {
     pub views: Vec<ViewReport>,
     /// Counts and lengths of the fusion.
     pub fusion: FusionReport,
+    /// The refined poses; `None` for runs that keep the given ones.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub poses: Option<PoseReport>,
     /// The inserted planes with the reasons; `None` for runs without refinement.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refinement: Option<RefinementReport>,
@@ -46,12 +49,19 @@ impl Report {
         if views.len() < 2 {
             (fusion.spread, fusion.threshold) = (0.0, 0.0);
         }
-        Self { views, fusion, refinement: None, notes, timings }
+        Self { views, fusion, poses: None, refinement: None, notes, timings }
     }
 
-    /// Warnings for the user: views whose curves contradict those of the others.
+    /// Adds the refined poses, and what they have to tell.
+    pub(crate) fn set_poses(&mut self, poses: Option<PoseReport>) {
+        self.notes.extend(poses.iter().flat_map(PoseReport::notes));
+        self.poses = poses;
+    }
+
+    /// Warnings for the user: views whose poses or curves contradict those of the others.
     pub fn warnings(&self) -> Vec<String> {
-        let contradicted = self.views.iter().filter(|v| v.contradicted);
+        let named = |v: &&ViewReport| self.poses.iter().any(|poses| poses.names(&v.name));
+        let contradicted = self.views.iter().filter(|v| v.contradicted && !named(v));
         let warning = |v: &ViewReport| {
             let total = v.samples_close_to_other_views + v.samples_abreast_of_other_views;
             let share = 100.0 * v.samples_abreast_of_other_views as f64 / total as f64;
@@ -61,7 +71,8 @@ impl Report {
                 v.name
             )
         };
-        contradicted.map(warning).collect()
+        let of_poses = self.poses.iter().flat_map(PoseReport::warnings);
+        of_poses.chain(contradicted.map(warning)).collect()
     }
 }
 
@@ -242,6 +253,8 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
 #[derive(Debug, Clone, Copy, Default)]
 #[non_exhaustive]
 pub struct Timings {
+    /// Reading all views and refining their poses, in elapsed time.
+    pub poses: Duration,
     /// Reading and modelling all views, in elapsed time.
     pub views: Duration,
     /// Reading, summed over the threads.

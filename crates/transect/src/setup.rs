@@ -4,6 +4,7 @@ use crate::Refinement;
 use transect_fusion::FusionMethod;
 use transect_geometry::{GuideError, LengthUnit, PlaneFamily};
 use transect_partial::Method;
+use transect_register::RefineOptions;
 
 /// The settings of a run: unit, planes and options.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,13 +20,15 @@ pub struct Setup {
     pub fusion: FusionMethod,
     /// Where planes are inserted between these; `None` inserts no planes.
     pub refinement: Option<Refinement>,
+    /// How the poses of all views are refined before their curves are found; `None` keeps them.
+    pub refine_poses: Option<RefineOptions>,
 }
 
 impl Setup {
     /// Planes in a unit, with default options.
     pub fn new(unit: LengthUnit, planes: PlaneFamily) -> Self {
         let (partial, fusion) = (Method::default(), FusionMethod::default());
-        Self { unit, planes, partial, fusion, refinement: None }
+        Self { unit, planes, partial, fusion, refinement: None, refine_poses: None }
     }
 
     /// The same settings with the planes of the smallest interval of the refinement.

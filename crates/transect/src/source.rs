@@ -1,6 +1,6 @@
 //! The sources of views.
 
-use transect_device::View;
+use transect_device::{Isometry3, View};
 
 /// An error of a source; any type, since sources are foreign code.
 pub type SourceError = Box<dyn std::error::Error + Send + Sync>;
@@ -34,6 +34,34 @@ pub struct LoadedView {
     pub view: View,
     /// Notes for the report.
     pub notes: Vec<String>,
+}
+
+/// A source whose view is put at another pose.
+#[derive(Debug, Clone, Copy)]
+pub struct Posed<'a, S> {
+    /// The source.
+    pub source: &'a S,
+    /// World coordinates from sensor coordinates.
+    pub pose: Isometry3,
+}
+
+impl<S: ViewSource> ViewSource for Posed<'_, S> {
+    fn name(&self) -> &str {
+        self.source.name()
+    }
+
+    fn id(&self) -> &str {
+        self.source.id()
+    }
+
+    fn origin(&self) -> String {
+        self.source.origin()
+    }
+
+    fn load(&self) -> Result<LoadedView, SourceError> {
+        let LoadedView { view, notes } = self.source.load()?;
+        Ok(LoadedView { view: view.with_pose(self.pose)?, notes })
+    }
 }
 
 impl ViewSource for View {

@@ -3,6 +3,8 @@
 /// A part of a run whose steps are counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
+    /// Reading views and comparing their poses; counted in views.
+    Poses,
     /// Reading views and finding their curves; counted in views.
     Views,
     /// Fusing the views' curves; counted in planes.

@@ -25,11 +25,16 @@ use transect_model::store::Store;
 const CHILD: &str = "TRANSECT_GROWN_STORE";
 /// Whether that process adds views one by one, each with its planes, in place of all at once.
 const ONE_BY_ONE: &str = "TRANSECT_ONE_BY_ONE";
+/// Whether that process moves all views of the store, in place of adding some.
+const MOVE_ALL: &str = "TRANSECT_MOVE_ALL";
 
 fn main() {
     match std::env::var_os(CHILD) {
         Some(path) => grow(&open_or_create(Path::new(&path))),
-        None => kill_many(),
+        None => {
+            kill_many();
+            kill_while_moving();
+        }
     }
 }
 
@@ -70,6 +75,11 @@ impl Watch for Saying {
 fn grow(store: &Store) {
     let (setup, views) = (setup(), views());
     let grower = Grower::new(store, &setup).unwrap();
+    if std::env::var_os(MOVE_ALL).is_some() {
+        let moved = moved(&views).into_iter().map(|view| (view.name().into(), view));
+        grower.replace_views(&moved.collect::<Vec<_>>(), &Saying).unwrap();
+        return;
+    }
     if std::env::var_os(ONE_BY_ONE).is_none() {
         grower.add_views(&views, &Saying).unwrap();
         return;
@@ -96,10 +106,10 @@ fn uninterrupted(views: &[View]) -> Vec<Vec<u8>> {
 }
 
 /// Starts the other process, kills it after a while, and returns how many views it said were there.
-fn run_and_kill(path: &Path, after: Duration, one_by_one: bool) -> usize {
+fn run_and_kill(path: &Path, after: Duration, mode: Option<&str>) -> usize {
     let mut command = Command::new(std::env::current_exe().unwrap());
-    if one_by_one {
-        command.env(ONE_BY_ONE, "1");
+    if let Some(mode) = mode {
+        command.env(mode, "1");
     }
     let mut child = command.env(CHILD, path).stdout(Stdio::piped()).spawn().unwrap();
     std::thread::sleep(after);
@@ -131,6 +141,49 @@ fn check(path: &Path, said: usize, views: &[View], expected: &[Vec<u8>]) -> (usi
     (names.len(), pending)
 }
 
+/// The views at other poses, as a registration gives them.
+fn moved(views: &[View]) -> Vec<View> {
+    let by = Isometry3::translation(0.01, -0.02, 0.005);
+    views.iter().map(|view| view.with_pose(by * view.world_from_sensor()).unwrap()).collect()
+}
+
+/// All views of a store are moved in one transaction: after a kill they are as before or all moved.
+fn kill_while_moving() {
+    let folder = tempfile::tempdir().unwrap();
+    let (own, path) = (views(), folder.path().join("moved.transect"));
+    let (begin, copy) = (folder.path().join("begin.transect"), folder.path().join("copy"));
+    grow(&open_or_create(&begin));
+    let at_once =
+        |views: &[View]| contours(&reconstruct(views, &setup(), &Unwatched).unwrap().model);
+    let [before, after] = [at_once(&own), at_once(&moved(&own))];
+    let found = |path: &Path| {
+        std::fs::copy(path, &copy).unwrap();
+        let mut store = Store::open(&copy).unwrap();
+        assert_eq!(store.verify().unwrap().pending, 0, "planes wait");
+        contours(&store.read().unwrap().model().unwrap())
+    };
+    let kills: usize = std::env::var("TRANSECT_KILLS").map_or(20, |n| n.parse().unwrap()) / 2;
+    let started = Instant::now();
+    std::fs::copy(&begin, &path).unwrap();
+    let whole = Command::new(std::env::current_exe().unwrap())
+        .env(CHILD, &path)
+        .env(MOVE_ALL, "1")
+        .stdout(Stdio::null())
+        .status();
+    assert!(whole.unwrap().success());
+    let time = started.elapsed();
+    assert!(found(&path) == after, "the run that was not killed");
+    let mut ended = 0;
+    for kill in 1..=kills {
+        std::fs::copy(&begin, &path).unwrap();
+        run_and_kill(&path, time.mul_f64(kill as f64 / kills as f64), Some(MOVE_ALL));
+        let found = found(&path);
+        assert!(found == before || found == after, "some views are moved, others are not");
+        ended += usize::from(found == after);
+    }
+    println!("{kills} kills while all views moved; {ended} of them after the end");
+}
+
 fn kill_many() {
     let kills = std::env::var("TRANSECT_KILLS").map_or(20, |n| n.parse().unwrap());
     let folder = tempfile::tempdir().unwrap();
@@ -145,7 +198,8 @@ fn kill_many() {
     for kill in 0..kills as u64 {
         // Steps of the golden ratio spread the instants evenly; the machine adds the chance.
         let part = (kill as f64 * 0.618_033_988_75).fract();
-        let said = run_and_kill(&path, time.mul_f64(0.9 * part), kill % 2 == 1);
+        let mode = (kill % 2 == 1).then_some(ONE_BY_ONE);
+        let said = run_and_kill(&path, time.mul_f64(0.9 * part), mode);
         if !path.exists() {
             continue;
         }

@@ -46,6 +46,9 @@ impl Costs {
                 Duration::ZERO
             }
         };
+        if !timings.poses.is_zero() {
+            self.push("refining poses", timings.poses);
+        }
         self.push("reading", share(timings.reading));
         self.push("finding curves", share(timings.modelling));
         self.push("fusing", timings.fusion);

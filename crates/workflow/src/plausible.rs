@@ -102,6 +102,12 @@ pub struct Plausibility {
 }
 
 impl Plausibility {
+    /// The checks of a run without section planes.
+    pub(crate) fn without_planes(unit: LengthUnit, accepted: &[Check]) -> Self {
+        let interval = f64::INFINITY;
+        Self { interval, unit, accepted: accepted.to_vec(), usual_spacing: None }
+    }
+
     /// Checks a view.
     pub(crate) fn check_view(&self, view: &View) -> Result<(), WorkflowError> {
         let spacing = pixel_spacing(view);

@@ -9,6 +9,7 @@ use sha2::{Digest, Sha256};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use transect::register::PoseReading;
 use transect::{Report, Setup};
 use transect_geometry::CurvedGuide;
 use transect_model::open_regular;
@@ -24,6 +25,9 @@ pub struct ReportFile<'a> {
     /// The part of the scan that was used.
     #[serde(skip_serializing_if = "Selection::is_whole")]
     selection: &'a Selection,
+    /// The convention by which the poses were read, if it is not the scan's own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pose_convention: Option<PoseReading>,
     settings: Settings,
     inputs: Vec<Input>,
     warnings: Vec<String>,
@@ -75,6 +79,7 @@ impl<'a> ReportFile<'a> {
             scan: std::path::absolute(path).unwrap_or_else(|_| path.to_owned()),
             unit: scan.unit.symbol(),
             selection: &opened.selection,
+            pose_convention: opened.reading,
             settings: Settings {
                 normal: setup.planes.guide().direction(0.0).into(),
                 guide: setup.planes.guide().curved().cloned(),

@@ -82,6 +82,14 @@ impl OpenScan {
                            the scan; leave out the option, or --store";
             return Err(WorkflowError::setting(setting, problem));
         }
+        if let Some(reading) = self.reading {
+            let problem = format!(
+                "a store keeps the poses, and replace-view reads them from the scan by its own \
+                 convention; write the scan anew first: transect register SCAN \
+                 --pose-convention {reading} --out DIR"
+            );
+            return Err(WorkflowError::setting("pose_convention", problem));
+        }
         let (setup, note) = self.setup_for_store(store, settings)?;
         let splines = self.splines(settings)?;
         let views = self.views(prefix, settings.plausibility(&setup))?;
@@ -182,7 +190,8 @@ impl Run<'_> {
             rows.extend(costs.stage("fitting splines", write)?);
         }
         // The truth counts what all views could see, so a part of them is not scored.
-        if self.scan.selection.is_whole() && !matches!(self.truth, Reference::Nothing) {
+        let is_whole = self.scan.selection.is_whole() && self.scan.reading.is_none();
+        if is_whole && !matches!(self.truth, Reference::Nothing) {
             let score = || score(model, &self.truth, &ScoreLimits::default());
             rows.extend(costs.stage("scoring", score)?.agreement);
         }

@@ -6,6 +6,7 @@
 use crate::length::parse_length;
 use crate::{Check, MethodSettings, Plausibility, WorkflowError};
 use std::path::PathBuf;
+use transect::register::{PosePrior, RefineOptions};
 use transect::{Refinement, Setup};
 use transect_exchange::{DxfFrame, PlanesEntry, Scan, read_guide};
 use transect_fusion::FusionMethod;
@@ -31,6 +32,11 @@ pub struct Settings {
     /// Planes are inserted where the curves of neighbouring planes differ by more than this length.
     /// The smallest interval may follow a comma; without it, a sixteenth of the interval.
     pub refine: Option<String>,
+    /// The poses of all views are refined before their curves are found.
+    pub refine_poses: bool,
+    /// How far the given poses may be wrong, as standard deviations: degrees, comma, length.
+    /// Without it, estimated from how far the views contradict each other.
+    pub prior: Option<String>,
     /// Frame of the curves in the drawing.
     pub dxf: DxfFrame,
     /// The curves are also written as cubic B-splines no farther from them than this length.
@@ -97,6 +103,8 @@ impl Settings {
         self.methods.apply(&mut setup)?;
         let refine = self.refine.as_ref();
         setup.refinement = refine.map(|text| parse_refinement(&setup, text)).transpose()?;
+        let poses = refine_options(setup.unit, self.prior.as_deref())?;
+        setup.refine_poses = self.refine_poses.then_some(poses);
         Ok(setup)
     }
 
@@ -193,4 +201,60 @@ fn parse_refinement(setup: &Setup, text: &str) -> Result<Refinement, WorkflowErr
         }
     };
     refinement.map_err(|e| WorkflowError::setting("refine", format!("{e} (in {})", setup.unit)))
+}
+
+/// The options of refinement from the text of a prior: degrees, comma, length.
+pub(crate) fn refine_options(
+    unit: LengthUnit,
+    prior: Option<&str>,
+) -> Result<RefineOptions, WorkflowError> {
+    let mut options = RefineOptions::default();
+    options.prior = prior.map(|text| parse_prior(unit, text)).transpose()?;
+    Ok(options)
+}
+
+fn parse_prior(unit: LengthUnit, text: &str) -> Result<PosePrior, WorkflowError> {
+    let wrong = |found: &str| {
+        let problem = format!(
+            "{text}: {found}; write the standard deviations of the poses as DEGREES,LENGTH, both \
+             positive, such as 0.3,10mm"
+        );
+        WorkflowError::setting("prior", problem)
+    };
+    let (degrees, length) = text.split_once(',').ok_or_else(|| wrong("there is no comma"))?;
+    let degrees: f64 = degrees.trim().parse().map_err(|_| wrong("the angle is no number"))?;
+    if !(degrees > 0.0 && degrees <= 180.0) {
+        return Err(wrong("the angle is not between 0 and 180 degrees"));
+    }
+    let translation = parse_length(unit, "prior", length)?;
+    if translation <= 0.0 {
+        return Err(wrong("the length is not positive"));
+    }
+    Ok(PosePrior { rotation: degrees.to_radians(), translation })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_prior_is_an_angle_and_a_length() {
+        let prior = parse_prior(LengthUnit::Metre, "0.5, 10mm").unwrap();
+        assert!((prior.rotation - 0.5_f64.to_radians()).abs() < 1e-15);
+        assert!((prior.translation - 0.01).abs() < 1e-15);
+        for (text, wanted) in [
+            ("1", "there is no comma"),
+            ("-1,2", "between 0 and 180 degrees"),
+            ("0,2", "between 0 and 180 degrees"),
+            ("NaN,2", "between 0 and 180 degrees"),
+            ("x,2", "the angle is no number"),
+            ("1,0", "the length is not positive"),
+            ("1,-2mm", "the length is not positive"),
+            ("1,2 parsec", "parsec"),
+            ("1,2,3", "2,3"),
+        ] {
+            let error = parse_prior(LengthUnit::Metre, text).unwrap_err().to_string();
+            assert!(error.starts_with("prior: ") && error.contains(wanted), "{text}: {error}");
+        }
+    }
 }

@@ -2,8 +2,9 @@
 
 use crate::results::find_model;
 use crate::selection::Limits;
+use crate::settings::refine_options;
 use crate::{Check, FileView, Plausibility, WorkflowError};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use transect::{
@@ -36,14 +37,14 @@ pub struct Replacement {
     pub accept: Vec<Check>,
 }
 
-/// The effect of a replacement.
+/// The effect of replacing views.
 #[derive(Debug)]
 pub struct Replaced {
-    /// The view in the store.
-    pub view: StoredView,
-    /// Planes that were fused anew: those that the old view or the new one has curves on.
+    /// The views that were replaced, as they are now.
+    pub views: Vec<StoredView>,
+    /// Planes that were fused anew: those that an old view or its new one has curves on.
     pub planes_fused: usize,
-    /// The new view's report, with notes and warnings.
+    /// The new views' report, with notes and warnings.
     pub report: Report,
 }
 
@@ -115,11 +116,7 @@ impl StoreFile {
         let missing = || WorkflowError::file(&self.path, format!("view {name:?} has been removed"));
         let old = self.store.read()?.view(&id)?.ok_or_else(missing)?;
         let scan_path = replacement.scan.clone().unwrap_or_else(|| old.entry.source.clone().into());
-        // A scan that does not state its unit is taken to have the store's; the modeler refuses
-        // one of another unit. One view of the scan is read, so other views may lack their files.
-        let mut options = OpenOptions::default();
-        (options.unit, options.skip_missing) = (Some(self.setup.unit), true);
-        let scan = Scan::open_with(&scan_path, &options)?;
+        let scan = self.scan_of(&scan_path)?;
         let in_scan = replacement.view.as_deref().unwrap_or(&old.entry.name);
         let view = view_of_scan(&scan, &scan_path, in_scan)?;
         let accepted = replacement.accept.clone();
@@ -131,9 +128,54 @@ impl StoreFile {
             pose: replacement.pose,
             ..origin(view, &scan_path, plausibility)
         };
-        let (view, report) = Grower::new(&self.store, &self.setup)?.replace_view(&id, &source)?;
-        let planes: BTreeSet<_> = old.planes.iter().chain(&view.planes).collect();
-        Ok(Replaced { planes_fused: planes.len(), view, report })
+        let grower = Grower::new(&self.store, &self.setup)?;
+        let (views, report) = grower.replace_views(&[(id, source)], &Unwatched)?;
+        let new = views.iter().flat_map(|view| &view.planes);
+        let planes_fused = old.planes.iter().chain(new).collect::<BTreeSet<_>>().len();
+        Ok(Replaced { planes_fused, views, report })
+    }
+
+    /// Refines the poses of all views together. The views that move are replaced in one
+    /// transaction, and the planes that they touch are fused anew.
+    ///
+    /// # Errors
+    /// [`WorkflowError`] if the prior is none, a view cannot be read from its scan, or its image is
+    /// another one than the store's, or the store cannot be written. The store is unchanged then.
+    pub fn register(
+        &self,
+        prior: Option<&str>,
+        accept: &[Check],
+        watch: &dyn Watch,
+    ) -> Result<Replaced, WorkflowError> {
+        let unit = self.setup.unit;
+        let (options, stored) = (refine_options(unit, prior)?, self.store.views()?);
+        let paths: BTreeSet<&str> = stored.iter().map(|view| view.entry.source.as_str()).collect();
+        let open = |path| Ok((path, self.scan_of(Path::new(path))?));
+        let scans: Result<BTreeMap<&str, Scan>, WorkflowError> =
+            paths.into_iter().map(open).collect();
+        let scans = scans?;
+        let source = |StoredView { entry, .. }: &StoredView| {
+            let path = Path::new(&entry.source);
+            let view = view_of_scan(&scans[entry.source.as_str()], path, &entry.name)?;
+            let plausibility = Plausibility::without_planes(unit, accept);
+            Ok(FileView { id: entry.id.0.clone(), ..origin(view, path, plausibility) })
+        };
+        let sources: Result<Vec<_>, WorkflowError> = stored.iter().map(source).collect();
+        let sources = sources?;
+        let grower = Grower::new(&self.store, &self.setup)?;
+        let (views, report) = grower.refine_poses(&sources, &options, watch)?;
+        let old = stored.iter().filter(|old| views.iter().any(|new| new.entry.id == old.entry.id));
+        let planes: BTreeSet<_> = old.chain(&views).flat_map(|view| &view.planes).collect();
+        let planes_fused = planes.len();
+        Ok(Replaced { planes_fused, report, views })
+    }
+
+    /// The scan at a path, of which views may lack their files. A scan that does not state its unit
+    /// is taken to have the store's; the modeler refuses one of another unit.
+    fn scan_of(&self, path: &Path) -> Result<Scan, WorkflowError> {
+        let mut options = OpenOptions::default();
+        (options.unit, options.skip_missing) = (Some(self.setup.unit), true);
+        Ok(Scan::open_with(path, &options)?)
     }
 
     /// Closes the store; what was changed is on disk then.

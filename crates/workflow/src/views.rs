@@ -6,6 +6,7 @@ use crate::{Plausibility, Selection, WorkflowError};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
+use transect::register::PoseReading;
 use transect::{LoadedView, SourceError, ViewSource};
 use transect_exchange::{OpenOptions, PlanesEntry, Scan, ScanView};
 use transect_geometry::Isometry3;
@@ -17,6 +18,9 @@ pub struct OpenScan {
     pub(crate) scan: Scan,
     pub(crate) selection: Selection,
     pub(crate) limits: Limits,
+    pub(crate) options: OpenOptions,
+    /// The convention by which the poses were read, if it is not the scan's own.
+    pub(crate) reading: Option<PoseReading>,
 }
 
 impl OpenScan {
@@ -28,7 +32,26 @@ impl OpenScan {
     pub fn open(path: impl Into<PathBuf>, options: &OpenOptions) -> Result<Self, WorkflowError> {
         let path = path.into();
         let scan = Scan::open_with(&path, options)?;
-        Ok(Self { path, scan, selection: Selection::default(), limits: Limits::default() })
+        Ok(Self {
+            path,
+            scan,
+            selection: Selection::default(),
+            limits: Limits::default(),
+            options: options.clone(),
+            reading: None,
+        })
+    }
+
+    /// The scan with its poses read by another convention. Call it before [`OpenScan::select`].
+    pub fn with_reading(mut self, reading: PoseReading) -> Self {
+        let read = |view: ScanView| {
+            let pose = reading.apply(view.world_from_sensor());
+            view.with_pose(pose)
+        };
+        self.scan.views = std::mem::take(&mut self.scan.views).into_iter().map(read).collect();
+        self.scan.notes.push(format!("poses are read as asked for: {}", reading.meaning()));
+        self.reading = Some(reading);
+        self
     }
 
     /// Its contents.

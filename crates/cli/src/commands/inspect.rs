@@ -5,6 +5,7 @@ use super::scan::ScanArguments;
 use crate::failure::Failure;
 use crate::table::{Lengths, Row, digits, length, print, print_grid, say};
 use std::path::PathBuf;
+use transect::Unwatched;
 use transect_geometry::{LengthUnit, Point3};
 use transect_workflow::{OpenScan, PlaneSettings, ViewSurvey, is_model, with_causes};
 
@@ -35,6 +36,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let notes = views.iter().flat_map(|(_, view)| &view.notes);
     notes.for_each(|note| eprintln!("note: {note}"));
     print(&scan_rows(&scan, &views));
+    if failures.is_empty()
+        && let Some(poses) = scan.judge(&Unwatched)?
+    {
+        poses.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
+    }
     if !views.is_empty() {
         say("");
         print_views(&views, scan.scan().unit);

@@ -19,6 +19,7 @@ pub mod manifest;
 pub mod measure;
 pub mod query;
 pub mod reconstruct;
+pub mod register;
 pub mod remove_view;
 pub mod replace_view;
 pub mod simulate;

@@ -35,6 +35,19 @@ pub struct Arguments {
     /// sixteenth of it].
     #[arg(long, value_name = "TOLERANCE[,SMALLEST]", conflicts_with = "store")]
     refine: Option<String>,
+    /// Refine the poses of all views together before their curves are found.
+    #[arg(long, conflicts_with = "store", help_heading = "Poses")]
+    refine_poses: bool,
+    /// How far the given poses may be wrong, as standard deviations of angle and place, such as
+    /// 0.3,10mm [default: estimated from how far the views contradict each other].
+    #[arg(
+        long,
+        value_name = "DEGREES,LENGTH",
+        requires = "refine_poses",
+        help_heading = "Poses",
+        allow_hyphen_values = true
+    )]
+    prior: Option<String>,
     #[command(flatten)]
     planes: PlaneArguments,
     #[command(flatten)]
@@ -117,6 +130,8 @@ impl Arguments {
         settings.accept.clone_from(&self.accept.accept);
         settings.dxf = self.dxf.dxf;
         settings.refine.clone_from(&self.refine);
+        settings.refine_poses = self.refine_poses;
+        settings.prior.clone_from(&self.prior);
         settings.splines.clone_from(&self.splines);
         settings.no_score = self.no_score;
         Ok(settings)

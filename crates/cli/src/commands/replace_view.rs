@@ -43,10 +43,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let replaced = store.replace_view(&arguments.name, &replacement)?;
     store.close()?;
     tell(&replaced.report);
+    let planes: usize = replaced.views.iter().map(|view| view.planes.len()).sum();
     print(&[
-        Row::plain("replaced", replaced.view.entry.id),
+        Row::plain("replaced", &arguments.name),
         Row::plain("planes fused anew", replaced.planes_fused),
-        Row::plain("planes with its curves", replaced.view.planes.len()),
+        Row::plain("planes with its curves", planes),
     ]);
     Ok(())
 }

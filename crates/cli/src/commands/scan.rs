@@ -1,7 +1,9 @@
 //! Options that say how a scan is opened, and which part of it is used.
 
+use super::named;
 use crate::failure::Failure;
 use std::path::{Path, PathBuf};
+use transect::register::PoseReading;
 use transect_device::ImageSize;
 use transect_exchange::{CameraOption, OpenOptions};
 use transect_geometry::LengthUnit;
@@ -22,6 +24,11 @@ pub struct ScanArguments {
     /// Number of lasers of a rotating lidar whose file has no field for them.
     #[arg(long, value_name = "N")]
     rings: Option<usize>,
+    /// Read the poses by another convention than world from sensor with x right, y down and z
+    /// forward.
+    #[arg(long, value_name = "NAME",
+        value_parser = named(PoseReading::ALL.map(|reading| (reading.name(), reading))))]
+    pose_convention: Option<PoseReading>,
     #[command(flatten)]
     depth: DepthArguments,
     #[command(flatten)]
@@ -76,15 +83,31 @@ fn grid(text: &str) -> Result<ImageSize, String> {
 impl ScanArguments {
     /// Opens the part of a scan that the arguments name.
     pub fn open(&self, path: &Path) -> Result<OpenScan, Failure> {
+        let scan = OpenScan::open(path, &self.options())?;
+        let scan = match self.pose_convention {
+            Some(reading) => scan.with_reading(reading),
+            None => scan,
+        };
+        let scan = scan.select(&self.selection())?;
+        // Before anything can fail: a note may be the reason.
+        scan.scan().notes.iter().for_each(|note| eprintln!("note: {note}"));
+        Ok(scan)
+    }
+
+    /// Whether no argument is given.
+    pub fn is_empty(&self) -> bool {
+        self.options() == OpenOptions::default()
+            && self.selection() == Selection::default()
+            && self.pose_convention.is_none()
+    }
+
+    fn selection(&self) -> Selection {
         let mut selection = Selection::default();
         selection.views.clone_from(&self.part.views);
         selection.every = self.part.every;
         selection.crop.clone_from(&self.part.crop);
         selection.max_range.clone_from(&self.part.max_range);
-        let scan = OpenScan::open(path, &self.options())?.select(&selection)?;
-        // Before anything can fail: a note may be the reason.
-        scan.scan().notes.iter().for_each(|note| eprintln!("note: {note}"));
-        Ok(scan)
+        selection
     }
 
     /// The options that the arguments stand for.

@@ -19,6 +19,7 @@ mod implausible;
 mod launcher;
 mod outputs;
 mod real_scans;
+mod register;
 mod selection;
 mod sensors;
 mod store;

@@ -39,6 +39,9 @@ impl Manifest {
 pub struct ViewEntry {
     /// The image's file, relative to the manifest or absolute.
     pub file: String,
+    /// The view's name, if it is not the file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
     /// Kind of sensor and its parameters.
     #[serde(flatten)]
     pub sensor: SensorEntry,
@@ -67,6 +70,7 @@ impl ViewEntry {
     pub fn new(file: String, sensor: SensorEntry, pose: [f64; 16]) -> Self {
         Self {
             file,
+            name: None,
             sensor,
             rows: None,
             cols: None,
@@ -91,15 +95,29 @@ pub fn write_manifest(manifest: &Manifest, out: &mut dyn Write) -> io::Result<()
     write_key(out, "sigma", sigma.as_ref())?;
     write_key(out, "planes", planes.as_ref())?;
     write_key(out, "size", size.as_ref())?;
-    write!(out, "  \"views\": [")?;
-    for (number, view) in views.iter().enumerate() {
+    write_list(out, "views", views)
+}
+
+/// Writes a list, one item per line, and ends the file.
+pub(crate) fn write_list(
+    out: &mut dyn Write,
+    key: &str,
+    items: &[impl Serialize],
+) -> io::Result<()> {
+    write!(out, "  \"{key}\": [")?;
+    for (number, item) in items.iter().enumerate() {
         let separator = if number > 0 { "," } else { "" };
-        write!(out, "{separator}\n    {}", serde_json::to_string(view)?)?;
+        write!(out, "{separator}\n    {}", serde_json::to_string(item)?)?;
     }
     writeln!(out, " ] }}")
 }
 
-fn write_key(out: &mut dyn Write, key: &str, value: Option<&impl Serialize>) -> io::Result<()> {
+/// Writes a key, if it has a value.
+pub(crate) fn write_key(
+    out: &mut dyn Write,
+    key: &str,
+    value: Option<&impl Serialize>,
+) -> io::Result<()> {
     match value {
         Some(value) => writeln!(out, "  \"{key}\": {},", serde_json::to_string(value)?),
         None => Ok(()),

@@ -16,6 +16,7 @@
 //! | `planes` | plane k is normal · p = offset + k · interval; optional |
 //! | `planes.guide` | a curve instead of the normal: `{"kind": "spline", "points": [[x, y, z], …]}`; `"kind": {"polyline": RADIUS}` is straight pieces with corners rounded by arcs up to that radius |
 //! | `file` | the image, relative to the manifest |
+//! | `name` | the view's name in tables and reports; the file if it is not stated |
 //! | `pose` | 16 numbers, row-major, or 4 rows of 4; sensor to world |
 //! | `pose_true` | the true pose, if it is known; modelling never uses it |
 //! | `scale` | length units per count, for images of integers; `depth_scale` is its older name |
@@ -49,6 +50,7 @@ mod tests;
 mod to_scan;
 
 pub use entry::{Manifest, ViewEntry, write_manifest};
+pub(crate) use entry::{write_key, write_list};
 pub use sensor::{
     AnglesEntry, LensEntry, LightStripeEntry, LookupTableEntry, PinholeEntry, SensorEntry,
     StripeEntry, ViewpointsEntry,

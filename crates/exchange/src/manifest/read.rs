@@ -77,6 +77,7 @@ fn view(
     }
     let entry = ViewEntry {
         file: keys.required("file", "a file name")?,
+        name: keys.optional("name")?,
         sensor: SensorEntry::read(&keys, notes)?,
         rows: keys.optional("rows")?,
         cols: keys.optional("cols")?,

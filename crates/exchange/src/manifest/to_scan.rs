@@ -64,7 +64,8 @@ pub(crate) fn to_scan(
             missing: entry.missing,
         };
         inputs.extend(sensor.image_files(&file.path)?);
-        let (name, path) = (entry.file.clone(), file.path.clone());
+        let name = entry.name.as_ref().unwrap_or(&entry.file).clone();
+        let path = file.path.clone();
         let source = Arc::new(ManifestView { file, sensor });
         let view = ScanView::new(name, path, pose.world_from_sensor, source);
         views.push(view.with_sigma(manifest.sigma));

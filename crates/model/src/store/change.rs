@@ -1,4 +1,4 @@
-//! Changing a store: views are added, removed and replaced, each in one transaction.
+//! Changing a store: views are added, removed and replaced, each time in one transaction.
 
 use super::Store;
 use super::error::{StoreError, StoreProblem};
@@ -67,35 +67,39 @@ impl Store {
         })
     }
 
-    /// Replaces the curves of a view, for example after a better registration, and fuses its old
-    /// and new planes again.
+    /// Replaces the curves of views, for example after a better registration, and fuses their old
+    /// and new planes again, all in one transaction. Returns the new views in the given order.
     ///
     /// # Errors
     /// As for [`Store::remove_view`] and [`Store::begin_view`]; the store is then unchanged. The id
-    /// of `entry` may differ from `id`, if no other view has it.
-    pub fn replace_view(
+    /// of a new entry may differ from that of the view it replaces, if no other view has it.
+    pub fn replace_views<C: IntoIterator<Item = (PlaneIndex, Vec<Curve>)>>(
         &self,
-        id: &ViewId,
-        entry: ViewEntry,
-        curves: impl IntoIterator<Item = (PlaneIndex, Vec<Curve>)>,
+        replacements: Vec<(ViewId, ViewEntry, C)>,
         fuse: &impl Fuse,
-    ) -> Result<StoredView, StoreError> {
+    ) -> Result<Vec<StoredView>, StoreError> {
         self.run(|| {
-            entry.check()?;
             let transaction = self.write()?;
-            let old = take_out(&transaction, id)?;
-            if read_view(&transaction.open_table(VIEWS)?, &entry.id)?.is_some() {
-                return Err(StoreProblem::ViewExists(entry.id));
+            let mut touched = BTreeSet::new();
+            for (id, entry, _) in &replacements {
+                entry.check()?;
+                touched.extend(take_out(&transaction, id)?.planes);
             }
-            let mut view = StoredView::new(entry);
-            let mut touched: BTreeSet<_> = old.planes.into_iter().collect();
-            for (plane, curves) in curves {
-                if put_in(&transaction, &mut view, plane, &curves)? {
-                    touched.insert(plane);
+            let mut views = Vec::with_capacity(replacements.len());
+            for (_, entry, curves) in replacements {
+                if read_view(&transaction.open_table(VIEWS)?, &entry.id)?.is_some() {
+                    return Err(StoreProblem::ViewExists(entry.id));
                 }
+                let mut view = StoredView::new(entry);
+                for (plane, curves) in curves {
+                    touched
+                        .extend(put_in(&transaction, &mut view, plane, &curves)?.then_some(plane));
+                }
+                views.push(enter(&transaction, view)?);
             }
             fuse_again(&transaction, touched, fuse)?;
-            finish(transaction, view)
+            transaction.commit()?;
+            Ok(views)
         })
     }
 }
@@ -163,15 +167,19 @@ impl ViewTransaction<'_> {
         if self.broken {
             return Err(store.error(StoreProblem::Failed));
         }
-        finish(self.transaction, self.view).map_err(|problem| store.error(problem))
+        store.run(|| {
+            let view = enter(&self.transaction, self.view)?;
+            self.transaction.commit()?;
+            Ok(view)
+        })
     }
 }
 
-fn finish(transaction: WriteTransaction, mut view: StoredView) -> Result<StoredView, StoreProblem> {
+/// Enters a view, whose curves are stored, into the list of views.
+fn enter(transaction: &WriteTransaction, mut view: StoredView) -> Result<StoredView, StoreProblem> {
     view.planes.sort_unstable();
     let value = view.encode()?;
     transaction.open_table(VIEWS)?.insert(view.entry.id.0.as_str(), value.as_slice())?;
-    transaction.commit()?;
     Ok(view)
 }
 

@@ -9,8 +9,8 @@
 //! of view ids. After a view is removed or replaced, its planes are fused again. The result is that
 //! of a store which never had it.
 //!
-//! 1. Each view is added, removed or replaced in one transaction. After a crash at any moment the
-//!    file holds a whole number of views.
+//! 1. Each view is added or removed in one transaction; views are replaced together in one. After a
+//!    crash at any moment the file holds a whole number of views, and of replaced ones all or none.
 //! 2. Only the planes of a view are read and written, one batch in memory at a time. Where many
 //!    views are added at once, fusing can wait for the last one ([`ViewTransaction::defer_planes`],
 //!    [`Store::fuse_pending`]). Until then the fused curves cannot be read.

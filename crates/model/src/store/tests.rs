@@ -83,7 +83,8 @@ fn curves() -> impl Strategy<Value = Curves> {
 enum Step {
     Add(u8, Curves),
     Remove(u8),
-    Replace(u8, u8, Curves),
+    /// Replaces views together: the old number, the new one and the new curves of each.
+    Replace(Vec<(u8, u8, Curves)>),
     GiveUp(u8, Curves),
     /// Adds views at once, whose planes are fused at the end, or only after the next step.
     Defer(u8, Curves),
@@ -97,7 +98,7 @@ fn steps() -> impl Strategy<Value = Vec<Step>> {
     let step = prop_oneof![
         4 => (id(), curves()).prop_map(|(id, curves)| Step::Add(id, curves)),
         2 => id().prop_map(Step::Remove),
-        2 => (id(), id(), curves()).prop_map(|(a, b, curves)| Step::Replace(a, b, curves)),
+        2 => prop::collection::vec((id(), id(), curves()), 1..4).prop_map(Step::Replace),
         1 => (id(), curves()).prop_map(|(id, curves)| Step::GiveUp(id, curves)),
         3 => (id(), curves()).prop_map(|(id, curves)| Step::Defer(id, curves)),
         1 => Just(Step::Settle),
@@ -121,15 +122,19 @@ fn take(step: Step, store: &mut Store, memory: &mut Memory, views: &mut BTreeMap
             let removed = store.remove_view(&ViewId(name(id)), &fuse);
             assert_eq!(removed.is_ok(), known);
         }
-        Step::Replace(old, new, curves) => {
-            let possible =
-                views.contains_key(&name(old)) && (old == new || !views.contains_key(&name(new)));
-            let entry = entry(&name(new));
-            let replaced = store.replace_view(&ViewId(name(old)), entry, curves.clone(), &fuse);
+        Step::Replace(all) => {
+            let mut after = views.clone();
+            let taken = all.iter().all(|(old, ..)| after.remove(&name(*old)).is_some());
+            let put = |(_, new, curves): &(u8, u8, Curves)| {
+                after.insert(name(*new), curves.clone()).is_none()
+            };
+            let possible = taken && all.iter().all(put);
+            let replacement = |(old, new, curves)| (ViewId(name(old)), entry(&name(new)), curves);
+            let replacements = all.into_iter().map(replacement).collect();
+            let replaced = store.replace_views::<Curves>(replacements, &fuse);
             assert_eq!(replaced.is_ok(), possible);
             if possible {
-                views.remove(&name(old));
-                views.insert(name(new), curves);
+                *views = after;
             }
         }
         Step::GiveUp(id, curves) => {
@@ -467,7 +472,7 @@ fn only_planes_that_a_view_touches_are_fused() {
     view.add_planes(planes(48..51), &counting).unwrap();
     view.commit().unwrap();
     assert_eq!(fused.take(), [(48, 2), (49, 2), (50, 1)]);
-    store.replace_view(&"b".into(), entry("b"), planes(49..50), &counting).unwrap();
+    store.replace_views(vec![("b".into(), entry("b"), planes(49..50))], &counting).unwrap();
     assert_eq!(fused.take(), [(48, 1), (49, 2)]);
     store.remove_view(&"b".into(), &counting).unwrap();
     assert_eq!(fused.take(), [(49, 1)]);

@@ -39,6 +39,15 @@ pub enum GrowError {
          smaller interval, or reconstruct without a store"
     )]
     Refinement,
+    /// The setup asks for refined poses, which depend on all views at once.
+    #[error(
+        "a store takes view after view, and poses are refined for all views together; add the \
+         views at their given poses, then run transect register on the store"
+    )]
+    Poses,
+    /// The store has no view of an id.
+    #[error("the store has no view {0}")]
+    NotThere(String),
     /// Two of the given views have the same id.
     #[error("two of the views have the name {0}; ids must differ")]
     SameId(String),

@@ -103,7 +103,8 @@ fn a_removed_view_leaves_no_trace_and_a_moved_one_is_as_if_it_had_always_been_th
                 grower.add_views(&views, &Unwatched).unwrap();
                 let mut others = views.clone();
                 others[k] = moved(view);
-                grower.replace_view(&view.name().into(), &others[k]).unwrap();
+                let replacement = [(view.name().into(), others[k].clone())];
+                grower.replace_views(&replacement, &Unwatched).unwrap();
                 assert!(stored(store) == at_once(&others, &setup), "view {k} moved");
                 grower.remove_view(&view.name().into()).unwrap();
                 others.remove(k);
@@ -177,7 +178,8 @@ fn take(step: Step, grower: &Grower, all: &[View], there: &mut [Option<View>]) {
         }
         Step::Move(k) => {
             let view = moved(there[k].as_ref().unwrap_or(&all[k]));
-            let replaced = grower.replace_view(&view.name().into(), &view);
+            let replacement = [(view.name().into(), view.clone())];
+            let replaced = grower.replace_views(&replacement, &Unwatched);
             assert_eq!(replaced.is_ok(), there[k].is_some());
             there[k] = there[k].is_some().then_some(view);
         }
@@ -297,8 +299,8 @@ fn of_many_views_those_before_one_that_fails_are_there_and_no_others() {
             assert_eq!(error.to_string(), format!("view {}", views[bad].name()));
             assert!(stored(store) == at_once(&views[..bad], &setup));
             grower.add_view(&sources[bad]).unwrap_err();
-            let lost = grower.replace_view(&views[0].name().into(), &sources[bad]);
-            lost.unwrap_err();
+            let lost = [(views[0].name().into(), Source(views[bad].clone(), false))];
+            grower.replace_views(&lost, &Unwatched).unwrap_err();
             assert!(stored(store) == at_once(&views[..bad], &setup));
             store.verify().unwrap();
         });

@@ -13,6 +13,7 @@ mod grow;
 mod next_view;
 mod objects;
 mod pipeline;
+mod poses;
 mod refine;
 mod unseen;
 mod version_7;

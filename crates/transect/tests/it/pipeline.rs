@@ -133,6 +133,7 @@ fn planes_across_large_coordinates_keep_a_micrometre() {
 #[derive(Default)]
 struct Counter {
     begun: Mutex<Vec<(Stage, usize)>>,
+    poses: AtomicUsize,
     views: AtomicUsize,
     planes: AtomicUsize,
     stop_after: Option<(Stage, usize)>,
@@ -142,6 +143,7 @@ struct Counter {
 impl Counter {
     fn steps(&self, stage: Stage) -> &AtomicUsize {
         match stage {
+            Stage::Poses => &self.poses,
             Stage::Views => &self.views,
             Stage::Planes => &self.planes,
         }

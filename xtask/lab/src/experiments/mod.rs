@@ -9,6 +9,8 @@ mod figures;
 mod orders;
 mod partial;
 mod pictures;
+mod poses;
+mod poses_judged;
 mod rules;
 mod sensors;
 mod trial;
@@ -34,6 +36,10 @@ enum Experiment {
     Partial(partial::Arguments),
     /// Does the model database keep its promises?
     Database(database::Arguments),
+    /// Is a turned view named, and does it spoil the sections?
+    PosesJudged(poses_judged::Arguments),
+    /// What do errors of the poses cost, as given and refined?
+    Poses(poses::Arguments),
     /// Draw scanned points and models of every sensor.
     Pictures(pictures::Arguments),
     /// Draw the dissertation's own results, by its own methods.
@@ -50,6 +56,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Experiment::Orders(a) => orders::run(a),
         Experiment::Partial(a) => partial::run(a),
         Experiment::Database(a) => database::run(a),
+        Experiment::PosesJudged(a) => poses_judged::run(a),
+        Experiment::Poses(a) => poses::run(a),
         Experiment::Pictures(a) => pictures::run(a),
         Experiment::Figures(a) => figures::run(a),
         Experiment::Rules(a) => rules::run(a),

@@ -18,7 +18,7 @@ use transect_model::{Model, store::Store};
 pub type Target = fn(&Path, &[u8]) -> Result<(), String>;
 
 /// Every reader with the name of its folder in the corpus.
-pub const TARGETS: [(&str, Target); 30] = [
+pub const TARGETS: [(&str, Target); 31] = [
     ("calibration", |folder, bytes| read(folder, "a.csv", bytes, read_calibration)),
     ("cloud_poses", |folder, bytes| {
         let clouds = folder.join("clouds");
@@ -73,6 +73,12 @@ pub const TARGETS: [(&str, Target); 30] = [
         write(folder, "a.depth.png", b"");
         write(folder, "a.pose.txt", bytes);
         Scan::open(folder).map(drop).map_err(|error| text(folder, &error))
+    }),
+    ("pose_list", |folder, bytes| {
+        write(folder, "a.ply", GRID.as_bytes());
+        write(folder, "a.conf", b"bmesh a.ply 0 0 0 0 0 0 1\n");
+        write(folder, "scan.json", bytes);
+        load(folder, &folder.join("scan.json"))
     }),
     ("ptx", |folder, bytes| {
         write(folder, "a.ptx", bytes);

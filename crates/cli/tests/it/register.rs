@@ -1,0 +1,167 @@
+//! Poses on the command line: refined, read by another convention, and what is refused.
+
+use super::common::{Folder, conjugate};
+use serde_json::Value;
+use transect::nalgebra::{Isometry3, Vector3};
+use transect_exchange::{pose_of_row_major, row_major};
+
+fn numbers(view: &Value) -> [f64; 16] {
+    serde_json::from_value(view["pose"].clone()).unwrap()
+}
+
+fn pose(view: &Value) -> Isometry3<f64> {
+    pose_of_row_major(&numbers(view)).unwrap().0
+}
+
+/// A scan of the bundled machined part whose second view is off by 0.5° and 1 mm.
+fn perturbed() -> Folder {
+    let folder = Folder::empty();
+    folder.run("simulate machined_part --out scan").succeeded();
+    folder.edit_json("scan/scan.json", "scan/off.json", |m| {
+        let by = Isometry3::new(Vector3::new(0.6, -0.5, 0.6), Vector3::new(0.006, 0.005, -0.004));
+        let moved = pose(&m["views"][1]) * by;
+        m["views"][1]["pose"] = serde_json::to_value(row_major(&moved)).unwrap();
+    });
+    folder
+}
+
+#[test]
+fn a_registered_scan_is_a_scan_with_the_same_files_and_names() {
+    let folder = perturbed();
+    let run = folder.run("register scan/off.json --out new --quiet").succeeded();
+    assert!(run.stdout.contains("| outcome "), "{}", run.stdout);
+    assert!(run.stdout.contains("transect reconstruct new/scan.json"), "{}", run.stdout);
+    let (old, new) = (folder.json("scan/off.json"), folder.json("new/scan.json"));
+    let views = |m: &Value| m["views"].as_array().unwrap().clone();
+    assert_eq!(views(&new).len(), views(&old).len());
+    for (old, new) in views(&old).iter().zip(views(&new)) {
+        assert_eq!(new["name"], old["file"]);
+        assert_eq!(new["file"], format!("../scan/{}", old["file"].as_str().unwrap()));
+        assert_eq!((&new["sensor"], &new["rows"]), (&old["sensor"], &old["rows"]));
+    }
+    assert_eq!((&new["planes"], &new["unit"]), (&old["planes"], &old["unit"]));
+    let report = folder.json("new/report.json");
+    assert_eq!(report["poses"].as_array().unwrap().len(), views(&old).len());
+    assert_eq!(report["poses"][1]["view"], views(&old)[1]["file"]);
+    // The scan with refined poses gives the model of one run that refines them.
+    let two = folder.run("reconstruct new --out two --quiet").succeeded();
+    let one = "reconstruct scan/off.json --refine-poses --no-score --out one --quiet";
+    let one = folder.run(one).succeeded();
+    // A matrix in a file is rounded, so the poses differ in their last digits.
+    assert!((one.number("nodes") / two.number("nodes") - 1.0).abs() < 1e-3);
+    for (view, refined) in views(&new).iter().zip(report["poses"].as_array().unwrap()) {
+        let refined: Isometry3<f64> =
+            serde_json::from_value(refined["world_from_sensor"].clone()).unwrap();
+        assert!((pose(view).to_homogeneous() - refined.to_homogeneous()).amax() < 1e-9);
+    }
+    let moved = pose(&views(&old)[1]).inverse() * pose(&views(&new)[1]);
+    assert!(moved.translation.vector.norm() > 0.3, "the view that was off stays there");
+    assert_eq!(folder.json("one/report.json")["poses"]["poses"], report["poses"]);
+    let part = folder.run("register scan/off.json --views 1,2 --out part --quiet").succeeded();
+    assert_eq!(views(&folder.json("part/scan.json")).len(), 2, "{}", part.stdout);
+}
+
+#[test]
+fn poses_of_another_convention_are_read_as_asked_for() {
+    let folder = Folder::simulated("objects.scene.toml");
+    let right = folder.reconstruct("scan --no-score").succeeded();
+    folder.edit_json("scan/scan.json", "scan/inverse.json", |m| {
+        for view in m["views"].as_array_mut().unwrap() {
+            let inverse = row_major(&pose(view).inverse());
+            view["pose"] = serde_json::to_value(inverse).unwrap();
+        }
+    });
+    let line = "scan/inverse.json --pose-convention inverse";
+    let read = folder.reconstruct(&format!("{line} --no-score")).succeeded();
+    // The inverse is rounded.
+    let as_right = |run: &super::common::Run| run.number("nodes") / right.number("nodes") - 1.0;
+    assert!(as_right(&read).abs() < 1e-2);
+    assert!(read.stderr.contains("sensor from world, not world from sensor"), "{}", read.stderr);
+    assert_eq!(folder.json("out/report.json")["pose_convention"], "inverse");
+    let inspected = folder.run(&format!("inspect {line}")).succeeded().stdout;
+    assert!(inspected.contains(&format!("reconstruct {line}")), "{inspected}");
+    // Written anew, the poses need no option.
+    folder.run(&format!("register {line} --out new --quiet")).succeeded();
+    let anew = folder.reconstruct("new --no-score").succeeded();
+    assert!(as_right(&anew).abs() < 0.05);
+    let refused = ["--pose-convention", "transect register SCAN --pose-convention inverse --out"];
+    folder.run(&format!("reconstruct {line} --store s.transect")).failed_with(2, &refused);
+    // The quaternions of one view rotate the other way round: the option is for all views.
+    folder.edit_json("scan/scan.json", "scan/one.json", |m| conjugate(m, 0));
+    folder.edit_json("scan/one.json", "scan/all.json", |m| (1..4).for_each(|k| conjugate(m, k)));
+    folder.reconstruct("scan/all.json --pose-convention conjugate --no-score").succeeded();
+}
+
+#[test]
+fn inspect_names_a_wrong_view_and_the_convention_that_mends_all() {
+    let folder = perturbed();
+    let warnings = |scan: &str| {
+        let run = folder.run(&format!("inspect {scan}")).succeeded();
+        run.told("warning:").into_iter().map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(warnings("scan"), [""; 0], "sound poses");
+    let wrong = warnings("scan/off.json");
+    assert!(wrong.len() == 1 && wrong[0].contains("view range_001.npy contradicts"), "{wrong:?}");
+    folder.edit_json("scan/scan.json", "scan/inverse.json", |m| {
+        for view in m["views"].as_array_mut().unwrap() {
+            let inverse = row_major(&pose(view).inverse());
+            view["pose"] = serde_json::to_value(inverse).unwrap();
+        }
+    });
+    let wrong = warnings("scan/inverse.json");
+    assert!(wrong.len() == 1 && wrong[0].ends_with("Pass --pose-convention inverse"), "{wrong:?}");
+}
+
+#[test]
+fn what_cannot_be_registered_is_refused() {
+    let folder = Folder::simulated("objects.scene.toml");
+    let prior = |prior: &str| format!("register scan --out new --prior {prior}");
+    for (text, wanted) in [
+        ("-1,2", "--prior: -1,2: the angle is not between 0 and 180 degrees"),
+        ("1", "there is no comma"),
+        ("1,-2mm", "the length is not positive"),
+    ] {
+        folder.run(&prior(text)).failed_with(2, &[wanted, "DEGREES,LENGTH"]);
+    }
+    for command in ["register scan --out new", "reconstruct scan", "inspect scan"] {
+        let line = format!("{command} --pose-convention nonsense");
+        folder.run(&line).failed_with(2, &["--pose-convention", "inverse", "camera-y-up", "wxyz"]);
+    }
+    folder.run("register scan").failed_with(2, &["--out DIR"]);
+    folder
+        .run("register scan --out scan")
+        .failed_with(1, &["scan.json", "would replace the input"]);
+    folder.reconstruct("scan").succeeded();
+    folder.run("register scan --out out").failed_with(1, &["model.transect", "another --out"]);
+    folder.run("register out").failed_with(1, &["a plain model file"]);
+    std::fs::create_dir(folder.path("taken")).unwrap();
+    folder.write("taken/scan.json", "{}");
+    folder.run("register scan --out taken").failed_with(1, &["taken/scan.json", "\"tool\""]);
+    folder.run("reconstruct scan --refine-poses --store s.transect").failed_with(2, &["--store"]);
+    folder.run("reconstruct scan --prior 1,2").failed_with(2, &["--refine-poses"]);
+    folder.run("reconstruct scan --store s.transect --out grown --quiet").succeeded();
+    folder.run("register s.transect --out new").failed_with(2, &["leave out --out"]);
+    folder.run("register s.transect --views 1").failed_with(2, &["choose a part"]);
+    assert!(!folder.path("new").exists());
+}
+
+#[test]
+fn the_views_of_a_store_are_registered_as_those_of_their_scan() {
+    let folder = perturbed();
+    folder.run("reconstruct scan/off.json --store s.transect --out grown --quiet").succeeded();
+    let run = folder.run("register s.transect --quiet").succeeded();
+    assert!(run.stdout.contains("views replaced"), "{}", run.stdout);
+    folder.run("verify s.transect --fusion").succeeded();
+    folder.run("export s.transect --out stored").succeeded();
+    folder
+        .run("reconstruct scan/off.json --refine-poses --no-score --out once --quiet")
+        .succeeded();
+    assert!(folder.bytes("stored/contours.json") == folder.bytes("once/contours.json"));
+    // An image that is not the store's is refused, and nothing changes.
+    let other = folder.bytes("scan/range_000.npy");
+    folder.write("scan/range_001.npy", other);
+    let refused = ["range_001.npy", "another image", "transect replace-view"];
+    folder.run("register s.transect --quiet").failed_with(1, &refused);
+    folder.run("export s.transect --out after").succeeded();
+    assert!(folder.bytes("stored/contours.json") == folder.bytes("after/contours.json"));
+}

@@ -1,0 +1,341 @@
+//! A scan with other poses, in a file: what registration writes.
+//!
+//! A scan whose views have a file and a sensor each (`scan.json`, folders of depth images) becomes a
+//! manifest that names the same files. Files of several views, such as E57, cannot be named view by
+//! view. Their scan becomes a list of poses that names the scan:
+//!
+//! ```json
+//! { "name": "site", "scan": "../site.e57",
+//!   "poses": [
+//!     { "view": "setup 1", "pose": [1, 0, 0, 0,  0, 1, 0, 0,  0, 0, 1, 0,  0, 0, 0, 1] } ] }
+//! ```
+//!
+//! | key | meaning |
+//! |---|---|
+//! | `scan` | the scan, relative to this file or absolute; any format but this one |
+//! | `unit`, `grid`, `rings`, `poses_from` | the options `--unit`, `--grid` ([rows, columns]), `--rings` and `--poses` that the scan is opened with; optional |
+//! | `poses` | the views that are used, in the order of the scan: `view` is the name in the scan, `pose` is 16 numbers, row-major, sensor to world |
+
+use crate::input::read_text;
+use crate::manifest::{write_key, write_list};
+use crate::{
+    LensEntry, Manifest, OpenOptions, Place, ReadError, Scan, SensorEntry, pose, row_major,
+    write_manifest,
+};
+use serde::de::IgnoredAny;
+use serde::{Deserialize, Serialize};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use transect_device::ImageSize;
+use transect_geometry::{Isometry3, LengthUnit};
+
+/// A scan with other poses, ready to be written.
+#[derive(Debug, Clone)]
+pub enum PosedScan {
+    /// A manifest that names the files of the scan's views.
+    Manifest(Box<Manifest>),
+    /// A list of poses that names the scan.
+    Poses(PoseList),
+}
+
+/// A list of poses that names its scan.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PoseList {
+    name: String,
+    #[serde(default)]
+    tool: String,
+    scan: PathBuf,
+    unit: Option<LengthUnit>,
+    grid: Option<[usize; 2]>,
+    rings: Option<usize>,
+    poses_from: Option<PathBuf>,
+    poses: Vec<NamedPose>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct NamedPose {
+    view: String,
+    pose: [f64; 16],
+}
+
+impl PosedScan {
+    /// Writes the file that [`Scan::open`] reads.
+    ///
+    /// # Errors
+    /// An error of `out`.
+    pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        match self {
+            Self::Manifest(manifest) => write_manifest(manifest, out),
+            Self::Poses(list) => list.write(out),
+        }
+    }
+}
+
+/// Whether a path is a list of poses that names its scan.
+pub(crate) fn is_one(path: &Path) -> bool {
+    #[derive(Deserialize)]
+    struct Keys {
+        scan: Option<IgnoredAny>,
+        poses: Option<IgnoredAny>,
+    }
+    let is_json = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
+    let file = file_of(path);
+    let keys = is_json(&file).then(|| read_text(&file).ok()).flatten();
+    let keys = keys.and_then(|text| serde_json::from_str::<Keys>(&text).ok());
+    keys.is_some_and(|keys| keys.scan.is_some() && keys.poses.is_some())
+}
+
+/// The file of a path that may be its folder.
+fn file_of(path: &Path) -> PathBuf {
+    if path.is_dir() { path.join(crate::manifest::FILE_NAME) } else { path.to_owned() }
+}
+
+impl PoseList {
+    /// Writes the list, one view per line.
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let Self { name, tool, scan, unit, grid, rings, poses_from, poses } = self;
+        writeln!(out, "{{ \"name\": {},", serde_json::to_string(name)?)?;
+        write_key(out, "tool", Some(tool))?;
+        write_key(out, "scan", Some(scan))?;
+        write_key(out, "unit", unit.as_ref())?;
+        write_key(out, "grid", grid.as_ref())?;
+        write_key(out, "rings", rings.as_ref())?;
+        write_key(out, "poses_from", poses_from.as_ref())?;
+        write_list(out, "poses", poses)
+    }
+
+    /// The list for a scan that was opened from a path, for a file in a folder that exists.
+    pub(crate) fn new(
+        (scan, name): (&Path, &str),
+        options: &OpenOptions,
+        poses: &[(String, Isometry3)],
+        folder: &Path,
+    ) -> Self {
+        let named = |(view, pose): &(String, Isometry3)| NamedPose {
+            view: view.clone(),
+            pose: row_major(pose),
+        };
+        Self {
+            name: name.to_owned(),
+            tool: concat!("transect ", env!("CARGO_PKG_VERSION")).to_owned(),
+            scan: seen_from(folder, scan),
+            unit: options.unit,
+            grid: options.grid.map(|grid| [grid.rows, grid.cols]),
+            rings: options.rings,
+            poses_from: options.poses.as_ref().map(|file| seen_from(folder, file)),
+            poses: poses.iter().map(named).collect(),
+        }
+    }
+
+    /// Reads a list.
+    pub(crate) fn read(path: &Path) -> Result<Self, ReadError> {
+        let file = file_of(path);
+        serde_json::from_str(&read_text(&file)?)
+            .map_err(|source| ReadError::Json { path: file, source })
+    }
+
+    /// The scan that the list names, and the options to open it with; `path` is the list's own.
+    pub(crate) fn scan(
+        &self,
+        path: &Path,
+        asked: Option<LengthUnit>,
+    ) -> Result<(PathBuf, OpenOptions), ReadError> {
+        let file = file_of(path);
+        let folder = file.parent().unwrap_or(Path::new(""));
+        let scan = folder.join(&self.scan);
+        if is_one(&scan) {
+            let problem = "\"scan\" names another list of poses; name the scan of that list";
+            return Err(ReadError::unsupported(&file, Place::Whole, problem));
+        }
+        let options = OpenOptions {
+            unit: self.unit.or(asked),
+            // The views of the list are looked for by name; others may lack their files.
+            skip_missing: true,
+            poses: self.poses_from.as_ref().map(|file| folder.join(file)),
+            grid: self.grid.map(|[rows, cols]| ImageSize { rows, cols }),
+            rings: self.rings,
+            ..OpenOptions::default()
+        };
+        Ok((scan, options))
+    }
+
+    /// The views of the list, at its poses.
+    pub(crate) fn applied(&self, path: &Path, mut scan: Scan) -> Result<Scan, ReadError> {
+        let file = file_of(path);
+        let mut views = std::mem::take(&mut scan.views).into_iter();
+        for (number, NamedPose { view, pose }) in self.poses.iter().enumerate() {
+            let at = || Place::View { number, name: view.clone() };
+            let found = views.find(|there| there.name() == view).ok_or_else(|| {
+                let problem = "\"scan\" has no view of this name behind the views listed before \
+                               it; list its views by name, in the order of the scan";
+                ReadError::damaged(&file, at(), problem)
+            })?;
+            let pose = pose::from_row_major(pose);
+            let pose = pose.map_err(|problem| ReadError::damaged(&file, at(), problem))?;
+            scan.views.push(found.with_pose(pose.world_from_sensor));
+        }
+        if scan.views.is_empty() {
+            return Err(ReadError::damaged(&file, Place::Whole, "\"poses\" lists no view"));
+        }
+        scan.name.clone_from(&self.name);
+        scan.inputs.insert(0, file);
+        Ok(scan)
+    }
+}
+
+impl Manifest {
+    /// The manifest with other poses, for a file in another folder that exists. Views without a
+    /// pose are left out; the others keep their names.
+    pub(crate) fn posed(
+        mut self,
+        from: &Path,
+        poses: &[(String, Isometry3)],
+        folder: &Path,
+    ) -> Self {
+        let mut poses = poses.iter().peekable();
+        self.views.retain_mut(|view| {
+            let name = view.name.as_ref().unwrap_or(&view.file).clone();
+            let Some((_, pose)) = poses.next_if(|(posed, _)| *posed == name) else { return false };
+            view.pose = row_major(pose);
+            let moved = |file: &mut String| {
+                *file = seen_from(folder, &from.join(&*file)).to_string_lossy().into_owned();
+            };
+            moved(&mut view.file);
+            match &mut view.sensor {
+                SensorEntry::LookupTable(entry) => moved(&mut entry.calibration),
+                SensorEntry::Pinhole(entry) => {
+                    if let LensEntry::Rays { rays } = &mut entry.lens {
+                        moved(rays);
+                    }
+                }
+                _ => (),
+            }
+            view.name = (name != view.file).then_some(name);
+            true
+        });
+        self
+    }
+}
+
+/// A file as a folder names it: by the way from the folder, or by absolute path where the two have
+/// nothing in common but the root.
+fn seen_from(folder: &Path, file: &Path) -> PathBuf {
+    let resolved = |path: &Path| {
+        path.canonicalize().or_else(|_| std::path::absolute(path)).unwrap_or(path.to_owned())
+    };
+    let (folder, file) = (resolved(folder), resolved(file));
+    let both = folder.components().zip(file.components());
+    let common = both.take_while(|(a, b)| a == b).count();
+    if common < 2 {
+        return file;
+    }
+    let up = folder.components().skip(common).map(|_| Path::new(".."));
+    let down = file.components().skip(common).map(|part| Path::new(part.as_os_str()).to_owned());
+    up.map(Path::to_owned).chain(down).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_data::with_causes;
+    use std::fs;
+    use tempfile::TempDir;
+
+    /// Writes a scan with other poses into `new/scan.json`, and opens it.
+    fn written(
+        folder: &TempDir,
+        scan: &str,
+        options: &OpenOptions,
+        views: &[usize],
+    ) -> (Scan, Scan) {
+        let path = folder.path().join(scan);
+        let own = Scan::open_with(&path, options).unwrap();
+        let pose = |k: &usize| {
+            let moved = Isometry3::translation(*k as f64 + 0.1, 0.0, 0.0);
+            (own.views[*k].name().to_owned(), moved)
+        };
+        let poses: Vec<_> = views.iter().map(pose).collect();
+        let new = folder.path().join("new");
+        fs::create_dir_all(&new).unwrap();
+        let posed = own.posed(&path, options, &poses, &new).unwrap();
+        crate::write_file(&new.join("scan.json"), |out| posed.write(out)).unwrap();
+        (own, Scan::open(&new).unwrap())
+    }
+
+    #[test]
+    fn a_list_of_poses_opens_its_scan_at_them() {
+        let folder = tempfile::tempdir().unwrap();
+        let conf =
+            "bmesh a.ply 0 0 0 0 0 0 1\nbmesh b.ply 0 0 0 0 0 0 1\nbmesh a.ply 9 0 0 0 0 0 1\n";
+        fs::write(folder.path().join("part.conf"), conf).unwrap();
+        ["a.ply", "b.ply"]
+            .iter()
+            .for_each(|name| fs::write(folder.path().join(name), "ply").unwrap());
+        let options = OpenOptions { unit: Some(LengthUnit::Inch), ..OpenOptions::default() };
+        let (own, new) = written(&folder, "part.conf", &options, &[1, 2]);
+        let names: Vec<_> = new.views.iter().map(|view| view.name()).collect();
+        assert_eq!((names, new.unit), (vec!["b.ply", "a.ply"], own.unit));
+        assert_eq!(new.views[1].world_from_sensor().translation.x, 2.1);
+        assert_eq!(new.name, "part");
+        // A list of a list names the scan itself.
+        let again = folder.path().join("again");
+        fs::create_dir(&again).unwrap();
+        let poses = [("a.ply".to_owned(), Isometry3::identity())];
+        let posed = new.posed(&folder.path().join("new"), &OpenOptions::default(), &poses, &again);
+        let PosedScan::Poses(list) = posed.unwrap() else { panic!("a manifest") };
+        assert_eq!((list.scan.as_path(), list.unit), (Path::new("../part.conf"), options.unit));
+    }
+
+    #[test]
+    fn a_manifest_moves_with_its_files_and_names() {
+        let folder = tempfile::tempdir().unwrap();
+        let pose = row_major(&Isometry3::identity());
+        let view = |file: &str, sensor: &str| {
+            format!(r#"{{"file": "{file}", "sensor": "pinhole", {sensor}, "pose": {pose:?}}}"#)
+        };
+        let [a, b] = [view("a.npy", r#""rays": "r.npy""#), view("b.npy", r#""rays": "r.npy""#)];
+        let text = format!(r#"{{"unit": "mm", "sigma": 2, "views": [{a}, {b}]}}"#);
+        fs::create_dir(folder.path().join("old")).unwrap();
+        fs::write(folder.path().join("old/scan.json"), text).unwrap();
+        let write = |name: &str| fs::write(folder.path().join("old").join(name), "").unwrap();
+        ["a.npy", "b.npy", "r.npy"].into_iter().for_each(write);
+        let (own, new) = written(&folder, "old", &OpenOptions::default(), &[1]);
+        assert_eq!(new.views[0].name(), "b.npy");
+        assert_eq!(new.views[0].world_from_sensor().translation.x, 1.1);
+        assert_eq!((new.unit, new.sigma, own.sigma), (own.unit, own.sigma, Some(2.0)));
+        let files: Vec<_> = new.inputs[1..].iter().map(|p| p.canonicalize().unwrap()).collect();
+        let old = folder.path().canonicalize().unwrap().join("old");
+        assert_eq!(files, [old.join("b.npy"), old.join("r.npy")]);
+    }
+
+    #[test]
+    fn what_a_list_cannot_mean_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("a.conf"), "bmesh a.ply 0 0 0 0 0 0 1\n").unwrap();
+        fs::write(folder.path().join("a.ply"), "ply").unwrap();
+        let path = folder.path().join("scan.json");
+        let error = |list: &str| {
+            fs::write(&path, list).unwrap();
+            with_causes(&Scan::open(&path).unwrap_err())
+        };
+        let pose = row_major(&Isometry3::identity());
+        let posed = |view: &str| format!(r#"{{"view": "{view}", "pose": {pose:?}}}"#);
+        let list = |scan: &str, poses: &str| {
+            format!(r#"{{"name": "n", "scan": "{scan}", "poses": [{poses}]}}"#)
+        };
+        for (text, wanted) in [
+            (list("a.conf", &posed("b.ply")), "view 0 (b.ply): \"scan\" has no view of this name"),
+            (list("a.conf", ""), "\"poses\" lists no view"),
+            (list("scan.json", &posed("a.ply")), "names another list of poses"),
+            (list("b.conf", &posed("a.ply")), "b.conf: cannot be read"),
+            (list("a.conf", r#"{"view": "a.ply", "pose": [1]}"#), "invalid length 1"),
+            (list("a.conf", &posed("a.ply").replace("[1", "[-1")), "the pose is a reflection"),
+            (list("a.conf", &posed("a.ply")).replace("name", "nome"), "unknown field `nome`"),
+        ] {
+            let error = error(&text);
+            assert!(error.contains(wanted), "{error}");
+        }
+    }
+}

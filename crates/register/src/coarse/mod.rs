@@ -1,0 +1,255 @@
+//! A coarse copy of a view: patches of its surface, and the free space before them.
+//!
+//! **Problem.** Every question about poses compares all pairs of views. Whole images are too large
+//! to keep, and their samples too noisy to compare.
+//!
+//! **Steps.**
+//! 1. The image is divided into square cells, at most [`CELLS`] of them.
+//! 2. Each cell keeps its nearest and farthest sample along its middle ray, and the [`Patch`]
+//!    through its samples if they are one smooth surface.
+//! 3. A point is looked up by the device frame's inverse. Point grids have none; there, the cell
+//!    whose ray passes the point is found from the samples, see `by_points.rs`.
+
+mod by_points;
+mod patch;
+
+pub use patch::Patch;
+
+use crate::tuning::{CELLS, LEAST_STEP, LEAST_WHOLE};
+use by_points::ByPoints;
+use rayon::prelude::*;
+use std::sync::Arc;
+use transect_device::{DeviceFrame, ImageSize, Isometry3, Pixel, Point3, Ray, Vector3, View};
+use transect_image::RangeNoise;
+
+/// A coarse copy of a view, a few thousand cells in place of its pixels.
+#[derive(Debug, Clone)]
+pub struct CoarseView {
+    name: String,
+    world_from_sensor: Isometry3,
+    image: ImageSize,
+    /// Rows and columns of cells.
+    size: ImageSize,
+    /// Pixels along the side of a cell.
+    step: usize,
+    /// Row-major.
+    cells: Vec<Cell>,
+    lookup: Lookup,
+    sigma: f64,
+}
+
+#[derive(Debug, Clone)]
+enum Lookup {
+    Inverse(Arc<dyn DeviceFrame>),
+    Points(ByPoints),
+}
+
+/// What a cell of pixels measured.
+#[derive(Debug, Clone, Copy, Default)]
+struct Cell {
+    seen: Option<Seen>,
+    patch: Option<Patch>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Seen {
+    /// The ray that stands for those of all pixels.
+    ray: Ray,
+    /// Distances of the nearest and the farthest sample from the ray's start, along the ray.
+    nearest: f64,
+    farthest: f64,
+    /// Whether nearly every pixel has a sample; see [`LEAST_WHOLE`].
+    whole: bool,
+}
+
+/// Where a point lies, as a view sees it along the ray through the point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Sighting {
+    /// Between the sensor and all that the view measured around that ray, by this length. The view
+    /// looked through the point, so no surface is there.
+    InFront(f64),
+    /// Within the depths that the view measured around that ray.
+    Near,
+    /// Behind all that it measured around that ray, by this length. The view says nothing about it.
+    Behind(f64),
+    /// Outside the image, or at missing pixels.
+    Unseen,
+}
+
+/// A point over a patch of a view.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Meeting {
+    /// Number of the cell that holds the patch, row by row.
+    pub cell: usize,
+    /// Signed distance of the point from the patch's surface, positive on the sensor's side.
+    pub distance: f64,
+    /// Unit normal of the surface there, in the sensor frame, on the sensor's side.
+    pub normal: Vector3,
+    /// Standard deviation of the patch along its normal from noise alone.
+    pub sigma: f64,
+}
+
+impl CoarseView {
+    /// The coarse copy of a view.
+    pub fn new(view: &View) -> Self {
+        let image = view.image().size();
+        let step = (image.pixels() as f64 / CELLS as f64).sqrt().ceil() as usize;
+        let step = step.max(LEAST_STEP);
+        let size = ImageSize { rows: image.rows.div_ceil(step), cols: image.cols.div_ceil(step) };
+        let noise = RangeNoise::of(view);
+        let cell = |k: usize| {
+            let corner = Pixel::new(k / size.cols * step, k % size.cols * step);
+            Cell::new(view, &noise, corner, step)
+        };
+        let cells: Vec<Cell> = (0..size.pixels()).into_par_iter().map(cell).collect();
+        Self {
+            name: view.name().to_owned(),
+            world_from_sensor: *view.world_from_sensor(),
+            image,
+            size,
+            step,
+            lookup: Lookup::new(view, &cells),
+            cells,
+            sigma: noise.length(),
+        }
+    }
+
+    /// The same copy at another pose.
+    pub fn with_pose(self, world_from_sensor: Isometry3) -> Self {
+        Self { world_from_sensor, ..self }
+    }
+
+    /// The name of the view.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The pose that the view was given: world coordinates from sensor coordinates.
+    pub fn world_from_sensor(&self) -> &Isometry3 {
+        &self.world_from_sensor
+    }
+
+    /// Rows and columns of cells.
+    pub fn size(&self) -> ImageSize {
+        self.size
+    }
+
+    /// Pixels along the side of a cell.
+    pub fn step(&self) -> usize {
+        self.step
+    }
+
+    /// Range noise of the view along its rays, at its median pixel, in the model's length unit.
+    pub fn sigma(&self) -> f64 {
+        self.sigma
+    }
+
+    /// The patches in the sensor frame, each with the number of its cell, row by row.
+    pub fn patches(&self) -> impl Iterator<Item = (usize, &Patch)> {
+        self.cells.iter().enumerate().filter_map(|(k, cell)| Some((k, cell.patch.as_ref()?)))
+    }
+
+    /// The patch that a sensor-frame point lies over; `None` where the view has none.
+    pub fn meeting(&self, in_sensor: &Point3) -> Option<Meeting> {
+        let cell = self.cell_of(in_sensor)?;
+        let patch = self.cells.get(cell)?.patch.as_ref()?;
+        let (distance, normal, sigma) = patch.distance(in_sensor)?;
+        Some(Meeting { cell, distance, normal, sigma })
+    }
+
+    /// Where a sensor-frame point lies along the view's rays.
+    ///
+    /// A point is in front only if all nine cells around it are whole and farther away: rays
+    /// between surfaces say nothing.
+    pub fn sighting(&self, in_sensor: &Point3) -> Sighting {
+        let Some(cell) = self.cell_of(in_sensor) else { return Sighting::Unseen };
+        let Some(seen) = self.cells.get(cell).and_then(|c| c.seen) else { return Sighting::Unseen };
+        let depth = (in_sensor - seen.ray.start).dot(&seen.ray.direction);
+        let (mut nearest, mut farthest) = (seen.nearest, seen.farthest);
+        let mut whole = true;
+        for around in self.around(cell) {
+            match self.cells.get(around).and_then(|c| c.seen) {
+                Some(seen) => {
+                    nearest = nearest.min(seen.nearest);
+                    farthest = farthest.max(seen.farthest);
+                    whole &= seen.whole;
+                }
+                None => whole = false,
+            }
+        }
+        if depth < nearest && whole {
+            Sighting::InFront(nearest - depth)
+        } else if depth > farthest {
+            Sighting::Behind(depth - farthest)
+        } else {
+            Sighting::Near
+        }
+    }
+
+    /// The cell whose rays pass a sensor-frame point.
+    pub(crate) fn cell_of(&self, in_sensor: &Point3) -> Option<usize> {
+        match &self.lookup {
+            Lookup::Inverse(frame) => {
+                let at = frame.device_point(in_sensor)?;
+                let inside = at.row > -0.5 && at.col > -0.5;
+                let (row, col) = ((at.row + 0.5) as usize, (at.col + 0.5) as usize);
+                let inside = inside && row < self.image.rows && col < self.image.cols;
+                inside.then(|| row / self.step * self.size.cols + col / self.step)
+            }
+            Lookup::Points(points) => points.cell_of(in_sensor),
+        }
+    }
+
+    /// The eight cells around one, as far as the image reaches.
+    fn around(&self, cell: usize) -> impl Iterator<Item = usize> {
+        let (row, col, size) = (cell / self.size.cols, cell % self.size.cols, self.size);
+        let rows = row.saturating_sub(1)..(row + 2).min(size.rows);
+        rows.flat_map(move |r| {
+            let cols = col.saturating_sub(1)..(col + 2).min(size.cols);
+            cols.map(move |c| r * size.cols + c)
+        })
+    }
+}
+
+impl Cell {
+    fn new(view: &View, noise: &RangeNoise, corner: Pixel, step: usize) -> Self {
+        let (image, frame) = (view.image(), view.frame());
+        let size = image.size();
+        let (rows, cols) = ((corner.row + step).min(size.rows), (corner.col + step).min(size.cols));
+        let mut samples = Vec::with_capacity(step * step);
+        let middle = Pixel::new((corner.row + rows) / 2, (corner.col + cols) / 2);
+        let mut central: Option<(usize, Pixel)> = None;
+        for pixel in
+            (corner.row..rows).flat_map(|r| (corner.col..cols).map(move |c| Pixel::new(r, c)))
+        {
+            let Some(point) = view.point_in_sensor(pixel) else { continue };
+            samples.push(point);
+            let off = pixel.row.abs_diff(middle.row) + pixel.col.abs_diff(middle.col);
+            if central.is_none_or(|(best, _)| off < best) {
+                central = Some((off, pixel));
+            }
+        }
+        let Some((_, pixel)) = central else { return Self::default() };
+        let Some(ray) = frame.ray(pixel) else { return Self::default() };
+        let depth = |p: &Point3| (p - ray.start).dot(&ray.direction);
+        let pixels = (rows - corner.row) * (cols - corner.col);
+        let seen = Seen {
+            ray,
+            nearest: samples.iter().map(depth).fold(f64::INFINITY, f64::min),
+            farthest: samples.iter().map(depth).fold(f64::NEG_INFINITY, f64::max),
+            whole: samples.len() as f64 >= LEAST_WHOLE * pixels as f64,
+        };
+        let sigma = noise.length_at(view, pixel);
+        let cell = patch::Cell { samples: &samples, pixels, ray: ray.direction, sigma };
+        Self { seen: Some(seen), patch: Patch::fit(&cell) }
+    }
+}
+
+impl Lookup {
+    fn new(view: &View, cells: &[Cell]) -> Self {
+        let frame = view.shared_frame();
+        let mut points = cells.iter().filter_map(|cell| cell.patch.as_ref()).map(Patch::point);
+        let inverse = points.next().is_none_or(|p| frame.device_point(&p).is_some());
+        if inverse { Self::Inverse(frame) } else { Self::Points(ByPoints::new(cells)) }
+    }
+}

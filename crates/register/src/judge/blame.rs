@@ -1,0 +1,118 @@
+//! Which views explain the contradictions.
+//!
+//! **Problem.** A wrong view contradicts every right view, and each right view contradicts the
+//! wrong one. A score per view would blame them all.
+//!
+//! **Steps.**
+//! 1. Views are blamed one after the other: each time the one whose pairs with the views not yet
+//!    blamed are the least likely among right views (a vertex cover with soft edges, greedily).
+//! 2. Blame holds only where it makes peace: the blamed views must contradict the others far more
+//!    than any two of the others do. Real scans have many small contradictions without a culprit.
+
+use super::tuning::{BAD_IF_RIGHT, BLAME_COST, EVIDENCE_OF_A_PAIR, LEAST_SAMPLES, STANDS_OUT};
+
+/// How many patches of some views agree and contradict.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Counts {
+    pub good: usize,
+    pub bad: usize,
+}
+
+impl Counts {
+    pub fn all(self) -> usize {
+        self.good + self.bad
+    }
+
+    /// The share of contradictions; 0 of nothing.
+    pub fn bad_share(self) -> f64 {
+        if self.all() == 0 { 0.0 } else { self.bad as f64 / self.all() as f64 }
+    }
+}
+
+impl std::ops::Add for Counts {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { good: self.good + other.good, bad: self.bad + other.bad }
+    }
+}
+
+/// The counts of every pair of views.
+#[derive(Debug, Clone)]
+pub(super) struct Table {
+    views: usize,
+    counts: Vec<Counts>,
+}
+
+impl Table {
+    pub fn new(views: usize, of: impl Fn(usize, usize) -> Counts) -> Self {
+        let counts = (0..views * views).map(|k| of(k / views, k % views)).collect();
+        Self { views, counts }
+    }
+
+    pub fn pair(&self, a: usize, b: usize) -> Counts {
+        self.counts[a * self.views + b]
+    }
+
+    /// The counts of a view with the views that are not blamed.
+    pub fn with_right(&self, view: usize, blamed: &[usize]) -> Counts {
+        let right = (0..self.views).filter(|k| *k != view && !blamed.contains(k));
+        right.map(|k| self.pair(view, k)).fold(Counts::default(), |sum, pair| sum + pair)
+    }
+
+    /// The largest share of contradictions of a view that is not blamed.
+    pub fn usual_share(&self, blamed: &[usize]) -> f64 {
+        let right = (0..self.views).filter(|k| !blamed.contains(k));
+        let counts = right.map(|k| self.with_right(k, blamed));
+        let known = counts.filter(|c| c.all() >= LEAST_SAMPLES);
+        known.map(Counts::bad_share).fold(0.0, f64::max)
+    }
+
+    /// The views whose being wrong explains the contradictions: at most half of all.
+    pub fn blamed(&self) -> Vec<usize> {
+        let mut order: Vec<usize> = Vec::new();
+        while order.len() < self.views / 2 {
+            let unblamed = (0..self.views).filter(|k| !order.contains(k));
+            let gains = unblamed.map(|k| (k, self.gain(k, &order)));
+            let best = gains.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
+            match best {
+                Some((view, gain)) if gain > BLAME_COST => order.push(view),
+                _ => break,
+            }
+        }
+        while !order.is_empty() && !self.makes_peace(&order) {
+            order.pop();
+        }
+        order.sort_unstable();
+        order
+    }
+
+    fn makes_peace(&self, blamed: &[usize]) -> bool {
+        let least = self.least_share(blamed);
+        blamed.iter().all(|k| self.with_right(*k, blamed).bad_share() >= least)
+    }
+
+    /// The share of contradictions from which a view stands out among those not blamed.
+    pub fn least_share(&self, blamed: &[usize]) -> f64 {
+        STANDS_OUT[0] + STANDS_OUT[1] * self.usual_share(blamed)
+    }
+
+    /// By how much the logarithm of the likelihood grows if a view is taken to be wrong, with the
+    /// share of contradictions that its pairs have.
+    fn gain(&self, view: usize, blamed: &[usize]) -> f64 {
+        let right = (0..self.views).filter(|k| *k != view && !blamed.contains(k));
+        let weighted = |k: usize| {
+            let pair = self.pair(view, k);
+            let weight = EVIDENCE_OF_A_PAIR / (pair.all() as f64).max(EVIDENCE_OF_A_PAIR);
+            [weight * pair.good as f64, weight * pair.bad as f64]
+        };
+        let [good, bad] =
+            right.map(weighted).fold([0.0; 2], |sum, pair| [sum[0] + pair[0], sum[1] + pair[1]]);
+        let share = bad / (good + bad);
+        if share.is_nan() || share <= BAD_IF_RIGHT {
+            return 0.0;
+        }
+        let of_good = if good > 0.0 { ((1.0 - share) / (1.0 - BAD_IF_RIGHT)).ln() } else { 0.0 };
+        bad * (share / BAD_IF_RIGHT).ln() + good * of_good
+    }
+}

@@ -1,0 +1,92 @@
+//! Every pair of views, compared.
+
+use super::blame::{Counts, Table};
+use super::pair::{Placing, Probe, Sample, probes, samples};
+use super::tuning::{
+    CONTRADICTION, HARMLESS, LARGEST_USUAL, LEAST_SAMPLES, NOISE_FACTOR, PROBES, REACH, USUAL_PAIR,
+};
+use crate::coarse::CoarseView;
+use rayon::prelude::*;
+
+/// What all pairs of views say about each other at given places.
+pub(super) struct Evidence<'a> {
+    pub views: &'a [&'a CoarseView],
+    pub placings: Vec<Placing>,
+    pub probes: Vec<Vec<Probe>>,
+    /// For each ordered pair of views, row by row: patches of the first in the second.
+    samples: Vec<Vec<Sample>>,
+    /// The distance by which surfaces of two views usually differ.
+    pub usual: f64,
+}
+
+impl<'a> Evidence<'a> {
+    pub fn new(views: &'a [&'a CoarseView]) -> Self {
+        let placings: Vec<Placing> = views.iter().map(|view| Placing::given(view)).collect();
+        let probes: Vec<Vec<Probe>> = views.par_iter().map(|view| probes(view, PROBES)).collect();
+        let n = views.len();
+        let of = |k: usize| {
+            let (a, b) = (k / n, k % n);
+            if a == b {
+                return Vec::new();
+            }
+            samples(&probes[a], placings[a], views[b], placings[b], REACH)
+        };
+        let samples = (0..n * n).into_par_iter().map(of).collect();
+        let mut evidence = Self { views, placings, probes, samples, usual: 0.0 };
+        evidence.usual = evidence.usual();
+        evidence
+    }
+
+    /// The patches of one view in another.
+    pub fn between(&self, own: usize, other: usize) -> &[Sample] {
+        &self.samples[own * self.views.len() + other]
+    }
+
+    /// Whether a patch contradicts what the other view measured.
+    pub fn contradicts(&self, sample: &Sample) -> bool {
+        let allowed = NOISE_FACTOR * sample.sigma + CONTRADICTION * self.usual;
+        sample.distance.abs() > allowed + HARMLESS * sample.radius
+    }
+
+    /// How many of some samples agree and contradict. A patch a little in front of a surface that
+    /// it does not meet says nothing.
+    pub fn count<'s>(&self, samples: impl Iterator<Item = &'s Sample>) -> Counts {
+        samples.fold(Counts::default(), |sum, sample| {
+            let bad = self.contradicts(sample);
+            sum + Counts { good: usize::from(!bad && sample.met), bad: usize::from(bad) }
+        })
+    }
+
+    pub fn table(&self) -> Table {
+        let both = |a, b| self.between(a, b).iter().chain(self.between(b, a));
+        Table::new(self.views.len(), |a, b| self.count(both(a, b)))
+    }
+
+    /// The median over the views of what is usual for the pairs of each. A wrong view spoils all of
+    /// its own pairs and one pair of each other view; each of two equal camps keeps just less than
+    /// half of its pairs.
+    fn usual(&self) -> f64 {
+        let n = self.views.len();
+        let of_pair = |a: usize, b: usize| {
+            let both = self.between(a, b).iter().chain(self.between(b, a));
+            let met: Vec<f64> = both.filter(|s| s.met).map(|s| s.distance.abs()).collect();
+            (met.len() >= LEAST_SAMPLES).then(|| median(met)).flatten()
+        };
+        let of_view =
+            |a: usize| quantile((0..n).filter_map(|b| of_pair(a, b)).collect(), USUAL_PAIR);
+        let usual = median((0..n).filter_map(of_view).collect()).unwrap_or(0.0);
+        let radii = self.probes.iter().flatten().map(|probe| probe.radius).collect();
+        usual.min(LARGEST_USUAL * median(radii).unwrap_or(0.0))
+    }
+}
+
+/// The median; of an even number the lower one.
+pub(super) fn median(values: Vec<f64>) -> Option<f64> {
+    quantile(values, 0.5)
+}
+
+/// A quantile; between two values the lower one.
+fn quantile(mut values: Vec<f64>, q: f64) -> Option<f64> {
+    let at = (values.len().checked_sub(1)? as f64 * q) as usize;
+    Some(*values.select_nth_unstable_by(at, f64::total_cmp).1)
+}

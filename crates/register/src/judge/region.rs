@@ -1,0 +1,138 @@
+//! Parts of a view that contradict the other views while the rest of it agrees: objects that moved
+//! between two views, and mirrors.
+//!
+//! **Problem.** A patch of A lies where B saw free space. Either A saw an object that was not
+//! always there, or B looked through a surface (a mirror, a window).
+//!
+//! **Idea.** The others decide: a cell is named where two other views or more contradict it, and
+//! cells beside each other make a region.
+
+use super::evidence::Evidence;
+use super::pair::{Sample, probes, samples};
+use super::tuning::{REACH, REGION_CELLS, REGION_FRONT, REGION_HINTS, REGION_WITNESSES};
+use super::{Region, RegionKind};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Regions of a view, and the cells they have.
+pub(super) struct Regions {
+    pub regions: Vec<Region>,
+    pub cells: BTreeSet<usize>,
+}
+
+/// The regions of a view that two or more of the `right` views contradict.
+pub(super) fn regions(evidence: &Evidence<'_>, view: usize, right: &[usize]) -> Regions {
+    let mut found = Regions { regions: Vec::new(), cells: BTreeSet::new() };
+    for kind in [RegionKind::InFront, RegionKind::SeenThrough] {
+        let hints = |other: &usize| {
+            let pair = match kind {
+                RegionKind::InFront => evidence.between(view, *other),
+                RegionKind::SeenThrough => evidence.between(*other, view),
+            };
+            pair.iter().filter(|s| gross(evidence, s)).count()
+        };
+        let mut accusers: Vec<(usize, usize)> =
+            right.iter().map(|other| (hints(other), *other)).collect();
+        accusers.retain(|(hints, _)| *hints >= REGION_HINTS);
+        accusers.sort_by_key(|(hints, other)| (std::cmp::Reverse(*hints), *other));
+        accusers.truncate(REGION_WITNESSES);
+        if accusers.len() < 2 {
+            continue;
+        }
+        let accusers: Vec<usize> = accusers.into_iter().map(|(_, other)| other).collect();
+        let accused = accused_cells(evidence, view, &accusers, kind);
+        for cells in neighbours(evidence, view, &accused) {
+            found.regions.push(region(evidence, view, &accused, &cells, kind));
+            found.cells.extend(cells);
+        }
+    }
+    found
+}
+
+/// Whether a patch is so far in front of what the other view saw that no pose explains it.
+fn gross(evidence: &Evidence<'_>, sample: &Sample) -> bool {
+    let errors = REGION_FRONT[0] * (evidence.usual + sample.sigma);
+    !sample.met && sample.distance > errors.max(REGION_FRONT[1] * sample.radius)
+}
+
+/// The cells that two views contradict: each with the views and the distances.
+type Accused = BTreeMap<usize, BTreeMap<usize, f64>>;
+
+fn accused_cells(
+    evidence: &Evidence<'_>,
+    view: usize,
+    accusers: &[usize],
+    kind: RegionKind,
+) -> Accused {
+    let (views, at) = (evidence.views, &evidence.placings);
+    let mut accused = Accused::new();
+    for &other in accusers {
+        let (from, to) = match kind {
+            RegionKind::InFront => (view, other),
+            RegionKind::SeenThrough => (other, view),
+        };
+        let all = probes(views[from], usize::MAX);
+        for sample in samples(&all, at[from], views[to], at[to], REACH) {
+            if gross(evidence, &sample) {
+                let cell = match kind {
+                    RegionKind::InFront => sample.cell,
+                    RegionKind::SeenThrough => sample.other_cell,
+                };
+                let distance = accused.entry(cell).or_default().entry(other).or_insert(0.0);
+                *distance = sample.distance.max(*distance);
+            }
+        }
+    }
+    accused.retain(|_, by| by.len() > 1);
+    accused
+}
+
+/// Cells within two cells of each other, where they are many.
+fn neighbours(evidence: &Evidence<'_>, view: usize, accused: &Accused) -> Vec<Vec<usize>> {
+    let cols = evidence.views[view].size().cols;
+    let mut left: BTreeSet<usize> = accused.keys().copied().collect();
+    let mut groups = Vec::new();
+    while let Some(first) = left.pop_first() {
+        let (mut group, mut next) = (vec![first], vec![first]);
+        while let Some(cell) = next.pop() {
+            let (row, col) = (cell / cols, cell % cols);
+            let rows = row.saturating_sub(2)..=row + 2;
+            for near in rows.flat_map(|r| (col.saturating_sub(2)..=col + 2).map(move |c| (r, c))) {
+                if near.1 < cols && left.remove(&(near.0 * cols + near.1)) {
+                    group.push(near.0 * cols + near.1);
+                    next.push(near.0 * cols + near.1);
+                }
+            }
+        }
+        if group.len() >= REGION_CELLS {
+            groups.push(group);
+        }
+    }
+    groups
+}
+
+fn region(
+    evidence: &Evidence<'_>,
+    view: usize,
+    accused: &Accused,
+    cells: &[usize],
+    kind: RegionKind,
+) -> Region {
+    let coarse = evidence.views[view];
+    let (cols, step) = (coarse.size().cols, coarse.step());
+    let around = |of: fn(usize, usize) -> usize| {
+        let low = cells.iter().map(|c| of(*c, cols)).min().unwrap_or(0);
+        let high = cells.iter().map(|c| of(*c, cols)).max().unwrap_or(0);
+        [low * step, (high + 1) * step - 1]
+    };
+    let by = || cells.iter().filter_map(|cell| accused.get(cell)).flatten();
+    let distances = by().map(|(_, distance)| *distance).collect();
+    Region {
+        view: coarse.name().to_owned(),
+        kind,
+        rows: around(|cell, cols| cell / cols),
+        cols: around(|cell, cols| cell % cols),
+        distance: super::evidence::median(distances).unwrap_or(0.0),
+        views: by().map(|(other, _)| other).collect::<BTreeSet<_>>().len(),
+        cells: cells.len(),
+    }
+}

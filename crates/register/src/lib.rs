@@ -1,0 +1,20 @@
+//! The poses of range images: judged, explained and refined before any section plane is known.
+//!
+//! The one decision of this crate: poses are compared **through the images**, along the rays of the
+//! views, and never through curves. It knows no section planes, no files and no model.
+//!
+//! * [`CoarseView`]: a view as a few thousand patches of surface and the free space before them.
+//! * [`PoseReading`]: another convention by which the same poses may have been written.
+
+mod coarse;
+mod judge;
+mod readings;
+mod refine;
+mod tuning;
+
+pub use coarse::{CoarseView, Meeting, Patch, Sighting};
+pub use judge::{
+    Agreement, Finding, Judgement, Misplaced, Motion, Region, RegionKind, Scaled, judge,
+};
+pub use readings::{Accord, Explanation, PoseReading, explain};
+pub use refine::{PoseOutcome, PosePrior, RefineOptions, RefinedPose, Refinement, refine};

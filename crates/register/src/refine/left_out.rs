@@ -1,0 +1,1 @@
+//! Whether pairs that were left out of an estimate agree better with it.

@@ -1,0 +1,82 @@
+//! The numbers that this crate does not derive from the data.
+
+/// Most cells of a view. No unit. Chosen by hand: patches of a scan of half a million pixels then
+/// have 8 by 8 pixels. Doubled, a coarse copy takes twice the memory, and curved surfaces are
+/// followed more closely.
+pub const CELLS: usize = 8192;
+
+/// Fewest pixels along the side of a cell. No unit. Theory: a surface of second order has six
+/// unknowns, and 4 by 4 pixels leave ten values to tell its noise. Doubled, images of few rows have
+/// hardly any patches.
+pub const LEAST_STEP: usize = 4;
+
+/// Share of the pixels of a cell that a patch needs. No unit. Chosen by hand: an edge through the
+/// middle of a cell leaves half of them. Doubled, no cell with a missing pixel has a patch.
+pub const LEAST_FILLED: f64 = 0.5;
+
+/// Share of the pixels of a cell with a sample from which it shows that nothing else is there. No
+/// unit. Chosen by hand: scanners lose 1 or 2 % of their pixels at random. At 1, such scanners have
+/// no free space; at half of it, thin objects hide in missing pixels.
+pub const LEAST_WHOLE: f64 = 0.9;
+
+/// Largest angle of incidence of a patch, in degrees. Chosen by hand: the limit of range jumps, see
+/// `partial`. At 89 degrees, steps between two surfaces pass for patches.
+pub const MAX_INCIDENCE_DEGREES: f64 = 75.0;
+
+/// Departure of the samples of a patch from it, over their noise, from which it is no patch.
+/// Theory: with ten samples or more to spare, noise alone exceeds it once in 10 000 patches.
+/// Doubled, creases pass for patches.
+pub const ROUGH: f64 = 2.0;
+
+/// Departure that is allowed in images without noise, over the distance between samples. No unit.
+/// Chosen by hand: far below what a crease leaves in a cell. Doubled, shallow creases pass.
+pub const SAMPLING_ROUGH: f64 = 0.03;
+
+/// Largest angle between the normals of two patches of one surface, in degrees. Chosen by hand:
+/// less than half a right angle keeps the sides of a corner apart, with room for a turned view.
+/// Doubled, patches around a corner meet.
+pub const ALIKE_DEGREES: f64 = 40.0;
+
+/// Standard deviations that a patch may lie off another. No unit. Theory: all but one in 400.
+/// Doubled, other surfaces behind the first ones count.
+pub const GATE: f64 = 3.0;
+
+/// Patches of a view that decide whether a pair of views overlaps. No unit. Chosen by hand: a
+/// fiftieth of them must meet. Doubled, finding the pairs takes twice the time.
+pub const PROBES: usize = 256;
+
+/// Fewest patches of a pair that count. No unit. Theory: a rigid motion has six unknowns, and a
+/// median of fewer than a dozen means little. Doubled, small overlaps are lost.
+pub const LEAST_MEETINGS: usize = 12;
+
+/// Most observations of all pairs together in one round. No unit. Measured: four times as many
+/// change poses by less than a fifth of their standard deviation. Doubled, a round takes twice the
+/// time.
+pub const OBSERVATIONS: usize = 400_000;
+
+/// How far poses may be off at first: a rotation, in degrees. Chosen by hand: a third of the turn
+/// that a view off by ten degrees needs. Doubled, patches of other surfaces meet.
+pub const FIRST_ROTATION_DEGREES: f64 = 3.0;
+
+/// The same for a translation, over the median distance of the patches from their sensors.
+pub const FIRST_TRANSLATION: f64 = 0.05;
+
+/// Most rounds of finding meetings and solving. No unit. Chosen by hand: sound data settle after
+/// five to ten.
+pub const ROUNDS: usize = 24;
+
+/// Change of a motion, over its standard deviation, below which it has settled. No unit.
+pub const SETTLED: f64 = 0.02;
+
+/// Blocks along each side of an image within which errors may be shared. No unit. Chosen by hand:
+/// errors of lenses vary over the whole image. Doubled, errors over a quarter of an image are taken
+/// for independent.
+pub const BLOCKS: usize = 4;
+
+/// Fall of the sum of squares, over the variance of a sample, up to which a bent patch is taken for
+/// a plane. No unit. Theory: two for each of the three numbers that a bend adds (Akaike, 1974).
+/// Doubled, slight bends are taken for planes.
+pub const FLAT: f64 = 6.0;
+
+/// Updates of the prior in a round. No unit.
+pub const PRIOR_ROUNDS: usize = 3;

@@ -1,0 +1,162 @@
+//! Wrong views are named alone; sound ones are not.
+
+use crate::common::{alone, changed, coarse, findings, real, simulated, turned};
+use proptest::prelude::*;
+use transect_device::{Isometry3, Vector3};
+use transect_register::{Finding, RegionKind, judge};
+
+#[test]
+fn sound_scans_have_no_findings() {
+    for name in transect_scene::BUNDLED_SCENES.map(|(name, _)| name) {
+        assert_eq!(findings(&simulated(name, "")), [], "{name}");
+    }
+    for name in ["rgbd_redkitchen", "stanford_bunny"] {
+        if let Some(views) = real(name) {
+            assert_eq!(findings(&views), [], "{name}");
+        }
+    }
+}
+
+/// Turns that move no surface by more than its noise: of the tunnel's scanners about its axis.
+fn unseen(scene: &str, axis: usize, degrees: f64) -> bool {
+    scene == "tunnel" && axis == 0 && degrees < 2.0
+}
+
+#[test]
+fn a_turned_view_is_named_alone() {
+    for scene in ["room", "face_mask", "tunnel"] {
+        let views = simulated(scene, "");
+        for (k, view) in views.iter().enumerate() {
+            for (axis, degrees) in
+                [0, 1, 2].into_iter().flat_map(|a| [1.0, 3.0, 10.0, 30.0].map(|d| (a, d)))
+            {
+                let mut views = views.clone();
+                views[k] = turned(view, axis, degrees);
+                let found = findings(&views);
+                let expected = (!unseen(scene, axis, degrees)).then(|| view.name());
+                let case = format!("{scene}, {} by {degrees} about {axis}", view.name());
+                if expected.is_some() || !found.is_empty() {
+                    assert_eq!(alone(&found), Some(view.name()), "{case}: {found:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_motion_back_is_stated() {
+    let mut views = simulated("room", "");
+    views[2] = turned(&views[2], 1, 1.0);
+    let found = findings(&views);
+    let [Finding::Misplaced(found)] = &found[..] else { panic!("{found:?}") };
+    let motion = found.motion.unwrap();
+    assert!((motion.rotation.to_degrees() - 1.0).abs() < 0.02, "{motion:?}");
+    assert!(motion.translation < 0.003 && motion.contradicting < 0.02, "{motion:?}");
+    assert!(found.contradicting > 0.2 && found.usual < 0.02 && found.against == 3, "{found:?}");
+}
+
+#[test]
+fn a_wrong_scale_of_the_ranges_is_named_with_its_factor() {
+    for scene in ["room", "face_mask", "tunnel"] {
+        let mut views = simulated(scene, "");
+        views[1] = changed(&views[1], |_, _, range| range * 1.005);
+        let found = findings(&views);
+        let [Finding::Scaled(scaled)] = &found[..] else { panic!("{scene}: {found:?}") };
+        assert_eq!(scaled.view, views[1].name());
+        assert!((scaled.factor - 1.005).abs() < 2e-4, "{scene}: {scaled:?}");
+    }
+}
+
+#[test]
+fn two_camps_are_named_as_such() {
+    let mut views = simulated("room", "");
+    let shift = Isometry3::translation(0.1, 0.05, 0.1);
+    for k in [0, 3] {
+        views[k] = views[k].with_pose(shift * views[k].world_from_sensor()).unwrap();
+    }
+    let found = findings(&views);
+    let [Finding::Camps { camps, contradicting }] = &found[..] else { panic!("{found:?}") };
+    let names = |all: [usize; 2]| all.map(|k| views[k].name().to_owned()).to_vec();
+    let mut expected = [names([2, 1]), names([3, 0])];
+    let mut camps = camps.clone();
+    expected.iter_mut().for_each(|camp| camp.sort());
+    expected.sort();
+    camps.sort();
+    assert_eq!(camps, expected);
+    assert!(*contradicting > 0.3, "{contradicting}");
+}
+
+/// A person in the middle of the room, for one scan out of four.
+const PERSON: &str = "[[solid]]\nname = \"person\"\nshape = \"cylinder\"\nradius = 0.25\n\
+                      height = 1.75\nat = [1.5, 3.6, 0.88]\n";
+
+#[test]
+fn a_moving_object_is_a_region_of_its_view() {
+    let mut views = simulated("room", "");
+    let with_person = simulated("room", PERSON);
+    views[0] = with_person[0].clone();
+    let found = findings(&views);
+    let [Finding::Region(region)] = &found[..] else { panic!("{found:?}") };
+    assert_eq!((region.view.as_str(), region.kind), (views[0].name(), RegionKind::InFront));
+    assert!(region.views >= 2 && region.distance > 0.3, "{region:?}");
+    // The pixels that the person changed.
+    let without = simulated("room", "").swap_remove(0);
+    let differs = |row: usize, col: usize| {
+        let [a, b] = [&with_person[0], &without].map(|v| v.image().row(row)[col]);
+        (a - b).abs() > 0.1
+    };
+    let cols: Vec<usize> = (0..400).filter(|col| differs(200, *col)).collect();
+    let overlap = cols.iter().filter(|c| (region.cols[0]..=region.cols[1]).contains(c)).count();
+    assert!(!cols.is_empty() && 2 * overlap > cols.len(), "{region:?} against {cols:?}");
+}
+
+#[test]
+fn a_mirror_is_a_region_of_its_view() {
+    let mut views = simulated("room", "");
+    let mirror = |row: usize, col: usize| (150..260).contains(&row) && (120..200).contains(&col);
+    views[2] =
+        changed(&views[2], |row, col, range| range * if mirror(row, col) { 1.6 } else { 1.0 });
+    let found = findings(&views);
+    let [Finding::Region(region)] = &found[..] else { panic!("{found:?}") };
+    assert_eq!((region.view.as_str(), region.kind), (views[2].name(), RegionKind::SeenThrough));
+    assert!(region.rows[0] >= 140 && region.rows[1] <= 270, "{region:?}");
+    assert!(region.cols[0] >= 110 && region.cols[1] <= 210, "{region:?}");
+}
+
+#[test]
+fn no_views_and_one_view_are_sound() {
+    assert_eq!(findings(&[]), []);
+    assert_eq!(findings(&simulated("room", "")[..1]), []);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(8))]
+
+    /// Judging depends neither on the order of the views nor on the number of threads.
+    #[test]
+    fn the_order_of_views_does_not_matter(order in Just([0, 1, 2, 3]).prop_shuffle(), degrees in 0.0..4.0) {
+        let mut views = simulated("face_mask", "");
+        views[1] = turned(&views[1], 0, degrees);
+        let expected = judge(&coarse(&views));
+        let shuffled = order.map(|k| views[k].clone());
+        let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        prop_assert_eq!(one.install(|| judge(&coarse(&shuffled))), expected);
+    }
+
+    /// A common motion of all views changes no finding.
+    #[test]
+    fn a_common_motion_does_not_matter(
+        turn in prop::array::uniform3(-3.0..3.0),
+        shift in prop::array::uniform3(-500.0..500.0),
+        degrees in prop::sample::select(vec![0.0, 1.0, 3.0, 30.0]),
+    ) {
+        let mut views = simulated("face_mask", "");
+        views[1] = turned(&views[1], 0, degrees);
+        let motion = Isometry3::new(Vector3::from(shift), Vector3::from(turn));
+        let moved: Vec<_> =
+            views.iter().map(|v| v.with_pose(motion * v.world_from_sensor()).unwrap()).collect();
+        let name = |found: &[Finding]| alone(found).map(str::to_owned);
+        prop_assert_eq!(name(&findings(&moved)), name(&findings(&views)));
+        prop_assert_eq!(findings(&moved).len(), findings(&views).len());
+    }
+}

@@ -1,0 +1,6 @@
+//! The integration tests of the crate, in one program.
+#![allow(clippy::unwrap_used, reason = "tests and their helpers may fail loudly")]
+
+mod common;
+mod judging;
+mod readings;

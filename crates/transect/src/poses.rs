@@ -1,0 +1,86 @@
+//! The stage before curves: the poses of all views, compared through coarse copies of the images.
+//!
+//! **Problem.** Poses can only be compared between all views at once, and the images of all views
+//! may not fit into memory.
+//!
+//! **Steps.**
+//! 1. Every view is loaded and dropped; its [`CoarseView`] stays ([`coarse_views`]). Poses that
+//!    agree under another convention are recognised ([`explain`]).
+//! 2. The poses are refined together ([`refine`]), if that is asked for.
+//! 3. What still contradicts is found ([`judge`]).
+//! 4. The pipeline loads every view again and models it at its refined pose.
+
+mod messages;
+
+use crate::modelled_view::TimedView;
+use crate::{Posed, ReconstructError, Stage, ViewSource, Watch};
+use rayon::prelude::*;
+use serde::Serialize;
+use transect_geometry::LengthUnit;
+use transect_register::{
+    CoarseView, Explanation, Judgement, RefineOptions, Refinement, explain, judge, refine,
+};
+
+/// The poses of a run: what contradicts, and how they were refined.
+#[derive(Debug, Clone, Serialize)]
+#[non_exhaustive]
+pub struct PoseReport {
+    /// The unit of its lengths.
+    pub unit: LengthUnit,
+    /// Another reading of the given poses under which the views agree, where they contradict.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub explanation: Option<Explanation>,
+    /// What contradicts at the refined poses, or at the given ones if they were kept.
+    pub judgement: Judgement,
+    /// The refined poses; `None` if the given ones were kept.
+    #[serde(flatten)]
+    pub refinement: Option<Refinement>,
+}
+
+/// Coarse copies of all views, in their order; each view is dropped as soon as it is copied.
+///
+/// # Errors
+/// [`ReconstructError`] names the first view, in the given order, that cannot be loaded.
+pub fn coarse_views<S: ViewSource>(
+    sources: &[S],
+    watch: &dyn Watch,
+) -> Result<Vec<CoarseView>, ReconstructError> {
+    if sources.is_empty() {
+        return Err(ReconstructError::NoViews);
+    }
+    watch.begin(Stage::Poses, sources.len());
+    let copy = |source: &S| {
+        if watch.cancelled() {
+            return Err(ReconstructError::Cancelled);
+        }
+        let copied = TimedView::load(source).map(|timed| CoarseView::new(&timed.loaded.view));
+        watch.step(Stage::Poses);
+        copied
+    };
+    let copies: Vec<Result<CoarseView, _>> = sources.par_iter().map(copy).collect();
+    copies.into_iter().collect()
+}
+
+impl PoseReport {
+    /// Judges the poses of views, after refining them if there are options for that.
+    pub fn new(
+        mut copies: Vec<CoarseView>,
+        options: Option<&RefineOptions>,
+        unit: LengthUnit,
+    ) -> Self {
+        let explanation = explain(&copies);
+        let refinement = options.map(|options| refine(&copies, options));
+        if let Some(Refinement { poses, .. }) = &refinement {
+            let posed = copies.into_iter().zip(poses);
+            copies = posed.map(|(copy, pose)| copy.with_pose(pose.world_from_sensor)).collect();
+        }
+        Self { unit, explanation, judgement: judge(&copies), refinement }
+    }
+
+    /// The views at their refined poses; none if the given ones were kept.
+    pub fn posed<'a, S: ViewSource>(&self, sources: &'a [S]) -> Vec<Posed<'a, S>> {
+        let poses = self.refinement.iter().flat_map(|refinement| &refinement.poses);
+        let posed = sources.iter().zip(poses);
+        posed.map(|(source, pose)| Posed { source, pose: pose.world_from_sensor }).collect()
+    }
+}

@@ -1,0 +1,175 @@
+//! What a pose report tells in words: notes and warnings.
+
+use super::PoseReport;
+use crate::evaluate::digits;
+use transect_register::{
+    Explanation, Finding, Motion, PoseOutcome, RefinedPose, Region, RegionKind,
+};
+
+/// Most names of views that a warning lists of each group. Chosen by hand; doubled, the warning of
+/// a scan of hundreds of views fills a screen.
+const NAMES: usize = 8;
+
+impl PoseReport {
+    /// Notes: how many views moved, and views whose pose nothing tells.
+    pub fn notes(&self) -> Vec<String> {
+        let Some(refinement) = &self.refinement else { return Vec::new() };
+        let poses = &refinement.poses;
+        let moved = poses.iter().filter(|pose| pose.has_moved());
+        let (count, all) = (moved.clone().count(), poses.len());
+        let most = |of: fn(&RefinedPose) -> f64| moved.clone().map(of).fold(0.0, f64::max);
+        let by = self.motion(most(|p| p.rotation), most(|p| p.translation));
+        let mut notes = vec![match count {
+            0 => format!("the poses of all {all} views stay as given"),
+            _ => format!("the poses of {count} of {all} views were refined, by up to {by}"),
+        }];
+        let alone = poses.iter().filter(|pose| pose.outcome == PoseOutcome::Alone);
+        notes.extend(alone.map(|pose| {
+            let name = &pose.view;
+            format!("view {name} keeps its pose: no other view sees enough of the same surfaces")
+        }));
+        notes
+    }
+
+    /// Warnings: what contradicts, and views that were far off before they were refined.
+    ///
+    /// Where another convention explains the contradictions, they are not listed.
+    pub fn warnings(&self) -> Vec<String> {
+        if let Some(explanation) = &self.explanation {
+            return vec![convention(explanation)];
+        }
+        let refined = self.refinement.iter().flat_map(|refinement| &refinement.poses);
+        let findings = self.judgement.findings.iter().map(|finding| self.finding(finding));
+        refined.filter_map(|pose| self.outcome(pose)).chain(findings).collect()
+    }
+
+    /// Whether a finding names a view.
+    pub(crate) fn names(&self, view: &str) -> bool {
+        self.judgement.findings.iter().any(|finding| match finding {
+            Finding::Misplaced(found) => found.view == view,
+            Finding::Scaled(found) => found.view == view,
+            Finding::Apart { view: found } => found == view,
+            Finding::Camps { camps, .. } => camps.iter().flatten().any(|found| found == view),
+            Finding::Region(_) => false,
+        })
+    }
+
+    fn outcome(&self, pose: &RefinedPose) -> Option<String> {
+        let RefinedPose { view, rotation, translation, .. } = pose;
+        match pose.outcome {
+            PoseOutcome::BroughtBack => Some(format!(
+                "view {view} was {} off, farther than the other views, and was brought back. Check \
+                 where its pose comes from",
+                self.motion(*rotation, *translation)
+            )),
+            PoseOutcome::Misplaced => Some(format!(
+                "view {view} contradicts the others, and no nearby pose agrees with them; it keeps \
+                 its pose. Correct the pose, or leave the view out with --views"
+            )),
+            PoseOutcome::Refined | PoseOutcome::Kept | PoseOutcome::Alone => None,
+        }
+    }
+
+    fn finding(&self, finding: &Finding) -> String {
+        match finding {
+            Finding::Misplaced(found) => {
+                let (view, against) = (&found.view, found.against);
+                let [share, usual] = [found.contradicting, found.usual].map(percent);
+                format!(
+                    "view {view} contradicts the others: {share} of the surface that it shares \
+                     with {against} views lies apart from theirs or where they saw free space; \
+                     for other views it is at most {usual}. {}",
+                    self.remedy(found.motion)
+                )
+            }
+            Finding::Scaled(found) => {
+                let (view, factor) = (&found.view, found.factor);
+                let [given, corrected] = [found.contradicting, found.corrected].map(percent);
+                format!(
+                    "view {view} has lengths that are {factor:.4} times those of the other views: \
+                     {given} of the surface that it shares with them contradicts, and {corrected} \
+                     with its lengths divided by that. Check its \"scale\" and its calibration"
+                )
+            }
+            Finding::Apart { view } => format!(
+                "view {view} sees no surface that another view sees, although the others overlap. \
+                 Check its pose, or leave it out with --views"
+            ),
+            Finding::Camps { camps, contradicting } => {
+                let groups: Vec<String> = camps.iter().map(|camp| names(camp)).collect();
+                format!(
+                    "the views agree within {} groups that contradict each other: {}; {} of the \
+                     surface that they share contradicts. Check that all poses are in one world",
+                    camps.len(),
+                    groups.join(" | "),
+                    percent(*contradicting)
+                )
+            }
+            Finding::Region(region) => self.region(region),
+        }
+    }
+
+    fn remedy(&self, motion: Option<Motion>) -> String {
+        match motion {
+            Some(motion) => format!(
+                "It agrees ({} left) if it moves by {}; --refine-poses and transect register do \
+                 that",
+                percent(motion.contradicting),
+                self.motion(motion.rotation, motion.translation)
+            ),
+            None => "No nearby pose agrees: check its pose and its convention \
+                     (--pose-convention), or leave it out with --views"
+                .to_owned(),
+        }
+    }
+
+    fn region(&self, region: &Region) -> String {
+        let Region { view, rows, cols, views, .. } = region;
+        let (distance, unit) = (digits(region.distance), self.unit);
+        let problem = match region.kind {
+            RegionKind::InFront => format!(
+                "{views} other views saw free space there, up to {distance} {unit} behind it: \
+                 something that was not always there"
+            ),
+            RegionKind::SeenThrough => format!(
+                "{views} other views saw a surface {distance} {unit} before it: a mirror, a \
+                 window, or something that came later"
+            ),
+        };
+        format!(
+            "view {view}, rows {} to {}, columns {} to {}: {problem}. If the surface is wrong, make \
+             these pixels missing",
+            rows[0], rows[1], cols[0], cols[1]
+        )
+    }
+
+    /// An angle in radians and a length, in words.
+    fn motion(&self, rotation: f64, translation: f64) -> String {
+        format!("{}° and {} {}", digits(rotation.to_degrees()), digits(translation), self.unit)
+    }
+}
+
+fn convention(explanation: &Explanation) -> String {
+    let Explanation { reading, given, read } = explanation;
+    let shares = [given.agreeing, given.contradicting, read.agreeing, read.contradicting];
+    let [agree, contradict, agree_read, contradict_read] = shares.map(percent);
+    format!(
+        "the poses contradict each other, and agree under another convention: {}. Of the surfaces \
+         that views share, {agree} agree and {contradict} contradict as given, {agree_read} and \
+         {contradict_read} when read that way. Pass --pose-convention {reading}",
+        reading.meaning()
+    )
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.0} %", 100.0 * share)
+}
+
+/// The first names of a group, and the number of the others.
+fn names(camp: &[String]) -> String {
+    let first = camp.iter().take(NAMES).map(String::as_str).collect::<Vec<_>>().join(", ");
+    match camp.len().saturating_sub(NAMES) {
+        0 => first,
+        more => format!("{first} and {more} more"),
+    }
+}

@@ -1,0 +1,124 @@
+//! Registration: the poses of a scan, refined and written as a scan of their own.
+
+use crate::outputs::{Staging, claim_output};
+use crate::settings::refine_options;
+use crate::{Check, OpenScan, Plausibility, WorkflowError, claim_manifest};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use transect::register::{PoseReading, RefinedPose};
+use transect::{PoseReport, Watch, coarse_views};
+use transect_exchange::write_file;
+
+/// The file of the scan with refined poses.
+const SCAN: &str = "scan.json";
+
+/// The file of the report beside it.
+const REPORT: &str = "report.json";
+
+/// The poses of a scan, refined.
+#[derive(Debug)]
+pub struct Registration<'a> {
+    /// The poses, in the order of the scan's views.
+    pub poses: PoseReport,
+    /// What to tell about them.
+    pub notes: Vec<String>,
+    scan: &'a OpenScan,
+}
+
+/// The content of `report.json`.
+#[derive(Serialize)]
+struct RegistrationReport<'a> {
+    tool: &'static str,
+    version: &'static str,
+    /// Absolute path of the scan that was registered.
+    registered: PathBuf,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pose_convention: Option<PoseReading>,
+    warnings: Vec<String>,
+    notes: &'a [String],
+    reader_notes: &'a [String],
+    #[serde(flatten)]
+    poses: &'a PoseReport,
+}
+
+impl OpenScan {
+    /// Refines the poses of all views; see [`Settings::prior`](crate::Settings::prior).
+    ///
+    /// # Errors
+    /// [`WorkflowError`] if the prior is none, or a view cannot be loaded or is implausible.
+    pub fn register(
+        &self,
+        prior: Option<&str>,
+        accept: &[Check],
+        watch: &dyn Watch,
+    ) -> Result<Registration<'_>, WorkflowError> {
+        let unit = self.scan().unit;
+        let options = refine_options(unit, prior)?;
+        let views = self.views("", Plausibility::without_planes(unit, accept))?;
+        let poses = PoseReport::new(coarse_views(&views, watch)?, Some(&options), unit);
+        Ok(Registration { notes: poses.notes(), poses, scan: self })
+    }
+}
+
+impl OpenScan {
+    /// Judges the poses of all views as they are; `None` for a single view.
+    ///
+    /// # Errors
+    /// [`WorkflowError`] if a view cannot be loaded.
+    pub fn judge(&self, watch: &dyn Watch) -> Result<Option<PoseReport>, WorkflowError> {
+        let unit = self.scan().unit;
+        if self.scan().views.len() < 2 {
+            return Ok(None);
+        }
+        let accepted = Plausibility::without_planes(unit, &Check::ALL);
+        let views = self.views("", accepted)?;
+        Ok(Some(PoseReport::new(coarse_views(&views, watch)?, None, unit)))
+    }
+}
+
+impl Registration<'_> {
+    /// Refuses outputs that would replace an input or a file of another kind. Call it before long
+    /// work.
+    ///
+    /// # Errors
+    /// [`WorkflowError::File`] naming the file that must stay.
+    pub fn claim(scan: &OpenScan, folder: &Path) -> Result<(), WorkflowError> {
+        let inputs = &scan.scan().inputs;
+        claim_manifest(&folder.join(SCAN), false, inputs)?;
+        let model = folder.join("model.transect");
+        if model.exists() {
+            let problem = "the folder holds the results of reconstruct, whose report.json would be \
+                           replaced; choose another --out";
+            return Err(WorkflowError::file(&model, problem));
+        }
+        claim_output(&folder.join(REPORT), inputs)
+    }
+
+    /// Writes the scan with the refined poses and the report into a folder; both appear together.
+    ///
+    /// # Errors
+    /// [`WorkflowError`] naming the file that cannot be written, or must stay.
+    pub fn write(&self, folder: &Path) -> Result<(), WorkflowError> {
+        Self::claim(self.scan, folder)?;
+        let staging = Staging::begin(folder)?;
+        let of_view = |pose: &RefinedPose| (pose.view.clone(), pose.world_from_sensor);
+        let poses: Vec<_> =
+            self.poses.refinement.iter().flat_map(|r| &r.poses).map(of_view).collect();
+        let OpenScan { path, options, scan, .. } = self.scan;
+        let posed = scan.posed(path, options, &poses, folder)?;
+        write_file(&staging.path().join(SCAN), |out| posed.write(out))?;
+        let report = RegistrationReport {
+            tool: "transect",
+            version: env!("CARGO_PKG_VERSION"),
+            registered: std::path::absolute(path).unwrap_or_else(|_| path.clone()),
+            pose_convention: self.scan.reading,
+            warnings: self.poses.warnings(),
+            notes: &self.notes,
+            reader_notes: &scan.notes,
+            poses: &self.poses,
+        };
+        let write = |out: &mut dyn std::io::Write| Ok(serde_json::to_writer_pretty(out, &report)?);
+        write_file(&staging.path().join(REPORT), write)?;
+        staging.commit().map(drop)
+    }
+}

@@ -1,0 +1,144 @@
+//! The error of the sections by errors of poses, noise and number of views, with the poses as given
+//! and refined.
+//!
+//! The machined part is simulated once for each noise. Every pose is moved by normally distributed
+//! angles and places about the middle of the part, from a fixed seed. A place errs by the angle
+//! times half the part's size.
+
+use super::pictures::charts::{FITTED, LIGHT, draw};
+use crate::failure::Failure;
+use crate::table::{digits, print_grid, say};
+use nalgebra::{Isometry3, Vector3};
+use plotters::prelude::*;
+use std::path::PathBuf;
+use transect::{Setup, Unwatched, reconstruct};
+use transect_device::View;
+use transect_scene::{Description, Noise};
+use transect_workflow::simulation::{PreparedScene, SensorPlan, describe};
+use transect_workflow::{ScoreLimits, simulated_accuracy};
+
+/// Options of `experiments poses`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// File for the chart.
+    #[arg(long, value_name = "FILE", default_value = "docs/images/poses.svg")]
+    chart: PathBuf,
+}
+
+/// The scene.
+const SCENE: &str = "machined_part";
+
+/// Standard deviations of the angle about each axis, in degrees.
+const DEGREES: [f64; 5] = [0.0, 0.02, 0.1, 0.5, 1.0];
+
+/// Range noise, as multiples of the scene's own.
+const NOISE: [f64; 3] = [0.0, 1.0, 4.0];
+
+/// Every so many of the scene's views is used.
+const EVERY: [usize; 3] = [1, 2, 3];
+
+/// Seed of the poses' errors.
+const SEED: u64 = 20;
+
+/// Section errors at given and at refined poses: median, 95 % quantile.
+type Errors = [[f64; 2]; 2];
+
+/// Runs the experiment.
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let mut lines = Vec::new();
+    let mut curves = [Vec::new(), Vec::new()];
+    for noise in NOISE {
+        let scene = PreparedScene::new(with_noise(noise)?)?;
+        let all = scene.simulate(&SensorPlan::OWN)?.views;
+        for every in EVERY {
+            let views: Vec<View> = all.iter().step_by(every).cloned().collect();
+            for degrees in DEGREES {
+                let errors = errors(&scene, &moved(&scene, &views, degrees)?)?;
+                if noise == 1.0 && every == 1 && degrees > 0.0 {
+                    for (curve, [median, _]) in curves.iter_mut().zip(errors) {
+                        curve.push((degrees.log10(), median.log10()));
+                    }
+                }
+                lines.push(line((noise, views.len(), degrees), &errors));
+            }
+        }
+    }
+    let heads = [
+        "noise, σ of the scene",
+        "views",
+        "pose error, °",
+        "as given: median",
+        "p95",
+        "refined: median",
+        "p95",
+    ];
+    print_grid(&heads, &lines);
+    say("\nDistances in mm from the true sections.");
+    let heads = ("pose error [log10 of degrees]", "median section error [log10 of mm]");
+    draw(&arguments.chart, (-1.8..0.1, -3.0..0.5), heads, |chart| {
+        for (curve, colour) in curves.into_iter().zip([FITTED, LIGHT]) {
+            chart.draw_series(LineSeries::new(curve.clone(), colour.stroke_width(2)))?;
+            chart.draw_series(curve.into_iter().map(|p| Circle::new(p, 3, colour.filled())))?;
+        }
+        Ok(())
+    })
+}
+
+/// The scene with a multiple of its own range noise.
+fn with_noise(factor: f64) -> Result<Description, Failure> {
+    let mut description = describe(SCENE.as_ref())?;
+    if factor == 0.0 {
+        description.noise = Noise::NONE;
+    } else {
+        description.noise.sigma *= factor;
+    }
+    Ok(description)
+}
+
+fn line((noise, views, degrees): (f64, usize, f64), errors: &Errors) -> Vec<String> {
+    let settings = [noise.to_string(), views.to_string(), degrees.to_string()];
+    settings.into_iter().chain(errors.iter().flatten().map(|error| digits(*error))).collect()
+}
+
+/// The views with errors of their poses.
+fn moved(scene: &PreparedScene, views: &[View], degrees: f64) -> Result<Vec<View>, Failure> {
+    let (angle, mut numbers) = (degrees.to_radians(), Normal(SEED));
+    let middle = Isometry3::translation(0.0, 0.0, 15.0);
+    let moved = views.iter().map(|view| {
+        let mut vector = |size: f64| size * Vector3::from_fn(|_, _| numbers.next());
+        let by = Isometry3::new(vector(0.5 * scene.bounds.size() * angle), vector(angle));
+        let by = middle * by * middle.inverse();
+        Ok(view.with_pose(by * view.world_from_sensor())?)
+    });
+    moved.collect()
+}
+
+fn errors(scene: &PreparedScene, views: &[View]) -> Result<Errors, Failure> {
+    let description = &scene.description;
+    let mut setup = Setup::new(description.unit, description.planes.clone());
+    let mut errors = Errors::default();
+    for (refine, errors) in [None, Some(Default::default())].into_iter().zip(&mut errors) {
+        setup.refine_poses = refine;
+        let model = reconstruct(views, &setup, &Unwatched)?.model;
+        let limits = ScoreLimits::default();
+        let found = simulated_accuracy(&model, &scene.truth, views.to_vec(), &limits)?;
+        *errors = [found.median, found.p95].map(|error| error.unwrap_or(f64::INFINITY));
+    }
+    Ok(errors)
+}
+
+/// Normally distributed numbers: sums of twelve uniform ones of SplitMix64 (Steele, 2014).
+struct Normal(u64);
+
+impl Normal {
+    fn next(&mut self) -> f64 {
+        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
+    }
+
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((mixed ^ (mixed >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
