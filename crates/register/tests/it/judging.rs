@@ -112,15 +112,29 @@ fn a_moving_object_is_a_region_of_its_view() {
 
 #[test]
 fn a_mirror_is_a_region_of_its_view() {
+    // Its picture lies in the room, where the other scanners saw nothing.
     let mut views = simulated("room", "");
     let mirror = |row: usize, col: usize| (150..260).contains(&row) && (120..200).contains(&col);
-    views[2] =
-        changed(&views[2], |row, col, range| range * if mirror(row, col) { 1.6 } else { 1.0 });
+    let longer = |row, col, range| range * if mirror(row, col) { 1.6 } else { 1.0 };
+    views[2] = changed(&views[2], longer);
     let found = findings(&views);
     let [Finding::Region(region)] = &found[..] else { panic!("{found:?}") };
-    assert_eq!((region.view.as_str(), region.kind), (views[2].name(), RegionKind::SeenThrough));
+    assert_eq!((region.view.as_str(), region.kind), (views[2].name(), RegionKind::InFront));
     assert!(region.rows[0] >= 140 && region.rows[1] <= 270, "{region:?}");
     assert!(region.cols[0] >= 110 && region.cols[1] <= 210, "{region:?}");
+}
+
+#[test]
+fn a_hole_that_no_other_view_has_is_a_region_of_its_view() {
+    let mut views = simulated("face_mask", "");
+    let hole = |row: usize, col: usize| (140..220).contains(&row) && (200..280).contains(&col);
+    let longer = |row, col, range| range * if hole(row, col) { 1.25 } else { 1.0 };
+    views[0] = changed(&views[0], longer);
+    let found = findings(&views);
+    let [Finding::Region(region)] = &found[..] else { panic!("{found:?}") };
+    assert_eq!((region.view.as_str(), region.kind), (views[0].name(), RegionKind::SeenThrough));
+    assert!(region.rows[0] >= 130 && region.rows[1] <= 230, "{region:?}");
+    assert!(region.cols[0] >= 190 && region.cols[1] <= 290, "{region:?}");
 }
 
 #[test]
