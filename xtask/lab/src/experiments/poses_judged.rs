@@ -41,8 +41,8 @@ const TURNED: usize = 4;
 /// Turns, in degrees.
 const DEGREES: [f64; 4] = [1.0, 3.0, 10.0, 30.0];
 
-/// Factor on the error from which it grew. No unit. Chosen by hand: half more than without the turn.
-/// Doubled, only turns that ruin the sections count.
+/// Factor on the error from which it grew. No unit. Chosen by hand: half more than without the
+/// turn. Doubled, only turns that ruin the sections count.
 const GREW: f64 = 1.5;
 
 /// What became of the trials of one angle.
