@@ -10,8 +10,9 @@ use super::tuning::{MOTION_REACH, REACH, ROUNDS};
 use nalgebra::{SMatrix, SVector, Translation3, UnitQuaternion};
 use transect_device::{Isometry3, Vector3};
 
-/// Weight that holds each direction in place, as a share of all weights. No unit. Chosen by hand: far
-/// below the weight of any direction that surfaces determine. Doubled, one more round is needed.
+/// Weight that holds each direction in place, as a share of all weights. No unit. Chosen by hand:
+/// far below the weight of any direction that surfaces determine. Doubled, one more round is
+/// needed.
 const RIDGE: f64 = 1e-3;
 
 /// Width of the biweight, over the median distance. No unit. Theory: 4.685 standard deviations have

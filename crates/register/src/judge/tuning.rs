@@ -12,8 +12,9 @@ pub const REACH: f64 = 1.0;
 /// hand: a median of twelve is off by less than half. Doubled, views of a chain have no pairs left.
 pub const LEAST_SAMPLES: usize = 12;
 
-/// Quantile of the pairs of a view that is usual for it. No unit. Theory: of two equal camps of four
-/// views or more, at least this share of pairs is within a camp. Doubled, the worst pairs are usual.
+/// Quantile of the pairs of a view that is usual for it. No unit. Theory: of two equal camps of two
+/// views or more, at least this share of pairs is within a camp. Doubled, the worst pairs are
+/// usual.
 pub const USUAL_PAIR: f64 = 0.4;
 
 /// Distance at which two patches contradict, over their noise. No unit. Theory: four standard
@@ -43,9 +44,9 @@ pub const BAD_IF_RIGHT: f64 = 0.02;
 /// views, 13 % in one sound view. Doubled, a turn about the vertical passes among level floors.
 pub const STANDS_OUT: [f64; 2] = [0.05, 3.0];
 
-/// Patches of a pair that count fully, as independent ones. No unit. Chosen by hand: neighbouring
-/// patches share their surface. Doubled, pairs of large overlap outvote the others.
-pub const EVIDENCE_OF_A_PAIR: f64 = 100.0;
+/// Patches of a pair that count fully. No unit. Chosen by hand: half of the largest number of them.
+/// Doubled, pairs of large overlap outvote the others.
+pub const EVIDENCE_OF_A_PAIR: f64 = 240.0;
 
 /// Logarithm of the odds that a view is right before anything is compared. No unit. Chosen by hand:
 /// two contradictions without any agreement outweigh it. Doubled, four are needed.

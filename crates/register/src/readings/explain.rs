@@ -57,7 +57,7 @@ impl Accord {
 pub fn explain(views: &[CoarseView]) -> Option<Explanation> {
     let count = PROBES[0].div_ceil(views.len().max(1)).min(PROBES[1]);
     let probes: Vec<Vec<Probe>> = views.par_iter().map(|view| probes(view, count)).collect();
-    let given = accord(views, &probes, |view| Placing::given(view));
+    let given = accord(views, &probes, Placing::given);
     if given.agreeing >= SOUND[0] && given.contradicting <= SOUND[1] {
         return None;
     }

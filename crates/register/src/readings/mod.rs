@@ -17,8 +17,8 @@ use std::str::FromStr;
 use transect_device::{Isometry3, Vector3};
 
 /// Distance of an angle in degrees from a whole number that counts as rounding. In degrees. Chosen
-/// by hand: poses are written with six digits or more. Doubled, one angle in fifty that is not whole
-/// passes for one.
+/// by hand: poses are written with six digits or more. Doubled, one angle in fifty passes that is
+/// not whole.
 const WHOLE: f64 = 1e-4;
 
 /// A convention by which the poses of a scan may have been written.
@@ -122,8 +122,8 @@ impl PoseReading {
 /// The rotation whose vector in degrees was read as radians.
 ///
 /// Full turns of the wrong angle are lost: 45 radians and 45 - 14 pi look alike. Of the angles up
-/// to 180 that look alike, the one closest to a whole number is taken if it is [`WHOLE`]; turntables
-/// stop there. Otherwise it is the smallest.
+/// to 180 that look alike, the one closest to a whole number is taken if it is [`WHOLE`]:
+/// turntables stop there. Otherwise it is the smallest.
 fn degrees(wrong: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
     let Some((axis, smallest)) = wrong.axis_angle() else { return *wrong };
     let turns = (-28..=28).map(|k| smallest + f64::from(k) * TAU);

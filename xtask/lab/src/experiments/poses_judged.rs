@@ -20,6 +20,9 @@ pub struct Arguments {
     /// Judge only, without the error of the sections.
     #[arg(long)]
     quick: bool,
+    /// Only this bundled scene.
+    #[arg(long, value_name = "NAME")]
+    scene: Option<String>,
 }
 
 /// Scenes, and the number of views of each; the scene's own number if `None`.
@@ -38,8 +41,8 @@ const TURNED: usize = 4;
 /// Turns, in degrees.
 const DEGREES: [f64; 4] = [1.0, 3.0, 10.0, 30.0];
 
-/// Factor on the error from which it grew. No unit. Chosen by hand: half more than without the turn.
-/// Doubled, only turns that ruin the sections count.
+/// Factor on the error from which it grew. No unit. Chosen by hand: half more than without the
+/// turn. Doubled, only turns that ruin the sections count.
 const GREW: f64 = 1.5;
 
 /// What became of the trials of one angle.
@@ -56,7 +59,8 @@ struct Counts {
 /// Runs the experiment.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut counts = DEGREES.map(|_| Counts::default());
-    for (name, views) in SCANS {
+    let chosen = |name: &str| arguments.scene.as_ref().is_none_or(|scene| scene == name);
+    for (name, views) in SCANS.into_iter().filter(|(name, _)| chosen(name)) {
         let scene = trial::bundled(name)?;
         let views = scene.simulate(&SensorPlan { views, ..SensorPlan::OWN })?.views;
         let before = (!arguments.quick).then(|| errors(&scene, &views)).transpose()?;
