@@ -102,7 +102,7 @@ impl CoarseView {
             Cell::new(view, &noise, corner, step)
         };
         let cells: Vec<Cell> = (0..size.pixels()).into_par_iter().map(cell).collect();
-        Self {
+        let mut coarse = Self {
             name: view.name().to_owned(),
             world_from_sensor: *view.world_from_sensor(),
             image,
@@ -111,6 +111,22 @@ impl CoarseView {
             lookup: Lookup::new(view, &cells),
             cells,
             sigma: noise.length(),
+        };
+        coarse.steady_normals();
+        coarse
+    }
+
+    fn steady_normals(&mut self) {
+        let steady = |k: usize| {
+            let mut patch = self.cells.get(k)?.patch?;
+            let around = self.around(k).filter(|other| *other != k);
+            patch.steady(around.filter_map(|other| self.cells.get(other)?.patch.as_ref()));
+            Some(patch)
+        };
+        let patches: Vec<Option<Patch>> =
+            (0..self.cells.len()).into_par_iter().map(steady).collect();
+        for (cell, patch) in self.cells.iter_mut().zip(patches) {
+            cell.patch = patch;
         }
     }
 
@@ -153,8 +169,8 @@ impl CoarseView {
     pub fn meeting(&self, in_sensor: &Point3) -> Option<Meeting> {
         let cell = self.cell_of(in_sensor)?;
         let patch = self.cells.get(cell)?.patch.as_ref()?;
-        let (distance, normal, sigma) = patch.distance(in_sensor)?;
-        Some(Meeting { cell, distance, normal, sigma })
+        let (distance, sigma) = patch.distance(in_sensor)?;
+        Some(Meeting { cell, distance, normal: patch.steady_normal(), sigma })
     }
 
     /// Where a sensor-frame point lies along the view's rays.
@@ -218,7 +234,7 @@ impl Cell {
         let (rows, cols) = ((corner.row + step).min(size.rows), (corner.col + step).min(size.cols));
         let mut samples = Vec::with_capacity(step * step);
         let middle = Pixel::new((corner.row + rows) / 2, (corner.col + cols) / 2);
-        let mut central: Option<(usize, Pixel)> = None;
+        let (mut central, mut rim): (Option<(usize, Pixel)>, _) = (None, (0, middle));
         for pixel in
             (corner.row..rows).flat_map(|r| (corner.col..cols).map(move |c| Pixel::new(r, c)))
         {
@@ -228,9 +244,14 @@ impl Cell {
             if central.is_none_or(|(best, _)| off < best) {
                 central = Some((off, pixel));
             }
+            if off >= rim.0 {
+                rim = (off, pixel);
+            }
         }
         let Some((_, pixel)) = central else { return Self::default() };
-        let Some(ray) = frame.ray(pixel) else { return Self::default() };
+        let (Some(ray), Some(rim)) = (frame.ray(pixel), frame.ray(rim.1)) else {
+            return Self::default();
+        };
         let depth = |p: &Point3| (p - ray.start).dot(&ray.direction);
         let pixels = (rows - corner.row) * (cols - corner.col);
         let seen = Seen {
@@ -240,7 +261,7 @@ impl Cell {
             whole: samples.len() as f64 >= LEAST_WHOLE * pixels as f64,
         };
         let sigma = noise.length_at(view, pixel);
-        let cell = patch::Cell { samples: &samples, pixels, ray: ray.direction, sigma };
+        let cell = patch::Cell { samples: &samples, pixels, ray, rim, sigma };
         Self { seen: Some(seen), patch: Patch::fit(&cell) }
     }
 }

@@ -3,43 +3,56 @@
 //! **Problem.** Poses are compared at places where one view's surface meets another's. Single
 //! samples are too noisy for that, and their neighbours are too far away.
 //!
-//! **Idea.** A small piece of a surface is a height of second order over its tangent plane (moving
-//! least squares; Levin, 1998). Cells do not overlap, so the noise of patches is independent.
+//! **Idea.** Depth over the image is of second order within a few pixels. The pixels' rays are
+//! known and their depths err, so depths are fitted over the rays. A fit in space would take noise
+//! along oblique rays for a tilt. Cells do not overlap, so the noise of patches is independent.
 //!
 //! **Steps.**
-//! 1. A plane through the samples gives the local axes: mean, normal towards the sensor.
-//! 2. Least squares of `h = c0 + c1 a + c2 b + c3 a² + c4 a b + c5 b²` over the samples.
+//! 1. Every sample gets the place `a`, `b` of its ray in the plane across the middle ray at the mean
+//!    depth, and `w = h / (1 + γ h)` for its height `h` beyond that plane. `γ` is the divergence of
+//!    the rays, 1 / distance from a common start and 0 for parallel rays. Planes in space are linear
+//!    in `a` and `b` then.
+//! 2. Least squares of `w = c0 + c1 a + c2 b + c3 a² + c4 a b + c5 b²` over the samples, and of its
+//!    linear part where noise explains the rest.
 //! 3. What the samples depart from it is compared with their noise; a crease, a jump or texture is
 //!    no patch.
 
-use crate::tuning::{FLAT, LEAST_FILLED, MAX_INCIDENCE_DEGREES, ROUGH, SAMPLING_ROUGH};
-use nalgebra::{Matrix3, Matrix6, SymmetricEigen, Vector6};
-use transect_device::{Point3, Vector3};
+use crate::tuning::{
+    FLAT, LEAST_FILLED, MAX_INCIDENCE_DEGREES, ROUGH, SAME_SURFACE, SAMPLING_ROUGH,
+};
+use nalgebra::{Matrix3, Matrix6, Vector6};
+use transect_device::{Point3, Ray, Vector3};
 
 /// A patch of surface, in the sensor frame of its view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Patch {
+    /// On the middle ray, at the mean depth of the samples.
     center: Point3,
-    /// Local axes: two in the tangent plane, and the normal that points to the sensor's side.
+    /// Two directions across the middle ray, and the ray's.
     axes: [Vector3; 3],
-    /// Height along the normal over the tangent plane: 1, a, b, a², ab, b² with `a` and `b` in
-    /// units of `radius`; heights in the model's length unit.
-    height: [f64; 6],
+    /// Divergence of the rays, in 1 / length.
+    divergence: f64,
+    /// `w` over the rays: 1, a, b, a², ab, b² with `a` and `b` in units of `radius`.
+    depth: [f64; 6],
     radius: f64,
-    /// Standard deviation of the mean of its samples.
+    /// Standard deviation of the samples' mean along the ray.
     sigma: f64,
     /// Whether it is a plane.
     flat: bool,
+    /// Unit normal from the patches around, too.
+    steady_normal: Vector3,
 }
 
-/// What one cell's samples are fitted from.
+/// What a cell's patch is fitted from.
 pub(super) struct Cell<'a> {
     /// The valid samples, in the sensor frame.
     pub samples: &'a [Point3],
     /// How many pixels the cell has.
     pub pixels: usize,
-    /// Direction of its middle ray, away from the sensor.
-    pub ray: Vector3,
+    /// Its middle ray.
+    pub ray: Ray,
+    /// A ray at its rim.
+    pub rim: Ray,
     /// Range noise of its pixels along the ray, as a length.
     pub sigma: f64,
 }
@@ -51,40 +64,65 @@ impl Patch {
         if n < 8 || (n as f64) < LEAST_FILLED * cell.pixels as f64 {
             return None;
         }
-        let (mean, axes) = tangent(cell)?;
-        let incidence = -axes[2].dot(&cell.ray);
-        if incidence < MAX_INCIDENCE_DEGREES.to_radians().cos() {
-            return None;
+        let mut patch = Self::before_fit(cell)?;
+        let mut points: Vec<[f64; 3]> = cell.samples.iter().map(|p| patch.over_rays(p)).collect();
+        patch.radius = points.iter().map(|[a, b, _]| a.abs().max(b.abs())).fold(0.0, f64::max);
+        for [a, b, _] in &mut points {
+            (*a, *b) = (*a / patch.radius, *b / patch.radius);
         }
-        let local = |p: &Point3| {
-            let d = p - mean;
-            (d.dot(&axes[0]), d.dot(&axes[1]), d.dot(&axes[2]))
-        };
-        let reach = |p: &Point3| local(p).0.abs().max(local(p).1.abs());
-        let radius = cell.samples.iter().map(reach).fold(0.0, f64::max);
-        let points: Vec<(f64, f64, f64)> = cell.samples.iter().map(local).collect();
-        let points: Vec<_> = points.iter().map(|(a, b, h)| (a / radius, b / radius, *h)).collect();
-        let height = second_order(&points)?;
+        let bent = second_order(&points)?;
         let spare = n.checked_sub(6).filter(|n| *n > 0)? as f64;
-        let bent = squares(&points, &height);
-        let rough = (bent / spare).sqrt();
-        // The range noise moves a sample off its surface by its share across the surface.
-        let noise = cell.sigma * incidence;
-        let spacing = 2.0 * radius / (n as f64).sqrt();
-        if rough > ROUGH * noise + SAMPLING_ROUGH * spacing {
+        let squares_bent = squares(&points, &bent);
+        let rough = (squares_bent / spare).sqrt();
+        let spacing = 2.0 * patch.radius / (n as f64).sqrt();
+        if rough > ROUGH * cell.sigma + SAMPLING_ROUGH * spacing {
             return None;
         }
-        let variance = rough.max(noise).powi(2);
-        let flat = squares(&points, &[0.0; 6]) - bent < FLAT * variance;
-        let height = if flat { [0.0; 6] } else { height };
-        let sigma = (variance / n as f64).sqrt();
-        let patch = Self { center: mean, axes, height, radius, sigma, flat };
-        sigma.is_finite().then_some(patch)
+        let variance = rough.max(cell.sigma).powi(2);
+        let flat = first_order(&points)?;
+        patch.flat = squares(&points, &flat) - squares_bent < FLAT * variance;
+        patch.depth = if patch.flat { flat } else { bent };
+        patch.sigma = (variance / n as f64).sqrt();
+        let incidence = -patch.normal().dot(&cell.ray.direction);
+        patch.steady_normal = patch.normal();
+        let seen = incidence >= MAX_INCIDENCE_DEGREES.to_radians().cos();
+        (seen && patch.sigma.is_finite()).then_some(patch)
     }
 
-    /// The point of the surface over the middle of its samples.
+    /// The frame of a patch whose depths are not yet known.
+    fn before_fit(cell: &Cell<'_>) -> Option<Self> {
+        let Ray { start, direction } = cell.ray;
+        let depths = cell.samples.iter().map(|p| (p - start).dot(&direction));
+        let mean = depths.sum::<f64>() / cell.samples.len() as f64;
+        let center = start + direction * mean;
+        let first = direction.cross(&least_axis(&direction)).try_normalize(0.0)?;
+        let axes = [first, direction.cross(&first), direction];
+        let divergence = divergence(&cell.ray, &cell.rim, &center);
+        let depth = [0.0; 6];
+        let steady_normal = -direction;
+        Some(Self {
+            center,
+            axes,
+            divergence,
+            depth,
+            radius: 1.0,
+            sigma: 0.0,
+            flat: false,
+            steady_normal,
+        })
+    }
+
+    /// Place of a point's ray, in lengths, and `w`.
+    fn over_rays(&self, p: &Point3) -> [f64; 3] {
+        let d = p - self.center;
+        let scale = 1.0 / (1.0 + self.divergence * d.dot(&self.axes[2]));
+        self.axes.map(|axis| d.dot(&axis) * scale)
+    }
+
+    /// The point of the surface on the middle ray.
     pub fn point(&self) -> Point3 {
-        self.center + self.axes[2] * self.height[0]
+        let [w, ..] = self.depth;
+        self.center + self.axes[2] * (w / (1.0 - self.divergence * w))
     }
 
     /// The unit normal there, on the sensor's side.
@@ -94,11 +132,65 @@ impl Patch {
 
     /// Standard deviation of the point along the normal from noise alone, in the model's unit.
     pub fn sigma(&self) -> f64 {
-        self.sigma_at(0.0, 0.0)
+        self.sigma_at(0.0, 0.0) * -self.normal().dot(&self.axes[2])
     }
 
-    /// The standard deviation over a place of the tangent plane, for samples that are spread evenly
-    /// over the square: the sum of the squares of Legendre's polynomials, up to the patch's order.
+    /// The unit normal from a plane through the points of this patch and of those around it.
+    ///
+    /// The tilt of a single patch is noisy. As a direction in which two views are compared, it would
+    /// let noise pass for knowledge about motions along the surface.
+    pub fn steady_normal(&self) -> Vector3 {
+        self.steady_normal
+    }
+
+    /// Finds the steady normal from the patches around.
+    pub(super) fn steady<'a>(&mut self, around: impl Iterator<Item = &'a Patch>) {
+        let near = around.filter_map(|other| {
+            let [a, b, w] = self.over_rays(&other.point());
+            let (a, b) = (a / self.radius, b / self.radius);
+            let tolerance = SAME_SURFACE
+                * (self.sigma_at(a, b).powi(2) + other.sigma_at(0.0, 0.0).powi(2)).sqrt();
+            ((w - at(&self.depth, a, b)).abs() <= tolerance).then_some([a, b, w])
+        });
+        let points: Vec<[f64; 3]> = near.chain([[0.0, 0.0, self.depth[0]]]).collect();
+        let Some(plane) = first_order(&points).filter(|_| points.len() > 3) else { return };
+        self.steady_normal = Self { depth: plane, ..*self }.normal();
+    }
+
+    /// Half the side of the square that its rays fill, in the model's length unit.
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Signed distance of a point from the surface, positive on the sensor's side, with the
+    /// standard deviation there; `None` beyond the rays of the samples.
+    pub fn distance(&self, p: &Point3) -> Option<(f64, f64)> {
+        let [a, b, w] = self.over_rays(p);
+        let (a, b) = (a / self.radius, b / self.radius);
+        if a.abs().max(b.abs()) > 1.0 {
+            return None;
+        }
+        let normal = self.normal_at(a, b);
+        let incidence = -normal.dot(&self.axes[2]);
+        let scale = 1.0 / (1.0 - self.divergence * w);
+        let behind = (w - at(&self.depth, a, b)) * scale * scale;
+        Some((-behind * incidence, self.sigma_at(a, b) * incidence))
+    }
+
+    /// The gradient of `w - c(a, b)` in space, turned to the sensor.
+    fn normal_at(&self, a: f64, b: f64) -> Vector3 {
+        let [_, c1, c2, c3, c4, c5] = self.depth;
+        let along_a = (c1 + 2.0 * c3 * a + c4 * b) / self.radius;
+        let along_b = (c2 + c4 * a + 2.0 * c5 * b) / self.radius;
+        let shrink = 1.0 - self.divergence * at(&self.depth, a, b);
+        let turned = self.divergence * self.radius * (along_a * a + along_b * b);
+        let along_ray = shrink + turned;
+        let outward = self.axes[0] * along_a + self.axes[1] * along_b - self.axes[2] * along_ray;
+        outward.normalize()
+    }
+
+    /// The standard deviation along the ray, for samples that are spread evenly over the square: a
+    /// sum of squares of Legendre's polynomials up to the patch's order.
     fn sigma_at(&self, a: f64, b: f64) -> f64 {
         let (aa, bb) = (a * a, b * b);
         let plane = 1.0 + 3.0 * (aa + bb);
@@ -106,78 +198,61 @@ impl Patch {
         let bent = second(aa) + second(bb) + 9.0 * aa * bb;
         self.sigma * if self.flat { plane } else { plane + bent }.sqrt()
     }
-
-    /// Half the side of the square that holds its samples, in the model's length unit.
-    pub fn radius(&self) -> f64 {
-        self.radius
-    }
-
-    /// Signed distance of a point from the surface, positive on the sensor's side, with the normal
-    /// and the standard deviation there; `None` beyond the samples.
-    pub fn distance(&self, p: &Point3) -> Option<(f64, Vector3, f64)> {
-        let d = p - self.center;
-        let (a, b) = (d.dot(&self.axes[0]) / self.radius, d.dot(&self.axes[1]) / self.radius);
-        if a.abs().max(b.abs()) > 1.0 {
-            return None;
-        }
-        let normal = self.normal_at(a, b);
-        let above = d.dot(&self.axes[2]) - at(&self.height, a, b);
-        Some((above * normal.dot(&self.axes[2]), normal, self.sigma_at(a, b)))
-    }
-
-    fn normal_at(&self, a: f64, b: f64) -> Vector3 {
-        let [_, c1, c2, c3, c4, c5] = self.height;
-        let slope_a = (c1 + 2.0 * c3 * a + c4 * b) / self.radius;
-        let slope_b = (c2 + c4 * a + 2.0 * c5 * b) / self.radius;
-        (self.axes[2] - self.axes[0] * slope_a - self.axes[1] * slope_b).normalize()
-    }
 }
 
-/// The heights of second order that fit points best.
-fn second_order(points: &[(f64, f64, f64)]) -> Option<[f64; 6]> {
+/// How fast a cell's rays run apart at a distance, in 1 / length: by a ray at its rim.
+fn divergence(middle: &Ray, rim: &Ray, at: &Point3) -> f64 {
+    let along = rim.direction.dot(&middle.direction);
+    if along <= 0.0 {
+        return 0.0;
+    }
+    let slope = rim.direction / along - middle.direction;
+    let depth = (at - rim.start).dot(&middle.direction);
+    let place = rim.start + rim.direction / along * depth - at;
+    let square = place.norm_squared();
+    if square > 0.0 { slope.dot(&place) / square } else { 0.0 }
+}
+
+/// The coordinate axis that a direction is least along.
+fn least_axis(direction: &Vector3) -> Vector3 {
+    let mut axis = Vector3::zeros();
+    axis[direction.iamin()] = 1.0;
+    axis
+}
+
+/// The depths of second order that fit points best.
+fn second_order(points: &[[f64; 3]]) -> Option<[f64; 6]> {
     let (mut normal, mut right) = (Matrix6::zeros(), Vector6::zeros());
-    for (a, b, h) in points {
+    for [a, b, w] in points {
         let terms = Vector6::from(terms(*a, *b));
         normal.syger(1.0, &terms, &terms, 1.0);
-        right.axpy(*h, &terms, 1.0);
+        right.axpy(*w, &terms, 1.0);
     }
     normal.fill_upper_triangle_with_lower_triangle();
     Some(normal.cholesky()?.solve(&right).into())
 }
 
-/// Sum of the squares of what points depart from heights.
-fn squares(points: &[(f64, f64, f64)], height: &[f64; 6]) -> f64 {
-    points.iter().map(|(a, b, h)| (h - at(height, *a, *b)).powi(2)).sum()
+/// The linear depths that fit points best.
+fn first_order(points: &[[f64; 3]]) -> Option<[f64; 6]> {
+    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+    for [a, b, w] in points {
+        let terms = Vector3::new(1.0, *a, *b);
+        normal += terms * terms.transpose();
+        right += terms * *w;
+    }
+    let [c0, c1, c2]: [f64; 3] = normal.cholesky()?.solve(&right).into();
+    Some([c0, c1, c2, 0.0, 0.0, 0.0])
+}
+
+/// Sum of the squares of what points depart from depths.
+fn squares(points: &[[f64; 3]], depth: &[f64; 6]) -> f64 {
+    points.iter().map(|[a, b, w]| (w - at(depth, *a, *b)).powi(2)).sum()
 }
 
 fn terms(a: f64, b: f64) -> [f64; 6] {
     [1.0, a, b, a * a, a * b, b * b]
 }
 
-fn at(height: &[f64; 6], a: f64, b: f64) -> f64 {
-    terms(a, b).iter().zip(height).map(|(t, c)| t * c).sum()
-}
-
-/// Mean of the samples, and the axes of the plane through them.
-fn tangent(cell: &Cell<'_>) -> Option<(Point3, [Vector3; 3])> {
-    let n = cell.samples.len() as f64;
-    let mean = Point3::from(cell.samples.iter().map(|p| p.coords).sum::<Vector3>() / n);
-    let mut scatter = Matrix3::zeros();
-    for p in cell.samples {
-        let d = p - mean;
-        scatter.syger(1.0, &d, &d, 1.0);
-    }
-    scatter.fill_upper_triangle_with_lower_triangle();
-    let eigen = SymmetricEigen::try_new(scatter, f64::EPSILON, 100)?;
-    let thin = eigen.eigenvalues.imin();
-    let normal = eigen.eigenvectors.column(thin).into_owned();
-    let normal = if normal.dot(&cell.ray) > 0.0 { -normal } else { normal };
-    let across = cell.ray.cross(&normal);
-    let first = if across.norm() > 1e-3 {
-        across
-    } else {
-        eigen.eigenvectors.column((thin + 1) % 3).into_owned()
-    };
-    let first = (first - normal * first.dot(&normal)).try_normalize(0.0)?;
-    Some((mean, [first, normal.cross(&first), normal]))
+fn at(depth: &[f64; 6], a: f64, b: f64) -> f64 {
+    terms(a, b).iter().zip(depth).map(|(t, c)| t * c).sum()
 }

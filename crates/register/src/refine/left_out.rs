@@ -1,1 +1,48 @@
 //! Whether pairs that were left out of an estimate agree better with it.
+//!
+//! **Problem.** Residuals fall in every fit, also in one that makes the poses worse.
+//!
+//! **Idea.** Cross-validation (Stone, 1974): the pairs of views are split into two halves. Each half
+//! moves the views, and the other half judges. Close to the solution all distances are linear in the
+//! motions, so the sums of the last round are enough.
+
+use super::Rounds;
+use super::pairs::{Pair, Sums, scrambled};
+use super::solve::{Motion, System, about};
+
+impl Rounds<'_> {
+    /// Change of the squared distances of pairs that the estimate did not know, as a share; `None`
+    /// if a half has no pair.
+    pub(super) fn left_out(&self) -> Option<f64> {
+        let sums: Vec<Sums> = self.pairs.iter().map(Pair::sums).collect();
+        // Both directions of a pair see the same error, so they stay together.
+        let half = |s: &&Sums| scrambled((s.a.min(s.b) << 16 | s.a.max(s.b)) as u32) & 1 == 0;
+        let (even, odd): (Vec<&Sums>, Vec<&Sums>) = sums.iter().partition(half);
+        let (mut before, mut after) = (0.0, 0.0);
+        let so_far = self.motions();
+        let back: Vec<Motion> = so_far.iter().map(|m| -m).collect();
+        for (known, unknown) in [(&even, &odd), (&odd, &even)] {
+            if known.is_empty() || unknown.is_empty() {
+                return None;
+            }
+            let known = known.iter().copied();
+            let system = System::new(&self.sensors(), self.scene.origin, known, self.independent);
+            let motions = system.solve(&self.prior, &so_far)?.motions;
+            before += unknown.iter().map(|s| self.square(s, &back)).sum::<f64>();
+            after += unknown.iter().map(|s| self.square(s, &motions)).sum::<f64>();
+        }
+        (before > 0.0).then(|| after / before - 1.0)
+    }
+
+    /// Weighted squares of a pair after small motions of all views.
+    fn square(&self, sums: &Sums, motions: &[Motion]) -> f64 {
+        let about_origin = |k: usize| {
+            let (Some(motion), Some(pose)) = (motions.get(k), self.poses.get(k)) else {
+                return Motion::zeros();
+            };
+            about(&(pose.translation.vector - self.scene.origin.coords)).transpose() * motion
+        };
+        let motion = about_origin(sums.a) - about_origin(sums.b);
+        sums.square + 2.0 * sums.vector.dot(&motion) + motion.dot(&(sums.matrix * motion))
+    }
+}

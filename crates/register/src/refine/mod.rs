@@ -23,7 +23,8 @@ mod solve;
 
 use crate::CoarseView;
 use crate::tuning::{
-    BLOCKS, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS, SETTLED,
+    BLOCKS, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, MOST_MISPLACED, OBSERVATIONS,
+    PRIOR_ROUNDS, ROUNDS, SETTLED, SETTLING,
 };
 use pairs::{Pair, Reach, Scene, Sums, samples};
 use solve::{Motion, Solution, System, estimated_prior, motion_between, moved};
@@ -70,9 +71,15 @@ pub fn refine(views: &[CoarseView], options: &RefineOptions) -> Refinement {
 fn refine_sorted(views: &[CoarseView], options: &RefineOptions) -> Refinement {
     let given: Vec<Isometry3> = views.iter().map(|v| *v.world_from_sensor()).collect();
     let scene = scene(views, &given);
-    let mut rounds = Rounds::new(&scene, given, options);
-    rounds.run();
-    rounds.finish()
+    let mut misplaced = Vec::new();
+    loop {
+        let mut rounds = Rounds::new(&scene, given.clone(), options, &misplaced);
+        rounds.run();
+        match rounds.worst_view() {
+            Some(view) if misplaced.len() < MOST_MISPLACED => misplaced.push(view),
+            _ => return rounds.finish(&misplaced),
+        }
+    }
 }
 
 /// The samples of all views, as many as their pairs may have.
@@ -105,7 +112,12 @@ struct Rounds<'a> {
 }
 
 impl<'a> Rounds<'a> {
-    fn new(scene: &'a Scene<'a>, given: Vec<Isometry3>, options: &RefineOptions) -> Self {
+    fn new(
+        scene: &'a Scene<'a>,
+        given: Vec<Isometry3>,
+        options: &RefineOptions,
+        misplaced: &[usize],
+    ) -> Self {
         let mut distances: Vec<f64> =
             scene.samples.iter().flatten().map(|s| s.in_sensor.coords.norm()).collect();
         distances.sort_unstable_by(f64::total_cmp);
@@ -116,7 +128,8 @@ impl<'a> Rounds<'a> {
         };
         let first = options.prior.unwrap_or(first);
         let reach = Reach { rotation: first.rotation, translation: first.translation };
-        let candidates = scene.pairs(&given, reach);
+        let mut candidates = scene.pairs(&given, reach);
+        candidates.retain(|(a, b)| !misplaced.contains(a) && !misplaced.contains(b));
         Self {
             scene,
             poses: given.clone(),
@@ -135,39 +148,18 @@ impl<'a> Rounds<'a> {
     fn run(&mut self) {
         for round in 0..ROUNDS {
             // Poses settle before the contradictions that are left tell how far they were off.
-            let settling = round < ROUNDS / 4;
-            let reach = if settling { self.first } else { self.prior };
-            self.observe(reach);
+            let settling = round < SETTLING;
+            self.observe(if settling { self.first } else { self.prior });
             if round == 0 {
                 self.before = self.pairs.clone();
             }
             let Some(step) = self.step(settling) else { break };
-            let largest = step.iter().zip(&self.variances).flat_map(|(step, variance)| {
+            let shares = step.iter().zip(&self.variances).flat_map(|(step, variance)| {
                 (0..6).map(move |c| step[c].abs() / variance[c].sqrt())
             });
-            let largest = largest.fold(0.0, f64::max);
-            if std::env::var("REGDBG").is_ok() {
-                eprintln!(
-                    "round {round}: {} pairs, {} obs, indep {:.4}, prior {:.5} deg {:.6}, step {largest:.3}, excess {:.6}",
-                    self.pairs.len(),
-                    self.pairs.iter().map(|p| p.observations.len()).sum::<usize>(),
-                    self.independent,
-                    self.prior.rotation.to_degrees(),
-                    self.prior.translation,
-                    {
-                        let mut e: Vec<f64> = self.pairs.iter().map(|p| p.excess.sqrt()).collect();
-                        e.sort_by(f64::total_cmp);
-                        e.get(e.len() / 2).copied().unwrap_or(0.0)
-                    }
-                );
-            }
-            if !settling
-                && self.prior.rotation < 1e-3 * self.first.rotation
-                && self.prior.translation < 1e-3 * self.first.translation
-            {
-                break;
-            }
-            if !settling && largest < SETTLED {
+            let exact = self.prior.rotation < EXACT * self.first.rotation
+                && self.prior.translation < EXACT * self.first.translation;
+            if !settling && (exact || shares.fold(0.0, f64::max) < SETTLED) {
                 break;
             }
         }
@@ -183,17 +175,14 @@ impl<'a> Rounds<'a> {
     fn step(&mut self, settling: bool) -> Option<Vec<Motion>> {
         self.independent = independent_share(self.scene.views, &self.pairs);
         let sums: Vec<Sums> = self.pairs.iter().map(Pair::sums).collect();
-        let sensors: Vec<Point3> =
-            self.poses.iter().map(|p| Point3::from(p.translation.vector)).collect();
-        let system = System::new(&sensors, self.scene.origin, &sums, self.independent);
-        let moves = self.given.iter().zip(&self.poses).map(|(from, to)| motion_between(from, to));
-        let so_far: Vec<Motion> = moves.collect();
+        let system = System::new(&self.sensors(), self.scene.origin, &sums, self.independent);
+        let so_far = self.motions();
         let mut solution: Solution = system.solve(&self.prior, &so_far)?;
         self.variances = solution.variances();
         for _ in 0..if self.stated || settling { 0 } else { PRIOR_ROUNDS } {
-            let total: Vec<Motion> =
-                so_far.iter().zip(&solution.motions).map(|(a, b)| a + b).collect();
-            self.prior = estimated_prior(&self.prior, &total, &self.variances);
+            let total = so_far.iter().zip(&solution.motions).map(|(a, b)| a + b);
+            self.prior =
+                estimated_prior(&self.prior, &total.collect::<Vec<Motion>>(), &self.variances);
             solution = system.solve(&self.prior, &so_far)?;
             self.variances = solution.variances();
         }
@@ -202,25 +191,50 @@ impl<'a> Rounds<'a> {
         }
         Some(solution.motions)
     }
+
+    fn sensors(&self) -> Vec<Point3> {
+        self.poses.iter().map(|p| Point3::from(p.translation.vector)).collect()
+    }
+
+    /// How far the views have moved from their given poses.
+    fn motions(&self) -> Vec<Motion> {
+        let pairs = self.given.iter().zip(&self.poses);
+        pairs.map(|(from, to)| motion_between(from, to)).collect()
+    }
 }
 
-/// The share of the observations that are independent (Kish, 1965).
+/// The share of the observations that are independent.
 ///
-/// Blocks of an image may share an error of the sensor. Their sums then vary more than sums of
-/// independent errors do. Both directions of a pair compare the same patches, so one half at most.
+/// * A surface that `k` views see gives `k (k - 1)` ordered pairs, whose squares add up to `k` times
+///   those of the views against their mean.
+/// * Neighbouring patches of a view may share an error of the sensor. Sums over blocks of the image
+///   then vary more than sums of independent errors do (Kish, 1965). Each view's pose has taken six
+///   numbers out of its blocks.
 fn independent_share(views: &[CoarseView], pairs: &[Pair]) -> f64 {
-    let mut blocks: BTreeMap<(usize, usize), f64> = BTreeMap::new();
-    let mut squares = 0.0;
+    let mut patches: BTreeMap<(usize, usize), (f64, f64)> = BTreeMap::new();
     for pair in pairs {
-        let Some(size) = views.get(pair.b).map(CoarseView::size) else { continue };
         for o in &pair.observations {
-            let value = pair.weight(o) * (o.variance + pair.excess).sqrt() * o.distance;
-            let (row, col) = (o.cell / size.cols, o.cell % size.cols);
-            let block = row * BLOCKS / size.rows * BLOCKS + col * BLOCKS / size.cols;
-            *blocks.entry((pair.b, block)).or_default() += value;
-            squares += value * value;
+            let weight = pair.weight(o);
+            let sum = patches.entry((pair.b, o.cell)).or_default();
+            // Every patch is met by several others, all of which see its error.
+            sum.0 += weight.sqrt() * o.distance;
+            sum.1 += 1.0;
         }
     }
+    let mut blocks: BTreeMap<(usize, usize), f64> = BTreeMap::new();
+    let (mut squares, mut meetings) = (0.0, 0.0);
+    for ((b, cell), (sum, count)) in &patches {
+        let Some(size) = views.get(*b).map(CoarseView::size) else { continue };
+        let (row, col) = (cell / size.cols, cell % size.cols);
+        let block = row * BLOCKS / size.rows * BLOCKS + col * BLOCKS / size.cols;
+        let mean = sum / count;
+        *blocks.entry((*b, block)).or_default() += mean;
+        squares += mean * mean;
+        meetings += count;
+    }
     let sums: f64 = blocks.values().map(|sum| sum * sum).sum();
-    if sums > 0.0 { (0.5 * squares / sums).min(0.5) } else { 0.5 }
+    let spare = blocks.len().saturating_sub(6 * views.len()).max(1) as f64;
+    let together = (sums / squares * blocks.len() as f64 / spare).max(1.0);
+    let seeing = 1.0 + meetings / patches.len().max(1) as f64;
+    if squares > 0.0 { 1.0 / (together * seeing) } else { 0.5 }
 }

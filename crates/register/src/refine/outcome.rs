@@ -1,8 +1,9 @@
 //! The result of a refinement: what moved, how far, and what that is worth.
 
-use super::pairs::Pair;
+use super::pairs::{Pair, Sample};
 use super::solve::{Motion, motion_between};
 use super::{PosePrior, Rounds};
+use crate::tuning::{FAR_OFF, MISPLACED, PROBES};
 use nalgebra::{Matrix3, UnitQuaternion};
 use transect_device::{Isometry3, Point3, Vector3};
 
@@ -57,50 +58,87 @@ pub struct Refinement {
 }
 
 impl Rounds<'_> {
-    pub(super) fn finish(mut self) -> Refinement {
-        self.take_out_common_motion();
+    /// The view that fits the others worst, if it is misplaced: far worse than the others, and
+    /// hardly better than at its given pose.
+    pub(super) fn worst_view(&self) -> Option<usize> {
         let before = medians(&self.before, self.given.len());
         let after = medians(&self.pairs, self.given.len());
-        let poses = (0..self.given.len()).map(|k| {
-            let (given, pose) = (self.given[k], self.poses[k]);
-            let motion = motion_between(&given, &pose);
-            let middle = middle(&self.scene.samples[k]);
-            let variance = self.variances.get(k).copied().unwrap_or_else(Motion::zeros);
-            RefinedPose {
-                view: self.scene.views[k].name().to_owned(),
-                world_from_sensor: pose,
-                outcome: PoseOutcome::Refined,
-                rotation: motion.fixed_rows::<3>(3).norm(),
-                translation: (given * middle - pose * middle).norm(),
-                sigma: PosePrior {
-                    rotation: (variance.fixed_rows::<3>(3).sum() / 3.0).sqrt(),
-                    translation: (variance.fixed_rows::<3>(0).sum() / 3.0).sqrt(),
-                },
-                residual_before: before[k],
-                residual_after: after[k],
-            }
+        let typical = median(&mut after.iter().flatten().copied().collect::<Vec<_>>())?;
+        let views = before.iter().zip(&after).enumerate();
+        let misplaced = views.filter_map(|(k, (before, after))| {
+            let after = (*after)?;
+            (after > MISPLACED * typical && after > 0.5 * (*before)?).then_some((k, after))
         });
-        let poses = poses.collect();
-        Refinement { poses, prior: self.prior, left_out_pairs: None }
+        misplaced.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k)
+    }
+
+    pub(super) fn finish(mut self, misplaced: &[usize]) -> Refinement {
+        let left_out_pairs = self.left_out();
+        let unpaired = |k: usize| self.pairs.iter().all(|p| p.a != k && p.b != k);
+        let alone: Vec<bool> = (0..self.given.len()).map(unpaired).collect();
+        let keeps = left_out_pairs.is_some_and(|change| change >= 0.0);
+        if keeps {
+            self.poses = self.given.clone();
+        } else {
+            self.take_out_common_motion(&alone);
+        }
+        let turned: Vec<f64> = self.motions().iter().map(|m| m.fixed_rows::<3>(3).norm()).collect();
+        let typical = median(&mut turned.clone()).unwrap_or(0.0);
+        let outcome = |k: usize| match () {
+            () if misplaced.contains(&k) => PoseOutcome::Misplaced,
+            () if alone[k] => PoseOutcome::Alone,
+            () if keeps => PoseOutcome::Kept,
+            () if turned[k] > FAR_OFF * typical => PoseOutcome::BroughtBack,
+            () => PoseOutcome::Refined,
+        };
+        let before = medians(&self.before, self.given.len());
+        let after = if keeps { before.clone() } else { medians(&self.pairs, self.given.len()) };
+        let pose = |k: usize| self.refined_pose(k, outcome(k), before[k], after[k]);
+        let poses = (0..self.given.len()).map(pose).collect();
+        Refinement { poses, prior: self.prior, left_out_pairs }
+    }
+
+    fn refined_pose(
+        &self,
+        k: usize,
+        outcome: PoseOutcome,
+        residual_before: Option<f64>,
+        residual_after: Option<f64>,
+    ) -> RefinedPose {
+        let (given, pose) = (self.given[k], self.poses[k]);
+        let middle = middle(&self.scene.samples[k]);
+        let variance = self.variances.get(k).copied().unwrap_or_else(Motion::zeros);
+        let sigma = |first: usize| (variance.rows(first, 3).sum() / 3.0).sqrt();
+        RefinedPose {
+            view: self.scene.views[k].name().to_owned(),
+            world_from_sensor: pose,
+            outcome,
+            rotation: motion_between(&given, &pose).fixed_rows::<3>(3).norm(),
+            translation: (given * middle - pose * middle).norm(),
+            sigma: PosePrior { rotation: sigma(3), translation: sigma(0) },
+            residual_before,
+            residual_after,
+        }
     }
 
     /// Moves all views together, so that their surfaces stay at the given place as a whole.
-    fn take_out_common_motion(&mut self) {
+    fn take_out_common_motion(&mut self, alone: &[bool]) {
         let places = |poses: &[Isometry3]| -> Vec<Point3> {
-            let views = self.scene.samples.iter().zip(poses);
-            let of = |samples: &[super::pairs::Sample], pose: &Isometry3| -> Vec<Point3> {
-                samples.iter().take(256).map(|s| pose * s.in_sensor).collect()
+            let views = self.scene.samples.iter().zip(poses).zip(alone);
+            let views = views.filter(|(_, alone)| !**alone);
+            let of = |samples: &[Sample], pose: &Isometry3| -> Vec<Point3> {
+                samples.iter().take(PROBES).map(|s| pose * s.in_sensor).collect()
             };
-            views.flat_map(|(samples, pose)| of(samples, pose)).collect()
+            views.flat_map(|((samples, pose), _)| of(samples, pose)).collect()
         };
         let back = rigid_fit(&places(&self.poses), &places(&self.given));
-        for pose in &mut self.poses {
+        for (pose, _) in self.poses.iter_mut().zip(alone).filter(|(_, alone)| !**alone) {
             *pose = back * *pose;
         }
     }
 }
 
-fn middle(samples: &[super::pairs::Sample]) -> Point3 {
+fn middle(samples: &[Sample]) -> Point3 {
     let sum = samples.iter().map(|s| s.in_sensor.coords).sum::<Vector3>();
     Point3::from(sum / samples.len().max(1) as f64)
 }
@@ -116,11 +154,12 @@ fn medians(pairs: &[Pair], views: usize) -> Vec<Option<f64>> {
             }
         }
     }
-    let median = |list: &mut Vec<f64>| {
-        let middle = list.len() / 2;
-        (!list.is_empty()).then(|| *list.select_nth_unstable_by(middle, f64::total_cmp).1)
-    };
-    distances.iter_mut().map(median).collect()
+    distances.iter_mut().map(|list| median(list)).collect()
+}
+
+fn median(list: &mut [f64]) -> Option<f64> {
+    let middle = list.len() / 2;
+    (!list.is_empty()).then(|| *list.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// The rigid motion that best takes points to others (Kabsch, 1976).

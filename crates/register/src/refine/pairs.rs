@@ -22,7 +22,7 @@ pub fn samples(view: &CoarseView, most: usize) -> Vec<Sample> {
     let taken = order.iter().take(most).filter_map(|(_, k)| all.get(*k));
     let sample = |(_, patch): &(usize, &crate::Patch)| Sample {
         in_sensor: patch.point(),
-        normal: patch.normal(),
+        normal: patch.steady_normal(),
         sigma: patch.sigma(),
     };
     taken.map(sample).collect()
@@ -30,7 +30,7 @@ pub fn samples(view: &CoarseView, most: usize) -> Vec<Sample> {
 
 /// A number that looks random, different for every input (multiplication by an odd number is a
 /// bijection; the constants are those of a common integer hash).
-fn scrambled(k: u32) -> u32 {
+pub fn scrambled(k: u32) -> u32 {
     let x = (k ^ (k >> 16)).wrapping_mul(0x45d9_f3b5);
     (x ^ (x >> 16)).wrapping_mul(0x45d9_f3b5)
 }

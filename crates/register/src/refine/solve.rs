@@ -92,8 +92,9 @@ fn strength(prior: &PosePrior) -> [f64; 6] {
     [t, t, t, r, r, r]
 }
 
-/// Turns a gradient about the origin into one about a point at `offset` from it.
-fn about(offset: &Vector3) -> Matrix6<f64> {
+/// Turns a gradient about the origin into one about a point at `offset` from it. Its transpose turns
+/// motions the other way.
+pub fn about(offset: &Vector3) -> Matrix6<f64> {
     let mut shift = Matrix6::identity();
     let cross = -offset.cross_matrix();
     shift.fixed_view_mut::<3, 3>(3, 0).copy_from(&cross);
