@@ -22,8 +22,10 @@ struct Format {
     /// Reads everything but the images.
     open: fn(&Path, &OpenOptions) -> Result<Scan, ReadError>,
     /// Reads the scan as a manifest beside its images; `None` where views have no file of their own.
-    manifest: Option<fn(&Path, &OpenOptions) -> Result<Manifest, ReadError>>,
+    manifest: Option<ManifestReader>,
 }
+
+type ManifestReader = fn(&Path, &OpenOptions) -> Result<Manifest, ReadError>;
 
 /// The formats in the order in which they are tried.
 const FORMATS: [Format; 9] = [

@@ -24,7 +24,7 @@ mod solve;
 use crate::CoarseView;
 use crate::tuning::{
     BLOCKS, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, MOST_MISPLACED, OBSERVATIONS,
-    PRIOR_ROUNDS, ROUNDS, SETTLED, SETTLING,
+    PRIOR_ROUNDS, PROBES, ROUNDS, SETTLED, SETTLING,
 };
 use pairs::{Pair, Reach, Scene, Sums, samples};
 use solve::{Motion, Solution, System, estimated_prior, motion_between, moved};
@@ -60,15 +60,15 @@ pub fn refine(views: &[CoarseView], options: &RefineOptions) -> Refinement {
         (views.get(k).map(|v| v.name().to_owned()), pose.map(|p| p.map(f64::to_bits).data.0))
     };
     order.sort_by_cached_key(|k| key(*k));
-    let sorted: Vec<CoarseView> = order.iter().filter_map(|k| views.get(*k)).cloned().collect();
-    let mut refinement = refine_sorted(&sorted, options);
+    let sorted: Vec<&CoarseView> = order.iter().filter_map(|k| views.get(*k)).collect();
+    let mut refinement = refine_sorted(sorted, options);
     let mut poses: Vec<_> = order.into_iter().zip(refinement.poses).collect();
     poses.sort_by_key(|(k, _)| *k);
     refinement.poses = poses.into_iter().map(|(_, pose)| pose).collect();
     refinement
 }
 
-fn refine_sorted(views: &[CoarseView], options: &RefineOptions) -> Refinement {
+fn refine_sorted(views: Vec<&CoarseView>, options: &RefineOptions) -> Refinement {
     let given: Vec<Isometry3> = views.iter().map(|v| *v.world_from_sensor()).collect();
     let scene = scene(views, &given);
     let mut misplaced = Vec::new();
@@ -83,7 +83,7 @@ fn refine_sorted(views: &[CoarseView], options: &RefineOptions) -> Refinement {
 }
 
 /// The samples of all views, as many as their pairs may have.
-fn scene<'a>(views: &'a [CoarseView], poses: &[Isometry3]) -> Scene<'a> {
+fn scene<'a>(views: Vec<&'a CoarseView>, poses: &[Isometry3]) -> Scene<'a> {
     let samples: Vec<_> = views.iter().map(|view| samples(view, usize::MAX)).collect();
     let places = samples.iter().zip(poses).flat_map(|(samples, pose)| {
         let middle = samples.iter().map(|s| s.in_sensor.coords).sum::<Vector3>();
@@ -149,7 +149,11 @@ impl<'a> Rounds<'a> {
         for round in 0..ROUNDS {
             // Poses settle before the contradictions that are left tell how far they were off.
             let settling = round < SETTLING;
-            self.observe(if settling { self.first } else { self.prior });
+            if settling {
+                self.observe(self.first, OBSERVATIONS / 4);
+            } else {
+                self.observe(self.prior, OBSERVATIONS);
+            }
             if round == 0 {
                 self.before = self.pairs.clone();
             }
@@ -165,15 +169,17 @@ impl<'a> Rounds<'a> {
         }
     }
 
-    fn observe(&mut self, reach: PosePrior) {
+    /// Finds the meetings at the poses as they are, about as many as wanted.
+    fn observe(&mut self, reach: PosePrior, wanted: usize) {
         let reach = Reach { rotation: reach.rotation, translation: reach.translation };
-        let per_pair = (OBSERVATIONS / self.candidates.len().max(1)).max(100);
-        self.pairs = self.scene.observe_all(&self.candidates, &self.poses, reach, 2 * per_pair);
+        // Views of one scene share about half of what they see.
+        let most = (2 * wanted / self.candidates.len().max(1)).max(PROBES);
+        self.pairs = self.scene.observe_all(&self.candidates, &self.poses, reach, most);
     }
 
     /// Moves all views once; `None` if nothing determines them.
     fn step(&mut self, settling: bool) -> Option<Vec<Motion>> {
-        self.independent = independent_share(self.scene.views, &self.pairs);
+        self.independent = independent_share(&self.scene.views, &self.pairs);
         let sums: Vec<Sums> = self.pairs.iter().map(Pair::sums).collect();
         let system = System::new(&self.sensors(), self.scene.origin, &sums, self.independent);
         let so_far = self.motions();
@@ -210,31 +216,36 @@ impl<'a> Rounds<'a> {
 /// * Neighbouring patches of a view may share an error of the sensor. Sums over blocks of the image
 ///   then vary more than sums of independent errors do (Kish, 1965). Each view's pose has taken six
 ///   numbers out of its blocks.
-fn independent_share(views: &[CoarseView], pairs: &[Pair]) -> f64 {
-    let mut patches: BTreeMap<(usize, usize), (f64, f64)> = BTreeMap::new();
+fn independent_share(views: &[&CoarseView], pairs: &[Pair]) -> f64 {
+    // Every patch is met by several others, all of which see its error: sum and number.
+    let cells = views.iter().map(|view| vec![(0.0, 0.0); view.size().pixels()]);
+    let mut patches: Vec<Vec<(f64, f64)>> = cells.collect();
     for pair in pairs {
+        let Some(cells) = patches.get_mut(pair.b) else { continue };
         for o in &pair.observations {
-            let weight = pair.weight(o);
-            let sum = patches.entry((pair.b, o.cell)).or_default();
-            // Every patch is met by several others, all of which see its error.
-            sum.0 += weight.sqrt() * o.distance;
+            let Some(sum) = cells.get_mut(o.cell) else { continue };
+            sum.0 += pair.weight(o).sqrt() * o.distance;
             sum.1 += 1.0;
         }
     }
     let mut blocks: BTreeMap<(usize, usize), f64> = BTreeMap::new();
-    let (mut squares, mut meetings) = (0.0, 0.0);
-    for ((b, cell), (sum, count)) in &patches {
-        let Some(size) = views.get(*b).map(CoarseView::size) else { continue };
-        let (row, col) = (cell / size.cols, cell % size.cols);
-        let block = row * BLOCKS / size.rows * BLOCKS + col * BLOCKS / size.cols;
-        let mean = sum / count;
-        *blocks.entry((*b, block)).or_default() += mean;
-        squares += mean * mean;
-        meetings += count;
+    let (mut squares, mut met, mut meetings) = (0.0, 0.0, 0.0);
+    for (b, (view, cells)) in views.iter().zip(&patches).enumerate() {
+        let size = view.size();
+        for (cell, (sum, count)) in cells.iter().enumerate().filter(|(_, (_, count))| *count > 0.0)
+        {
+            let (row, col) = (cell / size.cols, cell % size.cols);
+            let block = row * BLOCKS / size.rows * BLOCKS + col * BLOCKS / size.cols;
+            let mean = sum / count;
+            *blocks.entry((b, block)).or_default() += mean;
+            squares += mean * mean;
+            meetings += count;
+            met += 1.0;
+        }
     }
     let sums: f64 = blocks.values().map(|sum| sum * sum).sum();
     let spare = blocks.len().saturating_sub(6 * views.len()).max(1) as f64;
     let together = (sums / squares * blocks.len() as f64 / spare).max(1.0);
-    let seeing = 1.0 + meetings / patches.len().max(1) as f64;
+    let seeing = 1.0 + meetings / f64::max(met, 1.0);
     if squares > 0.0 { 1.0 / (together * seeing) } else { 0.5 }
 }
