@@ -11,6 +11,9 @@ use crate::{
 use std::path::Path;
 use transect_geometry::Isometry3;
 
+/// Reads a scan as a manifest whose files are relative to the scan's folder.
+type ReadManifest = fn(&Path, &OpenOptions) -> Result<Manifest, ReadError>;
+
 /// A kind of scan on disk.
 struct Format {
     /// The words for it in the message that lists the accepted formats.
@@ -22,10 +25,8 @@ struct Format {
     /// Reads everything but the images.
     open: fn(&Path, &OpenOptions) -> Result<Scan, ReadError>,
     /// Reads the scan as a manifest beside its images; `None` where views have no file of their own.
-    manifest: Option<ManifestReader>,
+    manifest: Option<ReadManifest>,
 }
-
-type ManifestReader = fn(&Path, &OpenOptions) -> Result<Manifest, ReadError>;
 
 /// The formats in the order in which they are tried.
 const FORMATS: [Format; 9] = [

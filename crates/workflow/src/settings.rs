@@ -208,9 +208,7 @@ pub(crate) fn refine_options(
     unit: LengthUnit,
     prior: Option<&str>,
 ) -> Result<RefineOptions, WorkflowError> {
-    let mut options = RefineOptions::default();
-    options.prior = prior.map(|text| parse_prior(unit, text)).transpose()?;
-    Ok(options)
+    Ok(RefineOptions { prior: prior.map(|text| parse_prior(unit, text)).transpose()? })
 }
 
 fn parse_prior(unit: LengthUnit, text: &str) -> Result<PosePrior, WorkflowError> {

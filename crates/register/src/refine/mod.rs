@@ -161,8 +161,7 @@ impl<'a> Rounds<'a> {
             let shares = step.iter().zip(&self.variances).flat_map(|(step, variance)| {
                 (0..6).map(move |c| step[c].abs() / variance[c].sqrt())
             });
-            let exact = self.prior.rotation < EXACT * self.first.rotation
-                && self.prior.translation < EXACT * self.first.translation;
+            let exact = self.prior.rotation < EXACT * self.first.rotation;
             if !settling && (exact || shares.fold(0.0, f64::max) < SETTLED) {
                 break;
             }

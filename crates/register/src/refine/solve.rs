@@ -119,15 +119,15 @@ pub fn motion_between(from: &Isometry3, to: &Isometry3) -> Motion {
 /// How far poses are wrong, from how far they moved (MacKay, 1992: the evidence for a prior).
 ///
 /// A direction that the observations determine well shows the error of its pose. One that they do
-/// not determine stays at 0 and shows nothing; `variances` tell which is which.
+/// not determine stays at 0 and shows nothing; `variances` tell which is which. The ratio of
+/// rotation to translation stays: along a tunnel no observation limits the translation, but the
+/// rotations show that the poses are exact.
 pub fn estimated_prior(prior: &PosePrior, moved: &[Motion], variances: &[Motion]) -> PosePrior {
-    let update = |sigma: f64, first: usize| {
-        let part = |m: &Motion| m.fixed_rows::<3>(first).into_owned();
-        let squares: f64 = moved.iter().map(|m| part(m).norm_squared()).sum();
-        let unknown: f64 = variances.iter().map(|v| part(v).sum()).sum::<f64>() / sigma.powi(2);
-        let known = (3 * moved.len()) as f64 - unknown;
-        // Half a component at least, so that a prior that explains nothing shrinks step by step.
-        (squares / known.max(0.5)).sqrt().clamp(1e-3 * sigma, 1e3 * sigma)
-    };
-    PosePrior { rotation: update(prior.rotation, 3), translation: update(prior.translation, 0) }
+    let strength = Motion::from(strength(prior));
+    let squares: f64 = moved.iter().map(|m| m.component_mul(m).dot(&strength)).sum();
+    let unknown: f64 = variances.iter().map(|v| v.dot(&strength)).sum();
+    let known = (6 * moved.len()) as f64 - unknown;
+    // Half a component at least, so that a prior that explains nothing shrinks step by step.
+    let factor = (squares / known.max(0.5)).sqrt().clamp(1e-3, 1e3);
+    PosePrior { rotation: factor * prior.rotation, translation: factor * prior.translation }
 }

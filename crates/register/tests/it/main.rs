@@ -4,3 +4,4 @@
 mod common;
 mod judging;
 mod readings;
+mod refining;

@@ -1,0 +1,122 @@
+//! Poses refined together.
+
+use super::common::{coarse, real, simulated, turned};
+use proptest::prelude::*;
+use transect_device::{Isometry3, Point3, Vector3, View};
+use transect_register::{PoseOutcome, PosePrior, RefineOptions, refine};
+
+/// Small errors of a few poses, the same in every run: degrees and lengths up to the given ones.
+fn shaken(views: &[View], degrees: f64, length: f64) -> Vec<View> {
+    let shake = |(k, view): (usize, &View)| {
+        let wave = |n: usize| ((7 * k + n) as f64 * 2.399).sin();
+        let turn = Vector3::new(wave(1), wave(2), wave(3)) * degrees.to_radians();
+        let shift = Vector3::new(wave(4), wave(5), wave(6)) * length;
+        let pose = view.world_from_sensor() * Isometry3::new(shift, turn);
+        view.with_pose(pose).unwrap()
+    };
+    views.iter().enumerate().map(shake).collect()
+}
+
+/// Root of the mean squared distance between where two sets of poses put the views' surfaces, after
+/// the motion that all views share.
+fn apart(views: &[View], poses: &[Isometry3]) -> f64 {
+    let first = poses[0] * views[0].world_from_sensor().inverse();
+    let mut squares = Vec::new();
+    for (view, pose) in views.iter().zip(poses) {
+        for (_, patch) in coarse(std::slice::from_ref(view))[0].patches().step_by(50) {
+            let there: Point3 = first * view.world_from_sensor() * patch.point();
+            squares.push((pose * patch.point() - there).norm_squared());
+        }
+    }
+    (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+}
+
+fn refined(views: &[View]) -> Vec<Isometry3> {
+    let refinement = refine(&coarse(views), &RefineOptions::default());
+    refinement.poses.iter().map(|p| p.world_from_sensor).collect()
+}
+
+fn given(views: &[View]) -> Vec<Isometry3> {
+    views.iter().map(|v| *v.world_from_sensor()).collect()
+}
+
+#[test]
+fn exact_poses_stay() {
+    for scene in ["room", "face_mask", "machined_part", "tunnel", "cell"] {
+        let views = simulated(scene, "");
+        let refinement = refine(&coarse(&views), &RefineOptions::default());
+        for (view, pose) in views.iter().zip(&refinement.poses) {
+            let noise = view.sigma().unwrap_or(0.0).max(1e-4);
+            assert!(pose.translation < 0.1 * noise, "{scene} {}: {pose:?}", view.name());
+        }
+    }
+}
+
+#[test]
+fn errors_of_poses_shrink() {
+    for (scene, share) in [("room", 0.1), ("face_mask", 0.2), ("machined_part", 0.2)] {
+        let views = simulated(scene, "");
+        let wrong = shaken(&views, 0.3, 0.005);
+        let (before, after) = (apart(&views, &given(&wrong)), apart(&views, &refined(&wrong)));
+        assert!(after < share * before, "{scene}: {before} to {after}");
+    }
+}
+
+#[test]
+fn a_view_far_off_is_brought_back() {
+    let views = simulated("room", "");
+    for (k, degrees) in [(0, 3.0), (1, 10.0), (3, -10.0)] {
+        let mut wrong = views.clone();
+        wrong[k] = turned(&views[k], 1, degrees);
+        let refinement = refine(&coarse(&wrong), &RefineOptions::default());
+        let poses: Vec<_> = refinement.poses.iter().map(|p| p.world_from_sensor).collect();
+        let (before, after) = (apart(&views, &given(&wrong)), apart(&views, &poses));
+        assert!(after < 0.02 * before, "view {k} by {degrees}: {before} to {after}");
+        assert_eq!(refinement.poses[k].outcome, PoseOutcome::BroughtBack, "{degrees}");
+    }
+}
+
+#[test]
+fn a_view_of_another_place_stays_and_is_told() {
+    let mut views = simulated("room", "");
+    let away = Isometry3::translation(100.0, 0.0, 0.0) * views[2].world_from_sensor();
+    views[2] = views[2].with_pose(away).unwrap();
+    let refinement = refine(&coarse(&views), &RefineOptions::default());
+    assert_eq!(refinement.poses[2].outcome, PoseOutcome::Alone);
+    assert_eq!(refinement.poses[2].world_from_sensor, away);
+    assert!(refine(&[], &RefineOptions::default()).poses.is_empty());
+}
+
+#[test]
+fn a_stated_prior_holds_the_poses() {
+    let views = shaken(&simulated("room", ""), 0.3, 0.005);
+    let mut options = RefineOptions::default();
+    options.prior = Some(PosePrior { rotation: 1e-7, translation: 1e-7 });
+    let refinement = refine(&coarse(&views), &options);
+    assert!(refinement.poses.iter().all(|p| p.translation < 1e-4), "{refinement:?}");
+}
+
+#[test]
+fn perturbed_poses_of_a_turntable_scan_come_back() {
+    let Some(views) = real("stanford_bunny") else { return };
+    let wrong = shaken(&views, 0.3, 0.0005);
+    let (before, after) = (apart(&views, &given(&wrong)), apart(&views, &refined(&wrong)));
+    assert!(after < 0.5 * before, "{before} to {after}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(6))]
+
+    /// The same poses, bit by bit.
+    #[test]
+    fn the_order_of_views_does_not_matter(
+        order in Just(vec![0, 1, 2, 3]).prop_shuffle(), degrees in 0.0..1.0,
+    ) {
+        let views = shaken(&simulated("room", ""), degrees, 0.01);
+        let shuffled: Vec<View> = order.iter().map(|k| views[*k].clone()).collect();
+        let (poses, again) = (refined(&views), refined(&shuffled));
+        for (k, pose) in order.iter().zip(&again) {
+            prop_assert_eq!(pose, &poses[*k]);
+        }
+    }
+}
