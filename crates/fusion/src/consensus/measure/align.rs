@@ -17,23 +17,26 @@
 
 use super::super::tuning::settle::*;
 use super::super::window::left_of;
-use super::common_line::{Bead, Reach, beads, on_common_lines};
+use super::common_line::{Bead, Reach, averaged_view_error, beads, on_common_lines};
 use super::observations::Observations;
 use nalgebra::{Matrix3, Vector3};
 use transect_geometry::{Point2, Vector2};
 
-/// Moves each view's observations. `error` is the standard deviation of the views' errors.
-pub(super) fn align(observations: &mut Observations, reach: &Reach, error: f64) {
+/// Moves each view's observations. `error` is the standard deviation of the views' errors. Returns
+/// this error as the lines show it before any view moves, averaged along them.
+pub(super) fn align(observations: &mut Observations, reach: &Reach, error: f64) -> f64 {
     let (given, _) = beads(observations, reach);
     let mut motions = vec![Motion::default(); observations.sources.len()];
     given.iter().for_each(|bead| motions[bead.view as usize].add_to_centre(bead));
     given.iter().for_each(|bead| motions[bead.view as usize].add_to_radius(bead));
+    let mut given_error = None;
     for _ in 0..ALIGN_ROUNDS {
         let mut moved = given.clone();
         for bead in &mut moved {
             motions[bead.view as usize].apply(&mut bead.position, &mut bead.tangent);
         }
         let lines = on_common_lines(&moved, motions.len(), reach);
+        given_error = given_error.or_else(|| Some(averaged_view_error(&lines)));
         let mut equations = vec![Equations::default(); motions.len()];
         for (bead, line) in moved.iter().zip(&lines).filter(|(_, line)| line.tells_error()) {
             let view = bead.view as usize;
@@ -44,6 +47,7 @@ pub(super) fn align(observations: &mut Observations, reach: &Reach, error: f64) 
     for o in &mut observations.all {
         motions[o.view as usize].apply(&mut o.position, &mut o.tangent);
     }
+    given_error.unwrap_or(error)
 }
 
 /// A small rigid motion of a view within the plane.

@@ -5,8 +5,9 @@
 //! per view). Direction tells surfaces apart, so both sides of a thin wall stay.
 
 use super::super::tuning::settle::*;
+use super::super::tuning::spread::MEDIAN_OF_NORMAL;
 use super::super::window::{Window, left_of};
-use super::observations::{Observation, Observations};
+use super::observations::{Observation, Observations, median};
 use crate::grid::PointGrid;
 use transect_geometry::{Point2, Vector2};
 
@@ -88,6 +89,13 @@ fn bead(members: &[Observation]) -> Bead {
         off_variance: 0.0,
         views: 1.0,
     }
+}
+
+/// Standard deviation of a view's error, averaged over a window, from what the first lines left.
+/// Unlike the spread between nodes beside each other, it is not cut at the search distance.
+pub(super) fn averaged_view_error(beads: &[Bead]) -> f64 {
+    let known = beads.iter().filter(|bead| bead.tells_error());
+    median(known.map(|bead| bead.off.abs() / bead.off_variance.sqrt())) / MEDIAN_OF_NORMAL
 }
 
 /// The beads, each moved onto the line through those around it.

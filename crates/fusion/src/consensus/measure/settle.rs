@@ -16,15 +16,15 @@
 //! 3. Each observation moves onto the line of its bead, as far as errors of views exceed its own
 //!    noise.
 //! 4. The distances of the views from the first lines tell how far a view is off *after averaging
-//!    along the window*. This, over the views that share a line, is the line's own error.
+//!    along the window*. This, over the views that share a line, is the line's own error. Views
+//!    that were shifted agree better afterwards, but their mean is as far from the truth as before.
 //!
 //! **Source.** Not in the dissertation, whose averages move two curves at a time (5.5.2).
 
 use super::super::tuning::settle::*;
-use super::super::tuning::spread::MEDIAN_OF_NORMAL;
 use super::super::window::left_of;
 use super::align::align;
-use super::common_line::{Bead, Reach, beads, on_common_lines};
+use super::common_line::{Reach, averaged_view_error, beads, on_common_lines};
 use super::observations::{Observations, median};
 use super::scale::Scale;
 
@@ -36,20 +36,15 @@ pub(super) fn settle(observations: &mut Observations, scale: &Scale, error: f64)
         return false;
     }
     let reach = Reach::new(error, scale.same_way);
-    if scale.steps().align {
-        align(observations, &reach, error);
-    }
+    let mut view_error = scale.steps().align.then(|| align(observations, &reach, error));
     let (mut beads, bead_of) = beads(observations, &reach);
-    let mut view_error = 0.0;
-    for round in 0..ROUNDS {
+    for _ in 0..ROUNDS {
         beads = on_common_lines(&beads, observations.sources.len(), &reach);
-        if round == 0 {
-            view_error = averaged_view_error(&beads);
-        }
+        view_error = view_error.or_else(|| Some(averaged_view_error(&beads)));
     }
     for (o, &k) in observations.all.iter_mut().zip(&bead_of) {
         let bead = &beads[k as usize];
-        o.line_error = view_error / bead.views.sqrt();
+        o.line_error = view_error.unwrap_or(error) / bead.views.sqrt();
         let trust = error * error / (error * error + o.sigma * o.sigma);
         let normal = left_of(&bead.tangent);
         o.position += normal * (trust * normal.dot(&(bead.position - o.position)));
@@ -57,11 +52,4 @@ pub(super) fn settle(observations: &mut Observations, scale: &Scale, error: f64)
         o.tangent = turned.try_normalize(0.0).unwrap_or(o.tangent);
     }
     true
-}
-
-/// Standard deviation of a view's error, averaged over a window, from what the first lines left.
-/// Unlike the spread between nodes beside each other, it is not cut at the search distance.
-fn averaged_view_error(beads: &[Bead]) -> f64 {
-    let known = beads.iter().filter(|bead| bead.tells_error());
-    median(known.map(|bead| bead.off.abs() / bead.off_variance.sqrt())) / MEDIAN_OF_NORMAL
 }
