@@ -74,6 +74,8 @@ steps! {
     nearby_spread,
     /// Views' curves moved onto their common course where their errors exceed the footprint.
     settle,
+    /// Views shifted and turned as a whole before.
+    align,
     /// Groups of observations that rough fits treat as one.
     groups,
     /// Groups that go to a kept node when their turn comes.

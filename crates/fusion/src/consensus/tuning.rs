@@ -41,15 +41,29 @@ pub(super) mod spread {
     pub const WANTED_SAMPLES: usize = 500;
     /// Pairs that make a spread at least. By hand. Doubled: views that barely overlap count as one.
     pub const MIN_PAIRS: usize = 8;
-    /// Search distance for another view, in footprints and standard deviations of the node. By
-    /// hand: wider than poses usually err. Doubled: neighbouring surfaces enter the sample.
+    /// Usual search distance for another view, in footprints and standard deviations of the node.
+    /// By hand: wider than the poses of scanners err. Doubled: neighbouring surfaces enter the
+    /// sample.
     pub const SEARCH_FOOTPRINTS: f64 = 4.0;
     pub const SEARCH_SIGMAS: f64 = 6.0;
     /// Share of the search distance that is searched first. By hand: saves time where views agree.
     /// Doubled: saves nothing.
     pub const NEARBY_SHARE: f64 = 0.4;
-    /// Spreads that the nearby search must hold to count. Theory: the cut at four spreads must lie
-    /// inside. Doubled: the whole distance is searched on most planes.
+    /// Factor from one search distance to the next. By hand. Doubled: the spread of depth cameras
+    /// is taken from distances at which other surfaces lie.
+    pub const SHARE_GROWTH: f64 = 1.5;
+    /// Share of the search distance from which no wider one is tried. By hand: depth cameras with
+    /// poses of their own differ by up to 4 footprints, which 4.5 times this share holds. Doubled:
+    /// other surfaces widen the spread of the red kitchen, and the share of its halves within 2 cm
+    /// falls by 0.5 %.
+    pub const WIDEST_SHARE: f64 = 5.0;
+    /// Growth of the spread over that of the search from which other surfaces make it. Theory:
+    /// evenly distributed distances have 1. Measured: 0.5 at most on depth cameras. Doubled: it
+    /// never counts as made by other surfaces.
+    pub const EVEN_GROWTH: f64 = 0.75;
+    /// Spreads that a search must hold to count. Theory: the cut at four spreads must lie inside,
+    /// and evenly distributed distances give 2.3 times the distance searched. Doubled: the whole
+    /// distance is searched on most planes.
     pub const NEARBY_SPREADS: f64 = 4.5;
     /// Pairs farther apart than this many spreads are of different surfaces. Theory: one normal
     /// error in 16 000 is larger. Doubled: neighbouring surfaces widen the spread.
@@ -85,16 +99,35 @@ pub(super) mod scale {
     pub const LEAST_FOOTPRINTS: f64 = 0.35;
 }
 
-/// `measure/settle.rs`
+/// `measure/settle.rs`, `measure/common_line.rs` and `measure/align.rs`
 pub(super) mod settle {
-    /// Shortest half-width of a common line, in footprints. Theory: with the default threshold of
-    /// eight spreads, two views then differ by 0.7 footprints; below, their nodes hardly
-    /// interleave. Doubled: depth cameras at close range zigzag.
-    pub const LEAST_FOOTPRINTS: f64 = 4.0;
+    /// Least error of the views, in footprints. Theory: two views then differ by 0.7 footprints;
+    /// below, their nodes hardly interleave. Doubled: depth cameras at close range zigzag.
+    pub const LEAST_FOOTPRINTS: f64 = 0.5;
     /// Least ratio of the views' errors to the nodes' own. By hand: on one plane of a noisy room
     /// the errors of views seem to be three times the noise by chance; depth cameras have 9 and
     /// more. Doubled: nothing changes.
     pub const LEAST_NOISE_RATIO: f64 = 4.0;
+    /// Half-length of a common line, in errors of a view. Measured on `kitchen_kin40_real` and the
+    /// red kitchen: from 5 to 8 medians fall by 2 %, turns by a fifth, and small things blur.
+    /// Doubled: corners are round.
+    pub const ALONG_ERRORS: f64 = 6.0;
+    /// Largest distance between beads of one line, in errors of a view. Theory: two views differ by
+    /// √2 errors, and one normal difference in a million is larger than 5 times that. Measured:
+    /// with 5, small things stay apart (tight completeness of `kitchen_kin40_real` 84.6 instead of
+    /// 83.9 %), and walls that wrong poses double keep both copies. Doubled: surfaces beside each
+    /// other merge.
+    pub const ACROSS_ERRORS: f64 = 7.0;
+    /// Rounds of alignment. Measured: the first takes out half of the views' differences; between 1
+    /// and 4 nothing changes by more than 1 %. Doubled: time.
+    pub const ALIGN_ROUNDS: usize = 3;
+    /// Distance from its line, in errors of a view, at which a bead does not move its view. Theory:
+    /// as for other outliers, one normal error in 16 000 is larger. Doubled: other surfaces pull.
+    pub const ALIGN_CUT: f64 = 4.0;
+    /// Half-lengths of a line that count as one observation of a view's motion: windows beside each
+    /// other share the errors of the camera. Measured: between 1 and 16 medians of the kitchen and
+    /// the red kitchen change by 3 %, and are best between 4 and 16. Doubled: nothing changes.
+    pub const REACHES_PER_OBSERVATION: f64 = 4.0;
     /// Beads along half of a line. By hand. Doubled: four times the time, the same places.
     pub const BEADS_PER_REACH: f64 = 6.0;
     /// Rounds of averaging. By hand: the first line passes through beads that have not moved.

@@ -4,6 +4,7 @@
 mod bridges;
 mod consensus;
 mod corners;
+mod displaced;
 mod draws;
 mod drift;
 mod incidence;

@@ -2,7 +2,9 @@
 //!
 //! Hands on the [`Observation`]s with their weights, and the plane's [`Scale`].
 
+mod align;
 mod arc;
+mod common_line;
 mod observations;
 mod scale;
 mod settle;
@@ -32,10 +34,12 @@ impl Measurements {
             return None;
         }
         let mut grid = PointGrid::new(&observations.positions(), observations.spacing());
-        let (scale, spread) = Scale::new(&observations, &grid, options);
-        if options.steps.settle {
-            settle::settle(&mut observations, &scale, spread.view_error.head_on.sqrt());
+        let (mut scale, spread) = Scale::new(&observations, &grid, options);
+        let error = spread.view_error.head_on.sqrt();
+        if options.steps.settle && settle::settle(&mut observations, &scale, error) {
             grid = PointGrid::new(&observations.positions(), observations.spacing());
+            // The views now lie close to each other, so surfaces that do so are told apart.
+            scale = Scale::new(&observations, &grid, options).0;
         }
         if options.steps.view_error {
             observations.weigh(&spread.view_error);

@@ -10,199 +10,46 @@
 //! view counts alike. Direction still tells surfaces apart, so both sides of a thin wall stay.
 //!
 //! **Steps.**
-//! 1. Beads: short pieces of each view's curves. Lines through beads cost less than lines through
-//!    nodes.
-//! 2. Each bead moves onto the line through the beads around it, within the overlap threshold of
-//!    the views' errors. Twice, as the first lines pass through beads that have not moved yet.
+//! 1. Each view is shifted and turned as a whole (`align.rs`).
+//! 2. Beads, short pieces of each view's curves, move onto the line through the beads around them
+//!    (`common_line.rs`). Twice, as the first lines pass through beads that have not moved yet.
 //! 3. Each observation moves onto the line of its bead, as far as errors of views exceed its own
 //!    noise.
 //! 4. The distances of the views from the first lines tell how far a view is off *after averaging
-//!    along the window*. This, over the views that share a line, is the line's own error.
+//!    along the window*. This, over the views that share a line, is the line's own error. Views
+//!    that were shifted agree better afterwards, but their mean is as far from the truth as before.
 //!
 //! **Source.** Not in the dissertation, whose averages move two curves at a time (5.5.2).
 
 use super::super::tuning::settle::*;
-use super::super::tuning::spread::MEDIAN_OF_NORMAL;
-use super::super::window::{Window, left_of};
-use super::observations::{Observation, Observations, median};
+use super::super::window::left_of;
+use super::align::align;
+use super::common_line::{Reach, averaged_view_error, beads, on_common_lines};
+use super::observations::{Observations, median};
 use super::scale::Scale;
-use crate::grid::PointGrid;
-use transect_geometry::{Point2, Vector2};
 
-/// Moves the observations. `error` is the standard deviation of the views' systematic errors.
-pub(super) fn settle(observations: &mut Observations, scale: &Scale, error: f64) {
-    let reach = scale.options.threshold_spreads * error;
+/// Moves the observations if the views' errors ask for it, and says whether they did. `error` is
+/// the standard deviation of the views' systematic errors.
+pub(super) fn settle(observations: &mut Observations, scale: &Scale, error: f64) -> bool {
     let noise = median(observations.all.iter().map(|o| o.sigma));
-    if reach < LEAST_FOOTPRINTS * scale.spacing || error < LEAST_NOISE_RATIO * noise {
-        return;
+    if error < LEAST_FOOTPRINTS * scale.spacing || error < LEAST_NOISE_RATIO * noise {
+        return false;
     }
-    let (mut beads, bead_of) = beads(observations, reach / BEADS_PER_REACH);
-    let mut view_error = 0.0;
-    for round in 0..ROUNDS {
-        beads = on_common_lines(&beads, observations.sources.len(), reach, scale.same_way);
-        if round == 0 {
-            view_error = averaged_view_error(&beads);
-        }
+    let reach = Reach::new(error, scale.same_way);
+    let mut view_error = scale.steps().align.then(|| align(observations, &reach, error));
+    let (mut beads, bead_of) = beads(observations, &reach);
+    for _ in 0..ROUNDS {
+        beads = on_common_lines(&beads, observations.sources.len(), &reach);
+        view_error = view_error.or_else(|| Some(averaged_view_error(&beads)));
     }
     for (o, &k) in observations.all.iter_mut().zip(&bead_of) {
         let bead = &beads[k as usize];
-        o.line_error = view_error / bead.views.sqrt();
+        o.line_error = view_error.unwrap_or(error) / bead.views.sqrt();
         let trust = error * error / (error * error + o.sigma * o.sigma);
         let normal = left_of(&bead.tangent);
         o.position += normal * (trust * normal.dot(&(bead.position - o.position)));
         let turned = o.tangent + (bead.tangent - o.tangent) * trust;
         o.tangent = turned.try_normalize(0.0).unwrap_or(o.tangent);
     }
-}
-
-/// A short piece of a view's curve.
-#[derive(Debug, Clone, Copy)]
-struct Bead {
-    /// Weighted mean of its observations.
-    position: Point2,
-    /// Unit vector: their weighted mean direction.
-    tangent: Vector2,
-    /// Length that its observations stand for.
-    length: f64,
-    view: u32,
-    /// How far its view is off the common line, averaged over the window, and the variance of this
-    /// in variances of a view: a view takes part in the line that it is compared with.
-    off: f64,
-    off_variance: f64,
-    /// Number of views in the common line. One that measured a part of the window counts in part.
-    views: f64,
-}
-
-/// Cuts the views' curves into beads, and says which bead each observation is in.
-fn beads(observations: &Observations, length: f64) -> (Vec<Bead>, Vec<u32>) {
-    let all = &observations.all;
-    let (mut beads, mut bead_of) = (Vec::new(), Vec::with_capacity(all.len()));
-    let mut start = 0;
-    for k in 0..all.len() {
-        bead_of.push(beads.len() as u32);
-        let follows = all[k].next as usize == k + 1 && !all[k].bridged;
-        let fits = |next: &Point2| (next - all[start].position).norm() <= length;
-        if !(follows && fits(&all[k + 1].position)) {
-            beads.push(bead(&all[start..=k]));
-            start = k + 1;
-        }
-    }
-    (beads, bead_of)
-}
-
-fn bead(members: &[Observation]) -> Bead {
-    let first = &members[0];
-    let (mut length, mut place, mut tangent) = (0.0, Vector2::zeros(), Vector2::zeros());
-    for o in members {
-        let weight = o.support * o.footprint;
-        length += weight;
-        place += (o.position - first.position) * weight;
-        tangent += o.tangent * weight;
-    }
-    Bead {
-        position: first.position + place / length.max(f64::MIN_POSITIVE),
-        tangent: tangent.try_normalize(0.0).unwrap_or(first.tangent),
-        length,
-        view: first.view,
-        off: 0.0,
-        off_variance: 0.0,
-        views: 1.0,
-    }
-}
-
-/// Standard deviation of a view's error, averaged over a window, from what the first lines left.
-/// Unlike the spread between nodes beside each other, it is not cut at the search distance.
-fn averaged_view_error(beads: &[Bead]) -> f64 {
-    let known = beads.iter().filter(|b| b.length > 0.0 && b.off_variance > LEAST_OFF_VARIANCE);
-    median(known.map(|bead| bead.off.abs() / bead.off_variance.sqrt())) / MEDIAN_OF_NORMAL
-}
-
-/// The beads, each moved onto the line through those around it.
-fn on_common_lines(beads: &[Bead], views: usize, reach: f64, same_way: f64) -> Vec<Bead> {
-    let places: Vec<Point2> = beads.iter().map(|bead| bead.position).collect();
-    let grid = PointGrid::new(&places, reach);
-    let (mut of_view, mut met) = (vec![Sums::default(); views], Vec::new());
-    let moved = |bead: &Bead| {
-        let (centre, tangent) = (bead.position, bead.tangent);
-        let window = Window { centre, tangent, reach, across: reach, same_way };
-        let tangent_of = |k: usize| beads[k].tangent;
-        window.visit(&grid, tangent_of, |k, x, y| {
-            let sums = &mut of_view[beads[k].view as usize];
-            if sums.length == 0.0 {
-                met.push(beads[k].view);
-            }
-            sums.add((1.0 - x.abs() / reach) * beads[k].length, x, y);
-        });
-        let (mut common, mut squared_shares) = (Sums::default(), 0.0);
-        let own = of_view[bead.view as usize];
-        for view in met.drain(..) {
-            let sums = std::mem::take(&mut of_view[view as usize]);
-            squared_shares += sums.share(reach).powi(2);
-            common.add_view(&sums, reach);
-        }
-        let (offset, slope) = common.line(reach);
-        let normal = left_of(&tangent);
-        let has_length = common.length > 0.0;
-        let views = if has_length { common.length.powi(2) / squared_shares } else { 1.0 };
-        Bead {
-            position: centre + normal * offset.clamp(-reach, reach),
-            tangent: (tangent + normal * slope).normalize(),
-            off: (own.y - slope * own.x) / own.length - offset,
-            off_variance: 1.0 - 2.0 * own.share(reach) / common.length + 1.0 / views,
-            views,
-            ..*bead
-        }
-    };
-    beads.iter().map(moved).collect()
-}
-
-/// Weighted sums for a line y(x) through beads; the weights are lengths.
-#[derive(Debug, Clone, Copy, Default)]
-struct Sums {
-    length: f64,
-    x: f64,
-    y: f64,
-    xx: f64,
-    xy: f64,
-}
-
-impl Sums {
-    fn add(&mut self, length: f64, x: f64, y: f64) {
-        self.add_share(&Self { length: 1.0, x, y, xx: x * x, xy: x * y }, length);
-    }
-
-    fn add_share(&mut self, other: &Self, share: f64) {
-        self.length += share * other.length;
-        self.x += share * other.x;
-        self.y += share * other.y;
-        self.xx += share * other.xx;
-        self.xy += share * other.xy;
-    }
-
-    /// Adds the sums of one view. All views that measured the whole window count alike, however
-    /// densely they did.
-    fn add_view(&mut self, view: &Self, reach: f64) {
-        if view.length > 0.0 {
-            self.add_share(view, 1.0 / view.length.max(reach));
-        }
-    }
-
-    /// What a view counts as: the part of the window that it measured.
-    fn share(&self, reach: f64) -> f64 {
-        (self.length / reach).min(1.0)
-    }
-
-    /// Value and slope of the line at x = 0. Samples all in one place have no slope.
-    fn line(&self, reach: f64) -> (f64, f64) {
-        if self.length <= 0.0 {
-            return (0.0, 0.0);
-        }
-        let (x, y) = (self.x / self.length, self.y / self.length);
-        let variance = self.xx / self.length - x * x;
-        if variance <= LEAST_VARIANCE * reach * reach {
-            return (y, 0.0);
-        }
-        let slope = (self.xy / self.length - x * y) / variance;
-        (y - slope * x, slope)
-    }
+    true
 }

@@ -33,18 +33,34 @@ pub(super) struct Search<'a> {
 
 impl Search<'_> {
     /// The spread between views; `None` where no two views overlap.
+    ///
+    /// The search begins nearby, since views usually lie close to each other. It grows until the
+    /// spread lies well inside. If the spread grows as fast as the search, other surfaces make it,
+    /// and the usual distance counts.
     pub fn spread_between_views(&self) -> Option<Spread> {
         if self.observations.sources.len() < 2 {
             return None;
         }
-        // Views usually lie so close to each other that a search nearby finds all of them.
-        let nearby = || {
-            let spread = self.within(NEARBY_SHARE)?;
-            let searched = NEARBY_SHARE * SEARCH_FOOTPRINTS * self.observations.spacing();
-            (NEARBY_SPREADS * spread.between_views <= searched).then_some(spread)
-        };
-        let found = if self.options.steps.nearby_spread { nearby() } else { None };
-        found.or_else(|| self.within(1.0))
+        let nearby = self.options.steps.nearby_spread.then(|| self.within(NEARBY_SHARE)).flatten();
+        if let Some(nearby) = nearby.filter(|found| self.holds(found, NEARBY_SHARE)) {
+            return Some(nearby);
+        }
+        let usual = self.within(1.0)?;
+        // Only curves that will be moved onto each other may be farther apart.
+        let widest = if self.options.steps.settle { WIDEST_SHARE } else { 1.0 };
+        let (mut share, mut found) = (1.0, usual);
+        while !self.holds(&found, share) && share < widest {
+            share *= SHARE_GROWTH;
+            found = self.within(share)?;
+        }
+        let evenly = found.between_views > EVEN_GROWTH * share * usual.between_views;
+        Some(if share > 1.0 && evenly { usual } else { found })
+    }
+
+    /// Whether a spread lies well within the share of the search distance that showed it.
+    fn holds(&self, found: &Spread, share: f64) -> bool {
+        let searched = share * SEARCH_FOOTPRINTS * self.observations.spacing();
+        NEARBY_SPREADS * found.between_views <= searched
     }
 
     /// The spread within a share of the search distance.

@@ -1,0 +1,190 @@
+//! Common lines: moving least squares lines through the curves of all views.
+//!
+//! Lines go through beads, short pieces of each view's curves; they cost less than lines through
+//! nodes. Each view counts alike, however densely it sampled (Alexa et al., 2003, with one share
+//! per view). Direction tells surfaces apart, so both sides of a thin wall stay.
+
+use super::super::tuning::settle::*;
+use super::super::tuning::spread::MEDIAN_OF_NORMAL;
+use super::super::window::{Window, left_of};
+use super::observations::{Observation, Observations, median};
+use crate::grid::PointGrid;
+use transect_geometry::{Point2, Vector2};
+
+/// What a common line is made of.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reach {
+    /// Half-length of a line.
+    pub along: f64,
+    /// Largest distance of a bead from the bead whose line is sought.
+    pub across: f64,
+    /// Cosine of the largest angle between beads of one surface.
+    pub same_way: f64,
+}
+
+impl Reach {
+    /// The reach that views with these errors need.
+    pub fn new(error: f64, same_way: f64) -> Self {
+        Self { along: ALONG_ERRORS * error, across: ACROSS_ERRORS * error, same_way }
+    }
+}
+
+/// A short piece of a view's curve.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bead {
+    /// Weighted mean of its observations.
+    pub position: Point2,
+    /// Unit vector: their weighted mean direction.
+    pub tangent: Vector2,
+    /// Length that its observations stand for.
+    pub length: f64,
+    pub view: u32,
+    /// How far its view is off the common line, averaged over the window, and the variance of this
+    /// in variances of a view: a view takes part in the line that it is compared with.
+    pub off: f64,
+    pub off_variance: f64,
+    /// Number of views in the common line. One that measured a part of the window counts in part.
+    pub views: f64,
+}
+
+impl Bead {
+    /// Whether the distance from the line tells something of its view's error.
+    pub fn tells_error(&self) -> bool {
+        self.length > 0.0 && self.off_variance > LEAST_OFF_VARIANCE
+    }
+}
+
+/// Cuts the views' curves into beads, and says which bead each observation is in.
+pub(super) fn beads(observations: &Observations, reach: &Reach) -> (Vec<Bead>, Vec<u32>) {
+    let (all, length) = (&observations.all, reach.along / BEADS_PER_REACH);
+    let (mut beads, mut bead_of) = (Vec::new(), Vec::with_capacity(all.len()));
+    let mut start = 0;
+    for k in 0..all.len() {
+        bead_of.push(beads.len() as u32);
+        let follows = all[k].next as usize == k + 1 && !all[k].bridged;
+        let fits = |next: &Point2| (next - all[start].position).norm() <= length;
+        if !(follows && fits(&all[k + 1].position)) {
+            beads.push(bead(&all[start..=k]));
+            start = k + 1;
+        }
+    }
+    (beads, bead_of)
+}
+
+fn bead(members: &[Observation]) -> Bead {
+    let first = &members[0];
+    let (mut length, mut place, mut tangent) = (0.0, Vector2::zeros(), Vector2::zeros());
+    for o in members {
+        let weight = o.support * o.footprint;
+        length += weight;
+        place += (o.position - first.position) * weight;
+        tangent += o.tangent * weight;
+    }
+    Bead {
+        position: first.position + place / length.max(f64::MIN_POSITIVE),
+        tangent: tangent.try_normalize(0.0).unwrap_or(first.tangent),
+        length,
+        view: first.view,
+        off: 0.0,
+        off_variance: 0.0,
+        views: 1.0,
+    }
+}
+
+/// Standard deviation of a view's error, averaged over a window, from what the first lines left.
+/// Unlike the spread between nodes beside each other, it is not cut at the search distance.
+pub(super) fn averaged_view_error(beads: &[Bead]) -> f64 {
+    let known = beads.iter().filter(|bead| bead.tells_error());
+    median(known.map(|bead| bead.off.abs() / bead.off_variance.sqrt())) / MEDIAN_OF_NORMAL
+}
+
+/// The beads, each moved onto the line through those around it.
+pub(super) fn on_common_lines(beads: &[Bead], views: usize, reach: &Reach) -> Vec<Bead> {
+    let Reach { along: reach, across, same_way } = *reach;
+    let places: Vec<Point2> = beads.iter().map(|bead| bead.position).collect();
+    let grid = PointGrid::new(&places, reach);
+    let (mut of_view, mut met) = (vec![Sums::default(); views], Vec::new());
+    let moved = |bead: &Bead| {
+        let (centre, tangent) = (bead.position, bead.tangent);
+        let window = Window { centre, tangent, reach, across, same_way };
+        let tangent_of = |k: usize| beads[k].tangent;
+        window.visit(&grid, tangent_of, |k, x, y| {
+            let sums = &mut of_view[beads[k].view as usize];
+            if sums.length == 0.0 {
+                met.push(beads[k].view);
+            }
+            sums.add((1.0 - x.abs() / reach) * beads[k].length, x, y);
+        });
+        let (mut common, mut squared_shares) = (Sums::default(), 0.0);
+        let own = of_view[bead.view as usize];
+        for view in met.drain(..) {
+            let sums = std::mem::take(&mut of_view[view as usize]);
+            squared_shares += sums.share(reach).powi(2);
+            common.add_view(&sums, reach);
+        }
+        let (offset, slope) = common.line(reach);
+        let normal = left_of(&tangent);
+        let has_length = common.length > 0.0;
+        let views = if has_length { common.length.powi(2) / squared_shares } else { 1.0 };
+        Bead {
+            position: centre + normal * offset.clamp(-across, across),
+            tangent: (tangent + normal * slope).normalize(),
+            off: (own.y - slope * own.x) / own.length - offset,
+            off_variance: 1.0 - 2.0 * own.share(reach) / common.length + 1.0 / views,
+            views,
+            ..*bead
+        }
+    };
+    beads.iter().map(moved).collect()
+}
+
+/// Weighted sums for a line y(x) through beads; the weights are lengths.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    length: f64,
+    x: f64,
+    y: f64,
+    xx: f64,
+    xy: f64,
+}
+
+impl Sums {
+    fn add(&mut self, length: f64, x: f64, y: f64) {
+        self.add_share(&Self { length: 1.0, x, y, xx: x * x, xy: x * y }, length);
+    }
+
+    fn add_share(&mut self, other: &Self, share: f64) {
+        self.length += share * other.length;
+        self.x += share * other.x;
+        self.y += share * other.y;
+        self.xx += share * other.xx;
+        self.xy += share * other.xy;
+    }
+
+    /// Adds the sums of one view. All views that measured the whole window count alike, however
+    /// densely they did.
+    fn add_view(&mut self, view: &Self, reach: f64) {
+        if view.length > 0.0 {
+            self.add_share(view, 1.0 / view.length.max(reach));
+        }
+    }
+
+    /// What a view counts as: the part of the window that it measured.
+    fn share(&self, reach: f64) -> f64 {
+        (self.length / reach).min(1.0)
+    }
+
+    /// Value and slope of the line at x = 0. Samples all in one place have no slope.
+    fn line(&self, reach: f64) -> (f64, f64) {
+        if self.length <= 0.0 {
+            return (0.0, 0.0);
+        }
+        let (x, y) = (self.x / self.length, self.y / self.length);
+        let variance = self.xx / self.length - x * x;
+        if variance <= LEAST_VARIANCE * reach * reach {
+            return (y, 0.0);
+        }
+        let slope = (self.xy / self.length - x * y) / variance;
+        (y - slope * x, slope)
+    }
+}

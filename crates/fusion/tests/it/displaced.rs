@@ -1,0 +1,125 @@
+//! Views that wrong poses displace by several footprints, as depth cameras' are.
+
+use crate::draws::Noise;
+use transect_fusion::{ConsensusOptions, FusedPlane, consensus};
+use transect_geometry::{Curve, Node, Point2, crossings};
+
+/// Distance between neighbouring nodes, and one node's own standard deviation.
+const SPACING: f64 = 0.004;
+const SIGMA: f64 = 0.0004;
+
+/// Standard deviations of a view's shift and turn.
+const SHIFT: f64 = 0.008;
+const TURN: f64 = 0.004;
+
+/// Length of each side of the square.
+const SIDE: f64 = 2.0;
+
+/// The place at a distance along the outline of the square.
+fn outline(along: f64) -> Point2 {
+    let along = along.rem_euclid(4.0 * SIDE);
+    let rest = along % SIDE;
+    match (along / SIDE) as usize {
+        0 => Point2::new(rest, 0.0),
+        1 => Point2::new(SIDE, rest),
+        2 => Point2::new(SIDE - rest, SIDE),
+        _ => Point2::new(0.0, SIDE - rest),
+    }
+}
+
+/// Distance of a place from the outline.
+fn off(place: &Point2) -> f64 {
+    let outside = |v: f64| (v - 0.5 * SIDE).abs() - 0.5 * SIDE;
+    let (x, y) = (outside(place.x), outside(place.y));
+    if x > 0.0 && y > 0.0 { x.hypot(y) } else { x.max(y).abs() }
+}
+
+/// What a displaced view saw of the outline between two distances along it.
+fn view(noise: &mut Noise, from: f64, to: f64) -> Vec<Curve> {
+    let turn = TURN * noise.normal();
+    let shift = [SHIFT * noise.normal(), SHIFT * noise.normal()];
+    let node = |k: u32| {
+        let true_place = outline(from + SPACING * f64::from(k));
+        let (x, y) = (true_place.x - 0.5 * SIDE, true_place.y - 0.5 * SIDE);
+        let (sin, cos) = turn.sin_cos();
+        let moved = Point2::new(
+            0.5 * SIDE + cos * x - sin * y + shift[0] + SIGMA * noise.normal(),
+            0.5 * SIDE + sin * x + cos * y + shift[1] + SIGMA * noise.normal(),
+        );
+        Node::at(moved).with_sigma(SIGMA as f32).with_footprint(SPACING as f32)
+    };
+    let count = ((to - from) / SPACING) as u32;
+    vec![Curve::new((0..count).map(node).collect(), false).unwrap()]
+}
+
+/// Median distance from the outline of the nodes that satisfy a condition.
+fn median_off(plane: &FusedPlane, wanted: impl Fn(&Node) -> bool) -> f64 {
+    let nodes = plane.curves.iter().flat_map(|curve| curve.nodes());
+    let mut off: Vec<f64> = nodes.filter(|n| wanted(n)).map(|n| off(&n.position)).collect();
+    off.sort_by(f64::total_cmp);
+    off[off.len() / 2]
+}
+
+/// Twelve views, each of five eighths of the outline; the last side is seen by the last view alone.
+fn scene(seed: u64) -> Vec<Vec<Curve>> {
+    let mut noise = Noise(seed);
+    let mut views: Vec<_> = (0..11)
+        .map(|k| {
+            let from = 0.1 * f64::from(k);
+            view(&mut noise, from, from + 2.2 * SIDE)
+        })
+        .collect();
+    views.push(view(&mut noise, 1.2 * SIDE, 3.7 * SIDE));
+    views
+}
+
+#[test]
+fn displaced_views_become_one_curve_that_does_not_cross_itself() {
+    let mut sharp_turns = 0;
+    for seed in 1..6 {
+        let views = scene(seed);
+        let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+        let plane = consensus(&slices, &ConsensusOptions::default());
+        assert_eq!(crossings(&plane.curves), [], "seed {seed}");
+        let length: f64 = plane.curves.iter().map(Curve::length).sum();
+        assert!((length / (3.7 * SIDE) - 1.0).abs() < 0.03, "seed {seed}: {length}");
+        let sharp = |curve: &Curve| {
+            let nodes: Vec<_> = curve.nodes().iter().map(|n| n.position).collect();
+            nodes.windows(3).filter(|p| (p[1] - p[0]).dot(&(p[2] - p[1])) < 0.0).count()
+        };
+        sharp_turns += plane.curves.iter().map(sharp).sum::<usize>();
+    }
+    println!("turns beyond 90 degrees in five scenes: {sharp_turns}");
+    // Twenty corners, and 37 m of outline.
+    assert!(sharp_turns <= 7, "{sharp_turns}");
+}
+
+#[test]
+fn the_spread_is_that_of_the_views_though_it_exceeds_the_first_search() {
+    let ratio = |seed: u64| {
+        let views = scene(seed);
+        let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+        consensus(&slices, &ConsensusOptions::default()).spread / SHIFT
+    };
+    let mean = (1..6).map(ratio).sum::<f64>() / 5.0;
+    println!("measured spread over that of the shifts: {mean:.2}");
+    assert!((0.75..1.3).contains(&mean), "{mean}");
+}
+
+#[test]
+fn ground_that_one_view_alone_saw_moves_with_its_view() {
+    let mut ratios = Vec::new();
+    for seed in 1..9 {
+        let views = scene(seed);
+        let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+        let mut options = ConsensusOptions::default();
+        let alone =
+            |n: &Node| n.position.x < 0.3 && n.position.y < 0.9 * SIDE && n.position.y > 0.6;
+        let aligned = median_off(&consensus(&slices, &options), alone);
+        options.steps.align = false;
+        ratios.push(aligned / median_off(&consensus(&slices, &options), alone));
+    }
+    ratios.sort_by(f64::total_cmp);
+    println!("error of ground seen once, with alignment over without: {ratios:.2?}");
+    assert!(ratios[4] < 0.6, "{ratios:?}");
+}
