@@ -24,7 +24,8 @@ struct Format {
     uses: &'static [&'static str],
     /// Reads everything but the images.
     open: fn(&Path, &OpenOptions) -> Result<Scan, ReadError>,
-    /// Reads the scan as a manifest beside its images; `None` where views have no file of their own.
+    /// Reads the scan as a manifest beside its images; `None` where views have no file of their
+    /// own.
     manifest: Option<ReadManifest>,
 }
 

@@ -1,8 +1,8 @@
 //! A scan with other poses, in a file: what registration writes.
 //!
-//! A scan whose views have a file and a sensor each (`scan.json`, folders of depth images) becomes a
-//! manifest that names the same files. Files of several views, such as E57, cannot be named view by
-//! view. Their scan becomes a list of poses that names the scan:
+//! A scan whose views have a file and a sensor each (`scan.json`, folders of depth images) becomes
+//! a manifest that names the same files. Files of several views, such as E57, cannot be named view
+//! by view. Their scan becomes a list of poses that names the scan:
 //!
 //! ```json
 //! { "name": "site", "scan": "../site.e57",

@@ -103,6 +103,6 @@ pub const MOST_MISPLACED: usize = 4;
 /// other surfaces and distances differ by less. Doubled, views half a metre off pass.
 pub const MISPLACED: f64 = 4.0;
 
-/// Motion of a view that was far off over the median of all views. No unit. Theory: motions that are
-/// all drawn from one normal distribution exceed it once in a million. Doubled, it is not told.
+/// Motion of a view that was far off over the median of all views. No unit. Theory: motions that
+/// are all drawn from one normal distribution exceed it once in a million. Doubled, it is not told.
 pub const FAR_OFF: f64 = 5.0;

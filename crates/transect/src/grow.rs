@@ -24,8 +24,9 @@ mod fuser;
 pub use error::GrowError;
 
 use crate::fingerprint::fingerprint;
-use crate::modelled_view::{ModelledView, TimedView, no_curves};
+use crate::modelled_view::{ModelledView, no_curves};
 use crate::report::{PlaneSummary, Report, Timings, ViewReport};
+use crate::timed_view::TimedView;
 use crate::{
     FusionReport, LoadedView, PoseReport, ReconstructError, Setup, SourceError, Stage, Unwatched,
     ViewSource, Watch, coarse_views,

@@ -69,6 +69,7 @@ mod report;
 mod settings;
 mod setup;
 mod source;
+mod timed_view;
 mod watch;
 
 pub use error::ReconstructError;

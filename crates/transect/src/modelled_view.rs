@@ -1,6 +1,7 @@
 //! From a view to its curves on every plane it crosses.
 
 use crate::report::ViewReport;
+use crate::timed_view::TimedView;
 use crate::{LoadedView, ReconstructError, Setup, Stage, ViewSource, Watch};
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
@@ -21,20 +22,7 @@ pub(crate) struct ModelledView {
     pub modelling: Duration,
 }
 
-/// A view and the time that its source took to load it.
-pub(crate) struct TimedView {
-    pub loaded: LoadedView,
-    pub reading: Duration,
-}
-
 impl TimedView {
-    pub fn load<S: ViewSource>(source: &S) -> Result<Self, ReconstructError> {
-        let started = Instant::now();
-        let failed = |e| ReconstructError::Load { view: source.name().to_owned(), source: e };
-        let loaded = source.load().map_err(failed)?;
-        Ok(Self { loaded, reading: started.elapsed() })
-    }
-
     /// Finds the curves of the view, which the report calls `name`.
     pub fn model(self, name: &str, setup: &Setup) -> Result<ModelledView, ReconstructError> {
         let started = Instant::now();

@@ -1,6 +1,7 @@
 //! The modeler on one screen: views in, cross-section model out (dissertation, 2.5.3 and 5.2).
 //!
-//! 0. With [`Setup::refine_poses`], the poses of all views are refined together, see [`PoseReport`].
+//! 0. With [`Setup::refine_poses`], the poses of all views are refined together, see
+//!    [`PoseReport`].
 //! 1. Each view is loaded, its curves on every plane it crosses are found, and it is dropped.
 //! 2. The curves of each plane are fused, independent of every other plane. With
 //!    [`Refinement`](crate::Refinement), planes are inserted where neighbours differ.

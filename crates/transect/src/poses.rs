@@ -12,7 +12,7 @@
 
 mod messages;
 
-use crate::modelled_view::TimedView;
+use crate::timed_view::TimedView;
 use crate::{Posed, ReconstructError, Stage, ViewSource, Watch};
 use rayon::prelude::*;
 use serde::Serialize;

@@ -8,10 +8,10 @@
 //! along oblique rays for a tilt. Cells do not overlap, so the noise of patches is independent.
 //!
 //! **Steps.**
-//! 1. Every sample gets the place `a`, `b` of its ray in the plane across the middle ray at the mean
-//!    depth, and `w = h / (1 + γ h)` for its height `h` beyond that plane. `γ` is the divergence of
-//!    the rays, 1 / distance from a common start and 0 for parallel rays. Planes in space are linear
-//!    in `a` and `b` then.
+//! 1. Every sample gets the place `a`, `b` of its ray in the plane across the middle ray at the
+//!    mean depth, and `w = h / (1 + γ h)` for its height `h` beyond that plane. `γ` is the
+//!    divergence of the rays, 1 / distance from a common start and 0 for parallel rays. Planes in
+//!    space are linear in `a` and `b` then.
 //! 2. Least squares of `w = c0 + c1 a + c2 b + c3 a² + c4 a b + c5 b²` over the samples, and of its
 //!    linear part where noise explains the rest.
 //! 3. What the samples depart from it is compared with their noise; a crease, a jump or texture is
@@ -137,8 +137,8 @@ impl Patch {
 
     /// The unit normal from a plane through the points of this patch and of those around it.
     ///
-    /// The tilt of a single patch is noisy. As a direction in which two views are compared, it would
-    /// let noise pass for knowledge about motions along the surface.
+    /// The tilt of a single patch is noisy. As a direction in which two views are compared, it
+    /// would let noise pass for knowledge about motions along the surface.
     pub fn steady_normal(&self) -> Vector3 {
         self.steady_normal
     }

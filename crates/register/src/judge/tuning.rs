@@ -77,7 +77,8 @@ pub const REGION_HINTS: usize = 2;
 pub const REGION_WITNESSES: usize = 4;
 
 /// Fewest cells of a region. No unit. Measured on 50 frames of a depth camera: false edges have up
-/// to 40, and one object has 104 whose place is 35 mm off. Doubled, a standing person at 5 m passes.
+/// to 40, and one object has 104 whose place is 35 mm off. Doubled, a standing person at 5 m
+/// passes.
 pub const REGION_CELLS: usize = 60;
 
 /// Largest share of a view's cells in its regions. No unit. Chosen by hand: a view that contradicts

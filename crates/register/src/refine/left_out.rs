@@ -2,9 +2,9 @@
 //!
 //! **Problem.** Residuals fall in every fit, also in one that makes the poses worse.
 //!
-//! **Idea.** Cross-validation (Stone, 1974): the pairs of views are split into two halves. Each half
-//! moves the views, and the other half judges. Close to the solution all distances are linear in the
-//! motions, so the sums of the last round are enough.
+//! **Idea.** Cross-validation (Stone, 1974): the pairs of views are split into two halves. Each
+//! half moves the views, and the other half judges. Close to the solution all distances are linear
+//! in the motions, so the sums of the last round are enough.
 
 use super::Rounds;
 use super::pairs::{Pair, Sums, scrambled};

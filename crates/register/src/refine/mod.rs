@@ -4,10 +4,10 @@
 //! raw points are too crude, thousands of neighbouring pixels share one error of the sensor, and
 //! what the views do not determine drifts.
 //!
-//! **Idea.** Point to plane (Chen and Medioni, 1992) over the patches of all pairs of views at once,
-//! associated along the rays (Blais and Levine, 1995), with a robust weight. The given poses are a
-//! prior, and how far they may be wrong follows from the views' contradictions (MacKay, 1992).
-//! Observations count as far as they are independent (Kish, 1965).
+//! **Idea.** Point to plane (Chen and Medioni, 1992) over the patches of all pairs of views at
+//! once, associated along the rays (Blais and Levine, 1995), with a robust weight. The given poses
+//! are a prior, and how far they may be wrong follows from the views' contradictions (MacKay,
+//! 1992). Observations count as far as they are independent (Kish, 1965).
 //!
 //! **Steps.**
 //! 1. Pairs of views that overlap: `pairs.rs`.
@@ -210,8 +210,8 @@ impl<'a> Rounds<'a> {
 
 /// The share of the observations that are independent.
 ///
-/// * A surface that `k` views see gives `k (k - 1)` ordered pairs, whose squares add up to `k` times
-///   those of the views against their mean.
+/// * A surface that `k` views see gives `k (k - 1)` ordered pairs, whose squares add up to `k`
+///   times those of the views against their mean.
 /// * Neighbouring patches of a view may share an error of the sensor. Sums over blocks of the image
 ///   then vary more than sums of independent errors do (Kish, 1965). Each view's pose has taken six
 ///   numbers out of its blocks.

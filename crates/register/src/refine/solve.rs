@@ -92,8 +92,8 @@ fn strength(prior: &PosePrior) -> [f64; 6] {
     [t, t, t, r, r, r]
 }
 
-/// Turns a gradient about the origin into one about a point at `offset` from it. Its transpose turns
-/// motions the other way.
+/// Turns a gradient about the origin into one about a point at `offset` from it. Its transpose
+/// turns motions the other way.
 pub fn about(offset: &Vector3) -> Matrix6<f64> {
     let mut shift = Matrix6::identity();
     let cross = -offset.cross_matrix();

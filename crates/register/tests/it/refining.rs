@@ -90,8 +90,7 @@ fn a_view_of_another_place_stays_and_is_told() {
 #[test]
 fn a_stated_prior_holds_the_poses() {
     let views = shaken(&simulated("room", ""), 0.3, 0.005);
-    let mut options = RefineOptions::default();
-    options.prior = Some(PosePrior { rotation: 1e-7, translation: 1e-7 });
+    let options = RefineOptions { prior: Some(PosePrior { rotation: 1e-7, translation: 1e-7 }) };
     let refinement = refine(&coarse(&views), &options);
     assert!(refinement.poses.iter().all(|p| p.translation < 1e-4), "{refinement:?}");
 }
