@@ -18,5 +18,5 @@ fn the_launcher_lists_every_command_as_the_program_does() {
         let (name, about) = line.split_once(' ').unwrap();
         assert!(launcher.contains(&format!("(\"{name}\", \"{about}\")")), "{line}");
     });
-    assert_eq!(listed.count(), 18);
+    assert_eq!(listed.count(), 19);
 }
