@@ -90,7 +90,7 @@ pub const SAME_SURFACE: f64 = 3.0;
 
 /// Rounds before the size of the errors is estimated. No unit. Measured: poses 20 mm off are within
 /// noise after two to four. Doubled, a refinement takes a third longer.
-pub const SETTLING: usize = 6;
+pub const SETTLING: usize = 8;
 
 /// Share of the first guess below which poses are taken for exact. No unit. Chosen by hand: a
 /// thousandth of three degrees moves a point 5 m away by 0.3 mm. Doubled, smaller errors stay.

@@ -26,7 +26,7 @@ use crate::tuning::{
     BLOCKS, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, MOST_MISPLACED, OBSERVATIONS,
     PRIOR_ROUNDS, PROBES, ROUNDS, SETTLED, SETTLING,
 };
-use pairs::{Pair, Reach, Scene, Sums, samples};
+use pairs::{Pair, Reach, Scene, Spread, Sums, samples};
 use solve::{Motion, Solution, System, estimated_prior, motion_between, moved};
 use std::collections::BTreeMap;
 use transect_device::{Isometry3, Point3, Vector3};
@@ -150,9 +150,10 @@ impl<'a> Rounds<'a> {
             // Poses settle before the contradictions that are left tell how far they were off.
             let settling = round < SETTLING;
             if settling {
-                self.observe(self.first, OBSERVATIONS / 4);
+                let spread = if round < SETTLING / 2 { Spread::Wide } else { Spread::Narrow };
+                self.observe(self.first, OBSERVATIONS / 4, spread);
             } else {
-                self.observe(self.prior, OBSERVATIONS);
+                self.observe(self.prior, OBSERVATIONS, Spread::Narrow);
             }
             if round == 0 {
                 self.before = self.pairs.clone();
@@ -169,11 +170,11 @@ impl<'a> Rounds<'a> {
     }
 
     /// Finds the meetings at the poses as they are, about as many as wanted.
-    fn observe(&mut self, reach: PosePrior, wanted: usize) {
+    fn observe(&mut self, reach: PosePrior, wanted: usize, spread: Spread) {
         let reach = Reach { rotation: reach.rotation, translation: reach.translation };
         // Views of one scene share about half of what they see.
         let most = (2 * wanted / self.candidates.len().max(1)).max(PROBES);
-        self.pairs = self.scene.observe_all(&self.candidates, &self.poses, reach, most);
+        self.pairs = self.scene.observe_all(&self.candidates, &self.poses, reach, most, spread);
     }
 
     /// Moves all views once; `None` if nothing determines them.

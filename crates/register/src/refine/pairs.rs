@@ -92,10 +92,11 @@ impl Scene<'_> {
         poses: &[Isometry3],
         reach: Reach,
         most: usize,
+        spread: Spread,
     ) -> Vec<Pair> {
         let observe = |&(a, b): &(usize, usize)| {
             let observations = self.observe(a, b, poses, reach, most);
-            let excess = excess(&observations);
+            let excess = excess(&observations, spread);
             Pair { a, b, observations, excess }
         };
         let pairs: Vec<Pair> = pairs.par_iter().map(observe).collect();
@@ -138,34 +139,51 @@ impl Scene<'_> {
     }
 }
 
-/// Median of the square of a normal variable of variance 1. Theory.
-const MEDIAN_SQUARE: f64 = 0.4549;
+/// How the variance that noise leaves unexplained is found.
+///
+/// A displaced view contradicts another one on part of its surfaces only: on one wall of three if it
+/// is shifted along that wall's normal. A median would take that wall for an outlier.
+#[derive(Debug, Clone, Copy)]
+pub enum Spread {
+    /// From the 90 % quantile, while poses may be far off.
+    Wide,
+    /// From the median, once they have settled.
+    Narrow,
+}
 
-/// The variance that the noise leaves unexplained: with it, the median of the squared distances
+impl Spread {
+    /// A share, and the square of a normal variable of variance 1 below which that share lies.
+    /// Theory.
+    fn quantile(self) -> (f64, f64) {
+        match self {
+            Self::Wide => (0.9, 2.7055),
+            Self::Narrow => (0.5, 0.4549),
+        }
+    }
+}
+
+/// The variance that the noise leaves unexplained: with it, the quantile of the squared distances
 /// over their variances is that of a normal variable.
-fn excess(observations: &[Observation]) -> f64 {
-    // As many as tell a median to a few per cent.
-    let observations: Vec<_> =
-        observations.iter().step_by(observations.len().div_ceil(PROBES).max(1)).collect();
+fn excess(observations: &[Observation], spread: Spread) -> f64 {
+    // As many as tell a quantile to a few per cent.
+    let step = observations.len().div_ceil(PROBES).max(1);
+    let observations: Vec<_> = observations.iter().step_by(step).collect();
+    let (share, normal) = spread.quantile();
     let mut ratios: Vec<f64> = Vec::with_capacity(observations.len());
-    let mut median = |excess: f64| {
+    let mut quantile = |excess: f64| {
         ratios.clear();
         ratios.extend(observations.iter().map(|o| o.distance.powi(2) / (o.variance + excess)));
-        let middle = ratios.len() / 2;
-        if ratios.is_empty() {
-            0.0
-        } else {
-            *ratios.select_nth_unstable_by(middle, f64::total_cmp).1
-        }
+        let at = (ratios.len() as f64 * share) as usize;
+        if ratios.is_empty() { 0.0 } else { *ratios.select_nth_unstable_by(at, f64::total_cmp).1 }
     };
-    if median(0.0) <= MEDIAN_SQUARE {
+    if quantile(0.0) <= normal {
         return 0.0;
     }
     let largest = observations.iter().map(|o| o.distance.powi(2)).fold(0.0, f64::max);
-    let (mut low, mut high) = (0.0, largest / MEDIAN_SQUARE);
+    let (mut low, mut high) = (0.0, largest / normal);
     for _ in 0..12 {
         let middle = 0.5 * (low + high);
-        if median(middle) > MEDIAN_SQUARE { low = middle } else { high = middle }
+        if quantile(middle) > normal { low = middle } else { high = middle }
     }
     high
 }
