@@ -7,8 +7,10 @@ scans `given` and `smoothed` (images that Transect smoothed), and `given.json` a
 Transect's own curves of the given images, without and with its smoothing. Resolutions are edges of
 voxels, or of Poisson's finest cells, as shares of the scene's size.
 
-The settings of the other programs are chosen so that none loses what it saw. Distances are truncated
-at 4 voxels, at least at 3 sigma. A voxel seen once counts. No program fills holes.
+The settings of the other programs are chosen so that none loses what it saw. Distances are
+truncated at 4 voxels, at least at 3 sigma. A voxel that was seen once counts. VDBFusion neither
+carves space nor fills holes. Poisson gets half a cell between samples, with normals from 30
+neighbours in their image. Its surface far from every sample is removed.
 """
 
 import concurrent.futures
@@ -21,9 +23,9 @@ import numpy as np
 import score
 import test_score
 
-# Share of Poisson's vertices that is removed, those with the fewest samples around. Chosen by hand.
-# Without it, Poisson closes what no view saw; doubled, it opens more of what views saw.
-TRIM = 0.03
+# Poisson's surface farther than this from every sample is removed, as a share of the size. Chosen by
+# hand. Doubled, more of what no view saw stays closed; halved, sparsely sampled surface opens.
+TRIM = 0.005
 
 
 def load(folder: Path) -> dict:
@@ -57,8 +59,9 @@ def poisson(scan: dict, voxel: float) -> tuple:
     # Open3D fits a cube of 1.1 times the points' extent around them.
     cells = 1.1 * np.ptp(np.asarray(cloud.points), axis=0).max() / voxel
     depth = max(1, round(np.log2(cells)))
-    mesh, density = o3d.geometry.TriangleMesh.create_from_point_cloud_poisson(cloud, depth=depth)
-    mesh.remove_vertices_by_mask(np.asarray(density) < np.quantile(density, TRIM))
+    mesh, _ = o3d.geometry.TriangleMesh.create_from_point_cloud_poisson(cloud, depth=depth)
+    far = score.cKDTree(cloud.points).query(mesh.vertices)[0] > TRIM * scan["size"]
+    mesh.remove_vertices_by_mask(far)
     return np.asarray(mesh.vertices), np.asarray(mesh.triangles)
 
 

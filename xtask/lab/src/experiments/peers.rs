@@ -81,21 +81,22 @@ pub fn run(arguments: &Arguments) -> Result<Option<String>, Failure> {
 
 /// Why a Python cannot run the other programs, and what to do; `None` if it can.
 fn missing(python: &Path) -> Option<String> {
-    let output = Command::new(python).args(["-c", "import numpy, scipy, open3d"]).output();
-    let reason = match output {
-        Ok(output) if output.status.success() => return None,
-        Ok(output) => {
-            let text = String::from_utf8_lossy(&output.stderr).into_owned();
-            text.lines().last().unwrap_or("import failed").to_owned()
-        }
-        Err(error) => error.to_string(),
-    };
+    let reason = import(python, "numpy, scipy, open3d").err()?;
     Some(format!(
         "{}: {reason}. Make a Python with the other programs (VDBFusion needs Python 3.10 or \
          older), and repeat:\n  python3 -m venv target/peers\n  \
          target/peers/bin/pip install -r xtask/peers/requirements.txt",
         python.display()
     ))
+}
+
+/// Whether a Python can import modules; otherwise the last line of its error.
+fn import(python: &Path, modules: &str) -> Result<(), String> {
+    let output = Command::new(python).args(["-c", &format!("import {modules}")]).output();
+    let output = output.map_err(|error| error.to_string())?;
+    let error = String::from_utf8_lossy(&output.stderr);
+    let last = error.lines().last().unwrap_or("the import failed");
+    if output.status.success() { Ok(()) } else { Err(last.to_owned()) }
 }
 
 /// Writes a scan, as given and smoothed, and our curves without and with smoothing.
@@ -145,4 +146,27 @@ fn smoothed(view: &View) -> View {
         BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma).on_rays_of(view)
     };
     PreparedView::new(view, Some(&Smoothing::default()), rule).view().clone()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_scorer_is_right_on_exact_cases() {
+        let python = std::env::var("TRANSECT_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+        if let Err(reason) = import(python.as_ref(), "numpy, scipy") {
+            println!("skipped: {python}: {reason}; set TRANSECT_PYTHON");
+            return;
+        }
+        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../peers/test_score.py");
+        let output = Command::new(python).arg(script).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+
+    #[test]
+    fn a_python_without_the_programs_is_told_how_to_get_them() {
+        let reason = missing("no/such/python".as_ref()).unwrap();
+        assert!(reason.contains("pip install -r xtask/peers/requirements.txt"), "{reason}");
+    }
 }
