@@ -1,6 +1,7 @@
 //! Why a measurement failed.
 
 use std::error::Error;
+use std::fmt;
 use std::path::Path;
 use std::process::ExitCode;
 use transect_workflow::with_causes;
@@ -22,8 +23,14 @@ impl Failure {
 
     /// Prints the failure and its causes, and gives the exit code.
     pub fn report(&self) -> ExitCode {
-        eprintln!("error: {}", with_causes(self.0.as_ref()));
+        eprintln!("error: {self}");
         ExitCode::FAILURE
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&with_causes(self.0.as_ref()))
     }
 }
 

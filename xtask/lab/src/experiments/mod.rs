@@ -8,6 +8,7 @@ mod database;
 mod figures;
 mod orders;
 mod partial;
+mod peers;
 mod pictures;
 mod poses;
 mod poses_judged;
@@ -16,6 +17,9 @@ mod sensors;
 mod trial;
 
 use crate::failure::Failure;
+use crate::table::say;
+use clap::{Command, FromArgMatches, Subcommand};
+use std::time::Instant;
 
 /// Options of `experiments`.
 #[derive(Debug, clap::Args)]
@@ -24,7 +28,7 @@ pub struct Arguments {
     experiment: Experiment,
 }
 
-#[derive(Debug, clap::Subcommand)]
+#[derive(Debug, Subcommand)]
 enum Experiment {
     /// How accurate is every sensor on every bundled scene, without noise?
     Sensors(sensors::Arguments),
@@ -46,20 +50,78 @@ enum Experiment {
     Figures(figures::Arguments),
     /// Draw an example of each overlap rule.
     Rules(rules::Arguments),
+    /// How accurate are other programs on the same images?
+    Peers(peers::Arguments),
+    /// Run every experiment with its default arguments.
+    All,
 }
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    match &arguments.experiment {
-        Experiment::Sensors(a) => sensors::run(a),
-        Experiment::Ablation(a) => ablation::run(a),
-        Experiment::Orders(a) => orders::run(a),
-        Experiment::Partial(a) => partial::run(a),
-        Experiment::Database(a) => database::run(a),
-        Experiment::PosesJudged(a) => poses_judged::run(a),
-        Experiment::Poses(a) => poses::run(a),
-        Experiment::Pictures(a) => pictures::run(a),
-        Experiment::Figures(a) => figures::run(a),
-        Experiment::Rules(a) => rules::run(a),
+    if let Some(reason) = start(&arguments.experiment)? {
+        say(&format!("SKIPPED: {reason}"));
+    }
+    Ok(())
+}
+
+/// Runs an experiment, or tells why it is skipped.
+fn start(experiment: &Experiment) -> Result<Option<String>, Failure> {
+    match experiment {
+        Experiment::Sensors(a) => sensors::run(a)?,
+        Experiment::Ablation(a) => ablation::run(a)?,
+        Experiment::Orders(a) => orders::run(a)?,
+        Experiment::Partial(a) => partial::run(a)?,
+        Experiment::Database(a) => database::run(a)?,
+        Experiment::PosesJudged(a) => poses_judged::run(a)?,
+        Experiment::Poses(a) => poses::run(a)?,
+        Experiment::Pictures(a) => pictures::run(a)?,
+        Experiment::Figures(a) => figures::run(a)?,
+        Experiment::Rules(a) => rules::run(a)?,
+        Experiment::Peers(a) => return peers::run(a),
+        Experiment::All => run_all()?,
+    }
+    Ok(None)
+}
+
+/// Runs every experiment in the order of the help. A failure does not stop the others.
+fn run_all() -> Result<(), Failure> {
+    let mut failed = Vec::new();
+    for (name, experiment) in all()? {
+        let start_time = Instant::now();
+        let outcome = start(&experiment);
+        let seconds = start_time.elapsed().as_secs();
+        let verdict = match outcome {
+            Ok(None) => format!("done in {seconds} s"),
+            Ok(Some(reason)) => format!("SKIPPED: {reason}"),
+            Err(failure) => {
+                failed.push(name.clone());
+                format!("FAILED after {seconds} s: {failure}")
+            }
+        };
+        say(&format!("experiments {name}: {verdict}"));
+    }
+    match failed.is_empty() {
+        true => Ok(()),
+        false => Err(Failure::because(format!("experiments failed: {}", failed.join(", ")))),
+    }
+}
+
+/// Every experiment but `all`, by its name, with its default arguments.
+fn all() -> Result<Vec<(String, Experiment)>, Failure> {
+    let command = Experiment::augment_subcommands(Command::new("experiments"));
+    let names = command.get_subcommands().map(|c| c.get_name().to_owned());
+    let parse = |name: String| {
+        let matches = command.clone().try_get_matches_from(["experiments", &name])?;
+        Ok((name, Experiment::from_arg_matches(&matches)?))
+    };
+    names.filter(|name| name != "all").map(parse).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn every_experiment_runs_without_arguments() {
+        let all = super::all().unwrap();
+        assert!(all.len() > 8, "{all:?}");
     }
 }
