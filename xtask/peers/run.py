@@ -23,8 +23,10 @@ import numpy as np
 import score
 import test_score
 
-# Poisson's surface farther than this from every sample is removed, as a share of the size. Chosen by
-# hand. Doubled, more of what no view saw stays closed; halved, sparsely sampled surface opens.
+# Millimetres per unit of a bundled scene.
+MILLIMETRES = {"m": 1000.0, "mm": 1.0}
+# Poisson's surface farther than this from every sample is removed, as a share of the size. Chosen
+# by hand. Doubled, more of what no view saw stays closed; halved, sparsely sampled surface opens.
 TRIM = 0.005
 
 
@@ -114,12 +116,12 @@ def ours(file: Path, planes: dict) -> dict:
     return found
 
 
-def row(truth: score.Truth, name: str, found: list) -> None:
+def row(truth: score.Truth, name: str, found: list, scale: float) -> None:
     cells = [name]
     for curves in found:
         scores = truth.score(curves) if curves is not None else None
         cells += ["crashed"] * 4 if scores is None else [
-            f"{scores['median']:.3g}", f"{scores['p95']:.3g}",
+            f"{scale * scores['median']:.3g}", f"{scale * scores['p95']:.3g}",
             f"{100 * scores['complete']:.1f}", f"{100 * scores['far']:.2f}"]
     print(f"| {' | '.join(cells)} |", flush=True)
 
@@ -144,17 +146,19 @@ def main() -> None:
         scan, mesh = load(scene / "given"), np.load(scene / "given/truth.npz")
         mesh = mesh["vertices"], mesh["faces"]
         truth = score.Truth(mesh, scan["planes"], scan["views"], scan["size"], scan["sigma"])
-        print(f"\n{scan['name']}: {len(scan['views'])} views, size {scan['size']:.4g}, "
-              f"sigma {scan['sigma']:.3g}, distances in {scan['unit']}\n")
+        scale = MILLIMETRES[scan["unit"]]
+        size, sigma = scale * scan["size"], scale * scan["sigma"]
+        print(f"\n{scan['name']}: {len(scan['views'])} views, size {size:.4g} mm, "
+              f"noise {sigma:.3g} mm, distances in mm\n")
         heads = ["median", "95 %", "complete %", "far %"]
         heads = ["program, resolution", *heads, *(f"smoothed: {head}" for head in heads)]
         print(f"| {' | '.join(heads)} |\n|{'---|' * len(heads)}")
         images = ("given", "smoothed")
-        row(truth, "Transect", [ours(scene / f"{i}.json", scan["planes"]) for i in images])
+        row(truth, "Transect", [ours(scene / f"{i}.json", scan["planes"]) for i in images], scale)
         for name, _, fuse in there:
             for share in map(float, shares.split(",")):
                 found = [peer(fuse, scene / i, share) for i in images]
-                row(truth, f"{name}, {100 * share:g} %", found)
+                row(truth, f"{name}, {100 * share:g} %", found, scale)
 
 
 if __name__ == "__main__":

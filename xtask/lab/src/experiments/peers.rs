@@ -46,7 +46,7 @@ const SCANS: [Scan; 4] = [
 ];
 
 /// Edges of voxels, or of Poisson's finest cells, as shares of the scene's size.
-const RESOLUTIONS: [&str; 3] = ["0.01", "0.005", "0.0025"];
+const RESOLUTIONS: [&str; 2] = ["0.005", "0.0025"];
 
 /// Seed of the noise. No setting of Transect was chosen with it.
 const SEED: u64 = 2026;
@@ -66,7 +66,8 @@ pub fn run(arguments: &Arguments) -> Result<Option<String>, Failure> {
     };
     say(&format!("noise of the seed {SEED}"));
     let mut script = Command::new(python);
-    script.arg(here.join("run.py")).arg(resolutions.join(","));
+    // Without files of byte code beside the scripts.
+    script.arg("-B").arg(here.join("run.py")).arg(resolutions.join(","));
     for (number, scan) in scans.iter().enumerate() {
         let folder = default_folder("peers").join(number.to_string());
         write(*scan, &folder)?;
@@ -160,7 +161,7 @@ mod tests {
             return;
         }
         let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../peers/test_score.py");
-        let output = Command::new(python).arg(script).output().unwrap();
+        let output = Command::new(python).args(["-B", script]).output().unwrap();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     }
 
