@@ -106,3 +106,7 @@ pub const MISPLACED: f64 = 4.0;
 /// Motion of a view that was far off over the median of all views. No unit. Theory: motions that
 /// are all drawn from one normal distribution exceed it once in a million. Doubled, it is not told.
 pub const FAR_OFF: f64 = 5.0;
+
+/// Most parts of the pairs that are left out in turn. No unit. Measured: with two, the pairs that
+/// are left of four views do not determine them. Doubled, judging takes twice the time.
+pub const PARTS: usize = 10;

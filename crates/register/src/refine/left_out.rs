@@ -2,30 +2,36 @@
 //!
 //! **Problem.** Residuals fall in every fit, also in one that makes the poses worse.
 //!
-//! **Idea.** Cross-validation (Stone, 1974): the pairs of views are split into two halves. Each
-//! half moves the views, and the other half judges. Close to the solution all distances are linear
-//! in the motions, so the sums of the last round are enough.
+//! **Idea.** Cross-validation (Stone, 1974): the pairs of views are split into parts. All parts but
+//! one move the views, and that one judges. Close to the solution all distances are linear in the
+//! motions, so the sums of the last round are enough.
 
 use super::Rounds;
 use super::pairs::{Pair, Sums, scrambled};
 use super::solve::{Motion, System, about};
+use crate::tuning::PARTS;
+use std::collections::{BTreeMap, BTreeSet};
 
 impl Rounds<'_> {
     /// Change of the squared distances of pairs that the estimate did not know, as a share; `None`
-    /// if a half has no pair.
+    /// if there is one pair only.
     pub(super) fn left_out(&self) -> Option<f64> {
         let sums: Vec<Sums> = self.pairs.iter().map(Pair::sums).collect();
         // Both directions of a pair see the same error, so they stay together.
-        let half = |s: &&Sums| scrambled((s.a.min(s.b) << 16 | s.a.max(s.b)) as u32) & 1 == 0;
-        let (even, odd): (Vec<&Sums>, Vec<&Sums>) = sums.iter().partition(half);
+        let unordered = |s: &Sums| (s.a.min(s.b), s.a.max(s.b));
+        let mixed = |(a, b): (usize, usize)| (scrambled((a << 16 | b) as u32), a, b);
+        let ranks: BTreeSet<_> = sums.iter().map(|s| mixed(unordered(s))).collect();
+        let parts = ranks.len().min(PARTS);
+        if parts < 2 {
+            return None;
+        }
+        let ranks: BTreeMap<_, usize> = ranks.into_iter().zip((0..parts).cycle()).collect();
         let (mut before, mut after) = (0.0, 0.0);
         let so_far = self.motions();
         let back: Vec<Motion> = so_far.iter().map(|m| -m).collect();
-        for (known, unknown) in [(&even, &odd), (&odd, &even)] {
-            if known.is_empty() || unknown.is_empty() {
-                return None;
-            }
-            let known = known.iter().copied();
+        for part in 0..parts {
+            let left_out = |s: &&Sums| ranks.get(&mixed(unordered(s))) == Some(&part);
+            let (unknown, known): (Vec<&Sums>, Vec<&Sums>) = sums.iter().partition(left_out);
             let system = System::new(&self.sensors(), self.scene.origin, known, self.independent);
             let motions = system.solve(&self.prior, &so_far)?.motions;
             before += unknown.iter().map(|s| self.square(s, &back)).sum::<f64>();

@@ -53,7 +53,7 @@ pub struct Refinement {
     /// How far the given poses were taken to be wrong.
     pub prior: PosePrior,
     /// Change of the squared distances of the pairs that were left out of the estimate, as a share:
-    /// -0.5 is half of them. `None` if there were too few pairs to leave some out.
+    /// -0.5 is half of them. `None` if there was one pair only.
     pub left_out_pairs: Option<f64>,
 }
 

@@ -141,8 +141,8 @@ impl Scene<'_> {
 
 /// How the variance that noise leaves unexplained is found.
 ///
-/// A displaced view contradicts another one on part of its surfaces only: on one wall of three if it
-/// is shifted along that wall's normal. A median would take that wall for an outlier.
+/// A displaced view contradicts another one on part of its surfaces only: on one wall of three if
+/// it is shifted along that wall's normal. A median would take that wall for an outlier.
 #[derive(Debug, Clone, Copy)]
 pub enum Spread {
     /// From the 90 % quantile, while poses may be far off.

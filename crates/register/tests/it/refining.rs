@@ -62,6 +62,16 @@ fn errors_of_poses_shrink() {
     }
 }
 
+/// Four views have six pairs, so each pair that judges takes much of what determines them.
+#[test]
+fn few_views_are_refined_too() {
+    let views = simulated("machined_part", "");
+    let views: Vec<View> = views.into_iter().step_by(3).collect();
+    let wrong = shaken(&views, 0.1, 0.1);
+    let (before, after) = (apart(&views, &given(&wrong)), apart(&views, &refined(&wrong)));
+    assert!(views.len() == 4 && after < 0.2 * before, "{before} to {after}");
+}
+
 #[test]
 fn a_view_far_off_is_brought_back() {
     let views = simulated("room", "");
