@@ -24,7 +24,8 @@ pub const LEAST_WHOLE: f64 = 0.9;
 pub const MAX_INCIDENCE_DEGREES: f64 = 75.0;
 
 /// Departure of the samples of a patch from it, over their noise, from which it is no patch.
-/// Theory: with ten samples or more to spare, noise alone exceeds it once in 10 000 patches.
+/// Theory: with ten samples or more to spare, noise alone exceeds it less than once in 10 000
+/// patches.
 /// Doubled, creases pass for patches.
 pub const ROUGH: f64 = 2.0;
 
@@ -49,9 +50,8 @@ pub const PROBES: usize = 256;
 /// median of fewer than a dozen means little. Doubled, small overlaps are lost.
 pub const LEAST_MEETINGS: usize = 12;
 
-/// Most observations of all pairs together in one round. No unit. Measured: four times as many
-/// change poses by less than a fifth of their standard deviation. Doubled, a round takes twice the
-/// time.
+/// Most observations of all pairs together in one round. No unit. Chosen by hand: a scan of
+/// twelve views then uses all its patches. Doubled, a round takes twice the time.
 pub const OBSERVATIONS: usize = 400_000;
 
 /// How far poses may be off at first: a rotation, in degrees. Chosen by hand: a third of the turn
@@ -62,8 +62,9 @@ pub const FIRST_ROTATION_DEGREES: f64 = 3.0;
 /// by hand: what that rotation moves. Doubled, patches of other surfaces meet.
 pub const FIRST_TRANSLATION: f64 = 0.05;
 
-/// Most rounds of finding meetings and solving. No unit. Chosen by hand: sound data settle after
-/// five to ten.
+/// Most rounds of finding meetings and solving. No unit. Measured: laser scans settle after
+/// about ten, and weakly determined poses of depth cameras still move a little after all of them.
+/// Doubled, those take twice the time.
 pub const ROUNDS: usize = 24;
 
 /// Change of a motion, over its standard deviation, below which it has settled. No unit.
@@ -80,8 +81,8 @@ pub const BLOCKS: usize = 4;
 /// Doubled, slight bends are taken for planes.
 pub const FLAT: f64 = 6.0;
 
-/// Updates of the prior in a round. No unit. Chosen by hand: they cost a twentieth of a round.
-/// Doubled, the prior settles in fewer rounds that take longer.
+/// Updates of the prior in a round. No unit. Chosen by hand. Doubled, the prior settles in
+/// fewer rounds that take longer.
 pub const PRIOR_ROUNDS: usize = 3;
 
 /// Standard deviations within which a neighbouring patch continues a patch. Theory: all but one in
@@ -104,7 +105,7 @@ pub const MOST_MISPLACED: usize = 4;
 pub const MISPLACED: f64 = 4.0;
 
 /// Motion of a view that was far off over the median of all views. No unit. Theory: motions that
-/// are all drawn from one normal distribution exceed it once in a million. Doubled, it is not told.
+/// are all drawn from one normal distribution exceed it less than once in a million. Doubled, it is not told.
 pub const FAR_OFF: f64 = 5.0;
 
 /// Most parts of the pairs that are left out in turn. No unit. Measured: with two, the pairs that

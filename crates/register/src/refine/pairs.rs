@@ -58,7 +58,7 @@ pub struct Pair {
     pub excess: f64,
 }
 
-/// Views, their samples and how far their poses may be wrong.
+/// Views and their samples.
 pub struct Scene<'a> {
     pub views: Vec<&'a CoarseView>,
     pub samples: Vec<Vec<Sample>>,
@@ -207,7 +207,6 @@ impl Pair {
             sums.matrix.syger(weight, &o.gradient, &o.gradient, 1.0);
             sums.vector.axpy(weight * o.distance, &o.gradient, 1.0);
             sums.square += weight * o.distance.powi(2);
-            sums.weight += weight * (o.variance + self.excess);
         }
         sums.matrix.fill_upper_triangle_with_lower_triangle();
         sums
@@ -223,6 +222,4 @@ pub struct Sums {
     pub vector: Vector6<f64>,
     /// Sum of the weighted squares.
     pub square: f64,
-    /// Sum of the robust weights, at most the number of observations.
-    pub weight: f64,
 }
