@@ -105,7 +105,8 @@ pub const MOST_MISPLACED: usize = 4;
 pub const MISPLACED: f64 = 4.0;
 
 /// Motion of a view that was far off over the median of all views. No unit. Theory: motions that
-/// are all drawn from one normal distribution exceed it less than once in a million. Doubled, it is not told.
+/// are all drawn from one normal distribution exceed it less than once in a million. Doubled, it is
+/// not told.
 pub const FAR_OFF: f64 = 5.0;
 
 /// Most parts of the pairs that are left out in turn. No unit. Measured: with two, the pairs that
