@@ -12,32 +12,21 @@
 
 use std::error::Error;
 use std::time::Instant;
-use transect_device::DeviceFrame;
-use transect_scene::{BUNDLED_ROOM, Description, Noise, SensorParameters, Station};
-use transect_sensors::{AngularScan, ImagingRadar};
+use transect_scene::{BUNDLED_ROOM, Description, Noise, Station};
 
 const ROUNDS: usize = 10;
-
-fn scanner(station: &Station) -> Result<ImagingRadar, Box<dyn Error>> {
-    let SensorParameters::Spherical { theta0, dtheta, phi0, dphi } = station.sensor else {
-        return Err("the room is seen by scanners".into());
-    };
-    let (theta, phi) =
-        (AngularScan::from_radians(theta0, dtheta), AngularScan::from_radians(phi0, dphi));
-    Ok(ImagingRadar::new(station.size, theta, phi)?)
-}
 
 fn main() -> Result<(), Box<dyn Error>> {
     let room = Description::parse(BUNDLED_ROOM)?;
     let scene = room.scene();
-    let frames = room.stations.iter().map(scanner).collect::<Result<Vec<_>, _>>()?;
+    let frames = room.stations.iter().map(Station::frame).collect::<Result<Vec<_>, _>>()?;
     let rays: usize = frames.iter().map(|f| f.size().pixels()).sum();
     for (what, noise) in [("perfect", Noise::NONE), ("noisy", room.noise)] {
         let mut best = f64::INFINITY;
         for _ in 0..ROUNDS {
             let start = Instant::now();
             for (view, (frame, station)) in (0..).zip(frames.iter().zip(&room.stations)) {
-                scene.scan(frame, &station.world_from_sensor, &noise, view)?;
+                scene.scan(frame.as_ref(), &station.world_from_sensor, &noise, view)?;
             }
             best = best.min(start.elapsed().as_secs_f64());
         }

@@ -7,8 +7,8 @@
 //! rays search for solids instead of polygons for pixels. The truth does not come from rays: the
 //! section planes slice the solids' surfaces, and overlaps are united in the plane.
 //!
-//! The crate knows no particular sensor, no files and no modeler. It casts every
-//! [`transect_device::DeviceFrame`], and reads scene descriptions as text.
+//! The crate knows no files and no modeler. It casts every [`transect_device::DeviceFrame`], and
+//! reads scene descriptions as text. Only descriptions name particular sensors.
 //!
 //! * [`Shape`], [`Solid`], [`Scene`], [`Hit`]: the solids, and the first hit of a ray;
 //! * [`Noise`], [`DepthCamera`], [`PoseNoise`]: reproducible errors of a real sensor;
@@ -86,8 +86,14 @@ pub const BUNDLED_BEND_TUNNEL: &str = include_str!("../fixtures/bend_tunnel.scen
 /// A cluttered kitchen, seen by a depth camera with all of its errors ([`DepthCamera`]).
 pub const BUNDLED_KITCHEN: &str = include_str!("../fixtures/kitchen.scene.toml");
 
+/// The face mask before the dissertation's line scanner at its true size, from eight places (5.6.2).
+pub const BUNDLED_HYSCAN_MASK: &str = include_str!("../fixtures/hyscan_mask.scene.toml");
+
+/// A small jug before the dissertation's light-stripe range finder at its true size (4.6).
+pub const BUNDLED_SMART_EYE_JUG: &str = include_str!("../fixtures/smart_eye_jug.scene.toml");
+
 /// All bundled descriptions with their names.
-pub const BUNDLED_SCENES: [(&str, &str); 7] = [
+pub const BUNDLED_SCENES: [(&str, &str); 9] = [
     ("room", BUNDLED_ROOM),
     ("face_mask", BUNDLED_FACE_MASK),
     ("machined_part", BUNDLED_MACHINED_PART),
@@ -95,4 +101,6 @@ pub const BUNDLED_SCENES: [(&str, &str); 7] = [
     ("tunnel", BUNDLED_TUNNEL),
     ("bend_tunnel", BUNDLED_BEND_TUNNEL),
     ("kitchen", BUNDLED_KITCHEN),
+    ("hyscan_mask", BUNDLED_HYSCAN_MASK),
+    ("smart_eye_jug", BUNDLED_SMART_EYE_JUG),
 ];

@@ -30,6 +30,33 @@ fn every_sensor_gives_a_scan_that_comes_back_as_the_scene() {
 }
 
 #[test]
+fn scanners_of_true_size_give_sections_on_the_truth() {
+    // Unit, spacing of the samples and radius of the nearest bend, in millimetres.
+    for (scene, options, in_millimetres, spacing, radius) in
+        [("smart_eye_jug", "", 10.0, 1.4, 6.0), ("hyscan_mask", "--views 2", 1.0, 0.55, 9.0)]
+    {
+        let folder = Folder::empty();
+        folder.run(&format!("simulate {scene} --noise-free --out scan {options}")).succeeded();
+        let run = folder.reconstruct("scan --interval 8mm").succeeded();
+        assert_eq!(run.stderr, "", "{scene}: no note, no warning");
+        // A chord between two samples errs by the sagitta where the surface bends most.
+        let sagitta = spacing * spacing / (8.0 * radius) / in_millimetres;
+        let median = run.number("median distance from truth");
+        assert!(median < sagitta, "{scene}: {median} against {sagitta}");
+        let p95 = run.number("95 % of distances below");
+        assert!(p95 < spacing / 2.0 / in_millimetres, "{scene}: {p95}");
+        assert!(run.number("completeness of that") > 97.0, "{scene}: {}", run.stdout);
+        assert!(run.number("oriented like the truth") > 99.5, "{scene}: {}", run.stdout);
+        // The scanner is not scaled to the scene.
+        let view = &folder.json("scan/scan.json")["views"][0];
+        match view["sensor"].as_str().unwrap() {
+            "light_stripe" => assert_eq!(view["baseline"], 30.0),
+            _ => assert_eq!(view["projector"], serde_json::json!([-30.0, 0.0])),
+        }
+    }
+}
+
+#[test]
 fn light_becomes_curves() {
     let (folder, run) = modelled("--sensor light_stripe --density 0.2 --views 2 --stripe-images");
     // The stripe is found to a tenth of a cell, and a cell is worth some 4 mm of depth here.

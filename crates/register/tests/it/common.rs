@@ -2,25 +2,10 @@
 
 use std::io::Write;
 use std::path::Path;
-use std::sync::Arc;
-use transect_device::{DeviceFrame, Isometry3, RangeImage, Vector3, View};
+use transect_device::{Isometry3, RangeImage, Vector3, View};
 use transect_exchange::Scan;
 use transect_register::{CoarseView, Finding, judge};
-use transect_scene::{BUNDLED_SCENES, Description, SensorParameters, Station};
-use transect_sensors::{AngularScan, ImagingRadar, Intrinsics, Pinhole};
-
-fn frame(station: &Station) -> Arc<dyn DeviceFrame> {
-    match station.sensor {
-        SensorParameters::Spherical { theta0, dtheta, phi0, dphi } => {
-            let theta = AngularScan::from_radians(theta0, dtheta);
-            let phi = AngularScan::from_radians(phi0, dphi);
-            Arc::new(ImagingRadar::new(station.size, theta, phi).unwrap())
-        }
-        SensorParameters::Pinhole { fx, fy, cx, cy } => {
-            Arc::new(Pinhole::new(station.size, Intrinsics { fx, fy, cx, cy }).unwrap())
-        }
-    }
-}
+use transect_scene::{BUNDLED_SCENES, Description, Station};
 
 /// The views of a bundled scene, with its noise; `more` is added to its description.
 pub fn simulated(name: &str, more: &str) -> Vec<View> {
@@ -28,7 +13,9 @@ pub fn simulated(name: &str, more: &str) -> Vec<View> {
     let description = Description::parse(&format!("{text}\n{more}")).unwrap();
     let scene = description.scene();
     let view = |(k, s): (usize, &Station)| {
-        scene.view(&s.name, frame(s), s.world_from_sensor, &description.noise, k as u64).unwrap()
+        scene
+            .view(&s.name, s.frame().unwrap(), s.world_from_sensor, &description.noise, k as u64)
+            .unwrap()
     };
     description.stations.iter().enumerate().map(view).collect()
 }

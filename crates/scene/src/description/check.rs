@@ -74,6 +74,11 @@ impl Place {
         }
     }
 
+    /// A length of at least 0.
+    pub fn length(&self, key: &'static str, value: f64) -> Result<f64, Problem> {
+        self.value(key, value, |v| v >= 0.0, "a length of at least 0")
+    }
+
     /// Three finite numbers.
     pub fn triple<T: From<[f64; 3]>>(
         &self,

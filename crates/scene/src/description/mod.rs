@@ -45,7 +45,36 @@
 //! at = [0.3, 0.3, 1.4]
 //! heading = 40                    # degrees from x towards y; and tilt, degrees upwards
 //! # look_at = [3, 2.5, 1]         # instead of heading and tilt
+//!
+//! [[station]]
+//! sensor = "lookup_table"         # or "light_stripe"; rows and cols are optional
+//! at = [0.3, 0.1, 1.4]
+//! look_at = [0.3, 0.25, 1.4]
+//!
+//! [lookup_table]                  # the scanner of all these stations; each key is optional
+//! step = 0.0005
 //! ```
+//!
+//! `light_stripe` and `lookup_table` are the dissertation's SmartEye and HYSCAN, **at their true
+//! size** in any unit; they are not scaled to the scene. Their frames have z forward and y down.
+//! x runs from the laser to the camera, and across the beams. All stations of a kind share one
+//! instrument. Its table changes it; angles are in degrees:
+//!
+//! | table, sensor | key | default | meaning |
+//! |---|---|---|---|
+//! | `light_stripe` | `theta` | 57.955, 75.955 | range of the laser angle, divided into the columns |
+//! | | `fan_angle` | 60 | of the line lens |
+//! | | `baseline` | 300 mm | from the mirror's axis to the camera |
+//! | | `farthest` | 2000 mm | largest distance along z at which the stripe is seen |
+//! | | `camera_cols` | 768 | cells of a camera row; the station's `rows` are its rows |
+//! | | `focal_length` | 16 mm | |
+//! | | `cell_width` | 0.0084 mm | |
+//! | | `cell_height` | 4.84 mm / rows | |
+//! | | `mirror_axis`, `mirror_face` | 16 mm, 20 mm | place of the mirror's axis and face |
+//! | `lookup_table` | `theta` | −5.76, 21.86 | range of the beams, divided into the columns |
+//! | | `depth` | 110 mm, 200 mm | nearest and farthest calibrated depth |
+//! | | `baseline` | 60 mm | between the two mirrors |
+//! | | `step` | 0.39 mm | way on the linear axis from row to row; the station is its middle |
 //!
 //! Every error is off unless it is given. Those of `depth_camera`
 //! ([`DepthCamera`](crate::DepthCamera)) act on `pinhole` stations alone. With them, or with
@@ -79,6 +108,7 @@
 //! begin with `builtin:` are those of [`fixtures`](crate::fixtures) and need no file.
 
 mod check;
+mod instrument;
 mod solid;
 mod station;
 
@@ -87,6 +117,7 @@ pub use station::{SensorParameters, Station};
 
 use crate::{DepthCamera, Mesh, Noise, PoseNoise, Scene, Solid, fixtures};
 use check::Place;
+use instrument::{Instruments, LightStripeTable, LookupTableTable};
 use serde::Deserialize;
 use solid::{Library, MaterialEntry, SolidEntry};
 use std::collections::BTreeMap;
@@ -139,12 +170,19 @@ impl Description {
     ) -> Result<Self, DescriptionError> {
         let file: File = toml::from_str(toml)?;
         let mut problems = Vec::new();
-        let mut keep = |problem: Problem| problems.push(problem);
+        let mut keep = |problem: Problem| {
+            // Stations with one instrument have its problems in common.
+            if !problems.contains(&problem) {
+                problems.push(problem);
+            }
+        };
         let planes = file.planes.build().map_err(&mut keep).ok();
         let noise = file.noise.build().map_err(&mut keep).ok();
         for (name, entry) in &file.materials {
             let _ = entry.check(name).map_err(&mut keep);
         }
+        let File { light_stripe, lookup_table, unit, .. } = file;
+        let instruments = Instruments { light_stripe, lookup_table, unit };
         let library = Library { meshes, materials: &file.materials };
         let mut solids = Vec::new();
         for (index, entry) in file.solid.into_iter().enumerate() {
@@ -152,12 +190,11 @@ impl Description {
         }
         let mut stations = Vec::new();
         for (index, entry) in file.station.into_iter().enumerate() {
-            stations.extend(entry.build(index).map_err(&mut keep));
+            stations.extend(entry.build(index, &instruments).map_err(&mut keep));
         }
         match (planes, noise) {
             (Some(planes), Some(noise)) if problems.is_empty() => {
-                let File { name, unit, .. } = file;
-                Ok(Self { name, unit, planes, solids, stations, noise })
+                Ok(Self { name: file.name, unit, planes, solids, stations, noise })
             }
             _ => Err(DescriptionError::Invalid(problems)),
         }
@@ -192,6 +229,10 @@ struct File {
     planes: PlanesEntry,
     #[serde(default)]
     noise: NoiseEntry,
+    #[serde(default)]
+    light_stripe: LightStripeTable,
+    #[serde(default)]
+    lookup_table: LookupTableTable,
     #[serde(default)]
     materials: BTreeMap<String, MaterialEntry>,
     #[serde(default)]

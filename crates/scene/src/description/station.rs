@@ -1,10 +1,16 @@
-//! `[[station]]` entries: sensors as plain numbers, from which the caller builds device frames.
+//! `[[station]]` entries: sensors and their places.
 
 use super::check::{Place, Problem};
+use super::instrument::Instruments;
 use nalgebra::{Matrix3, Rotation3, Translation3, UnitQuaternion};
 use serde::Deserialize;
-use transect_device::{ImageSize, MAX_PIXELS};
+use std::sync::Arc;
+use transect_device::{DeviceFrame, ImageSize, MAX_PIXELS};
 use transect_geometry::{Isometry3, Point3, Vector3};
+use transect_sensors::lookup_table::CarriedScanner;
+use transect_sensors::{
+    AngularScan, ImagingRadar, Intrinsics, LightStripe, LightStripeParameters, Pinhole, SensorError,
+};
 
 /// A sensor at a place.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,8 +26,18 @@ pub struct Station {
     pub world_from_sensor: Isometry3,
 }
 
-/// The numbers of a device frame, as in scan manifests.
-#[derive(Debug, Clone, Copy, PartialEq)]
+impl Station {
+    /// Its device frame.
+    ///
+    /// # Errors
+    /// [`SensorError`] if the parameters, or their number of pixels, make no sensor.
+    pub fn frame(&self) -> Result<Arc<dyn DeviceFrame>, SensorError> {
+        self.sensor.frame(self.size)
+    }
+}
+
+/// The parameters of a device frame.
+#[derive(Debug, Clone, PartialEq)]
 pub enum SensorParameters {
     /// Terrestrial scanner: `(cos φ cos θ, cos φ sin θ, sin φ)` with rows along φ, columns along θ.
     ///
@@ -49,6 +65,30 @@ pub enum SensorParameters {
         /// Row of the optical axis.
         cy: f64,
     },
+    /// Laser sheet and camera, at its true size. x runs from the laser to the camera, y down.
+    LightStripe(LightStripeParameters),
+    /// Line scanner on a linear axis, at its true size. x runs along the beams, rows run down.
+    LookupTable(CarriedScanner),
+}
+
+impl SensorParameters {
+    /// The device frame of an image's size. Triangulation sensors know their own size.
+    ///
+    /// # Errors
+    /// [`SensorError`] if the parameters make no sensor.
+    pub fn frame(&self, size: ImageSize) -> Result<Arc<dyn DeviceFrame>, SensorError> {
+        Ok(match self {
+            Self::Spherical { theta0, dtheta, phi0, dphi } => {
+                let theta = AngularScan::from_radians(*theta0, *dtheta);
+                Arc::new(ImagingRadar::new(size, theta, AngularScan::from_radians(*phi0, *dphi))?)
+            }
+            &Self::Pinhole { fx, fy, cx, cy } => {
+                Arc::new(Pinhole::new(size, Intrinsics { fx, fy, cx, cy })?)
+            }
+            Self::LightStripe(parameters) => Arc::new(LightStripe::new(parameters.clone())?),
+            Self::LookupTable(scanner) => Arc::new(scanner.table()?),
+        })
+    }
 }
 
 /// One table for all sensors, so that every wrong key can be named.
@@ -57,8 +97,8 @@ pub enum SensorParameters {
 pub(super) struct StationEntry {
     name: Option<String>,
     sensor: SensorName,
-    rows: usize,
-    cols: usize,
+    rows: Option<usize>,
+    cols: Option<usize>,
     theta: Option<[f64; 2]>,
     phi: Option<[f64; 2]>,
     field_of_view: Option<f64>,
@@ -69,20 +109,25 @@ pub(super) struct StationEntry {
 }
 
 #[derive(Deserialize, Clone, Copy, PartialEq)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "snake_case")]
 enum SensorName {
     Spherical,
     Pinhole,
+    LightStripe,
+    LookupTable,
 }
 
 impl StationEntry {
     /// The station that an entry describes.
-    pub fn build(self, index: usize) -> Result<Station, Problem> {
+    pub fn build(self, index: usize, instruments: &Instruments) -> Result<Station, Problem> {
         let place = Place::entry("station", index, self.name.as_deref());
         let size = self.size(&place)?;
         let sensor = match self.sensor {
             SensorName::Spherical => self.spherical(&place, size)?,
             SensorName::Pinhole => self.pinhole(&place, size)?,
+            SensorName::LightStripe | SensorName::LookupTable => {
+                self.scanner(&place, size, instruments)?
+            }
         };
         let world_from_sensor = self.pose(&place)?;
         let name = self.name.unwrap_or_else(|| format!("station {}", index + 1));
@@ -90,7 +135,13 @@ impl StationEntry {
     }
 
     fn size(&self, place: &Place) -> Result<ImageSize, Problem> {
-        let (rows, cols) = (self.rows, self.cols);
+        let [rows, cols] = match self.sensor {
+            SensorName::Spherical | SensorName::Pinhole => [None; 2],
+            SensorName::LightStripe => Instruments::light_stripe_size().map(Some),
+            SensorName::LookupTable => Instruments::lookup_table_size().map(Some),
+        };
+        let rows = place.needed("rows", self.rows.or(rows), "station")?;
+        let cols = place.needed("cols", self.cols.or(cols), "station")?;
         let reason = "an image has at least one row and column and at most 2^30 pixels";
         if cols == 0 {
             return Err(place.problem("cols", reason));
@@ -130,6 +181,25 @@ impl StationEntry {
         Ok(SensorParameters::Pinhole { fx: focal_length, fy: focal_length, cx, cy })
     }
 
+    /// The scene's triangulation scanner. Its own table states its field.
+    fn scanner(
+        &self,
+        place: &Place,
+        size: ImageSize,
+        instruments: &Instruments,
+    ) -> Result<SensorParameters, Problem> {
+        let stripe = self.sensor == SensorName::LightStripe;
+        let kind = if stripe {
+            "station with light_stripe; the table [light_stripe] has its field"
+        } else {
+            "station with lookup_table; the table [lookup_table] has its field"
+        };
+        place.refuse("theta", self.theta.is_some(), kind)?;
+        place.refuse("phi", self.phi.is_some(), kind)?;
+        place.refuse("field_of_view", self.field_of_view.is_some(), kind)?;
+        if stripe { instruments.light_stripe(size) } else { instruments.lookup_table(size) }
+    }
+
     fn pose(&self, place: &Place) -> Result<Isometry3, Problem> {
         let at: Point3 = place.triple("at", self.at)?;
         let (heading, tilt) = match self.look_at {
@@ -146,7 +216,7 @@ impl StationEntry {
                 UnitQuaternion::from_axis_angle(&Vector3::z_axis(), heading)
                     * UnitQuaternion::from_axis_angle(&Vector3::y_axis(), -tilt)
             }
-            SensorName::Pinhole => camera(heading, tilt),
+            _ => camera(heading, tilt),
         };
         Ok(Isometry3::from_parts(Translation3::from(at.coords), rotation))
     }
@@ -163,14 +233,16 @@ impl StationEntry {
         let heading = towards.y.atan2(towards.x);
         match self.sensor {
             SensorName::Spherical if level > 0.0 => Ok((heading, 0.0)),
-            SensorName::Pinhole if towards.norm() > 0.0 => Ok((heading, towards.z.atan2(level))),
+            _ if self.sensor != SensorName::Spherical && towards.norm() > 0.0 => {
+                Ok((heading, towards.z.atan2(level)))
+            }
             _ => Err(place.problem("look_at", "it gives no direction from `at`")),
         }
     }
 }
 
 /// First angle and step, in radians, of pixel centres that share a range equally.
-fn centres(
+pub(super) fn centres(
     place: &Place,
     key: &'static str,
     [from, to]: [f64; 2],

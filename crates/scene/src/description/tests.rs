@@ -1,6 +1,8 @@
 use super::*;
 use crate::{BUNDLED_ROOM, Shape};
+use transect_device::{ImageSize, Pixel, SensorPlane};
 use transect_geometry::Point3;
+use transect_sensors::LightStripeParameters;
 
 const HEAD: &str = "name = 'n'\nunit = 'mm'\n[planes]\nnormal = [0, 0, 1]\noffset = 0\n\
                     interval = 1\n";
@@ -253,6 +255,90 @@ fn a_pinhole_looks_where_it_is_told() {
     assert!((turned(Vector3::y()) + Vector3::z()).norm() < 1e-12, "down");
     let down = station("pinhole", "field_of_view=90\nheading=90\ntilt=-90").unwrap();
     assert!((down.world_from_sensor * Vector3::z() + Vector3::z()).norm() < 1e-12);
+}
+
+#[test]
+fn scanners_keep_their_true_size_in_any_unit() {
+    let text = "[[station]]\nsensor='light_stripe'\nat=[0,0,0]\n\
+                [[station]]\nsensor='lookup_table'\nat=[0,0,0]";
+    for (unit, millimetre) in [("mm", 1.0), ("m", 1e-3), ("in", 1.0 / 25.4)] {
+        let head = HEAD.replace("'mm'", &format!("'{unit}'"));
+        let stations = Description::parse(&format!("{head}{text}")).unwrap().stations;
+        let SensorParameters::LightStripe(found) = &stations[0].sensor else { panic!("{unit}") };
+        let smart_eye = LightStripeParameters::smart_eye().scaled(millimetre);
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-9 * b.abs();
+        assert!(near(found.baseline, smart_eye.baseline), "{unit}: {found:?}");
+        assert!(near(found.cell_height, smart_eye.cell_height), "{unit}: {found:?}");
+        assert!(near(found.farthest, smart_eye.farthest), "{unit}: {found:?}");
+        let angles = found.theta_laser.as_radians().iter().zip(smart_eye.theta_laser.as_radians());
+        assert!(angles.len() == 200 && angles.into_iter().all(|(a, b)| near(*a, *b)));
+        assert_eq!(stations[0].size, smart_eye_size());
+        // 4.7.1: 90 mm deep from 110 mm on, 100 mm wide at 200 mm. The field leans 1°.
+        let SensorParameters::LookupTable(found) = stations[1].sensor else { panic!("{unit}") };
+        assert!(
+            near(found.depths[0], 110.0 * millimetre) && near(found.depths[1], 200.0 * millimetre)
+        );
+        let frame = stations[1].frame().unwrap();
+        let far = SensorPlane { normal: Vector3::z(), offset: 190.0 * millimetre };
+        let end = |col| {
+            let pixel = Pixel::new(128, col);
+            frame.point(pixel, frame.plane_value(pixel, &far).unwrap()).unwrap()
+        };
+        assert!(near(end(255).x - end(0).x, 95.0 * millimetre), "{unit}: {}", end(0));
+    }
+}
+
+fn smart_eye_size() -> ImageSize {
+    ImageSize { rows: 494, cols: 200 }
+}
+
+#[test]
+fn a_scanners_table_changes_it_for_all_its_stations() {
+    let text = "[light_stripe]\nbaseline=250\ntheta=[60,70]\n\
+                [lookup_table]\nstep=0.5\ndepth=[120,180]\n\
+                [[station]]\nsensor='light_stripe'\nrows=100\ncols=5\nat=[0,0,0]\n\
+                [[station]]\nsensor='lookup_table'\nrows=11\ncols=64\nat=[0,0,0]";
+    let stations = with(text).unwrap().stations;
+    let SensorParameters::LightStripe(stripe) = &stations[0].sensor else { panic!() };
+    let usual = LightStripeParameters::smart_eye();
+    assert_eq!((stripe.baseline, stripe.focal_length), (250.0, usual.focal_length));
+    assert_eq!(stations[0].frame().unwrap().size(), ImageSize { rows: 100, cols: 5 });
+    let height = |p: &LightStripeParameters| p.cell_height * p.camera_rows as f64;
+    assert!((height(stripe) - height(&usual)).abs() < 1e-12, "the same field in fewer rows");
+    let first = stripe.theta_laser.as_radians()[0].to_degrees();
+    assert!((first - 61.0).abs() < 1e-12, "pixel centres share the range: {first}");
+    let SensorParameters::LookupTable(table) = stations[1].sensor else { panic!() };
+    assert_eq!((table.rows.place(0.0), table.rows.place(10.0)), (-2.5, 2.5));
+    assert_eq!((table.depths, table.columns.count()), ([120.0, 180.0], 64));
+}
+
+#[test]
+fn bad_scanners_name_their_table_key_and_value() {
+    let station = |sensor: &str| format!("[[station]]\nsensor='{sensor}'\nat=[0,0,0]\n");
+    for (sensor, keys, expected) in [
+        ("light_stripe", "baseline=-5", "key baseline: -5 is not a length of at least 0"),
+        ("light_stripe", "cell_width=-1", "key cell_width: -1 is not a length of at least 0"),
+        ("light_stripe", "focal_length=0", "key focal_length: 0 is not a positive length"),
+        ("light_stripe", "fan_angle=200", "key fan_angle: 200 is not between 0 and 180 degrees"),
+        ("light_stripe", "theta=[58,190]", "key theta: 190 is not between 0 and 180 degrees"),
+        ("light_stripe", "farthest=3", "key farthest: 3 is not a depth beyond the focal length"),
+        ("lookup_table", "depth=[200,110]", "key depth: 110 is not a farthest depth beyond"),
+        ("lookup_table", "step=nan", "key step: NaN is not a length of at least 0"),
+        ("lookup_table", "step=0", "key step: 0 is not"),
+        ("lookup_table", "baseline=0", "key baseline: 0 is not a positive length"),
+        ("lookup_table", "theta=[20,-5]", "key theta"),
+    ] {
+        let twice = station(sensor).repeat(2);
+        let found = problem(&format!("{twice}[{sensor}]\n{keys}"));
+        assert!(found.starts_with(&format!("{sensor}, {expected}")), "{keys}: {found}");
+        assert_eq!(found.lines().count(), 1, "two stations, one instrument: {found}");
+    }
+    let unknown = with("[lookup_table]\nbase=3").unwrap_err().to_string();
+    assert!(unknown.contains("base") && unknown.contains("expected one of"), "{unknown}");
+    let found = problem(&format!("{}field_of_view=9", station("lookup_table")));
+    assert!(found.contains("key field_of_view") && found.contains("[lookup_table]"), "{found}");
+    let found = problem("[[station]]\nsensor='pinhole'\ncols=4\nfield_of_view=9\nat=[0,0,0]");
+    assert!(found.contains("station 1, key rows: it is missing"), "{found}");
 }
 
 #[test]

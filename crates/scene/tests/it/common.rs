@@ -1,31 +1,17 @@
 //! What the tests of whole scenes share.
 
-use std::sync::Arc;
-use transect_device::{DeviceFrame, View};
+use transect_device::View;
 use transect_geometry::{Curve, Point2};
-use transect_scene::{Description, Noise, SensorParameters, Station};
-use transect_sensors::{AngularScan, ImagingRadar, Intrinsics, Pinhole};
-
-/// The device frame of a station.
-pub fn frame(station: &Station) -> Arc<dyn DeviceFrame> {
-    match station.sensor {
-        SensorParameters::Spherical { theta0, dtheta, phi0, dphi } => {
-            let theta = AngularScan::from_radians(theta0, dtheta);
-            let phi = AngularScan::from_radians(phi0, dphi);
-            Arc::new(ImagingRadar::new(station.size, theta, phi).unwrap())
-        }
-        SensorParameters::Pinhole { fx, fy, cx, cy } => {
-            Arc::new(Pinhole::new(station.size, Intrinsics { fx, fy, cx, cy }).unwrap())
-        }
-    }
-}
+use transect_scene::{Description, Noise};
 
 /// The views of all stations.
 pub fn views(description: &Description, noise: &Noise) -> Vec<View> {
     let scene = description.scene();
     let stations = description.stations.iter().enumerate();
     stations
-        .map(|(k, s)| scene.view(&s.name, frame(s), s.world_from_sensor, noise, k as u64).unwrap())
+        .map(|(k, s)| {
+            scene.view(&s.name, s.frame().unwrap(), s.world_from_sensor, noise, k as u64).unwrap()
+        })
         .collect()
 }
 

@@ -28,12 +28,13 @@ fn every_station_stands_free_and_sees_the_scene() {
                 let pixel = Pixel::new(k / size.cols, k % size.cols);
                 let Some(point) = view.point_in_sensor(pixel) else { continue };
                 let mut ray = view.frame().ray(pixel).unwrap();
+                let range = (point - ray.start).norm();
                 ray.start = view.world_from_sensor() * ray.start;
                 ray.direction = view.world_from_sensor() * ray.direction;
                 let hit = scene.hit(&ray).unwrap();
                 // Stored as f32.
                 let rounding = 1e-6 * hit.distance;
-                assert!((hit.distance - point.coords.norm()).abs() < rounding, "{name}: {pixel}");
+                assert!((hit.distance - range).abs() < rounding, "{name}: {pixel}");
                 assert!(
                     scene.contains(&(hit.point_in_world - hit.normal_in_world * 1e-6)),
                     "{name}"

@@ -47,7 +47,7 @@ pub use calibration::{
 };
 pub use field::{Beam, BeamLine, DigitizedField, GridNode};
 pub use mounting::{LinearSteps, Mounting, ScanPlane};
-pub use synchronized::SynchronizedScanner;
+pub use synchronized::{CarriedScanner, SynchronizedScanner};
 
 use crate::error::{SensorError, require};
 use mounting::Axes;
@@ -128,12 +128,7 @@ impl LookupTable {
     /// # Errors
     /// As [`LookupTable::new`].
     pub fn hyscan(rows: LinearSteps) -> Result<Self, SensorError> {
-        let columns = Self::hyscan_columns();
-        let sweeps = SynchronizedScanner::hyscan().leaning_sweeps(&columns);
-        let field = digitize(&sweeps, &columns, CalibrationOptions::EXACT)?;
-        let mounting = Mounting::from_radians(ScanPlane::Xz, 0.0);
-        Self::new(field, rows, mounting)?
-            .with_viewpoints(SynchronizedScanner::hyscan().viewpoints())
+        CarriedScanner::hyscan(rows).table()
     }
 
     /// The columns of [`LookupTable::hyscan`]: from the projector to (−50, 200) and (50, 200).

@@ -16,8 +16,11 @@
 //! `p` grows with range, because δ falls. The dissertation gives no such numbers (the table is the
 //! vendor's); base line, focal length and convergence are assumed, chosen so that its field fits.
 
-use super::Viewpoints;
 use super::calibration::{CalibrationSample, CalibrationSweep, ThetaSteps};
+use super::{
+    CalibrationOptions, LinearSteps, LookupTable, Mounting, ScanPlane, Viewpoints, digitize,
+};
+use crate::error::{SensorError, require};
 use nalgebra::Point2;
 
 /// A scanner whose beam and line of sight turn together about two pivots; lengths in one unit.
@@ -83,20 +86,67 @@ impl SynchronizedScanner {
         let angles = (0..columns.count()).map(|c| columns.angle(c));
         CalibrationSweep { samples: angles.map(|t| self.sample(t, depth, slope)).collect() }
     }
+}
 
-    /// The example's calibration, nearest first: 24 noise-free sweeps of a table that leans 1°,
-    /// from 11/6 to 20/6 base lines away (110 to 200 mm for the dissertation's figures), at depths
+/// A synchronised scanner on a linear axis, calibrated by example sweeps; lengths in one unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CarriedScanner {
+    /// The scanner.
+    pub scanner: SynchronizedScanner,
+    /// Its beams, one per column.
+    pub columns: ThetaSteps,
+    /// Depths of the first and the last calibration sweep.
+    pub depths: [f64; 2],
+    /// Places on the linear axis, one per row.
+    pub rows: LinearSteps,
+}
+
+impl CarriedScanner {
+    /// Depths of the first and the last sweep of the dissertation's scanner (4.7.1), in
+    /// millimetres.
+    pub const HYSCAN_DEPTHS: [f64; 2] = [110.0, 200.0];
+
+    /// The dissertation's scanner on its machine, in millimetres; see
+    /// [`LookupTable::hyscan`](super::LookupTable::hyscan).
+    pub fn hyscan(rows: LinearSteps) -> Self {
+        let columns = LookupTable::hyscan_columns();
+        let scanner = SynchronizedScanner::hyscan();
+        Self { scanner, columns, depths: Self::HYSCAN_DEPTHS, rows }
+    }
+
+    /// The same instrument in another length unit, or a smaller or larger one of the same shape.
+    /// Its rows stay.
+    pub fn scaled(self, factor: f64) -> Self {
+        let scanner = SynchronizedScanner { base: self.scanner.base * factor, ..self.scanner };
+        Self { scanner, depths: self.depths.map(|depth| depth * factor), ..self }
+    }
+
+    /// Its calibration, nearest first: 24 noise-free sweeps of a table that leans 1°, at depths
     /// that are not equally spaced.
-    pub fn leaning_sweeps(&self, columns: &ThetaSteps) -> Vec<CalibrationSweep> {
+    pub fn sweeps(&self) -> Vec<CalibrationSweep> {
         const DEPTHS: usize = 24;
         let slope = 1.0_f64.to_radians().tan();
-        let (nearest, depth) = (self.base * 11.0 / 6.0, self.base * 1.5);
+        let [nearest, farthest] = self.depths;
         let sweep = |k: usize| {
             let part = k as f64 / (DEPTHS - 1) as f64;
             // Steps of 3.1 to 4.7 mm: hands set no equal depths.
             let uneven = part - 0.2 * part * (1.0 - part);
-            self.sweep(columns, nearest + depth * uneven, slope)
+            self.scanner.sweep(&self.columns, nearest + (farthest - nearest) * uneven, slope)
         };
         (0..DEPTHS).map(sweep).collect()
+    }
+
+    /// Its device frame, mounted in x–z without tilt.
+    ///
+    /// # Errors
+    /// [`SensorError::BadParameter`] naming the parameter that makes no scanner.
+    pub fn table(&self) -> Result<LookupTable, SensorError> {
+        let [nearest, farthest] = self.depths;
+        require("baseline", self.scanner.base, self.scanner.base > 0.0, "a positive length")?;
+        require("depth", nearest, nearest > 0.0, "a nearest depth of more than 0")?;
+        require("depth", farthest, farthest > nearest, "a farthest depth beyond the nearest")?;
+        let field = digitize(&self.sweeps(), &self.columns, CalibrationOptions::EXACT)?;
+        let mounting = Mounting::from_radians(ScanPlane::Xz, 0.0);
+        LookupTable::new(field, self.rows, mounting)?.with_viewpoints(self.scanner.viewpoints())
     }
 }

@@ -22,6 +22,7 @@ fn frame(station: &Station, step: usize) -> Arc<dyn DeviceFrame> {
             let [fx, fy, cx, cy] = [fx, fy, cx, cy].map(|pixels| pixels / step);
             Arc::new(Pinhole::new(size, Intrinsics { fx, fy, cx, cy }).unwrap())
         }
+        _ => panic!("the scenes are seen by scanners and cameras"),
     }
 }
 

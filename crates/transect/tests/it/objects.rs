@@ -4,26 +4,11 @@ use std::sync::Arc;
 use transect::Setup;
 use transect_device::{DeviceFrame, View};
 use transect_geometry::LengthUnit;
-use transect_scene::{Description, Noise, SensorParameters, Station};
-use transect_sensors::{AngularScan, ImagingRadar, Intrinsics, Pinhole};
+use transect_scene::{Description, Noise, Station};
 
 /// What is in the scene.
 pub fn description() -> Description {
     Description::parse(include_str!("../../../../fixtures/objects.scene.toml")).unwrap()
-}
-
-/// The sensor of a station.
-pub fn frame(station: &Station) -> Arc<dyn DeviceFrame> {
-    match station.sensor {
-        SensorParameters::Spherical { theta0, dtheta, phi0, dphi } => {
-            let theta = AngularScan::from_radians(theta0, dtheta);
-            let phi = AngularScan::from_radians(phi0, dphi);
-            Arc::new(ImagingRadar::new(station.size, theta, phi).unwrap())
-        }
-        SensorParameters::Pinhole { fx, fy, cx, cy } => {
-            Arc::new(Pinhole::new(station.size, Intrinsics { fx, fy, cx, cy }).unwrap())
-        }
-    }
 }
 
 /// The views of all stations.
@@ -31,7 +16,9 @@ pub fn views(noise: &Noise) -> Vec<View> {
     let description = description();
     let scene = description.scene();
     let view = |(k, s): (usize, &Station)| {
-        scene.view(s.name.clone(), frame(s), s.world_from_sensor, noise, k as u64).unwrap()
+        scene
+            .view(s.name.clone(), s.frame().unwrap(), s.world_from_sensor, noise, k as u64)
+            .unwrap()
     };
     description.stations.iter().enumerate().map(view).collect()
 }
@@ -48,5 +35,5 @@ pub fn setup() -> Setup {
 
 /// The sensor of the station of a name.
 pub fn frame_of(name: &str) -> Arc<dyn DeviceFrame> {
-    frame(description().stations.iter().find(|s| s.name == name).unwrap())
+    description().stations.iter().find(|s| s.name == name).unwrap().frame().unwrap()
 }

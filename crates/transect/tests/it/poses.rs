@@ -3,7 +3,6 @@
 //!
 //! The scene is `fixtures/machined_part.scene.toml`: a flange, seen by depth cameras all around.
 
-use crate::objects::frame;
 use std::collections::BTreeMap;
 use transect::evaluate::{EvaluateOptions, evaluate};
 use transect::{Reconstruction, Setup, Unwatched, reconstruct};
@@ -24,7 +23,7 @@ fn part() -> Part {
     let scene = description.scene();
     let views = description.stations.iter().enumerate().map(|(k, station)| {
         let (name, pose) = (station.name.clone(), station.world_from_sensor);
-        scene.view(name, frame(station), pose, &description.noise, k as u64).unwrap()
+        scene.view(name, station.frame().unwrap(), pose, &description.noise, k as u64).unwrap()
     });
     let own = &description.planes;
     let planes = PlaneFamily::new(own.guide().clone(), own.offset(), 6.0).unwrap();

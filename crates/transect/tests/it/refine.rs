@@ -1,7 +1,7 @@
 //! Refinement on simulated scans: which planes are asked for, and that their curves are those of
 //! all planes.
 
-use crate::objects::{frame, noisy_views, setup};
+use crate::objects::{noisy_views, setup};
 use std::collections::BTreeMap;
 use transect::{
     GrowError, Grower, Reconstruction, Refinement, RefinementReport, Setup, Unwatched, reconstruct,
@@ -85,7 +85,9 @@ fn planes_are_inserted_along_a_bend() {
         };
         (*dtheta, *dphi) = (6.0 * *dtheta, 6.0 * *dphi);
         let pose = s.world_from_sensor;
-        scene.view(s.name.clone(), frame(&coarse), pose, &description.noise, k as u64).unwrap()
+        scene
+            .view(s.name.clone(), coarse.frame().unwrap(), pose, &description.noise, k as u64)
+            .unwrap()
     };
     let views: Vec<View> = description.stations.iter().enumerate().map(view).collect();
     let mut setup = Setup::new(description.unit, description.planes.clone());

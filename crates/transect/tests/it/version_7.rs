@@ -1,7 +1,6 @@
 //! Files of earlier versions: a store of layout 7 and a model file of version 6, both written by
 //! transect 0.1.0 for the two views of `version_7/dot.scene.toml`.
 
-use crate::objects::frame;
 use transect::{Grower, Setup, Unwatched};
 use transect_device::{Isometry3, View};
 use transect_exchange::write_contours;
@@ -29,7 +28,8 @@ fn views(store: &Store) -> Vec<View> {
         let pose = stored[k].entry.world_from_sensor;
         // The poses went through a file, which rounded them.
         assert!((pose.inverse() * s.world_from_sensor).translation.vector.norm() < 1e-12);
-        let view = scene.view(name, frame(s), s.world_from_sensor, &description.noise, k as u64);
+        let view =
+            scene.view(name, s.frame().unwrap(), s.world_from_sensor, &description.noise, k as u64);
         view.unwrap().with_pose(pose).unwrap()
     });
     view.collect()
@@ -82,7 +82,7 @@ fn a_store_of_layout_7_grows() {
         let (mut views, by) = (views(store), Isometry3::translation(0.0, 0.01, 0.0));
         let third = &views[1];
         let pose = by * third.world_from_sensor();
-        let (image, sensor) = (third.image().clone(), frame(&description().stations[1]));
+        let (image, sensor) = (third.image().clone(), description().stations[1].frame().unwrap());
         views.push(View::new("third", image, sensor, pose, third.sigma()).unwrap());
         let grower = Grower::new(store, &setup).unwrap();
         let growth = grower.add_views(&views, &Unwatched).unwrap();

@@ -138,14 +138,15 @@ impl PreparedScene {
             let problem = "the scene has no station to place a sensor at; add a [[station]]";
             return Err(WorkflowError::Simulation(problem.to_owned()));
         };
+        let file = scan_folder::calibration_file(view);
         let instrument = match plan.sensor {
             None => {
                 let pose = turned * station.world_from_sensor;
-                Instrument::own(station.size, &station.sensor, pose)?
+                Instrument::own(station.size, &station.sensor, pose, &file)?
             }
             Some(kind) => {
                 let at = Standpoint::of(station, &turned, &self.scene, &self.bounds);
-                Instrument::chosen(kind, &at, plan.density, &scan_folder::calibration_file(view))?
+                Instrument::chosen(kind, &at, plan.density, &file)?
             }
         };
         let name = match view / stations.len() {

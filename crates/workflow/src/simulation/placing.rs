@@ -164,7 +164,9 @@ impl Standpoint {
 fn axes(station: &Station) -> (Vector3, Vector3) {
     let middle = |pixels: usize| 0.5 * (pixels as f64 - 1.0);
     match station.sensor {
-        SensorParameters::Pinhole { .. } => (Vector3::z(), -Vector3::y()),
+        SensorParameters::Pinhole { .. }
+        | SensorParameters::LightStripe(_)
+        | SensorParameters::LookupTable(_) => (Vector3::z(), -Vector3::y()),
         SensorParameters::Spherical { theta0, dtheta, phi0, dphi } => {
             let (sin, cos) = (theta0 + dtheta * middle(station.size.cols)).sin_cos();
             let (sin_up, cos_up) = (phi0 + dphi * middle(station.size.rows)).sin_cos();

@@ -10,13 +10,9 @@ use transect_exchange::{LightStripeEntry, LookupTableEntry, SensorEntry, Viewpoi
 use transect_geometry::{Isometry3, Point3};
 use transect_scene::SensorParameters;
 use transect_sensors::lookup_table::{
-    CalibrationOptions, CalibrationSweep, LinearSteps, Mounting, ScanPlane, SynchronizedScanner,
-    digitize,
+    CalibrationOptions, CalibrationSweep, CarriedScanner, LinearSteps, ScanPlane,
 };
-use transect_sensors::{
-    AngularScan, ImagingRadar, Intrinsics, LaserAngles, LightStripe, LightStripeParameters,
-    LookupTable, Pinhole, SensorError,
-};
+use transect_sensors::{Intrinsics, LaserAngles, LightStripe, LightStripeParameters, SensorError};
 
 /// A kind of sensor, by the name that scan manifests give it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,7 +64,7 @@ pub struct Instrument {
     /// Where it stands.
     pub world_from_sensor: Isometry3,
     /// Its size as a multiple of the dissertation's instrument, whose lengths are millimetres;
-    /// `None` for sensors without a size.
+    /// `None` for sensors that are not scaled.
     pub scale: Option<f64>,
     /// The calibration of a lookup table; the entry names its file.
     pub calibration: Vec<CalibrationSweep>,
@@ -78,34 +74,74 @@ pub struct Instrument {
 
 impl Instrument {
     fn plain(
-        frame: impl DeviceFrame + 'static,
+        frame: Arc<dyn DeviceFrame>,
         entry: SensorEntry,
         world_from_sensor: Isometry3,
     ) -> Self {
         let (calibration, light_stripe) = (Vec::new(), None);
-        let frame = Arc::new(frame);
         Self { frame, entry, world_from_sensor, scale: None, calibration, light_stripe }
     }
 
     /// A scene's own sensor.
+    ///
+    /// # Errors
+    /// [`SensorError`] if the parameters make no sensor.
     pub fn own(
         size: ImageSize,
         sensor: &SensorParameters,
         world_from_sensor: Isometry3,
+        calibration_file: &str,
     ) -> Result<Self, SensorError> {
-        Ok(match *sensor {
-            SensorParameters::Spherical { theta0, dtheta, phi0, dphi } => {
-                let theta = AngularScan::from_radians(theta0, dtheta);
-                let phi = AngularScan::from_radians(phi0, dphi);
-                let entry = SensorEntry::Spherical { theta0, dtheta, phi0, dphi };
-                Self::plain(ImagingRadar::new(size, theta, phi)?, entry, world_from_sensor)
+        let entry = match sensor {
+            &SensorParameters::Spherical { theta0, dtheta, phi0, dphi } => {
+                SensorEntry::Spherical { theta0, dtheta, phi0, dphi }
             }
-            SensorParameters::Pinhole { fx, fy, cx, cy } => {
-                let frame = Pinhole::new(size, Intrinsics { fx, fy, cx, cy })?;
-                let entry = SensorEntry::pinhole(Intrinsics { fx, fy, cx, cy });
-                Self::plain(frame, entry, world_from_sensor)
+            &SensorParameters::Pinhole { fx, fy, cx, cy } => {
+                SensorEntry::pinhole(Intrinsics { fx, fy, cx, cy })
             }
-        })
+            SensorParameters::LightStripe(parameters) => {
+                return Self::light_stripe(parameters.clone(), world_from_sensor);
+            }
+            SensorParameters::LookupTable(scanner) => {
+                return Self::lookup_table(scanner, world_from_sensor, calibration_file);
+            }
+        };
+        Ok(Self::plain(sensor.frame(size)?, entry, world_from_sensor))
+    }
+
+    fn light_stripe(
+        parameters: LightStripeParameters,
+        world_from_sensor: Isometry3,
+    ) -> Result<Self, SensorError> {
+        let frame = LightStripe::new(parameters)?;
+        let entry = SensorEntry::LightStripe(LightStripeEntry::new(frame.parameters(), None));
+        let light_stripe = Some(frame.clone());
+        Ok(Self { light_stripe, ..Self::plain(Arc::new(frame), entry, world_from_sensor) })
+    }
+
+    fn lookup_table(
+        scanner: &CarriedScanner,
+        world_from_sensor: Isometry3,
+        calibration_file: &str,
+    ) -> Result<Self, SensorError> {
+        let (columns, viewpoints) = (scanner.columns, scanner.scanner.viewpoints());
+        let entry = SensorEntry::LookupTable(LookupTableEntry {
+            theta0: columns.angle(0),
+            dtheta: columns.angle(1) - columns.angle(0),
+            calibration: calibration_file.to_owned(),
+            median_window: CalibrationOptions::EXACT.median_window,
+            pairs: CalibrationOptions::EXACT.pairs,
+            y0: scanner.rows.place(0.0),
+            dy: scanner.rows.step(),
+            mounting: ScanPlane::Xz,
+            tilt: 0.0,
+            viewpoints: Some(ViewpointsEntry {
+                projector: viewpoints.projector.into(),
+                receiver: viewpoints.receiver.into(),
+            }),
+        });
+        let plain = Self::plain(Arc::new(scanner.table()?), entry, world_from_sensor);
+        Ok(Self { calibration: scanner.sweeps(), ..plain })
     }
 
     /// A sensor of a kind at a standpoint; `density` multiplies its rows and columns.
@@ -139,7 +175,7 @@ fn spherical(at: &Standpoint, density: f64) -> Result<Instrument, SensorError> {
     let (dtheta, dphi) = (-2.0 * wide / size.cols as f64, -2.0 * high / size.rows as f64);
     let (theta0, phi0) = (wide + 0.5 * dtheta, high + 0.5 * dphi);
     let sensor = SensorParameters::Spherical { theta0, dtheta, phi0, dphi };
-    Instrument::own(size, &sensor, at.place_scanner())
+    Instrument::own(size, &sensor, at.place_scanner(), "")
 }
 
 /// An object in 480 × 360 pixels, or 70° × 55° inside a scene.
@@ -153,7 +189,7 @@ fn pinhole(at: &Standpoint, density: f64) -> Result<Instrument, SensorError> {
     let centre = |n: usize| 0.5 * (n as f64 - 1.0);
     let (cx, cy) = (centre(size.cols), centre(size.rows));
     let sensor = SensorParameters::Pinhole { fx: focal, fy: focal, cx, cy };
-    Instrument::own(size, &sensor, at.place_camera())
+    Instrument::own(size, &sensor, at.place_camera(), "")
 }
 
 /// Of [`LightStripeParameters::smart_eye`]: 735 mm ahead, where its field is 205 mm high; its laser
@@ -177,14 +213,12 @@ fn light_stripe(at: &Standpoint, density: f64) -> Result<Instrument, SensorError
         theta_laser,
         ..example
     };
-    let frame = LightStripe::new(parameters.scaled(scale))?;
-    let entry = SensorEntry::LightStripe(LightStripeEntry::new(frame.parameters(), None));
     let pose = at.place_field(&SMART_EYE_FIELD, scale);
-    let light_stripe = Some(frame.clone());
-    Ok(Instrument { scale: Some(scale), light_stripe, ..Instrument::plain(frame, entry, pose) })
+    let instrument = Instrument::light_stripe(parameters.scaled(scale), pose)?;
+    Ok(Instrument { scale: Some(scale), ..instrument })
 }
 
-/// Of [`LookupTable::hyscan`]: half its depth, and 77 mm wide there; its mirrors are 30 mm to the
+/// Of [`CarriedScanner::hyscan`]: half its depth, and 77 mm wide there; its mirrors are 30 mm to the
 /// left and right, and it is carried 38 mm up and down.
 const HYSCAN_FIELD: BoundedField =
     BoundedField { middle: Point3::new(-6.75, 0.0, 155.0), radius: 38.0, size: 50.0 };
@@ -196,40 +230,12 @@ fn lookup_table(
     calibration_file: &str,
 ) -> Result<Instrument, SensorError> {
     let scale = at.scale(&HYSCAN_FIELD);
-    let example = SynchronizedScanner::hyscan();
-    let scanner = SynchronizedScanner { base: example.base * scale, ..example };
     let size = counts(256.0, 256.0, density);
-    let columns = LookupTable::hyscan_columns().with_count(size.cols);
-    let sweeps = scanner.leaning_sweeps(&columns);
-    let field = digitize(&sweeps, &columns, CalibrationOptions::EXACT)?;
     let length = 2.0 * HYSCAN_FIELD.radius * scale;
-    let (y0, dy) = (-0.5 * length, length / (size.rows as f64 - 1.0));
-    let frame = LookupTable::new(
-        field,
-        LinearSteps::new(y0, dy, size.rows),
-        Mounting::from_radians(ScanPlane::Xz, 0.0),
-    )?;
-    let frame = frame.with_viewpoints(scanner.viewpoints())?;
-    let viewpoints = scanner.viewpoints();
-    let entry = SensorEntry::LookupTable(LookupTableEntry {
-        theta0: columns.angle(0),
-        dtheta: columns.angle(1) - columns.angle(0),
-        calibration: calibration_file.to_owned(),
-        median_window: CalibrationOptions::EXACT.median_window,
-        pairs: CalibrationOptions::EXACT.pairs,
-        y0,
-        dy,
-        mounting: ScanPlane::Xz,
-        tilt: 0.0,
-        viewpoints: Some(ViewpointsEntry {
-            projector: viewpoints.projector.into(),
-            receiver: viewpoints.receiver.into(),
-        }),
-    });
+    let rows = LinearSteps::new(-0.5 * length, length / (size.rows as f64 - 1.0), size.rows);
+    let example = CarriedScanner::hyscan(rows).scaled(scale);
+    let scanner = CarriedScanner { columns: example.columns.with_count(size.cols), ..example };
     let pose = at.place_field(&HYSCAN_FIELD, scale);
-    Ok(Instrument {
-        scale: Some(scale),
-        calibration: sweeps,
-        ..Instrument::plain(frame, entry, pose)
-    })
+    let instrument = Instrument::lookup_table(&scanner, pose, calibration_file)?;
+    Ok(Instrument { scale: Some(scale), ..instrument })
 }

@@ -2,22 +2,23 @@
 //!
 //! Chapter 4 shows the points of one view, and the partial model of that view, for each sensor.
 //! Chapter 5 shows the range images of several views, and the global model after them. The scenes
-//! are the bundled ones.
+//! are the bundled ones. The face mask of chapter 5 is seen by the line scanner at its true size.
+
+mod mask;
 
 use super::pictures::scanned;
 use super::trial;
 use crate::failure::Failure;
 use crate::table::say;
+use mask::{Growth, Judged};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use transect::{Setup, Unwatched, reconstruct};
+use transect::{Unwatched, reconstruct};
 use transect_device::{Pixel, View};
 use transect_exchange::svg::{Figure, Mark, OverviewOptions, Raster, write_overview, write_points};
 use transect_exchange::write_file;
-use transect_fusion::FusionMethod;
 use transect_geometry::Point2;
 use transect_model::Model;
-use transect_partial::Method;
 use transect_workflow::simulation::{PreparedScene, SensorKind, SensorPlan};
 
 /// Options of `experiments figures`.
@@ -26,7 +27,10 @@ pub struct Arguments {
     /// Folder to draw into.
     #[arg(long, default_value = "transect-out/figures", value_name = "DIR")]
     out: PathBuf,
-    /// Factor on the sensors' rows and columns.
+    /// File of the face mask's section by both methods.
+    #[arg(long, default_value = "docs/images/mask.svg", value_name = "FILE")]
+    mask: PathBuf,
+    /// Factor on the rows and columns of the sensors of chapter 4.
     #[arg(long, default_value_t = 1.0, value_name = "FACTOR")]
     density: f64,
 }
@@ -61,9 +65,6 @@ const CHAPTER_4: [Chapter4; 3] = [
     },
 ];
 
-/// Views of the face mask in chapter 5.
-const FACE_VIEWS: usize = 8;
-
 /// Width and height of a range image's drawing, in pixels.
 const IMAGE: f64 = 620.0;
 
@@ -83,7 +84,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let density = arguments.density;
     room(density, &mut page)?;
-    face(density, &mut page)?;
+    face(&mut page, &arguments.mask)?;
     page.write()?;
     say(&format!("{} pictures: {}", page.pictures.len(), out.join("index.html").display()));
     Ok(())
@@ -124,20 +125,33 @@ fn room(density: f64, page: &mut Page<'_>) -> Result<(), Failure> {
     page.add("5.17", "The room from four range images", |out| write_overview(&model, &options, out))
 }
 
-/// The face mask: a range image of each view, and the model after it.
-fn face(density: f64, page: &mut Page<'_>) -> Result<(), Failure> {
-    let scene = trial::bundled("face_mask")?;
-    let views = views(&scene, plan(SensorKind::LookupTable, Some(FACE_VIEWS), density))?;
+/// The face mask: a range image of each view, the model after it, and how good the last one is.
+fn face(page: &mut Page<'_>, drawing: &Path) -> Result<(), Failure> {
+    let scene = trial::bundled("hyscan_mask")?;
+    let views = views(&scene, SensorPlan::OWN)?;
+    let [(own, dissertation), (default, setup)] = mask::setups(&scene);
+    let mut growth = Growth::default();
+    let mut last = None;
     for (k, view) in views.iter().enumerate() {
         let caption = format!("Range image of view {} of the face mask", k + 1);
         let figure = range_image(view, &caption);
         page.add(&format!("5.{}", 18 + 2 * k), &caption, |out| figure.write(out))?;
-        let model = model(&views[..=k], &scene)?;
+        let result = reconstruct(&views[..=k], &dissertation, &Unwatched)?;
+        growth.add(&result);
+        let model = result.model;
         let caption = format!("Global model after view {}", k + 1);
         let options = observed(&caption, (-65.0, 20.0));
         let number = format!("5.{}", 19 + 2 * k);
         page.add(&number, &caption, |out| write_overview(&model, &options, out))?;
+        last = Some((own, model));
     }
+    growth.print();
+    let default = (default, reconstruct(&views, &setup, &Unwatched)?.model);
+    let models = last.into_iter().chain([default]).collect();
+    let judged = Judged { scene: &scene, views: &views, models };
+    judged.print()?;
+    let figure = judged.drawn()?;
+    write_file(drawing, |out| figure.write(out))?;
     Ok(())
 }
 
@@ -154,10 +168,7 @@ fn views(scene: &PreparedScene, plan: SensorPlan) -> Result<Vec<View>, Failure> 
 
 /// The model of views by the dissertation's own methods.
 fn model(views: &[View], scene: &PreparedScene) -> Result<Model, Failure> {
-    let description = &scene.description;
-    let mut setup = Setup::new(description.unit, description.planes.clone());
-    setup.partial = Method::Dissertation(Default::default());
-    setup.fusion = FusionMethod::Pairwise(Default::default());
+    let [(_, setup), _] = mask::setups(scene);
     Ok(reconstruct(views, &setup, &Unwatched)?.model)
 }
 

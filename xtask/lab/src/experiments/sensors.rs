@@ -3,7 +3,7 @@
 use super::trial;
 use crate::failure::Failure;
 use crate::table::{digits, print_grid, say};
-use transect_scene::BUNDLED_SCENES;
+use transect_scene::{BUNDLED_SCENES, SensorParameters};
 use transect_workflow::simulation::{PreparedScene, SensorKind, SensorPlan};
 
 /// Options of `experiments sensors`.
@@ -26,10 +26,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut lines = Vec::new();
     for (name, _) in BUNDLED_SCENES.iter().filter(|(name, _)| chosen(name)) {
         let scene = trial::bundled_without_noise(name)?;
+        // Scenes of scanners at their true size are made for these.
+        if let Some(kind) = true_size(&scene) {
+            if arguments.sensor.is_none_or(|s| s == kind) {
+                lines.push(line(&scene, kind, SensorPlan::OWN)?);
+            }
+            continue;
+        }
         for kind in SensorKind::ALL {
             if arguments.sensor.is_none_or(|s| s == kind) {
                 eprintln!("{name}, {}", kind.name());
-                lines.push(line(&scene, kind, arguments.density)?);
+                let plan = SensorPlan { density: arguments.density, ..SensorPlan::with(kind) };
+                lines.push(line(&scene, kind, plan)?);
             }
         }
     }
@@ -40,8 +48,16 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-fn line(scene: &PreparedScene, kind: SensorKind, density: f64) -> Result<Vec<String>, Failure> {
-    let plan = SensorPlan { density, ..SensorPlan::with(kind) };
+/// The kind of a scene's own triangulation scanners.
+fn true_size(scene: &PreparedScene) -> Option<SensorKind> {
+    scene.description.stations.iter().find_map(|station| match station.sensor {
+        SensorParameters::LightStripe(_) => Some(SensorKind::LightStripe),
+        SensorParameters::LookupTable(_) => Some(SensorKind::LookupTable),
+        _ => None,
+    })
+}
+
+fn line(scene: &PreparedScene, kind: SensorKind, plan: SensorPlan) -> Result<Vec<String>, Failure> {
     let outcome = trial::run(scene, &plan)?;
     let accuracy = outcome.accuracy(scene)?;
     let length = |l: Option<f64>| l.map_or("none".to_owned(), digits);

@@ -52,7 +52,9 @@ impl Sources<'_> {
     /// All sets that are there.
     pub fn list(&self) -> Result<Vec<Source<'_>>, Failure> {
         let bundled = |(name, _): (&'static str, _)| Source::new(name, move |m| bundled(name, m));
-        let mut list: Vec<_> = BUNDLED_SCENES.into_iter().map(bundled).collect();
+        // The mask and the jug of the true-size scanners repeat what the other scenes hold.
+        let other = |(name, _): &(&str, _)| !["hyscan_mask", "smart_eye_jug"].contains(name);
+        let mut list: Vec<_> = BUNDLED_SCENES.into_iter().filter(other).map(bundled).collect();
         let data = |name: &str| Some(self.shared.join("data").join(name)).filter(|d| d.is_dir());
         let scan = data("stanford_bunny");
         list.extend(scan.map(|folder| Source::new("bunny", move |m| bunny(&folder, m))));

@@ -6,9 +6,8 @@ use std::ops::Range;
 use std::path::Path;
 use transect_device::{ImageSize, Pixel};
 use transect_scene::Counts;
-use transect_sensors::LookupTable;
 use transect_sensors::light_stripe::stripe::{IntensityImage, StripeFinder, StripeProfile};
-use transect_sensors::lookup_table::{CalibrationSweep, SynchronizedScanner};
+use transect_sensors::lookup_table::{CalibrationSweep, CarriedScanner, LinearSteps};
 use transect_workflow::simulation::{PlacedInstrument, PreparedScene, stripe_camera};
 
 const SIZE: (u32, u32) = (900, 420);
@@ -65,7 +64,7 @@ pub fn stripe_row(
 
 /// The sweeps of a calibration in the detector's coordinates (p over θ) and in space (v over u).
 pub fn calibration(folder: &Path) -> Result<(), Failure> {
-    let sweeps = SynchronizedScanner::hyscan().leaning_sweeps(&LookupTable::hyscan_columns());
+    let sweeps = CarriedScanner::hyscan(LinearSteps::single(0.0)).sweeps();
     let detector = |s: &CalibrationSweep| -> Vec<(f64, f64)> {
         s.samples.iter().map(|s| (s.theta_rad.to_degrees(), s.p)).collect()
     };

@@ -1,0 +1,222 @@
+//! The face mask of 5.6.2: how its model grows with each view, and how good it is in the end.
+//!
+//! The dissertation's methods and today's defaults get the same eight views of the line scanner at
+//! its true size. One section of each result is drawn beside the other, with its error enlarged.
+
+use crate::failure::Failure;
+use crate::table::{digits, print_grid, say};
+use transect::evaluate::Accuracy;
+use transect::{Reconstruction, Setup};
+use transect_device::View;
+use transect_exchange::svg::{Anchor, Figure, Mark};
+use transect_fusion::FusionMethod;
+use transect_fusion::pairwise::GrowthCounts;
+use transect_geometry::{Curve, Point2};
+use transect_model::Model;
+use transect_partial::Method;
+use transect_workflow::simulation::PreparedScene;
+use transect_workflow::{ScoreLimits, simulated_accuracy};
+
+/// Height of the section that is drawn, in millimetres: through the nose and both cheeks.
+const DRAWN: f64 = -15.63;
+
+/// Factor on the errors in the drawing. Chosen by hand: 0.02 mm, a usual error, is as wide as a
+/// line. Doubled, errors of neighbouring curves reach into each other.
+const ENLARGED: f64 = 100.0;
+
+/// Distance between two drawn errors along a curve, in millimetres.
+const STEP: f64 = 0.25;
+
+/// Width and height of one panel, in pixels of the figure.
+const PANEL: [f64; 2] = [560.0, 420.0];
+
+/// Both methods, by the names that the tables give them.
+pub fn setups(scene: &PreparedScene) -> [(&'static str, Setup); 2] {
+    let description = &scene.description;
+    let default = Setup::new(description.unit, description.planes.clone());
+    let mut dissertation = default.clone();
+    dissertation.partial = Method::Dissertation(Default::default());
+    dissertation.fusion = FusionMethod::Pairwise(Default::default());
+    [("dissertation, pairwise", dissertation), ("one_pass, consensus (default)", default)]
+}
+
+/// The growth table, view by view.
+#[derive(Default)]
+pub struct Growth {
+    before: GrowthCounts,
+    lines: Vec<Vec<String>>,
+}
+
+impl Growth {
+    /// Adds the model after one more view.
+    pub fn add(&mut self, result: &Reconstruction) {
+        let now = result.report.fusion.growth.unwrap_or_default();
+        let widths = result.model.sections().flat_map(|(_, section)| section.gaps());
+        let gaps: Vec<f64> = widths.map(|gap| gap.width()).collect();
+        let new = |all: usize, before: usize| all.saturating_sub(before).to_string();
+        let mut line = vec![(self.lines.len() + 1).to_string()];
+        line.push(format!("{:.0}", result.report.fusion.length));
+        line.extend((0..3).map(|k| new(now.cases[k], self.before.cases[k])));
+        line.push(new(now.merged, self.before.merged));
+        line.extend((0..5).map(|k| new(now.patterns[k], self.before.patterns[k])));
+        line.push(new(now.refused(), self.before.refused()));
+        line.push(gaps.len().to_string());
+        line.push(format!("{:.0}", gaps.iter().sum::<f64>()));
+        self.lines.push(line);
+        self.before = now;
+    }
+
+    /// Prints the table.
+    pub fn print(&self) {
+        let heads = [
+            "view",
+            "length, mm",
+            "case 1",
+            "case 2",
+            "case 3",
+            "merged",
+            "a",
+            "b",
+            "c",
+            "d",
+            "e",
+            "refused",
+            "gaps",
+            "gaps, mm",
+        ];
+        print_grid(&heads, &self.lines);
+        say("\nThe model after each view: planes of cases 1 to 3 (5.2.2), merged pairs and their \
+             patterns (Figure 5.7), pairs that the rules refuse, and gaps that are left.\n");
+    }
+}
+
+/// The results of both methods, in the order of [`setups`].
+pub struct Judged<'a> {
+    /// The scene.
+    pub scene: &'a PreparedScene,
+    /// Its views.
+    pub views: &'a [View],
+    /// Name and model of each method.
+    pub models: Vec<(&'static str, Model)>,
+}
+
+impl Judged<'_> {
+    /// Prints the accuracy of both.
+    ///
+    /// # Errors
+    /// [`Failure`] if a model cannot be scored.
+    pub fn print(&self) -> Result<(), Failure> {
+        let line = |(name, model): &(&'static str, Model)| -> Result<Vec<String>, Failure> {
+            let (views, limits) = (self.views.to_vec(), ScoreLimits::default());
+            let found = simulated_accuracy(model, &self.scene.truth, views, &limits)?;
+            Ok([vec![(*name).to_owned()], figures(&found, model)].concat())
+        };
+        let lines: Result<Vec<_>, _> = self.models.iter().map(line).collect();
+        let heads = [
+            "method",
+            "median, mm",
+            "95 %, mm",
+            "complete %",
+            "oriented %",
+            "duplicates %",
+            "off the truth %",
+            "curves",
+        ];
+        print_grid(&heads, &lines?);
+        say("\nDistances from the true sections, on what the views could see.");
+        Ok(())
+    }
+
+    /// One section of both, side by side, with enlarged errors.
+    ///
+    /// # Errors
+    /// [`Failure`] if the truth cannot be cut.
+    pub fn drawn(&self) -> Result<Figure, Failure> {
+        let planes = &self.scene.description.planes;
+        let chord = 1e-3 * planes.interval();
+        let truth = self.scene.scene.sections(planes, chord)?;
+        let near = |k: &&transect_geometry::PlaneIndex| {
+            (planes.station(**k) - DRAWN).abs() < 0.5 * planes.interval()
+        };
+        let plane = truth.keys().find(near).copied();
+        let Some((plane, truth)) = plane.and_then(|k| Some((k, truth.get(&k)?))) else {
+            return Err(Failure::because("no plane cuts the nose of the mask"));
+        };
+        let caption = format!(
+            "One section, at {:.2} mm. Errors are drawn {ENLARGED} times larger.",
+            planes.station(plane)
+        );
+        let size = [2.0 * PANEL[0] + 20.0, PANEL[1]];
+        let mut figure =
+            Figure::new("The face mask from eight views, by two methods", caption, size);
+        for (k, (name, model)) in self.models.iter().enumerate() {
+            let left = k as f64 * (PANEL[0] + 20.0);
+            let curves: Vec<&Curve> =
+                model.sections().filter(|s| s.0 == plane).flat_map(|(_, s)| s.curves()).collect();
+            panel(&mut figure, left, name, truth, &curves);
+        }
+        figure.legend(Mark::Line("#888"), "true section");
+        figure.legend(Mark::Line("#d95f02"), "error of the model's curve, 100 times larger");
+        figure.legend(Mark::Line("#1b5e9c"), "the model's curve");
+        Ok(figure)
+    }
+}
+
+fn figures(found: &Accuracy, model: &Model) -> Vec<String> {
+    let length = |l: Option<f64>| l.map_or("none".to_owned(), digits);
+    let share = |s: Option<f64>| s.map_or("none".to_owned(), |s| format!("{:.2}", 100.0 * s));
+    let curves: usize = model.sections().map(|(_, s)| s.curves().len()).sum();
+    vec![
+        length(found.median),
+        length(found.p95),
+        share(found.completeness),
+        share(found.oriented),
+        share(found.duplicated),
+        share(found.off),
+        curves.to_string(),
+    ]
+}
+
+/// The true section, the curves and their enlarged errors, the nose upwards.
+fn panel(figure: &mut Figure, left: f64, name: &str, truth: &[Curve], curves: &[&Curve]) {
+    /// Pixels of the figure per millimetre.
+    const SCALE: f64 = 3.5;
+    let corner = Point2::new(left, 0.0);
+    let place = |p: &Point2| {
+        Point2::new(left + 0.5 * PANEL[0] - SCALE * p.x, PANEL[1] - 60.0 + SCALE * p.y)
+    };
+    let line = |figure: &mut Figure, points: &[Point2], closed: bool, style: &str| {
+        let places: Vec<Point2> = points.iter().map(place).collect();
+        figure.line(&places, closed, &format!("fill=\"none\" {style}"));
+    };
+    let positions = |c: &Curve| c.nodes().iter().map(|n| n.position).collect::<Vec<_>>();
+    figure.clipped(corner, PANEL, |figure| {
+        for curve in truth {
+            line(figure, &positions(curve), true, "stroke=\"#888\" stroke-width=\"1\"");
+        }
+        for curve in curves {
+            let style = "stroke=\"#1b5e9c\" stroke-width=\"2.5\"";
+            line(figure, &positions(curve), curve.is_closed(), style);
+            let errors = enlarged(curve, truth);
+            line(figure, &errors, false, "stroke=\"#d95f02\" stroke-width=\"1\"");
+        }
+    });
+    figure.rectangle(corner, PANEL, "fill=\"none\" stroke=\"#222\"");
+    let at = Point2::new(left + 14.0, 26.0);
+    figure.text(at, Anchor::Start, 18.0, "#222", name);
+    figure.scale_bar(Point2::new(left + 14.0, PANEL[1] - 16.0), [SCALE, 130.0], "mm");
+}
+
+/// Points along a curve, moved away from the truth by enlarged errors.
+fn enlarged(curve: &Curve, truth: &[Curve]) -> Vec<Point2> {
+    let along = curve.units().flat_map(|unit| {
+        let count = (unit.vector().norm() / STEP).ceil().max(1.0) as usize;
+        (0..count).map(move |k| unit.at((k as f64 + 0.5) / count as f64))
+    });
+    let moved = along.filter_map(|p| {
+        let feet = truth.iter().map(|t| t.foot(&p));
+        let foot = feet.min_by(|a, b| a.distance.total_cmp(&b.distance))?;
+        Some(p + ENLARGED * (p - foot.point))
+    });
+    moved.collect()
+}
