@@ -41,8 +41,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_command_of_the_dissertations_index_parses() {
-        let page = include_str!("../../../docs/dissertation.md");
+    fn every_command_of_the_dissertations_pages_parses() {
+        let page = [
+            include_str!("../../../docs/dissertation.md"),
+            include_str!("../../../docs/error-analysis.md"),
+        ]
+        .concat();
         let is_of_the_lab = |command: &&str| {
             let mine = ["cargo xtask experiments ", "cargo xtask bench "];
             mine.iter().any(|start| command.starts_with(start))
@@ -53,7 +57,7 @@ mod tests {
         for command in commands {
             let words = command.split_whitespace().skip(1);
             if let Err(error) = Arguments::try_parse_from(words) {
-                panic!("docs/dissertation.md: {command}: {error}");
+                panic!("{command}: {error}");
             }
         }
     }

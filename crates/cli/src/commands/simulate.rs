@@ -14,7 +14,7 @@ use transect_workflow::simulation::{
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Scene file (TOML), or a bundled scene: room, face_mask, machined_part, thin_sheet, tunnel,
-    /// bend_tunnel or kitchen.
+    /// bend_tunnel, kitchen, hyscan_mask or smart_eye_jug.
     #[arg(default_value = "room")]
     scene: PathBuf,
     /// Sensor at all stations, in place of the scene's own.

@@ -152,7 +152,8 @@ impl GrowingPlane {
             (false, false) => GrowthCase::Appended,
             (false, true) => GrowthCase::Merged,
         };
-        self.counts.cases[case as usize] += 1;
+        // A view that does not cross the plane is no case.
+        self.counts.cases[case as usize] += usize::from(!partial.is_empty());
         case
     }
 

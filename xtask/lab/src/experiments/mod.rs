@@ -6,12 +6,14 @@
 mod ablation;
 mod database;
 mod figures;
+mod operations;
 mod orders;
 mod partial;
 mod peers;
 mod pictures;
 mod poses;
 mod poses_judged;
+mod real_noise;
 mod rules;
 mod sensors;
 mod trial;
@@ -36,6 +38,8 @@ enum Experiment {
     Ablation(ablation::Arguments),
     /// How does the error fall when the sensors' grids get denser?
     Orders(orders::Arguments),
+    /// How many operations does a view take, against Appendix A?
+    Operations(operations::Arguments),
     /// How accurate are one view's curves, by method, noise, surface and angle?
     Partial(partial::Arguments),
     /// Does the model database keep its promises?
@@ -44,6 +48,8 @@ enum Experiment {
     PosesJudged(poses_judged::Arguments),
     /// What do errors of the poses cost, as given and refined?
     Poses(poses::Arguments),
+    /// How much noise has a real image, beside its simulation?
+    RealNoise(real_noise::Arguments),
     /// Draw scanned points and models of every sensor.
     Pictures(pictures::Arguments),
     /// Draw the dissertation's own results, by its own methods.
@@ -70,10 +76,12 @@ fn start(experiment: &Experiment) -> Result<Option<String>, Failure> {
         Experiment::Sensors(a) => sensors::run(a)?,
         Experiment::Ablation(a) => ablation::run(a)?,
         Experiment::Orders(a) => orders::run(a)?,
+        Experiment::Operations(a) => operations::run(a)?,
         Experiment::Partial(a) => partial::run(a)?,
         Experiment::Database(a) => database::run(a)?,
         Experiment::PosesJudged(a) => poses_judged::run(a)?,
         Experiment::Poses(a) => poses::run(a)?,
+        Experiment::RealNoise(a) => return real_noise::run(a),
         Experiment::Pictures(a) => pictures::run(a)?,
         Experiment::Figures(a) => figures::run(a)?,
         Experiment::Rules(a) => rules::run(a)?,

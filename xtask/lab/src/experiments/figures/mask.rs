@@ -20,15 +20,18 @@ use transect_workflow::{ScoreLimits, simulated_accuracy};
 /// Height of the section that is drawn, in millimetres: through the nose and both cheeks.
 const DRAWN: f64 = -15.63;
 
-/// Factor on the errors in the drawing. Chosen by hand: 0.02 mm, a usual error, is as wide as a
-/// line. Doubled, errors of neighbouring curves reach into each other.
-const ENLARGED: f64 = 100.0;
+/// Factor on the errors in the drawing. Chosen by hand: 0.006 mm, a usual error, is 6 pixels long.
+/// Doubled, errors of both sides of the nose reach into each other.
+const ENLARGED: f64 = 300.0;
+
+/// Largest error that is drawn, in millimetres; larger ones are drawn as long as this one.
+const LARGEST: f64 = 0.04;
 
 /// Distance between two drawn errors along a curve, in millimetres.
 const STEP: f64 = 0.25;
 
 /// Width and height of one panel, in pixels of the figure.
-const PANEL: [f64; 2] = [560.0, 420.0];
+const PANEL: [f64; 2] = [560.0, 400.0];
 
 /// Both methods, by the names that the tables give them.
 pub fn setups(scene: &PreparedScene) -> [(&'static str, Setup); 2] {
@@ -143,7 +146,8 @@ impl Judged<'_> {
             return Err(Failure::because("no plane cuts the nose of the mask"));
         };
         let caption = format!(
-            "One section, at {:.2} mm. Errors are drawn {ENLARGED} times larger.",
+            "One section, at {:.2} mm. Errors are drawn {ENLARGED} times larger, and at most as \
+             {LARGEST} mm.",
             planes.station(plane)
         );
         let size = [2.0 * PANEL[0] + 20.0, PANEL[1]];
@@ -156,8 +160,8 @@ impl Judged<'_> {
             panel(&mut figure, left, name, truth, &curves);
         }
         figure.legend(Mark::Line("#888"), "true section");
-        figure.legend(Mark::Line("#d95f02"), "error of the model's curve, 100 times larger");
-        figure.legend(Mark::Line("#1b5e9c"), "the model's curve");
+        figure.legend(Mark::Line("#1b5e9c"), "curve of the model");
+        figure.legend(Mark::Line("#d95f02"), "its error, enlarged");
         Ok(figure)
     }
 }
@@ -216,7 +220,7 @@ fn enlarged(curve: &Curve, truth: &[Curve]) -> Vec<Point2> {
     let moved = along.filter_map(|p| {
         let feet = truth.iter().map(|t| t.foot(&p));
         let foot = feet.min_by(|a, b| a.distance.total_cmp(&b.distance))?;
-        Some(p + ENLARGED * (p - foot.point))
+        Some(p + ENLARGED * (p - foot.point).cap_magnitude(LARGEST))
     });
     moved.collect()
 }

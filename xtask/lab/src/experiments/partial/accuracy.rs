@@ -4,12 +4,14 @@
 //! the true surface normal and the section plane: 0° where the plane cuts the surface upright, 90°
 //! where it touches it.
 
+use super::chart;
 use super::error::{NodeError, figures};
 use super::surface::{Surface, surfaces};
 use crate::failure::Failure;
 use crate::table::{print_grid, say};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use transect_device::View;
 use transect_geometry::{Curve, PlaneFamily, PlaneIndex, StraightGuide, Vector3};
 use transect_partial::dissertation::DissertationOptions;
@@ -43,11 +45,21 @@ pub struct Arguments {
     /// Rows and columns of the camera.
     #[arg(long, default_value_t = 256, value_name = "NUMBER")]
     size: usize,
+    /// File for the chart of the error by angle, with the noise of 0.1 %.
+    #[arg(long, value_name = "FILE", default_value = "docs/images/angles.svg")]
+    chart: PathBuf,
 }
 
-/// Prints the table, one part for each noise.
+/// Prints the table, one part for each noise, and draws the chart.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let surfaces = surfaces()?;
+    let of_default = |surface: &Surface| -> Result<_, Failure> {
+        let view = surface.view(NOISE[1], arguments.size)?;
+        let method = Method::OnePass(OnePassOptions::default());
+        Ok((surface.name, errors(surface, &view, &cuts(surface)?, &method)?))
+    };
+    let of_default: Vec<_> = surfaces.iter().map(of_default).collect::<Result<_, _>>()?;
+    chart::growth(&arguments.chart, &of_default)?;
     for sigma in NOISE {
         say(&format!("\nNoise of {:.1} % of the solids' size:\n", 100.0 * sigma));
         let lines = surfaces.iter().map(|surface| lines(surface, sigma, arguments.size));
@@ -67,7 +79,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// The lines of a surface, one for each method.
 fn lines(surface: &Surface, sigma: f64, size: usize) -> Result<Vec<Vec<String>>, Failure> {
     let view = surface.view(sigma, size)?;
-    let cuts: Vec<Cut> = NORMALS.iter().map(|n| cut(surface, n)).collect::<Result<_, _>>()?;
+    let cuts = cuts(surface)?;
     let line = |(name, method): (String, Method)| -> Result<_, PartialError> {
         let errors = errors(surface, &view, &cuts, &method)?;
         let mut line = vec![surface.name.to_owned(), name, figures(&errors, sigma > 0.0)];
@@ -79,6 +91,10 @@ fn lines(surface: &Surface, sigma: f64, size: usize) -> Result<Vec<Vec<String>>,
         Ok(line)
     };
     Ok(methods(sigma > 0.0).into_par_iter().map(line).collect::<Result<_, _>>()?)
+}
+
+fn cuts(surface: &Surface) -> Result<Vec<Cut>, Failure> {
+    NORMALS.iter().map(|normal| cut(surface, normal)).collect()
 }
 
 fn cut(surface: &Surface, normal: &[f64; 3]) -> Result<Cut, Failure> {

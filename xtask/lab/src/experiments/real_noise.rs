@@ -1,0 +1,231 @@
+//! A real image beside its simulation (6.4): the noise on flat patches.
+//!
+//! 1. Windows of a real image that are flat are fitted by planes. The residuals along the rays are
+//!    the measured noise.
+//! 2. The planes are seen once more by the same sensor, with its noise model, and fitted again.
+//! 3. Both go through the same windows and the same test for flatness, so they share its bias.
+
+use super::trial;
+use crate::failure::Failure;
+use crate::statistics::{median, quantile};
+use crate::table::{digits, print_grid, say};
+use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, SymmetricEigen, UnitQuaternion};
+use std::path::{Path, PathBuf};
+use transect::image::{BreakRule, PreparedView};
+use transect_device::{Pixel, View};
+use transect_exchange::Scan;
+use transect_geometry::{Isometry3, Point3, Vector3};
+use transect_scene::{Noise, PoseNoise, Scene, Shape, Solid};
+
+/// Rows and columns of a window. Chosen by hand: enough pixels for a spread within 5 %. Doubled,
+/// few windows of a cluttered room are flat.
+const SIDE: usize = 24;
+
+/// Largest share of a flat window's spread that bending explains. Chosen by hand: noise alone
+/// gives 0.01 to 0.05. Doubled, bent surfaces count as noise.
+const LARGEST_BEND: f64 = 0.1;
+
+/// Largest angle between ray and normal, in degrees: beyond, errors across the rays show.
+const LARGEST_INCIDENCE: f64 = 50.0;
+
+/// Limits of the classes of ranges, in metres.
+const RANGES: [f64; 6] = [0.5, 1.0, 1.5, 2.0, 3.0, 8.0];
+
+/// Fewer patches than these say nothing of a class.
+const ENOUGH: usize = 8;
+
+/// Options of `experiments real-noise`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Folder with the public scans.
+    #[arg(long, default_value = "../shared/data", value_name = "DIR")]
+    data: PathBuf,
+    /// Of a scan's views, the first and every one of this number after it.
+    #[arg(long, default_value_t = 5, value_name = "NUMBER")]
+    every: usize,
+}
+
+/// A window with the plane that fits it, in the sensor's frame.
+#[derive(Debug, Clone)]
+struct Patch {
+    corner: Pixel,
+    centre: Point3,
+    normal: Vector3,
+    /// Largest distance of its points from the centre.
+    radius: f64,
+    /// Standard deviation of the residuals along the rays.
+    spread: f64,
+    /// Correlation of residuals of neighbours in a row.
+    correlation: f64,
+}
+
+/// A patch as measured and as simulated.
+type Pair = (Patch, Patch);
+
+/// Runs the experiment, or tells why it is skipped.
+pub fn run(arguments: &Arguments) -> Result<Option<String>, Failure> {
+    let (kitchen, pump) =
+        (arguments.data.join("rgbd_redkitchen"), arguments.data.join("tls_pump_e57"));
+    let pump = std::fs::read_dir(&pump).ok().and_then(|entries| {
+        let files = entries.flatten().map(|entry| entry.path());
+        files.filter(|file| file.extension().is_some_and(|e| e == "e57")).min()
+    });
+    let Some(pump) = pump.filter(|_| kitchen.is_dir()) else {
+        let folder = arguments.data.display();
+        return Ok(Some(format!("{folder} lacks rgbd_redkitchen or tls_pump_e57")));
+    };
+    let camera = camera_noise()?;
+    let mut lines = compared("red kitchen, depth camera", &kitchen, arguments.every, |_| camera)?;
+    let estimated = |view: &View| Noise { sigma: estimate(view), seed: 7, ..Noise::NONE };
+    lines.extend(compared("plant room, laser scanner", &pump, 1, estimated)?);
+    let heads = [
+        "scan",
+        "range, m",
+        "patches",
+        "measured, mm: quarter",
+        "half",
+        "simulated, mm: quarter",
+        "half",
+        "neighbours measured",
+        "simulated",
+    ];
+    print_grid(&heads, &lines);
+    say(
+        "\nSpread along the rays on flat patches: that of the flattest quarter and of half of them; \
+         correlation of neighbours in a row.",
+    );
+    Ok(None)
+}
+
+/// The noise of the bundled kitchen's depth camera, without errors that a patch does not show.
+fn camera_noise() -> Result<Noise, Failure> {
+    let mut noise = trial::bundled("kitchen")?.description.noise;
+    (noise.dropout, noise.mixed, noise.full_return) = (0.0, 0.0, 0.0);
+    noise.pose = PoseNoise::default();
+    Ok(noise)
+}
+
+/// The noise that the program estimates from an image.
+fn estimate(view: &View) -> f64 {
+    let rule = |sigma| BreakRule::new(78_f64.to_radians(), 4.0 * sigma);
+    PreparedView::new(view, None, rule).sigma()
+}
+
+/// The table's lines of a scan.
+fn compared(
+    name: &str,
+    path: &Path,
+    every: usize,
+    noise: impl Fn(&View) -> Noise,
+) -> Result<Vec<Vec<String>>, Failure> {
+    let scan = Scan::open(path)?;
+    let mut pairs: Vec<Pair> = Vec::new();
+    for entry in scan.views.iter().step_by(every.max(1)) {
+        let (view, _) = entry.load()?;
+        pairs.extend(both(&view, &noise(&view))?);
+    }
+    let range = |p: &Patch| p.centre.coords.norm();
+    let line = |limits: &[f64]| {
+        let within = |p: &&Pair| (limits[0]..limits[1]).contains(&range(&p.0));
+        let class: Vec<&Pair> = pairs.iter().filter(within).collect();
+        let spread = |share: f64, of: fn(&Pair) -> f64| {
+            digits(1e3 * quantile(class.iter().map(|p| of(p)).collect(), share))
+        };
+        let correlation = |of: fn(&Pair) -> f64| {
+            format!("{:.2}", median(&class.iter().map(|p| of(p)).collect::<Vec<_>>()))
+        };
+        (class.len() >= ENOUGH).then(|| {
+            vec![
+                name.to_owned(),
+                format!("{} to {}", limits[0], limits[1]),
+                class.len().to_string(),
+                spread(0.25, |p| p.0.spread),
+                spread(0.5, |p| p.0.spread),
+                spread(0.25, |p| p.1.spread),
+                spread(0.5, |p| p.1.spread),
+                correlation(|p| p.0.correlation),
+                correlation(|p| p.1.correlation),
+            ]
+        })
+    };
+    Ok(RANGES.windows(2).filter_map(line).collect())
+}
+
+/// The flat patches of a view, and the same patches of its simulation.
+fn both(view: &View, noise: &Noise) -> Result<Vec<Pair>, Failure> {
+    let size = view.image().size();
+    let corners = (0..size.rows / SIDE)
+        .flat_map(|r| (0..size.cols / SIDE).map(move |c| Pixel::new(r * SIDE, c * SIDE)));
+    let measured: Vec<Patch> = corners.filter_map(|corner| patch(view, corner)).collect();
+    if measured.is_empty() {
+        return Ok(Vec::new());
+    }
+    let solids: Result<Vec<Solid>, Failure> = measured.iter().map(plate).collect();
+    let simulated = Scene::new(solids?).view(
+        view.name(),
+        view.shared_frame(),
+        Isometry3::identity(),
+        noise,
+        0,
+    )?;
+    let again = |real: Patch| patch(&simulated, real.corner).map(|again| (real, again));
+    Ok(measured.into_iter().filter_map(again).collect())
+}
+
+/// A thin plate whose front is the patch.
+fn plate(patch: &Patch) -> Result<Solid, Failure> {
+    let thickness = 0.1 * patch.radius;
+    let side = 2.0 * patch.radius;
+    let away = -patch.normal;
+    let across = if away.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
+    let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::face_towards(&away, &across));
+    let middle = patch.centre + away * (0.5 * thickness);
+    let pose = Isometry3::from_parts(middle.coords.into(), rotation);
+    Ok(Solid::new(Shape::cuboid(Vector3::new(side, side, thickness))?, pose)?)
+}
+
+/// The plane that fits a window; `None` where pixels are missing, or it is bent or too oblique.
+fn patch(view: &View, corner: Pixel) -> Option<Patch> {
+    let pixels = (0..SIDE * SIDE).map(|k| Pixel::new(corner.row + k / SIDE, corner.col + k % SIDE));
+    let points: Option<Vec<Point3>> = pixels.clone().map(|p| view.point_in_sensor(p)).collect();
+    let points = points?;
+    let count = points.len() as f64;
+    let centre = Point3::from(points.iter().map(|p| p.coords).sum::<Vector3>() / count);
+    let spread = points.iter().map(|p| (p - centre) * (p - centre).transpose());
+    let eigen = SymmetricEigen::new(spread.sum::<Matrix3<f64>>());
+    let normal: Vector3 = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
+    // Towards the sensor.
+    let normal = if normal.dot(&centre.coords) > 0.0 { -normal } else { normal };
+    let least = LARGEST_INCIDENCE.to_radians().cos();
+    let residuals: Option<Vec<f64>> = pixels
+        .zip(&points)
+        .map(|(pixel, p)| {
+            let along = -normal.dot(&view.frame().ray(pixel)?.direction.normalize());
+            (along > least).then(|| -normal.dot(&(p - centre)) / along)
+        })
+        .collect();
+    let residuals = residuals?;
+    let square: f64 = residuals.iter().map(|e| e * e).sum();
+    if bend(&residuals) > LARGEST_BEND * square {
+        return None;
+    }
+    let rows = residuals.chunks(SIDE);
+    let products: f64 = rows.flat_map(|row| row.windows(2)).map(|e| e[0] * e[1]).sum();
+    let radius = points.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
+    let spread = (square / (count - 3.0)).sqrt();
+    Some(Patch { corner, centre, normal, radius, spread, correlation: products / square })
+}
+
+/// The part of the sum of squares that a surface of second order explains.
+fn bend(residuals: &[f64]) -> f64 {
+    let place = |k: usize| 2.0 * k as f64 / (SIDE - 1) as f64 - 1.0;
+    let mut normal = SMatrix::<f64, 6, 6>::zeros();
+    let mut right = SVector::<f64, 6>::zeros();
+    for (k, e) in residuals.iter().enumerate() {
+        let (u, v) = (place(k % SIDE), place(k / SIDE));
+        let terms = SVector::<f64, 6>::from([1.0, u, v, u * u, u * v, v * v]);
+        normal += terms * terms.transpose();
+        right += terms * *e;
+    }
+    normal.cholesky().map_or(0.0, |c| c.solve(&right).dot(&right))
+}
