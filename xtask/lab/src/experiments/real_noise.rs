@@ -21,6 +21,9 @@ use transect_scene::{Noise, PoseNoise, Scene, Shape, Solid};
 /// few windows of a cluttered room are flat.
 const SIDE: usize = 24;
 
+/// Least share of a window's pixels that are valid.
+const LEAST_VALID: f64 = 0.75;
+
 /// Largest share of a flat window's spread that bending explains. Chosen by hand: noise alone
 /// gives 0.01 to 0.05. Doubled, bent surfaces count as noise.
 const LARGEST_BEND: f64 = 0.1;
@@ -40,9 +43,6 @@ pub struct Arguments {
     /// Folder with the public scans.
     #[arg(long, default_value = "../shared/data", value_name = "DIR")]
     data: PathBuf,
-    /// Of a scan's views, the first and every one of this number after it.
-    #[arg(long, default_value_t = 5, value_name = "NUMBER")]
-    every: usize,
 }
 
 /// A window with the plane that fits it, in the sensor's frame.
@@ -75,9 +75,9 @@ pub fn run(arguments: &Arguments) -> Result<Option<String>, Failure> {
         return Ok(Some(format!("{folder} lacks rgbd_redkitchen or tls_pump_e57")));
     };
     let camera = camera_noise()?;
-    let mut lines = compared("red kitchen, depth camera", &kitchen, arguments.every, |_| camera)?;
+    let mut lines = compared("red kitchen, depth camera", &kitchen, |_| camera)?;
     let estimated = |view: &View| Noise { sigma: estimate(view), seed: 7, ..Noise::NONE };
-    lines.extend(compared("plant room, laser scanner", &pump, 1, estimated)?);
+    lines.extend(compared("plant room, laser scanner", &pump, estimated)?);
     let heads = [
         "scan",
         "range, m",
@@ -115,12 +115,11 @@ fn estimate(view: &View) -> f64 {
 fn compared(
     name: &str,
     path: &Path,
-    every: usize,
     noise: impl Fn(&View) -> Noise,
 ) -> Result<Vec<Vec<String>>, Failure> {
     let scan = Scan::open(path)?;
     let mut pairs: Vec<Pair> = Vec::new();
-    for entry in scan.views.iter().step_by(every.max(1)) {
+    for entry in &scan.views {
         let (view, _) = entry.load()?;
         pairs.extend(both(&view, &noise(&view))?);
     }
@@ -184,48 +183,53 @@ fn plate(patch: &Patch) -> Result<Solid, Failure> {
     Ok(Solid::new(Shape::cuboid(Vector3::new(side, side, thickness))?, pose)?)
 }
 
-/// The plane that fits a window; `None` where pixels are missing, or it is bent or too oblique.
+/// The plane that fits a window; `None` where it is bent or too oblique, or many pixels are missing.
 fn patch(view: &View, corner: Pixel) -> Option<Patch> {
     let pixels = (0..SIDE * SIDE).map(|k| Pixel::new(corner.row + k / SIDE, corner.col + k % SIDE));
-    let points: Option<Vec<Point3>> = pixels.clone().map(|p| view.point_in_sensor(p)).collect();
-    let points = points?;
+    let sampled: Vec<Option<Point3>> = pixels.clone().map(|p| view.point_in_sensor(p)).collect();
+    let points: Vec<Point3> = sampled.iter().flatten().copied().collect();
     let count = points.len() as f64;
+    if count < LEAST_VALID * (SIDE * SIDE) as f64 {
+        return None;
+    }
     let centre = Point3::from(points.iter().map(|p| p.coords).sum::<Vector3>() / count);
-    let spread = points.iter().map(|p| (p - centre) * (p - centre).transpose());
-    let eigen = SymmetricEigen::new(spread.sum::<Matrix3<f64>>());
+    let products = points.iter().map(|p| (p - centre) * (p - centre).transpose());
+    let eigen = SymmetricEigen::new(products.sum::<Matrix3<f64>>());
     let normal: Vector3 = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
     // Towards the sensor.
     let normal = if normal.dot(&centre.coords) > 0.0 { -normal } else { normal };
     let least = LARGEST_INCIDENCE.to_radians().cos();
-    let residuals: Option<Vec<f64>> = pixels
-        .zip(&points)
-        .map(|(pixel, p)| {
-            let along = -normal.dot(&view.frame().ray(pixel)?.direction.normalize());
-            (along > least).then(|| -normal.dot(&(p - centre)) / along)
-        })
-        .collect();
-    let residuals = residuals?;
-    let square: f64 = residuals.iter().map(|e| e * e).sum();
-    if bend(&residuals) > LARGEST_BEND * square {
+    let residual = |(pixel, point): (Pixel, &Option<Point3>)| -> Option<f64> {
+        let off = normal.dot(&((*point)? - centre));
+        let along = -normal.dot(&view.frame().ray(pixel)?.direction.normalize());
+        (along > least).then(|| -off / along)
+    };
+    let residuals: Vec<Option<f64>> = pixels.zip(&sampled).map(residual).collect();
+    let known = || residuals.iter().flatten();
+    let square: f64 = known().map(|e| e * e).sum();
+    if (known().count() as f64) < count || bend(&residuals) > LARGEST_BEND * square {
         return None;
     }
-    let rows = residuals.chunks(SIDE);
-    let products: f64 = rows.flat_map(|row| row.windows(2)).map(|e| e[0] * e[1]).sum();
+    let pairs = residuals.chunks(SIDE).flat_map(|row| row.windows(2));
+    let products: Vec<f64> = pairs.filter_map(|e| Some(e[0]? * e[1]?)).collect();
+    let covariance = products.iter().sum::<f64>() / products.len() as f64;
     let radius = points.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
-    let spread = (square / (count - 3.0)).sqrt();
-    Some(Patch { corner, centre, normal, radius, spread, correlation: products / square })
+    let variance = square / (count - 3.0);
+    let (spread, correlation) = (variance.sqrt(), covariance / variance);
+    Some(Patch { corner, centre, normal, radius, spread, correlation })
 }
 
 /// The part of the sum of squares that a surface of second order explains.
-fn bend(residuals: &[f64]) -> f64 {
+fn bend(residuals: &[Option<f64>]) -> f64 {
     let place = |k: usize| 2.0 * k as f64 / (SIDE - 1) as f64 - 1.0;
     let mut normal = SMatrix::<f64, 6, 6>::zeros();
     let mut right = SVector::<f64, 6>::zeros();
-    for (k, e) in residuals.iter().enumerate() {
+    for (k, residual) in residuals.iter().enumerate() {
+        let Some(residual) = residual else { continue };
         let (u, v) = (place(k % SIDE), place(k / SIDE));
         let terms = SVector::<f64, 6>::from([1.0, u, v, u * u, u * v, v * v]);
         normal += terms * terms.transpose();
-        right += terms * *e;
+        right += terms * *residual;
     }
     normal.cholesky().map_or(0.0, |c| c.solve(&right).dot(&right))
 }

@@ -146,8 +146,8 @@ impl Judged<'_> {
             return Err(Failure::because("no plane cuts the nose of the mask"));
         };
         let caption = format!(
-            "One section, at {:.2} mm. Errors are drawn {ENLARGED} times larger, and at most as \
-             {LARGEST} mm.",
+            "One section through nose and cheeks, at z = {:.2} mm. Errors are drawn {ENLARGED} times \
+             larger, and at most as {LARGEST} mm.",
             planes.station(plane)
         );
         let size = [2.0 * PANEL[0] + 20.0, PANEL[1]];
