@@ -86,7 +86,8 @@ pub const BUNDLED_BEND_TUNNEL: &str = include_str!("../fixtures/bend_tunnel.scen
 /// A cluttered kitchen, seen by a depth camera with all of its errors ([`DepthCamera`]).
 pub const BUNDLED_KITCHEN: &str = include_str!("../fixtures/kitchen.scene.toml");
 
-/// The face mask before the dissertation's line scanner at its true size, from eight places (5.6.2).
+/// The face mask before the dissertation's line scanner at its true size, from eight places
+/// (5.6.2).
 pub const BUNDLED_HYSCAN_MASK: &str = include_str!("../fixtures/hyscan_mask.scene.toml");
 
 /// A small jug before the dissertation's light-stripe range finder at its true size (4.6).

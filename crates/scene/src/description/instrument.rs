@@ -1,4 +1,5 @@
-//! `[light_stripe]` and `[lookup_table]`: the triangulation scanners of a scene, at their true size.
+//! `[light_stripe]` and `[lookup_table]`: the triangulation scanners of a scene, at their true
+//! size.
 //!
 //! Every key is optional. What is not given is the dissertation's: SmartEye (4.6.1) and HYSCAN
 //! (4.7.1), whose lengths are millimetres, in the scene's unit.

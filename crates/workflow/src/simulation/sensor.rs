@@ -218,8 +218,8 @@ fn light_stripe(at: &Standpoint, density: f64) -> Result<Instrument, SensorError
     Ok(Instrument { scale: Some(scale), ..instrument })
 }
 
-/// Of [`CarriedScanner::hyscan`]: half its depth, and 77 mm wide there; its mirrors are 30 mm to the
-/// left and right, and it is carried 38 mm up and down.
+/// Of [`CarriedScanner::hyscan`]: half its depth, and 77 mm wide there; its mirrors are 30 mm to
+/// the left and right, and it is carried 38 mm up and down.
 const HYSCAN_FIELD: BoundedField =
     BoundedField { middle: Point3::new(-6.75, 0.0, 155.0), radius: 38.0, size: 50.0 };
 

@@ -10,8 +10,7 @@ use crate::failure::Failure;
 use crate::statistics::{median, quantile};
 use crate::table::{digits, print_grid, say};
 use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, SymmetricEigen, UnitQuaternion};
-use std::path::{Path, PathBuf};
-use transect::image::{BreakRule, PreparedView};
+use std::path::PathBuf;
 use transect_device::{Pixel, View};
 use transect_exchange::Scan;
 use transect_geometry::{Isometry3, Point3, Vector3};
@@ -64,22 +63,16 @@ type Pair = (Patch, Patch);
 
 /// Runs the experiment, or tells why it is skipped.
 pub fn run(arguments: &Arguments) -> Result<Option<String>, Failure> {
-    let (kitchen, pump) =
-        (arguments.data.join("rgbd_redkitchen"), arguments.data.join("tls_pump_e57"));
-    let pump = std::fs::read_dir(&pump).ok().and_then(|entries| {
-        let files = entries.flatten().map(|entry| entry.path());
-        files.filter(|file| file.extension().is_some_and(|e| e == "e57")).min()
-    });
-    let Some(pump) = pump.filter(|_| kitchen.is_dir()) else {
-        let folder = arguments.data.display();
-        return Ok(Some(format!("{folder} lacks rgbd_redkitchen or tls_pump_e57")));
-    };
-    let camera = camera_noise()?;
-    let mut lines = compared("red kitchen, depth camera", &kitchen, |_| camera)?;
-    let estimated = |view: &View| Noise { sigma: estimate(view), seed: 7, ..Noise::NONE };
-    lines.extend(compared("plant room, laser scanner", &pump, estimated)?);
+    let folder = arguments.data.join("rgbd_redkitchen");
+    if !folder.is_dir() {
+        return Ok(Some(format!("{} is not there", folder.display())));
+    }
+    let noise = camera_noise()?;
+    let mut pairs: Vec<Pair> = Vec::new();
+    for entry in &Scan::open(&folder)?.views {
+        pairs.extend(both(&entry.load()?.0, &noise)?);
+    }
     let heads = [
-        "scan",
         "range, m",
         "patches",
         "measured, mm: quarter",
@@ -89,6 +82,7 @@ pub fn run(arguments: &Arguments) -> Result<Option<String>, Failure> {
         "neighbours measured",
         "simulated",
     ];
+    let lines: Vec<_> = RANGES.windows(2).filter_map(|limits| line(&pairs, limits)).collect();
     print_grid(&heads, &lines);
     say(
         "\nSpread along the rays on flat patches: that of the flattest quarter and of half of them; \
@@ -105,49 +99,28 @@ fn camera_noise() -> Result<Noise, Failure> {
     Ok(noise)
 }
 
-/// The noise that the program estimates from an image.
-fn estimate(view: &View) -> f64 {
-    let rule = |sigma| BreakRule::new(78_f64.to_radians(), 4.0 * sigma);
-    PreparedView::new(view, None, rule).sigma()
-}
-
-/// The table's lines of a scan.
-fn compared(
-    name: &str,
-    path: &Path,
-    noise: impl Fn(&View) -> Noise,
-) -> Result<Vec<Vec<String>>, Failure> {
-    let scan = Scan::open(path)?;
-    let mut pairs: Vec<Pair> = Vec::new();
-    for entry in &scan.views {
-        let (view, _) = entry.load()?;
-        pairs.extend(both(&view, &noise(&view))?);
-    }
-    let range = |p: &Patch| p.centre.coords.norm();
-    let line = |limits: &[f64]| {
-        let within = |p: &&Pair| (limits[0]..limits[1]).contains(&range(&p.0));
-        let class: Vec<&Pair> = pairs.iter().filter(within).collect();
-        let spread = |share: f64, of: fn(&Pair) -> f64| {
-            digits(1e3 * quantile(class.iter().map(|p| of(p)).collect(), share))
-        };
-        let correlation = |of: fn(&Pair) -> f64| {
-            format!("{:.2}", median(&class.iter().map(|p| of(p)).collect::<Vec<_>>()))
-        };
-        (class.len() >= ENOUGH).then(|| {
-            vec![
-                name.to_owned(),
-                format!("{} to {}", limits[0], limits[1]),
-                class.len().to_string(),
-                spread(0.25, |p| p.0.spread),
-                spread(0.5, |p| p.0.spread),
-                spread(0.25, |p| p.1.spread),
-                spread(0.5, |p| p.1.spread),
-                correlation(|p| p.0.correlation),
-                correlation(|p| p.1.correlation),
-            ]
-        })
+/// The table's line of a class of ranges; `None` with too few patches.
+fn line(pairs: &[Pair], limits: &[f64]) -> Option<Vec<String>> {
+    let within = |p: &&Pair| (limits[0]..limits[1]).contains(&p.0.centre.coords.norm());
+    let class: Vec<&Pair> = pairs.iter().filter(within).collect();
+    let spread = |share: f64, of: fn(&Pair) -> f64| {
+        digits(1e3 * quantile(class.iter().map(|p| of(p)).collect(), share))
     };
-    Ok(RANGES.windows(2).filter_map(line).collect())
+    let correlation = |of: fn(&Pair) -> f64| {
+        format!("{:.2}", median(&class.iter().map(|p| of(p)).collect::<Vec<_>>()))
+    };
+    (class.len() >= ENOUGH).then(|| {
+        vec![
+            format!("{} to {}", limits[0], limits[1]),
+            class.len().to_string(),
+            spread(0.25, |p| p.0.spread),
+            spread(0.5, |p| p.0.spread),
+            spread(0.25, |p| p.1.spread),
+            spread(0.5, |p| p.1.spread),
+            correlation(|p| p.0.correlation),
+            correlation(|p| p.1.correlation),
+        ]
+    })
 }
 
 /// The flat patches of a view, and the same patches of its simulation.
@@ -183,7 +156,8 @@ fn plate(patch: &Patch) -> Result<Solid, Failure> {
     Ok(Solid::new(Shape::cuboid(Vector3::new(side, side, thickness))?, pose)?)
 }
 
-/// The plane that fits a window; `None` where it is bent or too oblique, or many pixels are missing.
+/// The plane that fits a window; `None` where it is bent or too oblique, or many pixels are
+/// missing.
 fn patch(view: &View, corner: Pixel) -> Option<Patch> {
     let pixels = (0..SIDE * SIDE).map(|k| Pixel::new(corner.row + k / SIDE, corner.col + k % SIDE));
     let sampled: Vec<Option<Point3>> = pixels.clone().map(|p| view.point_in_sensor(p)).collect();

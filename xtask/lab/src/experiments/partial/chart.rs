@@ -46,13 +46,14 @@ pub fn growth(file: &Path, surfaces: &[(&str, Vec<NodeError>)]) -> Result<(), Fa
     })
 }
 
-/// Middle of each class, and its median error over that of the first one.
+/// Median angle of each class, and its median error over that of the first one.
 fn relative(errors: &[NodeError]) -> Vec<(f64, f64)> {
     let median = |class: u32| {
         let low = CLASS * f64::from(class);
         let within = errors.iter().filter(|e| (low..low + CLASS).contains(&e.angle));
-        let sizes: Vec<f64> = within.map(|e| e.signed.abs()).collect();
-        (sizes.len() >= ENOUGH).then(|| (low + 0.5 * CLASS, quantile(sizes, 0.5)))
+        let (angles, sizes): (Vec<f64>, Vec<f64>) =
+            within.map(|e| (e.angle, e.signed.abs())).unzip();
+        (sizes.len() >= ENOUGH).then(|| (quantile(angles, 0.5), quantile(sizes, 0.5)))
     };
     let medians: Vec<(f64, f64)> = (0..9).filter_map(median).collect();
     let first = medians.first().map_or(f64::NAN, |m| m.1);
