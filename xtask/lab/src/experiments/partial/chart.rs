@@ -31,7 +31,7 @@ pub fn growth(file: &Path, surfaces: &[(&str, Vec<NodeError>)]) -> Result<(), Fa
     draw(file, (0.0..90.0, 0.0..9.0), heads, |chart| {
         let theory = (0..84).map(f64::from).map(|a| (a, 1.0 / a.to_radians().cos()));
         chart.draw_series(LineSeries::new(theory, BLACK.mix(0.5).stroke_width(2)))?;
-        let mut labels = vec![("1 / cos(angle)", BLACK.to_rgba())];
+        let mut labels = vec![("1 / cos(angle)", BLACK.mix(0.5))];
         for ((name, errors), colour) in surfaces.iter().zip(COLOURS) {
             let points = relative(errors);
             chart.draw_series(LineSeries::new(points.clone(), colour.stroke_width(2)))?;
