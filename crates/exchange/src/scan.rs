@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use transect_device::{DeviceFrame, Isometry3, RangeImage, View};
+use transect_device::{DeviceFrame, ImageOrder, Isometry3, RangeImage, View};
 use transect_geometry::{
     CurvedGuide, Guide, GuideError, LengthUnit, PlaneFamily, StraightGuide, Vector3,
 };
@@ -130,6 +130,12 @@ pub trait LoadView: fmt::Debug + Send + Sync {
     /// # Errors
     /// [`ReadError`] naming the file.
     fn load(&self, notes: &mut Vec<String>) -> Result<FramedImage, ReadError>;
+
+    /// The same view, its file read in another order of pixels; `None` where the format or the
+    /// sensor has one order only.
+    fn in_order(&self, _: ImageOrder) -> Option<Arc<dyn LoadView>> {
+        None
+    }
 }
 
 /// A range image and the device frame that its pixels belong to.
@@ -160,6 +166,12 @@ impl ScanView {
     /// The same view at another pose.
     pub fn with_pose(self, world_from_sensor: Isometry3) -> Self {
         Self { world_from_sensor, ..self }
+    }
+
+    /// The same view, its file read in another order of pixels; `None` where its format or its
+    /// sensor has one order only.
+    pub fn in_order(&self, order: ImageOrder) -> Option<Self> {
+        Some(Self { source: self.source.in_order(order)?, ..self.clone() })
     }
 
     /// The name that reports show: for a manifest, the key `name`, else the image's file.

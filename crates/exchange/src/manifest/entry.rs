@@ -5,6 +5,7 @@ use crate::PlanesEntry;
 use crate::missing::MissingValue;
 use serde::Serialize;
 use std::io::{self, Write};
+use transect_device::ImageOrder;
 use transect_geometry::LengthUnit;
 
 /// The content of a manifest. No image has been read.
@@ -57,6 +58,9 @@ pub struct ViewEntry {
     /// The value of pixels without a return: a number, or a point in grids.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub missing: Option<MissingValue>,
+    /// The order of the pixels in the file, if it is another than the sensor's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub image_order: Option<ImageOrder>,
     /// `world_from_sensor`, row-major homogeneous; see [`row_major`](crate::row_major).
     pub pose: [f64; 16],
     /// The true pose, if it is known and differs from `pose`. Modelling never uses it; it is for
@@ -76,6 +80,7 @@ impl ViewEntry {
             cols: None,
             scale: None,
             missing: None,
+            image_order: None,
             pose,
             pose_true: None,
         }

@@ -83,6 +83,7 @@ fn view(
         cols: keys.optional("cols")?,
         scale,
         missing: keys.optional("missing")?.or(missing),
+        image_order: keys.optional("image_order")?,
         pose: keys.required::<PoseText>("pose", POSE)?.matrix(&keys, "pose")?,
         pose_true: pose_true(&keys)?,
     };
