@@ -109,6 +109,16 @@ pub struct Scan {
     pub inputs: Vec<PathBuf>,
 }
 
+/// How far a view's pose may be wrong, as standard deviations.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PoseSigma {
+    /// Of the rotation about each axis, in radians.
+    pub rotation: f64,
+    /// Of the place along each axis, in the scan's length unit.
+    pub translation: f64,
+}
+
 /// One view of a scan, not yet loaded. It is cheap to clone and can be sent to another thread.
 #[derive(Debug, Clone)]
 pub struct ScanView {
@@ -116,6 +126,7 @@ pub struct ScanView {
     path: PathBuf,
     world_from_sensor: Isometry3,
     sigma: Option<f64>,
+    pose_sigma: Option<PoseSigma>,
     source: Arc<dyn LoadView>,
 }
 
@@ -155,12 +166,22 @@ impl ScanView {
         world_from_sensor: Isometry3,
         source: Arc<dyn LoadView>,
     ) -> Self {
-        Self { name, path, world_from_sensor, sigma: None, source }
+        Self { name, path, world_from_sensor, sigma: None, pose_sigma: None, source }
     }
 
     /// The same view with the standard deviation of a range along its ray; `None`: unknown.
     pub fn with_sigma(self, sigma: Option<f64>) -> Self {
         Self { sigma, ..self }
+    }
+
+    /// The same view with a statement of how far its pose may be wrong; `None`: unknown.
+    pub fn with_pose_sigma(self, pose_sigma: Option<PoseSigma>) -> Self {
+        Self { pose_sigma, ..self }
+    }
+
+    /// How far the pose may be wrong, if the scan states it.
+    pub fn pose_sigma(&self) -> Option<PoseSigma> {
+        self.pose_sigma
     }
 
     /// The same view at another pose.

@@ -54,7 +54,8 @@ fn coarse_views<S: ViewSource>(
         if watch.cancelled() {
             return Err(ReconstructError::Cancelled);
         }
-        let copied = TimedView::load(source).map(|timed| CoarseView::new(&timed.loaded.view));
+        let copied = TimedView::load(source)
+            .map(|timed| CoarseView::new(&timed.loaded.view).with_prior(source.pose_prior()));
         watch.step(Stage::Poses);
         copied
     };

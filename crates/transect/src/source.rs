@@ -1,6 +1,7 @@
 //! The sources of views.
 
 use transect_device::{ImageOrder, Isometry3, View};
+use transect_register::PosePrior;
 
 /// An error of a source; any type, since sources are foreign code.
 pub type SourceError = Box<dyn std::error::Error + Send + Sync>;
@@ -18,6 +19,11 @@ pub trait ViewSource: Sync {
     /// The origin of the view, which a model store keeps for information; by default its name.
     fn origin(&self) -> String {
         self.name().to_owned()
+    }
+
+    /// How far the view's pose may be wrong, if that is known of this view.
+    fn pose_prior(&self) -> Option<PosePrior> {
+        None
     }
 
     /// Loads the view.

@@ -83,7 +83,8 @@ impl OpenScan {
                            the scan; leave out the option, or --store";
             return Err(WorkflowError::setting(setting, problem));
         }
-        let readings = [self.reading.map(Reading::Pose), self.options.image_order.map(Reading::Image)];
+        let readings =
+            [self.reading.map(Reading::Pose), self.options.image_order.map(Reading::Image)];
         if let Some(reading) = readings.into_iter().flatten().next() {
             let problem = format!(
                 "a store's commands read images and poses from the scan as it is; write the scan \

@@ -6,10 +6,10 @@ use crate::{Plausibility, Selection, WorkflowError};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
-use transect::register::PoseReading;
+use transect::register::{PosePrior, PoseReading};
 use transect::{LoadedView, SourceError, ViewSource};
-use transect_exchange::{OpenOptions, PlanesEntry, Scan, ScanView};
 use transect_device::ImageOrder;
+use transect_exchange::{OpenOptions, PlanesEntry, PoseSigma, Scan, ScanView};
 use transect_geometry::Isometry3;
 
 /// A scan on disk. Its small files are read, its images are not.
@@ -154,6 +154,11 @@ impl ViewSource for FileView<'_> {
     fn load(&self) -> Result<LoadedView, SourceError> {
         let read = self.read.lock().ok().and_then(|mut read| read.take());
         self.finish(read.map_or_else(|| self.view.load(), Ok)?)
+    }
+
+    fn pose_prior(&self) -> Option<PosePrior> {
+        let PoseSigma { rotation, translation } = self.view.pose_sigma()?;
+        Some(PosePrior { rotation, translation })
     }
 
     fn load_in(&self, order: ImageOrder) -> Option<Result<LoadedView, SourceError>> {

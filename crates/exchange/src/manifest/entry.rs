@@ -1,8 +1,8 @@
 //! The content of a manifest as data.
 
 use super::sensor::SensorEntry;
-use crate::PlanesEntry;
 use crate::missing::MissingValue;
+use crate::{PlanesEntry, PoseSigma};
 use serde::Serialize;
 use std::io::{self, Write};
 use transect_device::ImageOrder;
@@ -63,6 +63,9 @@ pub struct ViewEntry {
     pub image_order: Option<ImageOrder>,
     /// `world_from_sensor`, row-major homogeneous; see [`row_major`](crate::row_major).
     pub pose: [f64; 16],
+    /// How far the pose may be wrong, if it is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pose_sigma: Option<PoseSigma>,
     /// The true pose, if it is known and differs from `pose`. Modelling never uses it; it is for
     /// programs that compare poses.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -82,6 +85,7 @@ impl ViewEntry {
             missing: None,
             image_order: None,
             pose,
+            pose_sigma: None,
             pose_true: None,
         }
     }

@@ -18,6 +18,7 @@
 //! | `file` | the image, relative to the manifest |
 //! | `name` | the view's name in tables and reports; the file if it is not stated |
 //! | `pose` | 16 numbers, row-major, or 4 rows of 4; sensor to world |
+//! | `pose_sigma` | how far `pose` may be wrong, as standard deviations: `{"rotation": 0.005, "translation": 0.01}` in radians and the length unit; optional, for the refinement of poses |
 //! | `pose_true` | the true pose, if it is known; modelling never uses it |
 //! | `scale` | length units per count, for images of integers; `depth_scale` is its older name |
 //! | `missing` | the value of pixels without a return in the file, before the scale: a number, or `[x, y, z]` for a grid; in a view, or at the top for all views |

@@ -1,9 +1,9 @@
 use super::*;
-use crate::PlanesEntry;
 use crate::npy;
 use crate::test_data::{in_unit, with_causes};
+use crate::{OpenOptions, PlanesEntry};
 use std::path::PathBuf;
-use transect_device::{Pixel, Point3};
+use transect_device::{ImageOrder, Pixel, Point3};
 use transect_geometry::LengthUnit;
 
 const POSE: &str = "[1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]";
@@ -101,6 +101,64 @@ fn unknown_keys_are_told_with_their_place_at_every_level() {
     assert_eq!(notes.len(), 3, "{notes:?}");
     for (note, end) in notes.iter().zip(ends) {
         assert!(note.ends_with(end), "{note}");
+    }
+}
+
+#[test]
+fn images_are_read_in_the_order_that_a_view_or_the_caller_states() {
+    // The file: 1, missing / 2, missing, seen by fx 2, fy 2, cx 0, cy 0.5 or 0.
+    let right = Folder::pinhole("").open().unwrap();
+    let point = |scan: &Scan, row, col| {
+        scan.views[0].load().unwrap().0.point_in_sensor(Pixel::new(row, col))
+    };
+    let asked = |order: ImageOrder, folder: &Folder| {
+        let options = OpenOptions { image_order: Some(order), ..OpenOptions::default() };
+        Scan::open_with(folder.0.path(), &options)
+    };
+    for order in ImageOrder::ALL {
+        let of_caller = asked(order, &Folder::pinhole("")).unwrap();
+        assert!(of_caller.notes[0].ends_with(order.meaning()), "{:?}", of_caller.notes);
+        let stated = Folder::pinhole(&format!(r#", "image_order": "{order}""#));
+        let of_view = stated.open().unwrap();
+        for pixel in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            let there = point(&of_view, pixel.0, pixel.1);
+            assert_eq!(there, point(&of_caller, pixel.0, pixel.1), "{order}");
+            let (row, col) = match order {
+                ImageOrder::Transposed => (pixel.1, pixel.0),
+                ImageOrder::Mirrored => (pixel.0, 1 - pixel.1),
+                ImageOrder::UpsideDown => (1 - pixel.0, pixel.1),
+                ImageOrder::SwappedCamera => pixel,
+            };
+            let depth = point(&right, row, col).map(|p| p.z);
+            assert_eq!(there.map(|p| p.z), depth, "{order} {pixel:?}");
+        }
+        let twice = with_causes(&asked(order, &stated).unwrap_err());
+        assert!(twice.contains(&format!("cannot be read as {order}")), "{twice}");
+    }
+    let swapped = asked(ImageOrder::SwappedCamera, &Folder::pinhole("")).unwrap();
+    let (there, right) = (point(&swapped, 1, 0).unwrap(), point(&right, 1, 0).unwrap());
+    assert_eq!((there.x, there.y), (0.0, 1.0), "it was {right}");
+    let wrong = Folder::pinhole(r#", "image_order": "sideways""#).error();
+    assert!(wrong.contains("\"image_order\": unknown variant `sideways`"), "{wrong}");
+    let grid = Folder::with(
+        r#""unit": "m","#,
+        &format!(
+            r#""file": "a.npy", "sensor": "grid", "viewpoint": [0, 0, 0], "pose": {POSE},
+            "image_order": "transposed""#
+        ),
+    );
+    assert!(grid.error().contains("a.npy: images of this format and sensor"), "{}", grid.error());
+}
+
+#[test]
+fn a_view_states_how_far_its_pose_may_be_wrong() {
+    let stated = r#", "pose_sigma": {"rotation": 0.005, "translation": 2}"#;
+    let scan = Folder::pinhole(stated).open().unwrap();
+    let sigma = crate::PoseSigma { rotation: 0.005, translation: 2.0 };
+    assert_eq!((scan.views[0].pose_sigma(), scan.notes), (Some(sigma), Vec::new()));
+    for (wrong, found) in [("0.005", "0"), ("0.005", "-1"), ("\"translation\"", "\"place\"")] {
+        let error = Folder::pinhole(&stated.replace(wrong, found)).error();
+        assert!(error.contains("view 0 (a.npy)") && error.contains("pose_sigma"), "{error}");
     }
 }
 

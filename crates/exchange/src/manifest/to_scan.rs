@@ -80,7 +80,7 @@ pub(crate) fn to_scan(
             Some(order) => view.in_order(order).ok_or_else(|| no_order(&path, order))?,
             None => view,
         };
-        views.push(view.with_sigma(manifest.sigma));
+        views.push(view.with_sigma(manifest.sigma).with_pose_sigma(entry.pose_sigma));
     }
     inputs.extend(sensors.iter().filter_map(|(_, sensor)| Some(sensor.file()?.to_owned())));
     let mut known = HashSet::new();

@@ -4,7 +4,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use transect_device::{DeviceFrame, ImageOrder, ImageSize, Isometry3, RangeImage, Vector3, View};
-use transect_exchange::{FileNames, LensEntry, OpenOptions, Scan, SensorEntry, depth_sequence_manifest};
+use transect_exchange::{
+    FileNames, LensEntry, OpenOptions, Scan, SensorEntry, depth_sequence_manifest,
+};
 use transect_register::{CoarseView, Finding, judge};
 use transect_scene::{BUNDLED_SCENES, Description, SensorParameters, Station};
 use transect_sensors::{AngularScan, ImagingRadar, Intrinsics, Pinhole};
