@@ -106,38 +106,46 @@ fn unknown_keys_are_told_with_their_place_at_every_level() {
 
 #[test]
 fn images_are_read_in_the_order_that_a_view_or_the_caller_states() {
-    // The file: 1, missing / 2, missing, seen by fx 2, fy 2, cx 0, cy 0.5 or 0.
-    let right = Folder::pinhole("").open().unwrap();
+    let camera = |more: &str| {
+        let view = format!(
+            r#""file": "a.npy", "sensor": "pinhole", "fx": 2, "fy": 2, "cx": 0.5, "cy": 0,
+            "pose": {POSE}{more}"#
+        );
+        Folder::with(r#""unit": "mm","#, &view)
+    };
     let point = |scan: &Scan, row, col| {
         scan.views[0].load().unwrap().0.point_in_sensor(Pixel::new(row, col))
     };
+    let plain = camera("");
     let asked = |order: ImageOrder, folder: &Folder| {
         let options = OpenOptions { image_order: Some(order), ..OpenOptions::default() };
         Scan::open_with(folder.0.path(), &options)
     };
+    // The file holds 1, missing / 2, missing.
+    let right = plain.open().unwrap();
     for order in ImageOrder::ALL {
-        let of_caller = asked(order, &Folder::pinhole("")).unwrap();
+        let of_caller = asked(order, &plain).unwrap();
         assert!(of_caller.notes[0].ends_with(order.meaning()), "{:?}", of_caller.notes);
-        let stated = Folder::pinhole(&format!(r#", "image_order": "{order}""#));
+        let stated = camera(&format!(r#", "image_order": "{order}""#));
         let of_view = stated.open().unwrap();
-        for pixel in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-            let there = point(&of_view, pixel.0, pixel.1);
-            assert_eq!(there, point(&of_caller, pixel.0, pixel.1), "{order}");
-            let (row, col) = match order {
-                ImageOrder::Transposed => (pixel.1, pixel.0),
-                ImageOrder::Mirrored => (pixel.0, 1 - pixel.1),
-                ImageOrder::UpsideDown => (1 - pixel.0, pixel.1),
-                ImageOrder::SwappedCamera => pixel,
+        for (row, col) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            let there = point(&of_view, row, col);
+            assert_eq!(there, point(&of_caller, row, col), "{order}");
+            let (in_row, in_col) = match order {
+                ImageOrder::Transposed => (col, row),
+                ImageOrder::Mirrored => (row, 1 - col),
+                ImageOrder::UpsideDown => (1 - row, col),
+                ImageOrder::SwappedCamera => (row, col),
             };
-            let depth = point(&right, row, col).map(|p| p.z);
-            assert_eq!(there.map(|p| p.z), depth, "{order} {pixel:?}");
+            let depth = point(&right, in_row, in_col).map(|p| p.z);
+            assert_eq!(there.map(|p| p.z), depth, "{order}, row {row}, column {col}");
         }
         let twice = with_causes(&asked(order, &stated).unwrap_err());
         assert!(twice.contains(&format!("cannot be read as {order}")), "{twice}");
     }
-    let swapped = asked(ImageOrder::SwappedCamera, &Folder::pinhole("")).unwrap();
-    let (there, right) = (point(&swapped, 1, 0).unwrap(), point(&right, 1, 0).unwrap());
-    assert_eq!((there.x, there.y), (0.0, 1.0), "it was {right}");
+    assert_eq!(point(&right, 1, 0), Some(Point3::new(-0.5, 1.0, 2.0)));
+    let swapped = asked(ImageOrder::SwappedCamera, &plain).unwrap();
+    assert_eq!(point(&swapped, 1, 0), Some(Point3::new(0.0, 0.5, 2.0)));
     let wrong = Folder::pinhole(r#", "image_order": "sideways""#).error();
     assert!(wrong.contains("\"image_order\": unknown variant `sideways`"), "{wrong}");
     let grid = Folder::with(
