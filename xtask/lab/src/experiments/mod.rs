@@ -7,6 +7,7 @@ mod ablation;
 mod database;
 mod figures;
 mod orders;
+mod output;
 mod partial;
 mod peers;
 mod pictures;
@@ -19,6 +20,8 @@ mod trial;
 use crate::failure::Failure;
 use crate::table::say;
 use clap::{Command, FromArgMatches, Subcommand};
+use output::Output;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Options of `experiments`.
@@ -26,7 +29,13 @@ use std::time::Instant;
 pub struct Arguments {
     #[command(subcommand)]
     experiment: Experiment,
+    /// Folder for tables and pictures; each experiment has a folder in it.
+    #[arg(long, global = true, value_name = "DIR", default_value = DEFAULT_FOLDER)]
+    out: PathBuf,
 }
+
+/// Folder of the tables and pictures.
+const DEFAULT_FOLDER: &str = "transect-out/experiments";
 
 #[derive(Debug, Subcommand)]
 enum Experiment {
@@ -45,11 +54,11 @@ enum Experiment {
     /// What do errors of the poses cost, as given and refined?
     Poses(poses::Arguments),
     /// Draw scanned points and models of every sensor.
-    Pictures(pictures::Arguments),
+    Pictures,
     /// Draw the dissertation's own results, by its own methods.
     Figures(figures::Arguments),
     /// Draw an example of each overlap rule.
-    Rules(rules::Arguments),
+    Rules,
     /// How accurate are other programs on the same images?
     Peers(peers::Arguments),
     /// Run every experiment with its default arguments.
@@ -58,37 +67,57 @@ enum Experiment {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    if let Some(reason) = start(&arguments.experiment)? {
+    let Arguments { experiment, out } = arguments;
+    if matches!(experiment, Experiment::All) {
+        return run_all(out);
+    }
+    let command = command_line(std::env::args().skip(1));
+    let name = command.split(' ').nth(1).unwrap_or_default();
+    if let Some(reason) = start(experiment, &Output::new(out, name, command.clone()))? {
         say(&format!("SKIPPED: {reason}"));
     }
     Ok(())
 }
 
+/// The words of a command without its options for output.
+fn command_line(words: impl Iterator<Item = String>) -> String {
+    let mut words = words.filter(|word| !word.starts_with("--out="));
+    let mut kept = Vec::new();
+    while let Some(word) = words.next() {
+        match word.as_str() {
+            "--out" => drop(words.next()),
+            _ => kept.push(word),
+        }
+    }
+    kept.join(" ")
+}
+
 /// Runs an experiment, or tells why it is skipped.
-fn start(experiment: &Experiment) -> Result<Option<String>, Failure> {
+fn start(experiment: &Experiment, out: &Output) -> Result<Option<String>, Failure> {
     match experiment {
-        Experiment::Sensors(a) => sensors::run(a)?,
-        Experiment::Ablation(a) => ablation::run(a)?,
-        Experiment::Orders(a) => orders::run(a)?,
-        Experiment::Partial(a) => partial::run(a)?,
-        Experiment::Database(a) => database::run(a)?,
-        Experiment::PosesJudged(a) => poses_judged::run(a)?,
-        Experiment::Poses(a) => poses::run(a)?,
-        Experiment::Pictures(a) => pictures::run(a)?,
-        Experiment::Figures(a) => figures::run(a)?,
-        Experiment::Rules(a) => rules::run(a)?,
-        Experiment::Peers(a) => return peers::run(a),
-        Experiment::All => run_all()?,
+        Experiment::Sensors(a) => sensors::run(a, out)?,
+        Experiment::Ablation(a) => ablation::run(a, out)?,
+        Experiment::Orders(a) => orders::run(a, out)?,
+        Experiment::Partial(a) => partial::run(a, out)?,
+        Experiment::Database(a) => database::run(a, out)?,
+        Experiment::PosesJudged(a) => poses_judged::run(a, out)?,
+        Experiment::Poses(a) => poses::run(a, out)?,
+        Experiment::Pictures => pictures::run(out)?,
+        Experiment::Figures(a) => figures::run(a, out)?,
+        Experiment::Rules => rules::run(out)?,
+        Experiment::Peers(a) => return peers::run(a, out),
+        Experiment::All => return Err(Failure::because("one experiment is asked for")),
     }
     Ok(None)
 }
 
 /// Runs every experiment in the order of the help. A failure does not stop the others.
-fn run_all() -> Result<(), Failure> {
+fn run_all(out: &Path) -> Result<(), Failure> {
     let mut failed = Vec::new();
     for (name, experiment) in all()? {
         let start_time = Instant::now();
-        let outcome = start(&experiment);
+        let output = Output::new(out, &name, format!("experiments {name}"));
+        let outcome = start(&experiment, &output);
         let seconds = start_time.elapsed().as_secs();
         let verdict = match outcome {
             Ok(None) => format!("done in {seconds} s"),

@@ -5,12 +5,12 @@
 //! angles and places about the middle of the part, from a fixed seed. A place errs by the angle
 //! times half the part's size.
 
+use super::output::Output;
 use super::pictures::charts::{FITTED, LIGHT, draw};
 use crate::failure::Failure;
-use crate::table::{digits, print_grid, say};
+use crate::table::{digits, say};
 use nalgebra::{Isometry3, Vector3};
 use plotters::prelude::*;
-use std::path::PathBuf;
 use transect::{Setup, Unwatched, reconstruct};
 use transect_device::View;
 use transect_scene::{Description, Noise};
@@ -20,9 +20,9 @@ use transect_workflow::{ScoreLimits, simulated_accuracy};
 /// Options of `experiments poses`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// File for the chart.
-    #[arg(long, value_name = "FILE", default_value = "docs/images/poses.svg")]
-    chart: PathBuf,
+    /// Also four times the noise, and none.
+    #[arg(long)]
+    full: bool,
 }
 
 /// The scene.
@@ -31,8 +31,8 @@ const SCENE: &str = "machined_part";
 /// Standard deviations of the angle about each axis, in degrees.
 const DEGREES: [f64; 5] = [0.0, 0.02, 0.1, 0.5, 1.0];
 
-/// Range noise, as multiples of the scene's own.
-const NOISE: [f64; 3] = [0.0, 1.0, 4.0];
+/// Range noise, as multiples of the scene's own; without `--full` the first alone.
+const NOISE: [f64; 3] = [1.0, 0.0, 4.0];
 
 /// Every so many of the scene's views is used.
 const EVERY: [usize; 3] = [1, 2, 3];
@@ -44,10 +44,11 @@ const SEED: u64 = 20;
 type Errors = [[f64; 2]; 2];
 
 /// Runs the experiment.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
     let mut lines = Vec::new();
     let mut curves = [Vec::new(), Vec::new()];
-    for noise in NOISE {
+    let count = if arguments.full { NOISE.len() } else { 1 };
+    for &noise in &NOISE[..count] {
         let scene = PreparedScene::new(with_noise(noise)?)?;
         let all = scene.simulate(&SensorPlan::OWN)?.views;
         for every in EVERY {
@@ -72,10 +73,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         "refined: median",
         "p95",
     ];
-    print_grid(&heads, &lines);
+    out.table("table", &heads, &lines)?;
     say("\nDistances in mm from the true sections.");
     let heads = ("pose error [log10 of degrees]", "median section error [log10 of mm]");
-    draw(&arguments.chart, (-1.8..0.1, -3.0..0.5), heads, |chart| {
+    draw(&out.folder()?.join("poses.svg"), (-1.8..0.1, -3.0..0.5), heads, |chart| {
         for (curve, colour) in curves.into_iter().zip([FITTED, LIGHT]) {
             chart.draw_series(LineSeries::new(curve.clone(), colour.stroke_width(2)))?;
             chart.draw_series(curve.into_iter().map(|p| Circle::new(p, 3, colour.filled())))?;

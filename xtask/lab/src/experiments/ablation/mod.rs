@@ -5,6 +5,7 @@ mod crossings;
 mod sets;
 mod worth;
 
+use super::output::Output;
 use crate::failure::Failure;
 use crate::table::say;
 use sets::{Set, Source, Sources};
@@ -33,7 +34,7 @@ pub struct Arguments {
 }
 
 /// Runs the experiment.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
     let sources = Sources { shared: &arguments.shared, peers: arguments.peers.as_deref() };
     let mut worth = Worth::default();
     for source in sources.list()? {
@@ -43,7 +44,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         eprintln!("{}", source.name);
         measure(&source, arguments, &mut worth)?;
     }
-    worth.print();
+    worth.print(out)?;
     say(
         "\nA figure is the change if the step is left out, in per cent: positive is worse. Median and p95 of the \
          distance, completeness, and time change relative to all steps. Loops lost and crossings added count per \

@@ -4,10 +4,11 @@
 //! the true surface normal and the section plane: 0° where the plane cuts the surface upright, 90°
 //! where it touches it.
 
+use super::super::output::Output;
 use super::error::{NodeError, figures};
 use super::surface::{Surface, surfaces};
 use crate::failure::Failure;
-use crate::table::{print_grid, say};
+use crate::table::say;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use transect_device::View;
@@ -46,7 +47,7 @@ pub struct Arguments {
 }
 
 /// Prints the table, one part for each noise.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
     let surfaces = surfaces()?;
     for sigma in NOISE {
         say(&format!("\nNoise of {:.1} % of the solids' size:\n", 100.0 * sigma));
@@ -56,7 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         let heads: Vec<String> =
             ["surface", "method", "all"].map(str::to_owned).into_iter().chain(angles).collect();
         let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
-        print_grid(&heads, &lines.concat());
+        out.table(&format!("noise-{sigma}"), &heads, &lines.concat())?;
     }
     say(
         "\nMedian / 95 % / bias (positive outside) in thousandths of the size / predicted over observed σ, by angle between surface normal and plane.",
