@@ -5,14 +5,17 @@
 
 mod ablation;
 mod database;
+mod depth_camera;
 mod figures;
 mod orders;
 mod output;
+pub mod pages;
 mod partial;
 mod peers;
 mod pictures;
 mod poses;
 mod poses_judged;
+mod posters;
 mod rules;
 mod sensors;
 mod trial;
@@ -32,6 +35,9 @@ pub struct Arguments {
     /// Folder for tables and pictures; each experiment has a folder in it.
     #[arg(long, global = true, value_name = "DIR", default_value = DEFAULT_FOLDER)]
     out: PathBuf,
+    /// Also write the tables and pictures into the README and the pages of docs.
+    #[arg(long, global = true)]
+    write_docs: bool,
 }
 
 /// Folder of the tables and pictures.
@@ -53,6 +59,10 @@ enum Experiment {
     PosesJudged(poses_judged::Arguments),
     /// What do errors of the poses cost, as given and refined?
     Poses(poses::Arguments),
+    /// What does each error of a depth camera cost?
+    DepthCamera,
+    /// Draw posters of the bundled scenes.
+    Posters,
     /// Draw scanned points and models of every sensor.
     Pictures,
     /// Draw the dissertation's own results, by its own methods.
@@ -67,10 +77,21 @@ enum Experiment {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let Arguments { experiment, out } = arguments;
-    if matches!(experiment, Experiment::All) {
-        return run_all(out);
+    let Arguments { experiment, out, write_docs } = arguments;
+    let outcome = match experiment {
+        Experiment::All => run_all(out),
+        one => run_one(one, out),
+    };
+    if *write_docs {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let changed = pages::write(&root, out)?;
+        changed.iter().for_each(|file| say(&format!("changed: {file}")));
     }
+    outcome
+}
+
+/// Runs an experiment.
+fn run_one(experiment: &Experiment, out: &Path) -> Result<(), Failure> {
     let command = command_line(std::env::args().skip(1));
     let name = command.split(' ').nth(1).unwrap_or_default();
     if let Some(reason) = start(experiment, &Output::new(out, name, command.clone()))? {
@@ -85,6 +106,7 @@ fn command_line(words: impl Iterator<Item = String>) -> String {
     let mut kept = Vec::new();
     while let Some(word) = words.next() {
         match word.as_str() {
+            "--write-docs" => (),
             "--out" => drop(words.next()),
             _ => kept.push(word),
         }
@@ -102,6 +124,8 @@ fn start(experiment: &Experiment, out: &Output) -> Result<Option<String>, Failur
         Experiment::Database(a) => database::run(a, out)?,
         Experiment::PosesJudged(a) => poses_judged::run(a, out)?,
         Experiment::Poses(a) => poses::run(a, out)?,
+        Experiment::DepthCamera => depth_camera::run(out)?,
+        Experiment::Posters => posters::run(out)?,
         Experiment::Pictures => pictures::run(out)?,
         Experiment::Figures(a) => figures::run(a, out)?,
         Experiment::Rules => rules::run(out)?,

@@ -26,7 +26,7 @@ pub struct Arguments {
 }
 
 /// The scene.
-const SCENE: &str = "machined_part";
+pub const SCENE: &str = "machined_part";
 
 /// Standard deviations of the angle about each axis, in degrees.
 const DEGREES: [f64; 5] = [0.0, 0.02, 0.1, 0.5, 1.0];
@@ -102,7 +102,7 @@ fn line((noise, views, degrees): (f64, usize, f64), errors: &Errors) -> Vec<Stri
 }
 
 /// The views with errors of their poses.
-fn moved(scene: &PreparedScene, views: &[View], degrees: f64) -> Result<Vec<View>, Failure> {
+pub fn moved(scene: &PreparedScene, views: &[View], degrees: f64) -> Result<Vec<View>, Failure> {
     let (angle, mut numbers) = (degrees.to_radians(), Normal(SEED));
     let middle = Isometry3::translation(0.0, 0.0, 15.0);
     let moved = views.iter().map(|view| {
@@ -114,7 +114,7 @@ fn moved(scene: &PreparedScene, views: &[View], degrees: f64) -> Result<Vec<View
     moved.collect()
 }
 
-fn errors(scene: &PreparedScene, views: &[View]) -> Result<Errors, Failure> {
+pub fn errors(scene: &PreparedScene, views: &[View]) -> Result<Errors, Failure> {
     let description = &scene.description;
     let mut setup = Setup::new(description.unit, description.planes.clone());
     let mut errors = Errors::default();

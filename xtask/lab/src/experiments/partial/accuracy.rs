@@ -44,6 +44,9 @@ pub struct Arguments {
     /// Rows and columns of the camera.
     #[arg(long, default_value_t = 256, value_name = "NUMBER")]
     size: usize,
+    /// Also the other subpixel solutions.
+    #[arg(long)]
+    full: bool,
 }
 
 /// Prints the table, one part for each noise.
@@ -51,7 +54,7 @@ pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
     let surfaces = surfaces()?;
     for sigma in NOISE {
         say(&format!("\nNoise of {:.1} % of the solids' size:\n", 100.0 * sigma));
-        let lines = surfaces.iter().map(|surface| lines(surface, sigma, arguments.size));
+        let lines = surfaces.iter().map(|surface| lines(surface, sigma, arguments));
         let lines: Vec<_> = lines.collect::<Result<_, _>>()?;
         let angles = ANGLES.windows(2).map(|a| format!("{:.0}° to {:.0}°", a[0], a[1]));
         let heads: Vec<String> =
@@ -66,8 +69,12 @@ pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
 }
 
 /// The lines of a surface, one for each method.
-fn lines(surface: &Surface, sigma: f64, size: usize) -> Result<Vec<Vec<String>>, Failure> {
-    let view = surface.view(sigma, size)?;
+fn lines(
+    surface: &Surface,
+    sigma: f64,
+    arguments: &Arguments,
+) -> Result<Vec<Vec<String>>, Failure> {
+    let view = surface.view(sigma, arguments.size)?;
     let cuts: Vec<Cut> = NORMALS.iter().map(|n| cut(surface, n)).collect::<Result<_, _>>()?;
     let line = |(name, method): (String, Method)| -> Result<_, PartialError> {
         let errors = errors(surface, &view, &cuts, &method)?;
@@ -79,7 +86,7 @@ fn lines(surface: &Surface, sigma: f64, size: usize) -> Result<Vec<Vec<String>>,
         }));
         Ok(line)
     };
-    Ok(methods(sigma > 0.0).into_par_iter().map(line).collect::<Result<_, _>>()?)
+    Ok(methods(sigma > 0.0, arguments.full).into_par_iter().map(line).collect::<Result<_, _>>()?)
 }
 
 fn cut(surface: &Surface, normal: &[f64; 3]) -> Result<Cut, Failure> {
@@ -89,8 +96,9 @@ fn cut(surface: &Surface, normal: &[f64; 3]) -> Result<Cut, Failure> {
     Ok(Cut { planes, truth })
 }
 
-/// Both methods with every subpixel solution; with noise, the default also without smoothing.
-fn methods(noisy: bool) -> Vec<(String, Method)> {
+/// Both methods with the subpixel solutions that differ, or with all of them. With noise, the
+/// default also without smoothing.
+fn methods(noisy: bool, full: bool) -> Vec<(String, Method)> {
     let one_pass = Subpixel::ALL.map(|subpixel| {
         let mut options = OnePassOptions::default();
         options.subpixel = subpixel;
@@ -104,7 +112,10 @@ fn methods(noisy: bool) -> Vec<(String, Method)> {
     let mut plain = OnePassOptions::default();
     plain.smooth = false;
     let plain = noisy.then(|| ("one_pass, not smoothed".to_owned(), Method::OnePass(plain)));
-    one_pass.into_iter().chain(dissertation).chain(plain).collect()
+    let few = ["one_pass, cartesian", "one_pass, four_point", "dissertation, cartesian"];
+    let by_subpixel = one_pass.into_iter().chain(dissertation);
+    let chosen = by_subpixel.filter(|(name, _)| full || few.contains(&name.as_str()));
+    chosen.chain(plain).collect()
 }
 
 /// The nodes' errors on planes in several directions.
