@@ -100,14 +100,15 @@ fn run_one(experiment: &Experiment, out: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The words of a command without its options for output.
+/// The words of a command without options that leave its tables as they are.
 fn command_line(words: impl Iterator<Item = String>) -> String {
-    let mut words = words.filter(|word| !word.starts_with("--out="));
+    let mut words =
+        words.filter(|word| !["--out=", "--python="].iter().any(|o| word.starts_with(o)));
     let mut kept = Vec::new();
     while let Some(word) = words.next() {
         match word.as_str() {
             "--write-docs" => (),
-            "--out" => drop(words.next()),
+            "--out" | "--python" => drop(words.next()),
             _ => kept.push(word),
         }
     }

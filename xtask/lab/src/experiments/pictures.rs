@@ -1,6 +1,6 @@
 //! Pictures of scanned points and their models, after the dissertation's Figures 4.11 to 4.20.
 
-pub mod charts;
+mod charts;
 
 use super::output::Output;
 use super::trial;

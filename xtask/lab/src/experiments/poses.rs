@@ -6,13 +6,14 @@
 //! times half the part's size.
 
 use super::output::Output;
-use super::pictures::charts::{FITTED, LIGHT, draw};
 use crate::failure::Failure;
 use crate::table::{digits, say};
 use nalgebra::{Isometry3, Vector3};
-use plotters::prelude::*;
 use transect::{Setup, Unwatched, reconstruct};
 use transect_device::View;
+use transect_exchange::svg::{Anchor, Figure, Mark};
+use transect_exchange::write_file;
+use transect_geometry::Point2;
 use transect_scene::{Description, Noise};
 use transect_workflow::simulation::{PreparedScene, SensorPlan, describe};
 use transect_workflow::{ScoreLimits, simulated_accuracy};
@@ -57,7 +58,7 @@ pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
                 let errors = errors(&scene, &moved(&scene, &views, degrees)?)?;
                 if noise == 1.0 && every == 1 && degrees > 0.0 {
                     for (curve, [median, _]) in curves.iter_mut().zip(errors) {
-                        curve.push((degrees.log10(), median.log10()));
+                        curve.push([degrees, median]);
                     }
                 }
                 lines.push(line((noise, views.len(), degrees), &errors));
@@ -75,14 +76,53 @@ pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
     ];
     out.table("table", &heads, &lines)?;
     say("\nDistances in mm from the true sections.");
-    let heads = ("pose error [log10 of degrees]", "median section error [log10 of mm]");
-    draw(&out.folder()?.join("poses.svg"), (-1.8..0.1, -3.0..0.5), heads, |chart| {
-        for (curve, colour) in curves.into_iter().zip([FITTED, LIGHT]) {
-            chart.draw_series(LineSeries::new(curve.clone(), colour.stroke_width(2)))?;
-            chart.draw_series(curve.into_iter().map(|p| Circle::new(p, 3, colour.filled())))?;
+    let figure = chart(&curves);
+    write_file(&out.folder()?.join("poses.svg"), |file| figure.write(file))?;
+    Ok(())
+}
+
+/// Size of the chart in pixels, and its logarithmic axes: degrees, and millimetres.
+const SIZE: [f64; 2] = [560.0, 380.0];
+const AXES: [[f64; 2]; 2] = [[0.014, 1.4], [0.0005, 2.0]];
+
+/// The median errors by the pose errors, as given and refined.
+fn chart(curves: &[Vec<[f64; 2]>; 2]) -> Figure {
+    let mut figure = Figure::new(
+        "What errors of poses cost",
+        "Median distance of the sections from the truth in mm, over the standard deviation of each \
+         pose's angles in degrees; all 11 views.",
+        [SIZE[0], SIZE[1] + 30.0],
+    );
+    let share = |axis: usize, value: f64| {
+        let [low, high] = AXES[axis];
+        (value / low).log10() / (high / low).log10()
+    };
+    let place =
+        |[x, y]: [f64; 2]| Point2::new(SIZE[0] * share(0, x), SIZE[1] * (1.0 - share(1, y)));
+    let [left, bottom] = [AXES[0][0], AXES[1][0]];
+    for y in [0.001, 0.01, 0.1, 1.0] {
+        let ends = [place([left, y]), place([AXES[0][1], y])];
+        figure.line(&ends, false, "stroke=\"#ddd\"");
+        let at = Point2::new(-6.0, ends[0].y + 5.0);
+        figure.text(at, Anchor::End, 14.0, "#222", &y.to_string());
+    }
+    for x in DEGREES.into_iter().filter(|degrees| *degrees > 0.0) {
+        let ends = [place([x, bottom]), place([x, AXES[1][1]])];
+        figure.line(&ends, false, "stroke=\"#ddd\"");
+        let at = Point2::new(ends[0].x, SIZE[1] + 20.0);
+        figure.text(at, Anchor::Middle, 14.0, "#222", &format!("{x}°"));
+    }
+    let names = [("#d55e00", "poses as given"), ("#0072b2", "poses refined")];
+    for (curve, (colour, name)) in curves.iter().zip(names) {
+        let points: Vec<Point2> = curve.iter().copied().map(place).collect();
+        let style = format!("fill=\"none\" stroke=\"{colour}\" stroke-width=\"2.5\"");
+        figure.line(&points, false, &style);
+        for at in points {
+            figure.circle(at, 5.0, &format!("fill=\"{colour}\""));
         }
-        Ok(())
-    })
+        figure.legend(Mark::Line(colour), name);
+    }
+    figure
 }
 
 /// The scene with a multiple of its own range noise.

@@ -20,8 +20,8 @@ use worth::{Figures, Worth};
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Folder with data/stanford_bunny and data/rgbd_redkitchen.
-    #[arg(long, default_value = "../shared", value_name = "DIR")]
-    shared: PathBuf,
+    #[arg(long, value_name = "DIR")]
+    shared: Option<PathBuf>,
     /// Folder of the sets that other programs are compared on.
     #[arg(long, value_name = "DIR")]
     peers: Option<PathBuf>,
@@ -35,7 +35,8 @@ pub struct Arguments {
 
 /// Runs the experiment.
 pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
-    let sources = Sources { shared: &arguments.shared, peers: arguments.peers.as_deref() };
+    let sources =
+        Sources { shared: arguments.shared.as_deref(), peers: arguments.peers.as_deref() };
     let mut worth = Worth::default();
     for source in sources.list()? {
         if arguments.set.as_ref().is_some_and(|s| !source.name.contains(s.as_str())) {

@@ -21,7 +21,7 @@ const AZIMUTH: f64 = -68.0;
 const ELEVATION: f64 = 38.0;
 
 /// Width and height of the drawing of one step, and the space between two, in pixels.
-const STEP: [f64; 2] = [268.0, 430.0];
+const STEP: [f64; 2] = [268.0, 345.0];
 const BETWEEN: f64 = 22.0;
 
 /// Draws the poster.
