@@ -4,12 +4,13 @@
 //! Chapter 5 shows the range images of several views, and the global model after them. The scenes
 //! are the bundled ones.
 
+use super::output::Output;
 use super::pictures::scanned;
 use super::trial;
 use crate::failure::Failure;
 use crate::table::say;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use transect::{Setup, Unwatched, reconstruct};
 use transect_device::{Pixel, View};
 use transect_exchange::svg::{Figure, Mark, OverviewOptions, Raster, write_overview, write_points};
@@ -23,9 +24,6 @@ use transect_workflow::simulation::{PreparedScene, SensorKind, SensorPlan};
 /// Options of `experiments figures`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Folder to draw into.
-    #[arg(long, default_value = "transect-out/figures", value_name = "DIR")]
-    out: PathBuf,
     /// Factor on the sensors' rows and columns.
     #[arg(long, default_value_t = 1.0, value_name = "FACTOR")]
     density: f64,
@@ -74,9 +72,8 @@ struct Page<'a> {
 }
 
 /// Runs the experiment.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let out = &arguments.out;
-    std::fs::create_dir_all(out).map_err(|e| Failure::with_file(out, e))?;
+pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
+    let out = out.folder()?;
     let mut page = Page { folder: out, pictures: Vec::new() };
     for shown in &CHAPTER_4 {
         chapter_4(shown, arguments.density, &mut page)?;

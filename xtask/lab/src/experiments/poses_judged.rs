@@ -3,9 +3,10 @@
 //! One view of a scan is turned about one of its own axes. The scan is judged, and reconstructed to
 //! see whether its error grew.
 
+use super::output::Output;
 use super::trial;
 use crate::failure::Failure;
-use crate::table::{print_grid, say};
+use crate::table::say;
 use nalgebra::{Isometry3, Vector3};
 use rayon::prelude::*;
 use transect::evaluate::Accuracy;
@@ -57,7 +58,7 @@ struct Counts {
 }
 
 /// Runs the experiment.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
     let mut counts = DEGREES.map(|_| Counts::default());
     let chosen = |name: &str| arguments.scene.as_ref().is_none_or(|scene| scene == name);
     for (name, views) in SCANS.into_iter().filter(|(name, _)| chosen(name)) {
@@ -88,8 +89,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             }
         }
     }
-    print(&counts);
-    Ok(())
+    print(&counts, out)
 }
 
 impl Counts {
@@ -132,7 +132,7 @@ fn errors(scene: &PreparedScene, views: &[View]) -> Result<[f64; 2], Failure> {
     Ok([median, p95].map(|error| error.unwrap_or(f64::INFINITY)))
 }
 
-fn print(counts: &[Counts]) {
+fn print(counts: &[Counts], out: &Output) -> Result<(), Failure> {
     let line = |(degrees, c): (&f64, &Counts)| {
         let counts = [c.trials, c.alone, c.other, c.unnamed, c.grew, c.grew_unnamed];
         let counts = counts.iter().map(usize::to_string);
@@ -148,6 +148,7 @@ fn print(counts: &[Counts]) {
         "error grew by more than half",
         "of these not named",
     ];
-    print_grid(&heads, &lines);
+    out.table("table", &heads, &lines)?;
     say("\nThe error is the median or the 95 % quantile of the distances from the true sections.");
+    Ok(())
 }

@@ -4,10 +4,11 @@
 //! the true surface normal and the section plane: 0° where the plane cuts the surface upright, 90°
 //! where it touches it.
 
+use super::super::output::Output;
 use super::error::{NodeError, figures};
 use super::surface::{Surface, surfaces};
 use crate::failure::Failure;
-use crate::table::{print_grid, say};
+use crate::table::say;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use transect_device::View;
@@ -43,20 +44,23 @@ pub struct Arguments {
     /// Rows and columns of the camera.
     #[arg(long, default_value_t = 256, value_name = "NUMBER")]
     size: usize,
+    /// Also the other subpixel solutions.
+    #[arg(long)]
+    full: bool,
 }
 
 /// Prints the table, one part for each noise.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
     let surfaces = surfaces()?;
     for sigma in NOISE {
         say(&format!("\nNoise of {:.1} % of the solids' size:\n", 100.0 * sigma));
-        let lines = surfaces.iter().map(|surface| lines(surface, sigma, arguments.size));
+        let lines = surfaces.iter().map(|surface| lines(surface, sigma, arguments));
         let lines: Vec<_> = lines.collect::<Result<_, _>>()?;
         let angles = ANGLES.windows(2).map(|a| format!("{:.0}° to {:.0}°", a[0], a[1]));
         let heads: Vec<String> =
             ["surface", "method", "all"].map(str::to_owned).into_iter().chain(angles).collect();
         let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
-        print_grid(&heads, &lines.concat());
+        out.table(&format!("noise-{sigma}"), &heads, &lines.concat())?;
     }
     say(
         "\nMedian / 95 % / bias (positive outside) in thousandths of the size / predicted over observed σ, by angle between surface normal and plane.",
@@ -65,8 +69,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// The lines of a surface, one for each method.
-fn lines(surface: &Surface, sigma: f64, size: usize) -> Result<Vec<Vec<String>>, Failure> {
-    let view = surface.view(sigma, size)?;
+fn lines(
+    surface: &Surface,
+    sigma: f64,
+    arguments: &Arguments,
+) -> Result<Vec<Vec<String>>, Failure> {
+    let view = surface.view(sigma, arguments.size)?;
     let cuts: Vec<Cut> = NORMALS.iter().map(|n| cut(surface, n)).collect::<Result<_, _>>()?;
     let line = |(name, method): (String, Method)| -> Result<_, PartialError> {
         let errors = errors(surface, &view, &cuts, &method)?;
@@ -78,7 +86,7 @@ fn lines(surface: &Surface, sigma: f64, size: usize) -> Result<Vec<Vec<String>>,
         }));
         Ok(line)
     };
-    Ok(methods(sigma > 0.0).into_par_iter().map(line).collect::<Result<_, _>>()?)
+    Ok(methods(sigma > 0.0, arguments.full).into_par_iter().map(line).collect::<Result<_, _>>()?)
 }
 
 fn cut(surface: &Surface, normal: &[f64; 3]) -> Result<Cut, Failure> {
@@ -88,8 +96,9 @@ fn cut(surface: &Surface, normal: &[f64; 3]) -> Result<Cut, Failure> {
     Ok(Cut { planes, truth })
 }
 
-/// Both methods with every subpixel solution; with noise, the default also without smoothing.
-fn methods(noisy: bool) -> Vec<(String, Method)> {
+/// Both methods with the subpixel solutions that differ, or with all of them. With noise, the
+/// default also without smoothing.
+fn methods(noisy: bool, full: bool) -> Vec<(String, Method)> {
     let one_pass = Subpixel::ALL.map(|subpixel| {
         let mut options = OnePassOptions::default();
         options.subpixel = subpixel;
@@ -103,7 +112,10 @@ fn methods(noisy: bool) -> Vec<(String, Method)> {
     let mut plain = OnePassOptions::default();
     plain.smooth = false;
     let plain = noisy.then(|| ("one_pass, not smoothed".to_owned(), Method::OnePass(plain)));
-    one_pass.into_iter().chain(dissertation).chain(plain).collect()
+    let few = ["one_pass, cartesian", "one_pass, four_point", "dissertation, cartesian"];
+    let by_subpixel = one_pass.into_iter().chain(dissertation);
+    let chosen = by_subpixel.filter(|(name, _)| full || few.contains(&name.as_str()));
+    chosen.chain(plain).collect()
 }
 
 /// The nodes' errors on planes in several directions.

@@ -13,8 +13,8 @@ use transect_workflow::simulation::{PlacedInstrument, PreparedScene, stripe_came
 
 const SIZE: (u32, u32) = (900, 420);
 const INK: RGBColor = RGBColor(34, 34, 34);
-pub const LIGHT: RGBColor = RGBColor(70, 110, 160);
-pub const FITTED: RGBColor = RGBColor(200, 60, 40);
+const LIGHT: RGBColor = RGBColor(70, 110, 160);
+const FITTED: RGBColor = RGBColor(200, 60, 40);
 
 /// The intensities of a camera row around its stripe, and the template in its best place.
 pub fn stripe_row(
@@ -106,16 +106,16 @@ fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
 }
 
 /// A chart that is being drawn.
-pub type Chart<'a, 'b> = ChartContext<
+type Chart<'a, 'b> = ChartContext<
     'a,
     SVGBackend<'b>,
     Cartesian2d<plotters::coord::types::RangedCoordf64, plotters::coord::types::RangedCoordf64>,
 >;
 /// Whether a part of a chart could be drawn.
-pub type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
+type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
 
 /// Draws a chart with its axes into a file.
-pub fn draw(
+fn draw(
     file: &Path,
     (x, y): (Range<f64>, Range<f64>),
     (x_head, y_head): (&str, &str),
