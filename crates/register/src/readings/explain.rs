@@ -98,7 +98,11 @@ pub fn explain(
     if given.agreeing >= SOUND[0] && given.contradicting <= SOUND[1] {
         return None;
     }
-    let of_poses = PoseReading::ALL.into_iter().map(|reading| {
+    // Only cameras have a y axis that may point up; a room between floor and ceiling is nearly the
+    // same upside down.
+    let cameras = views.iter().all(CoarseView::looks_forward);
+    let of_all = |reading: &PoseReading| cameras || *reading != PoseReading::CameraYUp;
+    let of_poses = PoseReading::ALL.into_iter().filter(of_all).map(|reading| {
         let read = accord(views, &probes, |view| Placing {
             world_from_sensor: reading.apply(view.world_from_sensor()),
             scale: 1.0,
