@@ -6,7 +6,7 @@
 pub const CELLS: usize = 8192;
 
 /// The same of a copy for judging alone. No unit. Measured on 12 scans of a room and on 40 frames
-/// of a depth camera: judging takes 3 and 5 % of a run. Doubled, it takes 5 and 8 %.
+/// of a depth camera: judging takes 3 and 5 % of a run. Doubled, the copies take twice the time.
 pub const QUICK_CELLS: usize = 2048;
 
 /// Fewest pixels along the side of a cell. No unit. Theory: a surface of second order has six
