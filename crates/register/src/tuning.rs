@@ -18,9 +18,9 @@ pub const LEAST_STEP: usize = 4;
 /// middle of a cell leaves half of them. Doubled, no cell with a missing pixel has a patch.
 pub const LEAST_FILLED: f64 = 0.5;
 
-/// Share of the pixels of a cell with a sample from which it shows that nothing else is there. No
-/// unit. Chosen by hand: scanners lose 1 or 2 % of their pixels at random. At 1, such scanners have
-/// no free space; at half of it, thin objects hide in missing pixels.
+/// Share of the pixels of a cell with a sample, one more aside, from which it shows that nothing
+/// else is there. No unit. Chosen by hand: scanners lose 1 or 2 % of their pixels at random. At 1,
+/// such scanners have no free space; at half of it, thin objects hide in missing pixels.
 pub const LEAST_WHOLE: f64 = 0.9;
 
 /// Largest angle of incidence of a patch, in degrees. Chosen by hand: the limit of range jumps, see

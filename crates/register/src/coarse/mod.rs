@@ -307,7 +307,7 @@ impl Cell {
             ray,
             nearest: samples.iter().map(depth).fold(f64::INFINITY, f64::min),
             farthest: samples.iter().map(depth).fold(f64::NEG_INFINITY, f64::max),
-            whole: samples.len() as f64 >= LEAST_WHOLE * pixels as f64,
+            whole: (samples.len() + 1) as f64 >= LEAST_WHOLE * pixels as f64,
         };
         let sigma = noise.length_at(view, pixel);
         let cell = patch::Cell { samples: &samples, pixels, ray, rim, sigma };
