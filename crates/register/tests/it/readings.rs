@@ -1,4 +1,5 @@
-//! Poses and images that were written by another convention are explained by it; sound ones are not.
+//! Poses and images that were written by another convention are explained by it; sound ones are
+//! not.
 
 use crate::common::{Stored, coarse, real, real_files, simulated, simulated_files, turned};
 use proptest::prelude::*;
