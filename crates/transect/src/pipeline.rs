@@ -14,7 +14,7 @@ use crate::fused::{Fused, Observed, fuse};
 use crate::modelled_view::{ModelledView, model_views, no_curves};
 use crate::refine::{Refined, refine};
 use crate::report::{Report, Timings};
-use crate::{PoseReport, ReconstructError, Setup, ViewSource, Watch, coarse_views};
+use crate::{PoseReport, ReconstructError, Setup, ViewSource, Watch};
 use std::time::{Duration, Instant};
 use transect_geometry::PlaneIndex;
 use transect_model::{Model, ViewRecord};
@@ -65,10 +65,8 @@ pub fn reconstruct<S: ViewSource>(
 ) -> Result<Reconstruction, ReconstructError> {
     let started = Instant::now();
     let setup = &setup.with_least_interval().map_err(ReconstructError::Refine)?;
-    let poses = setup.refine_poses.as_ref().map(|options| {
-        let copies = coarse_views(sources, watch)?;
-        Ok(PoseReport::new(copies, Some(options), setup.unit))
-    });
+    let options = setup.refine_poses.as_ref();
+    let poses = options.map(|options| PoseReport::new(sources, Some(options), setup.unit, watch));
     let poses = poses.transpose()?;
     let poses_time = started.elapsed();
     let views = match &poses {

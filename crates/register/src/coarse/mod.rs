@@ -36,6 +36,16 @@ pub struct CoarseView {
     cells: Vec<Cell>,
     lookup: Lookup,
     sigma: f64,
+    prior: Option<PosePrior>,
+}
+
+/// How far poses may be wrong, as standard deviations.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct PosePrior {
+    /// Of the rotation about each axis, in radians.
+    pub rotation: f64,
+    /// Of the translation along each axis, in the model's length unit.
+    pub translation: f64,
 }
 
 #[derive(Debug, Clone)]
@@ -111,6 +121,7 @@ impl CoarseView {
             lookup: Lookup::new(view, &cells),
             cells,
             sigma: noise.length(),
+            prior: None,
         };
         coarse.steady_normals();
         coarse
@@ -133,6 +144,16 @@ impl CoarseView {
     /// The same copy at another pose.
     pub fn with_pose(self, world_from_sensor: Isometry3) -> Self {
         Self { world_from_sensor, ..self }
+    }
+
+    /// The same copy of a view whose scan states how far its pose may be wrong.
+    pub fn with_prior(self, prior: Option<PosePrior>) -> Self {
+        Self { prior, ..self }
+    }
+
+    /// How far the view's own pose may be wrong, if its scan states it.
+    pub fn prior(&self) -> Option<PosePrior> {
+        self.prior
     }
 
     /// The name of the view.

@@ -1,41 +1,114 @@
 //! What the tests share: simulated scans, real scans, and turns.
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use transect_device::{DeviceFrame, Isometry3, RangeImage, Vector3, View};
-use transect_exchange::Scan;
+use transect_device::{DeviceFrame, ImageOrder, ImageSize, Isometry3, RangeImage, Vector3, View};
+use transect_exchange::{
+    FileNames, LensEntry, OpenOptions, Scan, SensorEntry, depth_sequence_manifest,
+};
 use transect_register::{CoarseView, Finding, judge};
 use transect_scene::{BUNDLED_SCENES, Description, SensorParameters, Station};
 use transect_sensors::{AngularScan, ImagingRadar, Intrinsics, Pinhole};
 
-fn frame(station: &Station) -> Arc<dyn DeviceFrame> {
-    match station.sensor {
+/// The frame of a sensor; `None` for angles that no scanner has.
+fn frame(size: ImageSize, sensor: SensorParameters) -> Option<Arc<dyn DeviceFrame>> {
+    match sensor {
         SensorParameters::Spherical { theta0, dtheta, phi0, dphi } => {
             let theta = AngularScan::from_radians(theta0, dtheta);
             let phi = AngularScan::from_radians(phi0, dphi);
-            Arc::new(ImagingRadar::new(station.size, theta, phi).unwrap())
+            Some(Arc::new(ImagingRadar::new(size, theta, phi).ok()?))
         }
         SensorParameters::Pinhole { fx, fy, cx, cy } => {
-            Arc::new(Pinhole::new(station.size, Intrinsics { fx, fy, cx, cy }).unwrap())
+            Some(Arc::new(Pinhole::new(size, Intrinsics { fx, fy, cx, cy }).unwrap()))
         }
     }
 }
 
+fn description(name: &str, more: &str) -> Description {
+    let (_, text) = BUNDLED_SCENES.iter().find(|(bundled, _)| *bundled == name).unwrap();
+    Description::parse(&format!("{text}\n{more}")).unwrap()
+}
+
 /// The views of a bundled scene, with its noise; `more` is added to its description.
 pub fn simulated(name: &str, more: &str) -> Vec<View> {
-    let (_, text) = BUNDLED_SCENES.iter().find(|(bundled, _)| *bundled == name).unwrap();
-    let description = Description::parse(&format!("{text}\n{more}")).unwrap();
+    let description = description(name, more);
     let scene = description.scene();
     let view = |(k, s): (usize, &Station)| {
-        scene.view(&s.name, frame(s), s.world_from_sensor, &description.noise, k as u64).unwrap()
+        let frame = frame(s.size, s.sensor).unwrap();
+        scene.view(&s.name, frame, s.world_from_sensor, &description.noise, k as u64).unwrap()
     };
     description.stations.iter().enumerate().map(view).collect()
 }
 
+/// A view as a file holds it.
+#[derive(Clone)]
+pub struct Stored {
+    view: View,
+    image: RangeImage,
+    sensor: SensorParameters,
+}
+
+/// The views of a bundled scene as files hold them.
+pub fn simulated_files(name: &str) -> Vec<Stored> {
+    let sensors = description(name, "").stations.into_iter().map(|s| s.sensor);
+    let stored = |(view, sensor): (View, _)| Stored { image: view.image().clone(), view, sensor };
+    simulated(name, "").into_iter().zip(sensors).map(stored).collect()
+}
+
+/// The images of a folder of real depth images as files hold them.
+pub fn real_files(name: &str) -> Option<Vec<Stored>> {
+    let views = real(name)?;
+    let options = OpenOptions::default();
+    let (manifest, _) =
+        depth_sequence_manifest(&data(name), FileNames::Relative, &options).unwrap();
+    let stored = |(view, sensor): (View, SensorEntry)| {
+        let SensorEntry::Pinhole(entry) = sensor else { panic!("no camera") };
+        let LensEntry::Intrinsics { intrinsics, .. } = entry.lens else { panic!("no numbers") };
+        let Intrinsics { fx, fy, cx, cy } = intrinsics;
+        Stored {
+            image: view.image().clone(),
+            view,
+            sensor: SensorParameters::Pinhole { fx, fy, cx, cy },
+        }
+    };
+    let sensors = manifest.views.into_iter().map(|view| view.sensor);
+    Some(views.into_iter().zip(sensors).map(stored).collect())
+}
+
+impl Stored {
+    /// The same view, stored in another order. Each order undoes itself.
+    pub fn in_order(&self, order: ImageOrder) -> Self {
+        let image = order.apply(self.image.clone()).unwrap();
+        let sensor = match (order, self.sensor) {
+            (ImageOrder::SwappedCamera, SensorParameters::Pinhole { fx, fy, cx, cy }) => {
+                SensorParameters::Pinhole { fx: fy, fy: fx, cx: cy, cy: cx }
+            }
+            (_, sensor) => sensor,
+        };
+        Self { image, sensor, view: self.view.clone() }
+    }
+
+    /// The view as a program reads it.
+    pub fn read(&self) -> Option<View> {
+        let frame = frame(self.image.size(), self.sensor)?;
+        let (pose, sigma) = (*self.view.world_from_sensor(), self.view.sigma());
+        Some(View::new(self.view.name(), self.image.clone(), frame, pose, sigma).unwrap())
+    }
+
+    /// Whether an order changes what is read.
+    pub fn differs(&self, order: ImageOrder) -> bool {
+        order != ImageOrder::SwappedCamera || self.in_order(order).sensor != self.sensor
+    }
+}
+
+fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(name)
+}
+
 /// The views of a real scan; tells that the test is skipped where there is none.
 pub fn real(name: &str) -> Option<Vec<View>> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(name);
+    let folder = data(name);
     if folder.exists() {
         let scan = Scan::open(&folder).unwrap();
         return Some(scan.views.iter().map(|view| view.load().unwrap().0).collect());

@@ -154,9 +154,9 @@ fn convention(explanation: &Explanation) -> String {
     let shares = [given.agreeing, given.contradicting, read.agreeing, read.contradicting];
     let [agree, contradict, agree_read, contradict_read] = shares.map(percent);
     format!(
-        "the poses contradict each other, and agree under another convention: {}. Of the surfaces \
+        "the poses contradict each other, and agree if they are read another way: {}. Of the surfaces \
          that views share, {agree} agree and {contradict} contradict as given, {agree_read} and \
-         {contradict_read} when read that way. Pass --pose-convention {reading}",
+         {contradict_read} when read that way. Pass {reading}",
         reading.meaning()
     )
 }

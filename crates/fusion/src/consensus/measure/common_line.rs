@@ -101,10 +101,17 @@ pub(super) fn averaged_view_error(beads: &[Bead]) -> f64 {
 /// The beads, each moved onto the line through those around it.
 pub(super) fn on_common_lines(beads: &[Bead], views: usize, reach: &Reach) -> Vec<Bead> {
     let Reach { along: reach, across, same_way } = *reach;
-    let places: Vec<Point2> = beads.iter().map(|bead| bead.position).collect();
-    let grid = PointGrid::new(&places, reach);
+    let grid = |beads: &[Bead]| {
+        let places: Vec<Point2> = beads.iter().map(|bead| bead.position).collect();
+        PointGrid::new(&places, reach)
+    };
+    // Beads in the order of the grid's cells lie in memory as they are gathered.
+    let order: Vec<usize> = grid(beads).order().collect();
+    let sorted: Vec<Bead> = order.iter().map(|&k| beads[k]).collect();
+    let mut result = beads.to_vec();
+    let (beads, grid) = (&sorted, grid(&sorted));
     let (mut of_view, mut met) = (vec![Sums::default(); views], Vec::new());
-    let moved = |bead: &Bead| {
+    let mut moved = |bead: &Bead| {
         let (centre, tangent) = (bead.position, bead.tangent);
         let window = Window { centre, tangent, reach, across, same_way };
         let tangent_of = |k: usize| beads[k].tangent;
@@ -135,7 +142,10 @@ pub(super) fn on_common_lines(beads: &[Bead], views: usize, reach: &Reach) -> Ve
             ..*bead
         }
     };
-    beads.iter().map(moved).collect()
+    for (k, bead) in order.into_iter().zip(beads) {
+        result[k] = moved(bead);
+    }
+    result
 }
 
 /// Weighted sums for a line y(x) through beads; the weights are lengths.
