@@ -1,8 +1,8 @@
-"""Scores Transect and other programs on simulated depth images; prints a table per scene.
+"""Scores Transect and other programs on simulated depth images; prints a table.
 
-    python xtask/peers/run.py RESOLUTION,... FOLDER...
+    python xtask/peers/run.py RESOLUTION,... FOLDER
 
-`cargo xtask experiments peers` writes the folders, one per scene, and calls this. Each has the
+`cargo xtask experiments peers` writes a folder per scan, and calls this on each. It has the
 scans `given` and `smoothed` (images that Transect smoothed), and `given.json` and `smoothed.json`:
 Transect's own curves of the given images, without and with its smoothing. Resolutions are edges of
 voxels, or of Poisson's finest cells, as shares of the scene's size.
@@ -137,28 +137,28 @@ def peer(fuse, folder: Path, share: float) -> dict | None:
 
 def main() -> None:
     test_score.check()
-    shares, *folders = sys.argv[1:]
+    shares, scene = sys.argv[1], Path(sys.argv[2])
     there = [peer for peer in PEERS if importlib.util.find_spec(peer[1])]
     for name, module, _ in PEERS:
         if importlib.util.find_spec(module) is None:
-            print(f"{name}: SKIPPED: this Python has no module {module}; see requirements.txt")
-    for scene in map(Path, folders):
-        scan, mesh = load(scene / "given"), np.load(scene / "given/truth.npz")
-        mesh = mesh["vertices"], mesh["faces"]
-        truth = score.Truth(mesh, scan["planes"], scan["views"], scan["size"], scan["sigma"])
-        scale = MILLIMETRES[scan["unit"]]
-        size, sigma = scale * scan["size"], scale * scan["sigma"]
-        print(f"\n{scan['name']}: {len(scan['views'])} views, size {size:.4g} mm, "
-              f"noise {sigma:.3g} mm, distances in mm\n")
-        heads = ["median", "95 %", "complete %", "far %"]
-        heads = ["program, resolution", *heads, *(f"smoothed: {head}" for head in heads)]
-        print(f"| {' | '.join(heads)} |\n|{'---|' * len(heads)}")
-        images = ("given", "smoothed")
-        row(truth, "Transect", [ours(scene / f"{i}.json", scan["planes"]) for i in images], scale)
-        for name, _, fuse in there:
-            for share in map(float, shares.split(",")):
-                found = [peer(fuse, scene / i, share) for i in images]
-                row(truth, f"{name}, {100 * share:g} %", found, scale)
+            print(f"{name}: SKIPPED: this Python has no module {module}; see requirements.txt",
+                  file=sys.stderr)
+    scan, mesh = load(scene / "given"), np.load(scene / "given/truth.npz")
+    mesh = mesh["vertices"], mesh["faces"]
+    truth = score.Truth(mesh, scan["planes"], scan["views"], scan["size"], scan["sigma"])
+    scale = MILLIMETRES[scan["unit"]]
+    size, sigma = scale * scan["size"], scale * scan["sigma"]
+    print(f"{scan['name']}: {len(scan['views'])} views, size {size:.4g} mm, "
+          f"noise {sigma:.3g} mm, distances in mm", file=sys.stderr)
+    heads = ["median", "95 %", "complete %", "far %"]
+    heads = ["program, resolution", *heads, *(f"smoothed: {head}" for head in heads)]
+    print(f"| {' | '.join(heads)} |\n|{'---|' * len(heads)}")
+    images = ("given", "smoothed")
+    row(truth, "Transect", [ours(scene / f"{i}.json", scan["planes"]) for i in images], scale)
+    for name, _, fuse in there:
+        for share in map(float, shares.split(",")):
+            found = [peer(fuse, scene / i, share) for i in images]
+            row(truth, f"{name}, {100 * share:g} %", found, scale)
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@
 //! model's one length unit, angles in radians, transforms are named target-from-source.
 
 mod frame;
+mod image_order;
 mod range_image;
 mod separable;
 mod view;
@@ -19,6 +20,7 @@ mod view;
 pub use frame::{
     DeviceFrame, DevicePoint, Handedness, LinearForm, Neighbour, PairGeometry, Ray, SensorPlane,
 };
+pub use image_order::ImageOrder;
 pub use range_image::{ImageError, ImageSize, MAX_PIXELS, Pixel, RangeImage};
 pub use separable::{RayProduct, RayProducts, SeparableForm};
 pub use view::{View, ViewError};

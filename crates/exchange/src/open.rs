@@ -9,6 +9,7 @@ use crate::{
     stanford,
 };
 use std::path::Path;
+use transect_device::ImageOrder;
 use transect_geometry::Isometry3;
 
 /// Reads a scan as a manifest whose files are relative to the scan's folder.
@@ -151,7 +152,19 @@ impl Scan {
         options.refuse_unused(path, format.uses)?;
         let mut scan = (format.open)(path, options)?;
         scan.settle_missing(path, options.skip_missing)?;
-        Ok(scan)
+        match options.image_order {
+            Some(order) => scan.in_order(order),
+            None => Ok(scan),
+        }
+    }
+
+    /// The scan, its images read in another order of pixels.
+    fn in_order(mut self, order: ImageOrder) -> Result<Self, ReadError> {
+        for view in &mut self.views {
+            *view = view.in_order(order).ok_or_else(|| manifest::no_order(view.path(), order))?;
+        }
+        self.notes.push(format!("images are read as asked for: {}", order.meaning()));
+        Ok(self)
     }
 
     /// A scan with other poses, for a file in a folder that exists. `poses` are those of the views
@@ -178,6 +191,9 @@ impl Scan {
         let beside = if path.is_dir() { path } else { path.parent().unwrap_or(Path::new("")) };
         let mut manifest = manifest(path, options)?.posed(beside, poses, folder);
         manifest.unit = Some(self.unit);
+        for view in &mut manifest.views {
+            view.image_order = view.image_order.or(options.image_order);
+        }
         Ok(PosedScan::Manifest(Box::new(manifest)))
     }
 

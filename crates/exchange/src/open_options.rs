@@ -4,7 +4,7 @@ use crate::{Place, ReadError};
 use std::convert::Infallible;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use transect_device::ImageSize;
+use transect_device::{ImageOrder, ImageSize};
 use transect_geometry::LengthUnit;
 use transect_sensors::Intrinsics;
 
@@ -28,6 +28,8 @@ pub struct OpenOptions {
     pub grid: Option<ImageSize>,
     /// Number of rings of a rotating lidar whose file has no ring field.
     pub rings: Option<usize>,
+    /// The order of the pixels in the images' files, if it is another than the sensors'.
+    pub image_order: Option<ImageOrder>,
 }
 
 impl OpenOptions {

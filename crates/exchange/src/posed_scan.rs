@@ -199,6 +199,8 @@ impl Manifest {
             let name = view.name.as_ref().unwrap_or(&view.file).clone();
             let Some((_, pose)) = poses.next_if(|(posed, _)| *posed == name) else { return false };
             view.pose = row_major(pose);
+            // It is the error of the given pose.
+            view.pose_sigma = None;
             let moved = |file: &mut String| {
                 *file = seen_from(folder, &from.join(&*file)).to_string_lossy().into_owned();
             };

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use transect_device::{DeviceFrame, Isometry3, RangeImage, View};
+use transect_device::{DeviceFrame, ImageOrder, Isometry3, RangeImage, View};
 use transect_geometry::{
     CurvedGuide, Guide, GuideError, LengthUnit, PlaneFamily, StraightGuide, Vector3,
 };
@@ -109,6 +109,16 @@ pub struct Scan {
     pub inputs: Vec<PathBuf>,
 }
 
+/// How far a view's pose may be wrong, as standard deviations.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PoseSigma {
+    /// Of the rotation about each axis, in radians.
+    pub rotation: f64,
+    /// Of the place along each axis, in the scan's length unit.
+    pub translation: f64,
+}
+
 /// One view of a scan, not yet loaded. It is cheap to clone and can be sent to another thread.
 #[derive(Debug, Clone)]
 pub struct ScanView {
@@ -116,6 +126,7 @@ pub struct ScanView {
     path: PathBuf,
     world_from_sensor: Isometry3,
     sigma: Option<f64>,
+    pose_sigma: Option<PoseSigma>,
     source: Arc<dyn LoadView>,
 }
 
@@ -130,6 +141,12 @@ pub trait LoadView: fmt::Debug + Send + Sync {
     /// # Errors
     /// [`ReadError`] naming the file.
     fn load(&self, notes: &mut Vec<String>) -> Result<FramedImage, ReadError>;
+
+    /// The same view, its file read in another order of pixels; `None` where the format or the
+    /// sensor has one order only.
+    fn in_order(&self, _: ImageOrder) -> Option<Arc<dyn LoadView>> {
+        None
+    }
 }
 
 /// A range image and the device frame that its pixels belong to.
@@ -149,7 +166,7 @@ impl ScanView {
         world_from_sensor: Isometry3,
         source: Arc<dyn LoadView>,
     ) -> Self {
-        Self { name, path, world_from_sensor, sigma: None, source }
+        Self { name, path, world_from_sensor, sigma: None, pose_sigma: None, source }
     }
 
     /// The same view with the standard deviation of a range along its ray; `None`: unknown.
@@ -157,9 +174,25 @@ impl ScanView {
         Self { sigma, ..self }
     }
 
+    /// The same view with a statement of how far its pose may be wrong; `None`: unknown.
+    pub fn with_pose_sigma(self, pose_sigma: Option<PoseSigma>) -> Self {
+        Self { pose_sigma, ..self }
+    }
+
+    /// How far the pose may be wrong, if the scan states it.
+    pub fn pose_sigma(&self) -> Option<PoseSigma> {
+        self.pose_sigma
+    }
+
     /// The same view at another pose.
     pub fn with_pose(self, world_from_sensor: Isometry3) -> Self {
         Self { world_from_sensor, ..self }
+    }
+
+    /// The same view, its file read in another order of pixels; `None` where its format or its
+    /// sensor has one order only.
+    pub fn in_order(&self, order: ImageOrder) -> Option<Self> {
+        Some(Self { source: self.source.in_order(order)?, ..self.clone() })
     }
 
     /// The name that reports show: for a manifest, the key `name`, else the image's file.

@@ -4,7 +4,7 @@ use crate::image_file::{self, Pixels};
 use crate::missing::{self, MissingValue};
 use crate::{Place, ReadError, Unusable};
 use std::path::PathBuf;
-use transect_device::{ImageSize, Point3, RangeImage};
+use transect_device::{ImageOrder, ImageSize, Point3, RangeImage};
 use transect_sensors::SensorError;
 
 /// An image file, and the size and scale that the manifest states.
@@ -19,6 +19,8 @@ pub(crate) struct ViewFile {
     pub(crate) scale: Option<f64>,
     /// The value of pixels without a return, where the manifest states it.
     pub(crate) missing: Option<MissingValue>,
+    /// The order of the pixels in the file, where it is another than the sensor's.
+    pub(crate) order: Option<ImageOrder>,
 }
 
 impl ViewFile {
@@ -28,6 +30,10 @@ impl ViewFile {
         self.check_size(size)?;
         missing::clear_stated(&mut values, self.mark()).map_err(|p| p.in_file(&self.path))?;
         let image = RangeImage::from_values(size, values);
+        let image = match self.order {
+            Some(order) => image.and_then(|image| order.apply(image)),
+            None => image,
+        };
         let image = image.map_err(|e| self.unusable("the image", e))?;
         missing::without_marks(image, notes).map_err(|p| p.in_file(&self.path))
     }

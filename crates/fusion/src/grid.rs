@@ -23,16 +23,17 @@ pub(crate) struct PointGrid {
     stride: u32,
     /// Where each slot begins in `items`; one entry more than there are slots, a power of two.
     starts: Vec<u32>,
-    items: Vec<Item>,
+    items: Vec<Numbered>,
 }
 
 /// Column and row.
 type Cell = (u32, u32);
 
+/// A point of the grid.
 #[derive(Debug, Clone, Copy)]
-struct Item {
-    point: Point2,
-    number: u32,
+pub(crate) struct Numbered {
+    pub place: Point2,
+    pub number: u32,
 }
 
 impl PointGrid {
@@ -71,12 +72,12 @@ impl PointGrid {
         }
         // Each is where its slot ends. Places are taken from there, last point first: begins
         // remain.
-        let empty = Item { point: Point2::origin(), number: 0 };
+        let empty = Numbered { place: Point2::origin(), number: 0 };
         self.items = vec![empty; points.len()];
-        for (number, (&slot, &point)) in slots.iter().zip(points).enumerate().rev() {
+        for (number, (&slot, &place)) in slots.iter().zip(points).enumerate().rev() {
             let end = &mut self.starts[slot as usize];
             *end -= 1;
-            self.items[*end as usize] = Item { point, number: number as u32 };
+            self.items[*end as usize] = Numbered { place, number: number as u32 };
         }
     }
 
@@ -95,6 +96,11 @@ impl PointGrid {
         self.starts.len() as u32 - 2
     }
 
+    /// The numbers of all points, sorted by cells: neighbours follow each other.
+    pub fn order(&self) -> impl Iterator<Item = usize> {
+        self.items.iter().map(|item| item.number as usize)
+    }
+
     /// Calls `visit` with the number of every point within a radius, and where it is from `centre`.
     pub fn within(&self, centre: &Point2, radius: f64, mut visit: impl FnMut(usize, Vector2)) {
         let squared = radius * radius;
@@ -108,35 +114,32 @@ impl PointGrid {
     /// Calls `visit` with every point that may lie in the rectangle of the given half-widths around
     /// `centre`: all that do, and others.
     pub fn around(&self, centre: &Point2, half: &Vector2, mut visit: impl FnMut(usize, Vector2)) {
+        self.runs_around(centre, half, |points| {
+            points.iter().for_each(|p| visit(p.number as usize, p.place - centre));
+        });
+    }
+
+    /// The same by runs of points: those of a row of cells lie one after another.
+    pub fn runs_around(&self, centre: &Point2, half: &Vector2, mut visit: impl FnMut(&[Numbered])) {
         let d = centre - self.origin;
         let (first, last) = (self.cell(&(d - half)), self.cell(&(d + half)));
         let (columns, rows) = (u64::from(last.0 - first.0) + 1, u64::from(last.1 - first.1) + 1);
         // Rows begin at least 0.38 / rows of the circle from each other, less half a slot each.
         if rows.saturating_mul(rows + 2 * columns).saturating_mul(4) > 3 * u64::from(self.mask()) {
-            return visit_all(&self.items, centre, &mut visit);
+            return visit(&self.items);
         }
+        let circle = self.mask() as usize + 1;
         for row in first.1..=last.1 {
             let from = self.slot((first.0, row)) as usize;
             let to = from + columns as usize;
-            let Some(&[begin, .., end]) = self.starts.get(from..=to) else {
+            let start = |slot: usize| self.starts[slot] as usize;
+            visit(&self.items[start(from)..start(to.min(circle))]);
+            if to > circle {
                 // The row goes on where the circle begins.
-                let to = to - (self.mask() as usize + 1);
-                let (begin, end) = (self.starts[from] as usize, self.starts[to] as usize);
-                visit_all(&self.items[begin..], centre, &mut visit);
-                visit_all(&self.items[..end], centre, &mut visit);
-                continue;
-            };
-            for i in self.items.get(begin as usize..end as usize).unwrap_or_default() {
-                visit(i.number as usize, i.point - centre);
+                visit(&self.items[..start(to - circle)]);
             }
         }
     }
-}
-
-/// Rare, and so not part of each place that gathers.
-#[cold]
-fn visit_all(items: &[Item], centre: &Point2, visit: &mut dyn FnMut(usize, Vector2)) {
-    items.iter().for_each(|i| visit(i.number as usize, i.point - centre));
 }
 
 #[cfg(test)]

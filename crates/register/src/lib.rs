@@ -6,7 +6,7 @@
 //! * [`CoarseView`]: a view as a few thousand patches of surface and the free space before them.
 //! * [`judge`]: which views, camps of views or regions of a view contradict the others.
 //! * [`refine`]: the poses of all views, refined together.
-//! * [`PoseReading`]: another convention by which the same poses may have been written.
+//! * [`explain`]: another convention by which the same poses or images may have been written.
 
 mod coarse;
 mod judge;
@@ -14,9 +14,9 @@ mod readings;
 mod refine;
 mod tuning;
 
-pub use coarse::{CoarseView, Meeting, Patch, Sighting};
+pub use coarse::{CoarseView, Meeting, Patch, PosePrior, Sighting};
 pub use judge::{
     Agreement, Finding, Judgement, Misplaced, Motion, Region, RegionKind, Scaled, judge,
 };
-pub use readings::{Accord, Explanation, PoseReading, explain};
-pub use refine::{PoseOutcome, PosePrior, RefineOptions, RefinedPose, Refinement, refine};
+pub use readings::{Accord, Explanation, PoseReading, Reading, explain};
+pub use refine::{PoseOutcome, RefineOptions, RefinedPose, Refinement, refine};

@@ -29,7 +29,7 @@ use crate::report::{PlaneSummary, Report, Timings, ViewReport};
 use crate::timed_view::TimedView;
 use crate::{
     FusionReport, LoadedView, PoseReport, ReconstructError, Setup, SourceError, Stage, Unwatched,
-    ViewSource, Watch, coarse_views,
+    ViewSource, Watch,
 };
 use fuser::Fuser;
 use rayon::prelude::*;
@@ -273,8 +273,7 @@ impl<'a> Grower<'a> {
             let no_view = || GrowError::NotThere(source.id().to_owned());
             stored.push(Stored { source, entry: there.ok_or_else(no_view)?.entry });
         }
-        let copies = coarse_views(&stored, watch)?;
-        let poses = PoseReport::new(copies, Some(options), self.setup.unit);
+        let poses = PoseReport::new(&stored, Some(options), self.setup.unit, watch)?;
         let refined = poses.refinement.iter().flat_map(|refinement| &refinement.poses);
         let moved = poses.posed(&stored).into_iter().zip(refined);
         let moved = moved.filter(|(_, pose)| pose.has_moved());

@@ -75,7 +75,7 @@ mod watch;
 pub use error::ReconstructError;
 pub use grow::{GrowError, Grower, Growth};
 pub use pipeline::{Reconstruction, reconstruct};
-pub use poses::{PoseReport, coarse_views};
+pub use poses::PoseReport;
 pub use refine::{DifferenceReason, RefinedGap, RefinementReport};
 pub use refinement::{Refinement, RefinementError};
 pub use report::{FusionReport, Report, Timings, ViewReport};

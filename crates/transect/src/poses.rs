@@ -5,7 +5,7 @@
 //!
 //! **Steps.**
 //! 1. Every view is loaded and dropped; its [`CoarseView`] stays ([`coarse_views`]). Poses that
-//!    agree under another convention are recognised ([`explain`]).
+//!    agree under another convention, and images in another order, are recognised ([`explain`]).
 //! 2. The poses are refined together ([`refine`]), if that is asked for.
 //! 3. What still contradicts is found ([`judge`]).
 //! 4. The pipeline loads every view again and models it at its refined pose.
@@ -16,6 +16,7 @@ use crate::timed_view::TimedView;
 use crate::{Posed, ReconstructError, Stage, ViewSource, Watch};
 use rayon::prelude::*;
 use serde::Serialize;
+use transect_device::ImageOrder;
 use transect_geometry::LengthUnit;
 use transect_register::{
     CoarseView, Explanation, Judgement, RefineOptions, Refinement, explain, judge, refine,
@@ -27,7 +28,7 @@ use transect_register::{
 pub struct PoseReport {
     /// The unit of its lengths.
     pub unit: LengthUnit,
-    /// Another reading of the given poses under which the views agree, where they contradict.
+    /// Another reading of the poses or images under which the views agree, where they contradict.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub explanation: Option<Explanation>,
     /// What contradicts at the refined poses, or at the given ones if they were kept.
@@ -41,7 +42,7 @@ pub struct PoseReport {
 ///
 /// # Errors
 /// [`ReconstructError`] names the first view, in the given order, that cannot be loaded.
-pub fn coarse_views<S: ViewSource>(
+fn coarse_views<S: ViewSource>(
     sources: &[S],
     watch: &dyn Watch,
 ) -> Result<Vec<CoarseView>, ReconstructError> {
@@ -53,7 +54,8 @@ pub fn coarse_views<S: ViewSource>(
         if watch.cancelled() {
             return Err(ReconstructError::Cancelled);
         }
-        let copied = TimedView::load(source).map(|timed| CoarseView::new(&timed.loaded.view));
+        let copied = TimedView::load(source)
+            .map(|timed| CoarseView::new(&timed.loaded.view).with_prior(source.pose_prior()));
         watch.step(Stage::Poses);
         copied
     };
@@ -61,20 +63,44 @@ pub fn coarse_views<S: ViewSource>(
     copies.into_iter().collect()
 }
 
+/// Coarse copies of all views, their images read in another order of pixels; `None` if a view
+/// cannot be.
+fn reread<S: ViewSource>(sources: &[S], order: ImageOrder) -> Option<Vec<CoarseView>> {
+    let copy = |source: &S| Some(CoarseView::quick(&source.load_in(order)?.ok()?.view));
+    sources.par_iter().map(copy).collect()
+}
+
 impl PoseReport {
     /// Judges the poses of views, after refining them if there are options for that.
-    pub fn new(
-        mut copies: Vec<CoarseView>,
+    ///
+    /// # Errors
+    /// See [`coarse_views`].
+    pub fn new<S: ViewSource>(
+        sources: &[S],
         options: Option<&RefineOptions>,
         unit: LengthUnit,
-    ) -> Self {
-        let explanation = explain(&copies);
+        watch: &dyn Watch,
+    ) -> Result<Self, ReconstructError> {
+        let mut copies = coarse_views(sources, watch)?;
+        let explanation = explain(&copies, |order| reread(sources, order));
         let refinement = options.map(|options| refine(&copies, options));
         if let Some(Refinement { poses, .. }) = &refinement {
             let posed = copies.into_iter().zip(poses);
             copies = posed.map(|(copy, pose)| copy.with_pose(pose.world_from_sensor)).collect();
         }
-        Self { unit, explanation, judgement: judge(&copies), refinement }
+        Ok(Self { unit, explanation, judgement: judge(&copies), refinement })
+    }
+
+    /// Judges the given poses by copies of the views; `None` if nothing contradicts.
+    pub(crate) fn of_doubtful<S: ViewSource>(
+        copies: Vec<CoarseView>,
+        sources: &[S],
+        unit: LengthUnit,
+    ) -> Option<Self> {
+        let explanation = explain(&copies, |order| reread(sources, order));
+        let judgement = judge(&copies);
+        let doubtful = explanation.is_some() || !judgement.findings.is_empty();
+        doubtful.then_some(Self { unit, explanation, judgement, refinement: None })
     }
 
     /// The views at their refined poses; none if the given ones were kept.

@@ -1,6 +1,7 @@
 //! The sources of views.
 
-use transect_device::{Isometry3, View};
+use transect_device::{ImageOrder, Isometry3, View};
+use transect_register::PosePrior;
 
 /// An error of a source; any type, since sources are foreign code.
 pub type SourceError = Box<dyn std::error::Error + Send + Sync>;
@@ -20,11 +21,22 @@ pub trait ViewSource: Sync {
         self.name().to_owned()
     }
 
+    /// How far the view's pose may be wrong, if that is known of this view.
+    fn pose_prior(&self) -> Option<PosePrior> {
+        None
+    }
+
     /// Loads the view.
     ///
     /// # Errors
     /// The error of the source, which names the file.
     fn load(&self) -> Result<LoadedView, SourceError>;
+
+    /// Loads the view with the pixels of its file in another order; `None` where the source has one
+    /// order only. Poses that contradict each other may be explained by it.
+    fn load_in(&self, _: ImageOrder) -> Option<Result<LoadedView, SourceError>> {
+        None
+    }
 }
 
 /// A loaded view with the notes of its reader.

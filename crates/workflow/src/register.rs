@@ -6,7 +6,7 @@ use crate::{Check, OpenScan, Plausibility, WorkflowError, claim_manifest};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use transect::register::{PoseReading, RefinedPose};
-use transect::{PoseReport, Watch, coarse_views};
+use transect::{PoseReport, Watch};
 use transect_exchange::write_file;
 
 /// The file of the scan with refined poses.
@@ -55,7 +55,7 @@ impl OpenScan {
         let unit = self.scan().unit;
         let options = refine_options(unit, prior)?;
         let views = self.views("", Plausibility::without_planes(unit, accept))?;
-        let poses = PoseReport::new(coarse_views(&views, watch)?, Some(&options), unit);
+        let poses = PoseReport::new(&views, Some(&options), unit, watch)?;
         Ok(Registration { notes: poses.notes(), poses, scan: self })
     }
 }
@@ -72,7 +72,7 @@ impl OpenScan {
         }
         let accepted = Plausibility::without_planes(unit, &Check::ALL);
         let views = self.views("", accepted)?;
-        Ok(Some(PoseReport::new(coarse_views(&views, watch)?, None, unit)))
+        Ok(Some(PoseReport::new(&views, None, unit, watch)?))
     }
 }
 

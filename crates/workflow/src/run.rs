@@ -10,6 +10,7 @@ use crate::{Costs, Plausibility, ReportFile, ResultFolder, Settings, WorkflowErr
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
+use transect::register::Reading;
 use transect::{Reconstruction, RefinementReport, Setup, Watch, reconstruct};
 use transect_exchange::{DxfFrame, Scan};
 use transect_geometry::LengthUnit;
@@ -82,13 +83,14 @@ impl OpenScan {
                            the scan; leave out the option, or --store";
             return Err(WorkflowError::setting(setting, problem));
         }
-        if let Some(reading) = self.reading {
+        let readings =
+            [self.reading.map(Reading::Pose), self.options.image_order.map(Reading::Image)];
+        if let Some(reading) = readings.into_iter().flatten().next() {
             let problem = format!(
-                "a store keeps the poses, and replace-view reads them from the scan by its own \
-                 convention; write the scan anew first: transect register SCAN \
-                 --pose-convention {reading} --out DIR"
+                "a store's commands read images and poses from the scan as it is; write the scan \
+                 anew first: transect register SCAN {reading} --out DIR"
             );
-            return Err(WorkflowError::setting("pose_convention", problem));
+            return Err(WorkflowError::setting("store", problem));
         }
         let (setup, note) = self.setup_for_store(store, settings)?;
         let splines = self.splines(settings)?;
@@ -190,7 +192,8 @@ impl Run<'_> {
             rows.extend(costs.stage("fitting splines", write)?);
         }
         // The truth counts what all views could see, so a part of them is not scored.
-        let is_whole = self.scan.selection.is_whole() && self.scan.reading.is_none();
+        let as_stated = self.scan.reading.is_none() && self.scan.options.image_order.is_none();
+        let is_whole = self.scan.selection.is_whole() && as_stated;
         if is_whole && !matches!(self.truth, Reference::Nothing) {
             let score = || score(model, &self.truth, &ScoreLimits::default());
             rows.extend(costs.stage("scoring", score)?.agreement);

@@ -6,9 +6,10 @@ use crate::{Plausibility, Selection, WorkflowError};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
-use transect::register::PoseReading;
+use transect::register::{PosePrior, PoseReading};
 use transect::{LoadedView, SourceError, ViewSource};
-use transect_exchange::{OpenOptions, PlanesEntry, Scan, ScanView};
+use transect_device::ImageOrder;
+use transect_exchange::{OpenOptions, PlanesEntry, PoseSigma, Scan, ScanView};
 use transect_geometry::Isometry3;
 
 /// A scan on disk. Its small files are read, its images are not.
@@ -152,7 +153,23 @@ impl ViewSource for FileView<'_> {
 
     fn load(&self) -> Result<LoadedView, SourceError> {
         let read = self.read.lock().ok().and_then(|mut read| read.take());
-        let (view, notes) = read.map_or_else(|| self.view.load(), Ok)?;
+        self.finish(read.map_or_else(|| self.view.load(), Ok)?)
+    }
+
+    fn pose_prior(&self) -> Option<PosePrior> {
+        let PoseSigma { rotation, translation } = self.view.pose_sigma()?;
+        Some(PosePrior { rotation, translation })
+    }
+
+    fn load_in(&self, order: ImageOrder) -> Option<Result<LoadedView, SourceError>> {
+        let view = self.view.in_order(order)?;
+        Some(view.load().map_err(SourceError::from).and_then(|read| self.finish(read)))
+    }
+}
+
+impl FileView<'_> {
+    /// The view at its pose, within its limits, if it is plausible.
+    fn finish(&self, (view, notes): ReadView) -> Result<LoadedView, SourceError> {
         let view = match &self.pose {
             Some(pose) => view.with_pose(*pose)?,
             None => view,

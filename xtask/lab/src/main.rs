@@ -41,23 +41,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_command_of_the_dissertations_pages_parses() {
-        let page = [
-            include_str!("../../../docs/dissertation.md"),
-            include_str!("../../../docs/error-analysis.md"),
-        ]
-        .concat();
-        let is_of_the_lab = |command: &&str| {
-            let mine = ["cargo xtask experiments ", "cargo xtask bench "];
-            mine.iter().any(|start| command.starts_with(start))
-        };
-        let quoted = page.split('`').skip(1).step_by(2);
-        let commands: Vec<&str> = quoted.filter(is_of_the_lab).collect();
-        assert!(commands.len() > 5, "{commands:?}");
-        for command in commands {
-            let words = command.split_whitespace().skip(1);
+    fn every_command_of_the_documentation_parses() {
+        let commands = experiments::pages::Page::commands_of_the_lab();
+        assert!(commands.len() > 30, "{commands:?}");
+        for (page, command) in commands {
+            let words = std::iter::once("xtask").chain(command.split_whitespace());
             if let Err(error) = Arguments::try_parse_from(words) {
-                panic!("{command}: {error}");
+                panic!("{}: {command}: {error}", page.display());
             }
         }
     }

@@ -83,7 +83,7 @@ const COMMANDS: [&str; 8] = [
     "experiments orders --doublings 1",
     "experiments database space",
     "experiments sensors --scene thin_sheet",
-    "experiments pictures --out transect-out/pictures",
+    "experiments pictures",
 ];
 
 /// The README's commands on real scans.

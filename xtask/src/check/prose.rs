@@ -45,9 +45,10 @@ fn comment(line: &str) -> Option<&str> {
     (!text.contains('"')).then_some(text)
 }
 
-/// Whether a line break can go into the text: not in tables, headings, images and single links.
+/// Whether a line break can go into the text: not in tables, headings, images, comments and single
+/// links.
 fn can_be_wrapped(prose: &str) -> bool {
-    let is_block = ["|", "#", "!["].iter().any(|start| prose.starts_with(start));
+    let is_block = ["|", "#", "![", "<!--"].iter().any(|start| prose.starts_with(start));
     let text = prose.trim_start_matches(['*', '-', '>', ' ']);
     let is_link = text.starts_with('[') && text.matches("](").count() == 1 && text.ends_with(')')
         || text.starts_with('[') && text.contains("]: ");

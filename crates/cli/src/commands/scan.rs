@@ -4,7 +4,7 @@ use super::named;
 use crate::failure::Failure;
 use std::path::{Path, PathBuf};
 use transect::register::PoseReading;
-use transect_device::ImageSize;
+use transect_device::{ImageOrder, ImageSize};
 use transect_exchange::{CameraOption, OpenOptions};
 use transect_geometry::LengthUnit;
 use transect_workflow::{OpenScan, Selection};
@@ -29,6 +29,10 @@ pub struct ScanArguments {
     #[arg(long, value_name = "NAME",
         value_parser = named(PoseReading::ALL.map(|reading| (reading.name(), reading))))]
     pose_convention: Option<PoseReading>,
+    /// Read images whose files hold the pixels in another order than the sensor's.
+    #[arg(long, value_name = "NAME",
+        value_parser = named(ImageOrder::ALL.map(|order| (order.name(), order))))]
+    image_order: Option<ImageOrder>,
     #[command(flatten)]
     depth: DepthArguments,
     #[command(flatten)]
@@ -115,6 +119,7 @@ impl ScanArguments {
         let mut options = self.depth.options();
         (options.unit, options.skip_missing) = (self.unit, self.skip_missing);
         (options.grid, options.rings) = (self.grid, self.rings);
+        options.image_order = self.image_order;
         options
     }
 }

@@ -84,7 +84,7 @@ fn poses_of_another_convention_are_read_as_asked_for() {
     folder.run(&format!("register {line} --out new --quiet")).succeeded();
     let anew = folder.reconstruct("new --no-score").succeeded();
     assert!(as_right(&anew).abs() < 0.05);
-    let refused = ["--pose-convention", "transect register SCAN --pose-convention inverse --out"];
+    let refused = ["--store", "transect register SCAN --pose-convention inverse --out"];
     folder.run(&format!("reconstruct {line} --store s.transect")).failed_with(2, &refused);
     // The quaternions of one view rotate the other way round: the option is for all views.
     folder.edit_json("scan/scan.json", "scan/one.json", |m| conjugate(m, 0));
@@ -102,6 +102,16 @@ fn inspect_names_a_wrong_view_and_the_convention_that_mends_all() {
     assert_eq!(warnings("scan"), [""; 0], "sound poses");
     let wrong = warnings("scan/off.json");
     assert!(wrong.len() == 1 && wrong[0].contains("view range_001.npy contradicts"), "{wrong:?}");
+    let run = folder.run("reconstruct scan/off.json --no-score --out off --quiet").succeeded();
+    let told = run.told("warning:");
+    assert!(told.len() == 1 && told[0].contains("view range_001.npy contradicts"), "{told:?}");
+    assert_eq!(
+        folder.json("off/report.json")["poses"]["judgement"]["findings"][0]["kind"],
+        "misplaced"
+    );
+    let run = folder.run("reconstruct scan --no-score --out right --quiet").succeeded();
+    assert!(run.told("warning:").is_empty(), "{}", run.stderr);
+    assert!(folder.json("right/report.json")["poses"].is_null());
     folder.edit_json("scan/scan.json", "scan/inverse.json", |m| {
         for view in m["views"].as_array_mut().unwrap() {
             let inverse = row_major(&pose(view).inverse());
@@ -110,6 +120,45 @@ fn inspect_names_a_wrong_view_and_the_convention_that_mends_all() {
     });
     let wrong = warnings("scan/inverse.json");
     assert!(wrong.len() == 1 && wrong[0].ends_with("Pass --pose-convention inverse"), "{wrong:?}");
+}
+
+#[test]
+fn images_in_another_order_are_named_and_read_as_asked_for() {
+    let folder = Folder::empty();
+    folder.run("simulate face_mask --out scan").succeeded();
+    let right = folder.reconstruct("scan --no-score").succeeded().number("nodes");
+    // Read upside down, images that are right are those of files that are upside down.
+    folder.edit_json("scan/scan.json", "scan/wrong.json", |m| {
+        let views = m["views"].as_array_mut().unwrap();
+        views.iter_mut().for_each(|view| view["image_order"] = "upside-down".into());
+    });
+    let warnings = |scan: &str| {
+        let run = folder.run(&format!("inspect {scan}")).succeeded();
+        run.told("warning:").into_iter().map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert!(!warnings("scan/wrong.json").is_empty());
+    for file in ["range_000.npy", "range_001.npy", "range_002.npy", "range_003.npy"] {
+        let bytes = std::fs::read(folder.path("scan").join(file)).unwrap();
+        let rows = folder.json("scan/scan.json")["views"][0]["rows"].as_u64().unwrap() as usize;
+        let start = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+        let row = (bytes.len() - start) / rows;
+        let mut turned = bytes[..start].to_vec();
+        turned.extend(bytes[start..].chunks(row).rev().flatten());
+        std::fs::write(folder.path("scan").join(file), turned).unwrap();
+    }
+    let wrong = warnings("scan");
+    assert!(wrong.len() == 1 && wrong[0].ends_with("Pass --image-order upside-down"), "{wrong:?}");
+    let line = "scan --image-order upside-down";
+    assert_eq!(
+        folder.reconstruct(&format!("{line} --no-score")).succeeded().number("nodes"),
+        right
+    );
+    let refused = ["transect register SCAN --image-order upside-down --out DIR"];
+    folder.run(&format!("reconstruct {line} --store s.transect")).failed_with(2, &refused);
+    folder.run(&format!("register {line} --out new --quiet")).succeeded();
+    assert_eq!(folder.json("new/scan.json")["views"][0]["image_order"], "upside-down");
+    let points = folder.run("inspect new").succeeded();
+    assert!(points.told("warning:").is_empty(), "{}", points.stderr);
 }
 
 #[test]

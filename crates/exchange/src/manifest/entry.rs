@@ -1,10 +1,11 @@
 //! The content of a manifest as data.
 
 use super::sensor::SensorEntry;
-use crate::PlanesEntry;
 use crate::missing::MissingValue;
+use crate::{PlanesEntry, PoseSigma};
 use serde::Serialize;
 use std::io::{self, Write};
+use transect_device::ImageOrder;
 use transect_geometry::LengthUnit;
 
 /// The content of a manifest. No image has been read.
@@ -57,8 +58,14 @@ pub struct ViewEntry {
     /// The value of pixels without a return: a number, or a point in grids.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub missing: Option<MissingValue>,
+    /// The order of the pixels in the file, if it is another than the sensor's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub image_order: Option<ImageOrder>,
     /// `world_from_sensor`, row-major homogeneous; see [`row_major`](crate::row_major).
     pub pose: [f64; 16],
+    /// How far the pose may be wrong, if it is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pose_sigma: Option<PoseSigma>,
     /// The true pose, if it is known and differs from `pose`. Modelling never uses it; it is for
     /// programs that compare poses.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -76,7 +83,9 @@ impl ViewEntry {
             cols: None,
             scale: None,
             missing: None,
+            image_order: None,
             pose,
+            pose_sigma: None,
             pose_true: None,
         }
     }

@@ -18,9 +18,11 @@
 //! | `file` | the image, relative to the manifest |
 //! | `name` | the view's name in tables and reports; the file if it is not stated |
 //! | `pose` | 16 numbers, row-major, or 4 rows of 4; sensor to world |
+//! | `pose_sigma` | how far `pose` may be wrong, as standard deviations: `{"rotation": 0.005, "translation": 0.01}` in radians and the length unit; optional, for the refinement of poses |
 //! | `pose_true` | the true pose, if it is known; modelling never uses it |
 //! | `scale` | length units per count, for images of integers; `depth_scale` is its older name |
 //! | `missing` | the value of pixels without a return in the file, before the scale: a number, or `[x, y, z]` for a grid; in a view, or at the top for all views |
+//! | `image_order` | of a view whose file holds the pixels in another order: `transposed`, `mirrored` (columns run to the left), `upside-down` (rows run up), `swapped-camera` (the image is right, and fx, fy and cx, cy are exchanged); for depth cameras and angular scans |
 //! | `rows`, `cols` | size of the range image; optional, checked against the file |
 //! | `sensor` | one of the following, each with its own keys |
 //!
@@ -55,7 +57,7 @@ pub use sensor::{
     AnglesEntry, LensEntry, LightStripeEntry, LookupTableEntry, PinholeEntry, SensorEntry,
     StripeEntry, ViewpointsEntry,
 };
-pub(crate) use to_scan::to_scan;
+pub(crate) use to_scan::{no_order, to_scan};
 
 use crate::{OpenOptions, ReadError, Scan};
 use std::path::Path;

@@ -4,7 +4,7 @@ use super::entry::{Manifest, ViewEntry};
 use super::keys::Keys;
 use super::sensor::SensorEntry;
 use crate::missing::MissingValue;
-use crate::{Place, PlanesEntry, ReadError};
+use crate::{Place, PlanesEntry, PoseSigma, ReadError};
 use serde::Deserialize;
 use serde_json::Value;
 use std::path::Path;
@@ -83,7 +83,9 @@ fn view(
         cols: keys.optional("cols")?,
         scale,
         missing: keys.optional("missing")?.or(missing),
+        image_order: keys.optional("image_order")?,
         pose: keys.required::<PoseText>("pose", POSE)?.matrix(&keys, "pose")?,
+        pose_sigma: pose_sigma(&keys)?,
         pose_true: pose_true(&keys)?,
     };
     notes.extend(keys.unknown());
@@ -112,6 +114,16 @@ impl PoseText {
         let wrong = |_| keys.wrong(key, &format!("{POSE}; it has {found} numbers"));
         numbers.try_into().map_err(wrong)
     }
+}
+
+fn pose_sigma(keys: &Keys<'_>) -> Result<Option<PoseSigma>, ReadError> {
+    let sigma: Option<PoseSigma> = keys.optional("pose_sigma")?;
+    let positive = |n: f64| n.is_finite() && n > 0.0;
+    if sigma.is_some_and(|s| !(positive(s.rotation) && positive(s.translation))) {
+        let wanted = "{\"rotation\": radians, \"translation\": length}, both positive";
+        return Err(keys.wrong("pose_sigma", wanted));
+    }
+    Ok(sigma)
 }
 
 /// The true pose, which modelling does not use. Text and objects are notes of other programs and

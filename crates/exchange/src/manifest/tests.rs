@@ -1,9 +1,9 @@
 use super::*;
-use crate::PlanesEntry;
 use crate::npy;
 use crate::test_data::{in_unit, with_causes};
+use crate::{OpenOptions, PlanesEntry};
 use std::path::PathBuf;
-use transect_device::{Pixel, Point3};
+use transect_device::{ImageOrder, Pixel, Point3};
 use transect_geometry::LengthUnit;
 
 const POSE: &str = "[1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]";
@@ -101,6 +101,72 @@ fn unknown_keys_are_told_with_their_place_at_every_level() {
     assert_eq!(notes.len(), 3, "{notes:?}");
     for (note, end) in notes.iter().zip(ends) {
         assert!(note.ends_with(end), "{note}");
+    }
+}
+
+#[test]
+fn images_are_read_in_the_order_that_a_view_or_the_caller_states() {
+    let camera = |more: &str| {
+        let view = format!(
+            r#""file": "a.npy", "sensor": "pinhole", "fx": 2, "fy": 2, "cx": 0.5, "cy": 0,
+            "pose": {POSE}{more}"#
+        );
+        Folder::with(r#""unit": "mm","#, &view)
+    };
+    let point = |scan: &Scan, row, col| {
+        scan.views[0].load().unwrap().0.point_in_sensor(Pixel::new(row, col))
+    };
+    let plain = camera("");
+    let asked = |order: ImageOrder, folder: &Folder| {
+        let options = OpenOptions { image_order: Some(order), ..OpenOptions::default() };
+        Scan::open_with(folder.0.path(), &options)
+    };
+    // The file holds 1, missing / 2, missing.
+    let right = plain.open().unwrap();
+    for order in ImageOrder::ALL {
+        let of_caller = asked(order, &plain).unwrap();
+        assert!(of_caller.notes[0].ends_with(order.meaning()), "{:?}", of_caller.notes);
+        let stated = camera(&format!(r#", "image_order": "{order}""#));
+        let of_view = stated.open().unwrap();
+        for (row, col) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            let there = point(&of_view, row, col);
+            assert_eq!(there, point(&of_caller, row, col), "{order}");
+            let (in_row, in_col) = match order {
+                ImageOrder::Transposed => (col, row),
+                ImageOrder::Mirrored => (row, 1 - col),
+                ImageOrder::UpsideDown => (1 - row, col),
+                ImageOrder::SwappedCamera => (row, col),
+            };
+            let depth = point(&right, in_row, in_col).map(|p| p.z);
+            assert_eq!(there.map(|p| p.z), depth, "{order}, row {row}, column {col}");
+        }
+        let twice = with_causes(&asked(order, &stated).unwrap_err());
+        assert!(twice.contains(&format!("cannot be read as {order}")), "{twice}");
+    }
+    assert_eq!(point(&right, 1, 0), Some(Point3::new(-0.5, 1.0, 2.0)));
+    let swapped = asked(ImageOrder::SwappedCamera, &plain).unwrap();
+    assert_eq!(point(&swapped, 1, 0), Some(Point3::new(0.0, 0.5, 2.0)));
+    let wrong = Folder::pinhole(r#", "image_order": "sideways""#).error();
+    assert!(wrong.contains("\"image_order\": unknown variant `sideways`"), "{wrong}");
+    let grid = Folder::with(
+        r#""unit": "m","#,
+        &format!(
+            r#""file": "a.npy", "sensor": "grid", "viewpoint": [0, 0, 0], "pose": {POSE},
+            "image_order": "transposed""#
+        ),
+    );
+    assert!(grid.error().contains("a.npy: images of this format and sensor"), "{}", grid.error());
+}
+
+#[test]
+fn a_view_states_how_far_its_pose_may_be_wrong() {
+    let stated = r#", "pose_sigma": {"rotation": 0.005, "translation": 2}"#;
+    let scan = Folder::pinhole(stated).open().unwrap();
+    let sigma = crate::PoseSigma { rotation: 0.005, translation: 2.0 };
+    assert_eq!((scan.views[0].pose_sigma(), scan.notes), (Some(sigma), Vec::new()));
+    for (wrong, found) in [("0.005", "0"), ("0.005", "-1"), ("\"translation\"", "\"place\"")] {
+        let error = Folder::pinhole(&stated.replace(wrong, found)).error();
+        assert!(error.contains("view 0 (a.npy)") && error.contains("pose_sigma"), "{error}");
     }
 }
 

@@ -9,10 +9,11 @@ use crate::{Place, ReadError, Scan, ScanView};
 use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
+use transect_device::ImageOrder;
 use transect_geometry::LengthUnit;
 
 /// A view of a manifest: its image file, and its sensor.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct ManifestView {
     file: ViewFile,
     /// Views with equal entries share one sensor, and with it the sensor's tables.
@@ -22,6 +23,12 @@ struct ManifestView {
 impl LoadView for ManifestView {
     fn load(&self, notes: &mut Vec<String>) -> Result<FramedImage, ReadError> {
         self.sensor.load(&self.file, notes)
+    }
+
+    fn in_order(&self, order: ImageOrder) -> Option<Arc<dyn LoadView>> {
+        let reads = self.file.order.is_none() && self.sensor.reads(order);
+        let file = ViewFile { order: Some(order), ..self.file.clone() };
+        reads.then(|| Arc::new(Self { file, ..self.clone() }) as Arc<dyn LoadView>)
     }
 }
 
@@ -62,13 +69,18 @@ pub(crate) fn to_scan(
             stated_cols: entry.cols,
             scale: entry.scale,
             missing: entry.missing,
+            order: None,
         };
         inputs.extend(sensor.image_files(&file.path)?);
         let name = entry.name.as_ref().unwrap_or(&entry.file).clone();
         let path = file.path.clone();
         let source = Arc::new(ManifestView { file, sensor });
-        let view = ScanView::new(name, path, pose.world_from_sensor, source);
-        views.push(view.with_sigma(manifest.sigma));
+        let view = ScanView::new(name, path.clone(), pose.world_from_sensor, source);
+        let view = match entry.image_order {
+            Some(order) => view.in_order(order).ok_or_else(|| no_order(&path, order))?,
+            None => view,
+        };
+        views.push(view.with_sigma(manifest.sigma).with_pose_sigma(entry.pose_sigma));
     }
     inputs.extend(sensors.iter().filter_map(|(_, sensor)| Some(sensor.file()?.to_owned())));
     let mut known = HashSet::new();
@@ -82,6 +94,15 @@ pub(crate) fn to_scan(
         notes: pose::repairs_note(path, &repairs, views.len()).into_iter().collect(),
         views,
     })
+}
+
+/// The error for a view whose images are in one order only.
+pub(crate) fn no_order(view: &Path, order: ImageOrder) -> ReadError {
+    let problem = format!(
+        "images of this format and sensor cannot be read as {order}: images of depth cameras \
+         and of angular scans can (swapped-camera: of depth cameras without distortion), once"
+    );
+    ReadError::unsupported(view, Place::Whole, problem)
 }
 
 /// The unit of a scan: the stated one, or the caller's if none is stated.

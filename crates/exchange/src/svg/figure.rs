@@ -1,8 +1,9 @@
 //! Figures of single steps: a heading, a sentence, a drawing in pixels, and a legend beside it.
 
-use super::canvas::{self, escaped};
+use super::canvas::{self, PathData, escaped};
 use super::raster::Raster;
 use super::ruler::{round_down, tidy};
+use super::simplify::simplified;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 use transect_geometry::Point2;
@@ -15,6 +16,13 @@ const LEGEND: f64 = 300.0;
 const LEGEND_CHARACTERS: usize = 36;
 /// Height of a line of text, in pixels.
 const LINE: f64 = 21.0;
+/// Width of a drawing from which on the legend stands below it, in pixels. Chosen by hand: a page
+/// with a legend beside such a drawing would be too wide to read on a screen.
+const WIDE: f64 = 1000.0;
+/// Steps of the coordinates of a path per pixel, and the distance in pixels by which a vertex must
+/// move the path to stay in it.
+const STEPS: f64 = 20.0;
+const TOLERANCE: f64 = 0.1;
 
 /// A figure with a legend. Places are in pixels from the drawing's upper left corner, y down.
 ///
@@ -92,6 +100,23 @@ impl Figure {
             let _ = write!(self.body, "{:.2},{:.2} ", p.x, p.y);
         }
         let _ = writeln!(self.body, "\" {attributes}/>");
+    }
+
+    /// Draws lines and rings as one path with a width in pixels. Where it is filled, a ring that
+    /// runs clockwise is a hole. Vertices that would not move the path visibly are left out.
+    pub fn path(&mut self, lines: &[(Vec<Point2>, bool)], width: f64, attributes: &str) {
+        let mut path = PathData::new(STEPS);
+        for (points, closed) in lines {
+            let kept = simplified(points, *closed, TOLERANCE);
+            path.polyline(kept.iter().filter_map(|&k| points.get(k)), *closed);
+        }
+        let mut element = Vec::new();
+        let style =
+            format!("transform=\"scale({})\" stroke-width=\"{:.0}\"", 1.0 / STEPS, width * STEPS);
+        // Writing into memory cannot fail.
+        let _ =
+            path.write(&format!("{style} stroke-linejoin=\"round\" {attributes}"), &mut element);
+        self.body += &String::from_utf8_lossy(&element);
     }
 
     /// Draws a circle.
@@ -183,7 +208,9 @@ impl Figure {
     /// # Errors
     /// An error of `out`.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
-        let width = LEFT + self.size[0] + EDGE + LEGEND + EDGE;
+        let is_wide = self.size[0] >= WIDE;
+        let beside = if is_wide { 0.0 } else { EDGE + LEGEND };
+        let width = LEFT + self.size[0] + beside + EDGE;
         let caption = wrapped(&self.caption, ((width - 2.0 * EDGE) / 7.6) as usize);
         let top = EDGE + 30.0 + LINE * caption.len() as f64 + 32.0;
         let entries: Vec<_> = self
@@ -191,8 +218,14 @@ impl Figure {
             .iter()
             .map(|(mark, text)| (mark, wrapped(text, LEGEND_CHARACTERS)))
             .collect();
-        let legend = entries.iter().map(|(_, lines)| LINE * lines.len() as f64 + 9.0).sum::<f64>();
-        let height = top + self.size[1].max(legend + LINE) + 1.6 * EDGE;
+        let columns = if is_wide { (self.size[0] / (LEGEND + EDGE)) as usize } else { 1 };
+        let parts: Vec<_> = entries.chunks(entries.len().div_ceil(columns).max(1)).collect();
+        let legend = parts.iter().map(|part| legend_height(part)).fold(0.0, f64::max);
+        let (legend_at, bottom) = match is_wide {
+            true => ((LEFT, top + self.size[1] + EDGE), top + self.size[1] + EDGE + legend),
+            false => ((LEFT + self.size[0] + EDGE, top), top + self.size[1].max(legend + LINE)),
+        };
+        let height = bottom + 1.6 * EDGE;
         writeln!(
             out,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" \
@@ -208,9 +241,16 @@ impl Figure {
             canvas::text(out, at, "fill=\"#555\"", line)?;
         }
         writeln!(out, "<g transform=\"translate({LEFT:.2} {top:.2})\">\n{}</g>", self.body)?;
-        write_legend(&entries, (LEFT + self.size[0] + EDGE, top), out)?;
+        for (part, column) in parts.iter().zip(0..) {
+            let x = legend_at.0 + f64::from(column) * (LEGEND + EDGE);
+            write_legend(part, (x, legend_at.1), out)?;
+        }
         writeln!(out, "</svg>")
     }
+}
+
+fn legend_height(entries: &[(&Mark, Vec<String>)]) -> f64 {
+    entries.iter().map(|(_, lines)| LINE * lines.len() as f64 + 9.0).sum()
 }
 
 fn write_legend(
@@ -310,5 +350,29 @@ mod tests {
         assert_eq!(opened, svg.matches("</").count());
         assert!(!svg.contains("NaN"), "{svg}");
         assert!(wrapped("a text that is longer than ten", 10).iter().all(|l| l.len() <= 10));
+    }
+
+    #[test]
+    fn a_path_keeps_the_vertices_that_move_it() {
+        let mut figure = Figure::new("", "", [100.0; 2]);
+        let line = [[0.0, 0.0], [5.0, 0.01], [10.0, 0.0], [10.0, 10.0]].map(Point2::from).to_vec();
+        figure.path(&[(line, true), (Vec::new(), false)], 2.0, "fill=\"none\"");
+        assert!(figure.body.contains("stroke-width=\"40\""), "{}", figure.body);
+        assert!(figure.body.contains("d=\"M0 0l200 0 0 200z\""), "{}", figure.body);
+    }
+
+    #[test]
+    fn the_legend_of_a_wide_figure_is_below_it() {
+        let place = |width: f64| {
+            let mut figure = Figure::new("", "", [width, 50.0]);
+            figure.legend(Mark::Remark, "here");
+            let mut out = Vec::new();
+            figure.write(&mut out).unwrap();
+            let svg = String::from_utf8(out).unwrap();
+            let (before, _) = svg.split_once("\" >here<").unwrap();
+            let y = before.rsplit_once("y=\"").unwrap().1.to_owned();
+            y.parse::<f64>().unwrap()
+        };
+        assert!(place(WIDE) > place(WIDE - 1.0) + 50.0);
     }
 }

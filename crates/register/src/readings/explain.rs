@@ -1,4 +1,4 @@
-//! The reading of the poses under which all views agree.
+//! The reading of the poses, or of the images, under which all views agree.
 //!
 //! **Idea.** Under the right reading most patches of a view lie on a surface of another view, and
 //! few lie in front of what another view measured. Under a wrong one it is the other way round.
@@ -7,6 +7,8 @@ use super::PoseReading;
 use crate::coarse::CoarseView;
 use crate::judge::pair::{Placing, Probe, probes, samples};
 use rayon::prelude::*;
+use std::fmt;
+use transect_device::ImageOrder;
 
 /// Patches of all views together that are compared with the other views, and most of one view. No
 /// unit. Chosen by hand: shares are then known to 2 %. Doubled, explaining takes twice the time.
@@ -26,6 +28,10 @@ const BETTER: f64 = 1.25;
 /// have less than 0.1. Doubled, readings pass under which some views still contradict.
 const CONTRADICTS: f64 = 0.2;
 
+/// Least share of agreeing patches under the reading. No unit. Chosen by hand: half of what sound
+/// scans have. Halved, two views that have nothing in common find a reading.
+const AGREES: f64 = 0.25;
+
 /// How far all views agree under one reading of their poses.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Accord {
@@ -35,11 +41,41 @@ pub struct Accord {
     pub contradicting: f64,
 }
 
-/// A reading of the poses under which the views agree.
+/// What may have been read wrongly. Its name is the one of the option that mends it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(untagged)]
+pub enum Reading {
+    /// The poses are written by another convention.
+    Pose(PoseReading),
+    /// The pixels of the images are stored in another order.
+    Image(ImageOrder),
+}
+
+impl Reading {
+    /// What the reading takes the scan for, as a sentence without a full stop.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::Pose(reading) => reading.meaning(),
+            Self::Image(order) => order.meaning(),
+        }
+    }
+}
+
+impl fmt::Display for Reading {
+    /// The option that applies it.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Pose(reading) => write!(f, "--pose-convention {reading}"),
+            Self::Image(order) => write!(f, "--image-order {order}"),
+        }
+    }
+}
+
+/// A reading under which the views agree.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Explanation {
     /// The reading.
-    pub reading: PoseReading,
+    pub reading: Reading,
     /// How far the views agree at the poses as given.
     pub given: Accord,
     /// The same under the reading.
@@ -52,26 +88,49 @@ impl Accord {
     }
 }
 
-/// The reading of the poses under which the views agree far better than as given; `None` if they
-/// agree as given, or under no reading.
-pub fn explain(views: &[CoarseView]) -> Option<Explanation> {
-    let count = PROBES[0].div_ceil(views.len().max(1)).min(PROBES[1]);
-    let probes: Vec<Vec<Probe>> = views.par_iter().map(|view| probes(view, count)).collect();
+/// The reading under which the views agree far better than as given; `None` if they agree as given,
+/// or under no reading.
+///
+/// `reread` makes copies of all views whose images are read in another order; `None` where the
+/// sensors have one order only. It is called only where the views contradict each other.
+pub fn explain(
+    views: &[CoarseView],
+    reread: impl Fn(ImageOrder) -> Option<Vec<CoarseView>>,
+) -> Option<Explanation> {
+    let probes = probes_of(views);
     let given = accord(views, &probes, Placing::given);
     if given.agreeing >= SOUND[0] && given.contradicting <= SOUND[1] {
         return None;
     }
-    let explanation = |reading: PoseReading| {
+    // Only cameras have a y axis that may point up; a room between floor and ceiling is nearly the
+    // same upside down.
+    let cameras = views.iter().all(CoarseView::looks_forward);
+    let of_all = |reading: &PoseReading| cameras || *reading != PoseReading::CameraYUp;
+    let of_poses = PoseReading::ALL.into_iter().filter(of_all).map(|reading| {
         let read = accord(views, &probes, |view| Placing {
             world_from_sensor: reading.apply(view.world_from_sensor()),
             scale: 1.0,
         });
-        let better = read.score() > BETTER * given.score() && read.contradicting <= CONTRADICTS;
-        better.then_some(Explanation { reading, given, read })
+        (Reading::Pose(reading), read)
+    });
+    let of_images = ImageOrder::ALL.into_iter().filter_map(|order| {
+        let views = reread(order)?;
+        Some((Reading::Image(order), accord(&views, &probes_of(&views), Placing::given)))
+    });
+    let explains = |(_, read): &(Reading, Accord)| {
+        let sound = read.agreeing >= AGREES && read.contradicting <= CONTRADICTS;
+        sound && read.score() > BETTER * given.score()
     };
-    let all = PoseReading::ALL.into_iter().filter_map(explanation);
+    let all = of_poses.chain(of_images).filter(explains);
     // Of equal ones the first.
-    all.reduce(|best, next| if next.read.score() > best.read.score() { next } else { best })
+    let best = all.reduce(|best, next| if next.1.score() > best.1.score() { next } else { best });
+    best.map(|(reading, read)| Explanation { reading, given, read })
+}
+
+/// The patches of each view that are compared with the other views.
+fn probes_of(views: &[CoarseView]) -> Vec<Vec<Probe>> {
+    let count = PROBES[0].div_ceil(views.len().max(1)).min(PROBES[1]);
+    views.par_iter().map(|view| probes(view, count)).collect()
 }
 
 /// How far views agree at the places that `of` gives.

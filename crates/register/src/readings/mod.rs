@@ -8,18 +8,12 @@
 
 mod explain;
 
-pub use explain::{Accord, Explanation, explain};
+pub use explain::{Accord, Explanation, Reading, explain};
 
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 use std::fmt;
-use std::str::FromStr;
 use transect_device::{Isometry3, Vector3};
-
-/// Distance of an angle in degrees from a whole number that counts as rounding. In degrees. Chosen
-/// by hand: poses are written with six digits or more. Doubled, one angle in fifty passes that is
-/// not whole.
-const WHOLE: f64 = 1e-4;
 
 /// A convention by which the poses of a scan may have been written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -40,15 +34,14 @@ pub enum PoseReading {
     Millimetres,
     /// The positions are metres in a scan whose unit is the millimetre.
     Metres,
-    /// The rotations are vectors in radians along the axis, and were read as degrees.
+    /// The rotations are vectors along the axis in radians, and whoever wrote the poses took them
+    /// for degrees. The reverse cannot be read: full turns of 57 times the angle are lost.
     Radians,
-    /// The rotations are vectors in degrees along the axis, and were read as radians.
-    Degrees,
 }
 
 impl PoseReading {
     /// Every reading.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 8] = [
         Self::Inverse,
         Self::Conjugate,
         Self::Wxyz,
@@ -57,7 +50,6 @@ impl PoseReading {
         Self::Millimetres,
         Self::Metres,
         Self::Radians,
-        Self::Degrees,
     ];
 
     /// The name by which options and reports call it.
@@ -71,7 +63,6 @@ impl PoseReading {
             Self::Millimetres => "millimetres",
             Self::Metres => "metres",
             Self::Radians => "radians",
-            Self::Degrees => "degrees",
         }
     }
 
@@ -86,7 +77,6 @@ impl PoseReading {
             Self::Millimetres => "the positions are in millimetres, the images in metres",
             Self::Metres => "the positions are in metres, the images in millimetres",
             Self::Radians => "the rotations are in radians, not in degrees",
-            Self::Degrees => "the rotations are in degrees, not in radians",
         }
     }
 
@@ -100,8 +90,6 @@ impl PoseReading {
         // The numbers in the order in which this program keeps them: x, y, z, w.
         let [x, y, z, w]: [f64; 4] = pose.rotation.into_inner().coords.into();
         let unit = |w, x, y, z| UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
-        let scaled =
-            |factor: f64| UnitQuaternion::from_scaled_axis(pose.rotation.scaled_axis() * factor);
         match self {
             Self::Inverse => pose.inverse(),
             Self::Conjugate => turned(pose.rotation.inverse()),
@@ -113,39 +101,16 @@ impl PoseReading {
             }
             Self::Millimetres => moved(0.001),
             Self::Metres => moved(1000.0),
-            Self::Radians => turned(scaled(1f64.to_degrees())),
-            Self::Degrees => turned(degrees(&pose.rotation)),
+            Self::Radians => {
+                let vector = pose.rotation.scaled_axis() * 1f64.to_degrees();
+                turned(UnitQuaternion::from_scaled_axis(vector))
+            }
         }
     }
-}
-
-/// The rotation whose vector in degrees was read as radians.
-///
-/// Full turns of the wrong angle are lost: 45 radians and 45 - 14 pi look alike. Of the angles up
-/// to 180 that look alike, the one closest to a whole number is taken if it is [`WHOLE`]:
-/// turntables stop there. Otherwise it is the smallest.
-fn degrees(wrong: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
-    let Some((axis, smallest)) = wrong.axis_angle() else { return *wrong };
-    let turns = (-28..=28).map(|k| smallest + f64::from(k) * TAU);
-    let off = |angle: &f64| (angle - angle.round()).abs();
-    let whole = turns.filter(|a| a.abs() <= 180.0).min_by(|a, b| off(a).total_cmp(&off(b)));
-    let angle = whole.filter(|angle| off(angle) < WHOLE).unwrap_or(smallest);
-    UnitQuaternion::from_axis_angle(&axis, angle.to_radians())
 }
 
 impl fmt::Display for PoseReading {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
-    }
-}
-
-impl FromStr for PoseReading {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<Self, String> {
-        Self::ALL.into_iter().find(|reading| reading.name() == name).ok_or_else(|| {
-            let names: Vec<_> = Self::ALL.iter().map(|reading| reading.name()).collect();
-            format!("{name:?} is no convention of poses; expected one of {}", names.join(", "))
-        })
     }
 }

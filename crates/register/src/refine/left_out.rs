@@ -33,7 +33,7 @@ impl Rounds<'_> {
             let left_out = |s: &&Sums| ranks.get(&mixed(unordered(s))) == Some(&part);
             let (unknown, known): (Vec<&Sums>, Vec<&Sums>) = sums.iter().partition(left_out);
             let system = System::new(&self.sensors(), self.scene.origin, known, self.independent);
-            let motions = system.solve(&self.prior, &so_far)?.motions;
+            let motions = system.solve(&self.priors(), &so_far)?.motions;
             before += unknown.iter().map(|s| self.square(s, &back)).sum::<f64>();
             after += unknown.iter().map(|s| self.square(s, &motions)).sum::<f64>();
         }

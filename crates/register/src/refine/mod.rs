@@ -21,7 +21,7 @@ mod outcome;
 mod pairs;
 mod solve;
 
-use crate::CoarseView;
+use crate::coarse::{CoarseView, PosePrior};
 use crate::tuning::{
     BLOCKS, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, MOST_MISPLACED, OBSERVATIONS,
     PRIOR_ROUNDS, PROBES, ROUNDS, SETTLED, SETTLING,
@@ -33,19 +33,11 @@ use transect_device::{Isometry3, Point3, Vector3};
 
 pub use outcome::{PoseOutcome, RefinedPose, Refinement};
 
-/// How far poses may be wrong, as standard deviations.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct PosePrior {
-    /// Of the rotation about each axis, in radians.
-    pub rotation: f64,
-    /// Of the translation along each axis, in the model's length unit.
-    pub translation: f64,
-}
-
 /// Options of [`refine`].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct RefineOptions {
-    /// How far the given poses may be wrong; estimated from the views' contradictions if `None`.
+    /// How far the given poses may be wrong, of views that do not state their own
+    /// ([`CoarseView::with_prior`]); estimated from the views' contradictions if `None`.
     pub prior: Option<PosePrior>,
 }
 
@@ -126,7 +118,14 @@ impl<'a> Rounds<'a> {
             rotation: FIRST_ROTATION_DEGREES.to_radians(),
             translation: FIRST_TRANSLATION * distance,
         };
-        let first = options.prior.unwrap_or(first);
+        let own: Vec<PosePrior> = scene.views.iter().filter_map(|view| view.prior()).collect();
+        let all_own = own.first().filter(|_| own.len() == given.len()).copied();
+        let stated = options.prior.or(all_own);
+        let prior = stated.unwrap_or(first);
+        let first = own.iter().fold(prior, |a, b| PosePrior {
+            rotation: a.rotation.max(b.rotation),
+            translation: a.translation.max(b.translation),
+        });
         let reach = Reach { rotation: first.rotation, translation: first.translation };
         let mut candidates = scene.pairs(&given, reach);
         candidates.retain(|(a, b)| !misplaced.contains(a) && !misplaced.contains(b));
@@ -135,8 +134,8 @@ impl<'a> Rounds<'a> {
             poses: given.clone(),
             given,
             first,
-            prior: first,
-            stated: options.prior.is_some(),
+            prior,
+            stated: stated.is_some(),
             candidates,
             before: Vec::new(),
             pairs: Vec::new(),
@@ -162,7 +161,8 @@ impl<'a> Rounds<'a> {
             let shares = step.iter().zip(&self.variances).flat_map(|(step, variance)| {
                 (0..6).map(move |c| step[c].abs() / variance[c].sqrt())
             });
-            let exact = self.prior.rotation < EXACT * self.first.rotation;
+            let estimated = self.scene.views.iter().all(|view| view.prior().is_none());
+            let exact = estimated && self.prior.rotation < EXACT * self.first.rotation;
             if !settling && (exact || shares.fold(0.0, f64::max) < SETTLED) {
                 break;
             }
@@ -183,19 +183,26 @@ impl<'a> Rounds<'a> {
         let sums: Vec<Sums> = self.pairs.iter().map(Pair::sums).collect();
         let system = System::new(&self.sensors(), self.scene.origin, &sums, self.independent);
         let so_far = self.motions();
-        let mut solution: Solution = system.solve(&self.prior, &so_far)?;
+        let mut solution: Solution = system.solve(&self.priors(), &so_far)?;
         self.variances = solution.variances();
         for _ in 0..if self.stated || settling { 0 } else { PRIOR_ROUNDS } {
             let total = so_far.iter().zip(&solution.motions).map(|(a, b)| a + b);
-            self.prior =
-                estimated_prior(&self.prior, &total.collect::<Vec<Motion>>(), &self.variances);
-            solution = system.solve(&self.prior, &so_far)?;
+            let of_views = self.scene.views.iter().zip(total.zip(&self.variances));
+            let unstated = of_views.filter(|(view, _)| view.prior().is_none());
+            let (moved, variances): (Vec<Motion>, Vec<Motion>) = unstated.map(|(_, v)| v).unzip();
+            self.prior = estimated_prior(&self.prior, &moved, &variances);
+            solution = system.solve(&self.priors(), &so_far)?;
             self.variances = solution.variances();
         }
         for (pose, motion) in self.poses.iter_mut().zip(&solution.motions) {
             *pose = moved(pose, motion);
         }
         Some(solution.motions)
+    }
+
+    /// How far each view's pose may be wrong.
+    fn priors(&self) -> Vec<PosePrior> {
+        self.scene.views.iter().map(|view| view.prior().unwrap_or(self.prior)).collect()
     }
 
     fn sensors(&self) -> Vec<Point3> {

@@ -1,8 +1,9 @@
 //! The result of a refinement: what moved, how far, and what that is worth.
 
+use super::Rounds;
 use super::pairs::{Pair, Sample};
 use super::solve::{Motion, motion_between};
-use super::{PosePrior, Rounds};
+use crate::coarse::PosePrior;
 use crate::tuning::{FAR_OFF, MISPLACED, PROBES};
 use nalgebra::{Matrix3, UnitQuaternion};
 use transect_device::{Isometry3, Point3, Vector3};
@@ -50,7 +51,7 @@ pub struct RefinedPose {
 pub struct Refinement {
     /// One for each view, in their order.
     pub poses: Vec<RefinedPose>,
-    /// How far the given poses were taken to be wrong.
+    /// How far the given poses were taken to be wrong, of views that do not state their own.
     pub prior: PosePrior,
     /// Change of the squared distances of the pairs that were left out of the estimate, as a share:
     /// -0.5 is half of them. `None` if there was one pair only.
@@ -79,7 +80,8 @@ impl Rounds<'_> {
         let keeps = left_out_pairs.is_some_and(|change| change >= 0.0);
         if keeps {
             self.poses = self.given.clone();
-        } else {
+        } else if self.scene.views.iter().all(|view| view.prior().is_none()) {
+            // Where views state how exact their poses are, the most exact ones hold the whole.
             self.take_out_common_motion(&alone);
         }
         let turned: Vec<f64> = self.motions().iter().map(|m| m.fixed_rows::<3>(3).norm()).collect();

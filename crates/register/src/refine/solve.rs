@@ -1,7 +1,7 @@
 //! The most probable motions of all views, given what pairs say and how far poses may be wrong.
 
-use super::PosePrior;
 use super::pairs::Sums;
+use crate::coarse::PosePrior;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix6, Vector6};
 use transect_device::{Isometry3, Point3, Vector3};
 
@@ -55,12 +55,12 @@ impl System {
         Self { matrix, right }
     }
 
-    /// The motions that balance the pairs with the prior, which pulls each view back by what it
-    /// has `moved` so far. `None` if the numbers are not finite.
-    pub fn solve(&self, prior: &PosePrior, moved: &[Motion]) -> Option<Solution> {
+    /// The motions that balance the pairs with the views' priors, which pull each view back by what
+    /// it has `moved` so far. `None` if the numbers are not finite.
+    pub fn solve(&self, priors: &[PosePrior], moved: &[Motion]) -> Option<Solution> {
         let (mut matrix, mut right) = (self.matrix.clone(), self.right.clone());
-        let strength = strength(prior);
-        for (k, moved) in moved.iter().enumerate() {
+        for (k, (moved, prior)) in moved.iter().zip(priors).enumerate() {
+            let strength = strength(prior);
             for c in 0..6 {
                 matrix[(6 * k + c, 6 * k + c)] += strength[c];
                 right[6 * k + c] -= strength[c] * moved[c];

@@ -1,28 +1,97 @@
 //! What the tests share: simulated scans, real scans, and turns.
 
 use std::io::Write;
-use std::path::Path;
-use transect_device::{Isometry3, RangeImage, Vector3, View};
-use transect_exchange::Scan;
+use std::path::{Path, PathBuf};
+use transect_device::{ImageOrder, Isometry3, RangeImage, Vector3, View};
+use transect_exchange::{
+    FileNames, LensEntry, OpenOptions, Scan, SensorEntry, depth_sequence_manifest,
+};
 use transect_register::{CoarseView, Finding, judge};
-use transect_scene::{BUNDLED_SCENES, Description, Station};
+use transect_scene::{BUNDLED_SCENES, Description, SensorParameters, Station};
+use transect_sensors::Intrinsics;
+
+fn description(name: &str, more: &str) -> Description {
+    let (_, text) = BUNDLED_SCENES.iter().find(|(bundled, _)| *bundled == name).unwrap();
+    Description::parse(&format!("{text}\n{more}")).unwrap()
+}
 
 /// The views of a bundled scene, with its noise; `more` is added to its description.
 pub fn simulated(name: &str, more: &str) -> Vec<View> {
-    let (_, text) = BUNDLED_SCENES.iter().find(|(bundled, _)| *bundled == name).unwrap();
-    let description = Description::parse(&format!("{text}\n{more}")).unwrap();
+    let description = description(name, more);
     let scene = description.scene();
     let view = |(k, s): (usize, &Station)| {
-        scene
-            .view(&s.name, s.frame().unwrap(), s.world_from_sensor, &description.noise, k as u64)
-            .unwrap()
+        let frame = s.frame().unwrap();
+        scene.view(&s.name, frame, s.world_from_sensor, &description.noise, k as u64).unwrap()
     };
     description.stations.iter().enumerate().map(view).collect()
 }
 
+/// A view as a file holds it.
+#[derive(Clone)]
+pub struct Stored {
+    view: View,
+    image: RangeImage,
+    sensor: SensorParameters,
+}
+
+/// The views of a bundled scene as files hold them.
+pub fn simulated_files(name: &str) -> Vec<Stored> {
+    let sensors = description(name, "").stations.into_iter().map(|s| s.sensor);
+    let stored = |(view, sensor): (View, _)| Stored { image: view.image().clone(), view, sensor };
+    simulated(name, "").into_iter().zip(sensors).map(stored).collect()
+}
+
+/// The images of a folder of real depth images as files hold them.
+pub fn real_files(name: &str) -> Option<Vec<Stored>> {
+    let views = real(name)?;
+    let options = OpenOptions::default();
+    let (manifest, _) =
+        depth_sequence_manifest(&data(name), FileNames::Relative, &options).unwrap();
+    let stored = |(view, sensor): (View, SensorEntry)| {
+        let SensorEntry::Pinhole(entry) = sensor else { return None };
+        let LensEntry::Intrinsics { intrinsics, .. } = entry.lens else { return None };
+        let Intrinsics { fx, fy, cx, cy } = intrinsics;
+        let sensor = SensorParameters::Pinhole { fx, fy, cx, cy };
+        Some(Stored { image: view.image().clone(), view, sensor })
+    };
+    let sensors = manifest.views.into_iter().map(|view| view.sensor);
+    let files: Option<_> = views.into_iter().zip(sensors).map(stored).collect();
+    Some(files.unwrap())
+}
+
+impl Stored {
+    /// The same view, stored in another order. Each order undoes itself.
+    pub fn in_order(&self, order: ImageOrder) -> Self {
+        let image = order.apply(self.image.clone()).unwrap();
+        let sensor = match (order, self.sensor.clone()) {
+            (ImageOrder::SwappedCamera, SensorParameters::Pinhole { fx, fy, cx, cy }) => {
+                SensorParameters::Pinhole { fx: fy, fy: fx, cx: cy, cy: cx }
+            }
+            (_, sensor) => sensor,
+        };
+        Self { image, sensor, view: self.view.clone() }
+    }
+
+    /// The view as a program reads it.
+    pub fn read(&self) -> Option<View> {
+        let frame = self.sensor.frame(self.image.size()).ok()?;
+        let (pose, sigma) = (*self.view.world_from_sensor(), self.view.sigma());
+        Some(View::new(self.view.name(), self.image.clone(), frame, pose, sigma).unwrap())
+    }
+
+    /// Whether an order changes what is read.
+    pub fn differs(&self, order: ImageOrder) -> bool {
+        order != ImageOrder::SwappedCamera || self.in_order(order).sensor != self.sensor
+    }
+}
+
+fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(name)
+}
+
 /// The views of a real scan; tells that the test is skipped where there is none.
 pub fn real(name: &str) -> Option<Vec<View>> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(name);
+    let folder = data(name);
     if folder.exists() {
         let scan = Scan::open(&folder).unwrap();
         return Some(scan.views.iter().map(|view| view.load().unwrap().0).collect());

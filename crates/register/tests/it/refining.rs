@@ -106,6 +106,25 @@ fn a_stated_prior_holds_the_poses() {
 }
 
 #[test]
+fn views_whose_own_priors_are_small_hold_the_others() {
+    let exact = simulated("room", "");
+    let mut views = shaken(&exact, 0.3, 0.005);
+    views[2] = exact[2].clone();
+    let own = Some(PosePrior { rotation: 1e-7, translation: 1e-7 });
+    let priors = [None, None, own, None];
+    let copies = coarse(&views).into_iter().zip(priors);
+    let copies: Vec<_> = copies.map(|(copy, prior)| copy.with_prior(prior)).collect();
+    let refinement = refine(&copies, &RefineOptions::default());
+    assert!(refinement.poses[2].translation < 1e-4, "{:?}", refinement.poses[2]);
+    // No common motion is left: the view that was right tells where the others are.
+    for (view, pose) in exact.iter().zip(&refinement.poses) {
+        let off = view.world_from_sensor().inverse() * pose.world_from_sensor;
+        let off = (off.translation.vector.norm(), off.rotation.angle());
+        assert!(off.0 < 2e-3 && off.1 < 1e-4, "{}: {off:?}", view.name());
+    }
+}
+
+#[test]
 fn perturbed_poses_of_a_turntable_scan_come_back() {
     let Some(views) = real("stanford_bunny") else { return };
     let wrong = shaken(&views, 0.3, 0.0005);

@@ -43,15 +43,17 @@ impl PoseReport {
         refined.filter_map(|pose| self.outcome(pose)).chain(findings).collect()
     }
 
-    /// Whether a finding names a view.
+    /// Whether a finding names a view, or an explanation holds for all views.
     pub(crate) fn names(&self, view: &str) -> bool {
-        self.judgement.findings.iter().any(|finding| match finding {
-            Finding::Misplaced(found) => found.view == view,
-            Finding::Scaled(found) => found.view == view,
-            Finding::Apart { view: found } => found == view,
-            Finding::Camps { camps, .. } => camps.iter().flatten().any(|found| found == view),
-            Finding::Region(_) => false,
-        })
+        let mut findings = self.judgement.findings.iter();
+        self.explanation.is_some()
+            || findings.any(|finding| match finding {
+                Finding::Misplaced(found) => found.view == view,
+                Finding::Scaled(found) => found.view == view,
+                Finding::Apart { view: found } => found == view,
+                Finding::Camps { camps, .. } => camps.iter().flatten().any(|found| found == view),
+                Finding::Region(_) => false,
+            })
     }
 
     fn outcome(&self, pose: &RefinedPose) -> Option<String> {
@@ -154,9 +156,9 @@ fn convention(explanation: &Explanation) -> String {
     let shares = [given.agreeing, given.contradicting, read.agreeing, read.contradicting];
     let [agree, contradict, agree_read, contradict_read] = shares.map(percent);
     format!(
-        "the poses contradict each other, and agree under another convention: {}. Of the surfaces \
+        "the poses contradict each other, and agree if they are read another way: {}. Of the surfaces \
          that views share, {agree} agree and {contradict} contradict as given, {agree_read} and \
-         {contradict_read} when read that way. Pass --pose-convention {reading}",
+         {contradict_read} when read that way. Pass {reading}",
         reading.meaning()
     )
 }

@@ -148,7 +148,7 @@ mod tests {
             let mut drawn = Vec::new();
             figure.write(&mut drawn).unwrap();
             let there = std::fs::read(docs.join(&file)).unwrap_or_default();
-            let help = "run: cargo xtask experiments rules";
+            let help = "run: cargo xtask experiments rules --write-docs";
             assert!(there == drawn, "docs/{file} is not what the code draws; {help}");
             assert!(page.contains(&format!("]({file})")), "overlap-rules.md does not show {file}");
         }

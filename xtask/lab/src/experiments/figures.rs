@@ -6,13 +6,14 @@
 
 mod mask;
 
+use super::output::Output;
 use super::pictures::scanned;
 use super::trial;
 use crate::failure::Failure;
 use crate::table::say;
 use mask::{Growth, Judged};
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use transect::{Unwatched, reconstruct};
 use transect_device::{Pixel, View};
 use transect_exchange::svg::{Figure, Mark, OverviewOptions, Raster, write_overview, write_points};
@@ -24,12 +25,6 @@ use transect_workflow::simulation::{PreparedScene, SensorKind, SensorPlan};
 /// Options of `experiments figures`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Folder to draw into.
-    #[arg(long, default_value = "transect-out/figures", value_name = "DIR")]
-    out: PathBuf,
-    /// File of the face mask's section by both methods.
-    #[arg(long, default_value = "docs/images/mask.svg", value_name = "FILE")]
-    mask: PathBuf,
     /// Factor on the rows and columns of the sensors of chapter 4.
     #[arg(long, default_value_t = 1.0, value_name = "FACTOR")]
     density: f64,
@@ -75,18 +70,17 @@ struct Page<'a> {
 }
 
 /// Runs the experiment.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let out = &arguments.out;
-    std::fs::create_dir_all(out).map_err(|e| Failure::with_file(out, e))?;
-    let mut page = Page { folder: out, pictures: Vec::new() };
+pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
+    let folder = out.folder()?;
+    let mut page = Page { folder, pictures: Vec::new() };
     for shown in &CHAPTER_4 {
         chapter_4(shown, arguments.density, &mut page)?;
     }
     let density = arguments.density;
     room(density, &mut page)?;
-    face(&mut page, &arguments.mask)?;
+    face(&mut page, out)?;
     page.write()?;
-    say(&format!("{} pictures: {}", page.pictures.len(), out.join("index.html").display()));
+    say(&format!("{} pictures: {}", page.pictures.len(), folder.join("index.html").display()));
     Ok(())
 }
 
@@ -126,7 +120,7 @@ fn room(density: f64, page: &mut Page<'_>) -> Result<(), Failure> {
 }
 
 /// The face mask: a range image of each view, the model after it, and how good the last one is.
-fn face(page: &mut Page<'_>, drawing: &Path) -> Result<(), Failure> {
+fn face(page: &mut Page<'_>, out: &Output) -> Result<(), Failure> {
     let scene = trial::bundled("hyscan_mask")?;
     let views = views(&scene, SensorPlan::OWN)?;
     let [(own, dissertation), (default, setup)] = mask::setups(&scene);
@@ -145,13 +139,13 @@ fn face(page: &mut Page<'_>, drawing: &Path) -> Result<(), Failure> {
         page.add(&number, &caption, |out| write_overview(&model, &options, out))?;
         last = Some((own, model));
     }
-    growth.print();
+    growth.print(out)?;
     let default = (default, reconstruct(&views, &setup, &Unwatched)?.model);
     let models = last.into_iter().chain([default]).collect();
     let judged = Judged { scene: &scene, views: &views, models };
-    judged.print()?;
+    judged.print(out)?;
     let figure = judged.drawn()?;
-    write_file(drawing, |out| figure.write(out))?;
+    write_file(&page.folder.join("mask.svg"), |file| figure.write(file))?;
     Ok(())
 }
 

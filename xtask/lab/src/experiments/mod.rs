@@ -5,14 +5,18 @@
 
 mod ablation;
 mod database;
+mod depth_camera;
 mod figures;
 mod operations;
 mod orders;
+mod output;
+pub mod pages;
 mod partial;
 mod peers;
 mod pictures;
 mod poses;
 mod poses_judged;
+mod posters;
 mod real_noise;
 mod rules;
 mod sensors;
@@ -21,6 +25,8 @@ mod trial;
 use crate::failure::Failure;
 use crate::table::say;
 use clap::{Command, FromArgMatches, Subcommand};
+use output::Output;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Options of `experiments`.
@@ -28,7 +34,16 @@ use std::time::Instant;
 pub struct Arguments {
     #[command(subcommand)]
     experiment: Experiment,
+    /// Folder for tables and pictures; each experiment has a folder in it.
+    #[arg(long, global = true, value_name = "DIR", default_value = DEFAULT_FOLDER)]
+    out: PathBuf,
+    /// Also write the tables and pictures into the README and the pages of docs.
+    #[arg(long, global = true)]
+    write_docs: bool,
 }
+
+/// Folder of the tables and pictures.
+const DEFAULT_FOLDER: &str = "transect-out/experiments";
 
 #[derive(Debug, Subcommand)]
 enum Experiment {
@@ -39,7 +54,7 @@ enum Experiment {
     /// How does the error fall when the sensors' grids get denser?
     Orders(orders::Arguments),
     /// How many operations does a view take, against Appendix A?
-    Operations(operations::Arguments),
+    Operations,
     /// How accurate are one view's curves, by method, noise, surface and angle?
     Partial(partial::Arguments),
     /// Does the model database keep its promises?
@@ -50,12 +65,16 @@ enum Experiment {
     Poses(poses::Arguments),
     /// How much noise has a real image, beside its simulation?
     RealNoise(real_noise::Arguments),
+    /// What does each error of a depth camera cost?
+    DepthCamera,
+    /// Draw posters of the bundled scenes.
+    Posters,
     /// Draw scanned points and models of every sensor.
-    Pictures(pictures::Arguments),
+    Pictures,
     /// Draw the dissertation's own results, by its own methods.
     Figures(figures::Arguments),
     /// Draw an example of each overlap rule.
-    Rules(rules::Arguments),
+    Rules,
     /// How accurate are other programs on the same images?
     Peers(peers::Arguments),
     /// Run every experiment with its default arguments.
@@ -64,39 +83,74 @@ enum Experiment {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    if let Some(reason) = start(&arguments.experiment)? {
+    let Arguments { experiment, out, write_docs } = arguments;
+    let outcome = match experiment {
+        Experiment::All => run_all(out),
+        one => run_one(one, out),
+    };
+    if *write_docs {
+        let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let changed = pages::write(here.ancestors().nth(2).unwrap_or(here), out)?;
+        changed.iter().for_each(|file| say(&format!("changed: {file}")));
+    }
+    outcome
+}
+
+/// Runs an experiment.
+fn run_one(experiment: &Experiment, out: &Path) -> Result<(), Failure> {
+    let command = command_line(std::env::args().skip(1));
+    let name = command.split(' ').nth(1).unwrap_or_default();
+    if let Some(reason) = start(experiment, &Output::new(out, name, command.clone()))? {
         say(&format!("SKIPPED: {reason}"));
     }
     Ok(())
 }
 
+/// The words of a command without options that leave its tables as they are.
+fn command_line(words: impl Iterator<Item = String>) -> String {
+    let mut words =
+        words.filter(|word| !["--out=", "--python="].iter().any(|o| word.starts_with(o)));
+    let mut kept = Vec::new();
+    while let Some(word) = words.next() {
+        match word.as_str() {
+            "--write-docs" => (),
+            "--out" | "--python" => drop(words.next()),
+            _ => kept.push(word),
+        }
+    }
+    kept.join(" ")
+}
+
 /// Runs an experiment, or tells why it is skipped.
-fn start(experiment: &Experiment) -> Result<Option<String>, Failure> {
+fn start(experiment: &Experiment, out: &Output) -> Result<Option<String>, Failure> {
     match experiment {
-        Experiment::Sensors(a) => sensors::run(a)?,
-        Experiment::Ablation(a) => ablation::run(a)?,
-        Experiment::Orders(a) => orders::run(a)?,
-        Experiment::Operations(a) => operations::run(a)?,
-        Experiment::Partial(a) => partial::run(a)?,
-        Experiment::Database(a) => database::run(a)?,
-        Experiment::PosesJudged(a) => poses_judged::run(a)?,
-        Experiment::Poses(a) => poses::run(a)?,
-        Experiment::RealNoise(a) => return real_noise::run(a),
-        Experiment::Pictures(a) => pictures::run(a)?,
-        Experiment::Figures(a) => figures::run(a)?,
-        Experiment::Rules(a) => rules::run(a)?,
-        Experiment::Peers(a) => return peers::run(a),
-        Experiment::All => run_all()?,
+        Experiment::Sensors(a) => sensors::run(a, out)?,
+        Experiment::Ablation(a) => ablation::run(a, out)?,
+        Experiment::Orders(a) => orders::run(a, out)?,
+        Experiment::Operations => operations::run(out)?,
+        Experiment::Partial(a) => partial::run(a, out)?,
+        Experiment::Database(a) => database::run(a, out)?,
+        Experiment::PosesJudged(a) => poses_judged::run(a, out)?,
+        Experiment::Poses(a) => poses::run(a, out)?,
+        Experiment::RealNoise(a) => return real_noise::run(a, out),
+        Experiment::DepthCamera => depth_camera::run(out)?,
+        Experiment::Posters => posters::run(out)?,
+        Experiment::Pictures => pictures::run(out)?,
+        Experiment::Figures(a) => figures::run(a, out)?,
+        Experiment::Rules => rules::run(out)?,
+        Experiment::Peers(a) => return peers::run(a, out),
+        Experiment::All => return Err(Failure::because("one experiment is asked for")),
     }
     Ok(None)
 }
 
 /// Runs every experiment in the order of the help. A failure does not stop the others.
-fn run_all() -> Result<(), Failure> {
+fn run_all(out: &Path) -> Result<(), Failure> {
     let mut failed = Vec::new();
     for (name, experiment) in all()? {
         let start_time = Instant::now();
-        let outcome = start(&experiment);
+        let output = Output::new(out, &name, format!("experiments {name}"));
+        let outcome = start(&experiment, &output);
         let seconds = start_time.elapsed().as_secs();
         let verdict = match outcome {
             Ok(None) => format!("done in {seconds} s"),

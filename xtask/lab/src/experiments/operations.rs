@@ -4,9 +4,10 @@
 //! the code, bit for bit: plane range images, labels, codes, and the places of nodes. The example
 //! is one corner of the bundled room, without noise.
 
+use super::output::Output;
 use super::trial;
 use crate::failure::Failure;
-use crate::table::{print_grid, say};
+use crate::table::say;
 use std::cell::RefCell;
 use std::cmp::Ordering;
 use std::ops::{Add, Div, Mul, Sub};
@@ -20,10 +21,6 @@ use transect_partial::{BreakRule, SectionAxes};
 use transect_scene::SensorParameters;
 use transect_sensors::AngularScan;
 use transect_workflow::simulation::SensorPlan;
-
-/// Options of `experiments operations`.
-#[derive(Debug, clap::Args)]
-pub struct Arguments {}
 
 /// No pair is a range jump: its test costs once per pair, whatever the number of planes.
 const JOINED: JumpTest =
@@ -182,7 +179,7 @@ struct Found {
 }
 
 /// Runs the experiment.
-pub fn run(_: &Arguments) -> Result<(), Failure> {
+pub fn run(out: &Output) -> Result<(), Failure> {
     let example = Example::new()?;
     let mut found = Found::default();
     let (levels, once) = counted(|| levels(&example));
@@ -198,8 +195,7 @@ pub fn run(_: &Arguments) -> Result<(), Failure> {
     nodes_are_those_of_the_code(&example, &places)?;
     found.node_count = places.len();
     found.sweep = sweep(&example, &levels)?;
-    print(&example, &found);
-    Ok(())
+    print(&example, &found, out)
 }
 
 /// The level of every pixel, and their extremes.
@@ -369,7 +365,7 @@ impl Operations {
     }
 }
 
-fn print(example: &Example, found: &Found) {
+fn print(example: &Example, found: &Found, out: &Output) -> Result<(), Failure> {
     let pixels = example.view.image().size().pixels();
     let (planes, nodes) = (found.planes, found.node_count);
     let line = |name: &str, cells: Vec<String>, printed: &str| {
@@ -377,17 +373,22 @@ fn print(example: &Example, found: &Found) {
     };
     let each = planes * pixels;
     let heads = ["step", "×", "÷", "+", "if", "as printed"];
-    print_grid(
+    out.table(
+        "steps",
         &heads,
         &[
-            line("level of each pixel, once", found.once.per(pixels), "2 if"),
-            line("1. plane range image", found.range_images.per(each), "4 ×, 2 +"),
-            line("2. labels", found.labels.per(each), "8 if for 2 and 3"),
-            line("3. codes", found.codes.per(each), ""),
-            line("node: meeting point and place", found.nodes.per(nodes), "14 ×, 9 +, C_int"),
-            line("`one_pass`, once per pixel, all planes", found.sweep.per(pixels), "none"),
+            line("level of each pixel, once per pixel", found.once.per(pixels), "2 if"),
+            line("1. plane range image (3.4.1, Eq. 4.7)", found.range_images.per(each), "4 ×, 2 +"),
+            line("2. labels (3.4.2)", found.labels.per(each), "8 if for 2 and 3"),
+            line("3. codes (3.4.2)", found.codes.per(each), ""),
+            line(
+                "meeting point and place, once per node",
+                found.nodes.per(nodes),
+                "14 ×, 9 +, C_int",
+            ),
+            line("`one_pass`, once per pixel for all planes", found.sweep.per(pixels), "–"),
         ],
-    );
+    )?;
     let of = |per_pixel: [usize; 3], per_each: [usize; 3], per_node: [usize; 3]| {
         let sum =
             |k: usize| (per_pixel[k] * pixels + per_each[k] * each + per_node[k] * nodes) as u64;
@@ -403,7 +404,8 @@ fn print(example: &Example, found: &Found) {
         [vec![name.to_owned()], operations.millions()].concat()
     };
     say(&format!("\n{pixels} pixels, {planes} planes, {nodes} nodes; in millions:\n"));
-    print_grid(
+    out.table(
+        "methods",
         &["method", "× and ÷", "+", "if"],
         &[
             total("printed, Cartesian frame", of([14, 9, 6], [12, 12, 8], [0; 3])),
@@ -411,7 +413,8 @@ fn print(example: &Example, found: &Found) {
             total("`dissertation` today", dissertation),
             total("`one_pass` today", one_pass),
         ],
-    );
+    )?;
     say("\nCounted with the code's own results: range images, labels and codes are equal bit for \
          bit, nodes within rounding. Range jumps, tracing and smoothing are not counted.");
+    Ok(())
 }

@@ -4,10 +4,11 @@
 //! radius R is a chord, off by up to h²/8R. Twice the density must leave a quarter of the error
 //! (order 2).
 
+use super::output::Output;
 use super::trial;
 use crate::failure::Failure;
 use crate::statistics::quantile;
-use crate::table::{digits, print_grid, say};
+use crate::table::{digits, say};
 use transect_geometry::{Curve, Point2};
 use transect_model::Model;
 use transect_scene::Description;
@@ -31,7 +32,7 @@ const STATIONS: [[f64; 3]; 3] =
     [[30.0, -250.0, 180.0], [-240.0, 130.0, 160.0], [230.0, 140.0, 170.0]];
 
 /// Runs the experiment.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
     // Planes through both solids, off their symmetries.
     let text = format!(
         "name = \"ball and torus\"\nunit = \"mm\"\n\
@@ -65,7 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     let heads = ["sensor", "density", "pixels", "median", "order", "p95", "order"];
-    print_grid(&heads, &lines);
+    out.table("table", &heads, &lines)?;
     say(
         "\nDistances in mm from the exact circles, noise-free; order: how often the error halves with each doubling.",
     );

@@ -5,11 +5,12 @@
 //! smoothing. `xtask/peers/run.py` has the other programs make meshes of both scans, cuts these on
 //! the scan's planes, and scores all curves against the true mesh. It shares no code with Transect.
 
+use super::output::Output;
 use super::trial;
 use crate::failure::Failure;
 use crate::table::say;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 use transect::image::PreparedView;
 use transect::image::smooth::Smoothing;
 use transect::{Setup, Unwatched, reconstruct};
@@ -35,14 +36,15 @@ pub struct Arguments {
 }
 
 /// A bundled scene, the number of its views, and the factor on its noise.
-type Scan = (&'static str, Option<usize>, f64);
+#[derive(Debug, Clone, Copy)]
+struct Scan(&'static str, Option<usize>, f64);
 
 /// The scans. All views are depth cameras: the scene's own, or cameras in place of its scanners.
 const SCANS: [Scan; 4] = [
-    ("machined_part", None, 1.0),
-    ("machined_part", None, 4.0),
-    ("face_mask", None, 1.0),
-    ("room", Some(12), 1.0),
+    Scan("machined_part", None, 1.0),
+    Scan("machined_part", None, 4.0),
+    Scan("face_mask", None, 1.0),
+    Scan("room", Some(12), 1.0),
 ];
 
 /// Edges of voxels, or of Poisson's finest cells, as shares of the scene's size.
@@ -51,8 +53,16 @@ const RESOLUTIONS: [&str; 2] = ["0.005", "0.0025"];
 /// Seed of the noise. No setting of Transect was chosen with it.
 const SEED: u64 = 2026;
 
+impl Scan {
+    /// The name of its folder and of its table.
+    fn name(self) -> String {
+        let Self(scene, _, noise) = self;
+        if noise == 1.0 { scene.to_owned() } else { format!("{scene}-noise-{noise}") }
+    }
+}
+
 /// Runs the experiment, or tells why it is skipped.
-pub fn run(arguments: &Arguments) -> Result<Option<String>, Failure> {
+pub fn run(arguments: &Arguments, out: &Output) -> Result<Option<String>, Failure> {
     let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("../peers");
     let made = here.join("../../target/peers/bin/python");
     let usual = if made.is_file() { made } else { "python3".into() };
@@ -65,19 +75,31 @@ pub fn run(arguments: &Arguments) -> Result<Option<String>, Failure> {
         false => (&SCANS[..], &RESOLUTIONS[..]),
     };
     say(&format!("noise of the seed {SEED}"));
-    let mut script = Command::new(python);
-    // Without files of byte code beside the scripts.
-    script.arg("-B").arg(here.join("run.py")).arg(resolutions.join(","));
-    for (number, scan) in scans.iter().enumerate() {
-        let folder = default_folder("peers").join(number.to_string());
+    let is_complete = import(python, "vdbfusion").is_ok();
+    for scan in scans {
+        let name = scan.name();
+        let folder = default_folder("peers").join(&name);
         write(*scan, &folder)?;
-        script.arg(folder);
+        let table = score(python, &here.join("run.py"), &resolutions.join(","), &folder)?;
+        say(&table);
+        // A table without a program would differ from the documentation's.
+        if is_complete {
+            out.write(&name, &table)?;
+        }
     }
-    match script.status() {
-        Ok(status) if status.success() => Ok(None),
-        Ok(status) => Err(Failure::because(format!("xtask/peers/run.py: {status}"))),
-        Err(error) => Err(Failure::with_file(python, error)),
+    Ok(None)
+}
+
+/// The table of a scan's folder, by the script.
+fn score(python: &Path, script: &Path, shares: &str, folder: &Path) -> Result<String, Failure> {
+    // Without files of byte code beside the scripts.
+    let mut command = Command::new(python);
+    command.arg("-B").arg(script).arg(shares).arg(folder).stderr(Stdio::inherit());
+    let output = command.output().map_err(|error| Failure::with_file(python, error))?;
+    if !output.status.success() {
+        return Err(Failure::because(format!("xtask/peers/run.py: {}", output.status)));
     }
+    Ok(String::from_utf8_lossy(&output.stdout).trim_end().to_owned())
 }
 
 /// Why a Python cannot run the other programs, and what to do; `None` if it can.
@@ -101,7 +123,7 @@ fn import(python: &Path, modules: &str) -> Result<(), String> {
 }
 
 /// Writes a scan, as given and smoothed, and our curves without and with smoothing.
-fn write((name, views, noise): Scan, folder: &Path) -> Result<(), Failure> {
+fn write(Scan(name, views, noise): Scan, folder: &Path) -> Result<(), Failure> {
     eprintln!("{name}");
     let mut scene = trial::bundled(name)?;
     scene.description.noise.seed = SEED;

@@ -2,23 +2,16 @@
 
 pub mod charts;
 
+use super::output::Output;
 use super::trial;
 use crate::failure::Failure;
 use crate::table::say;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use transect_device::{Pixel, View};
 use transect_exchange::svg::{OverviewOptions, write_overview, write_points};
 use transect_exchange::write_file;
 use transect_geometry::Point3;
 use transect_workflow::simulation::{PreparedScene, SensorKind, SensorPlan};
-
-/// Options of `experiments pictures`.
-#[derive(Debug, clap::Args)]
-pub struct Arguments {
-    /// Folder to draw into.
-    #[arg(long, default_value = "docs/images/sensors", value_name = "DIR")]
-    out: PathBuf,
-}
 
 /// The sensors shown, each with its scene, and azimuth and elevation of the observer in degrees.
 const SHOWN: [(SensorKind, &str, (f64, f64)); 4] = [
@@ -33,9 +26,8 @@ const SHOWN: [(SensorKind, &str, (f64, f64)); 4] = [
 const POINTS: usize = 8000;
 
 /// Runs the experiment.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let out = &arguments.out;
-    std::fs::create_dir_all(out).map_err(|e| Failure::with_file(out, e))?;
+pub fn run(out: &Output) -> Result<(), Failure> {
+    let out = out.folder()?;
     for (kind, scene, view) in SHOWN {
         let scene = trial::bundled_without_noise(scene)?;
         scan_and_model(&scene, kind, view, out)?;

@@ -5,14 +5,15 @@
 //! angles and places about the middle of the part, from a fixed seed. A place errs by the angle
 //! times half the part's size.
 
-use super::pictures::charts::{FITTED, LIGHT, draw};
+use super::output::Output;
 use crate::failure::Failure;
-use crate::table::{digits, print_grid, say};
+use crate::table::{digits, say};
 use nalgebra::{Isometry3, Vector3};
-use plotters::prelude::*;
-use std::path::PathBuf;
 use transect::{Setup, Unwatched, reconstruct};
 use transect_device::View;
+use transect_exchange::svg::{Anchor, Figure, Mark};
+use transect_exchange::write_file;
+use transect_geometry::Point2;
 use transect_scene::{Description, Noise};
 use transect_workflow::simulation::{PreparedScene, SensorPlan, describe};
 use transect_workflow::{ScoreLimits, simulated_accuracy};
@@ -20,19 +21,19 @@ use transect_workflow::{ScoreLimits, simulated_accuracy};
 /// Options of `experiments poses`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// File for the chart.
-    #[arg(long, value_name = "FILE", default_value = "docs/images/poses.svg")]
-    chart: PathBuf,
+    /// Also four times the noise, and none.
+    #[arg(long)]
+    full: bool,
 }
 
 /// The scene.
-const SCENE: &str = "machined_part";
+pub const SCENE: &str = "machined_part";
 
 /// Standard deviations of the angle about each axis, in degrees.
 const DEGREES: [f64; 5] = [0.0, 0.02, 0.1, 0.5, 1.0];
 
-/// Range noise, as multiples of the scene's own.
-const NOISE: [f64; 3] = [0.0, 1.0, 4.0];
+/// Range noise, as multiples of the scene's own; without `--full` the first alone.
+const NOISE: [f64; 3] = [1.0, 0.0, 4.0];
 
 /// Every so many of the scene's views is used.
 const EVERY: [usize; 3] = [1, 2, 3];
@@ -44,10 +45,11 @@ const SEED: u64 = 20;
 type Errors = [[f64; 2]; 2];
 
 /// Runs the experiment.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
     let mut lines = Vec::new();
     let mut curves = [Vec::new(), Vec::new()];
-    for noise in NOISE {
+    let count = if arguments.full { NOISE.len() } else { 1 };
+    for &noise in &NOISE[..count] {
         let scene = PreparedScene::new(with_noise(noise)?)?;
         let all = scene.simulate(&SensorPlan::OWN)?.views;
         for every in EVERY {
@@ -56,7 +58,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
                 let errors = errors(&scene, &moved(&scene, &views, degrees)?)?;
                 if noise == 1.0 && every == 1 && degrees > 0.0 {
                     for (curve, [median, _]) in curves.iter_mut().zip(errors) {
-                        curve.push((degrees.log10(), median.log10()));
+                        curve.push([degrees, median]);
                     }
                 }
                 lines.push(line((noise, views.len(), degrees), &errors));
@@ -72,16 +74,55 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         "refined: median",
         "p95",
     ];
-    print_grid(&heads, &lines);
+    out.table("table", &heads, &lines)?;
     say("\nDistances in mm from the true sections.");
-    let heads = ("pose error [log10 of degrees]", "median section error [log10 of mm]");
-    draw(&arguments.chart, (-1.8..0.1, -3.0..0.5), heads, |chart| {
-        for (curve, colour) in curves.into_iter().zip([FITTED, LIGHT]) {
-            chart.draw_series(LineSeries::new(curve.clone(), colour.stroke_width(2)))?;
-            chart.draw_series(curve.into_iter().map(|p| Circle::new(p, 3, colour.filled())))?;
+    let figure = chart(&curves);
+    write_file(&out.folder()?.join("poses.svg"), |file| figure.write(file))?;
+    Ok(())
+}
+
+/// Size of the chart in pixels, and its logarithmic axes: degrees, and millimetres.
+const SIZE: [f64; 2] = [560.0, 380.0];
+const AXES: [[f64; 2]; 2] = [[0.014, 1.4], [0.0005, 2.0]];
+
+/// The median errors by the pose errors, as given and refined.
+fn chart(curves: &[Vec<[f64; 2]>; 2]) -> Figure {
+    let mut figure = Figure::new(
+        "What errors of poses cost",
+        "Median distance of the sections from the truth in mm, over the standard deviation of each \
+         pose's angles in degrees; all 11 views.",
+        [SIZE[0], SIZE[1] + 30.0],
+    );
+    let share = |axis: usize, value: f64| {
+        let [low, high] = AXES[axis];
+        (value / low).log10() / (high / low).log10()
+    };
+    let place =
+        |[x, y]: [f64; 2]| Point2::new(SIZE[0] * share(0, x), SIZE[1] * (1.0 - share(1, y)));
+    let [left, bottom] = [AXES[0][0], AXES[1][0]];
+    for y in [0.001, 0.01, 0.1, 1.0] {
+        let ends = [place([left, y]), place([AXES[0][1], y])];
+        figure.line(&ends, false, "stroke=\"#ddd\"");
+        let at = Point2::new(-6.0, ends[0].y + 5.0);
+        figure.text(at, Anchor::End, 14.0, "#222", &y.to_string());
+    }
+    for x in DEGREES.into_iter().filter(|degrees| *degrees > 0.0) {
+        let ends = [place([x, bottom]), place([x, AXES[1][1]])];
+        figure.line(&ends, false, "stroke=\"#ddd\"");
+        let at = Point2::new(ends[0].x, SIZE[1] + 20.0);
+        figure.text(at, Anchor::Middle, 14.0, "#222", &format!("{x}°"));
+    }
+    let names = [("#d55e00", "poses as given"), ("#0072b2", "poses refined")];
+    for (curve, (colour, name)) in curves.iter().zip(names) {
+        let points: Vec<Point2> = curve.iter().copied().map(place).collect();
+        let style = format!("fill=\"none\" stroke=\"{colour}\" stroke-width=\"2.5\"");
+        figure.line(&points, false, &style);
+        for at in points {
+            figure.circle(at, 5.0, &format!("fill=\"{colour}\""));
         }
-        Ok(())
-    })
+        figure.legend(Mark::Line(colour), name);
+    }
+    figure
 }
 
 /// The scene with a multiple of its own range noise.
@@ -97,11 +138,12 @@ fn with_noise(factor: f64) -> Result<Description, Failure> {
 
 fn line((noise, views, degrees): (f64, usize, f64), errors: &Errors) -> Vec<String> {
     let settings = [noise.to_string(), views.to_string(), degrees.to_string()];
-    settings.into_iter().chain(errors.iter().flatten().map(|error| digits(*error))).collect()
+    let error = |e: &f64| if e.is_finite() { digits(*e) } else { "∞".to_owned() };
+    settings.into_iter().chain(errors.iter().flatten().map(error)).collect()
 }
 
 /// The views with errors of their poses.
-fn moved(scene: &PreparedScene, views: &[View], degrees: f64) -> Result<Vec<View>, Failure> {
+pub fn moved(scene: &PreparedScene, views: &[View], degrees: f64) -> Result<Vec<View>, Failure> {
     let (angle, mut numbers) = (degrees.to_radians(), Normal(SEED));
     let middle = Isometry3::translation(0.0, 0.0, 15.0);
     let moved = views.iter().map(|view| {
@@ -113,7 +155,7 @@ fn moved(scene: &PreparedScene, views: &[View], degrees: f64) -> Result<Vec<View
     moved.collect()
 }
 
-fn errors(scene: &PreparedScene, views: &[View]) -> Result<Errors, Failure> {
+pub fn errors(scene: &PreparedScene, views: &[View]) -> Result<Errors, Failure> {
     let description = &scene.description;
     let mut setup = Setup::new(description.unit, description.planes.clone());
     let mut errors = Errors::default();

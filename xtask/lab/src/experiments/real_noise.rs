@@ -5,10 +5,11 @@
 //! 2. The planes are seen once more by the same sensor, with its noise model, and fitted again.
 //! 3. Both go through the same windows and the same test for flatness, so they share its bias.
 
+use super::output::Output;
 use super::trial;
 use crate::failure::Failure;
 use crate::statistics::{median, quantile};
-use crate::table::{digits, print_grid, say};
+use crate::table::{digits, say};
 use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, SymmetricEigen, UnitQuaternion};
 use std::path::PathBuf;
 use transect_device::{Pixel, View};
@@ -62,7 +63,7 @@ struct Patch {
 type Pair = (Patch, Patch);
 
 /// Runs the experiment, or tells why it is skipped.
-pub fn run(arguments: &Arguments) -> Result<Option<String>, Failure> {
+pub fn run(arguments: &Arguments, out: &Output) -> Result<Option<String>, Failure> {
     let folder = arguments.data.join("rgbd_redkitchen");
     if !folder.is_dir() {
         return Ok(Some(format!("{} is not there", folder.display())));
@@ -83,7 +84,7 @@ pub fn run(arguments: &Arguments) -> Result<Option<String>, Failure> {
         "simulated",
     ];
     let lines: Vec<_> = RANGES.windows(2).filter_map(|limits| line(&pairs, limits)).collect();
-    print_grid(&heads, &lines);
+    out.table("table", &heads, &lines)?;
     say(
         "\nSpread along the rays on flat patches: that of the flattest quarter and of half of them; \
          correlation of neighbours in a row.",

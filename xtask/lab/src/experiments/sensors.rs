@@ -1,8 +1,9 @@
 //! Accuracy of every sensor on every bundled scene, without noise, through the whole pipeline.
 
+use super::output::Output;
 use super::trial;
 use crate::failure::Failure;
-use crate::table::{digits, print_grid, say};
+use crate::table::{digits, say};
 use transect_scene::{BUNDLED_SCENES, SensorParameters};
 use transect_workflow::simulation::{PreparedScene, SensorKind, SensorPlan};
 
@@ -21,7 +22,7 @@ pub struct Arguments {
 }
 
 /// Runs the experiment.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
     let chosen = |name: &str| arguments.scene.as_ref().is_none_or(|s| s == name);
     let mut lines = Vec::new();
     for (name, _) in BUNDLED_SCENES.iter().filter(|(name, _)| chosen(name)) {
@@ -43,7 +44,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let heads =
         ["scene", "sensor", "views", "pixels", "median", "p95", "complete %", "oriented %", "unit"];
-    print_grid(&heads, &lines);
+    out.table("table", &heads, &lines)?;
     say("\nDistances from the true sections, noise-free, on what the views could see.");
     Ok(())
 }

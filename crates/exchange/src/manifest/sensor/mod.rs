@@ -25,7 +25,7 @@ use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use transect_device::Point3;
+use transect_device::{ImageOrder, Point3};
 use transect_sensors::{AngularScan, ImagingRadar, Intrinsics, PinholeScale, PointGrid, RayStarts};
 
 /// The sensors a manifest can name.
@@ -88,6 +88,12 @@ impl SensorEntry {
 pub(super) trait Sensor: fmt::Debug + Send + Sync {
     fn load(&self, file: &ViewFile, notes: &mut Vec<String>) -> Result<FramedImage, ReadError>;
 
+    /// Whether it reads images whose pixels are in another order. Grids of points do not: rows and
+    /// columns only tell which points are neighbours there, and so do exchanged ones.
+    fn reads(&self, _: ImageOrder) -> bool {
+        false
+    }
+
     /// The files behind a view's `file`: itself, or all images of a folder.
     fn image_files(&self, path: &Path) -> Result<Vec<PathBuf>, ReadError> {
         Ok(vec![path.to_owned()])
@@ -125,6 +131,11 @@ impl Sensor for Spherical {
         let radar = ImagingRadar::new(image.size(), self.theta, self.phi);
         let frame = Arc::new(radar.map_err(|e| file.bad_sensor(e))?);
         Ok(FramedImage { frame, image })
+    }
+
+    /// Exchanged angles are a transposed image.
+    fn reads(&self, order: ImageOrder) -> bool {
+        order != ImageOrder::SwappedCamera
     }
 }
 

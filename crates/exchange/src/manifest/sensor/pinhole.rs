@@ -19,7 +19,7 @@ use crate::{Place, ReadError, image_file};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use transect_device::{DeviceFrame, ImageSize, Vector3};
+use transect_device::{DeviceFrame, ImageOrder, ImageSize, Vector3};
 use transect_sensors::{Intrinsics, Pinhole, PinholeScale, RayTable};
 
 /// A depth camera in a manifest.
@@ -108,6 +108,11 @@ impl Sensor for PinholeSensor {
         }
     }
 
+    /// The tables of bent rays belong to the camera's numbers as they are.
+    fn reads(&self, order: ImageOrder) -> bool {
+        order != ImageOrder::SwappedCamera || matches!(self.lens, Lens::Straight(_))
+    }
+
     fn load(&self, file: &ViewFile, notes: &mut Vec<String>) -> Result<FramedImage, ReadError> {
         let image = file.load_image(notes)?;
         let size = image.size();
@@ -116,7 +121,10 @@ impl Sensor for PinholeSensor {
             Ok(camera.with_scale(self.holds))
         };
         let frame: Arc<dyn DeviceFrame> = match &self.lens {
-            Lens::Straight(intrinsics) => Arc::new(straight(*intrinsics)?),
+            Lens::Straight(numbers) => Arc::new(straight(match file.order {
+                Some(ImageOrder::SwappedCamera) => swapped(*numbers),
+                _ => *numbers,
+            })?),
             Lens::Distorted(intrinsics, distortion) => {
                 straight(*intrinsics)?;
                 let make = || self.distorted(file, size, *intrinsics, *distortion);
@@ -126,6 +134,11 @@ impl Sensor for PinholeSensor {
         };
         Ok(FramedImage { frame, image })
     }
+}
+
+/// The numbers for columns in place of those for rows, and the reverse.
+fn swapped(Intrinsics { fx, fy, cx, cy }: Intrinsics) -> Intrinsics {
+    Intrinsics { fx: fy, fy: fx, cx: cy, cy: cx }
 }
 
 impl PinholeSensor {

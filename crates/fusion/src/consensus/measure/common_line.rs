@@ -101,19 +101,29 @@ pub(super) fn averaged_view_error(beads: &[Bead]) -> f64 {
 /// The beads, each moved onto the line through those around it.
 pub(super) fn on_common_lines(beads: &[Bead], views: usize, reach: &Reach) -> Vec<Bead> {
     let Reach { along: reach, across, same_way } = *reach;
-    let places: Vec<Point2> = beads.iter().map(|bead| bead.position).collect();
-    let grid = PointGrid::new(&places, reach);
+    let grid = |beads: &[Bead]| {
+        let places: Vec<Point2> = beads.iter().map(|bead| bead.position).collect();
+        PointGrid::new(&places, reach)
+    };
+    // Beads in the order of the grid's cells lie in memory as they are gathered.
+    let order: Vec<usize> = grid(beads).order().collect();
+    let sorted: Vec<Bead> = order.iter().map(|&k| beads[k]).collect();
+    let mut result = beads.to_vec();
+    let (beads, grid) = (&sorted, grid(&sorted));
     let (mut of_view, mut met) = (vec![Sums::default(); views], Vec::new());
-    let moved = |bead: &Bead| {
+    let mut moved = |bead: &Bead| {
         let (centre, tangent) = (bead.position, bead.tangent);
         let window = Window { centre, tangent, reach, across, same_way };
-        let tangent_of = |k: usize| beads[k].tangent;
-        window.visit(&grid, tangent_of, |k, x, y| {
-            let sums = &mut of_view[beads[k].view as usize];
-            if sums.length == 0.0 {
-                met.push(beads[k].view);
+        window.visit(&grid, |k, x, y| {
+            let there = &beads[k];
+            if !window.goes_along(&there.tangent) {
+                return;
             }
-            sums.add((1.0 - x.abs() / reach) * beads[k].length, x, y);
+            let sums = &mut of_view[there.view as usize];
+            if sums.length == 0.0 {
+                met.push(there.view);
+            }
+            sums.add((1.0 - x.abs() / reach) * there.length, x, y);
         });
         let (mut common, mut squared_shares) = (Sums::default(), 0.0);
         let own = of_view[bead.view as usize];
@@ -135,7 +145,10 @@ pub(super) fn on_common_lines(beads: &[Bead], views: usize, reach: &Reach) -> Ve
             ..*bead
         }
     };
-    beads.iter().map(moved).collect()
+    for (k, bead) in order.into_iter().zip(beads) {
+        result[k] = moved(bead);
+    }
+    result
 }
 
 /// Weighted sums for a line y(x) through beads; the weights are lengths.

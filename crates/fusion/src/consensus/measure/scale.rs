@@ -30,7 +30,7 @@ impl Scale {
         let sigma = median(observations.all.iter().map(|o| o.sigma));
         let same_way = options.direction_limit_rad.cos();
         // A single view does not show the spread between views; its own error has to do.
-        let measured = Search { observations, grid, options }.spread_between_views();
+        let measured = Search::new(observations, grid, options).spread_between_views();
         let own = Spread { between_views: sigma, view_error: ViewError::default() };
         let measured = measured.unwrap_or(own);
         let least = (LEAST_SIGMAS * sigma).max(LEAST_FOOTPRINTS * spacing);

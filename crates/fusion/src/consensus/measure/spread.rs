@@ -26,12 +26,23 @@ pub(super) fn search_distance(here: &Observation) -> f64 {
 
 /// What the search for other views needs.
 pub(super) struct Search<'a> {
-    pub observations: &'a Observations,
-    pub grid: &'a PointGrid,
-    pub options: &'a ConsensusOptions,
+    observations: &'a Observations,
+    /// The view of each observation: most that lie around a node are told by it alone.
+    views: Vec<u32>,
+    grid: &'a PointGrid,
+    options: &'a ConsensusOptions,
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    pub fn new(
+        observations: &'a Observations,
+        grid: &'a PointGrid,
+        options: &'a ConsensusOptions,
+    ) -> Self {
+        let views = observations.all.iter().map(|o| o.view).collect();
+        Self { observations, views, grid, options }
+    }
+
     /// The spread between views; `None` where no two views overlap.
     ///
     /// The search begins nearby, since views usually lie close to each other. It grows until the
@@ -94,15 +105,18 @@ impl Search<'_> {
     fn pair_with_another_view(&self, k: usize, share: f64) -> Option<Pair> {
         let here = &self.observations.all[k];
         let same_way = self.options.direction_limit_rad.cos();
+        // The view with the lowest number is drawn. The node's own has none.
+        let number = |view: u32| mixed((k as u64) << 32 | u64::from(view));
+        let views = 0..self.observations.sources.len() as u32;
+        let numbers: Vec<Option<u64>> =
+            views.map(|view| (view != here.view).then(|| number(view))).collect();
         let (mut drawn, mut along, mut pair) = (u64::MAX, f64::INFINITY, None);
         self.grid.within(&here.position, share * search_distance(here), |j, d| {
-            let there = &self.observations.all[j];
-            if there.view == here.view || there.tangent.dot(&here.tangent) < same_way {
+            let Some(number) = numbers[self.views[j] as usize].filter(|n| *n <= drawn) else {
                 return;
-            }
-            // The view with the lowest number is drawn.
-            let number = mixed((k as u64) << 32 | u64::from(there.view));
-            if number > drawn {
+            };
+            let there = &self.observations.all[j];
+            if there.tangent.dot(&here.tangent) < same_way {
                 return;
             }
             let how_far = d.dot(&there.tangent).abs();

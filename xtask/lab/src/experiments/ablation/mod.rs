@@ -5,6 +5,7 @@ mod crossings;
 mod sets;
 mod worth;
 
+use super::output::Output;
 use crate::failure::Failure;
 use crate::table::say;
 use sets::{Set, Source, Sources};
@@ -19,8 +20,8 @@ use worth::{Figures, Worth};
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// Folder with data/stanford_bunny and data/rgbd_redkitchen.
-    #[arg(long, default_value = "../shared", value_name = "DIR")]
-    shared: PathBuf,
+    #[arg(long, value_name = "DIR")]
+    shared: Option<PathBuf>,
     /// Folder of the sets that other programs are compared on.
     #[arg(long, value_name = "DIR")]
     peers: Option<PathBuf>,
@@ -33,8 +34,9 @@ pub struct Arguments {
 }
 
 /// Runs the experiment.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let sources = Sources { shared: &arguments.shared, peers: arguments.peers.as_deref() };
+pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
+    let sources =
+        Sources { shared: arguments.shared.as_deref(), peers: arguments.peers.as_deref() };
     let mut worth = Worth::default();
     for source in sources.list()? {
         if arguments.set.as_ref().is_some_and(|s| !source.name.contains(s.as_str())) {
@@ -43,7 +45,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         eprintln!("{}", source.name);
         measure(&source, arguments, &mut worth)?;
     }
-    worth.print();
+    worth.print(out)?;
     say(
         "\nA figure is the change if the step is left out, in per cent: positive is worse. Median and p95 of the \
          distance, completeness, and time change relative to all steps. Loops lost and crossings added count per \

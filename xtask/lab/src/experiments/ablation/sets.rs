@@ -28,7 +28,7 @@ const SIZE_SHARE: f64 = 0.002;
 
 /// Where sets come from.
 pub struct Sources<'a> {
-    pub shared: &'a Path,
+    pub shared: Option<&'a Path>,
     pub peers: Option<&'a Path>,
 }
 
@@ -55,7 +55,8 @@ impl Sources<'_> {
         // The mask and the jug of the true-size scanners repeat what the other scenes hold.
         let other = |(name, _): &(&str, _)| !["hyscan_mask", "smart_eye_jug"].contains(name);
         let mut list: Vec<_> = BUNDLED_SCENES.into_iter().filter(other).map(bundled).collect();
-        let data = |name: &str| Some(self.shared.join("data").join(name)).filter(|d| d.is_dir());
+        let data =
+            |name: &str| self.shared.map(|s| s.join("data").join(name)).filter(|d| d.is_dir());
         let scan = data("stanford_bunny");
         list.extend(scan.map(|folder| Source::new("bunny", move |m| bunny(&folder, m))));
         let scan = data("rgbd_redkitchen");

@@ -1,7 +1,9 @@
 //! What a step is worth, from the figures with and without it.
 
+use super::super::output::Output;
+use crate::failure::Failure;
 use crate::statistics::median;
-use crate::table::{digits, print_grid, say};
+use crate::table::{digits, say};
 use std::collections::BTreeMap;
 use transect::evaluate::Accuracy;
 
@@ -51,6 +53,7 @@ impl Figures {
         ]
     }
 
+    /// The cells of a set, without its time.
     fn line(&self, set: &str) -> Vec<String> {
         let count = |x: f64| format!("{x:.0}");
         vec![
@@ -61,7 +64,6 @@ impl Figures {
             count(self.closed),
             count(self.open),
             count(self.crossings),
-            format!("{:.3}", self.seconds),
         ]
     }
 }
@@ -93,15 +95,24 @@ impl Worth {
         }
     }
 
-    /// Prints the figures with all steps, and what each step is worth.
-    pub fn print(&self) {
-        let heads =
-            ["set", "median", "p95", "completeness", "loops", "open", "crossings", "seconds"];
-        let full = |set: &String| self.full.get(set).map(|f| f.line(set));
-        print_grid(&heads, &self.sets.iter().filter_map(full).collect::<Vec<_>>());
+    /// Prints the figures with all steps, what each step is worth, and the times of both.
+    pub fn print(&self, out: &Output) -> Result<(), Failure> {
+        let heads = ["set", "median", "p95", "completeness", "loops", "open", "crossings"];
+        let full: Vec<_> =
+            self.sets.iter().filter_map(|set| Some((set, self.full.get(set)?))).collect();
+        out.table("sets", &heads, &full.iter().map(|(set, f)| f.line(set)).collect::<Vec<_>>())?;
         say("");
-        let lines: Vec<_> = self.order.iter().map(|step| self.line(step)).collect();
-        print_grid(&[&["step"], COLUMNS.as_slice()].concat(), &lines);
+        let mut lines: Vec<_> = self.order.iter().map(|step| self.line(step)).collect();
+        let of_sets =
+            full.iter().map(|(set, f)| vec![(*set).clone(), format!("{:.3} s", f.seconds)]);
+        let of_steps = lines.iter_mut().map(|line| {
+            let time = line.pop().unwrap_or_default();
+            vec![line[0].clone(), format!("{time} %")]
+        });
+        let times: Vec<_> = of_sets.chain(of_steps).collect();
+        out.table("steps", &[&["step"], &COLUMNS[..COLUMNS.len() - 1]].concat(), &lines)?;
+        say("");
+        out.times(&["set, or step left out", "time"], &times)
     }
 
     fn line(&self, step: &'static str) -> Vec<String> {

@@ -4,9 +4,10 @@
 //! on each. The first view's curves take the place of the fused curves: the time of fusion is
 //! measured elsewhere.
 
+use super::super::output::Output;
 use crate::failure::Failure;
 use crate::statistics::median;
-use crate::table::{Row, digits, print, say};
+use crate::table::{Row, digits, say};
 use std::path::Path;
 use std::time::Instant;
 use transect_geometry::{
@@ -23,7 +24,7 @@ const NODES_PER_CURVE: usize = 1000;
 const INTERVAL: f64 = 0.01;
 
 /// Runs the experiment.
-pub fn run(folder: &Path, planes: i64) -> Result<(), Failure> {
+pub fn run(folder: &Path, planes: i64, out: &Output) -> Result<(), Failure> {
     say("A store along a corridor: every view touches 40 planes of 5000 nodes\n");
     let path = folder.join(format!("transect-large-{}.store", std::process::id()));
     let rows = build(&path, planes).and_then(|mut rows| {
@@ -34,8 +35,8 @@ pub fn run(folder: &Path, planes: i64) -> Result<(), Failure> {
     // The files are large and not needed any more, also after a failure.
     let _ = std::fs::remove_file(&path);
     let _ = std::fs::remove_file(path.with_extension("copy"));
-    print(&rows?);
-    Ok(())
+    let cells = |row: Row| vec![row.metric, row.value, row.unit];
+    out.times(&["step", "value", "unit"], &rows?.into_iter().map(cells).collect::<Vec<_>>())
 }
 
 fn header() -> Result<StoreHeader, Failure> {

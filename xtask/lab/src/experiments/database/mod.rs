@@ -4,6 +4,7 @@ mod large;
 mod solids;
 mod space;
 
+use super::output::Output;
 use super::trial;
 use crate::failure::Failure;
 use transect_device::View;
@@ -35,17 +36,17 @@ enum Part {
 }
 
 /// Runs the experiments.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
     let asked = |part| arguments.part.is_none_or(|only| only == part);
     if asked(Part::Solids) {
-        solids::run()?;
+        solids::run(out)?;
     }
     if asked(Part::Space) {
-        space::run()?;
+        space::run(out)?;
     }
     if asked(Part::Large) {
         let folder = arguments.folder.clone().unwrap_or_else(std::env::temp_dir);
-        large::run(&folder, arguments.planes)?;
+        large::run(&folder, arguments.planes, out)?;
     }
     Ok(())
 }

@@ -1,9 +1,10 @@
 //! Areas and volumes of simulated solids against the exact ones, by interval.
 
+use super::super::output::Output;
 use super::super::trial;
 use super::{STATIONS, surround};
 use crate::failure::Failure;
-use crate::table::{digits, print_grid, say};
+use crate::table::{digits, say};
 use std::f64::consts::PI;
 use transect_geometry::{LengthUnit, PlaneFamily};
 use transect_model::{Model, Volume};
@@ -50,7 +51,7 @@ fn solids() -> [Solid; 4] {
 }
 
 /// Runs the experiment.
-pub fn run() -> Result<(), Failure> {
+pub fn run(out: &Output) -> Result<(), Failure> {
     say(&format!("Areas and volumes of solids seen by {STATIONS} cameras, without noise\n"));
     let mut lines = Vec::new();
     for solid in solids() {
@@ -67,7 +68,7 @@ pub fn run() -> Result<(), Failure> {
     }
     let heads =
         ["solid", "interval, mm", "open curves", "area off, %", "volume off, %", "bound, %"];
-    print_grid(&heads, &lines);
+    out.table("solids", &heads, &lines)?;
     say(
         "\nArea: sum of the differences from the exact areas over their sum. Volume: from the exact one, the worst of four places of the planes;\n\
          bound: the least of what the models say that the volume is off at most, from the interval.\n",

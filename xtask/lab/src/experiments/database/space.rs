@@ -1,9 +1,10 @@
 //! Inside, outside or unknown: the answers for many points whose truth is known.
 
+use super::super::output::Output;
 use super::super::trial;
 use super::{Surrounded, footprint, surround};
 use crate::failure::Failure;
-use crate::table::{digits, print_grid, say};
+use crate::table::{digits, say};
 use transect_device::{Pixel, View};
 use transect_geometry::{Point3, Vector3};
 use transect_model::{Location, ModelIndex};
@@ -33,7 +34,7 @@ struct Tally {
 }
 
 /// Runs the experiment.
-pub fn run() -> Result<(), Failure> {
+pub fn run(out: &Output) -> Result<(), Failure> {
     say(&format!("Inside or outside, {POINTS} points\n"));
     // Where two samples see a surface under 60°, they lie two footprints apart.
     let sampling = 2.0 * footprint();
@@ -51,7 +52,7 @@ pub fn run() -> Result<(), Failure> {
         "sampling error",
         "wrong beyond it",
     ];
-    print_grid(&heads, &lines);
+    out.table("space", &heads, &lines)?;
     say("");
     let beyond: usize = tallies.iter().map(|tally| tally.wrong_beyond_sampling).sum();
     if beyond == 0 {

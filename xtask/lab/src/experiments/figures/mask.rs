@@ -3,8 +3,9 @@
 //! The dissertation's methods and today's defaults get the same eight views of the line scanner at
 //! its true size. One section of each result is drawn beside the other, with its error enlarged.
 
+use super::super::output::Output;
 use crate::failure::Failure;
-use crate::table::{digits, print_grid, say};
+use crate::table::{digits, say};
 use transect::evaluate::Accuracy;
 use transect::{Reconstruction, Setup};
 use transect_device::View;
@@ -70,7 +71,7 @@ impl Growth {
     }
 
     /// Prints the table.
-    pub fn print(&self) {
+    pub fn print(&self, out: &Output) -> Result<(), Failure> {
         let heads = [
             "view",
             "length, mm",
@@ -87,9 +88,10 @@ impl Growth {
             "gaps",
             "gaps, mm",
         ];
-        print_grid(&heads, &self.lines);
+        out.table("growth", &heads, &self.lines)?;
         say("\nThe model after each view: planes of cases 1 to 3 (5.2.2), merged pairs and their \
              patterns (Figure 5.7), pairs that the rules refuse, and gaps that are left.\n");
+        Ok(())
     }
 }
 
@@ -108,7 +110,7 @@ impl Judged<'_> {
     ///
     /// # Errors
     /// [`Failure`] if a model cannot be scored.
-    pub fn print(&self) -> Result<(), Failure> {
+    pub fn print(&self, out: &Output) -> Result<(), Failure> {
         let line = |(name, model): &(&'static str, Model)| -> Result<Vec<String>, Failure> {
             let (views, limits) = (self.views.to_vec(), ScoreLimits::default());
             let found = simulated_accuracy(model, &self.scene.truth, views, &limits)?;
@@ -125,7 +127,7 @@ impl Judged<'_> {
             "off the truth %",
             "curves",
         ];
-        print_grid(&heads, &lines?);
+        out.table("methods", &heads, &lines?)?;
         say("\nDistances from the true sections, on what the views could see.");
         Ok(())
     }

@@ -4,14 +4,14 @@
 //! the true surface normal and the section plane: 0° where the plane cuts the surface upright, 90°
 //! where it touches it.
 
+use super::super::output::Output;
 use super::chart;
 use super::error::{NodeError, figures};
 use super::surface::{Surface, surfaces};
 use crate::failure::Failure;
-use crate::table::{print_grid, say};
+use crate::table::say;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use transect_device::View;
 use transect_geometry::{Curve, PlaneFamily, PlaneIndex, StraightGuide, Vector3};
 use transect_partial::dissertation::DissertationOptions;
@@ -45,40 +45,59 @@ pub struct Arguments {
     /// Rows and columns of the camera.
     #[arg(long, default_value_t = 256, value_name = "NUMBER")]
     size: usize,
-    /// File for the chart of the error by angle, with the noise of 0.1 %.
-    #[arg(long, value_name = "FILE", default_value = "docs/images/angles.svg")]
-    chart: PathBuf,
+    /// Also the other subpixel solutions.
+    #[arg(long)]
+    full: bool,
 }
 
-/// Prints the table, one part for each noise, and draws the chart.
-pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+/// Prints the table, one part for each noise, and the medians of the default method, and draws the
+/// chart.
+pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
     let surfaces = surfaces()?;
-    let of_default = |surface: &Surface| -> Result<_, Failure> {
-        let view = surface.view(NOISE[1], arguments.size)?;
-        let method = Method::OnePass(OnePassOptions::default());
-        Ok((surface.name, errors(surface, &view, &cuts(surface)?, &method)?))
-    };
-    let of_default: Vec<_> = surfaces.iter().map(of_default).collect::<Result<_, _>>()?;
-    chart::growth(&arguments.chart, &of_default)?;
+    chart(&surfaces, arguments, out)?;
+    let mut medians: Vec<_> = surfaces.iter().map(|s| vec![s.name.to_owned()]).collect();
     for sigma in NOISE {
         say(&format!("\nNoise of {:.1} % of the solids' size:\n", 100.0 * sigma));
-        let lines = surfaces.iter().map(|surface| lines(surface, sigma, arguments.size));
+        let lines = surfaces.iter().map(|surface| lines(surface, sigma, arguments));
         let lines: Vec<_> = lines.collect::<Result<_, _>>()?;
         let angles = ANGLES.windows(2).map(|a| format!("{:.0}° to {:.0}°", a[0], a[1]));
         let heads: Vec<String> =
             ["surface", "method", "all"].map(str::to_owned).into_iter().chain(angles).collect();
         let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
-        print_grid(&heads, &lines.concat());
+        out.table(&format!("noise-{sigma}"), &heads, &lines.concat())?;
+        // The first line is that of the default method. Its figures for all angles begin with the
+        // median.
+        let all = lines.iter().filter_map(|of_surface| of_surface.first()?.get(2));
+        let of_all = all.filter_map(|cell| cell.split(" / ").next());
+        medians.iter_mut().zip(of_all).for_each(|(line, median)| line.push(median.to_owned()));
     }
+    say("\nMedians of the default method over all angles:\n");
+    let [none, some, more] = NOISE.map(|sigma| format!("noise of {} %", 100.0 * sigma));
+    out.table("medians", &["surface", &none, &some, &more], &medians)?;
     say(
         "\nMedian / 95 % / bias (positive outside) in thousandths of the size / predicted over observed σ, by angle between surface normal and plane.",
     );
     Ok(())
 }
 
+/// Draws the chart of the default method.
+fn chart(surfaces: &[Surface], arguments: &Arguments, out: &Output) -> Result<(), Failure> {
+    let of_default = |surface: &Surface| -> Result<_, Failure> {
+        let view = surface.view(NOISE[1], arguments.size)?;
+        let method = Method::OnePass(OnePassOptions::default());
+        Ok((surface.name, errors(surface, &view, &cuts(surface)?, &method)?))
+    };
+    let of_default: Vec<_> = surfaces.iter().map(of_default).collect::<Result<_, _>>()?;
+    chart::growth(&out.folder()?.join("angles.svg"), &of_default)
+}
+
 /// The lines of a surface, one for each method.
-fn lines(surface: &Surface, sigma: f64, size: usize) -> Result<Vec<Vec<String>>, Failure> {
-    let view = surface.view(sigma, size)?;
+fn lines(
+    surface: &Surface,
+    sigma: f64,
+    arguments: &Arguments,
+) -> Result<Vec<Vec<String>>, Failure> {
+    let view = surface.view(sigma, arguments.size)?;
     let cuts = cuts(surface)?;
     let line = |(name, method): (String, Method)| -> Result<_, PartialError> {
         let errors = errors(surface, &view, &cuts, &method)?;
@@ -90,7 +109,7 @@ fn lines(surface: &Surface, sigma: f64, size: usize) -> Result<Vec<Vec<String>>,
         }));
         Ok(line)
     };
-    Ok(methods(sigma > 0.0).into_par_iter().map(line).collect::<Result<_, _>>()?)
+    Ok(methods(sigma > 0.0, arguments.full).into_par_iter().map(line).collect::<Result<_, _>>()?)
 }
 
 fn cuts(surface: &Surface) -> Result<Vec<Cut>, Failure> {
@@ -104,8 +123,9 @@ fn cut(surface: &Surface, normal: &[f64; 3]) -> Result<Cut, Failure> {
     Ok(Cut { planes, truth })
 }
 
-/// Both methods with every subpixel solution; with noise, the default also without smoothing.
-fn methods(noisy: bool) -> Vec<(String, Method)> {
+/// Both methods with the subpixel solutions that differ, or with all of them. With noise, the
+/// default also without smoothing.
+fn methods(noisy: bool, full: bool) -> Vec<(String, Method)> {
     let one_pass = Subpixel::ALL.map(|subpixel| {
         let mut options = OnePassOptions::default();
         options.subpixel = subpixel;
@@ -119,7 +139,10 @@ fn methods(noisy: bool) -> Vec<(String, Method)> {
     let mut plain = OnePassOptions::default();
     plain.smooth = false;
     let plain = noisy.then(|| ("one_pass, not smoothed".to_owned(), Method::OnePass(plain)));
-    one_pass.into_iter().chain(dissertation).chain(plain).collect()
+    let few = ["one_pass, cartesian", "one_pass, four_point", "dissertation, cartesian"];
+    let by_subpixel = one_pass.into_iter().chain(dissertation);
+    let chosen = by_subpixel.filter(|(name, _)| full || few.contains(&name.as_str()));
+    chosen.chain(plain).collect()
 }
 
 /// The nodes' errors on planes in several directions.

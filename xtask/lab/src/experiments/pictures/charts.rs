@@ -12,8 +12,8 @@ use transect_workflow::simulation::{PlacedInstrument, PreparedScene, stripe_came
 
 const SIZE: (u32, u32) = (900, 420);
 const INK: RGBColor = RGBColor(34, 34, 34);
-pub const LIGHT: RGBColor = RGBColor(70, 110, 160);
-pub const FITTED: RGBColor = RGBColor(200, 60, 40);
+const LIGHT: RGBColor = RGBColor(70, 110, 160);
+const FITTED: RGBColor = RGBColor(200, 60, 40);
 
 /// The intensities of a camera row around its stripe, and the template in its best place.
 pub fn stripe_row(

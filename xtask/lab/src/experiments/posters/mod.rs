@@ -1,0 +1,64 @@
+//! Posters: what the system does, drawn from its own results on the bundled scenes.
+
+mod mask;
+mod part;
+mod poses;
+mod projection;
+mod room;
+mod tunnel;
+
+use super::output::Output;
+use super::trial;
+use crate::failure::Failure;
+use crate::table::say;
+use std::path::Path;
+use transect_exchange::svg::{Figure, OverviewOptions, write_overview};
+use transect_exchange::write_file;
+use transect_workflow::simulation::SensorPlan;
+
+/// Colours of views, after Okabe and Ito: readable for the colour-blind, too.
+const VIEWS: [&str; 4] = ["#0072b2", "#d55e00", "#009e73", "#b5509c"];
+
+/// Lines and texts.
+const INK: &str = "#222222";
+/// Lines and texts that stand back.
+const FAINT: &str = "#8a8a8a";
+/// The solid side of closed curves.
+const SOLID: &str = "#dfe6ea";
+
+/// Colours from the lowest to the highest station.
+const RAMP: [&str; 8] =
+    ["#440154", "#46327f", "#365c8d", "#277f8e", "#1fa187", "#4ac26d", "#7ad151", "#9fc928"];
+
+/// Draws a poster.
+type Draw = fn() -> Result<Figure, Failure>;
+
+/// The posters by name.
+const POSTERS: [(&str, Draw); 5] = [
+    ("room", room::draw),
+    ("part", part::draw),
+    ("mask", mask::draw),
+    ("tunnel", tunnel::draw),
+    ("poses", poses::draw),
+];
+
+/// Runs the experiment.
+pub fn run(out: &Output) -> Result<(), Failure> {
+    for (name, draw) in POSTERS {
+        let figure = draw()?;
+        let file = out.folder()?.join(name).with_extension("svg");
+        write_file(&file, |out| figure.write(out))?;
+        say(&file.display().to_string());
+    }
+    overview(&out.folder()?.join("overview.svg"))
+}
+
+/// The overview of the bundled room, as `reconstruct` draws it.
+fn overview(file: &Path) -> Result<(), Failure> {
+    let scene = trial::bundled("room")?;
+    let model = trial::run(&scene, &SensorPlan::OWN)?.model;
+    let mut options = OverviewOptions::default();
+    options.title.clone_from(&scene.description.name);
+    write_file(file, |out| write_overview(&model, &options, out))?;
+    Ok(())
+}
