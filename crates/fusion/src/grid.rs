@@ -120,12 +120,7 @@ impl PointGrid {
     }
 
     /// The same by runs of points: those of a row of cells lie one after another.
-    pub fn runs_around(
-        &self,
-        centre: &Point2,
-        half: &Vector2,
-        mut visit: impl FnMut(&[Numbered]),
-    ) {
+    pub fn runs_around(&self, centre: &Point2, half: &Vector2, mut visit: impl FnMut(&[Numbered])) {
         let d = centre - self.origin;
         let (first, last) = (self.cell(&(d - half)), self.cell(&(d + half)));
         let (columns, rows) = (u64::from(last.0 - first.0) + 1, u64::from(last.1 - first.1) + 1);
