@@ -79,11 +79,25 @@ impl Eye {
         Some(Sight { number, way: from(start), second })
     }
 
+    fn centre(&self) -> Option<Vector> {
+        self.centre.map(|centre| parry::point(&centre))
+    }
+
     /// Whether an end or the middle of a group is in the image.
     fn looks_at(&self, group: &[Point3]) -> bool {
         let samples = [group.first(), group.get(group.len() / 2), group.last()];
         samples.into_iter().flatten().any(|point| pixel(&self.view, point).is_some())
     }
+}
+
+/// How a view sees the middle of a group of points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Glance {
+    Seen,
+    /// One triangle hides the whole group.
+    Hidden,
+    /// Not in the image, hidden or seen too obliquely; other points may be seen.
+    Unknown,
 }
 
 /// The ways to a point of the surface from where a view sees it.
@@ -116,20 +130,42 @@ impl Visibility {
     pub fn sees(&self, in_world: &[Point3]) -> Vec<bool> {
         let mut seen = vec![false; in_world.len()];
         let bounds = Aabb::from_points(in_world.iter().map(parry::point));
+        let middle = in_world.get(in_world.len() / 2);
+        let mut hidden = Vec::with_capacity(self.eyes.len());
         // Mostly, a view that sees the middle of a group sees all of it.
-        let middle = in_world.get(in_world.len() / 2).copied();
-        let sees_middle = |eye: &&Eye| {
-            let mut seen = [false];
-            self.look(eye, middle.as_slice(), &mut seen);
-            seen == [true]
-        };
-        let first = self.eyes.iter().find(sees_middle);
-        for eye in first.into_iter().chain(&self.eyes) {
-            if seen.contains(&false) && !(eye.looks_at(in_world) && self.hides(eye, &bounds)) {
+        let first = self.eyes.iter().position(|eye| {
+            let found = middle.map(|point| self.glance(eye, point, &bounds));
+            hidden.push(found == Some(Glance::Hidden));
+            found == Some(Glance::Seen)
+        });
+        let others = (0..self.eyes.len()).filter(|k| Some(*k) != first);
+        for k in first.into_iter().chain(others) {
+            let Some(eye) = self.eyes.get(k).filter(|_| seen.contains(&false)) else { break };
+            let is_hidden = hidden.get(k).is_some_and(|hidden| *hidden)
+                || eye.looks_at(in_world) && self.hides(eye, &bounds);
+            if !is_hidden {
                 self.look(eye, in_world, &mut seen);
             }
         }
         seen
+    }
+
+    /// How a view sees the middle of a group within a box.
+    fn glance(&self, eye: &Eye, middle: &Point3, bounds: &Aabb) -> Glance {
+        let Some(sight) = eye.sight(0, middle) else { return Glance::Unknown };
+        let mut around = self.around(std::iter::once(&sight.way));
+        let Some(cosine) = cosine_at_end(&sight.way, &mut around) else {
+            // Mostly, what hides the middle hides all.
+            let blocker = around.first().zip(eye.centre());
+            let hides = blocker.is_some_and(|(triangle, centre)| hides(triangle, centre, bounds));
+            return if hides { Glance::Hidden } else { Glance::Unknown };
+        };
+        let is_watched = |way: &Ray| {
+            let mut around = self.around(std::iter::once(way));
+            cosine_at_end(way, &mut around).is_some()
+        };
+        let is_seen = cosine > self.least_cosine && sight.second.as_ref().is_none_or(is_watched);
+        if is_seen { Glance::Seen } else { Glance::Unknown }
     }
 
     /// Marks the points that a view sees.
@@ -157,18 +193,10 @@ impl Visibility {
 
     /// Whether one triangle hides a box from a view.
     fn hides(&self, eye: &Eye, bounds: &Aabb) -> bool {
-        let Some(centre) = eye.centre.map(|centre| parry::point(&centre)) else { return false };
-        let blocks = |triangle: &Triangle, end: Vector| {
-            let way = Ray::new(centre, end - centre);
-            triangle.cast_local_ray(&way, 1.0 - REACHED, false).is_some()
-        };
-        let corners = bounds.vertices();
+        let Some(centre) = eye.centre() else { return false };
         let middle = WorldRay::new(centre, bounds.center() - centre);
         let mut leaves = self.surface.bvh().leaves(|n| middle.box_entry(n.mins(), n.maxs()) <= 1.0);
-        leaves.any(|leaf| {
-            let triangle = self.surface.triangle(leaf);
-            blocks(&triangle, bounds.center()) && corners.iter().all(|c| blocks(&triangle, *c))
-        })
+        leaves.any(|leaf| hides(&self.surface.triangle(leaf), centre, bounds))
     }
 
     /// The triangles that neighbouring ways can meet.
@@ -187,8 +215,19 @@ impl Visibility {
         let leaves = self.surface.bvh().leaves(|node| {
             ray.box_entry(node.mins() - thick, node.maxs() + thick) <= 1.0 + REACHED
         });
-        leaves.map(|leaf| self.surface.triangle(leaf)).collect()
+        let mut found = Vec::with_capacity(4 * BUNDLE);
+        found.extend(leaves.map(|leaf| self.surface.triangle(leaf)));
+        found
     }
+}
+
+/// Whether a triangle hides a box from a place.
+fn hides(triangle: &Triangle, centre: Vector, bounds: &Aabb) -> bool {
+    let blocks = |end: Vector| {
+        let way = Ray::new(centre, end - centre);
+        triangle.cast_local_ray(&way, 1.0 - REACHED, false).is_some()
+    };
+    blocks(bounds.center()) && bounds.vertices().iter().all(|corner| blocks(*corner))
 }
 
 /// The pixel of the image that a point projects to.
@@ -227,7 +266,8 @@ mod tests {
     use crate::test_frames::SheetOfLight;
     use crate::{Noise, Scene, Shape, Solid};
     use std::sync::Arc;
-    use transect_device::{ImageSize, Isometry3};
+    use transect_device::{DeviceFrame, ImageSize, Isometry3};
+    use transect_sensors::{Intrinsics, Pinhole};
 
     #[test]
     fn what_the_camera_of_a_triangulation_sensor_cannot_see_is_not_seen() {
@@ -248,5 +288,45 @@ mod tests {
         }
         assert!(sees(2.0, 8.0));
         assert!(!sees(3.5, 10.0), "shadow of the laser");
+    }
+
+    #[test]
+    fn groups_are_seen_as_a_search_of_all_triangles_for_each_point_finds() {
+        let block = |size: [f64; 3], x: f64, y: f64, z: f64| {
+            let shape = Shape::cuboid(size.into()).unwrap();
+            Solid::new(shape, Isometry3::translation(x, y, z)).unwrap()
+        };
+        let ball = Solid::new(Shape::ball(0.8).unwrap(), Isometry3::translation(-1.5, 1.0, 6.0));
+        let wall = block([12.0, 8.0, 1.0], 0.0, 0.0, 9.0);
+        let scene = Scene::new(vec![wall, block([1.0, 5.0, 1.0], 1.0, 0.0, 5.0), ball.unwrap()]);
+        let size = ImageSize { rows: 30, cols: 40 };
+        let lens = Intrinsics { fx: 30.0, fy: 30.0, cx: 19.5, cy: 14.5 };
+        let camera: Arc<dyn DeviceFrame> = Arc::new(Pinhole::new(size, lens).unwrap());
+        let stripe: Arc<dyn DeviceFrame> = Arc::new(SheetOfLight { size, base_line: 2.0 });
+        let poses = [(&camera, -2.0), (&camera, 0.5), (&camera, 3.0), (&stripe, 0.0)];
+        let view = |(frame, x): &(&Arc<dyn DeviceFrame>, f64)| {
+            let pose = Isometry3::translation(*x, 0.0, 0.0);
+            scene.view("view", (*frame).clone(), pose, &Noise::NONE, 0).unwrap()
+        };
+        let mesh = scene.mesh(0.05).unwrap();
+        let seen = Visibility::new(&mesh, poses.iter().map(view).collect()).unwrap();
+        let mut all: Vec<Triangle> = seen.surface.triangles().collect();
+        let mut alone = |point: &Point3| {
+            seen.eyes.iter().any(|eye| {
+                let Some(sight) = eye.sight(0, point) else { return false };
+                cosine_at_end(&sight.way, &mut all).is_some_and(|c| c > seen.least_cosine)
+                    && sight.second.is_none_or(|way| cosine_at_end(&way, &mut all).is_some())
+            })
+        };
+        let mut counts = [0; 2];
+        for [a, b, c] in &mesh.faces {
+            let [a, b, c] = [a, b, c].map(|k| mesh.vertices[*k as usize]);
+            let along = |k: u32| a + (b - a) * 0.45 + (c - b) * (0.02 + 0.024 * f64::from(k));
+            let group: Vec<Point3> = (0..20).map(along).collect();
+            let expected: Vec<bool> = group.iter().map(&mut alone).collect();
+            expected.iter().for_each(|seen| counts[usize::from(*seen)] += 1);
+            assert_eq!(seen.sees(&group), expected, "{a} {b} {c}");
+        }
+        assert!(counts[0] > 1000 && counts[1] > 500, "{counts:?}");
     }
 }

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use transect_device::{Isometry3, View};
 use transect_geometry::{Curve, Guide, PlaneFamily, PlaneIndex};
 use transect_partial::{PartialCounts, partial_model};
+use transect_register::CoarseView;
 
 /// The curves of a view and its part of the report. The view itself is dropped.
 pub(crate) struct ModelledView {
@@ -48,13 +49,15 @@ impl TimedView {
     }
 }
 
-/// Loads and models all views in parallel. If several fail, the error is that of the first in
+/// Loads and models all views in parallel, with copies for judging their poses if asked for. If
+/// several fail, the error is that of the first in
 /// order, whichever thread was first.
 pub(crate) fn model_views<S: ViewSource>(
     sources: &[S],
     setup: &Setup,
     watch: &dyn Watch,
-) -> Result<Vec<ModelledView>, ReconstructError> {
+    copied: bool,
+) -> Result<Vec<(ModelledView, Option<CoarseView>)>, ReconstructError> {
     if sources.is_empty() {
         return Err(ReconstructError::NoViews);
     }
@@ -63,11 +66,14 @@ pub(crate) fn model_views<S: ViewSource>(
         if watch.cancelled() {
             return Err(ReconstructError::Cancelled);
         }
-        let modelled = TimedView::load(source).and_then(|view| view.model(source.name(), setup));
+        let modelled = TimedView::load(source).and_then(|timed| {
+            let copy = copied.then(|| CoarseView::quick(&timed.loaded.view));
+            Ok((timed.model(source.name(), setup)?, copy))
+        });
         watch.step(Stage::Views);
         modelled
     };
-    let views: Vec<Result<ModelledView, _>> = sources.par_iter().map(model).collect();
+    let views: Vec<Result<_, _>> = sources.par_iter().map(model).collect();
     views.into_iter().collect()
 }
 

@@ -2,7 +2,8 @@
 //!
 //! 0. With [`Setup::refine_poses`], the poses of all views are refined together, see
 //!    [`PoseReport`].
-//! 1. Each view is loaded, its curves on every plane it crosses are found, and it is dropped.
+//! 1. Each view is loaded, its curves on every plane it crosses are found, and it is dropped. A
+//!    coarse copy stays, and the poses are judged by the copies.
 //! 2. The curves of each plane are fused, independent of every other plane. With
 //!    [`Refinement`](crate::Refinement), planes are inserted where neighbours differ.
 //! 3. The fused planes make the model; the counts of all steps make the report.
@@ -69,10 +70,14 @@ pub fn reconstruct<S: ViewSource>(
     let poses = options.map(|options| PoseReport::new(sources, Some(options), setup.unit, watch));
     let poses = poses.transpose()?;
     let poses_time = started.elapsed();
-    let views = match &poses {
-        None => model_views(sources, setup, watch)?,
-        Some(poses) => model_views(&poses.posed(sources), setup, watch)?,
-    };
+    let (views, copies): (Vec<_>, Vec<_>) = match &poses {
+        None => model_views(sources, setup, watch, sources.len() > 1)?,
+        Some(poses) => model_views(&poses.posed(sources), setup, watch, false)?,
+    }
+    .into_iter()
+    .unzip();
+    let copies = copies.into_iter().collect::<Option<Vec<_>>>();
+    let judged = copies.and_then(|copies| PoseReport::of_doubtful(copies, sources, setup.unit));
     let views_done = Instant::now();
     let planes = by_plane(&views);
     if planes.is_empty() {
@@ -97,7 +102,7 @@ pub fn reconstruct<S: ViewSource>(
     let reports = views.iter().map(|view| view.report.clone()).collect();
     let notes = views.iter().flat_map(|view| view.notes.clone()).collect();
     let mut report = Report::new(reports, notes, &fused, timings);
-    report.set_poses(poses);
+    report.set_poses(poses.or(judged));
     let mut model = assemble(setup, views, fused);
     if let Some((selected, refinement)) = refined {
         model = model.with_selection(selected);

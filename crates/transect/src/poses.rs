@@ -66,7 +66,7 @@ fn coarse_views<S: ViewSource>(
 /// Coarse copies of all views, their images read in another order of pixels; `None` if a view
 /// cannot be.
 fn reread<S: ViewSource>(sources: &[S], order: ImageOrder) -> Option<Vec<CoarseView>> {
-    let copy = |source: &S| Some(CoarseView::new(&source.load_in(order)?.ok()?.view));
+    let copy = |source: &S| Some(CoarseView::quick(&source.load_in(order)?.ok()?.view));
     sources.par_iter().map(copy).collect()
 }
 
@@ -89,6 +89,18 @@ impl PoseReport {
             copies = posed.map(|(copy, pose)| copy.with_pose(pose.world_from_sensor)).collect();
         }
         Ok(Self { unit, explanation, judgement: judge(&copies), refinement })
+    }
+
+    /// Judges the given poses by copies of the views; `None` if nothing contradicts.
+    pub(crate) fn of_doubtful<S: ViewSource>(
+        copies: Vec<CoarseView>,
+        sources: &[S],
+        unit: LengthUnit,
+    ) -> Option<Self> {
+        let explanation = explain(&copies, |order| reread(sources, order));
+        let judgement = judge(&copies);
+        let doubtful = explanation.is_some() || !judgement.findings.is_empty();
+        doubtful.then_some(Self { unit, explanation, judgement, refinement: None })
     }
 
     /// The views at their refined poses; none if the given ones were kept.

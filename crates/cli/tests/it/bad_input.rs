@@ -363,7 +363,7 @@ fn warned(run: &Run) -> Vec<String> {
     let name = |line: &&str| line.split_whitespace().nth(2).unwrap().to_owned();
     let warnings = run.told("warning: ");
     assert!(warnings.iter().all(|w| w.contains("contradicts the others")), "{warnings:?}");
-    assert!(warnings.iter().all(|w| w.contains("Check its pose")), "{warnings:?}");
+    assert!(warnings.iter().all(|w| w.contains("heck its pose")), "{warnings:?}");
     warnings.iter().map(name).collect()
 }
 
@@ -404,7 +404,8 @@ fn a_wrong_pose_of_two_is_warned_of() {
         });
         let run = folder.reconstruct("scan/two.json").succeeded();
         let name = format!("range_{wrong:03}.npy");
-        assert!(warned(&run).contains(&name), "{right} and {wrong}: {}", run.stderr);
+        let named = run.told("warning: ").iter().any(|w| w.contains(&name));
+        assert!(named, "{right} and {wrong}: {}", run.stderr);
     }
 }
 

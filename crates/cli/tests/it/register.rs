@@ -102,6 +102,16 @@ fn inspect_names_a_wrong_view_and_the_convention_that_mends_all() {
     assert_eq!(warnings("scan"), [""; 0], "sound poses");
     let wrong = warnings("scan/off.json");
     assert!(wrong.len() == 1 && wrong[0].contains("view range_001.npy contradicts"), "{wrong:?}");
+    let run = folder.run("reconstruct scan/off.json --no-score --out off --quiet").succeeded();
+    let told = run.told("warning:");
+    assert!(told.len() == 1 && told[0].contains("view range_001.npy contradicts"), "{told:?}");
+    assert_eq!(
+        folder.json("off/report.json")["poses"]["judgement"]["findings"][0]["kind"],
+        "misplaced"
+    );
+    let run = folder.run("reconstruct scan --no-score --out right --quiet").succeeded();
+    assert!(run.told("warning:").is_empty(), "{}", run.stderr);
+    assert!(folder.json("right/report.json")["poses"].is_null());
     folder.edit_json("scan/scan.json", "scan/inverse.json", |m| {
         for view in m["views"].as_array_mut().unwrap() {
             let inverse = row_major(&pose(view).inverse());

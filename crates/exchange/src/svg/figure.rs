@@ -351,4 +351,28 @@ mod tests {
         assert!(!svg.contains("NaN"), "{svg}");
         assert!(wrapped("a text that is longer than ten", 10).iter().all(|l| l.len() <= 10));
     }
+
+    #[test]
+    fn a_path_keeps_the_vertices_that_move_it() {
+        let mut figure = Figure::new("", "", [100.0; 2]);
+        let line = [[0.0, 0.0], [5.0, 0.01], [10.0, 0.0], [10.0, 10.0]].map(Point2::from).to_vec();
+        figure.path(&[(line, true), (Vec::new(), false)], 2.0, "fill=\"none\"");
+        assert!(figure.body.contains("stroke-width=\"40\""), "{}", figure.body);
+        assert!(figure.body.contains("d=\"M0 0l200 0 0 200z\""), "{}", figure.body);
+    }
+
+    #[test]
+    fn the_legend_of_a_wide_figure_is_below_it() {
+        let place = |width: f64| {
+            let mut figure = Figure::new("", "", [width, 50.0]);
+            figure.legend(Mark::Remark, "here");
+            let mut out = Vec::new();
+            figure.write(&mut out).unwrap();
+            let svg = String::from_utf8(out).unwrap();
+            let (before, _) = svg.split_once("\" >here<").unwrap();
+            let y = before.rsplit_once("y=\"").unwrap().1.to_owned();
+            y.parse::<f64>().unwrap()
+        };
+        assert!(place(WIDE) > place(WIDE - 1.0) + 50.0);
+    }
 }

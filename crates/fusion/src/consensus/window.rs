@@ -27,13 +27,8 @@ impl Window {
         left_of(&self.tangent)
     }
 
-    /// Visits the neighbours that run the same way: number, place along (x) and across (y).
-    pub fn visit(
-        &self,
-        grid: &PointGrid,
-        tangent_of: impl Fn(usize) -> Vector2,
-        mut visit: impl FnMut(usize, f64, f64),
-    ) {
+    /// Visits the points inside: number, place along (x) and across (y).
+    pub fn visit(&self, grid: &PointGrid, mut visit: impl FnMut(usize, f64, f64)) {
         let normal = self.normal();
         let place = |p: &Point2| {
             let d = p - self.centre;
@@ -49,14 +44,16 @@ impl Window {
                     count += usize::from((x.abs() <= self.reach) & (y.abs() <= self.across));
                 }
                 for point in inside[..count].iter().map(|i| &points[usize::from(*i)]) {
-                    let k = point.number as usize;
-                    if tangent_of(k).dot(&self.tangent) >= self.same_way {
-                        let (x, y) = place(&point.place);
-                        visit(k, x, y);
-                    }
+                    let (x, y) = place(&point.place);
+                    visit(point.number as usize, x, y);
                 }
             }
         });
+    }
+
+    /// Whether a direction is that of the same surface.
+    pub fn goes_along(&self, tangent: &Vector2) -> bool {
+        tangent.dot(&self.tangent) >= self.same_way
     }
 
     /// Whether the centre of another window lies in this one, and both run the same way.
@@ -64,7 +61,7 @@ impl Window {
         let d = other.centre - self.centre;
         d.dot(&self.tangent).abs() <= self.reach
             && d.dot(&self.normal()).abs() <= self.across
-            && other.tangent.dot(&self.tangent) >= self.same_way
+            && self.goes_along(&other.tangent)
     }
 
     /// Half-widths of the upright rectangle around the slanted one.

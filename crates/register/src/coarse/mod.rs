@@ -15,7 +15,7 @@ mod patch;
 
 pub use patch::Patch;
 
-use crate::tuning::{CELLS, LEAST_AHEAD, LEAST_STEP, LEAST_WHOLE};
+use crate::tuning::{CELLS, LEAST_AHEAD, LEAST_STEP, LEAST_WHOLE, QUICK_CELLS};
 use by_points::ByPoints;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -32,6 +32,8 @@ pub struct CoarseView {
     size: ImageSize,
     /// Pixels along the side of a cell.
     step: usize,
+    /// Cells of this copy over those of a full one.
+    share: f64,
     /// Row-major.
     cells: Vec<Cell>,
     lookup: Lookup,
@@ -102,14 +104,29 @@ pub struct Meeting {
 impl CoarseView {
     /// The coarse copy of a view.
     pub fn new(view: &View) -> Self {
+        Self::with_cells(view, CELLS, |_| 1)
+    }
+
+    /// A copy that is enough to judge poses, and not to refine them. It is far cheaper: a quarter of
+    /// the cells, each with 4 by 4 of its pixels.
+    pub fn quick(view: &View) -> Self {
+        Self::with_cells(view, QUICK_CELLS, |step| (step - 1) / (LEAST_STEP - 1))
+    }
+
+    /// A copy of at most so many cells, which take every `stride`th pixel.
+    fn with_cells(view: &View, cells: usize, stride: impl Fn(usize) -> usize) -> Self {
         let image = view.image().size();
-        let step = (image.pixels() as f64 / CELLS as f64).sqrt().ceil() as usize;
-        let step = step.max(LEAST_STEP);
+        let step_of = |cells: usize| {
+            let step = (image.pixels() as f64 / cells as f64).sqrt().ceil() as usize;
+            step.max(LEAST_STEP)
+        };
+        let (step, full) = (step_of(cells), step_of(CELLS));
+        let stride = stride(step);
         let size = ImageSize { rows: image.rows.div_ceil(step), cols: image.cols.div_ceil(step) };
         let noise = RangeNoise::of(view);
         let cell = |k: usize| {
             let corner = Pixel::new(k / size.cols * step, k % size.cols * step);
-            Cell::new(view, &noise, corner, step)
+            Cell::new(view, &noise, corner, (step, stride))
         };
         let cells: Vec<Cell> = (0..size.pixels()).into_par_iter().map(cell).collect();
         let mut coarse = Self {
@@ -118,6 +135,7 @@ impl CoarseView {
             image,
             size,
             step,
+            share: (full as f64 / step as f64).powi(2),
             lookup: Lookup::new(view, &cells),
             cells,
             sigma: noise.length(),
@@ -174,6 +192,16 @@ impl CoarseView {
     /// Pixels along the side of a cell.
     pub fn step(&self) -> usize {
         self.step
+    }
+
+    /// Whether all rays run forward along z, as those of a camera do.
+    pub(crate) fn looks_forward(&self) -> bool {
+        self.cells.iter().filter_map(|cell| cell.seen).all(|seen| seen.ray.direction.z > 0.0)
+    }
+
+    /// How many cells of this copy are as large as `cells` of a full one.
+    pub(crate) fn as_many_as(&self, cells: usize) -> usize {
+        (cells as f64 * self.share).ceil() as usize
     }
 
     /// Range noise of the view along its rays, at its median pixel, in the model's length unit.
@@ -266,16 +294,17 @@ impl CoarseView {
 }
 
 impl Cell {
-    fn new(view: &View, noise: &RangeNoise, corner: Pixel, step: usize) -> Self {
+    /// The cell from a corner on, of a side and a distance between pixels that are taken.
+    fn new(view: &View, noise: &RangeNoise, corner: Pixel, (step, stride): (usize, usize)) -> Self {
         let (image, frame) = (view.image(), view.frame());
         let size = image.size();
         let (rows, cols) = ((corner.row + step).min(size.rows), (corner.col + step).min(size.cols));
-        let mut samples = Vec::with_capacity(step * step);
+        let pixels = (rows - corner.row).div_ceil(stride) * (cols - corner.col).div_ceil(stride);
+        let mut samples = Vec::with_capacity(pixels);
         let middle = Pixel::new((corner.row + rows) / 2, (corner.col + cols) / 2);
         let (mut central, mut rim): (Option<(usize, Pixel)>, _) = (None, (0, middle));
-        for pixel in
-            (corner.row..rows).flat_map(|r| (corner.col..cols).map(move |c| Pixel::new(r, c)))
-        {
+        let in_row = |r| (corner.col..cols).step_by(stride).map(move |c| Pixel::new(r, c));
+        for pixel in (corner.row..rows).step_by(stride).flat_map(in_row) {
             let Some(point) = view.point_in_sensor(pixel) else { continue };
             samples.push(point);
             let off = pixel.row.abs_diff(middle.row) + pixel.col.abs_diff(middle.col);
@@ -291,12 +320,11 @@ impl Cell {
             return Self::default();
         };
         let depth = |p: &Point3| (p - ray.start).dot(&ray.direction);
-        let pixels = (rows - corner.row) * (cols - corner.col);
         let seen = Seen {
             ray,
             nearest: samples.iter().map(depth).fold(f64::INFINITY, f64::min),
             farthest: samples.iter().map(depth).fold(f64::NEG_INFINITY, f64::max),
-            whole: samples.len() as f64 >= LEAST_WHOLE * pixels as f64,
+            whole: (samples.len() + 1) as f64 >= LEAST_WHOLE * pixels as f64,
         };
         let sigma = noise.length_at(view, pixel);
         let cell = patch::Cell { samples: &samples, pixels, ray, rim, sigma };

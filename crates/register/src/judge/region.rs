@@ -103,7 +103,7 @@ fn neighbours(evidence: &Evidence<'_>, view: usize, accused: &Accused) -> Vec<Ve
                 }
             }
         }
-        if group.len() >= REGION_CELLS {
+        if group.len() >= evidence.views[view].as_many_as(REGION_CELLS) {
             groups.push(group);
         }
     }

@@ -28,6 +28,10 @@ const BETTER: f64 = 1.25;
 /// have less than 0.1. Doubled, readings pass under which some views still contradict.
 const CONTRADICTS: f64 = 0.2;
 
+/// Least share of agreeing patches under the reading. No unit. Chosen by hand: half of what sound
+/// scans have. Halved, two views that have nothing in common find a reading.
+const AGREES: f64 = 0.25;
+
 /// How far all views agree under one reading of their poses.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Accord {
@@ -98,7 +102,11 @@ pub fn explain(
     if given.agreeing >= SOUND[0] && given.contradicting <= SOUND[1] {
         return None;
     }
-    let of_poses = PoseReading::ALL.into_iter().map(|reading| {
+    // Only cameras have a y axis that may point up; a room between floor and ceiling is nearly the
+    // same upside down.
+    let cameras = views.iter().all(CoarseView::looks_forward);
+    let of_all = |reading: &PoseReading| cameras || *reading != PoseReading::CameraYUp;
+    let of_poses = PoseReading::ALL.into_iter().filter(of_all).map(|reading| {
         let read = accord(views, &probes, |view| Placing {
             world_from_sensor: reading.apply(view.world_from_sensor()),
             scale: 1.0,
@@ -110,7 +118,8 @@ pub fn explain(
         Some((Reading::Image(order), accord(&views, &probes_of(&views), Placing::given)))
     });
     let explains = |(_, read): &(Reading, Accord)| {
-        read.score() > BETTER * given.score() && read.contradicting <= CONTRADICTS
+        let sound = read.agreeing >= AGREES && read.contradicting <= CONTRADICTS;
+        sound && read.score() > BETTER * given.score()
     };
     let all = of_poses.chain(of_images).filter(explains);
     // Of equal ones the first.

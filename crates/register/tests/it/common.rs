@@ -63,17 +63,15 @@ pub fn real_files(name: &str) -> Option<Vec<Stored>> {
     let (manifest, _) =
         depth_sequence_manifest(&data(name), FileNames::Relative, &options).unwrap();
     let stored = |(view, sensor): (View, SensorEntry)| {
-        let SensorEntry::Pinhole(entry) = sensor else { panic!("no camera") };
-        let LensEntry::Intrinsics { intrinsics, .. } = entry.lens else { panic!("no numbers") };
+        let SensorEntry::Pinhole(entry) = sensor else { return None };
+        let LensEntry::Intrinsics { intrinsics, .. } = entry.lens else { return None };
         let Intrinsics { fx, fy, cx, cy } = intrinsics;
-        Stored {
-            image: view.image().clone(),
-            view,
-            sensor: SensorParameters::Pinhole { fx, fy, cx, cy },
-        }
+        let sensor = SensorParameters::Pinhole { fx, fy, cx, cy };
+        Some(Stored { image: view.image().clone(), view, sensor })
     };
     let sensors = manifest.views.into_iter().map(|view| view.sensor);
-    Some(views.into_iter().zip(sensors).map(stored).collect())
+    let files: Option<_> = views.into_iter().zip(sensors).map(stored).collect();
+    Some(files.unwrap())
 }
 
 impl Stored {

@@ -1,4 +1,5 @@
-//! Poses and images that were written by another convention are explained by it; sound ones are not.
+//! Poses and images that were written by another convention are explained by it; sound ones are
+//! not.
 
 use crate::common::{Stored, coarse, real, real_files, simulated, simulated_files, turned};
 use proptest::prelude::*;
@@ -40,9 +41,9 @@ fn wrong_orders_of_simulated_images_are_named() {
     // The part is symmetric: most cameras see its mirror image, too.
     let part = simulated_files("machined_part");
     every_wrong_order_is_named("machined_part", &part, &[Transposed, UpsideDown]);
-    // A full circle of columns makes no rows.
-    let room = simulated_files("room");
-    every_wrong_order_is_named("room", &room, &[Mirrored, UpsideDown]);
+    // A full circle of columns makes no rows. Upside down, level scanners at one height see a room
+    // that stands on its head, and agree about it.
+    every_wrong_order_is_named("room", &simulated_files("room"), &[Mirrored]);
 }
 
 #[test]
@@ -69,7 +70,10 @@ fn misread(written: PoseReading, pose: &Isometry3) -> Isometry3 {
 
 fn every_wrong_reading_is_named(name: &str, views: &[View]) {
     assert_eq!(explained(views), None, "{name}");
-    for written in PoseReading::ALL {
+    let is_camera = |view: &View| view.frame().kind().contains("Pinhole");
+    // The axes of scanners have one convention.
+    let none = (!views.iter().all(is_camera)).then_some(PoseReading::CameraYUp);
+    for written in PoseReading::ALL.into_iter().filter(|written| Some(*written) != none) {
         let misread = |v: &View| v.with_pose(misread(written, v.world_from_sensor())).unwrap();
         let found = explained(&views.iter().map(misread).collect::<Vec<_>>());
         let reading = found.map(|found| found.reading);

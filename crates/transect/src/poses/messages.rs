@@ -43,15 +43,17 @@ impl PoseReport {
         refined.filter_map(|pose| self.outcome(pose)).chain(findings).collect()
     }
 
-    /// Whether a finding names a view.
+    /// Whether a finding names a view, or an explanation holds for all views.
     pub(crate) fn names(&self, view: &str) -> bool {
-        self.judgement.findings.iter().any(|finding| match finding {
-            Finding::Misplaced(found) => found.view == view,
-            Finding::Scaled(found) => found.view == view,
-            Finding::Apart { view: found } => found == view,
-            Finding::Camps { camps, .. } => camps.iter().flatten().any(|found| found == view),
-            Finding::Region(_) => false,
-        })
+        let mut findings = self.judgement.findings.iter();
+        self.explanation.is_some()
+            || findings.any(|finding| match finding {
+                Finding::Misplaced(found) => found.view == view,
+                Finding::Scaled(found) => found.view == view,
+                Finding::Apart { view: found } => found == view,
+                Finding::Camps { camps, .. } => camps.iter().flatten().any(|found| found == view),
+                Finding::Region(_) => false,
+            })
     }
 
     fn outcome(&self, pose: &RefinedPose) -> Option<String> {

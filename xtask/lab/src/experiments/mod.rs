@@ -83,8 +83,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         one => run_one(one, out),
     };
     if *write_docs {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-        let changed = pages::write(&root, out)?;
+        let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let changed = pages::write(here.ancestors().nth(2).unwrap_or(here), out)?;
         changed.iter().for_each(|file| say(&format!("changed: {file}")));
     }
     outcome

@@ -37,7 +37,7 @@ impl Output {
 
     /// Writes a table below the command that made it.
     pub fn write(&self, name: &str, table: &str) -> Result<(), Failure> {
-        let file = self.folder()?.join(name).with_extension("md");
+        let file = self.folder()?.join(format!("{name}.md"));
         write_file(&file, |out| writeln!(out, "<!-- {} -->\n{table}", self.command))?;
         Ok(())
     }

@@ -138,7 +138,8 @@ fn with_noise(factor: f64) -> Result<Description, Failure> {
 
 fn line((noise, views, degrees): (f64, usize, f64), errors: &Errors) -> Vec<String> {
     let settings = [noise.to_string(), views.to_string(), degrees.to_string()];
-    settings.into_iter().chain(errors.iter().flatten().map(|error| digits(*error))).collect()
+    let error = |e: &f64| if e.is_finite() { digits(*e) } else { "∞".to_owned() };
+    settings.into_iter().chain(errors.iter().flatten().map(error)).collect()
 }
 
 /// The views with errors of their poses.

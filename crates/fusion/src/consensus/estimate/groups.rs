@@ -53,17 +53,18 @@ pub(super) fn group(observations: &Observations, grid: &PointGrid, scale: &Scale
             groups.all.push(sums.group(here));
             continue;
         }
-        window.visit(
-            grid,
-            |j| seen[j].tangent,
-            |j, x, _| {
-                // A finer observation is grouped within its own footprint.
-                if of[j] == NONE && x.abs() <= ALONG_FOOTPRINTS * seen[j].footprint {
-                    of[j] = number;
-                    sums.add(here, &seen[j]);
-                }
-            },
-        );
+        window.visit(grid, |j, x, _| {
+            if of[j] != NONE {
+                return;
+            }
+            let there = &seen[j];
+            // A finer observation is grouped within its own footprint.
+            let beside = x.abs() <= ALONG_FOOTPRINTS * there.footprint;
+            if beside && window.goes_along(&there.tangent) {
+                of[j] = number;
+                sums.add(here, there);
+            }
+        });
         groups.all.push(sums.group(here));
     }
     groups

@@ -204,11 +204,11 @@ impl<'a> Near<'a> {
         };
         let Self { clusters, found, .. } = self;
         found.clear();
-        window.visit(
-            &self.grid,
-            |j| clusters[j].tangent,
-            |j, x, y| found.push(Neighbour { number: j as u32, x, y }),
-        );
+        window.visit(&self.grid, |j, x, y| {
+            if window.goes_along(&clusters[j].tangent) {
+                found.push(Neighbour { number: j as u32, x, y });
+            }
+        });
         found.sort_by_cached_key(|n| ordered(n.x as f32));
         let samples = found.iter().map(|n| sample(clusters, n));
         self.windows.begin(samples, half_width(here, 0));

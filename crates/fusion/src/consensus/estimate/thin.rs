@@ -109,14 +109,12 @@ impl<'a> Choice<'a> {
         let (groups, near, samples) = (&self.groups.all, &mut self.near, &mut self.samples);
         near.clear();
         samples.clear();
-        window.visit(
-            &self.grid,
-            |j| groups[j].tangent,
-            |j, x, y| {
+        window.visit(&self.grid, |j, x, y| {
+            if window.goes_along(&groups[j].tangent) {
                 near.push(j as u32);
                 samples.push(LineSample::new(x, y, groups[j].weight, window.reach));
-            },
-        );
+            }
+        });
         line(samples, across).unwrap_or_default()
     }
 

@@ -114,13 +114,16 @@ pub(super) fn on_common_lines(beads: &[Bead], views: usize, reach: &Reach) -> Ve
     let mut moved = |bead: &Bead| {
         let (centre, tangent) = (bead.position, bead.tangent);
         let window = Window { centre, tangent, reach, across, same_way };
-        let tangent_of = |k: usize| beads[k].tangent;
-        window.visit(&grid, tangent_of, |k, x, y| {
-            let sums = &mut of_view[beads[k].view as usize];
-            if sums.length == 0.0 {
-                met.push(beads[k].view);
+        window.visit(&grid, |k, x, y| {
+            let there = &beads[k];
+            if !window.goes_along(&there.tangent) {
+                return;
             }
-            sums.add((1.0 - x.abs() / reach) * beads[k].length, x, y);
+            let sums = &mut of_view[there.view as usize];
+            if sums.length == 0.0 {
+                met.push(there.view);
+            }
+            sums.add((1.0 - x.abs() / reach) * there.length, x, y);
         });
         let (mut common, mut squared_shares) = (Sums::default(), 0.0);
         let own = of_view[bead.view as usize];

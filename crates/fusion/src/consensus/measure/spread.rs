@@ -105,13 +105,16 @@ impl<'a> Search<'a> {
     fn pair_with_another_view(&self, k: usize, share: f64) -> Option<Pair> {
         let here = &self.observations.all[k];
         let same_way = self.options.direction_limit_rad.cos();
+        // The view with the lowest number is drawn. The node's own has none.
+        let number = |view: u32| mixed((k as u64) << 32 | u64::from(view));
+        let views = 0..self.observations.sources.len() as u32;
+        let numbers: Vec<Option<u64>> =
+            views.map(|view| (view != here.view).then(|| number(view))).collect();
         let (mut drawn, mut along, mut pair) = (u64::MAX, f64::INFINITY, None);
         self.grid.within(&here.position, share * search_distance(here), |j, d| {
-            // The view with the lowest number is drawn.
-            let number = mixed((k as u64) << 32 | u64::from(self.views[j]));
-            if number > drawn || self.views[j] == here.view {
+            let Some(number) = numbers[self.views[j] as usize].filter(|n| *n <= drawn) else {
                 return;
-            }
+            };
             let there = &self.observations.all[j];
             if there.tangent.dot(&here.tangent) < same_way {
                 return;

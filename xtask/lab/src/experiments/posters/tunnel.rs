@@ -108,7 +108,7 @@ fn in_space(figure: &mut Figure, model: &Model) -> Result<Projection, Failure> {
         let text = format!("{station:.0} m");
         figure.text(beside + Vector2::new(4.0, 8.0), Anchor::Start, 14.0, INK, &text);
     }
-    figure.scale_bar(Point2::new(0.0, SPACE[1] + 48.0), [projection.scale, 140.0], "m");
+    figure.scale_bar(Point2::new(340.0, SPACE[1] + 30.0), [projection.scale, 140.0], "m");
     Ok(projection)
 }
 
