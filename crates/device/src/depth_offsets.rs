@@ -127,3 +127,43 @@ impl DepthOffsets {
         (squares / self.0.values.len() as f64).sqrt()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn offsets_are_bilinear_between_nodes_on_the_rim() {
+        let offsets = DepthOffsets::new(2, 3, vec![0.0, 1.0, 2.0, 4.0, 5.0, 6.0]).unwrap();
+        let size = ImageSize { rows: 4, cols: 4 };
+        for pixel in size.all_pixels() {
+            let down = (pixel.row as f64 + 0.5) / 4.0;
+            let right = (pixel.col as f64 + 0.5) / 4.0;
+            let error = offsets.at(size, pixel) - (4.0 * down + 2.0 * right);
+            assert!(error.abs() < 1e-12, "{error} at {pixel:?}");
+        }
+    }
+
+    #[test]
+    fn bad_grids_are_refused() {
+        let told = |rows, cols, values| DepthOffsets::new(rows, cols, values).unwrap_err();
+        assert!(told(1, 3, vec![0.0; 3]).contains("1 x 3 nodes"));
+        assert!(told(2, 3, vec![0.0; 5]).contains("5 values for 2 x 3"));
+        assert!(told(2, 2, vec![0.0, f64::NAN, 0.0, 0.0]).contains("finite"));
+        assert!(told(usize::MAX, 3, Vec::new()).contains("nodes"));
+    }
+
+    #[test]
+    fn offsets_one_after_the_other_add_up() {
+        let grid = |cols, values: &[f64]| DepthOffsets::new(2, cols, values.to_vec()).unwrap();
+        // A grid that holds the other one's nodes loses nothing.
+        let first = grid(3, &[0.3, -0.2, 0.7, 0.1, 0.0, -0.9]);
+        let second = grid(2, &[0.5, 0.25, -0.5, 2.0]);
+        let both = second.then(&first);
+        let size = ImageSize { rows: 5, cols: 7 };
+        for pixel in size.all_pixels() {
+            let sum = first.at(size, pixel) + second.at(size, pixel);
+            assert!((both.at(size, pixel) - sum).abs() < 1e-12);
+        }
+    }
+}

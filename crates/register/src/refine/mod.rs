@@ -13,8 +13,10 @@
 //! 1. Pairs of views that overlap: `pairs.rs`.
 //! 2. Rounds: every patch is looked up in the other views; the most probable small motions of all
 //!    views together (`solve.rs`); how far poses are wrong.
-//! 3. The motion that all views share is taken out.
-//! 4. Pairs that were left out judge the result: `left_out.rs`.
+//! 3. The error that a depth camera makes alike in all its images is found beside the motions:
+//!    `camera.rs`.
+//! 4. The motion that all views share is taken out.
+//! 5. Pairs that were left out judge the result: `left_out.rs`.
 
 mod camera;
 mod left_out;
@@ -95,6 +97,8 @@ struct Rounds<'a> {
     scene: &'a Scene<'a>,
     given: Vec<Isometry3>,
     poses: Vec<Isometry3>,
+    /// Median distance of the samples from their sensors.
+    distance: f64,
     first: PosePrior,
     prior: PosePrior,
     stated: bool,
@@ -137,6 +141,7 @@ impl<'a> Rounds<'a> {
         Self {
             scene,
             poses: given.clone(),
+            distance,
             given,
             first,
             prior,

@@ -46,7 +46,7 @@ pub struct RefinedPose {
     pub residual_after: Option<f64>,
     /// The error of the view's depth camera, which its images must lose at the refined pose;
     /// `None` for other sensors, and for a camera without a visible error.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none", serialize_with = "rms")]
     pub depth_offsets: Option<DepthOffsets>,
 }
 
@@ -60,6 +60,13 @@ pub struct Refinement {
     /// Change of the squared distances of the pairs that were left out of the estimate, as a share:
     /// -0.5 is half of them. `None` if there was one pair only.
     pub left_out_pairs: Option<f64>,
+    /// Median distance of the patches from their sensors, in the model's length unit.
+    pub distance: f64,
+}
+
+/// Reports tell how large offsets are; the scan that registration writes has their values.
+fn rms<S: serde::Serializer>(offsets: &Option<DepthOffsets>, out: S) -> Result<S::Ok, S::Error> {
+    out.serialize_some(&offsets.as_ref().map(DepthOffsets::rms))
 }
 
 impl Rounds<'_> {
@@ -105,7 +112,7 @@ impl Rounds<'_> {
             ..self.refined_pose(k, outcome(k), before[k], after[k])
         };
         let poses = (0..self.given.len()).map(pose).collect();
-        Refinement { poses, prior: self.prior, left_out_pairs }
+        Refinement { poses, prior: self.prior, left_out_pairs, distance: self.distance }
     }
 
     fn refined_pose(
