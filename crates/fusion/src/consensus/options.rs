@@ -76,6 +76,8 @@ steps! {
     settle,
     /// Views shifted and turned as a whole before.
     align,
+    /// Curves moved onto longer lines where the surface is straight.
+    wider_lines,
     /// Groups of observations that rough fits treat as one.
     groups,
     /// Groups that go to a kept node when their turn comes.
@@ -116,10 +118,10 @@ steps! {
     second_cover,
     /// Open chains of one view beside a closed one are left out.
     spurs,
-    /// Units across the curve, between nodes of one direction, are removed.
-    sideways,
     /// Short units that run backwards are removed.
     backward,
+    /// Short chains of one view are left out where views err by more than the footprint.
+    lone_chains,
     /// Open chains shorter than their error are left out.
     direction,
     /// Small closed chains become circles.

@@ -113,11 +113,19 @@ pub(super) mod settle {
     /// Doubled: corners are round.
     pub const ALONG_ERRORS: f64 = 6.0;
     /// Largest distance between beads of one line, in errors of a view. Theory: two views differ by
-    /// √2 errors, and one normal difference in a million is larger than 5 times that. Measured:
-    /// with 5, small things stay apart (tight completeness of `kitchen_kin40_real` 84.6 instead of
-    /// 83.9 %), and walls that wrong poses double keep both copies. Doubled: surfaces beside each
-    /// other merge.
-    pub const ACROSS_ERRORS: f64 = 7.0;
+    /// √2 errors, and one normal difference in 100 000 is larger than 4.42 times that. Measured:
+    /// with 5, walls that wrong poses double keep both copies (95 % distance of
+    /// `parts_pin12_n01_pose` 7 % larger); with 7, small things merge (tight completeness of
+    /// `kitchen_kin40_real` 86.0 instead of 86.4 %). Doubled: surfaces beside each other merge.
+    pub const ACROSS_ERRORS: f64 = 6.25;
+    /// Half-lengths of wider windows, in those of the narrowest. Measured on `kitchen_kin40_real`
+    /// and the red kitchen: medians fall by 8 and 3 %. Doubled: by as much again, but the 95 %
+    /// distance of round parts with wrong poses grows by 11 %.
+    pub const WIDER_WINDOWS: [f64; 2] = [2.0, 4.0];
+    /// Distance between the lines of a wider window and of the narrower ones at which the wider
+    /// one does not count, in standard deviations. Theory: one normal error in 400 is larger.
+    /// Doubled: bends become flatter.
+    pub const WAVE_CUT: f64 = 3.0;
     /// Rounds of alignment. Measured: the first takes out half of the views' differences; between 1
     /// and 4 nothing changes by more than 1 %, but for the median of `parts_pin12_n01_pose`, which
     /// is 3 % larger after two. Doubled: time.
@@ -289,6 +297,11 @@ pub(super) mod chain {
     /// leaves shorter ones of surfaces nearly parallel to the plane. Doubled: thin details are
     /// lost.
     pub const DIRECTION_SIGMAS: f64 = 6.0;
+    /// Least length of a chain without a node that two views measured, in common lines. Theory:
+    /// over less than a line nothing averages the view's error, and it looks like surface.
+    /// Measured: the median of the red kitchen's halves falls by 5 %, and `kitchen_kin40_real`
+    /// loses 0.2 % of its tight completeness. Doubled: 3 %, and 0.2 % more.
+    pub const LONE_LINES: f64 = 1.0;
 }
 
 /// `connect/cover.rs`
@@ -370,11 +383,6 @@ pub(super) mod hooks {
     pub const PASSES: usize = 4;
     /// Fewest nodes of a chain whose hooks are removed: a small ring is all bends. By hand.
     pub const MIN_NODES: usize = 8;
-    /// Least cosine between a unit and the mean direction of its nodes, if the nodes have one
-    /// direction, and least cosine between theirs. By hand: below, the curve changes from one
-    /// view's layer to another's.
-    pub const SIDEWAYS: f64 = 0.3;
-    pub const ONE_WAY: f64 = 0.5;
     /// Longest unit that is a hook, in footprints. Theory: thinning keeps neighbours of one curve
     /// farther apart. Doubled: bends lose nodes.
     pub const SHORT_FOOTPRINTS: f64 = 0.5;

@@ -123,3 +123,66 @@ fn ground_that_one_view_alone_saw_moves_with_its_view() {
     println!("error of ground seen once, with alignment over without: {ratios:.2?}");
     assert!(ratios[4] < 0.6, "{ratios:?}");
 }
+
+/// Adds errors to a view that change along its curve, as those of depth cameras do.
+fn with_waves(view: &[Curve], noise: &mut Noise) -> Vec<Curve> {
+    let lengths = [0.11, 0.15, 0.2, 0.26];
+    let phases = lengths.map(|_| std::f64::consts::TAU * noise.uniform());
+    let wave = |k: usize| {
+        let angle = |length: f64| std::f64::consts::TAU * SPACING * k as f64 / length;
+        let part = |(length, phase): (&f64, &f64)| (angle(*length) + phase).sin();
+        0.5 * SHIFT * lengths.iter().zip(&phases).map(part).sum::<f64>()
+    };
+    let waved = |curve: &Curve| {
+        let nodes = curve.nodes().iter().enumerate().map(|(k, n)| {
+            Node::at(Point2::new(n.position.x + wave(k), n.position.y + wave(k)))
+                .with_sigma(n.sigma)
+                .with_footprint(n.footprint)
+        });
+        Curve::new(nodes.collect(), false).unwrap()
+    };
+    view.iter().map(waved).collect()
+}
+
+#[test]
+fn errors_that_change_along_a_wall_average_out_and_corners_stay() {
+    let mut ratios = [Vec::new(), Vec::new()];
+    for seed in 1..9 {
+        let mut noise = Noise(100 + seed);
+        let views: Vec<_> = scene(seed).iter().map(|v| with_waves(v, &mut noise)).collect();
+        let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+        let corner = |n: &Node| (n.position - Point2::new(SIDE, SIDE)).norm() < 0.06;
+        let alone = |n: &Node| n.position.x < 0.3 && (0.6..0.9 * SIDE).contains(&n.position.y);
+        let mut options = ConsensusOptions::default();
+        let wide = consensus(&slices, &options);
+        options.steps.wider_lines = false;
+        let narrow = consensus(&slices, &options);
+        ratios[0].push(median_off(&wide, alone) / median_off(&narrow, alone));
+        ratios[1].push(median_off(&wide, corner) / median_off(&narrow, corner));
+    }
+    ratios.iter_mut().for_each(|r| r.sort_by(f64::total_cmp));
+    println!("wide windows over narrow ones, wall of one view and corner: {ratios:.2?}");
+    assert!(ratios[0][4] < 0.9 && ratios[1][4] < 1.1, "{ratios:?}");
+}
+
+#[test]
+fn a_curve_of_one_view_is_left_out_if_it_is_shorter_than_a_common_line() {
+    let mut views = scene(1);
+    let straight = |y: f64, length: f64| {
+        let node = |k: u32| {
+            Node::at(Point2::new(0.5 + SPACING * f64::from(k), y))
+                .with_sigma(SIGMA as f32)
+                .with_footprint(SPACING as f32)
+        };
+        Curve::new((0..(length / SPACING) as u32).map(node).collect(), false).unwrap()
+    };
+    views[3].extend([straight(0.8, 0.05), straight(1.2, 0.4)]);
+    let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+    let plane = consensus(&slices, &ConsensusOptions::default());
+    let has = |y: f64| {
+        let place = Point2::new(0.6, y);
+        let nodes = || plane.curves.iter().flat_map(|curve| curve.nodes());
+        nodes().any(|n| (n.position - place).norm() < 0.1)
+    };
+    assert!(has(1.2) && !has(0.8));
+}

@@ -48,6 +48,11 @@ impl Chain {
         (self.closed || is_shared) && !self.units(nodes).any(is_gap)
     }
 
+    /// Whether several views measured a node of the chain.
+    pub fn is_shared(&self, nodes: &[PlacedNode]) -> bool {
+        self.nodes.iter().any(|&k| nodes[k as usize].evidence.views > 1)
+    }
+
     /// Whether the chain is closed, or long enough against its own error to have a direction. Noise
     /// leaves shorter chains of surfaces that run nearly along the plane.
     pub fn has_direction(&self, nodes: &[PlacedNode]) -> bool {

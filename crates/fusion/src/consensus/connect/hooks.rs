@@ -1,15 +1,11 @@
-//! Hooks: units that run across the curve or backwards.
-//!
-//! A unit across, between nodes of one direction, is a change from one view's layer to another's. A
-//! short unit backwards comes of two views' nodes of one corner in the wrong order.
+//! Hooks: short units that run backwards, as two views' nodes of one corner in the wrong order do.
 
 use super::super::estimate::PlacedNode;
-use super::super::options::Steps;
 use super::super::tuning::hooks::*;
 use super::chain::Chain;
 
 /// Removes one node of each hook: the one with the smaller weight.
-pub(super) fn remove_hooks(nodes: &[PlacedNode], chain: &mut Chain, steps: &Steps) {
+pub(super) fn remove_hooks(nodes: &[PlacedNode], chain: &mut Chain) {
     for _ in 0..PASSES {
         let n = chain.nodes.len();
         let units = if chain.closed { n } else { n.saturating_sub(1) };
@@ -17,11 +13,7 @@ pub(super) fn remove_hooks(nodes: &[PlacedNode], chain: &mut Chain, steps: &Step
         for a in 0..units {
             let b = (a + 1) % n;
             let weight = |k: usize| nodes[chain.nodes[k] as usize].evidence.weight;
-            let is_hook = || {
-                (steps.sideways && steps_sideways(nodes, chain, a))
-                    || (steps.backward && steps_back(nodes, chain, a))
-            };
-            if !goes[a] && is_hook() {
+            if !goes[a] && steps_back(nodes, chain, a) {
                 goes[if weight(a) < weight(b) { a } else { b }] = true;
             }
         }
@@ -31,14 +23,6 @@ pub(super) fn remove_hooks(nodes: &[PlacedNode], chain: &mut Chain, steps: &Step
         let mut goes = goes.iter();
         chain.nodes.retain(|_| goes.next() != Some(&true));
     }
-}
-
-/// Whether the unit behind `a` runs across two nodes of one direction.
-fn steps_sideways(nodes: &[PlacedNode], chain: &Chain, a: usize) -> bool {
-    let [p, q] = [a, a + 1].map(|k| &nodes[chain.nodes[k % chain.nodes.len()] as usize]);
-    let step = (q.position - p.position).try_normalize(0.0).unwrap_or(p.tangent);
-    let one_way = p.tangent.dot(&q.tangent) >= ONE_WAY;
-    one_way && (p.tangent + q.tangent).normalize().dot(&step) < SIDEWAYS
 }
 
 /// Whether the unit behind `a` is short and runs against the way from the node before it to the

@@ -13,6 +13,7 @@ pub(super) use chain::{Chain, by_length};
 
 use super::estimate::{Estimate, PlacedNode};
 use super::measure::{Measurements, Scale};
+use super::tuning::chain::LONE_LINES;
 use crate::ground::Ground;
 use cover::Shortest;
 use ends::JoinRule;
@@ -45,9 +46,14 @@ pub(super) fn connect(estimate: &mut Estimate, measured: &Measurements) -> Chain
     if scale.steps().spurs {
         chains = spurs::without_spurs(nodes, chains, scale);
     }
-    chains.iter_mut().for_each(|c| hooks::remove_hooks(nodes, c, scale.steps()));
+    if scale.steps().backward {
+        chains.iter_mut().for_each(|c| hooks::remove_hooks(nodes, c));
+    }
     if scale.steps().direction {
         chains.retain(|c| c.has_direction(nodes));
+    }
+    if scale.steps().lone_chains {
+        chains.retain(|c| c.is_shared(nodes) || c.length(nodes) >= LONE_LINES * scale.line);
     }
     let left: usize = chains.iter().map(|c| c.nodes.len()).sum();
     Chains { chains, dropped: nodes.len() - left }

@@ -146,6 +146,7 @@ mod tests {
                 spacing: 0.02,
                 threshold: 0.02,
                 same_way: 0.6,
+                line: 0.0,
                 options: ConsensusOptions::default(),
             },
         )

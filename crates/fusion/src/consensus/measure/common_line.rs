@@ -8,6 +8,7 @@ use super::super::tuning::settle::*;
 use super::super::tuning::spread::MEDIAN_OF_NORMAL;
 use super::super::window::{Window, left_of};
 use super::observations::{Observation, Observations, median};
+use super::scale::Scale;
 use crate::grid::PointGrid;
 use transect_geometry::{Point2, Vector2};
 
@@ -18,14 +19,21 @@ pub(super) struct Reach {
     pub along: f64,
     /// Largest distance of a bead from the bead whose line is sought.
     pub across: f64,
+    /// Half-lengths of wider windows, in those of the narrowest.
+    pub wider: &'static [f64],
     /// Cosine of the largest angle between beads of one surface.
     pub same_way: f64,
 }
 
 impl Reach {
     /// The reach that views with these errors need.
-    pub fn new(error: f64, same_way: f64) -> Self {
-        Self { along: ALONG_ERRORS * error, across: ACROSS_ERRORS * error, same_way }
+    pub fn new(error: f64, scale: &Scale) -> Self {
+        Self {
+            along: ALONG_ERRORS * error,
+            across: ACROSS_ERRORS * error,
+            wider: if scale.steps().wider_lines { &WIDER_WINDOWS } else { &[] },
+            same_way: scale.same_way,
+        }
     }
 }
 
@@ -51,6 +59,18 @@ impl Bead {
     /// Whether the distance from the line tells something of its view's error.
     pub fn tells_error(&self) -> bool {
         self.length > 0.0 && self.off_variance > LEAST_OFF_VARIANCE
+    }
+
+    /// Moves the bead from its line towards the line of a wider window, the less the farther apart
+    /// both are. `largest_step` is the largest distance by chance for a line of one view.
+    fn move_towards(&mut self, wider: &Self, largest_step: f64) {
+        let step = wider.position - self.position;
+        let steps = step.norm() * self.views.sqrt() / largest_step.max(f64::MIN_POSITIVE);
+        // Tukey's biweight.
+        let trust = (1.0 - steps * steps).max(0.0).powi(2);
+        self.position += step * trust;
+        let turned = self.tangent + (wider.tangent - self.tangent) * trust;
+        self.tangent = turned.try_normalize(0.0).unwrap_or(self.tangent);
     }
 }
 
@@ -98,9 +118,42 @@ pub(super) fn averaged_view_error(beads: &[Bead]) -> f64 {
     median(known.map(|bead| bead.off.abs() / bead.off_variance.sqrt())) / MEDIAN_OF_NORMAL
 }
 
+/// The beads, each moved onto the line of the widest window whose line agrees with that of the
+/// narrower ones: errors that change along a surface average out over several of their lengths,
+/// while a wide window cuts a bend.
+///
+/// `wave_errors` keeps [`wave_error`] of each wider window from the first call on: beads that have
+/// moved no longer show it.
+pub(super) fn on_widest_lines(
+    beads: &[Bead],
+    views: usize,
+    reach: &Reach,
+    wave_errors: &mut Vec<f64>,
+) -> Vec<Bead> {
+    let mut moved = on_common_lines(beads, views, reach);
+    for (number, factor) in reach.wider.iter().enumerate() {
+        let wider = Reach { along: factor * reach.along, ..*reach };
+        let lines = on_common_lines(beads, views, &wider);
+        if number == wave_errors.len() {
+            wave_errors.push(wave_error(&moved, &lines));
+        }
+        let largest_step = WAVE_CUT * wave_errors[number];
+        moved.iter_mut().zip(&lines).for_each(|(bead, line)| bead.move_towards(line, largest_step));
+    }
+    moved
+}
+
+/// Standard deviation by which a view's distance from the common line differs between a window and
+/// a wider one. A bend moves the view and the common line alike, and a wrong pose shifts the view
+/// in both windows alike, so neither has a part in it.
+fn wave_error(narrow: &[Bead], wide: &[Bead]) -> f64 {
+    let known = narrow.iter().zip(wide).filter(|(n, w)| n.tells_error() && w.tells_error());
+    median(known.map(|(n, w)| (n.off - w.off).abs() / n.off_variance.sqrt())) / MEDIAN_OF_NORMAL
+}
+
 /// The beads, each moved onto the line through those around it.
 pub(super) fn on_common_lines(beads: &[Bead], views: usize, reach: &Reach) -> Vec<Bead> {
-    let Reach { along: reach, across, same_way } = *reach;
+    let Reach { along: reach, across, same_way, .. } = *reach;
     let grid = |beads: &[Bead]| {
         let places: Vec<Point2> = beads.iter().map(|bead| bead.position).collect();
         PointGrid::new(&places, reach)

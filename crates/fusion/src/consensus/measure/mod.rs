@@ -16,6 +16,7 @@ pub(crate) use scale::Scale;
 
 use super::options::ConsensusOptions;
 use crate::grid::PointGrid;
+use settle::settle;
 
 /// The observations of a plane with all that is known of their errors.
 pub(crate) struct Measurements {
@@ -36,10 +37,12 @@ impl Measurements {
         let mut grid = PointGrid::new(&observations.positions(), observations.spacing());
         let (mut scale, spread) = Scale::new(&observations, &grid, options);
         let error = spread.view_error.head_on.sqrt();
-        if options.steps.settle && settle::settle(&mut observations, &scale, error) {
+        let line =
+            if options.steps.settle { settle(&mut observations, &scale, error) } else { 0.0 };
+        if line > 0.0 {
             grid = PointGrid::new(&observations.positions(), observations.spacing());
             // The views now lie close to each other, so surfaces that do so are told apart.
-            scale = Scale::new(&observations, &grid, options).0;
+            scale = Scale { line, ..Scale::new(&observations, &grid, options).0 };
         }
         if options.steps.view_error {
             observations.weigh(&spread.view_error);

@@ -12,7 +12,8 @@
 //! **Steps.**
 //! 1. Each view is shifted and turned as a whole (`align.rs`).
 //! 2. Beads, short pieces of each view's curves, move onto the line through the beads around them
-//!    (`common_line.rs`). Twice, as the first lines pass through beads that have not moved yet.
+//!    (`common_line.rs`), as long as the surface is straight. Twice, as the first lines pass
+//!    through beads that have not moved yet.
 //! 3. Each observation moves onto the line of its bead, as far as errors of views exceed its own
 //!    noise.
 //! 4. The distances of the views from the first lines tell how far a view is off *after averaging
@@ -24,32 +25,33 @@
 use super::super::tuning::settle::*;
 use super::super::window::left_of;
 use super::align::align;
-use super::common_line::{Reach, averaged_view_error, beads, on_common_lines};
+use super::common_line::{Reach, averaged_view_error, beads, on_widest_lines};
 use super::observations::{Observations, median};
 use super::scale::Scale;
 
-/// Moves the observations if the views' errors ask for it, and says whether they did. `error` is
-/// the standard deviation of the views' systematic errors.
-pub(super) fn settle(observations: &mut Observations, scale: &Scale, error: f64) -> bool {
+/// Moves the observations if the views' errors ask for it, and returns the length of a common line;
+/// 0 if they stay. `error` is the standard deviation of the views' systematic errors.
+pub(super) fn settle(observations: &mut Observations, scale: &Scale, error: f64) -> f64 {
     let noise = median(observations.all.iter().map(|o| o.sigma));
     if error < LEAST_FOOTPRINTS * scale.spacing || error < LEAST_NOISE_RATIO * noise {
-        return false;
+        return 0.0;
     }
-    let reach = Reach::new(error, scale.same_way);
+    let reach = Reach::new(error, scale);
     let mut view_error = scale.steps().align.then(|| align(observations, &reach, error));
     let (mut beads, bead_of) = beads(observations, &reach);
+    let mut wave_errors = Vec::new();
     for _ in 0..ROUNDS {
-        beads = on_common_lines(&beads, observations.sources.len(), &reach);
+        beads = on_widest_lines(&beads, observations.sources.len(), &reach, &mut wave_errors);
         view_error = view_error.or_else(|| Some(averaged_view_error(&beads)));
     }
     for (o, &k) in observations.all.iter_mut().zip(&bead_of) {
         let bead = &beads[k as usize];
-        o.line_error = view_error.unwrap_or(error) / bead.views.sqrt();
+        o.line_error = view_error.unwrap_or(error).max(error) / bead.views.sqrt();
         let trust = error * error / (error * error + o.sigma * o.sigma);
         let normal = left_of(&bead.tangent);
         o.position += normal * (trust * normal.dot(&(bead.position - o.position)));
         let turned = o.tangent + (bead.tangent - o.tangent) * trust;
         o.tangent = turned.try_normalize(0.0).unwrap_or(o.tangent);
     }
-    true
+    2.0 * reach.along
 }
