@@ -73,7 +73,7 @@ pub const ROUNDS: usize = 24;
 
 /// Change of a motion, over its standard deviation, below which it has settled. No unit.
 /// Chosen by hand. Doubled, weakly determined motions stop halfway.
-pub const SETTLED: f64 = 0.1;
+pub const SETTLED: f64 = 0.02;
 
 /// Blocks along each side of an image within which errors may be shared. No unit. Chosen by hand:
 /// errors of lenses vary over the whole image. Doubled, errors over a quarter of an image are taken

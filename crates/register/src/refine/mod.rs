@@ -191,8 +191,7 @@ impl<'a> Rounds<'a> {
 
     /// Moves all views once; `None` if nothing determines them.
     fn step(&mut self, settling: bool) -> Option<Vec<Motion>> {
-        let unknowns = 6 * self.given.len() + self.cameras.unknowns();
-        self.independent = independent_share(&self.scene.views, &self.pairs, unknowns);
+        self.independent = independent_share(&self.scene.views, &self.pairs);
         let system = System::sum(&self.systems())?;
         let so_far = self.motions();
         let solve = |rounds: &Self| {
@@ -249,9 +248,9 @@ impl<'a> Rounds<'a> {
 /// The share of the observations that are independent.
 ///
 /// Neighbouring patches of a view may share an error of the sensor. Sums over blocks of the image
-/// then vary more than sums of independent errors do (Kish, 1965). The estimate has taken as many
-/// numbers out of the blocks as it has `unknowns`.
-fn independent_share(views: &[&CoarseView], pairs: &[Pair], unknowns: usize) -> f64 {
+/// then vary more than sums of independent errors do (Kish, 1965). Each view's pose has taken six
+/// numbers out of its blocks.
+fn independent_share(views: &[&CoarseView], pairs: &[Pair]) -> f64 {
     // Every patch is met by several others, all of which see its error: sum and number.
     let cells = views.iter().map(|view| vec![(0.0, 0.0); view.size().pixels()]);
     let mut patches: Vec<Vec<(f64, f64)>> = cells.collect();
@@ -277,6 +276,6 @@ fn independent_share(views: &[&CoarseView], pairs: &[Pair], unknowns: usize) -> 
         }
     }
     let sums: f64 = blocks.values().map(|sum| sum * sum).sum();
-    let spare = blocks.len().saturating_sub(unknowns).max(1) as f64;
+    let spare = blocks.len().saturating_sub(6 * views.len()).max(1) as f64;
     if squares > 0.0 { (squares / sums * spare / blocks.len() as f64).min(1.0) } else { 1.0 }
 }
