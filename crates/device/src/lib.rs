@@ -11,12 +11,14 @@
 //! belongs to the pixel's *centre*, sensor frames are right-handed Cartesian, lengths are in the
 //! model's one length unit, angles in radians, transforms are named target-from-source.
 
+mod depth_offsets;
 mod frame;
 mod image_order;
 mod range_image;
 mod separable;
 mod view;
 
+pub use depth_offsets::{DepthOffsets, Nodes};
 pub use frame::{
     DeviceFrame, DevicePoint, Handedness, LinearForm, Neighbour, PairGeometry, Ray, SensorPlane,
 };

@@ -100,7 +100,7 @@ pub use missing::MissingValue;
 pub use open_options::{CameraOption, OpenOptions};
 pub use ply::{RangeGrid, read_range_grid};
 pub use pose::{pose_of_row_major, row_major};
-pub use posed_scan::{PoseList, PosedScan};
+pub use posed_scan::{PoseList, PosedScan, ViewPose};
 pub use scan::{FramedImage, LoadView, PlanesEntry, PoseSigma, Scan, ScanView};
 pub use spline_file::ModelSplines;
 pub use triangle_mesh::{MeshFile, TriangleMesh};

@@ -4,13 +4,12 @@
 //! [`FORMATS`]. See "Add a scan format" in `docs/add-a-sensor.md`.
 
 use crate::{
-    FileNames, Manifest, OpenOptions, Place, PoseList, PosedScan, ReadError, Scan, ScanView, cloud,
-    depth_sequence, depth_sequence_manifest, e57, manifest, posed_scan, ptx, read_manifest,
-    stanford,
+    FileNames, Manifest, OpenOptions, Place, PoseList, PosedScan, ReadError, Scan, ScanView,
+    ViewPose, cloud, depth_sequence, depth_sequence_manifest, e57, manifest, posed_scan, ptx,
+    read_manifest, stanford,
 };
 use std::path::Path;
 use transect_device::ImageOrder;
-use transect_geometry::Isometry3;
 
 /// Reads a scan as a manifest whose files are relative to the scan's folder.
 type ReadManifest = fn(&Path, &OpenOptions) -> Result<Manifest, ReadError>;
@@ -176,7 +175,7 @@ impl Scan {
         &self,
         path: &Path,
         options: &OpenOptions,
-        poses: &[(String, Isometry3)],
+        poses: &[ViewPose],
         folder: &Path,
     ) -> Result<PosedScan, ReadError> {
         if posed_scan::is_one(path) {

@@ -26,8 +26,19 @@ use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use transect_device::ImageSize;
+use transect_device::{DepthOffsets, ImageSize};
 use transect_geometry::{Isometry3, LengthUnit};
+
+/// The new pose of a view.
+#[derive(Debug, Clone)]
+pub struct ViewPose {
+    /// The name of the view.
+    pub view: String,
+    /// World coordinates from sensor coordinates.
+    pub world_from_sensor: Isometry3,
+    /// The error of the view's depth camera at this pose. Only manifests can state it.
+    pub depth_offsets: Option<DepthOffsets>,
+}
 
 /// A scan with other poses, ready to be written.
 #[derive(Debug, Clone)]
@@ -110,12 +121,12 @@ impl PoseList {
     pub(crate) fn new(
         (scan, name): (&Path, &str),
         options: &OpenOptions,
-        poses: &[(String, Isometry3)],
+        poses: &[ViewPose],
         folder: &Path,
     ) -> Self {
-        let named = |(view, pose): &(String, Isometry3)| NamedPose {
-            view: view.clone(),
-            pose: row_major(pose),
+        let named = |pose: &ViewPose| NamedPose {
+            view: pose.view.clone(),
+            pose: row_major(&pose.world_from_sensor),
         };
         Self {
             name: name.to_owned(),
@@ -188,17 +199,12 @@ impl PoseList {
 impl Manifest {
     /// The manifest with other poses, for a file in another folder that exists. Views without a
     /// pose are left out; the others keep their names.
-    pub(crate) fn posed(
-        mut self,
-        from: &Path,
-        poses: &[(String, Isometry3)],
-        folder: &Path,
-    ) -> Self {
+    pub(crate) fn posed(mut self, from: &Path, poses: &[ViewPose], folder: &Path) -> Self {
         let mut poses = poses.iter().peekable();
         self.views.retain_mut(|view| {
             let name = view.name.as_ref().unwrap_or(&view.file).clone();
-            let Some((_, pose)) = poses.next_if(|(posed, _)| *posed == name) else { return false };
-            view.pose = row_major(pose);
+            let Some(pose) = poses.next_if(|posed| posed.view == name) else { return false };
+            view.pose = row_major(&pose.world_from_sensor);
             // It is the error of the given pose.
             view.pose_sigma = None;
             let moved = |file: &mut String| {
@@ -208,6 +214,11 @@ impl Manifest {
             match &mut view.sensor {
                 SensorEntry::LookupTable(entry) => moved(&mut entry.calibration),
                 SensorEntry::Pinhole(entry) => {
+                    if let Some(found) = &pose.depth_offsets {
+                        let known = entry.depth_offsets.take();
+                        let both = known.map_or_else(|| found.clone(), |known| known.then(found));
+                        entry.depth_offsets = Some(both);
+                    }
                     if let LensEntry::Rays { rays } = &mut entry.lens {
                         moved(rays);
                     }
@@ -256,7 +267,8 @@ mod tests {
         let own = Scan::open_with(&path, options).unwrap();
         let pose = |k: &usize| {
             let moved = Isometry3::translation(*k as f64 + 0.1, 0.0, 0.0);
-            (own.views[*k].name().to_owned(), moved)
+            let view = own.views[*k].name().to_owned();
+            ViewPose { view, world_from_sensor: moved, depth_offsets: None }
         };
         let poses: Vec<_> = views.iter().map(pose).collect();
         let new = folder.path().join("new");
@@ -284,7 +296,8 @@ mod tests {
         // A list of a list names the scan itself.
         let again = folder.path().join("again");
         fs::create_dir(&again).unwrap();
-        let poses = [("a.ply".to_owned(), Isometry3::identity())];
+        let world_from_sensor = Isometry3::identity();
+        let poses = [ViewPose { view: "a.ply".to_owned(), world_from_sensor, depth_offsets: None }];
         let posed = new.posed(&folder.path().join("new"), &OpenOptions::default(), &poses, &again);
         let PosedScan::Poses(list) = posed.unwrap() else { panic!("a manifest") };
         assert_eq!((list.scan.as_path(), list.unit), (Path::new("../part.conf"), options.unit));

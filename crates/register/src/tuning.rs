@@ -116,3 +116,18 @@ pub const FAR_OFF: f64 = 5.0;
 /// Most parts of the pairs that are left out in turn. No unit. Measured: with two, the pairs that
 /// are left of four views do not determine them. Doubled, judging takes twice the time.
 pub const PARTS: usize = 10;
+
+/// Least share of a depth camera's rays along its axis: the cosine of half the field of view. No
+/// unit. Chosen by hand: lenses see 120 degrees at most without large distortion. Doubled, only
+/// the axis itself passes.
+pub const LEAST_AHEAD: f64 = 0.5;
+
+/// Rows and columns of the grid of a depth camera's error. No unit. Chosen by hand: errors of
+/// lenses and patterns vary over a fifth of the image or more. Doubled, the cost of a round
+/// doubles, and patches of noise pass for errors of the camera.
+pub const CAMERA_GRID: (usize, usize) = (7, 9);
+
+/// How far a depth camera may err at first, as a share of the median distance. No unit. Theory:
+/// makers state 1 to 2 % for depth cameras. Doubled, or halved, the rounds that follow
+/// estimate the same.
+pub const FIRST_CAMERA_ERROR: f64 = 0.01;

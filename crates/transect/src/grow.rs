@@ -28,8 +28,8 @@ use crate::modelled_view::{ModelledView, no_curves};
 use crate::report::{PlaneSummary, Report, Timings, ViewReport};
 use crate::timed_view::TimedView;
 use crate::{
-    FusionReport, LoadedView, PoseReport, ReconstructError, Setup, SourceError, Stage, Unwatched,
-    ViewSource, Watch,
+    FusionReport, LoadedView, PoseReport, Posed, ReconstructError, Setup, SourceError, Stage,
+    Unwatched, ViewSource, Watch,
 };
 use fuser::Fuser;
 use rayon::prelude::*;
@@ -273,11 +273,15 @@ impl<'a> Grower<'a> {
             let no_view = || GrowError::NotThere(source.id().to_owned());
             stored.push(Stored { source, entry: there.ok_or_else(no_view)?.entry });
         }
-        let poses = PoseReport::new(&stored, Some(options), self.setup.unit, watch)?;
+        let mut poses = PoseReport::new(&stored, Some(options), self.setup.unit, watch)?;
+        poses.images_stay = true;
         let refined = poses.refinement.iter().flat_map(|refinement| &refinement.poses);
         let moved = poses.posed(&stored).into_iter().zip(refined);
         let moved = moved.filter(|(_, pose)| pose.has_moved());
-        let moved: Vec<_> = moved.map(|(view, _)| (view.source.entry.id.clone(), view)).collect();
+        // A store keeps the images as they are: views that come later would differ from these.
+        let as_stored = |view| Posed { depth_offsets: None, ..view };
+        let moved: Vec<_> =
+            moved.map(|(view, _)| (view.source.entry.id.clone(), as_stored(view))).collect();
         let (views, mut report) = self.replace_views(&moved, watch)?;
         report.set_poses(Some(poses));
         Ok((views, report))

@@ -36,6 +36,9 @@ pub struct PoseReport {
     /// The refined poses; `None` if the given ones were kept.
     #[serde(flatten)]
     pub refinement: Option<Refinement>,
+    /// Whether the images keep the errors of their depth cameras, as those of a store do.
+    #[serde(skip)]
+    pub(crate) images_stay: bool,
 }
 
 /// Coarse copies of all views, in their order; each view is dropped as soon as it is copied.
@@ -88,7 +91,7 @@ impl PoseReport {
             let posed = copies.into_iter().zip(poses);
             copies = posed.map(|(copy, pose)| copy.with_pose(pose.world_from_sensor)).collect();
         }
-        Ok(Self { unit, explanation, judgement: judge(&copies), refinement })
+        Ok(Self { unit, explanation, judgement: judge(&copies), refinement, images_stay: false })
     }
 
     /// Judges the given poses by copies of the views; `None` if nothing contradicts.
@@ -100,13 +103,25 @@ impl PoseReport {
         let explanation = explain(&copies, |order| reread(sources, order));
         let judgement = judge(&copies);
         let doubtful = explanation.is_some() || !judgement.findings.is_empty();
-        doubtful.then_some(Self { unit, explanation, judgement, refinement: None })
+        doubtful.then_some(Self {
+            unit,
+            explanation,
+            judgement,
+            refinement: None,
+            images_stay: true,
+        })
     }
 
-    /// The views at their refined poses; none if the given ones were kept.
+    /// The views at their refined poses, without the errors of their depth cameras; none if the
+    /// given poses were kept.
     pub fn posed<'a, S: ViewSource>(&self, sources: &'a [S]) -> Vec<Posed<'a, S>> {
         let poses = self.refinement.iter().flat_map(|refinement| &refinement.poses);
         let posed = sources.iter().zip(poses);
-        posed.map(|(source, pose)| Posed { source, pose: pose.world_from_sensor }).collect()
+        let posed = posed.map(|(source, pose)| Posed {
+            source,
+            pose: pose.world_from_sensor,
+            depth_offsets: pose.depth_offsets.clone(),
+        });
+        posed.collect()
     }
 }

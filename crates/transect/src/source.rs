@@ -1,6 +1,6 @@
 //! The sources of views.
 
-use transect_device::{ImageOrder, Isometry3, View};
+use transect_device::{DepthOffsets, ImageOrder, Isometry3, View};
 use transect_register::PosePrior;
 
 /// An error of a source; any type, since sources are foreign code.
@@ -49,12 +49,14 @@ pub struct LoadedView {
 }
 
 /// A source whose view is put at another pose.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Posed<'a, S> {
     /// The source.
     pub source: &'a S,
     /// World coordinates from sensor coordinates.
     pub pose: Isometry3,
+    /// The error of the view's depth camera, which its image loses.
+    pub depth_offsets: Option<DepthOffsets>,
 }
 
 impl<S: ViewSource> ViewSource for Posed<'_, S> {
@@ -72,7 +74,10 @@ impl<S: ViewSource> ViewSource for Posed<'_, S> {
 
     fn load(&self) -> Result<LoadedView, SourceError> {
         let LoadedView { view, notes } = self.source.load()?;
-        Ok(LoadedView { view: view.with_pose(self.pose)?, notes })
+        let view = view.with_pose(self.pose)?;
+        let Some(offsets) = &self.depth_offsets else { return Ok(LoadedView { view, notes }) };
+        let image = offsets.correct(view.frame(), view.image())?;
+        Ok(LoadedView { view: view.with_image(image)?, notes })
     }
 }
 

@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use transect::register::{PoseReading, RefinedPose};
 use transect::{PoseReport, Watch};
-use transect_exchange::write_file;
+use transect_exchange::{ViewPose, write_file};
 
 /// The file of the scan with refined poses.
 const SCAN: &str = "scan.json";
@@ -101,7 +101,11 @@ impl Registration<'_> {
     pub fn write(&self, folder: &Path) -> Result<(), WorkflowError> {
         Self::claim(self.scan, folder)?;
         let staging = Staging::begin(folder)?;
-        let of_view = |pose: &RefinedPose| (pose.view.clone(), pose.world_from_sensor);
+        let of_view = |pose: &RefinedPose| ViewPose {
+            view: pose.view.clone(),
+            world_from_sensor: pose.world_from_sensor,
+            depth_offsets: pose.depth_offsets.clone(),
+        };
         let poses: Vec<_> =
             self.poses.refinement.iter().flat_map(|r| &r.poses).map(of_view).collect();
         let OpenScan { path, options, scan, .. } = self.scan;

@@ -42,7 +42,8 @@ impl Camera {
     pub(super) fn sensor(&self) -> SensorEntry {
         let lens =
             LensEntry::Intrinsics { intrinsics: self.intrinsics, distortion: self.distortion };
-        SensorEntry::Pinhole(PinholeEntry { lens, holds: PinholeScale::Depth })
+        let holds = PinholeScale::Depth;
+        SensorEntry::Pinhole(PinholeEntry { lens, holds, depth_offsets: None })
     }
 }
 

@@ -15,7 +15,7 @@ mod patch;
 
 pub use patch::Patch;
 
-use crate::tuning::{CELLS, LEAST_STEP, LEAST_WHOLE, QUICK_CELLS};
+use crate::tuning::{CELLS, LEAST_AHEAD, LEAST_STEP, LEAST_WHOLE, QUICK_CELLS};
 use by_points::ByPoints;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -249,6 +249,23 @@ impl CoarseView {
         } else {
             Sighting::Near
         }
+    }
+
+    /// Rows and columns of the image.
+    pub(crate) fn image_size(&self) -> ImageSize {
+        self.image
+    }
+
+    /// The rays of the first and the last pixel, if the view is one of a depth camera: all rays
+    /// start in the origin of the sensor frame and run along its z axis. Views of one camera have
+    /// the same ones.
+    pub(crate) fn camera(&self) -> Option<[Vector3; 2]> {
+        let Lookup::Inverse(frame) = &self.lookup else { return None };
+        let last = Pixel::new(self.image.rows.checked_sub(1)?, self.image.cols.checked_sub(1)?);
+        let ahead = |ray: &Ray| ray.start == Point3::origin() && ray.direction.z > LEAST_AHEAD;
+        let all_ahead = self.cells.iter().filter_map(|cell| cell.seen).all(|seen| ahead(&seen.ray));
+        let rays = [frame.ray(Pixel::new(0, 0))?, frame.ray(last)?];
+        (all_ahead && rays.iter().all(ahead)).then(|| rays.map(|ray| ray.direction))
     }
 
     /// The cell whose rays pass a sensor-frame point.

@@ -13,9 +13,12 @@
 //! 1. Pairs of views that overlap: `pairs.rs`.
 //! 2. Rounds: every patch is looked up in the other views; the most probable small motions of all
 //!    views together (`solve.rs`); how far poses are wrong.
-//! 3. The motion that all views share is taken out.
-//! 4. Pairs that were left out judge the result: `left_out.rs`.
+//! 3. The error that a depth camera makes alike in all its images is found beside the motions:
+//!    `camera.rs`.
+//! 4. The motion that all views share is taken out.
+//! 5. Pairs that were left out judge the result: `left_out.rs`.
 
+mod camera;
 mod left_out;
 mod outcome;
 mod pairs;
@@ -26,8 +29,10 @@ use crate::tuning::{
     BLOCKS, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, MOST_MISPLACED, OBSERVATIONS,
     PRIOR_ROUNDS, PROBES, ROUNDS, SETTLED, SETTLING,
 };
-use pairs::{Pair, Reach, Scene, Spread, Sums, samples};
-use solve::{Motion, Solution, System, estimated_prior, motion_between, moved};
+use camera::Cameras;
+use pairs::{Pair, Reach, Scene, Spread, State, samples};
+use rayon::prelude::*;
+use solve::{Before, Ground, Motion, System, estimated_prior, motion_between, moved};
 use std::collections::BTreeMap;
 use transect_device::{Isometry3, Point3, Vector3};
 
@@ -92,9 +97,12 @@ struct Rounds<'a> {
     scene: &'a Scene<'a>,
     given: Vec<Isometry3>,
     poses: Vec<Isometry3>,
+    /// Median distance of the samples from their sensors.
+    distance: f64,
     first: PosePrior,
     prior: PosePrior,
     stated: bool,
+    cameras: Cameras,
     candidates: Vec<(usize, usize)>,
     /// The pairs at the given poses, for the report.
     before: Vec<Pair>,
@@ -127,15 +135,18 @@ impl<'a> Rounds<'a> {
             translation: a.translation.max(b.translation),
         });
         let reach = Reach { rotation: first.rotation, translation: first.translation };
-        let mut candidates = scene.pairs(&given, reach);
+        let cameras = Cameras::of(&scene.views, distance);
+        let mut candidates = scene.pairs(State { poses: &given, cameras: &cameras }, reach);
         candidates.retain(|(a, b)| !misplaced.contains(a) && !misplaced.contains(b));
         Self {
             scene,
             poses: given.clone(),
+            distance,
             given,
             first,
             prior,
             stated: stated.is_some(),
+            cameras,
             candidates,
             before: Vec::new(),
             pairs: Vec::new(),
@@ -174,39 +185,57 @@ impl<'a> Rounds<'a> {
         let reach = Reach { rotation: reach.rotation, translation: reach.translation };
         // Views of one scene share about half of what they see.
         let most = (2 * wanted / self.candidates.len().max(1)).max(PROBES);
-        self.pairs = self.scene.observe_all(&self.candidates, &self.poses, reach, most, spread);
+        let state = State { poses: &self.poses, cameras: &self.cameras };
+        self.pairs = self.scene.observe_all(&self.candidates, state, reach, most, spread);
     }
 
     /// Moves all views once; `None` if nothing determines them.
     fn step(&mut self, settling: bool) -> Option<Vec<Motion>> {
         self.independent = independent_share(&self.scene.views, &self.pairs);
-        let sums: Vec<Sums> = self.pairs.iter().map(Pair::sums).collect();
-        let system = System::new(&self.sensors(), self.scene.origin, &sums, self.independent);
+        let system = System::sum(&self.systems())?;
         let so_far = self.motions();
-        let mut solution: Solution = system.solve(&self.priors(), &so_far)?;
+        let solve = |rounds: &Self| {
+            system.solve(rounds.independent, &rounds.known_before(&rounds.priors(), &so_far))
+        };
+        let mut solution = solve(self)?;
         self.variances = solution.variances();
-        for _ in 0..if self.stated || settling { 0 } else { PRIOR_ROUNDS } {
-            let total = so_far.iter().zip(&solution.motions).map(|(a, b)| a + b);
-            let of_views = self.scene.views.iter().zip(total.zip(&self.variances));
-            let unstated = of_views.filter(|(view, _)| view.prior().is_none());
-            let (moved, variances): (Vec<Motion>, Vec<Motion>) = unstated.map(|(_, v)| v).unzip();
-            self.prior = estimated_prior(&self.prior, &moved, &variances);
-            solution = system.solve(&self.priors(), &so_far)?;
+        for _ in 0..if settling { 0 } else { PRIOR_ROUNDS } {
+            self.cameras.learn(&solution.offsets());
+            if !self.stated {
+                let total = so_far.iter().zip(&solution.motions).map(|(a, b)| a + b);
+                let of_views = self.scene.views.iter().zip(total.zip(&self.variances));
+                let unstated = of_views.filter(|(view, _)| view.prior().is_none());
+                let (moved, variances): (Vec<Motion>, Vec<Motion>) =
+                    unstated.map(|(_, v)| v).unzip();
+                self.prior = estimated_prior(&self.prior, &moved, &variances);
+            }
+            solution = solve(self)?;
             self.variances = solution.variances();
         }
         for (pose, motion) in self.poses.iter_mut().zip(&solution.motions) {
             *pose = moved(pose, motion);
         }
+        self.cameras.change(&solution.offsets());
         Some(solution.motions)
+    }
+
+    /// What the pairs say, in the parts that judge each other.
+    fn systems(&self) -> Vec<System> {
+        let sensors: Vec<Point3> =
+            self.poses.iter().map(|p| Point3::from(p.translation.vector)).collect();
+        let ground =
+            Ground { sensors: &sensors, origin: self.scene.origin, cameras: &self.cameras };
+        let parts = left_out::parts(&self.pairs);
+        parts.into_par_iter().map(|pairs| System::of(pairs, &ground)).collect()
+    }
+
+    fn known_before<'b>(&'b self, priors: &'b [PosePrior], moved: &'b [Motion]) -> Before<'b> {
+        Before { priors, moved, cameras: &self.cameras }
     }
 
     /// How far each view's pose may be wrong.
     fn priors(&self) -> Vec<PosePrior> {
         self.scene.views.iter().map(|view| view.prior().unwrap_or(self.prior)).collect()
-    }
-
-    fn sensors(&self) -> Vec<Point3> {
-        self.poses.iter().map(|p| Point3::from(p.translation.vector)).collect()
     }
 
     /// How far the views have moved from their given poses.
@@ -218,11 +247,9 @@ impl<'a> Rounds<'a> {
 
 /// The share of the observations that are independent.
 ///
-/// * A surface that `k` views see gives `k (k - 1)` ordered pairs, whose squares add up to `k`
-///   times those of the views against their mean.
-/// * Neighbouring patches of a view may share an error of the sensor. Sums over blocks of the image
-///   then vary more than sums of independent errors do (Kish, 1965). Each view's pose has taken six
-///   numbers out of its blocks.
+/// Neighbouring patches of a view may share an error of the sensor. Sums over blocks of the image
+/// then vary more than sums of independent errors do (Kish, 1965). Each view's pose has taken six
+/// numbers out of its blocks.
 fn independent_share(views: &[&CoarseView], pairs: &[Pair]) -> f64 {
     // Every patch is met by several others, all of which see its error: sum and number.
     let cells = views.iter().map(|view| vec![(0.0, 0.0); view.size().pixels()]);
@@ -230,13 +257,13 @@ fn independent_share(views: &[&CoarseView], pairs: &[Pair]) -> f64 {
     for pair in pairs {
         let Some(cells) = patches.get_mut(pair.b) else { continue };
         for o in &pair.observations {
-            let Some(sum) = cells.get_mut(o.cell) else { continue };
+            let Some(sum) = cells.get_mut(o.cells[1]) else { continue };
             sum.0 += pair.weight(o).sqrt() * o.distance;
             sum.1 += 1.0;
         }
     }
     let mut blocks: BTreeMap<(usize, usize), f64> = BTreeMap::new();
-    let (mut squares, mut met, mut meetings) = (0.0, 0.0, 0.0);
+    let mut squares = 0.0;
     for (b, (view, cells)) in views.iter().zip(&patches).enumerate() {
         let size = view.size();
         for (cell, (sum, count)) in cells.iter().enumerate().filter(|(_, (_, count))| *count > 0.0)
@@ -246,13 +273,9 @@ fn independent_share(views: &[&CoarseView], pairs: &[Pair]) -> f64 {
             let mean = sum / count;
             *blocks.entry((b, block)).or_default() += mean;
             squares += mean * mean;
-            meetings += count;
-            met += 1.0;
         }
     }
     let sums: f64 = blocks.values().map(|sum| sum * sum).sum();
     let spare = blocks.len().saturating_sub(6 * views.len()).max(1) as f64;
-    let together = (sums / squares * blocks.len() as f64 / spare).max(1.0);
-    let seeing = 1.0 + meetings / f64::max(met, 1.0);
-    if squares > 0.0 { 1.0 / (together * seeing) } else { 0.5 }
+    if squares > 0.0 { (squares / sums * spare / blocks.len() as f64).min(1.0) } else { 1.0 }
 }

@@ -6,7 +6,7 @@ use super::solve::{Motion, motion_between};
 use crate::coarse::PosePrior;
 use crate::tuning::{FAR_OFF, MISPLACED, PROBES};
 use nalgebra::{Matrix3, UnitQuaternion};
-use transect_device::{Isometry3, Point3, Vector3};
+use transect_device::{DepthOffsets, Isometry3, Point3, Vector3};
 
 /// What became of the pose of a view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -44,6 +44,10 @@ pub struct RefinedPose {
     pub residual_before: Option<f64>,
     /// The same at the refined poses.
     pub residual_after: Option<f64>,
+    /// The error of the view's depth camera, which its images must lose at the refined pose;
+    /// `None` for other sensors, and for a camera without a visible error.
+    #[serde(skip_serializing_if = "Option::is_none", serialize_with = "rms")]
+    pub depth_offsets: Option<DepthOffsets>,
 }
 
 /// The result of [`refine`](super::refine).
@@ -56,6 +60,13 @@ pub struct Refinement {
     /// Change of the squared distances of the pairs that were left out of the estimate, as a share:
     /// -0.5 is half of them. `None` if there was one pair only.
     pub left_out_pairs: Option<f64>,
+    /// Median distance of the patches from their sensors, in the model's length unit.
+    pub distance: f64,
+}
+
+/// Reports tell how large offsets are; the scan that registration writes has their values.
+fn rms<S: serde::Serializer>(offsets: &Option<DepthOffsets>, out: S) -> Result<S::Ok, S::Error> {
+    out.serialize_some(&offsets.as_ref().map(DepthOffsets::rms))
 }
 
 impl Rounds<'_> {
@@ -95,9 +106,13 @@ impl Rounds<'_> {
         };
         let before = medians(&self.before, self.given.len());
         let after = if keeps { before.clone() } else { medians(&self.pairs, self.given.len()) };
-        let pose = |k: usize| self.refined_pose(k, outcome(k), before[k], after[k]);
+        let offsets = |k: usize| self.cameras.of_view(k).filter(|_| !keeps);
+        let pose = |k: usize| RefinedPose {
+            depth_offsets: offsets(k),
+            ..self.refined_pose(k, outcome(k), before[k], after[k])
+        };
         let poses = (0..self.given.len()).map(pose).collect();
-        Refinement { poses, prior: self.prior, left_out_pairs }
+        Refinement { poses, prior: self.prior, left_out_pairs, distance: self.distance }
     }
 
     fn refined_pose(
@@ -120,6 +135,7 @@ impl Rounds<'_> {
             sigma: PosePrior { rotation: sigma(3), translation: sigma(0) },
             residual_before,
             residual_after,
+            depth_offsets: None,
         }
     }
 

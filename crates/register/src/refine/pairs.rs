@@ -1,14 +1,16 @@
 //! Where the patches of one view lie over those of another: the observations of a refinement.
 
+use super::camera::Cameras;
 use crate::CoarseView;
 use crate::tuning::{ALIKE_DEGREES, GATE, LEAST_MEETINGS, PROBES};
-use nalgebra::{Matrix6, Vector6};
+use nalgebra::Vector6;
 use rayon::prelude::*;
 use transect_device::{Isometry3, Point3, Vector3};
 
 /// A patch as an observation.
 #[derive(Debug, Clone, Copy)]
 pub struct Sample {
+    pub cell: usize,
     pub in_sensor: Point3,
     pub normal: Vector3,
     pub sigma: f64,
@@ -20,7 +22,8 @@ pub fn samples(view: &CoarseView, most: usize) -> Vec<Sample> {
     let mut order: Vec<(u32, usize)> = (0..all.len()).map(|k| (scrambled(k as u32), k)).collect();
     order.sort_unstable();
     let taken = order.iter().take(most).filter_map(|(_, k)| all.get(*k));
-    let sample = |(_, patch): &(usize, &crate::Patch)| Sample {
+    let sample = |(cell, patch): &(usize, &crate::Patch)| Sample {
+        cell: *cell,
         in_sensor: patch.point(),
         normal: patch.steady_normal(),
         sigma: patch.sigma(),
@@ -38,14 +41,18 @@ pub fn scrambled(k: u32) -> u32 {
 /// A sample of view `a` over a patch of view `b`.
 #[derive(Debug, Clone, Copy)]
 pub struct Observation {
-    /// The cell of `b`.
-    pub cell: usize,
+    /// The cells of `a` and of `b`.
+    pub cells: [usize; 2],
     /// Change of the distance with a motion of `a`: translation, then rotation about the origin.
     pub gradient: Vector6<f64>,
     /// Distance of the sample from the patch along the patch's normal.
     pub distance: f64,
+    /// Change of the distance with the offset of 1 / depth at the cell of `a`, and at that of `b`.
+    pub slopes: [f64; 2],
     /// Variance of the distance from the noise of both patches.
     pub variance: f64,
+    /// What the other observations of the same surface leave to it: see [`Scene::share`].
+    pub share: f64,
 }
 
 /// The observations of an ordered pair of views.
@@ -73,14 +80,21 @@ pub struct Reach {
     pub translation: f64,
 }
 
+/// Where the views are, and what their cameras err.
+#[derive(Debug, Clone, Copy)]
+pub struct State<'a> {
+    pub poses: &'a [Isometry3],
+    pub cameras: &'a Cameras,
+}
+
 impl Scene<'_> {
     /// The ordered pairs of views that may overlap.
-    pub fn pairs(&self, poses: &[Isometry3], reach: Reach) -> Vec<(usize, usize)> {
+    pub fn pairs(&self, state: State<'_>, reach: Reach) -> Vec<(usize, usize)> {
         let n = self.views.len();
         let all: Vec<_> = (0..n).flat_map(|a| (0..n).map(move |b| (a, b))).collect();
         let meets = |&(a, b): &(usize, usize)| {
             let probes = self.samples.get(a).map_or(0, |s| s.len().min(PROBES));
-            a != b && self.observe(a, b, poses, reach, PROBES).len() * 50 >= probes.max(50)
+            a != b && self.observe(a, b, state, reach, PROBES).len() * 50 >= probes.max(50)
         };
         all.into_par_iter().filter(meets).collect()
     }
@@ -89,25 +103,53 @@ impl Scene<'_> {
     pub fn observe_all(
         &self,
         pairs: &[(usize, usize)],
-        poses: &[Isometry3],
+        state: State<'_>,
         reach: Reach,
         most: usize,
         spread: Spread,
     ) -> Vec<Pair> {
         let observe = |&(a, b): &(usize, usize)| {
-            let observations = self.observe(a, b, poses, reach, most);
+            let observations = self.observe(a, b, state, reach, most);
             let excess = excess(&observations, spread);
             Pair { a, b, observations, excess }
         };
         let pairs: Vec<Pair> = pairs.par_iter().map(observe).collect();
-        pairs.into_iter().filter(|p| p.observations.len() >= LEAST_MEETINGS).collect()
+        let met = pairs.into_iter().filter(|p| p.observations.len() >= LEAST_MEETINGS);
+        let mut pairs: Vec<Pair> = met.collect();
+        self.share(&mut pairs, most);
+        pairs
+    }
+
+    /// Finds the share of each observation.
+    ///
+    /// A surface that `k` views see gives `k (k - 1)` ordered pairs, whose squares add up to `k`
+    /// times those of the views against their mean. So each counts as `1 / k`. Where two views
+    /// alone hold the others together, they count most.
+    fn share(&self, pairs: &mut [Pair], most: usize) {
+        let cells = |view: &&CoarseView| vec![1.0; view.size().pixels()];
+        let mut seen: Vec<Vec<f64>> = self.views.iter().map(cells).collect();
+        for pair in pairs.iter() {
+            // As many as without the limit on the samples.
+            let each = self.samples.get(pair.a).map_or(1.0, |s| s.len() as f64 / most as f64);
+            for o in &pair.observations {
+                if let Some(views) = seen.get_mut(pair.b).and_then(|s| s.get_mut(o.cells[1])) {
+                    *views += each.max(1.0);
+                }
+            }
+        }
+        for pair in pairs {
+            let Some(seen) = seen.get(pair.b) else { continue };
+            for o in &mut pair.observations {
+                o.share = seen.get(o.cells[1]).map_or(0.5, |views| 1.0 / views);
+            }
+        }
     }
 
     fn observe(
         &self,
         a: usize,
         b: usize,
-        poses: &[Isometry3],
+        State { poses, cameras }: State<'_>,
         reach: Reach,
         most: usize,
     ) -> Vec<Observation> {
@@ -120,8 +162,12 @@ impl Scene<'_> {
         let b_from_a = world_from_b.inverse() * world_from_a;
         let alike = ALIKE_DEGREES.to_radians().cos();
         let observe = |sample: &Sample| {
-            let in_b = b_from_a * sample.in_sensor;
-            let meeting = view.meeting(&in_b)?;
+            let nodes = cameras.nodes(a, sample.cell);
+            let in_a = nodes.map_or(sample.in_sensor, |n| cameras.corrected(&n, &sample.in_sensor));
+            let in_b = b_from_a * in_a;
+            let nodes = view.cell_of(&in_b).and_then(|cell| cameras.nodes(b, cell));
+            let measured = nodes.map_or(in_b, |n| cameras.measured(&n, &in_b));
+            let meeting = view.meeting(&measured)?;
             let normal = b_from_a.rotation * sample.normal;
             let moved = reach.translation + reach.rotation * sample.in_sensor.coords.norm();
             let variance = sample.sigma.powi(2) + meeting.sigma.powi(2);
@@ -129,11 +175,15 @@ impl Scene<'_> {
             if meeting.distance.abs() > gate || normal.dot(&meeting.normal) < alike {
                 return None;
             }
+            let ray = b_from_a.rotation * in_a.coords;
+            let slopes =
+                [-in_a.z * meeting.normal.dot(&ray), in_b.z * meeting.normal.dot(&in_b.coords)];
             let normal = world_from_b.rotation * meeting.normal;
             let arm = world_from_b * in_b - self.origin;
             let turn = arm.cross(&normal);
             let gradient = Vector6::new(normal.x, normal.y, normal.z, turn.x, turn.y, turn.z);
-            Some(Observation { cell: meeting.cell, gradient, distance: meeting.distance, variance })
+            let (cells, distance) = ([sample.cell, meeting.cell], meeting.distance);
+            Some(Observation { cells, gradient, distance, slopes, variance, share: 1.0 })
         };
         samples.iter().take(most).filter_map(observe).collect()
     }
@@ -199,27 +249,14 @@ impl Pair {
         if share < 1.0 { (1.0 - share).powi(2) / variance } else { 0.0 }
     }
 
-    /// The sums of weighted gradients.
-    pub fn sums(&self) -> Sums {
-        let mut sums = Sums { a: self.a, b: self.b, ..Sums::default() };
-        for o in &self.observations {
-            let weight = self.weight(o);
-            sums.matrix.syger(weight, &o.gradient, &o.gradient, 1.0);
-            sums.vector.axpy(weight * o.distance, &o.gradient, 1.0);
-            sums.square += weight * o.distance.powi(2);
-        }
-        sums.matrix.fill_upper_triangle_with_lower_triangle();
-        sums
+    /// The slopes of an observation over the unknowns of the cameras, and their number.
+    pub fn camera_terms(&self, o: &Observation, cameras: &Cameras) -> ([(usize, f64); 8], usize) {
+        let mut terms = [(0, 0.0); 8];
+        let sides = [self.a, self.b].into_iter().zip(o.cells).zip(o.slopes);
+        let nodes = sides.filter_map(|((view, cell), slope)| {
+            Some(cameras.nodes(view, cell)?.map(|(node, share)| (node, share * slope)))
+        });
+        let count = nodes.flatten().zip(&mut terms).map(|(from, to)| *to = from).count();
+        (terms, count)
     }
-}
-
-/// What a pair of views says about its relative motion: a quadratic form.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Sums {
-    pub a: usize,
-    pub b: usize,
-    pub matrix: Matrix6<f64>,
-    pub vector: Vector6<f64>,
-    /// Sum of the weighted squares.
-    pub square: f64,
 }

@@ -1,87 +1,179 @@
-//! The most probable motions of all views, given what pairs say and how far poses may be wrong.
+//! The most probable motions of all views and offsets of all cameras, given what pairs say and how
+//! far poses may be wrong.
 
-use super::pairs::Sums;
+use super::camera::{Cameras, NODES};
+use super::pairs::Pair;
 use crate::coarse::PosePrior;
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix6, Vector6};
+use nalgebra::{DMatrix, DVector, Matrix6, Matrix6xX, Vector6};
 use transect_device::{Isometry3, Point3, Vector3};
 
 /// A rigid motion to first order: translation of the sensor, and rotation about it.
 pub type Motion = Vector6<f64>;
 
-/// The linear system of all motions.
+/// The linear system of all motions, and of the offsets of all cameras after them.
+#[derive(Debug, Clone)]
 pub struct System {
     matrix: DMatrix<f64>,
     right: DVector<f64>,
+    /// Sum of the weighted squares where nothing moves.
+    square: f64,
 }
 
 /// The solution of a system.
 pub struct Solution {
     /// One motion for each view.
     pub motions: Vec<Motion>,
-    factor: Cholesky<f64, Dyn>,
+    /// All unknowns.
+    unknowns: DVector<f64>,
+    covariance: DMatrix<f64>,
+}
+
+/// The place of what pairs say: motions turn about the sensors, gradients of pairs about `origin`.
+pub struct Ground<'a> {
+    pub sensors: &'a [Point3],
+    pub origin: Point3,
+    pub cameras: &'a Cameras,
 }
 
 impl System {
-    /// What the pairs say, each with the share of its observations that is independent. Motions
-    /// turn about the sensors; pairs' sums about `origin`.
-    pub fn new<'a>(
-        sensors: &[Point3],
-        origin: Point3,
-        sums: impl IntoIterator<Item = &'a Sums>,
-        independent: f64,
-    ) -> Self {
-        let n = 6 * sensors.len();
-        let shifts: Vec<Matrix6<f64>> = sensors.iter().map(|s| about(&(s - origin))).collect();
-        let (mut matrix, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
-        for s in sums {
-            let (Some(at_a), Some(at_b)) = (shifts.get(s.a), shifts.get(s.b)) else { continue };
-            let information = s.matrix * independent;
-            let mut add = |i: usize, j: usize, block: Matrix6<f64>| {
-                let mut view = matrix.fixed_view_mut::<6, 6>(6 * i, 6 * j);
-                view += block;
-            };
-            add(s.a, s.a, at_a * information * at_a.transpose());
-            add(s.b, s.b, at_b * information * at_b.transpose());
-            add(s.a, s.b, -at_a * information * at_b.transpose());
-            add(s.b, s.a, -at_b * information * at_a.transpose());
-            let force = s.vector * independent;
-            let mut push = |i: usize, force: Vector6<f64>| {
-                let mut view = right.fixed_rows_mut::<6>(6 * i);
-                view += force;
-            };
-            push(s.a, -at_a * force);
-            push(s.b, at_b * force);
+    /// What pairs say.
+    pub fn of<'a>(pairs: impl IntoIterator<Item = &'a Pair>, ground: &Ground<'_>) -> Self {
+        let n = 6 * ground.sensors.len() + ground.cameras.unknowns();
+        let (matrix, right) = (DMatrix::zeros(n, n), DVector::zeros(n));
+        let mut system = Self { matrix, right, square: 0.0 };
+        for pair in pairs {
+            system.add(pair, ground);
         }
-        Self { matrix, right }
+        system
     }
 
-    /// The motions that balance the pairs with the views' priors, which pull each view back by what
-    /// it has `moved` so far. `None` if the numbers are not finite.
-    pub fn solve(&self, priors: &[PosePrior], moved: &[Motion]) -> Option<Solution> {
-        let (mut matrix, mut right) = (self.matrix.clone(), self.right.clone());
-        for (k, (moved, prior)) in moved.iter().zip(priors).enumerate() {
+    fn add(&mut self, pair: &Pair, ground: &Ground<'_>) {
+        let (mut information, mut force) = (Matrix6::zeros(), Vector6::zeros());
+        let cameras = ground.cameras.unknowns();
+        let mut crossed = Matrix6xX::zeros(cameras);
+        let first = 6 * ground.sensors.len();
+        for o in &pair.observations {
+            let weight = pair.weight(o) * o.share;
+            information.syger(weight, &o.gradient, &o.gradient, 1.0);
+            force.axpy(weight * o.distance, &o.gradient, 1.0);
+            self.square += weight * o.distance.powi(2);
+            let (terms, count) = pair.camera_terms(o, ground.cameras);
+            let terms = terms.get(..count).unwrap_or(&[]);
+            for (i, slope) in terms {
+                crossed.column_mut(*i).axpy(weight * slope, &o.gradient, 1.0);
+                self.right[first + i] -= weight * slope * o.distance;
+                for (j, other) in terms {
+                    self.matrix[(first + i, first + j)] += weight * slope * other;
+                }
+            }
+        }
+        information.fill_upper_triangle_with_lower_triangle();
+        let at = |view: usize| about(&(ground.sensors[view] - ground.origin));
+        let ends = [(pair.a, at(pair.a), 1.0), (pair.b, at(pair.b), -1.0)];
+        for (i, at_i, sign_i) in &ends {
+            for (j, at_j, sign_j) in &ends {
+                let mut to = self.matrix.fixed_view_mut::<6, 6>(6 * i, 6 * j);
+                to += at_i * information * at_j.transpose() * (sign_i * sign_j);
+            }
+            let mut to = self.right.fixed_rows_mut::<6>(6 * i);
+            to -= at_i * force * *sign_i;
+            let mut to = self.matrix.view_mut((first, 6 * i), (cameras, 6));
+            to += (at_i * &crossed * *sign_i).transpose();
+        }
+    }
+
+    /// What all parts say together; `None` of none.
+    pub fn sum(parts: &[Self]) -> Option<Self> {
+        let (first, others) = parts.split_first()?;
+        let mut sum = first.clone();
+        for other in others {
+            sum.matrix += &other.matrix;
+            sum.right += &other.right;
+            sum.square += other.square;
+        }
+        Some(sum)
+    }
+
+    /// What is left without a part.
+    pub fn without(&self, part: &Self) -> Self {
+        let (matrix, right) = (&self.matrix - &part.matrix, &self.right - &part.right);
+        Self { matrix, right, square: self.square - part.square }
+    }
+
+    /// The weighted squares after motions and changes of offsets.
+    pub fn square_after(&self, unknowns: &DVector<f64>) -> f64 {
+        // The part above the diagonal is not filled for motions beside offsets.
+        let m = self.matrix.lower_triangle();
+        let (lower, diagonal) = (unknowns.dot(&(&m * unknowns)), m.diagonal());
+        let on = diagonal.component_mul(unknowns).dot(unknowns);
+        self.square - 2.0 * self.right.dot(unknowns) + 2.0 * lower - on
+    }
+
+    /// The motions and offsets that balance the pairs, of which a share is independent, with what
+    /// was known before. `None` if the numbers are not finite.
+    pub fn solve(&self, independent: f64, before: &Before<'_>) -> Option<Solution> {
+        let (mut matrix, mut right) = (&self.matrix * independent, &self.right * independent);
+        for (k, (moved, prior)) in before.moved.iter().zip(before.priors).enumerate() {
             let strength = strength(prior);
             for c in 0..6 {
                 matrix[(6 * k + c, 6 * k + c)] += strength[c];
                 right[6 * k + c] -= strength[c] * moved[c];
             }
         }
+        for (k, camera) in before.cameras.list.iter().enumerate() {
+            let first = 6 * before.moved.len() + NODES * k;
+            let precision = camera.precision();
+            let mut to = matrix.view_mut((first, first), (NODES, NODES));
+            to += &precision;
+            let mut to = right.rows_mut(first, NODES);
+            to -= precision * &camera.offsets;
+        }
         let factor = matrix.cholesky()?;
-        let solution = factor.solve(&right);
-        let motions = (0..moved.len()).map(|k| solution.fixed_rows::<6>(6 * k).into_owned());
-        let motions: Vec<Motion> = motions.collect();
-        motions
-            .iter()
-            .all(|m| m.iter().all(|c| c.is_finite()))
-            .then_some(Solution { motions, factor })
+        let unknowns = factor.solve(&right);
+        let motions = (0..before.moved.len()).map(|k| unknowns.fixed_rows::<6>(6 * k).into_owned());
+        let motions = motions.collect();
+        let finite = unknowns.iter().all(|c| c.is_finite());
+        finite.then(|| Solution { motions, unknowns, covariance: factor.inverse() })
+    }
+}
+
+/// What is known before the pairs say anything: how far the poses and cameras may be wrong, which
+/// pulls each view back by what it has `moved` so far.
+pub struct Before<'a> {
+    pub priors: &'a [PosePrior],
+    pub moved: &'a [Motion],
+    pub cameras: &'a Cameras,
+}
+
+impl Before<'_> {
+    /// The unknowns that take everything back to where it was given.
+    pub fn back(&self) -> DVector<f64> {
+        let motions = self.moved.iter().flat_map(|m| m.iter());
+        let offsets = self.cameras.list.iter().flat_map(|camera| camera.offsets.iter());
+        DVector::from_vec(motions.chain(offsets).map(|v| -v).collect())
     }
 }
 
 impl Solution {
+    /// Motions and changes of offsets.
+    pub fn unknowns(&self) -> &DVector<f64> {
+        &self.unknowns
+    }
+
+    /// The changes of each camera's offsets, with their covariance.
+    pub fn offsets(&self) -> Vec<(DVector<f64>, DMatrix<f64>)> {
+        let motions = 6 * self.motions.len();
+        let starts = (motions..self.unknowns.len()).step_by(NODES);
+        let of = |first: usize| {
+            let covariance = self.covariance.view((first, first), (NODES, NODES));
+            (self.unknowns.rows(first, NODES).into_owned(), covariance.into_owned())
+        };
+        starts.map(of).collect()
+    }
+
     /// Variances of every view's motion.
     pub fn variances(&self) -> Vec<Motion> {
-        let inverse = self.factor.inverse();
-        let of = |k: usize| Motion::from_fn(|c, _| inverse[(6 * k + c, 6 * k + c)]);
+        let of = |k: usize| Motion::from_fn(|c, _| self.covariance[(6 * k + c, 6 * k + c)]);
         (0..self.motions.len()).map(of).collect()
     }
 }

@@ -17,7 +17,17 @@ fn description(name: &str, more: &str) -> Description {
 
 /// The views of a bundled scene, with its noise; `more` is added to its description.
 pub fn simulated(name: &str, more: &str) -> Vec<View> {
-    let description = description(name, more);
+    views_of(&description(name, more))
+}
+
+/// The views of a bundled scene, with its noise but for the distortion of its depth camera.
+pub fn simulated_without_distortion(name: &str) -> Vec<View> {
+    let mut description = description(name, "");
+    description.noise.depth_camera.distortion = 0.0;
+    views_of(&description)
+}
+
+fn views_of(description: &Description) -> Vec<View> {
     let scene = description.scene();
     let view = |(k, s): (usize, &Station)| {
         let frame = s.frame().unwrap();

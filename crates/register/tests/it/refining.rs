@@ -1,8 +1,8 @@
 //! Poses refined together.
 
-use super::common::{coarse, real, simulated, turned};
+use super::common::{coarse, real, simulated, simulated_without_distortion, turned};
 use proptest::prelude::*;
-use transect_device::{Isometry3, Point3, Vector3, View};
+use transect_device::{DepthOffsets, Isometry3, Pixel, Point3, Vector3, View};
 use transect_register::{PoseOutcome, PosePrior, RefineOptions, refine};
 
 /// Small errors of a few poses, the same in every run: degrees and lengths up to the given ones.
@@ -147,4 +147,49 @@ proptest! {
             prop_assert_eq!(pose, &poses[*k]);
         }
     }
+}
+
+/// What is left of offsets over an image after the best `a + b row + c col`, as a root mean square.
+/// Such offsets turn planes into other planes, so the views hardly tell them.
+fn waves(offsets: &[(f64, f64, f64)]) -> f64 {
+    let terms = |row: f64, col: f64| Vector3::new(1.0, row, col);
+    let (mut matrix, mut right) = (nalgebra::Matrix3::zeros(), Vector3::zeros());
+    for (row, col, offset) in offsets {
+        matrix += terms(*row, *col) * terms(*row, *col).transpose();
+        right += terms(*row, *col) * *offset;
+    }
+    let plane = matrix.try_inverse().unwrap() * right;
+    let left = offsets.iter().map(|(row, col, offset)| offset - plane.dot(&terms(*row, *col)));
+    (left.map(|d| d * d).sum::<f64>() / offsets.len() as f64).sqrt()
+}
+
+#[test]
+fn the_error_of_a_depth_camera_is_found_with_the_poses() {
+    let wave = |k: usize| 0.003 * (2.1 * (k % 9) as f64).sin() * (1.3 * (k / 9) as f64).cos();
+    let error = DepthOffsets::new(7, 9, (0..63).map(wave).collect()).unwrap();
+    let sound = simulated_without_distortion("kitchen");
+    let distorted = sound.iter().map(|view| {
+        let image = error.correct(view.frame(), view.image()).unwrap();
+        view.with_image(image).unwrap()
+    });
+    let views: Vec<View> = distorted.collect();
+    let refinement = refine(&coarse(&shaken(&views, 0.2, 0.004)), &RefineOptions::default());
+    let found = refinement.poses[0].depth_offsets.as_ref().unwrap();
+    assert!(refinement.poses.iter().all(|pose| pose.depth_offsets.as_ref() == Some(found)));
+    let size = views[0].image().size();
+    let places = || size.all_pixels().filter(|p| p.row % 16 == 8 && p.col % 16 == 8);
+    let left = |with: f64| -> f64 {
+        let offset =
+            |p: Pixel| (p.row as f64, p.col as f64, error.at(size, p) + with * found.at(size, p));
+        waves(&places().map(offset).collect::<Vec<_>>())
+    };
+    let (before, after) = (left(0.0), left(1.0));
+    println!("offsets of {before}, {after} of them not found");
+    assert!(after < 0.4 * before, "{after} of {before} are left");
+}
+
+#[test]
+fn a_sound_camera_has_no_offsets() {
+    let refinement = refine(&coarse(&simulated("machined_part", "")), &RefineOptions::default());
+    assert!(refinement.poses.iter().all(|pose| pose.depth_offsets.is_none()));
 }

@@ -3,7 +3,7 @@
 use super::PoseReport;
 use crate::evaluate::digits;
 use transect_register::{
-    Explanation, Finding, Motion, PoseOutcome, RefinedPose, Region, RegionKind,
+    Explanation, Finding, Motion, PoseOutcome, RefinedPose, Refinement, Region, RegionKind,
 };
 
 /// Most names of views that a warning lists of each group. Chosen by hand; doubled, the warning of
@@ -23,12 +23,38 @@ impl PoseReport {
             0 => format!("the poses of all {all} views stay as given"),
             _ => format!("the poses of {count} of {all} views were refined, by up to {by}"),
         }];
+        notes.extend(self.camera_error(refinement));
         let alone = poses.iter().filter(|pose| pose.outcome == PoseOutcome::Alone);
         notes.extend(alone.map(|pose| {
             let name = &pose.view;
             format!("view {name} keeps its pose: no other view sees enough of the same surfaces")
         }));
         notes
+    }
+
+    /// What the depth cameras err by, if they do.
+    fn camera_error(&self, refinement: &Refinement) -> Option<String> {
+        let offsets: Vec<f64> = refinement
+            .poses
+            .iter()
+            .filter_map(|p| p.depth_offsets.as_ref())
+            .map(|o| o.rms())
+            .collect();
+        let largest = offsets.iter().copied().reduce(f64::max)?;
+        let (distance, unit, views) = (refinement.distance, self.unit, offsets.len());
+        let error = digits(largest * distance.powi(2));
+        let what = match self.images_stay {
+            true => {
+                "a store keeps its images as they are; to correct them, register the scan and \
+                 build the store from the scan that it writes"
+            }
+            false => "its images are corrected",
+        };
+        Some(format!(
+            "the depth camera errs alike in its {views} images, by {error} {unit} (root mean \
+             square) at the median distance of {} {unit}; {what}",
+            digits(distance)
+        ))
     }
 
     /// Warnings: what contradicts, and views that were far off before they were refined.

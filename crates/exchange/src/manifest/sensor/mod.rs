@@ -61,7 +61,8 @@ impl SensorEntry {
     /// A depth camera without lens distortion whose pixels hold depths.
     pub fn pinhole(intrinsics: Intrinsics) -> Self {
         let lens = LensEntry::Intrinsics { intrinsics, distortion: None };
-        Self::Pinhole(PinholeEntry { lens, holds: PinholeScale::Depth })
+        let holds = PinholeScale::Depth;
+        Self::Pinhole(PinholeEntry { lens, holds, depth_offsets: None })
     }
 
     /// Reads the sensor of a view. Unknown keys of its inner objects go to `notes`.

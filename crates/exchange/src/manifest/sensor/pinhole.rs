@@ -6,6 +6,7 @@
 //! | `distortion` | `[k1, k2, p1, p2, k3]`, radial and tangential (Brown, Conrady); optional |
 //! | `rays` | instead of all of the above: a `.npy` of rows × cols × 3, the direction of every pixel's ray, NaN where there is none |
 //! | `holds` | the pixels' values: `depth` along z (the default) or `ray_length` |
+//! | `depth_offsets` | `{rows, cols, values}`: what is added to 1 / depth at the nodes of a grid over the image, in 1 / length unit; optional, see [`DepthOffsets`] |
 //!
 //! Column j, row i without distortion: the ray ((j − cx)/fx, (i − cy)/fy, 1), y down. With
 //! distortion, the lens moves the ray to that place; see `distortion.rs` for the equations.
@@ -19,7 +20,7 @@ use crate::{Place, ReadError, image_file};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use transect_device::{DeviceFrame, ImageOrder, ImageSize, Vector3};
+use transect_device::{DepthOffsets, DeviceFrame, ImageOrder, ImageSize, Vector3};
 use transect_sensors::{Intrinsics, Pinhole, PinholeScale, RayTable};
 
 /// A depth camera in a manifest.
@@ -31,6 +32,9 @@ pub struct PinholeEntry {
     /// The meaning of its pixels' values, which are in the length unit.
     #[serde(skip_serializing_if = "is_usual")]
     pub holds: PinholeScale,
+    /// The error of its depths, which is taken out of each image.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_offsets: Option<DepthOffsets>,
 }
 
 /// The rays of a camera's pixels.
@@ -67,7 +71,8 @@ impl PinholeEntry {
                 distortion: keys.optional("distortion")?,
             },
         };
-        Ok(Self { lens, holds: keys.optional("holds")?.unwrap_or_default() })
+        let holds = keys.optional("holds")?.unwrap_or_default();
+        Ok(Self { lens, holds, depth_offsets: keys.optional("depth_offsets")? })
     }
 
     /// The camera. A file with rays is relative to `folder`.
@@ -82,7 +87,8 @@ impl PinholeEntry {
                 }
             }
         };
-        PinholeSensor { lens, holds: self.holds, tables: Shared::default() }
+        let depth_offsets = self.depth_offsets.clone();
+        PinholeSensor { lens, holds: self.holds, depth_offsets, tables: Shared::default() }
     }
 }
 
@@ -90,6 +96,7 @@ impl PinholeEntry {
 pub(super) struct PinholeSensor {
     lens: Lens,
     holds: PinholeScale,
+    depth_offsets: Option<DepthOffsets>,
     tables: Shared<RayTable>,
 }
 
@@ -131,6 +138,12 @@ impl Sensor for PinholeSensor {
                 self.tables.get_or_make(size, make)?
             }
             Lens::Rays(path) => self.tables.get_or_make(size, || self.by_rays(file, size, path))?,
+        };
+        let image = match &self.depth_offsets {
+            Some(offsets) => offsets
+                .correct(frame.as_ref(), &image)
+                .map_err(|e| file.unusable("the image", e))?,
+            None => image,
         };
         Ok(FramedImage { frame, image })
     }

@@ -3,6 +3,7 @@
 use super::*;
 use crate::test_data::scan_folder;
 use crate::{Manifest, ViewEntry, read_manifest, write_manifest};
+use transect_device::DepthOffsets;
 use transect_sensors::LightStripeParameters;
 use transect_sensors::light_stripe::stripe::{Peak, StripeFinder, StripeProfile, StripeShape};
 use transect_sensors::lookup_table::{CalibrationOptions, DepthPairs, ScanPlane};
@@ -130,9 +131,10 @@ fn a_pinhole_reads_back_as_it_was_written() {
     assert!(!text.contains("holds") && !text.contains("distortion"), "{text}");
     let distortion = Some([-0.1, 0.02, 1e-3, -2e-3, 0.3]);
     let lens = LensEntry::Intrinsics { intrinsics, distortion };
-    let distorted = PinholeEntry { lens, holds: PinholeScale::RayLength };
+    let depth_offsets = Some(DepthOffsets::new(2, 2, vec![0.0, 1e-3, -2e-3, 0.5]).unwrap());
+    let distorted = PinholeEntry { lens, holds: PinholeScale::RayLength, depth_offsets };
     let lens = LensEntry::Rays { rays: "rays.npy".to_owned() };
-    let rays = PinholeEntry { lens, holds: PinholeScale::Depth };
+    let rays = PinholeEntry { lens, holds: PinholeScale::Depth, depth_offsets: None };
     for entry in [distorted, rays] {
         let entry = SensorEntry::Pinhole(entry);
         assert_eq!(round_trip(&entry).0, entry);

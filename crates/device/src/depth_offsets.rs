@@ -1,0 +1,169 @@
+//! The error that a depth camera makes alike in all its images.
+
+use crate::{DeviceFrame, ImageError, ImageSize, Pixel, RangeImage};
+use serde::{Deserialize, Serialize};
+
+/// Offsets of 1 / depth over the image of a depth camera, on a grid that spans the image.
+///
+/// A camera that measures by disparity errs by a disparity of its own at each pixel. That is an
+/// offset of 1 / depth, at any depth: the true depth is `1 / (1 / z + offset)` for a measured `z`.
+/// Between the nodes of the grid the offset is bilinear; the outer nodes lie on the image's rim.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Grid", into = "Grid")]
+pub struct DepthOffsets(Grid);
+
+/// The keys of [`DepthOffsets`] in files.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Grid {
+    rows: usize,
+    cols: usize,
+    values: Vec<f64>,
+}
+
+/// Four nodes of a grid with their weights.
+pub type Nodes = [(usize, f64); 4];
+
+impl TryFrom<Grid> for DepthOffsets {
+    type Error = String;
+
+    fn try_from(grid: Grid) -> Result<Self, String> {
+        let Grid { rows, cols, ref values } = grid;
+        let count = rows.checked_mul(cols).filter(|_| rows > 1 && cols > 1);
+        match count {
+            None => Err(format!("a grid of {rows} x {cols} nodes; it needs 2 x 2 at least")),
+            Some(count) if count != values.len() => {
+                Err(format!("{} values for {rows} x {cols} nodes", values.len()))
+            }
+            Some(_) if values.iter().any(|v| !v.is_finite()) => {
+                Err("a value that is no finite number".to_owned())
+            }
+            Some(_) => Ok(Self(grid)),
+        }
+    }
+}
+
+impl From<DepthOffsets> for Grid {
+    fn from(offsets: DepthOffsets) -> Self {
+        offsets.0
+    }
+}
+
+impl DepthOffsets {
+    /// Offsets at the nodes of a grid, row by row, in 1 / length unit.
+    ///
+    /// # Errors
+    /// What is wrong: fewer than 2 × 2 nodes, another number of values, or one that is not finite.
+    pub fn new(rows: usize, cols: usize, values: Vec<f64>) -> Result<Self, String> {
+        Grid { rows, cols, values }.try_into()
+    }
+
+    /// The nodes around a place in an image, with their weights. `row` and `col` are shares of the
+    /// image's height and width.
+    pub fn nodes(rows: usize, cols: usize, row: f64, col: f64) -> Nodes {
+        let along = |share: f64, nodes: usize| {
+            let at = share.clamp(0.0, 1.0) * (nodes - 1) as f64;
+            let low = (at as usize).min(nodes - 2);
+            (low, at - low as f64)
+        };
+        let ((row, down), (col, right)) = (along(row, rows), along(col, cols));
+        let first = row * cols + col;
+        let (up, left) = (1.0 - down, 1.0 - right);
+        let below = first + cols;
+        [
+            (first, up * left),
+            (first + 1, up * right),
+            (below, down * left),
+            (below + 1, down * right),
+        ]
+    }
+
+    /// The offset at a pixel of an image of the given size.
+    pub fn at(&self, size: ImageSize, pixel: Pixel) -> f64 {
+        let share = |k: usize, n: usize| (k as f64 + 0.5) / n as f64;
+        let (row, col) = (share(pixel.row, size.rows), share(pixel.col, size.cols));
+        let nodes = Self::nodes(self.0.rows, self.0.cols, row, col);
+        nodes.iter().filter_map(|(node, weight)| Some(self.0.values.get(*node)? * weight)).sum()
+    }
+
+    /// The image of a camera with the error taken out. All rays start in the origin of the sensor
+    /// frame, and the depth runs along its z axis.
+    ///
+    /// # Errors
+    /// None in practice: the size of the image stays.
+    pub fn correct(
+        &self,
+        frame: &dyn DeviceFrame,
+        image: &RangeImage,
+    ) -> Result<RangeImage, ImageError> {
+        let size = image.size();
+        let corrected = |pixel: Pixel| {
+            let value = image.get(pixel)?;
+            let depth = frame.point(pixel, f64::from(value))?.z;
+            // Points move along their rays, so depths and lengths change by the same factor.
+            Some((f64::from(value) / (1.0 + self.at(size, pixel) * depth)) as f32)
+        };
+        let values = size.all_pixels().map(|pixel| corrected(pixel).unwrap_or(f32::NAN));
+        RangeImage::from_values(size, values.collect())
+    }
+
+    /// The offsets of both, one after the other, on the grid of the second ones.
+    pub fn then(&self, next: &Self) -> Self {
+        let (first, second) = (&self.0, &next.0);
+        let share = |k: usize, nodes: usize| k as f64 / (nodes - 1) as f64;
+        let of_first = |k: usize| -> f64 {
+            let row = share(k / second.cols, second.rows);
+            let nodes =
+                Self::nodes(first.rows, first.cols, row, share(k % second.cols, second.cols));
+            nodes.iter().filter_map(|(node, w)| Some(first.values.get(*node)? * w)).sum()
+        };
+        let values = second.values.iter().enumerate().map(|(k, v)| v + of_first(k)).collect();
+        Self(Grid { values, ..*second })
+    }
+
+    /// Root mean square of the offsets, in 1 / length unit.
+    pub fn rms(&self) -> f64 {
+        let squares: f64 = self.0.values.iter().map(|v| v * v).sum();
+        (squares / self.0.values.len() as f64).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn offsets_are_bilinear_between_nodes_on_the_rim() {
+        let offsets = DepthOffsets::new(2, 3, vec![0.0, 1.0, 2.0, 4.0, 5.0, 6.0]).unwrap();
+        let size = ImageSize { rows: 4, cols: 4 };
+        for pixel in size.all_pixels() {
+            let down = (pixel.row as f64 + 0.5) / 4.0;
+            let right = (pixel.col as f64 + 0.5) / 4.0;
+            let error = offsets.at(size, pixel) - (4.0 * down + 2.0 * right);
+            assert!(error.abs() < 1e-12, "{error} at {pixel:?}");
+        }
+    }
+
+    #[test]
+    fn bad_grids_are_refused() {
+        let told = |rows, cols, values| DepthOffsets::new(rows, cols, values).unwrap_err();
+        assert!(told(1, 3, vec![0.0; 3]).contains("1 x 3 nodes"));
+        assert!(told(2, 3, vec![0.0; 5]).contains("5 values for 2 x 3"));
+        assert!(told(2, 2, vec![0.0, f64::NAN, 0.0, 0.0]).contains("finite"));
+        assert!(told(usize::MAX, 3, Vec::new()).contains("nodes"));
+    }
+
+    #[test]
+    fn offsets_one_after_the_other_add_up() {
+        let grid = |cols, values: &[f64]| DepthOffsets::new(2, cols, values.to_vec()).unwrap();
+        // A grid that holds the other one's nodes loses nothing.
+        let first = grid(3, &[0.3, -0.2, 0.7, 0.1, 0.0, -0.9]);
+        let second = grid(2, &[0.5, 0.25, -0.5, 2.0]);
+        let both = second.then(&first);
+        let size = ImageSize { rows: 5, cols: 7 };
+        for pixel in size.all_pixels() {
+            let sum = first.at(size, pixel) + second.at(size, pixel);
+            assert!((both.at(size, pixel) - sum).abs() < 1e-12);
+        }
+    }
+}
