@@ -33,17 +33,16 @@ impl Measurements {
         if observations.all.is_empty() {
             return None;
         }
-        let mut grid = PointGrid::new(&observations.positions(), observations.spacing());
-        let (mut scale, spread) = Scale::new(&observations, &grid, options);
+        let (mut scale, spread) = Scale::new(&observations, options);
         let error = spread.view_error.head_on.sqrt();
         if options.steps.settle && settle::settle(&mut observations, &scale, error) {
-            grid = PointGrid::new(&observations.positions(), observations.spacing());
             // The views now lie close to each other, so surfaces that do so are told apart.
-            scale = Scale::new(&observations, &grid, options).0;
+            scale = Scale::new(&observations, options).0;
         }
         if options.steps.view_error {
             observations.weigh(&spread.view_error);
         }
+        let grid = PointGrid::new(&observations.positions(), observations.spacing());
         Some(Self { observations, scale, spread: spread.between_views, grid })
     }
 }
