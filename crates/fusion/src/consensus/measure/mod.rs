@@ -34,19 +34,18 @@ impl Measurements {
         if observations.all.is_empty() {
             return None;
         }
-        let mut grid = PointGrid::new(&observations.positions(), observations.spacing());
-        let (mut scale, spread) = Scale::new(&observations, &grid, options);
+        let (mut scale, spread) = Scale::new(&observations, options);
         let error = spread.view_error.head_on.sqrt();
         let line =
             if options.steps.settle { settle(&mut observations, &scale, error) } else { 0.0 };
         if line > 0.0 {
-            grid = PointGrid::new(&observations.positions(), observations.spacing());
             // The views now lie close to each other, so surfaces that do so are told apart.
-            scale = Scale { line, ..Scale::new(&observations, &grid, options).0 };
+            scale = Scale { line, ..Scale::new(&observations, options).0 };
         }
         if options.steps.view_error {
             observations.weigh(&spread.view_error);
         }
+        let grid = PointGrid::new(&observations.positions(), observations.spacing());
         Some(Self { observations, scale, spread: spread.between_views, grid })
     }
 }

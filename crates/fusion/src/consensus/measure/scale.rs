@@ -5,7 +5,6 @@ use super::super::tuning::scale::*;
 use super::observations::{Observations, median};
 use super::spread::{Search, Spread};
 use super::view_error::ViewError;
-use crate::grid::PointGrid;
 
 /// Lengths of a plane, and the options that steps need beside them.
 #[derive(Debug, Clone, Copy)]
@@ -23,16 +22,12 @@ pub(crate) struct Scale {
 
 impl Scale {
     /// Measures the spread between views and the lengths that follow from it.
-    pub fn new(
-        observations: &Observations,
-        grid: &PointGrid,
-        options: &ConsensusOptions,
-    ) -> (Self, Spread) {
+    pub fn new(observations: &Observations, options: &ConsensusOptions) -> (Self, Spread) {
         let spacing = observations.spacing();
         let sigma = median(observations.all.iter().map(|o| o.sigma));
         let same_way = options.direction_limit_rad.cos();
         // A single view does not show the spread between views; its own error has to do.
-        let measured = Search::new(observations, grid, options).spread_between_views();
+        let measured = Search::new(observations, options).spread_between_views();
         let own = Spread { between_views: sigma, view_error: ViewError::default() };
         let measured = measured.unwrap_or(own);
         let least = (LEAST_SIGMAS * sigma).max(LEAST_FOOTPRINTS * spacing);

@@ -9,6 +9,9 @@ use super::super::tuning::spread::*;
 use super::observations::{Observation, Observations, median};
 use super::view_error::{Pair, ViewError};
 use crate::grid::PointGrid;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use transect_geometry::Point2;
 
 /// Spread between views, in the length unit.
 #[derive(Debug, Clone, Copy)]
@@ -24,23 +27,32 @@ pub(super) fn search_distance(here: &Observation) -> f64 {
     SEARCH_FOOTPRINTS * here.footprint + SEARCH_SIGMAS * here.sigma
 }
 
+/// The observations of one view, which follow each other.
+struct OfView {
+    view: u32,
+    first: usize,
+    grid: PointGrid,
+}
+
 /// What the search for other views needs.
 pub(super) struct Search<'a> {
     observations: &'a Observations,
-    /// The view of each observation: most that lie around a node are told by it alone.
-    views: Vec<u32>,
-    grid: &'a PointGrid,
+    views: Vec<OfView>,
     options: &'a ConsensusOptions,
 }
 
 impl<'a> Search<'a> {
-    pub fn new(
-        observations: &'a Observations,
-        grid: &'a PointGrid,
-        options: &'a ConsensusOptions,
-    ) -> Self {
-        let views = observations.all.iter().map(|o| o.view).collect();
-        Self { observations, views, grid, options }
+    pub fn new(observations: &'a Observations, options: &'a ConsensusOptions) -> Self {
+        let mut first = 0;
+        let views = observations.all.chunk_by(|a, b| a.view == b.view).map(|seen| {
+            let places: Vec<Point2> = seen.iter().map(|o| o.position).collect();
+            let cell = SEARCH_FOOTPRINTS * observations.spacing();
+            let grid = PointGrid::new(&places, cell);
+            let of_view = OfView { view: seen[0].view, first, grid };
+            first += seen.len();
+            of_view
+        });
+        Self { observations, views: views.collect(), options }
     }
 
     /// The spread between views; `None` where no two views overlap.
@@ -98,32 +110,32 @@ impl<'a> Search<'a> {
         Some(Spread { between_views, view_error: ViewError::of(&pairs, between_views) })
     }
 
-    /// The distance across the curve to one other view, drawn from those that measured this place.
-    ///
-    /// Of that view's nodes the one counts that lies most nearly beside: the nearest one would be
-    /// near across the curve too.
+    /// The distance across the curve to one other view, drawn from those that measured this place:
+    /// the one with the lowest number.
     fn pair_with_another_view(&self, k: usize, share: f64) -> Option<Pair> {
+        let own = self.observations.all[k].view;
+        let number = |of: &OfView| mixed((k as u64) << 32 | u64::from(of.view));
+        let others = self.views.iter().enumerate().filter(|(_, of)| of.view != own);
+        let mut drawn: BinaryHeap<Reverse<(u64, usize)>> =
+            others.map(|(at, of)| Reverse((number(of), at))).collect();
+        std::iter::from_fn(|| drawn.pop())
+            .find_map(|Reverse((_, at))| self.pair_with(&self.views[at], k, share))
+    }
+
+    /// The distance to a view; `None` where it did not measure the place.
+    ///
+    /// Of the view's nodes the one counts that lies most nearly beside: the nearest one would be
+    /// near across the curve too.
+    fn pair_with(&self, view: &OfView, k: usize, share: f64) -> Option<Pair> {
         let here = &self.observations.all[k];
         let same_way = self.options.direction_limit_rad.cos();
-        // The view with the lowest number is drawn. The node's own has none.
-        let number = |view: u32| mixed((k as u64) << 32 | u64::from(view));
-        let views = 0..self.observations.sources.len() as u32;
-        let numbers: Vec<Option<u64>> =
-            views.map(|view| (view != here.view).then(|| number(view))).collect();
-        let (mut drawn, mut along, mut pair) = (u64::MAX, f64::INFINITY, None);
-        self.grid.within(&here.position, share * search_distance(here), |j, d| {
-            let Some(number) = numbers[self.views[j] as usize].filter(|n| *n <= drawn) else {
-                return;
-            };
-            let there = &self.observations.all[j];
-            if there.tangent.dot(&here.tangent) < same_way {
-                return;
-            }
+        let (mut along, mut pair) = (f64::INFINITY, None);
+        view.grid.within(&here.position, share * search_distance(here), |j, d| {
+            let there = &self.observations.all[view.first + j];
             let how_far = d.dot(&there.tangent).abs();
-            let distance = there.tangent.perp(&d).abs();
-            if (number, how_far) < (drawn, along) {
-                (drawn, along) = (number, how_far);
-                pair = Some(self.pair(here, there, distance));
+            if how_far < along && there.tangent.dot(&here.tangent) >= same_way {
+                along = how_far;
+                pair = Some(self.pair(here, there, there.tangent.perp(&d).abs()));
             }
         });
         pair
@@ -146,4 +158,55 @@ fn mixed(k: u64) -> u64 {
     let k = (k ^ (k >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let k = (k ^ (k >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     k ^ (k >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use transect_geometry::{Curve, Node};
+
+    /// The pair that a search of all observations finds.
+    fn slow(search: &Search<'_>, k: usize, share: f64) -> Option<f64> {
+        let here = &search.observations.all[k];
+        let reach = share * search_distance(here);
+        let same_way = search.options.direction_limit_rad.cos();
+        let near = search.observations.all.iter().filter(|there| {
+            let is_near = (there.position - here.position).norm() <= reach;
+            is_near && there.view != here.view && there.tangent.dot(&here.tangent) >= same_way
+        });
+        let number = |there: &Observation| mixed((k as u64) << 32 | u64::from(there.view));
+        let along =
+            |there: &Observation| (there.position - here.position).dot(&there.tangent).abs();
+        let first =
+            near.min_by(|a, b| number(a).cmp(&number(b)).then(along(a).total_cmp(&along(b))));
+        first.map(|there| there.tangent.perp(&(there.position - here.position)).abs())
+    }
+
+    #[test]
+    fn the_drawn_view_is_that_of_a_search_of_all_observations() {
+        let arc = |view: u32| {
+            let node = |k: u32| {
+                let angle = 0.3 * f64::from(view) + 0.01 * f64::from(k);
+                let radius = 1.0 + 0.004 * f64::from(view * 7 % 5) + 0.001 * f64::from(k * 13 % 7);
+                Node::at(Point2::new(radius * angle.cos(), radius * angle.sin()))
+                    .with_sigma(0.002)
+                    .with_footprint(0.01)
+            };
+            vec![Curve::new((0..150).map(node).collect(), false).unwrap()]
+        };
+        let views: Vec<Vec<Curve>> = (0..12).map(arc).collect();
+        let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+        let options = ConsensusOptions::default();
+        let observations = Observations::collect(&slices, &options.steps);
+        let search = Search::new(&observations, &options);
+        let mut found = [0; 2];
+        for k in (0..observations.all.len()).step_by(7) {
+            for share in [0.1, 0.4, 1.0, 5.0] {
+                let pair = search.pair_with_another_view(k, share).map(|pair| pair.distance);
+                assert_eq!(pair, slow(&search, k, share), "{k}, {share}");
+                found[usize::from(pair.is_some())] += 1;
+            }
+        }
+        assert!(found[0] > 50 && found[1] > 500, "{found:?}");
+    }
 }
