@@ -107,8 +107,8 @@ impl CoarseView {
         Self::with_cells(view, CELLS, |_| 1)
     }
 
-    /// A copy that is enough to judge poses, and not to refine them. It is far cheaper: a quarter of
-    /// the cells, each with 4 by 4 of its pixels.
+    /// A copy that is enough to judge poses, and not to refine them. It is far cheaper: a quarter
+    /// of the cells, each with 4 by 4 of its pixels.
     pub fn quick(view: &View) -> Self {
         Self::with_cells(view, QUICK_CELLS, |step| (step - 1) / (LEAST_STEP - 1))
     }

@@ -5,7 +5,7 @@
 //! (4.7.1), whose lengths are millimetres, in the scene's unit.
 
 use super::check::{Place, Problem};
-use super::station::{SensorParameters, centres};
+use super::sensor::{SensorParameters, centres};
 use serde::Deserialize;
 use transect_device::ImageSize;
 use transect_geometry::LengthUnit;

@@ -109,11 +109,13 @@
 
 mod check;
 mod instrument;
+mod sensor;
 mod solid;
 mod station;
 
 pub use check::{DescriptionError, Problem};
-pub use station::{SensorParameters, Station};
+pub use sensor::SensorParameters;
+pub use station::Station;
 
 use crate::{DepthCamera, Mesh, Noise, PoseNoise, Scene, Solid, fixtures};
 use check::Place;
