@@ -10,7 +10,8 @@
 //!
 //! **Steps.**
 //! 1. Views with the same rays share a camera.
-//! 2. Samples and patches are looked up with the offsets known so far.
+//! 2. The poses settle first. Then samples and patches are looked up with the offsets known so
+//!    far.
 //! 3. The offsets have a prior: `own` holds them at zero, and `step` holds neighbouring nodes
 //!    together. Both follow from the evidence (MacKay, 1992), so the offsets of a sound camera
 //!    vanish.
@@ -33,7 +34,8 @@ pub struct Camera {
     /// Precision of each offset, and of the steps between neighbouring nodes.
     own: f64,
     step: f64,
-    /// The precision above which the camera is sound.
+    /// The precision that it has at first, and the one above which it is sound.
+    first: f64,
     sound: f64,
 }
 
@@ -61,7 +63,8 @@ impl Cameras {
         let of_view = keys.iter().zip(views).map(|(key, view)| Some((number(key)?, view.size())));
         let first = (distance / FIRST_CAMERA_ERROR).powi(2);
         let offsets = DVector::zeros(NODES);
-        let camera = Camera { offsets, own: first, step: first, sound: first / EXACT.powi(2) };
+        let sound = first / EXACT.powi(2);
+        let camera = Camera { offsets, own: sound, step: sound, first, sound };
         Self { of_view: of_view.collect(), list: vec![camera; shared.len()] }
     }
 
@@ -94,6 +97,13 @@ impl Cameras {
             Some(self.list.get(node / NODES)?.offsets.get(node % NODES)? * weight)
         };
         nodes.iter().filter_map(of).sum()
+    }
+
+    /// Lets the cameras err, after the poses have settled.
+    pub fn release(&mut self) {
+        for camera in &mut self.list {
+            (camera.own, camera.step) = (camera.first, camera.first);
+        }
     }
 
     /// Adds the changes of a round, one for each camera.

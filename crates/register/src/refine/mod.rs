@@ -150,7 +150,7 @@ impl<'a> Rounds<'a> {
             candidates,
             before: Vec::new(),
             pairs: Vec::new(),
-            independent: 1.0,
+            independent: 0.0,
             variances: Vec::new(),
         }
     }
@@ -164,6 +164,9 @@ impl<'a> Rounds<'a> {
                 self.observe(self.first, OBSERVATIONS / 4, spread);
             } else {
                 self.observe(self.prior, OBSERVATIONS, Spread::Narrow);
+            }
+            if round == SETTLING {
+                self.cameras.release();
             }
             if round == 0 {
                 self.before = self.pairs.clone();
@@ -191,7 +194,10 @@ impl<'a> Rounds<'a> {
 
     /// Moves all views once; `None` if nothing determines them.
     fn step(&mut self, settling: bool) -> Option<Vec<Motion>> {
-        self.independent = independent_share(&self.scene.views, &self.pairs);
+        // Poses that the prior holds away from the best fit give neighbours a common error. It would
+        // weaken what they tell, and hold the poses all the more.
+        let share = independent_share(&self.scene.views, &self.pairs);
+        self.independent = self.independent.max(share);
         let system = System::sum(&self.systems())?;
         let so_far = self.motions();
         let solve = |rounds: &Self| {
