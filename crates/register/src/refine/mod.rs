@@ -194,8 +194,8 @@ impl<'a> Rounds<'a> {
 
     /// Moves all views once; `None` if nothing determines them.
     fn step(&mut self, settling: bool) -> Option<Vec<Motion>> {
-        // Poses that the prior holds away from the best fit give neighbours a common error. It would
-        // weaken what they tell, and hold the poses all the more.
+        // Poses that the prior holds away from the best fit give neighbours a common error. It
+        // would weaken what they tell, and hold the poses all the more.
         let share = independent_share(&self.scene.views, &self.pairs);
         self.independent = self.independent.max(share);
         let system = System::sum(&self.systems())?;
