@@ -295,11 +295,12 @@ mod tests {
         assert!(overlaps.clone().all(|share| share > 0.98), "{:?}", overlaps.collect::<Vec<_>>());
         let mut settings = Settings::default();
         settings.planes.normal = Some([1.0, 0.0, 0.1]);
-        two.install(|| {
-            scan.suggest_planes(&settings).unwrap();
-            scan.reconstruct(&settings, &Unwatched).unwrap();
-        });
+        two.install(|| scan.suggest_planes(&settings).unwrap());
         // A thread that waits for a part of its view may begin another one.
-        assert!(most() <= 6, "views are dropped once their curves are found");
+        assert!(most() <= 6, "views are dropped once they are surveyed");
+        // The copies of views that judge the poses keep the frames, which are counted here, so the
+        // views of a run cannot be told from their copies.
+        two.install(|| scan.reconstruct(&settings, &Unwatched).unwrap());
+        assert!(most() <= 30, "each view is loaded once, and its frame is dropped at the end");
     }
 }

@@ -17,7 +17,6 @@ pub use patch::Patch;
 
 use crate::tuning::{CELLS, LEAST_AHEAD, LEAST_STEP, LEAST_WHOLE, QUICK_CELLS};
 use by_points::ByPoints;
-use rayon::prelude::*;
 use std::sync::Arc;
 use transect_device::{DeviceFrame, ImageSize, Isometry3, Pixel, Point3, Ray, Vector3, View};
 use transect_image::RangeNoise;
@@ -128,7 +127,9 @@ impl CoarseView {
             let corner = Pixel::new(k / size.cols * step, k % size.cols * step);
             Cell::new(view, &noise, corner, (step, stride))
         };
-        let cells: Vec<Cell> = (0..size.pixels()).into_par_iter().map(cell).collect();
+        // On one thread: views are copied side by side, and a thread that waits for a part of its
+        // view would begin another one.
+        let cells: Vec<Cell> = (0..size.pixels()).map(cell).collect();
         let mut coarse = Self {
             name: view.name().to_owned(),
             world_from_sensor: *view.world_from_sensor(),
@@ -152,8 +153,7 @@ impl CoarseView {
             patch.steady(around.filter_map(|other| self.cells.get(other)?.patch.as_ref()));
             Some(patch)
         };
-        let patches: Vec<Option<Patch>> =
-            (0..self.cells.len()).into_par_iter().map(steady).collect();
+        let patches: Vec<Option<Patch>> = (0..self.cells.len()).map(steady).collect();
         for (cell, patch) in self.cells.iter_mut().zip(patches) {
             cell.patch = patch;
         }
