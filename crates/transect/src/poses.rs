@@ -77,7 +77,7 @@ impl PoseReport {
     /// Judges the poses of views, after refining them if there are options for that.
     ///
     /// # Errors
-    /// See [`coarse_views`].
+    /// [`ReconstructError`] names the first view, in the given order, that cannot be loaded.
     pub fn new<S: ViewSource>(
         sources: &[S],
         options: Option<&RefineOptions>,
