@@ -159,6 +159,25 @@ fn images_are_read_in_the_order_that_a_view_or_the_caller_states() {
 }
 
 #[test]
+fn offsets_of_depth_are_taken_out_and_lost_pixels_are_told() {
+    let load = |value: &str| {
+        let offsets = format!(
+            r#", "depth_offsets": {{"rows": 2, "cols": 2, "values": [{value}, {value}, {value}, {value}]}}"#
+        );
+        let (view, notes) = Folder::pinhole(&offsets).open().unwrap().views[0].load().unwrap();
+        let depth = |row| view.point_in_sensor(Pixel::new(row, 0)).map(|p| p.z);
+        ([depth(0), depth(1)], notes)
+    };
+    // The depths are 1 and 2: 1 / (1 / 1 + 1) and 1 / (1 / 2 + 1), in f32.
+    let ([near, far], notes) = load("1");
+    assert!((near.unwrap() - 0.5).abs() < 1e-6 && (far.unwrap() - 2.0 / 3.0).abs() < 1e-6);
+    assert!(notes.is_empty(), "{notes:?}");
+    let ([near, far], notes) = load("-0.75");
+    assert!((near.unwrap() - 4.0).abs() < 1e-6 && far.is_none());
+    assert!(notes[0].contains("a.npy: \"depth_offsets\" take 1 pixels behind"), "{notes:?}");
+}
+
+#[test]
 fn a_view_states_how_far_its_pose_may_be_wrong() {
     let stated = r#", "pose_sigma": {"rotation": 0.005, "translation": 2}"#;
     let scan = Folder::pinhole(stated).open().unwrap();

@@ -1,6 +1,6 @@
 //! From a manifest to a scan: poses checked, sensors shared, files listed.
 
-use super::entry::Manifest;
+use super::entry::{Manifest, ViewEntry};
 use super::sensor::{self, Sensor, SensorEntry};
 use crate::pose;
 use crate::scan::{FramedImage, LoadView};
@@ -63,14 +63,7 @@ pub(crate) fn to_scan(
             sensors.push((&entry.sensor, Arc::clone(&made)));
             made
         });
-        let file = ViewFile {
-            path: folder.join(&entry.file),
-            stated_rows: entry.rows,
-            stated_cols: entry.cols,
-            scale: entry.scale,
-            missing: entry.missing,
-            order: None,
-        };
+        let file = view_file(folder, entry);
         inputs.extend(sensor.image_files(&file.path)?);
         let name = entry.name.as_ref().unwrap_or(&entry.file).clone();
         let path = file.path.clone();
@@ -94,6 +87,18 @@ pub(crate) fn to_scan(
         notes: pose::repairs_note(path, &repairs, views.len()).into_iter().collect(),
         views,
     })
+}
+
+/// The image file of a view.
+fn view_file(folder: &Path, entry: &ViewEntry) -> ViewFile {
+    ViewFile {
+        path: folder.join(&entry.file),
+        stated_rows: entry.rows,
+        stated_cols: entry.cols,
+        scale: entry.scale,
+        missing: entry.missing,
+        order: None,
+    }
 }
 
 /// The error for a view whose images are in one order only.

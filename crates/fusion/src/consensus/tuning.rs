@@ -1,10 +1,8 @@
 //! All tunables of consensus, by the file that uses them, in the order in which a node meets them.
 //!
-//! Each says what it means, its unit, where the value comes from, and what happens when it is
-//! doubled. "By hand" values were chosen on the simulated sets and the bunny, by the figures that
-//! `cargo xtask experiments ablation` prints. Lengths are in footprints (the sample spacing of a
-//! view) or in standard deviations, never in the user's unit. Numbers of a formula stand beside the
-//! formula.
+//! Each says its meaning, unit and source, and what happens when it is doubled. "By hand": chosen on
+//! simulated sets and the bunny by `cargo xtask experiments ablation`. Lengths are in footprints
+//! (a view's sample spacing) or standard deviations. Numbers of a formula stand beside it.
 
 /// `measure/observations.rs`
 pub(super) mod observations {

@@ -20,7 +20,7 @@ use crate::{Place, ReadError, image_file};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use transect_device::{DepthOffsets, DeviceFrame, ImageOrder, ImageSize, Vector3};
+use transect_device::{DepthOffsets, DeviceFrame, ImageOrder, ImageSize, RangeImage, Vector3};
 use transect_sensors::{Intrinsics, Pinhole, PinholeScale, RayTable};
 
 /// A depth camera in a manifest.
@@ -140,13 +140,31 @@ impl Sensor for PinholeSensor {
             Lens::Rays(path) => self.tables.get_or_make(size, || self.by_rays(file, size, path))?,
         };
         let image = match &self.depth_offsets {
-            Some(offsets) => offsets
-                .correct(frame.as_ref(), &image)
-                .map_err(|e| file.unusable("the image", e))?,
+            Some(offsets) => corrected(offsets, frame.as_ref(), &image, file, notes)?,
             None => image,
         };
         Ok(FramedImage { frame, image })
     }
+}
+
+/// The image without the error of its depths. Pixels that the offsets take behind the camera are
+/// missing, with a note.
+fn corrected(
+    offsets: &DepthOffsets,
+    frame: &dyn DeviceFrame,
+    image: &RangeImage,
+    file: &ViewFile,
+    notes: &mut Vec<String>,
+) -> Result<RangeImage, ReadError> {
+    let corrected = offsets.correct(frame, image).map_err(|e| file.unusable("the image", e))?;
+    let lost = image.valid_count() - corrected.valid_count();
+    if lost > 0 {
+        notes.push(format!(
+            "\"depth_offsets\" take {lost} pixels behind the camera; they are missing now. The \
+             offsets are added to 1 / depth, in 1 / length unit"
+        ));
+    }
+    Ok(corrected)
 }
 
 /// The numbers for columns in place of those for rows, and the reverse.
