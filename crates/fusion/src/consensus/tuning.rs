@@ -1,8 +1,9 @@
 //! All tunables of consensus, by the file that uses them, in the order in which a node meets them.
 //!
-//! Each says its meaning, unit and source, and what happens when it is doubled. "By hand": chosen on
-//! simulated sets and the bunny by `cargo xtask experiments ablation`. Lengths are in footprints
-//! (a view's sample spacing) or standard deviations. Numbers of a formula stand beside it.
+//! Each says its meaning, unit and source, and what happens when it is doubled. "By hand": chosen
+//! on simulated sets and the bunny by `cargo xtask experiments ablation`. Lengths are in
+//! footprints (a view's sample spacing) or standard deviations. Numbers of a formula stand beside
+//! it.
 
 /// `measure/observations.rs`
 pub(super) mod observations {
