@@ -1,15 +1,20 @@
 //! From a scene and a sensor plan to a model and its accuracy, all in memory.
 
 use crate::failure::Failure;
+use rayon::prelude::*;
 use std::path::Path;
 use transect::evaluate::Accuracy;
 use transect::{Setup, Unwatched, reconstruct};
 use transect_device::View;
-use transect_geometry::{LengthUnit, PlaneFamily};
+use transect_exchange::Scan;
+use transect_geometry::{LengthUnit, PlaneFamily, StraightGuide, Vector3};
 use transect_model::Model;
 use transect_scene::Noise;
 use transect_workflow::simulation::{PreparedScene, SensorPlan, describe};
 use transect_workflow::{ScoreLimits, simulated_accuracy};
+
+/// Folder of the public scans, which are no part of the repository.
+pub const DATA: &str = "../shared/data";
 
 /// The `[[station]]` of a square camera at a place, looking at the origin.
 pub fn camera([x, y, z]: [f64; 3], pixels: usize, field_deg: f64) -> String {
@@ -29,6 +34,20 @@ pub fn bundled_without_noise(name: &str) -> Result<PreparedScene, Failure> {
     let mut description = describe(Path::new(name))?;
     description.noise = Noise::NONE;
     Ok(PreparedScene::new(description)?)
+}
+
+/// The views of a scan on disk.
+pub fn load(scan: &Scan) -> Result<Vec<View>, Failure> {
+    let views: Result<Vec<View>, _> =
+        scan.views.par_iter().map(|v| v.load().map(|(view, _)| view)).collect();
+    Ok(views?)
+}
+
+/// Planes across a normal, from the origin on.
+pub fn across(normal: [f64; 3], interval: f64) -> Result<PlaneFamily, Failure> {
+    let guide = StraightGuide::along(Vector3::from(normal));
+    let planes = guide.and_then(|guide| PlaneFamily::new(guide, 0.0, interval));
+    planes.map_err(|e| Failure::because(e.to_string()))
 }
 
 /// The model of views, with the default methods.
@@ -57,9 +76,17 @@ impl Outcome {
         self.views.iter().map(|v| v.image().size().pixels()).sum()
     }
 
-    /// Scores the model on the part of the scene that the views could see.
+    /// Scores the model.
     pub fn accuracy(&self, scene: &PreparedScene) -> Result<Accuracy, Failure> {
-        let (views, limits) = (self.views.clone(), ScoreLimits::default());
-        Ok(simulated_accuracy(&self.model, &scene.truth, views, &limits)?)
+        accuracy(&self.model, scene, self.views.clone())
     }
+}
+
+/// Scores a model on the part of the scene that the views could see.
+pub fn accuracy(
+    model: &Model,
+    scene: &PreparedScene,
+    views: Vec<View>,
+) -> Result<Accuracy, Failure> {
+    Ok(simulated_accuracy(model, &scene.truth, views, &ScoreLimits::default())?)
 }
