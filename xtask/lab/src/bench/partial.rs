@@ -40,25 +40,19 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    for &size in &arguments.size {
-        let view = scene::view(size).ok_or_else(|| Failure::because("no such view"))?;
-        for &count in &arguments.planes {
-            let planes = scene::planes(&view, count);
-            let planes = planes.ok_or_else(|| Failure::because("no such planes"))?;
-            say(&format!("\n{size} × {size} pixels, {count} planes"));
-            Case { view: &view, planes: &planes, count, rounds: arguments.rounds }.run()?;
-            if arguments.peers {
-                peers::compare(&view, &planes, count, arguments.rounds)?;
-            }
-        }
-    }
-    Ok(())
+    let Arguments { size, planes, peers, rounds } = arguments;
+    size.iter().try_for_each(|&size| columns(size, planes, *rounds, *peers).map(drop))
 }
 
 /// Times an image with some numbers of planes: nanoseconds per pixel of each variant, and the
 /// multiples of the sweep's time that other programs take. Without one of these, the second is
 /// empty.
-pub fn columns(size: usize, counts: &[usize], rounds: usize) -> Result<[Columns; 2], Failure> {
+pub fn columns(
+    size: usize,
+    counts: &[usize],
+    rounds: usize,
+    with_peers: bool,
+) -> Result<[Columns; 2], Failure> {
     let view = scene::view(size).ok_or_else(|| Failure::because("no such view"))?;
     let mut columns = [Columns::new(), Columns::new()];
     for &count in counts {
@@ -66,7 +60,9 @@ pub fn columns(size: usize, counts: &[usize], rounds: usize) -> Result<[Columns;
         let planes = planes.ok_or_else(|| Failure::because("no such planes"))?;
         say(&format!("\n{size} × {size} pixels, {count} planes"));
         columns[0].push(Case { view: &view, planes: &planes, count, rounds }.run()?);
-        columns[1].extend(peers::compare(&view, &planes, count, rounds)?);
+        if with_peers {
+            columns[1].extend(peers::compare(&view, &planes, count, rounds)?);
+        }
     }
     Ok(columns)
 }

@@ -5,15 +5,14 @@
 
 use super::output::Output;
 use super::poses;
-use super::trial;
+use super::trial::{self, Public};
 use crate::failure::Failure;
 use crate::statistics::median;
 use crate::table::say;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use transect_device::View;
-use transect_exchange::Scan;
-use transect_geometry::{Curve, LengthUnit, PlaneIndex};
+use transect_geometry::{Curve, LengthUnit, PlaneFamily, PlaneIndex};
 use transect_model::Model;
 use transect_scene::sections;
 use transect_workflow::simulation::SensorPlan;
@@ -80,12 +79,15 @@ pub fn run(arguments: &Arguments, out: &Output) -> Result<Option<String>, Failur
     if !frames.is_dir() {
         return Ok(Some(format!("{} is not there", frames.display())));
     }
-    let views = trial::load(&Scan::open(&frames)?)?;
+    let Public { views, planes } = trial::red_kitchen(&arguments.data)?;
     let half = views.len() / 2;
     let of_half = |is_first: &dyn Fn(usize) -> bool| {
         let (first, second): (Vec<_>, Vec<_>) =
             views.iter().cloned().enumerate().partition(|(k, _)| is_first(*k));
-        halves([first, second].map(|views| views.into_iter().map(|(_, view)| view).collect()))
+        halves(
+            [first, second].map(|views| views.into_iter().map(|(_, view)| view).collect()),
+            &planes,
+        )
     };
     let (even, first) = (of_half(&|k| k % 2 == 0)?, of_half(&|k| k < half)?);
     for (name, nodes) in [("first half against the second", &first), ("even against odd", &even)] {
@@ -132,8 +134,7 @@ fn of_scene(name: &str, degrees: f64) -> Result<Vec<Judged>, Failure> {
 }
 
 /// The nodes of the red kitchen by some frames against the model of the others.
-fn halves(views: [Vec<View>; 2]) -> Result<Vec<Judged>, Failure> {
-    let planes = trial::across([0.0, -1.0, 0.0], 0.1)?;
+fn halves(views: [Vec<View>; 2], planes: &PlaneFamily) -> Result<Vec<Judged>, Failure> {
     let [model, other] = views.map(|views| trial::model(&views, LengthUnit::Metre, planes.clone()));
     let other = other?;
     let reference = other.sections().map(|(k, s)| (k, s.curves().cloned().collect())).collect();

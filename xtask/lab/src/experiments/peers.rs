@@ -87,18 +87,17 @@ pub fn run(arguments: &Arguments, out: &Output) -> Result<Option<String>, Failur
         let seconds = write(*scan, &folder)?;
         run.score(&name, seconds, &folder)?;
     }
-    let skipped = match arguments.data.join("stanford_bunny") {
-        _ if arguments.quick => None,
-        scan if !scan.is_dir() => Some(format!("{} is not there", scan.display())),
-        scan => {
-            let folder = default_folder("peers").join(real::NAME);
-            let seconds = real::write(&scan, &folder)?;
-            run.score(real::NAME, seconds, &folder)?;
-            None
-        }
-    };
+    if arguments.quick {
+        return Ok(None);
+    }
+    if !arguments.data.is_dir() {
+        return Ok(Some(format!("{} is not there", arguments.data.display())));
+    }
+    let folder = default_folder("peers").join(real::NAME);
+    let seconds = real::write(&arguments.data, &folder)?;
+    run.score(real::NAME, seconds, &folder)?;
     run.print_times()?;
-    Ok(skipped)
+    Ok(None)
 }
 
 /// The scans that are scored one after the other.

@@ -2,18 +2,17 @@
 //! plane of the red kitchen with and without averaging the views' surfaces.
 
 use super::output::Output;
-use super::posters::projection::Projection;
-use super::posters::{FAINT, INK};
-use super::trial;
+use super::posters::INK;
+use super::posters::projection::{Projection, panel};
+use super::trial::{self, Public};
 use crate::failure::Failure;
 use crate::table::say;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use transect::evaluate::{EvaluateOptions, evaluate};
+use transect::evaluate::evaluate;
 use transect::{Setup, Unwatched, reconstruct};
-use transect_device::View;
+use transect_exchange::OpenOptions;
 use transect_exchange::svg::{Anchor, Figure, Mark};
-use transect_exchange::{OpenOptions, Scan, read_mesh};
 use transect_fusion::{ConsensusOptions, FusionMethod};
 use transect_geometry::{Curve, LengthUnit, PlaneIndex, Point2};
 use transect_model::Model;
@@ -92,16 +91,11 @@ fn path(folder: &Path) -> Result<PathBuf, Failure> {
 
 /// The bunny on planes 1 mm apart, held against the published mesh.
 fn bunny(data: &Path, out: &Output) -> Result<(), Failure> {
-    let folder = data.join("stanford_bunny");
-    let views = trial::load(&Scan::open(&folder.join("bun.conf"))?)?;
-    let planes = trial::across([0.0, 1.0, 0.0], 0.001)?;
-    let mesh = read_mesh(&folder.join("reference/bun_zipper.ply"))?.mesh;
+    let (Public { views, planes }, mesh) = trial::bunny(data)?;
     let truth = sections(&Mesh { vertices: mesh.vertices, faces: mesh.faces }, &planes)?;
     let model = trial::model(&views, LengthUnit::Metre, planes.clone())?;
     let curves = model.sections().map(|(k, s)| (k, s.curves().cloned().collect())).collect();
-    // The scans do not show the base, and the reference closes it.
-    let options = EvaluateOptions::new(0.0005).from_station(0.06);
-    let accuracy = evaluate(&planes, &curves, &truth, &options)?;
+    let accuracy = evaluate(&planes, &curves, &truth, &trial::bunny_options())?;
     let rows = accuracy.rows(LengthUnit::Metre).into_iter().map(|row| row.shown(None));
     let is_figure =
         |metric: &str| metric == "length off the truth" || !metric.starts_with("length");
@@ -113,8 +107,8 @@ fn bunny(data: &Path, out: &Output) -> Result<(), Failure> {
 
 /// A plane of the red kitchen without and with the step that averages the views' surfaces.
 fn kitchen(data: &Path, out: &Output) -> Result<(), Failure> {
-    let views = trial::load(&Scan::open(&data.join("rgbd_redkitchen"))?)?;
-    let models = [kitchen_model(&views, false)?, kitchen_model(&views, true)?];
+    let kitchen = trial::red_kitchen(data)?;
+    let models = [averaged(&kitchen, false)?, averaged(&kitchen, true)?];
     let mut figure = Figure::new(
         "A section of a real kitchen by a depth camera",
         "The red kitchen of 7-Scenes, 50 frames: plane 2, across the upright. Poses and depths of \
@@ -132,21 +126,19 @@ fn kitchen(data: &Path, out: &Output) -> Result<(), Failure> {
             model.section(PLANE).into_iter().flat_map(|s| s.curves()).collect();
         figure.text(Point2::new(at.x, 16.0), Anchor::Start, 18.0, INK, name);
         let lines = projection.lines(&frame, curves.iter().copied());
-        figure.clipped(at, PANEL, |figure| {
+        panel(&mut figure, (at, PANEL), (projection.scale, "m"), |figure| {
             figure.path(&lines, 1.2, &format!("fill=\"none\" stroke=\"{INK}\""));
         });
-        figure.rectangle(at, PANEL, &format!("fill=\"none\" stroke=\"{FAINT}\""));
-        let bar = Point2::new(at.x, at.y + PANEL[1] + 22.0);
-        figure.scale_bar(bar, [projection.scale, 140.0], "m");
     }
     figure.legend(Mark::Line(INK), "fused curve");
     out.picture("depth_camera", |file| figure.write(file))
 }
 
-fn kitchen_model(views: &[View], settle: bool) -> Result<Model, Failure> {
-    let mut setup = Setup::new(LengthUnit::Metre, trial::across([0.0, -1.0, 0.0], 0.1)?);
+/// The model of the kitchen with or without averaging the views' surfaces.
+fn averaged(kitchen: &Public, settle: bool) -> Result<Model, Failure> {
+    let mut setup = Setup::new(LengthUnit::Metre, kitchen.planes.clone());
     let mut options = ConsensusOptions::default();
     options.steps.settle = settle;
     setup.fusion = FusionMethod::Consensus(options);
-    Ok(reconstruct(views, &setup, &Unwatched)?.model)
+    Ok(reconstruct(&kitchen.views, &setup, &Unwatched)?.model)
 }

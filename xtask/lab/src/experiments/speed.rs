@@ -16,7 +16,7 @@ const ROUNDS: usize = 3;
 
 /// Runs the experiment, or tells what is skipped.
 pub fn run(out: &Output) -> Result<Option<String>, Failure> {
-    let [own, others] = columns(SIZE, &PLANES, ROUNDS)?;
+    let [own, others] = columns(SIZE, &PLANES, ROUNDS, true)?;
     say("");
     table("own", &own, "nanoseconds per pixel", out)?;
     if others.len() < PLANES.len() {

@@ -97,13 +97,5 @@ fn methods_left_out() -> [(&'static str, Method); 4] {
 }
 
 fn figures(set: &Set, options: &ConsensusOptions) -> Result<Figures, Failure> {
-    const ROUNDS: usize = 2;
-    let mut fused = set.fuse(options);
-    for _ in 1..ROUNDS {
-        let again = set.fuse(options);
-        if again.seconds < fused.seconds {
-            fused.seconds = again.seconds;
-        }
-    }
-    set.score(&fused)
+    set.score(&set.fuse(options))
 }

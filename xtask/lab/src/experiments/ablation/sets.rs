@@ -1,7 +1,7 @@
 //! The sets that steps are measured on: partial models made once, and what their curves are held
 //! against.
 
-use super::super::trial;
+use super::super::trial::{self, Public};
 use super::crossings;
 use super::worth::Figures;
 use crate::bench::timing::once;
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use transect::evaluate::{Accuracy, EvaluateOptions, evaluate, evaluate_seen};
 use transect_device::View;
-use transect_exchange::{Scan, TriangleMesh, read_mesh, read_truth};
+use transect_exchange::{Scan, TriangleMesh, read_truth};
 use transect_fusion::{ConsensusOptions, FusionMethod, fuse_plane};
 use transect_geometry::{Curve, PlaneFamily, PlaneIndex, Point2};
 use transect_partial::{Method, partial_model};
@@ -57,10 +57,8 @@ impl Sources<'_> {
         let other = |(name, _): &(&str, _)| !["hyscan_mask", "smart_eye_jug"].contains(name);
         let mut list: Vec<_> = BUNDLED_SCENES.into_iter().filter(other).map(bundled).collect();
         if self.data.is_dir() {
-            let [scan, frames] =
-                ["stanford_bunny", "rgbd_redkitchen"].map(|name| self.data.join(name));
-            list.push(Source::new("bunny", move |m| bunny(&scan, m)));
-            list.push(Source::new("kitchen halves", move |m| halves(&frames, m)));
+            list.push(Source::new("bunny", |m| bunny(self.data, m)));
+            list.push(Source::new("kitchen halves", |m| halves(self.data, m)));
         }
         if let Some(peers_folder) = self.peers {
             let entries = std::fs::read_dir(peers_folder);
@@ -194,22 +192,18 @@ fn simulated(
     Ok(Set { planes, parts, finding_seconds, reference, options })
 }
 
-fn bunny(folder: &Path, method: &Method) -> Result<Set, Failure> {
-    let planes = trial::across([0.0, 1.0, 0.0], 0.001)?;
-    let views = trial::load(&Scan::open(&folder.join("bun.conf"))?)?;
-    let mesh = solid(read_mesh(&folder.join("reference/bun_zipper.ply"))?.mesh);
-    let truth = sections(&mesh, &planes)?;
+fn bunny(data: &Path, method: &Method) -> Result<Set, Failure> {
+    let (Public { views, planes }, mesh) = trial::bunny(data)?;
+    let truth = sections(&solid(mesh), &planes)?;
     let (found, finding_seconds) = observed(&views, &planes, method)?;
-    // The scans do not show the base, and the reference closes it.
-    let options = EvaluateOptions::new(0.0005).from_station(0.06);
+    let options = trial::bunny_options();
     let (parts, reference) = (vec![found], Some(Reference { truth, visible: None }));
     Ok(Set { planes, parts, finding_seconds, reference, options })
 }
 
 /// The even frames and the odd ones.
-fn halves(folder: &Path, method: &Method) -> Result<Set, Failure> {
-    let planes = trial::across([0.0, -1.0, 0.0], 0.1)?;
-    let views = trial::load(&Scan::open(folder)?)?;
+fn halves(data: &Path, method: &Method) -> Result<Set, Failure> {
+    let Public { views, planes } = trial::red_kitchen(data)?;
     let half = |first: usize| {
         let views: Vec<View> = views.iter().skip(first).step_by(2).cloned().collect();
         observed(&views, &planes, method)

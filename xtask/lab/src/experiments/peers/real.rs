@@ -1,20 +1,17 @@
 //! The Stanford bunny for the other programs: the points of each range grid, and the published mesh.
 
 use super::{models, smoothed};
-use crate::experiments::trial;
+use crate::experiments::trial::{self, Public};
 use crate::failure::Failure;
 use serde_json::json;
 use std::path::Path;
 use transect::Setup;
 use transect_device::{ImageSize, View};
-use transect_exchange::{Scan, read_mesh, write_file, write_npy_image, write_truth};
+use transect_exchange::{write_file, write_npy_image, write_truth};
 use transect_geometry::{LengthUnit, Point3};
 
 /// The name of its folder and of its table.
 pub const NAME: &str = "bunny";
-
-/// Planes from this station on are scored, in metres: below, the reference has holes.
-const LOWEST: f64 = 0.06;
 
 /// Distance of the sensor from a range grid's origin along z, in metres. The files do not state it;
 /// a tenth or ten times of it turns no normal round.
@@ -22,12 +19,10 @@ const SENSOR: f64 = 1.0;
 
 /// Writes the scan, as given and smoothed, and our curves without and with smoothing. Returns the
 /// seconds of the default run.
-pub fn write(scan: &Path, folder: &Path) -> Result<f64, Failure> {
+pub fn write(data: &Path, folder: &Path) -> Result<f64, Failure> {
     eprintln!("{NAME}");
-    let views = trial::load(&Scan::open(&scan.join("bun.conf"))?)?;
-    let planes = trial::across([0.0, 1.0, 0.0], 0.001)?;
+    let (Public { views, planes }, mesh) = trial::bunny(data)?;
     let seconds = models(&views, Setup::new(LengthUnit::Metre, planes), folder)?;
-    let mesh = read_mesh(&scan.join("reference/bun_zipper.ply"))?.mesh;
     let corners = mesh.vertices.iter();
     let [low, high] = [f64::min, f64::max].map(|of: fn(f64, f64) -> f64| {
         corners.clone().copied().reduce(|a, b| a.coords.zip_map(&b.coords, of).into())
@@ -46,7 +41,7 @@ pub fn write(scan: &Path, folder: &Path) -> Result<f64, Failure> {
         }
         let planes = json!({ "normal": [0, 1, 0], "offset": 0, "interval": 0.001 });
         let scan = json!({ "name": "Stanford bunny", "unit": "m", "size": size, "sigma": 0,
-            "planes": planes, "lowest": LOWEST, "views": entries });
+            "planes": planes, "lowest": trial::BUNNY_FROM, "views": entries });
         write_file(&folder.join("scan.json"), |out| Ok(serde_json::to_writer(out, &scan)?))?;
         write_file(&folder.join("truth.npz"), |out| write_truth(&mesh, out))?;
     }
