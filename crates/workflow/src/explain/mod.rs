@@ -109,7 +109,8 @@ impl OpenScan {
     }
 
     /// How a plane grows with every view: the range image and the plane after each view, and a
-    /// figure that repeats all of them. Without a plane, the one on which the first view has most curves.
+    /// figure that repeats all of them. Without a plane, the one on which the first view has most
+    /// curves.
     ///
     /// # Errors
     /// As [`OpenScan::explain`].

@@ -1,8 +1,8 @@
 //! The dissertation's own results, by its own methods: Figures 4.11 to 4.20 and 5.13 to 5.33.
 //!
 //! Chapter 4 shows the points of one view, and the partial model of that view, for each sensor.
-//! Chapter 5 shows range images, and the global model after each of them. The scenes are the bundled
-//! ones, and their scanners have their true size.
+//! Chapter 5 shows range images, and the global model after each of them. The scenes are the
+//! bundled ones, and their scanners have their true size.
 
 mod mask;
 

@@ -1,7 +1,8 @@
 //! Where nodes are wrong, and how well a model knows the errors of its nodes.
 //!
 //! Each node's distance from the reference is held against the standard deviation that the model
-//! states for it. The reference is the exact truth of a bundled scene, or the model of other frames.
+//! states for it. The reference is the exact truth of a bundled scene, or the model of other
+//! frames.
 
 use super::output::Output;
 use super::poses;

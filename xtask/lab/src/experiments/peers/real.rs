@@ -1,4 +1,5 @@
-//! The Stanford bunny for the other programs: the points of each range grid, and the published mesh.
+//! The Stanford bunny for the other programs: the points of each range grid, and the published
+//! mesh.
 
 use super::{models, smoothed};
 use crate::experiments::trial::{self, Public};
