@@ -300,8 +300,8 @@ fn verification(close_up: &CloseUp<'_>, unit: LengthUnit, pages: &mut Builder) {
     );
     pages.step("verification", text, SIZE, |figure| {
         map.inside(figure, |figure| {
-            band(figure, &map, &verified.unit, pair.threshold);
-            both_curves(figure, &map, pair, true);
+            band(figure, map, &verified.unit, pair.threshold);
+            both_curves(figure, map, pair, true);
             let CurveUnit { start, end } = verified.unit;
             let colour = palette::PAIR[verified.basis];
             let style = format!("stroke=\"{colour}\" stroke-width=\"6\"");
@@ -362,7 +362,7 @@ fn averaging(close_up: &CloseUp<'_>, pages: &mut Builder) {
     );
     pages.step("averaging", text, SIZE, |figure| {
         map.inside(figure, |figure| {
-            both_curves(figure, &map, pair, false);
+            both_curves(figure, map, pair, false);
             let nodes: Vec<Point2> = verified.averaged.iter().map(|n| n.position).collect();
             let style = format!("stroke=\"{}\" stroke-width=\"3\"", palette::RESULT);
             map.line(figure, &nodes, false, &style);

@@ -49,8 +49,11 @@ struct Judged {
     to_end: f64,
 }
 
+/// Whether a node is in a class.
+type Class = fn(&Judged) -> bool;
+
 /// The classes of nodes whose errors are told.
-const CLASSES: [(&str, fn(&Judged) -> bool); 4] = [
+const CLASSES: [(&str, Class); 4] = [
     ("all", |_| true),
     ("of one view", |n| n.is_of_one_view),
     ("of one view, in curves shorter than 0.4 m", |n| n.is_of_one_view && n.curve_length < SHORT),
@@ -103,7 +106,7 @@ pub fn run(arguments: &Arguments, out: &Output) -> Result<Option<String>, Failur
     out.table("predicted", &["set", "nodes", "predicted over observed"], &ratios)?;
     say("");
     let sets = [kitchen, even];
-    let line = |(name, is_in): &(&str, fn(&Judged) -> bool)| {
+    let line = |(name, is_in): &(&str, Class)| {
         let cells = sets.iter().map(|nodes| shares(nodes, *is_in));
         std::iter::once((*name).to_owned()).chain(cells).collect()
     };
@@ -113,7 +116,7 @@ pub fn run(arguments: &Arguments, out: &Output) -> Result<Option<String>, Failur
 }
 
 /// The share of the length that a class has, and the share of that which is wrong.
-fn shares(nodes: &[Judged], is_in: fn(&Judged) -> bool) -> String {
+fn shares(nodes: &[Judged], is_in: Class) -> String {
     let length = |is_counted: &dyn Fn(&Judged) -> bool| {
         nodes.iter().filter(|n| is_counted(n)).map(|n| n.length).sum::<f64>()
     };
