@@ -218,16 +218,20 @@ pub(super) fn on_common_lines(beads: &[Bead], views: usize, reach: &Reach) -> Ve
     let mut moved = |bead: &Bead| {
         let (centre, tangent) = (bead.position, bead.tangent);
         let window = Window { centre, tangent, reach, across, same_way };
-        window.visit(&grid, |k, x, y| {
-            let there = &beads[k];
-            if !window.goes_along(&there.tangent) {
-                return;
+        grid.runs_around(&centre, &window.half(), |points| {
+            let Some(first) = points.first() else { return };
+            for there in &beads[first.number as usize..][..points.len()] {
+                let (x, y) = window.place(&there.position);
+                // Tests that cannot be guessed cost less together.
+                if !((x.abs() <= reach) & (y.abs() <= across) & window.goes_along(&there.tangent)) {
+                    continue;
+                }
+                let sums = &mut of_view[there.view as usize];
+                if sums.length == 0.0 {
+                    met.push(there.view);
+                }
+                sums.add((1.0 - x.abs() / reach) * there.length, x, y);
             }
-            let sums = &mut of_view[there.view as usize];
-            if sums.length == 0.0 {
-                met.push(there.view);
-            }
-            sums.add((1.0 - x.abs() / reach) * there.length, x, y);
         });
         let (mut common, mut squared_shares) = (Sums::default(), 0.0);
         let own = of_view[bead.view as usize];
