@@ -226,10 +226,6 @@ pub(super) mod place {
     /// Least variance of the difference of two fits, as a share of the narrower fit's. By hand:
     /// both are estimates. Doubled: fits agree more easily.
     pub const LEAST_VARIANCE_SHARE: f64 = 0.1;
-    /// Variance of a fit, over that of the views' systematic errors, below which no wider window is
-    /// tried. Theory: a node then errs by at most 1 % more. Measured: placing the nodes of
-    /// `kitchen_kin40_real` takes a third of the time. Doubled: 2 % more.
-    pub const VIEW_ERROR_SHARE: f64 = 0.02;
     /// Largest curvature times half-width of a window on a bend, whatever the noise, in radians. By
     /// hand. Doubled: bends are cut.
     pub const LARGEST_TURN: f64 = 0.13;

@@ -9,8 +9,6 @@
 //! passed over if the next wider one agrees again, and two in a row end the search. One of the two
 //! narrowest may itself be off by chance.
 //!
-//! Windows stop growing where the views' systematic errors hide the fit's: no window lowers those.
-//!
 //! A parabola has an arc's second order. Fits follow the third and fourth too, as far as the bend
 //! is known, so the error that is left comes from changes of the bend.
 
@@ -171,10 +169,6 @@ impl<'a> Near<'a> {
             self.narrower.push(fit);
             let place_sigma = fit.place_sigma.hypot(bend.error);
             best = Some(WindowFit { fit: Fit { place_sigma, ..fit }, reach });
-            // A wider window would lower an error that no longer shows beside those of the views.
-            if place_sigma * place_sigma <= VIEW_ERROR_SHARE * here.evidence.view_variance {
-                break;
-            }
         }
         self.far += if tried > GATHER_AHEAD { 1 } else { -1 };
         best.filter(|b| b.fit.place.abs() <= threshold)
@@ -248,43 +242,10 @@ fn across(threshold: f64, reach: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::options::ConsensusOptions;
-    use super::super::node::Evidence;
     use super::*;
-    use transect_geometry::Vector2;
 
     fn fit(place: f64, place_sigma: f64) -> Fit {
         Fit { place, place_sigma, ..Fit::default() }
-    }
-
-    #[test]
-    fn windows_stop_where_errors_of_views_hide_that_of_the_fit() {
-        let cluster = |k: u32, view_variance: f64| {
-            let position = Point2::new(f64::from(k), 0.01 * f64::from(k * 7 % 5) - 0.02);
-            let node = PlacedNode::at(position, Vector2::x(), 1.0);
-            let evidence = Evidence {
-                random_sigma: 0.02,
-                view_variance,
-                weight: 1.0,
-                support: 1.0,
-                ..node.evidence
-            };
-            let (tangent, mean) = (Vector2::x(), position);
-            Cluster { position, tangent, mean, along_variance: 0.0, correlation: 0.0, evidence }
-        };
-        let options = ConsensusOptions::default();
-        let (spacing, same_way) = (1.0, options.direction_limit_rad.cos());
-        let scale = Scale { spacing, threshold: 0.5, same_way, line: 0.0, options };
-        let placed = |view_error: f64| {
-            let clusters: Vec<_> = (0..80).map(|k| cluster(k, view_error * view_error)).collect();
-            place(&clusters, &scale)[40]
-        };
-        let (alone, hidden) = (placed(0.0), placed(1.0));
-        let (wide, narrow) = (alone.correlation, hidden.correlation);
-        assert!(wide > 3.0 * narrow, "half-widths in proportion to {wide} and {narrow}");
-        // The narrow fit errs more, by less than a hundredth of what the node errs by.
-        assert!(hidden.random_sigma() > alone.random_sigma());
-        assert!(hidden.sigma < 1.01, "{}", hidden.sigma);
     }
 
     #[test]
