@@ -22,7 +22,7 @@ pub fn samples(view: &CoarseView, most: usize) -> Vec<Sample> {
     let mut order: Vec<(u32, usize)> = (0..all.len()).map(|k| (scrambled(k as u32), k)).collect();
     order.sort_unstable();
     let taken = order.iter().take(most).filter_map(|(_, k)| all.get(*k));
-    let sample = |(cell, patch): &(usize, &crate::Patch)| Sample {
+    let sample = |(cell, patch): &(usize, crate::Patch)| Sample {
         cell: *cell,
         in_sensor: patch.point(),
         normal: patch.steady_normal(),
