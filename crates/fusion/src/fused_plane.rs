@@ -11,6 +11,11 @@ pub struct FusedPlane {
     /// Measured standard deviation of one view's curve against the fused one, in the length unit.
     /// With one view, or views that do not overlap: the median of their nodes' own.
     pub spread: f64,
+    /// The part of the spread that each view errs by as a whole, head-on, in the length unit; 0
+    /// where noise explains the spread, or no two views overlap.
+    pub view_error: f64,
+    /// Median standard deviation of the views' nodes by their own noise, in the length unit.
+    pub noise: f64,
     /// Distance within which curves of the same direction count as one, in the length unit.
     pub threshold: f64,
     /// How many nodes went in and were left out.

@@ -173,13 +173,17 @@ fn differences(image: &RangeImage, lines: usize, stride: usize) -> [Vec<f64>; 2]
 
 /// Keeps the third differences of values at the same places of four lists.
 fn keep(differences: &mut Vec<f64>, [a, b, c, d]: [&[f32]; 4]) {
-    for (((a, b), c), d) in a.iter().zip(b).zip(c).zip(d) {
-        let [a, b, c, d] = [a, b, c, d].map(|value| f64::from(*value));
+    let values = a.iter().zip(b).zip(c).zip(d);
+    let mut count = differences.len();
+    differences.resize(count + values.len(), 0.0);
+    for (((a, b), c), d) in values {
+        let (a, b, c, d) = (f64::from(*a), f64::from(*b), f64::from(*c), f64::from(*d));
         let third = ((d - a) - 3.0 * (c - b)).abs();
-        if !third.is_nan() {
-            differences.push(third);
-        }
+        // Missing pixels cannot be guessed, so nothing branches on them.
+        differences[count] = third;
+        count += usize::from(!third.is_nan());
     }
+    differences.truncate(count);
 }
 
 /// Standard deviation of the values of which these are third differences, without the largest.

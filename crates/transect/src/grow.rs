@@ -283,7 +283,7 @@ impl<'a> Grower<'a> {
         let moved: Vec<_> =
             moved.map(|(view, _)| (view.source.entry.id.clone(), as_stored(view))).collect();
         let (views, mut report) = self.replace_views(&moved, watch)?;
-        report.set_poses(Some(poses));
+        report.set_poses(Some(poses), self.setup.unit);
         Ok((views, report))
     }
 
@@ -376,8 +376,9 @@ impl<'a> Grower<'a> {
         notes.extend(reports.iter().filter(|_| several).filter_map(ViewReport::note_if_alone));
         let mut fusion = whole_fusion(&snapshot, &fuser)?;
         if !several {
-            (fusion.spread, fusion.threshold) = (0.0, 0.0);
+            fusion.forget_comparisons();
         }
+        notes.extend(fusion.note_if_views_err(self.setup.unit));
         let fused = fuser.summaries().len();
         let report =
             Report { views: reports, fusion, poses: None, refinement: None, notes, timings };

@@ -102,7 +102,7 @@ pub fn reconstruct<S: ViewSource>(
     let reports = views.iter().map(|view| view.report.clone()).collect();
     let notes = views.iter().flat_map(|view| view.notes.clone()).collect();
     let mut report = Report::new(reports, notes, &fused, timings);
-    report.set_poses(poses.or(judged));
+    report.set_poses(poses.or(judged), setup.unit);
     let mut model = assemble(setup, views, fused);
     if let Some((selected, refinement)) = refined {
         model = model.with_selection(selected);

@@ -142,6 +142,8 @@ fn fuse_watched(
     FusedPlane {
         curves,
         spread: measured.spread,
+        view_error: measured.view_error,
+        noise: measured.noise,
         threshold: measured.scale.threshold,
         counts: FusionCounts { observations: count, kept, dropped, crossings },
         growth: None,

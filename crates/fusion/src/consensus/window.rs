@@ -29,29 +29,32 @@ impl Window {
 
     /// Visits the points inside: number, place along (x) and across (y).
     pub fn visit(&self, grid: &PointGrid, mut visit: impl FnMut(usize, f64, f64)) {
-        let normal = self.normal();
-        let place = |p: &Point2| {
-            let d = p - self.centre;
-            (d.dot(&self.tangent), d.dot(&normal))
-        };
         grid.runs_around(&self.centre, &self.half(), |points| {
             for points in points.chunks(CHUNK) {
                 // Whether a point is inside cannot be guessed, so nothing branches on it.
                 let (mut inside, mut count) = ([0; CHUNK], 0);
                 for (i, point) in points.iter().enumerate() {
-                    let (x, y) = place(&point.place);
+                    let (x, y) = self.place(&point.place);
                     inside[count] = i as u8;
                     count += usize::from((x.abs() <= self.reach) & (y.abs() <= self.across));
                 }
                 for point in inside[..count].iter().map(|i| &points[usize::from(*i)]) {
-                    let (x, y) = place(&point.place);
+                    let (x, y) = self.place(&point.place);
                     visit(point.number as usize, x, y);
                 }
             }
         });
     }
 
+    /// The place of a point along (x) and across (y) the curve.
+    #[inline]
+    pub fn place(&self, p: &Point2) -> (f64, f64) {
+        let d = p - self.centre;
+        (d.dot(&self.tangent), d.dot(&self.normal()))
+    }
+
     /// Whether a direction is that of the same surface.
+    #[inline]
     pub fn goes_along(&self, tangent: &Vector2) -> bool {
         tangent.dot(&self.tangent) >= self.same_way
     }
@@ -66,7 +69,7 @@ impl Window {
 
     /// Half-widths of the upright rectangle around the slanted one.
     #[inline]
-    fn half(&self) -> Vector2 {
+    pub fn half(&self) -> Vector2 {
         let (x, y) = (self.tangent.x.abs(), self.tangent.y.abs());
         Vector2::new(x * self.reach + y * self.across, y * self.reach + x * self.across)
     }

@@ -142,7 +142,15 @@ pub fn pairwise_watched(
         dropped: unseen(views, &curves, tolerance.distance()),
         crossings,
     };
-    FusedPlane { curves, spread: measured.spread, threshold: tolerance.distance(), counts, growth }
+    FusedPlane {
+        curves,
+        spread: measured.spread,
+        view_error: measured.view_error,
+        noise: measured.noise,
+        threshold: tolerance.distance(),
+        counts,
+        growth,
+    }
 }
 
 /// How many observations have no curve of the result within the threshold: left out as noise, on

@@ -17,6 +17,7 @@ pub use patch::Patch;
 
 use crate::tuning::{CELLS, LEAST_AHEAD, LEAST_STEP, LEAST_WHOLE, QUICK_CELLS};
 use by_points::ByPoints;
+use patch::StoredPatch;
 use std::sync::Arc;
 use transect_device::{DeviceFrame, ImageSize, Isometry3, Pixel, Point3, Ray, Vector3, View};
 use transect_image::RangeNoise;
@@ -55,22 +56,31 @@ enum Lookup {
     Points(ByPoints),
 }
 
-/// What a cell of pixels measured.
+/// What a cell of pixels measured, as it is kept: a view has thousands of cells.
 #[derive(Debug, Clone, Copy, Default)]
 struct Cell {
     seen: Option<Seen>,
-    patch: Option<Patch>,
+    patch: Option<StoredPatch>,
 }
 
+/// The depths of a cell, in the model's length unit. Rounding widens them.
 #[derive(Debug, Clone, Copy)]
 struct Seen {
-    /// The ray that stands for those of all pixels.
-    ray: Ray,
+    /// Rows and columns from the cell's corner to the pixel whose ray stands for those of all.
+    middle: (u16, u16),
     /// Distances of the nearest and the farthest sample from the ray's start, along the ray.
-    nearest: f64,
-    farthest: f64,
+    nearest: f32,
+    farthest: f32,
     /// Whether nearly every pixel has a sample; see [`LEAST_WHOLE`].
     whole: bool,
+}
+
+/// The same before it is stored.
+#[derive(Debug, Clone, Copy)]
+struct Sampled {
+    seen: Seen,
+    ray: Ray,
+    patch: Option<Patch>,
 }
 
 /// Where a point lies, as a view sees it along the ray through the point.
@@ -125,37 +135,27 @@ impl CoarseView {
         let noise = RangeNoise::of(view);
         let cell = |k: usize| {
             let corner = Pixel::new(k / size.cols * step, k % size.cols * step);
-            Cell::new(view, &noise, corner, (step, stride))
+            Sampled::new(view, &noise, corner, (step, stride))
         };
         // On one thread: views are copied side by side, and a thread that waits for a part of its
         // view would begin another one.
-        let cells: Vec<Cell> = (0..size.pixels()).map(cell).collect();
-        let mut coarse = Self {
+        let cells: Vec<Option<Sampled>> = (0..size.pixels()).map(cell).collect();
+        let stored = |k: usize| {
+            let Some(Sampled { seen, ray, .. }) = cells[k] else { return Cell::default() };
+            let patch = steadied(&cells, k, size).map(|patch| StoredPatch::new(&patch, &ray));
+            Cell { seen: Some(seen), patch }
+        };
+        Self {
             name: view.name().to_owned(),
             world_from_sensor: *view.world_from_sensor(),
             image,
             size,
             step,
             share: (full as f64 / step as f64).powi(2),
+            cells: (0..cells.len()).map(stored).collect(),
             lookup: Lookup::new(view, &cells),
-            cells,
             sigma: noise.length(),
             prior: None,
-        };
-        coarse.steady_normals();
-        coarse
-    }
-
-    fn steady_normals(&mut self) {
-        let steady = |k: usize| {
-            let mut patch = self.cells.get(k)?.patch?;
-            let around = self.around(k).filter(|other| *other != k);
-            patch.steady(around.filter_map(|other| self.cells.get(other)?.patch.as_ref()));
-            Some(patch)
-        };
-        let patches: Vec<Option<Patch>> = (0..self.cells.len()).map(steady).collect();
-        for (cell, patch) in self.cells.iter_mut().zip(patches) {
-            cell.patch = patch;
         }
     }
 
@@ -196,7 +196,7 @@ impl CoarseView {
 
     /// Whether all rays run forward along z, as those of a camera do.
     pub(crate) fn looks_forward(&self) -> bool {
-        self.cells.iter().filter_map(|cell| cell.seen).all(|seen| seen.ray.direction.z > 0.0)
+        self.rays().all(|ray| ray.direction.z > 0.0)
     }
 
     /// How many cells of this copy are as large as `cells` of a full one.
@@ -210,14 +210,34 @@ impl CoarseView {
     }
 
     /// The patches in the sensor frame, each with the number of its cell, row by row.
-    pub fn patches(&self) -> impl Iterator<Item = (usize, &Patch)> {
-        self.cells.iter().enumerate().filter_map(|(k, cell)| Some((k, cell.patch.as_ref()?)))
+    pub fn patches(&self) -> impl Iterator<Item = (usize, Patch)> {
+        (0..self.cells.len()).filter_map(|k| Some((k, self.patch(k)?)))
+    }
+
+    fn patch(&self, cell: usize) -> Option<Patch> {
+        self.cells.get(cell)?.patch?.patch(&self.ray(cell)?)
+    }
+
+    /// The ray that stands for those of all pixels of a cell.
+    fn ray(&self, cell: usize) -> Option<Ray> {
+        let (row, col) = self.cells.get(cell)?.seen?.middle;
+        match &self.lookup {
+            Lookup::Inverse(frame) => frame.ray(Pixel::new(
+                cell / self.size.cols * self.step + usize::from(row),
+                cell % self.size.cols * self.step + usize::from(col),
+            )),
+            Lookup::Points(points) => points.ray(cell),
+        }
+    }
+
+    fn rays(&self) -> impl Iterator<Item = Ray> {
+        (0..self.cells.len()).filter_map(|k| self.ray(k))
     }
 
     /// The patch that a sensor-frame point lies over; `None` where the view has none.
     pub fn meeting(&self, in_sensor: &Point3) -> Option<Meeting> {
         let cell = self.cell_of(in_sensor)?;
-        let patch = self.cells.get(cell)?.patch.as_ref()?;
+        let patch = self.patch(cell)?;
         let (distance, sigma) = patch.distance(in_sensor)?;
         Some(Meeting { cell, distance, normal: patch.steady_normal(), sigma })
     }
@@ -229,10 +249,11 @@ impl CoarseView {
     pub fn sighting(&self, in_sensor: &Point3) -> Sighting {
         let Some(cell) = self.cell_of(in_sensor) else { return Sighting::Unseen };
         let Some(seen) = self.cells.get(cell).and_then(|c| c.seen) else { return Sighting::Unseen };
-        let depth = (in_sensor - seen.ray.start).dot(&seen.ray.direction);
+        let Some(ray) = self.ray(cell) else { return Sighting::Unseen };
+        let depth = (in_sensor - ray.start).dot(&ray.direction);
         let (mut nearest, mut farthest) = (seen.nearest, seen.farthest);
         let mut whole = true;
-        for around in self.around(cell) {
+        for around in around(cell, self.size) {
             match self.cells.get(around).and_then(|c| c.seen) {
                 Some(seen) => {
                     nearest = nearest.min(seen.nearest);
@@ -242,6 +263,7 @@ impl CoarseView {
                 None => whole = false,
             }
         }
+        let (nearest, farthest) = (f64::from(nearest), f64::from(farthest));
         if depth < nearest && whole {
             Sighting::InFront(nearest - depth)
         } else if depth > farthest {
@@ -263,7 +285,7 @@ impl CoarseView {
         let Lookup::Inverse(frame) = &self.lookup else { return None };
         let last = Pixel::new(self.image.rows.checked_sub(1)?, self.image.cols.checked_sub(1)?);
         let ahead = |ray: &Ray| ray.start == Point3::origin() && ray.direction.z > LEAST_AHEAD;
-        let all_ahead = self.cells.iter().filter_map(|cell| cell.seen).all(|seen| ahead(&seen.ray));
+        let all_ahead = self.rays().all(|ray| ahead(&ray));
         let rays = [frame.ray(Pixel::new(0, 0))?, frame.ray(last)?];
         (all_ahead && rays.iter().all(ahead)).then(|| rays.map(|ray| ray.direction))
     }
@@ -281,21 +303,34 @@ impl CoarseView {
             Lookup::Points(points) => points.cell_of(in_sensor),
         }
     }
-
-    /// The eight cells around one, as far as the image reaches.
-    fn around(&self, cell: usize) -> impl Iterator<Item = usize> {
-        let (row, col, size) = (cell / self.size.cols, cell % self.size.cols, self.size);
-        let rows = row.saturating_sub(1)..(row + 2).min(size.rows);
-        rows.flat_map(move |r| {
-            let cols = col.saturating_sub(1)..(col + 2).min(size.cols);
-            cols.map(move |c| r * size.cols + c)
-        })
-    }
 }
 
-impl Cell {
+/// A cell and the eight around it, as far as the image reaches.
+fn around(cell: usize, size: ImageSize) -> impl Iterator<Item = usize> {
+    let (row, col) = (cell / size.cols, cell % size.cols);
+    let rows = row.saturating_sub(1)..(row + 2).min(size.rows);
+    rows.flat_map(move |r| {
+        let cols = col.saturating_sub(1)..(col + 2).min(size.cols);
+        cols.map(move |c| r * size.cols + c)
+    })
+}
+
+/// The patch of a cell with the normal that those around it make steady.
+fn steadied(cells: &[Option<Sampled>], k: usize, size: ImageSize) -> Option<Patch> {
+    let patch = |k: usize| cells.get(k)?.as_ref()?.patch.as_ref();
+    let mut steadied = *patch(k)?;
+    steadied.steady(around(k, size).filter(|other| *other != k).filter_map(patch));
+    Some(steadied)
+}
+
+impl Sampled {
     /// The cell from a corner on, of a side and a distance between pixels that are taken.
-    fn new(view: &View, noise: &RangeNoise, corner: Pixel, (step, stride): (usize, usize)) -> Self {
+    fn new(
+        view: &View,
+        noise: &RangeNoise,
+        corner: Pixel,
+        (step, stride): (usize, usize),
+    ) -> Option<Self> {
         let (image, frame) = (view.image(), view.frame());
         let size = image.size();
         let (rows, cols) = ((corner.row + step).min(size.rows), (corner.col + step).min(size.cols));
@@ -315,27 +350,27 @@ impl Cell {
                 rim = (off, pixel);
             }
         }
-        let Some((_, pixel)) = central else { return Self::default() };
-        let (Some(ray), Some(rim)) = (frame.ray(pixel), frame.ray(rim.1)) else {
-            return Self::default();
-        };
+        let (_, pixel) = central?;
+        let (ray, rim) = (frame.ray(pixel)?, frame.ray(rim.1)?);
         let depth = |p: &Point3| (p - ray.start).dot(&ray.direction);
         let seen = Seen {
-            ray,
-            nearest: samples.iter().map(depth).fold(f64::INFINITY, f64::min),
-            farthest: samples.iter().map(depth).fold(f64::NEG_INFINITY, f64::max),
+            middle: ((pixel.row - corner.row) as u16, (pixel.col - corner.col) as u16),
+            nearest: (samples.iter().map(depth).fold(f64::INFINITY, f64::min) as f32).next_down(),
+            farthest: (samples.iter().map(depth).fold(f64::NEG_INFINITY, f64::max) as f32)
+                .next_up(),
             whole: (samples.len() + 1) as f64 >= LEAST_WHOLE * pixels as f64,
         };
         let sigma = noise.length_at(view, pixel);
         let cell = patch::Cell { samples: &samples, pixels, ray, rim, sigma };
-        Self { seen: Some(seen), patch: Patch::fit(&cell) }
+        Some(Self { seen, ray, patch: Patch::fit(&cell) })
     }
 }
 
 impl Lookup {
-    fn new(view: &View, cells: &[Cell]) -> Self {
+    fn new(view: &View, cells: &[Option<Sampled>]) -> Self {
         let frame = view.shared_frame();
-        let mut points = cells.iter().filter_map(|cell| cell.patch.as_ref()).map(Patch::point);
+        let patches = cells.iter().flatten().filter_map(|cell| cell.patch.as_ref());
+        let mut points = patches.map(Patch::point);
         let inverse = points.next().is_none_or(|p| frame.device_point(&p).is_some());
         if inverse { Self::Inverse(frame) } else { Self::Points(ByPoints::new(cells)) }
     }

@@ -18,7 +18,7 @@
 
 use crate::CoarseView;
 use crate::tuning::{CAMERA_GRID, EXACT, FIRST_CAMERA_ERROR};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, DVectorView};
 use transect_device::{DepthOffsets, ImageSize, Nodes, Point3};
 
 const ROWS: usize = CAMERA_GRID.0;
@@ -106,17 +106,21 @@ impl Cameras {
         }
     }
 
-    /// Adds the changes of a round, one for each camera.
-    pub fn change(&mut self, changes: &[(DVector<f64>, DMatrix<f64>)]) {
-        for (camera, (change, _)) in self.list.iter_mut().zip(changes) {
-            camera.offsets += change;
+    /// Adds the changes of a round.
+    pub fn change(&mut self, changes: &DVectorView<'_, f64>) {
+        for (k, camera) in self.list.iter_mut().enumerate() {
+            camera.offsets += changes.rows(NODES * k, NODES);
         }
     }
 
-    /// Learns how large the offsets are, from what they change to and its covariance.
-    pub fn learn(&mut self, changes: &[(DVector<f64>, DMatrix<f64>)]) {
-        for (camera, (change, covariance)) in self.list.iter_mut().zip(changes) {
-            camera.learn(&(&camera.offsets + change), covariance);
+    /// Learns how large the offsets are, from the changes of all unknowns and their covariance; the
+    /// offsets are the last unknowns.
+    pub fn learn(&mut self, changes: &DVector<f64>, covariance: &DMatrix<f64>) {
+        let first = changes.len() - self.unknowns();
+        for (k, camera) in self.list.iter_mut().enumerate() {
+            let at = first + NODES * k;
+            let offsets = &camera.offsets + changes.rows(at, NODES);
+            camera.learn(&offsets, &covariance.view((at, at), (NODES, NODES)).into_owned());
         }
     }
 

@@ -43,7 +43,7 @@ impl Rounds<'_> {
         for part in &parts {
             let solution = all.without(part).solve(self.independent, &known_before)?;
             before += part.square_after(&back);
-            after += part.square_after(solution.unknowns());
+            after += part.square_after(&solution.unknowns);
         }
         (before > 0.0).then(|| after / before - 1.0)
     }

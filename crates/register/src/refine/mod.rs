@@ -26,13 +26,15 @@ mod solve;
 
 use crate::coarse::{CoarseView, PosePrior};
 use crate::tuning::{
-    BLOCKS, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, MOST_MISPLACED, OBSERVATIONS,
-    PRIOR_ROUNDS, PROBES, ROUNDS, SETTLED, SETTLING,
+    BEFORE_MOMENTUM, BLOCKS, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, MOMENTUM,
+    MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, PROBES, ROUNDS, SETTLED, SETTLING, WORK,
 };
 use camera::Cameras;
+use nalgebra::{DMatrix, DVector};
 use pairs::{Pair, Reach, Scene, Spread, State, samples};
 use rayon::prelude::*;
-use solve::{Before, Ground, Motion, System, estimated_prior, motion_between, moved};
+use solve::{Before, Ground, Motion, Solution, System};
+use solve::{estimated_prior, motion_between, moved, variances};
 use std::collections::BTreeMap;
 use transect_device::{Isometry3, Point3, Vector3};
 
@@ -108,6 +110,7 @@ struct Rounds<'a> {
     before: Vec<Pair>,
     pairs: Vec<Pair>,
     independent: f64,
+    last_change: DVector<f64>,
     variances: Vec<Motion>,
 }
 
@@ -138,6 +141,7 @@ impl<'a> Rounds<'a> {
         let cameras = Cameras::of(&scene.views, distance);
         let mut candidates = scene.pairs(State { poses: &given, cameras: &cameras }, reach);
         candidates.retain(|(a, b)| !misplaced.contains(a) && !misplaced.contains(b));
+        let last_change = DVector::zeros(6 * given.len() + cameras.unknowns());
         Self {
             scene,
             poses: given.clone(),
@@ -151,33 +155,33 @@ impl<'a> Rounds<'a> {
             before: Vec::new(),
             pairs: Vec::new(),
             independent: 0.0,
+            last_change,
             variances: Vec::new(),
         }
     }
 
     fn run(&mut self) {
-        for round in 0..ROUNDS {
-            // Poses settle before the contradictions that are left tell how far they were off.
-            let settling = round < SETTLING;
-            if settling {
-                let spread = if round < SETTLING / 2 { Spread::Wide } else { Spread::Narrow };
-                self.observe(self.first, OBSERVATIONS / 4, spread);
-            } else {
-                self.observe(self.prior, OBSERVATIONS, Spread::Narrow);
-            }
-            if round == SETTLING {
-                self.cameras.release();
-            }
+        // Poses settle before the contradictions that are left tell how far they were off.
+        for round in 0..SETTLING {
+            let spread = if round < SETTLING / 2 { Spread::Wide } else { Spread::Narrow };
+            self.observe(self.first, OBSERVATIONS / 4, spread);
             if round == 0 {
                 self.before = self.pairs.clone();
             }
-            let Some(step) = self.step(settling) else { break };
-            let shares = step.iter().zip(&self.variances).flat_map(|(step, variance)| {
-                (0..6).map(move |c| step[c].abs() / variance[c].sqrt())
-            });
-            let estimated = self.scene.views.iter().all(|view| view.prior().is_none());
+            if self.step(0, 0.0).is_none() {
+                return;
+            }
+        }
+        self.cameras.release();
+        let estimated = self.scene.views.iter().all(|view| view.prior().is_none());
+        let mut work = 0;
+        for round in 0..ROUNDS {
+            let momentum = if round < BEFORE_MOMENTUM { 0.0 } else { MOMENTUM };
+            self.observe(self.prior, OBSERVATIONS, Spread::Narrow);
+            let moves = self.step(PRIOR_ROUNDS, momentum).is_some_and(|largest| largest > SETTLED);
             let exact = estimated && self.prior.rotation < EXACT * self.first.rotation;
-            if !settling && (exact || shares.fold(0.0, f64::max) < SETTLED) {
+            work += self.pairs.iter().map(|pair| pair.observations.len()).sum::<usize>();
+            if exact || !moves || work > WORK {
                 break;
             }
         }
@@ -192,8 +196,9 @@ impl<'a> Rounds<'a> {
         self.pairs = self.scene.observe_all(&self.candidates, state, reach, most, spread);
     }
 
-    /// Moves all views once; `None` if nothing determines them.
-    fn step(&mut self, settling: bool) -> Option<Vec<Motion>> {
+    /// Moves all views once, after some updates of the priors. Tells the largest change that the
+    /// observations ask for, in standard deviations; `None` if nothing determines the views.
+    fn step(&mut self, prior_rounds: usize, momentum: f64) -> Option<f64> {
         // Poses that the prior holds away from the best fit give neighbours a common error. It
         // would weaken what they tell, and hold the poses all the more.
         let share = independent_share(&self.scene.views, &self.pairs);
@@ -204,25 +209,40 @@ impl<'a> Rounds<'a> {
             system.solve(rounds.independent, &rounds.known_before(&rounds.priors(), &so_far))
         };
         let mut solution = solve(self)?;
-        self.variances = solution.variances();
-        for _ in 0..if settling { 0 } else { PRIOR_ROUNDS } {
-            self.cameras.learn(&solution.offsets());
-            if !self.stated {
-                let total = so_far.iter().zip(&solution.motions).map(|(a, b)| a + b);
-                let of_views = self.scene.views.iter().zip(total.zip(&self.variances));
-                let unstated = of_views.filter(|(view, _)| view.prior().is_none());
-                let (moved, variances): (Vec<Motion>, Vec<Motion>) =
-                    unstated.map(|(_, v)| v).unzip();
-                self.prior = estimated_prior(&self.prior, &moved, &variances);
-            }
+        let mut covariance = solution.covariance();
+        for _ in 0..prior_rounds {
+            self.learn(&so_far, &solution, &covariance);
             solution = solve(self)?;
-            self.variances = solution.variances();
+            covariance = solution.covariance();
         }
-        for (pose, motion) in self.poses.iter_mut().zip(&solution.motions) {
-            *pose = moved(pose, motion);
+        self.variances = variances(&covariance, so_far.len());
+        let sizes = solution.unknowns.component_div(&covariance.diagonal().map(f64::sqrt));
+        self.change(solution.unknowns, momentum);
+        Some(sizes.rows(0, 6 * so_far.len()).amax())
+    }
+
+    /// Learns how large the errors of poses and cameras are.
+    fn learn(&mut self, so_far: &[Motion], solution: &Solution, covariance: &DMatrix<f64>) {
+        self.cameras.learn(&solution.unknowns, covariance);
+        if self.stated {
+            return;
         }
-        self.cameras.change(&solution.offsets());
-        Some(solution.motions)
+        let total = so_far.iter().enumerate().map(|(k, moved)| moved + solution.motion(k));
+        let variances = variances(covariance, so_far.len());
+        let of_views = self.scene.views.iter().zip(total.zip(variances));
+        let unstated = of_views.filter(|(view, _)| view.prior().is_none());
+        let (moved, variances): (Vec<Motion>, Vec<Motion>) = unstated.map(|(_, v)| v).unzip();
+        self.prior = estimated_prior(&self.prior, &moved, &variances);
+    }
+
+    /// Changes all unknowns, and goes on by a share of the last change (Polyak, 1964).
+    fn change(&mut self, asked: DVector<f64>, momentum: f64) {
+        let change = asked + &self.last_change * momentum;
+        for (k, pose) in self.poses.iter_mut().enumerate() {
+            *pose = moved(pose, &change.fixed_rows::<6>(6 * k).into_owned());
+        }
+        self.cameras.change(&change.rows_range(6 * self.poses.len()..));
+        self.last_change = change;
     }
 
     /// What the pairs say, in the parts that judge each other.

@@ -22,7 +22,7 @@ pub fn samples(view: &CoarseView, most: usize) -> Vec<Sample> {
     let mut order: Vec<(u32, usize)> = (0..all.len()).map(|k| (scrambled(k as u32), k)).collect();
     order.sort_unstable();
     let taken = order.iter().take(most).filter_map(|(_, k)| all.get(*k));
-    let sample = |(cell, patch): &(usize, &crate::Patch)| Sample {
+    let sample = |(cell, patch): &(usize, crate::Patch)| Sample {
         cell: *cell,
         in_sensor: patch.point(),
         normal: patch.steady_normal(),
@@ -91,10 +91,11 @@ impl Scene<'_> {
     /// The ordered pairs of views that may overlap.
     pub fn pairs(&self, state: State<'_>, reach: Reach) -> Vec<(usize, usize)> {
         let n = self.views.len();
-        let all: Vec<_> = (0..n).flat_map(|a| (0..n).map(move |b| (a, b))).collect();
+        let all: Vec<_> = (0..n).flat_map(|b| (0..n).map(move |a| (a, b))).collect();
         let meets = |&(a, b): &(usize, usize)| {
             let probes = self.samples.get(a).map_or(0, |s| s.len().min(PROBES));
-            a != b && self.observe(a, b, state, reach, PROBES).len() * 50 >= probes.max(50)
+            let probing = self.first_samples(a, PROBES);
+            a != b && self.observe(&probing, (a, b), state, reach).len() * 50 >= probes.max(50)
         };
         all.into_par_iter().filter(meets).collect()
     }
@@ -108,8 +109,11 @@ impl Scene<'_> {
         most: usize,
         spread: Spread,
     ) -> Vec<Pair> {
+        let samples: Vec<Vec<Sample>> =
+            (0..self.views.len()).into_par_iter().map(|a| self.first_samples(a, most)).collect();
         let observe = |&(a, b): &(usize, usize)| {
-            let observations = self.observe(a, b, state, reach, most);
+            let samples = samples.get(a).map_or(&[][..], Vec::as_slice);
+            let observations = self.observe(samples, (a, b), state, reach);
             let excess = excess(&observations, spread);
             Pair { a, b, observations, excess }
         };
@@ -145,17 +149,23 @@ impl Scene<'_> {
         }
     }
 
+    /// The first samples of a view, by their place in the image: neighbours meet neighbours, which
+    /// are still in the processor's cache.
+    fn first_samples(&self, view: usize, most: usize) -> Vec<Sample> {
+        let mut first: Vec<Sample> =
+            self.samples.get(view).into_iter().flatten().take(most).copied().collect();
+        first.sort_unstable_by_key(|sample| sample.cell);
+        first
+    }
+
     fn observe(
         &self,
-        a: usize,
-        b: usize,
+        samples: &[Sample],
+        (a, b): (usize, usize),
         State { poses, cameras }: State<'_>,
         reach: Reach,
-        most: usize,
     ) -> Vec<Observation> {
-        let (Some(view), Some(samples)) = (self.views.get(b), self.samples.get(a)) else {
-            return Vec::new();
-        };
+        let Some(view) = self.views.get(b) else { return Vec::new() };
         let (Some(world_from_a), Some(world_from_b)) = (poses.get(a), poses.get(b)) else {
             return Vec::new();
         };
@@ -185,7 +195,7 @@ impl Scene<'_> {
             let (cells, distance) = ([sample.cell, meeting.cell], meeting.distance);
             Some(Observation { cells, gradient, distance, slopes, variance, share: 1.0 })
         };
-        samples.iter().take(most).filter_map(observe).collect()
+        samples.iter().filter_map(observe).collect()
     }
 }
 

@@ -4,7 +4,7 @@
 use super::camera::{Cameras, NODES};
 use super::pairs::Pair;
 use crate::coarse::PosePrior;
-use nalgebra::{DMatrix, DVector, Matrix6, Matrix6xX, Vector6};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix6, Matrix6xX, Vector6};
 use transect_device::{Isometry3, Point3, Vector3};
 
 /// A rigid motion to first order: translation of the sensor, and rotation about it.
@@ -21,11 +21,9 @@ pub struct System {
 
 /// The solution of a system.
 pub struct Solution {
-    /// One motion for each view.
-    pub motions: Vec<Motion>,
-    /// All unknowns.
-    unknowns: DVector<f64>,
-    covariance: DMatrix<f64>,
+    /// The motions of all views, and the changes of all cameras' offsets.
+    pub unknowns: DVector<f64>,
+    factor: Cholesky<f64, Dyn>,
 }
 
 /// The place of what pairs say: motions turn about the sensors, gradients of pairs about `origin`.
@@ -130,10 +128,7 @@ impl System {
         }
         let factor = matrix.cholesky()?;
         let unknowns = factor.solve(&right);
-        let motions = (0..before.moved.len()).map(|k| unknowns.fixed_rows::<6>(6 * k).into_owned());
-        let motions = motions.collect();
-        let finite = unknowns.iter().all(|c| c.is_finite());
-        finite.then(|| Solution { motions, unknowns, covariance: factor.inverse() })
+        unknowns.iter().all(|c| c.is_finite()).then_some(Solution { unknowns, factor })
     }
 }
 
@@ -155,27 +150,21 @@ impl Before<'_> {
 }
 
 impl Solution {
-    /// Motions and changes of offsets.
-    pub fn unknowns(&self) -> &DVector<f64> {
-        &self.unknowns
+    /// The motion of a view.
+    pub fn motion(&self, view: usize) -> Motion {
+        self.unknowns.fixed_rows::<6>(6 * view).into_owned()
     }
 
-    /// The changes of each camera's offsets, with their covariance.
-    pub fn offsets(&self) -> Vec<(DVector<f64>, DMatrix<f64>)> {
-        let motions = 6 * self.motions.len();
-        let starts = (motions..self.unknowns.len()).step_by(NODES);
-        let of = |first: usize| {
-            let covariance = self.covariance.view((first, first), (NODES, NODES));
-            (self.unknowns.rows(first, NODES).into_owned(), covariance.into_owned())
-        };
-        starts.map(of).collect()
+    /// The covariance of all unknowns.
+    pub fn covariance(&self) -> DMatrix<f64> {
+        self.factor.inverse()
     }
+}
 
-    /// Variances of every view's motion.
-    pub fn variances(&self) -> Vec<Motion> {
-        let of = |k: usize| Motion::from_fn(|c, _| self.covariance[(6 * k + c, 6 * k + c)]);
-        (0..self.motions.len()).map(of).collect()
-    }
+/// Variances of the motions of some views, from the covariance of all unknowns.
+pub fn variances(covariance: &DMatrix<f64>, views: usize) -> Vec<Motion> {
+    let diagonal = covariance.diagonal();
+    (0..views).map(|k| diagonal.fixed_rows::<6>(6 * k).into_owned()).collect()
 }
 
 /// 1 / variance of each component of a motion.

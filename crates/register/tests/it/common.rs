@@ -7,7 +7,7 @@ use transect_exchange::{
     FileNames, LensEntry, OpenOptions, Scan, SensorEntry, depth_sequence_manifest,
 };
 use transect_register::{CoarseView, Finding, judge};
-use transect_scene::{BUNDLED_SCENES, Description, SensorParameters, Station};
+use transect_scene::{BUNDLED_SCENES, Description, Noise, SensorParameters, Station};
 use transect_sensors::Intrinsics;
 
 fn description(name: &str, more: &str) -> Description {
@@ -20,10 +20,10 @@ pub fn simulated(name: &str, more: &str) -> Vec<View> {
     views_of(&description(name, more))
 }
 
-/// The views of a bundled scene, with its noise but for the distortion of its depth camera.
-pub fn simulated_without_distortion(name: &str) -> Vec<View> {
+/// The views of a bundled scene, with another noise.
+pub fn simulated_with_noise(name: &str, change: impl Fn(&mut Noise)) -> Vec<View> {
     let mut description = description(name, "");
-    description.noise.depth_camera.distortion = 0.0;
+    change(&mut description.noise);
     views_of(&description)
 }
 

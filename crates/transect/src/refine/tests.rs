@@ -39,7 +39,7 @@ fn refined(radius: impl Fn(f64) -> f64 + Sync) -> (PlaneFamily, Refined) {
         let of = |k: &PlaneIndex| {
             let curves = observed.get(k)?[0].to_vec();
             let counts = FusionCounts::default();
-            let plane = FusedPlane { curves, spread: 0.0, threshold: 0.0, counts, growth: None };
+            let plane = FusedPlane { curves, counts, ..FusedPlane::default() };
             Some(Fused { index: *k, plane, agreement: Vec::new() })
         };
         Ok(asked.iter().filter_map(of).collect())

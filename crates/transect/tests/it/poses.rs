@@ -77,6 +77,19 @@ fn exact_poses_stay_and_perturbed_ones_come_back() {
 }
 
 #[test]
+fn a_note_tells_that_views_lie_farther_apart_than_their_noise() {
+    let part = part();
+    let moved: Vec<View> = part.views.iter().enumerate().map(perturbed).collect();
+    let is_told = |views: &[View], refine: bool| {
+        let notes = part.run(views, refine).report.notes;
+        notes.iter().any(|note| note.contains("off each other (standard deviation)"))
+    };
+    assert!(!is_told(&part.views, false), "exact poses");
+    assert!(is_told(&moved, false), "perturbed poses");
+    assert!(!is_told(&moved, true), "refined poses");
+}
+
+#[test]
 fn threads_and_the_order_of_views_do_not_matter() {
     let part = part();
     let moved: Vec<View> = part.views.iter().enumerate().map(perturbed).collect();

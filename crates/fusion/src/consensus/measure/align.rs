@@ -17,7 +17,7 @@
 
 use super::super::tuning::settle::*;
 use super::super::window::left_of;
-use super::common_line::{Bead, Reach, averaged_view_error, beads, on_common_lines};
+use super::common_line::{Bead, Reach, averaged_view_error, beads, joined, on_common_lines};
 use super::observations::Observations;
 use nalgebra::{Matrix3, Vector3};
 use transect_geometry::{Point2, Vector2};
@@ -26,6 +26,7 @@ use transect_geometry::{Point2, Vector2};
 /// this error as the lines show it before any view moves, averaged along them.
 pub(super) fn align(observations: &mut Observations, reach: &Reach, error: f64) -> f64 {
     let (given, _) = beads(observations, reach);
+    let given: Vec<Bead> = joined(&given, ALIGN_BEADS).into_iter().map(|(_, bead)| bead).collect();
     let mut motions = vec![Motion::default(); observations.sources.len()];
     given.iter().for_each(|bead| motions[bead.view as usize].add_to_centre(bead));
     given.iter().for_each(|bead| motions[bead.view as usize].add_to_radius(bead));

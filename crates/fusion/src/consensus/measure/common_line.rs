@@ -10,6 +10,7 @@ use super::super::window::{Window, left_of};
 use super::observations::{Observation, Observations, median};
 use super::scale::Scale;
 use crate::grid::PointGrid;
+use std::iter::repeat_n;
 use transect_geometry::{Point2, Vector2};
 
 /// What a common line is made of.
@@ -47,6 +48,8 @@ pub(super) struct Bead {
     /// Length that its observations stand for.
     pub length: f64,
     pub view: u32,
+    /// Whether it goes on where the bead before it ends.
+    pub follows: bool,
     /// How far its view is off the common line, averaged over the window, and the variance of this
     /// in variances of a view: a view takes part in the line that it is compared with.
     pub off: f64,
@@ -59,6 +62,24 @@ impl Bead {
     /// Whether the distance from the line tells something of its view's error.
     pub fn tells_error(&self) -> bool {
         self.length > 0.0 && self.off_variance > LEAST_OFF_VARIANCE
+    }
+
+    /// Takes in the bead that follows.
+    fn join(&mut self, next: &Self) {
+        let length = self.length + next.length;
+        let share = if length > 0.0 { next.length / length } else { 0.5 };
+        self.position += (next.position - self.position) * share;
+        let tangent = self.tangent + (next.tangent - self.tangent) * share;
+        self.tangent = tangent.try_normalize(0.0).unwrap_or(self.tangent);
+        self.length = length;
+    }
+
+    /// The bead, moved across its direction onto the line of a bead that it is part of.
+    fn onto(&self, line: &Self) -> Self {
+        let normal = left_of(&self.tangent);
+        let off = left_of(&line.tangent).dot(&(line.position - self.position));
+        let cosine = line.tangent.dot(&self.tangent);
+        Self { position: self.position + normal * (off / cosine), tangent: line.tangent, ..*line }
     }
 
     /// Moves the bead from its line towards the line of a wider window, the less the farther apart
@@ -78,17 +99,37 @@ impl Bead {
 pub(super) fn beads(observations: &Observations, reach: &Reach) -> (Vec<Bead>, Vec<u32>) {
     let (all, length) = (&observations.all, reach.along / BEADS_PER_REACH);
     let (mut beads, mut bead_of) = (Vec::new(), Vec::with_capacity(all.len()));
-    let mut start = 0;
+    let (mut start, mut begun) = (0, false);
     for k in 0..all.len() {
         bead_of.push(beads.len() as u32);
         let follows = all[k].next as usize == k + 1 && !all[k].bridged;
         let fits = |next: &Point2| (next - all[start].position).norm() <= length;
         if !(follows && fits(&all[k + 1].position)) {
-            beads.push(bead(&all[start..=k]));
-            start = k + 1;
+            beads.push(Bead { follows: begun, ..bead(&all[start..=k]) });
+            (start, begun) = (k + 1, follows);
         }
     }
     (beads, bead_of)
+}
+
+/// Joins up to `most` beads that follow each other in one direction. Each longer bead comes with
+/// the number of beads it is made of.
+pub(super) fn joined(beads: &[Bead], most: usize) -> Vec<(usize, Bead)> {
+    let mut joined: Vec<(usize, Bead)> = Vec::with_capacity(beads.len() / most + 1);
+    for bead in beads {
+        match joined.last_mut() {
+            Some((count, last))
+                if *count < most
+                    && bead.follows
+                    && bead.tangent.dot(&last.tangent) >= JOINED_COSINE =>
+            {
+                last.join(bead);
+                *count += 1;
+            }
+            _ => joined.push((1, *bead)),
+        }
+    }
+    joined
 }
 
 fn bead(members: &[Observation]) -> Bead {
@@ -105,6 +146,7 @@ fn bead(members: &[Observation]) -> Bead {
         tangent: tangent.try_normalize(0.0).unwrap_or(first.tangent),
         length,
         view: first.view,
+        follows: false,
         off: 0.0,
         off_variance: 0.0,
         views: 1.0,
@@ -133,7 +175,7 @@ pub(super) fn on_widest_lines(
     let mut moved = on_common_lines(beads, views, reach);
     for (number, factor) in reach.wider.iter().enumerate() {
         let wider = Reach { along: factor * reach.along, ..*reach };
-        let lines = on_common_lines(beads, views, &wider);
+        let lines = on_lines_of_joined(beads, views, &wider, *factor as usize);
         if number == wave_errors.len() {
             wave_errors.push(wave_error(&moved, &lines));
         }
@@ -141,6 +183,15 @@ pub(super) fn on_widest_lines(
         moved.iter_mut().zip(&lines).for_each(|(bead, line)| bead.move_towards(line, largest_step));
     }
     moved
+}
+
+/// The beads, each moved onto the line of the longer bead that it is part of. Wide windows through
+/// long beads cost less than narrow ones through short beads.
+fn on_lines_of_joined(beads: &[Bead], views: usize, reach: &Reach, most: usize) -> Vec<Bead> {
+    let (counts, joined): (Vec<_>, Vec<_>) = joined(beads, most).into_iter().unzip();
+    let lines = on_common_lines(&joined, views, reach);
+    let lines = counts.into_iter().zip(&lines).flat_map(|(count, line)| repeat_n(line, count));
+    beads.iter().zip(lines).map(|(bead, line)| bead.onto(line)).collect()
 }
 
 /// Standard deviation by which a view's distance from the common line differs between a window and
@@ -156,7 +207,7 @@ pub(super) fn on_common_lines(beads: &[Bead], views: usize, reach: &Reach) -> Ve
     let Reach { along: reach, across, same_way, .. } = *reach;
     let grid = |beads: &[Bead]| {
         let places: Vec<Point2> = beads.iter().map(|bead| bead.position).collect();
-        PointGrid::new(&places, reach)
+        PointGrid::new(&places, 0.5 * reach)
     };
     // Beads in the order of the grid's cells lie in memory as they are gathered.
     let order: Vec<usize> = grid(beads).order().collect();
@@ -167,16 +218,20 @@ pub(super) fn on_common_lines(beads: &[Bead], views: usize, reach: &Reach) -> Ve
     let mut moved = |bead: &Bead| {
         let (centre, tangent) = (bead.position, bead.tangent);
         let window = Window { centre, tangent, reach, across, same_way };
-        window.visit(&grid, |k, x, y| {
-            let there = &beads[k];
-            if !window.goes_along(&there.tangent) {
-                return;
+        grid.runs_around(&centre, &window.half(), |points| {
+            let Some(first) = points.first() else { return };
+            for there in &beads[first.number as usize..][..points.len()] {
+                let (x, y) = window.place(&there.position);
+                // Tests that cannot be guessed cost less together.
+                if !((x.abs() <= reach) & (y.abs() <= across) & window.goes_along(&there.tangent)) {
+                    continue;
+                }
+                let sums = &mut of_view[there.view as usize];
+                if sums.length == 0.0 {
+                    met.push(there.view);
+                }
+                sums.add((1.0 - x.abs() / reach) * there.length, x, y);
             }
-            let sums = &mut of_view[there.view as usize];
-            if sums.length == 0.0 {
-                met.push(there.view);
-            }
-            sums.add((1.0 - x.abs() / reach) * there.length, x, y);
         });
         let (mut common, mut squared_shares) = (Sums::default(), 0.0);
         let own = of_view[bead.view as usize];
@@ -252,5 +307,63 @@ impl Sums {
         }
         let slope = (self.xy / self.length - x * y) / variance;
         (y - slope * x, slope)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    /// Beads along an arc of a view: angles in parts of a circle of radius 1.
+    fn arc(view: u32, parts: u32, count: u32, radius: f64) -> Vec<Bead> {
+        let bead = |k: u32| {
+            let (sin, cos) = (TAU * f64::from(k) / f64::from(parts)).sin_cos();
+            Bead {
+                position: Point2::new(radius * cos, radius * sin),
+                tangent: Vector2::new(-sin, cos),
+                length: radius * TAU / f64::from(parts),
+                view,
+                follows: k > 0,
+                off: 0.0,
+                off_variance: 0.0,
+                views: 1.0,
+            }
+        };
+        (0..count).map(bead).collect()
+    }
+
+    #[test]
+    fn beads_are_joined_along_one_direction_of_one_curve() {
+        let counts = |beads: &[Bead], most| -> Vec<usize> {
+            joined(beads, most).iter().map(|(count, _)| *count).collect()
+        };
+        let straight = arc(0, 3600, 9, 1.0);
+        assert_eq!(counts(&straight, 4), [4, 4, 1]);
+        let two_curves = [&straight[..3], &straight[..3]].concat();
+        assert_eq!(counts(&two_curves, 4), [3, 3], "a curve ends");
+        assert_eq!(counts(&arc(0, 8, 4, 1.0), 4), [1; 4], "the direction turns");
+        let length = |beads: Vec<(usize, Bead)>| beads.iter().map(|(_, b)| b.length).sum::<f64>();
+        let short: f64 = straight.iter().map(|bead| bead.length).sum();
+        assert!((length(joined(&straight, 4)) - short).abs() < 1e-12);
+    }
+
+    #[test]
+    fn lines_through_joined_beads_are_those_through_all_beads() {
+        // Five views of a gentle bend, which err by different lengths.
+        let views = 5;
+        let of_view = |view: u32| arc(view, 3000, 300, 1.0 + 0.002 * f64::from(view * view % 5));
+        let beads: Vec<Bead> = (0..views).flat_map(of_view).collect();
+        let reach = Reach { along: 0.05, across: 0.03, wider: &[], same_way: 0.8 };
+        let slow = on_common_lines(&beads, views as usize, &reach);
+        let fast = on_lines_of_joined(&beads, views as usize, &reach, 4);
+        for (k, (slow, fast)) in slow.iter().zip(&fast).enumerate() {
+            // At the ends of the curves both windows hold other beads.
+            let inside = (30..270).contains(&(k % 300));
+            let apart = left_of(&slow.tangent).dot(&(slow.position - fast.position));
+            assert!(!inside || apart.abs() < 1e-4, "bead {k}: {apart}");
+            assert!(!inside || (slow.off - fast.off).abs() < 2e-4, "bead {k}");
+            assert!(!inside || slow.tangent.dot(&fast.tangent) > 0.99999, "bead {k}");
+        }
     }
 }

@@ -16,6 +16,7 @@ pub(crate) use scale::Scale;
 
 use super::options::ConsensusOptions;
 use crate::grid::PointGrid;
+use observations::median;
 use settle::settle;
 
 /// The observations of a plane with all that is known of their errors.
@@ -24,6 +25,10 @@ pub(crate) struct Measurements {
     pub scale: Scale,
     /// Standard deviation of one view's curve against the common one.
     pub spread: f64,
+    /// Standard deviation of the views' systematic errors, head-on, before the views were moved.
+    pub view_error: f64,
+    /// Median standard deviation of the observations by their own noise.
+    pub noise: f64,
     /// The places of the observations.
     pub grid: PointGrid,
 }
@@ -35,9 +40,10 @@ impl Measurements {
             return None;
         }
         let (mut scale, spread) = Scale::new(&observations, options);
-        let error = spread.view_error.head_on.sqrt();
+        let view_error = spread.view_error.head_on.sqrt();
+        let noise = median(observations.all.iter().map(|o| o.sigma));
         let line =
-            if options.steps.settle { settle(&mut observations, &scale, error) } else { 0.0 };
+            if options.steps.settle { settle(&mut observations, &scale, view_error) } else { 0.0 };
         if line > 0.0 {
             // The views now lie close to each other, so surfaces that do so are told apart.
             scale = Scale { line, ..Scale::new(&observations, options).0 };
@@ -46,6 +52,7 @@ impl Measurements {
             observations.weigh(&spread.view_error);
         }
         let grid = PointGrid::new(&observations.positions(), observations.spacing());
-        Some(Self { observations, scale, spread: spread.between_views, grid })
+        let spread = spread.between_views;
+        Some(Self { observations, scale, spread, view_error, noise, grid })
     }
 }

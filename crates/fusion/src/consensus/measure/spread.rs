@@ -11,7 +11,7 @@ use super::view_error::{Pair, ViewError};
 use crate::grid::PointGrid;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
-use transect_geometry::Point2;
+use transect_geometry::{Envelope, Point2};
 
 /// Spread between views, in the length unit.
 #[derive(Debug, Clone, Copy)]
@@ -32,6 +32,16 @@ struct OfView {
     view: u32,
     first: usize,
     grid: PointGrid,
+    /// The rectangle that its observations fill.
+    around: Option<Envelope>,
+}
+
+impl OfView {
+    /// Whether an observation can be within a distance of a place. Rounding is far smaller than the
+    /// part that is added.
+    fn reaches(&self, place: &Point2, distance: f64) -> bool {
+        self.around.is_some_and(|around| around.grown(1.001 * distance).contains(place))
+    }
 }
 
 /// What the search for other views needs.
@@ -48,7 +58,8 @@ impl<'a> Search<'a> {
             let places: Vec<Point2> = seen.iter().map(|o| o.position).collect();
             let cell = SEARCH_FOOTPRINTS * observations.spacing();
             let grid = PointGrid::new(&places, cell);
-            let of_view = OfView { view: seen[0].view, first, grid };
+            let around = Envelope::around(&places);
+            let of_view = OfView { view: seen[0].view, first, grid, around };
             first += seen.len();
             of_view
         });
@@ -113,9 +124,11 @@ impl<'a> Search<'a> {
     /// The distance across the curve to one other view, drawn from those that measured this place:
     /// the one with the lowest number.
     fn pair_with_another_view(&self, k: usize, share: f64) -> Option<Pair> {
-        let own = self.observations.all[k].view;
+        let here = &self.observations.all[k];
+        let (place, reach) = (here.position, share * search_distance(here));
         let number = |of: &OfView| mixed((k as u64) << 32 | u64::from(of.view));
-        let others = self.views.iter().enumerate().filter(|(_, of)| of.view != own);
+        let others = self.views.iter().enumerate();
+        let others = others.filter(|(_, of)| of.view != here.view && of.reaches(&place, reach));
         let mut drawn: BinaryHeap<Reverse<(u64, usize)>> =
             others.map(|(at, of)| Reverse((number(of), at))).collect();
         std::iter::from_fn(|| drawn.pop())
