@@ -70,7 +70,8 @@ def poisson(scan: dict, voxel: float) -> tuple:
     # Open3D fits a cube of 1.1 times the points' extent around them.
     cells = 1.1 * np.ptp(np.asarray(cloud.points), axis=0).max() / voxel
     depth = max(1, round(np.log2(cells)))
-    mesh, _ = o3d.geometry.TriangleMesh.create_from_point_cloud_poisson(cloud, depth=depth)
+    mesh, _ = o3d.geometry.TriangleMesh.create_from_point_cloud_poisson(
+        cloud, depth=depth, n_threads=1)
     far = score.cKDTree(cloud.points).query(mesh.vertices)[0] > TRIM * scan["size"]
     mesh.remove_vertices_by_mask(far)
     return np.asarray(mesh.vertices), np.asarray(mesh.triangles)
