@@ -4,8 +4,9 @@
     target/foreign/bin/pip install -r xtask/foreign/requirements.txt
     target/foreign/bin/python xtask/foreign/run.py [FORMAT...]
 
-A FORMAT is one of the modules beside this file; without any, all of them run. A format whose
-Python modules are missing is skipped and named.
+A FORMAT is one of the modules beside this file; without any, all of them run. The script prints a
+table, which `cargo xtask experiments formats` writes into docs/accuracy.md. A format whose Python
+modules are missing is skipped and named.
 
 A module FORMAT.py has a function `write(room, out)`. It writes the room in its format into the
 folder `out` and returns a list of (path of a scan, further arguments, tolerance in metres). It can
@@ -111,7 +112,7 @@ def nearest(nodes: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray
 def compare(name: str, wanted: dict, found: dict, tolerance: float) -> bool:
     if wanted.keys() != found.keys():
         differing = sorted(wanted.keys() ^ found.keys())
-        print(f"{name}: planes at {differing} have curves in one of the scans alone")
+        print(f"| {name} | planes at {differing} have curves in one of the scans alone | | | |")
         return False
     off = np.concatenate([
         distances(np.vstack(a[station]), b[station])
@@ -120,12 +121,8 @@ def compare(name: str, wanted: dict, found: dict, tolerance: float) -> bool:
     curves = [sum(map(len, scan.values())) for scan in (wanted, found)]
     median, most = np.median(off), np.quantile(off, 0.99)
     fine = most <= tolerance and abs(curves[1] - curves[0]) <= SPLIT_CURVES * curves[0]
-    print(
-        f"{name}: {len(wanted)} planes, {curves[0]} and {curves[1]} curves, {len(off)} nodes; "
-        f"distances in mm: median {1e3 * median:.6f}, 99 % {1e3 * most:.6f}, "
-        f"largest {1e3 * off.max():.6f}; allowed {1e3 * tolerance:.6f}: "
-        f"{'equal' if fine else 'DIFFERENT'}"
-    )
+    shown = " | ".join(f"{1e3 * length:.6f}" for length in (median, most, off.max(), tolerance))
+    print(f"| {name} | {shown} | {'equal' if fine else 'DIFFERENT'} |", flush=True)
     return fine
 
 
@@ -133,7 +130,7 @@ def run(format_name: str, folder: Path) -> bool:
     try:
         module = importlib.import_module(format_name)
     except ModuleNotFoundError as missing:
-        print(f"{format_name}: SKIPPED: {missing}")
+        print(f"{format_name}: SKIPPED: {missing}", file=sys.stderr)
         return True
     room = simulate(folder / "room", getattr(module, "SIMULATE", []))
     planes = json.loads((room / "scan.json").read_text())["planes"]
@@ -152,6 +149,8 @@ def run(format_name: str, folder: Path) -> bool:
 
 def main() -> None:
     fine = True
+    print("| file, distances in mm | median | 99 % | largest | allowed | verdict |")
+    print("|---|---|---|---|---|---|")
     for name in sys.argv[1:] or FORMATS:
         with tempfile.TemporaryDirectory() as folder:
             fine &= run(name, Path(folder))

@@ -1,4 +1,4 @@
-"""Scores Transect and other programs on simulated depth images; prints a table.
+"""Scores Transect and other programs on the same scans; prints a table, and the times below it.
 
     python xtask/peers/run.py RESOLUTION,... FOLDER
 
@@ -17,6 +17,7 @@ import concurrent.futures
 import importlib.util
 import json
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -31,17 +32,25 @@ TRIM = 0.005
 
 
 def load(folder: Path) -> dict:
-    """A scan of pinhole cameras with its depth images; missing pixels are NaN."""
+    """A scan of pinhole cameras with their depth images (missing pixels are NaN), or of points."""
     scan = json.loads((folder / "scan.json").read_text())
+    # Depth cameras state no noise.
+    scan["sigma"] = scan.get("sigma") or 0.0
     for view in scan["views"]:
+        if "points" in view:
+            view["points"] = np.load(folder / view["points"]).astype(float)
+            continue
         depth = np.load(folder / view["file"])
         view["depth"] = np.where(depth > 0, depth, np.nan).astype(np.float32)
         view["pose"] = np.reshape(view["pose"], (4, 4))
+        view["from"] = view["pose"][:3, 3]
     return scan
 
 
 def points(view: dict) -> np.ndarray:
     """The valid pixels as points in the world."""
+    if "points" in view:
+        return view["points"]
     row, col = np.nonzero(np.isfinite(view["depth"]))
     z = view["depth"][row, col].astype(float)
     x, y = (col - view["cx"]) / view["fx"] * z, (row - view["cy"]) / view["fy"] * z
@@ -56,7 +65,7 @@ def poisson(scan: dict, voxel: float) -> tuple:
         part = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points(view)))
         part = part.voxel_down_sample(voxel / 2)
         part.estimate_normals(o3d.geometry.KDTreeSearchParamKNN(30))
-        part.orient_normals_towards_camera_location(view["pose"][:3, 3])
+        part.orient_normals_towards_camera_location(view["from"])
         cloud += part
     # Open3D fits a cube of 1.1 times the points' extent around them.
     cells = 1.1 * np.ptp(np.asarray(cloud.points), axis=0).max() / voxel
@@ -90,7 +99,7 @@ def vdbfusion(scan: dict, voxel: float) -> tuple:
 
     volume = vdb.VDBVolume(voxel, max(4 * voxel, 3 * scan["sigma"]), False)
     for view in scan["views"]:
-        volume.integrate(points(view), view["pose"])
+        volume.integrate(points(view), np.asarray(view["from"], float))
     vertices, faces = volume.extract_triangle_mesh(False, 0.0)
     return np.asarray(vertices), np.asarray(faces)
 
@@ -99,9 +108,13 @@ PEERS = (("Poisson", "open3d", poisson), ("VoxelBlockGrid", "open3d", voxel_bloc
          ("VDBFusion", "vdbfusion", vdbfusion))
 
 
-def sections(fuse, folder: Path, share: float) -> dict:
+def sections(fuse, folder: Path, share: float) -> tuple[dict, float]:
+    """The sections by another program, and the seconds until it has its mesh."""
     scan = load(folder)
-    return score.cut(*fuse(scan, share * scan["size"]), scan["planes"])
+    start = time.perf_counter()
+    mesh = fuse(scan, share * scan["size"])
+    seconds = time.perf_counter() - start
+    return score.cut(*mesh, scan["planes"]), seconds
 
 
 def ours(file: Path, planes: dict) -> dict:
@@ -126,13 +139,13 @@ def row(truth: score.Truth, name: str, found: list, scale: float) -> None:
     print(f"| {' | '.join(cells)} |", flush=True)
 
 
-def peer(fuse, folder: Path, share: float) -> dict | None:
+def peer(fuse, folder: Path, share: float) -> tuple[dict | None, float]:
     """The sections by another program, in a process of its own; None if it crashes."""
     try:
         with concurrent.futures.ProcessPoolExecutor(1) as process:
             return process.submit(sections, fuse, folder, share).result()
     except concurrent.futures.process.BrokenProcessPool:
-        return None
+        return None, np.nan
 
 
 def main() -> None:
@@ -145,7 +158,9 @@ def main() -> None:
                   file=sys.stderr)
     scan, mesh = load(scene / "given"), np.load(scene / "given/truth.npz")
     mesh = mesh["vertices"], mesh["faces"]
-    truth = score.Truth(mesh, scan["planes"], scan["views"], scan["size"], scan["sigma"])
+    images = [view for view in scan["views"] if "depth" in view]
+    truth = score.Truth(mesh, scan["planes"], images, scan["size"], scan["sigma"],
+                        scan.get("lowest", -np.inf))
     scale = MILLIMETRES[scan["unit"]]
     size, sigma = scale * scan["size"], scale * scan["sigma"]
     print(f"{scan['name']}: {len(scan['views'])} views, size {size:.4g} mm, "
@@ -153,12 +168,19 @@ def main() -> None:
     heads = ["median", "95 %", "complete %", "far %"]
     heads = ["program, resolution", *heads, *(f"smoothed: {head}" for head in heads)]
     print(f"| {' | '.join(heads)} |\n|{'---|' * len(heads)}")
-    images = ("given", "smoothed")
-    row(truth, "Transect", [ours(scene / f"{i}.json", scan["planes"]) for i in images], scale)
+    folders = ("given", "smoothed")
+    row(truth, "Transect", [ours(scene / f"{i}.json", scan["planes"]) for i in folders], scale)
+    times = []
     for name, _, fuse in there:
+        # Points without a grid give no depth image.
+        if fuse is voxel_blocks and not images:
+            continue
         for share in map(float, shares.split(",")):
-            found = [peer(fuse, scene / i, share) for i in images]
-            row(truth, f"{name}, {100 * share:g} %", found, scale)
+            found = [peer(fuse, scene / i, share) for i in folders]
+            program = f"{name}, {100 * share:g} %"
+            row(truth, program, [sections for sections, _ in found], scale)
+            times.append(f"{program}\t{found[0][1]:.1f}")
+    print("", *times, sep="\n")
 
 
 if __name__ == "__main__":

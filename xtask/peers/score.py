@@ -87,22 +87,28 @@ def quantile(values: np.ndarray, weights: np.ndarray, share: float) -> float:
 
 
 class Truth:
-    """The true sections in pieces, and the share of each piece's length that an image shows."""
+    """The true sections in pieces, and whether an image shows each piece.
 
-    def __init__(self, mesh: tuple, planes: dict, views: list, size: float, sigma: float):
-        self.size, self.parts, self.seen = size, {}, {}
+    Planes below the station `lowest` do not count. Without images all of the truth must be found.
+    """
+
+    def __init__(self, mesh: tuple, planes: dict, views: list, size: float, sigma: float,
+                 lowest: float = -np.inf):
+        self.size, self.parts, self.seen, self.lowest = size, {}, {}, lowest
+        self.station = lambda plane: planes["offset"] + plane * planes["interval"]
         normal, axes = basis(planes["normal"])
         for plane, segments in cut(*mesh, planes).items():
             self.parts[plane] = parts = pieces(segments, PIECE * size)
-            station = planes["offset"] + plane * planes["interval"]
-            middles = parts.mean(axis=1) @ axes + station * normal
-            self.seen[plane] = np.any([shows(v, middles, 4 * sigma) for v in views], axis=0)
+            middles = parts.mean(axis=1) @ axes + self.station(plane) * normal
+            shown = [shows(v, middles, 4 * sigma) for v in views] or [np.ones(len(parts), bool)]
+            self.seen[plane] = np.any(shown, axis=0)
 
     def score(self, found: dict[int, np.ndarray]) -> dict[str, float]:
         """Distances of the found curves by length, and shares of lengths."""
         off, weight, missed, wanted = [], [], 0.0, 0.0
         none = np.zeros((0, 2, 2))
-        for plane in self.parts.keys() | found.keys():
+        counted = (k for k in self.parts.keys() | found.keys() if self.station(k) >= self.lowest)
+        for plane in sorted(counted):
             parts = pieces(found.get(plane, none), PIECE * self.size)
             off.append(distances(parts.mean(axis=1), self.parts.get(plane, none)))
             weight.append(np.linalg.norm(parts[:, 1] - parts[:, 0], axis=1))

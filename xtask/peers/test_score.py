@@ -52,6 +52,10 @@ def check() -> None:
     turned = ring(np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]) @ axes.T)
     close(against(turned, box[0]), [0, 0, 1, 0])
     close(np.linalg.norm(box[-1][:, 1] - box[-1][:, 0], axis=1).sum(), 8)
+    # The box's sections 0.01 larger on plane 0, and twice as large on plane -1, which does not count.
+    larger = {0: 1.01 * box[0], -1: 2 * box[-1]}
+    whole = score.Truth((corners, np.array(sides)), PLANES, [], 20.0, 0.0, -0.5)
+    close(list(whole.score(larger).values()), [0.01, 0.01, 1, 0])
     points = np.array([(0, 0, 5), (0, 0, 5.2), (0, 0, 4.8), (0, 0, -5), (4, 0, 5)], float)
     assert score.shows(WALL, points, 0.1).tolist() == [True, False, False, False, False]
 

@@ -419,3 +419,17 @@ fn absurd_numbers_in_scenes_are_refused_with_their_key() {
     let run = folder.run("simulate absurd.toml --out scan");
     run.failed_with(1, &["absurd.toml", "ball", "radius", "1e300"]);
 }
+
+#[test]
+fn evaluations_that_make_no_sense_end_with_2() {
+    let folder = Folder::simulated("objects.scene.toml");
+    folder.reconstruct("scan").succeeded();
+    for (arguments, reason) in [
+        ("--tolerance 0", "--tolerance: the tolerance must be a positive length, got 0"),
+        ("--tolerance=-1mm", "--tolerance: the tolerance must be a positive length"),
+        ("--tolerance NaN", "--tolerance: \"NaN\" is not a length"),
+        ("--from x", "--from: \"x\" is not a length"),
+    ] {
+        folder.run(&format!("evaluate out {arguments}")).failed_with(2, &["error: ", reason]);
+    }
+}

@@ -385,19 +385,6 @@ fn arguments_that_make_no_sense_end_with_2() {
 }
 
 #[test]
-fn evaluations_that_make_no_sense_end_with_2() {
-    let (folder, _) = reconstructed();
-    for (arguments, reason) in [
-        ("--tolerance 0", "--tolerance: the tolerance must be a positive length, got 0"),
-        ("--tolerance=-1mm", "--tolerance: the tolerance must be a positive length"),
-        ("--tolerance NaN", "--tolerance: \"NaN\" is not a length"),
-        ("--from x", "--from: \"x\" is not a length"),
-    ] {
-        folder.run(&format!("evaluate out {arguments}")).failed_with(2, &["error: ", reason]);
-    }
-}
-
-#[test]
 fn planes_are_refined_and_the_report_says_where() {
     let folder = Folder::simulated("objects.scene.toml");
     for (refine, reason) in [

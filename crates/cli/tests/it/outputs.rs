@@ -141,3 +141,21 @@ fn a_run_that_fails_midway_leaves_the_old_results() {
     folder.write("file", "");
     folder.run("reconstruct scan --out file").failed_with(1, &["file: is a file", "folder"]);
 }
+
+#[test]
+fn the_table_of_the_readme_is_what_the_first_command_prints() {
+    let readme = include_str!("../../../../README.md");
+    let (_, block) = readme.split_once("```text\nmetric").unwrap();
+    let (block, _) = block.split_once("```").unwrap();
+    let words = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+    let run = Folder::empty().run("reconstruct --quiet").succeeded();
+    let printed: Vec<_> = run.stdout.lines().map(words).collect();
+    let shown: Vec<_> = block.lines().skip(1).map(words).collect();
+    assert!(shown.len() >= 5, "{block}");
+    for line in shown {
+        assert!(
+            printed.contains(&line),
+            "README.md has {line:?}, and the command prints:\n{run:?}"
+        );
+    }
+}

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use transect_fusion::{ConsensusOptions, consensus};
+use transect_fusion::{ConsensusOptions, PairwiseOptions, consensus, pairwise};
 use transect_geometry::{Curve, Node, Point2, Vector2};
 
 /// Distance between neighbouring nodes, and a node's standard deviation.
@@ -226,5 +226,27 @@ proptest! {
             let off = node.position.coords.norm() - radius;
             prop_assert!(off < 4.0 * sigma + 0.05 * SPACING, "{off}");
         }
+    }
+}
+
+#[test]
+fn sharp_corners_seen_by_many_views_do_not_fork() {
+    let square = Square { radius: 0.0 };
+    let view = |k: i32| {
+        // A step of its own for each view, and poses that are off by up to 0.004.
+        let (from, step) = (1.7 * f64::from(k), 0.018 + 0.001 * f64::from(k % 4));
+        let off = Vector2::new(f64::from(k % 3 - 1), f64::from(k % 5 - 2)) * 0.002;
+        let node = |i: i32| Node::at(square.at(from + step * f64::from(i)) + off);
+        vec![Curve::new((0..150).map(node).collect(), false).unwrap()]
+    };
+    for count in [8, 40] {
+        let views: Vec<_> = (0..count).map(view).collect();
+        let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+        let fused = pairwise(&slices, &PairwiseOptions::default());
+        let growth = fused.growth.unwrap();
+        assert_eq!((fused.curves.len(), growth.cut + growth.refused()), (1, 0), "{count} views");
+        assert!(fused.curves[0].is_closed());
+        let area = fused.curves[0].signed_area().unwrap();
+        assert!((area - 4.0).abs() < 0.02, "{count} views: {area}");
     }
 }

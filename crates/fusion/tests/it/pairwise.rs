@@ -467,36 +467,6 @@ fn one_curve_comes_of_many_noisy_arcs() {
     assert!(rms < 0.002, "{rms}");
 }
 
-/// A square of side 2 around the origin, by arc length from its lower left corner.
-fn on_square(s: f64) -> (f64, f64) {
-    let along = s % 2.0 - 1.0;
-    match (s / 2.0) as i32 % 4 {
-        0 => (along, -1.0),
-        1 => (1.0, along),
-        2 => (-along, 1.0),
-        _ => (-1.0, -along),
-    }
-}
-
-#[test]
-fn sharp_corners_seen_by_many_views_do_not_fork() {
-    let view = |k: i32| {
-        // A step of its own for each view, and poses that are off by up to 0.004.
-        let (from, step) = (1.7 * f64::from(k), 0.018 + 0.001 * f64::from(k % 4));
-        let off = Vector2::new(f64::from(k % 3 - 1), f64::from(k % 5 - 2)) * 0.002;
-        let at = |i: i32| on_square(from + step * f64::from(i));
-        let points = (0..150).map(at).map(|(x, y)| (x + off.x, y + off.y));
-        vec![polyline(&points.collect::<Vec<_>>())]
-    };
-    for count in [8, 40] {
-        let fused = fuse(&(0..count).map(view).collect::<Vec<_>>());
-        assert_eq!((fused.curves.len(), forks(&fused.growth.unwrap())), (1, 0), "{count} views");
-        assert!(fused.curves[0].is_closed());
-        let area = fused.curves[0].signed_area().unwrap();
-        assert!((area - 4.0).abs() < 0.02, "{count} views: {area}");
-    }
-}
-
 #[test]
 fn a_look_at_everything_is_one_closed_curve() {
     let look = Look { from: 0.0, sweep: TAU, spacing: 0.02, seed: 1 };

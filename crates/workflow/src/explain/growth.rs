@@ -1,11 +1,13 @@
 //! How a plane grows with every view (5.2.2).
 
 use super::PlaneOfViews;
+use super::image::{Window, range_image};
 use super::page::Builder;
 use super::pairwise::{count_growth, name_of};
 use super::palette;
 use super::plane_map::{PlaneMap, SIZE, envelope_of};
 use crate::WorkflowError;
+use transect_device::View;
 use transect_exchange::svg::{Figure, Mark};
 use transect_fusion::pairwise::{GrowthCounts, pairwise_watched};
 use transect_fusion::pattern::Pattern;
@@ -25,8 +27,13 @@ struct State {
     counts: GrowthCounts,
 }
 
-/// Draws the plane after every view that crosses it, and all of them in turn.
-pub(super) fn draw(of_views: &PlaneOfViews<'_>, pages: &mut Builder) -> Result<(), WorkflowError> {
+/// Draws the range image of every view that crosses the plane, the plane after it, and all of these
+/// planes in turn.
+pub(super) fn draw(
+    of_views: &PlaneOfViews<'_>,
+    load: &dyn Fn(usize) -> Result<View, WorkflowError>,
+    pages: &mut Builder,
+) -> Result<(), WorkflowError> {
     let options = match &of_views.setup.fusion {
         FusionMethod::Pairwise(options) => *options,
         _ => PairwiseOptions::default(),
@@ -42,6 +49,12 @@ pub(super) fn draw(of_views: &PlaneOfViews<'_>, pages: &mut Builder) -> Result<(
         let before = k.checked_sub(1).and_then(|k| states.get(k)).map(|s| s.counts);
         let title = format!("View {}", of_views.names[state.view]);
         let caption = caption(state, &before.unwrap_or_default());
+        let image = load(state.view)?;
+        let text = (format!("Range image of view {}", image.name()), "What the sensor measured.");
+        let size = Window::whole(image.image().size()).size();
+        pages.step(&format!("image-{:03}", state.view), (&text.0, text.1), size, |figure| {
+            range_image(figure, &image);
+        });
         pages.step(&format!("view-{:03}", state.view), (&title, &caption), SIZE, |figure| {
             plane(figure, &map, state);
             legend(&map, figure);
@@ -127,6 +140,7 @@ fn caption(state: &State, before: &GrowthCounts) -> String {
     if !found.is_empty() {
         text.push_str(&format!(" {}.", found.join(", ")));
     }
+    text.push_str(&format!(" Gaps left: {}.", gaps(state).0.len()));
     text
 }
 

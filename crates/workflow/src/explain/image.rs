@@ -2,8 +2,8 @@
 
 use super::palette;
 use std::ops::Range;
-use transect_device::{ImageSize, Pixel};
-use transect_exchange::svg::{Anchor, Figure, Raster};
+use transect_device::{ImageSize, Pixel, View};
+use transect_exchange::svg::{Anchor, Figure, Mark, Raster};
 use transect_geometry::{Point2, Vector2};
 
 /// Largest width and height of a drawing, in pixels of the figure.
@@ -202,6 +202,19 @@ impl Window {
         let along = if is_up { [self.cell, 0.0] } else { [0.0, self.cell] };
         [corner, Point2::new(corner.x + along[0], corner.y + along[1])]
     }
+}
+
+/// Draws a whole range image with its legend.
+pub fn range_image(figure: &mut Figure, view: &View) {
+    let size = view.image().size();
+    let value = |p: Pixel| view.image().get(p).map(f64::from);
+    let (window, shade) = (Window::whole(size), shades(size.all_pixels().filter_map(value)));
+    window.fill(figure, |p| shade(value(p)));
+    window.frame(figure);
+    figure.legend(Mark::Area("#440154"), "smallest value: near");
+    figure.legend(Mark::Area("#9fc928"), "largest value: far");
+    figure.legend(Mark::Area(palette::MISSING), "missing pixel");
+    figure.legend(Mark::Remark, format!("{} rows × {} columns", size.rows, size.cols));
 }
 
 /// The values of an image between dark (near) and light (far); `None` is missing.

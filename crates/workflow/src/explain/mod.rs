@@ -25,6 +25,7 @@ use rayon::prelude::*;
 use std::ops::RangeInclusive;
 use transect::{Setup, ViewSource};
 use transect_device::View;
+use transect_exchange::svg::Figure;
 use transect_fusion::FusionMethod;
 use transect_geometry::{Curve, PlaneFamily, PlaneIndex};
 use transect_partial::dissertation::plane_steps;
@@ -33,6 +34,14 @@ use transect_partial::{Method, PartialError, PlaneCurves};
 
 /// Fewest nodes of a curve that tells something. By hand: between 6 and 20 the choice is the same.
 const LEAST_NODES: usize = 10;
+
+/// The range image of a view.
+pub fn range_image_figure(view: &View, title: &str, caption: &str) -> Figure {
+    let size = image::Window::whole(view.image().size()).size();
+    let mut figure = Figure::new(title, caption, size);
+    image::range_image(&mut figure, view);
+    figure
+}
 
 /// One plane with the curves that every view has on it.
 struct PlaneOfViews<'a> {
@@ -82,8 +91,9 @@ impl OpenScan {
                 dissertation::draw(&steps.map_err(failed(&views[number]))?, &setup, &mut pages);
             }
             Method::OnePass(options) => {
-                let drawn = one_pass::draw(&chosen, &setup, plane, options, &mut pages);
-                drawn.map_err(failed(&views[number]))?;
+                let (view, setup) = (&chosen, &setup);
+                let drawn = one_pass::Drawn { view, setup, plane, options };
+                one_pass::draw(&drawn, &mut pages).map_err(failed(&views[number]))?;
             }
             _ => (),
         }
@@ -98,8 +108,9 @@ impl OpenScan {
         Ok(pages.finish())
     }
 
-    /// How a plane grows with every view: a figure per view, and one that repeats all of them.
-    /// Without a plane, the one on which the first view has most curves.
+    /// How a plane grows with every view: the range image and the plane after each view, and a
+    /// figure that repeats all of them. Without a plane, the one on which the first view has most
+    /// curves.
     ///
     /// # Errors
     /// As [`OpenScan::explain`].
@@ -124,7 +135,7 @@ impl OpenScan {
             crate::table::digits(setup.planes.station(plane)),
             setup.unit
         ));
-        growth::draw(&of_views, &mut pages)?;
+        growth::draw(&of_views, &|number| load(&views[number]), &mut pages)?;
         Ok(pages.finish())
     }
 }

@@ -1,6 +1,6 @@
 //! The steps of the sweep on one plane.
 
-use super::image::{WINDOW, Window, shades};
+use super::image::{WINDOW, Window, range_image};
 use super::page::Builder;
 use super::palette;
 use super::plane_map::{PlaneMap, SIZE, envelope_of};
@@ -27,14 +27,18 @@ struct Swept<'a> {
     plane: PlaneIndex,
 }
 
+/// The plane that is drawn, in the image of a view.
+#[derive(Clone, Copy)]
+pub(super) struct Drawn<'a> {
+    pub view: &'a View,
+    pub setup: &'a Setup,
+    pub plane: PlaneIndex,
+    pub options: &'a OnePassOptions,
+}
+
 /// Draws all steps of one plane.
-pub(super) fn draw(
-    view: &View,
-    setup: &Setup,
-    plane: PlaneIndex,
-    options: &OnePassOptions,
-    pages: &mut Builder,
-) -> Result<(), PartialError> {
+pub(super) fn draw(drawn: &Drawn<'_>, pages: &mut Builder) -> Result<(), PartialError> {
+    let Drawn { view, setup, plane, options } = *drawn;
     let rule = |sigma| {
         BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma).on_rays_of(view)
     };
@@ -57,7 +61,7 @@ pub(super) fn draw(
     pairs(&swept, &window, pages);
     let near = |p| if window.contains(p) { swept.interest(p) } else { [0.0; 2] };
     links(&swept, &Window::best(size, CLOSE_UP, near), pages);
-    curves(view, setup, plane, options, pages)
+    curves(&Drawn { view, ..*drawn }, pages)
 }
 
 impl Swept<'_> {
@@ -114,17 +118,10 @@ fn side_legend(figure: &mut Figure) {
 }
 
 fn heights(swept: &Swept<'_>, whole: &Window, window: &Window, pages: &mut Builder) {
-    let size = swept.view.image().size();
-    let value = |p: Pixel| swept.view.image().get(p).map(f64::from);
-    let shade = shades(size.all_pixels().filter_map(value));
     let text = ("Range image", "What the sensor measured: one value per pixel.");
     pages.step("range-image", text, whole.size(), |figure| {
-        whole.fill(figure, |p| shade(value(p)));
+        range_image(figure, swept.view);
         whole.outline(figure, window);
-        whole.frame(figure);
-        figure.legend(Mark::Area("#440154"), "near");
-        figure.legend(Mark::Area("#9fc928"), "far");
-        figure.legend(Mark::Area(palette::MISSING), "missing pixel");
         figure.legend(Mark::Line(palette::FOUND), "part that the following figures show");
     });
     let text = (
@@ -222,13 +219,8 @@ fn links(swept: &Swept<'_>, window: &Window, pages: &mut Builder) {
     pages.count("level lines of the view", swept.lines().count());
 }
 
-fn curves(
-    view: &View,
-    setup: &Setup,
-    plane: PlaneIndex,
-    options: &OnePassOptions,
-    pages: &mut Builder,
-) -> Result<(), PartialError> {
+fn curves(drawn: &Drawn<'_>, pages: &mut Builder) -> Result<(), PartialError> {
+    let Drawn { view, setup, plane, options } = *drawn;
     let mut as_it_is = *options;
     // The view is smoothed already.
     as_it_is.smooth = false;

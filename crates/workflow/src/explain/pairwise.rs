@@ -10,7 +10,7 @@ use transect_fusion::pairwise::{
 };
 use transect_fusion::pattern::{CurveRange, Fork, Overlaps, Parts, Pattern, Relation, Verdict};
 use transect_fusion::{FusedPlane, PairwiseOptions};
-use transect_geometry::{Curve, CurveUnit, Envelope, Point2};
+use transect_geometry::{Curve, CurveUnit, Envelope, LengthUnit, Point2};
 
 /// Units of the basis curve that the close-up shows.
 const CLOSE_UP_UNITS: f64 = 12.0;
@@ -58,8 +58,9 @@ pub(super) fn draw(
     let name = &of_views.names[pair.view];
     envelopes(of_views, pair, name, pages);
     overlap(of_views, pair, pages);
-    verification(of_views, pair, verified, pages);
-    averaging(of_views, pair, verified, pages);
+    let close_up = CloseUp::new(pair, verified, of_views.setup.unit);
+    verification(&close_up, of_views.setup.unit, pages);
+    averaging(&close_up, pages);
     merged(of_views, pair, pages);
     result(of_views, &fused, pages);
 }
@@ -266,27 +267,32 @@ fn stretch(curve: &Curve, range: &CurveRange) -> Vec<Point2> {
     points
 }
 
-/// The map around the start of an overlap, in the direction of the basis curve's unit.
-fn close_up(of_views: &PlaneOfViews<'_>, pair: &Pair, verified: &VerifiedOverlap) -> PlaneMap {
-    let unit = verified.unit;
-    let along = unit.vector().try_normalize(0.0).unwrap_or_default();
-    let basis = &verified.enclosed[verified.basis];
-    let spacing = basis.windows(2).map(|w| (w[1].position - w[0].position).norm()).sum::<f64>()
-        / (basis.len().max(2) - 1) as f64;
-    let width = CLOSE_UP_UNITS * spacing.max(unit.vector().norm()).max(f64::MIN_POSITIVE);
-    let scale = SIZE[0] / width;
-    let across = 0.5 * SIZE[1] / (CLOSE_UP_THRESHOLDS * pair.threshold);
-    let origin = unit.start + along * (0.42 * width);
-    PlaneMap::along(origin, along, [scale, across.max(scale)], of_views.setup.unit)
+/// The place where a pair was verified: the start of its overlap.
+struct CloseUp<'a> {
+    pair: &'a Pair,
+    verified: &'a VerifiedOverlap,
+    map: PlaneMap,
 }
 
-fn verification(
-    of_views: &PlaneOfViews<'_>,
-    pair: &Pair,
-    verified: &VerifiedOverlap,
-    pages: &mut Builder,
-) {
-    let map = close_up(of_views, pair, verified);
+impl<'a> CloseUp<'a> {
+    /// The map runs in the direction of the basis curve's unit.
+    fn new(pair: &'a Pair, verified: &'a VerifiedOverlap, length_unit: LengthUnit) -> Self {
+        let unit = verified.unit;
+        let along = unit.vector().try_normalize(0.0).unwrap_or_default();
+        let basis = &verified.enclosed[verified.basis];
+        let spacing = basis.windows(2).map(|w| (w[1].position - w[0].position).norm()).sum::<f64>()
+            / (basis.len().max(2) - 1) as f64;
+        let width = CLOSE_UP_UNITS * spacing.max(unit.vector().norm()).max(f64::MIN_POSITIVE);
+        let scale = SIZE[0] / width;
+        let across = 0.5 * SIZE[1] / (CLOSE_UP_THRESHOLDS * pair.threshold);
+        let origin = unit.start + along * (0.42 * width);
+        let map = PlaneMap::along(origin, along, [scale, across.max(scale)], length_unit);
+        Self { pair, verified, map }
+    }
+}
+
+fn verification(close_up: &CloseUp<'_>, unit: LengthUnit, pages: &mut Builder) {
+    let CloseUp { pair, verified, map } = close_up;
     let text = (
         "Basis and distant curve",
         "The first point of one curve projects into a unit of the other, nearer than the threshold: \
@@ -320,7 +326,7 @@ fn verification(
             .legend(Mark::Area("#eef3e6"), "0 ≤ x ≤ x_end and |y| ≤ threshold for the thick unit");
         figure.legend(
             Mark::Remark,
-            format!("threshold: {} {}", crate::table::digits(pair.threshold), of_views.setup.unit),
+            format!("threshold: {} {}", crate::table::digits(pair.threshold), unit),
         );
     });
 }
@@ -347,13 +353,8 @@ fn both_curves(figure: &mut Figure, map: &PlaneMap, pair: &Pair, strong: bool) {
     }
 }
 
-fn averaging(
-    of_views: &PlaneOfViews<'_>,
-    pair: &Pair,
-    verified: &VerifiedOverlap,
-    pages: &mut Builder,
-) {
-    let map = close_up(of_views, pair, verified);
+fn averaging(close_up: &CloseUp<'_>, pages: &mut Builder) {
+    let CloseUp { pair, verified, map } = close_up;
     let text = (
         "Averaging",
         "Each unit of the basis curve gives one node: half of its length along, and half of the mean \

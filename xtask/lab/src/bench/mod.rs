@@ -1,6 +1,6 @@
 //! `cargo xtask bench`: how fast, beside what.
 
-mod partial;
+pub mod partial;
 mod peers;
 mod scene;
 pub mod timing;

@@ -40,20 +40,35 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    for &size in &arguments.size {
-        let view = scene::view(size).ok_or_else(|| Failure::because("no such view"))?;
-        for &count in &arguments.planes {
-            let planes = scene::planes(&view, count);
-            let planes = planes.ok_or_else(|| Failure::because("no such planes"))?;
-            say(&format!("\n{size} × {size} pixels, {count} planes"));
-            Case { view: &view, planes: &planes, count, rounds: arguments.rounds }.run()?;
-            if arguments.peers {
-                peers::compare(&view, &planes, count, arguments.rounds)?;
-            }
+    let Arguments { size, planes, peers, rounds } = arguments;
+    size.iter().try_for_each(|&size| columns(size, planes, *rounds, *peers).map(drop))
+}
+
+/// Times an image with some numbers of planes: nanoseconds per pixel of each variant, and the
+/// multiples of the sweep's time that other programs take. Without one of these, the second is
+/// empty.
+pub fn columns(
+    size: usize,
+    counts: &[usize],
+    rounds: usize,
+    with_peers: bool,
+) -> Result<[Columns; 2], Failure> {
+    let view = scene::view(size).ok_or_else(|| Failure::because("no such view"))?;
+    let mut columns = [Columns::new(), Columns::new()];
+    for &count in counts {
+        let planes = scene::planes(&view, count);
+        let planes = planes.ok_or_else(|| Failure::because("no such planes"))?;
+        say(&format!("\n{size} × {size} pixels, {count} planes"));
+        columns[0].push(Case { view: &view, planes: &planes, count, rounds }.run()?);
+        if with_peers {
+            columns[1].extend(peers::compare(&view, &planes, count, rounds)?);
         }
     }
-    Ok(())
+    Ok(columns)
 }
+
+/// The names and figures of each number of planes.
+pub type Columns = Vec<Vec<(&'static str, f64)>>;
 
 /// The rule that the scene's jumps are found with: twelve pixel steps of range per pixel.
 fn rule() -> BreakRule {
@@ -69,7 +84,8 @@ struct Case<'a> {
 }
 
 impl Case<'_> {
-    fn run(&self) -> Result<(), Failure> {
+    /// Prints the times of all variants, and returns their nanoseconds per pixel.
+    fn run(&self) -> Result<Vec<(&'static str, f64)>, Failure> {
         let axes = SectionAxes::new(self.view, self.planes)?;
         // Planes that nothing meets: what finding out costs.
         let far = PlaneFamily::new(self.planes.guide().clone(), 1e6, 1e5)?;
@@ -89,7 +105,8 @@ impl Case<'_> {
             bytes as f64 / vertices as f64,
             bytes as f64 / self.view.image().size().pixels() as f64,
         ));
-        Ok(())
+        let pixels = self.view.image().size().pixels() as f64;
+        Ok(variants.iter().zip(seconds).map(|(v, s)| (v.name, s * 1e9 / pixels)).collect())
     }
 
     fn one_pass(&self, axes: SectionAxes, far: SectionAxes) -> Vec<Variant<'_>> {

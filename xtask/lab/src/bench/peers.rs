@@ -29,17 +29,20 @@ fn no_jumps() -> BreakRule {
     BreakRule::new(0.0, 1e30)
 }
 
-/// Times and compares the other programs, or says why not.
+/// Times and compares the other programs, or says why not. Returns the multiples of our time that
+/// each takes, or `None` if one is not there.
 pub fn compare(
     view: &View,
     planes: &PlaneFamily,
     count: usize,
     rounds: usize,
-) -> Result<(), Failure> {
+) -> Result<Option<Vec<(&'static str, f64)>>, Failure> {
     let programs: Vec<Program> = PROGRAMS.into_iter().filter_map(Program::find).collect();
     if programs.is_empty() {
-        return Ok(());
+        return Ok(None);
     }
+    let is_complete = programs.len() == PROGRAMS.len();
+    let mut multiples = Vec::new();
     let axes = SectionAxes::new(view, planes)?;
     let (rule, mut work) = (no_jumps(), Workspace::default());
     let folder = default_out("bench");
@@ -69,11 +72,12 @@ pub fn compare(
         let (took, verdict) = line.trim().split_once('\t').unwrap_or_default();
         let took: f64 = took.parse().unwrap_or(f64::NAN);
         let (name, times) = (program.name, took / ours);
+        multiples.push((name, times));
         say(&format!(
             "  {name}: {took:.1} ns/pixel, {times:.0} times one pass with {ours:.3}; {verdict}"
         ));
     }
-    Ok(())
+    Ok(is_complete.then_some(multiples))
 }
 
 /// Another contouring program and its Python module.

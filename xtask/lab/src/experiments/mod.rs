@@ -4,9 +4,12 @@
 //! print.
 
 mod ablation;
+mod circles;
 mod database;
 mod depth_camera;
 mod figures;
+mod formats;
+mod nodes;
 mod operations;
 mod orders;
 mod output;
@@ -17,9 +20,12 @@ mod pictures;
 mod poses;
 mod poses_judged;
 mod posters;
+mod python;
 mod real_noise;
+mod real_scans;
 mod rules;
 mod sensors;
+mod speed;
 mod trial;
 
 use crate::failure::Failure;
@@ -51,6 +57,16 @@ enum Experiment {
     Sensors(sensors::Arguments),
     /// What is each step of fusion worth?
     Ablation(ablation::Arguments),
+    /// How far does fusion move a circle, and how much noise does it take out?
+    Circles,
+    /// Where are nodes wrong, and does the model know their errors?
+    Nodes(nodes::Arguments),
+    /// How accurate are models of public scans of real things?
+    RealScans(real_scans::Arguments),
+    /// Does the same scan in files of other programs give the same sections?
+    Formats(formats::Arguments),
+    /// How fast are curves found, beside other programs?
+    Speed,
     /// How does the error fall when the sensors' grids get denser?
     Orders(orders::Arguments),
     /// How many operations does a view take, against Appendix A?
@@ -72,7 +88,7 @@ enum Experiment {
     /// Draw scanned points and models of every sensor.
     Pictures,
     /// Draw the dissertation's own results, by its own methods.
-    Figures(figures::Arguments),
+    Figures,
     /// Draw an example of each overlap rule.
     Rules,
     /// How accurate are other programs on the same images?
@@ -125,7 +141,12 @@ fn command_line(words: impl Iterator<Item = String>) -> String {
 fn start(experiment: &Experiment, out: &Output) -> Result<Option<String>, Failure> {
     match experiment {
         Experiment::Sensors(a) => sensors::run(a, out)?,
-        Experiment::Ablation(a) => ablation::run(a, out)?,
+        Experiment::Ablation(a) => return ablation::run(a, out),
+        Experiment::Circles => circles::run(out)?,
+        Experiment::Nodes(a) => return nodes::run(a, out),
+        Experiment::RealScans(a) => return real_scans::run(a, out),
+        Experiment::Formats(a) => return formats::run(a, out),
+        Experiment::Speed => return speed::run(out),
         Experiment::Orders(a) => orders::run(a, out)?,
         Experiment::Operations => operations::run(out)?,
         Experiment::Partial(a) => partial::run(a, out)?,
@@ -136,7 +157,7 @@ fn start(experiment: &Experiment, out: &Output) -> Result<Option<String>, Failur
         Experiment::DepthCamera => depth_camera::run(out)?,
         Experiment::Posters => posters::run(out)?,
         Experiment::Pictures => pictures::run(out)?,
-        Experiment::Figures(a) => figures::run(a, out)?,
+        Experiment::Figures => figures::run(out)?,
         Experiment::Rules => rules::run(out)?,
         Experiment::Peers(a) => return peers::run(a, out),
         Experiment::All => return Err(Failure::because("one experiment is asked for")),

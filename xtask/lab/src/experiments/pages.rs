@@ -7,12 +7,10 @@
 //! <!-- table: experiments poses, poses/table.md -->
 //! <!-- times: experiments ablation, ablation/times.md -->
 //! <!-- picture: experiments posters, posters/room.svg -->
-//! <!-- by: cargo test -p transect-fusion --test it drift -->
 //! ```
 //!
 //! Times differ between machines, so only their heads and the names of their rows are compared.
-//! A mark of pictures can name a folder; every picture below it is then the file of its name. `by`
-//! names a command that writes no file.
+//! A mark of pictures can name a folder; every picture below it is then the file of its name.
 
 use crate::failure::Failure;
 use std::ops::Range;
@@ -24,19 +22,18 @@ enum Kind {
     Table,
     Times,
     Picture,
-    By,
 }
 
 /// The names of the kinds.
-const KINDS: [(&str, Kind); 4] =
-    [("table", Kind::Table), ("times", Kind::Times), ("picture", Kind::Picture), ("by", Kind::By)];
+const KINDS: [(&str, Kind); 3] =
+    [("table", Kind::Table), ("times", Kind::Times), ("picture", Kind::Picture)];
 
 /// A comment that names a command.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Mark {
     kind: Kind,
     command: String,
-    /// The file below the experiments' folder; empty for `by`.
+    /// The file below the experiments' folder.
     file: String,
     /// Its line, counted from 0.
     line: usize,
@@ -71,7 +68,6 @@ pub fn write(root: &Path, folder: &Path) -> Result<Vec<String>, Failure> {
                         }
                     }
                 }
-                Kind::By => (),
             }
         }
         let text = lines.join("\n") + "\n";
@@ -132,10 +128,7 @@ impl Mark {
         let comment = text.trim().strip_prefix("<!-- ")?.strip_suffix(" -->")?;
         let (kind, rest) = comment.split_once(": ")?;
         let kind = KINDS.iter().find(|(name, _)| *name == kind)?.1;
-        let (command, file) = match kind {
-            Kind::By => (rest, ""),
-            _ => rest.rsplit_once(", ").unwrap_or((rest, "")),
-        };
+        let (command, file) = rest.rsplit_once(", ")?;
         Some(Self { kind, command: command.to_owned(), file: file.to_owned(), line })
     }
 
@@ -235,7 +228,6 @@ pub mod tests {
             let lines: Vec<&str> = page.lines().collect();
             for mark in page.marks() {
                 let differs = match mark.kind {
-                    Kind::By => None,
                     Kind::Picture => {
                         let files = page.pictures_below(&mark, &folder);
                         assert!(!files.is_empty(), "{}: no picture", mark.file);

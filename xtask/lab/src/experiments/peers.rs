@@ -5,12 +5,15 @@
 //! smoothing. `xtask/peers/run.py` has the other programs make meshes of both scans, cuts these on
 //! the scan's planes, and scores all curves against the true mesh. It shares no code with Transect.
 
+mod real;
+
 use super::output::Output;
+use super::python;
 use super::trial;
 use crate::failure::Failure;
 use crate::table::say;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::time::Instant;
 use transect::image::PreparedView;
 use transect::image::smooth::Smoothing;
 use transect::{Setup, Unwatched, reconstruct};
@@ -19,9 +22,7 @@ use transect_exchange::{write_contours, write_file};
 use transect_partial::one_pass::OnePassOptions;
 use transect_partial::{BreakRule, Method};
 use transect_workflow::default_folder;
-use transect_workflow::simulation::{
-    PreparedScene, SensorKind, SensorPlan, SimulatedScan, StripeImages,
-};
+use transect_workflow::simulation::{SensorKind, SensorPlan, StripeImages};
 
 /// Options of `experiments peers`.
 #[derive(Debug, clap::Args)]
@@ -33,6 +34,9 @@ pub struct Arguments {
     /// else python3].
     #[arg(long, value_name = "PATH")]
     python: Option<PathBuf>,
+    /// Folder with the public scans.
+    #[arg(long, default_value = trial::DATA, value_name = "DIR")]
+    data: PathBuf,
 }
 
 /// A bundled scene, the number of its views, and the factor on its noise.
@@ -40,11 +44,14 @@ pub struct Arguments {
 struct Scan(&'static str, Option<usize>, f64);
 
 /// The scans. All views are depth cameras: the scene's own, or cameras in place of its scanners.
-const SCANS: [Scan; 4] = [
+const SCANS: [Scan; 7] = [
     Scan("machined_part", None, 1.0),
     Scan("machined_part", None, 4.0),
     Scan("face_mask", None, 1.0),
     Scan("room", Some(12), 1.0),
+    Scan("thin_sheet", None, 1.0),
+    Scan("tunnel", Some(12), 1.0),
+    Scan("kitchen", None, 1.0),
 ];
 
 /// Edges of voxels, or of Poisson's finest cells, as shares of the scene's size.
@@ -63,11 +70,9 @@ impl Scan {
 
 /// Runs the experiment, or tells why it is skipped.
 pub fn run(arguments: &Arguments, out: &Output) -> Result<Option<String>, Failure> {
-    let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("../peers");
-    let made = here.join("../../target/peers/bin/python");
-    let usual = if made.is_file() { made } else { "python3".into() };
-    let python = arguments.python.as_ref().unwrap_or(&usual);
-    if let Some(reason) = missing(python) {
+    let python = &python::find("peers", arguments.python.as_ref());
+    let hint = " (VDBFusion needs Python 3.10 or older)";
+    if let Some(reason) = python::missing(python, "numpy, scipy, open3d", "peers", hint) {
         return Ok(Some(reason));
     }
     let (scans, resolutions) = match arguments.quick {
@@ -75,55 +80,81 @@ pub fn run(arguments: &Arguments, out: &Output) -> Result<Option<String>, Failur
         false => (&SCANS[..], &RESOLUTIONS[..]),
     };
     say(&format!("noise of the seed {SEED}"));
-    let is_complete = import(python, "vdbfusion").is_ok();
+    let mut run = Run { python, shares: resolutions.join(","), out, times: Vec::new() };
     for scan in scans {
         let name = scan.name();
         let folder = default_folder("peers").join(&name);
-        write(*scan, &folder)?;
-        let table = score(python, &here.join("run.py"), &resolutions.join(","), &folder)?;
-        say(&table);
-        // A table without a program would differ from the documentation's.
-        if is_complete {
-            out.write(&name, &table)?;
-        }
+        let seconds = write(*scan, &folder)?;
+        run.score(&name, seconds, &folder)?;
     }
+    if arguments.quick {
+        return Ok(None);
+    }
+    if !arguments.data.is_dir() {
+        return Ok(Some(format!("{} is not there", arguments.data.display())));
+    }
+    let folder = default_folder("peers").join(real::NAME);
+    let seconds = real::write(&arguments.data, &folder)?;
+    run.score(real::NAME, seconds, &folder)?;
+    run.print_times()?;
     Ok(None)
 }
 
-/// The table of a scan's folder, by the script.
-fn score(python: &Path, script: &Path, shares: &str, folder: &Path) -> Result<String, Failure> {
-    // Without files of byte code beside the scripts.
-    let mut command = Command::new(python);
-    command.arg("-B").arg(script).arg(shares).arg(folder).stderr(Stdio::inherit());
-    let output = command.output().map_err(|error| Failure::with_file(python, error))?;
-    if !output.status.success() {
-        return Err(Failure::because(format!("xtask/peers/run.py: {}", output.status)));
+/// The scans that are scored one after the other.
+struct Run<'a> {
+    python: &'a Path,
+    shares: String,
+    out: &'a Output,
+    /// Seconds of each program, by scan.
+    times: Vec<(String, Vec<(String, String)>)>,
+}
+
+impl Run<'_> {
+    /// Scores a scan's folder by the script, after the seconds that Transect took.
+    fn score(&mut self, name: &str, seconds: f64, folder: &Path) -> Result<(), Failure> {
+        let folder = folder.to_string_lossy();
+        let printed = python::run(self.python, "peers/run.py", &[&self.shares, &folder])?;
+        let (table, times) = printed.split_once("\n\n").unwrap_or((&printed, ""));
+        say(table);
+        // A table without a program would differ from the documentation's.
+        if python::import(self.python, "vdbfusion").is_ok() {
+            self.out.write(name, table)?;
+        }
+        let of_line = |line: &str| {
+            let (program, seconds) = line.split_once('\t')?;
+            Some((program.to_owned(), seconds.to_owned()))
+        };
+        let own = ("Transect".to_owned(), format!("{seconds:.1}"));
+        let times = std::iter::once(own).chain(times.lines().filter_map(of_line)).collect();
+        self.times.push((name.to_owned(), times));
+        Ok(())
     }
-    Ok(String::from_utf8_lossy(&output.stdout).trim_end().to_owned())
+
+    /// The seconds of each program on the images as given.
+    fn print_times(&self) -> Result<(), Failure> {
+        let scans = self.times.iter().map(|(scan, _)| scan.as_str());
+        let heads: Vec<&str> = std::iter::once("seconds").chain(scans).collect();
+        let mut programs: Vec<&String> = Vec::new();
+        for (program, _) in self.times.iter().flat_map(|(_, times)| times) {
+            if !programs.contains(&program) {
+                programs.push(program);
+            }
+        }
+        let cell = |times: &[(String, String)], program: &String| {
+            let found = times.iter().find(|(name, _)| name == program);
+            found.map_or("–".to_owned(), |(_, seconds)| seconds.clone())
+        };
+        let line = |program: &&String| {
+            let cells = self.times.iter().map(|(_, times)| cell(times, program));
+            std::iter::once((*program).clone()).chain(cells).collect()
+        };
+        self.out.times(&heads, &programs.iter().map(line).collect::<Vec<_>>())
+    }
 }
 
-/// Why a Python cannot run the other programs, and what to do; `None` if it can.
-fn missing(python: &Path) -> Option<String> {
-    let reason = import(python, "numpy, scipy, open3d").err()?;
-    Some(format!(
-        "{}: {reason}. Make a Python with the other programs (VDBFusion needs Python 3.10 or \
-         older), and repeat:\n  python3 -m venv target/peers\n  \
-         target/peers/bin/pip install -r xtask/peers/requirements.txt",
-        python.display()
-    ))
-}
-
-/// Whether a Python can import modules; otherwise the last line of its error.
-fn import(python: &Path, modules: &str) -> Result<(), String> {
-    let output = Command::new(python).args(["-c", &format!("import {modules}")]).output();
-    let output = output.map_err(|error| error.to_string())?;
-    let error = String::from_utf8_lossy(&output.stderr);
-    let last = error.lines().last().unwrap_or("the import failed");
-    if output.status.success() { Ok(()) } else { Err(last.to_owned()) }
-}
-
-/// Writes a scan, as given and smoothed, and our curves without and with smoothing.
-fn write(Scan(name, views, noise): Scan, folder: &Path) -> Result<(), Failure> {
+/// Writes a scan, as given and smoothed, and our curves without and with smoothing. Returns the
+/// seconds of the default run.
+fn write(Scan(name, views, noise): Scan, folder: &Path) -> Result<f64, Failure> {
     eprintln!("{name}");
     let mut scene = trial::bundled(name)?;
     scene.description.noise.seed = SEED;
@@ -133,33 +164,29 @@ fn write(Scan(name, views, noise): Scan, folder: &Path) -> Result<(), Failure> {
         None => SensorPlan::OWN,
     };
     let mut scan = scene.simulate(&plan)?;
-    for smooth in [false, true] {
-        let images = if smooth { "smoothed" } else { "given" };
-        let mut options = OnePassOptions::default();
-        options.smooth = smooth;
-        model(&scene, &scan, options, &folder.join(images).with_extension("json"))?;
-        if smooth {
-            scan.views = scan.views.iter().map(smoothed).collect();
-        }
-        scan.write(&scene, StripeImages::Extracted, &folder.join(images))?;
-    }
-    Ok(())
+    let setup = Setup::new(scene.description.unit, scene.description.planes.clone());
+    let seconds = models(&scan.views, setup, folder)?;
+    scan.write(&scene, StripeImages::Extracted, &folder.join("given"))?;
+    scan.views = scan.views.iter().map(smoothed).collect();
+    scan.write(&scene, StripeImages::Extracted, &folder.join("smoothed"))?;
+    Ok(seconds)
 }
 
-/// Writes the curves of the given images.
-fn model(
-    scene: &PreparedScene,
-    scan: &SimulatedScan,
-    options: OnePassOptions,
-    file: &Path,
-) -> Result<(), Failure> {
-    let mut setup = Setup::new(scene.description.unit, scene.description.planes.clone());
-    setup.partial = Method::OnePass(options);
-    let model = reconstruct(&scan.views, &setup, &Unwatched)?.model;
-    let parent = file.parent().unwrap_or(file);
-    std::fs::create_dir_all(parent).map_err(|e| Failure::with_file(parent, e))?;
-    write_file(file, |out| write_contours(&model, out))?;
-    Ok(())
+/// Writes our curves of the given images without and with smoothing, and returns the seconds of the
+/// second model.
+fn models(views: &[View], mut setup: Setup, folder: &Path) -> Result<f64, Failure> {
+    std::fs::create_dir_all(folder).map_err(|e| Failure::with_file(folder, e))?;
+    let mut seconds = 0.0;
+    for (smooth, name) in [(false, "given.json"), (true, "smoothed.json")] {
+        let mut options = OnePassOptions::default();
+        options.smooth = smooth;
+        setup.partial = Method::OnePass(options);
+        let start_time = Instant::now();
+        let model = reconstruct(views, &setup, &Unwatched)?.model;
+        seconds = start_time.elapsed().as_secs_f64();
+        write_file(&folder.join(name), |out| write_contours(&model, out))?;
+    }
+    Ok(seconds)
 }
 
 /// A view with all its pixels smoothed, as a run smooths those near its planes.
@@ -178,18 +205,10 @@ mod tests {
     #[test]
     fn the_scorer_is_right_on_exact_cases() {
         let python = std::env::var("TRANSECT_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-        if let Err(reason) = import(python.as_ref(), "numpy, scipy") {
+        if let Err(reason) = python::import(python.as_ref(), "numpy, scipy") {
             println!("skipped: {python}: {reason}; set TRANSECT_PYTHON");
             return;
         }
-        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../peers/test_score.py");
-        let output = Command::new(python).args(["-B", script]).output().unwrap();
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    }
-
-    #[test]
-    fn a_python_without_the_programs_is_told_how_to_get_them() {
-        let reason = missing("no/such/python".as_ref()).unwrap();
-        assert!(reason.contains("pip install -r xtask/peers/requirements.txt"), "{reason}");
+        python::run(python.as_ref(), "peers/test_score.py", &[]).unwrap();
     }
 }

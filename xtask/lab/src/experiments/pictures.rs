@@ -6,20 +6,29 @@ use super::output::Output;
 use super::trial;
 use crate::failure::Failure;
 use crate::table::say;
-use std::path::Path;
 use transect_device::{Pixel, View};
 use transect_exchange::svg::{OverviewOptions, write_overview, write_points};
-use transect_exchange::write_file;
 use transect_geometry::Point3;
 use transect_workflow::simulation::{PreparedScene, SensorKind, SensorPlan};
 
-/// The sensors shown, each with its scene, and azimuth and elevation of the observer in degrees.
-const SHOWN: [(SensorKind, &str, (f64, f64)); 4] = [
-    (SensorKind::Spherical, "room", (-60.0, 35.0)),
-    (SensorKind::LightStripe, "face_mask", (-65.0, 20.0)),
-    (SensorKind::LookupTable, "face_mask", (-65.0, 20.0)),
-    (SensorKind::Pinhole, "machined_part", (-60.0, 30.0)),
+/// A sensor with the bundled scene that it scans, at its own size.
+pub struct Shown {
+    pub sensor: SensorKind,
+    pub scene: &'static str,
+    /// Azimuth and elevation of the observer in degrees.
+    pub observer: (f64, f64),
+}
+
+/// The dissertation's scanners.
+pub const SCANNERS: [Shown; 3] = [
+    Shown { sensor: SensorKind::Spherical, scene: "room", observer: (-60.0, 35.0) },
+    Shown { sensor: SensorKind::LightStripe, scene: "smart_eye_jug", observer: (-65.0, 20.0) },
+    Shown { sensor: SensorKind::LookupTable, scene: "hyscan_mask", observer: (-65.0, 20.0) },
 ];
+
+/// A sensor that the dissertation does not have.
+const CAMERA: Shown =
+    Shown { sensor: SensorKind::Pinhole, scene: "machined_part", observer: (-60.0, 30.0) };
 
 /// Largest number of points drawn of a scan. Chosen by hand; doubled, the pictures take twice the
 /// space.
@@ -27,48 +36,42 @@ const POINTS: usize = 8000;
 
 /// Runs the experiment.
 pub fn run(out: &Output) -> Result<(), Failure> {
-    let out = out.folder()?;
-    for (kind, scene, view) in SHOWN {
-        let scene = trial::bundled_without_noise(scene)?;
-        scan_and_model(&scene, kind, view, out)?;
-        if kind == SensorKind::LightStripe {
-            let placed = scene.instruments(&SensorPlan::with(kind))?;
-            charts::stripe_row(&scene, &placed, &out.join("light_stripe-row.svg"))?;
+    for shown in SCANNERS.iter().chain([&CAMERA]) {
+        let scene = trial::bundled_without_noise(shown.scene)?;
+        scan_and_model(&scene, shown, out)?;
+        if shown.sensor == SensorKind::LightStripe {
+            let placed = scene.instruments(&SensorPlan::OWN)?;
+            charts::stripe_row(&scene, &placed, &out.folder()?.join("light_stripe-row.svg"))?;
         }
     }
-    charts::calibration(out)?;
-    say(&format!("pictures in {}", out.display()));
+    charts::calibration(out.folder()?)?;
+    say(&format!("pictures in {}", out.folder()?.display()));
     Ok(())
 }
 
 /// The points that the first view scanned, and the model of all views.
-fn scan_and_model(
-    scene: &PreparedScene,
-    kind: SensorKind,
-    (azimuth_deg, elevation_deg): (f64, f64),
-    folder: &Path,
-) -> Result<(), Failure> {
-    // The room's own stations are scanners that look into it from its corners.
-    let plan = if kind == SensorKind::Spherical { SensorPlan::OWN } else { SensorPlan::with(kind) };
-    let outcome = trial::run(scene, &plan)?;
-    let (description, name) = (&scene.description, kind.name());
-    let options = |what: &str| {
-        let mut options = OverviewOptions::default();
-        options.title = format!("{}: {what}", description.name);
-        (options.azimuth_deg, options.elevation_deg) = (azimuth_deg, elevation_deg);
-        (options.width, options.height) = (1000.0, 760.0);
-        options
-    };
+fn scan_and_model(scene: &PreparedScene, shown: &Shown, out: &Output) -> Result<(), Failure> {
+    let outcome = trial::run(scene, &SensorPlan::OWN)?;
+    let (description, name) = (&scene.description, shown.sensor.name());
+    let options = |what: &str| observed(&format!("{}: {what}", description.name), shown.observer);
     let points = outcome.views.first().map(scanned).unwrap_or_default();
     let seen = format!("{} of the points that one view of the {name} sensor scanned", points.len());
     let (planes, unit) = (&description.planes, description.unit);
-    write_file(&folder.join(format!("{name}-points.svg")), |out| {
+    out.picture(&format!("{name}-points"), |out| {
         write_points(&points, planes, unit, &seen, &options("scanned points"), out)
     })?;
-    write_file(&folder.join(format!("{name}-model.svg")), |out| {
+    out.picture(&format!("{name}-model"), |out| {
         write_overview(&outcome.model, &options("cross-section model"), out)
-    })?;
-    Ok(())
+    })
+}
+
+/// An overview with a title, from an azimuth and an elevation in degrees.
+pub fn observed(title: &str, (azimuth_deg, elevation_deg): (f64, f64)) -> OverviewOptions {
+    let mut options = OverviewOptions::default();
+    title.clone_into(&mut options.title);
+    (options.azimuth_deg, options.elevation_deg) = (azimuth_deg, elevation_deg);
+    (options.width, options.height) = (1000.0, 760.0);
+    options
 }
 
 /// Points of a view on a coarser grid, in the world.

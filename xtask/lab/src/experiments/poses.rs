@@ -12,7 +12,6 @@ use nalgebra::{Isometry3, Vector3};
 use transect::{Setup, Unwatched, reconstruct};
 use transect_device::View;
 use transect_exchange::svg::{Anchor, Figure, Mark};
-use transect_exchange::write_file;
 use transect_geometry::Point2;
 use transect_scene::{Description, Noise};
 use transect_workflow::simulation::{PreparedScene, SensorPlan, describe};
@@ -77,7 +76,7 @@ pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
     out.table("table", &heads, &lines)?;
     say("\nDistances in mm from the true sections.");
     let figure = chart(&curves);
-    write_file(&out.folder()?.join("poses.svg"), |file| figure.write(file))?;
+    out.picture("poses", |file| figure.write(file))?;
     Ok(())
 }
 
@@ -170,14 +169,14 @@ pub fn errors(scene: &PreparedScene, views: &[View]) -> Result<Errors, Failure> 
 }
 
 /// Normally distributed numbers: sums of twelve uniform ones of SplitMix64 (Steele, 2014).
-struct Normal(u64);
+pub struct Normal(pub u64);
 
 impl Normal {
-    fn next(&mut self) -> f64 {
+    pub fn next(&mut self) -> f64 {
         (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
     }
 
-    fn uniform(&mut self) -> f64 {
+    pub fn uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

@@ -3,7 +3,7 @@
 use super::output::Output;
 use super::trial;
 use crate::failure::Failure;
-use crate::table::{digits, say};
+use crate::table::{length, say, share};
 use transect_scene::{BUNDLED_SCENES, SensorParameters};
 use transect_workflow::simulation::{PreparedScene, SensorKind, SensorPlan};
 
@@ -61,8 +61,6 @@ fn true_size(scene: &PreparedScene) -> Option<SensorKind> {
 fn line(scene: &PreparedScene, kind: SensorKind, plan: SensorPlan) -> Result<Vec<String>, Failure> {
     let outcome = trial::run(scene, &plan)?;
     let accuracy = outcome.accuracy(scene)?;
-    let length = |l: Option<f64>| l.map_or("none".to_owned(), digits);
-    let share = |s: Option<f64>| s.map_or("none".to_owned(), |s| format!("{:.2}", 100.0 * s));
     Ok(vec![
         scene.description.name.clone(),
         kind.name().to_owned(),

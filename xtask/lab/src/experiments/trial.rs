@@ -1,15 +1,20 @@
 //! From a scene and a sensor plan to a model and its accuracy, all in memory.
 
 use crate::failure::Failure;
+use rayon::prelude::*;
 use std::path::Path;
-use transect::evaluate::Accuracy;
+use transect::evaluate::{Accuracy, EvaluateOptions};
 use transect::{Setup, Unwatched, reconstruct};
 use transect_device::View;
-use transect_geometry::{LengthUnit, PlaneFamily};
+use transect_exchange::{Scan, TriangleMesh, read_mesh};
+use transect_geometry::{LengthUnit, PlaneFamily, StraightGuide, Vector3};
 use transect_model::Model;
 use transect_scene::Noise;
 use transect_workflow::simulation::{PreparedScene, SensorPlan, describe};
 use transect_workflow::{ScoreLimits, simulated_accuracy};
+
+/// Folder of the public scans, which are no part of the repository.
+pub const DATA: &str = "../shared/data";
 
 /// The `[[station]]` of a square camera at a place, looking at the origin.
 pub fn camera([x, y, z]: [f64; 3], pixels: usize, field_deg: f64) -> String {
@@ -29,6 +34,48 @@ pub fn bundled_without_noise(name: &str) -> Result<PreparedScene, Failure> {
     let mut description = describe(Path::new(name))?;
     description.noise = Noise::NONE;
     Ok(PreparedScene::new(description)?)
+}
+
+/// A public scan with the planes that the documentation shows it on.
+pub struct Public {
+    pub views: Vec<View>,
+    pub planes: PlaneFamily,
+}
+
+/// The Stanford bunny, and the published mesh that was merged from the same scans.
+pub fn bunny(data: &Path) -> Result<(Public, TriangleMesh), Failure> {
+    let folder = data.join("stanford_bunny");
+    let views = load(&Scan::open(&folder.join("bun.conf"))?)?;
+    let mesh = read_mesh(&folder.join("reference/bun_zipper.ply"))?.mesh;
+    Ok((Public { views, planes: across([0.0, 1.0, 0.0], 0.001)? }, mesh))
+}
+
+/// How the bunny is held against its mesh: the scans do not show the base, and the mesh closes it.
+pub fn bunny_options() -> EvaluateOptions {
+    EvaluateOptions::new(0.0005).from_station(BUNNY_FROM)
+}
+
+/// The bunny's lowest station with a whole surface, in metres.
+pub const BUNNY_FROM: f64 = 0.06;
+
+/// The red kitchen: 50 depth images.
+pub fn red_kitchen(data: &Path) -> Result<Public, Failure> {
+    let views = load(&Scan::open(&data.join("rgbd_redkitchen"))?)?;
+    Ok(Public { views, planes: across([0.0, -1.0, 0.0], 0.1)? })
+}
+
+/// The views of a scan on disk.
+pub fn load(scan: &Scan) -> Result<Vec<View>, Failure> {
+    let views: Result<Vec<View>, _> =
+        scan.views.par_iter().map(|v| v.load().map(|(view, _)| view)).collect();
+    Ok(views?)
+}
+
+/// Planes across a normal, from the origin on.
+fn across(normal: [f64; 3], interval: f64) -> Result<PlaneFamily, Failure> {
+    let guide = StraightGuide::along(Vector3::from(normal));
+    let planes = guide.and_then(|guide| PlaneFamily::new(guide, 0.0, interval));
+    planes.map_err(|e| Failure::because(e.to_string()))
 }
 
 /// The model of views, with the default methods.
@@ -57,9 +104,17 @@ impl Outcome {
         self.views.iter().map(|v| v.image().size().pixels()).sum()
     }
 
-    /// Scores the model on the part of the scene that the views could see.
+    /// Scores the model.
     pub fn accuracy(&self, scene: &PreparedScene) -> Result<Accuracy, Failure> {
-        let (views, limits) = (self.views.clone(), ScoreLimits::default());
-        Ok(simulated_accuracy(&self.model, &scene.truth, views, &limits)?)
+        accuracy(&self.model, scene, self.views.clone())
     }
+}
+
+/// Scores a model on the part of the scene that the views could see.
+pub fn accuracy(
+    model: &Model,
+    scene: &PreparedScene,
+    views: Vec<View>,
+) -> Result<Accuracy, Failure> {
+    Ok(simulated_accuracy(model, &scene.truth, views, &ScoreLimits::default())?)
 }

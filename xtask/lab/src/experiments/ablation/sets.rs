@@ -1,7 +1,7 @@
 //! The sets that steps are measured on: partial models made once, and what their curves are held
 //! against.
 
-use super::super::trial;
+use super::super::trial::{self, Public};
 use super::crossings;
 use super::worth::Figures;
 use crate::bench::timing::once;
@@ -12,9 +12,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use transect::evaluate::{Accuracy, EvaluateOptions, evaluate, evaluate_seen};
 use transect_device::View;
-use transect_exchange::{Scan, TriangleMesh, read_mesh, read_truth};
+use transect_exchange::{Scan, TriangleMesh, read_truth};
 use transect_fusion::{ConsensusOptions, FusionMethod, fuse_plane};
-use transect_geometry::{Curve, PlaneFamily, PlaneIndex, Point2, StraightGuide, Vector3};
+use transect_geometry::{Curve, PlaneFamily, PlaneIndex, Point2};
 use transect_partial::{Method, partial_model};
 use transect_scene::{BUNDLED_SCENES, Mesh, Visibility, merge_overlaps, sections};
 use transect_workflow::simulation::SensorPlan;
@@ -28,7 +28,8 @@ const SIZE_SHARE: f64 = 0.002;
 
 /// Where sets come from.
 pub struct Sources<'a> {
-    pub shared: Option<&'a Path>,
+    /// Folder of the public scans.
+    pub data: &'a Path,
     pub peers: Option<&'a Path>,
 }
 
@@ -55,12 +56,10 @@ impl Sources<'_> {
         // The mask and the jug of the true-size scanners repeat what the other scenes hold.
         let other = |(name, _): &(&str, _)| !["hyscan_mask", "smart_eye_jug"].contains(name);
         let mut list: Vec<_> = BUNDLED_SCENES.into_iter().filter(other).map(bundled).collect();
-        let data =
-            |name: &str| self.shared.map(|s| s.join("data").join(name)).filter(|d| d.is_dir());
-        let scan = data("stanford_bunny");
-        list.extend(scan.map(|folder| Source::new("bunny", move |m| bunny(&folder, m))));
-        let scan = data("rgbd_redkitchen");
-        list.extend(scan.map(|folder| Source::new("kitchen halves", move |m| halves(&folder, m))));
+        if self.data.is_dir() {
+            list.push(Source::new("bunny", |m| bunny(self.data, m)));
+            list.push(Source::new("kitchen halves", |m| halves(self.data, m)));
+        }
         if let Some(peers_folder) = self.peers {
             let entries = std::fs::read_dir(peers_folder);
             let entries = entries.map_err(|e| Failure::with_file(peers_folder, e))?;
@@ -175,7 +174,7 @@ fn peers(folder: &Path, method: &Method) -> Result<Set, Failure> {
     let size = manifest.get("size").and_then(serde_json::Value::as_f64);
     let tolerance = size.map_or(TOLERANCE_SHARE * planes.interval(), |s| SIZE_SHARE * s);
     let mesh = solid(read_truth(&folder.join("truth.npz"))?);
-    simulated(planes, (load(&scan)?, &mesh), tolerance, method)
+    simulated(planes, (trial::load(&scan)?, &mesh), tolerance, method)
 }
 
 fn simulated(
@@ -193,22 +192,18 @@ fn simulated(
     Ok(Set { planes, parts, finding_seconds, reference, options })
 }
 
-fn bunny(folder: &Path, method: &Method) -> Result<Set, Failure> {
-    let planes = upright([0.0, 1.0, 0.0], 0.001)?;
-    let views = load(&Scan::open(&folder.join("bun.conf"))?)?;
-    let mesh = solid(read_mesh(&folder.join("reference/bun_zipper.ply"))?.mesh);
-    let truth = sections(&mesh, &planes)?;
+fn bunny(data: &Path, method: &Method) -> Result<Set, Failure> {
+    let (Public { views, planes }, mesh) = trial::bunny(data)?;
+    let truth = sections(&solid(mesh), &planes)?;
     let (found, finding_seconds) = observed(&views, &planes, method)?;
-    // The scans do not show the base, and the reference closes it.
-    let options = EvaluateOptions::new(0.0005).from_station(0.06);
+    let options = trial::bunny_options();
     let (parts, reference) = (vec![found], Some(Reference { truth, visible: None }));
     Ok(Set { planes, parts, finding_seconds, reference, options })
 }
 
 /// The even frames and the odd ones.
-fn halves(folder: &Path, method: &Method) -> Result<Set, Failure> {
-    let planes = upright([0.0, -1.0, 0.0], 0.1)?;
-    let views = load(&Scan::open(folder)?)?;
+fn halves(data: &Path, method: &Method) -> Result<Set, Failure> {
+    let Public { views, planes } = trial::red_kitchen(data)?;
     let half = |first: usize| {
         let views: Vec<View> = views.iter().skip(first).step_by(2).cloned().collect();
         observed(&views, &planes, method)
@@ -219,20 +214,8 @@ fn halves(folder: &Path, method: &Method) -> Result<Set, Failure> {
     Ok(Set { planes, parts, finding_seconds, reference: None, options })
 }
 
-fn upright(normal: [f64; 3], interval: f64) -> Result<PlaneFamily, Failure> {
-    let guide = StraightGuide::along(Vector3::from(normal));
-    let planes = guide.and_then(|guide| PlaneFamily::new(guide, 0.0, interval));
-    planes.map_err(|e| Failure::because(e.to_string()))
-}
-
 fn solid(mesh: TriangleMesh) -> Mesh {
     Mesh { vertices: mesh.vertices, faces: mesh.faces }
-}
-
-fn load(scan: &Scan) -> Result<Vec<View>, Failure> {
-    let views: Result<Vec<View>, _> =
-        scan.views.par_iter().map(|v| v.load().map(|(view, _)| view)).collect();
-    Ok(views?)
 }
 
 /// The curves of all views, by plane and view, and the seconds that finding them took.

@@ -75,7 +75,12 @@ pub struct Worth {
     order: Vec<&'static str>,
     sets: Vec<String>,
     changes: BTreeMap<(&'static str, String), [f64; 6]>,
+    /// The figures of sets that change without the step [`SETTLE`].
+    settled: Vec<(String, Figures)>,
 }
+
+/// The step that averages the surfaces of views which differ by more than a footprint.
+const SETTLE: &str = "settle";
 
 impl Worth {
     pub fn add_full(&mut self, set: &str, figures: Figures) {
@@ -89,6 +94,9 @@ impl Worth {
         }
         if let Some(full) = self.full.get(set) {
             let worse = full.worse(&without);
+            if step == SETTLE && worse[..2] != [0.0; 2] {
+                self.settled.push((set.to_owned(), without));
+            }
             let shown = worse.map(|w| format!("{w:+.2}")).join("\t");
             eprintln!("{set}\t{step}\t{shown}\topen {:+.0}", without.open - full.open);
             self.changes.insert((step, set.to_owned()), worse);
@@ -101,6 +109,15 @@ impl Worth {
         let full: Vec<_> =
             self.sets.iter().filter_map(|set| Some((set, self.full.get(set)?))).collect();
         out.table("sets", &heads, &full.iter().map(|(set, f)| f.line(set)).collect::<Vec<_>>())?;
+        say("");
+        let settled = self.settled.iter().filter_map(|(set, without)| {
+            let with = self.full.get(set)?;
+            Some([
+                without.line(&format!("{set}, as it is")),
+                with.line(&format!("{set}, averaged")),
+            ])
+        });
+        out.table(SETTLE, &heads, &settled.flatten().collect::<Vec<_>>())?;
         say("");
         let mut lines: Vec<_> = self.order.iter().map(|step| self.line(step)).collect();
         let of_sets =

@@ -1,22 +1,22 @@
-//! The face mask of 5.6.2: how its model grows with each view, and how good it is in the end.
+//! How a model grows with each view, and how good the face mask of 5.6.2 is in the end.
 //!
 //! The dissertation's methods and today's defaults get the same eight views of the line scanner at
 //! its true size. One section of each result is drawn beside the other, with its error enlarged.
 
 use super::super::output::Output;
+use super::super::trial;
 use crate::failure::Failure;
-use crate::table::{digits, say};
+use crate::table::{digits, length, say, share};
 use transect::evaluate::Accuracy;
 use transect::{Reconstruction, Setup};
 use transect_device::View;
 use transect_exchange::svg::{Anchor, Figure, Mark};
 use transect_fusion::FusionMethod;
 use transect_fusion::pairwise::GrowthCounts;
-use transect_geometry::{Curve, Point2};
+use transect_geometry::{Curve, LengthUnit, Point2};
 use transect_model::Model;
 use transect_partial::Method;
 use transect_workflow::simulation::PreparedScene;
-use transect_workflow::{ScoreLimits, simulated_accuracy};
 
 /// Height of the section that is drawn, in millimetres: through the nose and both cheeks.
 const DRAWN: f64 = -15.63;
@@ -45,50 +45,62 @@ pub fn setups(scene: &PreparedScene) -> [(&'static str, Setup); 2] {
 }
 
 /// The growth table, view by view.
-#[derive(Default)]
 pub struct Growth {
+    unit: LengthUnit,
     before: GrowthCounts,
     lines: Vec<Vec<String>>,
 }
 
+/// The columns of the growth table but the first two, with what a caption calls them.
+const COLUMNS: [&str; 12] = [
+    "case 1",
+    "case 2",
+    "case 3",
+    "merged",
+    "a",
+    "b",
+    "c",
+    "d",
+    "e",
+    "refused",
+    "gaps",
+    "length of gaps",
+];
+
 impl Growth {
-    /// Adds the model after one more view.
-    pub fn add(&mut self, result: &Reconstruction) {
+    /// An empty table in a unit.
+    pub fn new(unit: LengthUnit) -> Self {
+        Self { unit, before: GrowthCounts::default(), lines: Vec::new() }
+    }
+
+    /// Adds the model after one more view, and tells its counts in a sentence.
+    pub fn add(&mut self, result: &Reconstruction) -> String {
         let now = result.report.fusion.growth.unwrap_or_default();
         let widths = result.model.sections().flat_map(|(_, section)| section.gaps());
         let gaps: Vec<f64> = widths.map(|gap| gap.width()).collect();
         let new = |all: usize, before: usize| all.saturating_sub(before).to_string();
-        let mut line = vec![(self.lines.len() + 1).to_string()];
-        line.push(format!("{:.0}", result.report.fusion.length));
+        let mut line = vec![(self.lines.len() + 1).to_string(), self.length(result.model.length())];
         line.extend((0..3).map(|k| new(now.cases[k], self.before.cases[k])));
         line.push(new(now.merged, self.before.merged));
         line.extend((0..5).map(|k| new(now.patterns[k], self.before.patterns[k])));
         line.push(new(now.refused(), self.before.refused()));
         line.push(gaps.len().to_string());
-        line.push(format!("{:.0}", gaps.iter().sum::<f64>()));
+        line.push(self.length(gaps.iter().sum()));
+        let counts = COLUMNS.iter().zip(&line[2..]).filter(|(_, count)| *count != "0");
+        let told: Vec<_> = counts.map(|(what, count)| format!("{what} {count}")).collect();
         self.lines.push(line);
         self.before = now;
+        told.join(", ")
     }
 
-    /// Prints the table.
-    pub fn print(&self, out: &Output) -> Result<(), Failure> {
-        let heads = [
-            "view",
-            "length, mm",
-            "case 1",
-            "case 2",
-            "case 3",
-            "merged",
-            "a",
-            "b",
-            "c",
-            "d",
-            "e",
-            "refused",
-            "gaps",
-            "gaps, mm",
-        ];
-        out.table("growth", &heads, &self.lines)?;
+    /// A length in the table: four digits or more.
+    fn length(&self, length: f64) -> String {
+        format!("{} {}", digits(length), self.unit)
+    }
+
+    /// Prints the table and writes it into `NAME.md`.
+    pub fn print(&self, name: &str, out: &Output) -> Result<(), Failure> {
+        out.table(name, &[&["view", "length"], &COLUMNS[..]].concat(), &self.lines)?;
         say("\nThe model after each view: planes of cases 1 to 3 (5.2.2), merged pairs and their \
              patterns (Figure 5.7), pairs that the rules refuse, and gaps that are left.\n");
         Ok(())
@@ -112,8 +124,7 @@ impl Judged<'_> {
     /// [`Failure`] if a model cannot be scored.
     pub fn print(&self, out: &Output) -> Result<(), Failure> {
         let line = |(name, model): &(&'static str, Model)| -> Result<Vec<String>, Failure> {
-            let (views, limits) = (self.views.to_vec(), ScoreLimits::default());
-            let found = simulated_accuracy(model, &self.scene.truth, views, &limits)?;
+            let found = trial::accuracy(model, self.scene, self.views.to_vec())?;
             Ok([vec![(*name).to_owned()], figures(&found, model)].concat())
         };
         let lines: Result<Vec<_>, _> = self.models.iter().map(line).collect();
@@ -169,8 +180,6 @@ impl Judged<'_> {
 }
 
 fn figures(found: &Accuracy, model: &Model) -> Vec<String> {
-    let length = |l: Option<f64>| l.map_or("none".to_owned(), digits);
-    let share = |s: Option<f64>| s.map_or("none".to_owned(), |s| format!("{:.2}", 100.0 * s));
     let curves: usize = model.sections().map(|(_, s)| s.curves().len()).sum();
     vec![
         length(found.median),

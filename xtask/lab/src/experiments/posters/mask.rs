@@ -1,11 +1,11 @@
 //! The face mask after each of its four views.
 
 use super::projection::{Lines, Projection};
-use super::{FAINT, VIEWS};
+use super::{FAINT, VIEWS, nodes};
 use crate::experiments::trial;
 use crate::failure::Failure;
 use transect_exchange::svg::{Anchor, Figure, Mark};
-use transect_geometry::{Curve, Point2, Point3};
+use transect_geometry::{Curve, Point2};
 use transect_model::Model;
 use transect_workflow::simulation::SensorPlan;
 
@@ -57,15 +57,6 @@ pub fn draw() -> Result<Figure, Failure> {
     }
     figure.legend(Mark::Line("#b9c0c4"), "known from the views before");
     Ok(figure)
-}
-
-/// Every node of the model, in the world.
-fn nodes(model: &Model) -> impl Iterator<Item = Point3> + '_ {
-    model.sections().flat_map(|(index, section)| {
-        let frame = model.planes().frame(index);
-        let nodes = section.curves().flat_map(Curve::nodes);
-        nodes.map(move |n| frame.world_from_plane(&n.position))
-    })
 }
 
 /// The model after a view, its new pieces in colour.

@@ -3,7 +3,7 @@
 mod mask;
 mod part;
 mod poses;
-mod projection;
+pub mod projection;
 mod room;
 mod tunnel;
 
@@ -11,18 +11,18 @@ use super::output::Output;
 use super::trial;
 use crate::failure::Failure;
 use crate::table::say;
-use std::path::Path;
 use transect_exchange::svg::{Figure, OverviewOptions, write_overview};
-use transect_exchange::write_file;
+use transect_geometry::{Curve, Point3};
+use transect_model::Model;
 use transect_workflow::simulation::SensorPlan;
 
 /// Colours of views, after Okabe and Ito: readable for the colour-blind, too.
 const VIEWS: [&str; 4] = ["#0072b2", "#d55e00", "#009e73", "#b5509c"];
 
 /// Lines and texts.
-const INK: &str = "#222222";
+pub const INK: &str = "#222222";
 /// Lines and texts that stand back.
-const FAINT: &str = "#8a8a8a";
+pub const FAINT: &str = "#8a8a8a";
 /// The solid side of closed curves.
 const SOLID: &str = "#dfe6ea";
 
@@ -46,19 +46,27 @@ const POSTERS: [(&str, Draw); 5] = [
 pub fn run(out: &Output) -> Result<(), Failure> {
     for (name, draw) in POSTERS {
         let figure = draw()?;
-        let file = out.folder()?.join(name).with_extension("svg");
-        write_file(&file, |out| figure.write(out))?;
-        say(&file.display().to_string());
+        out.picture(name, |file| figure.write(file))?;
     }
-    overview(&out.folder()?.join("overview.svg"))
+    overview(out)?;
+    say(&format!("posters in {}", out.folder()?.display()));
+    Ok(())
+}
+
+/// Every node of the model, in the world.
+fn nodes(model: &Model) -> impl Iterator<Item = Point3> + '_ {
+    model.sections().flat_map(|(index, section)| {
+        let frame = model.planes().frame(index);
+        let nodes = section.curves().flat_map(Curve::nodes);
+        nodes.map(move |n| frame.world_from_plane(&n.position))
+    })
 }
 
 /// The overview of the bundled room, as `reconstruct` draws it.
-fn overview(file: &Path) -> Result<(), Failure> {
+fn overview(out: &Output) -> Result<(), Failure> {
     let scene = trial::bundled("room")?;
     let model = trial::run(&scene, &SensorPlan::OWN)?.model;
     let mut options = OverviewOptions::default();
     options.title.clone_from(&scene.description.name);
-    write_file(file, |out| write_overview(&model, &options, out))?;
-    Ok(())
+    out.picture("overview", |file| write_overview(&model, &options, file))
 }

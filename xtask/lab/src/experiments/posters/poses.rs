@@ -1,7 +1,7 @@
 //! Errors of poses: the curves of all views before and after the poses are refined.
 
-use super::projection::Projection;
-use super::{FAINT, INK};
+use super::INK;
+use super::projection::{Projection, panel};
 use crate::experiments::poses::{self, errors, moved};
 use crate::experiments::trial;
 use crate::failure::Failure;
@@ -84,7 +84,7 @@ fn part(
         drawn.push(projection.lines(&frame, &curves));
     }
     drawn.retain(|lines| !lines.is_empty());
-    figure.clipped(at, SIZE, |figure| {
+    panel(figure, (at, SIZE), (projection.scale, "mm"), |figure| {
         for (lines, k) in drawn.iter().zip(0..) {
             let colour = COLOURS[k % COLOURS.len()];
             figure.path(lines, 2.0, &format!("fill=\"none\" stroke=\"{colour}\""));
@@ -93,8 +93,5 @@ fn part(
         let dashes = format!("fill=\"none\" stroke=\"{INK}\" stroke-dasharray=\"140 90\"");
         figure.path(&truth, 1.4, &dashes);
     });
-    figure.rectangle(at, SIZE, &format!("fill=\"none\" stroke=\"{FAINT}\""));
-    let scale = Point2::new(at.x, at.y + SIZE[1] + 22.0);
-    figure.scale_bar(scale, [projection.scale, 120.0], "mm");
     Ok(())
 }

@@ -1,6 +1,21 @@
 //! Parallel projections of the world onto a part of a poster.
 
+use super::FAINT;
+use transect_exchange::svg::Figure;
 use transect_geometry::{Curve, Envelope, PlaneFrame, Point2, Point3, Vector2, Vector3};
+
+/// Draws lines of a part in a frame, with a scale bar below it.
+pub fn panel(
+    figure: &mut Figure,
+    (at, size): (Point2, [f64; 2]),
+    (scale, unit): (f64, &str),
+    draw: impl FnOnce(&mut Figure),
+) {
+    figure.clipped(at, size, draw);
+    figure.rectangle(at, size, &format!("fill=\"none\" stroke=\"{FAINT}\""));
+    let bar = Point2::new(at.x, at.y + size[1] + 22.0);
+    figure.scale_bar(bar, [scale, 120.0], unit);
+}
 
 /// Lines of a poster, each with whether it is closed.
 pub type Lines = Vec<(Vec<Point2>, bool)>;

@@ -1,11 +1,11 @@
 //! The bend tunnel: its profiles along the curved guide, and three of them flat.
 
 use super::projection::Projection;
-use super::{FAINT, INK, RAMP, VIEWS};
+use super::{FAINT, INK, RAMP, VIEWS, nodes};
 use crate::experiments::trial;
 use crate::failure::Failure;
 use transect_exchange::svg::{Anchor, Figure, Mark};
-use transect_geometry::{PlaneIndex, Point2, Point3, Vector2};
+use transect_geometry::{PlaneIndex, Point2, Vector2};
 use transect_model::Model;
 use transect_workflow::simulation::SensorPlan;
 
@@ -69,13 +69,8 @@ fn in_space(figure: &mut Figure, model: &Model) -> Result<Projection, Failure> {
     let planes = model.planes();
     let guide = planes.guide();
     let guide = guide.curved().ok_or_else(|| Failure::because("the tunnel's guide is straight"))?;
-    let nodes = model.sections().flat_map(|(index, section)| {
-        let frame = planes.frame(index);
-        let nodes = section.curves().flat_map(transect_geometry::Curve::nodes);
-        nodes.map(move |n| frame.world_from_plane(&n.position)).collect::<Vec<Point3>>()
-    });
-    let projection =
-        Projection::from_side(AZIMUTH, ELEVATION).fitting(nodes, Point2::new(0.0, 10.0), SPACE);
+    let projection = Projection::from_side(AZIMUTH, ELEVATION);
+    let projection = projection.fitting(nodes(model), Point2::new(0.0, 10.0), SPACE);
     let last = guide.length();
     let colour = |station: f64| RAMP[(station / last * (RAMP.len() - 1) as f64).round() as usize];
     let mut order: Vec<_> = model.sections().collect();

@@ -1,0 +1,178 @@
+//! Where nodes are wrong, and how well a model knows the errors of its nodes.
+//!
+//! Each node's distance from the reference is held against the standard deviation that the model
+//! states for it. The reference is the exact truth of a bundled scene, or the model of other
+//! frames.
+
+use super::output::Output;
+use super::poses;
+use super::trial::{self, Public};
+use crate::failure::Failure;
+use crate::statistics::median;
+use crate::table::say;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use transect_device::View;
+use transect_geometry::{Curve, LengthUnit, PlaneFamily, PlaneIndex};
+use transect_model::Model;
+use transect_scene::sections;
+use transect_workflow::simulation::SensorPlan;
+
+/// A node farther from the reference than this is wrong, in metres, for depth cameras in a room.
+/// Chosen by hand: four times their usual error. Doubled, only spurious surface is wrong.
+const WRONG: f64 = 0.02;
+
+/// Curves shorter than this are short, in metres.
+const SHORT: f64 = 0.4;
+
+/// Nodes nearer to the end of an open curve than this, along the curve, are near it, in metres.
+const NEAR_END: f64 = 0.05;
+
+/// Options of `experiments nodes`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Folder with the public scans.
+    #[arg(long, default_value = trial::DATA, value_name = "DIR")]
+    data: PathBuf,
+}
+
+/// A node that some view measured.
+struct Judged {
+    /// Length of the curve that it stands for.
+    length: f64,
+    /// Distance from the nearest curve of the reference.
+    off: f64,
+    /// The standard deviation that the model states.
+    sigma: f64,
+    is_of_one_view: bool,
+    curve_length: f64,
+    to_end: f64,
+}
+
+/// The classes of nodes whose errors are told.
+const CLASSES: [(&str, fn(&Judged) -> bool); 4] = [
+    ("all", |_| true),
+    ("of one view", |n| n.is_of_one_view),
+    ("of one view, in curves shorter than 0.4 m", |n| n.is_of_one_view && n.curve_length < SHORT),
+    ("of one view, within 5 cm of an end", |n| n.is_of_one_view && n.to_end < NEAR_END),
+];
+
+/// Runs the experiment, or tells what is skipped.
+pub fn run(arguments: &Arguments, out: &Output) -> Result<Option<String>, Failure> {
+    let mut ratios = Vec::new();
+    let mut ratio = |name: &str, nodes: &[Judged], limit: f64| {
+        let near = nodes.iter().filter(|n| n.off < limit && n.sigma > 0.0);
+        let off: Vec<f64> = near.map(|n| n.off / n.sigma).collect();
+        // Half of normally distributed errors are below 0.6745 standard deviations.
+        let ratio = 0.6745 / median(&off);
+        ratios.push(vec![name.to_owned(), off.len().to_string(), format!("{ratio:.2}")]);
+    };
+    let kitchen = of_scene("kitchen", 0.0)?;
+    for (name, nodes) in [
+        ("`room`", &of_scene("room", 0.0)?),
+        ("`machined_part`", &of_scene("machined_part", 0.0)?),
+        ("`machined_part`, poses wrong by 0.1° and 0.1 mm", &of_scene("machined_part", 0.1)?),
+        ("`kitchen`", &kitchen),
+    ] {
+        ratio(&format!("{name}, against the truth"), nodes, f64::INFINITY);
+    }
+    let frames = arguments.data.join("rgbd_redkitchen");
+    if !frames.is_dir() {
+        return Ok(Some(format!("{} is not there", frames.display())));
+    }
+    let Public { views, planes } = trial::red_kitchen(&arguments.data)?;
+    let half = views.len() / 2;
+    let of_half = |is_first: &dyn Fn(usize) -> bool| {
+        let (first, second): (Vec<_>, Vec<_>) =
+            views.iter().cloned().enumerate().partition(|(k, _)| is_first(*k));
+        halves(
+            [first, second].map(|views| views.into_iter().map(|(_, view)| view).collect()),
+            &planes,
+        )
+    };
+    let (even, first) = (of_half(&|k| k % 2 == 0)?, of_half(&|k| k < half)?);
+    for (name, nodes) in [("first half against the second", &first), ("even against odd", &even)] {
+        for limit in [0.02, 0.06] {
+            let name = format!("red kitchen, frames: {name}, within {:.0} cm", 100.0 * limit);
+            // Both models err.
+            let nodes: Vec<_> =
+                nodes.iter().map(|n| Judged { sigma: n.sigma * 2_f64.sqrt(), ..*n }).collect();
+            ratio(&name, &nodes, limit);
+        }
+    }
+    out.table("predicted", &["set", "nodes", "predicted over observed"], &ratios)?;
+    say("");
+    let sets = [kitchen, even];
+    let line = |(name, is_in): &(&str, fn(&Judged) -> bool)| {
+        let cells = sets.iter().map(|nodes| shares(nodes, *is_in));
+        std::iter::once((*name).to_owned()).chain(cells).collect()
+    };
+    let heads = ["nodes", "`kitchen`: share, wrong", "red kitchen's halves: share, wrong"];
+    out.table("wrong", &heads, &CLASSES.iter().map(line).collect::<Vec<_>>())?;
+    Ok(None)
+}
+
+/// The share of the length that a class has, and the share of that which is wrong.
+fn shares(nodes: &[Judged], is_in: fn(&Judged) -> bool) -> String {
+    let length = |is_counted: &dyn Fn(&Judged) -> bool| {
+        nodes.iter().filter(|n| is_counted(n)).map(|n| n.length).sum::<f64>()
+    };
+    let (all, class) = (length(&|_| true), length(&is_in));
+    let wrong = length(&|n| is_in(n) && n.off >= WRONG);
+    format!("{:.1} %, {:.0} %", 100.0 * class / all, 100.0 * wrong / class)
+}
+
+/// The nodes of a bundled scene's model against the truth.
+fn of_scene(name: &str, degrees: f64) -> Result<Vec<Judged>, Failure> {
+    let scene = trial::bundled(name)?;
+    let mut views = scene.simulate(&SensorPlan::OWN)?.views;
+    if degrees > 0.0 {
+        views = poses::moved(&scene, &views, degrees)?;
+    }
+    let planes = &scene.description.planes;
+    let model = trial::model(&views, scene.description.unit, planes.clone())?;
+    Ok(judged(&model, &sections(&scene.truth, planes)?))
+}
+
+/// The nodes of the red kitchen by some frames against the model of the others.
+fn halves(views: [Vec<View>; 2], planes: &PlaneFamily) -> Result<Vec<Judged>, Failure> {
+    let [model, other] = views.map(|views| trial::model(&views, LengthUnit::Metre, planes.clone()));
+    let other = other?;
+    let reference = other.sections().map(|(k, s)| (k, s.curves().cloned().collect())).collect();
+    Ok(judged(&model?, &reference))
+}
+
+/// Every measured node of a model on the planes that the reference has.
+fn judged(model: &Model, reference: &BTreeMap<PlaneIndex, Vec<Curve>>) -> Vec<Judged> {
+    let of_plane = |(index, section): (PlaneIndex, &transect_model::Section)| {
+        let Some(truth) = reference.get(&index).filter(|truth| !truth.is_empty()) else {
+            return Vec::new();
+        };
+        section.curves().flat_map(|curve| of_curve(curve, truth)).collect()
+    };
+    model.sections().flat_map(of_plane).collect()
+}
+
+fn of_curve(curve: &Curve, truth: &[Curve]) -> Vec<Judged> {
+    let steps: Vec<f64> = curve.units().map(|unit| unit.vector().norm()).collect();
+    let curve_length: f64 = steps.iter().sum();
+    let step = |k: Option<usize>| k.and_then(|k| steps.get(k)).copied().unwrap_or(0.0);
+    let mut at = 0.0_f64;
+    let mut judged = Vec::new();
+    for (k, node) in curve.nodes().iter().enumerate() {
+        let before = k.checked_sub(1).or(curve.is_closed().then(|| steps.len() - 1));
+        if let Some(views) = node.views {
+            let off = truth.iter().map(|c| c.foot(&node.position).distance);
+            judged.push(Judged {
+                length: 0.5 * (step(before) + step(Some(k))),
+                off: off.fold(f64::INFINITY, f64::min),
+                sigma: f64::from(node.sigma),
+                is_of_one_view: views.get() == 1,
+                curve_length,
+                to_end: if curve.is_closed() { f64::INFINITY } else { at.min(curve_length - at) },
+            });
+        }
+        at += step(Some(k));
+    }
+    judged
+}
