@@ -8,7 +8,7 @@ use crate::table::say;
 use transect::{Setup, Unwatched, reconstruct};
 use transect_device::View;
 use transect_register::{CoarseView, RefineOptions, refine};
-use transect_scene::Noise;
+use transect_scene::{Noise, Station};
 use transect_workflow::simulation::{PreparedScene, SensorPlan, describe};
 
 /// Removes an error.
@@ -33,7 +33,7 @@ pub fn run(out: &Output) -> Result<(), Failure> {
     let lines: Vec<_> = ERRORS.into_iter().map(line).collect::<Result<_, _>>()?;
     out.table("table", &["errors", "median", "95 %", "spread between views"], &lines)?;
     say("\nIn mm: distances from the true sections, and the spread that the run measures.\n");
-    let lines: Vec<_> = SEEDS.into_iter().map(of_seed).collect::<Result<_, _>>()?;
+    let lines: Vec<_> = KITCHENS.into_iter().map(of_kitchen).collect::<Result<_, _>>()?;
     out.table(
         "corrected",
         &["kitchen", "as given", "poses refined", "images corrected, too"],
@@ -43,13 +43,18 @@ pub fn run(out: &Output) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Seeds of the kitchen's noise that refinement is measured with: the scene's own, and two others.
-const SEEDS: [Option<u64>; 3] = [None, Some(2027), Some(2028)];
+/// Kitchens that refinement is measured with: the seed of the noise, or the scene's own, and how
+/// often frames are taken between those of the scene.
+const KITCHENS: [(Option<u64>, u32); 6] =
+    [(None, 0), (Some(2027), 0), (Some(2028), 0), (None, 1), (Some(2027), 1), (Some(2028), 1)];
 
 /// The kitchen as given, at refined poses, and with corrected images, too.
-fn of_seed(seed: Option<u64>) -> Result<Vec<String>, Failure> {
+fn of_kitchen((seed, denser): (Option<u64>, u32)) -> Result<Vec<String>, Failure> {
     let mut description = describe("kitchen".as_ref())?;
     description.noise.seed = seed.unwrap_or(description.noise.seed);
+    (0..denser).for_each(|_| description.stations = with_frames_between(&description.stations));
+    let name = seed.map_or("its own seed".to_owned(), |seed| format!("seed {seed}"));
+    let name = format!("{name}, {} frames", description.stations.len());
     let scene = PreparedScene::new(description)?;
     let views = scene.simulate(&SensorPlan::OWN)?.views;
     let copies: Vec<CoarseView> = views.iter().map(CoarseView::new).collect();
@@ -57,7 +62,7 @@ fn of_seed(seed: Option<u64>) -> Result<Vec<String>, Failure> {
     let pairs = views.iter().zip(&poses);
     let refined = pairs.map(|(view, pose)| view.with_pose(pose.world_from_sensor));
     let refined: Vec<View> = refined.collect::<Result<_, _>>()?;
-    let mut cells = vec![seed.map_or("its own seed".to_owned(), |seed| format!("seed {seed}"))];
+    let mut cells = vec![name];
     for (views, options) in
         [(&views, None), (&refined, None), (&views, Some(RefineOptions::default()))]
     {
@@ -71,6 +76,25 @@ fn of_seed(seed: Option<u64>) -> Result<Vec<String>, Failure> {
         cells.push(format!("{} / {}, {complete:.1} %", length(found.median), length(found.p95)));
     }
     Ok(cells)
+}
+
+/// The stations, and one half way between each and the next.
+fn with_frames_between(stations: &[Station]) -> Vec<Station> {
+    let half_way = |pair: &[Station]| {
+        let mut between = pair[0].clone();
+        between.name = format!("after {}", pair[0].name);
+        let next = &pair[1].world_from_sensor;
+        between.world_from_sensor = pair[0].world_from_sensor.lerp_slerp(next, 0.5);
+        between
+    };
+    let between = stations.windows(2).map(half_way).map(Some).chain([None]);
+    stations
+        .iter()
+        .cloned()
+        .zip(between)
+        .flat_map(|(at, next)| [Some(at), next])
+        .flatten()
+        .collect()
 }
 
 fn line((name, without): (&str, Without)) -> Result<Vec<String>, Failure> {
