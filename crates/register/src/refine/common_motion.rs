@@ -5,7 +5,7 @@
 //! was far off must not draw the others after it.
 //!
 //! **Idea.** The rigid motion of least squares (Kabsch, 1976), in which a view that stays farther
-//! away than the others loses weight, as by Huber (1964).
+//! away than most loses weight, more quickly than by Huber (1964), and stays to be seen.
 //!
 //! **Steps.** Fit; weigh every view by its distance; fit again.
 
