@@ -13,7 +13,7 @@
 mod messages;
 
 use crate::timed_view::TimedView;
-use crate::{Posed, ReconstructError, Stage, ViewSource, Watch};
+use crate::{Posed, ReconstructError, Stage, Unwatched, ViewSource, Watch};
 use rayon::prelude::*;
 use serde::Serialize;
 use transect_device::ImageOrder;
@@ -87,9 +87,17 @@ impl PoseReport {
         let mut copies = coarse_views(sources, watch)?;
         let explanation = explain(&copies, |order| reread(sources, order));
         let refinement = options.map(|options| refine(&copies, options));
-        if let Some(Refinement { poses, .. }) = &refinement {
-            let posed = copies.into_iter().zip(poses);
-            copies = posed.map(|(copy, pose)| copy.with_pose(pose.world_from_sensor)).collect();
+        if let Some(refinement) = &refinement {
+            let poses = &refinement.poses;
+            copies = match poses.iter().any(|pose| pose.depth_offsets.is_some()) {
+                // Errors of a camera hide contradictions between its views.
+                true => coarse_views(&posed(refinement, sources), &Unwatched)?,
+                false => copies
+                    .into_iter()
+                    .zip(poses)
+                    .map(|(copy, pose)| copy.with_pose(pose.world_from_sensor))
+                    .collect(),
+            };
         }
         Ok(Self { unit, explanation, judgement: judge(&copies), refinement, images_stay: false })
     }
@@ -115,13 +123,15 @@ impl PoseReport {
     /// The views at their refined poses, without the errors of their depth cameras; none if the
     /// given poses were kept.
     pub fn posed<'a, S: ViewSource>(&self, sources: &'a [S]) -> Vec<Posed<'a, S>> {
-        let poses = self.refinement.iter().flat_map(|refinement| &refinement.poses);
-        let posed = sources.iter().zip(poses);
-        let posed = posed.map(|(source, pose)| Posed {
-            source,
-            pose: pose.world_from_sensor,
-            depth_offsets: pose.depth_offsets.clone(),
-        });
-        posed.collect()
+        self.refinement.iter().flat_map(|refinement| posed(refinement, sources)).collect()
     }
+}
+
+fn posed<'a, S: ViewSource>(refinement: &Refinement, sources: &'a [S]) -> Vec<Posed<'a, S>> {
+    let posed = sources.iter().zip(&refinement.poses).map(|(source, pose)| Posed {
+        source,
+        pose: pose.world_from_sensor,
+        depth_offsets: pose.depth_offsets.clone(),
+    });
+    posed.collect()
 }

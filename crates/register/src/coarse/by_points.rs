@@ -18,16 +18,20 @@ pub(super) struct ByPoints {
     tree: RTree<GeomWithData<[f64; 3], usize>>,
     /// The ray of every cell with a sample.
     rays: Vec<Option<Ray>>,
+    /// Tangent of the largest angle between the ray of each cell and a point of the cell.
+    openings: Vec<f64>,
 }
 
 impl ByPoints {
-    pub(super) fn new(cells: &[Option<Sampled>]) -> Self {
+    /// `cols` is the number of cells of a row.
+    pub(super) fn new(cells: &[Option<Sampled>], cols: usize) -> Self {
         let placed = cells.iter().enumerate().filter_map(|(k, cell)| {
             let patch = cell.as_ref()?.patch.as_ref()?;
             Some(GeomWithData::new(patch.point().into(), k))
         });
-        let rays = cells.iter().map(|cell| cell.as_ref().map(|cell| cell.ray)).collect();
-        Self { tree: RTree::bulk_load(placed.collect()), rays }
+        let rays: Vec<Option<Ray>> = cells.iter().map(|c| c.as_ref().map(|c| c.ray)).collect();
+        let openings = openings(&rays, cols);
+        Self { tree: RTree::bulk_load(placed.collect()), rays, openings }
     }
 
     /// The ray of a cell.
@@ -35,7 +39,8 @@ impl ByPoints {
         self.rays.get(cell).copied().flatten()
     }
 
-    /// The cell; one whose patch is nearest if the guesses do not settle.
+    /// The cell; one whose patch is nearest if the guesses do not settle. `None` beside all cells
+    /// with a patch, such as outside the field of view.
     pub(super) fn cell_of(&self, in_sensor: &Point3) -> Option<usize> {
         let mut moved = *in_sensor;
         let mut cell = None;
@@ -49,6 +54,39 @@ impl ByPoints {
             let depth = (Point3::from(*near.geom()) - in_sensor).dot(&ray.direction);
             moved = in_sensor + ray.direction * depth;
         }
-        cell
+        cell.filter(|&k| self.is_in(k, in_sensor))
     }
+
+    /// Whether a point lies among the rays of a cell.
+    fn is_in(&self, cell: usize, in_sensor: &Point3) -> bool {
+        let (Some(ray), Some(opening)) = (self.ray(cell), self.openings.get(cell)) else {
+            return false;
+        };
+        let from_start = in_sensor - ray.start;
+        let along = from_start.dot(&ray.direction);
+        (from_start - ray.direction * along).norm() <= along * opening
+    }
+}
+
+/// How far each cell opens: as far as the rays of its farthest neighbour, so that cells of the grid
+/// overlap. A cell without neighbours opens as far as the median cell.
+fn openings(rays: &[Option<Ray>], cols: usize) -> Vec<f64> {
+    let ray = |k: Option<usize>| k.and_then(|k| rays.get(k).copied().flatten());
+    let of_cell = |k: usize| -> Option<f64> {
+        let here = ray(Some(k))?;
+        let beside = |is_there: bool, k: usize| is_there.then_some(k);
+        let neighbours = [
+            beside(k % cols > 0, k.wrapping_sub(1)),
+            beside(k % cols + 1 < cols, k + 1),
+            k.checked_sub(cols),
+            Some(k + cols),
+        ];
+        let angles = neighbours.into_iter().filter_map(ray);
+        angles.map(|other| (other.direction - here.direction).norm()).reduce(f64::max)
+    };
+    let openings: Vec<Option<f64>> = (0..rays.len()).map(of_cell).collect();
+    let mut sorted: Vec<f64> = openings.iter().flatten().copied().collect();
+    sorted.sort_by(f64::total_cmp);
+    let usual = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+    openings.into_iter().map(|opening| opening.unwrap_or(usual)).collect()
 }

@@ -153,7 +153,7 @@ impl CoarseView {
             step,
             share: (full as f64 / step as f64).powi(2),
             cells: (0..cells.len()).map(stored).collect(),
-            lookup: Lookup::new(view, &cells),
+            lookup: Lookup::new(view, &cells, size.cols),
             sigma: noise.length(),
             prior: None,
         }
@@ -367,11 +367,11 @@ impl Sampled {
 }
 
 impl Lookup {
-    fn new(view: &View, cells: &[Option<Sampled>]) -> Self {
+    fn new(view: &View, cells: &[Option<Sampled>], cols: usize) -> Self {
         let frame = view.shared_frame();
         let patches = cells.iter().flatten().filter_map(|cell| cell.patch.as_ref());
         let mut points = patches.map(Patch::point);
         let inverse = points.next().is_none_or(|p| frame.device_point(&p).is_some());
-        if inverse { Self::Inverse(frame) } else { Self::Points(ByPoints::new(cells)) }
+        if inverse { Self::Inverse(frame) } else { Self::Points(ByPoints::new(cells, cols)) }
     }
 }

@@ -19,6 +19,7 @@
 //! 5. Pairs that were left out judge the result: `left_out.rs`.
 
 mod camera;
+mod common_motion;
 mod left_out;
 mod outcome;
 mod pairs;

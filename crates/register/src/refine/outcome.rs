@@ -1,11 +1,11 @@
 //! The result of a refinement: what moved, how far, and what that is worth.
 
 use super::Rounds;
+use super::common_motion::{OfView, common_motion};
 use super::pairs::{Pair, Sample};
 use super::solve::{Motion, motion_between};
 use crate::coarse::PosePrior;
 use crate::tuning::{FAR_OFF, MISPLACED, PROBES};
-use nalgebra::{Matrix3, UnitQuaternion};
 use transect_device::{DepthOffsets, Isometry3, Point3, Vector3};
 
 /// What became of the pose of a view.
@@ -115,6 +115,21 @@ impl Rounds<'_> {
         Refinement { poses, prior: self.prior, left_out_pairs, distance: self.distance }
     }
 
+    /// Moves all views together, so that their surfaces stay at the given place as a whole.
+    fn take_out_common_motion(&mut self, alone: &[bool]) {
+        let places = |k: usize, pose: &Isometry3| -> Vec<Point3> {
+            self.scene.samples[k].iter().take(PROBES).map(|s| pose * s.in_sensor).collect()
+        };
+        let paired = (0..alone.len()).filter(|&k| !alone[k]);
+        let views: Vec<OfView> = paired
+            .map(|k| OfView { from: places(k, &self.poses[k]), to: places(k, &self.given[k]) })
+            .collect();
+        let back = common_motion(&views);
+        for (pose, _) in self.poses.iter_mut().zip(alone).filter(|(_, alone)| !**alone) {
+            *pose = back * *pose;
+        }
+    }
+
     fn refined_pose(
         &self,
         k: usize,
@@ -136,22 +151,6 @@ impl Rounds<'_> {
             residual_before,
             residual_after,
             depth_offsets: None,
-        }
-    }
-
-    /// Moves all views together, so that their surfaces stay at the given place as a whole.
-    fn take_out_common_motion(&mut self, alone: &[bool]) {
-        let places = |poses: &[Isometry3]| -> Vec<Point3> {
-            let views = self.scene.samples.iter().zip(poses).zip(alone);
-            let views = views.filter(|(_, alone)| !**alone);
-            let of = |samples: &[Sample], pose: &Isometry3| -> Vec<Point3> {
-                samples.iter().take(PROBES).map(|s| pose * s.in_sensor).collect()
-            };
-            views.flat_map(|((samples, pose), _)| of(samples, pose)).collect()
-        };
-        let back = rigid_fit(&places(&self.poses), &places(&self.given));
-        for (pose, _) in self.poses.iter_mut().zip(alone).filter(|(_, alone)| !**alone) {
-            *pose = back * *pose;
         }
     }
 }
@@ -178,29 +177,6 @@ fn medians(pairs: &[Pair], views: usize) -> Vec<Option<f64>> {
 fn median(list: &mut [f64]) -> Option<f64> {
     let middle = list.len() / 2;
     (!list.is_empty()).then(|| *list.select_nth_unstable_by(middle, f64::total_cmp).1)
-}
-
-/// The rigid motion that best takes points to others (Kabsch, 1976).
-fn rigid_fit(from: &[Point3], to: &[Point3]) -> Isometry3 {
-    let mean = |points: &[Point3]| {
-        points.iter().map(|p| p.coords).sum::<Vector3>() / points.len().max(1) as f64
-    };
-    let (from_mean, to_mean) = (mean(from), mean(to));
-    let mut scatter = Matrix3::zeros();
-    for (a, b) in from.iter().zip(to) {
-        scatter += (b.coords - to_mean) * (a.coords - from_mean).transpose();
-    }
-    let rotation = UnitQuaternion::from_matrix(&scatter_rotation(&scatter));
-    let shift = to_mean - rotation * from_mean;
-    Isometry3::from_parts(shift.into(), rotation)
-}
-
-fn scatter_rotation(scatter: &Matrix3<f64>) -> Matrix3<f64> {
-    let svd = scatter.svd(true, true);
-    let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else { return Matrix3::identity() };
-    let mut mirror = Matrix3::identity();
-    mirror[(2, 2)] = (u * v_t).determinant().signum();
-    u * mirror * v_t
 }
 
 impl RefinedPose {

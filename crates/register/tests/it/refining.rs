@@ -83,6 +83,10 @@ fn a_view_far_off_is_brought_back() {
         let (before, after) = (apart(&views, &given(&wrong)), apart(&views, &poses));
         assert!(after < 0.02 * before, "view {k} by {degrees}: {before} to {after}");
         assert_eq!(refinement.poses[k].outcome, PoseOutcome::BroughtBack, "{degrees}");
+        for pose in refinement.poses.iter().filter(|pose| pose.view != views[k].name()) {
+            assert_eq!(pose.outcome, PoseOutcome::Refined, "{pose:?}");
+            assert!(pose.rotation.to_degrees() < 0.01, "drawn after view {k}: {pose:?}");
+        }
     }
 }
 

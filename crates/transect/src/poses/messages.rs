@@ -2,9 +2,14 @@
 
 use super::PoseReport;
 use crate::evaluate::digits;
+use std::collections::BTreeSet;
 use transect_register::{
     Explanation, Finding, Motion, PoseOutcome, RefinedPose, Refinement, Region, RegionKind,
 };
+
+/// Most regions that are warned of one by one. Chosen by hand: sound scans have one at most, and a
+/// mirror in a room shows in every station. Doubled, a wrong camera fills the screen.
+const MOST_REGIONS: usize = 8;
 
 /// Most names of views that a warning lists of each group. Chosen by hand; doubled, the warning of
 /// a scan of hundreds of views fills a screen.
@@ -65,8 +70,36 @@ impl PoseReport {
             return vec![convention(explanation)];
         }
         let refined = self.refinement.iter().flat_map(|refinement| &refinement.poses);
-        let findings = self.judgement.findings.iter().map(|finding| self.finding(finding));
-        refined.filter_map(|pose| self.outcome(pose)).chain(findings).collect()
+        let all = self.judgement.findings.iter();
+        let findings = all.filter(|f| !matches!(f, Finding::Region(_))).map(|f| self.finding(f));
+        refined
+            .filter_map(|pose| self.outcome(pose))
+            .chain(findings)
+            .chain(self.regions())
+            .collect()
+    }
+
+    /// The regions, or what the views share if they are too many.
+    fn regions(&self) -> Vec<String> {
+        let mut regions: Vec<&Region> = Vec::new();
+        for finding in &self.judgement.findings {
+            if let Finding::Region(region) = finding {
+                regions.push(region);
+            }
+        }
+        if regions.len() <= MOST_REGIONS {
+            return regions.into_iter().map(|region| self.region(region)).collect();
+        }
+        let concerned: BTreeSet<&str> = regions.iter().map(|r| r.view.as_str()).collect();
+        vec![format!(
+            "{} regions of {} of the {} views contradict other views, and no single pose or object \
+             explains so many. Check what the views share: the camera (fx, fy, cx, cy), the unit \
+             and the scale of the images and of the poses, ranges along the rays against depths \
+             along the axis, and that every image has its own pose",
+            regions.len(),
+            concerned.len(),
+            self.judgement.views.len()
+        )]
     }
 
     /// Whether a finding names a view, or an explanation holds for all views.

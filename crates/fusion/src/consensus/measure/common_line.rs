@@ -78,7 +78,8 @@ impl Bead {
     fn onto(&self, line: &Self) -> Self {
         let normal = left_of(&self.tangent);
         let off = left_of(&line.tangent).dot(&(line.position - self.position));
-        let cosine = line.tangent.dot(&self.tangent);
+        // The line may have turned away from the bead by its slope.
+        let cosine = line.tangent.dot(&self.tangent).max(JOINED_COSINE);
         Self { position: self.position + normal * (off / cosine), tangent: line.tangent, ..*line }
     }
 
