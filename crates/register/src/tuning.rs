@@ -71,11 +71,6 @@ pub const FIRST_TRANSLATION: f64 = 0.05;
 /// twice the time.
 pub const ROUNDS: usize = 24;
 
-/// Observations of all these rounds together after which no other begins. No unit. Measured on 40
-/// frames of a depth camera: eight rounds with momentum reach what takes 30 without. Doubled, depth
-/// cameras take twice the time.
-pub const WORK: usize = 1_750_000;
-
 /// Change of a motion, over its standard deviation, below which it has settled. No unit.
 /// Chosen by hand: far below what the motion is uncertain by. Doubled, weakly determined motions
 /// stop halfway.

@@ -28,7 +28,7 @@ mod solve;
 use crate::coarse::{CoarseView, PosePrior};
 use crate::tuning::{
     BEFORE_MOMENTUM, BLOCKS, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, MOMENTUM,
-    MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, PROBES, ROUNDS, SETTLED, SETTLING, WORK,
+    MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, PROBES, ROUNDS, SETTLED, SETTLING,
 };
 use camera::Cameras;
 use nalgebra::{DMatrix, DVector};
@@ -175,14 +175,12 @@ impl<'a> Rounds<'a> {
         }
         self.cameras.release();
         let estimated = self.scene.views.iter().all(|view| view.prior().is_none());
-        let mut work = 0;
         for round in 0..ROUNDS {
             let momentum = if round < BEFORE_MOMENTUM { 0.0 } else { MOMENTUM };
             self.observe(self.prior, OBSERVATIONS, Spread::Narrow);
             let moves = self.step(PRIOR_ROUNDS, momentum).is_some_and(|largest| largest > SETTLED);
             let exact = estimated && self.prior.rotation < EXACT * self.first.rotation;
-            work += self.pairs.iter().map(|pair| pair.observations.len()).sum::<usize>();
-            if exact || !moves || work > WORK {
+            if exact || !moves {
                 break;
             }
         }
