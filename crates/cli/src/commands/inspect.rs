@@ -12,7 +12,8 @@ use transect_workflow::{OpenScan, PlaneSettings, ViewSurvey, is_model, with_caus
 /// Options of `inspect`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Scan: a folder with scan.json, a scan.json, a Stanford .conf, or a folder of depth images;
+    /// Scan: a folder with scan.json, a scan.json, a Stanford .conf, a folder of depth images, an
+    /// E57 or PTX file, or an organised cloud (PCD, PLY, KITTI);
     /// or a model file, a model store, or a folder that `reconstruct` wrote.
     scan: PathBuf,
     #[command(flatten)]

@@ -14,7 +14,8 @@ use transect_workflow::{Costs, OpenScan, ResultFolder, Run, Settings, default_fo
 /// Options of `reconstruct`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Scan: a folder with scan.json, a scan.json, a Stanford .conf, or a folder of depth images
+    /// Scan: a folder with scan.json, a scan.json, a Stanford .conf, a folder of depth images, an
+    /// E57 or PTX file, or an organised cloud (PCD, PLY, KITTI)
     /// [default: simulate the bundled room].
     scan: Option<PathBuf>,
     #[command(flatten)]

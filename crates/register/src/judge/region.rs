@@ -124,13 +124,16 @@ fn region(
         let high = cells.iter().map(|c| of(*c, cols)).max().unwrap_or(0);
         [low * step, (high + 1) * step - 1]
     };
+    // The last cells may reach beyond the image.
+    let image = coarse.image_size();
+    let within = |[low, high]: [usize; 2], size: usize| [low, high.min(size.saturating_sub(1))];
     let by = || cells.iter().filter_map(|cell| accused.get(cell)).flatten();
     let distances = by().map(|(_, distance)| *distance).collect();
     Region {
         view: coarse.name().to_owned(),
         kind,
-        rows: around(|cell, cols| cell / cols),
-        cols: around(|cell, cols| cell % cols),
+        rows: within(around(|cell, cols| cell / cols), image.rows),
+        cols: within(around(|cell, cols| cell % cols), image.cols),
         distance: super::evidence::median(distances).unwrap_or(0.0),
         views: by().map(|(other, _)| other).collect::<BTreeSet<_>>().len(),
         cells: cells.len(),

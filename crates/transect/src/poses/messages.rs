@@ -172,6 +172,12 @@ impl PoseReport {
 
     fn remedy(&self, motion: Option<Motion>) -> String {
         match motion {
+            Some(motion) if self.refinement.is_some() => format!(
+                "It would agree ({} left) if it moved by {}, which refinement did not find: check \
+                 its pose, or leave it out with --views",
+                percent(motion.contradicting),
+                self.motion(motion.rotation, motion.translation)
+            ),
             Some(motion) => format!(
                 "It agrees ({} left) if it moves by {}; --refine-poses and transect register do \
                  that",
