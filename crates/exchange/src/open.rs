@@ -121,6 +121,15 @@ fn is_file_with(path: &Path, extension: &str) -> bool {
     !path.is_dir() && path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
+/// The first file of a folder that is a scan by itself.
+fn scan_within(folder: &Path) -> Option<String> {
+    let entries = std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path());
+    let mut files: Vec<_> = entries.filter(|path| path.is_file()).collect();
+    files.sort();
+    let scan = files.iter().find(|path| FORMATS.iter().any(|format| (format.recognise)(path)))?;
+    Some(scan.display().to_string())
+}
+
 impl Scan {
     /// Opens a scan whose files state their unit, or have one by convention.
     ///
@@ -144,6 +153,10 @@ impl Scan {
             };
             if let Some((_, reason)) = REFUSED.iter().find(is_refused) {
                 return Err(ReadError::unsupported(path, Place::Whole, *reason));
+            }
+            if let Some(scan) = scan_within(path) {
+                let reason = format!("a folder that holds scans; pass one, such as {scan}");
+                return Err(ReadError::unsupported(path, Place::Whole, reason));
             }
             let accepted = FORMATS.map(|format| format.name).join("; ");
             return Err(ReadError::NotAScan { path: path.to_owned(), accepted });
@@ -226,6 +239,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let error = Scan::open(folder.path()).unwrap_err().to_string();
         assert!(error.contains("accepted are: a folder with scan.json; "), "{error}");
+        std::fs::write(folder.path().join("pump.e57"), "").unwrap();
+        let error = Scan::open(folder.path()).unwrap_err().to_string();
+        assert!(error.contains("pass one, such as ") && error.contains("pump.e57"), "{error}");
         let missing = Scan::open(&folder.path().join("nowhere")).unwrap_err();
         assert!(matches!(missing, ReadError::Io { .. }), "{missing}");
         let text = folder.path().join("notes.md");

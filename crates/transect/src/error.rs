@@ -32,7 +32,7 @@ pub enum ReconstructError {
     /// No plane crosses any view's surface: usually a wrong unit, offset or depth scale.
     #[error(
         "no section plane crosses the surfaces of the {views} views, which lie between the \
-         stations {low} and {high} {unit}; check the unit, the depth scale, and the offset and \
+         stations {low:.3} and {high:.3} {unit}; check the unit, the depth scale, and the offset and \
          interval of the planes"
     )]
     Nothing {

@@ -69,7 +69,7 @@ pub struct DepthArguments {
     #[arg(long, value_name = "FILE")]
     camera: Option<CameraOption>,
     /// Metres per count of a folder's depth images, such as 0.001.
-    #[arg(long, value_name = "METRES")]
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     depth_scale: Option<f64>,
     /// Largest difference between the times of a depth image and of the nearest pose, in seconds;
     /// 0.02 if not stated.
