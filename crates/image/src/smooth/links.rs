@@ -9,6 +9,9 @@ use fearless_simd::{Simd, u32x8};
 /// column offset `k − HALF_WINDOW`.
 pub(super) type Connected<S> = [u32x8<S>; WINDOW_COLUMNS];
 
+/// The bits of a row whose pairs are all unbroken, over the windows of all [`LANES`].
+const UNBROKEN: u32 = (1 << (WINDOW_COLUMNS + LANES - 1)) - 1;
+
 /// The unbroken pairs of an image, one bit each, with room for a window around every pixel.
 #[derive(Debug)]
 pub(super) struct Links {
@@ -91,9 +94,10 @@ impl Links {
         // All lanes' windows side by side, each within bits of its own.
         let lanes = u32x8::load_array(simd, std::array::from_fn(|lane| lane as u32));
         let windows = u32x8::splat(simd, (1 << WINDOW_COLUMNS) - 1) << lanes;
-        let left = |k: usize| u32x8::splat(simd, self.bits(&self.left, row + k, col)) & windows;
         let up = |k: usize| u32x8::splat(simd, self.bits(&self.up, row + k, col));
-        let fill = |seen: u32x8<S>, k: usize| spread(seen, left(k)) & windows;
+        let fill = |seen: u32x8<S>, k: usize| {
+            joined(simd, seen, self.bits(&self.left, row + k, col), windows)
+        };
         let mut connected = [u32x8::splat(simd, 0); WINDOW_COLUMNS];
         connected[HALF_WINDOW] = fill(u32x8::splat(simd, 1 << HALF_WINDOW) << lanes, HALF_WINDOW);
         for k in HALF_WINDOW + 1..=HALF_WINDOW + reach {
@@ -147,6 +151,17 @@ fn copy(bits: &mut [u64], from: usize, to: usize) {
     bits[to / 64] |= (bits[from / 64] >> (from % 64) & 1) << (to % 64);
 }
 
+/// The pixels of each lane's window that unbroken pairs of the row join to the given ones.
+#[inline(always)]
+fn joined<S: Simd>(simd: S, seen: u32x8<S>, left: u32, windows: u32x8<S>) -> u32x8<S> {
+    // In most rows no pair is broken: one pixel that is seen joins the whole window.
+    if left & UNBROKEN == UNBROKEN {
+        let none = u32x8::splat(simd, 0);
+        return seen.simd_eq(none).select(none, windows);
+    }
+    spread(seen, u32x8::splat(simd, left) & windows) & windows
+}
+
 /// All pixels of a row that unbroken pairs join to the given ones.
 #[inline(always)]
 fn spread<S: Simd>(seen: u32x8<S>, left: u32x8<S>) -> u32x8<S> {
@@ -193,6 +208,23 @@ mod tests {
                 spread(u32x8::splat(simd, seen), u32x8::splat(simd, left)).to_array()
             });
             assert_eq!(found, [expected; LANES]);
+        }
+    }
+
+    /// The short way for rows without a broken pair against the doubling steps.
+    #[test]
+    fn unbroken_rows_join_the_same_pixels() {
+        for seen in [0, 1, 1 << HALF_WINDOW, 0b1010 << HALF_WINDOW, 1 << (WINDOW_COLUMNS - 1)] {
+            for left in [UNBROKEN, !0, UNBROKEN & !(1 << 12), UNBROKEN >> 1] {
+                let [found, expected] = dispatch!(Level::new(), simd => {
+                    let lanes = u32x8::load_array(simd, std::array::from_fn(|lane| lane as u32));
+                    let windows = u32x8::splat(simd, (1 << WINDOW_COLUMNS) - 1) << lanes;
+                    let seen = u32x8::splat(simd, seen) << lanes;
+                    let slow = spread(seen, u32x8::splat(simd, left) & windows) & windows;
+                    [joined(simd, seen, left, windows), slow].map(|lanes| lanes.to_array())
+                });
+                assert_eq!(found, expected, "{seen:b} {left:b}");
+            }
         }
     }
 
