@@ -118,8 +118,8 @@ pub const MOST_MISPLACED: usize = 4;
 pub const MISPLACED: f64 = 4.0;
 
 /// Distance of a view from its given place over the median of all, beyond which it has less weight
-/// in their common motion. No unit. Theory: of shifts that are normal and alike in three directions,
-/// one in 10 000 is as large. Doubled, a wrong view draws the others farther.
+/// in their common motion. No unit. Theory: of shifts that are normal and alike in three
+/// directions, one in 10 000 is as large. Doubled, a wrong view draws the others farther.
 pub const COMMON_CUT: f64 = 3.0;
 
 /// Most fits of the common motion. Theory: each takes a tenth of what a wrong view draws, or less.

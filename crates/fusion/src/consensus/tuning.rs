@@ -141,8 +141,8 @@ pub(super) mod settle {
     /// lines.
     pub const BEADS_PER_REACH: f64 = 5.0;
     /// Smallest cosine between beads that are joined. Measured on `parts_pin12_n01_pose`, whose
-    /// parts are round: with 10 degrees its 95 % distance is that of short beads within 1 %, with 30
-    /// degrees it is 5 % larger. Doubled angle: corners get rounder.
+    /// parts are round: with 10 degrees its 95 % distance is that of short beads within 1 %. With
+    /// 30 degrees it is 5 % larger. Doubled angle: corners get rounder.
     pub const JOINED_COSINE: f64 = 0.985;
     /// Beads that are joined before views are aligned: a motion of the whole view needs no detail.
     /// Measured with 2 instead of 1: medians change by less than 1 %, alignment takes a quarter of
