@@ -76,7 +76,7 @@ fn openings(rays: &[Option<Ray>], cols: usize) -> Vec<f64> {
         let here = ray(Some(k))?;
         let beside = |is_there: bool, k: usize| is_there.then_some(k);
         let neighbours = [
-            beside(k % cols > 0, k.wrapping_sub(1)),
+            beside(!k.is_multiple_of(cols), k.wrapping_sub(1)),
             beside(k % cols + 1 < cols, k + 1),
             k.checked_sub(cols),
             Some(k + cols),

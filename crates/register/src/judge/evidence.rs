@@ -3,10 +3,13 @@
 use super::blame::{Counts, Table};
 use super::pair::{Placing, Probe, Sample, probes, samples};
 use super::tuning::{
-    CONTRADICTION, HARMLESS, LARGEST_USUAL, LEAST_SAMPLES, NOISE_FACTOR, PROBES, REACH, USUAL_PAIR,
+    CONTRADICTION, HARMLESS, LARGEST_USUAL, LEAST_SAMPLES, NOISE_FACTOR, PARTNERS, PROBES, REACH,
+    USUAL_PAIR,
 };
 use crate::coarse::CoarseView;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
+use transect_device::Vector3;
 
 /// What all pairs of views say about each other at given places.
 pub(super) struct Evidence<'a> {
@@ -24,9 +27,10 @@ impl<'a> Evidence<'a> {
         let placings: Vec<Placing> = views.iter().map(|view| Placing::given(view)).collect();
         let probes: Vec<Vec<Probe>> = views.par_iter().map(|view| probes(view, PROBES)).collect();
         let n = views.len();
+        let partners = partners(&placings, &probes);
         let of = |k: usize| {
             let (a, b) = (k / n, k % n);
-            if a == b {
+            if a == b || !(partners[a].contains(&b) || partners[b].contains(&a)) {
                 return Vec::new();
             }
             samples(&probes[a], placings[a], views[b], placings[b], REACH)
@@ -80,6 +84,23 @@ impl<'a> Evidence<'a> {
     }
 }
 
+/// The views that each view is compared with: all others, or those whose surfaces are nearest in the
+/// middle where they are many.
+fn partners(placings: &[Placing], probes: &[Vec<Probe>]) -> Vec<BTreeSet<usize>> {
+    let middle = |(placing, probes): (&Placing, &Vec<Probe>)| {
+        let sum: Vector3 = probes.iter().map(|p| placing.to_world(&p.point).coords).sum();
+        sum / probes.len().max(1) as f64
+    };
+    let middles: Vec<Vector3> = placings.iter().zip(probes).map(middle).collect();
+    let of_view = |a: usize| {
+        let far = |b: &usize| (middles[a] - middles[*b]).norm();
+        let mut others: Vec<usize> = (0..middles.len()).filter(|b| *b != a).collect();
+        others.sort_by(|x, y| far(x).total_cmp(&far(y)).then(x.cmp(y)));
+        others.into_iter().take(PARTNERS).collect()
+    };
+    (0..middles.len()).map(of_view).collect()
+}
+
 /// The median; of an even number the lower one.
 pub(super) fn median(values: Vec<f64>) -> Option<f64> {
     quantile(values, 0.5)
@@ -89,4 +110,29 @@ pub(super) fn median(values: Vec<f64>) -> Option<f64> {
 fn quantile(mut values: Vec<f64>, q: f64) -> Option<f64> {
     let at = (values.len().checked_sub(1)? as f64 * q) as usize;
     Some(*values.select_nth_unstable_by(at, f64::total_cmp).1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use transect_device::{Isometry3, Point3};
+
+    #[test]
+    fn a_view_of_many_is_compared_with_the_nearest() {
+        let at = |k: usize| Isometry3::translation(k as f64, 0.0, 0.0);
+        let placings: Vec<Placing> =
+            (0..200).map(|k| Placing { world_from_sensor: at(k), scale: 1.0 }).collect();
+        let probe = Probe {
+            cell: 0,
+            point: Point3::origin(),
+            normal: Vector3::z(),
+            sigma: 1.0,
+            radius: 1.0,
+        };
+        let found = partners(&placings, &vec![vec![probe]; 200]);
+        assert!(found.iter().all(|partners| partners.len() == PARTNERS));
+        assert_eq!(found[0], (1..=PARTNERS).collect());
+        let few = partners(&placings[..4], &vec![vec![probe]; 4]);
+        assert_eq!(few[2], BTreeSet::from([0, 1, 3]));
+    }
 }

@@ -35,9 +35,9 @@ impl Placing {
 pub(crate) struct Probe {
     /// The number of its cell.
     pub cell: usize,
-    point: Point3,
-    normal: Vector3,
-    sigma: f64,
+    pub point: Point3,
+    pub normal: Vector3,
+    pub sigma: f64,
     pub radius: f64,
 }
 

@@ -4,6 +4,10 @@
 /// then known to 3 %. Doubled, judging takes twice the time.
 pub const PROBES: usize = 240;
 
+/// Other views that a view is compared with at most. No unit. Chosen by hand: memory then grows with
+/// the number of views, not with its square. Doubled, 200 views take twice the memory.
+pub const PARTNERS: usize = 60;
+
 /// Distance within which two patches are compared, over their radius. No unit. Chosen by hand: the
 /// next parallel surface is usually farther away. Doubled, a shelf is compared with the floor.
 pub const REACH: f64 = 1.0;
