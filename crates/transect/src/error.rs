@@ -1,6 +1,7 @@
 //! Why a run ends without a model.
 
 use crate::SourceError;
+use crate::evaluate::digits;
 use transect_geometry::{GuideError, LengthUnit};
 use transect_partial::PartialError;
 
@@ -32,8 +33,10 @@ pub enum ReconstructError {
     /// No plane crosses any view's surface: usually a wrong unit, offset or depth scale.
     #[error(
         "no section plane crosses the surfaces of the {views} views, which lie between the \
-         stations {low:.3} and {high:.3} {unit}; check the unit, the depth scale, and the offset and \
-         interval of the planes"
+         stations {} and {} {unit}; check the unit, the depth scale, and the offset and interval of \
+         the planes",
+        digits(*low),
+        digits(*high)
     )]
     Nothing {
         /// How many views there were.
