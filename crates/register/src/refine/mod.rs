@@ -24,6 +24,8 @@ mod left_out;
 mod outcome;
 mod pairs;
 mod solve;
+#[cfg(test)]
+mod tests;
 
 use crate::coarse::{CoarseView, PosePrior};
 use crate::tuning::{
@@ -39,6 +41,7 @@ use solve::{estimated_prior, motion_between, moved, variances};
 use std::collections::BTreeMap;
 use transect_device::{Isometry3, Point3, Vector3};
 
+use outcome::median;
 pub use outcome::{PoseOutcome, RefinedPose, Refinement};
 
 /// Options of [`refine`].
@@ -113,6 +116,8 @@ struct Rounds<'a> {
     independent: f64,
     last_change: DVector<f64>,
     variances: Vec<Motion>,
+    /// The same of each view if all others stay where they are.
+    variances_alone: Vec<Motion>,
 }
 
 impl<'a> Rounds<'a> {
@@ -122,10 +127,8 @@ impl<'a> Rounds<'a> {
         options: &RefineOptions,
         misplaced: &[usize],
     ) -> Self {
-        let mut distances: Vec<f64> =
-            scene.samples.iter().flatten().map(|s| s.in_sensor.coords.norm()).collect();
-        distances.sort_unstable_by(f64::total_cmp);
-        let distance = distances.get(distances.len() / 2).copied().unwrap_or(1.0);
+        let samples = scene.samples.iter().flatten();
+        let distance = median(samples.map(|s| s.in_sensor.coords.norm())).unwrap_or(1.0);
         let first = PosePrior {
             rotation: FIRST_ROTATION_DEGREES.to_radians(),
             translation: FIRST_TRANSLATION * distance,
@@ -138,7 +141,8 @@ impl<'a> Rounds<'a> {
             rotation: a.rotation.max(b.rotation),
             translation: a.translation.max(b.translation),
         });
-        let reach = Reach { rotation: first.rotation, translation: first.translation };
+        let reach =
+            Reach { rotation: first.rotation, translation: first.translation, unexplained: 0.0 };
         let cameras = Cameras::of(&scene.views, distance);
         let mut candidates = scene.pairs(State { poses: &given, cameras: &cameras }, reach);
         candidates.retain(|(a, b)| !misplaced.contains(a) && !misplaced.contains(b));
@@ -158,6 +162,7 @@ impl<'a> Rounds<'a> {
             independent: 0.0,
             last_change,
             variances: Vec::new(),
+            variances_alone: Vec::new(),
         }
     }
 
@@ -188,7 +193,11 @@ impl<'a> Rounds<'a> {
 
     /// Finds the meetings at the poses as they are, about as many as wanted.
     fn observe(&mut self, reach: PosePrior, wanted: usize, spread: Spread) {
-        let reach = Reach { rotation: reach.rotation, translation: reach.translation };
+        // Gates of the prior alone would shrink with it. Patches beyond them could no longer show
+        // that poses err, and the next prior would be smaller still.
+        let unexplained = median(self.pairs.iter().map(|pair| pair.excess)).unwrap_or(0.0);
+        let PosePrior { rotation, translation } = reach;
+        let reach = Reach { rotation, translation, unexplained };
         // Views of one scene share about half of what they see.
         let most = (2 * wanted / self.candidates.len().max(1)).max(PROBES);
         let state = State { poses: &self.poses, cameras: &self.cameras };
@@ -215,6 +224,8 @@ impl<'a> Rounds<'a> {
             covariance = solution.covariance();
         }
         self.variances = variances(&covariance, so_far.len());
+        self.variances_alone =
+            (0..so_far.len()).map(|k| solution.variances_alone(k)).collect::<Option<_>>()?;
         let sizes = solution.unknowns.component_div(&covariance.diagonal().map(f64::sqrt));
         self.change(solution.unknowns, momentum);
         Some(sizes.rows(0, 6 * so_far.len()).amax())

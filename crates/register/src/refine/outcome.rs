@@ -5,7 +5,7 @@ use super::common_motion::{OfView, common_motion};
 use super::pairs::{Pair, Sample};
 use super::solve::{Motion, motion_between};
 use crate::coarse::PosePrior;
-use crate::tuning::{FAR_OFF, MISPLACED, PROBES};
+use crate::tuning::{FAR_OFF, GATE, MISPLACED, PROBES};
 use transect_device::{DepthOffsets, Isometry3, Point3, Vector3};
 
 /// What became of the pose of a view.
@@ -70,16 +70,17 @@ fn rms<S: serde::Serializer>(offsets: &Option<DepthOffsets>, out: S) -> Result<S
 }
 
 impl Rounds<'_> {
-    /// The view that fits the others worst, if it is misplaced: far worse than the others, and
-    /// hardly better than at its given pose.
+    /// The view that fits the others worst, if it is misplaced: far worse than the others and than
+    /// its noise explains, and hardly better than at its given pose.
     pub(super) fn worst_view(&self) -> Option<usize> {
         let before = medians(&self.before, self.given.len());
         let after = medians(&self.pairs, self.given.len());
-        let typical = median(&mut after.iter().flatten().copied().collect::<Vec<_>>())?;
+        let typical = median(after.iter().flatten().copied())?;
         let views = before.iter().zip(&after).enumerate();
         let misplaced = views.filter_map(|(k, (before, after))| {
             let after = (*after)?;
-            (after > MISPLACED * typical && after > 0.5 * (*before)?).then_some((k, after))
+            let worse = after > MISPLACED * typical && after > GATE * self.noise(k);
+            (worse && after > 0.5 * (*before)?).then_some((k, after))
         });
         misplaced.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k)
     }
@@ -96,16 +97,22 @@ impl Rounds<'_> {
             self.take_out_common_motion(&alone);
         }
         let turned: Vec<f64> = self.motions().iter().map(|m| m.fixed_rows::<3>(3).norm()).collect();
-        let typical = median(&mut turned.clone()).unwrap_or(0.0);
+        let typical = median(turned.iter().copied()).unwrap_or(0.0);
+        let before = medians(&self.before, self.given.len());
+        let after = if keeps { before.clone() } else { medians(&self.pairs, self.given.len()) };
+        let apart = median(after.iter().flatten().copied()).unwrap_or(0.0);
+        // What images and poses are uncertain by moves no view far off.
+        let far_off = |k: usize| {
+            let moved = self.surface_moves(&motion_between(&self.given[k], &self.poses[k]));
+            turned[k] > FAR_OFF * typical && moved > GATE * apart.hypot(self.uncertainty(k))
+        };
         let outcome = |k: usize| match () {
             () if misplaced.contains(&k) => PoseOutcome::Misplaced,
             () if alone[k] => PoseOutcome::Alone,
             () if keeps => PoseOutcome::Kept,
-            () if turned[k] > FAR_OFF * typical => PoseOutcome::BroughtBack,
+            () if far_off(k) => PoseOutcome::BroughtBack,
             () => PoseOutcome::Refined,
         };
-        let before = medians(&self.before, self.given.len());
-        let after = if keeps { before.clone() } else { medians(&self.pairs, self.given.len()) };
         let offsets = |k: usize| self.cameras.of_view(k).filter(|_| !keeps);
         let pose = |k: usize| RefinedPose {
             depth_offsets: offsets(k),
@@ -128,6 +135,23 @@ impl Rounds<'_> {
         for (pose, _) in self.poses.iter_mut().zip(alone).filter(|(_, alone)| !**alone) {
             *pose = back * *pose;
         }
+    }
+
+    /// How far a motion moves the surface that a view sees at the scene's typical distance.
+    fn surface_moves(&self, motion: &Motion) -> f64 {
+        motion.fixed_rows::<3>(0).norm() + motion.fixed_rows::<3>(3).norm() * self.distance
+    }
+
+    /// Standard deviation of the place of a view's surface against the other views.
+    fn uncertainty(&self, k: usize) -> f64 {
+        let variances = self.variances_alone.get(k);
+        let motion = variances.map_or(0.0, |v| self.surface_moves(&v.map(f64::sqrt)));
+        motion.hypot(self.noise(k))
+    }
+
+    /// Median noise of a view's patches.
+    fn noise(&self, k: usize) -> f64 {
+        median(self.scene.samples[k].iter().map(|s| s.sigma)).unwrap_or(0.0)
     }
 
     fn refined_pose(
@@ -171,10 +195,12 @@ fn medians(pairs: &[Pair], views: usize) -> Vec<Option<f64>> {
             }
         }
     }
-    distances.iter_mut().map(|list| median(list)).collect()
+    distances.into_iter().map(median).collect()
 }
 
-fn median(list: &mut [f64]) -> Option<f64> {
+/// The upper one of two middle values; `None` of none.
+pub(super) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let mut list: Vec<f64> = values.into_iter().collect();
     let middle = list.len() / 2;
     (!list.is_empty()).then(|| *list.select_nth_unstable_by(middle, f64::total_cmp).1)
 }

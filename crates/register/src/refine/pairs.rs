@@ -73,11 +73,14 @@ pub struct Scene<'a> {
     pub origin: Point3,
 }
 
-/// How far a sample may lie from a patch: as far as both poses may be wrong.
+/// How far a sample may lie from a patch: as far as both poses may be wrong, and at least as far as
+/// typical pairs differ.
 #[derive(Debug, Clone, Copy)]
 pub struct Reach {
     pub rotation: f64,
     pub translation: f64,
+    /// Variance of a typical pair that its noise leaves unexplained.
+    pub unexplained: f64,
 }
 
 /// Where the views are, and what their cameras err.
@@ -181,7 +184,8 @@ impl Scene<'_> {
             let normal = b_from_a.rotation * sample.normal;
             let moved = reach.translation + reach.rotation * sample.in_sensor.coords.norm();
             let variance = sample.sigma.powi(2) + meeting.sigma.powi(2);
-            let gate = GATE * (moved.powi(2) + variance).sqrt();
+            let beyond = moved.powi(2).max(reach.unexplained);
+            let gate = GATE * (beyond + variance).sqrt();
             if meeting.distance.abs() > gate || normal.dot(&meeting.normal) < alike {
                 return None;
             }

@@ -155,6 +155,15 @@ impl Solution {
         self.unknowns.fixed_rows::<6>(6 * view).into_owned()
     }
 
+    /// Variances of the motion of a view if everything else stays where it is. They leave out the
+    /// motion that all views share.
+    pub fn variances_alone(&self, view: usize) -> Option<Motion> {
+        let rows = self.factor.l().rows(6 * view, 6).into_owned();
+        let information = &rows * rows.transpose();
+        let information = information.fixed_view::<6, 6>(0, 0).into_owned();
+        Some(information.try_inverse()?.diagonal())
+    }
+
     /// The covariance of all unknowns.
     pub fn covariance(&self) -> DMatrix<f64> {
         self.factor.inverse()

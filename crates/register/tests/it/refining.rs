@@ -232,3 +232,17 @@ fn a_sound_camera_has_no_offsets() {
     let refinement = refine(&coarse(&simulated("machined_part", "")), &RefineOptions::default());
     assert!(refinement.poses.iter().all(|pose| pose.depth_offsets.is_none()));
 }
+
+/// One view moves a thousand times as far as the others, and still far less than its noise.
+#[test]
+fn a_motion_within_the_noise_is_no_error() {
+    let views = simulated_with_noise("kitchen", |noise| noise.depth_camera.distortion = 0.004);
+    let views: Vec<View> = views.into_iter().step_by(4).collect();
+    let prior = |size: f64| Some(PosePrior { rotation: size, translation: size });
+    let copies = coarse(&views).into_iter().zip([1e-9, 1e-5, 1e-9, 1e-9]);
+    let copies: Vec<_> = copies.map(|(copy, size)| copy.with_prior(prior(size))).collect();
+    let refinement = refine(&copies, &RefineOptions::default());
+    let [first, second] = [0, 1].map(|k: usize| &refinement.poses[k]);
+    assert!(second.rotation > 100.0 * first.rotation, "{first:?}, {second:?}");
+    assert_eq!(second.outcome, PoseOutcome::Refined, "{second:?}");
+}
