@@ -84,8 +84,8 @@ impl<'a> Evidence<'a> {
     }
 }
 
-/// The views that each view is compared with: all others, or those whose surfaces are nearest in the
-/// middle where they are many.
+/// The views that each view is compared with: all others, or where they are many, those whose
+/// surfaces have the nearest middles.
 fn partners(placings: &[Placing], probes: &[Vec<Probe>]) -> Vec<BTreeSet<usize>> {
     let middle = |(placing, probes): (&Placing, &Vec<Probe>)| {
         let sum: Vector3 = probes.iter().map(|p| placing.to_world(&p.point).coords).sum();

@@ -4,8 +4,8 @@
 /// then known to 3 %. Doubled, judging takes twice the time.
 pub const PROBES: usize = 240;
 
-/// Other views that a view is compared with at most. No unit. Chosen by hand: memory then grows with
-/// the number of views, not with its square. Doubled, 200 views take twice the memory.
+/// Other views that a view is compared with at most. No unit. Chosen by hand: memory then grows
+/// with the number of views, not with its square. Doubled, 200 views take twice the memory.
 pub const PARTNERS: usize = 60;
 
 /// Distance within which two patches are compared, over their radius. No unit. Chosen by hand: the
