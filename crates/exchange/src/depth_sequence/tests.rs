@@ -131,7 +131,7 @@ fn tum_images_get_the_pose_at_their_time_and_no_other() {
     let notes = scan.notes.join("\n");
     for text in [
         "metres, 0.0002 m per count, the convention of this layout; depths 1.000 to 2.000 m, med",
-        "groundtruth.txt: 1 lines left out; the first: line 4: \"broken\" is no number; expected 8",
+        "groundtruth.txt: 1 lines are left out; the first: line 4: \"broken\" is no number; expected 8",
         "1 of 4 images are left out, before the first pose or after the last; the first: \
          depth/b.png at 9.9; ",
         "has poses from 10 to 40",
@@ -139,6 +139,13 @@ fn tum_images_get_the_pose_at_their_time_and_no_other() {
     ] {
         assert!(notes.contains(text), "no {text:?} in\n{notes}");
     }
+    let zero = TUM.replace(" 0.70710678 0.70710678", " 0 0").replace("0 0 0 1\n", "0 0 0 0\n");
+    fs::write(folder.path().join("groundtruth.txt"), zero).unwrap();
+    let none = error(&folder, &options);
+    let line = "no image has a pose: 4 lines are left out; the first: line 2: the quaternion has \
+                length 0; a rotation has length 1; 4 of 4 images";
+    assert!(none.contains(line), "{none}");
+    fs::write(folder.path().join("groundtruth.txt"), TUM).unwrap();
     // The usual tolerance leaves the image of the time of a pose.
     let scan = Scan::open(folder.path()).unwrap();
     assert_eq!(views(&scan), [("depth/d.png", 4.0, 2.0)]);
@@ -314,7 +321,10 @@ fn options_that_mean_nothing_are_refused() {
     let rings = OpenOptions { rings: Some(32), ..OpenOptions::default() };
     assert!(error(&folder, &rings).contains("--rings has no meaning for a scan of this format"));
     fs::write(folder.path().join("scan.json"), "{}").unwrap();
-    assert!(error(&folder, &scale).contains("--depth-scale has no meaning"));
+    let taken_over = error(&folder, &scale);
+    assert!(taken_over.contains("--depth-scale has no meaning"), "{taken_over}");
+    assert!(taken_over.contains("scan.json is read, which states the cameras"), "{taken_over}");
+    assert!("585,585".parse::<CameraOption>().unwrap_err().starts_with("2 numbers; expected"));
 }
 
 #[test]

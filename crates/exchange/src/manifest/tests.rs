@@ -102,6 +102,9 @@ fn unknown_keys_are_told_with_their_place_at_every_level() {
     for (note, end) in notes.iter().zip(ends) {
         assert!(note.ends_with(end), "{note}");
     }
+    let twice = Folder::with(r#""unit": "m","#, &format!("{view} }}, {{ {view}")).open().unwrap();
+    let end = "scan.json, view 0 (a.npy): unknown key \"theta0\" ignored, in 2 views";
+    assert!(twice.notes[0].ends_with(end), "{:?}", twice.notes);
 }
 
 #[test]
