@@ -120,6 +120,19 @@ fn inspect_names_a_wrong_view_and_the_convention_that_mends_all() {
     });
     let wrong = warnings("scan/inverse.json");
     assert!(wrong.len() == 1 && wrong[0].ends_with("Pass --pose-convention inverse"), "{wrong:?}");
+    // The poses are in metres, as the scan states, and the images in millimetres.
+    folder.edit_json("scan/scan.json", "scan/images.json", |m| {
+        m["views"]
+            .as_array_mut()
+            .unwrap()
+            .iter_mut()
+            .for_each(|view| view["scale"] = 1000.0.into());
+    });
+    let wrong = warnings("scan/images.json");
+    let advice = "correct the images: multiply their \"scale\" in scan.json, or --depth-scale, by \
+                  0.001; without a scale, state 0.001. Or state \"unit\": \"mm\" and pass \
+                  --pose-convention metres";
+    assert!(wrong.len() == 1 && wrong[0].ends_with(advice), "{wrong:?}");
 }
 
 #[test]

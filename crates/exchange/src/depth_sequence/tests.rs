@@ -337,6 +337,33 @@ fn the_size_of_a_camera_file_must_be_that_of_the_images() {
 }
 
 #[test]
+fn an_image_of_another_size_than_most_is_refused() {
+    let folder = folder(&[
+        ("a.png", "5"),
+        ("b.png", "5"),
+        ("c.png", "5"),
+        ("camera.txt", MATRIX),
+        ("poses.txt", &IDENTITY_POSE.repeat(3)),
+    ]);
+    for odd in 0..3 {
+        for (number, name) in ["a.png", "b.png", "c.png"].into_iter().enumerate() {
+            let side = if number == odd { 3 } else { 2 };
+            write_png(&folder.path().join(name), side, &vec![9; side * side]);
+        }
+        let views = Scan::open(folder.path()).unwrap().views;
+        for (number, view) in views.iter().enumerate() {
+            let text = "states 2 rows × 2 columns, or most images have them";
+            match view.load() {
+                Ok(_) => assert_ne!(number, odd),
+                Err(error) => {
+                    assert!(number == odd && error.to_string().ends_with(text), "{error}")
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn red_kitchen_opens_with_its_rounded_rotations_repaired() {
     let Some(folder) = shared("rgbd_redkitchen") else { return };
     let scan = Scan::open(&folder).unwrap();
