@@ -131,7 +131,7 @@ impl Association {
              {most} s (--max-time-difference)"
         ));
         if let Some((count, first)) = &timed.refused {
-            self.refused = Some(format!("{count} lines are left out; the first: {first}"));
+            self.refused = Some(format!("lines without a pose: {count}; the first: {first}"));
         }
         let span = timed.span().map_or_else(
             || "has no pose".to_owned(),

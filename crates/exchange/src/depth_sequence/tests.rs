@@ -131,7 +131,7 @@ fn tum_images_get_the_pose_at_their_time_and_no_other() {
     let notes = scan.notes.join("\n");
     for text in [
         "metres, 0.0002 m per count, the convention of this layout; depths 1.000 to 2.000 m, med",
-        "groundtruth.txt: 1 lines are left out; the first: line 4: \"broken\" is no number; expected 8",
+        "groundtruth.txt: lines without a pose: 1; the first: line 4: \"broken\" is no number; expected 8",
         "1 of 4 images are left out, before the first pose or after the last; the first: \
          depth/b.png at 9.9; ",
         "has poses from 10 to 40",
@@ -142,7 +142,7 @@ fn tum_images_get_the_pose_at_their_time_and_no_other() {
     let zero = TUM.replace(" 0.70710678 0.70710678", " 0 0").replace("0 0 0 1\n", "0 0 0 0\n");
     fs::write(folder.path().join("groundtruth.txt"), zero).unwrap();
     let none = error(&folder, &options);
-    let line = "no image has a pose: 4 lines are left out; the first: line 2: the quaternion has \
+    let line = "no image has a pose: lines without a pose: 4; the first: line 2: the quaternion has \
                 length 0; a rotation has length 1; 4 of 4 images";
     assert!(none.contains(line), "{none}");
     fs::write(folder.path().join("groundtruth.txt"), TUM).unwrap();
