@@ -79,10 +79,6 @@ pub(crate) fn to_scan(
         views.push(view.with_sigma(manifest.sigma).with_pose_sigma(entry.pose_sigma));
     }
     inputs.extend(sensors.iter().filter_map(|(_, sensor)| Some(sensor.file()?.to_owned())));
-    let mut notes: Vec<String> =
-        pose::repairs_note(path, &repairs, views.len()).into_iter().collect();
-    notes.extend(repeated_files(manifest).map(|note| format!("{}: {note}", path.display())));
-    notes.extend(one_pose(manifest).map(|note| format!("{}: {note}", path.display())));
     let mut known = HashSet::new();
     inputs.retain(|file| known.insert(file.clone()));
     Ok(Scan {
@@ -91,9 +87,17 @@ pub(crate) fn to_scan(
         sigma: manifest.sigma,
         planes: manifest.planes.clone(),
         inputs,
-        notes,
+        notes: pose::repairs_note(path, &repairs, views.len())
+            .into_iter()
+            .chain(doubts(manifest).map(|note| format!("{}: {note}", path.display())))
+            .collect(),
         views,
     })
+}
+
+/// Notes on views that are valid, but most likely wrong together.
+fn doubts(manifest: &Manifest) -> impl Iterator<Item = String> {
+    repeated_files(manifest).chain(one_pose(manifest))
 }
 
 /// A note on every file that several views name.
