@@ -130,6 +130,21 @@ fn scan_within(folder: &Path) -> Option<String> {
     Some(scan.display().to_string())
 }
 
+/// The problem of an option that the format of a scan has no use for. In a folder, a manifest comes
+/// before all other files, such as the images that the option is meant for.
+fn without_use(option: &str, path: &Path) -> String {
+    let problem = format!("{option} has no meaning for a scan of this format; leave it out");
+    if !manifest::is_in(path) {
+        return problem;
+    }
+    let manifest = path.join(manifest::FILE_NAME);
+    format!(
+        "{problem}: {} is read, which states the cameras, scales and poses; or rename that file, \
+         so that the folder is read without it",
+        manifest.display()
+    )
+}
+
 impl Scan {
     /// Opens a scan whose files state their unit, or have one by convention.
     ///
@@ -161,7 +176,9 @@ impl Scan {
             let accepted = FORMATS.map(|format| format.name).join("; ");
             return Err(ReadError::NotAScan { path: path.to_owned(), accepted });
         };
-        options.refuse_unused(path, format.uses)?;
+        if let Some(option) = options.unused(format.uses) {
+            return Err(ReadError::unsupported(path, Place::Whole, without_use(option, path)));
+        }
         let mut scan = (format.open)(path, options)?;
         scan.settle_missing(path, options.skip_missing)?;
         match options.image_order {

@@ -1,8 +1,6 @@
 //! How a scan is opened: what the caller says in place of its files.
 
-use crate::{Place, ReadError};
-use std::convert::Infallible;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::str::FromStr;
 use transect_device::{ImageOrder, ImageSize};
 use transect_geometry::LengthUnit;
@@ -33,8 +31,8 @@ pub struct OpenOptions {
 }
 
 impl OpenOptions {
-    /// Refuses options that the format of a scan has no use for.
-    pub(crate) fn refuse_unused(&self, path: &Path, used: &[&str]) -> Result<(), ReadError> {
+    /// The first given option that is not among the used ones.
+    pub(crate) fn unused(&self, used: &[&str]) -> Option<&'static str> {
         let given = [
             ("--poses", self.poses.is_some()),
             ("--camera", self.camera.is_some()),
@@ -43,10 +41,7 @@ impl OpenOptions {
             ("--grid", self.grid.is_some()),
             ("--rings", self.rings.is_some()),
         ];
-        let unused = given.iter().find(|(name, given)| *given && !used.contains(name));
-        let Some((name, _)) = unused else { return Ok(()) };
-        let problem = format!("{name} has no meaning for a scan of this format; leave it out");
-        Err(ReadError::unsupported(path, Place::Whole, problem))
+        given.into_iter().find(|(name, given)| *given && !used.contains(name)).map(|(name, _)| name)
     }
 }
 
@@ -61,14 +56,19 @@ pub enum CameraOption {
 }
 
 impl FromStr for CameraOption {
-    type Err = Infallible;
+    type Err = String;
 
-    /// Four numbers with commas between them are intrinsics; any other text names a file.
-    fn from_str(text: &str) -> Result<Self, Infallible> {
+    /// Numbers with commas between them are intrinsics, of which there are four; any other text
+    /// names a file.
+    fn from_str(text: &str) -> Result<Self, String> {
         let parsed: Option<Vec<f64>> = text.split(',').map(|n| n.trim().parse().ok()).collect();
-        Ok(match parsed.as_deref() {
-            Some(&[fx, fy, cx, cy]) => Self::Numbers(Intrinsics { fx, fy, cx, cy }),
-            _ => Self::File(text.into()),
-        })
+        match parsed.as_deref() {
+            Some(&[fx, fy, cx, cy]) => Ok(Self::Numbers(Intrinsics { fx, fy, cx, cy })),
+            None | Some([_]) => Ok(Self::File(text.into())),
+            Some(numbers) => {
+                let count = numbers.len();
+                Err(format!("{count} numbers; expected the four numbers FX,FY,CX,CY, or a file"))
+            }
+        }
     }
 }

@@ -76,8 +76,10 @@ impl ViewFile {
         if stated == found {
             return Ok(());
         }
-        let problem =
-            format!("the image has {found}, but the manifest or the camera file states {stated}");
+        let problem = format!(
+            "the image has {found}, but the manifest or the camera file states {stated}, or most \
+             images have them"
+        );
         Err(self.damaged(problem))
     }
 }

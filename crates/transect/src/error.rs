@@ -32,7 +32,7 @@ pub enum ReconstructError {
     },
     /// No plane crosses any view's surface: usually a wrong unit, offset or depth scale.
     #[error(
-        "no section plane crosses the surfaces of the {views} views, which lie between the \
+        "no section plane crosses the surfaces of the scan (views: {views}), which lie between the \
          stations {} and {} {unit}; check the unit, the depth scale, and the offset and interval of \
          the planes",
         digits(*low),
@@ -50,8 +50,8 @@ pub enum ReconstructError {
     },
     /// No plane along a curved guide crosses any view's surface.
     #[error(
-        "no section plane along the guide crosses the surfaces of the {views} views; {beyond_ends} \
-         of their pixels lie beyond its ends, {beyond_reach} too far from it"
+        "no section plane along the guide crosses the surfaces of the scan (views: {views}); \
+         {beyond_ends} of their pixels lie beyond its ends, {beyond_reach} too far from it"
     )]
     OffGuide {
         /// How many views there were.
@@ -63,8 +63,8 @@ pub enum ReconstructError {
     },
     /// Planes cross surfaces of the views, but no view has two crossings beside each other.
     #[error(
-        "{views} views cross the section planes {crossings} times, but nowhere twice in a row: \
-         images of one row, or too few pixels, make no curves"
+        "the surfaces of the scan (views: {views}) cross the section planes {crossings} times, but \
+         nowhere twice in a row: images of one row, or too few pixels, make no curves"
     )]
     NoCurves {
         /// How many views there were.

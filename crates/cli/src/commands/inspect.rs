@@ -45,10 +45,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if !views.is_empty() {
         say("");
         print_views(&views, scan.scan().unit);
-        say(&format!("\nreconstruct it: {}", command(&scan, &views)?));
     }
     // Every bad view is named, not only the first.
-    if failures.is_empty() { Ok(()) } else { Err(Failure::Failed(failures.join("\n").into())) }
+    if !failures.is_empty() {
+        return Err(Failure::Failed(failures.join("\n").into()));
+    }
+    say(&format!("\nreconstruct it: {}", command(&scan, &views)?));
+    Ok(())
 }
 
 fn scan_rows(opened: &OpenScan, views: &[(usize, ViewSurvey)]) -> Vec<Row> {

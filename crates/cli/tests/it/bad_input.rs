@@ -284,9 +284,31 @@ fn paths_that_are_no_scan_are_told_what_would_be() {
     let folder = Folder::empty();
     folder.write("notes.txt", "no scan");
     std::fs::create_dir(folder.path("bare")).unwrap();
+    std::fs::create_dir(folder.path("pump")).unwrap();
+    folder.write("pump/pump.ptx", "");
+    refused(&folder, "pump", &["a folder that holds scans; pass one, such as ", "pump.ptx"]);
     for path in ["notes.txt", "bare"] {
         refused(&folder, path, &[path, "not a scan", "scan.json", ".conf"]);
     }
+}
+
+/// `inspect` proposes a command only if the command can succeed.
+#[test]
+fn a_scan_with_a_damaged_view_is_inspected_without_a_command_for_it() {
+    let mut manifest = manifest();
+    let inspect = |manifest: &Value| {
+        let folder = scan_of(manifest);
+        folder.write("cut.npy", &npy(&depths())[..200]);
+        folder.run("inspect scan.json")
+    };
+    assert!(inspect(&manifest).succeeded().stdout.contains("reconstruct it: "));
+    let mut cut = manifest["views"][0].clone();
+    cut["file"] = "cut.npy".into();
+    manifest["views"].as_array_mut().unwrap().push(cut);
+    let run = inspect(&manifest);
+    run.failed_with(1, &["view cut.npy", "cut.npy: truncated"]);
+    assert!(run.stdout.contains("| wall.npy "), "{}", run.stdout);
+    assert!(!run.stdout.contains("reconstruct it"), "{}", run.stdout);
 }
 
 #[test]

@@ -120,6 +120,15 @@ fn inspect_names_a_wrong_view_and_the_convention_that_mends_all() {
     });
     let wrong = warnings("scan/inverse.json");
     assert!(wrong.len() == 1 && wrong[0].ends_with("Pass --pose-convention inverse"), "{wrong:?}");
+    // The poses are in millimetres, as the scan states, and the images in metres.
+    folder.edit_json("scan/scan.json", "scan/images.json", |m| {
+        m["views"].as_array_mut().unwrap().iter_mut().for_each(|view| view["scale"] = 0.001.into());
+    });
+    let wrong = warnings("scan/images.json");
+    let advice = "correct the images: multiply their \"scale\" in scan.json, or --depth-scale, by \
+                  1000; without a scale, state 1000. Or state \"unit\": \"m\" and pass \
+                  --pose-convention millimetres";
+    assert!(wrong.len() == 1 && wrong[0].ends_with(advice), "{wrong:?}");
 }
 
 #[test]

@@ -18,6 +18,8 @@ pub(super) struct Association {
     pub(super) poses: Vec<(usize, [f64; 16])>,
     /// The images without a pose.
     losses: Vec<Losses>,
+    /// The lines of the trajectory that hold no pose, in words.
+    refused: Option<String>,
     pub(super) notes: Vec<String>,
     /// The files that were read.
     pub(super) files: Vec<PathBuf>,
@@ -129,7 +131,7 @@ impl Association {
              {most} s (--max-time-difference)"
         ));
         if let Some((count, first)) = &timed.refused {
-            self.notes.push(format!("{path}: {count} lines left out; the first: {first}"));
+            self.refused = Some(format!("lines without a pose: {count}; the first: {first}"));
         }
         let span = timed.span().map_or_else(
             || "has no pose".to_owned(),
@@ -153,13 +155,13 @@ impl Association {
         }
     }
 
-    /// Turns the losses into notes, or into an error if no image has a pose.
+    /// Turns the refused lines and the losses into notes, or into an error if no image has a pose.
     fn not_empty(mut self, layout: &Layout) -> Result<Self, ReadError> {
         let images = layout.images.len();
         let told = self.losses.iter().map(|Losses { reason, count, first }| {
             format!("{count} of {images} images are left out, {reason}; the first: {first}")
         });
-        let told: Vec<String> = told.collect();
+        let told: Vec<String> = self.refused.iter().cloned().chain(told).collect();
         if self.poses.is_empty() {
             let problem = format!("no image has a pose: {}", told.join("; "));
             return Err(ReadError::damaged(&layout.poses, Place::Whole, problem));

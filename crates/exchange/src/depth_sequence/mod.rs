@@ -27,6 +27,7 @@ use association::associate;
 use camera::Camera;
 use layouts::Layout;
 use std::path::{Path, PathBuf};
+use transect_device::ImageSize;
 use transect_geometry::LengthUnit;
 
 /// Images that are read when a sequence is opened, for their kind of numbers and their depths.
@@ -85,7 +86,8 @@ fn sequence(folder: &Path, names: FileNames, options: &OpenOptions) -> Result<Se
             FileNames::Absolute => absolute.join(file).to_string_lossy().into_owned(),
         };
         let pose = if turned { with_y_turned(*pose) } else { *pose };
-        let (rows, cols) = (camera.rows, camera.cols);
+        let rows = camera.rows.or(sample.size.map(|size| size.rows));
+        let cols = camera.cols.or(sample.size.map(|size| size.cols));
         ViewEntry { rows, cols, scale, ..ViewEntry::new(file, camera.sensor(), pose) }
     };
     let views = images.iter().zip(&association.poses).map(view).collect();
@@ -145,6 +147,9 @@ fn with_y_turned(mut pose: [f64; 16]) -> [f64; 16] {
 struct Sample {
     /// Whether the images hold integers; also if none could be read.
     integers: bool,
+    /// The size that most of the images have, the first of equally many. The camera is that of all
+    /// images, so an image of another size is not its own.
+    size: Option<ImageSize>,
     /// Least, median and largest depth of each image.
     depths: Vec<[f32; 3]>,
 }
@@ -153,14 +158,16 @@ impl Sample {
     /// A sample of the first, the last and other images. Unreadable ones are left out here: each
     /// view reports its own problems when it is loaded.
     fn of(folder: &Path, images: &[&str]) -> Self {
-        let mut sample = Self { integers: true, depths: Vec::new() };
+        let mut sample = Self { integers: true, size: None, depths: Vec::new() };
+        let mut sizes = Vec::new();
         let last = images.len().saturating_sub(1);
         let mut places: Vec<usize> = (0..SAMPLE).map(|k| k * last / (SAMPLE - 1)).collect();
         places.dedup();
         for image in places.iter().filter_map(|place| images.get(*place)) {
             let read = image_file::read(&folder.join(image), Some(1.0), &mut Vec::new());
-            let Ok(Pixels { mut values, integers, .. }) = read else { continue };
+            let Ok(Pixels { mut values, integers, size }) = read else { continue };
             sample.integers = integers;
+            sizes.push(size);
             values.retain(|v| *v > 0.0 && v.is_finite());
             values.sort_unstable_by(f32::total_cmp);
             if let (Some(least), Some(largest)) = (values.first(), values.last()) {
@@ -168,6 +175,9 @@ impl Sample {
                 sample.depths.push([*least, *median, *largest]);
             }
         }
+        let count = |size: &ImageSize| sizes.iter().filter(|other| *other == size).count();
+        // Of equal counts, `max_by_key` takes the last.
+        sample.size = sizes.iter().rev().max_by_key(|size| count(size)).copied();
         sample
     }
 

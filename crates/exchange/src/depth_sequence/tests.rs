@@ -131,7 +131,7 @@ fn tum_images_get_the_pose_at_their_time_and_no_other() {
     let notes = scan.notes.join("\n");
     for text in [
         "metres, 0.0002 m per count, the convention of this layout; depths 1.000 to 2.000 m, med",
-        "groundtruth.txt: 1 lines left out; the first: line 4: \"broken\" is no number; expected 8",
+        "groundtruth.txt: lines without a pose: 1; the first: line 4: \"broken\" is no number; expected 8",
         "1 of 4 images are left out, before the first pose or after the last; the first: \
          depth/b.png at 9.9; ",
         "has poses from 10 to 40",
@@ -139,6 +139,13 @@ fn tum_images_get_the_pose_at_their_time_and_no_other() {
     ] {
         assert!(notes.contains(text), "no {text:?} in\n{notes}");
     }
+    let zero = TUM.replace(" 0.70710678 0.70710678", " 0 0").replace("0 0 0 1\n", "0 0 0 0\n");
+    fs::write(folder.path().join("groundtruth.txt"), zero).unwrap();
+    let none = error(&folder, &options);
+    let line = "no image has a pose: lines without a pose: 4; the first: line 2: the quaternion has \
+                length 0; a rotation has length 1; 4 of 4 images";
+    assert!(none.contains(line), "{none}");
+    fs::write(folder.path().join("groundtruth.txt"), TUM).unwrap();
     // The usual tolerance leaves the image of the time of a pose.
     let scan = Scan::open(folder.path()).unwrap();
     assert_eq!(views(&scan), [("depth/d.png", 4.0, 2.0)]);
@@ -314,7 +321,10 @@ fn options_that_mean_nothing_are_refused() {
     let rings = OpenOptions { rings: Some(32), ..OpenOptions::default() };
     assert!(error(&folder, &rings).contains("--rings has no meaning for a scan of this format"));
     fs::write(folder.path().join("scan.json"), "{}").unwrap();
-    assert!(error(&folder, &scale).contains("--depth-scale has no meaning"));
+    let taken_over = error(&folder, &scale);
+    assert!(taken_over.contains("--depth-scale has no meaning"), "{taken_over}");
+    assert!(taken_over.contains("scan.json is read, which states the cameras"), "{taken_over}");
+    assert!("585,585".parse::<CameraOption>().unwrap_err().starts_with("2 numbers; expected"));
 }
 
 #[test]
@@ -324,6 +334,33 @@ fn the_size_of_a_camera_file_must_be_that_of_the_images() {
     let scan = Scan::open(folder.path()).unwrap();
     let error = scan.views[0].load().unwrap_err().to_string();
     assert!(error.contains("the image has 2 rows × 2 columns, but"), "{error}");
+}
+
+#[test]
+fn an_image_of_another_size_than_most_is_refused() {
+    let folder = folder(&[
+        ("a.png", "5"),
+        ("b.png", "5"),
+        ("c.png", "5"),
+        ("camera.txt", MATRIX),
+        ("poses.txt", &IDENTITY_POSE.repeat(3)),
+    ]);
+    for odd in 0..3 {
+        for (number, name) in ["a.png", "b.png", "c.png"].into_iter().enumerate() {
+            let side = if number == odd { 3 } else { 2 };
+            write_png(&folder.path().join(name), side, &vec![9; side * side]);
+        }
+        let views = Scan::open(folder.path()).unwrap().views;
+        for (number, view) in views.iter().enumerate() {
+            let text = "states 2 rows × 2 columns, or most images have them";
+            match view.load() {
+                Ok(_) => assert_ne!(number, odd),
+                Err(error) => {
+                    assert!(number == odd && error.to_string().ends_with(text), "{error}")
+                }
+            }
+        }
+    }
 }
 
 #[test]

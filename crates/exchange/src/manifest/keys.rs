@@ -6,6 +6,33 @@ use serde_json::{Error, Map, Value};
 use std::cell::RefCell;
 use std::path::Path;
 
+/// A key that no reader asked for.
+pub(super) struct UnknownKey {
+    at: Place,
+    /// The key, with the text before it in messages.
+    key: String,
+}
+
+/// A note for every unknown key. A key of several views gets one note, at the first of them.
+pub(super) fn unknown_notes(path: &Path, unknown: &[UnknownKey]) -> Vec<String> {
+    let mut groups: Vec<(&UnknownKey, usize)> = Vec::new();
+    for one in unknown {
+        let of_views = |at: &Place| matches!(at, Place::View { .. });
+        let same =
+            |first: &UnknownKey| first.key == one.key && of_views(&first.at) && of_views(&one.at);
+        match groups.iter_mut().find(|(first, _)| same(first)) {
+            Some((_, count)) => *count += 1,
+            None => groups.push((one, 1)),
+        }
+    }
+    let path = path.display();
+    let note = |(UnknownKey { at, key }, count): (&UnknownKey, usize)| match count {
+        1 => format!("{path}{at}: unknown key \"{key}\" ignored"),
+        _ => format!("{path}{at}: unknown key \"{key}\" ignored, in {count} views"),
+    };
+    groups.into_iter().map(note).collect()
+}
+
 /// One object of a manifest. Errors name the file, the view and the key. [`Keys::unknown`] lists
 /// the keys that were never read.
 pub(super) struct Keys<'a> {
@@ -38,12 +65,12 @@ impl<'a> Keys<'a> {
         self.asked.borrow_mut().extend(keys);
     }
 
-    /// A note for every key that was not read.
-    pub(super) fn unknown(&self) -> Vec<String> {
+    /// The keys that were not read.
+    pub(super) fn unknown(&self) -> Vec<UnknownKey> {
         let asked = self.asked.borrow();
         let unknown = self.map.keys().filter(|k| !asked.contains(&k.as_str()));
-        let (path, at, prefix) = (self.path.display(), &self.at, self.prefix);
-        unknown.map(|k| format!("{path}{at}: unknown key \"{prefix}{k}\" ignored")).collect()
+        let of_key = |key| UnknownKey { at: self.at.clone(), key: format!("{}{key}", self.prefix) };
+        unknown.map(of_key).collect()
     }
 
     pub(super) fn wrong(&self, key: &str, wanted: &str) -> ReadError {

@@ -1,7 +1,7 @@
 //! From the text of a manifest to its content.
 
 use super::entry::{Manifest, ViewEntry};
-use super::keys::Keys;
+use super::keys::{Keys, UnknownKey, unknown_notes};
 use super::sensor::SensorEntry;
 use crate::missing::MissingValue;
 use crate::{Place, PlanesEntry, PoseSigma, ReadError};
@@ -19,13 +19,13 @@ pub(super) fn manifest(path: &Path, text: &str) -> Result<(Manifest, Vec<String>
         .map_err(|source| ReadError::Json { path: path.to_owned(), source })?;
     let keys = Keys::of(path, Place::Whole, "", &value)?;
     keys.informational(&FOREIGN_KEYS);
-    let mut notes = Vec::new();
+    let mut unknown = Vec::new();
     let mut views = Vec::new();
     let entries = keys.get("views").and_then(Value::as_array);
     let missing = keys.optional("missing")?;
     for (number, entry) in entries.ok_or_else(|| keys.wrong("views", "a list"))?.iter().enumerate()
     {
-        views.push(view(path, (number, entry), missing, &mut notes)?);
+        views.push(view(path, (number, entry), missing, &mut unknown)?);
     }
     let sigma: Option<f64> = keys.optional("sigma")?;
     if sigma.is_some_and(|s| !(s.is_finite() && s >= 0.0)) {
@@ -33,12 +33,12 @@ pub(super) fn manifest(path: &Path, text: &str) -> Result<(Manifest, Vec<String>
     }
     let folder = path.parent().and_then(Path::file_name).unwrap_or_default();
     let name = keys.optional("name")?.unwrap_or_else(|| folder.to_string_lossy().into_owned());
-    let planes = keys.object("planes", "planes.")?.map(|k| planes(&k, &mut notes)).transpose()?;
+    let planes = keys.object("planes", "planes.")?.map(|k| planes(&k, &mut unknown)).transpose()?;
     // The reader does not use the size, so any value is accepted.
     let size = value.get("size").and_then(Value::as_f64);
     let manifest = Manifest { name, unit: unit(&keys)?, sigma, planes, size, views };
-    notes.splice(0..0, keys.unknown());
-    Ok((manifest, notes))
+    unknown.splice(0..0, keys.unknown());
+    Ok((manifest, unknown_notes(path, &unknown)))
 }
 
 fn unit(keys: &Keys<'_>) -> Result<Option<LengthUnit>, ReadError> {
@@ -50,13 +50,13 @@ fn unit(keys: &Keys<'_>) -> Result<Option<LengthUnit>, ReadError> {
     keys.optional("unit")?.map(parse).transpose()
 }
 
-fn planes(keys: &Keys<'_>, notes: &mut Vec<String>) -> Result<PlanesEntry, ReadError> {
+fn planes(keys: &Keys<'_>, unknown: &mut Vec<UnknownKey>) -> Result<PlanesEntry, ReadError> {
     let entry: PlanesEntry = keys.fields()?;
     // Along a curve there is no single normal, so the key is optional there.
     if entry.guide.is_none() {
         keys.required::<[f64; 3]>("normal", "[x, y, z]")?;
     }
-    notes.extend(keys.unknown());
+    unknown.extend(keys.unknown());
     Ok(entry)
 }
 
@@ -64,7 +64,7 @@ fn view(
     path: &Path,
     (number, value): (usize, &Value),
     missing: Option<MissingValue>,
-    notes: &mut Vec<String>,
+    unknown: &mut Vec<UnknownKey>,
 ) -> Result<ViewEntry, ReadError> {
     let file = value.get("file").and_then(Value::as_str).unwrap_or("no file").to_owned();
     let at = Place::View { number, name: file };
@@ -78,7 +78,7 @@ fn view(
     let entry = ViewEntry {
         file: keys.required("file", "a file name")?,
         name: keys.optional("name")?,
-        sensor: SensorEntry::read(&keys, notes)?,
+        sensor: SensorEntry::read(&keys, unknown)?,
         rows: keys.optional("rows")?,
         cols: keys.optional("cols")?,
         scale,
@@ -88,7 +88,7 @@ fn view(
         pose_sigma: pose_sigma(&keys)?,
         pose_true: pose_true(&keys)?,
     };
-    notes.extend(keys.unknown());
+    unknown.extend(keys.unknown());
     Ok(entry)
 }
 

@@ -102,6 +102,33 @@ fn unknown_keys_are_told_with_their_place_at_every_level() {
     for (note, end) in notes.iter().zip(ends) {
         assert!(note.ends_with(end), "{note}");
     }
+    let twice = Folder::with(r#""unit": "m","#, &format!("{view} }}, {{ {view}")).open().unwrap();
+    let end = "scan.json, view 0 (a.npy): unknown key \"theta0\" ignored, in 2 views";
+    assert!(twice.notes[0].ends_with(end), "{:?}", twice.notes);
+}
+
+#[test]
+fn images_that_several_views_name_and_equal_poses_are_told() {
+    let view = |file: &str, x: usize| {
+        format!(
+            r#""file": "{file}", "sensor": "pinhole", "fx": 2, "fy": 2, "cx": 0.5, "cy": 0.5,
+            "pose": [1,0,0,{x}, 0,1,0,0, 0,0,1,0, 0,0,0,1]"#
+        )
+    };
+    let notes = |views: [(&str, usize); 3]| {
+        let views = views.map(|(file, x)| view(file, x)).join("}, {");
+        let folder = Folder::with(r#""unit": "m","#, &views);
+        folder.image("b.npy", &[2, 2], &[1.0; 4]);
+        folder.image("c.npy", &[2, 2], &[1.0; 4]);
+        folder.open().unwrap().notes
+    };
+    assert_eq!(notes([("a.npy", 0), ("b.npy", 1), ("c.npy", 1)]), [""; 0]);
+    let equal = notes([("a.npy", 1), ("b.npy", 1), ("c.npy", 1)]);
+    let text = "scan.json: all 3 views have the same pose; expected different ones";
+    assert!(equal.len() == 1 && equal[0].contains(text), "{equal:?}");
+    let repeated = notes([("a.npy", 0), ("b.npy", 1), ("a.npy", 2)]);
+    let text = "scan.json: 2 views have the same image a.npy: views 0, 2; expected";
+    assert!(repeated.len() == 1 && repeated[0].contains(text), "{repeated:?}");
 }
 
 #[test]
@@ -273,7 +300,7 @@ fn planes_that_are_none_are_refused_before_any_image_is_read() {
 fn an_image_of_another_size_names_both() {
     let error = Folder::pinhole(r#", "rows": 2, "cols": 3"#).error();
     let end = "a.npy: the image has 2 rows × 2 columns, but the manifest or the camera file states 2 \
-               rows × 3 columns";
+               rows × 3 columns, or most images have them";
     assert!(error.ends_with(end), "{error}");
 }
 

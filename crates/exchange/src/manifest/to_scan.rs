@@ -6,11 +6,14 @@ use crate::pose;
 use crate::scan::{FramedImage, LoadView};
 use crate::view_file::ViewFile;
 use crate::{Place, ReadError, Scan, ScanView};
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
 use transect_device::ImageOrder;
 use transect_geometry::LengthUnit;
+
+/// Most numbers of views that a note lists. Chosen by hand; doubled, the note takes two lines.
+const NUMBERS: usize = 8;
 
 /// A view of a manifest: its image file, and its sensor.
 #[derive(Debug, Clone)]
@@ -84,8 +87,49 @@ pub(crate) fn to_scan(
         sigma: manifest.sigma,
         planes: manifest.planes.clone(),
         inputs,
-        notes: pose::repairs_note(path, &repairs, views.len()).into_iter().collect(),
+        notes: pose::repairs_note(path, &repairs, views.len())
+            .into_iter()
+            .chain(doubts(manifest).map(|note| format!("{}: {note}", path.display())))
+            .collect(),
         views,
+    })
+}
+
+/// Notes on views that are valid, but most likely wrong together.
+fn doubts(manifest: &Manifest) -> impl Iterator<Item = String> {
+    repeated_files(manifest).chain(one_pose(manifest))
+}
+
+/// A note on every file that several views name.
+fn repeated_files(manifest: &Manifest) -> impl Iterator<Item = String> {
+    let mut views: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+    for (number, view) in manifest.views.iter().enumerate() {
+        views.entry(&view.file).or_default().push(number);
+    }
+    views.into_iter().filter(|(_, numbers)| numbers.len() > 1).map(|(file, numbers)| {
+        let (count, first) = (numbers.len(), numbers.iter().take(NUMBERS));
+        let first = first.map(usize::to_string).collect::<Vec<_>>().join(", ");
+        let more = if count > NUMBERS { ", …" } else { "" };
+        format!(
+            "{count} views have the same image {file}: views {first}{more}; expected an image of \
+             its own for every view; correct \"file\", or remove the repeated views"
+        )
+    })
+}
+
+/// A note if all views have one pose. A grid states the place of its sensor by a key of its own, and
+/// two views may be one shot and its repetition.
+fn one_pose(manifest: &Manifest) -> Option<String> {
+    let views = &manifest.views;
+    let in_world = |view: &ViewEntry| matches!(view.sensor, SensorEntry::Grid { .. });
+    let first = views.first()?.pose;
+    let equal = views.iter().all(|view| view.pose == first);
+    (views.len() > 2 && equal && !views.iter().any(in_world)).then(|| {
+        format!(
+            "all {} views have the same pose; expected different ones, unless the sensor stood \
+             still; check where the poses come from",
+            views.len()
+        )
     })
 }
 

@@ -3,8 +3,10 @@
 use super::PoseReport;
 use crate::evaluate::digits;
 use std::collections::BTreeSet;
+use transect_geometry::LengthUnit;
 use transect_register::{
-    Explanation, Finding, Motion, PoseOutcome, RefinedPose, Refinement, Region, RegionKind,
+    Explanation, Finding, Motion, PoseOutcome, PoseReading, Reading, RefinedPose, Refinement,
+    Region, RegionKind,
 };
 
 /// Most regions that are warned of one by one. Chosen by hand: sound scans have one at most, and a
@@ -67,7 +69,7 @@ impl PoseReport {
     /// Where another convention explains the contradictions, they are not listed.
     pub fn warnings(&self) -> Vec<String> {
         if let Some(explanation) = &self.explanation {
-            return vec![convention(explanation)];
+            return vec![convention(explanation, self.unit)];
         }
         let refined = self.refinement.iter().flat_map(|refinement| &refinement.poses);
         let all = self.judgement.findings.iter();
@@ -216,15 +218,32 @@ impl PoseReport {
     }
 }
 
-fn convention(explanation: &Explanation) -> String {
+fn convention(explanation: &Explanation, unit: LengthUnit) -> String {
     let Explanation { reading, given, read } = explanation;
     let shares = [given.agreeing, given.contradicting, read.agreeing, read.contradicting];
     let [agree, contradict, agree_read, contradict_read] = shares.map(percent);
     format!(
         "the poses contradict each other, and agree if they are read another way: {}. Of the surfaces \
          that views share, {agree} agree and {contradict} contradict as given, {agree_read} and \
-         {contradict_read} when read that way. Pass {reading}",
-        reading.meaning()
+         {contradict_read} when read that way. {}",
+        reading.meaning(),
+        advice(*reading, unit)
+    )
+}
+
+/// What to do about a reading. Where the poses are in the scan's unit, the images are wrong.
+fn advice(reading: Reading, unit: LengthUnit) -> String {
+    let (factor, images) = match (reading, unit) {
+        (Reading::Pose(PoseReading::Metres), LengthUnit::Metre) => (0.001, LengthUnit::Millimetre),
+        (Reading::Pose(PoseReading::Millimetres), LengthUnit::Millimetre) => {
+            (1000.0, LengthUnit::Metre)
+        }
+        _ => return format!("Pass {reading}"),
+    };
+    format!(
+        "The unit {unit} is that of the poses, so correct the images: multiply their \"scale\" in \
+         scan.json, or --depth-scale, by {factor}; without a scale, state {factor}. Or state \
+         \"unit\": \"{images}\" and pass {reading}"
     )
 }
 

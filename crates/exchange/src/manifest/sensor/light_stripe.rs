@@ -21,7 +21,7 @@
 //!   rows × camera columns of type `u1` or `u2`, or a folder of 8- or 16-bit grey `.png` files in
 //!   the order of their names. The stripe is then found on loading; rows without one are missing.
 
-use super::super::keys::Keys;
+use super::super::keys::{Keys, UnknownKey};
 use super::Sensor;
 use super::shared::Shared;
 use super::stripe::StripeEntry;
@@ -94,12 +94,12 @@ impl LightStripeEntry {
         LightStripeSensor { entry: self.clone(), frames: Shared::default() }
     }
 
-    pub(super) fn read(keys: &Keys<'_>, notes: &mut Vec<String>) -> Result<Self, ReadError> {
+    pub(super) fn read(keys: &Keys<'_>, unknown: &mut Vec<UnknownKey>) -> Result<Self, ReadError> {
         let parameters = keys.fields()?;
         let stripe = keys.object("stripe", "stripe.")?;
         let read = |keys: Keys<'_>| {
             let stripe = keys.fields()?;
-            notes.extend(keys.unknown());
+            unknown.extend(keys.unknown());
             Ok(stripe)
         };
         let wanted = "a number of radians, unless \"theta_laser\" lists all angles";

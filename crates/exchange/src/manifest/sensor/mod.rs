@@ -17,7 +17,7 @@ pub use lookup_table::{LookupTableEntry, ViewpointsEntry};
 pub use pinhole::{LensEntry, PinholeEntry};
 pub use stripe::StripeEntry;
 
-use super::keys::Keys;
+use super::keys::{Keys, UnknownKey};
 use crate::ReadError;
 use crate::scan::FramedImage;
 use crate::view_file::ViewFile;
@@ -65,8 +65,8 @@ impl SensorEntry {
         Self::Pinhole(PinholeEntry { lens, holds, depth_offsets: None })
     }
 
-    /// Reads the sensor of a view. Unknown keys of its inner objects go to `notes`.
-    pub(super) fn read(keys: &Keys<'_>, notes: &mut Vec<String>) -> Result<Self, ReadError> {
+    /// Reads the sensor of a view. Unknown keys of its inner objects go to `unknown`.
+    pub(super) fn read(keys: &Keys<'_>, unknown: &mut Vec<UnknownKey>) -> Result<Self, ReadError> {
         let known = "one of spherical, pinhole, light_stripe, lookup_table, grid";
         match keys.required("sensor", known)? {
             "spherical" => Ok(Self::Spherical {
@@ -76,7 +76,7 @@ impl SensorEntry {
                 dphi: keys.number("dphi")?,
             }),
             "pinhole" => PinholeEntry::read(keys).map(Self::Pinhole),
-            "light_stripe" => LightStripeEntry::read(keys, notes).map(Self::LightStripe),
+            "light_stripe" => LightStripeEntry::read(keys, unknown).map(Self::LightStripe),
             "lookup_table" => LookupTableEntry::read(keys).map(Self::LookupTable),
             "grid" => Ok(Self::Grid { viewpoint: keys.required("viewpoint", "[x, y, z]")? }),
             other => Err(keys.wrong("sensor", &format!("{known}; it is {other:?}"))),
