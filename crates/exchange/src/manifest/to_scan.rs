@@ -117,8 +117,8 @@ fn repeated_files(manifest: &Manifest) -> impl Iterator<Item = String> {
     })
 }
 
-/// A note if all views have one pose. A grid states the place of its sensor by a key of its own, and
-/// two views may be one shot and its repetition.
+/// A note if all views have one pose. A grid states the place of its sensor by a key of its own,
+/// and two views may be one shot and its repetition.
 fn one_pose(manifest: &Manifest) -> Option<String> {
     let views = &manifest.views;
     let in_world = |view: &ViewEntry| matches!(view.sensor, SensorEntry::Grid { .. });
