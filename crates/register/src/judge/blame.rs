@@ -60,6 +60,18 @@ impl Table {
         right.map(|k| self.pair(view, k)).fold(Counts::default(), |sum, pair| sum + pair)
     }
 
+    /// The right view that a blamed one contradicts, if it meets no other right view, and neither
+    /// does that one: then either of the two may be wrong.
+    pub fn only_opponent(&self, view: usize, blamed: &[usize]) -> Option<usize> {
+        let met = |view: usize| {
+            let right = (0..self.views).filter(move |k| *k != view && !blamed.contains(k));
+            right.filter(move |k| self.pair(view, *k).all() >= LEAST_SAMPLES)
+        };
+        let mut opponents = met(view);
+        let opponent = opponents.next().filter(|_| opponents.next().is_none())?;
+        met(opponent).next().is_none().then_some(opponent)
+    }
+
     /// The largest share of contradictions of a view that is not blamed.
     pub fn usual_share(&self, blamed: &[usize]) -> f64 {
         let right = (0..self.views).filter(|k| !blamed.contains(k));
