@@ -4,7 +4,7 @@
 //! radius R is a chord, off by up to h²/8R. Twice the density must leave a quarter of the error
 //! (order 2).
 
-use super::output::Output;
+use super::lab::Lab;
 use super::trial;
 use crate::failure::Failure;
 use crate::statistics::quantile;
@@ -32,7 +32,7 @@ const STATIONS: [[f64; 3]; 3] =
     [[30.0, -250.0, 180.0], [-240.0, 130.0, 160.0], [230.0, 140.0, 170.0]];
 
 /// Runs the experiment.
-pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, lab: &Lab) -> Result<(), Failure> {
     // Planes through both solids, off their symmetries.
     let text = format!(
         "name = \"ball and torus\"\nunit = \"mm\"\n\
@@ -47,8 +47,9 @@ pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
         let mut before: Option<[f64; 2]> = None;
         for doubling in 0..=arguments.doublings {
             let density = 0.5 * f64::from(1 << doubling);
-            let outcome = trial::run(&scene, &SensorPlan { density, ..SensorPlan::with(kind) })?;
-            let errors = errors(&outcome.model);
+            let plan = SensorPlan { density, ..SensorPlan::with(kind) };
+            let views = scene.simulate(&plan)?.views;
+            let errors = errors(&trial::scene_model(&scene, &views)?);
             let order = |k: usize| match before {
                 Some(b) => format!("{:.2}", (b[k] / errors[k]).log2()),
                 None => String::new(),
@@ -56,7 +57,7 @@ pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
             lines.push(vec![
                 kind.name().to_owned(),
                 digits(density),
-                outcome.pixels().to_string(),
+                trial::pixels(&views).to_string(),
                 digits(errors[0]),
                 order(0),
                 digits(errors[1]),
@@ -66,9 +67,10 @@ pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
         }
     }
     let heads = ["sensor", "density", "pixels", "median", "order", "p95", "order"];
-    out.table("table", &heads, &lines)?;
+    lab.table("table", &heads, &lines)?;
     say(
-        "\nDistances in mm from the exact circles, noise-free; order: how often the error halves with each doubling.",
+        "Distances in mm from the exact circles, noise-free; order: how often the error halves with \
+         each doubling.",
     );
     Ok(())
 }

@@ -1,12 +1,11 @@
 //! The public scans of real things: each without any option, the bunny against its reference, and a
 //! plane of the red kitchen with and without averaging the views' surfaces.
 
-use super::output::Output;
+use super::lab::Lab;
 use super::posters::INK;
 use super::posters::projection::{Projection, panel};
 use super::trial::{self, Public};
 use crate::failure::Failure;
-use crate::table::say;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use transect::evaluate::evaluate;
@@ -16,7 +15,7 @@ use transect_exchange::svg::{Anchor, Figure, Mark};
 use transect_fusion::{ConsensusOptions, FusionMethod};
 use transect_geometry::{Curve, LengthUnit, PlaneIndex, Point2};
 use transect_model::Model;
-use transect_scene::{Mesh, sections};
+use transect_scene::sections;
 use transect_workflow::{OpenScan, Settings};
 
 /// The scans below the data's folder, and what they show.
@@ -34,28 +33,16 @@ const PLANE: PlaneIndex = PlaneIndex(2);
 const PANEL: [f64; 2] = [560.0, 470.0];
 const BETWEEN: f64 = 30.0;
 
-/// Options of `experiments real-scans`.
-#[derive(Debug, clap::Args)]
-pub struct Arguments {
-    /// Folder with the public scans.
-    #[arg(long, default_value = trial::DATA, value_name = "DIR")]
-    data: PathBuf,
-}
-
-/// Runs the experiment, or tells why it is skipped.
-pub fn run(arguments: &Arguments, out: &Output) -> Result<Option<String>, Failure> {
-    let data = &arguments.data;
-    if !data.is_dir() {
-        return Ok(Some(format!("{} is not there", data.display())));
-    }
-    without_options(data, out)?;
-    bunny(data, out)?;
-    kitchen(data, out)?;
-    Ok(None)
+/// Runs the experiment.
+pub fn run(lab: &Lab) -> Result<(), Failure> {
+    let data = lab.scans()?;
+    without_options(data, lab)?;
+    bunny(data, lab)?;
+    kitchen(data, lab)
 }
 
 /// Every scan as `transect reconstruct PATH` models it.
-fn without_options(data: &Path, out: &Output) -> Result<(), Failure> {
+fn without_options(data: &Path, lab: &Lab) -> Result<(), Failure> {
     let (mut lines, mut times) = (Vec::new(), Vec::new());
     for (folder, what) in SCANS {
         eprintln!("{folder}");
@@ -74,11 +61,8 @@ fn without_options(data: &Path, out: &Output) -> Result<(), Failure> {
         times.push(vec![name, seconds]);
     }
     let place = "below `../shared/data`";
-    out.table("scans", &[place, "planes", "curves", "open", "closed"], &lines)?;
-    say("");
-    out.times(&[place, "time"], &times)?;
-    say("");
-    Ok(())
+    lab.table("scans", &[place, "planes", "curves", "open", "closed"], &lines)?;
+    lab.times(&[place, "time"], &times)
 }
 
 /// What to open of a folder: its only E57 file, its Stanford scan, else the folder.
@@ -90,9 +74,9 @@ fn path(folder: &Path) -> Result<PathBuf, Failure> {
 }
 
 /// The bunny on planes 1 mm apart, held against the published mesh.
-fn bunny(data: &Path, out: &Output) -> Result<(), Failure> {
+fn bunny(data: &Path, lab: &Lab) -> Result<(), Failure> {
     let (Public { views, planes }, mesh) = trial::bunny(data)?;
-    let truth = sections(&Mesh { vertices: mesh.vertices, faces: mesh.faces }, &planes)?;
+    let truth = sections(&mesh, &planes)?;
     let model = trial::model(&views, LengthUnit::Metre, planes.clone())?;
     let curves = model.sections().map(|(k, s)| (k, s.curves().cloned().collect())).collect();
     let accuracy = evaluate(&planes, &curves, &truth, &trial::bunny_options())?;
@@ -102,11 +86,11 @@ fn bunny(data: &Path, out: &Output) -> Result<(), Failure> {
     let figures = rows.filter(|row| !row.unit.is_empty() && is_figure(&row.metric));
     let lines: Vec<_> =
         figures.map(|row| vec![row.metric, format!("{} {}", row.value, row.unit)]).collect();
-    out.table("bunny", &["metric", "value"], &lines)
+    lab.table("bunny", &["metric", "value"], &lines)
 }
 
 /// A plane of the red kitchen without and with the step that averages the views' surfaces.
-fn kitchen(data: &Path, out: &Output) -> Result<(), Failure> {
+fn kitchen(data: &Path, lab: &Lab) -> Result<(), Failure> {
     let kitchen = trial::red_kitchen(data)?;
     let models = [averaged(&kitchen, false)?, averaged(&kitchen, true)?];
     let mut figure = Figure::new(
@@ -131,7 +115,7 @@ fn kitchen(data: &Path, out: &Output) -> Result<(), Failure> {
         });
     }
     figure.legend(Mark::Line(INK), "fused curve");
-    out.picture("depth_camera", |file| figure.write(file))
+    lab.picture("depth_camera", |file| figure.write(file))
 }
 
 /// The model of the kitchen with or without averaging the views' surfaces.

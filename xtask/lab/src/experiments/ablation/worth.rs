@@ -1,9 +1,9 @@
 //! What a step is worth, from the figures with and without it.
 
-use super::super::output::Output;
+use super::super::lab::Lab;
 use crate::failure::Failure;
 use crate::statistics::median;
-use crate::table::{digits, say};
+use crate::table::digits;
 use std::collections::BTreeMap;
 use transect::evaluate::Accuracy;
 
@@ -104,12 +104,11 @@ impl Worth {
     }
 
     /// Prints the figures with all steps, what each step is worth, and the times of both.
-    pub fn print(&self, out: &Output) -> Result<(), Failure> {
+    pub fn print(&self, lab: &Lab) -> Result<(), Failure> {
         let heads = ["set", "median", "p95", "completeness", "loops", "open", "crossings"];
         let full: Vec<_> =
             self.sets.iter().filter_map(|set| Some((set, self.full.get(set)?))).collect();
-        out.table("sets", &heads, &full.iter().map(|(set, f)| f.line(set)).collect::<Vec<_>>())?;
-        say("");
+        lab.table("sets", &heads, &full.iter().map(|(set, f)| f.line(set)).collect::<Vec<_>>())?;
         let settled = self.settled.iter().filter_map(|(set, without)| {
             let with = self.full.get(set)?;
             Some([
@@ -117,8 +116,7 @@ impl Worth {
                 with.line(&format!("{set}, averaged")),
             ])
         });
-        out.table(SETTLE, &heads, &settled.flatten().collect::<Vec<_>>())?;
-        say("");
+        lab.table(SETTLE, &heads, &settled.flatten().collect::<Vec<_>>())?;
         let mut lines: Vec<_> = self.order.iter().map(|step| self.line(step)).collect();
         let of_sets =
             full.iter().map(|(set, f)| vec![(*set).clone(), format!("{:.3} s", f.seconds)]);
@@ -127,9 +125,8 @@ impl Worth {
             vec![line[0].clone(), format!("{time} %")]
         });
         let times: Vec<_> = of_sets.chain(of_steps).collect();
-        out.table("steps", &[&["step"], &COLUMNS[..COLUMNS.len() - 1]].concat(), &lines)?;
-        say("");
-        out.times(&["set, or step left out", "time"], &times)
+        lab.table("steps", &[&["step"], &COLUMNS[..COLUMNS.len() - 1]].concat(), &lines)?;
+        lab.times(&["set, or step left out", "time"], &times)
     }
 
     fn line(&self, step: &'static str) -> Vec<String> {

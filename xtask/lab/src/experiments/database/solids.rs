@@ -1,6 +1,6 @@
 //! Areas and volumes of simulated solids against the exact ones, by interval.
 
-use super::super::output::Output;
+use super::super::lab::Lab;
 use super::super::trial;
 use super::{STATIONS, surround};
 use crate::failure::Failure;
@@ -51,7 +51,7 @@ fn solids() -> [Solid; 4] {
 }
 
 /// Runs the experiment.
-pub fn run(out: &Output) -> Result<(), Failure> {
+pub fn run(lab: &Lab) -> Result<(), Failure> {
     say(&format!("Areas and volumes of solids seen by {STATIONS} cameras, without noise\n"));
     let mut lines = Vec::new();
     for solid in solids() {
@@ -68,10 +68,11 @@ pub fn run(out: &Output) -> Result<(), Failure> {
     }
     let heads =
         ["solid", "interval, mm", "open curves", "area off, %", "volume off, %", "bound, %"];
-    out.table("solids", &heads, &lines)?;
+    lab.table("solids", &heads, &lines)?;
     say(
-        "\nArea: sum of the differences from the exact areas over their sum. Volume: from the exact one, the worst of four places of the planes;\n\
-         bound: the least of what the models say that the volume is off at most, from the interval.\n",
+        "Area: sum of the differences from the exact areas over their sum. Volume: from the exact \
+         one, the worst of four places of the planes.\nBound: the smallest bound of the models on \
+         the volume's error, from the interval.\n",
     );
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! Inside, outside or unknown: the answers for many points whose truth is known.
 
-use super::super::output::Output;
+use super::super::lab::Lab;
 use super::super::trial;
 use super::{Surrounded, footprint, surround};
 use crate::failure::Failure;
@@ -34,7 +34,7 @@ struct Tally {
 }
 
 /// Runs the experiment.
-pub fn run(out: &Output) -> Result<(), Failure> {
+pub fn run(lab: &Lab) -> Result<(), Failure> {
     say(&format!("Inside or outside, {POINTS} points\n"));
     // Where two samples see a surface under 60°, they lie two footprints apart.
     let sampling = 2.0 * footprint();
@@ -52,8 +52,7 @@ pub fn run(out: &Output) -> Result<(), Failure> {
         "sampling error",
         "wrong beyond it",
     ];
-    out.table("space", &heads, &lines)?;
-    say("");
+    lab.table("space", &heads, &lines)?;
     let beyond: usize = tallies.iter().map(|tally| tally.wrong_beyond_sampling).sum();
     if beyond == 0 {
         Ok(())

@@ -3,7 +3,7 @@
 //! The dissertation's methods and today's defaults get the same eight views of the line scanner at
 //! its true size. One section of each result is drawn beside the other, with its error enlarged.
 
-use super::super::output::Output;
+use super::super::lab::Lab;
 use super::super::trial;
 use crate::failure::Failure;
 use crate::table::{digits, length, say, share};
@@ -17,6 +17,7 @@ use transect_geometry::{Curve, LengthUnit, Point2};
 use transect_model::Model;
 use transect_partial::Method;
 use transect_workflow::simulation::PreparedScene;
+use transect_workflow::{ScoreLimits, simulated_accuracy};
 
 /// Height of the section that is drawn, in millimetres: through the nose and both cheeks.
 const DRAWN: f64 = -15.63;
@@ -36,8 +37,7 @@ const PANEL: [f64; 2] = [560.0, 400.0];
 
 /// Both methods, by the names that the tables give them.
 pub fn setups(scene: &PreparedScene) -> [(&'static str, Setup); 2] {
-    let description = &scene.description;
-    let default = Setup::new(description.unit, description.planes.clone());
+    let default = trial::setup(scene);
     let mut dissertation = default.clone();
     dissertation.partial = Method::Dissertation(Default::default());
     dissertation.fusion = FusionMethod::Pairwise(Default::default());
@@ -99,9 +99,9 @@ impl Growth {
     }
 
     /// Prints the table and writes it into `NAME.md`.
-    pub fn print(&self, name: &str, out: &Output) -> Result<(), Failure> {
-        out.table(name, &[&["view", "length"], &COLUMNS[..]].concat(), &self.lines)?;
-        say("\nThe model after each view: planes of cases 1 to 3 (5.2.2), merged pairs and their \
+    pub fn print(&self, name: &str, lab: &Lab) -> Result<(), Failure> {
+        lab.table(name, &[&["view", "length"], &COLUMNS[..]].concat(), &self.lines)?;
+        say("The model after each view: planes of cases 1 to 3 (5.2.2), merged pairs and their \
              patterns (Figure 5.7), pairs that the rules refuse, and gaps that are left.\n");
         Ok(())
     }
@@ -122,9 +122,10 @@ impl Judged<'_> {
     ///
     /// # Errors
     /// [`Failure`] if a model cannot be scored.
-    pub fn print(&self, out: &Output) -> Result<(), Failure> {
+    pub fn print(&self, lab: &Lab) -> Result<(), Failure> {
         let line = |(name, model): &(&'static str, Model)| -> Result<Vec<String>, Failure> {
-            let found = trial::accuracy(model, self.scene, self.views.to_vec())?;
+            let limits = ScoreLimits::default();
+            let found = simulated_accuracy(model, &self.scene.truth, self.views.to_vec(), &limits)?;
             Ok([vec![(*name).to_owned()], figures(&found, model)].concat())
         };
         let lines: Result<Vec<_>, _> = self.models.iter().map(line).collect();
@@ -138,8 +139,8 @@ impl Judged<'_> {
             "off the truth %",
             "curves",
         ];
-        out.table("methods", &heads, &lines?)?;
-        say("\nDistances from the true sections, on what the views could see.");
+        lab.table("methods", &heads, &lines?)?;
+        say("Distances from the true sections, on what the views could see.");
         Ok(())
     }
 

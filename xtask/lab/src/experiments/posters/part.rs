@@ -29,7 +29,7 @@ pub fn draw() -> Result<Figure, Failure> {
     let scene = trial::bundled("machined_part")?;
     let plan = SensorPlan { views: Some(VIEWS), ..SensorPlan::OWN };
     let views = scene.simulate(&plan)?.views;
-    let model = trial::model(&views, scene.description.unit, scene.description.planes.clone())?;
+    let model = trial::scene_model(&scene, &views)?;
     let mut figure = Figure::new(
         "A machined part as a stack of sections",
         format!(

@@ -9,7 +9,6 @@ use transect_device::View;
 use transect_exchange::svg::{Anchor, Figure, Mark};
 use transect_geometry::{Curve, PlaneFamily, PlaneIndex, Point2};
 use transect_partial::{Method, partial_model};
-use transect_register::{CoarseView, RefineOptions, refine};
 use transect_scene::sections;
 use transect_workflow::simulation::SensorPlan;
 
@@ -33,13 +32,7 @@ pub fn draw() -> Result<Figure, Failure> {
     let planes = &scene.description.planes;
     let views = scene.simulate(&SensorPlan::OWN)?.views;
     let given = moved(&scene, &views, DEGREES)?;
-    let copies: Vec<CoarseView> = given.iter().map(CoarseView::new).collect();
-    let refined = refine(&copies, &RefineOptions::default()).poses;
-    let refined: Vec<View> = given
-        .iter()
-        .zip(&refined)
-        .map(|(view, pose)| view.with_pose(pose.world_from_sensor))
-        .collect::<Result<_, _>>()?;
+    let refined = trial::at_refined_poses(&given)?;
     let truth = sections(&scene.truth, planes)?.remove(&PLANE).unwrap_or_default();
     let mut figure = Figure::new(
         "Wrong poses, before and after refinement",

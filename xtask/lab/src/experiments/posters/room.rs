@@ -38,7 +38,7 @@ pub fn draw() -> Result<Figure, Failure> {
     let views = scene.simulate(&SensorPlan::OWN)?.views;
     let (unit, planes) = (scene.description.unit, &scene.description.planes);
     let frame = planes.frame(PLANE);
-    let model = trial::model(&views, unit, planes.clone())?;
+    let model = trial::scene_model(&scene, &views)?;
     let mut figure = Figure::new(
         "One section from four corners",
         "The bundled room at 0.73 m. Each scanner saw what its corner shows; together they saw \

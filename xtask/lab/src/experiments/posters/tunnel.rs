@@ -31,7 +31,7 @@ pub fn draw() -> Result<Figure, Failure> {
     let scene = trial::bundled("bend_tunnel")?;
     let views = scene.simulate(&SensorPlan::OWN)?.views;
     let planes = &scene.description.planes;
-    let model = trial::model(&views, scene.description.unit, planes.clone())?;
+    let model = trial::scene_model(&scene, &views)?;
     let mut figure = Figure::new(
         "Profiles of a tunnel along its axis",
         format!(
