@@ -31,7 +31,7 @@ pub fn run(lab: &Lab) -> Result<(), Failure> {
         format!("{:.3}", errors.iter().sum::<f64>() / errors.len() as f64 / sagitta)
     };
     let line = |arcs: u64| vec![arcs.to_string(), drift(arcs, &consensus), drift(arcs, &pairwise)];
-    lab.table("drift", &["arcs", "`consensus`", "`pairwise`"], &[10, 50, 100].map(line))?;
+    lab.table("drift", "arcs | `consensus` | `pairwise`", [10, 50, 100].map(line))?;
     say("Mean distance of the nodes from the circle in chord sagittas, negative inside.\n");
     let rms = |views: u64| {
         let rings = |draw: u64| {
@@ -43,7 +43,7 @@ pub fn run(lab: &Lab) -> Result<(), Failure> {
         vec![views.to_string(), format!("{:.3}", square.sqrt() / SIGMA)]
     };
     let lines = [1, 2, 4, 8, 16, 32, 64].map(rms);
-    lab.table("noise", &["views", "rms error, standard deviations of a sample"], &lines)
+    lab.table("noise", "views | rms error, standard deviations of a sample", lines)
 }
 
 /// What one view saw of the circle: nodes at a phase of their own, with noise.

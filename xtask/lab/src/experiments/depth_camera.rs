@@ -4,7 +4,7 @@
 use super::lab::Lab;
 use super::trial;
 use crate::failure::Failure;
-use crate::table::say;
+use crate::table::{self, say};
 use transect_register::RefineOptions;
 use transect_scene::{Noise, Station};
 use transect_workflow::simulation::{PreparedScene, SensorPlan, describe};
@@ -29,14 +29,10 @@ const ERRORS: [(&str, Without); 8] = [
 /// Runs the experiment.
 pub fn run(lab: &Lab) -> Result<(), Failure> {
     let lines: Vec<_> = ERRORS.into_iter().map(line).collect::<Result<_, _>>()?;
-    lab.table("table", &["errors", "median", "95 %", "spread between views"], &lines)?;
+    lab.table("table", "errors | median | 95 % | spread between views", lines)?;
     say("In mm: distances from the true sections, and the spread that the run measures.\n");
     let lines: Vec<_> = KITCHENS.into_iter().map(of_kitchen).collect::<Result<_, _>>()?;
-    lab.table(
-        "corrected",
-        &["kitchen", "as given", "poses refined", "images corrected, too"],
-        &lines,
-    )?;
+    lab.table("corrected", "kitchen | as given | poses refined | images corrected, too", lines)?;
     say("Median and 95 % distance in mm, and the share of the visible truth that is found.");
     Ok(())
 }
@@ -93,7 +89,7 @@ fn line((name, without): (&str, Without)) -> Result<Vec<String>, Failure> {
     let figure = |metres: Option<f64>| metres.map_or("none".to_owned(), |m| three_digits(1e3 * m));
     let spread = Some(run.report.fusion.spread);
     let figures = [accuracy.median, accuracy.p95, spread].map(figure);
-    Ok(std::iter::once(name.to_owned()).chain(figures).collect())
+    Ok(table::line(name, figures))
 }
 
 fn three_digits(value: f64) -> String {

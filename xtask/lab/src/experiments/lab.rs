@@ -74,15 +74,26 @@ impl Lab {
         found.ok_or_else(missing)
     }
 
-    /// Prints a table and writes it into `NAME.md`. The file has the same bytes in every run.
-    pub fn table(&self, name: &str, heads: &[&str], lines: &[Vec<String>]) -> Result<(), Failure> {
-        let table = grid(heads, lines);
+    /// Prints a table and writes it into `NAME.md`. The file has the same bytes in every run. The
+    /// heads are separated by " | ".
+    pub fn table(
+        &self,
+        name: &str,
+        heads: &str,
+        lines: impl IntoIterator<Item = Vec<String>>,
+    ) -> Result<(), Failure> {
+        let heads: Vec<&str> = heads.split(" | ").collect();
+        let table = grid(&heads, &lines.into_iter().collect::<Vec<_>>());
         say(&format!("{table}\n"));
         self.write(name, &table)
     }
 
     /// Prints a table of times, memory or file sizes, and writes it into `times.md`.
-    pub fn times(&self, heads: &[&str], lines: &[Vec<String>]) -> Result<(), Failure> {
+    pub fn times(
+        &self,
+        heads: &str,
+        lines: impl IntoIterator<Item = Vec<String>>,
+    ) -> Result<(), Failure> {
         self.table("times", heads, lines)
     }
 

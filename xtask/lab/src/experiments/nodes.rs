@@ -9,6 +9,7 @@ use super::poses;
 use super::trial::{self, Public};
 use crate::failure::Failure;
 use crate::statistics::median;
+use crate::table::line;
 use std::collections::BTreeMap;
 use transect_device::View;
 use transect_geometry::{Curve, LengthUnit, PlaneFamily, PlaneIndex};
@@ -88,14 +89,14 @@ pub fn run(lab: &Lab) -> Result<(), Failure> {
             ratio(&name, &nodes, limit);
         }
     }
-    lab.table("predicted", &["set", "nodes", "predicted over observed"], &ratios)?;
+    lab.table("predicted", "set | nodes | predicted over observed", ratios)?;
     let sets = [kitchen, even];
-    let line = |(name, is_in): &(&str, Class)| {
+    let of_class = |(name, is_in): &(&str, Class)| {
         let cells = sets.iter().map(|nodes| shares(nodes, *is_in));
-        std::iter::once((*name).to_owned()).chain(cells).collect()
+        line(*name, cells)
     };
-    let heads = ["nodes", "`kitchen`: share, wrong", "red kitchen's halves: share, wrong"];
-    lab.table("wrong", &heads, &CLASSES.iter().map(line).collect::<Vec<_>>())
+    let heads = "nodes | `kitchen`: share, wrong | red kitchen's halves: share, wrong";
+    lab.table("wrong", heads, CLASSES.iter().map(of_class))
 }
 
 /// The share of the length that a class has, and the share of that which is wrong.

@@ -369,11 +369,11 @@ fn print(example: &Example, found: &Found, lab: &Lab) -> Result<(), Failure> {
         [vec![name.to_owned()], cells, vec![printed.to_owned()]].concat()
     };
     let each = planes * pixels;
-    let heads = ["step", "×", "÷", "+", "if", "as printed"];
+    let heads = "step | × | ÷ | + | if | as printed";
     lab.table(
         "steps",
-        &heads,
-        &[
+        heads,
+        [
             line("level of each pixel, once per pixel", found.once.per(pixels), "2 if"),
             line("1. plane range image (3.4.1, Eq. 4.7)", found.range_images.per(each), "4 ×, 2 +"),
             line("2. labels (3.4.2)", found.labels.per(each), "8 if for 2 and 3"),
@@ -403,8 +403,8 @@ fn print(example: &Example, found: &Found, lab: &Lab) -> Result<(), Failure> {
     say(&format!("{pixels} pixels, {planes} planes, {nodes} nodes; in millions:\n"));
     lab.table(
         "methods",
-        &["method", "× and ÷", "+", "if"],
-        &[
+        "method | × and ÷ | + | if",
+        [
             total("printed, Cartesian frame", of([14, 9, 6], [12, 12, 8], [0; 3])),
             total("printed, device frame", of([0, 0, 2], [4, 2, 8], [14, 9, 0])),
             total("`dissertation` today", dissertation),

@@ -8,7 +8,7 @@ use super::lab::Lab;
 use super::trial;
 use crate::failure::Failure;
 use crate::statistics::quantile;
-use crate::table::{digits, say};
+use crate::table::{cells, digits, say};
 use transect_geometry::{Curve, Point2};
 use transect_model::Model;
 use transect_scene::Description;
@@ -54,20 +54,20 @@ pub fn run(arguments: &Arguments, lab: &Lab) -> Result<(), Failure> {
                 Some(b) => format!("{:.2}", (b[k] / errors[k]).log2()),
                 None => String::new(),
             };
-            lines.push(vec![
-                kind.name().to_owned(),
+            let [median, p95] = errors.map(digits);
+            lines.push(cells(&format!(
+                "{} | {} | {} | {median} | {} | {p95} | {}",
+                kind.name(),
                 digits(density),
-                trial::pixels(&views).to_string(),
-                digits(errors[0]),
+                trial::pixels(&views),
                 order(0),
-                digits(errors[1]),
-                order(1),
-            ]);
+                order(1)
+            )));
             before = Some(errors);
         }
     }
-    let heads = ["sensor", "density", "pixels", "median", "order", "p95", "order"];
-    lab.table("table", &heads, &lines)?;
+    let heads = "sensor | density | pixels | median | order | p95 | order";
+    lab.table("table", heads, lines)?;
     say(
         "Distances in mm from the exact circles, noise-free; order: how often the error halves with \
          each doubling.",

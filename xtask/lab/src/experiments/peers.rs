@@ -11,7 +11,7 @@ use super::lab::Lab;
 use super::python;
 use super::trial;
 use crate::failure::Failure;
-use crate::table::say;
+use crate::table::{line, say};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use transect::image::PreparedView;
@@ -119,7 +119,7 @@ impl Run<'_> {
     /// The seconds of each program on the images as given.
     fn print_times(&self) -> Result<(), Failure> {
         let scans = self.times.iter().map(|(scan, _)| scan.as_str());
-        let heads: Vec<&str> = std::iter::once("seconds").chain(scans).collect();
+        let heads = std::iter::once("seconds").chain(scans).collect::<Vec<_>>().join(" | ");
         let mut programs: Vec<&String> = Vec::new();
         for (program, _) in self.times.iter().flat_map(|(_, times)| times) {
             if !programs.contains(&program) {
@@ -130,11 +130,11 @@ impl Run<'_> {
             let found = times.iter().find(|(name, _)| name == program);
             found.map_or("–".to_owned(), |(_, seconds)| seconds.clone())
         };
-        let line = |program: &&String| {
+        let of_program = |program: &&String| {
             let cells = self.times.iter().map(|(_, times)| cell(times, program));
-            std::iter::once((*program).clone()).chain(cells).collect()
+            line((*program).clone(), cells)
         };
-        self.lab.times(&heads, &programs.iter().map(line).collect::<Vec<_>>())
+        self.lab.times(&heads, programs.iter().map(of_program))
     }
 }
 

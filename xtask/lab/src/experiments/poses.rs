@@ -9,7 +9,7 @@ use super::lab::Lab;
 use super::trial;
 use crate::chart::{Axis, Chart};
 use crate::failure::Failure;
-use crate::table::{digits, say};
+use crate::table::{self, digits, say};
 use nalgebra::{Isometry3, Vector3};
 use transect_device::View;
 use transect_exchange::svg::{Figure, Mark};
@@ -59,20 +59,12 @@ pub fn run(arguments: &Arguments, lab: &Lab) -> Result<(), Failure> {
                         curve.push([degrees, median]);
                     }
                 }
-                lines.push(line((noise, views.len(), degrees), &errors));
+                lines.push(cells((noise, views.len(), degrees), &errors));
             }
         }
     }
-    let heads = [
-        "noise, σ of the scene",
-        "views",
-        "pose error, °",
-        "as given: median",
-        "p95",
-        "refined: median",
-        "p95",
-    ];
-    lab.table("table", &heads, &lines)?;
+    let heads = "noise, σ of the scene | views | pose error, ° | as given: median | p95 | refined: median | p95";
+    lab.table("table", heads, lines)?;
     say("Distances in mm from the true sections.");
     let figure = chart(&curves);
     lab.picture("poses", |file| figure.write(file))?;
@@ -112,10 +104,10 @@ fn with_noise(factor: f64) -> Result<Description, Failure> {
     Ok(description)
 }
 
-fn line((noise, views, degrees): (f64, usize, f64), errors: &Errors) -> Vec<String> {
-    let settings = [noise.to_string(), views.to_string(), degrees.to_string()];
+fn cells((noise, views, degrees): (f64, usize, f64), errors: &Errors) -> Vec<String> {
     let error = |e: &f64| if e.is_finite() { digits(*e) } else { "∞".to_owned() };
-    settings.into_iter().chain(errors.iter().flatten().map(error)).collect()
+    let errors: Vec<String> = errors.iter().flatten().map(error).collect();
+    table::cells(&format!("{noise} | {views} | {degrees} | {}", errors.join(" | ")))
 }
 
 /// The views with errors of their poses.

@@ -6,7 +6,7 @@
 use super::lab::Lab;
 use super::trial;
 use crate::failure::Failure;
-use crate::table::say;
+use crate::table::{line, say};
 use nalgebra::{Isometry3, Vector3};
 use rayon::prelude::*;
 use transect_device::View;
@@ -120,20 +120,11 @@ fn verdict(coarse: &[CoarseView], pose: Isometry3<f64>, view: usize) -> Option<b
 }
 
 fn print(counts: &[Counts], lab: &Lab) -> Result<(), Failure> {
-    let line = |(degrees, counts): (&f64, &Counts)| {
-        std::iter::once(format!("{degrees}°")).chain(counts.map(|n| n.to_string())).collect()
+    let of_turn = |(degrees, counts): (&f64, &Counts)| {
+        line(format!("{degrees}°"), counts.map(|n| n.to_string()))
     };
-    let lines: Vec<Vec<String>> = DEGREES.iter().zip(counts).map(line).collect();
-    let heads = [
-        "turn",
-        "trials",
-        "named alone",
-        "another named",
-        "nothing named",
-        "error grew by more than half",
-        "of these not named",
-    ];
-    lab.table("table", &heads, &lines)?;
+    let heads = "turn | trials | named alone | another named | nothing named | error grew by more than half | of these not named";
+    lab.table("table", heads, DEGREES.iter().zip(counts).map(of_turn))?;
     say("The error is the median or the 95 % quantile of the distances from the true sections.");
     Ok(())
 }

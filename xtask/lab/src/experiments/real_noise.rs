@@ -9,7 +9,7 @@ use super::lab::Lab;
 use super::trial;
 use crate::failure::Failure;
 use crate::statistics::{median, quantile};
-use crate::table::{digits, say};
+use crate::table::{cells, digits, say};
 use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, SymmetricEigen, UnitQuaternion};
 use transect_device::{Pixel, View};
 use transect_geometry::{Isometry3, Point3, Vector3};
@@ -60,18 +60,9 @@ pub fn run(lab: &Lab) -> Result<(), Failure> {
     for view in &views {
         pairs.extend(both(view, &noise)?);
     }
-    let heads = [
-        "range, m",
-        "patches",
-        "measured, mm: quarter",
-        "half",
-        "simulated, mm: quarter",
-        "half",
-        "neighbours measured",
-        "simulated",
-    ];
+    let heads = "range, m | patches | measured, mm: quarter | half | simulated, mm: quarter | half | neighbours measured | simulated";
     let lines: Vec<_> = RANGES.windows(2).filter_map(|limits| line(&pairs, limits)).collect();
-    lab.table("table", &heads, &lines)?;
+    lab.table("table", heads, lines)?;
     say(
         "Spread along the rays on flat patches: that of the flattest quarter and of half of them; \
          correlation of neighbours in a row.",
@@ -97,17 +88,13 @@ fn line(pairs: &[Pair], limits: &[f64]) -> Option<Vec<String>> {
     let correlation = |of: fn(&Pair) -> f64| {
         format!("{:.2}", median(&class.iter().map(|p| of(p)).collect::<Vec<_>>()))
     };
+    let (measured, simulated) = (|p: &Pair| p.0.spread, |p: &Pair| p.1.spread);
     (class.len() >= ENOUGH).then(|| {
-        vec![
-            format!("{} to {}", limits[0], limits[1]),
-            class.len().to_string(),
-            spread(0.25, |p| p.0.spread),
-            spread(0.5, |p| p.0.spread),
-            spread(0.25, |p| p.1.spread),
-            spread(0.5, |p| p.1.spread),
-            correlation(|p| p.0.correlation),
-            correlation(|p| p.1.correlation),
-        ]
+        let spreads = [spread(0.25, measured), spread(0.5, measured)];
+        let simulated = [spread(0.25, simulated), spread(0.5, simulated)];
+        let correlations = [correlation(|p| p.0.correlation), correlation(|p| p.1.correlation)];
+        let all = [spreads, simulated, correlations].concat().join(" | ");
+        cells(&format!("{} to {} | {} | {all}", limits[0], limits[1], class.len()))
     })
 }
 

@@ -6,6 +6,7 @@ use super::posters::INK;
 use super::posters::projection::{Projection, panel};
 use super::trial::{self, Public};
 use crate::failure::Failure;
+use crate::table::line;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use transect::evaluate::evaluate;
@@ -57,12 +58,12 @@ fn without_options(data: &Path, lab: &Lab) -> Result<(), Failure> {
         let name = format!("`{folder}`: {what}");
         let open = fusion.curves - fusion.closed;
         let counts = [fusion.planes, fusion.curves, open, fusion.closed];
-        lines.push(std::iter::once(name.clone()).chain(counts.map(|n| n.to_string())).collect());
+        lines.push(line(name.clone(), counts.map(|n| n.to_string())));
         times.push(vec![name, seconds]);
     }
     let place = "below `../shared/data`";
-    lab.table("scans", &[place, "planes", "curves", "open", "closed"], &lines)?;
-    lab.times(&[place, "time"], &times)
+    lab.table("scans", &format!("{place} | planes | curves | open | closed"), lines)?;
+    lab.times(&format!("{place} | time"), times)
 }
 
 /// What to open of a folder: its only E57 file, its Stanford scan, else the folder.
@@ -86,7 +87,7 @@ fn bunny(data: &Path, lab: &Lab) -> Result<(), Failure> {
     let figures = rows.filter(|row| !row.unit.is_empty() && is_figure(&row.metric));
     let lines: Vec<_> =
         figures.map(|row| vec![row.metric, format!("{} {}", row.value, row.unit)]).collect();
-    lab.table("bunny", &["metric", "value"], &lines)
+    lab.table("bunny", "metric | value", lines)
 }
 
 /// A plane of the red kitchen without and with the step that averages the views' surfaces.

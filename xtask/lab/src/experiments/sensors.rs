@@ -3,7 +3,7 @@
 use super::lab::Lab;
 use super::trial;
 use crate::failure::Failure;
-use crate::table::{length, say, share};
+use crate::table::{cells, length, say, share};
 use transect_scene::{BUNDLED_SCENES, SensorParameters};
 use transect_workflow::simulation::{PreparedScene, SensorKind, SensorPlan};
 
@@ -42,9 +42,8 @@ pub fn run(arguments: &Arguments, lab: &Lab) -> Result<(), Failure> {
             }
         }
     }
-    let heads =
-        ["scene", "sensor", "views", "pixels", "median", "p95", "complete %", "oriented %", "unit"];
-    lab.table("table", &heads, &lines)?;
+    let heads = "scene | sensor | views | pixels | median | p95 | complete % | oriented % | unit";
+    lab.table("table", heads, lines)?;
     say("Distances from the true sections, noise-free, on what the views could see.");
     Ok(())
 }
@@ -61,15 +60,11 @@ fn true_size(scene: &PreparedScene) -> Option<SensorKind> {
 fn line(scene: &PreparedScene, kind: SensorKind, plan: SensorPlan) -> Result<Vec<String>, Failure> {
     let views = scene.simulate(&plan)?.views;
     let (_, accuracy) = trial::scored(scene, &views, &trial::setup(scene))?;
-    Ok(vec![
-        scene.description.name.clone(),
-        kind.name().to_owned(),
-        views.len().to_string(),
-        trial::pixels(&views).to_string(),
-        length(accuracy.median),
-        length(accuracy.p95),
-        share(accuracy.completeness),
-        share(accuracy.oriented),
-        scene.description.unit.symbol().to_owned(),
-    ])
+    let (name, unit) = (&scene.description.name, scene.description.unit.symbol());
+    let (kind, count, pixels) = (kind.name(), views.len(), trial::pixels(&views));
+    let [median, p95] = [accuracy.median, accuracy.p95].map(length);
+    let [complete, oriented] = [accuracy.completeness, accuracy.oriented].map(share);
+    Ok(cells(&format!(
+        "{name} | {kind} | {count} | {pixels} | {median} | {p95} | {complete} | {oriented} | {unit}"
+    )))
 }

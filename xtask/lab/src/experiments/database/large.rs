@@ -36,7 +36,7 @@ pub fn run(folder: &Path, planes: i64, lab: &Lab) -> Result<(), Failure> {
     let _ = std::fs::remove_file(&path);
     let _ = std::fs::remove_file(path.with_extension("copy"));
     let cells = |row: Row| vec![row.metric, row.value, row.unit];
-    lab.times(&["step", "value", "unit"], &rows?.into_iter().map(cells).collect::<Vec<_>>())
+    lab.times("step | value | unit", rows?.into_iter().map(cells))
 }
 
 fn header() -> Result<StoreHeader, Failure> {

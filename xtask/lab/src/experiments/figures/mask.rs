@@ -6,7 +6,7 @@
 use super::super::lab::Lab;
 use super::super::trial;
 use crate::failure::Failure;
-use crate::table::{digits, length, say, share};
+use crate::table::{self, digits, length, say, share};
 use transect::evaluate::Accuracy;
 use transect::{Reconstruction, Setup};
 use transect_device::View;
@@ -51,21 +51,9 @@ pub struct Growth {
     lines: Vec<Vec<String>>,
 }
 
-/// The columns of the growth table but the first two, with what a caption calls them.
-const COLUMNS: [&str; 12] = [
-    "case 1",
-    "case 2",
-    "case 3",
-    "merged",
-    "a",
-    "b",
-    "c",
-    "d",
-    "e",
-    "refused",
-    "gaps",
-    "length of gaps",
-];
+/// The columns of the growth table. Captions name all but the first two.
+const COLUMNS: &str = "view | length | case 1 | case 2 | case 3 | merged | a | b | c | d | e | refused | \
+                       gaps | length of gaps";
 
 impl Growth {
     /// An empty table in a unit.
@@ -86,7 +74,7 @@ impl Growth {
         line.push(new(now.refused(), self.before.refused()));
         line.push(gaps.len().to_string());
         line.push(self.length(gaps.iter().sum()));
-        let counts = COLUMNS.iter().zip(&line[2..]).filter(|(_, count)| *count != "0");
+        let counts = COLUMNS.split(" | ").zip(&line).skip(2).filter(|(_, count)| *count != "0");
         let told: Vec<_> = counts.map(|(what, count)| format!("{what} {count}")).collect();
         self.lines.push(line);
         self.before = now;
@@ -100,7 +88,7 @@ impl Growth {
 
     /// Prints the table and writes it into `NAME.md`.
     pub fn print(&self, name: &str, lab: &Lab) -> Result<(), Failure> {
-        lab.table(name, &[&["view", "length"], &COLUMNS[..]].concat(), &self.lines)?;
+        lab.table(name, COLUMNS, self.lines.clone())?;
         say("The model after each view: planes of cases 1 to 3 (5.2.2), merged pairs and their \
              patterns (Figure 5.7), pairs that the rules refuse, and gaps that are left.\n");
         Ok(())
@@ -126,20 +114,11 @@ impl Judged<'_> {
         let line = |(name, model): &(&'static str, Model)| -> Result<Vec<String>, Failure> {
             let limits = ScoreLimits::default();
             let found = simulated_accuracy(model, &self.scene.truth, self.views.to_vec(), &limits)?;
-            Ok([vec![(*name).to_owned()], figures(&found, model)].concat())
+            Ok(table::line(*name, figures(&found, model)))
         };
         let lines: Result<Vec<_>, _> = self.models.iter().map(line).collect();
-        let heads = [
-            "method",
-            "median, mm",
-            "95 %, mm",
-            "complete %",
-            "oriented %",
-            "duplicates %",
-            "off the truth %",
-            "curves",
-        ];
-        lab.table("methods", &heads, &lines?)?;
+        let heads = "method | median, mm | 95 %, mm | complete % | oriented % | duplicates % | off the truth % | curves";
+        lab.table("methods", heads, lines?)?;
         say("Distances from the true sections, on what the views could see.");
         Ok(())
     }
@@ -180,17 +159,12 @@ impl Judged<'_> {
     }
 }
 
+/// The cells of a method.
 fn figures(found: &Accuracy, model: &Model) -> Vec<String> {
+    let lengths = [found.median, found.p95].map(length);
+    let shares = [found.completeness, found.oriented, found.duplicated, found.off].map(share);
     let curves: usize = model.sections().map(|(_, s)| s.curves().len()).sum();
-    vec![
-        length(found.median),
-        length(found.p95),
-        share(found.completeness),
-        share(found.oriented),
-        share(found.duplicated),
-        share(found.off),
-        curves.to_string(),
-    ]
+    lengths.into_iter().chain(shares).chain([curves.to_string()]).collect()
 }
 
 /// The true section, the curves and their enlarged errors, the nose upwards.

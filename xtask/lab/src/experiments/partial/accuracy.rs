@@ -9,7 +9,7 @@ use super::chart;
 use super::error::{NodeError, figures};
 use super::surface::{Surface, surfaces};
 use crate::failure::Failure;
-use crate::table::say;
+use crate::table::{line, say};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use transect_device::View;
@@ -61,10 +61,8 @@ pub fn run(arguments: &Arguments, lab: &Lab) -> Result<(), Failure> {
         let lines = surfaces.iter().map(|surface| lines(surface, sigma, arguments));
         let lines: Vec<_> = lines.collect::<Result<_, _>>()?;
         let angles = ANGLES.windows(2).map(|a| format!("{:.0}° to {:.0}°", a[0], a[1]));
-        let heads: Vec<String> =
-            ["surface", "method", "all"].map(str::to_owned).into_iter().chain(angles).collect();
-        let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
-        lab.table(&format!("noise-{sigma}"), &heads, &lines.concat())?;
+        let heads = line("surface | method | all", angles).join(" | ");
+        lab.table(&format!("noise-{sigma}"), &heads, lines.concat())?;
         // The first line is that of the default method. Its figures for all angles begin with the
         // median.
         let all = lines.iter().filter_map(|of_surface| of_surface.first()?.get(2));
@@ -72,8 +70,8 @@ pub fn run(arguments: &Arguments, lab: &Lab) -> Result<(), Failure> {
         medians.iter_mut().zip(of_all).for_each(|(line, median)| line.push(median.to_owned()));
     }
     say("Medians of the default method over all angles:\n");
-    let [none, some, more] = NOISE.map(|sigma| format!("noise of {} %", 100.0 * sigma));
-    lab.table("medians", &["surface", &none, &some, &more], &medians)?;
+    let noises = NOISE.map(|sigma| format!(" | noise of {} %", 100.0 * sigma)).concat();
+    lab.table("medians", &format!("surface{noises}"), medians)?;
     say("Median / 95 % / bias (positive outside) in thousandths of the size / predicted over \
          observed σ, by angle between surface normal and plane.");
     Ok(())

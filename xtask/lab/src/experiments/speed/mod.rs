@@ -6,7 +6,7 @@ mod scene;
 
 use super::lab::Lab;
 use crate::failure::Failure;
-use crate::table::{digits, say};
+use crate::table::{digits, line, say};
 use case::Case;
 use others::Program;
 
@@ -54,12 +54,11 @@ fn table(
     (counts, columns): (&[usize], &[Column]),
     lab: &Lab,
 ) -> Result<(), Failure> {
-    let counts: Vec<String> = counts.iter().map(|count| format!("{count} planes")).collect();
-    let heads: Vec<&str> = std::iter::once(what).chain(counts.iter().map(String::as_str)).collect();
-    let line = |(k, (name, _)): (usize, &(&str, f64))| {
-        let cells = columns.iter().filter_map(|column| Some(digits(column.get(k)?.1)));
-        std::iter::once((*name).to_owned()).chain(cells).collect()
+    let counts = counts.iter().map(|count| format!("{count} planes"));
+    let heads = line(what, counts).join(" | ");
+    let of_program = |(k, (name, _)): (usize, &(&str, f64))| {
+        line(*name, columns.iter().filter_map(|column| Some(digits(column.get(k)?.1))))
     };
     let first = columns.first().into_iter().flatten().enumerate();
-    lab.table(name, &heads, &first.map(line).collect::<Vec<_>>())
+    lab.table(name, &heads, first.map(of_program))
 }
