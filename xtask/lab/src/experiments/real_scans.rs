@@ -98,7 +98,7 @@ fn kitchen(data: &Path, lab: &Lab) -> Result<(), Failure> {
         "A section of a real kitchen by a depth camera",
         "The red kitchen of 7-Scenes, 50 frames: plane 2, across the upright. Poses and depths of \
          the frames differ by centimetres.",
-        [2.0 * PANEL[0] + BETWEEN, PANEL[1] + 40.0],
+        [2.0 * PANEL[0] + BETWEEN, PANEL[1] + 70.0],
     );
     let names = ["every view as it is", "views' surfaces averaged (default)"];
     let frame = models[1].planes().frame(PLANE);

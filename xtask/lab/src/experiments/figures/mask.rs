@@ -139,9 +139,9 @@ impl Judged<'_> {
             return Err(Failure::because("no plane cuts the nose of the mask"));
         };
         let caption = format!(
-            "One section through nose and cheeks, at z = {:.2} mm. Errors are drawn {ENLARGED} times \
+            "One section through nose and cheeks, at z = −{:.2} mm. Errors are drawn {ENLARGED} times \
              larger, and at most as {LARGEST} mm.",
-            planes.station(plane)
+            -planes.station(plane)
         );
         let size = [2.0 * PANEL[0] + 20.0, PANEL[1]];
         let mut figure =
@@ -194,7 +194,7 @@ fn panel(figure: &mut Figure, left: f64, name: &str, truth: &[Curve], curves: &[
     figure.rectangle(corner, PANEL, "fill=\"none\" stroke=\"#222\"");
     let at = Point2::new(left + 14.0, 26.0);
     figure.text(at, Anchor::Start, 18.0, "#222", name);
-    figure.scale_bar(Point2::new(left + 14.0, PANEL[1] - 16.0), [SCALE, 130.0], "mm");
+    figure.scale_bar(Point2::new(left + PANEL[0] - 140.0, 20.0), [SCALE, 80.0], "mm");
 }
 
 /// Points along a curve, moved away from the truth by enlarged errors.

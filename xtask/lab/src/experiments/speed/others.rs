@@ -84,13 +84,16 @@ pub struct Program {
 }
 
 impl Program {
-    /// All programs; without one of them, the comparison is skipped.
-    pub fn all(lab: &Lab) -> Result<Vec<Self>, Failure> {
-        let program = |(name, modules)| Ok(Self { name, python: lab.any_python(modules)? });
-        [("contourpy", "contourpy, numpy"), ("GDAL", "osgeo.gdal, numpy")]
-            .into_iter()
-            .map(program)
-            .collect()
+    /// The programs that are there, and why another one is not.
+    pub fn all(lab: &Lab) -> (Vec<Self>, Option<Failure>) {
+        let (mut programs, mut missing) = (Vec::new(), None);
+        for (name, modules) in [("contourpy", "contourpy, numpy"), ("GDAL", "osgeo.gdal, numpy")] {
+            match lab.any_python(modules) {
+                Ok(python) => programs.push(Self { name, python }),
+                Err(reason) => missing = Some(reason),
+            }
+        }
+        (programs, missing)
     }
 
     /// Runs the program on the image in a folder; its line of output.
