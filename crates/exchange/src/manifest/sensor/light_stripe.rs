@@ -19,8 +19,8 @@
 //!   edge;
 //! * a stack of the camera's intensity images, one per laser angle. It is a `.npy` of angles ×
 //!   camera rows × camera columns of type `u1` or `u2`, or a folder of grey `.png` files. These
-//!   have 8 or 16 bits, and the order of their names. The stripe is found on loading; rows without
-//!   one are missing.
+//!   have 8 or 16 bits, and are read in the order of their names. The stripe is found on loading;
+//!   rows without one are missing.
 
 use super::super::keys::{Keys, UnknownKey};
 use super::Sensor;

@@ -138,10 +138,10 @@ impl Judged<'_> {
         let Some((plane, truth)) = plane.and_then(|k| Some((k, truth.get(&k)?))) else {
             return Err(Failure::because("no plane cuts the nose of the mask"));
         };
+        let height = format!("{:.2}", planes.station(plane)).replace('-', "\u{2212}");
         let caption = format!(
-            "One section through nose and cheeks, at z = −{:.2} mm. Errors are drawn {ENLARGED} times \
-             larger, and at most as {LARGEST} mm.",
-            -planes.station(plane)
+            "One section through nose and cheeks, at z = {height} mm. Errors are drawn {ENLARGED} times \
+             larger, and at most as {LARGEST} mm."
         );
         let size = [2.0 * PANEL[0] + 20.0, PANEL[1]];
         let mut figure =

@@ -1,10 +1,10 @@
 //! Other contouring programs on the same height image, jump test off in both.
 //!
-//! They run in Python, each in the first interpreter that has it: the one that `--python` names, the
-//! one in target/peers, the one that `TRANSECT_PYTHON` names, the path's, the system's. The same
-//! script proves equal work. contourpy: as many vertices
-//! on every plane, each within 1e-6 pixel. GDAL goes half a pixel beyond borders and into gaps, and
-//! shifts levels that meet a pixel; away from those, both must have the same vertices.
+//! They run in Python, each in the first interpreter that has it: the one that `--python` names,
+//! the one in target/peers, the one that `TRANSECT_PYTHON` names, the path's, the system's. The
+//! same script proves equal work. contourpy: as many vertices on every plane, each within 1e-6
+//! pixel. GDAL goes half a pixel beyond borders and into gaps, and shifts levels that meet a pixel;
+//! away from those, both must have the same vertices.
 
 use super::super::lab::Lab;
 use super::super::python;
