@@ -91,3 +91,20 @@ impl Chart {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_are_round_and_inside_the_range() {
+        let labels = |range| -> Vec<String> {
+            Axis::linear(range).ticks.into_iter().map(|(_, label)| label).collect()
+        };
+        assert_eq!(labels([0.3, 2.9]), ["0.5", "1.0", "1.5", "2.0", "2.5"]);
+        assert_eq!(labels([-41.0, 12.0]), ["-40", "-30", "-20", "-10", "0", "10"]);
+        let axis = Axis::logarithmic([0.01, 1.0], vec![0.1], "°");
+        assert_eq!(axis.ticks[0].1, "0.1°");
+        assert!((axis.share(0.1) - 0.5).abs() < 1e-12);
+    }
+}

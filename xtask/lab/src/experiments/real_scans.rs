@@ -3,7 +3,7 @@
 
 use super::lab::Lab;
 use super::posters::INK;
-use super::posters::projection::{Projection, panel};
+use super::posters::projection::{Projection, panel, stroke};
 use super::trial::{self, Public};
 use crate::failure::Failure;
 use crate::table::line;
@@ -112,7 +112,7 @@ fn kitchen(data: &Path, lab: &Lab) -> Result<(), Failure> {
         figure.text(Point2::new(at.x, 16.0), Anchor::Start, 18.0, INK, name);
         let lines = projection.lines(&frame, curves.iter().copied());
         panel(&mut figure, (at, PANEL), (projection.scale, "m"), |figure| {
-            figure.path(&lines, 1.2, &format!("fill=\"none\" stroke=\"{INK}\""));
+            figure.path(&lines, 1.2, &stroke(INK));
         });
     }
     figure.legend(Mark::Line(INK), "fused curve");

@@ -1,6 +1,6 @@
 //! The face mask after each of its four views.
 
-use super::projection::{Lines, Projection};
+use super::projection::{Lines, Projection, stroke};
 use super::{FAINT, VIEWS, nodes};
 use crate::experiments::trial;
 use crate::failure::Failure;
@@ -83,5 +83,5 @@ fn step(
         }
     }
     figure.path(&former, 1.1, "fill=\"none\" stroke=\"#b9c0c4\"");
-    figure.path(&new, 1.5, &format!("fill=\"none\" stroke=\"{colour}\""));
+    figure.path(&new, 1.5, &stroke(colour));
 }

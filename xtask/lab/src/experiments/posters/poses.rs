@@ -1,7 +1,7 @@
 //! Errors of poses: the curves of all views before and after the poses are refined.
 
 use super::INK;
-use super::projection::{Projection, panel};
+use super::projection::{Projection, panel, stroke};
 use crate::experiments::poses::{self, errors, moved};
 use crate::experiments::trial;
 use crate::failure::Failure;
@@ -80,7 +80,7 @@ fn part(
     panel(figure, (at, SIZE), (projection.scale, "mm"), |figure| {
         for (lines, k) in drawn.iter().zip(0..) {
             let colour = COLOURS[k % COLOURS.len()];
-            figure.path(lines, 2.0, &format!("fill=\"none\" stroke=\"{colour}\""));
+            figure.path(lines, 2.0, &stroke(colour));
         }
         let truth = projection.lines(&frame, truth);
         let dashes = format!("fill=\"none\" stroke=\"{INK}\" stroke-dasharray=\"140 90\"");
