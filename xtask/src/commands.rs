@@ -12,10 +12,9 @@ pub enum Owner {
 }
 
 /// A command of the launcher or of the lab, and what its help says.
-const OWN: [(&str, Owner, &str); 4] = [
+const OWN: [(&str, Owner, &str); 3] = [
     ("test", Owner::Launcher, "Run the tests; arguments go to cargo test"),
     ("check", Owner::Launcher, "Run everything that CI runs; --without-tests leaves out the tests"),
-    ("bench", Owner::Lab, "Measure the speed of a stage beside other programs"),
     ("experiments", Owner::Lab, "Measure the figures that the documentation states"),
 ];
 

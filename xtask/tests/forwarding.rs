@@ -18,7 +18,6 @@ fn commands_go_to_their_package_and_come_back_as_they_are() {
     for (command, package) in [
         ("reconstruct", "transect-cli"),
         ("unheard-of", "transect-cli"),
-        ("bench", "xtask-lab"),
         ("experiments", "xtask-lab"),
     ] {
         let output = xtask(&[command, "--out", "a folder", "--help"]);
@@ -36,7 +35,7 @@ fn the_launcher_answers_for_itself() {
     let help = xtask(&["--help"]);
     let text = String::from_utf8(help.stdout).unwrap();
     assert_eq!(help.status.code(), Some(0));
-    for command in ["test", "check", "bench", "experiments", "reconstruct", "manifest"] {
+    for command in ["test", "check", "experiments", "reconstruct", "manifest"] {
         assert!(text.contains(&format!("\n  {command} ")), "{text}");
     }
     assert_eq!(xtask(&[]).status.code(), Some(2));

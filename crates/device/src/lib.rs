@@ -7,9 +7,9 @@
 //! The crate knows no particular sensor, no file format and no use of the images. To add a sensor,
 //! implement [`DeviceFrame`]; see `transect-sensors` for examples.
 //!
-//! Conventions that hold for every sensor: row `i` and column `j` count from 0, a pixel's sample
-//! belongs to the pixel's *centre*, sensor frames are right-handed Cartesian, lengths are in the
-//! model's one length unit, angles in radians, transforms are named target-from-source.
+//! Conventions that hold for every sensor: row `i` and column `j` count from 0. A pixel's sample
+//! belongs to the pixel's *centre*. Sensor frames are right-handed Cartesian. Lengths are in the
+//! model's one length unit, and angles in radians. Transforms are named target-from-source.
 
 mod depth_offsets;
 mod frame;

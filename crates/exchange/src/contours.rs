@@ -134,8 +134,8 @@ fn plane_text(index: PlaneIndex, station: f64, frame: &PlaneFrame, section: &Sec
 /// `station` and `x_axis` may be missing.
 ///
 /// # Errors
-/// [`ReadError`] if the file is not JSON of this form, a plane has no normal, or a polyline has too
-/// few points, points that are not finite, or lists of different lengths.
+/// [`ReadError`] if the file is not JSON of this form or a plane has no normal. Also if a polyline
+/// has too few points, points that are not finite, or lists of different lengths.
 pub fn read_contours(path: &Path) -> Result<Contours, ReadError> {
     let parsed = serde_json::from_str(&read_text(path)?);
     let text: ContoursText =

@@ -35,7 +35,7 @@ impl Groups<'_> {
         self.number(30, point.z)
     }
 
-    /// Writes a template. Each of its lines is a code, a space and a value; a line `@mark` calls
+    /// Writes a template. Each of its lines is a code, a space and a value. A line `@mark` calls
     /// `fill` with the mark, and every `{name}` is replaced by the value of that name.
     pub(crate) fn template(
         &mut self,

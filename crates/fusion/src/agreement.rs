@@ -2,9 +2,9 @@
 //!
 //! **Idea.** Where two views saw the same surface, a node of one has the other's curve of the same
 //! direction right beside it. A curve of the same direction that runs a little *farther* off is
-//! rare between well registered views, since neighbouring surfaces mostly face other ways, and the
-//! rule between wrongly registered ones, whose outlines lie across each other. So of the nodes that
-//! have another view's curve abreast at all, the share with one close by tells right from wrong.
+//! rare between well registered views: neighbouring surfaces mostly face other ways. It is the rule
+//! between wrongly registered ones, whose outlines lie across each other. So of the nodes that have
+//! another view's curve abreast at all, the share with one close by tells right from wrong.
 
 use crate::consensus::Steps;
 use crate::consensus::measure::{Observation, Observations};
@@ -12,8 +12,8 @@ use crate::grid::PointGrid;
 use transect_geometry::Curve;
 
 /// Closer than this, in footprints and standard deviations, two views agree. Standard deviations
-/// are those of independent noise, which smoothing lowers; what a sensor does wrong to all pixels
-/// of a neighbourhood is not, and is no sign of a wrong pose either.
+/// are those of independent noise, which smoothing lowers. It does not lower the errors that all
+/// pixels of a neighbourhood share, and these are no sign of a wrong pose.
 const CLOSE_FOOTPRINTS: f64 = 3.0;
 const CLOSE_SIGMAS: f64 = 6.0;
 

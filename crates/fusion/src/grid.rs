@@ -1,9 +1,9 @@
 //! A uniform grid over points of a plane, for gathering neighbours.
 //!
 //! Cells have one of about twice as many slots as there are points, whatever the extent of the
-//! plane: a long thin curve, or one node far from all others, costs nothing. The slots of a row
+//! plane. A long thin curve, or one node far from all others, costs nothing. The slots of a row
 //! follow each other round a circle, so that a row of a neighbourhood is one run of points. Each
-//! row begins a golden section of the circle behind the one before: so h rows lie at least 0.38 / h
+//! row begins a golden section of the circle behind the one before. So h rows lie at least 0.38 / h
 //! of it from each other, and no neighbourhood with fewer cells than that meets a point twice.
 //! Cells that share a slot are far apart; who gathers looks at places anyway.
 

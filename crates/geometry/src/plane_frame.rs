@@ -33,9 +33,9 @@ impl PlaneFrame {
     /// The frame with the given normal and origin; in-plane axes after the matrix `[T]` of 2.4.2.
     ///
     /// With `h = hypot(n_x, n_y)` of the unit normal `n`, the rotation is about X by `alpha_x` (cos
-    /// `n_z`, sin `h`), then about Z by `alpha_z` (cos `-n_y / h`, sin `n_x / h`): the signs are
-    /// those of the errata, because the printed ones do not turn e_z into the normal. A normal
-    /// along +Z gives the world's own axes, along -Z a half-turn about X.
+    /// `n_z`, sin `h`), then about Z by `alpha_z` (cos `-n_y / h`, sin `n_x / h`). The signs are
+    /// those of the errata: the printed ones do not turn e_z into the normal. A normal along +Z
+    /// gives the world's own axes, along -Z a half-turn about X.
     ///
     /// `normal` need not have unit length; `None` if it has no direction or is not finite.
     pub fn new(origin: Point3, normal: Vector3) -> Option<Self> {

@@ -18,10 +18,10 @@ const OFF_RAY: f32 = 4.0;
 
 /// The scale-free test for a range jump.
 ///
-/// Two neighbours belong to one surface while the range changes by no more than
-/// `lateral · tan(maximum incidence) + slack`: a surface seen more obliquely than the maximum
-/// incidence cannot be told from the step between two surfaces. The printed test compares
-/// `|r_obj − r_pln|` with a threshold in the scene's unit and needs tuning for every scene.
+/// Two neighbours belong to one surface while the range changes by no more than `lateral ·
+/// tan(maximum incidence) + slack`. A surface seen more obliquely than the maximum incidence looks
+/// like the step between two surfaces. The printed test compares `|r_obj − r_pln|` with a threshold
+/// in the scene's unit and needs tuning for every scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BreakRule {
     tan_incidence: f32,

@@ -136,11 +136,11 @@ pub fn estimate_sigma(view: &View) -> f64 {
 ///
 /// The third difference `d[k+3] − 3 d[k+2] + 3 d[k+1] − d[k]` of a smooth surface is noise alone,
 /// with variance 20 σ²; the second one would still see its curvature. The smallest 70 % are taken,
-/// since the others may be at jumps, and their mean square is set against what it is for normal
-/// noise: unlike a quantile it sees coarsely quantised values, most of whose differences are 0.
-/// Rows and columns are looked at separately and the smaller result is taken, so that texture or
-/// steps in one direction do not count. 0 if no four neighbours are valid. Texture finer than four
-/// pixels in both directions counts as noise; noise that neighbours share is not seen.
+/// since the others may be at jumps. Their mean square is compared with that of normal noise.
+/// Unlike a quantile it sees coarsely quantised values, most of whose differences are 0. Rows and
+/// columns are looked at separately and the smaller result is taken, so that texture or steps in
+/// one direction do not count. 0 if no four neighbours are valid. Texture finer than four pixels in
+/// both directions counts as noise; noise that neighbours share is not seen.
 ///
 /// # Units
 /// That of the image's values.

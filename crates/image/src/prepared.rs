@@ -86,7 +86,7 @@ impl<'a> PreparedView<'a> {
     /// Correlation of the noise of a pixel with that of its neighbours, from 0 to 1.
     ///
     /// A smooth weighting with a standard deviation of w pixels leaves a share f = 1 / (2 w √π) of
-    /// the noise, and results a pixel apart have the correlation exp(−1 / (4 w²)) = exp(−π f²).
+    /// the noise. Results a pixel apart have the correlation exp(−1 / (4 w²)) = exp(−π f²).
     pub fn correlation_of_neighbours(&self, pixel: Pixel) -> f64 {
         let factor = self.factor(pixel);
         if factor < 1.0 { (-std::f64::consts::PI * factor * factor).exp() } else { 0.0 }

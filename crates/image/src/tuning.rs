@@ -1,7 +1,7 @@
 //! Every number of the smoother that was chosen rather than derived.
 //!
-//! "Measured" refers to the two rooms, the parts and the face of the peers' data sets with noise of
-//! 0.1 % and 0.5 % of their size, by the median error of the curves.
+//! "Measured" refers to the median error of the curves of the two rooms, the parts and the face of
+//! the peers' data sets. Their noise is 0.1 % and 0.5 % of their size.
 
 /// Half the width of the largest window, in pixels. A window then has 21 × 21 pixels.
 ///

@@ -1,7 +1,7 @@
 //! A process that adds views is killed at random instants; no view is lost, none is there by half.
 //!
-//! This program is both processes: without [`CHILD`] in its environment it starts itself with it,
-//! kills that process, opens the store and compares it with one that was built without
+//! This program is both processes: without [`CHILD`] in its environment it starts itself with it
+//! and kills that process. Then it opens the store and compares it with one that was built without
 //! interruption. 20 kills, or as many as `TRANSECT_KILLS` says.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, clippy::panic, reason = "a test")]

@@ -1,8 +1,8 @@
 //! The pieces of the partial modeler, one by one: `cargo bench -p transect-partial`.
 //!
 //! Rows and pairs are given per pixel, curves per vertex. What a piece costs beyond another one is
-//! the difference of two lines: with no plane met, a sweep is levels and pair tests; with planes,
-//! it is also emission, links and lines; small bands make following and joining dear, large ones
+//! the difference of two lines. With no plane met, a sweep is levels and pair tests. With planes,
+//! it is also emission, links and lines. Small bands make following and joining dear, large ones
 //! leave the cache.
 #![allow(clippy::expect_used, missing_docs, reason = "a benchmark, with a view of its own")]
 

@@ -2,20 +2,20 @@
 //!
 //! Of two open ends, the rules are:
 //! * **direction**: the way across the gap turns by no more than [`MAX_TURN`] from the curve on
-//!   either side, in the image and in the plane; a step between two parallel surfaces turns in the
-//!   plane;
+//!   either side, in the image and in the plane. A step between two parallel surfaces turns in the
+//!   plane.
 //! * **range**: continued straight on from either side, the curve passes the other end by no more
-//!   than the range may change from one pixel to the next; an end too short for a direction by the
-//!   whole change of the range. So a step is a jump however many missing pixels hide it;
-//! * along the pixels from one end to the other, on the high and on the low side of the curve, each
-//!   valid pixel is of one surface with the valid one before it.
+//!   than the range may change from one pixel to the next. An end too short for a direction passes
+//!   it by the whole change of the range. So a step is a jump however many missing pixels hide it;
+//! * **surface**: on both sides of the curve, from one end to the other, each valid pixel is of one
+//!   surface with the valid one before it.
 
 use crate::pixel_grid::Grid;
 use transect_device::{PairGeometry, Pixel, View};
 use transect_geometry::{Point2, Vector2};
 use transect_image::BreakRule;
 
-/// Largest angle between a curve's end and the way across the gap, in radians: a curve as tight as
+/// Largest angle between a curve's end and the way across the gap, in radians. A curve as tight as
 /// five pixels in radius turns by half of this within four pixels.
 const MAX_TURN: f64 = std::f64::consts::FRAC_PI_3;
 
@@ -72,8 +72,8 @@ fn angle_cost(run: &Vector2, across: &Vector2) -> Option<f64> {
 }
 
 /// Whether a curve that runs from one pixel towards another, and misses it by a length, stays on
-/// one surface: the length is no larger than a change of the range between neighbours may be. If it
-/// is not known, the change of the range between the two is taken.
+/// one surface. It does if the length is no larger than a change of the range between neighbours
+/// may be. If it is not known, the change of the range between the two is taken.
 pub(crate) fn continues(
     view: &View,
     grid: &Grid,

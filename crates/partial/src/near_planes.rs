@@ -6,9 +6,9 @@
 //!
 //! Smoothing these pixels alone gives the curves of a view that is smoothed everywhere.
 //!
-//! **Gain.** Measured on whole runs with two threads: smoothing every pixel takes at least 1.9
-//! times as long on the red kitchen, 1.7 times on `kitchen_kin40_real`, 1.1 to 1.3 times on
-//! `room_sph12_n01`, and no longer on the bunny, whose planes are as dense as its pixels.
+//! **Gain.** Measured once, on whole runs with two threads. Smoothing every pixel takes at least
+//! 1.9 times as long on the red kitchen, 1.7 times on `kitchen_kin40_real`, and 1.1 to 1.3 times on
+//! `room_sph12_n01`. It takes no longer on the bunny, whose planes are as dense as its pixels.
 
 use crate::SectionAxes;
 use fearless_simd::{Simd, dispatch};

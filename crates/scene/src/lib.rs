@@ -3,8 +3,8 @@
 //! The one decision of this crate: **a scene is a union of placed solids, and the nearest hit
 //! wins**. That is the R-buffer of the dissertation (section 4.5.3): per ray, the smallest range
 //! over all surfaces. Its boundary representation (winged-edge solids, a CSG tree, one projection
-//! of every polygon into the buffer) is replaced by parry3d's shapes and bounding volume hierarchy:
-//! rays search for solids instead of polygons for pixels. The truth does not come from rays: the
+//! of every polygon into the buffer) is replaced by parry3d's shapes and bounding volume hierarchy.
+//! Rays search for solids instead of polygons for pixels. The truth does not come from rays: the
 //! section planes slice the solids' surfaces, and overlaps are united in the plane.
 //!
 //! The crate knows no files and no modeler. It casts every [`transect_device::DeviceFrame`], and

@@ -172,10 +172,10 @@ impl Scene {
 
     /// The solids' surfaces as one mesh in the world, wound outwards.
     ///
-    /// Round solids are polyhedra with their vertices on the true surface and their faces nowhere
-    /// farther than `chord_error` from it, and inside of it except around the hole of a torus;
-    /// flat-faced solids and meshes are exact. Solids that overlap keep the parts of their
-    /// surfaces that lie inside each other: the mesh bounds the union, but is not its boundary.
+    /// Round solids are polyhedra with their vertices on the true surface and their faces at most
+    /// `chord_error` from it. The faces lie inside of it, except around the hole of a torus.
+    /// Flat-faced solids and meshes are exact. Solids that overlap keep the parts of their surfaces
+    /// that lie inside each other: the mesh bounds the union, but is not its boundary.
     ///
     /// # Errors
     /// [`SceneError::BadChordError`] unless the chord error is positive, finite and not absurdly
@@ -196,7 +196,7 @@ impl Scene {
     /// The exact sections of the union: rings with the solid on the left, in plane coordinates.
     ///
     /// Exact up to rounding for boxes and meshes. The curves of round solids come from
-    /// [`Scene::mesh`], so they lie on a surface within `chord_error` of the true one; where a
+    /// [`Scene::mesh`], so they lie on a surface within `chord_error` of the true one. Where a
     /// plane nearly touches a ball, their distance in the plane is larger by one over the sine of
     /// the angle between plane and surface.
     ///

@@ -7,9 +7,9 @@ use transect_device::{
 /// A laser that turns about the y axis and a camera beside it, both carried along y from row to
 /// row.
 ///
-/// The laser is at `(0, y, 0)`, its column's angle θ is counted from z towards x; the camera is at
-/// `(base_line, y, 0)` and measures the slope of its line of sight: `d3 = 4 + (x - base_line) / z`,
-/// which is positive for all that the tests look at, as stored values have to be.
+/// The laser is at `(0, y, 0)`, its column's angle θ is counted from z towards x. The camera is at
+/// `(base_line, y, 0)` and measures the slope of its line of sight: `d3 = 4 + (x - base_line) / z`.
+/// This is positive for all that the tests look at, as stored values have to be.
 #[derive(Debug)]
 pub struct SheetOfLight {
     pub size: ImageSize,

@@ -33,10 +33,10 @@ const THICKER: f64 = 1.01;
 
 /// Finds the points of a surface that some view sees.
 ///
-/// A point is seen if it projects into a view's image, the nearest pixel is not missing, and the
-/// paths to the start of that pixel's ray and to its second viewpoint, if any, are free. A view
-/// whose device frame has no inverse mapping sees no point, because its rays between the pixels are
-/// unknown.
+/// A point is seen if it projects into a view's image and the nearest pixel is not missing. The
+/// paths to the start of that pixel's ray, and to its second viewpoint, if any, must be free. A
+/// view whose device frame has no inverse mapping sees no point, because its rays between the
+/// pixels are unknown.
 #[derive(Debug)]
 pub struct Visibility {
     surface: TriMesh,

@@ -258,8 +258,8 @@ impl<'a> Grower<'a> {
     /// transaction. `sources` are the sources of those views; the poses are those of the store.
     ///
     /// # Errors
-    /// If a source has no view in the store, or its image is another one than the store's, or the
-    /// store cannot be read or written; the store is then unchanged.
+    /// If a source has no view in the store, or its image is another one than the store's. Also if
+    /// the store cannot be read or written. The store is then unchanged.
     pub fn refine_poses<S: ViewSource>(
         &self,
         sources: &[S],

@@ -11,9 +11,9 @@
 //! * [`evaluate`]: how accurate a model is, against sections that are known.
 //!
 //! One line in `Cargo.toml` is enough. The crates below are modules here: [`device`] (images and
-//! views), [`geometry`] (planes and curves), [`model`] (the result and its store), [`image`]
-//! (noise and smoothing), [`register`] (poses), [`partial`] and [`fusion`] (the two steps and their
-//! options), and [`nalgebra`], whose vectors and poses they share. Three more are features:
+//! views), [`geometry`] (planes and curves), [`model`] (the result and its store), [`image`] (noise
+//! and smoothing), and [`register`] (poses). So are [`partial`] and [`fusion`] (the two steps and
+//! their options), and [`nalgebra`], whose vectors and poses they share. Three more are features:
 //!
 //! | feature | module | contents |
 //! |---|---|---|

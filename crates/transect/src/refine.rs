@@ -19,13 +19,13 @@
 //!
 //! Departure from the dissertation: there one interval is chosen for the whole model, by hand.
 //!
-//! Cost: modelling on the smallest interval (all its crossings are kept until the end), fusing the
-//! selected planes, and for each pair with n nodes a comparison in O(n log n).
+//! Cost: modelling on the smallest interval, whose crossings are all kept until the end. Then
+//! fusing the selected planes, and for each pair with n nodes a comparison in O(n log n).
 //!
 //! Limits: a detail that lies wholly between two planes that agree is missed, except where both
 //! planes are empty. Where a surface lies across the guide, such as the top of a table, planes are
-//! inserted down to the smallest interval, because its curves come and go at any interval. The same
-//! happens where the seen ground ends.
+//! inserted down to the smallest interval. Its curves come and go at any interval. The same happens
+//! where the seen ground ends.
 
 mod difference;
 

@@ -2,8 +2,8 @@
 //! half, and going on gives what nobody interrupted.
 //!
 //! This program is both processes: without [`CHILD`] in its environment it starts itself with it,
-//! kills that process, opens the store, verifies it and compares it with one run over the views
-//! that are there. 20 kills, or as many as `TRANSECT_KILLS` says.
+//! kills that process, and opens the store. It verifies the store and compares it with one run over
+//! the views that are there. 20 kills, or as many as `TRANSECT_KILLS` says.
 #![allow(clippy::unwrap_used, clippy::print_stdout, clippy::panic, reason = "a test")]
 #![allow(dead_code, reason = "some helpers are for the other tests")]
 

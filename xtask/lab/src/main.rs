@@ -1,11 +1,12 @@
-//! The measurements of Transect: `cargo xtask bench` and `cargo xtask experiments`.
+//! The measurements of Transect: `cargo xtask experiments`.
 #![allow(clippy::print_stderr, reason = "progress and errors go there")]
 
-mod bench;
+mod chart;
 mod experiments;
 mod failure;
 mod statistics;
 mod table;
+mod timing;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -21,18 +22,16 @@ struct Arguments {
 enum Command {
     /// Measure what the documentation states, such as every sensor's accuracy.
     Experiments(experiments::Arguments),
-    /// Measure the speed of a stage, beside what it is compared with.
-    Bench(bench::Arguments),
 }
 
 fn main() -> ExitCode {
-    let outcome = match Arguments::parse().command {
-        Command::Experiments(a) => experiments::run(&a),
-        Command::Bench(a) => bench::run(&a),
-    };
-    match outcome {
+    let Command::Experiments(arguments) = Arguments::parse().command;
+    match experiments::run(&arguments) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.report(),
+        Err(failure) => {
+            eprintln!("error: {failure}");
+            ExitCode::FAILURE
+        }
     }
 }
 

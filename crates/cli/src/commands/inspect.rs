@@ -12,9 +12,9 @@ use transect_workflow::{OpenScan, PlaneSettings, ViewSurvey, is_model, with_caus
 /// Options of `inspect`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Scan: a folder with scan.json, a scan.json, a Stanford .conf, a folder of depth images, an
-    /// E57 or PTX file, or an organised cloud (PCD, PLY, KITTI);
-    /// or a model file, a model store, or a folder that `reconstruct` wrote.
+    /// A scan: scan.json or its folder, a Stanford .conf, a folder of depth images, an E57 or PTX
+    /// file, an organised cloud (PCD, PLY, KITTI). Or a model file, a model store, or a folder that
+    /// `reconstruct` wrote.
     scan: PathBuf,
     #[command(flatten)]
     open: ScanArguments,

@@ -35,9 +35,8 @@ pub struct MethodArguments {
 #[command(next_help_heading = "Settings of the dissertation (--method dissertation, \
                                --fusion pairwise)")]
 struct OwnArguments {
-    /// Where a plane passes between two pixels: straight in space, straight in the device frame
-    /// against the exact plane or the plane's own line, or a cubic through four points (3.6)
-    /// [default: cartesian].
+    /// Where a plane passes between two pixels (3.6): straight in space or in the device frame, or
+    /// a cubic through four points [default: cartesian].
     #[arg(long, value_name = "SOLUTION", value_parser = named([
         ("cartesian", Subpixel::Cartesian),
         ("device_plane", Subpixel::DevicePlane),

@@ -14,9 +14,8 @@ use transect_workflow::{Costs, OpenScan, ResultFolder, Run, Settings, default_fo
 /// Options of `reconstruct`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Scan: a folder with scan.json, a scan.json, a Stanford .conf, a folder of depth images, an
-    /// E57 or PTX file, or an organised cloud (PCD, PLY, KITTI)
-    /// [default: simulate the bundled room].
+    /// Scan: scan.json or its folder, a Stanford .conf, a folder of depth images, an E57 or PTX
+    /// file, an organised cloud (PCD, PLY, KITTI) [default: simulate the bundled room].
     scan: Option<PathBuf>,
     #[command(flatten)]
     open: ScanArguments,
@@ -31,8 +30,8 @@ pub struct Arguments {
     /// splines.json.
     #[arg(long, value_name = "TOLERANCE")]
     splines: Option<String>,
-    /// Insert planes where the curves of neighbouring planes are farther than this from each other,
-    /// down to a smallest interval: the interval halved a whole number of times [default: a
+    /// Insert planes where the curves of neighbouring planes are farther than this from each other.
+    /// SMALLEST is the smallest interval: the interval halved a whole number of times [default: a
     /// sixteenth of it].
     #[arg(long, value_name = "TOLERANCE[,SMALLEST]", conflicts_with = "store")]
     refine: Option<String>,

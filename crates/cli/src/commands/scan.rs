@@ -60,8 +60,8 @@ struct PartArguments {
 /// What the caller says in place of the files of a folder of depth images.
 #[derive(Debug, clap::Args)]
 pub struct DepthArguments {
-    /// Poses of a folder of depth images or clouds (TUM, KITTI, Open3D .log or .json, 3 × 4 or 4 ×
-    /// 4 numbers), or a folder with one pose file per image; sensor to world.
+    /// Poses of a folder of depth images or clouds, sensor to world: TUM, KITTI, Open3D .log or
+    /// .json, matrices as numbers, or a folder with one file per image.
     #[arg(long, value_name = "FILE")]
     poses: Option<PathBuf>,
     /// Camera of a folder of depth images: a JSON file of Open3D or RealSense, a text file, or the

@@ -1,8 +1,8 @@
 //! What is wrong with a scan is said with its place and its reason; nothing panics, nothing is
 //! left.
 //!
-//! Each table begins with a sound scan and spoils one thing at a time; that the sound one passes is
-//! tested first, so that no row fails for a reason of its own.
+//! Each table begins with a sound scan and spoils one thing at a time. The sound one is tested
+//! first, so that no row fails for another reason.
 
 use super::common::{Folder, Run, conjugate, fixture};
 use serde_json::{Value, json};

@@ -1,8 +1,8 @@
 //! Decompression of LZF, the compression of PCD files.
 //!
 //! Reference: Marc Lehmann, *LibLZF*. A control byte below 32 announces that many literal bytes and
-//! one more. Every other control byte repeats earlier bytes: three bits of it are the length less 2
-//! (7: the next byte is added), and five bits and the next byte are the distance less 1.
+//! one more. Every other control byte repeats earlier bytes. Three bits of it are the length less 2
+//! (7: the next byte is added). Five bits and the next byte are the distance less 1.
 
 /// Most bytes that one compressed byte can become: three bytes repeat at most 264.
 const LARGEST_RATIO: usize = 88;

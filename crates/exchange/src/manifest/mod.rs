@@ -22,7 +22,7 @@
 //! | `pose_true` | the true pose, if it is known; modelling never uses it |
 //! | `scale` | length units per count, for images of integers; `depth_scale` is its older name |
 //! | `missing` | the value of pixels without a return in the file, before the scale: a number, or `[x, y, z]` for a grid; in a view, or at the top for all views |
-//! | `image_order` | of a view whose file holds the pixels in another order: `transposed`, `mirrored` (columns run to the left), `upside-down` (rows run up), `swapped-camera` (the image is right, and fx, fy and cx, cy are exchanged); for depth cameras and angular scans |
+//! | `image_order` | of a view of a depth camera or an angular scan whose file holds the pixels in another order. `transposed`, `mirrored` (columns run to the left), `upside-down` (rows run up), or `swapped-camera` (the image is right, and fx, fy and cx, cy are exchanged) |
 //! | `rows`, `cols` | size of the range image; optional, checked against the file |
 //! | `sensor` | one of the following, each with its own keys |
 //!

@@ -17,8 +17,8 @@ use std::path::Path;
 /// Triangles of an STL file share vertices where their coordinates are equal.
 ///
 /// # Errors
-/// [`ReadError`] if the extension is none of these, the file is truncated or has no faces, a vertex
-/// is not finite, or a face names a vertex that is not there; with the line or the element.
+/// [`ReadError`] if the extension is none of these, or the file is truncated or has no faces. Also,
+/// with the line or the element, if a vertex is not finite, or a face names a missing vertex.
 pub fn read_mesh(path: &Path) -> Result<MeshFile, ReadError> {
     let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     let read = match extension.as_deref() {

@@ -1,8 +1,8 @@
 //! The curves of all views at once: the default way to fuse a plane.
 //!
 //! **Problem.** Several views measured parts of the same section. Wanted: one curve where they
-//! overlap, more accurate than any single one; no duplicate, no fork, nothing invented, both sides
-//! of a thin sheet, and the same result for any order of views.
+//! overlap, more accurate than any single one. No duplicate, no fork, nothing invented, and both
+//! sides of a thin sheet. The same result for any order of views.
 //!
 //! **Idea.** The dissertation merges curves two by two (5.2 to 5.5). Every merge moves the curve a
 //! little, so errors add up, and the last view weighs as much as all before it. Here every view's
@@ -41,7 +41,7 @@
 //! 5.4 holds for the result as an invariant instead of deciding each merge.
 //!
 //! **Cost.** Each step gathers neighbours from a grid. All steps work on groups or on nodes, whose
-//! number depends on the length of the result, not on the number of views; every observation is
+//! number depends on the length of the result, not on the number of views. Every observation is
 //! only grouped and added to its cluster. Not for views whose poses are wrong by more than the
 //! overlap threshold: fusion cannot repair registration.
 

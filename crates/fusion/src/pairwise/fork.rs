@@ -1,8 +1,9 @@
 //! Where two curves fork, one of them is cut.
 //!
-//! **Problem.** By the rules of 5.4 no section forks, but curves with errors do: at a corner that
-//! one view cut off, at a niche that one view missed, and where bridges or noise lead aside. Two
-//! long curves that fork in one place would lie beside each other on all their common ground.
+//! **Problem.** By the rules of 5.4 no section forks, but curves with errors do. They fork at a
+//! corner that one view cut off, at a niche that one view missed, and where bridges or noise lead
+//! aside. Two long curves that fork in one place would lie beside each other on all their common
+//! ground.
 //!
 //! **Idea.** Of the two unenclosed parts that make the fork, the shorter one becomes a curve of its
 //! own. What is left of its curve overlaps the other as the rules allow.

@@ -7,7 +7,7 @@
 //! 1. Case 1: the plane has no curves yet; the partial curve is the first.
 //! 2. Case 2: no envelope meets its envelope, or what met was no overlap; it is put beside them.
 //! 3. Case 3: it overlaps a global curve. That curve is merged **into the partial one** and its
-//!    record is cancelled; the grown curve goes on to the next candidate, so that a partial curve
+//!    record is cancelled. The grown curve goes on to the next candidate, so that a partial curve
 //!    bridges any number of global ones. In the end it takes its place among the global curves.
 //! 4. The envelopes of the curve and of the plane are exchanged with it.
 //!

@@ -27,7 +27,7 @@
 //! view's shadow are taken out, and units that no view measured are marked (`bridges.rs`).
 //!
 //! **When not to use it.** The result drifts with every merge, since midpoints of chords lie inside
-//! an arc, the last view weighs as much as all before it, and the order of views shows. It is the
+//! an arc. The last view weighs as much as all before it, so the order of views shows. It is the
 //! specification in the dissertation's terms, and the baseline for `consensus`.
 //!
 //! **Cost.** For each view, the length of its curves and of those they meet, times its logarithm.

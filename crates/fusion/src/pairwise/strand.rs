@@ -1,7 +1,7 @@
 //! A curve laid out from a beginning to an end, so that one of its overlaps lies within.
 //!
 //! An open curve is its own strand. A closed curve is cut in the middle of what the overlap leaves
-//! of it, as Rule 3 allows anywhere; the cut is a node that stands at both ends of the strand and
+//! of it, as Rule 3 allows anywhere. The cut is a node that stands at both ends of the strand and
 //! is taken out when the curve closes again.
 
 use crate::pattern::CurveRange;

@@ -4,8 +4,8 @@
 //! point of one must be seen to lie beside the other.
 //!
 //! **Idea.** If the orthogonal projection of the first point of one curve lies within a unit of the
-//! other, and the point is near enough, the first is the *distant* curve and the second the *basis*
-//! curve (Figure 5.8).
+//! other, the point must be near enough. Then the first is the *distant* curve and the second the
+//! *basis* curve (Figure 5.8).
 //!
 //! **Steps.**
 //! 1. Take one curve as basis. In the frame of each of its units, from the first on, the first

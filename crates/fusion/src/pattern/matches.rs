@@ -93,8 +93,8 @@ struct Limits {
 pub(super) struct NodePlaces(Vec<(f64, Option<f64>)>);
 
 impl NodePlaces {
-    /// Whether a node strictly within a stretch is not enclosed; the stretch may begin in any
-    /// round of a closed curve, of which `length` is the length, and run over its node 0.
+    /// Whether a node strictly within a stretch is not enclosed. The stretch may begin in any round
+    /// of a closed curve, of which `length` is the length, and run over its node 0.
     pub(super) fn unenclosed(&self, from: f64, step: f64, length: f64) -> bool {
         let begin = if from < 0.0 || from > length { from.rem_euclid(length) } else { from };
         let over = begin + step - length;

@@ -52,9 +52,9 @@ pub enum ToleranceError {
 impl OverlapTolerance {
     /// Tolerances of one's own.
     ///
-    /// `distance`: the farthest a node may be from the other curve; `max_angle_rad`: the largest
-    /// angle between the two directions there; `remainder`: the longest stretch at an end or
-    /// within an overlap that may be unenclosed and still counts as nothing.
+    /// `distance`: the farthest a node may be from the other curve. `max_angle_rad`: the largest
+    /// angle between the two directions there. `remainder`: the longest unenclosed stretch, at an
+    /// end or within an overlap, that counts as nothing.
     ///
     /// # Errors
     /// [`ToleranceError`], with the value. From a quarter turn on, the two directions would no
@@ -214,8 +214,8 @@ fn relation_of(overlaps: &[Overlap], closed: bool) -> Relation {
 
 /// Whether the first curve begins on the second one's end, and ends on its beginning.
 ///
-/// Parts that count as nothing may be left there: curves that go all the way round but for a short
-/// gap may be enclosed whole by both overlaps, and make a ring with what bridges the gap.
+/// Parts that count as nothing may be left there. Curves that go all the way round but for a short
+/// gap may be enclosed whole by both overlaps. They make a ring with what bridges the gap.
 fn is_ring(p: &Overlap, q: &Overlap) -> bool {
     let begins_on_end = !p.parts_a.begins_unenclosed && !p.parts_b.ends_unenclosed;
     let ends_on_beginning = !q.parts_a.ends_unenclosed && !q.parts_b.begins_unenclosed;

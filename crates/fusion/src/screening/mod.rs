@@ -26,8 +26,8 @@ fn touches(unit: &CurveUnit, rectangle: &Envelope) -> bool {
     sides.iter().any(|&s| s >= 0.0) && sides.iter().any(|&s| s <= 0.0)
 }
 
-/// Whether two curves may overlap in their common rectangle: both have units there, and some unit
-/// of one runs the same way as some unit of the other, up to `max_angle_rad`.
+/// Whether two curves may overlap in their common rectangle. Both must have units there, and some
+/// unit of one must run the same way as some unit of the other, up to `max_angle_rad`.
 ///
 /// Cost: O(n log n) for the n units in the rectangle.
 pub fn may_overlap(a: &Curve, b: &Curve, common: &Envelope, max_angle_rad: f64) -> bool {

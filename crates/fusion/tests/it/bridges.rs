@@ -16,8 +16,8 @@ fn row(from: Point2, count: usize) -> Vec<Node> {
     (0..count).map(node).collect()
 }
 
-/// Two rows with a step of three footprints between them, seen by one view as two curves that end
-/// for a reason there, and by another view as one curve with a bridge.
+/// Two rows with a step of three footprints between them. One view sees two curves that end for a
+/// reason there, another view one curve with a bridge.
 fn step(reason: Option<EndReason>) -> [Vec<Curve>; 2] {
     let rows = [0.0, 3.0].map(|k: f64| {
         row(Point2::new(if k > 0.0 { 0.5 * SPACING } else { -49.0 * SPACING }, k * SPACING), 50)

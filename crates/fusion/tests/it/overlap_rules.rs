@@ -15,7 +15,7 @@ use transect_geometry::{Curve, Node, Point2, Vector2};
 /// Nodes lie within a fifth of this of their true place.
 const DISTANCE: f64 = 0.06;
 const NOISE: f64 = DISTANCE / 5.0;
-/// Unenclosed parts are at least this long along the base curve: four times the remainder
+/// Unenclosed parts are at least this long along the base curve. It is four times the remainder
 /// tolerance, so that neither noise nor the way out of reach at a fork can make them empty.
 const PART: f64 = 16.0 * DISTANCE;
 /// Ends that should coincide differ by up to this: less than the remainder tolerance.

@@ -7,8 +7,8 @@
 //! then consists of straight and circular pieces, whose arc lengths, nearest points and frames have
 //! closed forms.
 //!
-//! A polyline with many points on a smooth curve becomes a smooth curve that passes each of its
-//! points at a distance of about an eighth of the square of a side over the radius.
+//! A polyline with many points on a smooth curve becomes a smooth curve. It passes each of its
+//! points at a distance of about a²/8R, for sides of length a and a radius R.
 
 use super::GuideError;
 use super::path_point::{PathPoint, Tightest};

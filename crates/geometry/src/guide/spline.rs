@@ -1,8 +1,8 @@
 //! A cubic spline through points, by arc length.
 //!
-//! Steps: natural cubic interpolation over the chords' lengths (no curvature at the ends, where the
-//! curve continues straight), then every span is cut into parts whose lengths come from
-//! Gauss–Legendre quadrature with five points; within a part Newton's method finds the parameter of
+//! Steps: natural cubic interpolation over the chords' lengths, without curvature at the ends,
+//! where the curve continues straight. Then every span is cut into parts, whose lengths come from
+//! Gauss–Legendre quadrature with five points. Within a part Newton's method finds the parameter of
 //! a station.
 
 use super::path_point::{PathPoint, Tightest};

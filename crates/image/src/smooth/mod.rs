@@ -20,9 +20,9 @@
 //!    weights by distance alone, the others also with weights by the residuals.
 //! 4. A fit in a wider window, with weights by the residuals of the last fit.
 //! 5. The wider window counts where noise explains the difference of both fits, the narrow one
-//!    where it does not, and a mean of both in between: two steps of the method of intersecting
-//!    confidence intervals (Goldenshluger and Nemirovski, 1997). Walls get the gain of wide
-//!    windows, and bends keep their shape.
+//!    where it does not, and a mean of both in between. These are two steps of the method of
+//!    intersecting confidence intervals (Goldenshluger and Nemirovski, 1997). Walls get the gain of
+//!    wide windows, and bends keep their shape.
 //! 6. The pixel takes that value, and its standard deviation follows from the weights. It stays as
 //!    it is if the fit is no less noisy, or differs from its sample by more than noise does.
 //!

@@ -13,10 +13,10 @@ const STEP: usize = 6;
 /// The function of a value that is fitted by a polynomial in row and column.
 ///
 /// A fit of second order has no bias where the fitted quantity is of second order itself. The
-/// inverse depth of a plane is exactly affine in the pixel coordinates of a pinhole camera, and the
-/// inverse range nearly so in the angles of an imaging radar; depth and range themselves are not,
-/// least of all on planes seen obliquely. The values of triangulation sensors and of parallel rays
-/// are affine as they are.
+/// inverse depth of a plane is exactly affine in the pixel coordinates of a pinhole camera. The
+/// inverse range is nearly so in the angles of an imaging radar. Depth and range themselves are
+/// not, least of all on planes seen obliquely. The values of triangulation sensors and of parallel
+/// rays are affine as they are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Quantity {
     Value,

@@ -6,8 +6,8 @@ use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
 /// Radii of the pixels' windows in rows and in columns, from the distances between their rays and
-/// their noise, all lengths; 0 where noise is negligible against the spacing of the rays, or either
-/// is not known.
+/// their noise, all lengths. A radius is 0 where noise is negligible against the spacing of the
+/// rays, or either is not known.
 #[inline(always)]
 pub(super) fn radii<S: Simd>(simd: S, [across, down, noise]: [Native<S>; 3]) -> [Native<S>; 2] {
     let zero = all(simd, 0.0);

@@ -68,9 +68,9 @@ fn profile(shape: impl Fn(f64) -> f64, sigma: f64) -> Vec<[f64; 2]> {
 /// Height over the distance in columns.
 type Shape = Box<dyn Fn(f64) -> f64>;
 
-/// Creases, steps and bars of all heights stay: in no column is the mean error larger than 2.3
-/// standard deviations of a sample, and the root mean square of all columns is below 0.8 of one.
-/// The limits are a little above what was measured.
+/// Creases, steps and bars of all heights stay. The mean error of a column is at most 2.3 standard
+/// deviations of a sample. The root mean square of all columns is below 0.8 of one. The limits are
+/// a little above what was measured.
 #[test]
 fn creases_and_steps_are_not_flattened() {
     let mut bad = Vec::new();

@@ -84,9 +84,9 @@ fn planes_stay_planes() {
     }
 }
 
-/// Bias and remaining noise of a surface: the change of the clean image that three quarters
-/// of the pixels stay below (of a ball, those seen at up to 60°), and quantiles of the error before
-/// and after; all in standard deviations.
+/// Bias and remaining noise of a surface, in standard deviations. The bias is the change of the
+/// clean image that three quarters of the pixels stay below (of a ball, those seen at up to 60°).
+/// The noise is stated as quantiles of the error before and after.
 fn measure(frame: &Arc<dyn DeviceFrame>, surface: Distance, ratio: f64) -> [f64; 5] {
     let sigma = ratio * 3.0 * STEP;
     let clean = look(frame, surface, 0.0, Some(sigma));

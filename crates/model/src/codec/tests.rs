@@ -135,9 +135,9 @@ fn lengths_beyond_the_file_set_no_memory_aside() {
     announced[12..20].copy_from_slice(&u64::MAX.to_le_bytes());
     assert!(matches!(read(&announced[..]), Err(CodecError::Truncated { .. })));
 
-    // Unit, the tag of a straight guide, then direction, offset and interval of the planes, then
-    // the mark of all planes and a list that claims 2^60 items, of planes or views, or a view's
-    // name that claims as many bytes; 253 announces a 64-bit integer.
+    // Unit, the tag of a straight guide, direction, offset and interval of the planes, and the mark
+    // of all planes. Then a list of planes or views that claims 2^60 items, or a view's name that
+    // claims as many bytes. 253 announces a 64-bit integer.
     let planes = [0.0, 0.0, 1.0, 0.0, 0.5].map(f64::to_le_bytes).concat();
     let wild = [&[253][..], &(1_u64 << 60).to_le_bytes()].concat();
     let after = |begin: &[u8]| [begin, &wild].concat();

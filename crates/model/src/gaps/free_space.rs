@@ -75,8 +75,8 @@ impl FreeSpace {
         known.and_then(|n| self.cells.get(n)).copied().unwrap_or(Cell::Unknown)
     }
 
-    /// The share of the way from one point to another that is known to be free, from 0 to 1; 0 if
-    /// an observed surface lies in between, farther than `slack` from the second point.
+    /// The share of the way from one point to another that is known to be free, from 0 to 1. It is
+    /// 0 if an observed surface lies in between, farther than `slack` from the second point.
     pub fn free_share(&self, from: &Point3, to: &Point3, slack: f64) -> f64 {
         let length = (to - from).norm();
         let stop = (length - slack).max(0.0);

@@ -17,9 +17,9 @@
 //! of ids. Then, plane by plane in order of station, the partial curves of each view in order of
 //! ids and the fused curves. Then the end. A rotation is a quaternion `[i, j, k, w]`. A node is
 //! `[x, y, sigma, footprint, weight, views, correlation, tan_incidence, normal]`: plane
-//! coordinates, standard deviation and sample spacing in the model's unit, weight, number of views
-//! (0 on bridged ground), length over which errors are shared, tangent of the incidence (0 if
-//! unknown), and the surface's normal in plane coordinates (zeros if unknown). If there are any,
+//! coordinates, standard deviation and sample spacing in the model's unit, weight, and number of
+//! views (0 on bridged ground). `correlation` is the length over which errors are shared; tangent
+//! and normal of the surface (in plane coordinates) are zeros if unknown. If there are any,
 //! `"bridged"` lists the nodes whose following unit no view saw, and `"ends"` says why an open
 //! curve begins and ends (`"missing_pixel"`, `"range_jump"`, `"image_border"`, or null). The last
 //! line's hash is FNV-1a (64 bits, hexadecimal) of all bytes before that line, newlines included.

@@ -1,9 +1,10 @@
 //! The label image Ω of one plane (3.4.2, Eq. 3.2–3.4, errata).
 //!
-//! One rule by signed heights: a plane sees a pixel high if its sample lies over the plane, and low
-//! otherwise; a tie is low; a missing pixel has no label. The printed label, r_pln < r_obj, says
-//! whether sample and start of the ray lie on opposite sides of the plane: it is this label where
-//! the ray starts low, its complement where it starts high, and lost where it starts on the plane.
+//! One rule by signed heights: a plane sees a pixel high if its sample lies over the plane.
+//! Otherwise, and for a tie, it sees it low. A missing pixel has no label. The printed label, r_pln
+//! < r_obj, says whether sample and start of the ray lie on opposite sides of the plane. It is this
+//! label where the ray starts low, and its complement where it starts high. It is lost where the
+//! ray starts on the plane.
 
 use super::samples::Samples;
 use crate::pixel_grid::Grid;

@@ -1,6 +1,6 @@
 //! Which contour pixel follows which: adjacent ones first, then across gaps (3.5.1).
 //!
-//! The source links pixels while it walks; here every contour pixel's two ends are linked before,
+//! The source links pixels while it walks. Here every contour pixel's two ends are linked before,
 //! closest first, so that a curve is the same whichever of its pixels is found first.
 
 use super::code::{Code, CodeImage, Surface};

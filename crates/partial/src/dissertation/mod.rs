@@ -22,11 +22,11 @@
 //! 6. the direction of the curve (3.7): [`DirectionRule`], `orient.rs`; what is known of every
 //!    node, `nodes.rs`.
 //!
-//! **Departures from the source** stand at the head of each file. The main ones: labels come from
-//! signed heights, since the printed comparison loses the plane through the sensor; expected codes
-//! of the search are exact, so that tracing is without choice where no pixel is missing; thinning
-//! is done on labels, before tracing; a gap is bridged only where range and direction continue, and
-//! is marked; a saddle of four labels always cuts off the upper left and the lower right pixel,
+//! **Departures from the source** stand at the head of each file. The main ones: Labels come from
+//! signed heights, since the printed comparison loses the plane through the sensor. Expected codes
+//! of the search are exact, so that tracing is without choice where no pixel is missing. Thinning
+//! is done on labels, before tracing. A gap is bridged only where range and direction continue, and
+//! is marked. A saddle of four labels always cuts off the upper left and the lower right pixel,
 //! because a pixel of code 3 is one pixel of one curve.
 //!
 //! **Cost.** Every plane visits every pixel: this is the specification in the source's own terms,

@@ -191,8 +191,8 @@ fn reverse(crossings: &mut [Crossing], closed: bool) {
 
 /// Error across the curve per error along the ray.
 ///
-/// A sample displaced by δ along the ray d moves the surface by δ (d · N) along its normal N, and
-/// the section by that over the sine of the angle between surface and plane.
+/// A sample displaced by δ along the ray d moves the surface by δ (d · N) along its normal N. It
+/// moves the section by that over the sine of the angle between surface and plane.
 fn sigma_factor(normal: &Vector3, ray: &Vector3) -> f64 {
     let factor = ray.dot(normal).abs() / normal.x.hypot(normal.y);
     if factor.is_nan() {
@@ -202,8 +202,8 @@ fn sigma_factor(normal: &Vector3, ray: &Vector3) -> f64 {
     }
 }
 
-/// Length along the curve that one pixel covers: the coarser of the samples' spacing, seen along
-/// the curve, and the curve's length per pixel of the kind it crosses more often.
+/// Length along the curve that one pixel covers. It is the larger of the samples' spacing along the
+/// curve and the curve's length per pixel of the kind it crosses more often.
 fn footprint(
     crossings: &[Crossing],
     k: usize,

@@ -3,21 +3,21 @@
 //! Every node whose two rays tell votes for or against the direction in which the curve was traced;
 //! two ways of telling are built:
 //!
-//! * [`DirectionRule::PlanePoints`], free of conventions: of the two pixels of a border, the one
-//!   whose ray meets the plane before the surface has its point of the plane in free space, the
-//!   other one behind the surface. So inside lies from the first of these points towards the
-//!   second, and must be on the left of the curve.
-//! * [`DirectionRule::Codes`], the printed steps a–d: (a) the side of the plane on which the
-//!   pixel's ray starts; (b) the right-hand pixel, from the code and the way from the last contour
-//!   pixel, with the printed lines of codes 1 and 2 exchanged (errata), mirrored on grids of the
-//!   other handedness; (c) whether that pixel's ray meets the plane before the object, so that the
-//!   plane is outside there; (d) the direction is right if the start is on the positive side and
+//! * [`DirectionRule::PlanePoints`], free of conventions. Of the two pixels of a border, one has a
+//!   ray that meets the plane before the surface: its point of the plane is in free space. The
+//!   point of the other one is behind the surface. So inside lies from the first of these points
+//!   towards the second, and must be on the left of the curve.
+//! * [`DirectionRule::Codes`], the printed steps a–d. (a) The side of the plane on which the
+//!   pixel's ray starts. (b) The right-hand pixel, from the code and the way from the last contour
+//!   pixel. The printed lines of codes 1 and 2 are exchanged (errata), and mirrored on grids of the
+//!   other handedness. (c) Whether that pixel's ray meets the plane before the object, so that the
+//!   plane is outside there. (d) The direction is right if the start is on the positive side and
 //!   right is outside, or neither. A right-hand pixel of another surface tells nothing about this
 //!   one.
 //!
 //! Where no node tells (a plane through the sensor, which no ray meets), the high side of the plane
-//! does: seen from the sensor it is on the left, whatever side of the plane the sensor is on, and
-//! on the right on a mirrored grid.
+//! does. Seen from the sensor it is on the left, whatever side of the plane the sensor is on. On a
+//! mirrored grid it is on the right.
 
 use super::code::Surface;
 use super::crossing::Crossing;

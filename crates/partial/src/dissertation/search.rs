@@ -10,7 +10,7 @@
 //!
 //! A border between two pixels is crossed by the curve, which leaves it into the two cells of four
 //! pixels beside the border. A pixel of code 1 has one border, left to the west and the east; code
-//! 2 to the north and the south; of code 3 the two borders share the cell north-west of the pixel
+//! 2 to the north and the south. Of code 3 the two borders share the cell north-west of the pixel
 //! and follow each other there, so it is left to the east and the south.
 //!
 //! The order visits the closest pixel first and at equal distance the pixel of the same code, since
@@ -18,9 +18,9 @@
 //! which the curve comes in. **Adjacent** steps lead to a border of the same cell; all others
 //! bridge a gap.
 //!
-//! **Departure from the source**: expected codes are exact, so that each way out of a pixel has at
-//! most one adjacent way in, except where pixels are missing; then gaps arise from missing pixels
-//! and range jumps alone, and never from the search.
+//! **Departure from the source**: expected codes are exact. Each way out of a pixel has at most one
+//! adjacent way in, except where pixels are missing. So gaps arise from missing pixels and range
+//! jumps alone, and never from the search.
 
 use transect_device::Neighbour;
 

@@ -4,7 +4,7 @@
 //! curve, so that its contour pixels lie several deep. One of them per row or column is wanted.
 //!
 //! **Idea.** As printed, the contour pixels across the curve are looked for in a window of 3 to 4
-//! pixels, and the one in their middle is kept: (i_v, j_v) of a column, (i_h, j_h) of a row.
+//! pixels. The one in their middle is kept: (i_v, j_v) of a column, (i_h, j_h) of a row.
 //!
 //! **Steps.** Down every column and then along every row:
 //! 1. collect the borders between labels, as long as neighbours are of one surface;
@@ -13,12 +13,12 @@
 //!    give the pixels before and behind it the label of their side.
 //! 4. Again, until nothing changes.
 //!
-//! **Departures from the source.** Done on labels before tracing instead of on pixels during it, so
-//! that what is left is a border again: it has two sides and is traced like any other, up to its
-//! ends. An even number of borders has the same label on both sides: it is a strip, whose two
-//! curves run in opposite directions, and the printed rule would draw one line through it that has
-//! no inside. The printed choice between (i_v, j_v) and (i_h, j_h) takes the nearer to the current
-//! pixel, which near a curve's end is that pixel itself; here borders between rows are thinned down
+//! **Departures from the source.** Done on labels before tracing, instead of on pixels during it.
+//! What is left is then a border again: it has two sides and is traced like any other, up to its
+//! ends. An even number of borders has the same label on both sides. It is a strip, whose two
+//! curves run in opposite directions. The printed rule would draw one line through it that has no
+//! inside. The printed choice between (i_v, j_v) and (i_h, j_h) takes the nearer to the current
+//! pixel, which near a curve's end is that pixel itself. Here borders between rows are thinned down
 //! columns and borders between columns along rows, which is across the curve by their code.
 //!
 //! Surface features narrower than the thickness are taken for noise, as in the source.

@@ -1,7 +1,7 @@
 //! Tracing: from links to chains of borders (3.5.1).
 //!
-//! A trace starts from a pixel first found, goes back to where its curve begins, and follows it
-//! until no more neighbouring pixel is found or the first one is met again.
+//! A trace starts from a pixel first found, and goes back to where its curve begins. It then
+//! follows the curve until no more neighbouring pixel is found or the first one is met again.
 
 use super::link::{Contour, End, Links};
 use super::samples::Samples;

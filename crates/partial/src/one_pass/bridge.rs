@@ -15,7 +15,7 @@
 //! 3. Closest pairs are joined first; of equally close ones the straightest.
 //!
 //! **Departures from the source.** It searches a window of pixels in an order by code, which here
-//! is the distance; the expected codes and the side of the high pixels are in the direction of the
+//! is the distance. The expected codes and the side of the high pixels are in the direction of the
 //! lines. The straight way across must not be longer than the gap in rows or in columns, whatever
 //! the outline of the missing pixels.
 //!

@@ -54,7 +54,7 @@ impl Scratch {
 /// Makes lines of pieces.
 ///
 /// Pieces are in the order of their parts, bands and heads, and a head's number grows with its
-/// pair; so open chains come out in the order of the pairs they begin with, wherever the image was
+/// pair. So open chains come out in the order of the pairs they begin with, wherever the image was
 /// cut. Closed ones are made to begin with their smallest pair, for the same reason.
 pub(super) fn assemble(
     pieces: &mut [Piece],

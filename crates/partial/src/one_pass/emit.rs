@@ -10,7 +10,7 @@ use super::source::Source;
 use super::vertex::{Kind, Vertex, edge_code};
 use fearless_simd::Simd;
 
-/// Vertices that are made together, whether they are all wanted or not: most pairs have fewer, and
+/// Vertices that are made together, whether they are all wanted or not. Most pairs have fewer, and
 /// a loop that stops after one or two is guessed wrong more often than not.
 const AT_ONCE: usize = 2;
 

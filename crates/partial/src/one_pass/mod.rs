@@ -20,14 +20,14 @@
 //!    linear).
 //! 4. Each cell of four pixels links its entering crossings to its leaving ones, seen with the high
 //!    side on the left (`link.rs`, `cell.rs`). This replaces the search windows of 3.5.
-//! 5. Every few rows, a *band*, links are followed while they are in the processor's cache, which
+//! 5. Every few rows, a *band*, links are followed while they are in the processor's cache. This
 //!    gives *pieces* of curves (`trace.rs`); pieces that meet at a band's border are joined, and
 //!    whole lines are put into their final order and place (`chains.rs`). Parts of the image may be
 //!    swept in parallel (`part.rs`); where it is cut, for either reason, changes no bit of the
 //!    result.
-//! 6. Handedness turns "high on the left" into "solid on the left" (3.7): seen from the sensor, the
-//!    curve direction `n × N` (plane normal, outward surface normal) has the high side on its left
-//!    whatever side of the plane the sensor is on, so a mirrored grid reverses all curves and a
+//! 6. Handedness turns "high on the left" into "solid on the left" (3.7). Seen from the sensor, the
+//!    curve direction `n × N` (plane normal, outward surface normal) has the high side on its left,
+//!    whatever side of the plane the sensor is on. So a mirrored grid reverses all curves, and a
 //!    plain one none. No range comparison per curve is needed.
 //! 7. Lines that noise alone makes where the surface is nearly tangent to the plane are left out;
 //!    see `near_tangent.rs`. If asked, lines cut by a few missing pixels are joined, and the unit
@@ -43,7 +43,7 @@
 //! sets give the same bits, and so do all processors. A tie is low; a saddle is decided by the mean
 //! of its four levels; a missing pixel is known by its value, never by its level. A label may
 //! differ from that of the exact level where the level is within `2⁻²² · (|p| · |g| + |c|)` of a
-//! plane (level `g · p + c`); a pair may be judged otherwise than in `f64` where its range step is
+//! plane (level `g · p + c`). A pair may be judged otherwise than in `f64` where its range step is
 //! within `10⁻⁶` of the range of the limit. Backends without tables
 //! ([`transect_device::SeparableForm`]) round once, at the end.
 //!
@@ -118,13 +118,13 @@ pub struct OnePassOptions {
     /// Most missing pixels in a row that a curve is continued across, 4 as in the source; 0 bridges
     /// nothing. Bridged units are marked: fusion never lets them keep seen nodes from each other.
     pub gap: usize,
-    /// Standard deviations by which the surface must leave the plane on both sides of a curve; 0
-    /// keeps what noise alone makes where the surface is nearly tangent to the plane.
+    /// Standard deviations by which the surface must leave the plane on both sides of a curve. 0
+    /// keeps the curves that noise alone makes where the surface is nearly tangent to the plane.
     pub excursion_sigmas: f64,
     /// Smallest factor between range noise and a node's error across the curve.
     ///
     /// With errors along the ray alone, a surface seen obliquely moves less across the curve than
-    /// along the ray, by a factor of down to 0.25; with that as bound, the default, predicted
+    /// along the ray, by a factor of down to 0.25. With that as bound, the default, predicted
     /// errors are the observed ones of simulated noise. Real scanners err in other ways, too, and
     /// most where they see a surface obliquely: a bound of 1 does not claim the gain.
     pub least_sigma_factor: f64,

@@ -6,7 +6,7 @@
 //!
 //! **Idea.** A curve parts a region of high samples from a region of low ones. It is real if both
 //! regions leave the plane by more than noise does. Noise moves a sample along its ray `d`, so its
-//! height over the plane has the standard deviation `σ |d · m|` with the plane's normal `m`: a
+//! height over the plane has the standard deviation `σ |d · m|` with the plane's normal `m`. A
 //! plane that holds the rays has no such noise, however obliquely it meets the surface. A region
 //! that nowhere rises (or falls) by some of these deviations might as well not be there, and all
 //! curves around it are left out together. This is the simplification of contours by persistence

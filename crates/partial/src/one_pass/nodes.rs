@@ -84,7 +84,7 @@ impl NodeMaker<'_> {
     ///
     /// One is the spacing of the two rays between which the plane passes, seen along the curve. The
     /// other counts: a curve along a row crosses one upward pair per column, one along a column one
-    /// sideways pair per row, so the more frequent kind counts the pixels. They differ where rows
+    /// sideways pair per row. So the more frequent kind counts the pixels. They differ where rows
     /// and columns are spaced differently; the coarser one limits what is known of the curve.
     fn footprint(&self, k: usize, closed: bool, tangent: &Vector2, ray: &Vector3) -> f64 {
         let spacing = f64::from(self.crossings[k].spacing) / sine_between(tangent, ray);
@@ -132,10 +132,10 @@ impl NodeMaker<'_> {
 
 /// Error across the curve per error along the ray.
 ///
-/// A sample displaced by δ along the ray `d` moves the surface by δ (d · N) along its normal and
-/// the section by that over (m · N), with `m` across the curve in the plane. The normal is N = t ×
-/// e with the curve's direction t and a step e across it, both on the surface; then m · N is −e's
-/// height.
+/// A sample displaced by δ along the ray `d` moves the surface by δ (d · N) along its normal. It
+/// moves the section by that over (m · N), with `m` across the curve in the plane. The normal is N
+/// = t × e with the curve's direction t and a step e across it, both on the surface; then m · N is
+/// −e's height.
 fn sigma_factor(tangent: &Vector2, across: &Vector3, ray: &Vector3) -> f64 {
     let normal = Vector3::new(tangent.x, tangent.y, 0.0).cross(across);
     let factor = (ray.dot(&normal) / across.z).abs();

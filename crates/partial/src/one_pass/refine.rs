@@ -12,8 +12,8 @@ use transect_image::PreparedView;
 /// taken.
 ///
 /// Half way between samples with noise of their own, the cubic's error has 0.64 of their variance
-/// and the chord's 0.5, so the cubic is the better one where it leaves the chord by more than
-/// √0.14 = 0.37 deviations. That is three deviations of what noise makes of their difference.
+/// and the chord's 0.5. So the cubic is the better one where it leaves the chord by more than √0.14
+/// = 0.37 deviations. That is three deviations of what noise makes of their difference.
 const LEAST_BEND: f64 = 0.4;
 
 /// The way to solve the crossings of one view.

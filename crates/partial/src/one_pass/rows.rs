@@ -262,7 +262,7 @@ fn whole_part<S: Simd>(simd: S, block: &[i32; WORD], k: usize) -> S::i32s {
 /// The columns whose bits are set, in ascending order, in a list that is used again and again.
 ///
 /// Words without any are left out, and of the others four are written at least, whether they are
-/// there or not: sparse masks, the most frequent ones, then need few branches that the processor
+/// there or not. Sparse masks, the most frequent ones, then need few branches that the processor
 /// could guess wrong.
 #[inline(always)]
 pub(super) fn columns<'a>(mask: &[u64], list: &'a mut Vec<u32>) -> &'a [u32] {

@@ -17,7 +17,7 @@ pub(super) fn meet([p, q]: &[Point3; 2], plane: &SensorPlane) -> Meeting {
 
 /// Where between two heights over a plane the line through them meets it.
 ///
-/// Of two heights on one side of the plane the one nearer to it: labels are decided in `f32`,
+/// Of two heights on one side of the plane the one nearer to it. Labels are decided in `f32`,
 /// heights here in `f64`, so a sample that is on the plane within rounding may have either sign.
 pub(crate) fn parameter(first: f64, second: f64) -> f64 {
     let t = first / (first - second);

@@ -44,8 +44,8 @@ fn quadratic(l: f64, m: f64, n: f64) -> [Option<f64>; 2] {
 /// The solution for any sensor.
 ///
 /// Between the pixels, at a share `t` of the way, a value's point is taken as `(1 − t) f(a, d) + t
-/// f(b, d)` with the mapping `f` at both pixels and `d` linear in `t`: exact for a pinhole's
-/// depths, quadratic in the step for other sensors, like the linear value itself.
+/// f(b, d)` with the mapping `f` at both pixels and `d` linear in `t`. This is exact for a
+/// pinhole's depths, and quadratic in the step for other sensors, like the linear value itself.
 pub(super) fn on_any(
     frame: &dyn DeviceFrame,
     line: &PairLine,

@@ -1,6 +1,6 @@
 //! A cubic through four samples and the plane (3.6 with n = 4).
 //!
-//! The scanned curve `c(t) = s(c₁, …, c₄)` is the cubic through the samples at t = −1, 0, 1, 2; its
+//! The scanned curve `c(t) = s(c₁, …, c₄)` is the cubic through the samples at t = −1, 0, 1, 2. Its
 //! height over the plane is the cubic through their heights, whose root between 0 and 1 is wanted.
 //! The remainder of the interpolation is `t (t² − 1)(t − 2) c⁗ / 24`: at most 3/128 of the fourth
 //! difference of the samples.

@@ -3,7 +3,7 @@
 /// Steps after which the bracket is as small as rounding.
 const MAX_STEPS: usize = 100;
 
-/// The root of `f` in [0, 1] by regula falsi with the Illinois rule; `None` if the values at the
+/// The root of `f` in [0, 1] by regula falsi with the Illinois rule. `None` if the values at the
 /// ends have one sign or a value is not a number.
 ///
 /// Superlinear on smooth functions, and never outside the bracket.

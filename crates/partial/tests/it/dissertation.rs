@@ -26,8 +26,8 @@ fn one_pass_levels(view: &View, axes: &SectionAxes) -> Vec<f32> {
     levels
 }
 
-/// How far a level must be from a plane for both methods to agree on its label: the rounding of a
-/// level to `f32`, 2⁻²⁴ of it, and that of two ways of computing it in `f64`.
+/// How far a level must be from a plane for both methods to agree on its label. It is the rounding
+/// of a level to `f32`, 2⁻²⁴ of it, and that of two ways of computing it in `f64`.
 fn bound(level: f32) -> f64 {
     2_f64.powi(-24) * f64::from(level).abs() + 1e-9
 }
@@ -173,9 +173,9 @@ fn check_sides(
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 
-    /// Not compared: units shorter than a third of a pixel, whose direction is the zigzag of two
-    /// kinds of pairs; places where both sides are at the same depth, as on a plane that touches
-    /// the solid; and that the left lies inside in curves of up to 12 nodes.
+    /// Not compared are units shorter than a third of a pixel, whose direction is the zigzag of two
+    /// kinds of pairs. Nor are places where both sides are at the same depth, as on a plane that
+    /// touches the solid. In curves of up to 12 nodes, the left need not lie inside.
     #[test]
     fn the_point_to_the_left_of_every_curve_is_inside(
         seen in seen(0.03), normal in directions(), interval in 0.05..0.3, kind in 0..3_u8,

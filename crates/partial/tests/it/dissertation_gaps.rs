@@ -26,7 +26,8 @@ fn noise(seed: u64) -> impl Fn() -> f64 {
 }
 
 /// A wall at x = 5, seen along x with noise of up to `spread`, and planes that pass it in the
-/// middle, turned from it by an angle so small that one pixel changes the height by `rise`.
+/// middle. They are turned from it by an angle so small that one pixel changes the height by
+/// `rise`.
 fn nearly_tangent(spread: f64, rise: f64, columns: usize) -> (View, PlaneFamily) {
     let frame = radar(columns);
     let next = noise(7);

@@ -63,9 +63,9 @@ fn surfaces() -> [(&'static str, Solid); 3] {
     ]
 }
 
-/// Root mean square distance of the nodes from the surface, where it is seen at no more than 50°
-/// (beyond, the surface's own curvature along the rows has no bound) and two pixels from the
-/// image's border (where four points are not to be had).
+/// Root mean square distance of the nodes from the surface, where it is seen at no more than 50°.
+/// Beyond, the surface's own curvature along the rows has no bound. Nodes within two pixels of the
+/// image's border do not count: four points are not to be had there.
 fn error(sensor: Sensor, solid: &Solid, subpixel: Subpixel, n: usize) -> f64 {
     let frame = sensor.frame(n);
     // Sensors look along z, the radar along x.

@@ -81,8 +81,8 @@ fn is_surrounded(seen: &Seen, p: Pixel) -> bool {
 }
 
 /// The first place from which a curve runs on for 24 pixels, more along the rows than along the
-/// columns or the other way round; away from its ends, from rims and from other curves. Where it
-/// turns within a gap, nobody can say how it continues.
+/// columns or the other way round. It is away from its ends, from rims and from other curves. Where
+/// it turns within a gap, nobody can say how it continues.
 pub fn cuttable(seen: &Seen, model: &PartialModel) -> Option<(PlaneIndex, Cut)> {
     for plane in &model.planes {
         let [curve] = plane.curves.as_slice() else { continue };

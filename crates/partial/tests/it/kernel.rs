@@ -18,8 +18,8 @@ fn pair(contours: &Contours<'_>, vertex: &Vertex) -> [Pixel; 2] {
 
 /// How far the fast vertex of a crossing may be from its place.
 ///
-/// Levels in `f32` are wrong by a few units in the last place of what they are made of, which moves
-/// the crossing by that over the pair's difference in level; so may places.
+/// Levels in `f32` are wrong by a few units in the last place of what they are made of. This moves
+/// the crossing by that over the pair's difference in level. So may places.
 fn tolerance(crossing: &Crossing, view: &View, axes: &SectionAxes) -> f64 {
     let p = view.point_in_sensor(crossing.pair[0]).unwrap();
     let [a, b] = crossing.levels;

@@ -211,7 +211,7 @@ fn all_pixels_of_a_crossed_cell_are_smoothed() {
 }
 
 /// A bowl that bends by three deviations within a pixel, and whose lowest sample errs by three,
-/// too: smoothing takes that one most of the way back, through a plane that lies more than a
+/// too. Smoothing takes that one most of the way back, through a plane that lies more than a
 /// deviation beyond all samples.
 #[test]
 fn a_sample_that_smoothing_moves_by_most_of_what_it_may_counts() {

@@ -1,8 +1,8 @@
 //! The cell whose ray passes a point, in a grid of points without an inverse mapping.
 //!
 //! **Idea.** Neighbouring rays have nearly the same direction. The point is moved along the ray of
-//! the nearest patch to the depth of that patch; the nearest patch to the moved point is the next
-//! guess, and it no longer changes after a few steps.
+//! the nearest patch to the depth of that patch. The nearest patch to the moved point is the next
+//! guess. It no longer changes after a few steps.
 
 use super::Sampled;
 use rstar::{RTree, primitives::GeomWithData};

@@ -278,9 +278,9 @@ impl CoarseView {
         self.image
     }
 
-    /// The rays of the first and the last pixel, if the view is one of a depth camera: all rays
-    /// start in the origin of the sensor frame and run along its z axis. Views of one camera have
-    /// the same ones.
+    /// The rays of the first and the last pixel, if the view is one of a depth camera. All rays of
+    /// such a view start in the origin of the sensor frame and run along its z axis. Views of one
+    /// camera have the same ones.
     pub(crate) fn camera(&self) -> Option<[Vector3; 2]> {
         let Lookup::Inverse(frame) = &self.lookup else { return None };
         let last = Pixel::new(self.image.rows.checked_sub(1)?, self.image.cols.checked_sub(1)?);

@@ -4,8 +4,8 @@
 //! wrong one. A score per view would blame them all.
 //!
 //! **Steps.**
-//! 1. Views are blamed one after the other: each time the one whose pairs with the views not yet
-//!    blamed are the least likely among right views (a vertex cover with soft edges, greedily).
+//! 1. Views are blamed one after the other. Each time it is the one whose pairs with the views not
+//!    yet blamed are the least likely among right views (a vertex cover with soft edges, greedily).
 //! 2. Blame holds only where it makes peace: the blamed views must contradict the others far more
 //!    than any two of the others do. Real scans have many small contradictions without a culprit.
 

@@ -4,8 +4,8 @@
 //! rigid motion that takes the refined surfaces back to where the given poses put them. A view that
 //! was far off must not draw the others after it.
 //!
-//! **Idea.** The rigid motion of least squares (Kabsch, 1976), in which a view that stays farther
-//! away than most loses weight, more quickly than by Huber (1964), and stays to be seen.
+//! **Idea.** The rigid motion of least squares (Kabsch, 1976). A view that stays farther away than
+//! most loses weight, more quickly than by Huber (1964), and stays to be seen.
 //!
 //! **Steps.** Fit; weigh every view by its distance; fit again.
 

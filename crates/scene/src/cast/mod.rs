@@ -7,7 +7,7 @@
 //! 3. Noise moves the hit along the ray, or drops it.
 //! 4. The value `d3` is the one that a plane through the hit, perpendicular to the ray, would have
 //!    at the pixel ([`DeviceFrame::plane_value`]). On the pixel's own ray that is exact for every
-//!    scale a frame may have, needs no inverse `F` and no arc tangent, and makes noise mean an
+//!    scale a frame may have. It needs no inverse `F` and no arc tangent, and makes noise mean an
 //!    error along the ray for depths just as for ranges. A depth camera states the hit's own depth
 //!    with its errors.
 //!

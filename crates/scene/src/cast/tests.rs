@@ -136,8 +136,8 @@ fn same_seed_same_bytes_whatever_the_order_of_views() {
     assert_ne!(bytes(&scene.scan(&frame, &pose, &other, 0).unwrap()), forward[0]);
 }
 
-/// A step on a wall at z = 10, before a laser at x = 0 and a camera at x = 4: a box from x = 1 to 3
-/// whose face is at z = 8.
+/// A step on a wall at z = 10, before a laser at x = 0 and a camera at x = 4. The step is a box
+/// from x = 1 to 3 whose face is at z = 8.
 fn step() -> Scene {
     let slab = |size: [f64; 3], at: [f64; 3]| {
         Solid::new(Shape::cuboid(size.into()).unwrap(), Isometry3::translation(at[0], at[1], at[2]))

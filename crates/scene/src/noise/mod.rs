@@ -35,7 +35,7 @@ use transect_geometry::{Isometry3, Vector3};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Noise {
     /// Standard deviation of a normal error of the range **along the ray**, in the model's length
-    /// unit, for any meaning of `d3`: the part that is the same at every range.
+    /// unit, for any meaning of `d3`. This part is the same at every range.
     pub sigma: f64,
     /// Growth of that standard deviation per range, where ranges count from the start of the ray:
     /// `sigma + sigma_growth · range`.

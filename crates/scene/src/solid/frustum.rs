@@ -7,13 +7,13 @@
 //! * `b = o_x d_x + o_y d_y - s d_z (m + s o_z)`,
 //! * `c = o_x² + o_y² - (m + s o_z)²`,
 //!
-//! and the ray is within the mantle, or within its mirror image beyond the tip, where the left
-//! side is not positive. Between the two ends the radius is not negative, so the mirror image
-//! plays no part there, and the solid is convex: of the at most two intervals within the
-//! double cone, only one lies between the ends.
+//! and the ray is within the mantle, or within its mirror image beyond the tip, where the left side
+//! is not positive. Between the two ends the radius is not negative, so the mirror image plays no
+//! part there. The solid is convex: of the at most two intervals within the double cone, only one
+//! lies between the ends.
 //!
-//! The start is first moved along the ray to the point nearest the centre, so that all terms are
-//! of the solid's size and the roots lose nothing to a far sensor.
+//! The start is first moved along the ray to the point nearest the centre. All terms are then of
+//! the solid's size, and the roots lose nothing to a far sensor.
 
 use super::ray::{LocalRay, slab};
 use parry3d_f64::math::Vector;

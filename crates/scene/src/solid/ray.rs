@@ -2,11 +2,11 @@
 //!
 //! Convex shapes are intersections of slabs, so a ray is inside them from the last slab entry to
 //! the first slab exit. Balls and meshes are parry's; its cylinders and cones are found by GJK
-//! iterations, good to about 1e-6 of their size, so they are solved here in closed form, and so is
-//! the torus, which parry does not have.
+//! iterations, good to about 1e-6 of their size. They are solved here in closed form, as is the
+//! torus, which parry does not have.
 //!
 //! A ray that starts in a solid enters it at distance 0, a value which no sensor returns. A ray
-//! along an edge of a mesh may, by rounding, slip in between its two faces; it then counts as one
+//! along an edge of a mesh may, by rounding, slip in between its two faces. It then counts as one
 //! that starts inside, so that a pixel goes missing rather than wrong.
 
 use super::{Kind, Shape};

@@ -1,6 +1,6 @@
 //! Shapes as triangle meshes with a bounded chord error.
 //!
-//! Vertices lie on the shape's surface, so a mesh of a convex round shape is inscribed: no point of
+//! Vertices lie on the shape's surface, so a mesh of a convex round shape is inscribed. No point of
 //! it is farther from the true surface than the chord error, and all of it is on the inner side. A
 //! torus is saddle-shaped around its hole; its mesh keeps the chord error on either side there.
 

@@ -14,7 +14,7 @@
 //! 3. The first interval on which `f` falls to 0 is searched by Newton's method, kept inside the
 //!    bracket by bisection.
 //!
-//! Closed formulas for quartics lose half of the digits near tangents; this loses none that `f`
+//! Closed formulas for quartics lose half of the digits near tangents. This loses none that `f`
 //! itself has, and a point's distance from the surface stays near the rounding of its coordinates.
 
 use super::ray::LocalRay;

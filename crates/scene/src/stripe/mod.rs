@@ -7,8 +7,9 @@
 //!
 //! 1. Per (row, laser angle): the spot, if laser and camera both reach it, its camera column, and
 //!    how much light it returns, that is reflectivity · cos(incidence of the laser).
-//! 2. A row of an image is the background; around the spot's column the stripe's profile, a bell
-//!    curve as high as the spot is bright, is added to it, pixel by pixel times its speckle.
+//! 2. A row of an image is the background. Around the spot's column the stripe's profile is added
+//!    to it, pixel by pixel times its speckle. The profile is a bell curve as high as the spot is
+//!    bright.
 //! 3. Read noise is added; the sum is rounded and cut off at the largest count.
 //!
 //! Left out: the stripe's broadening on surfaces that recede from the camera, light that is
@@ -46,7 +47,7 @@ pub struct StripeCamera {
     /// Level of the light without the laser, in counts.
     pub background: f64,
     /// Contrast of the speckle: standard deviation over mean of the stripe's light in a pixel, 0 to
-    /// 1, where 1 is that of a laser on a rough surface and a pixel no larger than a grain.
+    /// 1. 1 is that of a laser on a rough surface and a pixel no larger than a grain.
     pub speckle: f64,
     /// Standard deviation of a normal error of every pixel, in counts.
     pub read_noise: f64,
@@ -107,7 +108,7 @@ impl StripeImages {
         })
     }
 
-    /// The column, whole numbers being pixel centres, in which a row of an image has its stripe;
+    /// The column, whole numbers being pixel centres, in which a row of an image has its stripe.
     /// `None` where the laser or the camera does not reach any surface, and outside the stack.
     pub fn true_column(&self, row: usize, step: usize) -> Option<f64> {
         let inside = row < self.size.rows && step < self.steps;

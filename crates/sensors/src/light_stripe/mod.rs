@@ -20,7 +20,7 @@
 //! * **Row `i`** ↔ `y_frame`: the camera's row; whole numbers are the centres of its cells.
 //! * **Column `j`** ↔ `θ_laser`: the `j`-th scanning angle, between X and the laser sheet.
 //! * **`d3`** is `x_frame`, the place of the stripe along the camera's row, in cells **from the
-//!   left edge of the array**: cell `c` covers `c … c + 1` and its centre is at `c + 0.5`. So every
+//!   left edge of the array**. Cell `c` covers `c … c + 1` and its centre is at `c + 0.5`. So every
 //!   place on the array is positive, as a range image requires. It grows with range.
 //!
 //! Equations: `x_plane = (x_center - x_frame) · cell_width` (4.8),
@@ -52,8 +52,8 @@
 //! * **Noise** is an error of `d3`: of where the stripe is found in its row, in cells. Along the
 //!   ray a cell is worth `w² · cell_width / (f k)` of depth: it grows with the square of the range.
 //!
-//! Departures from the source: `x_frame` is counted from the array's edge; the angles are a table,
-//! not necessarily equal steps; samples end at a farthest depth and at the edge of the fan, whose
+//! Departures from the source: `x_frame` is counted from the array's edge. The angles are a table,
+//! not necessarily equal steps. Samples end at a farthest depth and at the edge of the fan, whose
 //! apex is taken to be the spot on the mirror. Light really starts there and not in P0; the two are
 //! `f / sin θ` apart, which only matters for objects between the laser and a point.
 //!
@@ -109,10 +109,10 @@ impl LightStripe {
     /// A range finder with one column per laser angle and one row per camera row.
     ///
     /// # Errors
-    /// [`SensorError::BadParameter`] naming the key: lengths that are not positive, angles that are
-    /// unsorted or not between 0° and 180°, a base line under which `x_frame` is not monotone in
-    /// range, sheets that the camera never sees before the farthest depth, or that cross where it
-    /// does.
+    /// [`SensorError::BadParameter`] naming the key. Refused are lengths that are not positive,
+    /// angles that are unsorted or not between 0° and 180°, and a base line under which `x_frame`
+    /// is not monotone in range. So are sheets that the camera never sees before the farthest
+    /// depth, or that cross where it does.
     pub fn new(parameters: LightStripeParameters) -> Result<Self, SensorError> {
         parameters.check()?;
         let sheets = parameters.theta_laser.as_radians().iter().map(|&theta| Sheet {
@@ -272,7 +272,7 @@ impl DeviceFrame for LightStripe {
     /// From three planes: the section plane, the laser sheet (4.15) and the row plane (4.16).
     ///
     /// A plane too near for the camera's field has a value of 0 or less, so that it still counts as
-    /// nearer than every sample; one too far for it, or met where there is no light, has none.
+    /// nearer than every sample. One too far for it, or met where there is no light, has none.
     fn plane_value(&self, pixel: Pixel, plane: &SensorPlane) -> Option<f64> {
         let (sheet, y_plane) = self.sheet_and_y(pixel)?;
         let ahead = plane.offset - plane.normal.dot(&self.start(sheet).coords);

@@ -33,7 +33,7 @@ fn near(a: &Point3, b: [f64; 3], tolerance: f64) -> bool {
     (a - Point3::from(b)).norm() < tolerance
 }
 
-/// By hand. At 90° the sheet is x = -2. The image point x_plane = 0.5 is d3 = 5; its line of sight
+/// By hand. At 90° the sheet is x = -2. The image point x_plane = 0.5 is d3 = 5. Its line of sight
 /// through F = (0, 0, 1) falls off by 0.5 in x per unit of z, so it meets the sheet at z = 5.
 #[test]
 fn an_upright_sheet_by_hand() {

@@ -6,18 +6,18 @@
 //! 1. sort the samples of each sweep into θ columns;
 //! 2. median filter `p`, `u` and `v` along each sweep;
 //! 3. per column, a line through every two neighbouring depths, normalised to a² + b² = 1 and one
-//!    sign (errata); sort the a's, b's and c's, average the middle third of each: the beam
-//!    (Eq. 4.17);
+//!    sign (errata). The a's, b's and c's are sorted, and the means of their middle thirds make the
+//!    beam (Eq. 4.17);
 //! 4. move the column's entries onto their beam, and keep those that rise in `p` and in distance.
 //!
 //! Departures: the median filter follows slopes (see the filter's page). Lines are normalised about
-//! the column's mean point rather than the local origin, which lies far off: there, an error of a
+//! the column's mean point rather than the local origin, which lies far off. There, an error of a
 //! tilts the line and must be undone by one of c, but the two come from different pairs once they
 //! are sorted apart. Entries on their beam make `f` and `F` exact inverses of each other. Small
 //! holes in a sweep, up to half a window, are filled by the filter; larger ones leave the column
 //! without that depth. [`DepthPairs::HalfApart`] draws the lines of step 3 through depths farther
-//! apart: neighbours are so close that noise tilts their lines, and what it adds at one depth no
-//! longer cancels once the estimates are sorted.
+//! apart. Neighbours are so close that noise tilts their lines. What it adds at one depth no longer
+//! cancels once the estimates are sorted.
 //!
 //! Cost: sweeps × columns × window². Not for beams that bend: a lens that bends them needs more
 //! than one line per column.
@@ -146,9 +146,10 @@ struct Entry {
 ///
 /// # Errors
 /// [`SensorError::BadParameter`] naming `sweeps` for fewer than two depths or for depths out of
-/// order, `samples` for an empty sweep, `theta` for angles that do not rise, are no steps of
-/// `columns`, or whose beams cross, `p`, `u` or `v` for values that are not finite or a `p` that is
-/// not positive, `dtheta` and `columns` for impossible steps, `median_window` for an even window.
+/// order, and `samples` for an empty sweep. It names `theta` for angles that do not rise, are no
+/// steps of `columns`, or whose beams cross. It names `p`, `u` or `v` for values that are not
+/// finite or a `p` that is not positive. It names `dtheta` and `columns` for impossible steps,
+/// `median_window` for an even window.
 pub fn digitize(
     sweeps: &[CalibrationSweep],
     columns: &ThetaSteps,

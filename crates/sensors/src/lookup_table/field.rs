@@ -239,8 +239,8 @@ fn on_beam((column, beam): &(usize, Beam), at: &Point2<f64>) -> Option<(f64, f64
 
 /// The place of a point between two beams, from 0 to 1, and its `p`.
 ///
-/// The segment between the beams' points of one value sweeps over the cell once as the value
-/// grows, so bisection on the side of the point finds it; 2⁻⁵² of the range is rounding.
+/// The segment between the beams' points of one value sweeps over the cell once as the value grows.
+/// So bisection on the side of the point finds it; 2⁻⁵² of the range is rounding.
 fn between(left: &Beam, right: &Beam, at: &Point2<f64>) -> Option<(f64, f64)> {
     let (mut low, mut high) = common_range(left, right)?;
     let ends = |p: f64| Some((left.at(left.distance_of(p)?), right.at(right.distance_of(p)?)));

@@ -2,10 +2,10 @@
 //!
 //! The series of a sweep slope: `u` grows by a step from column to column. A plain running median
 //! of a sloping series answers an outlier with a neighbour's value, one whole step off. So the
-//! window's own slope goes first: Siegel's repeated median (Biometrika 69, 1982) draws a line
-//! through the window which fewer than half of its samples cannot move, and the filter's value is
-//! the median about that line. The line also serves the ends of a series, where no window fits
-//! around the sample, and columns without a sample.
+//! window's own slope goes first. Siegel's repeated median (Biometrika 69, 1982) draws a line
+//! through the window, which fewer than half of its samples cannot move. The filter's value is the
+//! median about that line. The line also serves the ends of a series, where no window fits around
+//! the sample, and columns without a sample.
 //!
 //! A line cuts corners off a bent series, by `½ y″ Δθ²` times 4 in a window of seven. Filtering
 //! what the first pass left over and adding it ("twicing", Tukey 1977) gives that back.

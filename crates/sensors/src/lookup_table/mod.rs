@@ -33,7 +33,7 @@
 //! [`DeviceFrame::second_viewpoint`] is the receiver's pivot, known only with [`Viewpoints`].
 //!
 //! Departures from the source: entries of the tables are moved onto their beam's line, which makes
-//! `f` and `F` exact inverses; more are listed where the tables are made, at [`digitize`].
+//! `f` and `F` exact inverses. More are listed where the tables are made, at [`digitize`].
 
 pub mod alignment;
 mod calibration;

@@ -12,10 +12,10 @@
 //! is read from the table. A table that folds back on itself is refused: `F` would have two
 //! answers.
 //!
-//! `F` looks for the cell which a point's direction passes through: the best ray of an ever finer
-//! grid of pixels, then the cells around it, each solved for its place by Newton's method (5 steps
-//! reach rounding, a cell of rays being nearly flat). Outside all cells there is no pixel: `None`.
-//! Cost: some hundred dot products per point. All rays must start in one point.
+//! `F` looks for the cell which a point's direction passes through. It takes the best ray of an
+//! ever finer grid of pixels, then the cells around it. Each is solved for its place by Newton's
+//! method; 5 steps reach rounding, since a cell of rays is nearly flat. Outside all cells there is
+//! no pixel: `None`. Cost: some hundred dot products per point. All rays must start in one point.
 
 use super::PinholeScale;
 use crate::central::{central_extent, central_plane_value};
@@ -63,9 +63,9 @@ impl RayTable {
     /// the pixel has no ray.
     ///
     /// # Errors
-    /// [`SensorError::Image`] for a wrong number of rays, [`SensorError::BadParameter`] naming
-    /// `rays` if depths are asked for of rays that do not run forward or the table folds back on
-    /// itself, [`SensorError::NoSurface`] if no three neighbouring pixels have rays.
+    /// [`SensorError::Image`] for a wrong number of rays. [`SensorError::BadParameter`], naming
+    /// `rays`, if depths are asked for of rays that do not run forward, or the table folds back on
+    /// itself. [`SensorError::NoSurface`] if no three neighbouring pixels have rays.
     pub fn new(
         size: ImageSize,
         directions: Vec<Vector3>,

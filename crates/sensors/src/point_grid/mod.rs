@@ -141,9 +141,9 @@ impl PointGrid {
         Ok((grid, image))
     }
 
-    /// A grid from a triangulation scanner that moves along x and looks along -z, with the lines
-    /// of sight fitted to the grid itself (see [`CarriedPinhole::fit`]); where they cannot be
-    /// fitted, they are taken as parallel to -z.
+    /// A grid from a triangulation scanner that moves along x and looks along -z, with the lines of
+    /// sight fitted to the grid itself (see [`CarriedPinhole::fit`]). Where they cannot be fitted,
+    /// they are taken as parallel to -z.
     ///
     /// # Errors
     /// As [`PointGrid::new`].

@@ -35,8 +35,8 @@ pub struct Accuracy {
     pub truth_length: f64,
     /// Length of the curves on planes without truth. They count as infinitely far, and in `off`.
     pub length_without_truth: f64,
-    /// Median distance of the curves from the truth; `None` if it is infinite, that is, if half of
-    /// the samples are on planes without truth, or if there are no samples.
+    /// Median distance of the curves from the truth; `None` if half of the samples are on planes
+    /// without truth (the median is infinite), or if there are no samples.
     pub median: Option<f64>,
     /// Distance that 95 % of the curves' samples stay below; `None` as for the median.
     pub p95: Option<f64>,

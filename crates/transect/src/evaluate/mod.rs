@@ -166,7 +166,7 @@ pub fn evaluate_seen(
 /// Measures curves without a truth: their number, and the share of their length that runs beside
 /// another piece of the same direction within the tolerance.
 ///
-/// Another piece is another curve, or the same one more than ten tolerances away along it; the ends
+/// Another piece is another curve, or the same one more than ten tolerances away along it. The ends
 /// of a curve count as neighbours, whether it is closed or not quite.
 ///
 /// # Errors

@@ -51,8 +51,8 @@ fn accuracy(description: &Description, noise: &Noise) -> Accuracy {
     evaluate(planes, &found, &truth, &options).unwrap()
 }
 
-/// Station of a point along the axis of the bend tunnel, by formulas of its own: 10 straight along
-/// x, an arc of radius 15 and 60° to the left, 10 straight.
+/// Station of a point along the axis of the bend tunnel, by formulas of its own. The axis has 10
+/// straight along x, an arc of radius 15 and 60° to the left, 10 straight.
 fn axis_station(p: &Point3) -> f64 {
     let (x, y) = (p.x - 10.0, 15.0 - p.y);
     let angle = x.atan2(y);

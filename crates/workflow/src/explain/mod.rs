@@ -1,8 +1,8 @@
 //! The steps of the methods on one view and one plane, as numbered figures with a page around them.
 //!
-//! [`OpenScan::explain`] runs the methods that the settings choose and draws what each step hands
-//! on: first in the range image of one view, then on the plane with the curves of all views.
-//! [`OpenScan::explain_growth`] draws how a plane grows with every view.
+//! [`OpenScan::explain`] runs the methods that the settings choose and draws the result of each
+//! step. The first steps are drawn in the range image of one view, the others on the plane with the
+//! curves of all views. [`OpenScan::explain_growth`] draws how a plane grows with every view.
 
 mod consensus;
 mod dissertation;

@@ -1,6 +1,6 @@
 //! What fusion does to circles of radius 1: how far it moves them, and how much noise it takes out.
 
-use super::output::Output;
+use super::lab::Lab;
 use super::poses::Normal;
 use crate::failure::Failure;
 use crate::table::say;
@@ -21,7 +21,7 @@ const SIGMA: f64 = 0.004;
 const DRAWS: u64 = 4;
 
 /// Runs the experiment.
-pub fn run(out: &Output) -> Result<(), Failure> {
+pub fn run(lab: &Lab) -> Result<(), Failure> {
     let consensus = FusionMethod::Consensus(ConsensusOptions::default());
     let pairwise = FusionMethod::Pairwise(PairwiseOptions::default());
     let sagitta = SPACING.powi(2) / 8.0;
@@ -31,8 +31,8 @@ pub fn run(out: &Output) -> Result<(), Failure> {
         format!("{:.3}", errors.iter().sum::<f64>() / errors.len() as f64 / sagitta)
     };
     let line = |arcs: u64| vec![arcs.to_string(), drift(arcs, &consensus), drift(arcs, &pairwise)];
-    out.table("drift", &["arcs", "`consensus`", "`pairwise`"], &[10, 50, 100].map(line))?;
-    say("\nMean distance of the nodes from the circle in chord sagittas, negative inside.\n");
+    lab.table("drift", "arcs | `consensus` | `pairwise`", [10, 50, 100].map(line))?;
+    say("Mean distance of the nodes from the circle in chord sagittas, negative inside.\n");
     let rms = |views: u64| {
         let rings = |draw: u64| {
             let ring = |k| arc(1 + k + 1000 * draw, 0.0, TAU, SIGMA);
@@ -43,7 +43,7 @@ pub fn run(out: &Output) -> Result<(), Failure> {
         vec![views.to_string(), format!("{:.3}", square.sqrt() / SIGMA)]
     };
     let lines = [1, 2, 4, 8, 16, 32, 64].map(rms);
-    out.table("noise", &["views", "rms error, standard deviations of a sample"], &lines)
+    lab.table("noise", "views | rms error, standard deviations of a sample", lines)
 }
 
 /// What one view saw of the circle: nodes at a phase of their own, with noise.

@@ -1,13 +1,11 @@
 //! What each error of a depth camera costs: the kitchen with all errors, and without one of them.
 //! What refined poses and corrected images gain.
 
-use super::output::Output;
+use super::lab::Lab;
 use super::trial;
 use crate::failure::Failure;
-use crate::table::say;
-use transect::{Setup, Unwatched, reconstruct};
-use transect_device::View;
-use transect_register::{CoarseView, RefineOptions, refine};
+use crate::table::{self, say};
+use transect_register::RefineOptions;
 use transect_scene::{Noise, Station};
 use transect_workflow::simulation::{PreparedScene, SensorPlan, describe};
 
@@ -29,17 +27,13 @@ const ERRORS: [(&str, Without); 8] = [
 ];
 
 /// Runs the experiment.
-pub fn run(out: &Output) -> Result<(), Failure> {
+pub fn run(lab: &Lab) -> Result<(), Failure> {
     let lines: Vec<_> = ERRORS.into_iter().map(line).collect::<Result<_, _>>()?;
-    out.table("table", &["errors", "median", "95 %", "spread between views"], &lines)?;
-    say("\nIn mm: distances from the true sections, and the spread that the run measures.\n");
+    lab.table("table", "errors | median | 95 % | spread between views", lines)?;
+    say("In mm: distances from the true sections, and the spread that the run measures.\n");
     let lines: Vec<_> = KITCHENS.into_iter().map(of_kitchen).collect::<Result<_, _>>()?;
-    out.table(
-        "corrected",
-        &["kitchen", "as given", "poses refined", "images corrected, too"],
-        &lines,
-    )?;
-    say("\nMedian and 95 % distance in mm, and the share of the visible truth that is found.");
+    lab.table("corrected", "kitchen | as given | poses refined | images corrected, too", lines)?;
+    say("Median and 95 % distance in mm, and the share of the visible truth that is found.");
     Ok(())
 }
 
@@ -57,19 +51,14 @@ fn of_kitchen((seed, denser): (Option<u64>, u32)) -> Result<Vec<String>, Failure
     let name = format!("{name}, {} frames", description.stations.len());
     let scene = PreparedScene::new(description)?;
     let views = scene.simulate(&SensorPlan::OWN)?.views;
-    let copies: Vec<CoarseView> = views.iter().map(CoarseView::new).collect();
-    let poses = refine(&copies, &RefineOptions::default()).poses;
-    let pairs = views.iter().zip(&poses);
-    let refined = pairs.map(|(view, pose)| view.with_pose(pose.world_from_sensor));
-    let refined: Vec<View> = refined.collect::<Result<_, _>>()?;
+    let refined = trial::at_refined_poses(&views)?;
     let mut cells = vec![name];
     for (views, options) in
         [(&views, None), (&refined, None), (&views, Some(RefineOptions::default()))]
     {
-        let mut setup = Setup::new(scene.description.unit, scene.description.planes.clone());
+        let mut setup = trial::setup(&scene);
         setup.refine_poses = options;
-        let model = reconstruct(views, &setup, &Unwatched)?.model;
-        let found = trial::accuracy(&model, &scene, views.clone())?;
+        let (_, found) = trial::scored(&scene, views, &setup)?;
         let length =
             |metres: Option<f64>| metres.map_or("∞".to_owned(), |m| three_digits(1e3 * m));
         let complete = 100.0 * found.completeness.unwrap_or(0.0);
@@ -87,14 +76,8 @@ fn with_frames_between(stations: &[Station]) -> Vec<Station> {
         between.world_from_sensor = pair[0].world_from_sensor.lerp_slerp(next, 0.5);
         between
     };
-    let between = stations.windows(2).map(half_way).map(Some).chain([None]);
-    stations
-        .iter()
-        .cloned()
-        .zip(between)
-        .flat_map(|(at, next)| [Some(at), next])
-        .flatten()
-        .collect()
+    let between = stations.windows(2).map(|pair| [pair[0].clone(), half_way(pair)]);
+    between.flatten().chain(stations.last().cloned()).collect()
 }
 
 fn line((name, without): (&str, Without)) -> Result<Vec<String>, Failure> {
@@ -102,13 +85,11 @@ fn line((name, without): (&str, Without)) -> Result<Vec<String>, Failure> {
     without(&mut description.noise);
     let scene = PreparedScene::new(description)?;
     let views = scene.simulate(&SensorPlan::OWN)?.views;
-    let setup = Setup::new(scene.description.unit, scene.description.planes.clone());
-    let run = reconstruct(&views, &setup, &Unwatched)?;
-    let accuracy = trial::accuracy(&run.model, &scene, views)?;
+    let (run, accuracy) = trial::scored(&scene, &views, &trial::setup(&scene))?;
     let figure = |metres: Option<f64>| metres.map_or("none".to_owned(), |m| three_digits(1e3 * m));
     let spread = Some(run.report.fusion.spread);
     let figures = [accuracy.median, accuracy.p95, spread].map(figure);
-    Ok(std::iter::once(name.to_owned()).chain(figures).collect())
+    Ok(table::line(name, figures))
 }
 
 fn three_digits(value: f64) -> String {

@@ -6,7 +6,7 @@
 
 mod mask;
 
-use super::output::Output;
+use super::lab::Lab;
 use super::pictures::{SCANNERS, Shown, observed, scanned};
 use super::trial;
 use crate::failure::Failure;
@@ -36,14 +36,14 @@ struct Page<'a> {
 }
 
 /// Runs the experiment.
-pub fn run(out: &Output) -> Result<(), Failure> {
-    let folder = out.folder()?;
+pub fn run(lab: &Lab) -> Result<(), Failure> {
+    let folder = lab.folder()?;
     let mut page = Page { folder, pictures: Vec::new() };
     for (shown, numbers) in SCANNERS.iter().zip(CHAPTER_4) {
         chapter_4(shown, numbers, &mut page)?;
     }
-    room(&mut page, out)?;
-    face(&mut page, out)?;
+    room(&mut page, lab)?;
+    face(&mut page, lab)?;
     page.write()?;
     say(&format!("{} pictures: {}", page.pictures.len(), folder.join("index.html").display()));
     Ok(())
@@ -71,7 +71,7 @@ fn chapter_4(shown: &Shown, numbers: [&str; 2], page: &mut Page<'_>) -> Result<(
 }
 
 /// The room: four range images, and the model after each of them.
-fn room(page: &mut Page<'_>, out: &Output) -> Result<(), Failure> {
+fn room(page: &mut Page<'_>, lab: &Lab) -> Result<(), Failure> {
     let scene = trial::bundled("room")?;
     let views = scene.simulate(&SensorPlan::OWN)?.views;
     let number = |k: usize, is_model: bool| match (is_model, k) {
@@ -81,24 +81,24 @@ fn room(page: &mut Page<'_>, out: &Output) -> Result<(), Failure> {
         (true, k) => format!("5.17-after-{}", k + 1),
     };
     let (growth, _) = grown("room", (&scene, &views), SCANNERS[0].observer, page, number)?;
-    growth.print("room", out)
+    growth.print("room", lab)
 }
 
 /// The face mask: a range image of each view, the model after it, and how good the last one is.
-fn face(page: &mut Page<'_>, out: &Output) -> Result<(), Failure> {
+fn face(page: &mut Page<'_>, lab: &Lab) -> Result<(), Failure> {
     let scene = trial::bundled("hyscan_mask")?;
     let views = scene.simulate(&SensorPlan::OWN)?.views;
     let number = |k: usize, is_model: bool| format!("5.{}", MASK + 2 * k + usize::from(is_model));
     let observer = SCANNERS[2].observer;
     let (growth, model) = grown("face mask", (&scene, &views), observer, page, number)?;
-    growth.print("growth", out)?;
+    growth.print("growth", lab)?;
     let [(own, _), (default, setup)] = mask::setups(&scene);
     let default = (default, reconstruct(&views, &setup, &Unwatched)?.model);
     let models = model.map(|model| (own, model)).into_iter().chain([default]).collect();
     let judged = Judged { scene: &scene, views: &views, models };
-    judged.print(out)?;
+    judged.print(lab)?;
     let figure = judged.drawn()?;
-    out.picture("mask", |file| figure.write(file))
+    lab.picture("mask", |file| figure.write(file))
 }
 
 /// Draws the range image of each view, and the model of the dissertation's methods after it, with

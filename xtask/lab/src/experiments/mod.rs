@@ -9,10 +9,10 @@ mod database;
 mod depth_camera;
 mod figures;
 mod formats;
+mod lab;
 mod nodes;
 mod operations;
 mod orders;
-mod output;
 pub mod pages;
 mod partial;
 mod peers;
@@ -31,8 +31,8 @@ mod trial;
 use crate::failure::Failure;
 use crate::table::say;
 use clap::{Command, FromArgMatches, Subcommand};
-use output::Output;
-use std::path::{Path, PathBuf};
+use lab::{Lab, Places};
+use std::path::Path;
 use std::time::Instant;
 
 /// Options of `experiments`.
@@ -40,9 +40,8 @@ use std::time::Instant;
 pub struct Arguments {
     #[command(subcommand)]
     experiment: Experiment,
-    /// Folder for tables and pictures; each experiment has a folder in it.
-    #[arg(long, global = true, value_name = "DIR", default_value = DEFAULT_FOLDER)]
-    out: PathBuf,
+    #[command(flatten)]
+    places: Places,
     /// Also write the tables and pictures into the README and the pages of docs.
     #[arg(long, global = true)]
     write_docs: bool,
@@ -60,13 +59,13 @@ enum Experiment {
     /// How far does fusion move a circle, and how much noise does it take out?
     Circles,
     /// Where are nodes wrong, and does the model know their errors?
-    Nodes(nodes::Arguments),
+    Nodes,
     /// How accurate are models of public scans of real things?
-    RealScans(real_scans::Arguments),
+    RealScans,
     /// Does the same scan in files of other programs give the same sections?
-    Formats(formats::Arguments),
+    Formats,
     /// How fast are curves found, beside other programs?
-    Speed,
+    Speed(speed::Arguments),
     /// How does the error fall when the sensors' grids get denser?
     Orders(orders::Arguments),
     /// How many operations does a view take, against Appendix A?
@@ -80,7 +79,7 @@ enum Experiment {
     /// What do errors of the poses cost, as given and refined?
     Poses(poses::Arguments),
     /// How much noise has a real image, beside its simulation?
-    RealNoise(real_noise::Arguments),
+    RealNoise,
     /// What does each error of a depth camera cost?
     DepthCamera,
     /// Draw posters of the bundled scenes.
@@ -99,25 +98,26 @@ enum Experiment {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let Arguments { experiment, out, write_docs } = arguments;
+    let Arguments { experiment, places, write_docs } = arguments;
     let outcome = match experiment {
-        Experiment::All => run_all(out),
-        one => run_one(one, out),
+        Experiment::All => run_all(places),
+        one => run_one(one, places),
     };
     if *write_docs {
         let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-        let changed = pages::write(here.ancestors().nth(2).unwrap_or(here), out)?;
+        let changed = pages::write(here.ancestors().nth(2).unwrap_or(here), &places.out)?;
         changed.iter().for_each(|file| say(&format!("changed: {file}")));
     }
     outcome
 }
 
 /// Runs an experiment.
-fn run_one(experiment: &Experiment, out: &Path) -> Result<(), Failure> {
+fn run_one(experiment: &Experiment, places: &Places) -> Result<(), Failure> {
     let command = command_line(std::env::args().skip(1));
     let name = command.split(' ').nth(1).unwrap_or_default();
-    if let Some(reason) = start(experiment, &Output::new(out, name, command.clone()))? {
-        say(&format!("SKIPPED: {reason}"));
+    match start(experiment, &Lab::new(places, name, command.clone())) {
+        Err(Failure::Skipped(reason)) => say(&format!("SKIPPED: {reason}")),
+        outcome => return outcome,
     }
     Ok(())
 }
@@ -137,45 +137,43 @@ fn command_line(words: impl Iterator<Item = String>) -> String {
     kept.join(" ")
 }
 
-/// Runs an experiment, or tells why it is skipped.
-fn start(experiment: &Experiment, out: &Output) -> Result<Option<String>, Failure> {
+/// Runs an experiment.
+fn start(experiment: &Experiment, lab: &Lab) -> Result<(), Failure> {
     match experiment {
-        Experiment::Sensors(a) => sensors::run(a, out)?,
-        Experiment::Ablation(a) => return ablation::run(a, out),
-        Experiment::Circles => circles::run(out)?,
-        Experiment::Nodes(a) => return nodes::run(a, out),
-        Experiment::RealScans(a) => return real_scans::run(a, out),
-        Experiment::Formats(a) => return formats::run(a, out),
-        Experiment::Speed => return speed::run(out),
-        Experiment::Orders(a) => orders::run(a, out)?,
-        Experiment::Operations => operations::run(out)?,
-        Experiment::Partial(a) => partial::run(a, out)?,
-        Experiment::Database(a) => database::run(a, out)?,
-        Experiment::PosesJudged(a) => poses_judged::run(a, out)?,
-        Experiment::Poses(a) => poses::run(a, out)?,
-        Experiment::RealNoise(a) => return real_noise::run(a, out),
-        Experiment::DepthCamera => depth_camera::run(out)?,
-        Experiment::Posters => posters::run(out)?,
-        Experiment::Pictures => pictures::run(out)?,
-        Experiment::Figures => figures::run(out)?,
-        Experiment::Rules => rules::run(out)?,
-        Experiment::Peers(a) => return peers::run(a, out),
-        Experiment::All => return Err(Failure::because("one experiment is asked for")),
+        Experiment::Sensors(a) => sensors::run(a, lab),
+        Experiment::Ablation(a) => ablation::run(a, lab),
+        Experiment::Circles => circles::run(lab),
+        Experiment::Nodes => nodes::run(lab),
+        Experiment::RealScans => real_scans::run(lab),
+        Experiment::Formats => formats::run(lab),
+        Experiment::Speed(a) => speed::run(a, lab),
+        Experiment::Orders(a) => orders::run(a, lab),
+        Experiment::Operations => operations::run(lab),
+        Experiment::Partial(a) => partial::run(a, lab),
+        Experiment::Database(a) => database::run(a, lab),
+        Experiment::PosesJudged(a) => poses_judged::run(a, lab),
+        Experiment::Poses(a) => poses::run(a, lab),
+        Experiment::RealNoise => real_noise::run(lab),
+        Experiment::DepthCamera => depth_camera::run(lab),
+        Experiment::Posters => posters::run(lab),
+        Experiment::Pictures => pictures::run(lab),
+        Experiment::Figures => figures::run(lab),
+        Experiment::Rules => rules::run(lab),
+        Experiment::Peers(a) => peers::run(a, lab),
+        Experiment::All => Err(Failure::because("one experiment is asked for")),
     }
-    Ok(None)
 }
 
 /// Runs every experiment in the order of the help. A failure does not stop the others.
-fn run_all(out: &Path) -> Result<(), Failure> {
+fn run_all(places: &Places) -> Result<(), Failure> {
     let mut failed = Vec::new();
     for (name, experiment) in all()? {
         let start_time = Instant::now();
-        let output = Output::new(out, &name, format!("experiments {name}"));
-        let outcome = start(&experiment, &output);
+        let outcome = start(&experiment, &Lab::new(places, &name, format!("experiments {name}")));
         let seconds = start_time.elapsed().as_secs();
         let verdict = match outcome {
-            Ok(None) => format!("done in {seconds} s"),
-            Ok(Some(reason)) => format!("SKIPPED: {reason}"),
+            Ok(()) => format!("done in {seconds} s"),
+            Err(Failure::Skipped(reason)) => format!("SKIPPED: {reason}"),
             Err(failure) => {
                 failed.push(name.clone());
                 format!("FAILED after {seconds} s: {failure}")

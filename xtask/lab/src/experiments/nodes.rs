@@ -4,14 +4,13 @@
 //! states for it. The reference is the exact truth of a bundled scene, or the model of other
 //! frames.
 
-use super::output::Output;
+use super::lab::Lab;
 use super::poses;
 use super::trial::{self, Public};
 use crate::failure::Failure;
 use crate::statistics::median;
-use crate::table::say;
+use crate::table::line;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use transect_device::View;
 use transect_geometry::{Curve, LengthUnit, PlaneFamily, PlaneIndex};
 use transect_model::Model;
@@ -27,14 +26,6 @@ const SHORT: f64 = 0.4;
 
 /// Nodes nearer to the end of an open curve than this, along the curve, are near it, in metres.
 const NEAR_END: f64 = 0.05;
-
-/// Options of `experiments nodes`.
-#[derive(Debug, clap::Args)]
-pub struct Arguments {
-    /// Folder with the public scans.
-    #[arg(long, default_value = trial::DATA, value_name = "DIR")]
-    data: PathBuf,
-}
 
 /// A node that some view measured.
 struct Judged {
@@ -60,8 +51,9 @@ const CLASSES: [(&str, Class); 4] = [
     ("of one view, within 5 cm of an end", |n| n.is_of_one_view && n.to_end < NEAR_END),
 ];
 
-/// Runs the experiment, or tells what is skipped.
-pub fn run(arguments: &Arguments, out: &Output) -> Result<Option<String>, Failure> {
+/// Runs the experiment.
+pub fn run(lab: &Lab) -> Result<(), Failure> {
+    let Public { views, planes } = trial::red_kitchen(lab.scans()?)?;
     let mut ratios = Vec::new();
     let mut ratio = |name: &str, nodes: &[Judged], limit: f64| {
         let near = nodes.iter().filter(|n| n.off < limit && n.sigma > 0.0);
@@ -79,19 +71,13 @@ pub fn run(arguments: &Arguments, out: &Output) -> Result<Option<String>, Failur
     ] {
         ratio(&format!("{name}, against the truth"), nodes, f64::INFINITY);
     }
-    let frames = arguments.data.join("rgbd_redkitchen");
-    if !frames.is_dir() {
-        return Ok(Some(format!("{} is not there", frames.display())));
-    }
-    let Public { views, planes } = trial::red_kitchen(&arguments.data)?;
     let half = views.len() / 2;
     let of_half = |is_first: &dyn Fn(usize) -> bool| {
-        let (first, second): (Vec<_>, Vec<_>) =
-            views.iter().cloned().enumerate().partition(|(k, _)| is_first(*k));
-        halves(
-            [first, second].map(|views| views.into_iter().map(|(_, view)| view).collect()),
-            &planes,
-        )
+        let part = |first: bool| {
+            let chosen = views.iter().enumerate().filter(|(k, _)| is_first(*k) == first);
+            chosen.map(|(_, view)| view.clone()).collect()
+        };
+        halves([part(true), part(false)], &planes)
     };
     let (even, first) = (of_half(&|k| k % 2 == 0)?, of_half(&|k| k < half)?);
     for (name, nodes) in [("first half against the second", &first), ("even against odd", &even)] {
@@ -103,16 +89,14 @@ pub fn run(arguments: &Arguments, out: &Output) -> Result<Option<String>, Failur
             ratio(&name, &nodes, limit);
         }
     }
-    out.table("predicted", &["set", "nodes", "predicted over observed"], &ratios)?;
-    say("");
+    lab.table("predicted", "set | nodes | predicted over observed", ratios)?;
     let sets = [kitchen, even];
-    let line = |(name, is_in): &(&str, Class)| {
+    let of_class = |(name, is_in): &(&str, Class)| {
         let cells = sets.iter().map(|nodes| shares(nodes, *is_in));
-        std::iter::once((*name).to_owned()).chain(cells).collect()
+        line(*name, cells)
     };
-    let heads = ["nodes", "`kitchen`: share, wrong", "red kitchen's halves: share, wrong"];
-    out.table("wrong", &heads, &CLASSES.iter().map(line).collect::<Vec<_>>())?;
-    Ok(None)
+    let heads = "nodes | `kitchen`: share, wrong | red kitchen's halves: share, wrong";
+    lab.table("wrong", heads, CLASSES.iter().map(of_class))
 }
 
 /// The share of the length that a class has, and the share of that which is wrong.
@@ -132,9 +116,8 @@ fn of_scene(name: &str, degrees: f64) -> Result<Vec<Judged>, Failure> {
     if degrees > 0.0 {
         views = poses::moved(&scene, &views, degrees)?;
     }
-    let planes = &scene.description.planes;
-    let model = trial::model(&views, scene.description.unit, planes.clone())?;
-    Ok(judged(&model, &sections(&scene.truth, planes)?))
+    let model = trial::scene_model(&scene, &views)?;
+    Ok(judged(&model, &sections(&scene.truth, &scene.description.planes)?))
 }
 
 /// The nodes of the red kitchen by some frames against the model of the others.

@@ -4,7 +4,7 @@
 //! the code, bit for bit: plane range images, labels, codes, and the places of nodes. The example
 //! is one corner of the bundled room, without noise.
 
-use super::output::Output;
+use super::lab::Lab;
 use super::trial;
 use crate::failure::Failure;
 use crate::table::say;
@@ -26,21 +26,22 @@ use transect_workflow::simulation::SensorPlan;
 const JOINED: JumpTest =
     JumpTest::ScaleFree { max_incidence_rad: std::f64::consts::FRAC_PI_2, jump_sigmas: 0.0 };
 
-/// Numbers of operations.
+/// Numbers of multiplications, divisions, additions and ifs.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-struct Operations {
-    multiplications: u64,
-    divisions: u64,
-    additions: u64,
-    ifs: u64,
-}
+struct Operations([u64; 4]);
+
+/// Places of the kinds of operations.
+const MULTIPLICATIONS: usize = 0;
+const DIVISIONS: usize = 1;
+const ADDITIONS: usize = 2;
+const IFS: usize = 3;
 
 thread_local! {
     static COUNTS: RefCell<Operations> = RefCell::default();
 }
 
-fn count(change: impl FnOnce(&mut Operations)) {
-    COUNTS.with_borrow_mut(change);
+fn count(kind: usize) {
+    COUNTS.with_borrow_mut(|counts| counts.0[kind] += 1);
 }
 
 /// The operations of a step.
@@ -52,7 +53,7 @@ fn counted<T>(step: impl FnOnce() -> T) -> (T, Operations) {
 
 /// A decision, which counts as one *if*.
 fn asked(condition: bool) -> bool {
-    count(|c| c.ifs += 1);
+    count(IFS);
     condition
 }
 
@@ -61,21 +62,21 @@ fn asked(condition: bool) -> bool {
 struct Counted(f64);
 
 macro_rules! operation {
-    ($name:ident, $method:ident, $field:ident) => {
+    ($name:ident, $method:ident, $kind:ident) => {
         impl $name for Counted {
             type Output = Self;
             fn $method(self, other: Self) -> Self {
-                count(|c| c.$field += 1);
+                count($kind);
                 Self(self.0.$method(other.0))
             }
         }
     };
 }
 
-operation!(Mul, mul, multiplications);
-operation!(Div, div, divisions);
-operation!(Add, add, additions);
-operation!(Sub, sub, additions);
+operation!(Mul, mul, MULTIPLICATIONS);
+operation!(Div, div, DIVISIONS);
+operation!(Add, add, ADDITIONS);
+operation!(Sub, sub, ADDITIONS);
 
 impl Counted {
     fn exceeds(self, other: f64) -> bool {
@@ -179,7 +180,7 @@ struct Found {
 }
 
 /// Runs the experiment.
-pub fn run(out: &Output) -> Result<(), Failure> {
+pub fn run(lab: &Lab) -> Result<(), Failure> {
     let example = Example::new()?;
     let mut found = Found::default();
     let (levels, once) = counted(|| levels(&example));
@@ -195,7 +196,7 @@ pub fn run(out: &Output) -> Result<(), Failure> {
     nodes_are_those_of_the_code(&example, &places)?;
     found.node_count = places.len();
     found.sweep = sweep(&example, &levels)?;
-    print(&example, &found, out)
+    print(&example, &found, lab)
 }
 
 /// The level of every pixel, and their extremes.
@@ -346,37 +347,33 @@ fn sweep(example: &Example, levels: &[Option<f64>]) -> Result<Operations, Failur
 
 impl Operations {
     fn add(&mut self, other: &Self) {
-        self.multiplications += other.multiplications;
-        self.divisions += other.divisions;
-        self.additions += other.additions;
-        self.ifs += other.ifs;
+        self.0.iter_mut().zip(other.0).for_each(|(sum, count)| *sum += count);
     }
 
     /// A cell for each kind, as a share of a number.
     fn per(&self, number: usize) -> Vec<String> {
-        let all = [self.multiplications, self.divisions, self.additions, self.ifs];
-        all.map(|count| format!("{:.2}", count as f64 / number as f64)).to_vec()
+        self.0.map(|count| format!("{:.2}", count as f64 / number as f64)).to_vec()
     }
 
     /// A cell for each kind, in millions; divisions are multiplications, as in the source.
     fn millions(&self) -> Vec<String> {
-        let all = [self.multiplications + self.divisions, self.additions, self.ifs];
-        all.map(|count| format!("{:.1}", count as f64 * 1e-6)).to_vec()
+        let [products, quotients, sums, ifs] = self.0;
+        [products + quotients, sums, ifs].map(|n| format!("{:.1}", n as f64 * 1e-6)).to_vec()
     }
 }
 
-fn print(example: &Example, found: &Found, out: &Output) -> Result<(), Failure> {
+fn print(example: &Example, found: &Found, lab: &Lab) -> Result<(), Failure> {
     let pixels = example.view.image().size().pixels();
     let (planes, nodes) = (found.planes, found.node_count);
     let line = |name: &str, cells: Vec<String>, printed: &str| {
         [vec![name.to_owned()], cells, vec![printed.to_owned()]].concat()
     };
     let each = planes * pixels;
-    let heads = ["step", "×", "÷", "+", "if", "as printed"];
-    out.table(
+    let heads = "step | × | ÷ | + | if | as printed";
+    lab.table(
         "steps",
-        &heads,
-        &[
+        heads,
+        [
             line("level of each pixel, once per pixel", found.once.per(pixels), "2 if"),
             line("1. plane range image (3.4.1, Eq. 4.7)", found.range_images.per(each), "4 ×, 2 +"),
             line("2. labels (3.4.2)", found.labels.per(each), "8 if for 2 and 3"),
@@ -392,7 +389,7 @@ fn print(example: &Example, found: &Found, out: &Output) -> Result<(), Failure> 
     let of = |per_pixel: [usize; 3], per_each: [usize; 3], per_node: [usize; 3]| {
         let sum =
             |k: usize| (per_pixel[k] * pixels + per_each[k] * each + per_node[k] * nodes) as u64;
-        Operations { multiplications: sum(0), divisions: 0, additions: sum(1), ifs: sum(2) }
+        Operations([sum(0), 0, sum(1), sum(2)])
     };
     let mut dissertation = found.once;
     for step in [found.range_images, found.labels, found.codes, found.nodes] {
@@ -403,18 +400,18 @@ fn print(example: &Example, found: &Found, out: &Output) -> Result<(), Failure> 
     let total = |name: &str, operations: Operations| {
         [vec![name.to_owned()], operations.millions()].concat()
     };
-    say(&format!("\n{pixels} pixels, {planes} planes, {nodes} nodes; in millions:\n"));
-    out.table(
+    say(&format!("{pixels} pixels, {planes} planes, {nodes} nodes; in millions:\n"));
+    lab.table(
         "methods",
-        &["method", "× and ÷", "+", "if"],
-        &[
+        "method | × and ÷ | + | if",
+        [
             total("printed, Cartesian frame", of([14, 9, 6], [12, 12, 8], [0; 3])),
             total("printed, device frame", of([0, 0, 2], [4, 2, 8], [14, 9, 0])),
             total("`dissertation` today", dissertation),
             total("`one_pass` today", one_pass),
         ],
     )?;
-    say("\nCounted with the code's own results: range images, labels and codes are equal bit for \
+    say("Counted with the code's own results: range images, labels and codes are equal bit for \
          bit, nodes within rounding. Range jumps, tracing and smoothing are not counted.");
     Ok(())
 }

@@ -4,11 +4,11 @@
 //! radius R is a chord, off by up to h²/8R. Twice the density must leave a quarter of the error
 //! (order 2).
 
-use super::output::Output;
+use super::lab::Lab;
 use super::trial;
 use crate::failure::Failure;
 use crate::statistics::quantile;
-use crate::table::{digits, say};
+use crate::table::{cells, digits, say};
 use transect_geometry::{Curve, Point2};
 use transect_model::Model;
 use transect_scene::Description;
@@ -32,7 +32,7 @@ const STATIONS: [[f64; 3]; 3] =
     [[30.0, -250.0, 180.0], [-240.0, 130.0, 160.0], [230.0, 140.0, 170.0]];
 
 /// Runs the experiment.
-pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, lab: &Lab) -> Result<(), Failure> {
     // Planes through both solids, off their symmetries.
     let text = format!(
         "name = \"ball and torus\"\nunit = \"mm\"\n\
@@ -47,28 +47,30 @@ pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
         let mut before: Option<[f64; 2]> = None;
         for doubling in 0..=arguments.doublings {
             let density = 0.5 * f64::from(1 << doubling);
-            let outcome = trial::run(&scene, &SensorPlan { density, ..SensorPlan::with(kind) })?;
-            let errors = errors(&outcome.model);
+            let plan = SensorPlan { density, ..SensorPlan::with(kind) };
+            let views = scene.simulate(&plan)?.views;
+            let errors = errors(&trial::scene_model(&scene, &views)?);
             let order = |k: usize| match before {
                 Some(b) => format!("{:.2}", (b[k] / errors[k]).log2()),
                 None => String::new(),
             };
-            lines.push(vec![
-                kind.name().to_owned(),
+            let [median, p95] = errors.map(digits);
+            lines.push(cells(&format!(
+                "{} | {} | {} | {median} | {} | {p95} | {}",
+                kind.name(),
                 digits(density),
-                outcome.pixels().to_string(),
-                digits(errors[0]),
+                trial::pixels(&views),
                 order(0),
-                digits(errors[1]),
-                order(1),
-            ]);
+                order(1)
+            )));
             before = Some(errors);
         }
     }
-    let heads = ["sensor", "density", "pixels", "median", "order", "p95", "order"];
-    out.table("table", &heads, &lines)?;
+    let heads = "sensor | density | pixels | median | order | p95 | order";
+    lab.table("table", heads, lines)?;
     say(
-        "\nDistances in mm from the exact circles, noise-free; order: how often the error halves with each doubling.",
+        "Distances in mm from the exact circles, noise-free; order: how often the error halves with \
+         each doubling.",
     );
     Ok(())
 }

@@ -7,11 +7,11 @@
 
 mod real;
 
-use super::output::Output;
+use super::lab::Lab;
 use super::python;
 use super::trial;
 use crate::failure::Failure;
-use crate::table::say;
+use crate::table::{line, say};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use transect::image::PreparedView;
@@ -30,13 +30,6 @@ pub struct Arguments {
     /// Only the first scene, at the coarsest resolution.
     #[arg(long)]
     quick: bool,
-    /// Python with the modules of xtask/peers/requirements.txt [default: the one in target/peers,
-    /// else python3].
-    #[arg(long, value_name = "PATH")]
-    python: Option<PathBuf>,
-    /// Folder with the public scans.
-    #[arg(long, default_value = trial::DATA, value_name = "DIR")]
-    data: PathBuf,
 }
 
 /// A bundled scene, the number of its views, and the factor on its noise.
@@ -68,19 +61,16 @@ impl Scan {
     }
 }
 
-/// Runs the experiment, or tells why it is skipped.
-pub fn run(arguments: &Arguments, out: &Output) -> Result<Option<String>, Failure> {
-    let python = &python::find("peers", arguments.python.as_ref());
+/// Runs the experiment.
+pub fn run(arguments: &Arguments, lab: &Lab) -> Result<(), Failure> {
     let hint = " (VDBFusion needs Python 3.10 or older)";
-    if let Some(reason) = python::missing(python, "numpy, scipy, open3d", "peers", hint) {
-        return Ok(Some(reason));
-    }
+    let python = lab.python("peers", "numpy, scipy, open3d", hint)?;
     let (scans, resolutions) = match arguments.quick {
         true => (&SCANS[..1], &RESOLUTIONS[..1]),
         false => (&SCANS[..], &RESOLUTIONS[..]),
     };
     say(&format!("noise of the seed {SEED}"));
-    let mut run = Run { python, shares: resolutions.join(","), out, times: Vec::new() };
+    let mut run = Run { python, shares: resolutions.join(","), lab, times: Vec::new() };
     for scan in scans {
         let name = scan.name();
         let folder = default_folder("peers").join(&name);
@@ -88,23 +78,19 @@ pub fn run(arguments: &Arguments, out: &Output) -> Result<Option<String>, Failur
         run.score(&name, seconds, &folder)?;
     }
     if arguments.quick {
-        return Ok(None);
-    }
-    if !arguments.data.is_dir() {
-        return Ok(Some(format!("{} is not there", arguments.data.display())));
+        return Ok(());
     }
     let folder = default_folder("peers").join(real::NAME);
-    let seconds = real::write(&arguments.data, &folder)?;
+    let seconds = real::write(lab.scans()?, &folder)?;
     run.score(real::NAME, seconds, &folder)?;
-    run.print_times()?;
-    Ok(None)
+    run.print_times()
 }
 
 /// The scans that are scored one after the other.
 struct Run<'a> {
-    python: &'a Path,
+    python: PathBuf,
     shares: String,
-    out: &'a Output,
+    lab: &'a Lab,
     /// Seconds of each program, by scan.
     times: Vec<(String, Vec<(String, String)>)>,
 }
@@ -113,12 +99,12 @@ impl Run<'_> {
     /// Scores a scan's folder by the script, after the seconds that Transect took.
     fn score(&mut self, name: &str, seconds: f64, folder: &Path) -> Result<(), Failure> {
         let folder = folder.to_string_lossy();
-        let printed = python::run(self.python, "peers/run.py", &[&self.shares, &folder])?;
+        let printed = python::run(&self.python, "peers/run.py", &[&self.shares, &folder])?;
         let (table, times) = printed.split_once("\n\n").unwrap_or((&printed, ""));
         say(table);
         // A table without a program would differ from the documentation's.
-        if python::import(self.python, "vdbfusion").is_ok() {
-            self.out.write(name, table)?;
+        if python::import(&self.python, "vdbfusion").is_ok() {
+            self.lab.write(name, table)?;
         }
         let of_line = |line: &str| {
             let (program, seconds) = line.split_once('\t')?;
@@ -133,7 +119,7 @@ impl Run<'_> {
     /// The seconds of each program on the images as given.
     fn print_times(&self) -> Result<(), Failure> {
         let scans = self.times.iter().map(|(scan, _)| scan.as_str());
-        let heads: Vec<&str> = std::iter::once("seconds").chain(scans).collect();
+        let heads = std::iter::once("seconds").chain(scans).collect::<Vec<_>>().join(" | ");
         let mut programs: Vec<&String> = Vec::new();
         for (program, _) in self.times.iter().flat_map(|(_, times)| times) {
             if !programs.contains(&program) {
@@ -144,11 +130,11 @@ impl Run<'_> {
             let found = times.iter().find(|(name, _)| name == program);
             found.map_or("–".to_owned(), |(_, seconds)| seconds.clone())
         };
-        let line = |program: &&String| {
+        let of_program = |program: &&String| {
             let cells = self.times.iter().map(|(_, times)| cell(times, program));
-            std::iter::once((*program).clone()).chain(cells).collect()
+            line((*program).clone(), cells)
         };
-        self.out.times(&heads, &programs.iter().map(line).collect::<Vec<_>>())
+        self.lab.times(&heads, programs.iter().map(of_program))
     }
 }
 
@@ -164,8 +150,7 @@ fn write(Scan(name, views, noise): Scan, folder: &Path) -> Result<f64, Failure> 
         None => SensorPlan::OWN,
     };
     let mut scan = scene.simulate(&plan)?;
-    let setup = Setup::new(scene.description.unit, scene.description.planes.clone());
-    let seconds = models(&scan.views, setup, folder)?;
+    let seconds = models(&scan.views, trial::setup(&scene), folder)?;
     scan.write(&scene, StripeImages::Extracted, &folder.join("given"))?;
     scan.views = scan.views.iter().map(smoothed).collect();
     scan.write(&scene, StripeImages::Extracted, &folder.join("smoothed"))?;

@@ -1,8 +1,8 @@
 //! Pictures of scanned points and their models, after the dissertation's Figures 4.11 to 4.20.
 
-pub mod charts;
+mod charts;
 
-use super::output::Output;
+use super::lab::Lab;
 use super::trial;
 use crate::failure::Failure;
 use crate::table::say;
@@ -35,33 +35,37 @@ const CAMERA: Shown =
 const POINTS: usize = 8000;
 
 /// Runs the experiment.
-pub fn run(out: &Output) -> Result<(), Failure> {
+pub fn run(lab: &Lab) -> Result<(), Failure> {
     for shown in SCANNERS.iter().chain([&CAMERA]) {
         let scene = trial::bundled_without_noise(shown.scene)?;
-        scan_and_model(&scene, shown, out)?;
+        scan_and_model(&scene, shown, lab)?;
         if shown.sensor == SensorKind::LightStripe {
             let placed = scene.instruments(&SensorPlan::OWN)?;
-            charts::stripe_row(&scene, &placed, &out.folder()?.join("light_stripe-row.svg"))?;
+            let figure = charts::stripe_row(&scene, &placed)?;
+            lab.picture("light_stripe-row", |file| figure.write(file))?;
         }
     }
-    charts::calibration(out.folder()?)?;
-    say(&format!("pictures in {}", out.folder()?.display()));
+    for (name, figure) in charts::calibration() {
+        lab.picture(name, |file| figure.write(file))?;
+    }
+    say(&format!("pictures in {}", lab.folder()?.display()));
     Ok(())
 }
 
 /// The points that the first view scanned, and the model of all views.
-fn scan_and_model(scene: &PreparedScene, shown: &Shown, out: &Output) -> Result<(), Failure> {
-    let outcome = trial::run(scene, &SensorPlan::OWN)?;
+fn scan_and_model(scene: &PreparedScene, shown: &Shown, lab: &Lab) -> Result<(), Failure> {
+    let views = scene.simulate(&SensorPlan::OWN)?.views;
     let (description, name) = (&scene.description, shown.sensor.name());
     let options = |what: &str| observed(&format!("{}: {what}", description.name), shown.observer);
-    let points = outcome.views.first().map(scanned).unwrap_or_default();
+    let points = views.first().map(scanned).unwrap_or_default();
     let seen = format!("{} of the points that one view of the {name} sensor scanned", points.len());
     let (planes, unit) = (&description.planes, description.unit);
-    out.picture(&format!("{name}-points"), |out| {
+    lab.picture(&format!("{name}-points"), |out| {
         write_points(&points, planes, unit, &seen, &options("scanned points"), out)
     })?;
-    out.picture(&format!("{name}-model"), |out| {
-        write_overview(&outcome.model, &options("cross-section model"), out)
+    let model = trial::scene_model(scene, &views)?;
+    lab.picture(&format!("{name}-model"), |out| {
+        write_overview(&model, &options("cross-section model"), out)
     })
 }
 

@@ -5,17 +5,16 @@
 //! angles and places about the middle of the part, from a fixed seed. A place errs by the angle
 //! times half the part's size.
 
-use super::output::Output;
+use super::lab::Lab;
+use super::trial;
+use crate::chart::{Axis, Chart};
 use crate::failure::Failure;
-use crate::table::{digits, say};
+use crate::table::{self, digits, say};
 use nalgebra::{Isometry3, Vector3};
-use transect::{Setup, Unwatched, reconstruct};
 use transect_device::View;
-use transect_exchange::svg::{Anchor, Figure, Mark};
-use transect_geometry::Point2;
+use transect_exchange::svg::{Figure, Mark};
 use transect_scene::{Description, Noise};
 use transect_workflow::simulation::{PreparedScene, SensorPlan, describe};
-use transect_workflow::{ScoreLimits, simulated_accuracy};
 
 /// Options of `experiments poses`.
 #[derive(Debug, clap::Args)]
@@ -44,7 +43,7 @@ const SEED: u64 = 20;
 type Errors = [[f64; 2]; 2];
 
 /// Runs the experiment.
-pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, lab: &Lab) -> Result<(), Failure> {
     let mut lines = Vec::new();
     let mut curves = [Vec::new(), Vec::new()];
     let count = if arguments.full { NOISE.len() } else { 1 };
@@ -60,68 +59,38 @@ pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
                         curve.push([degrees, median]);
                     }
                 }
-                lines.push(line((noise, views.len(), degrees), &errors));
+                lines.push(cells((noise, views.len(), degrees), &errors));
             }
         }
     }
-    let heads = [
-        "noise, σ of the scene",
-        "views",
-        "pose error, °",
-        "as given: median",
-        "p95",
-        "refined: median",
-        "p95",
-    ];
-    out.table("table", &heads, &lines)?;
-    say("\nDistances in mm from the true sections.");
+    let heads = "noise, σ of the scene | views | pose error, ° | as given: median | p95 | refined: median | p95";
+    lab.table("table", heads, lines)?;
+    say("Distances in mm from the true sections.");
     let figure = chart(&curves);
-    out.picture("poses", |file| figure.write(file))?;
+    lab.picture("poses", |file| figure.write(file))?;
     Ok(())
 }
 
-/// Size of the chart in pixels, and its logarithmic axes: degrees, and millimetres.
-const SIZE: [f64; 2] = [560.0, 380.0];
-const AXES: [[f64; 2]; 2] = [[0.014, 1.4], [0.0005, 2.0]];
-
 /// The median errors by the pose errors, as given and refined.
 fn chart(curves: &[Vec<[f64; 2]>; 2]) -> Figure {
-    let mut figure = Figure::new(
+    let degrees = DEGREES.into_iter().filter(|degrees| *degrees > 0.0).collect();
+    let axes = [
+        Axis::logarithmic([0.014, 1.4], degrees, "°"),
+        Axis::logarithmic([0.0005, 2.0], vec![0.001, 0.01, 0.1, 1.0], ""),
+    ];
+    let mut chart = Chart::new(
         "What errors of poses cost",
         "Median distance of the sections from the truth in mm, over the standard deviation of each \
          pose's angles in degrees; all 11 views.",
-        [SIZE[0], SIZE[1] + 30.0],
+        axes,
     );
-    let share = |axis: usize, value: f64| {
-        let [low, high] = AXES[axis];
-        (value / low).log10() / (high / low).log10()
-    };
-    let place =
-        |[x, y]: [f64; 2]| Point2::new(SIZE[0] * share(0, x), SIZE[1] * (1.0 - share(1, y)));
-    let [left, bottom] = [AXES[0][0], AXES[1][0]];
-    for y in [0.001, 0.01, 0.1, 1.0] {
-        let ends = [place([left, y]), place([AXES[0][1], y])];
-        figure.line(&ends, false, "stroke=\"#ddd\"");
-        let at = Point2::new(-6.0, ends[0].y + 5.0);
-        figure.text(at, Anchor::End, 14.0, "#222", &y.to_string());
-    }
-    for x in DEGREES.into_iter().filter(|degrees| *degrees > 0.0) {
-        let ends = [place([x, bottom]), place([x, AXES[1][1]])];
-        figure.line(&ends, false, "stroke=\"#ddd\"");
-        let at = Point2::new(ends[0].x, SIZE[1] + 20.0);
-        figure.text(at, Anchor::Middle, 14.0, "#222", &format!("{x}°"));
-    }
     let names = [("#d55e00", "poses as given"), ("#0072b2", "poses refined")];
     for (curve, (colour, name)) in curves.iter().zip(names) {
-        let points: Vec<Point2> = curve.iter().copied().map(place).collect();
-        let style = format!("fill=\"none\" stroke=\"{colour}\" stroke-width=\"2.5\"");
-        figure.line(&points, false, &style);
-        for at in points {
-            figure.circle(at, 5.0, &format!("fill=\"{colour}\""));
-        }
-        figure.legend(Mark::Line(colour), name);
+        chart.line(curve.iter().copied(), colour, 2.5);
+        chart.dots(curve.iter().copied(), colour, 5.0);
+        chart.figure.legend(Mark::Line(colour), name);
     }
-    figure
+    chart.figure
 }
 
 /// The scene with a multiple of its own range noise.
@@ -135,10 +104,10 @@ fn with_noise(factor: f64) -> Result<Description, Failure> {
     Ok(description)
 }
 
-fn line((noise, views, degrees): (f64, usize, f64), errors: &Errors) -> Vec<String> {
-    let settings = [noise.to_string(), views.to_string(), degrees.to_string()];
+fn cells((noise, views, degrees): (f64, usize, f64), errors: &Errors) -> Vec<String> {
     let error = |e: &f64| if e.is_finite() { digits(*e) } else { "∞".to_owned() };
-    settings.into_iter().chain(errors.iter().flatten().map(error)).collect()
+    let errors: Vec<String> = errors.iter().flatten().map(error).collect();
+    table::cells(&format!("{noise} | {views} | {degrees} | {}", errors.join(" | ")))
 }
 
 /// The views with errors of their poses.
@@ -154,18 +123,12 @@ pub fn moved(scene: &PreparedScene, views: &[View], degrees: f64) -> Result<Vec<
     moved.collect()
 }
 
+/// The errors with the poses as given and refined.
 pub fn errors(scene: &PreparedScene, views: &[View]) -> Result<Errors, Failure> {
-    let description = &scene.description;
-    let mut setup = Setup::new(description.unit, description.planes.clone());
-    let mut errors = Errors::default();
-    for (refine, errors) in [None, Some(Default::default())].into_iter().zip(&mut errors) {
-        setup.refine_poses = refine;
-        let model = reconstruct(views, &setup, &Unwatched)?.model;
-        let limits = ScoreLimits::default();
-        let found = simulated_accuracy(&model, &scene.truth, views.to_vec(), &limits)?;
-        *errors = [found.median, found.p95].map(|error| error.unwrap_or(f64::INFINITY));
-    }
-    Ok(errors)
+    let given = trial::setup(scene);
+    let mut refined = given.clone();
+    refined.refine_poses = Some(Default::default());
+    Ok([trial::errors(scene, views, &given)?, trial::errors(scene, views, &refined)?])
 }
 
 /// Normally distributed numbers: sums of twelve uniform ones of SplitMix64 (Steele, 2014).

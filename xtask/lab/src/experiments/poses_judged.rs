@@ -3,17 +3,15 @@
 //! One view of a scan is turned about one of its own axes. The scan is judged, and reconstructed to
 //! see whether its error grew.
 
-use super::output::Output;
+use super::lab::Lab;
 use super::trial;
 use crate::failure::Failure;
-use crate::table::say;
+use crate::table::{line, say};
 use nalgebra::{Isometry3, Vector3};
 use rayon::prelude::*;
-use transect::evaluate::Accuracy;
 use transect_device::View;
 use transect_register::{CoarseView, Finding, judge};
-use transect_workflow::simulation::{PreparedScene, SensorPlan};
-use transect_workflow::{ScoreLimits, simulated_accuracy};
+use transect_workflow::simulation::SensorPlan;
 
 /// Options of `experiments poses-judged`.
 #[derive(Debug, clap::Args)]
@@ -49,25 +47,20 @@ const DEGREES: [f64; 4] = [1.0, 3.0, 10.0, 30.0];
 /// turn. Doubled, only turns that ruin the sections count.
 const GREW: f64 = 1.5;
 
-/// What became of the trials of one angle.
-#[derive(Debug, Clone, Copy, Default)]
-struct Counts {
-    trials: usize,
-    alone: usize,
-    other: usize,
-    unnamed: usize,
-    grew: usize,
-    grew_unnamed: usize,
-}
+/// Counts for one angle: trials, the view named alone, another named, none named, errors that grew,
+/// and these without the name.
+type Counts = [usize; 6];
 
 /// Runs the experiment.
-pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
-    let mut counts = DEGREES.map(|_| Counts::default());
+pub fn run(arguments: &Arguments, lab: &Lab) -> Result<(), Failure> {
+    let mut counts = [Counts::default(); DEGREES.len()];
     let chosen = |name: &str| arguments.scene.as_ref().is_none_or(|scene| scene == name);
     for (name, views) in SCANS.into_iter().filter(|(name, _)| chosen(name)) {
         let scene = trial::bundled(name)?;
         let views = scene.simulate(&SensorPlan { views, ..SensorPlan::OWN })?.views;
-        let before = (!arguments.quick).then(|| errors(&scene, &views)).transpose()?;
+        let setup = trial::setup(&scene);
+        let before =
+            (!arguments.quick).then(|| trial::errors(&scene, &views, &setup)).transpose()?;
         let copy = if arguments.copies_of_runs { CoarseView::quick } else { CoarseView::new };
         let coarse: Vec<CoarseView> = views.par_iter().map(copy).collect();
         say(&format!("{name}, {} views: {:?}", views.len(), judge(&coarse).findings));
@@ -79,13 +72,22 @@ pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
                     let verdict = verdict(&coarse, *turned[view].world_from_sensor(), view);
                     let grew = match before {
                         Some(before) => {
-                            let after = errors(&scene, &turned)?;
+                            let after = trial::errors(&scene, &turned, &setup)?;
                             after.iter().zip(before).any(|(a, b)| *a > GREW * b)
                         }
                         None => false,
                     };
-                    counts.add(verdict, grew);
-                    if verdict != Some(true) {
+                    let is_named = verdict == Some(true);
+                    let of_trial = [
+                        true,
+                        is_named,
+                        verdict == Some(false),
+                        verdict.is_none(),
+                        grew,
+                        grew && !is_named,
+                    ];
+                    counts.iter_mut().zip(of_trial).for_each(|(sum, is)| *sum += usize::from(is));
+                    if !is_named {
                         let (view, grew) = (views[view].name(), if grew { "grew" } else { "held" });
                         let turn = format!("{view} by {degrees} degrees about axis {axis}");
                         say(&format!("  not named: {turn}; the error {grew}"));
@@ -94,18 +96,7 @@ pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
             }
         }
     }
-    print(&counts, out)
-}
-
-impl Counts {
-    fn add(&mut self, verdict: Option<bool>, grew: bool) {
-        self.trials += 1;
-        self.alone += usize::from(verdict == Some(true));
-        self.other += usize::from(verdict == Some(false));
-        self.unnamed += usize::from(verdict.is_none());
-        self.grew += usize::from(grew);
-        self.grew_unnamed += usize::from(grew && verdict != Some(true));
-    }
+    print(&counts, lab)
 }
 
 fn turned(views: &[View], view: usize, axis: usize, degrees: f64) -> Result<Vec<View>, Failure> {
@@ -128,32 +119,12 @@ fn verdict(coarse: &[CoarseView], pose: Isometry3<f64>, view: usize) -> Option<b
     }
 }
 
-/// Median and 95 % quantile of the distances from the true sections.
-fn errors(scene: &PreparedScene, views: &[View]) -> Result<[f64; 2], Failure> {
-    let model = trial::model(views, scene.description.unit, scene.description.planes.clone())?;
-    let limits = ScoreLimits::default();
-    let Accuracy { median, p95, .. } =
-        simulated_accuracy(&model, &scene.truth, views.to_vec(), &limits)?;
-    Ok([median, p95].map(|error| error.unwrap_or(f64::INFINITY)))
-}
-
-fn print(counts: &[Counts], out: &Output) -> Result<(), Failure> {
-    let line = |(degrees, c): (&f64, &Counts)| {
-        let counts = [c.trials, c.alone, c.other, c.unnamed, c.grew, c.grew_unnamed];
-        let counts = counts.iter().map(usize::to_string);
-        std::iter::once(format!("{degrees}°")).chain(counts).collect()
+fn print(counts: &[Counts], lab: &Lab) -> Result<(), Failure> {
+    let of_turn = |(degrees, counts): (&f64, &Counts)| {
+        line(format!("{degrees}°"), counts.map(|n| n.to_string()))
     };
-    let lines: Vec<Vec<String>> = DEGREES.iter().zip(counts).map(line).collect();
-    let heads = [
-        "turn",
-        "trials",
-        "named alone",
-        "another named",
-        "nothing named",
-        "error grew by more than half",
-        "of these not named",
-    ];
-    out.table("table", &heads, &lines)?;
-    say("\nThe error is the median or the 95 % quantile of the distances from the true sections.");
+    let heads = "turn | trials | named alone | another named | nothing named | error grew by more than half | of these not named";
+    lab.table("table", heads, DEGREES.iter().zip(counts).map(of_turn))?;
+    say("The error is the median or the 95 % quantile of the distances from the true sections.");
     Ok(())
 }

@@ -5,15 +5,13 @@
 //! 2. The planes are seen once more by the same sensor, with its noise model, and fitted again.
 //! 3. Both go through the same windows and the same test for flatness, so they share its bias.
 
-use super::output::Output;
+use super::lab::Lab;
 use super::trial;
 use crate::failure::Failure;
 use crate::statistics::{median, quantile};
-use crate::table::{digits, say};
+use crate::table::{cells, digits, say};
 use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, SymmetricEigen, UnitQuaternion};
-use std::path::PathBuf;
 use transect_device::{Pixel, View};
-use transect_exchange::Scan;
 use transect_geometry::{Isometry3, Point3, Vector3};
 use transect_scene::{Noise, PoseNoise, Scene, Shape, Solid};
 
@@ -37,14 +35,6 @@ const RANGES: [f64; 6] = [0.5, 1.0, 1.5, 2.0, 3.0, 8.0];
 /// Fewer patches than these say nothing of a class.
 const ENOUGH: usize = 8;
 
-/// Options of `experiments real-noise`.
-#[derive(Debug, clap::Args)]
-pub struct Arguments {
-    /// Folder with the public scans.
-    #[arg(long, default_value = "../shared/data", value_name = "DIR")]
-    data: PathBuf,
-}
-
 /// A window with the plane that fits it, in the sensor's frame.
 #[derive(Debug, Clone)]
 struct Patch {
@@ -62,34 +52,22 @@ struct Patch {
 /// A patch as measured and as simulated.
 type Pair = (Patch, Patch);
 
-/// Runs the experiment, or tells why it is skipped.
-pub fn run(arguments: &Arguments, out: &Output) -> Result<Option<String>, Failure> {
-    let folder = arguments.data.join("rgbd_redkitchen");
-    if !folder.is_dir() {
-        return Ok(Some(format!("{} is not there", folder.display())));
-    }
+/// Runs the experiment.
+pub fn run(lab: &Lab) -> Result<(), Failure> {
+    let views = trial::red_kitchen(lab.scans()?)?.views;
     let noise = camera_noise()?;
     let mut pairs: Vec<Pair> = Vec::new();
-    for entry in &Scan::open(&folder)?.views {
-        pairs.extend(both(&entry.load()?.0, &noise)?);
+    for view in &views {
+        pairs.extend(both(view, &noise)?);
     }
-    let heads = [
-        "range, m",
-        "patches",
-        "measured, mm: quarter",
-        "half",
-        "simulated, mm: quarter",
-        "half",
-        "neighbours measured",
-        "simulated",
-    ];
+    let heads = "range, m | patches | measured, mm: quarter | half | simulated, mm: quarter | half | neighbours measured | simulated";
     let lines: Vec<_> = RANGES.windows(2).filter_map(|limits| line(&pairs, limits)).collect();
-    out.table("table", &heads, &lines)?;
+    lab.table("table", heads, lines)?;
     say(
-        "\nSpread along the rays on flat patches: that of the flattest quarter and of half of them; \
+        "Spread along the rays on flat patches: that of the flattest quarter and of half of them; \
          correlation of neighbours in a row.",
     );
-    Ok(None)
+    Ok(())
 }
 
 /// The noise of the bundled kitchen's depth camera, without errors that a patch does not show.
@@ -110,17 +88,13 @@ fn line(pairs: &[Pair], limits: &[f64]) -> Option<Vec<String>> {
     let correlation = |of: fn(&Pair) -> f64| {
         format!("{:.2}", median(&class.iter().map(|p| of(p)).collect::<Vec<_>>()))
     };
+    let (measured, simulated) = (|p: &Pair| p.0.spread, |p: &Pair| p.1.spread);
     (class.len() >= ENOUGH).then(|| {
-        vec![
-            format!("{} to {}", limits[0], limits[1]),
-            class.len().to_string(),
-            spread(0.25, |p| p.0.spread),
-            spread(0.5, |p| p.0.spread),
-            spread(0.25, |p| p.1.spread),
-            spread(0.5, |p| p.1.spread),
-            correlation(|p| p.0.correlation),
-            correlation(|p| p.1.correlation),
-        ]
+        let spreads = [spread(0.25, measured), spread(0.5, measured)];
+        let simulated = [spread(0.25, simulated), spread(0.5, simulated)];
+        let correlations = [correlation(|p| p.0.correlation), correlation(|p| p.1.correlation)];
+        let all = [spreads, simulated, correlations].concat().join(" | ");
+        cells(&format!("{} to {} | {} | {all}", limits[0], limits[1], class.len()))
     })
 }
 

@@ -1,12 +1,12 @@
 //! The public scans of real things: each without any option, the bunny against its reference, and a
 //! plane of the red kitchen with and without averaging the views' surfaces.
 
-use super::output::Output;
+use super::lab::Lab;
 use super::posters::INK;
-use super::posters::projection::{Projection, panel};
+use super::posters::projection::{Projection, panel, stroke};
 use super::trial::{self, Public};
 use crate::failure::Failure;
-use crate::table::say;
+use crate::table::line;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use transect::evaluate::evaluate;
@@ -16,7 +16,7 @@ use transect_exchange::svg::{Anchor, Figure, Mark};
 use transect_fusion::{ConsensusOptions, FusionMethod};
 use transect_geometry::{Curve, LengthUnit, PlaneIndex, Point2};
 use transect_model::Model;
-use transect_scene::{Mesh, sections};
+use transect_scene::sections;
 use transect_workflow::{OpenScan, Settings};
 
 /// The scans below the data's folder, and what they show.
@@ -34,28 +34,16 @@ const PLANE: PlaneIndex = PlaneIndex(2);
 const PANEL: [f64; 2] = [560.0, 470.0];
 const BETWEEN: f64 = 30.0;
 
-/// Options of `experiments real-scans`.
-#[derive(Debug, clap::Args)]
-pub struct Arguments {
-    /// Folder with the public scans.
-    #[arg(long, default_value = trial::DATA, value_name = "DIR")]
-    data: PathBuf,
-}
-
-/// Runs the experiment, or tells why it is skipped.
-pub fn run(arguments: &Arguments, out: &Output) -> Result<Option<String>, Failure> {
-    let data = &arguments.data;
-    if !data.is_dir() {
-        return Ok(Some(format!("{} is not there", data.display())));
-    }
-    without_options(data, out)?;
-    bunny(data, out)?;
-    kitchen(data, out)?;
-    Ok(None)
+/// Runs the experiment.
+pub fn run(lab: &Lab) -> Result<(), Failure> {
+    let data = lab.scans()?;
+    without_options(data, lab)?;
+    bunny(data, lab)?;
+    kitchen(data, lab)
 }
 
 /// Every scan as `transect reconstruct PATH` models it.
-fn without_options(data: &Path, out: &Output) -> Result<(), Failure> {
+fn without_options(data: &Path, lab: &Lab) -> Result<(), Failure> {
     let (mut lines, mut times) = (Vec::new(), Vec::new());
     for (folder, what) in SCANS {
         eprintln!("{folder}");
@@ -70,15 +58,12 @@ fn without_options(data: &Path, out: &Output) -> Result<(), Failure> {
         let name = format!("`{folder}`: {what}");
         let open = fusion.curves - fusion.closed;
         let counts = [fusion.planes, fusion.curves, open, fusion.closed];
-        lines.push(std::iter::once(name.clone()).chain(counts.map(|n| n.to_string())).collect());
+        lines.push(line(name.clone(), counts.map(|n| n.to_string())));
         times.push(vec![name, seconds]);
     }
     let place = "below `../shared/data`";
-    out.table("scans", &[place, "planes", "curves", "open", "closed"], &lines)?;
-    say("");
-    out.times(&[place, "time"], &times)?;
-    say("");
-    Ok(())
+    lab.table("scans", &format!("{place} | planes | curves | open | closed"), lines)?;
+    lab.times(&format!("{place} | time"), times)
 }
 
 /// What to open of a folder: its only E57 file, its Stanford scan, else the folder.
@@ -90,9 +75,9 @@ fn path(folder: &Path) -> Result<PathBuf, Failure> {
 }
 
 /// The bunny on planes 1 mm apart, held against the published mesh.
-fn bunny(data: &Path, out: &Output) -> Result<(), Failure> {
+fn bunny(data: &Path, lab: &Lab) -> Result<(), Failure> {
     let (Public { views, planes }, mesh) = trial::bunny(data)?;
-    let truth = sections(&Mesh { vertices: mesh.vertices, faces: mesh.faces }, &planes)?;
+    let truth = sections(&mesh, &planes)?;
     let model = trial::model(&views, LengthUnit::Metre, planes.clone())?;
     let curves = model.sections().map(|(k, s)| (k, s.curves().cloned().collect())).collect();
     let accuracy = evaluate(&planes, &curves, &truth, &trial::bunny_options())?;
@@ -102,18 +87,18 @@ fn bunny(data: &Path, out: &Output) -> Result<(), Failure> {
     let figures = rows.filter(|row| !row.unit.is_empty() && is_figure(&row.metric));
     let lines: Vec<_> =
         figures.map(|row| vec![row.metric, format!("{} {}", row.value, row.unit)]).collect();
-    out.table("bunny", &["metric", "value"], &lines)
+    lab.table("bunny", "metric | value", lines)
 }
 
 /// A plane of the red kitchen without and with the step that averages the views' surfaces.
-fn kitchen(data: &Path, out: &Output) -> Result<(), Failure> {
+fn kitchen(data: &Path, lab: &Lab) -> Result<(), Failure> {
     let kitchen = trial::red_kitchen(data)?;
     let models = [averaged(&kitchen, false)?, averaged(&kitchen, true)?];
     let mut figure = Figure::new(
         "A section of a real kitchen by a depth camera",
         "The red kitchen of 7-Scenes, 50 frames: plane 2, across the upright. Poses and depths of \
          the frames differ by centimetres.",
-        [2.0 * PANEL[0] + BETWEEN, PANEL[1] + 40.0],
+        [2.0 * PANEL[0] + BETWEEN, PANEL[1] + 70.0],
     );
     let names = ["every view as it is", "views' surfaces averaged (default)"];
     let frame = models[1].planes().frame(PLANE);
@@ -127,11 +112,11 @@ fn kitchen(data: &Path, out: &Output) -> Result<(), Failure> {
         figure.text(Point2::new(at.x, 16.0), Anchor::Start, 18.0, INK, name);
         let lines = projection.lines(&frame, curves.iter().copied());
         panel(&mut figure, (at, PANEL), (projection.scale, "m"), |figure| {
-            figure.path(&lines, 1.2, &format!("fill=\"none\" stroke=\"{INK}\""));
+            figure.path(&lines, 1.2, &stroke(INK));
         });
     }
     figure.legend(Mark::Line(INK), "fused curve");
-    out.picture("depth_camera", |file| figure.write(file))
+    lab.picture("depth_camera", |file| figure.write(file))
 }
 
 /// The model of the kitchen with or without averaging the views' surfaces.

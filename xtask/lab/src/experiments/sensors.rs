@@ -1,9 +1,9 @@
 //! Accuracy of every sensor on every bundled scene, without noise, through the whole pipeline.
 
-use super::output::Output;
+use super::lab::Lab;
 use super::trial;
 use crate::failure::Failure;
-use crate::table::{length, say, share};
+use crate::table::{cells, length, say, share};
 use transect_scene::{BUNDLED_SCENES, SensorParameters};
 use transect_workflow::simulation::{PreparedScene, SensorKind, SensorPlan};
 
@@ -22,7 +22,7 @@ pub struct Arguments {
 }
 
 /// Runs the experiment.
-pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, lab: &Lab) -> Result<(), Failure> {
     let chosen = |name: &str| arguments.scene.as_ref().is_none_or(|s| s == name);
     let mut lines = Vec::new();
     for (name, _) in BUNDLED_SCENES.iter().filter(|(name, _)| chosen(name)) {
@@ -42,10 +42,9 @@ pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
             }
         }
     }
-    let heads =
-        ["scene", "sensor", "views", "pixels", "median", "p95", "complete %", "oriented %", "unit"];
-    out.table("table", &heads, &lines)?;
-    say("\nDistances from the true sections, noise-free, on what the views could see.");
+    let heads = "scene | sensor | views | pixels | median | p95 | complete % | oriented % | unit";
+    lab.table("table", heads, lines)?;
+    say("Distances from the true sections, noise-free, on what the views could see.");
     Ok(())
 }
 
@@ -59,17 +58,13 @@ fn true_size(scene: &PreparedScene) -> Option<SensorKind> {
 }
 
 fn line(scene: &PreparedScene, kind: SensorKind, plan: SensorPlan) -> Result<Vec<String>, Failure> {
-    let outcome = trial::run(scene, &plan)?;
-    let accuracy = outcome.accuracy(scene)?;
-    Ok(vec![
-        scene.description.name.clone(),
-        kind.name().to_owned(),
-        outcome.views.len().to_string(),
-        outcome.pixels().to_string(),
-        length(accuracy.median),
-        length(accuracy.p95),
-        share(accuracy.completeness),
-        share(accuracy.oriented),
-        scene.description.unit.symbol().to_owned(),
-    ])
+    let views = scene.simulate(&plan)?.views;
+    let (_, accuracy) = trial::scored(scene, &views, &trial::setup(scene))?;
+    let (name, unit) = (&scene.description.name, scene.description.unit.symbol());
+    let (kind, count, pixels) = (kind.name(), views.len(), trial::pixels(&views));
+    let [median, p95] = [accuracy.median, accuracy.p95].map(length);
+    let [complete, oriented] = [accuracy.completeness, accuracy.oriented].map(share);
+    Ok(cells(&format!(
+        "{name} | {kind} | {count} | {pixels} | {median} | {p95} | {complete} | {oriented} | {unit}"
+    )))
 }

@@ -4,17 +4,15 @@ use crate::failure::Failure;
 use rayon::prelude::*;
 use std::path::Path;
 use transect::evaluate::{Accuracy, EvaluateOptions};
-use transect::{Setup, Unwatched, reconstruct};
+use transect::{Reconstruction, Setup, Unwatched, reconstruct};
 use transect_device::View;
-use transect_exchange::{Scan, TriangleMesh, read_mesh};
+use transect_exchange::{Scan, read_mesh};
 use transect_geometry::{LengthUnit, PlaneFamily, StraightGuide, Vector3};
 use transect_model::Model;
-use transect_scene::Noise;
-use transect_workflow::simulation::{PreparedScene, SensorPlan, describe};
+use transect_register::{CoarseView, RefineOptions, refine};
+use transect_scene::{Mesh, Noise};
+use transect_workflow::simulation::{PreparedScene, describe};
 use transect_workflow::{ScoreLimits, simulated_accuracy};
-
-/// Folder of the public scans, which are no part of the repository.
-pub const DATA: &str = "../shared/data";
 
 /// The `[[station]]` of a square camera at a place, looking at the origin.
 pub fn camera([x, y, z]: [f64; 3], pixels: usize, field_deg: f64) -> String {
@@ -43,10 +41,11 @@ pub struct Public {
 }
 
 /// The Stanford bunny, and the published mesh that was merged from the same scans.
-pub fn bunny(data: &Path) -> Result<(Public, TriangleMesh), Failure> {
+pub fn bunny(data: &Path) -> Result<(Public, Mesh), Failure> {
     let folder = data.join("stanford_bunny");
     let views = load(&Scan::open(&folder.join("bun.conf"))?)?;
     let mesh = read_mesh(&folder.join("reference/bun_zipper.ply"))?.mesh;
+    let mesh = Mesh { vertices: mesh.vertices, faces: mesh.faces };
     Ok((Public { views, planes: across([0.0, 1.0, 0.0], 0.001)? }, mesh))
 }
 
@@ -78,43 +77,50 @@ fn across(normal: [f64; 3], interval: f64) -> Result<PlaneFamily, Failure> {
     planes.map_err(|e| Failure::because(e.to_string()))
 }
 
+/// The default methods on a scene's planes.
+pub fn setup(scene: &PreparedScene) -> Setup {
+    Setup::new(scene.description.unit, scene.description.planes.clone())
+}
+
+/// The number of pixels of all views.
+pub fn pixels(views: &[View]) -> usize {
+    views.iter().map(|v| v.image().size().pixels()).sum()
+}
+
 /// The model of views, with the default methods.
 pub fn model(views: &[View], unit: LengthUnit, planes: PlaneFamily) -> Result<Model, Failure> {
     Ok(reconstruct(views, &Setup::new(unit, planes), &Unwatched)?.model)
 }
 
-/// The views of a simulated scan and their model.
-pub struct Outcome {
-    /// The views.
-    pub views: Vec<View>,
-    /// The model.
-    pub model: Model,
+/// The model of views of a scene, with the default methods.
+pub fn scene_model(scene: &PreparedScene, views: &[View]) -> Result<Model, Failure> {
+    Ok(reconstruct(views, &setup(scene), &Unwatched)?.model)
 }
 
-/// Simulates a plan on a scene and reconstructs it.
-pub fn run(scene: &PreparedScene, plan: &SensorPlan) -> Result<Outcome, Failure> {
-    let views = scene.simulate(plan)?.views;
-    let model = model(&views, scene.description.unit, scene.description.planes.clone())?;
-    Ok(Outcome { views, model })
-}
-
-impl Outcome {
-    /// The number of pixels of all views.
-    pub fn pixels(&self) -> usize {
-        self.views.iter().map(|v| v.image().size().pixels()).sum()
-    }
-
-    /// Scores the model.
-    pub fn accuracy(&self, scene: &PreparedScene) -> Result<Accuracy, Failure> {
-        accuracy(&self.model, scene, self.views.clone())
-    }
-}
-
-/// Scores a model on the part of the scene that the views could see.
-pub fn accuracy(
-    model: &Model,
+/// The result of views of a scene, and the model's score on the part that they could see.
+pub fn scored(
     scene: &PreparedScene,
-    views: Vec<View>,
-) -> Result<Accuracy, Failure> {
-    Ok(simulated_accuracy(model, &scene.truth, views, &ScoreLimits::default())?)
+    views: &[View],
+    setup: &Setup,
+) -> Result<(Reconstruction, Accuracy), Failure> {
+    let result = reconstruct(views, setup, &Unwatched)?;
+    let limits = ScoreLimits::default();
+    let accuracy = simulated_accuracy(&result.model, &scene.truth, views.to_vec(), &limits)?;
+    Ok((result, accuracy))
+}
+
+/// Median and 95 % quantile of the distances from the true sections.
+pub fn errors(scene: &PreparedScene, views: &[View], setup: &Setup) -> Result<[f64; 2], Failure> {
+    let (_, Accuracy { median, p95, .. }) = scored(scene, views, setup)?;
+    Ok([median, p95].map(|error| error.unwrap_or(f64::INFINITY)))
+}
+
+/// The views at refined poses.
+pub fn at_refined_poses(views: &[View]) -> Result<Vec<View>, Failure> {
+    let copies: Vec<CoarseView> = views.iter().map(CoarseView::new).collect();
+    let poses = refine(&copies, &RefineOptions::default()).poses;
+    let pairs = views.iter().zip(poses);
+    let views: Result<Vec<View>, _> =
+        pairs.map(|(view, pose)| view.with_pose(pose.world_from_sensor)).collect();
+    Ok(views?)
 }

@@ -17,9 +17,10 @@
 //!
 //! * an image of camera rows × laser angles that holds `x_frame`, in cells from the array's left
 //!   edge;
-//! * a stack of the camera's intensity images, one per laser angle: a `.npy` of angles × camera
-//!   rows × camera columns of type `u1` or `u2`, or a folder of 8- or 16-bit grey `.png` files in
-//!   the order of their names. The stripe is then found on loading; rows without one are missing.
+//! * a stack of the camera's intensity images, one per laser angle. It is a `.npy` of angles ×
+//!   camera rows × camera columns of type `u1` or `u2`, or a folder of grey `.png` files. These
+//!   have 8 or 16 bits, and are read in the order of their names. The stripe is found on loading;
+//!   rows without one are missing.
 
 use super::super::keys::{Keys, UnknownKey};
 use super::Sensor;

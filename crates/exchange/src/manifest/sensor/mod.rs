@@ -1,7 +1,7 @@
 //! The sensors of a manifest: one module for each sensor with more than four keys.
 //!
-//! A module holds the sensor's entry (its keys as data), the reading of the keys, and the
-//! [`Sensor`] that makes a device frame and a range image from the view's file.
+//! A module holds the sensor's entry (its keys as data) and the reading of the keys. It also holds
+//! the [`Sensor`] that makes a device frame and a range image from the view's file.
 
 mod distortion;
 mod light_stripe;

@@ -1,5 +1,5 @@
-//! Files from outside may hold anything: every reader answers with a value or an error that names
-//! the file, never with a panic or with memory that the file does not justify.
+//! Files from outside may hold anything. Every reader answers with a value or an error that names
+//! the file. It never panics, and takes no memory that the file does not justify.
 //!
 //! The corpus has a folder per target, with sound files and with cases that were found. The test
 //! reads all of them, and mutations of them from a fixed seed: the same files on every machine.

@@ -1,8 +1,8 @@
 //! Final place of the nodes: a robust parabola, or arc, through the clusters around each.
 //!
 //! The window is the widest whose estimate differs from those of all narrower windows by no more
-//! than random errors make it (Lepski's rule): wide along smooth curves, narrow at detail. Errors
-//! that neighbours share leave narrow windows in agreement whatever their width. So the
+//! than random errors make it (Lepski's rule). It is wide along smooth curves and narrow at detail.
+//! Errors that neighbours share leave narrow windows in agreement whatever their width. So the
 //! *difference* is judged by its own standard deviation, not each estimate by its own.
 //!
 //! With a handful of windows, one of them differs by chance at every fifth node. So a single one is

@@ -1,7 +1,7 @@
 //! Thinning: from all groups to one stand per footprint.
 //!
 //! Groups take their turns from the best supported on. A group that is not absorbed by then moves
-//! onto a robust line through its neighbours, and absorbs those in a window around its new place;
+//! onto a robust line through its neighbours. It absorbs those in a window around its new place;
 //! they stay where they are. The window is some spreads wide, so that it misses few. A group that
 //! it misses moves onto its own line when its turn comes, and goes to the stand in whose window it
 //! then lies.

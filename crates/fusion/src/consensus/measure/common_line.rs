@@ -51,7 +51,7 @@ pub(super) struct Bead {
     /// Whether it goes on where the bead before it ends.
     pub follows: bool,
     /// How far its view is off the common line, averaged over the window, and the variance of this
-    /// in variances of a view: a view takes part in the line that it is compared with.
+    /// in variances of a view. A view takes part in the line that it is compared with.
     pub off: f64,
     pub off_variance: f64,
     /// Number of views in the common line. One that measured a part of the window counts in part.
@@ -162,7 +162,7 @@ pub(super) fn averaged_view_error(beads: &[Bead]) -> f64 {
 }
 
 /// The beads, each moved onto the line of the widest window whose line agrees with that of the
-/// narrower ones: errors that change along a surface average out over several of their lengths,
+/// narrower ones. Errors that change along a surface average out over several of their lengths,
 /// while a wide window cuts a bend.
 ///
 /// `wave_errors` keeps [`wave_error`] of each wider window from the first call on: beads that have

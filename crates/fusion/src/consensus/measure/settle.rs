@@ -6,8 +6,8 @@
 //!
 //! **Idea.** A volumetric method averages the distances to all views' surfaces first, and only then
 //! looks for the surface. Here every node moves across the curve onto the average of all views
-//! around it: a projection onto a moving least squares line (Alexa et al., 2003), in which each
-//! view counts alike. Direction still tells surfaces apart, so both sides of a thin wall stay.
+//! around it. This is a projection onto a moving least squares line (Alexa et al., 2003), in which
+//! each view counts alike. Direction still tells surfaces apart, so both sides of a thin wall stay.
 //!
 //! **Steps.**
 //! 1. Each view is shifted and turned as a whole (`align.rs`).

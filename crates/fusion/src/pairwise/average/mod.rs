@@ -10,21 +10,21 @@
 //! 1. Sum up y over the points of the distant curve while 0 ≤ x ≤ x_end and |y| ≤ threshold.
 //! 2. When x > x_end, the unit is finished: its new node is (x_end/2, Σy/2n) (Figure 5.10).
 //! 3. Go on to the next unit of the basis curve if it covers the point (Figure 5.11 a). If the
-//!    point lies beyond that unit, too, basis and distant curve are exchanged: the new unit ends in
+//!    point lies beyond that unit, too, basis and distant curve are exchanged. The new unit ends in
 //!    that point, and the first point to be processed is the start of the unit beyond which it lies
 //!    (Figure 5.11 b).
 //! 4. Where |y| > threshold or x < 0, look forward (Figure 5.12). At a corner the basis curve goes
 //!    on to its next unit; the points of a dimple are left out.
 //!
-//! **Departures from the source.** The look-forward as printed (a continuous rise of |y| or fall of
-//! x means a corner) is believed only if a later unit of the basis curve holds one of the points
-//! looked at: the rising flank of a wide dimple would otherwise move the basis on. A point which a
-//! later unit holds is round a corner whatever noise does to the rise. For the same reason no unit
-//! may end in a point that is nowhere near the basis curve when the curves are exchanged. A point
-//! in the wedge outside a bend, behind one unit's end and before the next one's start, counts with
-//! the next one. A node that the chord between two new nodes would leave by more than the threshold
-//! is kept, or sharp corners between long units would be cut. If two exchanges follow each other
-//! without a point in between, as on zigzags, the second one is not made.
+//! **Departures from the source.** In the look-forward as printed, a continuous rise of |y| or fall
+//! of x means a corner. Here it is believed only if a later unit of the basis curve holds one of
+//! the points looked at. Otherwise the rising flank of a wide dimple would move the basis on. A
+//! point which a later unit holds is round a corner whatever noise does to the rise. For the same
+//! reason no unit may end in a point that is nowhere near the basis curve when the curves are
+//! exchanged. A point in the wedge outside a bend, behind one unit's end and before the next one's
+//! start, counts with the next one. A node that the chord between two new nodes would leave by more
+//! than the threshold is kept, or sharp corners between long units would be cut. If two exchanges
+//! follow each other without a point in between, as on zigzags, the second one is not made.
 //!
 //! The midpoint of a chord lies inside the arc: every merge moves a curve by up to h²/8R towards
 //! its inside (errata). This is the method's, and one reason why

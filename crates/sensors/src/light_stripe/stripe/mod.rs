@@ -19,9 +19,8 @@
 //!    moves from left to right. The window's first value is taken off all its values, and the first
 //!    of the template off the template's, so that a constant background drops out.
 //! 2. The place with the least sum of absolute differences is the stripe's region. A sum close to
-//!    that of an even background (no stripe at all) means that there is none: a stripe of height
-//!    `a < h` brings the sum down by the share `a / h`, and [`StripeFinder::least_height`] is the
-//!    least such `a`.
+//!    that of an even background means that there is no stripe. A stripe of height `a < h` brings
+//!    the sum down by the share `a / h`, and [`StripeFinder::least_height`] is the least such `a`.
 //! 3. In that window the brightest local maximum is the stripe. A level top, as of a saturated
 //!    stripe, counts as its middle.
 //! 4. Optionally ([`Peak::SubCell`]) the place is refined: see there.
@@ -31,12 +30,12 @@
 //! leaning stripe is not pulled along at its ends and at gaps.
 //!
 //! **Limits**: a stripe more than `2h` high matches worse than no stripe at all, so `h` belongs to
-//! the brighter surfaces of the scene; a stripe nearer than half a window to the image's edge is
+//! the brighter surfaces of the scene. A stripe nearer than half a window to the image's edge is
 //! not found. Both come with the method.
 //!
 //! **Departures**: the template's own first value is taken off as well (it is 0 only for an even
-//! width); local maxima go before a brighter slope at the window's rim, which belongs to something
-//! else; the least height and the sub-cell peak are added.
+//! width). Local maxima go before a brighter slope at the window's rim, which belongs to something
+//! else. The least height and the sub-cell peak are added.
 //!
 //! Cost: cells × window per image, most of it cut short as soon as a sum exceeds the best one.
 
@@ -68,7 +67,7 @@ pub enum Peak {
     /// * a triangle of that width is found exactly; counts rounded to whole numbers move it by at
     ///   most `n / (2 - 1/n) h`, which is 0.02 cells for `w` = 8 and `h` = 120;
     /// * other symmetric shapes are found to about a hundredth of a cell, because `D` is not quite
-    ///   straight: a Gaussian to 0.02, 0.01 and 0.003 cells for `w` = 5, 8 and 12;
+    ///   straight. A Gaussian is found to 0.02, 0.01 and 0.003 cells for `w` = 5, 8 and 12;
     /// * noise σ of the counts makes a deviation of `σ √(2n) / (2 - 1/n) h` cells, 14 % more than
     ///   the least possible at `w` = 8;
     /// * a constant background drops out, one that rises by `s` per cell moves the place by

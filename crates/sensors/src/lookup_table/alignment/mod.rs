@@ -12,7 +12,7 @@
 //! 1. Each sphere's centre in the sensor frame: the best of many four-point spheres, then robust
 //!    least squares with the radius known.
 //! 2. The turn about the known direction (the axis, or the line of two centres) which lays the
-//!    table best, by trial in 2.5° and then 0.1° steps; the spheres' centres give the shift.
+//!    table best, by trial in 2.5° and then 0.1° steps. The spheres' centres give the shift.
 //! 3. All points together: Gauss–Newton on the signed distances from table and spheres, with
 //!    Tukey's biweight at the residuals' own median spread.
 //!
@@ -72,8 +72,8 @@ pub enum Turning {
 pub struct Alignment {
     /// The pose: world coordinates from sensor coordinates.
     pub world_from_sensor: Isometry3,
-    /// Root mean square distance of the points used from their surface, a length, with the
-    /// pose's degrees of freedom taken off: about the noise across the surfaces, if all is well.
+    /// Root mean square distance of the points used from their surface, a length. The pose's
+    /// degrees of freedom are taken off. If all is well, it is about the noise across the surfaces.
     pub residual_rms: f64,
     /// How many points were used.
     pub used: usize,

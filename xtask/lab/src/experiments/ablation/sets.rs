@@ -1,20 +1,18 @@
-//! The sets that steps are measured on: partial models made once, and what their curves are held
-//! against.
+//! The sets that steps are measured on: their views, and what their curves are held against.
 
 use super::super::trial::{self, Public};
-use super::crossings;
 use super::worth::Figures;
-use crate::bench::timing::once;
 use crate::failure::Failure;
+use crate::timing::once;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use transect::evaluate::{Accuracy, EvaluateOptions, evaluate, evaluate_seen};
 use transect_device::View;
-use transect_exchange::{Scan, TriangleMesh, read_truth};
+use transect_exchange::{Scan, read_truth};
 use transect_fusion::{ConsensusOptions, FusionMethod, fuse_plane};
-use transect_geometry::{Curve, PlaneFamily, PlaneIndex, Point2};
+use transect_geometry::{Curve, PlaneFamily, PlaneIndex, Point2, crossings};
 use transect_partial::{Method, partial_model};
 use transect_scene::{BUNDLED_SCENES, Mesh, Visibility, merge_overlaps, sections};
 use transect_workflow::simulation::SensorPlan;
@@ -33,62 +31,55 @@ pub struct Sources<'a> {
     pub peers: Option<&'a Path>,
 }
 
-/// Loads a set with the curves that a method finds.
-type Load<'a> = dyn Fn(&Method) -> Result<Set, Failure> + 'a;
-
-/// A set that is not loaded yet.
-pub struct Source<'a> {
-    pub name: String,
-    /// Reads or simulates the views and finds their curves.
-    pub load: Box<Load<'a>>,
-}
-
-impl<'a> Source<'a> {
-    fn new(name: &str, load: impl Fn(&Method) -> Result<Set, Failure> + 'a) -> Self {
-        Self { name: name.to_owned(), load: Box::new(load) }
-    }
-}
-
 impl Sources<'_> {
-    /// All sets that are there.
-    pub fn list(&self) -> Result<Vec<Source<'_>>, Failure> {
-        let bundled = |(name, _): (&'static str, _)| Source::new(name, move |m| bundled(name, m));
+    /// The sets whose name is chosen, read or simulated when it is their turn.
+    pub fn each(
+        &self,
+        chosen: impl Fn(&str) -> bool,
+        mut measure: impl FnMut(&str, &Raw) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let mut take = |name: &str, load: &dyn Fn() -> Result<Raw, Failure>| match chosen(name) {
+            true => measure(name, &load()?),
+            false => Ok(()),
+        };
         // The mask and the jug of the true-size scanners repeat what the other scenes hold.
-        let other = |(name, _): &(&str, _)| !["hyscan_mask", "smart_eye_jug"].contains(name);
-        let mut list: Vec<_> = BUNDLED_SCENES.into_iter().filter(other).map(bundled).collect();
-        if self.data.is_dir() {
-            list.push(Source::new("bunny", |m| bunny(self.data, m)));
-            list.push(Source::new("kitchen halves", |m| halves(self.data, m)));
+        let repeated = ["hyscan_mask", "smart_eye_jug"];
+        for (scene, _) in BUNDLED_SCENES.into_iter().filter(|(name, _)| !repeated.contains(name)) {
+            take(scene, &|| bundled(scene))?;
         }
-        if let Some(peers_folder) = self.peers {
-            let entries = std::fs::read_dir(peers_folder);
-            let entries = entries.map_err(|e| Failure::with_file(peers_folder, e))?;
-            let mut folders: Vec<PathBuf> = entries.flatten().map(|e| e.path()).collect();
-            folders.retain(|f| f.join("truth.npz").is_file());
-            folders.sort();
-            list.extend(folders.into_iter().map(|folder| {
-                let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                Source::new(&name, move |m| peers(&folder, m))
-            }));
+        take("bunny", &|| bunny(self.data))?;
+        take("kitchen halves", &|| halves(self.data))?;
+        let Some(folder) = self.peers else { return Ok(()) };
+        let entries = std::fs::read_dir(folder).map_err(|e| Failure::with_file(folder, e))?;
+        let mut folders: Vec<PathBuf> = entries.flatten().map(|e| e.path()).collect();
+        folders.retain(|f| f.join("truth.npz").is_file());
+        folders.sort();
+        for folder in folders {
+            let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            take(&name, &|| peers(&folder))?;
         }
-        Ok(list)
+        Ok(())
     }
 }
 
 type Sections = BTreeMap<PlaneIndex, Vec<Curve>>;
 
-/// The curves of some views on a plane, view by view.
-type Observed = BTreeMap<PlaneIndex, Vec<Vec<Curve>>>;
-
-/// A set, ready to be fused.
-pub struct Set {
+/// The views of a set, and what their curves are held against.
+pub struct Raw {
     planes: PlaneFamily,
     /// One part, or two halves that are held against each other.
-    parts: Vec<Observed>,
-    /// Time of finding the views' curves.
-    pub finding_seconds: f64,
+    parts: Vec<Vec<View>>,
     reference: Option<Reference>,
     options: EvaluateOptions,
+}
+
+/// A set with the curves of its views, ready to be fused.
+pub struct Set<'a> {
+    raw: &'a Raw,
+    /// The curves of each part by plane and view.
+    parts: Vec<BTreeMap<PlaneIndex, Vec<Vec<Curve>>>>,
+    /// Time of finding the views' curves.
+    pub finding_seconds: f64,
 }
 
 /// What is known of the real thing.
@@ -98,15 +89,9 @@ struct Reference {
     visible: Option<Visibility>,
 }
 
-/// Fused curves and the time it took.
-pub struct Fused {
-    parts: Vec<Sections>,
-    pub seconds: f64,
-}
-
-impl Set {
-    /// Fuses all planes of all parts.
-    pub fn fuse(&self, options: &ConsensusOptions) -> Fused {
+impl Set<'_> {
+    /// Fuses all planes of all parts, and scores the curves.
+    pub fn figures(&self, options: &ConsensusOptions) -> Result<Figures, Failure> {
         let method = FusionMethod::Consensus(*options);
         let plane = |(k, views): (&PlaneIndex, &Vec<Vec<Curve>>)| {
             let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
@@ -114,29 +99,46 @@ impl Set {
             let seconds = once(|| curves = fuse_plane(&slices, &method).curves);
             (*k, curves, seconds)
         };
-        let mut seconds = 0.0;
-        let part = |observed: &Observed| -> Sections {
-            let fused: Vec<_> = observed.par_iter().map(plane).collect();
+        let (mut seconds, mut crossed, mut parts) = (0.0, 0, Vec::new());
+        for part in &self.parts {
+            let fused: Vec<_> = part.par_iter().map(plane).collect();
             seconds += fused.iter().map(|f| f.2).sum::<f64>();
-            fused.into_iter().map(|(k, curves, _)| (k, curves)).collect()
-        };
-        let parts = self.parts.iter().map(part).collect();
-        Fused { parts, seconds }
+            crossed += fused.iter().map(|f| crossings(&f.1).len()).sum::<usize>();
+            parts.push(fused.into_iter().map(|(k, curves, _)| (k, curves)).collect());
+        }
+        Ok(Figures::new(&self.raw.accuracies(&parts)?, crossed, seconds))
+    }
+}
+
+impl Raw {
+    /// Finds the curves of all views by a method.
+    pub fn observed(&self, method: &Method) -> Result<Set<'_>, Failure> {
+        let began = Instant::now();
+        let mut parts = Vec::new();
+        for views in &self.parts {
+            let partial = |view: &View| partial_model(view, &self.planes, method);
+            let models: Vec<_> = views.par_iter().map(partial).collect::<Result<_, _>>()?;
+            let mut observed = BTreeMap::<PlaneIndex, Vec<Vec<Curve>>>::new();
+            for (k, model) in models.into_iter().enumerate() {
+                for found in model.planes {
+                    let of_plane = observed.entry(found.plane).or_default();
+                    of_plane.resize(views.len(), Vec::new());
+                    of_plane[k].extend(found.curves.into_iter().map(|c| c.curve));
+                }
+            }
+            parts.push(observed);
+        }
+        Ok(Set { raw: self, parts, finding_seconds: began.elapsed().as_secs_f64() })
     }
 
     /// Holds fused curves against the truth, or two halves against each other.
-    pub fn score(&self, fused: &Fused) -> Result<Figures, Failure> {
-        let accuracies = match (&self.reference, fused.parts.as_slice()) {
-            (Some(reference), [curves]) => vec![self.accuracy(curves, reference)?],
-            (_, [even, odd]) => vec![
-                evaluate(&self.planes, even, odd, &self.options)?,
-                evaluate(&self.planes, odd, even, &self.options)?,
-            ],
-            _ => return Err(Failure::because("a set has neither a truth nor two halves")),
-        };
-        let crossings =
-            fused.parts.iter().flat_map(|p| p.values()).map(|curves| crossings::count(curves));
-        Ok(Figures::new(&accuracies, crossings.sum(), fused.seconds))
+    fn accuracies(&self, parts: &[Sections]) -> Result<Vec<Accuracy>, Failure> {
+        let halves = |a, b| evaluate(&self.planes, a, b, &self.options);
+        match (&self.reference, parts) {
+            (Some(reference), [curves]) => Ok(vec![self.accuracy(curves, reference)?]),
+            (_, [even, odd]) => Ok(vec![halves(even, odd)?, halves(odd, even)?]),
+            _ => Err(Failure::because("a set has neither a truth nor two halves")),
+        }
     }
 
     fn accuracy(&self, curves: &Sections, reference: &Reference) -> Result<Accuracy, Failure> {
@@ -153,89 +155,54 @@ impl Set {
     }
 }
 
-fn bundled(scene: &str, method: &Method) -> Result<Set, Failure> {
+fn bundled(scene: &str) -> Result<Raw, Failure> {
     let stage = trial::bundled(scene)?;
     let views = stage.simulate(&SensorPlan::OWN)?.views;
     let planes = stage.description.planes.clone();
     let tolerance = TOLERANCE_SHARE * planes.interval();
-    simulated(planes, (views, &stage.truth), tolerance, method)
+    simulated(planes, views, &stage.truth, tolerance)
 }
 
-fn peers(folder: &Path, method: &Method) -> Result<Set, Failure> {
+fn peers(folder: &Path) -> Result<Raw, Failure> {
     let scan = Scan::open(folder)?;
     let Some(entry) = &scan.planes else {
         return Err(Failure::with_file(folder, "the scan states no planes"));
     };
     let planes = entry.family().map_err(|e| Failure::because(e.to_string()))?;
-    let text = std::fs::read_to_string(folder.join("scan.json"))
-        .map_err(|e| Failure::with_file(folder, e))?;
-    let manifest: serde_json::Value =
-        serde_json::from_str(&text).map_err(|e| Failure::with_file(folder, e))?;
+    let text = std::fs::read_to_string(folder.join("scan.json"))?;
+    let manifest: serde_json::Value = serde_json::from_str(&text)?;
     let size = manifest.get("size").and_then(serde_json::Value::as_f64);
     let tolerance = size.map_or(TOLERANCE_SHARE * planes.interval(), |s| SIZE_SHARE * s);
-    let mesh = solid(read_truth(&folder.join("truth.npz"))?);
-    simulated(planes, (trial::load(&scan)?, &mesh), tolerance, method)
+    let truth = read_truth(&folder.join("truth.npz"))?;
+    let mesh = Mesh { vertices: truth.vertices, faces: truth.faces };
+    simulated(planes, trial::load(&scan)?, &mesh, tolerance)
 }
 
 fn simulated(
     planes: PlaneFamily,
-    (views, mesh): (Vec<View>, &Mesh),
+    views: Vec<View>,
+    mesh: &Mesh,
     tolerance: f64,
-    method: &Method,
-) -> Result<Set, Failure> {
+) -> Result<Raw, Failure> {
     let cut = sections(mesh, &planes)?;
-    let truth: Sections = cut.into_iter().map(|(k, c)| (k, merge_overlaps(c))).collect();
-    let (found, finding_seconds) = observed(&views, &planes, method)?;
-    let visible = Some(Visibility::new(mesh, views)?);
-    let options = EvaluateOptions::new(tolerance);
-    let (parts, reference) = (vec![found], Some(Reference { truth, visible }));
-    Ok(Set { planes, parts, finding_seconds, reference, options })
+    let truth = cut.into_iter().map(|(k, c)| (k, merge_overlaps(c))).collect();
+    let visible = Some(Visibility::new(mesh, views.clone())?);
+    let (reference, options) =
+        (Some(Reference { truth, visible }), EvaluateOptions::new(tolerance));
+    Ok(Raw { planes, parts: vec![views], reference, options })
 }
 
-fn bunny(data: &Path, method: &Method) -> Result<Set, Failure> {
+fn bunny(data: &Path) -> Result<Raw, Failure> {
     let (Public { views, planes }, mesh) = trial::bunny(data)?;
-    let truth = sections(&solid(mesh), &planes)?;
-    let (found, finding_seconds) = observed(&views, &planes, method)?;
-    let options = trial::bunny_options();
-    let (parts, reference) = (vec![found], Some(Reference { truth, visible: None }));
-    Ok(Set { planes, parts, finding_seconds, reference, options })
+    let truth = sections(&mesh, &planes)?;
+    let (reference, options) = (Some(Reference { truth, visible: None }), trial::bunny_options());
+    Ok(Raw { planes, parts: vec![views], reference, options })
 }
 
 /// The even frames and the odd ones.
-fn halves(data: &Path, method: &Method) -> Result<Set, Failure> {
+fn halves(data: &Path) -> Result<Raw, Failure> {
     let Public { views, planes } = trial::red_kitchen(data)?;
-    let half = |first: usize| {
-        let views: Vec<View> = views.iter().skip(first).step_by(2).cloned().collect();
-        observed(&views, &planes, method)
-    };
-    let ((even, even_seconds), (odd, odd_seconds)) = (half(0)?, half(1)?);
-    let (parts, finding_seconds) = (vec![even, odd], even_seconds + odd_seconds);
-    let options = EvaluateOptions::new(0.02);
-    Ok(Set { planes, parts, finding_seconds, reference: None, options })
-}
-
-fn solid(mesh: TriangleMesh) -> Mesh {
-    Mesh { vertices: mesh.vertices, faces: mesh.faces }
-}
-
-/// The curves of all views, by plane and view, and the seconds that finding them took.
-fn observed(
-    views: &[View],
-    planes: &PlaneFamily,
-    method: &Method,
-) -> Result<(Observed, f64), Failure> {
-    let began = Instant::now();
-    let partial = |view: &View| partial_model(view, planes, method);
-    let models: Result<Vec<_>, _> = views.par_iter().map(partial).collect();
-    let models = models.map_err(|e| Failure::because(e.to_string()))?;
-    let seconds = began.elapsed().as_secs_f64();
-    let mut observed = Observed::new();
-    for (k, model) in models.into_iter().enumerate() {
-        for found in model.planes {
-            let of_plane = observed.entry(found.plane).or_default();
-            of_plane.resize(views.len(), Vec::new());
-            of_plane[k].extend(found.curves.into_iter().map(|c| c.curve));
-        }
-    }
-    Ok((observed, seconds))
+    let half = |first: usize| views.iter().skip(first).step_by(2).cloned().collect();
+    let (parts, options) = (vec![half(0), half(1)], EvaluateOptions::new(0.02));
+    Ok(Raw { planes, parts, reference: None, options })
 }

@@ -1,9 +1,9 @@
 //! What a step is worth, from the figures with and without it.
 
-use super::super::output::Output;
+use super::super::lab::Lab;
 use crate::failure::Failure;
 use crate::statistics::median;
-use crate::table::{digits, say};
+use crate::table::{digits, line};
 use std::collections::BTreeMap;
 use transect::evaluate::Accuracy;
 
@@ -19,8 +19,8 @@ pub struct Figures {
     pub seconds: f64,
 }
 
-/// Columns of the table.
-const COLUMNS: [&str; 6] = ["median", "p95", "completeness", "loops", "crossings", "time"];
+/// Figures of a step: median, p95, completeness, loops, crossings, time.
+const COLUMNS: usize = 6;
 
 impl Figures {
     /// The means of some evaluations of one set.
@@ -40,7 +40,7 @@ impl Figures {
     }
 
     /// By how much figures without a step are worse, in per cent, by column.
-    fn worse(&self, without: &Self) -> [f64; 6] {
+    fn worse(&self, without: &Self) -> [f64; COLUMNS] {
         let more = |of: f64, than: f64| if than > 0.0 { 100.0 * (of / than - 1.0) } else { 0.0 };
         let curves = (self.closed + self.open).max(1.0);
         [
@@ -55,16 +55,10 @@ impl Figures {
 
     /// The cells of a set, without its time.
     fn line(&self, set: &str) -> Vec<String> {
-        let count = |x: f64| format!("{x:.0}");
-        vec![
-            set.to_owned(),
-            digits(self.median),
-            digits(self.p95),
-            format!("{:.2} %", 100.0 * self.completeness),
-            count(self.closed),
-            count(self.open),
-            count(self.crossings),
-        ]
+        let complete = format!("{:.2} %", 100.0 * self.completeness);
+        let counts = [self.closed, self.open, self.crossings].map(|x| format!("{x:.0}"));
+        let lengths = [self.median, self.p95].map(digits);
+        line(set, lengths.into_iter().chain([complete]).chain(counts))
     }
 }
 
@@ -74,7 +68,7 @@ pub struct Worth {
     full: BTreeMap<String, Figures>,
     order: Vec<&'static str>,
     sets: Vec<String>,
-    changes: BTreeMap<(&'static str, String), [f64; 6]>,
+    changes: BTreeMap<(&'static str, String), [f64; COLUMNS]>,
     /// The figures of sets that change without the step [`SETTLE`].
     settled: Vec<(String, Figures)>,
 }
@@ -104,12 +98,11 @@ impl Worth {
     }
 
     /// Prints the figures with all steps, what each step is worth, and the times of both.
-    pub fn print(&self, out: &Output) -> Result<(), Failure> {
-        let heads = ["set", "median", "p95", "completeness", "loops", "open", "crossings"];
+    pub fn print(&self, lab: &Lab) -> Result<(), Failure> {
+        let heads = "set | median | p95 | completeness | loops | open | crossings";
         let full: Vec<_> =
             self.sets.iter().filter_map(|set| Some((set, self.full.get(set)?))).collect();
-        out.table("sets", &heads, &full.iter().map(|(set, f)| f.line(set)).collect::<Vec<_>>())?;
-        say("");
+        lab.table("sets", heads, full.iter().map(|(set, f)| f.line(set)))?;
         let settled = self.settled.iter().filter_map(|(set, without)| {
             let with = self.full.get(set)?;
             Some([
@@ -117,8 +110,7 @@ impl Worth {
                 with.line(&format!("{set}, averaged")),
             ])
         });
-        out.table(SETTLE, &heads, &settled.flatten().collect::<Vec<_>>())?;
-        say("");
+        lab.table(SETTLE, heads, settled.flatten())?;
         let mut lines: Vec<_> = self.order.iter().map(|step| self.line(step)).collect();
         let of_sets =
             full.iter().map(|(set, f)| vec![(*set).clone(), format!("{:.3} s", f.seconds)]);
@@ -127,9 +119,8 @@ impl Worth {
             vec![line[0].clone(), format!("{time} %")]
         });
         let times: Vec<_> = of_sets.chain(of_steps).collect();
-        out.table("steps", &[&["step"], &COLUMNS[..COLUMNS.len() - 1]].concat(), &lines)?;
-        say("");
-        out.times(&["set, or step left out", "time"], &times)
+        lab.table("steps", "step | median | p95 | completeness | loops | crossings", lines)?;
+        lab.times("set, or step left out | time", times)
     }
 
     fn line(&self, step: &'static str) -> Vec<String> {
@@ -141,7 +132,7 @@ impl Worth {
                 self.sets.iter().filter_map(of)
             };
             let most = changes().max_by(|a, b| a.0.total_cmp(&b.0));
-            if column + 1 == COLUMNS.len() {
+            if column + 1 == COLUMNS {
                 // Times scatter: their median over the sets says more than the largest.
                 let times: Vec<f64> = changes().map(|c| c.0).collect();
                 return format!("{:+.0}", median(&times));
@@ -152,6 +143,6 @@ impl Worth {
                 _ => format!("0; {least:+.1}"),
             }
         };
-        std::iter::once(step.to_owned()).chain((0..COLUMNS.len()).map(cell)).collect()
+        line(step, (0..COLUMNS).map(cell))
     }
 }

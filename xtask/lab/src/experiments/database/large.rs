@@ -4,7 +4,7 @@
 //! on each. The first view's curves take the place of the fused curves: the time of fusion is
 //! measured elsewhere.
 
-use super::super::output::Output;
+use super::super::lab::Lab;
 use crate::failure::Failure;
 use crate::statistics::median;
 use crate::table::{Row, digits, say};
@@ -24,7 +24,7 @@ const NODES_PER_CURVE: usize = 1000;
 const INTERVAL: f64 = 0.01;
 
 /// Runs the experiment.
-pub fn run(folder: &Path, planes: i64, out: &Output) -> Result<(), Failure> {
+pub fn run(folder: &Path, planes: i64, lab: &Lab) -> Result<(), Failure> {
     say("A store along a corridor: every view touches 40 planes of 5000 nodes\n");
     let path = folder.join(format!("transect-large-{}.store", std::process::id()));
     let rows = build(&path, planes).and_then(|mut rows| {
@@ -36,7 +36,7 @@ pub fn run(folder: &Path, planes: i64, out: &Output) -> Result<(), Failure> {
     let _ = std::fs::remove_file(&path);
     let _ = std::fs::remove_file(path.with_extension("copy"));
     let cells = |row: Row| vec![row.metric, row.value, row.unit];
-    out.times(&["step", "value", "unit"], &rows?.into_iter().map(cells).collect::<Vec<_>>())
+    lab.times("step | value | unit", rows?.into_iter().map(cells))
 }
 
 fn header() -> Result<StoreHeader, Failure> {

@@ -4,7 +4,7 @@ mod large;
 mod solids;
 mod space;
 
-use super::output::Output;
+use super::lab::Lab;
 use super::trial;
 use crate::failure::Failure;
 use transect_device::View;
@@ -36,17 +36,17 @@ enum Part {
 }
 
 /// Runs the experiments.
-pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, lab: &Lab) -> Result<(), Failure> {
     let asked = |part| arguments.part.is_none_or(|only| only == part);
     if asked(Part::Solids) {
-        solids::run(out)?;
+        solids::run(lab)?;
     }
     if asked(Part::Space) {
-        space::run(out)?;
+        space::run(lab)?;
     }
     if asked(Part::Large) {
         let folder = arguments.folder.clone().unwrap_or_else(std::env::temp_dir);
-        large::run(&folder, arguments.planes, out)?;
+        large::run(&folder, arguments.planes, lab)?;
     }
     Ok(())
 }

@@ -1,10 +1,10 @@
 //! Areas and volumes of simulated solids against the exact ones, by interval.
 
-use super::super::output::Output;
+use super::super::lab::Lab;
 use super::super::trial;
 use super::{STATIONS, surround};
 use crate::failure::Failure;
-use crate::table::{digits, say};
+use crate::table::{cells, digits, say};
 use std::f64::consts::PI;
 use transect_geometry::{LengthUnit, PlaneFamily};
 use transect_model::{Model, Volume};
@@ -51,7 +51,7 @@ fn solids() -> [Solid; 4] {
 }
 
 /// Runs the experiment.
-pub fn run(out: &Output) -> Result<(), Failure> {
+pub fn run(lab: &Lab) -> Result<(), Failure> {
     say(&format!("Areas and volumes of solids seen by {STATIONS} cameras, without noise\n"));
     let mut lines = Vec::new();
     for solid in solids() {
@@ -66,12 +66,12 @@ pub fn run(out: &Output) -> Result<(), Failure> {
             lines.push(line(&solid, interval, &models));
         }
     }
-    let heads =
-        ["solid", "interval, mm", "open curves", "area off, %", "volume off, %", "bound, %"];
-    out.table("solids", &heads, &lines)?;
+    let heads = "solid | interval, mm | open curves | area off, % | volume off, % | bound, %";
+    lab.table("solids", heads, lines)?;
     say(
-        "\nArea: sum of the differences from the exact areas over their sum. Volume: from the exact one, the worst of four places of the planes;\n\
-         bound: the least of what the models say that the volume is off at most, from the interval.\n",
+        "Area: sum of the differences from the exact areas over their sum. Volume: from the exact \
+         one, the worst of four places of the planes.\nBound: the smallest bound of the models on \
+         the volume's error, from the interval.\n",
     );
     Ok(())
 }
@@ -91,13 +91,7 @@ fn line(solid: &Solid, interval: f64, models: &[Model]) -> Vec<String> {
     let off_by = |v: &Volume| (v.bracket.estimate - solid.volume).abs();
     let worst = volumes.iter().map(off_by).fold(0.0, f64::max);
     let bound = volumes.iter().map(|v| v.interval_error).fold(f64::INFINITY, f64::min);
-    let percent = |part: f64, whole: f64| digits(100.0 * part / whole);
-    vec![
-        solid.name.to_owned(),
-        digits(interval),
-        open.to_string(),
-        percent(off, sum),
-        percent(worst, solid.volume),
-        percent(bound, solid.volume),
-    ]
+    let percents = [(off, sum), (worst, solid.volume), (bound, solid.volume)];
+    let percents = percents.map(|(part, whole)| digits(100.0 * part / whole)).join(" | ");
+    cells(&format!("{} | {} | {open} | {percents}", solid.name, digits(interval)))
 }

@@ -1,10 +1,10 @@
 //! Inside, outside or unknown: the answers for many points whose truth is known.
 
-use super::super::output::Output;
+use super::super::lab::Lab;
 use super::super::trial;
 use super::{Surrounded, footprint, surround};
 use crate::failure::Failure;
-use crate::table::{digits, say};
+use crate::table::{cells, digits, say};
 use transect_device::{Pixel, View};
 use transect_geometry::{Point3, Vector3};
 use transect_model::{Location, ModelIndex};
@@ -34,7 +34,7 @@ struct Tally {
 }
 
 /// Runs the experiment.
-pub fn run(out: &Output) -> Result<(), Failure> {
+pub fn run(lab: &Lab) -> Result<(), Failure> {
     say(&format!("Inside or outside, {POINTS} points\n"));
     // Where two samples see a surface under 60°, they lie two footprints apart.
     let sampling = 2.0 * footprint();
@@ -43,17 +43,9 @@ pub fn run(out: &Output) -> Result<(), Failure> {
         row("four solids, seen from all sides", &tallies[0], sampling, "mm"),
         row("free space of the room", &tallies[1], ROOM_SAMPLING, "m"),
     ];
-    let heads = [
-        "points in",
-        "points",
-        "in solid, %",
-        "unknown, %",
-        "wrong",
-        "sampling error",
-        "wrong beyond it",
-    ];
-    out.table("space", &heads, &lines)?;
-    say("");
+    let heads =
+        "points in | points | in solid, % | unknown, % | wrong | sampling error | wrong beyond it";
+    lab.table("space", heads, lines)?;
     let beyond: usize = tallies.iter().map(|tally| tally.wrong_beyond_sampling).sum();
     if beyond == 0 {
         Ok(())
@@ -64,15 +56,12 @@ pub fn run(out: &Output) -> Result<(), Failure> {
 
 fn row(name: &str, tally: &Tally, sampling: f64, unit: &str) -> Vec<String> {
     let percent = |part: usize| digits(100.0 * part as f64 / tally.points.max(1) as f64);
-    vec![
-        name.to_owned(),
-        tally.points.to_string(),
-        percent(tally.inside),
-        percent(tally.unknown),
-        tally.wrong.to_string(),
-        format!("{} {unit}", digits(sampling)),
-        tally.wrong_beyond_sampling.to_string(),
-    ]
+    let Tally { points, inside, unknown, wrong, wrong_beyond_sampling } = tally;
+    let (inside, unknown, sampling) = (percent(*inside), percent(*unknown), digits(sampling));
+    cells(&format!(
+        "{name} | {points} | {inside} | {unknown} | {wrong} | {sampling} {unit} | \
+         {wrong_beyond_sampling}"
+    ))
 }
 
 /// Points in a box around solids that were seen from everywhere.

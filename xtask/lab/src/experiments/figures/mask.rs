@@ -3,10 +3,10 @@
 //! The dissertation's methods and today's defaults get the same eight views of the line scanner at
 //! its true size. One section of each result is drawn beside the other, with its error enlarged.
 
-use super::super::output::Output;
+use super::super::lab::Lab;
 use super::super::trial;
 use crate::failure::Failure;
-use crate::table::{digits, length, say, share};
+use crate::table::{self, digits, length, say, share};
 use transect::evaluate::Accuracy;
 use transect::{Reconstruction, Setup};
 use transect_device::View;
@@ -17,6 +17,7 @@ use transect_geometry::{Curve, LengthUnit, Point2};
 use transect_model::Model;
 use transect_partial::Method;
 use transect_workflow::simulation::PreparedScene;
+use transect_workflow::{ScoreLimits, simulated_accuracy};
 
 /// Height of the section that is drawn, in millimetres: through the nose and both cheeks.
 const DRAWN: f64 = -15.63;
@@ -36,8 +37,7 @@ const PANEL: [f64; 2] = [560.0, 400.0];
 
 /// Both methods, by the names that the tables give them.
 pub fn setups(scene: &PreparedScene) -> [(&'static str, Setup); 2] {
-    let description = &scene.description;
-    let default = Setup::new(description.unit, description.planes.clone());
+    let default = trial::setup(scene);
     let mut dissertation = default.clone();
     dissertation.partial = Method::Dissertation(Default::default());
     dissertation.fusion = FusionMethod::Pairwise(Default::default());
@@ -51,21 +51,9 @@ pub struct Growth {
     lines: Vec<Vec<String>>,
 }
 
-/// The columns of the growth table but the first two, with what a caption calls them.
-const COLUMNS: [&str; 12] = [
-    "case 1",
-    "case 2",
-    "case 3",
-    "merged",
-    "a",
-    "b",
-    "c",
-    "d",
-    "e",
-    "refused",
-    "gaps",
-    "length of gaps",
-];
+/// The columns of the growth table. Captions name all but the first two.
+const COLUMNS: &str = "view | length | case 1 | case 2 | case 3 | merged | a | b | c | d | e | refused | \
+                       gaps | length of gaps";
 
 impl Growth {
     /// An empty table in a unit.
@@ -86,7 +74,7 @@ impl Growth {
         line.push(new(now.refused(), self.before.refused()));
         line.push(gaps.len().to_string());
         line.push(self.length(gaps.iter().sum()));
-        let counts = COLUMNS.iter().zip(&line[2..]).filter(|(_, count)| *count != "0");
+        let counts = COLUMNS.split(" | ").zip(&line).skip(2).filter(|(_, count)| *count != "0");
         let told: Vec<_> = counts.map(|(what, count)| format!("{what} {count}")).collect();
         self.lines.push(line);
         self.before = now;
@@ -99,9 +87,9 @@ impl Growth {
     }
 
     /// Prints the table and writes it into `NAME.md`.
-    pub fn print(&self, name: &str, out: &Output) -> Result<(), Failure> {
-        out.table(name, &[&["view", "length"], &COLUMNS[..]].concat(), &self.lines)?;
-        say("\nThe model after each view: planes of cases 1 to 3 (5.2.2), merged pairs and their \
+    pub fn print(&self, name: &str, lab: &Lab) -> Result<(), Failure> {
+        lab.table(name, COLUMNS, self.lines.clone())?;
+        say("The model after each view: planes of cases 1 to 3 (5.2.2), merged pairs and their \
              patterns (Figure 5.7), pairs that the rules refuse, and gaps that are left.\n");
         Ok(())
     }
@@ -122,24 +110,16 @@ impl Judged<'_> {
     ///
     /// # Errors
     /// [`Failure`] if a model cannot be scored.
-    pub fn print(&self, out: &Output) -> Result<(), Failure> {
+    pub fn print(&self, lab: &Lab) -> Result<(), Failure> {
         let line = |(name, model): &(&'static str, Model)| -> Result<Vec<String>, Failure> {
-            let found = trial::accuracy(model, self.scene, self.views.to_vec())?;
-            Ok([vec![(*name).to_owned()], figures(&found, model)].concat())
+            let limits = ScoreLimits::default();
+            let found = simulated_accuracy(model, &self.scene.truth, self.views.to_vec(), &limits)?;
+            Ok(table::line(*name, figures(&found, model)))
         };
         let lines: Result<Vec<_>, _> = self.models.iter().map(line).collect();
-        let heads = [
-            "method",
-            "median, mm",
-            "95 %, mm",
-            "complete %",
-            "oriented %",
-            "duplicates %",
-            "off the truth %",
-            "curves",
-        ];
-        out.table("methods", &heads, &lines?)?;
-        say("\nDistances from the true sections, on what the views could see.");
+        let heads = "method | median, mm | 95 %, mm | complete % | oriented % | duplicates % | off the truth % | curves";
+        lab.table("methods", heads, lines?)?;
+        say("Distances from the true sections, on what the views could see.");
         Ok(())
     }
 
@@ -158,10 +138,10 @@ impl Judged<'_> {
         let Some((plane, truth)) = plane.and_then(|k| Some((k, truth.get(&k)?))) else {
             return Err(Failure::because("no plane cuts the nose of the mask"));
         };
+        let height = format!("{:.2}", planes.station(plane)).replace('-', "\u{2212}");
         let caption = format!(
-            "One section through nose and cheeks, at z = {:.2} mm. Errors are drawn {ENLARGED} times \
-             larger, and at most as {LARGEST} mm.",
-            planes.station(plane)
+            "One section through nose and cheeks, at z = {height} mm. Errors are drawn {ENLARGED} times \
+             larger, and at most as {LARGEST} mm."
         );
         let size = [2.0 * PANEL[0] + 20.0, PANEL[1]];
         let mut figure =
@@ -179,17 +159,12 @@ impl Judged<'_> {
     }
 }
 
+/// The cells of a method.
 fn figures(found: &Accuracy, model: &Model) -> Vec<String> {
+    let lengths = [found.median, found.p95].map(length);
+    let shares = [found.completeness, found.oriented, found.duplicated, found.off].map(share);
     let curves: usize = model.sections().map(|(_, s)| s.curves().len()).sum();
-    vec![
-        length(found.median),
-        length(found.p95),
-        share(found.completeness),
-        share(found.oriented),
-        share(found.duplicated),
-        share(found.off),
-        curves.to_string(),
-    ]
+    lengths.into_iter().chain(shares).chain([curves.to_string()]).collect()
 }
 
 /// The true section, the curves and their enlarged errors, the nose upwards.
@@ -219,7 +194,7 @@ fn panel(figure: &mut Figure, left: f64, name: &str, truth: &[Curve], curves: &[
     figure.rectangle(corner, PANEL, "fill=\"none\" stroke=\"#222\"");
     let at = Point2::new(left + 14.0, 26.0);
     figure.text(at, Anchor::Start, 18.0, "#222", name);
-    figure.scale_bar(Point2::new(left + 14.0, PANEL[1] - 16.0), [SCALE, 130.0], "mm");
+    figure.scale_bar(Point2::new(left + PANEL[0] - 140.0, 20.0), [SCALE, 80.0], "mm");
 }
 
 /// Points along a curve, moved away from the truth by enlarged errors.

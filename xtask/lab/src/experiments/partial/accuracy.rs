@@ -4,12 +4,12 @@
 //! the true surface normal and the section plane: 0° where the plane cuts the surface upright, 90°
 //! where it touches it.
 
-use super::super::output::Output;
+use super::super::lab::Lab;
 use super::chart;
 use super::error::{NodeError, figures};
 use super::surface::{Surface, surfaces};
 use crate::failure::Failure;
-use crate::table::say;
+use crate::table::{line, say};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use transect_device::View;
@@ -52,43 +52,41 @@ pub struct Arguments {
 
 /// Prints the table, one part for each noise, and the medians of the default method, and draws the
 /// chart.
-pub fn run(arguments: &Arguments, out: &Output) -> Result<(), Failure> {
+pub fn run(arguments: &Arguments, lab: &Lab) -> Result<(), Failure> {
     let surfaces = surfaces()?;
-    chart(&surfaces, arguments, out)?;
+    chart(&surfaces, arguments, lab)?;
     let mut medians: Vec<_> = surfaces.iter().map(|s| vec![s.name.to_owned()]).collect();
     for sigma in NOISE {
-        say(&format!("\nNoise of {:.1} % of the solids' size:\n", 100.0 * sigma));
+        say(&format!("Noise of {:.1} % of the solids' size:\n", 100.0 * sigma));
         let lines = surfaces.iter().map(|surface| lines(surface, sigma, arguments));
         let lines: Vec<_> = lines.collect::<Result<_, _>>()?;
         let angles = ANGLES.windows(2).map(|a| format!("{:.0}° to {:.0}°", a[0], a[1]));
-        let heads: Vec<String> =
-            ["surface", "method", "all"].map(str::to_owned).into_iter().chain(angles).collect();
-        let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
-        out.table(&format!("noise-{sigma}"), &heads, &lines.concat())?;
+        let heads = line("surface | method | all", angles).join(" | ");
+        lab.table(&format!("noise-{sigma}"), &heads, lines.concat())?;
         // The first line is that of the default method. Its figures for all angles begin with the
         // median.
         let all = lines.iter().filter_map(|of_surface| of_surface.first()?.get(2));
         let of_all = all.filter_map(|cell| cell.split(" / ").next());
         medians.iter_mut().zip(of_all).for_each(|(line, median)| line.push(median.to_owned()));
     }
-    say("\nMedians of the default method over all angles:\n");
-    let [none, some, more] = NOISE.map(|sigma| format!("noise of {} %", 100.0 * sigma));
-    out.table("medians", &["surface", &none, &some, &more], &medians)?;
-    say(
-        "\nMedian / 95 % / bias (positive outside) in thousandths of the size / predicted over observed σ, by angle between surface normal and plane.",
-    );
+    say("Medians of the default method over all angles:\n");
+    let noises = NOISE.map(|sigma| format!(" | noise of {} %", 100.0 * sigma)).concat();
+    lab.table("medians", &format!("surface{noises}"), medians)?;
+    say("Median / 95 % / bias (positive outside) in thousandths of the size / predicted over \
+         observed σ, by angle between surface normal and plane.");
     Ok(())
 }
 
 /// Draws the chart of the default method.
-fn chart(surfaces: &[Surface], arguments: &Arguments, out: &Output) -> Result<(), Failure> {
+fn chart(surfaces: &[Surface], arguments: &Arguments, lab: &Lab) -> Result<(), Failure> {
     let of_default = |surface: &Surface| -> Result<_, Failure> {
         let view = surface.view(NOISE[1], arguments.size)?;
         let method = Method::OnePass(OnePassOptions::default());
         Ok((surface.name, errors(surface, &view, &cuts(surface)?, &method)?))
     };
     let of_default: Vec<_> = surfaces.iter().map(of_default).collect::<Result<_, _>>()?;
-    chart::growth(&out.folder()?.join("angles.svg"), &of_default)
+    let figure = chart::growth(&of_default);
+    lab.picture("angles", |file| figure.write(file))
 }
 
 /// The lines of a surface, one for each method.

@@ -1,11 +1,9 @@
 //! How the error grows with the angle between surface and section plane, as a chart.
 
 use super::error::NodeError;
-use crate::experiments::pictures::charts::draw;
-use crate::failure::Failure;
+use crate::chart::{Axis, Chart};
 use crate::statistics::quantile;
-use plotters::prelude::*;
-use std::path::Path;
+use transect_exchange::svg::{Figure, Mark};
 
 /// Classes of angles of this width, in degrees.
 const CLASS: f64 = 10.0;
@@ -14,40 +12,33 @@ const CLASS: f64 = 10.0;
 const ENOUGH: usize = 200;
 
 /// Colours of the surfaces, in their order.
-const COLOURS: [RGBColor; 5] = [
-    RGBColor(70, 110, 160),
-    RGBColor(200, 60, 40),
-    RGBColor(40, 140, 90),
-    RGBColor(150, 90, 170),
-    RGBColor(210, 140, 30),
-];
+const COLOURS: [&str; 5] = ["#466ea0", "#c83c28", "#288c5a", "#965aaa", "#d28c1e"];
 
-/// Draws the median error of each class over that of the first one, and what theory says.
-pub fn growth(file: &Path, surfaces: &[(&str, Vec<NodeError>)]) -> Result<(), Failure> {
-    let heads = (
-        "angle between surface normal and section plane [degrees]",
-        "error, times that at 0° to 10°",
+/// The colour of theory.
+const THEORY: &str = "#8a8a8a";
+
+/// The median error of each class over that of the first one, and what theory says.
+pub fn growth(surfaces: &[(&str, Vec<NodeError>)]) -> Figure {
+    let mut chart = Chart::new(
+        "How the error grows with the angle",
+        "Error in multiples of that at 0° to 10°, over the angle between surface normal and \
+         section plane in degrees.",
+        [Axis::linear([0.0, 90.0]), Axis::linear([0.0, 9.0])],
     );
-    draw(file, (0.0..90.0, 0.0..9.0), heads, |chart| {
-        let theory = (0..84).map(f64::from).map(|a| (a, 1.0 / a.to_radians().cos()));
-        chart.draw_series(LineSeries::new(theory, BLACK.mix(0.5).stroke_width(2)))?;
-        let mut labels = vec![("1 / cos(angle)", BLACK.mix(0.5))];
-        for ((name, errors), colour) in surfaces.iter().zip(COLOURS) {
-            let points = relative(errors);
-            chart.draw_series(LineSeries::new(points.clone(), colour.stroke_width(2)))?;
-            chart.draw_series(points.into_iter().map(|p| Circle::new(p, 3, colour.filled())))?;
-            labels.push((name, colour.to_rgba()));
-        }
-        chart.draw_series(labels.iter().enumerate().map(|(k, (text, colour))| {
-            let style = ("sans-serif", 16).into_font().color(colour);
-            Text::new((*text).to_owned(), (3.0, 8.6 - 0.55 * k as f64), style)
-        }))?;
-        Ok(())
-    })
+    let theory = (0..84).map(f64::from).map(|angle| [angle, 1.0 / angle.to_radians().cos()]);
+    chart.line(theory, THEORY, 2.0);
+    chart.figure.legend(Mark::Line(THEORY), "1 / cos(angle)");
+    for ((name, errors), colour) in surfaces.iter().zip(COLOURS) {
+        let points = relative(errors);
+        chart.line(points.iter().copied(), colour, 2.0);
+        chart.dots(points, colour, 3.0);
+        chart.figure.legend(Mark::Line(colour), *name);
+    }
+    chart.figure
 }
 
 /// Median angle of each class, and its median error over that of the first one.
-fn relative(errors: &[NodeError]) -> Vec<(f64, f64)> {
+fn relative(errors: &[NodeError]) -> Vec<[f64; 2]> {
     let median = |class: u32| {
         let low = CLASS * f64::from(class);
         let within = errors.iter().filter(|e| (low..low + CLASS).contains(&e.angle));
@@ -57,5 +48,5 @@ fn relative(errors: &[NodeError]) -> Vec<(f64, f64)> {
     };
     let medians: Vec<(f64, f64)> = (0..9).filter_map(median).collect();
     let first = medians.first().map_or(f64::NAN, |m| m.1);
-    medians.into_iter().map(|(angle, median)| (angle, median / first)).collect()
+    medians.into_iter().map(|(angle, median)| [angle, median / first]).collect()
 }

@@ -8,7 +8,7 @@ use serde_json::json;
 use std::path::Path;
 use transect::Setup;
 use transect_device::{ImageSize, View};
-use transect_exchange::{write_file, write_npy_image, write_truth};
+use transect_exchange::{TriangleMesh, write_file, write_npy_image, write_truth};
 use transect_geometry::{LengthUnit, Point3};
 
 /// The name of its folder and of its table.
@@ -29,6 +29,7 @@ pub fn write(data: &Path, folder: &Path) -> Result<f64, Failure> {
         corners.clone().copied().reduce(|a, b| a.coords.zip_map(&b.coords, of).into())
     });
     let size = low.zip(high).map_or(0.0, |(low, high)| (high - low).amax());
+    let truth = TriangleMesh { vertices: mesh.vertices, faces: mesh.faces };
     let smooth: Vec<View> = views.iter().map(smoothed).collect();
     for (name, views) in [("given", &views), ("smoothed", &smooth)] {
         let folder = folder.join(name);
@@ -44,7 +45,7 @@ pub fn write(data: &Path, folder: &Path) -> Result<f64, Failure> {
         let scan = json!({ "name": "Stanford bunny", "unit": "m", "size": size, "sigma": 0,
             "planes": planes, "lowest": trial::BUNNY_FROM, "views": entries });
         write_file(&folder.join("scan.json"), |out| Ok(serde_json::to_writer(out, &scan)?))?;
-        write_file(&folder.join("truth.npz"), |out| write_truth(&mesh, out))?;
+        write_file(&folder.join("truth.npz"), |out| write_truth(&truth, out))?;
     }
     Ok(seconds)
 }

@@ -1,26 +1,20 @@
 //! Charts: a camera row with its stripe, and the grids of a calibration.
 
+use crate::chart::{Axis, Chart};
 use crate::failure::Failure;
-use plotters::prelude::*;
-use std::ops::Range;
-use std::path::Path;
 use transect_device::{ImageSize, Pixel};
+use transect_exchange::svg::{Figure, Mark};
 use transect_scene::Counts;
 use transect_sensors::light_stripe::stripe::{IntensityImage, StripeFinder, StripeProfile};
-use transect_sensors::lookup_table::{CalibrationSweep, CarriedScanner, LinearSteps};
+use transect_sensors::lookup_table::{CalibrationSample, CarriedScanner, LinearSteps};
 use transect_workflow::simulation::{PlacedInstrument, PreparedScene, stripe_camera};
 
-const SIZE: (u32, u32) = (900, 420);
-const INK: RGBColor = RGBColor(34, 34, 34);
-const LIGHT: RGBColor = RGBColor(70, 110, 160);
-const FITTED: RGBColor = RGBColor(200, 60, 40);
+const INK: &str = "#222222";
+const LIGHT: &str = "#466ea0";
+const FITTED: &str = "#c83c28";
 
 /// The intensities of a camera row around its stripe, and the template in its best place.
-pub fn stripe_row(
-    scene: &PreparedScene,
-    placed: &[PlacedInstrument],
-    file: &Path,
-) -> Result<(), Failure> {
+pub fn stripe_row(scene: &PreparedScene, placed: &[PlacedInstrument]) -> Result<Figure, Failure> {
     let Some((instrument, frame)) =
         placed.first().and_then(|p| Some((&p.instrument, p.instrument.light_stripe.as_ref()?)))
     else {
@@ -45,99 +39,62 @@ pub fn stripe_row(
     };
     let mut light = Vec::new();
     image.copy_row(row, &mut light);
-    let around = (place - 60.0).max(0.0)..(place + 60.0).min(cells.cols as f64);
-    let shown = around.clone();
-    draw(file, (around, 0.0..220.0), ("x_frame [cells]", "intensity [counts]"), |chart| {
-        let seen = light.iter().enumerate().map(|(k, v)| (k as f64 + 0.5, *v));
-        let seen = seen.filter(|p| shown.contains(&p.0));
-        let base = light.iter().copied().fold(f64::INFINITY, f64::min) + 5.0;
-        let template = (-80..=80)
-            .map(|k| f64::from(k) * 0.1)
-            .map(|off| (place + off, base + finder.profile.at(off)));
-        chart.draw_series(seen.clone().map(|p| Circle::new(p, 2, LIGHT.filled())))?;
-        chart.draw_series(LineSeries::new(seen, LIGHT))?;
-        chart.draw_series(LineSeries::new(template, FITTED.stroke_width(2)))?;
-        chart.draw_series(LineSeries::new([(place, 0.0), (place, 215.0)], FITTED))?;
-        Ok(())
-    })
+    let around = [(place - 60.0).max(0.0), (place + 60.0).min(cells.cols as f64)];
+    let seen = light.iter().enumerate().map(|(k, v)| [k as f64 + 0.5, *v]);
+    let seen: Vec<_> = seen.filter(|p| p[0] >= around[0] && p[0] < around[1]).collect();
+    let base = light.iter().copied().fold(f64::INFINITY, f64::min) + 5.0;
+    let template = (-80..=80).map(|k| f64::from(k) * 0.1);
+    let template = template.map(|off| [place + off, base + finder.profile.at(off)]);
+    let mut chart = Chart::new(
+        "The stripe in a row of the camera",
+        "Intensity in counts, over x_frame in cells.",
+        [Axis::linear(around), Axis::linear([0.0, 220.0])],
+    );
+    chart.line(seen.iter().copied(), LIGHT, 1.0);
+    chart.dots(seen, LIGHT, 2.0);
+    chart.line(template, FITTED, 2.0);
+    chart.line([[place, 0.0], [place, 215.0]], FITTED, 1.0);
+    chart.figure.legend(Mark::Line(LIGHT), "camera row");
+    chart.figure.legend(Mark::Line(FITTED), "template in its best place");
+    Ok(chart.figure)
 }
 
-/// The sweeps of a calibration in the detector's coordinates (p over θ) and in space (v over u).
-pub fn calibration(folder: &Path) -> Result<(), Failure> {
+/// The sweeps of a calibration by name: in the detector's coordinates (p over θ) and in space (v
+/// over u).
+pub fn calibration() -> [(&'static str, Figure); 2] {
     let sweeps = CarriedScanner::hyscan(LinearSteps::single(0.0)).sweeps();
-    let detector = |s: &CalibrationSweep| -> Vec<(f64, f64)> {
-        s.samples.iter().map(|s| (s.theta_rad.to_degrees(), s.p)).collect()
+    let points = |of: fn(&CalibrationSample) -> [f64; 2]| -> Vec<Vec<[f64; 2]>> {
+        sweeps.iter().map(|sweep| sweep.samples.iter().map(of).collect()).collect()
     };
-    let space = |s: &CalibrationSweep| -> Vec<(f64, f64)> {
-        s.samples.iter().map(|s| (s.u, s.v)).collect()
-    };
-    let detector: Vec<_> = sweeps.iter().map(detector).collect();
-    let space: Vec<_> = sweeps.iter().map(space).collect();
-    let heads = ("θ [degrees]", "p [detector units]");
-    grid(&folder.join("lookup_table-p.svg"), &detector, heads)?;
-    grid(&folder.join("lookup_table-uv.svg"), &space, ("u [mm]", "v [mm]"))
+    let (detector, space) = (points(|s| [s.theta_rad.to_degrees(), s.p]), points(|s| [s.u, s.v]));
+    [
+        ("lookup_table-p", grid(&detector, "p in detector units, over θ in degrees.")),
+        ("lookup_table-uv", grid(&space, "v in millimetres, over u in millimetres.")),
+    ]
 }
 
 /// The sweeps as lines, and every sixteenth beam through all of them.
-fn grid(file: &Path, sweeps: &[Vec<(f64, f64)>], heads: (&str, &str)) -> Result<(), Failure> {
-    let all = || sweeps.iter().flatten();
-    let ranges = (range(all().map(|p| p.0)), range(all().map(|p| p.1)));
-    draw(file, ranges, heads, |chart| {
-        for sweep in sweeps {
-            chart.draw_series(LineSeries::new(sweep.iter().copied(), LIGHT))?;
-        }
-        let beams = sweeps.iter().map(Vec::len).min().unwrap_or(0);
-        for beam in (0..beams).step_by(16) {
-            let along: Vec<_> = sweeps.iter().filter_map(|s| s.get(beam).copied()).collect();
-            chart.draw_series(LineSeries::new(along.clone(), INK.mix(0.6)))?;
-            chart.draw_series(along.into_iter().map(|p| Circle::new(p, 1, INK.filled())))?;
-        }
-        Ok(())
-    })
+fn grid(sweeps: &[Vec<[f64; 2]>], caption: &str) -> Figure {
+    let axes = [0, 1].map(|k| Axis::linear(range(sweeps.iter().flatten().map(|p| p[k]))));
+    let mut chart = Chart::new("Calibration of the look-up table", caption, axes);
+    for sweep in sweeps {
+        chart.line(sweep.iter().copied(), LIGHT, 1.0);
+    }
+    let beams = sweeps.iter().map(Vec::len).min().unwrap_or(0);
+    for beam in (0..beams).step_by(16) {
+        let along: Vec<_> = sweeps.iter().filter_map(|s| s.get(beam).copied()).collect();
+        chart.line(along.iter().copied(), INK, 0.8);
+        chart.dots(along, INK, 1.5);
+    }
+    chart.figure.legend(Mark::Line(LIGHT), "sweep at one depth");
+    chart.figure.legend(Mark::Line(INK), "beam of one column; every sixteenth");
+    chart.figure
 }
 
 /// The range of some values with a margin.
-fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
+fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     let (low, high) =
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
     let margin = 0.03 * (high - low);
-    low - margin..high + margin
-}
-
-/// A chart that is being drawn.
-pub type Chart<'a, 'b> = ChartContext<
-    'a,
-    SVGBackend<'b>,
-    Cartesian2d<plotters::coord::types::RangedCoordf64, plotters::coord::types::RangedCoordf64>,
->;
-/// Whether a part of a chart could be drawn.
-pub type Drawn = Result<(), DrawingAreaErrorKind<std::io::Error>>;
-
-/// Draws a chart with its axes into a file.
-pub fn draw(
-    file: &Path,
-    (x, y): (Range<f64>, Range<f64>),
-    (x_head, y_head): (&str, &str),
-    content: impl FnOnce(&mut Chart<'_, '_>) -> Drawn,
-) -> Result<(), Failure> {
-    let drawn = || -> Drawn {
-        let area = SVGBackend::new(file, SIZE).into_drawing_area();
-        area.fill(&WHITE)?;
-        let mut chart = ChartBuilder::on(&area)
-            .margin(14)
-            .x_label_area_size(44)
-            .y_label_area_size(60)
-            .build_cartesian_2d(x, y)?;
-        chart
-            .configure_mesh()
-            .light_line_style(TRANSPARENT)
-            .bold_line_style(INK.mix(0.12))
-            .x_desc(x_head)
-            .y_desc(y_head)
-            .label_style(("sans-serif", 14, &INK))
-            .draw()?;
-        content(&mut chart)?;
-        area.present()
-    };
-    drawn().map_err(|e| Failure::with_file(file, e))
+    [low - margin, high + margin]
 }

@@ -1,6 +1,6 @@
 //! The face mask after each of its four views.
 
-use super::projection::{Lines, Projection};
+use super::projection::{Lines, Projection, stroke};
 use super::{FAINT, VIEWS, nodes};
 use crate::experiments::trial;
 use crate::failure::Failure;
@@ -28,14 +28,13 @@ const BETWEEN: f64 = 22.0;
 pub fn draw() -> Result<Figure, Failure> {
     let scene = trial::bundled("face_mask")?;
     let views = scene.simulate(&SensorPlan::OWN)?.views;
-    let planes = &scene.description.planes;
     let mut figure = Figure::new(
         "A face mask grows view by view",
         "Four depth images with 0.05 mm of noise, on sections 2 mm apart; every second one is \
          drawn. Each view closes gaps that the others could not see.",
         [4.0 * STEP[0] + 3.0 * BETWEEN, STEP[1] + 90.0],
     );
-    let model = |k| trial::model(&views[..=k], scene.description.unit, planes.clone());
+    let model = |k| trial::scene_model(&scene, &views[..=k]);
     let models: Vec<Model> =
         (0..views.len().min(VIEWS.len())).map(model).collect::<Result<_, _>>()?;
     let Some(last) = models.last() else { return Ok(figure) };
@@ -84,5 +83,5 @@ fn step(
         }
     }
     figure.path(&former, 1.1, "fill=\"none\" stroke=\"#b9c0c4\"");
-    figure.path(&new, 1.5, &format!("fill=\"none\" stroke=\"{colour}\""));
+    figure.path(&new, 1.5, &stroke(colour));
 }

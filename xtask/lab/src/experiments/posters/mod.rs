@@ -7,7 +7,7 @@ pub mod projection;
 mod room;
 mod tunnel;
 
-use super::output::Output;
+use super::lab::Lab;
 use super::trial;
 use crate::failure::Failure;
 use crate::table::say;
@@ -43,13 +43,13 @@ const POSTERS: [(&str, Draw); 5] = [
 ];
 
 /// Runs the experiment.
-pub fn run(out: &Output) -> Result<(), Failure> {
+pub fn run(lab: &Lab) -> Result<(), Failure> {
     for (name, draw) in POSTERS {
         let figure = draw()?;
-        out.picture(name, |file| figure.write(file))?;
+        lab.picture(name, |file| figure.write(file))?;
     }
-    overview(out)?;
-    say(&format!("posters in {}", out.folder()?.display()));
+    overview(lab)?;
+    say(&format!("posters in {}", lab.folder()?.display()));
     Ok(())
 }
 
@@ -63,10 +63,10 @@ fn nodes(model: &Model) -> impl Iterator<Item = Point3> + '_ {
 }
 
 /// The overview of the bundled room, as `reconstruct` draws it.
-fn overview(out: &Output) -> Result<(), Failure> {
+fn overview(lab: &Lab) -> Result<(), Failure> {
     let scene = trial::bundled("room")?;
-    let model = trial::run(&scene, &SensorPlan::OWN)?.model;
+    let model = trial::scene_model(&scene, &scene.simulate(&SensorPlan::OWN)?.views)?;
     let mut options = OverviewOptions::default();
     options.title.clone_from(&scene.description.name);
-    out.picture("overview", |file| write_overview(&model, &options, file))
+    lab.picture("overview", |file| write_overview(&model, &options, file))
 }

@@ -1,6 +1,6 @@
 //! The machined part: its sections as an exploded stack, and three of them with their areas.
 
-use super::projection::{Lines, Projection};
+use super::projection::{Lines, Projection, stroke};
 use super::{FAINT, INK, RAMP, SOLID};
 use crate::experiments::trial;
 use crate::failure::Failure;
@@ -29,7 +29,7 @@ pub fn draw() -> Result<Figure, Failure> {
     let scene = trial::bundled("machined_part")?;
     let plan = SensorPlan { views: Some(VIEWS), ..SensorPlan::OWN };
     let views = scene.simulate(&plan)?.views;
-    let model = trial::model(&views, scene.description.unit, scene.description.planes.clone())?;
+    let model = trial::scene_model(&scene, &views)?;
     let mut figure = Figure::new(
         "A machined part as a stack of sections",
         format!(
@@ -83,7 +83,7 @@ fn stack(figure: &mut Figure, model: &Model) {
         figure.path(&solid(layer.section, &lines), 0.0, "fill=\"#ffffff\" fill-opacity=\"0.75\"");
         let fill = format!("fill=\"{colour}\" fill-opacity=\"0.22\"");
         figure.path(&solid(layer.section, &lines), 0.0, &fill);
-        figure.path(&lines, 1.8, &format!("fill=\"none\" stroke=\"{colour}\""));
+        figure.path(&lines, 1.8, &stroke(colour));
         label(figure, &lines, layer.station);
     }
     // Above the topmost section the guide stands before all of them.
@@ -129,7 +129,7 @@ fn flat(figure: &mut Figure, model: &Model, station: f64, at: Point2) {
     let curves: Vec<&Curve> = section.curves().collect();
     let lines = projection.lines(&frame, curves.iter().copied());
     figure.path(&solid(section, &lines), 0.0, &format!("fill=\"{SOLID}\""));
-    figure.path(&lines, 1.8, &format!("fill=\"none\" stroke=\"{INK}\""));
+    figure.path(&lines, 1.8, &stroke(INK));
     let area = section.measures().solid;
     let area = match area.most {
         Some(most) if most - area.least < 0.5 => format!("{:.0} mm²", area.estimate),

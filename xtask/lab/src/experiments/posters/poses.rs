@@ -1,7 +1,7 @@
 //! Errors of poses: the curves of all views before and after the poses are refined.
 
 use super::INK;
-use super::projection::{Projection, panel};
+use super::projection::{Projection, panel, stroke};
 use crate::experiments::poses::{self, errors, moved};
 use crate::experiments::trial;
 use crate::failure::Failure;
@@ -9,7 +9,6 @@ use transect_device::View;
 use transect_exchange::svg::{Anchor, Figure, Mark};
 use transect_geometry::{Curve, PlaneFamily, PlaneIndex, Point2};
 use transect_partial::{Method, partial_model};
-use transect_register::{CoarseView, RefineOptions, refine};
 use transect_scene::sections;
 use transect_workflow::simulation::SensorPlan;
 
@@ -33,13 +32,7 @@ pub fn draw() -> Result<Figure, Failure> {
     let planes = &scene.description.planes;
     let views = scene.simulate(&SensorPlan::OWN)?.views;
     let given = moved(&scene, &views, DEGREES)?;
-    let copies: Vec<CoarseView> = given.iter().map(CoarseView::new).collect();
-    let refined = refine(&copies, &RefineOptions::default()).poses;
-    let refined: Vec<View> = given
-        .iter()
-        .zip(&refined)
-        .map(|(view, pose)| view.with_pose(pose.world_from_sensor))
-        .collect::<Result<_, _>>()?;
+    let refined = trial::at_refined_poses(&given)?;
     let truth = sections(&scene.truth, planes)?.remove(&PLANE).unwrap_or_default();
     let mut figure = Figure::new(
         "Wrong poses, before and after refinement",
@@ -87,7 +80,7 @@ fn part(
     panel(figure, (at, SIZE), (projection.scale, "mm"), |figure| {
         for (lines, k) in drawn.iter().zip(0..) {
             let colour = COLOURS[k % COLOURS.len()];
-            figure.path(lines, 2.0, &format!("fill=\"none\" stroke=\"{colour}\""));
+            figure.path(lines, 2.0, &stroke(colour));
         }
         let truth = projection.lines(&frame, truth);
         let dashes = format!("fill=\"none\" stroke=\"{INK}\" stroke-dasharray=\"140 90\"");

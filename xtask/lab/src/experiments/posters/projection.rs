@@ -12,9 +12,14 @@ pub fn panel(
     draw: impl FnOnce(&mut Figure),
 ) {
     figure.clipped(at, size, draw);
-    figure.rectangle(at, size, &format!("fill=\"none\" stroke=\"{FAINT}\""));
+    figure.rectangle(at, size, &stroke(FAINT));
     let bar = Point2::new(at.x, at.y + size[1] + 22.0);
     figure.scale_bar(bar, [scale, 120.0], unit);
+}
+
+/// The style of a line without an area.
+pub fn stroke(colour: &str) -> String {
+    format!("fill=\"none\" stroke=\"{colour}\"")
 }
 
 /// Lines of a poster, each with whether it is closed.

@@ -1,7 +1,7 @@
 //! A floor plan of the room: the space that each of four scanners looked through, and the section
 //! of all of them.
 
-use super::projection::Projection;
+use super::projection::{Projection, stroke};
 use super::{FAINT, INK, SOLID, VIEWS};
 use crate::experiments::trial;
 use crate::failure::Failure;
@@ -38,7 +38,7 @@ pub fn draw() -> Result<Figure, Failure> {
     let views = scene.simulate(&SensorPlan::OWN)?.views;
     let (unit, planes) = (scene.description.unit, &scene.description.planes);
     let frame = planes.frame(PLANE);
-    let model = trial::model(&views, unit, planes.clone())?;
+    let model = trial::scene_model(&scene, &views)?;
     let mut figure = Figure::new(
         "One section from four corners",
         "The bundled room at 0.73 m. Each scanner saw what its corner shows; together they saw \
@@ -54,7 +54,7 @@ pub fn draw() -> Result<Figure, Failure> {
     let lines = whole.projection.lines(&frame, curves.iter().copied());
     let solid: Vec<_> = lines.iter().filter(|(_, closed)| *closed).cloned().collect();
     figure.path(&solid, 0.0, &format!("fill=\"{SOLID}\""));
-    figure.path(&lines, 2.2, &format!("fill=\"none\" stroke=\"{INK}\""));
+    figure.path(&lines, 2.2, &stroke(INK));
     for (k, view) in views.iter().enumerate() {
         let (right, below) = (k % 2, k / 2);
         let at = Point2::new(
@@ -146,7 +146,7 @@ impl Plan {
         let place = |row, col| Point2::new(low[0] + middle(col), high[1] - middle(row));
         let raster = Raster::new(count(1), count(0), |row, col| colour(&place(row, col)));
         figure.raster(&raster, self.at, self.size);
-        figure.rectangle(self.at, self.size, &format!("fill=\"none\" stroke=\"{FAINT}\""));
+        figure.rectangle(self.at, self.size, &stroke(FAINT));
     }
 
     fn station(&self, figure: &mut Figure, view: &View, colour: &str, radius: f64) {

@@ -1,6 +1,6 @@
 //! The bend tunnel: its profiles along the curved guide, and three of them flat.
 
-use super::projection::Projection;
+use super::projection::{Projection, stroke};
 use super::{FAINT, INK, RAMP, VIEWS, nodes};
 use crate::experiments::trial;
 use crate::failure::Failure;
@@ -31,7 +31,7 @@ pub fn draw() -> Result<Figure, Failure> {
     let scene = trial::bundled("bend_tunnel")?;
     let views = scene.simulate(&SensorPlan::OWN)?.views;
     let planes = &scene.description.planes;
-    let model = trial::model(&views, scene.description.unit, planes.clone())?;
+    let model = trial::scene_model(&scene, &views)?;
     let mut figure = Figure::new(
         "Profiles of a tunnel along its axis",
         format!(
@@ -83,7 +83,7 @@ fn in_space(figure: &mut Figure, model: &Model) -> Result<Projection, Failure> {
             true => (2.8, INK),
             false => (1.2, colour(planes.station(index))),
         };
-        figure.path(&lines, width, &format!("fill=\"none\" stroke=\"{colour}\""));
+        figure.path(&lines, width, &stroke(colour));
     }
     let at = |station: f64| projection.place(&guide.frame(station).origin());
     let count = (last / STEP) as usize;
@@ -115,7 +115,7 @@ fn flat(figure: &mut Figure, model: &Model, index: PlaneIndex, at: Point2) {
     let nodes = nodes.map(|n| frame.world_from_plane(&n.position));
     let projection = Projection::onto(&frame).fitting(nodes, at, [200.0, 150.0]);
     let lines = projection.lines(&frame, section.curves());
-    figure.path(&lines, 2.2, &format!("fill=\"none\" stroke=\"{INK}\""));
+    figure.path(&lines, 2.2, &stroke(INK));
     let origin = projection.place(&frame.origin());
     figure.circle(origin, 3.0, &format!("fill=\"{FAINT}\""));
     let text = format!("station {:.2} m", model.planes().station(index));

@@ -11,7 +11,7 @@
 //! 1. Samples in order along the curve; those in the window add to the sums.
 //! 2. The parabola of the sums.
 //! 3. The third and fourth order of an arc of that bend and slope are subtracted from the samples,
-//!    again by sums, and the parabola of the rest is added to the arc.
+//!    again by sums. The parabola of the rest is added to the arc.
 //! 4. If no residual exceeds half the threshold, that is the fit. Otherwise it is repeated with
 //!    weights that fall from 1 at half the threshold to 0 at all of it. They begin to fall with no
 //!    step and no bend, so a sample on its way out changes the fit gradually.

@@ -1,16 +1,19 @@
 //! Other contouring programs on the same height image, jump test off in both.
 //!
-//! They run in Python, each in the first interpreter that has it: the one that `TRANSECT_PYTHON`
-//! names, the path's, the system's. The same script proves equal work. contourpy: as many vertices
-//! on every plane, each within 1e-6 pixel. GDAL goes half a pixel beyond borders and into gaps, and
-//! shifts levels that meet a pixel; away from those, both must have the same vertices.
+//! They run in Python, each in the first interpreter that has it: the one that `--python` names,
+//! the one in target/peers, the one that `TRANSECT_PYTHON` names, the path's, the system's. The
+//! same script proves equal work. contourpy: as many vertices on every plane, each within 1e-6
+//! pixel. GDAL goes half a pixel beyond borders and into gaps, and shifts levels that meet a pixel;
+//! away from those, both must have the same vertices.
 
-use super::timing::{Variant, time};
+use super::super::lab::Lab;
+use super::super::python;
+use super::Column;
 use crate::failure::Failure;
 use crate::table::say;
+use crate::timing::{Variant, time};
 use std::hint::black_box;
-use std::path::Path;
-use std::process::Command;
+use std::path::{Path, PathBuf};
 use transect_device::View;
 use transect_exchange::{write_file, write_npy_image};
 use transect_geometry::PlaneFamily;
@@ -20,7 +23,7 @@ use transect_partial::one_pass::{
 use transect_partial::{BreakRule, SectionAxes};
 use transect_workflow::default_folder as default_out;
 
-const SCRIPT: &str = include_str!("contour_peers.py");
+const SCRIPT: &str = "lab/src/experiments/speed/contour_peers.py";
 /// Timed rounds of the other programs, which take long.
 const ROUNDS: usize = 3;
 
@@ -29,19 +32,13 @@ fn no_jumps() -> BreakRule {
     BreakRule::new(0.0, 1e30)
 }
 
-/// Times and compares the other programs, or says why not. Returns the multiples of our time that
-/// each takes, or `None` if one is not there.
+/// Times and compares the other programs on an image and some planes. Returns the multiples of our
+/// time that each takes.
 pub fn compare(
-    view: &View,
-    planes: &PlaneFamily,
-    count: usize,
+    programs: &[Program],
+    (view, planes, count): (&View, &PlaneFamily, usize),
     rounds: usize,
-) -> Result<Option<Vec<(&'static str, f64)>>, Failure> {
-    let programs: Vec<Program> = PROGRAMS.into_iter().filter_map(Program::find).collect();
-    if programs.is_empty() {
-        return Ok(None);
-    }
-    let is_complete = programs.len() == PROGRAMS.len();
+) -> Result<Column, Failure> {
     let mut multiples = Vec::new();
     let axes = SectionAxes::new(view, planes)?;
     let (rule, mut work) = (no_jumps(), Workspace::default());
@@ -69,7 +66,7 @@ pub fn compare(
         let line = program.run(&folder, count)?;
         let after = time(&mut ours, rounds)[0];
         let ours = 0.5 * (before + after) * 1e9 / size.pixels() as f64;
-        let (took, verdict) = line.trim().split_once('\t').unwrap_or_default();
+        let (took, verdict) = line.split_once('\t').unwrap_or_default();
         let took: f64 = took.parse().unwrap_or(f64::NAN);
         let (name, times) = (program.name, took / ours);
         multiples.push((name, times));
@@ -77,45 +74,32 @@ pub fn compare(
             "  {name}: {took:.1} ns/pixel, {times:.0} times one pass with {ours:.3}; {verdict}"
         ));
     }
-    Ok(is_complete.then_some(multiples))
+    Ok(multiples)
 }
 
-/// Another contouring program and its Python module.
-const PROGRAMS: [(&str, &str); 2] = [("contourpy", "contourpy"), ("GDAL", "osgeo.gdal")];
-
-/// A program and the Python that has it.
-struct Program {
+/// Another contouring program and the Python that has it.
+pub struct Program {
     name: &'static str,
-    python: String,
+    python: PathBuf,
 }
 
 impl Program {
-    /// Looks for an interpreter; says so if there is none.
-    fn find((name, module): (&'static str, &str)) -> Option<Self> {
-        let named = std::env::var("TRANSECT_PYTHON").ok();
-        let usual = ["python3", "/usr/bin/python3"].map(str::to_owned);
-        let has = |python: &String| {
-            let import = format!("import {module}, numpy");
-            let there = Command::new(python).args(["-c", &import]).output();
-            there.is_ok_and(|output| output.status.success())
-        };
-        let python = named.into_iter().chain(usual).find(has);
-        if python.is_none() {
-            say(&format!("{name}: skipped, no Python has {module} and numpy; set TRANSECT_PYTHON"));
+    /// The programs that are there, and why another one is not.
+    pub fn all(lab: &Lab) -> (Vec<Self>, Option<Failure>) {
+        let (mut programs, mut missing) = (Vec::new(), None);
+        for (name, modules) in [("contourpy", "contourpy, numpy"), ("GDAL", "osgeo.gdal, numpy")] {
+            match lab.any_python(modules) {
+                Ok(python) => programs.push(Self { name, python }),
+                Err(reason) => missing = Some(reason),
+            }
         }
-        Some(Self { name, python: python? })
+        (programs, missing)
     }
 
     /// Runs the program on the image in a folder; its line of output.
     fn run(&self, folder: &Path, count: usize) -> Result<String, Failure> {
-        let output = Command::new(&self.python)
-            .args(["-c", SCRIPT, self.name])
-            .arg(folder)
-            .args([count.to_string(), ROUNDS.to_string()])
-            .output()
-            .map_err(|e| Failure::because(format!("{}: {e}", self.python)))?;
-        eprint!("{}", String::from_utf8_lossy(&output.stderr));
-        Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+        let (folder, count) = (folder.to_string_lossy(), count.to_string());
+        python::run(&self.python, SCRIPT, &[self.name, &folder, &count, &ROUNDS.to_string()])
     }
 }
 

@@ -1,8 +1,9 @@
 """Contours a height image with another program: its time, and whether it finds the same vertices.
 
-Arguments: the program, contourpy or GDAL; a folder with levels.npy (rows x columns of levels, NaN where missing) and vertices.f64
-(plane, column, row of every vertex in pixels), how many planes there are, and how many rounds to time.
-Prints one line: nanoseconds per pixel for all planes, and the comparison.
+Arguments: the program (contourpy or GDAL), a folder, the number of planes, and the number of timed
+rounds. The folder has levels.npy: rows x columns of levels, NaN where missing. It also has
+vertices.f64: plane, column and row of every vertex, in pixels. Prints one line: nanoseconds per
+pixel for all planes, and the comparison.
 """
 
 import sys
