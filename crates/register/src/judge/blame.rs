@@ -128,3 +128,35 @@ impl Table {
         bad * (share / BAD_IF_RIGHT).ln() + good * of_good
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The counts of four views: 0 and 1 see one face of a sheet, 2 and 3 the other one.
+    fn sheet(between_faces: Counts) -> Table {
+        let contradict = Counts { good: 0, bad: 100 };
+        Table::new(4, |a, b| match (a.min(b), a.max(b)) {
+            (0, 1) => Counts { good: 100, bad: 0 },
+            (2, 3) => contradict,
+            (1, 2) => between_faces,
+            _ => Counts::default(),
+        })
+    }
+
+    #[test]
+    fn either_of_two_views_without_a_witness_may_be_wrong() {
+        let alone = sheet(Counts::default());
+        assert_eq!(alone.blamed(), [2]);
+        assert_eq!(alone.only_opponent(2, &[2]), Some(3));
+        // A few patches are no witness, twelve are.
+        let few = sheet(Counts { good: 0, bad: 3 });
+        assert_eq!(few.only_opponent(2, &few.blamed()), Some(3));
+        let witness = sheet(Counts { good: 0, bad: 12 });
+        assert_eq!(witness.blamed(), [2]);
+        assert_eq!(witness.only_opponent(2, &[2]), None);
+        let of_other = sheet(Counts { good: 12, bad: 0 });
+        assert_eq!(of_other.blamed(), [3]);
+        assert_eq!(of_other.only_opponent(3, &[3]), None);
+    }
+}

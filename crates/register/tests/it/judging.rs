@@ -82,21 +82,6 @@ fn two_camps_are_named_as_such() {
     assert!(*contradicting > 0.3, "{contradicting}");
 }
 
-/// Two views see each face of the sheet. Nobody confirms one of the two against the other.
-#[test]
-fn two_views_without_a_witness_are_named_as_groups() {
-    let views = simulated("thin_sheet", "");
-    for turned_one in [2, 3] {
-        let mut copies = coarse(&views);
-        copies[turned_one] = CoarseView::new(&turned(&views[turned_one], 1, 5.0));
-        let found = judge(&copies).findings;
-        let [Finding::Camps { camps, .. }] = &found[..] else { panic!("{turned_one}: {found:?}") };
-        let mut named: Vec<&String> = camps.iter().flatten().collect();
-        named.sort();
-        assert_eq!(named, [views[2].name(), views[3].name()]);
-    }
-}
-
 /// A person in the middle of the room, for one scan out of four.
 const PERSON: &str = "[[solid]]\nname = \"person\"\nshape = \"cylinder\"\nradius = 0.25\n\
                       height = 1.75\nat = [1.5, 3.6, 0.88]\n";
