@@ -64,8 +64,8 @@ impl Report {
 
     /// Warnings for the user: views whose poses or curves contradict those of the others.
     pub fn warnings(&self) -> Vec<String> {
-        let named = |v: &&ViewReport| self.poses.iter().any(|poses| poses.names(&v.name));
-        let contradicted = self.views.iter().filter(|v| v.contradicted && !named(v));
+        // Curves tell less than surfaces: a right view contradicts a turned one as often.
+        let contradicted = self.views.iter().filter(|v| v.contradicted && self.poses.is_none());
         let warning = |v: &ViewReport| {
             let total = v.samples_close_to_other_views + v.samples_abreast_of_other_views;
             let share = 100.0 * v.samples_abreast_of_other_views as f64 / total as f64;

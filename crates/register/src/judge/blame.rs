@@ -60,6 +60,18 @@ impl Table {
         right.map(|k| self.pair(view, k)).fold(Counts::default(), |sum, pair| sum + pair)
     }
 
+    /// The right view that a blamed one contradicts, if it meets no other right view, and neither
+    /// does that one: then either of the two may be wrong.
+    pub fn only_opponent(&self, view: usize, blamed: &[usize]) -> Option<usize> {
+        let met = |view: usize| {
+            let right = (0..self.views).filter(move |k| *k != view && !blamed.contains(k));
+            right.filter(move |k| self.pair(view, *k).all() >= LEAST_SAMPLES)
+        };
+        let mut opponents = met(view);
+        let opponent = opponents.next().filter(|_| opponents.next().is_none())?;
+        met(opponent).next().is_none().then_some(opponent)
+    }
+
     /// The largest share of contradictions of a view that is not blamed.
     pub fn usual_share(&self, blamed: &[usize]) -> f64 {
         let right = (0..self.views).filter(|k| !blamed.contains(k));
@@ -114,5 +126,37 @@ impl Table {
         }
         let of_good = if good > 0.0 { ((1.0 - share) / (1.0 - BAD_IF_RIGHT)).ln() } else { 0.0 };
         bad * (share / BAD_IF_RIGHT).ln() + good * of_good
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The counts of four views: 0 and 1 see one face of a sheet, 2 and 3 the other one.
+    fn sheet(between_faces: Counts) -> Table {
+        let contradict = Counts { good: 0, bad: 100 };
+        Table::new(4, |a, b| match (a.min(b), a.max(b)) {
+            (0, 1) => Counts { good: 100, bad: 0 },
+            (2, 3) => contradict,
+            (1, 2) => between_faces,
+            _ => Counts::default(),
+        })
+    }
+
+    #[test]
+    fn either_of_two_views_without_a_witness_may_be_wrong() {
+        let alone = sheet(Counts::default());
+        assert_eq!(alone.blamed(), [2]);
+        assert_eq!(alone.only_opponent(2, &[2]), Some(3));
+        // A few patches are no witness, twelve are.
+        let few = sheet(Counts { good: 0, bad: 3 });
+        assert_eq!(few.only_opponent(2, &few.blamed()), Some(3));
+        let witness = sheet(Counts { good: 0, bad: 12 });
+        assert_eq!(witness.blamed(), [2]);
+        assert_eq!(witness.only_opponent(2, &[2]), None);
+        let of_other = sheet(Counts { good: 12, bad: 0 });
+        assert_eq!(of_other.blamed(), [3]);
+        assert_eq!(of_other.only_opponent(3, &[3]), None);
     }
 }

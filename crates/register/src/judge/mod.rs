@@ -148,8 +148,7 @@ pub enum RegionKind {
 /// Views whose poses err as much as those of all others are not named. The result does not depend
 /// on the order of the views.
 pub fn judge(views: &[CoarseView]) -> Judgement {
-    let mut sorted: Vec<&CoarseView> = views.iter().collect();
-    sorted.sort_by(|a, b| a.name().cmp(b.name()).then_with(|| place(a).total_cmp(&place(b))));
+    let sorted = sorted(views.iter().collect());
     let evidence = Evidence::new(&sorted);
     let table = evidence.table();
     let mut blamed = table.blamed();
@@ -179,6 +178,21 @@ pub fn judge(views: &[CoarseView]) -> Judgement {
     };
     let usual_distance = evidence.usual;
     Judgement { findings, views: (0..n).map(agreement).collect(), usual_distance }
+}
+
+/// The other views, where a few contradict them; `None` where all views agree, or where no few
+/// views explain the contradictions.
+pub(crate) fn but_for_few<'a>(views: &[&'a CoarseView]) -> Option<Vec<&'a CoarseView>> {
+    let views = sorted(views.to_vec());
+    let blamed = Evidence::new(&views).table().blamed();
+    let right = (0..views.len()).filter(|k| !blamed.contains(k)).map(|k| views[k]);
+    (!blamed.is_empty() && 2 * blamed.len() < views.len()).then(|| right.collect())
+}
+
+/// The views in an order of their own.
+fn sorted(mut views: Vec<&CoarseView>) -> Vec<&CoarseView> {
+    views.sort_by(|a, b| a.name().cmp(b.name()).then_with(|| place(a).total_cmp(&place(b))));
+    views
 }
 
 /// A number that orders views of one name.
@@ -231,7 +245,15 @@ fn of_blamed(
     }
     let alone = right.len() > 1 && camps.iter().skip(1).all(|camp| camp.len() == 1);
     if alone {
-        return blamed.par_iter().map(|k| of_view(evidence, table, *k, blamed, right)).collect();
+        let finding = |view: &usize| match table.only_opponent(*view, blamed) {
+            Some(other) => {
+                let camps = [other, *view].map(|k| vec![name(&k)]).to_vec();
+                let contradicting = table.pair(*view, other).bad_share();
+                Finding::Camps { camps, contradicting }
+            }
+            None => of_view(evidence, table, *view, blamed, right),
+        };
+        return blamed.par_iter().map(finding).collect();
     }
     let across = blamed.iter().map(|k| table.with_right(*k, blamed));
     let contradicting = across.fold(blame::Counts::default(), |a, b| a + b).bad_share();

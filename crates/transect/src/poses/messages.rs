@@ -104,19 +104,6 @@ impl PoseReport {
         )]
     }
 
-    /// Whether a finding names a view, or an explanation holds for all views.
-    pub(crate) fn names(&self, view: &str) -> bool {
-        let mut findings = self.judgement.findings.iter();
-        self.explanation.is_some()
-            || findings.any(|finding| match finding {
-                Finding::Misplaced(found) => found.view == view,
-                Finding::Scaled(found) => found.view == view,
-                Finding::Apart { view: found } => found == view,
-                Finding::Camps { camps, .. } => camps.iter().flatten().any(|found| found == view),
-                Finding::Region(_) => false,
-            })
-    }
-
     fn outcome(&self, pose: &RefinedPose) -> Option<String> {
         let RefinedPose { view, rotation, translation, .. } = pose;
         match pose.outcome {
