@@ -164,9 +164,8 @@ pub fn smooth_with(
     rule: &BreakRule,
     smoothing: &Smoothing<'_>,
 ) -> Result<Smoothed, ViewError> {
-    let mut output = Output::new(view.image());
     if noise.length() <= 0.0 {
-        return output.finish(view, 0);
+        return Output::new(view.image()).finish(view, 0);
     }
     let level = smoothing.instructions.level();
     let smoother =
@@ -177,6 +176,7 @@ pub fn smooth_with(
         Some(wanted) => wanted,
         None => vec![true; view.image().size().pixels()],
     };
+    let mut output = Output::new(view.image());
     dispatch!(level, simd => smoother.image(simd, &wanted, &mut output));
     output.finish(view, count_valid(view.image(), &wanted))
 }
