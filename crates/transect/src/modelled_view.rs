@@ -26,7 +26,11 @@ pub(crate) struct ModelledView<C = PackedCurves> {
 
 impl TimedView {
     /// Finds the curves of the view, which the report calls `name`.
-    pub fn model(self, name: &str, setup: &Setup) -> Result<ModelledView<Vec<Curve>>, ReconstructError> {
+    pub fn model(
+        self,
+        name: &str,
+        setup: &Setup,
+    ) -> Result<ModelledView<Vec<Curve>>, ReconstructError> {
         let started = Instant::now();
         let LoadedView { view, mut notes } = self.loaded;
         let partial = partial_model(&view, &setup.planes, &setup.partial)

@@ -88,9 +88,8 @@ pub fn reconstruct<S: ViewSource>(
         None => (fuse(planes.into_iter().collect(), setup, watch)?, None),
         Some(refinement) => {
             let there = |k: &PlaneIndex| Some((*k, planes.get(k)?));
-            let fuse = |asked: &[PlaneIndex]| {
-                fuse(asked.iter().filter_map(there).collect(), setup, watch)
-            };
+            let fuse =
+                |asked: &[PlaneIndex]| fuse(asked.iter().filter_map(there).collect(), setup, watch);
             let Refined { fused, selected, report } =
                 refine(refinement, &setup.planes, &planes, fuse)?;
             (fused, Some((selected, report)))

@@ -36,10 +36,7 @@ pub(crate) fn encode(value: &impl Serialize) -> Result<Vec<u8>, CodecError> {
     bincode::serde::encode_to_vec(value, bincode::config::standard()).map_err(CodecError::damaged)
 }
 
-pub(crate) fn encode_into(
-    value: &impl Serialize,
-    out: &mut impl Write,
-) -> Result<(), CodecError> {
+pub(crate) fn encode_into(value: &impl Serialize, out: &mut impl Write) -> Result<(), CodecError> {
     let done = bincode::serde::encode_into_std_write(value, out, bincode::config::standard());
     match done {
         Ok(_) => Ok(()),

@@ -22,8 +22,8 @@
 
 use super::bridge::Solved;
 use super::contours::Contours;
-use crate::{MAX_LEVELS, SectionAxes};
 use crate::pixel_grid::Grid;
+use crate::{MAX_LEVELS, SectionAxes};
 use transect_device::{Pixel, View};
 use transect_image::BreakRule;
 use transect_image::PreparedView;
