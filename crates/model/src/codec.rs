@@ -85,12 +85,14 @@ struct Payload<'a> {
 /// [`CodecError::Invariant`] if the model would not be accepted when read, or an I/O error.
 pub(crate) fn write(model: &Model, mut out: impl Write) -> Result<(), CodecError> {
     model.check()?;
-    let payload = encode(model)?;
+    let (payload, mut header) = (Payload::of(model), Header { length: 0, hash: HASH_OF_NOTHING });
+    // The header goes first, so the payload is made twice: it may be too large to be kept.
+    values::encode_into(&payload, &mut header)?;
     out.write_all(&MAGIC)?;
     out.write_all(&SCHEMA_VERSION.to_le_bytes())?;
-    out.write_all(&(payload.len() as u64).to_le_bytes())?;
-    out.write_all(&fnv1a(&payload).to_le_bytes())?;
-    out.write_all(&payload)?;
+    out.write_all(&header.length.to_le_bytes())?;
+    out.write_all(&header.hash.to_le_bytes())?;
+    values::encode_into(&payload, &mut out)?;
     Ok(out.flush()?)
 }
 
@@ -138,15 +140,34 @@ fn read_header(input: &mut impl Read) -> Result<(u64, u64), CodecError> {
     Ok((u64::from_le_bytes(*length), u64::from_le_bytes(*hash)))
 }
 
-fn encode(model: &Model) -> Result<Vec<u8>, CodecError> {
-    let payload = Payload {
-        unit: model.unit(),
-        planes: model.planes().clone(),
-        selected: model.selected().map(|planes| planes.iter().copied().collect()),
-        views: Cow::Borrowed(model.views()),
-        sections: model.sections().map(|(k, section)| (k, Cow::Borrowed(section))).collect(),
-    };
-    values::encode(&payload)
+impl<'a> Payload<'a> {
+    fn of(model: &'a Model) -> Self {
+        Self {
+            unit: model.unit(),
+            planes: model.planes().clone(),
+            selected: model.selected().map(|planes| planes.iter().copied().collect()),
+            views: Cow::Borrowed(model.views()),
+            sections: model.sections().map(|(k, section)| (k, Cow::Borrowed(section))).collect(),
+        }
+    }
+}
+
+/// Length and hash of the bytes that were written to it.
+struct Header {
+    length: u64,
+    hash: u64,
+}
+
+impl Write for Header {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.length += bytes.len() as u64;
+        self.hash = fnv1a_from(self.hash, bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
 }
 
 /// The decoder reads from the slice and so knows its end. A list may announce any length, but

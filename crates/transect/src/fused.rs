@@ -1,13 +1,15 @@
 //! Fusing the curves of one plane after another.
 
+use crate::packed::PackedCurves;
 use crate::{ReconstructError, Setup, Stage, Watch};
 use rayon::prelude::*;
+use std::borrow::Borrow;
 use std::collections::BTreeMap;
 use transect_fusion::{Agreement, FusedPlane, fuse_and_compare};
 use transect_geometry::{Curve, PlaneIndex};
 
 /// The curves that each plane has from each view, in the order of the views.
-pub(crate) type Observed<'a> = BTreeMap<PlaneIndex, Vec<&'a [Curve]>>;
+pub(crate) type Observed = BTreeMap<PlaneIndex, Vec<PackedCurves>>;
 
 /// The fused curves of a plane, and how its views agree.
 pub(crate) struct Fused {
@@ -16,22 +18,23 @@ pub(crate) struct Fused {
     pub agreement: Vec<Agreement>,
 }
 
-/// Fuses the asked planes in parallel; planes without curves are left out.
-pub(crate) fn fuse(
-    asked: &[PlaneIndex],
-    observed: &Observed<'_>,
+/// Fuses planes in parallel. The curves of a plane that is given away are freed with its fusion.
+pub(crate) fn fuse<V: Borrow<Vec<PackedCurves>> + Send>(
+    planes: Vec<(PlaneIndex, V)>,
     setup: &Setup,
     watch: &dyn Watch,
 ) -> Result<Vec<Fused>, ReconstructError> {
-    let asked: Vec<_> = asked.iter().filter_map(|k| observed.get_key_value(k)).collect();
-    watch.begin(Stage::Planes, asked.len());
-    let fuse = |&(index, views): &(&PlaneIndex, &Vec<&[Curve]>)| {
+    watch.begin(Stage::Planes, planes.len());
+    let fuse = |(index, views): (PlaneIndex, V)| {
         if watch.cancelled() {
             return Err(ReconstructError::Cancelled);
         }
-        let (plane, agreement) = fuse_and_compare(views, &setup.fusion);
+        let curves: Vec<Vec<Curve>> = views.borrow().iter().map(PackedCurves::curves).collect();
+        drop(views);
+        let curves: Vec<&[Curve]> = curves.iter().map(Vec::as_slice).collect();
+        let (plane, agreement) = fuse_and_compare(&curves, &setup.fusion);
         watch.step(Stage::Planes);
-        Ok(Fused { index: *index, plane, agreement })
+        Ok(Fused { index, plane, agreement })
     };
-    asked.par_iter().map(fuse).collect()
+    planes.into_par_iter().map(fuse).collect()
 }

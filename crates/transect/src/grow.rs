@@ -35,7 +35,7 @@ use fuser::Fuser;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
-use transect_geometry::PlaneIndex;
+use transect_geometry::{Curve, PlaneIndex};
 use transect_model::store::{Snapshot, Store, StoreError, StoredView, ViewEntry, ViewId};
 use transect_register::RefineOptions;
 
@@ -110,7 +110,7 @@ enum Looked {
 /// A view on its way into the store.
 struct NewView {
     entry: ViewEntry,
-    view: ModelledView,
+    view: ModelledView<Vec<Curve>>,
 }
 
 /// The views that were added so far.

@@ -61,6 +61,7 @@ mod fingerprint;
 mod fused;
 mod grow;
 mod modelled_view;
+mod packed;
 mod pipeline;
 mod poses;
 mod refine;

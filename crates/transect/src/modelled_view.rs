@@ -1,5 +1,6 @@
 //! From a view to its curves on every plane it crosses.
 
+use crate::packed::PackedCurves;
 use crate::report::ViewReport;
 use crate::timed_view::TimedView;
 use crate::{LoadedView, ReconstructError, Setup, Stage, ViewSource, Watch};
@@ -11,11 +12,11 @@ use transect_partial::{PartialCounts, partial_model};
 use transect_register::CoarseView;
 
 /// The curves of a view and its part of the report. The view itself is dropped.
-pub(crate) struct ModelledView {
+pub(crate) struct ModelledView<C = PackedCurves> {
     pub world_from_sensor: Isometry3,
     pub sigma: Option<f64>,
     /// The planes it crosses, sorted, each with its curves.
-    pub planes: Vec<(PlaneIndex, Vec<Curve>)>,
+    pub planes: Vec<(PlaneIndex, C)>,
     pub notes: Vec<String>,
     /// Its agreement with other views is filled in after fusion.
     pub report: ViewReport,
@@ -25,7 +26,11 @@ pub(crate) struct ModelledView {
 
 impl TimedView {
     /// Finds the curves of the view, which the report calls `name`.
-    pub fn model(self, name: &str, setup: &Setup) -> Result<ModelledView, ReconstructError> {
+    pub fn model(
+        self,
+        name: &str,
+        setup: &Setup,
+    ) -> Result<ModelledView<Vec<Curve>>, ReconstructError> {
         let started = Instant::now();
         let LoadedView { view, mut notes } = self.loaded;
         let partial = partial_model(&view, &setup.planes, &setup.partial)
@@ -49,6 +54,15 @@ impl TimedView {
     }
 }
 
+impl ModelledView<Vec<Curve>> {
+    fn packed(self) -> ModelledView {
+        let planes = self.planes.into_iter();
+        let planes = planes.map(|(plane, curves)| (plane, PackedCurves::new(&curves))).collect();
+        let Self { world_from_sensor, sigma, notes, report, reading, modelling, .. } = self;
+        ModelledView { world_from_sensor, sigma, planes, notes, report, reading, modelling }
+    }
+}
+
 /// Loads and models all views in parallel, with copies for judging their poses if asked for. If
 /// several fail, the error is that of the first in
 /// order, whichever thread was first.
@@ -68,7 +82,7 @@ pub(crate) fn model_views<S: ViewSource>(
         }
         let modelled = TimedView::load(source).and_then(|timed| {
             let copy = copied.then(|| CoarseView::quick(&timed.loaded.view));
-            Ok((timed.model(source.name(), setup)?, copy))
+            Ok((timed.model(source.name(), setup)?.packed(), copy))
         });
         watch.step(Stage::Views);
         modelled

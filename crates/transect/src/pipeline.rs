@@ -13,6 +13,7 @@
 
 use crate::fused::{Fused, Observed, fuse};
 use crate::modelled_view::{ModelledView, model_views, no_curves};
+use crate::packed::PackedCurves;
 use crate::refine::{Refined, refine};
 use crate::report::{Report, Timings};
 use crate::{PoseReport, ReconstructError, Setup, ViewSource, Watch};
@@ -70,7 +71,7 @@ pub fn reconstruct<S: ViewSource>(
     let poses = options.map(|options| PoseReport::new(sources, Some(options), setup.unit, watch));
     let poses = poses.transpose()?;
     let poses_time = started.elapsed();
-    let (views, copies): (Vec<_>, Vec<_>) = match &poses {
+    let (mut views, copies): (Vec<_>, Vec<_>) = match &poses {
         None => model_views(sources, setup, watch, sources.len() > 1)?,
         Some(poses) => model_views(&poses.posed(sources), setup, watch, false)?,
     }
@@ -79,14 +80,16 @@ pub fn reconstruct<S: ViewSource>(
     let copies = copies.into_iter().collect::<Option<Vec<_>>>();
     let judged = copies.and_then(|copies| PoseReport::of_doubtful(copies, sources, setup.unit));
     let views_done = Instant::now();
-    let planes = by_plane(&views);
+    let planes = by_plane(&mut views);
     if planes.is_empty() {
         return Err(no_curves(views.iter().map(|view| &view.report), setup));
     }
-    let fuse = |asked: &[PlaneIndex]| fuse(asked, &planes, setup, watch);
     let (fused, refined) = match &setup.refinement {
-        None => (fuse(&planes.keys().copied().collect::<Vec<_>>())?, None),
+        None => (fuse(planes.into_iter().collect(), setup, watch)?, None),
         Some(refinement) => {
+            let there = |k: &PlaneIndex| Some((*k, planes.get(k)?));
+            let fuse =
+                |asked: &[PlaneIndex]| fuse(asked.iter().filter_map(there).collect(), setup, watch);
             let Refined { fused, selected, report } =
                 refine(refinement, &setup.planes, &planes, fuse)?;
             (fused, Some((selected, report)))
@@ -111,13 +114,14 @@ pub fn reconstruct<S: ViewSource>(
     Ok(Reconstruction { model, report })
 }
 
-/// The curves that each plane has from each view; empty where a view has none.
-fn by_plane(views: &[ModelledView]) -> Observed<'_> {
-    let mut planes = Observed::new();
-    for (k, view) in views.iter().enumerate() {
-        for (plane, found) in &view.planes {
-            let curves = planes.entry(*plane).or_insert_with(|| vec![&[]; views.len()]);
-            curves[k] = found;
+/// The curves that each plane has from each view, taken from the views; empty where a view has
+/// none.
+fn by_plane(views: &mut [ModelledView]) -> Observed {
+    let (mut planes, count) = (Observed::new(), views.len());
+    for (k, view) in views.iter_mut().enumerate() {
+        for (plane, found) in std::mem::take(&mut view.planes) {
+            let nothing = || (0..count).map(|_| PackedCurves::default()).collect();
+            planes.entry(plane).or_insert_with(nothing)[k] = found;
         }
     }
     planes

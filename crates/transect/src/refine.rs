@@ -30,13 +30,14 @@
 mod difference;
 
 use crate::fused::{Fused, Observed};
+use crate::packed::PackedCurves;
 use crate::{ReconstructError, Refinement};
 pub use difference::DifferenceReason;
 use difference::{Difference, difference, worth_a_plane};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
-use transect_geometry::{Curve, PlaneFamily, PlaneIndex};
+use transect_geometry::{PlaneFamily, PlaneIndex};
 
 /// Two neighbouring planes that differ by more than the tolerance, and the plane inserted between
 /// them.
@@ -94,7 +95,7 @@ type Pair = (PlaneIndex, PlaneIndex);
 pub(crate) fn refine(
     refinement: &Refinement,
     planes: &PlaneFamily,
-    observed: &Observed<'_>,
+    observed: &Observed,
     fuse: impl Fn(&[PlaneIndex]) -> Result<Vec<Fused>, ReconstructError>,
 ) -> Result<Refined, ReconstructError> {
     let mut selected = refinement.first_planes(planes, observed);
@@ -143,7 +144,7 @@ fn gap(planes: &PlaneFamily, (from, to): Pair, found: Difference) -> RefinedGap 
 impl Refinement {
     /// The planes of the setup's interval around the seen ones, with one more on either side. Long
     /// stretches without curves have no planes.
-    fn first_planes(&self, planes: &PlaneFamily, observed: &Observed<'_>) -> BTreeSet<PlaneIndex> {
+    fn first_planes(&self, planes: &PlaneFamily, observed: &Observed) -> BTreeSet<PlaneIndex> {
         let step = self.planes_per_interval();
         let around = |k: &PlaneIndex| {
             let below = |k: i64| k.div_euclid(step).saturating_mul(step);
@@ -159,7 +160,7 @@ impl Refinement {
         &self,
         (from, to): Pair,
         fused: &BTreeMap<PlaneIndex, Fused>,
-        observed: &Observed<'_>,
+        observed: &Observed,
     ) -> Option<Difference> {
         let curves = |k| fused.get(&k).map_or(&[][..], |found: &Fused| &found.plane.curves);
         let (lower, upper) = (curves(from), curves(to));
@@ -168,8 +169,8 @@ impl Refinement {
         }
         // Both planes are empty, but a surface may begin and end between them.
         let between = observed.range(PlaneIndex(from.0 + 1)..to).flat_map(|(_, views)| views);
-        let lengths = between.flat_map(|curves| curves.iter()).filter(|curve| worth_a_plane(curve));
-        let length = lengths.map(Curve::length).reduce(f64::max)?;
+        let curves = between.flat_map(PackedCurves::curves).filter(worth_a_plane);
+        let length = curves.map(|curve| curve.length()).reduce(f64::max)?;
         Some(Difference { reason: DifferenceReason::CurvesBetween, distance: None, length })
     }
 }

@@ -83,7 +83,10 @@ const BUNDLED_SCENE: &str = "room";
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    rayon::ThreadPoolBuilder::new().num_threads(arguments.threads).build_global()?;
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(arguments.threads)
+        .use_current_thread()
+        .build_global()?;
     let mut costs = Costs::default();
     let path = match &arguments.scan {
         Some(path) => path.clone(),

@@ -31,13 +31,14 @@ impl ValueBounds {
         let image = smoother.view.image();
         let size = image.size();
         let [mut low, mut high] = [(); 2].map(|()| vec![f32::NAN; size.pixels()]);
-        let rows = smoother.grid.rates.chunks(size.cols);
+        let mut rates = vec![0.0; size.cols];
         let out = low.chunks_mut(size.cols).zip(high.chunks_mut(size.cols));
         simd.vectorize(
             #[inline(always)]
             || {
-                for (row, (rates, (low, high))) in rows.zip(out).enumerate() {
-                    let pixels = image.row(row).iter().zip(rates);
+                for (row, (low, high)) in out.enumerate() {
+                    smoother.grid.pairs.lengths_per_value(row, image.row(row), &mut rates);
+                    let pixels = image.row(row).iter().zip(&rates);
                     for ((value, rate), (low, high)) in pixels.zip(low.iter_mut().zip(high)) {
                         let change = relative_change(smoother.noise, *rate, *value);
                         (*low, *high) = (value * (1.0 - change), value / (1.0 - change));

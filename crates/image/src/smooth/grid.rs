@@ -19,11 +19,8 @@ pub(super) struct Grid<'a> {
     quantities: Vec<f32>,
     /// Which pixels belong to one surface.
     pub links: Links,
-    /// Length along each pixel's ray per unit of its value, row-major; NaN where the value means no
-    /// point.
-    pub rates: Vec<f32>,
     size: ImageSize,
-    pairs: Pairs<'a>,
+    pub pairs: Pairs<'a>,
 }
 
 impl<'a> Grid<'a> {
@@ -38,7 +35,6 @@ impl<'a> Grid<'a> {
             beyond: if wraps && size.cols > 2 * HALF_WINDOW { HALF_WINDOW } else { 0 },
             quantities: vec![0.0; stride * (size.rows + 2 * HALF_WINDOW)],
             links: Links::new(size.rows, size.cols),
-            rates: vec![0.0; size.pixels()],
             size,
             pairs: Pairs::new(view, rule),
         };
@@ -47,8 +43,6 @@ impl<'a> Grid<'a> {
         for row in 0..size.rows {
             let values = view.image().row(row);
             grid.read_values(row, values, quantity);
-            let rates = &mut grid.rates[row * size.cols..(row + 1) * size.cols];
-            grid.pairs.lengths_per_value(row, values, rates);
             here.read(values, wraps);
             let [left, up] = &mut bits;
             grid.pairs.read(simd, row, [&above, &here], [left, up]);

@@ -164,9 +164,8 @@ pub fn smooth_with(
     rule: &BreakRule,
     smoothing: &Smoothing<'_>,
 ) -> Result<Smoothed, ViewError> {
-    let mut output = Output::new(view.image());
     if noise.length() <= 0.0 {
-        return output.finish(view, 0);
+        return Output::new(view.image()).finish(view, 0);
     }
     let level = smoothing.instructions.level();
     let smoother =
@@ -177,6 +176,7 @@ pub fn smooth_with(
         Some(wanted) => wanted,
         None => vec![true; view.image().size().pixels()],
     };
+    let mut output = Output::new(view.image());
     dispatch!(level, simd => smoother.image(simd, &wanted, &mut output));
     output.finish(view, count_valid(view.image(), &wanted))
 }
@@ -221,10 +221,12 @@ impl<'a> Smoother<'a> {
     #[inline(always)]
     fn image<S: Simd>(&self, simd: S, wanted: &[bool], output: &mut Output) {
         let mut work = Workspace::new();
-        let cols = self.view.image().size().cols;
+        let (image, cols) = (self.view.image(), self.view.image().size().cols);
+        let mut rates = vec![0.0; cols];
         let mut paired = vec![0; self.grid.links.words()];
         for (row, wanted) in wanted.chunks(cols).enumerate() {
             self.grid.links.paired(row, &mut paired);
+            self.grid.pairs.lengths_per_value(row, image.row(row), &mut rates);
             let mut first = 0;
             // Blocks begin at pixels that are wanted; that changes nothing in any pixel's fit.
             while let Some(skip) = wanted[first..].iter().position(|wanted| *wanted) {
@@ -234,8 +236,8 @@ impl<'a> Smoother<'a> {
                 simd.vectorize(
                     #[inline(always)]
                     || {
-                        let block =
-                            self.block(simd, row, (first..end).filter(|col| counts(*col)), first);
+                        let wanted = (first..end).filter(|col| counts(*col));
+                        let block = self.block(simd, row, &rates, wanted, first);
                         if !block.is_empty() {
                             let fitted = block.fit(simd, &self.grid, self.steps, &mut work);
                             let radii = block.radii(&fitted.shares);
@@ -249,12 +251,14 @@ impl<'a> Smoother<'a> {
     }
 
     /// Some pixels of a row with their windows. Pixels whose noise or ray spacing is not known, or
-    /// whose noise is negligible, are left out.
+    /// whose noise is negligible, are left out. `rates` are the lengths along the row's rays per
+    /// unit of their values.
     #[inline(always)]
     fn block<S: Simd>(
         &self,
         simd: S,
         row: usize,
+        rates: &[f32],
         cols: impl Iterator<Item = usize>,
         first: usize,
     ) -> Block {
@@ -263,10 +267,10 @@ impl<'a> Smoother<'a> {
         for col in cols {
             let pixel = Pixel { row, col };
             let Some((across, down)) = self.grid.spacings(pixel) else { continue };
-            let rate = self.grid.rates[row * values.len() + col];
-            let (sigma, lane) = (self.noise.value_sigma(f64::from(rate)), col - first);
+            let rate = f64::from(rates[col]);
+            let (sigma, lane) = (self.noise.value_sigma(rate), col - first);
             (scales.across[lane], scales.down[lane]) = (across, down);
-            scales.sigma[lane] = (sigma * f64::from(rate)) as f32;
+            scales.sigma[lane] = (sigma * rate) as f32;
             let inverse_sigma = self.quantity.inverse_sigma(values[col], (1.0 / sigma) as f32);
             scales.inverse_sigma[lane] = inverse_sigma;
         }

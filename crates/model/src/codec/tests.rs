@@ -114,7 +114,7 @@ fn mutated_files_never_load_as_another_model() {
 
 #[test]
 fn mutated_payloads_with_a_right_checksum_load_as_sound_models_or_not_at_all() {
-    let (payload, mut rng) = (encode(&small()).unwrap(), random());
+    let (payload, mut rng) = (values::encode(&Payload::of(&small())).unwrap(), random());
     let mut loaded = 0;
     for _ in 0..10_000 {
         let mut changed = payload.clone();

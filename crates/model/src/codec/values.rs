@@ -5,8 +5,10 @@
 //! error.
 
 use super::CodecError;
+use bincode::error::EncodeError;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
+use std::io::Write;
 use transect_geometry::{Curve, Isometry3, PlaneIndex};
 
 /// A view, without its id, which is the key. The order of fields is the file layout.
@@ -32,6 +34,15 @@ pub(crate) struct FusedValue<'a> {
 
 pub(crate) fn encode(value: &impl Serialize) -> Result<Vec<u8>, CodecError> {
     bincode::serde::encode_to_vec(value, bincode::config::standard()).map_err(CodecError::damaged)
+}
+
+pub(crate) fn encode_into(value: &impl Serialize, out: &mut impl Write) -> Result<(), CodecError> {
+    let done = bincode::serde::encode_into_std_write(value, out, bincode::config::standard());
+    match done {
+        Ok(_) => Ok(()),
+        Err(EncodeError::Io { inner, .. }) => Err(CodecError::Io(inner)),
+        Err(error) => Err(CodecError::damaged(error)),
+    }
 }
 
 pub(crate) fn decode<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<T, CodecError> {

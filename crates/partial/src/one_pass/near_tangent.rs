@@ -22,11 +22,14 @@
 
 use super::bridge::Solved;
 use super::contours::Contours;
-use crate::SectionAxes;
 use crate::pixel_grid::Grid;
+use crate::{MAX_LEVELS, SectionAxes};
 use transect_device::{Pixel, View};
 use transect_image::BreakRule;
 use transect_image::PreparedView;
+
+/// More than the level of any plane of a view, counted from its base.
+const BEYOND_LEVELS: i32 = MAX_LEVELS as i32 + 1;
 
 /// Finds the curves that only noise makes.
 pub(super) struct NearTangent<'a> {
@@ -38,7 +41,7 @@ pub(super) struct NearTangent<'a> {
     /// Standard deviations that a region must leave the plane by.
     sigmas: f64,
     /// Of every pixel, what is known of its region for a plane; see [`Seen::packed`].
-    seen: Vec<u64>,
+    seen: Vec<u32>,
     /// Pixels that are being followed.
     stack: Vec<Pixel>,
     visited: Vec<usize>,
@@ -54,14 +57,13 @@ struct Seen {
 impl Seen {
     /// As a number that is not 0: 0 stands for a pixel that was not visited, since memory full of
     /// it costs nothing where it is never looked at.
-    fn packed(self) -> u64 {
-        let level = (i64::from(self.level) - i64::from(i32::MIN) + 1) as u64;
-        level << 1 | u64::from(self.leaves)
+    fn packed(self) -> u32 {
+        ((self.level + BEYOND_LEVELS) as u32) << 1 | u32::from(self.leaves)
     }
 
-    fn of(packed: u64) -> Option<Self> {
-        let level = (packed >> 1).checked_sub(1)? as i64 + i64::from(i32::MIN);
-        Some(Self { level: level as i32, leaves: packed & 1 == 1 })
+    fn of(packed: u32) -> Option<Self> {
+        let level = (packed >> 1) as i32 - BEYOND_LEVELS;
+        (packed > 0).then_some(Self { level, leaves: packed & 1 == 1 })
     }
 }
 
@@ -182,7 +184,7 @@ mod tests {
     #[test]
     fn what_is_known_of_a_pixel_is_kept_in_a_number_that_is_not_0() {
         assert_eq!(Seen::of(0), None);
-        for level in [i32::MIN, -1, 0, 1, i32::MAX] {
+        for level in [-BEYOND_LEVELS + 1, -1, 0, 1, BEYOND_LEVELS] {
             for leaves in [false, true] {
                 let seen = Seen { level, leaves };
                 assert_eq!(Seen::of(seen.packed()), Some(seen));

@@ -4,7 +4,7 @@ use super::*;
 use crate::RefinementError;
 use std::f64::consts::{PI, TAU};
 use transect_fusion::{FusedPlane, FusionCounts};
-use transect_geometry::{LengthUnit, Node, Point2, StraightGuide, Vector3};
+use transect_geometry::{Curve, LengthUnit, Node, Point2, StraightGuide, Vector3};
 use transect_model::Model;
 
 /// Planes across z every 0.5, halved four times.
@@ -34,10 +34,11 @@ fn refined(radius: impl Fn(f64) -> f64 + Sync) -> (PlaneFamily, Refined) {
         .map(|k| (PlaneIndex(k), disc(radius(planes.station(PlaneIndex(k))))))
         .filter(|(_, curves)| !curves.is_empty())
         .collect();
-    let observed: Observed<'_> = found.iter().map(|(k, curves)| (*k, vec![&curves[..]])).collect();
+    let observed: Observed =
+        found.iter().map(|(k, curves)| (*k, vec![PackedCurves::new(curves)])).collect();
     let fuse = |asked: &[PlaneIndex]| {
         let of = |k: &PlaneIndex| {
-            let curves = observed.get(k)?[0].to_vec();
+            let curves = observed.get(k)?[0].curves();
             let counts = FusionCounts::default();
             let plane = FusedPlane { curves, counts, ..FusedPlane::default() };
             Some(Fused { index: *k, plane, agreement: Vec::new() })
@@ -138,8 +139,8 @@ fn what_lies_between_two_planes_without_curves_is_found() {
 #[test]
 fn gaps_of_any_size_make_no_planes() {
     let curves = disc(1.0);
-    let observed: Observed<'_> =
-        [0, 1 << 40].map(|k| (PlaneIndex(k), vec![&curves[..]])).into_iter().collect();
+    let observed: Observed =
+        [0, 1 << 40].map(|k| (PlaneIndex(k), vec![PackedCurves::new(&curves)])).into();
     let first = refinement().first_planes(&coarse(), &observed);
     let planes: Vec<i64> = first.into_iter().map(|k| k.0).collect();
     let far = 1_i64 << 40;
