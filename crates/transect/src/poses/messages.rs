@@ -145,16 +145,7 @@ impl PoseReport {
                 "view {view} sees no surface that another view sees, although the others overlap. \
                  Check its pose, or leave it out with --views"
             ),
-            Finding::Camps { camps, contradicting } => {
-                let groups: Vec<String> = camps.iter().map(|camp| names(camp)).collect();
-                format!(
-                    "the views agree within {} groups that contradict each other: {}; {} of the \
-                     surface that they share contradicts. Check that all poses are in one world",
-                    camps.len(),
-                    groups.join(" | "),
-                    percent(*contradicting)
-                )
-            }
+            Finding::Camps { camps, contradicting } => of_groups(camps, &percent(*contradicting)),
             Finding::Region(region) => self.region(region),
         }
     }
@@ -236,6 +227,24 @@ fn advice(reading: Reading, unit: LengthUnit) -> String {
 
 fn percent(share: f64) -> String {
     format!("{:.0} %", 100.0 * share)
+}
+
+/// Groups of views that contradict each other in a share of what they see in common.
+fn of_groups(camps: &[Vec<String>], share: &str) -> String {
+    let groups: Vec<String> = camps.iter().map(|camp| names(camp)).collect();
+    match (&groups[..], camps.iter().all(|camp| camp.len() == 1)) {
+        ([one, other], true) => format!(
+            "views {one} and {other} contradict each other: {share} of the surface that they share \
+             lies apart or where one of them saw free space. No other view tells which is wrong: \
+             check both poses"
+        ),
+        _ => format!(
+            "the views agree within {} groups that contradict each other: {}; {share} of the \
+             surface that they share contradicts. Check that all poses are in one world",
+            groups.len(),
+            groups.join(" | ")
+        ),
+    }
 }
 
 /// The first names of a group, and the number of the others.
