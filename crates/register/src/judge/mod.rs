@@ -148,7 +148,8 @@ pub enum RegionKind {
 /// Views whose poses err as much as those of all others are not named. The result does not depend
 /// on the order of the views.
 pub fn judge(views: &[CoarseView]) -> Judgement {
-    let sorted = sorted(views.iter().collect());
+    let mut sorted: Vec<&CoarseView> = views.iter().collect();
+    sorted.sort_by(|a, b| a.name().cmp(b.name()).then_with(|| place(a).total_cmp(&place(b))));
     let evidence = Evidence::new(&sorted);
     let table = evidence.table();
     let mut blamed = table.blamed();
@@ -178,21 +179,6 @@ pub fn judge(views: &[CoarseView]) -> Judgement {
     };
     let usual_distance = evidence.usual;
     Judgement { findings, views: (0..n).map(agreement).collect(), usual_distance }
-}
-
-/// The other views, where a few contradict them; `None` where all views agree, or where no few
-/// views explain the contradictions.
-pub(crate) fn but_for_few<'a>(views: &[&'a CoarseView]) -> Option<Vec<&'a CoarseView>> {
-    let views = sorted(views.to_vec());
-    let blamed = Evidence::new(&views).table().blamed();
-    let right = (0..views.len()).filter(|k| !blamed.contains(k)).map(|k| views[k]);
-    (!blamed.is_empty() && 2 * blamed.len() < views.len()).then(|| right.collect())
-}
-
-/// The views in an order of their own.
-fn sorted(mut views: Vec<&CoarseView>) -> Vec<&CoarseView> {
-    views.sort_by(|a, b| a.name().cmp(b.name()).then_with(|| place(a).total_cmp(&place(b))));
-    views
 }
 
 /// A number that orders views of one name.

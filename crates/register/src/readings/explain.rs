@@ -2,14 +2,9 @@
 //!
 //! **Idea.** Under the right reading most patches of a view lie on a surface of another view, and
 //! few lie in front of what another view measured. Under a wrong one it is the other way round.
-//!
-//! A convention is common to all views. Where a few views contradict the others, and these agree,
-//! the convention is right. Otherwise readings that put all stations into one place would explain
-//! a turned station of a tunnel, which looks the same everywhere.
 
 use super::PoseReading;
 use crate::coarse::CoarseView;
-use crate::judge::but_for_few;
 use crate::judge::pair::{Placing, Probe, probes, samples};
 use rayon::prelude::*;
 use std::fmt;
@@ -36,11 +31,6 @@ const CONTRADICTS: f64 = 0.2;
 /// Least share of agreeing patches under the reading. No unit. Chosen by hand: half of what sound
 /// scans have. Halved, two views that have nothing in common find a reading.
 const AGREES: f64 = 0.25;
-
-/// Least share of agreeing patches among the views that a few others contradict. No unit. Measured:
-/// stations at both ends of a tunnel share 0.13. Doubled, one turned station between them is taken
-/// for a wrong convention; halved, chance agreement of wrong conventions passes.
-const MEETS: f64 = 0.1;
 
 /// How far all views agree under one reading of their poses.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -110,14 +100,18 @@ pub fn explain(
     let all: Vec<&CoarseView> = views.iter().collect();
     let probes = probes_of(&all);
     let given = accord(&all, &probes, Placing::given);
-    let is_sound = given.agreeing >= SOUND[0] && given.contradicting <= SOUND[1];
-    if is_sound || but_for_few(&all).is_some_and(|right| agree(&right)) {
+    if given.agreeing >= SOUND[0] && given.contradicting <= SOUND[1] {
         return None;
     }
     // Only cameras have a y axis that may point up; a room between floor and ceiling is nearly the
     // same upside down.
     let cameras = views.iter().all(CoarseView::looks_forward);
-    let of_all = |reading: &PoseReading| cameras || *reading != PoseReading::CameraYUp;
+    let far_apart = is_far_apart(&all, &probes);
+    let of_all = |reading: &PoseReading| match reading {
+        PoseReading::CameraYUp => cameras,
+        PoseReading::Millimetres => far_apart,
+        _ => true,
+    };
     let of_poses = PoseReading::ALL.into_iter().filter(of_all).map(|reading| {
         let read = accord(&all, &probes, |view| Placing {
             world_from_sensor: reading.apply(view.world_from_sensor()),
@@ -140,10 +134,12 @@ pub fn explain(
     best.map(|(reading, read)| Explanation { reading, given, read })
 }
 
-/// Whether views agree as given, though each may see a small part of what another one sees.
-fn agree(views: &[&CoarseView]) -> bool {
-    let given = accord(views, &probes_of(views), Placing::given);
-    given.agreeing >= MEETS && given.contradicting <= SOUND[1]
+/// Whether any two sensors are farther apart than any view reaches. If not, positions a thousand
+/// times smaller put all sensors into one place, where tunnels agree whatever their poses are.
+fn is_far_apart(views: &[&CoarseView], probes: &[Vec<Probe>]) -> bool {
+    let reach = probes.iter().flatten().map(|probe| probe.point.coords.norm()).fold(0.0, f64::max);
+    let places = || views.iter().map(|view| view.world_from_sensor().translation.vector);
+    places().any(|a| places().any(|b| (a - b).norm() > reach))
 }
 
 /// The patches of each view that are compared with the other views.

@@ -98,6 +98,16 @@ fn wrong_readings_of_real_scans_are_named() {
     }
 }
 
+/// Stations of a tunnel agree in one place, too: a thousandth of their distances explains nothing.
+#[test]
+fn inverse_poses_of_a_tunnel_are_named() {
+    let views = simulated("tunnel", "");
+    let inverse = |v: &View| v.with_pose(v.world_from_sensor().inverse()).unwrap();
+    let found = explained(&views.iter().map(inverse).collect::<Vec<_>>());
+    let reading = found.map(|found| found.reading);
+    assert_eq!(reading, Some(Reading::Pose(PoseReading::Inverse)), "{found:?}");
+}
+
 #[test]
 fn one_wrong_view_is_no_convention() {
     for scene in ["room", "face_mask", "tunnel"] {
