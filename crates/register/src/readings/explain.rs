@@ -32,6 +32,11 @@ const CONTRADICTS: f64 = 0.2;
 /// scans have. Halved, two views that have nothing in common find a reading.
 const AGREES: f64 = 0.25;
 
+/// Distance between two sensors whose positions may be read in a unit a thousand times too large,
+/// over the longest distance of a patch. No unit. Theory: stations share surface within twice that
+/// distance. Doubled, views of hand-held cameras that move little stay unexplained.
+const FAR_APART: f64 = 10.0;
+
 /// How far all views agree under one reading of their poses.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Accord {
@@ -134,12 +139,13 @@ pub fn explain(
     best.map(|(reading, read)| Explanation { reading, given, read })
 }
 
-/// Whether any two sensors are farther apart than any view reaches. If not, positions a thousand
-/// times smaller put all sensors into one place, where tunnels agree whatever their poses are.
+/// Whether any two sensors are far farther apart than any view reaches. If not, positions a
+/// thousand times smaller put all sensors into one place, where tunnels agree whatever their poses
+/// are.
 fn is_far_apart(views: &[&CoarseView], probes: &[Vec<Probe>]) -> bool {
     let reach = probes.iter().flatten().map(|probe| probe.point.coords.norm()).fold(0.0, f64::max);
     let places = || views.iter().map(|view| view.world_from_sensor().translation.vector);
-    places().any(|a| places().any(|b| (a - b).norm() > reach))
+    places().any(|a| places().any(|b| (a - b).norm() > FAR_APART * reach))
 }
 
 /// The patches of each view that are compared with the other views.
