@@ -54,6 +54,16 @@ pub const PROBES: usize = 256;
 /// median of fewer than a dozen means little. Doubled, small overlaps are lost.
 pub const LEAST_MEETINGS: usize = 12;
 
+/// Other views that a view is compared with at most, those with the largest overlap. No unit. As for
+/// judging: time and memory then grow with the number of views, not with its square. Doubled, 200
+/// views take up to twice the memory.
+pub const PARTNERS: usize = 60;
+
+/// Samples that are looked up for each pair at least, however many pairs there are. No unit. Chosen
+/// by hand: a fifth of them are [`LEAST_MEETINGS`]. Doubled, 120 views that all overlap take twice
+/// the memory.
+pub const LEAST_SAMPLES: usize = 64;
+
 /// Most observations of all pairs together in one round. No unit. Chosen by hand: a scan of
 /// twelve views then uses all its patches. Doubled, a round takes twice the time.
 pub const OBSERVATIONS: usize = 400_000;
@@ -70,6 +80,11 @@ pub const FIRST_TRANSLATION: f64 = 0.05;
 /// settle after two, and round parts still turn a little after all of them. Doubled, those take
 /// twice the time.
 pub const ROUNDS: usize = 24;
+
+/// The first of these rounds, with a quarter of the observations unless they settle sooner. No unit.
+/// Measured: on 40 frames of a depth camera they take a third off the time. Doubled, no round has all
+/// observations.
+pub const FEW_ROUNDS: usize = 12;
 
 /// Change of a motion, over its standard deviation, below which it has settled. No unit.
 /// Chosen by hand: far below what the motion is uncertain by. Doubled, weakly determined motions

@@ -68,6 +68,15 @@ impl Cameras {
         Self { of_view: of_view.collect(), list: vec![camera; shared.len()] }
     }
 
+    /// The cameras as if they did not err.
+    pub fn without_errors(&self) -> Self {
+        let mut sound = self.clone();
+        for camera in &mut sound.list {
+            (camera.offsets, camera.own) = (DVector::zeros(NODES), camera.sound);
+        }
+        sound
+    }
+
     /// The number of unknowns.
     pub fn unknowns(&self) -> usize {
         NODES * self.list.len()
@@ -113,14 +122,15 @@ impl Cameras {
         }
     }
 
-    /// Learns how large the offsets are, from the changes of all unknowns and their covariance; the
-    /// offsets are the last unknowns.
-    pub fn learn(&mut self, changes: &DVector<f64>, covariance: &DMatrix<f64>) {
+    /// Learns how large the offsets are, from the changes of all unknowns and the
+    /// [`Solution::root`](super::solve::Solution::root); the offsets are the last unknowns.
+    pub fn learn(&mut self, changes: &DVector<f64>, root: &DMatrix<f64>) {
         let first = changes.len() - self.unknowns();
         for (k, camera) in self.list.iter_mut().enumerate() {
             let at = first + NODES * k;
             let offsets = &camera.offsets + changes.rows(at, NODES);
-            camera.learn(&offsets, &covariance.view((at, at), (NODES, NODES)).into_owned());
+            let columns = root.view((at, at), (changes.len() - at, NODES));
+            camera.learn(&offsets, &columns.tr_mul(&columns));
         }
     }
 
