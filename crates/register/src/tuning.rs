@@ -81,15 +81,15 @@ pub const FIRST_TRANSLATION: f64 = 0.05;
 /// twice the time.
 pub const ROUNDS: usize = 24;
 
-/// The first of these rounds, with a quarter of the observations unless they settle sooner. No unit.
-/// Measured: on 40 frames of a depth camera they take a third off the time. Doubled, no round has all
-/// observations.
-pub const FEW_ROUNDS: usize = 12;
-
 /// Change of a motion, over its standard deviation, below which it has settled. No unit.
 /// Chosen by hand: far below what the motion is uncertain by. Doubled, weakly determined motions
 /// stop halfway.
 pub const SETTLED: f64 = 0.05;
+
+/// Angle by which the normals of patches err, in radians. Chosen by hand: noise of 1 mm over patches
+/// 50 mm wide. A direction of motion that normals show by less than this is not determined. Doubled,
+/// the turn of a round part with a few holes counts as unknown.
+pub const NORMAL_ERROR: f64 = 0.02;
 
 /// Share of the last change that each round goes on by. No unit. Theory: where rounds leave 95 % of
 /// an error, this share shrinks it fastest (Polyak, 1964). Doubled, rounds run away.

@@ -174,8 +174,7 @@ impl Patch {
         self.sigma_at(0.0, 0.0) * -self.normal().dot(&self.axes[2])
     }
 
-    /// The unit normal from a plane through the points of this patch and of those around it, unless
-    /// the patch's own normal departs from it by more than noise explains.
+    /// The unit normal from a plane through the points of this patch and of those around it.
     ///
     /// The tilt of a single patch is noisy. As a direction in which two views are compared, it
     /// would let noise pass for knowledge about motions along the surface.
@@ -195,13 +194,7 @@ impl Patch {
         });
         let points: Vec<[f64; 3]> = near.chain([[0.0, 0.0, self.depth[0]]]).collect();
         let Some(plane) = first_order(&points).filter(|_| points.len() > 3) else { return };
-        let steady = Self { depth: plane, ..*self }.slopes();
-        // Of a bent surface that noise hardly tilts, the patch itself knows the slopes better.
-        let tolerance = SAME_SURFACE * 3.0_f64.sqrt() * self.sigma / self.radius;
-        let is_alike = |(steady, own): (&f64, &f64)| (steady - own).abs() <= tolerance;
-        if steady.iter().zip(&self.slopes()).all(is_alike) {
-            self.steady_slopes = steady;
-        }
+        self.steady_slopes = Self { depth: plane, ..*self }.slopes();
     }
 
     /// The slopes of the surface on the middle ray along the first two axes.

@@ -26,6 +26,12 @@ pub struct Portion<'a> {
     half: Option<(usize, ImageSize)>,
 }
 
+impl<'a> From<&'a Pair> for Portion<'a> {
+    fn from(pair: &'a Pair) -> Self {
+        Self { pair, half: None }
+    }
+}
+
 impl<'a> Portion<'a> {
     /// The observations: blocks of two colours, as on a chess board, make the two halves.
     ///

@@ -30,10 +30,11 @@ mod uncertainty;
 
 use crate::coarse::{CoarseView, PosePrior};
 use crate::tuning::{
-    BEFORE_MOMENTUM, BLOCKS, EXACT, FEW_ROUNDS, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION,
-    LEAST_SAMPLES, MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS, SETTLED, SETTLING,
+    BEFORE_MOMENTUM, BLOCKS, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, LEAST_SAMPLES,
+    MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS, SETTLED, SETTLING,
 };
 use camera::Cameras;
+use left_out::Portion;
 use nalgebra::{DMatrix, DVector};
 use pairs::{Pair, Reach, Scene, Spread, State, samples};
 use rayon::prelude::*;
@@ -166,20 +167,13 @@ impl<'a> Rounds<'a> {
         }
         self.cameras.release();
         let estimated = self.scene.views.iter().all(|view| view.prior().is_none());
-        let mut wanted = OBSERVATIONS / 4;
         for round in 0..ROUNDS {
             let momentum = if round < BEFORE_MOMENTUM { 0.0 } else { MOMENTUM };
-            if round == FEW_ROUNDS {
-                wanted = OBSERVATIONS;
-            }
-            self.observe(self.prior, wanted, Spread::Narrow);
+            self.observe(self.prior, OBSERVATIONS, Spread::Narrow);
             let moves = self.step(PRIOR_ROUNDS, momentum).is_some_and(|largest| largest > SETTLED);
             let exact = estimated && self.prior.rotation < EXACT * self.first.rotation;
-            if (exact || !moves) && wanted == OBSERVATIONS {
+            if exact || !moves {
                 break;
-            }
-            if !moves {
-                wanted = OBSERVATIONS;
             }
         }
     }
@@ -259,12 +253,21 @@ impl<'a> Rounds<'a> {
 
     /// What the pairs say, in the parts that judge each other.
     fn systems(&self) -> Vec<System> {
+        let parts = left_out::parts(&self.pairs, &self.scene.views);
+        parts.par_iter().map(|portions| self.system(portions, None)).collect()
+    }
+
+    /// What some pairs say; see [`Ground::doubted`].
+    fn system(&self, portions: &[Portion<'_>], doubted: Option<f64>) -> System {
         let sensors: Vec<Point3> =
             self.poses.iter().map(|p| Point3::from(p.translation.vector)).collect();
-        let ground =
-            Ground { sensors: &sensors, origin: self.scene.origin, cameras: &self.cameras };
-        let parts = left_out::parts(&self.pairs, &self.scene.views);
-        parts.par_iter().map(|portions| System::of(portions, &ground)).collect()
+        let ground = Ground {
+            sensors: &sensors,
+            origin: self.scene.origin,
+            cameras: &self.cameras,
+            doubted,
+        };
+        System::of(portions, &ground)
     }
 
     fn known_before<'b>(&'b self, priors: &'b [PosePrior], moved: &'b [Motion]) -> Before<'b> {

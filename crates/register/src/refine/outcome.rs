@@ -99,8 +99,7 @@ impl Rounds<'_> {
         let weights = unstated.then(|| self.take_out_common_motion(&alone));
         let system = System::sum(&parts);
         let far_off = self.far_off(system.as_ref());
-        let covariances =
-            system.and_then(|system| self.covariances(&system, &far_off, weights.as_deref()));
+        let covariances = self.covariances(weights.as_deref());
         let judged_worse = left_out_pairs.is_none_or(|change| change >= 0.0);
         if judged_worse {
             self.cameras = self.cameras.without_errors();
@@ -162,7 +161,7 @@ impl Rounds<'_> {
 
     /// Median distances of each view's patches from the other views' surfaces at the given and at
     /// the present poses: of the same pairs, found within the same reach.
-    fn residuals(&self) -> [Vec<Option<f64>>; 2] {
+    pub(super) fn residuals(&self) -> [Vec<Option<f64>>; 2] {
         let sound = self.cameras.without_errors();
         let states = [
             State { poses: &self.given, cameras: &sound },

@@ -4,6 +4,7 @@
 use super::camera::{Cameras, NODES};
 use super::left_out::Portion;
 use crate::coarse::PosePrior;
+use crate::tuning::NORMAL_ERROR;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix6, Matrix6xX, Vector6};
 use transect_device::{Isometry3, Point3, Vector3};
 
@@ -31,6 +32,9 @@ pub struct Ground<'a> {
     pub sensors: &'a [Point3],
     pub origin: Point3,
     pub cameras: &'a Cameras,
+    /// The scene's typical distance, where directions count only as far as they are determined by
+    /// more than the errors of normals ([`NORMAL_ERROR`]).
+    pub doubted: Option<f64>,
 }
 
 impl System {
@@ -67,6 +71,11 @@ impl System {
             }
         }
         information.fill_upper_triangle_with_lower_triangle();
+        if let Some(distance) = ground.doubted {
+            let damping = damping(&information, distance);
+            information = damping * information * damping.transpose();
+            crossed = damping * crossed;
+        }
         let at = |view: usize| about(&(ground.sensors[view] - ground.origin));
         let ends = [(pair.a, at(pair.a), 1.0), (pair.b, at(pair.b), -1.0)];
         for (i, at_i, sign_i) in &ends {
@@ -183,6 +192,20 @@ impl Solution {
 pub fn variances(root: &DMatrix<f64>, views: usize) -> Vec<Motion> {
     let variance = |row: usize| root.column(row).norm_squared();
     (0..views).map(|k| Motion::from_fn(|c, _| variance(6 * k + c))).collect()
+}
+
+/// Takes from gradients the directions that a pair determines by no more than the errors of its
+/// normals.
+fn damping(information: &Matrix6<f64>, distance: f64) -> Matrix6<f64> {
+    let units = Motion::new(1.0, 1.0, 1.0, distance, distance, distance);
+    let scale = Matrix6::from_diagonal(&units);
+    let back = Matrix6::from_diagonal(&units.map(f64::recip));
+    let directions = (back * information * back).symmetric_eigen();
+    let floor = NORMAL_ERROR.powi(2) * directions.eigenvalues.max();
+    let share = |value: f64| (value.max(0.0) / (value.max(0.0) + floor)).sqrt();
+    let shares = if floor > 0.0 { directions.eigenvalues.map(share) } else { Motion::zeros() };
+    let vectors = directions.eigenvectors;
+    scale * vectors * Matrix6::from_diagonal(&shares) * vectors.transpose() * back
 }
 
 /// 1 / variance of each component of a motion.

@@ -53,3 +53,19 @@ fn a_motion_within_the_noise_is_not_far_off() {
     let system = System::sum(&rounds.systems());
     assert_eq!(rounds.far_off(system.as_ref()), [false; 4]);
 }
+
+#[test]
+fn residuals_before_and_after_are_of_one_scale() {
+    let copies: Vec<CoarseView> = depth_camera().iter().map(CoarseView::new).collect();
+    let views: Vec<&CoarseView> = copies.iter().collect();
+    let given: Vec<Isometry3> = views.iter().map(|view| *view.world_from_sensor()).collect();
+    let scene = scene(views, &given);
+    let mut rounds = Rounds::new(&scene, given.clone(), &RefineOptions::default(), &[]);
+    rounds.run();
+    let [before, after] = rounds.residuals();
+    assert_ne!(before, after);
+    // Without any motion nothing changes, however close the rounds looked.
+    (rounds.poses, rounds.cameras) = (given, rounds.cameras.without_errors());
+    let [again, stayed] = rounds.residuals();
+    assert!(again.iter().all(Option::is_some) && again == before && stayed == before);
+}

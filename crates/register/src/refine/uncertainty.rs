@@ -3,16 +3,20 @@
 //! **Problem.** The covariance of the estimate says too much and too little. It holds the motion
 //! that all views share, which is taken out of the poses. It shrinks with the prior, which is an
 //! estimate itself: of good poses the prior falls towards zero. And a view that was far off is
-//! brought back only in the directions that its surfaces determine.
+//! brought back only in the directions that its surfaces determine; along a wall, errors of normals
+//! pass for knowledge.
 //!
 //! **Steps.**
-//! 1. The prior is increased by its own standard deviation (from Fisher's information, with the
+//! 1. Directions that a pair determines by no more than the errors of its normals do not count.
+//! 2. The prior is increased by its own standard deviation (from Fisher's information, with the
 //!    variances that the observations alone give).
-//! 2. A view that was far off has a prior of the size of its own motion.
-//! 3. The covariance is that of the motions after the rigid fit to the given poses, which is linear
+//! 3. The prior of a view is as large as its own motion at least: a view that was far off may be as
+//!    far off in the directions that no surface determines.
+//! 4. The covariance is that of the motions after the rigid fit to the given poses, which is linear
 //!    in them.
 
 use super::Rounds;
+use super::left_out::Portion;
 use super::solve::{Motion, System, about};
 use crate::coarse::PosePrior;
 use crate::tuning::PROBES;
@@ -25,12 +29,9 @@ pub(super) type Covariances = Vec<Matrix6<f64>>;
 impl Rounds<'_> {
     /// The covariances. `weights` are those of the views in their rigid fit to the given poses;
     /// `None` where the priors alone hold the whole.
-    pub(super) fn covariances(
-        &self,
-        system: &System,
-        far_off: &[bool],
-        weights: Option<&[f64]>,
-    ) -> Option<Covariances> {
+    pub(super) fn covariances(&self, weights: Option<&[f64]>) -> Option<Covariances> {
+        let portions: Vec<Portion<'_>> = self.pairs.iter().map(Portion::from).collect();
+        let system = &self.system(&portions, Some(self.distance));
         let fit = weights.map(|weights| self.fit(weights));
         let mut prior = self.prior;
         if !self.stated {
@@ -50,11 +51,8 @@ impl Rounds<'_> {
             );
         }
         let mut priors = self.own_or(prior);
-        for ((prior, motion), _) in
-            priors.iter_mut().zip(self.motions()).zip(far_off).filter(|(_, far_off)| **far_off)
-        {
-            let (shift, turn) =
-                (motion.fixed_rows::<3>(0).norm(), motion.fixed_rows::<3>(3).norm());
+        for (prior, motion) in priors.iter_mut().zip(self.motions()) {
+            let [shift, turn] = [0, 3].map(|first| motion.fixed_rows::<3>(first).norm());
             prior.translation = prior.translation.max(shift).max(turn * self.distance);
             prior.rotation = prior.rotation.max(turn).max(shift / self.distance);
         }
