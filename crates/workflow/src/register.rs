@@ -151,3 +151,31 @@ fn lost_offsets(posed: &PosedScan, poses: &[ViewPose]) -> Option<String> {
         )
     })
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests may fail loudly")]
+mod tests {
+    use super::*;
+    use transect_device::{DepthOffsets, Isometry3};
+
+    #[test]
+    fn offsets_that_a_scan_cannot_state_are_told() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("part.conf");
+        std::fs::write(&path, "bmesh a.ply 0 0 0 0 0 0 1\n").unwrap();
+        std::fs::write(folder.path().join("a.ply"), "ply").unwrap();
+        let offsets = DepthOffsets::new(2, 2, vec![1e-3; 4]).unwrap();
+        let pose = |depth_offsets| ViewPose {
+            view: "a.ply".to_owned(),
+            world_from_sensor: Isometry3::identity(),
+            depth_offsets,
+        };
+        let scan = transect_exchange::Scan::open(&path).unwrap();
+        let lost = |poses: &[ViewPose]| {
+            let options = transect_exchange::OpenOptions::default();
+            lost_offsets(&scan.posed(&path, &options, poses, folder.path()).unwrap(), poses)
+        };
+        assert_eq!(lost(&[pose(None)]), None);
+        assert!(lost(&[pose(Some(offsets))]).unwrap().contains("in 1 images"));
+    }
+}
