@@ -6,7 +6,7 @@
 //! **Steps.**
 //! 1. Every view is loaded and dropped; its [`CoarseView`] stays ([`coarse_views`]). Poses that
 //!    agree under another convention, and images in another order, are recognised ([`explain`]).
-//! 2. The poses are refined together ([`refine`]), if that is asked for.
+//! 2. The poses are refined together ([`refine`]), if that is asked for and they are not explained.
 //! 3. What still contradicts is found ([`judge`]).
 //! 4. The pipeline loads every view again and models it at its refined pose.
 
@@ -33,7 +33,8 @@ pub struct PoseReport {
     pub explanation: Option<Explanation>,
     /// What contradicts at the refined poses, or at the given ones if they were kept.
     pub judgement: Judgement,
-    /// The refined poses; `None` if the given ones were kept.
+    /// The refined poses; `None` if the given ones were kept, as those are that another convention
+    /// explains.
     #[serde(flatten)]
     pub refinement: Option<Refinement>,
     /// Whether the images keep the errors of their depth cameras, as those of a store do.
@@ -86,6 +87,8 @@ impl PoseReport {
     ) -> Result<Self, ReconstructError> {
         let mut copies = coarse_views(sources, watch)?;
         let explanation = explain(&copies, |order| reread(sources, order));
+        // Poses that were misread are wrong by more than a refinement finds.
+        let options = options.filter(|_| explanation.is_none());
         let refinement = options.map(|options| refine(&copies, options));
         if let Some(refinement) = &refinement {
             let poses = &refinement.poses;

@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use transect::register::{PoseReading, RefinedPose};
 use transect::{PoseReport, Watch};
-use transect_exchange::{ViewPose, write_file};
+use transect_exchange::{PosedScan, SensorEntry, ViewPose, write_file};
 
 /// The file of the scan with refined poses.
 const SCAN: &str = "scan.json";
@@ -45,7 +45,8 @@ impl OpenScan {
     /// Refines the poses of all views; see [`Settings::prior`](crate::Settings::prior).
     ///
     /// # Errors
-    /// [`WorkflowError`] if the prior is none, or a view cannot be loaded or is implausible.
+    /// [`WorkflowError`] if the prior is none, a view cannot be loaded or is implausible, or the
+    /// poses were read by another convention than they were written.
     pub fn register(
         &self,
         prior: Option<&str>,
@@ -56,6 +57,9 @@ impl OpenScan {
         let options = refine_options(unit, prior)?;
         let views = self.views("", Plausibility::without_planes(unit, accept))?;
         let poses = PoseReport::new(&views, Some(&options), unit, watch)?;
+        if let Some(problem) = poses.misread() {
+            return Err(WorkflowError::file(&self.path, problem));
+        }
         Ok(Registration { notes: poses.notes(), poses, scan: self })
     }
 }
@@ -95,10 +99,11 @@ impl Registration<'_> {
     }
 
     /// Writes the scan with the refined poses and the report into a folder; both appear together.
+    /// Returns the warnings of the report.
     ///
     /// # Errors
     /// [`WorkflowError`] naming the file that cannot be written, or must stay.
-    pub fn write(&self, folder: &Path) -> Result<(), WorkflowError> {
+    pub fn write(&self, folder: &Path) -> Result<Vec<String>, WorkflowError> {
         Self::claim(self.scan, folder)?;
         let staging = Staging::begin(folder)?;
         let of_view = |pose: &RefinedPose| ViewPose {
@@ -111,18 +116,66 @@ impl Registration<'_> {
         let OpenScan { path, options, scan, .. } = self.scan;
         let posed = scan.posed(path, options, &poses, folder)?;
         write_file(&staging.path().join(SCAN), |out| posed.write(out))?;
+        let mut warnings = self.poses.warnings();
+        warnings.extend(lost_offsets(&posed, &poses));
         let report = RegistrationReport {
             tool: "transect",
             version: env!("CARGO_PKG_VERSION"),
             registered: std::path::absolute(path).unwrap_or_else(|_| path.clone()),
             pose_convention: self.scan.reading,
-            warnings: self.poses.warnings(),
+            warnings: warnings.clone(),
             notes: &self.notes,
             reader_notes: &scan.notes,
             poses: &self.poses,
         };
         let write = |out: &mut dyn std::io::Write| Ok(serde_json::to_writer_pretty(out, &report)?);
         write_file(&staging.path().join(REPORT), write)?;
-        staging.commit().map(drop)
+        staging.commit()?;
+        Ok(warnings)
+    }
+}
+
+/// The warning that the written scan does not state the errors of its depth camera.
+fn lost_offsets(posed: &PosedScan, poses: &[ViewPose]) -> Option<String> {
+    let found = poses.iter().filter(|pose| pose.depth_offsets.is_some()).count();
+    let states = |sensor: &SensorEntry| matches!(sensor, SensorEntry::Pinhole(entry) if entry.depth_offsets.is_some());
+    let stated = match posed {
+        PosedScan::Manifest(list) => list.views.iter().filter(|v| states(&v.sensor)).count(),
+        PosedScan::Poses(_) => 0,
+    };
+    (found > stated).then(|| {
+        format!(
+            "scan.json has the refined poses, and not the error that the depth camera makes alike \
+             in {found} images: only pinhole images of a scan.json or a folder can state it. Run \
+             reconstruct SCAN --refine-poses, which corrects the images"
+        )
+    })
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests may fail loudly")]
+mod tests {
+    use super::*;
+    use transect_device::{DepthOffsets, Isometry3};
+
+    #[test]
+    fn offsets_that_a_scan_cannot_state_are_told() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("part.conf");
+        std::fs::write(&path, "bmesh a.ply 0 0 0 0 0 0 1\n").unwrap();
+        std::fs::write(folder.path().join("a.ply"), "ply").unwrap();
+        let offsets = DepthOffsets::new(2, 2, vec![1e-3; 4]).unwrap();
+        let pose = |depth_offsets| ViewPose {
+            view: "a.ply".to_owned(),
+            world_from_sensor: Isometry3::identity(),
+            depth_offsets,
+        };
+        let scan = transect_exchange::Scan::open(&path).unwrap();
+        let lost = |poses: &[ViewPose]| {
+            let options = transect_exchange::OpenOptions::default();
+            lost_offsets(&scan.posed(&path, &options, poses, folder.path()).unwrap(), poses)
+        };
+        assert_eq!(lost(&[pose(None)]), None);
+        assert!(lost(&[pose(Some(offsets))]).unwrap().contains("in 1 images"));
     }
 }

@@ -54,9 +54,9 @@ fn scan(arguments: &Arguments, out: &Path, progress: &Progress) -> Result<(), Fa
     let registered = scan.register(arguments.prior.as_deref(), &arguments.accept.accept, progress);
     progress.finish();
     let registered = registered?;
-    registered.write(out)?;
+    let warnings = registered.write(out)?;
     registered.notes.iter().for_each(|note| eprintln!("note: {note}"));
-    registered.poses.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
+    warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     print_poses(&registered.poses);
     let file = out.join("scan.json");
     say(&format!("\nreconstruct it: transect reconstruct {}", file.display()));

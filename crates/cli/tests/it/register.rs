@@ -120,6 +120,14 @@ fn inspect_names_a_wrong_view_and_the_convention_that_mends_all() {
     });
     let wrong = warnings("scan/inverse.json");
     assert!(wrong.len() == 1 && wrong[0].ends_with("Pass --pose-convention inverse"), "{wrong:?}");
+    // Misread poses are no start for a refinement.
+    let line = "scan/inverse.json --quiet";
+    let refused = ["inverse.json", "Pass --pose-convention inverse"];
+    folder.run(&format!("register {line} --out new")).failed_with(1, &refused);
+    assert!(!folder.path("new/scan.json").exists());
+    let line = format!("reconstruct {line} --refine-poses --no-score --out misread");
+    assert!(folder.run(&line).succeeded().stderr.contains("Pass --pose-convention inverse"));
+    assert!(folder.json("misread/report.json")["poses"]["left_out_pairs"].is_null());
     // The poses are in millimetres, as the scan states, and the images in metres.
     folder.edit_json("scan/scan.json", "scan/images.json", |m| {
         m["views"].as_array_mut().unwrap().iter_mut().for_each(|view| view["scale"] = 0.001.into());
@@ -215,6 +223,11 @@ fn the_views_of_a_store_are_registered_as_those_of_their_scan() {
         .run("reconstruct scan/off.json --refine-poses --no-score --out once --quiet")
         .succeeded();
     assert!(folder.bytes("stored/contours.json") == folder.bytes("once/contours.json"));
+    // Refined poses are not refined again.
+    let again = folder.run("register s.transect --quiet").succeeded();
+    assert_eq!(again.number("views replaced"), 0.0, "{}", again.stdout);
+    let reason = "stay as given: no view would move by more than its standard deviation";
+    assert!(again.stderr.contains(reason), "{}", again.stderr);
     // An image that is not the store's is refused, and nothing changes.
     let other = folder.bytes("scan/range_000.npy");
     folder.write("scan/range_001.npy", other);

@@ -184,6 +184,12 @@ impl CoarseView {
         &self.world_from_sensor
     }
 
+    /// The place of the view among the views of a scan, whatever order they come in: by name, and
+    /// views of one name by the bits of their poses.
+    pub(crate) fn rank(&self) -> (String, [[u64; 4]; 4]) {
+        (self.name.clone(), self.world_from_sensor.to_homogeneous().map(f64::to_bits).data.0)
+    }
+
     /// Rows and columns of cells.
     pub fn size(&self) -> ImageSize {
         self.size
@@ -219,7 +225,7 @@ impl CoarseView {
     }
 
     /// The ray that stands for those of all pixels of a cell.
-    fn ray(&self, cell: usize) -> Option<Ray> {
+    pub(crate) fn ray(&self, cell: usize) -> Option<Ray> {
         let (row, col) = self.cells.get(cell)?.seen?.middle;
         match &self.lookup {
             Lookup::Inverse(frame) => frame.ray(Pixel::new(

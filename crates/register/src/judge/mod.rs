@@ -149,7 +149,7 @@ pub enum RegionKind {
 /// on the order of the views.
 pub fn judge(views: &[CoarseView]) -> Judgement {
     let mut sorted: Vec<&CoarseView> = views.iter().collect();
-    sorted.sort_by(|a, b| a.name().cmp(b.name()).then_with(|| place(a).total_cmp(&place(b))));
+    sorted.sort_by_cached_key(|view| view.rank());
     let evidence = Evidence::new(&sorted);
     let table = evidence.table();
     let mut blamed = table.blamed();
@@ -179,12 +179,6 @@ pub fn judge(views: &[CoarseView]) -> Judgement {
     };
     let usual_distance = evidence.usual;
     Judgement { findings, views: (0..n).map(agreement).collect(), usual_distance }
-}
-
-/// A number that orders views of one name.
-fn place(view: &CoarseView) -> f64 {
-    let pose = view.world_from_sensor();
-    pose.translation.vector.sum() + pose.rotation.coords.sum()
 }
 
 /// Whether the contradictions of a blamed view lie in its regions, and most of it agrees.

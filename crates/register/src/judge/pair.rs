@@ -101,9 +101,10 @@ fn sample(
     let point = own.to_world(&probe.point);
     let normal = own.world_from_sensor * probe.normal;
     let at = there.to_sensor(&point);
+    let other_cell = other.cell_of(&at)?;
     let found = Sample {
         cell: probe.cell,
-        other_cell: other.cell_of(&at)?,
+        other_cell,
         point,
         normal,
         distance: 0.0,
@@ -125,7 +126,8 @@ fn sample(
     });
     met.or_else(|| {
         let Sighting::InFront(depth) = other.sighting(&at) else { return None };
-        let ray = (there.world_from_sensor * at.coords).try_normalize(0.0)?;
+        // Rays need not start in the origin of the sensor frame.
+        let ray = there.world_from_sensor * other.ray(other_cell)?.direction;
         Some(Sample { distance: depth * there.scale * ray.dot(&normal).abs(), ..found })
     })
 }

@@ -19,6 +19,7 @@
 use crate::CoarseView;
 use crate::tuning::{CAMERA_GRID, EXACT, FIRST_CAMERA_ERROR};
 use nalgebra::{DMatrix, DVector, DVectorView};
+use std::sync::Arc;
 use transect_device::{DepthOffsets, ImageSize, Nodes, Point3};
 
 const ROWS: usize = CAMERA_GRID.0;
@@ -43,7 +44,10 @@ pub struct Camera {
 #[derive(Debug, Clone)]
 pub struct Cameras {
     pub list: Vec<Camera>,
-    of_view: Vec<Option<(usize, ImageSize)>>,
+    /// The number of each view's camera.
+    of_view: Vec<Option<usize>>,
+    /// For each camera, the nodes around every cell of its images.
+    around: Arc<Vec<Vec<Nodes>>>,
 }
 
 impl Cameras {
@@ -60,12 +64,28 @@ impl Cameras {
             }
         }
         let number = |key: &Option<_>| shared.iter().position(|shared| shared == key);
-        let of_view = keys.iter().zip(views).map(|(key, view)| Some((number(key)?, view.size())));
+        let of_view: Vec<Option<usize>> = keys.iter().map(number).collect();
+        let sizes = (0..shared.len()).map(|camera| {
+            let view = of_view.iter().position(|of_view| *of_view == Some(camera));
+            view.and_then(|k| views.get(k)).map(|view| view.size())
+        });
+        let around =
+            sizes.enumerate().map(|(k, size)| size.map_or_else(Vec::new, |s| around(k, s)));
+        let around = Arc::new(around.collect());
         let first = (distance / FIRST_CAMERA_ERROR).powi(2);
         let offsets = DVector::zeros(NODES);
         let sound = first / EXACT.powi(2);
         let camera = Camera { offsets, own: sound, step: sound, first, sound };
-        Self { of_view: of_view.collect(), list: vec![camera; shared.len()] }
+        Self { of_view, around, list: vec![camera; shared.len()] }
+    }
+
+    /// The cameras as if they did not err.
+    pub fn without_errors(&self) -> Self {
+        let mut sound = self.clone();
+        for camera in &mut sound.list {
+            (camera.offsets, camera.own) = (DVector::zeros(NODES), camera.sound);
+        }
+        sound
     }
 
     /// The number of unknowns.
@@ -75,11 +95,7 @@ impl Cameras {
 
     /// The nodes around a cell of a view, numbered over all cameras; `None` for other sensors.
     pub fn nodes(&self, view: usize, cell: usize) -> Option<Nodes> {
-        let (camera, size) = (*self.of_view.get(view)?)?;
-        let share = |k: usize, n: usize| (k as f64 + 0.5) / n as f64;
-        let (row, col) = (share(cell / size.cols, size.rows), share(cell % size.cols, size.cols));
-        let nodes = DepthOffsets::nodes(ROWS, COLS, row, col);
-        Some(nodes.map(|(node, weight)| (camera * NODES + node, weight)))
+        self.around.get((*self.of_view.get(view)?)?)?.get(cell).copied()
     }
 
     /// A point of a view without the error of its camera.
@@ -113,23 +129,35 @@ impl Cameras {
         }
     }
 
-    /// Learns how large the offsets are, from the changes of all unknowns and their covariance; the
-    /// offsets are the last unknowns.
-    pub fn learn(&mut self, changes: &DVector<f64>, covariance: &DMatrix<f64>) {
+    /// Learns how large the offsets are, from the changes of all unknowns and the
+    /// [`Solution::root`](super::solve::Solution::root); the offsets are the last unknowns.
+    pub fn learn(&mut self, changes: &DVector<f64>, root: &DMatrix<f64>) {
         let first = changes.len() - self.unknowns();
         for (k, camera) in self.list.iter_mut().enumerate() {
             let at = first + NODES * k;
             let offsets = &camera.offsets + changes.rows(at, NODES);
-            camera.learn(&offsets, &covariance.view((at, at), (NODES, NODES)).into_owned());
+            let columns = root.view((at, at), (changes.len() - at, NODES));
+            camera.learn(&offsets, &columns.tr_mul(&columns));
         }
     }
 
     /// The offsets of a view's camera that the images tell from zero; `None` for a sound camera.
     pub fn of_view(&self, view: usize) -> Option<DepthOffsets> {
-        let (camera, _) = (*self.of_view.get(view)?)?;
+        let camera = (*self.of_view.get(view)?)?;
         let camera = self.list.get(camera).filter(|camera| camera.own < camera.sound)?;
         DepthOffsets::new(ROWS, COLS, camera.offsets.iter().copied().collect()).ok()
     }
+}
+
+/// The nodes around every cell of the images of a camera, numbered over all cameras.
+fn around(camera: usize, size: ImageSize) -> Vec<Nodes> {
+    let share = |k: usize, n: usize| (k as f64 + 0.5) / n as f64;
+    let of_cell = |cell: usize| {
+        let (row, col) = (share(cell / size.cols, size.rows), share(cell % size.cols, size.cols));
+        let nodes = DepthOffsets::nodes(ROWS, COLS, row, col);
+        nodes.map(|(node, weight)| (camera * NODES + node, weight))
+    };
+    (0..size.pixels()).map(of_cell).collect()
 }
 
 impl Camera {

@@ -30,8 +30,9 @@ impl OfView {
     }
 }
 
-/// The motion that takes the refined surfaces of most views to the given ones.
-pub(super) fn common_motion(views: &[OfView]) -> Isometry3 {
+/// The motion that takes the refined surfaces of most views to the given ones, and the weights of
+/// the views.
+pub(super) fn common_motion(views: &[OfView]) -> (Isometry3, Vec<f64>) {
     let mut weights = vec![1.0; views.len()];
     let mut motion = rigid_fit(views, &weights);
     for _ in 0..COMMON_ROUNDS {
@@ -46,7 +47,7 @@ pub(super) fn common_motion(views: &[OfView]) -> Isometry3 {
         weights = distances.iter().map(weight).collect();
         motion = rigid_fit(views, &weights);
     }
-    motion
+    (motion, weights)
 }
 
 /// The rigid motion of least squares.
@@ -98,10 +99,10 @@ mod tests {
         let common = Isometry3::new(Vector3::new(0.02, -0.01, 0.03), Vector3::new(0.0, 0.01, 0.02));
         let small = |k: usize| Isometry3::translation(1e-4 * (k as f64).sin(), 1e-4, 0.0);
         let mut own: Vec<Isometry3> = (0..12).map(small).collect();
-        let mean = common_motion(&views(&own, &common)) * common;
+        let mean = common_motion(&views(&own, &common)).0 * common;
         assert!(mean.translation.vector.norm() < 3e-4, "{mean}");
         own[5] = Isometry3::new(Vector3::new(0.5, 0.0, 0.0), Vector3::new(0.0, 0.0, 0.2));
-        let left = common_motion(&views(&own, &common)) * common;
+        let left = common_motion(&views(&own, &common)).0 * common;
         assert!(left.translation.vector.norm() < 1e-3, "{left}");
         assert!(left.rotation.angle() < 1e-3, "{left}");
     }

@@ -26,13 +26,15 @@ mod pairs;
 mod solve;
 #[cfg(test)]
 mod tests;
+mod uncertainty;
 
 use crate::coarse::{CoarseView, PosePrior};
 use crate::tuning::{
-    BEFORE_MOMENTUM, BLOCKS, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, MOMENTUM,
-    MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, PROBES, ROUNDS, SETTLED, SETTLING,
+    BEFORE_MOMENTUM, BLOCKS, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, LEAST_SAMPLES,
+    MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS, SETTLED, SETTLING,
 };
 use camera::Cameras;
+use left_out::Portion;
 use nalgebra::{DMatrix, DVector};
 use pairs::{Pair, Reach, Scene, Spread, State, samples};
 use rayon::prelude::*;
@@ -58,11 +60,7 @@ pub struct RefineOptions {
 pub fn refine(views: &[CoarseView], options: &RefineOptions) -> Refinement {
     // Sums depend on their order, so the views are taken in an order of their own.
     let mut order: Vec<usize> = (0..views.len()).collect();
-    let key = |k: usize| {
-        let pose = views.get(k).map(|v| v.world_from_sensor().to_homogeneous());
-        (views.get(k).map(|v| v.name().to_owned()), pose.map(|p| p.map(f64::to_bits).data.0))
-    };
-    order.sort_by_cached_key(|k| key(*k));
+    order.sort_by_cached_key(|k| views.get(*k).map(CoarseView::rank));
     let sorted: Vec<&CoarseView> = order.iter().filter_map(|k| views.get(*k)).collect();
     let mut refinement = refine_sorted(sorted, options);
     let mut poses: Vec<_> = order.into_iter().zip(refinement.poses).collect();
@@ -110,14 +108,9 @@ struct Rounds<'a> {
     stated: bool,
     cameras: Cameras,
     candidates: Vec<(usize, usize)>,
-    /// The pairs at the given poses, for the report.
-    before: Vec<Pair>,
     pairs: Vec<Pair>,
     independent: f64,
     last_change: DVector<f64>,
-    variances: Vec<Motion>,
-    /// The same of each view if all others stay where they are.
-    variances_alone: Vec<Motion>,
 }
 
 impl<'a> Rounds<'a> {
@@ -157,12 +150,9 @@ impl<'a> Rounds<'a> {
             stated: stated.is_some(),
             cameras,
             candidates,
-            before: Vec::new(),
             pairs: Vec::new(),
             independent: 0.0,
             last_change,
-            variances: Vec::new(),
-            variances_alone: Vec::new(),
         }
     }
 
@@ -171,9 +161,6 @@ impl<'a> Rounds<'a> {
         for round in 0..SETTLING {
             let spread = if round < SETTLING / 2 { Spread::Wide } else { Spread::Narrow };
             self.observe(self.first, OBSERVATIONS / 4, spread);
-            if round == 0 {
-                self.before = self.pairs.clone();
-            }
             if self.step(0, 0.0).is_none() {
                 return;
             }
@@ -193,15 +180,25 @@ impl<'a> Rounds<'a> {
 
     /// Finds the meetings at the poses as they are, about as many as wanted.
     fn observe(&mut self, reach: PosePrior, wanted: usize, spread: Spread) {
+        let state = State { poses: &self.poses, cameras: &self.cameras };
+        self.pairs = self.observed(state, reach, wanted, spread);
+    }
+
+    fn observed(
+        &self,
+        state: State<'_>,
+        reach: PosePrior,
+        wanted: usize,
+        spread: Spread,
+    ) -> Vec<Pair> {
         // Gates of the prior alone would shrink with it. Patches beyond them could no longer show
         // that poses err, and the next prior would be smaller still.
         let unexplained = median(self.pairs.iter().map(|pair| pair.excess)).unwrap_or(0.0);
         let PosePrior { rotation, translation } = reach;
         let reach = Reach { rotation, translation, unexplained };
         // Views of one scene share about half of what they see.
-        let most = (2 * wanted / self.candidates.len().max(1)).max(PROBES);
-        let state = State { poses: &self.poses, cameras: &self.cameras };
-        self.pairs = self.scene.observe_all(&self.candidates, state, reach, most, spread);
+        let most = (2 * wanted / self.candidates.len().max(1)).max(LEAST_SAMPLES);
+        self.scene.observe_all(&self.candidates, state, reach, most, spread)
     }
 
     /// Moves all views once, after some updates of the priors. Tells the largest change that the
@@ -217,28 +214,27 @@ impl<'a> Rounds<'a> {
             system.solve(rounds.independent, &rounds.known_before(&rounds.priors(), &so_far))
         };
         let mut solution = solve(self)?;
-        let mut covariance = solution.covariance();
+        let mut root = solution.root();
         for _ in 0..prior_rounds {
-            self.learn(&so_far, &solution, &covariance);
+            self.learn(&so_far, &solution, &root);
             solution = solve(self)?;
-            covariance = solution.covariance();
+            root = solution.root();
         }
-        self.variances = variances(&covariance, so_far.len());
-        self.variances_alone =
-            (0..so_far.len()).map(|k| solution.variances_alone(k)).collect::<Option<_>>()?;
-        let sizes = solution.unknowns.component_div(&covariance.diagonal().map(f64::sqrt));
+        let variances = variances(&root, so_far.len()).into_iter().enumerate();
+        let sizes = variances.map(|(k, v)| solution.motion(k).component_div(&v.map(f64::sqrt)));
+        let largest = sizes.map(|size| size.amax()).fold(0.0, f64::max);
         self.change(solution.unknowns, momentum);
-        Some(sizes.rows(0, 6 * so_far.len()).amax())
+        Some(largest)
     }
 
     /// Learns how large the errors of poses and cameras are.
-    fn learn(&mut self, so_far: &[Motion], solution: &Solution, covariance: &DMatrix<f64>) {
-        self.cameras.learn(&solution.unknowns, covariance);
+    fn learn(&mut self, so_far: &[Motion], solution: &Solution, root: &DMatrix<f64>) {
+        self.cameras.learn(&solution.unknowns, root);
         if self.stated {
             return;
         }
         let total = so_far.iter().enumerate().map(|(k, moved)| moved + solution.motion(k));
-        let variances = variances(covariance, so_far.len());
+        let variances = variances(root, so_far.len());
         let of_views = self.scene.views.iter().zip(total.zip(variances));
         let unstated = of_views.filter(|(view, _)| view.prior().is_none());
         let (moved, variances): (Vec<Motion>, Vec<Motion>) = unstated.map(|(_, v)| v).unzip();
@@ -257,12 +253,21 @@ impl<'a> Rounds<'a> {
 
     /// What the pairs say, in the parts that judge each other.
     fn systems(&self) -> Vec<System> {
+        let parts = left_out::parts(&self.pairs, &self.scene.views);
+        parts.par_iter().map(|portions| self.system(portions, None)).collect()
+    }
+
+    /// What some pairs say; see [`Ground::doubted`].
+    fn system(&self, portions: &[Portion<'_>], doubted: Option<f64>) -> System {
         let sensors: Vec<Point3> =
             self.poses.iter().map(|p| Point3::from(p.translation.vector)).collect();
-        let ground =
-            Ground { sensors: &sensors, origin: self.scene.origin, cameras: &self.cameras };
-        let parts = left_out::parts(&self.pairs);
-        parts.into_par_iter().map(|pairs| System::of(pairs, &ground)).collect()
+        let ground = Ground {
+            sensors: &sensors,
+            origin: self.scene.origin,
+            cameras: &self.cameras,
+            doubted,
+        };
+        System::of(portions, &ground)
     }
 
     fn known_before<'b>(&'b self, priors: &'b [PosePrior], moved: &'b [Motion]) -> Before<'b> {

@@ -2,10 +2,12 @@
 
 use super::Rounds;
 use super::common_motion::{OfView, common_motion};
-use super::pairs::{Pair, Sample};
-use super::solve::{Motion, motion_between};
+use super::pairs::{Pair, Sample, Spread, State};
+use super::solve::{Motion, System, motion_between};
+use super::uncertainty::{Covariances, is_within, sigma};
 use crate::coarse::PosePrior;
-use crate::tuning::{FAR_OFF, GATE, MISPLACED, PROBES};
+use crate::tuning::{FAR_OFF, GATE, MISPLACED, OBSERVATIONS, PROBES};
+use std::collections::BTreeSet;
 use transect_device::{DepthOffsets, Isometry3, Point3, Vector3};
 
 /// What became of the pose of a view.
@@ -16,7 +18,8 @@ pub enum PoseOutcome {
     Refined,
     /// It was farther off than the prior explains, and the other views brought it back.
     BroughtBack,
-    /// It stays as given: pairs that were left out of the estimate do not agree better.
+    /// It stays as given: observations that were left out of the estimate do not agree better, or
+    /// no view moves by more than its standard deviation.
     Kept,
     /// It stays as given: no other view sees enough of the same surfaces.
     Alone,
@@ -37,12 +40,13 @@ pub struct RefinedPose {
     pub rotation: f64,
     /// Distance that the middle of the view's surface moved, in the model's length unit.
     pub translation: f64,
-    /// Standard deviations of the refined pose, common motions of all views left out.
+    /// Standard deviations of the refined pose after the rigid fit of all views to the given ones.
+    /// What no other view determines has that of the given pose.
     pub sigma: PosePrior,
     /// Median distance of the view's patches from the other views' surfaces at the given poses, in
     /// the model's length unit; `None` without overlap.
     pub residual_before: Option<f64>,
-    /// The same at the refined poses.
+    /// The same at the refined poses, from the same pairs of views.
     pub residual_after: Option<f64>,
     /// The error of the view's depth camera, which its images must lose at the refined pose;
     /// `None` for other sensors, and for a camera without a visible error.
@@ -58,7 +62,8 @@ pub struct Refinement {
     /// How far the given poses were taken to be wrong, of views that do not state their own.
     pub prior: PosePrior,
     /// Change of the squared distances of the pairs that were left out of the estimate, as a share:
-    /// -0.5 is half of them. `None` if there was one pair only.
+    /// -0.5 is half of them. Of pairs that alone hold their views, halves are left out. `None` if no
+    /// views overlap.
     pub left_out_pairs: Option<f64>,
     /// Median distance of the patches from their sensors, in the model's length unit.
     pub distance: f64,
@@ -73,8 +78,7 @@ impl Rounds<'_> {
     /// The view that fits the others worst, if it is misplaced: far worse than the others and than
     /// its noise explains, and hardly better than at its given pose.
     pub(super) fn worst_view(&self) -> Option<usize> {
-        let before = medians(&self.before, self.given.len());
-        let after = medians(&self.pairs, self.given.len());
+        let [before, after] = self.residuals();
         let typical = median(after.iter().flatten().copied())?;
         let views = before.iter().zip(&after).enumerate();
         let misplaced = views.filter_map(|(k, (before, after))| {
@@ -86,44 +90,94 @@ impl Rounds<'_> {
     }
 
     pub(super) fn finish(mut self, misplaced: &[usize]) -> Refinement {
-        let left_out_pairs = self.left_out();
+        let parts = self.systems();
+        let left_out_pairs = self.left_out(&parts);
         let unpaired = |k: usize| self.pairs.iter().all(|p| p.a != k && p.b != k);
         let alone: Vec<bool> = (0..self.given.len()).map(unpaired).collect();
-        let keeps = left_out_pairs.is_some_and(|change| change >= 0.0);
+        // Where views state how exact their poses are, the most exact ones hold the whole.
+        let unstated = self.scene.views.iter().all(|view| view.prior().is_none());
+        let weights = unstated.then(|| self.take_out_common_motion(&alone));
+        let system = System::sum(&parts);
+        let far_off = self.far_off(system.as_ref());
+        let covariances = self.covariances(weights.as_deref());
+        let judged_worse = left_out_pairs.is_none_or(|change| change >= 0.0);
+        if judged_worse {
+            self.cameras = self.cameras.without_errors();
+        }
+        let keeps = judged_worse || covariances.as_ref().is_some_and(|c| self.is_settled(c));
         if keeps {
             self.poses = self.given.clone();
-        } else if self.scene.views.iter().all(|view| view.prior().is_none()) {
-            // Where views state how exact their poses are, the most exact ones hold the whole.
-            self.take_out_common_motion(&alone);
         }
-        let turned: Vec<f64> = self.motions().iter().map(|m| m.fixed_rows::<3>(3).norm()).collect();
-        let typical = median(turned.iter().copied()).unwrap_or(0.0);
-        let before = medians(&self.before, self.given.len());
-        let after = if keeps { before.clone() } else { medians(&self.pairs, self.given.len()) };
-        let apart = median(after.iter().flatten().copied()).unwrap_or(0.0);
-        // What images and poses are uncertain by moves no view far off.
-        let far_off = |k: usize| {
-            let moved = self.surface_moves(&motion_between(&self.given[k], &self.poses[k]));
-            turned[k] > FAR_OFF * typical && moved > GATE * apart.hypot(self.uncertainty(k))
-        };
         let outcome = |k: usize| match () {
             () if misplaced.contains(&k) => PoseOutcome::Misplaced,
             () if alone[k] => PoseOutcome::Alone,
             () if keeps => PoseOutcome::Kept,
-            () if far_off(k) => PoseOutcome::BroughtBack,
+            () if far_off[k] => PoseOutcome::BroughtBack,
             () => PoseOutcome::Refined,
         };
-        let offsets = |k: usize| self.cameras.of_view(k).filter(|_| !keeps);
-        let pose = |k: usize| RefinedPose {
-            depth_offsets: offsets(k),
-            ..self.refined_pose(k, outcome(k), before[k], after[k])
+        let [before, after] = self.residuals();
+        let pose = |k: usize| {
+            let (rotation, translation) = self.moved_by(k);
+            RefinedPose {
+                view: self.scene.views[k].name().to_owned(),
+                world_from_sensor: self.poses[k],
+                outcome: outcome(k),
+                rotation,
+                translation,
+                sigma: covariances.as_ref().map_or(self.priors()[k], |c| sigma(&c[k])),
+                residual_before: before[k],
+                residual_after: after[k],
+                depth_offsets: self.cameras.of_view(k),
+            }
         };
         let poses = (0..self.given.len()).map(pose).collect();
         Refinement { poses, prior: self.prior, left_out_pairs, distance: self.distance }
     }
 
-    /// Moves all views together, so that their surfaces stay at the given place as a whole.
-    fn take_out_common_motion(&mut self, alone: &[bool]) {
+    /// Whether no view moves by more than it is uncertain by. Another refinement of refined poses
+    /// would move them by the last steps of its rounds.
+    fn is_settled(&self, covariances: &Covariances) -> bool {
+        self.motions().iter().zip(covariances).all(|(motion, c)| is_within(motion, c))
+    }
+
+    /// Which views turned far more than most, and moved by more than their images and poses are
+    /// uncertain by.
+    pub(super) fn far_off(&self, system: Option<&System>) -> Vec<bool> {
+        let motions = self.motions();
+        let turned = |motion: &Motion| motion.fixed_rows::<3>(3).norm();
+        let typical = median(motions.iter().map(turned)).unwrap_or(0.0);
+        let apart = median(medians(&self.pairs, self.given.len()).into_iter().flatten());
+        let apart = apart.unwrap_or(0.0);
+        let priors = self.priors();
+        let is_far_off = |(k, motion): (usize, &Motion)| {
+            let alone = |system: &System| system.variances_alone(k, self.independent, &priors[k]);
+            let variances = system.map_or_else(Motion::zeros, alone);
+            let uncertain = self.surface_moves(&variances.map(f64::sqrt)).hypot(self.noise(k));
+            let allowed = GATE * apart.hypot(uncertain);
+            turned(motion) > FAR_OFF * typical && self.surface_moves(motion) > allowed
+        };
+        motions.iter().enumerate().map(is_far_off).collect()
+    }
+
+    /// Median distances of each view's patches from the other views' surfaces at the given and at
+    /// the present poses: of the same pairs, found within the same reach.
+    pub(super) fn residuals(&self) -> [Vec<Option<f64>>; 2] {
+        let sound = self.cameras.without_errors();
+        let states = [
+            State { poses: &self.given, cameras: &sound },
+            State { poses: &self.poses, cameras: &self.cameras },
+        ];
+        let observe = |s| self.observed(s, self.first, OBSERVATIONS / 4, Spread::Narrow);
+        let mut pairs = states.map(observe);
+        let ends = |pairs: &[Pair]| pairs.iter().map(|p| (p.a, p.b)).collect::<BTreeSet<_>>();
+        let both = &ends(&pairs[0]) & &ends(&pairs[1]);
+        pairs.iter_mut().for_each(|pairs| pairs.retain(|p| both.contains(&(p.a, p.b))));
+        pairs.map(|pairs| medians(&pairs, self.given.len()))
+    }
+
+    /// Moves all views together, so that their surfaces stay at the given place as a whole. Returns
+    /// the weights of the views.
+    fn take_out_common_motion(&mut self, alone: &[bool]) -> Vec<f64> {
         let places = |k: usize, pose: &Isometry3| -> Vec<Point3> {
             self.scene.samples[k].iter().take(PROBES).map(|s| pose * s.in_sensor).collect()
         };
@@ -131,10 +185,16 @@ impl Rounds<'_> {
         let views: Vec<OfView> = paired
             .map(|k| OfView { from: places(k, &self.poses[k]), to: places(k, &self.given[k]) })
             .collect();
-        let back = common_motion(&views);
-        for (pose, _) in self.poses.iter_mut().zip(alone).filter(|(_, alone)| !**alone) {
+        let (back, weights) = common_motion(&views);
+        let mut weights = weights.into_iter();
+        let mut of_view = |(pose, alone): (&mut Isometry3, &bool)| {
+            if *alone {
+                return 0.0;
+            }
             *pose = back * *pose;
-        }
+            weights.next().unwrap_or(0.0)
+        };
+        self.poses.iter_mut().zip(alone).map(&mut of_view).collect()
     }
 
     /// How far a motion moves the surface that a view sees at the scene's typical distance.
@@ -142,40 +202,17 @@ impl Rounds<'_> {
         motion.fixed_rows::<3>(0).norm() + motion.fixed_rows::<3>(3).norm() * self.distance
     }
 
-    /// Standard deviation of the place of a view's surface against the other views.
-    fn uncertainty(&self, k: usize) -> f64 {
-        let variances = self.variances_alone.get(k);
-        let motion = variances.map_or(0.0, |v| self.surface_moves(&v.map(f64::sqrt)));
-        motion.hypot(self.noise(k))
-    }
-
     /// Median noise of a view's patches.
     fn noise(&self, k: usize) -> f64 {
         median(self.scene.samples[k].iter().map(|s| s.sigma)).unwrap_or(0.0)
     }
 
-    fn refined_pose(
-        &self,
-        k: usize,
-        outcome: PoseOutcome,
-        residual_before: Option<f64>,
-        residual_after: Option<f64>,
-    ) -> RefinedPose {
+    /// Angle, and distance of the middle of a view's surface, between its given and present poses.
+    fn moved_by(&self, k: usize) -> (f64, f64) {
         let (given, pose) = (self.given[k], self.poses[k]);
         let middle = middle(&self.scene.samples[k]);
-        let variance = self.variances.get(k).copied().unwrap_or_else(Motion::zeros);
-        let sigma = |first: usize| (variance.rows(first, 3).sum() / 3.0).sqrt();
-        RefinedPose {
-            view: self.scene.views[k].name().to_owned(),
-            world_from_sensor: pose,
-            outcome,
-            rotation: motion_between(&given, &pose).fixed_rows::<3>(3).norm(),
-            translation: (given * middle - pose * middle).norm(),
-            sigma: PosePrior { rotation: sigma(3), translation: sigma(0) },
-            residual_before,
-            residual_after,
-            depth_offsets: None,
-        }
+        let turned = motion_between(&given, &pose).fixed_rows::<3>(3).norm();
+        (turned, (given * middle - pose * middle).norm())
     }
 }
 

@@ -2,9 +2,11 @@
 
 use super::camera::Cameras;
 use crate::CoarseView;
-use crate::tuning::{ALIKE_DEGREES, GATE, LEAST_MEETINGS, PROBES};
+use crate::tuning::{ALIKE_DEGREES, GATE, LEAST_MEETINGS, PARTNERS, PROBES};
 use nalgebra::Vector6;
 use rayon::prelude::*;
+use std::cmp::Reverse;
+use std::collections::BTreeSet;
 use transect_device::{Isometry3, Point3, Vector3};
 
 /// A patch as an observation.
@@ -91,16 +93,28 @@ pub struct State<'a> {
 }
 
 impl Scene<'_> {
-    /// The ordered pairs of views that may overlap.
+    /// The ordered pairs of views that may overlap: of each view, those with most of its surface in
+    /// common.
     pub fn pairs(&self, state: State<'_>, reach: Reach) -> Vec<(usize, usize)> {
         let n = self.views.len();
-        let all: Vec<_> = (0..n).flat_map(|b| (0..n).map(move |a| (a, b))).collect();
-        let meets = |&(a, b): &(usize, usize)| {
-            let probes = self.samples.get(a).map_or(0, |s| s.len().min(PROBES));
-            let probing = self.first_samples(a, PROBES);
-            a != b && self.observe(&probing, (a, b), state, reach).len() * 50 >= probes.max(50)
+        let probes: Vec<Vec<Sample>> =
+            (0..n).into_par_iter().map(|a| self.first_samples(a, PROBES)).collect();
+        let common = |k: usize| {
+            let (a, b) = (k % n, k / n);
+            let Some(probes) = probes.get(a).filter(|_| a != b) else { return 0 };
+            let met = self.observe(probes, (a, b), state, reach).len();
+            if met * 50 >= probes.len().max(50) { met } else { 0 }
         };
-        all.into_par_iter().filter(meets).collect()
+        let common: Vec<usize> = (0..n * n).into_par_iter().map(common).collect();
+        let both = |a: usize, b: usize| common[b * n + a] + common[a * n + b];
+        let partners = |a: usize| {
+            let mut others: Vec<usize> = (0..n).filter(|&b| both(a, b) > 0).collect();
+            others.sort_by_key(|&b| (Reverse(both(a, b)), b));
+            others.into_iter().take(PARTNERS).collect()
+        };
+        let partners: Vec<BTreeSet<usize>> = (0..n).map(partners).collect();
+        let all = (0..n * n).filter(|&k| common[k] > 0).map(|k| (k % n, k / n));
+        all.filter(|(a, b)| partners[*a].contains(b) || partners[*b].contains(a)).collect()
     }
 
     /// The observations of the given pairs at the given poses.

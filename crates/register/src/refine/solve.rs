@@ -2,8 +2,9 @@
 //! far poses may be wrong.
 
 use super::camera::{Cameras, NODES};
-use super::pairs::Pair;
+use super::left_out::Portion;
 use crate::coarse::PosePrior;
+use crate::tuning::NORMAL_ERROR;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix6, Matrix6xX, Vector6};
 use transect_device::{Isometry3, Point3, Vector3};
 
@@ -31,26 +32,30 @@ pub struct Ground<'a> {
     pub sensors: &'a [Point3],
     pub origin: Point3,
     pub cameras: &'a Cameras,
+    /// The scene's typical distance, where directions count only as far as they are determined by
+    /// more than the errors of normals ([`NORMAL_ERROR`]).
+    pub doubted: Option<f64>,
 }
 
 impl System {
     /// What pairs say.
-    pub fn of<'a>(pairs: impl IntoIterator<Item = &'a Pair>, ground: &Ground<'_>) -> Self {
+    pub fn of(portions: &[Portion<'_>], ground: &Ground<'_>) -> Self {
         let n = 6 * ground.sensors.len() + ground.cameras.unknowns();
         let (matrix, right) = (DMatrix::zeros(n, n), DVector::zeros(n));
         let mut system = Self { matrix, right, square: 0.0 };
-        for pair in pairs {
-            system.add(pair, ground);
+        for portion in portions {
+            system.add(portion, ground);
         }
         system
     }
 
-    fn add(&mut self, pair: &Pair, ground: &Ground<'_>) {
+    fn add(&mut self, portion: &Portion<'_>, ground: &Ground<'_>) {
+        let pair = portion.pair;
         let (mut information, mut force) = (Matrix6::zeros(), Vector6::zeros());
         let cameras = ground.cameras.unknowns();
         let mut crossed = Matrix6xX::zeros(cameras);
         let first = 6 * ground.sensors.len();
-        for o in &pair.observations {
+        for o in portion.observations() {
             let weight = pair.weight(o) * o.share;
             information.syger(weight, &o.gradient, &o.gradient, 1.0);
             force.axpy(weight * o.distance, &o.gradient, 1.0);
@@ -66,6 +71,11 @@ impl System {
             }
         }
         information.fill_upper_triangle_with_lower_triangle();
+        if let Some(distance) = ground.doubted {
+            let damping = damping(&information, distance);
+            information = damping * information * damping.transpose();
+            crossed = damping * crossed;
+        }
         let at = |view: usize| about(&(ground.sensors[view] - ground.origin));
         let ends = [(pair.a, at(pair.a), 1.0), (pair.b, at(pair.b), -1.0)];
         for (i, at_i, sign_i) in &ends {
@@ -105,6 +115,14 @@ impl System {
         let (lower, diagonal) = (unknowns.dot(&(&m * unknowns)), m.diagonal());
         let on = diagonal.component_mul(unknowns).dot(unknowns);
         self.square - 2.0 * self.right.dot(unknowns) + 2.0 * lower - on
+    }
+
+    /// Variances of the motion of a view if everything else stays where it is. They leave out the
+    /// motion that all views share.
+    pub fn variances_alone(&self, view: usize, independent: f64, prior: &PosePrior) -> Motion {
+        let own = self.matrix.fixed_view::<6, 6>(6 * view, 6 * view) * independent;
+        let information = own + Matrix6::from_diagonal(&Motion::from(strength(prior)));
+        information.try_inverse().map_or_else(Motion::zeros, |inverse| inverse.diagonal())
     }
 
     /// The motions and offsets that balance the pairs, of which a share is independent, with what
@@ -155,25 +173,39 @@ impl Solution {
         self.unknowns.fixed_rows::<6>(6 * view).into_owned()
     }
 
-    /// Variances of the motion of a view if everything else stays where it is. They leave out the
-    /// motion that all views share.
-    pub fn variances_alone(&self, view: usize) -> Option<Motion> {
-        let rows = self.factor.l().rows(6 * view, 6).into_owned();
-        let information = &rows * rows.transpose();
-        let information = information.fixed_view::<6, 6>(0, 0).into_owned();
-        Some(information.try_inverse()?.diagonal())
-    }
-
-    /// The covariance of all unknowns.
-    pub fn covariance(&self) -> DMatrix<f64> {
-        self.factor.inverse()
+    /// The inverse of the lower triangular factor `L`: `(L L^T)^-1` is the covariance of all
+    /// unknowns.
+    pub fn root(&self) -> DMatrix<f64> {
+        let n = self.unknowns.len();
+        let (lower, mut root) = (self.factor.l_dirty(), DMatrix::identity(n, n));
+        // A column of the inverse is zero above the diagonal.
+        for k in 0..n {
+            let size = n - k;
+            let rest = lower.view((k, k), (size, size));
+            rest.solve_lower_triangular_mut(&mut root.view_mut((k, k), (size, 1)));
+        }
+        root
     }
 }
 
-/// Variances of the motions of some views, from the covariance of all unknowns.
-pub fn variances(covariance: &DMatrix<f64>, views: usize) -> Vec<Motion> {
-    let diagonal = covariance.diagonal();
-    (0..views).map(|k| diagonal.fixed_rows::<6>(6 * k).into_owned()).collect()
+/// Variances of the motions of some views, from the [`Solution::root`].
+pub fn variances(root: &DMatrix<f64>, views: usize) -> Vec<Motion> {
+    let variance = |row: usize| root.column(row).norm_squared();
+    (0..views).map(|k| Motion::from_fn(|c, _| variance(6 * k + c))).collect()
+}
+
+/// Takes from gradients the directions that a pair determines by no more than the errors of its
+/// normals.
+fn damping(information: &Matrix6<f64>, distance: f64) -> Matrix6<f64> {
+    let units = Motion::new(1.0, 1.0, 1.0, distance, distance, distance);
+    let scale = Matrix6::from_diagonal(&units);
+    let back = Matrix6::from_diagonal(&units.map(f64::recip));
+    let directions = (back * information * back).symmetric_eigen();
+    let floor = NORMAL_ERROR.powi(2) * directions.eigenvalues.max();
+    let share = |value: f64| (value.max(0.0) / (value.max(0.0) + floor)).sqrt();
+    let shares = if floor > 0.0 { directions.eigenvalues.map(share) } else { Motion::zeros() };
+    let vectors = directions.eigenvectors;
+    scale * vectors * Matrix6::from_diagonal(&shares) * vectors.transpose() * back
 }
 
 /// 1 / variance of each component of a motion.

@@ -34,3 +34,38 @@ fn a_small_prior_hides_no_contradictions() {
     let again: Vec<usize> = (0..8).map(|_| observe(tiny)).collect();
     assert!(again[7] * 10 > first * 8, "{first} patches met, then {again:?}");
 }
+
+/// One view moves a thousand times as far as the others, and still far less than its noise.
+#[test]
+fn a_motion_within_the_noise_is_not_far_off() {
+    let prior = |size: f64| Some(PosePrior { rotation: size, translation: size });
+    let sizes = [1e-9, 1e-5, 1e-9, 1e-9];
+    let copies = depth_camera().into_iter().zip(sizes);
+    let copies: Vec<CoarseView> =
+        copies.map(|(view, size)| CoarseView::new(&view).with_prior(prior(size))).collect();
+    let views: Vec<&CoarseView> = copies.iter().collect();
+    let given: Vec<Isometry3> = views.iter().map(|view| *view.world_from_sensor()).collect();
+    let scene = scene(views, &given);
+    let mut rounds = Rounds::new(&scene, given, &RefineOptions::default(), &[]);
+    rounds.run();
+    let turned: Vec<f64> = rounds.motions().iter().map(|m| m.fixed_rows::<3>(3).norm()).collect();
+    assert!(turned[1] > 100.0 * turned[0], "{turned:?}");
+    let system = System::sum(&rounds.systems());
+    assert_eq!(rounds.far_off(system.as_ref()), [false; 4]);
+}
+
+#[test]
+fn residuals_before_and_after_are_of_one_scale() {
+    let copies: Vec<CoarseView> = depth_camera().iter().map(CoarseView::new).collect();
+    let views: Vec<&CoarseView> = copies.iter().collect();
+    let given: Vec<Isometry3> = views.iter().map(|view| *view.world_from_sensor()).collect();
+    let scene = scene(views, &given);
+    let mut rounds = Rounds::new(&scene, given.clone(), &RefineOptions::default(), &[]);
+    rounds.run();
+    let [before, after] = rounds.residuals();
+    assert_ne!(before, after);
+    // Without any motion nothing changes, however close the rounds looked.
+    (rounds.poses, rounds.cameras) = (given, rounds.cameras.without_errors());
+    let [again, stayed] = rounds.residuals();
+    assert!(again.iter().all(Option::is_some) && again == before && stayed == before);
+}

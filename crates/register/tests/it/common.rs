@@ -17,21 +17,27 @@ fn description(name: &str, more: &str) -> Description {
 
 /// The views of a bundled scene, with its noise; `more` is added to its description.
 pub fn simulated(name: &str, more: &str) -> Vec<View> {
-    views_of(&description(name, more))
+    views_of(&description(name, more), 0)
+}
+
+/// The same with another draw of noise.
+pub fn simulated_with_seed(name: &str, seed: u64) -> Vec<View> {
+    views_of(&description(name, ""), seed)
 }
 
 /// The views of a bundled scene, with another noise.
 pub fn simulated_with_noise(name: &str, change: impl Fn(&mut Noise)) -> Vec<View> {
     let mut description = description(name, "");
     change(&mut description.noise);
-    views_of(&description)
+    views_of(&description, 0)
 }
 
-fn views_of(description: &Description) -> Vec<View> {
+fn views_of(description: &Description, seed: u64) -> Vec<View> {
     let scene = description.scene();
     let view = |(k, s): (usize, &Station)| {
         let frame = s.frame().unwrap();
-        scene.view(&s.name, frame, s.world_from_sensor, &description.noise, k as u64).unwrap()
+        let seed = seed + k as u64;
+        scene.view(&s.name, frame, s.world_from_sensor, &description.noise, seed).unwrap()
     };
     description.stations.iter().enumerate().map(view).collect()
 }

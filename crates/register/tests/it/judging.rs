@@ -139,6 +139,25 @@ fn no_views_and_one_view_are_sound() {
     assert_eq!(findings(&simulated("room", "")[..1]), []);
 }
 
+/// One image at two places whose coordinates have the same sum.
+#[test]
+fn the_order_of_views_of_one_name_does_not_matter() {
+    let mut views = simulated("room", "");
+    let at = |x: f64, y: f64| {
+        let pose = Isometry3::translation(x, y, 0.0) * views[0].world_from_sensor().rotation;
+        views[0].with_pose(pose).unwrap()
+    };
+    let (one, other) = (at(1.0, 2.0), at(2.0, 1.0));
+    views.extend([one, other]);
+    let expected = judge(&coarse(&views));
+    let n = views.len();
+    views.swap(n - 2, n - 1);
+    assert_eq!(judge(&coarse(&views)), expected);
+    let agreement = |k: usize| &expected.views[k];
+    let same: Vec<_> = (0..n).filter(|k| agreement(*k).view == views[0].name()).collect();
+    assert!(agreement(same[0]) != agreement(same[1]) || agreement(same[1]) != agreement(same[2]));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(8))]
 

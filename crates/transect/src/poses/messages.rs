@@ -27,7 +27,7 @@ impl PoseReport {
         let most = |of: fn(&RefinedPose) -> f64| moved.clone().map(of).fold(0.0, f64::max);
         let by = self.motion(most(|p| p.rotation), most(|p| p.translation));
         let mut notes = vec![match count {
-            0 => format!("the poses of all {all} views stay as given"),
+            0 => format!("the poses of all {all} views stay as given{}", reason(refinement)),
             _ => format!("the poses of {count} of {all} views were refined, by up to {by}"),
         }];
         notes.extend(self.camera_error(refinement));
@@ -64,12 +64,17 @@ impl PoseReport {
         ))
     }
 
+    /// The warning that another convention explains the contradictions.
+    pub fn misread(&self) -> Option<String> {
+        self.explanation.as_ref().map(|explanation| convention(explanation, self.unit))
+    }
+
     /// Warnings: what contradicts, and views that were far off before they were refined.
     ///
     /// Where another convention explains the contradictions, they are not listed.
     pub fn warnings(&self) -> Vec<String> {
-        if let Some(explanation) = &self.explanation {
-            return vec![convention(explanation, self.unit)];
+        if let Some(misread) = self.misread() {
+            return vec![misread];
         }
         let refined = self.refinement.iter().flat_map(|refinement| &refinement.poses);
         let all = self.judgement.findings.iter();
@@ -193,6 +198,20 @@ impl PoseReport {
     /// An angle in radians and a length, in words.
     fn motion(&self, rotation: f64, translation: f64) -> String {
         format!("{}° and {} {}", digits(rotation.to_degrees()), digits(translation), self.unit)
+    }
+}
+
+/// Why no view moved.
+fn reason(refinement: &Refinement) -> &'static str {
+    let kept = refinement.poses.iter().any(|pose| pose.outcome == PoseOutcome::Kept);
+    match refinement.left_out_pairs {
+        Some(change) if change < 0.0 && kept => {
+            ": no view would move by more than its standard deviation"
+        }
+        Some(_) if kept => {
+            ": observations that were left out of the estimate do not agree better with other poses"
+        }
+        _ => "",
     }
 }
 
