@@ -131,3 +131,68 @@ fn sample(
         Some(Sample { distance: depth * there.scale * ray.dot(&normal).abs(), ..found })
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+    use transect_device::{
+        DeviceFrame, DevicePoint, Handedness, ImageSize, Pixel, RangeImage, Ray, SensorPlane, View,
+    };
+
+    const SIZE: ImageSize = ImageSize { rows: 64, cols: 64 };
+
+    /// Parallel rays along z, one for each centimetre, as of a light sheet that a slide carries.
+    #[derive(Debug)]
+    struct Parallel;
+
+    impl DeviceFrame for Parallel {
+        fn size(&self) -> ImageSize {
+            SIZE
+        }
+
+        fn handedness(&self) -> Handedness {
+            Handedness::ColumnsRight
+        }
+
+        fn ray(&self, pixel: Pixel) -> Option<Ray> {
+            let start = Point3::new(0.01 * pixel.col as f64, 0.01 * pixel.row as f64, 0.0);
+            Some(Ray { start, direction: Vector3::z() })
+        }
+
+        fn point(&self, pixel: Pixel, d3: f64) -> Option<Point3> {
+            self.ray(pixel).map(|ray| ray.start + ray.direction * d3)
+        }
+
+        fn device_point(&self, p: &Point3) -> Option<DevicePoint> {
+            Some(DevicePoint { row: 100.0 * p.y, col: 100.0 * p.x, d3: p.z })
+        }
+
+        fn plane_value(&self, _pixel: Pixel, _plane: &SensorPlane) -> Option<f64> {
+            None
+        }
+
+        fn extent(&self, _direction: &Vector3, nearest: f64, farthest: f64) -> (f64, f64) {
+            (nearest, farthest)
+        }
+    }
+
+    #[test]
+    fn free_space_is_measured_along_the_rays_of_the_device() {
+        let image = RangeImage::from_values(SIZE, vec![1.0; SIZE.pixels()]).unwrap();
+        let pose = Isometry3::identity();
+        let view = View::new("plate", image, Arc::new(Parallel), pose, Some(1e-4)).unwrap();
+        let view = CoarseView::new(&view);
+        // A patch 0.4 m before the plate, whose point lies obliquely from the frame's origin.
+        let probe = Probe {
+            cell: 0,
+            point: Point3::new(0.5, 0.5, 0.6),
+            normal: -Vector3::z(),
+            sigma: 1e-4,
+            radius: 0.02,
+        };
+        let there = Placing::given(&view);
+        let found = sample(&probe, there, &view, there, 1.0).unwrap();
+        assert!(!found.met && (found.distance - 0.4).abs() < 1e-6, "{found:?}");
+    }
+}
