@@ -73,6 +73,7 @@ pub fn reconstruct<S: ViewSource>(
     let poses_time = started.elapsed();
     let (mut views, copies): (Vec<_>, Vec<_>) = match &poses {
         None => model_views(sources, setup, watch, sources.len() > 1)?,
+        Some(poses) if poses.refinement.is_none() => model_views(sources, setup, watch, false)?,
         Some(poses) => model_views(&poses.posed(sources), setup, watch, false)?,
     }
     .into_iter()

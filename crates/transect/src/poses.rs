@@ -6,7 +6,8 @@
 //! **Steps.**
 //! 1. Every view is loaded and dropped; its [`CoarseView`] stays ([`coarse_views`]). Poses that
 //!    agree under another convention, and images in another order, are recognised ([`explain`]).
-//! 2. The poses are refined together ([`refine`]), if that is asked for and they are not explained.
+//! 2. The poses are refined together ([`refine`]), if that is asked for.
+//!    Poses that need another reading even then stay as given.
 //! 3. What still contradicts is found ([`judge`]).
 //! 4. The pipeline loads every view again and models it at its refined pose.
 
@@ -86,10 +87,8 @@ impl PoseReport {
         watch: &dyn Watch,
     ) -> Result<Self, ReconstructError> {
         let mut copies = coarse_views(sources, watch)?;
-        let explanation = explain(&copies, |order| reread(sources, order));
-        // Poses that were misread are wrong by more than a refinement finds.
-        let options = options.filter(|_| explanation.is_none());
-        let refinement = options.map(|options| refine(&copies, options));
+        let mut explanation = explain(&copies, |order| reread(sources, order));
+        let mut refinement = options.map(|options| refine(&copies, options));
         if let Some(refinement) = &refinement {
             let poses = &refinement.poses;
             copies = match poses.iter().any(|pose| pose.depth_offsets.is_some()) {
@@ -101,6 +100,14 @@ impl PoseReport {
                     .map(|(copy, pose)| copy.with_pose(pose.world_from_sensor))
                     .collect(),
             };
+        }
+        if refinement.is_some() && explanation.is_some() {
+            // Few views that are a little off may look misread: refined, they need no other
+            // reading. Views that were misread are wrong by more than a refinement finds.
+            explanation = explain(&copies, |order| reread(sources, order));
+            if explanation.is_some() {
+                (refinement, copies) = (None, coarse_views(sources, &Unwatched)?);
+            }
         }
         Ok(Self { unit, explanation, judgement: judge(&copies), refinement, images_stay: false })
     }
