@@ -12,10 +12,15 @@ pub enum Owner {
 }
 
 /// A command of the launcher or of the lab, and what its help says.
-const OWN: [(&str, Owner, &str); 3] = [
+const OWN: [(&str, Owner, &str); 4] = [
     ("test", Owner::Launcher, "Run the tests; arguments go to cargo test"),
     ("check", Owner::Launcher, "Run everything that CI runs; --without-tests leaves out the tests"),
     ("experiments", Owner::Lab, "Measure the figures that the documentation states"),
+    (
+        "bench",
+        Owner::Lab,
+        "bench partial: measure the speed of finding curves, as experiments speed",
+    ),
 ];
 
 /// The commands of `transect`. A test of `transect-cli` compares this list with the program's help.

@@ -44,6 +44,11 @@ fn start(arguments: &[OsString]) -> Result<(), Failure> {
     match (name.as_ref(), owner) {
         ("test", _) => test::run(rest),
         ("check", _) => check::run(rest),
+        ("bench", _) if rest.first().is_some_and(|stage| stage == "partial") => {
+            let words = ["experiments", "speed"].map(OsString::from);
+            let options = rest.iter().skip(1).cloned();
+            run::forward("xtask-lab", &words.into_iter().chain(options).collect::<Vec<_>>())
+        }
         (_, Owner::Lab) => run::forward("xtask-lab", arguments),
         _ => run::forward("transect-cli", arguments),
     }

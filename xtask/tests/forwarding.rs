@@ -31,11 +31,18 @@ fn commands_go_to_their_package_and_come_back_as_they_are() {
 }
 
 #[test]
+#[cfg(unix)]
+fn the_sweep_has_a_second_name() {
+    let stdout = String::from_utf8(xtask(&["bench", "partial", "--size", "64"]).stdout).unwrap();
+    assert!(stdout.ends_with("--\nexperiments\nspeed\n--size\n64\n"), "{stdout}");
+}
+
+#[test]
 fn the_launcher_answers_for_itself() {
     let help = xtask(&["--help"]);
     let text = String::from_utf8(help.stdout).unwrap();
     assert_eq!(help.status.code(), Some(0));
-    for command in ["test", "check", "experiments", "reconstruct", "manifest"] {
+    for command in ["test", "check", "bench", "experiments", "reconstruct", "manifest"] {
         assert!(text.contains(&format!("\n  {command} ")), "{text}");
     }
     assert_eq!(xtask(&[]).status.code(), Some(2));

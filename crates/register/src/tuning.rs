@@ -54,9 +54,9 @@ pub const PROBES: usize = 256;
 /// median of fewer than a dozen means little. Doubled, small overlaps are lost.
 pub const LEAST_MEETINGS: usize = 12;
 
-/// Other views that a view is compared with at most, those with the largest overlap. No unit. As for
-/// judging: time and memory then grow with the number of views, not with its square. Doubled, 200
-/// views take up to twice the memory.
+/// Other views that a view is compared with at most, those with the largest overlap. No unit. As
+/// for judging: time and memory then grow with the number of views, not with its square. Doubled,
+/// 200 views take up to twice the memory.
 pub const PARTNERS: usize = 60;
 
 /// Samples that are looked up for each pair at least, however many pairs there are. No unit. Chosen
@@ -86,9 +86,9 @@ pub const ROUNDS: usize = 24;
 /// stop halfway.
 pub const SETTLED: f64 = 0.05;
 
-/// Angle by which the normals of patches err, in radians. Chosen by hand: noise of 1 mm over patches
-/// 50 mm wide. A direction of motion that normals show by less than this is not determined. Doubled,
-/// the turn of a round part with a few holes counts as unknown.
+/// Angle by which the normals of patches err, in radians. Chosen by hand: noise of 1 mm over
+/// patches 50 mm wide. A direction of motion that normals show by less than this is not determined.
+/// Doubled, the turn of a round part with a few holes counts as unknown.
 pub const NORMAL_ERROR: f64 = 0.02;
 
 /// Share of the last change that each round goes on by. No unit. Theory: where rounds leave 95 % of

@@ -108,9 +108,9 @@ mod tests {
         let node = |k: usize| {
             let at = Node::at(Point2::new(0.1 * k as f64, (k as f64).sin()));
             let at = at.with_sigma(1e-3).with_footprint(0.1 / (k + 1) as f32);
-            let normal = (k % 3 > 0).then(|| Vector3::new(0.6, 0.0, -0.8));
+            let normal = (!k.is_multiple_of(3)).then(|| Vector3::new(0.6, 0.0, -0.8));
             at.with_correlation(k as f32)
-                .with_tan_incidence((k % 2 > 0).then_some(0.75))
+                .with_tan_incidence((!k.is_multiple_of(2)).then_some(0.75))
                 .with_normal(normal)
                 .with_bridged(k % 4 == 1)
         };

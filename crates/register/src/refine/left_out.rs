@@ -11,41 +11,11 @@
 //! other half judges.
 
 use super::Rounds;
-use super::pairs::{Observation, Pair, scrambled};
+use super::pairs::{Pair, Portion, scrambled};
 use super::solve::System;
 use crate::CoarseView;
-use crate::tuning::{BLOCKS, PARTS};
+use crate::tuning::PARTS;
 use std::collections::BTreeMap;
-use transect_device::ImageSize;
-
-/// The observations of a pair, or half of them.
-#[derive(Debug, Clone, Copy)]
-pub struct Portion<'a> {
-    pub pair: &'a Pair,
-    /// The half, and the cells of the view whose image is halved.
-    half: Option<(usize, ImageSize)>,
-}
-
-impl<'a> From<&'a Pair> for Portion<'a> {
-    fn from(pair: &'a Pair) -> Self {
-        Self { pair, half: None }
-    }
-}
-
-impl<'a> Portion<'a> {
-    /// The observations: blocks of two colours, as on a chess board, make the two halves.
-    ///
-    /// Both directions of a pair see a surface, so the image of the same view halves both.
-    pub fn observations(self) -> impl Iterator<Item = &'a Observation> {
-        let side = usize::from(self.pair.a > self.pair.b);
-        self.pair.observations.iter().filter(move |o| {
-            self.half.is_none_or(|(half, size)| {
-                let (row, col) = (o.cells[side] / size.cols, o.cells[side] % size.cols);
-                (row * BLOCKS / size.rows + col * BLOCKS / size.cols) % 2 == half
-            })
-        })
-    }
-}
 
 /// Two views, by number, and both directions of their pair. These see the same error, so they stay
 /// together.

@@ -34,9 +34,8 @@ use crate::tuning::{
     MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS, SETTLED, SETTLING,
 };
 use camera::Cameras;
-use left_out::Portion;
 use nalgebra::{DMatrix, DVector};
-use pairs::{Pair, Reach, Scene, Spread, State, samples};
+use pairs::{Pair, Portion, Reach, Scene, Spread, State, samples};
 use rayon::prelude::*;
 use solve::{Before, Ground, Motion, Solution, System};
 use solve::{estimated_prior, motion_between, moved, variances};

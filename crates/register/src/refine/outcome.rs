@@ -62,8 +62,8 @@ pub struct Refinement {
     /// How far the given poses were taken to be wrong, of views that do not state their own.
     pub prior: PosePrior,
     /// Change of the squared distances of the pairs that were left out of the estimate, as a share:
-    /// -0.5 is half of them. Of pairs that alone hold their views, halves are left out. `None` if no
-    /// views overlap.
+    /// -0.5 is half of them. Of pairs that alone hold their views, halves are left out. `None` if
+    /// no views overlap.
     pub left_out_pairs: Option<f64>,
     /// Median distance of the patches from their sensors, in the model's length unit.
     pub distance: f64,

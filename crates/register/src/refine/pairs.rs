@@ -2,12 +2,12 @@
 
 use super::camera::Cameras;
 use crate::CoarseView;
-use crate::tuning::{ALIKE_DEGREES, GATE, LEAST_MEETINGS, PARTNERS, PROBES};
+use crate::tuning::{ALIKE_DEGREES, BLOCKS, GATE, LEAST_MEETINGS, PARTNERS, PROBES};
 use nalgebra::Vector6;
 use rayon::prelude::*;
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
-use transect_device::{Isometry3, Point3, Vector3};
+use transect_device::{ImageSize, Isometry3, Point3, Vector3};
 
 /// A patch as an observation.
 #[derive(Debug, Clone, Copy)]
@@ -65,6 +65,35 @@ pub struct Pair {
     pub observations: Vec<Observation>,
     /// Variance that the noise does not explain.
     pub excess: f64,
+}
+
+/// The observations of a pair, or half of them.
+#[derive(Debug, Clone, Copy)]
+pub struct Portion<'a> {
+    pub pair: &'a Pair,
+    /// The half, and the cells of the view whose image is halved.
+    pub half: Option<(usize, ImageSize)>,
+}
+
+impl<'a> From<&'a Pair> for Portion<'a> {
+    fn from(pair: &'a Pair) -> Self {
+        Self { pair, half: None }
+    }
+}
+
+impl<'a> Portion<'a> {
+    /// The observations: blocks of two colours, as on a chess board, make the two halves.
+    ///
+    /// Both directions of a pair see a surface, so the image of the same view halves both.
+    pub fn observations(self) -> impl Iterator<Item = &'a Observation> {
+        let side = usize::from(self.pair.a > self.pair.b);
+        self.pair.observations.iter().filter(move |o| {
+            self.half.is_none_or(|(half, size)| {
+                let (row, col) = (o.cells[side] / size.cols, o.cells[side] % size.cols);
+                (row * BLOCKS / size.rows + col * BLOCKS / size.cols) % 2 == half
+            })
+        })
+    }
 }
 
 /// Views and their samples.

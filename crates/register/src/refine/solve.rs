@@ -2,7 +2,7 @@
 //! far poses may be wrong.
 
 use super::camera::{Cameras, NODES};
-use super::left_out::Portion;
+use super::pairs::Portion;
 use crate::coarse::PosePrior;
 use crate::tuning::NORMAL_ERROR;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix6, Matrix6xX, Vector6};

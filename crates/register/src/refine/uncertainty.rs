@@ -16,7 +16,7 @@
 //!    in them.
 
 use super::Rounds;
-use super::left_out::Portion;
+use super::pairs::Portion;
 use super::solve::{Motion, System, about};
 use crate::coarse::PosePrior;
 use crate::tuning::PROBES;

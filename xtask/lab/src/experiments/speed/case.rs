@@ -35,7 +35,8 @@ pub struct Case<'a> {
 }
 
 impl Case<'_> {
-    /// Prints the work and the memory, and returns the nanoseconds per pixel of all variants.
+    /// Prints work, memory and the time per vertex, and returns the nanoseconds per pixel of all
+    /// variants.
     pub fn run(&self) -> Result<Column, Failure> {
         let axes = SectionAxes::new(self.view, self.planes)?;
         // Planes that nothing meets: what finding out costs.
@@ -52,13 +53,18 @@ impl Case<'_> {
         let per_pixel = time(&mut variants, self.rounds).into_iter().map(|s| s * 1e9 / pixels);
         let column: Column = variants.iter().map(|v| v.name).zip(per_pixel).collect();
         let of = |name| column.iter().find(|c| c.0 == name).map_or(f64::NAN, |c| c.1);
+        let per_vertex = |name| (of(name) - of(DETECTION)) * pixels / vertices;
         say(&format!(
-            "{vertices} vertices, {:.3} per pixel, on {lines} lines: {:.1} ns per vertex beyond \
-             detection; memory beyond the image: {:.2} MB, {:.0} bytes per vertex",
+            "{vertices} vertices, {:.3} per pixel, on {lines} lines; memory beyond the image: {:.2} \
+             MB, {:.0} bytes per vertex\n\
+             beyond detection, the sweep takes {:.1} ns per vertex, and {CURVES} take {:.1}: {:.1} \
+             times the sweep",
             vertices / pixels,
-            (of(BEST) - of(DETECTION)) * pixels / vertices,
             bytes * 1e-6,
             bytes / vertices,
+            per_vertex(BEST),
+            per_vertex(CURVES),
+            per_vertex(CURVES) / per_vertex(BEST),
         ));
         Ok(column)
     }
