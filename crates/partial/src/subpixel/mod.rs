@@ -1,11 +1,11 @@
 //! Where a plane passes between two neighbouring pixels (dissertation, section 3.6).
 //!
-//! **Problem.** A plane passes between the samples of two pixels; the point of the surface at which
+//! **Problem.** A plane passes between the samples of two pixels. The point of the surface at which
 //! it does is wanted, to a fraction of a pixel.
 //!
 //! **Idea.** Interpolate the scanned surface along the pair's row or column, which gives a curve on
-//! the surface, and intersect that curve with the plane. The source offers three linear ways, which
-//! differ in the frame they interpolate in; a fourth takes four points instead of two.
+//! the surface. Intersect that curve with the plane. The source offers three linear ways, which
+//! differ in the frame they interpolate in. A fourth takes four points instead of two.
 //!
 //! | [`Subpixel`] | surface along the pair | plane | sensors |
 //! |---|---|---|---|

@@ -139,9 +139,8 @@ pub fn explain(
     best.map(|(reading, read)| Explanation { reading, given, read })
 }
 
-/// Whether any two sensors are far farther apart than any view reaches. If not, positions a
-/// thousand times smaller put all sensors into one place, where tunnels agree whatever their poses
-/// are.
+/// Whether any two sensors are [`FAR_APART`]. If not, positions a thousand times smaller put all
+/// sensors into one place, where tunnels agree whatever their poses are.
 fn is_far_apart(views: &[&CoarseView], probes: &[Vec<Probe>]) -> bool {
     let reach = probes.iter().flatten().map(|probe| probe.point.coords.norm()).fold(0.0, f64::max);
     let places = || views.iter().map(|view| view.world_from_sensor().translation.vector);

@@ -98,8 +98,8 @@ impl PointGrid {
     /// A grid of row-major points in the sensor frame, with the image of their distances.
     ///
     /// # Errors
-    /// [`SensorError`] if the number of points is not that of the pixels, the ray starts are not
-    /// finite, or no three neighbouring points show which way round the grid is.
+    /// [`SensorError`] if the number of points is not that of the pixels, or the ray starts are not
+    /// finite. Also if no three neighbouring points show which way round the grid is.
     pub fn new(
         size: ImageSize,
         mut points: Vec<Point3>,

@@ -1,7 +1,7 @@
 //! Where the scanner is, from scans of the machine table and of spheres (dissertation, 4.7.1).
 //!
-//! The pose `world_from_sensor` that lays the points scanned on the table onto the table and those
-//! scanned on spheres of known radius onto the spheres, in the robust least-squares sense.
+//! The result is the pose `world_from_sensor` of robust least squares. It lays the points scanned
+//! on the table onto the table, and those scanned on spheres of known radius onto the spheres.
 //!
 //! The linear axis of the machine is a direction known in both frames: the pose may only turn about
 //! it, by the tilt. The table then determines the tilt, one sphere the place
