@@ -24,7 +24,9 @@ impl<'a> PreparedView<'a> {
         smoothing: Option<&Smoothing<'_>>,
         rule: impl FnOnce(f64) -> BreakRule,
     ) -> Self {
+        let shares = smoothing.is_none_or(|smoothing| smoothing.steps.shared_noise);
         let noise = RangeNoise::of(view);
+        let noise = if shares { noise } else { noise.own() };
         let contradicting = RangeNoise::contradicting(view);
         let mut prepared =
             Self { given: view, noise, contradicting, smoothed: None, failure: None };
@@ -73,6 +75,12 @@ impl<'a> PreparedView<'a> {
     /// Range noise of a pixel after smoothing, along its ray, as a length.
     pub fn sigma_at(&self, pixel: Pixel) -> f64 {
         self.noise.length_at(self.given, pixel) * self.factor(pixel)
+    }
+
+    /// Standard deviation of the range of a group of neighbouring pixels, along the ray, as a
+    /// length: a pixel's own noise after smoothing, and the noise that the group shares.
+    pub fn sigma_of_group(&self, pixel: Pixel) -> f64 {
+        self.noise.length_at(self.given, pixel) * self.factor(pixel).hypot(self.noise.shared())
     }
 
     /// How many pixels across share their noise with a pixel; 0 if each has its own.

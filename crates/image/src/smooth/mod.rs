@@ -117,6 +117,9 @@ pub type PixelChoice<'a> = dyn Fn(&ValueBounds) -> Vec<bool> + 'a;
 #[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SmoothingSteps {
+    /// Noise that neighbours share counts: windows are wider, and regions beside a plane must rise
+    /// farther above it.
+    pub shared_noise: bool,
     /// Only pixels near a plane are smoothed. It saves time and changes no curve.
     pub near_planes: bool,
     /// The fit in a second, wider window counts where both windows agree.
@@ -127,7 +130,7 @@ pub struct SmoothingSteps {
 
 impl Default for SmoothingSteps {
     fn default() -> Self {
-        Self { near_planes: true, wider_window: true, robust_weights: true }
+        Self { shared_noise: true, near_planes: true, wider_window: true, robust_weights: true }
     }
 }
 

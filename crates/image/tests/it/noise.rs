@@ -1,6 +1,6 @@
 //! Estimated noise against known noise, for every sensor.
 
-use crate::surfaces::{Normal, camera, error_at, look, pixels, quantile, radar};
+use crate::surfaces::{Normal, camera, error_at, look, pixels, quantile, radar, shared_noise};
 use std::sync::Arc;
 use transect_device::{
     DeviceFrame, Isometry3, Pixel, Point3, RangeImage, SensorPlane, Vector3, View,
@@ -38,6 +38,9 @@ fn grid() -> Arc<dyn DeviceFrame> {
     let starts = RayStarts::Viewpoint(Point3::origin());
     Arc::new(PointGrid::new(crate::surfaces::SIZE, points, starts).unwrap().0)
 }
+
+/// The centre of balls before the camera.
+const BALL: Point3 = Point3::new(0.0, 0.0, 3.0);
 
 /// Name, sensor, normal and point of a wall, and noise of the values.
 type Case = (&'static str, Arc<dyn DeviceFrame>, (Vector3, Point3), f64);
@@ -114,6 +117,44 @@ fn changed(view: &View, mut change: impl FnMut(f32) -> f32) -> RangeImage {
     let size = view.image().size();
     let values = pixels(size).map(|p| view.image().get(p).map_or(f32::NAN, &mut change)).collect();
     RangeImage::from_values(size, values).unwrap()
+}
+
+/// The noise of a pixel and of its neighbours together that is found in a view.
+fn total(view: &View) -> f64 {
+    estimate_value_sigma(view.image()) * 1.0_f64.hypot(RangeNoise::of(view).shared())
+}
+
+#[test]
+fn noise_that_neighbours_share_is_found() {
+    let (_, frame, plane, sigma) = cases().remove(0);
+    for side in [3, 4, 6] {
+        let mut shared = shared_noise(frame.size(), side, side as u64).into_iter();
+        let own = wall(&frame, plane, |_, _| sigma);
+        let image = changed(&own, |v| v + (2.0 * sigma * shared.next().unwrap()) as f32);
+        let view = View::new("groups", image, Arc::clone(&frame), *own.world_from_sensor(), None);
+        let (found, expected) = (total(&view.unwrap()), sigma * 5_f64.sqrt());
+        println!("groups of {side}: {found:.5} for {expected:.5}");
+        assert!((found / expected - 1.0).abs() < 0.15, "groups of {side}: {found}, {expected}");
+    }
+}
+
+#[test]
+fn surfaces_do_not_pass_for_noise_that_neighbours_share() {
+    // A wall and balls of 12, 50 and 120 pixels, with noise below, at and above their bends.
+    let balls = [
+        |p: &Point3| 3.0 - p.z,
+        |p: &Point3| (*p - BALL).norm() - 0.15,
+        |p: &Point3| (*p - BALL).norm() - 0.6,
+        |p: &Point3| (*p - BALL).norm() - 1.4,
+    ];
+    for (k, surface) in balls.into_iter().enumerate() {
+        for sigma in [1e-6, 1e-4, 1e-3, 1e-2] {
+            let view = look(&camera(), surface, sigma, None);
+            let shared = RangeNoise::of(&view).shared();
+            println!("surface {k}, noise {sigma}: {shared:.3}");
+            assert_eq!(shared, 0.0, "surface {k}, noise {sigma}");
+        }
+    }
 }
 
 #[test]

@@ -38,6 +38,19 @@ impl Normal {
     }
 }
 
+/// Noise of standard deviation 1 that each pixel shares with those nearer than `side`: the mean
+/// of normal numbers over a square, made larger again.
+pub fn shared_noise(size: ImageSize, side: usize, seed: u64) -> Vec<f64> {
+    let cols = size.cols + side;
+    let mut normal = Normal(seed);
+    let numbers: Vec<f64> = (0..(size.rows + side) * cols).map(|_| normal.sample()).collect();
+    let square = |p: Pixel| {
+        let rows = (p.row..p.row + side).map(|row| &numbers[row * cols + p.col..][..side]);
+        rows.flatten().sum::<f64>() / side as f64
+    };
+    pixels(size).map(square).collect()
+}
+
 /// Range along a ray to the surface.
 fn range(frame: &dyn DeviceFrame, pixel: Pixel, distance: Distance) -> Option<f64> {
     let ray = frame.ray(pixel)?;

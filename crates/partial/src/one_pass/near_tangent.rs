@@ -6,8 +6,9 @@
 //!
 //! **Idea.** A curve parts a region of high samples from a region of low ones. It is real if both
 //! regions leave the plane by more than noise does. Noise moves a sample along its ray `d`, so its
-//! height over the plane has the standard deviation `σ |d · m|` with the plane's normal `m`. A
-//! plane that holds the rays has no such noise, however obliquely it meets the surface. A region
+//! height over the plane has the standard deviation `σ |d · m|` with the plane's normal `m`. σ
+//! includes the noise that neighbours share: it moves a region as a whole. A plane that holds the
+//! rays has no such noise, however obliquely it meets the surface. A region
 //! that nowhere rises (or falls) by some of these deviations might as well not be there, and all
 //! curves around it are left out together. This is the simplification of contours by persistence
 //! (Edelsbrunner, Letscher and Zomorodian, 2002) with a threshold for each sample.
@@ -120,7 +121,7 @@ impl<'a> NearTangent<'a> {
     fn leaves(&self, p: Pixel, height: f64) -> bool {
         let Some(ray) = self.view.frame().ray(p) else { return true };
         let rise = self.axes.turn(&ray.direction).z.abs();
-        height.abs() >= self.sigmas * self.prepared.sigma_at(p) * rise
+        height.abs() >= self.sigmas * self.prepared.sigma_of_group(p) * rise
     }
 
     /// Whether the region of a pixel leaves the plane somewhere.

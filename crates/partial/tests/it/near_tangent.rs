@@ -1,7 +1,7 @@
 //! Planes nearly tangent to noisy surfaces: no confetti, and nothing true is lost.
 
-use crate::surfaces::{Distance, camera, look};
-use transect_device::{Vector3, View};
+use crate::surfaces::{Distance, camera, look, pixels, shared_noise};
+use transect_device::{Isometry3, RangeImage, Vector3, View};
 use transect_geometry::{PlaneFamily, StraightGuide};
 use transect_partial::PartialModel;
 use transect_partial::one_pass::{OnePassOptions, partial_model};
@@ -69,6 +69,32 @@ fn a_plane_within_the_noise_of_a_wall_gives_nothing() {
         assert!(before > 10, "{before}");
         assert_eq!(after, 0);
     }
+}
+
+/// The wall as a depth camera sees it: pixels share most of their noise.
+fn wall_in_groups(own: f64, of_group: f64) -> View {
+    let clean = look(&camera(), WALL, 0.0, None);
+    let size = clean.image().size();
+    let (own_noise, shared) = (shared_noise(size, 1, 5), shared_noise(size, 4, 9));
+    let noise = own_noise.iter().zip(&shared).map(|(a, b)| own * a + of_group * b);
+    let values = pixels(size).map(|p| clean.image().get(p).unwrap()).zip(noise);
+    let values = values.map(|(z, noise)| z + noise as f32).collect();
+    let image = RangeImage::from_values(size, values).unwrap();
+    View::new("wall", image, clean.shared_frame(), Isometry3::identity(), None).unwrap()
+}
+
+#[test]
+fn noise_that_neighbours_share_makes_no_curves() {
+    let view = wall_in_groups(0.004, 0.012);
+    let found = |shared_noise: bool| {
+        let mut options = OnePassOptions::default();
+        options.smoothing.shared_noise = shared_noise;
+        pieces(&partial_model(&view, &turned(0.0), &options).unwrap())
+    };
+    let (without, with) = (found(false), found(true));
+    println!("{without} pieces by the noise of single pixels, {with} by that of groups, too");
+    assert!(without > 10, "{without}");
+    assert_eq!(with, 0);
 }
 
 #[test]

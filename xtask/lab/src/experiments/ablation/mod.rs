@@ -81,6 +81,7 @@ fn methods_left_out() -> [(&'static str, Method); 4] {
     };
     [
         ("smoothing", without(|o| o.smooth = false)),
+        ("smoothing: shared_noise", without(|o| o.smoothing.shared_noise = false)),
         ("smoothing: near_planes", without(|o| o.smoothing.near_planes = false)),
         ("smoothing: wider_window", without(|o| o.smoothing.wider_window = false)),
         ("smoothing: robust_weights", without(|o| o.smoothing.robust_weights = false)),
