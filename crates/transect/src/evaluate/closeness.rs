@@ -2,7 +2,7 @@
 
 use super::Ruler;
 use super::index::{Nearby, UnitIndex};
-use super::sample::{Sample, groups};
+use super::sample::{GROUP, Sample, runs};
 use super::stretches::seen_stretches;
 use transect_geometry::{Curve, Point2};
 
@@ -75,15 +75,19 @@ impl Closeness {
         };
         let shortest = ruler.tolerance.max(SHORTEST_FOOTPRINTS * footprint(curves));
         let truth_index = UnitIndex::new(truth);
-        for group in curves.iter().flat_map(|c| groups(c, ruler.step)) {
-            let nearby = truth_index.nearest_to(&group);
-            group.iter().for_each(|sample| sums.add_curve_sample(sample, &nearby, ruler));
+        for run in curves.iter().flat_map(|c| runs(c, ruler.step)) {
+            for group in run.chunks(GROUP) {
+                let nearby = truth_index.nearest_to(group);
+                group.iter().for_each(|sample| sums.add_curve_sample(sample, &nearby, ruler));
+            }
         }
         for curve in truth {
-            let looked = groups(curve, ruler.step).flat_map(|group| {
-                let places: Vec<Point2> = group.iter().map(|sample| sample.position).collect();
-                let looked: Vec<_> = group.into_iter().zip(seen(&places)).collect();
-                sums.add_truth_samples(&looked, curve_index, ruler);
+            let looked = runs(curve, ruler.step).flat_map(|run| {
+                let places: Vec<Point2> = run.iter().map(|sample| sample.position).collect();
+                let looked: Vec<_> = run.into_iter().zip(seen(&places)).collect();
+                for group in looked.chunks(GROUP) {
+                    sums.add_truth_samples(group, curve_index, ruler);
+                }
                 looked
             });
             let stretches = seen_stretches(looked, curve.is_closed(), shortest);
@@ -95,11 +99,11 @@ impl Closeness {
     /// Adds a group of samples of the truth, each with whether it was seen.
     fn add_truth_samples(&mut self, looked: &[(Sample, bool)], curves: &UnitIndex, ruler: &Ruler) {
         let seen: Vec<Sample> = looked.iter().filter(|l| l.1).map(|l| l.0).collect();
-        let nearby = curves.within(&seen, ruler.tolerance);
+        let mut nearby = curves.within(&seen, ruler.tolerance, |_| true);
         self.truth_length = looked.iter().fold(self.truth_length, |sum, l| sum + l.0.length);
         for sample in &seen {
             self.truth_seen += sample.length;
-            if nearby.nearest(&sample.position).is_some_and(|n| n.distance < ruler.tolerance) {
+            if nearby.reaches(&sample.position, ruler.tolerance) {
                 self.truth_found += sample.length;
             }
         }

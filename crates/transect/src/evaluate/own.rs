@@ -2,7 +2,7 @@
 
 use super::Ruler;
 use super::index::{IndexedUnit, UnitIndex};
-use super::sample::{Sample, groups};
+use super::sample::{GROUP, Sample, runs};
 use transect_geometry::Curve;
 
 /// Distance along a curve, in tolerances, from which two of its pieces count as different. Chosen
@@ -33,25 +33,34 @@ impl Own {
             own.pieces += 1;
             own.closed += usize::from(curve.is_closed());
             own.vertices += curve.nodes().len();
-            let total = curve.length();
-            for group in groups(curve, ruler.step) {
-                let mut nearby = index.within(&group, ruler.tolerance);
-                nearby.retain(|u| u.curve != number || can_be_apart(&group, u, ruler));
-                for sample in &group {
-                    let another =
-                        |u: &IndexedUnit| u.curve != number || is_apart(sample, u, total, ruler);
-                    let same_way = |u: &IndexedUnit| {
-                        sample.direction.dot(&u.placed.direction()) > SAME_DIRECTION
-                    };
-                    let mut near = nearby.within(&sample.position, ruler.tolerance);
-                    own.length += sample.length;
-                    if near.any(|u| same_way(u) && another(u)) {
-                        own.duplicated += sample.length;
-                    }
-                }
+            let placed = (number, curve.length());
+            for run in runs(curve, ruler.step) {
+                run.chunks(GROUP).for_each(|group| own.add(group, placed, index, ruler));
             }
         }
         own
+    }
+
+    /// Adds samples of a curve beside each other; the curve is given by its number and length.
+    fn add(
+        &mut self,
+        group: &[Sample],
+        (number, total): (usize, f64),
+        index: &UnitIndex,
+        ruler: &Ruler,
+    ) {
+        let counts = |u: &IndexedUnit| u.curve != number || can_be_apart(group, u, ruler);
+        let nearby = index.within(group, ruler.tolerance, counts);
+        for sample in group {
+            let another = |u: &IndexedUnit| u.curve != number || is_apart(sample, u, total, ruler);
+            let same_way =
+                |u: &IndexedUnit| sample.direction.dot(&u.placed.direction) > SAME_DIRECTION;
+            let mut near = nearby.within(&sample.position, ruler.tolerance);
+            self.length += sample.length;
+            if near.any(|u| same_way(u) && another(u)) {
+                self.duplicated += sample.length;
+            }
+        }
     }
 
     /// The sum over planes.

@@ -9,14 +9,19 @@ pub(super) struct PlacedUnit {
     pub unit: CurveUnit,
     /// Its length, greater than zero.
     pub length: f64,
+    /// Unit vector from start to end.
+    pub direction: Vector2,
     /// Length of the curve before it.
     pub before: f64,
 }
 
 impl PlacedUnit {
-    /// Unit vector from start to end.
-    pub fn direction(&self) -> Vector2 {
-        self.unit.vector() / self.length
+    /// Squared distance of a point from the unit.
+    #[inline]
+    pub fn squared_distance(&self, p: &Point2) -> f64 {
+        let from_start = p - self.unit.start;
+        let along = self.direction.dot(&from_start).max(0.0).min(self.length);
+        (from_start - self.direction * along).norm_squared()
     }
 }
 
@@ -25,7 +30,7 @@ pub(super) fn placed_units(curve: &Curve) -> impl Iterator<Item = PlacedUnit> + 
     let placed = curve.units().scan(0.0, |along, unit| {
         let (before, length) = (*along, unit.vector().norm());
         *along += length;
-        Some(PlacedUnit { unit, length, before })
+        Some(PlacedUnit { unit, length, direction: unit.vector() / length, before })
     });
     placed.filter(|placed| placed.length > 0.0)
 }
@@ -45,14 +50,18 @@ pub(super) struct Sample {
 
 /// Most samples of a group. Chosen by hand. Doubled, each sample goes through more units; halved,
 /// there are twice as many searches. The figures stay the same.
-const GROUP: usize = 32;
+pub(super) const GROUP: usize = 32;
 
-/// The samples of a curve in order, in groups of neighbours.
-pub(super) fn groups(curve: &Curve, step: f64) -> impl Iterator<Item = Vec<Sample>> + '_ {
+/// Most samples that are held at once. Chosen by hand: a few hundred kilobytes, and many groups.
+/// Doubled, so is the memory; the figures stay the same.
+const RUN: usize = 128 * GROUP;
+
+/// The samples of a curve in order, in runs of neighbours.
+pub(super) fn runs(curve: &Curve, step: f64) -> impl Iterator<Item = Vec<Sample>> + '_ {
     let mut samples = samples(curve, step);
     std::iter::from_fn(move || {
-        let group: Vec<Sample> = samples.by_ref().take(GROUP).collect();
-        (!group.is_empty()).then_some(group)
+        let run: Vec<Sample> = samples.by_ref().take(RUN).collect();
+        (!run.is_empty()).then_some(run)
     })
 }
 
@@ -60,7 +69,7 @@ pub(super) fn groups(curve: &Curve, step: f64) -> impl Iterator<Item = Vec<Sampl
 fn samples(curve: &Curve, step: f64) -> impl Iterator<Item = Sample> + '_ {
     placed_units(curve).flat_map(move |placed| {
         let parts = (placed.length / step).ceil().max(1.0);
-        let (direction, length) = (placed.direction(), placed.length / parts);
+        let (direction, length) = (placed.direction, placed.length / parts);
         (0..parts as u64).map(move |i| {
             let t = (i as f64 + 0.5) / parts;
             let (position, along) = (placed.unit.at(t), placed.before + placed.length * t);
