@@ -242,7 +242,11 @@ impl CoarseView {
 
     /// The patch that a sensor-frame point lies over; `None` where the view has none.
     pub fn meeting(&self, in_sensor: &Point3) -> Option<Meeting> {
-        let cell = self.cell_of(in_sensor)?;
+        self.meeting_in(self.cell_of(in_sensor)?, in_sensor)
+    }
+
+    /// The patch of a cell, with a point whose ray passes the cell.
+    pub(crate) fn meeting_in(&self, cell: usize, in_sensor: &Point3) -> Option<Meeting> {
         let patch = self.patch(cell)?;
         let (distance, sigma) = patch.distance(in_sensor)?;
         Some(Meeting { cell, distance, normal: patch.steady_normal(), sigma })

@@ -221,9 +221,11 @@ impl Scene<'_> {
             let nodes = cameras.nodes(a, sample.cell);
             let in_a = nodes.map_or(sample.in_sensor, |n| cameras.corrected(&n, &sample.in_sensor));
             let in_b = b_from_a * in_a;
-            let nodes = view.cell_of(&in_b).and_then(|cell| cameras.nodes(b, cell));
+            // The error of a camera moves a point along its ray, so the point stays in its cell.
+            let cell = view.cell_of(&in_b)?;
+            let nodes = cameras.nodes(b, cell);
             let measured = nodes.map_or(in_b, |n| cameras.measured(&n, &in_b));
-            let meeting = view.meeting(&measured)?;
+            let meeting = view.meeting_in(cell, &measured)?;
             let normal = b_from_a.rotation * sample.normal;
             let moved = reach.translation + reach.rotation * sample.in_sensor.coords.norm();
             let variance = sample.sigma.powi(2) + meeting.sigma.powi(2);

@@ -1,7 +1,8 @@
 //! How far patches are looked for.
 
 use super::*;
-use transect_device::View;
+use crate::tuning::PARTNERS;
+use transect_device::{RangeImage, View};
 use transect_scene::{BUNDLED_SCENES, Description};
 
 /// Frames of a depth camera that errs by 2 %.
@@ -68,4 +69,28 @@ fn residuals_before_and_after_are_of_one_scale() {
     (rounds.poses, rounds.cameras) = (given, rounds.cameras.without_errors());
     let [again, stayed] = rounds.residuals();
     assert!(again.iter().all(Option::is_some) && again == before && stayed == before);
+}
+
+#[test]
+fn a_view_has_a_limited_number_of_partners() {
+    let view = depth_camera().swap_remove(0);
+    let size = view.image().size();
+    let upper = size.all_pixels().map(|p| match p.row < size.rows / 2 {
+        true => view.image().row(p.row)[p.col],
+        false => f32::NAN,
+    });
+    let half = view.with_image(RangeImage::from_values(size, upper.collect()).unwrap()).unwrap();
+    let (whole, half) = (CoarseView::new(&view), CoarseView::new(&half));
+    // View 0 shares less with each of the others than they share with each other.
+    let views: Vec<&CoarseView> = [&half].into_iter().chain([&whole; PARTNERS + 2]).collect();
+    let given = vec![*view.world_from_sensor(); views.len()];
+    let scene = scene(views, &given);
+    let rounds = Rounds::new(&scene, given, &RefineOptions::default(), &[]);
+    let is_pair = |a: usize, b: usize| rounds.candidates.contains(&(a, b));
+    assert!(is_pair(0, PARTNERS) && is_pair(PARTNERS, 0));
+    for view in [PARTNERS + 1, PARTNERS + 2] {
+        assert!(!is_pair(0, view) && !is_pair(view, 0), "{view}");
+        assert!(is_pair(1, view) && is_pair(view, 1), "{view}");
+    }
+    assert!(!is_pair(PARTNERS + 1, PARTNERS + 2));
 }

@@ -1,6 +1,8 @@
 //! Poses refined together.
 
-use super::common::{coarse, real, simulated, simulated_with_noise, simulated_with_seed, turned};
+use super::common::{
+    changed, coarse, real, simulated, simulated_with_noise, simulated_with_seed, turned,
+};
 use proptest::prelude::*;
 use std::sync::Arc;
 use transect_device::{DepthOffsets, DeviceFrame, ImageSize, Isometry3, Pixel, Point3};
@@ -225,6 +227,54 @@ fn two_views_and_chains_are_judged_by_halves_of_their_images() {
         let refinement = refine(&coarse(&exact), &RefineOptions::default());
         assert!(refinement.left_out_pairs.is_some());
         assert!(refinement.poses.iter().all(|p| !p.has_moved()), "{pair:?}: {refinement:?}");
+    }
+}
+
+/// The view without what lies outside an interval of angles about the middle of all sensors.
+fn within(view: &View, middle: &Point3, degrees: std::ops::Range<f64>) -> View {
+    let is_inside = |pixel| {
+        let point = view.point_in_sensor(pixel)?;
+        let from_middle = view.world_from_sensor() * point - middle;
+        let angle = from_middle.y.atan2(from_middle.x).to_degrees().rem_euclid(360.0);
+        Some(degrees.contains(&angle))
+    };
+    changed(view, |row, col, value| match is_inside(Pixel::new(row, col)) {
+        Some(true) => value,
+        _ => f32::NAN,
+    })
+}
+
+#[test]
+fn a_chain_of_views_is_judged_by_halves_of_its_pairs() {
+    let views = simulated("room", "");
+    let places = views.iter().map(|view| view.world_from_sensor().translation.vector);
+    let middle = Point3::from(places.sum::<Vector3>() / views.len() as f64);
+    let sectors = [0.0..150.0, 90.0..240.0, 180.0..330.0, 270.0..360.0];
+    let exact: Vec<View> =
+        views.iter().zip(sectors).map(|(view, sector)| within(view, &middle, sector)).collect();
+    for end in [0, 3] {
+        let mut wrong = exact.clone();
+        let turn = turned(&exact[end], 1, 0.3);
+        let moved = Isometry3::translation(0.003, -0.004, 0.005) * turn.world_from_sensor();
+        wrong[end] = exact[end].with_pose(moved).unwrap();
+        let refinement = refine(&coarse(&wrong), &RefineOptions::default());
+        let poses: Vec<_> = refinement.poses.iter().map(|p| p.world_from_sensor).collect();
+        let (before, after) = (apart(&exact, &given(&wrong)), apart(&exact, &poses));
+        assert!(refinement.left_out_pairs.unwrap() < -0.5, "end {end}: {refinement:?}");
+        assert!(after < 0.5 * before, "end {end}: {before} to {after}");
+    }
+}
+
+#[test]
+fn exact_poses_of_two_stations_stay_in_every_draw_of_noise() {
+    for seed in [100, 200, 300] {
+        let views = simulated_with_seed("room", seed);
+        for pair in [[0, 1], [1, 2], [2, 3], [0, 3]] {
+            let exact = pair.map(|k| views[k].clone());
+            let refinement = refine(&coarse(&exact), &RefineOptions::default());
+            let moved = refinement.poses.iter().any(|pose| pose.has_moved());
+            assert!(!moved, "{pair:?} with seed {seed}: {refinement:?}");
+        }
     }
 }
 
