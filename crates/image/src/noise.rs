@@ -65,6 +65,8 @@ pub struct RangeNoise {
     length: f64,
     /// The noise that neighbours share, over the one that each pixel has of its own.
     shared: f64,
+    /// The noise of both kinds, over the one that each pixel has of its own.
+    both: f64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,12 +79,12 @@ impl RangeNoise {
     /// The noise that a view states; estimated if it states none.
     pub fn of(view: &View) -> Self {
         if let Some(sigma) = view.sigma() {
-            return Self { known: Known::Length(sigma), length: sigma, shared: 0.0 };
+            return Self { known: Known::Length(sigma), length: sigma, shared: 0.0, both: 1.0 };
         }
         let value = estimate_value_sigma(view.image());
         let shared = shared_noise(view.image());
         let length = value * median_length_per_value(view);
-        Self { known: Known::Value(value), length, shared }
+        Self { known: Known::Value(value), length, shared, both: 1.0_f64.hypot(shared) }
     }
 
     /// The estimate, as a length, where it contradicts the noise that a view states.
@@ -128,7 +130,7 @@ impl RangeNoise {
 
     /// The same noise as if neighbouring pixels shared none of it.
     pub(crate) fn own(self) -> Self {
-        Self { shared: 0.0, ..self }
+        Self { shared: 0.0, both: 1.0, ..self }
     }
 
     /// Standard deviation of the image's value at a pixel with this [`length_per_value`]: of the
@@ -136,7 +138,7 @@ impl RangeNoise {
     pub fn value_sigma(&self, length_per_value: f64) -> f64 {
         match self.known {
             Known::Length(sigma) => sigma / length_per_value,
-            Known::Value(sigma) => sigma * 1.0_f64.hypot(self.shared),
+            Known::Value(sigma) => sigma * self.both,
         }
     }
 
