@@ -6,7 +6,7 @@ use crate::table::say;
 use crate::timing::{Variant, time};
 use std::hint::black_box;
 use transect_device::View;
-use transect_geometry::PlaneFamily;
+use transect_geometry::{Node, PlaneFamily, Point2};
 use transect_partial::dissertation::{DissertationOptions, JumpTest};
 use transect_partial::one_pass::{Effort, OnePassOptions, Workspace, contours, partial_model_with};
 use transect_partial::{BreakRule, Method, SectionAxes, partial_model};
@@ -16,6 +16,7 @@ const SAMPLE_PLANES: usize = 8;
 
 const DETECTION: &str = "one pass, no plane met";
 const BEST: &str = "one pass, best";
+const WRITTEN: &str = "samples read and nodes written";
 const CURVES: &str = "curves with all attributes";
 const DISSERTATION: &str = "dissertation, plane by plane";
 
@@ -58,13 +59,14 @@ impl Case<'_> {
             "{vertices} vertices, {:.3} per pixel, on {lines} lines; memory beyond the image: {:.2} \
              MB, {:.0} bytes per vertex\n\
              beyond detection, the sweep takes {:.1} ns per vertex, and {CURVES} take {:.1}: {:.1} \
-             times the sweep",
+             times the sweep; {WRITTEN}, without any attribute: {:.1} times",
             vertices / pixels,
             bytes * 1e-6,
             bytes / vertices,
             per_vertex(BEST),
             per_vertex(CURVES),
             per_vertex(CURVES) / per_vertex(BEST),
+            per_vertex(WRITTEN) / per_vertex(BEST),
         ));
         Ok(column)
     }
@@ -78,6 +80,7 @@ impl Case<'_> {
         vec![
             self.kernel(DETECTION, far),
             self.kernel(BEST, axes),
+            self.written(axes),
             Variant::new(CURVES, move || {
                 let effort = Effort::default();
                 let model =
@@ -92,6 +95,23 @@ impl Case<'_> {
         Variant::new(name, move || {
             let found = contours(self.view, &axes, &rule(), &Effort::default(), &mut work);
             let _ = black_box(found.map(|c| c.vertex_count()));
+        })
+    }
+
+    /// The lower bound of every way to make nodes: the sweep, then both samples of each vertex are
+    /// read, and a node is written that has their middle and no computed attribute.
+    fn written(&self, axes: SectionAxes) -> Variant<'_> {
+        let mut work = Workspace::default();
+        Variant::new(WRITTEN, move || {
+            let found = contours(self.view, &axes, &rule(), &Effort::default(), &mut work);
+            let Ok(found) = found else { return };
+            let node = |vertex| {
+                let (_, [a, b]) = found.pair(vertex);
+                let [a, b] = [a, b].map(|p| self.view.point_in_sensor(p).unwrap_or_default());
+                Node::at(Point2::new(a.x + b.x, a.y + b.y)).with_sigma((a.z + b.z) as f32)
+            };
+            let lines = found.polylines().map(|line| line.vertices.iter().map(node).collect());
+            black_box(lines.collect::<Vec<Vec<Node>>>());
         })
     }
 
