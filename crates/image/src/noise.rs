@@ -19,9 +19,9 @@ const CONTRADICTION: f64 = 3.0;
 /// bends dominate. No unit. Theory: noise gives 1, a smooth bend 8. Doubled, bends pass for noise.
 const BEND: f64 = 2.0;
 
-/// Distances, in pixels, at which the noise that neighbours share is looked for. Measured: in images
-/// of structured light the differences grow up to 8 or 12 pixels. Doubled, furniture passes for
-/// noise.
+/// Distances, in pixels, at which the noise that neighbours share is looked for. Measured: in
+/// images of structured light the differences grow up to 8 or 12 pixels. Doubled, furniture passes
+/// for noise.
 const APART: [usize; 3] = [2, 4, 8];
 
 /// Distance, in pixels, at which the differences have ended to grow by [`BEND`] with each doubling,

@@ -140,14 +140,19 @@ fn noise_that_neighbours_share_is_found() {
 
 #[test]
 fn surfaces_do_not_pass_for_noise_that_neighbours_share() {
-    // A wall and balls of 12, 50 and 120 pixels, with noise below, at and above their bends.
-    let balls = [
+    // A wall, balls of 12, 50 and 120 pixels, and pipes of 16 pixels before a wall, with noise below,
+    // at and above their bends.
+    let surfaces = [
         |p: &Point3| 3.0 - p.z,
         |p: &Point3| (*p - BALL).norm() - 0.15,
         |p: &Point3| (*p - BALL).norm() - 0.6,
         |p: &Point3| (*p - BALL).norm() - 1.4,
+        |p: &Point3| {
+            let pipes = (p.x.rem_euclid(0.5) - 0.25).hypot(p.z - 3.0) - 0.2;
+            (0.9 * pipes).min(3.2 - p.z)
+        },
     ];
-    for (k, surface) in balls.into_iter().enumerate() {
+    for (k, surface) in surfaces.into_iter().enumerate() {
         for sigma in [1e-6, 1e-4, 1e-3, 1e-2] {
             let view = look(&camera(), surface, sigma, None);
             let shared = RangeNoise::of(&view).shared();
