@@ -140,8 +140,8 @@ fn noise_that_neighbours_share_is_found() {
 
 #[test]
 fn surfaces_do_not_pass_for_noise_that_neighbours_share() {
-    // A wall, balls of 12, 50 and 120 pixels, and pipes of 16 pixels before a wall, with noise below,
-    // at and above their bends.
+    // A wall, balls of 12, 50 and 120 pixels, and pipes of 16 pixels before a wall. Their noise is
+    // below, at and above their bends.
     let surfaces = [
         |p: &Point3| 3.0 - p.z,
         |p: &Point3| (*p - BALL).norm() - 0.15,
