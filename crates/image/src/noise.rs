@@ -24,17 +24,17 @@ const BEND: f64 = 2.0;
 /// for noise.
 const APART: [usize; 3] = [2, 4, 8];
 
-/// Distance, in pixels, at which the differences have ended to grow by [`BEND`] with each doubling,
-/// if noise alone makes them. Measured, from the distance before: structured light at 640 × 480
+/// Distance, in pixels, at which the differences no longer grow by [`BEND`] with each doubling, if
+/// noise alone makes them. Measured, from the distance before: structured light at 640 × 480
 /// pixels has 1.1 to 1.6, the pipes of a plant room 2.9. Halved, pipes pass for noise.
 const FAR_APART: usize = 16;
 
-/// Least factor of the differences at 4 pixels over those of neighbours, if they end to grow.
-/// Measured: structured light has 1.3 and more, rooms and parts without shared noise have up to
-/// 1.06, and round things up to 1.16. Doubled, hardly any camera shares noise.
+/// Least factor of the differences at 4 pixels over those of neighbours, where they no longer grow.
+/// No unit. Measured: structured light has 1.3 and more, rooms and parts without shared noise have
+/// up to 1.06, and round things up to 1.16. Doubled, hardly any camera shares noise.
 const SHARED: f64 = 1.25;
 
-/// The same if they go on to grow, as where furniture is small in the image. Measured: a simulated
+/// The same where they grow on, as where furniture is small in the image. Measured: a simulated
 /// kitchen at 320 × 240 pixels has 1.9 and more; the plant room, without shared noise, 1.42.
 /// Doubled, no camera shares noise there.
 const CLEARLY_SHARED: f64 = 1.65;
@@ -94,7 +94,7 @@ impl RangeNoise {
             return Self { known: Known::Length(sigma), length: sigma, shared: 0.0, both: 1.0 };
         }
         let value = estimate_value_sigma(view.image());
-        let shared = shared_noise(view.image());
+        let shared = shared_noise(view.image()).unwrap_or(0.0);
         let length = value * median_length_per_value(view);
         Self { known: Known::Value(value), length, shared, both: 1.0_f64.hypot(shared) }
     }
@@ -193,32 +193,31 @@ pub fn estimate_value_sigma(image: &RangeImage) -> f64 {
     smaller_spread(differences(image, LINES, 1))
 }
 
-/// The noise that neighbouring pixels share, over the noise that each has of its own; 0 where the
-/// surface itself may explain what pixels farther apart differ by.
+/// The noise that neighbouring pixels share, over the noise that each has of its own; `None` where
+/// the surface itself may explain what pixels farther apart differ by.
 ///
 /// Third differences of farther and farther pixels are as large as those of neighbours if each
 /// pixel errs by itself. Noise that neighbours share makes them larger, up to the distance at
 /// which it is no longer shared. Bends make them larger, too, but first little and then by up to 8
 /// with each doubling.
-fn shared_noise(image: &RangeImage) -> f64 {
+fn shared_noise(image: &RangeImage) -> Option<f64> {
     let of = |stride: usize| differences(image, LINES, stride);
     let count = |differences: &[Vec<f64>; 2]| differences.iter().map(Vec::len).max().unwrap_or(0);
     let neighbours = of(1);
     let enough = count(&neighbours) / FEWEST;
     let own = smaller_spread(neighbours);
-    let mut spreads = APART.map(|_| own);
-    let mut all = own;
-    for (spread, stride) in spreads.iter_mut().zip(APART) {
+    let farther = |stride: usize, before: f64| {
         let farther = of(stride);
-        *spread = if count(&farther) < enough { 0.0 } else { smaller_spread(farther).max(all) };
-        if *spread >= BEND * all || *spread == 0.0 {
-            return 0.0;
-        }
-        all = *spread;
-    }
+        let are_enough = count(&farther) >= enough;
+        let spread = smaller_spread(farther).max(before);
+        (are_enough && spread < BEND * before).then_some(spread)
+    };
+    let [two, four, eight] = APART;
+    let at_four = farther(four, farther(two, own)?)?;
+    let all = farther(eight, at_four)?;
     let ends = smaller_spread(of(FAR_APART)) < BEND * all;
     let least = if ends { SHARED } else { CLEARLY_SHARED };
-    if spreads[1] < least * own { 0.0 } else { ((all / own).powi(2) - 1.0).sqrt() }
+    (at_four >= least * own).then(|| ((all / own).powi(2) - 1.0).sqrt())
 }
 
 /// The smaller of the estimates from both directions; 0 without differences. A direction with less

@@ -3,9 +3,9 @@
 //! **Problem.** Where pixels are missing, the lines of the sweep end, and one curve becomes
 //! several.
 //!
-//! **Idea.** Lines run with the solid on their left, so the last vertex of a line can only go on
-//! with the first vertex of another one, or of its own. Both lie between the pixels beside the gap,
-//! so a first vertex is looked for near each last one.
+//! **Idea.** Lines run with the solid on their left. The last vertex of a line can therefore only
+//! go on with a first vertex, of another line or of its own. Both lie between the pixels beside the
+//! gap, so a first vertex is looked for near each last one.
 //!
 //! **Steps**, for the open lines of one plane.
 //! 1. First vertices are sorted by their rows.

@@ -6,8 +6,8 @@
 //! **Idea.** The dissertation makes a plane range image and a label image per plane (chapter 3).
 //! Measured in intervals, the height of each pixel's surface point over plane 0 is one scalar
 //! image, the *level*, and the label of plane k is "level > k". The curves of *all* planes are the
-//! level lines of that one image, so one pass over the pixels finds them, and the cost no longer
-//! grows with planes × pixels.
+//! level lines of that one image. One pass over the pixels finds them, and the cost no longer grows
+//! with planes × pixels.
 //!
 //! **Steps.**
 //! 1. Per row (`rows.rs`): levels, `L = ceil(level)`: plane k lies between two pixels exactly if k

@@ -18,8 +18,8 @@
 //! spacing of the samples, that of four points with its fourth power: [`observed_orders`].
 //!
 //! **Departures from the source**, after its errata. The Cartesian solution has no special cases
-//! and is clamped to the pair. The linearised plane of 3.6 has `b cos φ₀ cos θ₀ − a cos φ₀ sin θ₀`;
-//! Of the plane's curve the reciprocal of the range is interpolated, which stays finite where a ray
+//! and is clamped to the pair. The linearised plane of 3.6 has `b cos φ₀ cos θ₀ − a cos φ₀ sin θ₀`.
+//! The plane's curve is interpolated by the reciprocal of its range, which stays finite where a ray
 //! runs along the plane. Added here: the solution of the linearised equation is refined on the
 //! exact one, so that the node lies on the plane. Heights that do not change sign along the pair
 //! (labels moved by thinning) give the sample nearer to the plane.

@@ -3,7 +3,7 @@
 //! Every vertex has a level, its height over plane 0 in plane intervals. It is high over plane `k`
 //! if its level is **strictly above** `k`; on the plane counts as low. Each triangle with both
 //! kinds then gives exactly one segment. It runs from the edge it descends (high to low, in its
-//! winding) to the edge it ascends, which puts the solid of an outward-wound mesh on the left.
+//! winding) to the edge it ascends. The solid of an outward-wound mesh is then on its left.
 //! Neighbouring triangles share an edge and therefore an end point, bit by bit. Segments are linked
 //! by edge keys, never by coordinates, so a gap in the mesh stays a gap in the section.
 //!
