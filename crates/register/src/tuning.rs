@@ -113,6 +113,14 @@ pub const FLAT: f64 = 6.0;
 /// fewer rounds that take longer.
 pub const PRIOR_ROUNDS: usize = 3;
 
+/// Share of a drift in the variance of the poses' errors, before anything is known of it. No unit.
+/// Chosen by hand: half. Doubled, errors have no part of their own.
+pub const FIRST_SHARE: f64 = 0.5;
+
+/// Least share of each of the two. No unit. Chosen by hand: a thousandth is far below what the
+/// evidence tells. Doubled, nothing changes; at 0, a part could never grow again.
+pub const LEAST_SHARE: f64 = 1e-3;
+
 /// Standard deviations within which a neighbouring patch continues a patch. Theory: all but one in
 /// 400. Doubled, normals are rounded across creases.
 pub const SAME_SURFACE: f64 = 3.0;

@@ -184,10 +184,11 @@ impl CoarseView {
         &self.world_from_sensor
     }
 
-    /// The place of the view among the views of a scan, whatever order they come in: by name, and
-    /// views of one name by the bits of their poses.
-    pub(crate) fn rank(&self) -> (String, [[u64; 4]; 4]) {
-        (self.name.clone(), self.world_from_sensor.to_homogeneous().map(f64::to_bits).data.0)
+    /// The place of the view among the views of a scan, whatever order they come in: by name, where
+    /// `view2` is before `view10`, and views of one name by the bits of their poses.
+    pub(crate) fn rank(&self) -> (String, String, [[u64; 4]; 4]) {
+        let pose = self.world_from_sensor.to_homogeneous().map(f64::to_bits).data.0;
+        (with_long_numbers(&self.name), self.name.clone(), pose)
     }
 
     /// Rows and columns of cells.
@@ -384,4 +385,19 @@ impl Lookup {
         let inverse = points.next().is_none_or(|p| frame.device_point(&p).is_some());
         if inverse { Self::Inverse(frame) } else { Self::Points(ByPoints::new(cells, cols)) }
     }
+}
+
+/// A name with zeros before its numbers, so that their order is that of the names.
+fn with_long_numbers(name: &str) -> String {
+    let is_digit = |c: char| c.is_ascii_digit();
+    let mut long = String::new();
+    let mut rest = name;
+    while let Some(start) = rest.find(is_digit) {
+        let (before, number) = rest.split_at(start);
+        let (number, after) =
+            number.split_at(number.find(|c| !is_digit(c)).unwrap_or(number.len()));
+        long += &format!("{before}{number:0>20}");
+        rest = after;
+    }
+    long + rest
 }

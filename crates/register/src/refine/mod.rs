@@ -20,6 +20,7 @@
 
 mod camera;
 mod common_motion;
+mod drift;
 mod left_out;
 mod outcome;
 mod pairs;
@@ -34,6 +35,7 @@ use crate::tuning::{
     MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS, SETTLED, SETTLING,
 };
 use camera::Cameras;
+use drift::{Drift, Errors};
 use nalgebra::{DMatrix, DVector};
 use pairs::{Pair, Portion, Reach, Scene, Spread, State, samples};
 use rayon::prelude::*;
@@ -106,6 +108,7 @@ struct Rounds<'a> {
     prior: PosePrior,
     stated: bool,
     cameras: Cameras,
+    drift: Drift,
     candidates: Vec<(usize, usize)>,
     pairs: Vec<Pair>,
     independent: f64,
@@ -148,6 +151,7 @@ impl<'a> Rounds<'a> {
             prior,
             stated: stated.is_some(),
             cameras,
+            drift: Drift::of(scene.views.len()),
             candidates,
             pairs: Vec::new(),
             independent: 0.0,
@@ -226,18 +230,16 @@ impl<'a> Rounds<'a> {
         Some(largest)
     }
 
-    /// Learns how large the errors of poses and cameras are.
+    /// Learns how large the errors of poses and cameras are, and how much views err alike.
     fn learn(&mut self, so_far: &[Motion], solution: &Solution, root: &DMatrix<f64>) {
         self.cameras.learn(&solution.unknowns, root);
-        if self.stated {
-            return;
-        }
         let total = so_far.iter().enumerate().map(|(k, moved)| moved + solution.motion(k));
-        let variances = variances(root, so_far.len());
-        let of_views = self.scene.views.iter().zip(total.zip(variances));
-        let unstated = of_views.filter(|(view, _)| view.prior().is_none());
-        let (moved, variances): (Vec<Motion>, Vec<Motion>) = unstated.map(|(_, v)| v).unzip();
-        self.prior = estimated_prior(&self.prior, &moved, &variances);
+        let errors = Errors::new(&total.collect::<Vec<_>>(), root, &self.priors());
+        if !self.stated {
+            let is_unstated = |k: usize| self.scene.views[k].prior().is_none();
+            self.prior = estimated_prior(&self.prior, &self.drift.size(&errors, is_unstated));
+        }
+        self.drift.learn(&errors);
     }
 
     /// Changes all unknowns, and goes on by a share of the last change (Polyak, 1964).
@@ -270,7 +272,7 @@ impl<'a> Rounds<'a> {
     }
 
     fn known_before<'b>(&'b self, priors: &'b [PosePrior], moved: &'b [Motion]) -> Before<'b> {
-        Before { priors, moved, cameras: &self.cameras }
+        Before { priors, moved, drift: &self.drift, cameras: &self.cameras }
     }
 
     /// How far each view's pose may be wrong.

@@ -2,6 +2,7 @@
 //! far poses may be wrong.
 
 use super::camera::{Cameras, NODES};
+use super::drift::{Drift, Evidence};
 use super::pairs::Portion;
 use crate::coarse::PosePrior;
 use crate::tuning::NORMAL_ERROR;
@@ -121,7 +122,8 @@ impl System {
     /// motion that all views share.
     pub fn variances_alone(&self, view: usize, independent: f64, prior: &PosePrior) -> Motion {
         let own = self.matrix.fixed_view::<6, 6>(6 * view, 6 * view) * independent;
-        let information = own + Matrix6::from_diagonal(&Motion::from(strength(prior)));
+        let information =
+            own + Matrix6::from_diagonal(&Motion::from(sizes(prior).map(|size| size.powi(-2))));
         information.try_inverse().map_or_else(Motion::zeros, |inverse| inverse.diagonal())
     }
 
@@ -129,11 +131,14 @@ impl System {
     /// was known before. `None` if the numbers are not finite.
     pub fn solve(&self, independent: f64, before: &Before<'_>) -> Option<Solution> {
         let (mut matrix, mut right) = (&self.matrix * independent, &self.right * independent);
-        for (k, (moved, prior)) in before.moved.iter().zip(before.priors).enumerate() {
-            let strength = strength(prior);
-            for c in 0..6 {
-                matrix[(6 * k + c, 6 * k + c)] += strength[c];
-                right[6 * k + c] -= strength[c] * moved[c];
+        let sizes: Vec<_> = before.priors.iter().map(sizes).collect();
+        for (i, of_i) in sizes.iter().enumerate() {
+            for (j, (of_j, moved)) in sizes.iter().zip(before.moved).enumerate() {
+                for c in 0..6 {
+                    let strength = before.drift.precision()[(i, j)] / (of_i[c] * of_j[c]);
+                    matrix[(6 * i + c, 6 * j + c)] += strength;
+                    right[6 * i + c] -= strength * moved[c];
+                }
             }
         }
         for (k, camera) in before.cameras.list.iter().enumerate() {
@@ -151,10 +156,11 @@ impl System {
 }
 
 /// What is known before the pairs say anything: how far the poses and cameras may be wrong, which
-/// pulls each view back by what it has `moved` so far.
+/// pulls each view back by what it has `moved` so far, and how much views err alike.
 pub struct Before<'a> {
     pub priors: &'a [PosePrior],
     pub moved: &'a [Motion],
+    pub drift: &'a Drift,
     pub cameras: &'a Cameras,
 }
 
@@ -208,9 +214,9 @@ fn damping(information: &Matrix6<f64>, distance: f64) -> Matrix6<f64> {
     scale * vectors * Matrix6::from_diagonal(&shares) * vectors.transpose() * back
 }
 
-/// 1 / variance of each component of a motion.
-fn strength(prior: &PosePrior) -> [f64; 6] {
-    let (t, r) = (prior.translation.powi(-2), prior.rotation.powi(-2));
+/// Standard deviation of each component of a motion.
+pub fn sizes(prior: &PosePrior) -> [f64; 6] {
+    let (t, r) = (prior.translation, prior.rotation);
     [t, t, t, r, r, r]
 }
 
@@ -241,15 +247,9 @@ pub fn motion_between(from: &Isometry3, to: &Isometry3) -> Motion {
 /// How far poses are wrong, from how far they moved (MacKay, 1992: the evidence for a prior).
 ///
 /// A direction that the observations determine well shows the error of its pose. One that they do
-/// not determine stays at 0 and shows nothing; `variances` tell which is which. The ratio of
-/// rotation to translation stays: along a tunnel no observation limits the translation, but the
-/// rotations show that the poses are exact.
-pub fn estimated_prior(prior: &PosePrior, moved: &[Motion], variances: &[Motion]) -> PosePrior {
-    let strength = Motion::from(strength(prior));
-    let squares: f64 = moved.iter().map(|m| m.component_mul(m).dot(&strength)).sum();
-    let unknown: f64 = variances.iter().map(|v| v.dot(&strength)).sum();
-    let known = (6 * moved.len()) as f64 - unknown;
-    // Half a component at least, so that a prior that explains nothing shrinks step by step.
-    let factor = (squares / known.max(0.5)).sqrt().clamp(1e-3, 1e3);
+/// not determine stays at 0 and shows nothing. The ratio of rotation to translation stays: along a
+/// tunnel no observation limits the translation, but the rotations show that the poses are exact.
+pub fn estimated_prior(prior: &PosePrior, evidence: &Evidence) -> PosePrior {
+    let factor = evidence.factor().sqrt();
     PosePrior { rotation: factor * prior.rotation, translation: factor * prior.translation }
 }

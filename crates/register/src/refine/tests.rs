@@ -1,5 +1,6 @@
-//! How far patches are looked for.
+//! What the rounds of a refinement find, before its result.
 
+use super::pairs::scrambled;
 use super::*;
 use crate::tuning::PARTNERS;
 use transect_device::{RangeImage, View};
@@ -93,4 +94,44 @@ fn a_view_has_a_limited_number_of_partners() {
         assert!(is_pair(1, view) && is_pair(view, 1), "{view}");
     }
     assert!(!is_pair(PARTNERS + 1, PARTNERS + 2));
+}
+
+/// Numbers of mean 0 and variance 1, nearly normal, the same in every run.
+fn draws(seed: u32) -> impl Iterator<Item = f64> {
+    let uniform = |k: u32| f64::from(scrambled(k)) / f64::from(u32::MAX) - 0.5;
+    (0..).map(move |k| (0..12).map(|j| uniform(1 + seed * 100_000 + 12 * k + j)).sum())
+}
+
+#[test]
+fn errors_tell_whether_poses_drift() {
+    const VIEWS: usize = 40;
+    let exact = DMatrix::identity(6 * VIEWS, 6 * VIEWS) * 1e-9;
+    let learned = |errors: &[Motion]| {
+        let mut drift = Drift::of(VIEWS);
+        let mut prior = PosePrior { rotation: 1.0, translation: 1.0 };
+        for _ in 0..100 {
+            let errors = Errors::new(errors, &exact, &[prior; VIEWS]);
+            prior = estimated_prior(&prior, &drift.size(&errors, |_| true));
+            drift.learn(&errors);
+        }
+        drift.share()
+    };
+    for seed in 0..10 {
+        let mut numbers = draws(seed);
+        let alone: Vec<Motion> =
+            (0..VIEWS).map(|_| Motion::from_fn(|_, _| numbers.next().unwrap())).collect();
+        let walk = alone.iter().scan(Motion::zeros(), |sum, step| {
+            *sum += step;
+            Some(*sum)
+        });
+        // The motion that all views share is not observed.
+        let mut walk: Vec<Motion> = walk.collect();
+        let mean = walk.iter().sum::<Motion>() / VIEWS as f64;
+        walk.iter_mut().for_each(|error| *error -= mean);
+        let (alone, walk) = (learned(&alone), learned(&walk));
+        assert!(
+            alone < 0.2 && walk > 0.8,
+            "seed {seed}: {alone} of single errors, {walk} of a walk"
+        );
+    }
 }

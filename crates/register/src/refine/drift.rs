@@ -1,0 +1,137 @@
+//! How much the errors of neighbouring poses are alike.
+//!
+//! **Problem.** Tripods put up anew err by each pose alone. The pose of a camera that is carried
+//! drifts: the errors of successive views are nearly alike, and the errors of distant views differ
+//! by much. A prior of independent errors resists the correction of a drift, since it moves every
+//! view.
+//!
+//! **Idea.** The error of a view is the sum of an error of its own and of a random walk along the
+//! views in the order of their names. The evidence tells the share of the walk (Harville, 1977),
+//! as it tells the size of the errors.
+//!
+//! **Departure.** The walk is taken about its mean, because the motion that all views share is
+//! taken out in the end.
+
+use super::solve::{Motion, sizes};
+use crate::coarse::PosePrior;
+use crate::tuning::{FIRST_SHARE, LEAST_SHARE};
+use nalgebra::DMatrix;
+
+/// The correlations of the errors of all views.
+#[derive(Debug, Clone)]
+pub struct Drift {
+    /// Share of the walk in the variance of an error.
+    share: f64,
+    /// Covariances of the walk. On average over the views the variance is 1.
+    walk: DMatrix<f64>,
+    /// The inverse of the correlations.
+    precision: DMatrix<f64>,
+}
+
+/// Errors of poses as the observations tell them, in units of the prior's standard deviations.
+#[derive(Debug, Clone)]
+pub struct Errors {
+    /// A row for each view, a column for each component of its motion.
+    values: DMatrix<f64>,
+    /// Covariances of each two views, summed over the components.
+    covariance: DMatrix<f64>,
+}
+
+/// What errors tell about a variance: their squares, and how many of them are determined.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Evidence {
+    pub squares: f64,
+    pub known: f64,
+}
+
+impl Drift {
+    /// Of views in the order of their names, before anything is known of them: the walk has half of
+    /// the variance.
+    pub fn of(views: usize) -> Self {
+        let steps = DMatrix::from_fn(views, views, |i, j| i.min(j) as f64);
+        let means = steps.row_mean();
+        let about_mean = |i, j| steps[(i, j)] - means[i] - means[j] + means.mean();
+        let walk = DMatrix::from_fn(views, views, about_mean);
+        let variance = (walk.trace() / views.max(1) as f64).max(f64::MIN_POSITIVE);
+        let precision = DMatrix::identity(views, views);
+        let mut drift = Self { share: 0.0, walk: walk / variance, precision };
+        drift.set(FIRST_SHARE);
+        drift
+    }
+
+    /// The inverse of the correlations of all views' errors.
+    pub fn precision(&self) -> &DMatrix<f64> {
+        &self.precision
+    }
+
+    /// The share of the walk in the variance of an error.
+    #[cfg(test)]
+    pub fn share(&self) -> f64 {
+        self.share
+    }
+
+    fn set(&mut self, share: f64) {
+        let n = self.walk.nrows();
+        let correlations = DMatrix::identity(n, n) * (1.0 - share) + &self.walk * share;
+        if let Some(factor) = correlations.cholesky() {
+            (self.share, self.precision) = (share, factor.inverse());
+        }
+    }
+
+    /// Learns the share of the walk from errors.
+    pub fn learn(&mut self, errors: &Errors) {
+        let alone = &self.precision * (1.0 - self.share);
+        let together = &self.precision * &self.walk * self.share;
+        let own = (1.0 - self.share) * errors.evidence(&alone, &self.precision).factor();
+        let walk = self.share * errors.evidence(&together, &self.precision).factor();
+        self.set((walk / (own + walk)).clamp(LEAST_SHARE, 1.0 - LEAST_SHARE));
+    }
+
+    /// What the errors of some views tell about the size of all errors.
+    pub fn size(&self, errors: &Errors, is_counted: impl Fn(usize) -> bool) -> Evidence {
+        let of_errors = &self.precision * &errors.values;
+        let rows = (0..errors.values.nrows()).filter(|row| is_counted(*row));
+        rows.fold(Evidence::default(), |sum, row| {
+            let unknown = self.precision.row(row).dot(&errors.covariance.row(row));
+            Evidence {
+                squares: sum.squares + errors.values.row(row).dot(&of_errors.row(row)),
+                known: sum.known + errors.values.ncols() as f64 - unknown,
+            }
+        })
+    }
+}
+
+impl Errors {
+    /// From the motions of all views, and the [`Solution::root`](super::solve::Solution::root).
+    pub fn new(motions: &[Motion], root: &DMatrix<f64>, priors: &[PosePrior]) -> Self {
+        let n = motions.len();
+        let units: Vec<Motion> = priors.iter().map(|prior| Motion::from(sizes(prior))).collect();
+        let values = DMatrix::from_fn(n, 6, |k, c| motions[k][c] / units[k][c]);
+        let of_component = |c: usize| {
+            let roots =
+                DMatrix::from_fn(root.nrows(), n, |row, k| root[(row, 6 * k + c)] / units[k][c]);
+            roots.tr_mul(&roots)
+        };
+        let covariance = (0..6).map(of_component).fold(DMatrix::zeros(n, n), |sum, of| sum + of);
+        Self { values, covariance }
+    }
+
+    /// What the errors tell about one part of their correlations; `shape` is the precision times
+    /// that part.
+    fn evidence(&self, shape: &DMatrix<f64>, precision: &DMatrix<f64>) -> Evidence {
+        let part = shape * precision;
+        let all = self.values.ncols() as f64 * shape.trace();
+        Evidence {
+            squares: self.values.dot(&(&part * &self.values)),
+            known: all - part.dot(&self.covariance),
+        }
+    }
+}
+
+impl Evidence {
+    /// How many times as large as assumed the variance is.
+    pub fn factor(&self) -> f64 {
+        // Half a component at least, so that a variance that explains nothing shrinks step by step.
+        (self.squares / self.known.max(0.5)).clamp(1e-6, 1e6)
+    }
+}
