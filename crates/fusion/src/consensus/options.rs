@@ -118,7 +118,7 @@ steps! {
     second_cover,
     /// Open chains of one view beside a closed one are left out.
     spurs,
-    /// Short units that run backwards are removed.
+    /// Units within the noise that turn by more than 90 degrees are removed.
     backward,
     /// Short chains of one view are left out where views err by more than the footprint.
     lone_chains,

@@ -137,3 +137,42 @@ fn views_farther_apart_than_samples_are_known_to_err() {
         assert!((0.7..1.4).contains(&ratio), "{footprints} footprints: {ratio}");
     }
 }
+
+/// The units of a curve that turn by more than 90 degrees, and are shorter than their noise.
+fn hooks(curve: &Curve) -> usize {
+    let nodes = curve.nodes();
+    let turns = |w: &[Node]| {
+        let [before, after] = [w[1].position - w[0].position, w[2].position - w[1].position];
+        let noise = |a: &Node, b: &Node| f64::from(a.sigma.hypot(b.sigma));
+        let is_short = before.norm() < noise(&w[0], &w[1]) || after.norm() < noise(&w[1], &w[2]);
+        before.dot(&after) < 0.0 && is_short
+    };
+    nodes.windows(3).filter(|w| turns(w)).count()
+}
+
+#[test]
+fn units_within_the_noise_rarely_run_backwards() {
+    let [mut left, mut without_step] = [0; 2];
+    for seed in 1..40 {
+        let mut noise = Noise(seed);
+        let mut view = |_| {
+            let node = |k: u32| {
+                let place = [2.0 * f64::from(k) + 3.0 * noise.normal(), 6.0 * noise.normal()];
+                Node::at(Point2::from(place)).with_sigma(6.0).with_footprint(2.0)
+            };
+            vec![Curve::new((0..60).map(node).collect(), false).unwrap()]
+        };
+        let views: Vec<Vec<Curve>> = (0..2).map(&mut view).collect();
+        let views: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+        let count = |options: &ConsensusOptions| {
+            consensus(&views, options).curves.iter().map(hooks).sum::<usize>()
+        };
+        let mut without = ConsensusOptions::default();
+        without.steps.backward = false;
+        without_step += count(&without);
+        left += count(&ConsensusOptions::default());
+    }
+    println!("{left} hooks left, {without_step} without the step");
+    // Units beside the ends of curves stay, and those of the shortest curves.
+    assert!(10 * left < without_step, "{left} hooks left, {without_step} without the step");
+}

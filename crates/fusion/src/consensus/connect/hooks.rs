@@ -1,23 +1,27 @@
-//! Hooks: short units that run backwards, as two views' nodes of one corner in the wrong order do.
+//! Hooks: short units that run backwards or aside, as two views' nodes of one corner in the wrong
+//! order do.
+//!
+//! Two places closer than the standard deviation of their difference tell no direction.
 
 use super::super::estimate::PlacedNode;
 use super::super::tuning::hooks::*;
 use super::chain::Chain;
+use transect_geometry::Vector2;
 
-/// Removes one node of each hook: the one with the smaller weight.
+/// Removes one node of each hook, the one with the smaller weight, until none is left.
 pub(super) fn remove_hooks(nodes: &[PlacedNode], chain: &mut Chain) {
-    for _ in 0..PASSES {
+    while chain.nodes.len() >= MIN_NODES {
         let n = chain.nodes.len();
-        let units = if chain.closed { n } else { n.saturating_sub(1) };
+        let units = if chain.closed { n } else { n - 1 };
         let mut goes = vec![false; n];
         for a in 0..units {
             let b = (a + 1) % n;
             let weight = |k: usize| nodes[chain.nodes[k] as usize].evidence.weight;
-            if !goes[a] && steps_back(nodes, chain, a) {
+            if !goes[a] && is_hook(nodes, chain, a) {
                 goes[if weight(a) < weight(b) { a } else { b }] = true;
             }
         }
-        if !goes.contains(&true) || n < MIN_NODES {
+        if !goes.contains(&true) {
             return;
         }
         let mut goes = goes.iter();
@@ -25,17 +29,17 @@ pub(super) fn remove_hooks(nodes: &[PlacedNode], chain: &mut Chain) {
     }
 }
 
-/// Whether the unit behind `a` is short and runs against the way from the node before it to the
-/// node behind it.
-fn steps_back(nodes: &[PlacedNode], chain: &Chain, a: usize) -> bool {
+/// Whether the unit behind `a` is shorter than the standard deviation of its length, and turns by
+/// more than 90 degrees from the unit before it or to the unit behind it.
+fn is_hook(nodes: &[PlacedNode], chain: &Chain, a: usize) -> bool {
     let n = chain.nodes.len();
     let at = |k: usize| &nodes[chain.nodes[k % n] as usize];
     if !chain.closed && (a == 0 || a + 2 >= n) {
         return false;
     }
-    let (p, q) = (at(a), at(a + 1));
+    let [before, p, q, after] = [a + n - 1, a, a + 1, a + 2].map(at);
     let step = q.position - p.position;
-    let around = at(a + 2).position - at(a + n - 1).position;
-    let footprint = p.evidence.footprint.max(q.evidence.footprint);
-    step.norm() < SHORT_FOOTPRINTS * footprint && step.dot(&around) < 0.0
+    let turns = |other: Vector2| step.dot(&other) < 0.0;
+    step.norm() < p.sigma.hypot(q.sigma)
+        && (turns(p.position - before.position) || turns(after.position - q.position))
 }

@@ -117,11 +117,6 @@ pub mod spurs {
 
 /// `connect/hooks.rs`
 pub mod hooks {
-    /// How often hooks are searched for in what is left. By hand. Doubled: nothing changes.
-    pub const PASSES: usize = 4;
     /// Fewest nodes of a chain whose hooks are removed: a small ring is all bends. By hand.
     pub const MIN_NODES: usize = 8;
-    /// Longest unit that is a hook, in footprints. Theory: thinning keeps neighbours of one curve
-    /// farther apart. Doubled: bends lose nodes.
-    pub const SHORT_FOOTPRINTS: f64 = 0.5;
 }
