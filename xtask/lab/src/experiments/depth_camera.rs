@@ -2,9 +2,15 @@
 //! What refined poses and corrected images gain.
 
 use super::lab::Lab;
-use super::trial;
+use super::trial::{self, Public};
 use crate::failure::Failure;
 use crate::table::{self, say};
+use std::collections::BTreeMap;
+use std::path::Path;
+use transect::evaluate::{Accuracy, EvaluateOptions, evaluate};
+use transect_device::View;
+use transect_geometry::{Curve, LengthUnit, PlaneIndex};
+use transect_model::Model;
 use transect_register::RefineOptions;
 use transect_scene::{Noise, Station};
 use transect_workflow::simulation::{PreparedScene, SensorPlan, describe};
@@ -33,8 +39,45 @@ pub fn run(lab: &Lab) -> Result<(), Failure> {
     say("In mm: distances from the true sections, and the spread that the run measures.\n");
     let lines: Vec<_> = KITCHENS.into_iter().map(of_kitchen).collect::<Result<_, _>>()?;
     lab.table("corrected", "kitchen | as given | poses refined | images corrected, too", lines)?;
-    say("Median and 95 % distance in mm, and the share of the visible truth that is found.");
+    say("Median and 95 % distance in mm, and the share of the visible truth that is found.\n");
+    lab.table("halves", "red kitchen | median | 95 % | within 2 cm", of_halves(lab.scans()?)?)?;
+    say("In mm: distances of the even frames' model from that of the odd frames, and back.");
     Ok(())
+}
+
+/// The model of the red kitchen's even frames against that of the odd ones.
+fn of_halves(data: &Path) -> Result<Vec<Vec<String>>, Failure> {
+    let Public { views, planes } = trial::red_kitchen(data)?;
+    let refined = trial::at_refined_poses(&views)?;
+    let corrected = trial::corrected(&views)?;
+    let half =
+        |views: &[View], first| views.iter().skip(first).step_by(2).cloned().collect::<Vec<View>>();
+    let apart = [trial::corrected(&half(&views, 0))?, trial::corrected(&half(&views, 1))?];
+    let together = |views: &[View]| [half(views, 0), half(views, 1)];
+    let cases = [
+        ("as given", together(&views)),
+        ("poses refined", together(&refined)),
+        ("images corrected, too", together(&corrected)),
+        ("the same, each half by itself", apart),
+    ];
+    let options = EvaluateOptions::new(0.02);
+    let line = |(name, halves): (&str, [Vec<View>; 2])| {
+        let model = |views: &Vec<View>| trial::model(views, LengthUnit::Metre, planes.clone());
+        let [even, odd] = [model(&halves[0])?, model(&halves[1])?].map(|model| curves(&model));
+        let accuracies =
+            [evaluate(&planes, &even, &odd, &options)?, evaluate(&planes, &odd, &even, &options)?];
+        let mean = |f: fn(&Accuracy) -> Option<f64>| {
+            accuracies.iter().map(|a| f(a).unwrap_or(f64::INFINITY)).sum::<f64>() / 2.0
+        };
+        let within = format!("{:.1} %", 100.0 * (1.0 - mean(|a| a.off)));
+        let [median, p95] = [mean(|a| a.median), mean(|a| a.p95)].map(|m| three_digits(1e3 * m));
+        Ok(table::line(name, [median, p95, within]))
+    };
+    cases.into_iter().map(line).collect()
+}
+
+fn curves(model: &Model) -> BTreeMap<PlaneIndex, Vec<Curve>> {
+    model.sections().map(|(k, section)| (k, section.curves().cloned().collect())).collect()
 }
 
 /// Kitchens that refinement is measured with: the seed of the noise, or the scene's own, and how

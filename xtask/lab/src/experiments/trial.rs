@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use rayon::prelude::*;
 use std::path::Path;
 use transect::evaluate::{Accuracy, EvaluateOptions};
-use transect::{Reconstruction, Setup, Unwatched, reconstruct};
+use transect::{PoseReport, Reconstruction, Setup, Unwatched, ViewSource, reconstruct};
 use transect_device::View;
 use transect_exchange::{Scan, read_mesh};
 use transect_geometry::{LengthUnit, PlaneFamily, StraightGuide, Vector3};
@@ -123,4 +123,14 @@ pub fn at_refined_poses(views: &[View]) -> Result<Vec<View>, Failure> {
     let views: Result<Vec<View>, _> =
         pairs.map(|(view, pose)| view.with_pose(pose.world_from_sensor)).collect();
     Ok(views?)
+}
+
+/// The views at refined poses, without the errors that their depth cameras make alike.
+pub fn corrected(views: &[View]) -> Result<Vec<View>, Failure> {
+    let options = Some(RefineOptions::default());
+    let report = PoseReport::new(views, options.as_ref(), LengthUnit::Metre, &Unwatched)?;
+    let posed = report.posed(views);
+    let loaded: Result<Vec<View>, _> =
+        posed.iter().map(|source| source.load().map(|loaded| loaded.view)).collect();
+    loaded.map_err(|e| Failure::because(e.to_string()))
 }
