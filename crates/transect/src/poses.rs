@@ -20,7 +20,8 @@ use serde::Serialize;
 use transect_device::ImageOrder;
 use transect_geometry::LengthUnit;
 use transect_register::{
-    CoarseView, Explanation, Judgement, RefineOptions, Refinement, explain, judge, refine,
+    CoarseView, Explanation, Judgement, RefineOptions, RefinedPose, Refinement, explain, judge,
+    refine,
 };
 
 /// The poses of a run: what contradicts, and how they were refined.
@@ -91,15 +92,15 @@ impl PoseReport {
         let mut refinement = options.map(|options| refine(&copies, options));
         if let Some(refinement) = &refinement {
             let poses = &refinement.poses;
-            copies = match poses.iter().any(|pose| pose.depth_offsets.is_some()) {
+            let refined = |(copy, pose): (CoarseView, &RefinedPose)| {
+                let copy = copy.with_pose(pose.world_from_sensor);
                 // Errors of a camera hide contradictions between its views.
-                true => coarse_views(&posed(refinement, sources), &Unwatched)?,
-                false => copies
-                    .into_iter()
-                    .zip(poses)
-                    .map(|(copy, pose)| copy.with_pose(pose.world_from_sensor))
-                    .collect(),
+                match &pose.depth_offsets {
+                    Some(offsets) => copy.corrected(offsets),
+                    None => copy,
+                }
             };
+            copies = copies.into_iter().zip(poses).map(refined).collect();
         }
         if refinement.is_some() && explanation.is_some() {
             // Few views that are a little off may look misread: refined, they need no other

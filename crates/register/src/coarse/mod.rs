@@ -19,7 +19,9 @@ use crate::tuning::{CELLS, LEAST_AHEAD, LEAST_STEP, LEAST_WHOLE, QUICK_CELLS};
 use by_points::ByPoints;
 use patch::StoredPatch;
 use std::sync::Arc;
-use transect_device::{DeviceFrame, ImageSize, Isometry3, Pixel, Point3, Ray, Vector3, View};
+use transect_device::{
+    DepthOffsets, DeviceFrame, ImageSize, Isometry3, Pixel, Point3, Ray, Vector3, View,
+};
 use transect_image::RangeNoise;
 
 /// A coarse copy of a view, a few thousand cells in place of its pixels.
@@ -162,6 +164,26 @@ impl CoarseView {
     /// The same copy at another pose.
     pub fn with_pose(self, world_from_sensor: Isometry3) -> Self {
         Self { world_from_sensor, ..self }
+    }
+
+    /// The same copy without the error of its depth camera, which hardly varies within a cell.
+    pub fn corrected(self, offsets: &DepthOffsets) -> Self {
+        let size = self.size;
+        let correct = |(k, cell): (usize, &Cell)| -> Option<Cell> {
+            let along_z = self.ray(k)?.direction.z;
+            let of_cell = offsets.at(size, Pixel::new(k / size.cols, k % size.cols)) * along_z;
+            let offset = of_cell as f32;
+            let shifted = |depth: f32| depth / (1.0 + offset * depth);
+            let seen = cell.seen.map(|seen| Seen {
+                nearest: shifted(seen.nearest).next_down(),
+                farthest: shifted(seen.farthest).next_up(),
+                ..seen
+            });
+            Some(Cell { seen, patch: cell.patch.map(|patch| patch.shifted(offset)) })
+        };
+        let cells = self.cells.iter().enumerate();
+        let cells = cells.map(|cell| correct(cell).unwrap_or_default()).collect();
+        Self { cells, ..self }
     }
 
     /// The same copy of a view whose scan states how far its pose may be wrong.

@@ -71,6 +71,21 @@ impl StoredPatch {
         }
     }
 
+    /// The patch with an offset added to 1 / depth along its rays, which have one start.
+    pub fn shifted(&self, offset: f32) -> Self {
+        // Depths scale by this, and their differences by its square.
+        let scale = 1.0 / (1.0 + offset * self.mean_depth);
+        Self {
+            mean_depth: scale * self.mean_depth,
+            divergence: self.divergence / scale,
+            depth: self.depth.map(|c| scale * scale * c),
+            radius: scale * self.radius,
+            sigma: scale * scale * self.sigma,
+            steady_slopes: self.steady_slopes.map(|slope| scale * slope),
+            flat: self.flat,
+        }
+    }
+
     /// The patch of the cell with this ray; `None` for a ray without a direction.
     pub fn patch(&self, ray: &Ray) -> Option<Patch> {
         Some(Patch {

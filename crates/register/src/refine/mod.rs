@@ -41,7 +41,6 @@ use pairs::{Pair, Portion, Reach, Scene, Spread, State, samples};
 use rayon::prelude::*;
 use solve::{Before, Ground, Motion, Solution, System};
 use solve::{estimated_prior, motion_between, moved, variances};
-use std::collections::BTreeMap;
 use transect_device::{Isometry3, Point3, Vector3};
 
 use outcome::median;
@@ -293,31 +292,33 @@ impl<'a> Rounds<'a> {
 /// then vary more than sums of independent errors do (Kish, 1965). Each view's pose has taken six
 /// numbers out of its blocks.
 fn independent_share(views: &[&CoarseView], pairs: &[Pair]) -> f64 {
-    // Every patch is met by several others, all of which see its error: sum and number.
-    let cells = views.iter().map(|view| vec![(0.0, 0.0); view.size().pixels()]);
-    let mut patches: Vec<Vec<(f64, f64)>> = cells.collect();
-    for pair in pairs {
-        let Some(cells) = patches.get_mut(pair.b) else { continue };
-        for o in &pair.observations {
-            let Some(sum) = cells.get_mut(o.cells[1]) else { continue };
-            sum.0 += pair.weight(o).sqrt() * o.distance;
-            sum.1 += 1.0;
-        }
-    }
-    let mut blocks: BTreeMap<(usize, usize), f64> = BTreeMap::new();
-    let mut squares = 0.0;
-    for (b, (view, cells)) in views.iter().zip(&patches).enumerate() {
+    // The squares of a view's patches, of its blocks, and the number of its blocks.
+    let of_view = |(b, view): (usize, &&CoarseView)| {
         let size = view.size();
-        for (cell, (sum, count)) in cells.iter().enumerate().filter(|(_, (_, count))| *count > 0.0)
-        {
+        // Every patch is met by several others, all of which see its error: sum and number.
+        let mut patches = vec![(0.0, 0.0); size.pixels()];
+        for pair in pairs.iter().filter(|pair| pair.b == b) {
+            for o in &pair.observations {
+                let Some(sum) = patches.get_mut(o.cells[1]) else { continue };
+                sum.0 += pair.weight(o).sqrt() * o.distance;
+                sum.1 += 1.0;
+            }
+        }
+        let mut blocks = [None; BLOCKS * BLOCKS];
+        let mut squares = 0.0;
+        for (cell, (sum, count)) in patches.iter().enumerate().filter(|(_, (_, n))| *n > 0.0) {
             let (row, col) = (cell / size.cols, cell % size.cols);
             let block = row * BLOCKS / size.rows * BLOCKS + col * BLOCKS / size.cols;
             let mean = sum / count;
-            *blocks.entry((b, block)).or_default() += mean;
+            *blocks[block].get_or_insert(0.0) += mean;
             squares += mean * mean;
         }
-    }
-    let sums: f64 = blocks.values().map(|sum| sum * sum).sum();
-    let spare = blocks.len().saturating_sub(6 * views.len()).max(1) as f64;
-    if squares > 0.0 { (squares / sums * spare / blocks.len() as f64).min(1.0) } else { 1.0 }
+        let sums: f64 = blocks.iter().flatten().map(|sum| sum * sum).sum();
+        (squares, sums, blocks.iter().flatten().count())
+    };
+    let of_views: Vec<_> = views.par_iter().enumerate().map(of_view).collect();
+    let add = |a: (f64, f64, usize), b: &(f64, f64, usize)| (a.0 + b.0, a.1 + b.1, a.2 + b.2);
+    let (squares, sums, blocks) = of_views.iter().fold((0.0, 0.0, 0), add);
+    let spare = blocks.saturating_sub(6 * views.len()).max(1) as f64;
+    if squares > 0.0 { (squares / sums * spare / blocks as f64).min(1.0) } else { 1.0 }
 }

@@ -166,32 +166,30 @@ impl Scene<'_> {
         let pairs: Vec<Pair> = pairs.par_iter().map(observe).collect();
         let met = pairs.into_iter().filter(|p| p.observations.len() >= LEAST_MEETINGS);
         let mut pairs: Vec<Pair> = met.collect();
-        self.share(&mut pairs, most);
+        // Pairs are in the order of their second view.
+        pairs.par_chunk_by_mut(|x, y| x.b == y.b).for_each(|seen_by_b| self.share(seen_by_b, most));
         pairs
     }
 
-    /// Finds the share of each observation.
+    /// Finds the share of each observation of one view's patches.
     ///
     /// A surface that `k` views see gives `k (k - 1)` ordered pairs, whose squares add up to `k`
     /// times those of the views against their mean. So each counts as `1 / k`. Where two views
     /// alone hold the others together, they count most.
     fn share(&self, pairs: &mut [Pair], most: usize) {
-        let cells = |view: &&CoarseView| vec![1.0; view.size().pixels()];
-        let mut seen: Vec<Vec<f64>> = self.views.iter().map(cells).collect();
+        let view = pairs.first().and_then(|pair| self.views.get(pair.b));
+        let mut seen = vec![1.0; view.map_or(0, |view| view.size().pixels())];
         for pair in pairs.iter() {
             // As many as without the limit on the samples.
             let each = self.samples.get(pair.a).map_or(1.0, |s| s.len() as f64 / most as f64);
             for o in &pair.observations {
-                if let Some(views) = seen.get_mut(pair.b).and_then(|s| s.get_mut(o.cells[1])) {
+                if let Some(views) = seen.get_mut(o.cells[1]) {
                     *views += each.max(1.0);
                 }
             }
         }
-        for pair in pairs {
-            let Some(seen) = seen.get(pair.b) else { continue };
-            for o in &mut pair.observations {
-                o.share = seen.get(o.cells[1]).map_or(0.5, |views| 1.0 / views);
-            }
+        for o in pairs.iter_mut().flat_map(|pair| &mut pair.observations) {
+            o.share = seen.get(o.cells[1]).map_or(0.5, |views| 1.0 / views);
         }
     }
 

@@ -6,7 +6,8 @@ use super::drift::{Drift, Evidence};
 use super::pairs::Portion;
 use crate::coarse::PosePrior;
 use crate::tuning::NORMAL_ERROR;
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix6, Matrix6xX, Vector6};
+use nalgebra::{Cholesky, DMatrix, DVector, DVectorViewMut, Dyn, Matrix6, Matrix6xX, Vector6};
+use rayon::prelude::*;
 use transect_device::{Isometry3, Point3, Vector3};
 
 /// A rigid motion to first order: translation of the sensor, and rotation about it.
@@ -58,20 +59,21 @@ impl System {
         let first = 6 * ground.sensors.len();
         for o in portion.observations() {
             let weight = pair.weight(o) * o.share;
-            information.syger(weight, &o.gradient, &o.gradient, 1.0);
-            force.axpy(weight * o.distance, &o.gradient, 1.0);
+            let weighted = o.gradient * weight;
+            information += weighted * o.gradient.transpose();
+            force += weighted * o.distance;
             self.square += weight * o.distance.powi(2);
             let (terms, count) = pair.camera_terms(o, ground.cameras);
             let terms = terms.get(..count).unwrap_or(&[]);
             for (i, slope) in terms {
-                crossed.column_mut(*i).axpy(weight * slope, &o.gradient, 1.0);
+                let mut to = crossed.fixed_columns_mut::<1>(*i);
+                to += weighted * *slope;
                 self.right[first + i] -= weight * slope * o.distance;
-                for (j, other) in terms {
+                for (j, other) in terms.iter().filter(|(j, _)| j <= i) {
                     self.matrix[(first + i, first + j)] += weight * slope * other;
                 }
             }
         }
-        information.fill_upper_triangle_with_lower_triangle();
         if let Some(distance) = ground.doubted {
             let damping = damping(&information, distance);
             information = damping * information * damping.transpose();
@@ -185,11 +187,11 @@ impl Solution {
         let n = self.unknowns.len();
         let (lower, mut root) = (self.factor.l_dirty(), DMatrix::identity(n, n));
         // A column of the inverse is zero above the diagonal.
-        for k in 0..n {
+        root.as_mut_slice().par_chunks_mut(n.max(1)).enumerate().for_each(|(k, column)| {
             let size = n - k;
-            let rest = lower.view((k, k), (size, size));
-            rest.solve_lower_triangular_mut(&mut root.view_mut((k, k), (size, 1)));
-        }
+            let mut column = DVectorViewMut::from_slice(&mut column[k..], size);
+            lower.view((k, k), (size, size)).solve_lower_triangular_mut(&mut column);
+        });
         root
     }
 }

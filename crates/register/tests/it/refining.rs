@@ -4,6 +4,7 @@ use super::common::{
     changed, coarse, real, simulated, simulated_with_noise, simulated_with_seed, turned,
 };
 use proptest::prelude::*;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use transect_device::{DepthOffsets, DeviceFrame, ImageSize, Isometry3, Pixel, Point3};
 use transect_device::{RangeImage, SensorPlane, Vector3, View};
@@ -418,4 +419,29 @@ fn the_error_of_a_depth_camera_is_found_with_the_poses() {
 fn a_sound_camera_has_no_offsets() {
     let refinement = refine(&coarse(&simulated("machined_part", "")), &RefineOptions::default());
     assert!(refinement.poses.iter().all(|pose| pose.depth_offsets.is_none()));
+}
+
+/// A copy is corrected in place of being made anew from the corrected image.
+#[test]
+fn a_corrected_copy_is_that_of_the_corrected_image() {
+    let views = simulated("kitchen", "");
+    let (rows, cols) = (3, 4);
+    let values = (0..rows * cols).map(|k| 0.01 * (1.3 * k as f64).sin()).collect();
+    let offsets = DepthOffsets::new(rows, cols, values).unwrap();
+    let view = &views[0];
+    let image = offsets.correct(view.frame(), view.image()).unwrap();
+    let [given, corrected] = [view, &view.with_image(image).unwrap()].map(CoarseView::new);
+    let quick = given.clone().corrected(&offsets);
+    let largest_off = |copy: &CoarseView| {
+        let of_cell: BTreeMap<_, _> = copy.patches().collect();
+        let off = corrected
+            .patches()
+            .filter_map(|(cell, patch)| Some((of_cell.get(&cell)?.point() - patch.point()).norm()));
+        let off: Vec<f64> = off.collect();
+        assert!(off.len() > 1000, "{} patches", off.len());
+        off.into_iter().fold(0.0, f64::max)
+    };
+    let (before, after) = (largest_off(&given), largest_off(&quick));
+    println!("largest distance: {before} without a correction, {after} with it");
+    assert!(before > 0.02 && after < 0.1 * before, "{before}, {after}");
 }
