@@ -14,7 +14,7 @@
 
 use super::solve::{Motion, sizes};
 use crate::coarse::PosePrior;
-use crate::tuning::{FIRST_SHARE, LEAST_SHARE};
+use crate::tuning::{FIRST_SHARE, LEAST_DRIFTING, LEAST_SHARE};
 use nalgebra::DMatrix;
 
 /// The correlations of the errors of all views.
@@ -45,8 +45,7 @@ pub struct Evidence {
 }
 
 impl Drift {
-    /// Of views in the order of their names, before anything is known of them: the walk has half of
-    /// the variance.
+    /// Of views in the order of their names: none, until it is released.
     pub fn of(views: usize) -> Self {
         let steps = DMatrix::from_fn(views, views, |i, j| i.min(j) as f64);
         let means = steps.row_mean();
@@ -54,9 +53,15 @@ impl Drift {
         let walk = DMatrix::from_fn(views, views, about_mean);
         let variance = (walk.trace() / views.max(1) as f64).max(f64::MIN_POSITIVE);
         let precision = DMatrix::identity(views, views);
-        let mut drift = Self { share: 0.0, walk: walk / variance, precision };
-        drift.set(FIRST_SHARE);
-        drift
+        Self { share: 0.0, walk: walk / variance, precision }
+    }
+
+    /// Lets the poses drift, after they have settled. The errors of a few views do not tell whether
+    /// they do.
+    pub fn release(&mut self) {
+        if self.walk.nrows() >= LEAST_DRIFTING {
+            self.set(FIRST_SHARE);
+        }
     }
 
     /// The inverse of the correlations of all views' errors.
@@ -80,6 +85,9 @@ impl Drift {
 
     /// Learns the share of the walk from errors.
     pub fn learn(&mut self, errors: &Errors) {
+        if self.share == 0.0 {
+            return;
+        }
         let alone = &self.precision * (1.0 - self.share);
         let together = &self.precision * &self.walk * self.share;
         let own = (1.0 - self.share) * errors.evidence(&alone, &self.precision).factor();

@@ -168,6 +168,7 @@ impl<'a> Rounds<'a> {
             }
         }
         self.cameras.release();
+        self.drift.release();
         let estimated = self.scene.views.iter().all(|view| view.prior().is_none());
         for round in 0..ROUNDS {
             let momentum = if round < BEFORE_MOMENTUM { 0.0 } else { MOMENTUM };

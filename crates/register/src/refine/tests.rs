@@ -108,6 +108,7 @@ fn errors_tell_whether_poses_drift() {
     let exact = DMatrix::identity(6 * VIEWS, 6 * VIEWS) * 1e-9;
     let learned = |errors: &[Motion]| {
         let mut drift = Drift::of(VIEWS);
+        drift.release();
         let mut prior = PosePrior { rotation: 1.0, translation: 1.0 };
         for _ in 0..100 {
             let errors = Errors::new(errors, &exact, &[prior; VIEWS]);
