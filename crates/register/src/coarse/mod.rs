@@ -423,3 +423,16 @@ fn with_long_numbers(name: &str) -> String {
     }
     long + rest
 }
+
+#[cfg(test)]
+mod tests {
+    use super::with_long_numbers;
+
+    #[test]
+    fn names_are_in_the_order_of_their_numbers() {
+        let names = ["a", "view1", "view2b", "view2b3", "view10", "view10b", "z0"];
+        let long = names.map(with_long_numbers);
+        assert!(long.is_sorted(), "{long:?}");
+        assert!(!names.is_sorted());
+    }
+}

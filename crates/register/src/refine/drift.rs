@@ -1,9 +1,8 @@
 //! How much the errors of neighbouring poses are alike.
 //!
-//! **Problem.** Tripods put up anew err by each pose alone. The pose of a camera that is carried
-//! drifts: the errors of successive views are nearly alike, and the errors of distant views differ
-//! by much. A prior of independent errors resists the correction of a drift, since it moves every
-//! view.
+//! **Problem.** The poses of scanners on tripods err one by one. The pose of a camera that is
+//! carried drifts: successive views err nearly alike, and distant views do not. A prior of
+//! independent errors resists the correction of a drift, because it moves every view.
 //!
 //! **Idea.** The error of a view is the sum of an error of its own and of a random walk along the
 //! views in the order of their names. The evidence tells the share of the walk (Harville, 1977),

@@ -56,7 +56,8 @@ pub struct RefineOptions {
 
 /// Refines the poses of all views together.
 ///
-/// The result does not depend on the order of the views.
+/// The result does not depend on the order of the views. Their names tell which ones follow each
+/// other, as the poses of a camera that is carried drift from view to view.
 pub fn refine(views: &[CoarseView], options: &RefineOptions) -> Refinement {
     // Sums depend on their order, so the views are taken in an order of their own.
     let mut order: Vec<usize> = (0..views.len()).collect();
