@@ -118,7 +118,8 @@ steps! {
     second_cover,
     /// Open chains of one view beside a closed one are left out.
     spurs,
-    /// Units within the noise that turn by more than 90 degrees are removed.
+    /// Short units that run backwards are removed, and units within the noise that turn by more
+    /// than 90 degrees.
     backward,
     /// Short chains of one view are left out where views err by more than the footprint.
     lone_chains,

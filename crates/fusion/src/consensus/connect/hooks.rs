@@ -29,8 +29,9 @@ pub(super) fn remove_hooks(nodes: &[PlacedNode], chain: &mut Chain) {
     }
 }
 
-/// Whether the unit behind `a` is shorter than the standard deviation of its length, and turns by
-/// more than 90 degrees from the unit before it or to the unit behind it.
+/// Whether the unit behind `a` runs against the way from the node before it to the node behind it
+/// and is far shorter than the footprint; or turns by more than 90 degrees from a neighbour and is
+/// shorter than the standard deviation of its length.
 fn is_hook(nodes: &[PlacedNode], chain: &Chain, a: usize) -> bool {
     let n = chain.nodes.len();
     let at = |k: usize| &nodes[chain.nodes[k % n] as usize];
@@ -39,7 +40,10 @@ fn is_hook(nodes: &[PlacedNode], chain: &Chain, a: usize) -> bool {
     }
     let [before, p, q, after] = [a + n - 1, a, a + 1, a + 2].map(at);
     let step = q.position - p.position;
-    let turns = |other: Vector2| step.dot(&other) < 0.0;
-    step.norm() < p.sigma.hypot(q.sigma)
-        && (turns(p.position - before.position) || turns(after.position - q.position))
+    let short = SHORT_FOOTPRINTS * p.evidence.footprint.max(q.evidence.footprint);
+    let is_against = |other: Vector2| step.dot(&other) < 0.0;
+    let turns =
+        || is_against(p.position - before.position) || is_against(after.position - q.position);
+    step.norm() < short && is_against(after.position - before.position)
+        || step.norm() < p.sigma.hypot(q.sigma) && turns()
 }

@@ -119,4 +119,7 @@ pub mod spurs {
 pub mod hooks {
     /// Fewest nodes of a chain whose hooks are removed: a small ring is all bends. By hand.
     pub const MIN_NODES: usize = 8;
+    /// Longest unit that is a hook whatever its noise is, in footprints. Theory: thinning keeps
+    /// neighbours of one curve farther apart. Doubled: bends lose nodes.
+    pub const SHORT_FOOTPRINTS: f64 = 0.5;
 }
