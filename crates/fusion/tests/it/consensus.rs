@@ -100,7 +100,10 @@ proptest! {
         let views: Vec<_> = looks.iter().map(|l| see(&outline, l, sigma)).collect();
         let fused = fuse(&views);
         for n in nodes(&fused) {
-            prop_assert!(outline.error(&n.position).abs() < 4.0 * sigma + 2e-3, "{} at {n:?}", outline.error(&n.position));
+            // A node near the end of one view's curve may state more than the noise of a sample.
+            let largest = 4.0 * sigma.max(f64::from(n.sigma)) + 2e-3;
+            let error = outline.error(&n.position).abs();
+            prop_assert!(error < largest, "{error} at {n:?}");
         }
         let tolerance = OverlapTolerance::within((3.0 * sigma).max(0.005)).unwrap();
         for (k, a) in fused.curves.iter().enumerate() {
