@@ -119,8 +119,8 @@ pub const FIRST_SHARE: f64 = 0.5;
 
 /// Fewest views whose poses may drift. No unit. Measured where poses err one by one, and a drift is
 /// looked for all the same: sections by 11 and 16 views get worse by 5 to 8 %; those by 31 and 40
-/// views change by -7 to +15 %. Where poses do drift, 40 views err by a quarter less. Doubled, their
-/// drift stays.
+/// views change by -7 to +15 %. Where poses do drift, 40 views err by a quarter less. Doubled, the
+/// drift of 31 stays.
 pub const LEAST_DRIFTING: usize = 20;
 
 /// Least share of each of the two. No unit. Chosen by hand: a thousandth is far below what the

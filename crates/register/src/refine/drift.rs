@@ -11,7 +11,7 @@
 //! **Departure.** The walk is taken about its mean, because the motion that all views share is
 //! taken out in the end.
 
-use super::solve::{Motion, sizes};
+use super::motion::{Motion, sizes};
 use crate::coarse::PosePrior;
 use crate::tuning::{FIRST_SHARE, LEAST_DRIFTING, LEAST_SHARE};
 use nalgebra::DMatrix;
@@ -141,4 +141,14 @@ impl Evidence {
         // Half a component at least, so that a variance that explains nothing shrinks step by step.
         (self.squares / self.known.max(0.5)).clamp(1e-6, 1e6)
     }
+}
+
+/// How far poses are wrong, from how far they moved (MacKay, 1992: the evidence for a prior).
+///
+/// A direction that the observations determine well shows the error of its pose. One that they do
+/// not determine stays at 0 and shows nothing. The ratio of rotation to translation stays: along a
+/// tunnel no observation limits the translation, but the rotations show that the poses are exact.
+pub fn estimated_prior(prior: &PosePrior, evidence: &Evidence) -> PosePrior {
+    let factor = evidence.factor().sqrt();
+    PosePrior { rotation: factor * prior.rotation, translation: factor * prior.translation }
 }

@@ -22,6 +22,7 @@ mod camera;
 mod common_motion;
 mod drift;
 mod left_out;
+mod motion;
 mod outcome;
 mod pairs;
 mod solve;
@@ -35,12 +36,12 @@ use crate::tuning::{
     MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS, SETTLED, SETTLING,
 };
 use camera::Cameras;
-use drift::{Drift, Errors};
+use drift::{Drift, Errors, estimated_prior};
+use motion::{Motion, motion_between, moved};
 use nalgebra::{DMatrix, DVector};
 use pairs::{Pair, Portion, Reach, Scene, Spread, State, samples};
 use rayon::prelude::*;
-use solve::{Before, Ground, Motion, Solution, System};
-use solve::{estimated_prior, motion_between, moved, variances};
+use solve::{Before, Ground, Solution, System, variances};
 use transect_device::{Isometry3, Point3, Vector3};
 
 use outcome::median;

@@ -2,8 +2,9 @@
 
 use super::Rounds;
 use super::common_motion::{OfView, common_motion};
+use super::motion::{Motion, motion_between};
 use super::pairs::{Pair, Sample, Spread, State};
-use super::solve::{Motion, System, motion_between};
+use super::solve::System;
 use super::uncertainty::{Covariances, is_within, sigma};
 use crate::coarse::PosePrior;
 use crate::tuning::{FAR_OFF, GATE, MISPLACED, OBSERVATIONS, PROBES};

@@ -2,16 +2,14 @@
 //! far poses may be wrong.
 
 use super::camera::{Cameras, NODES};
-use super::drift::{Drift, Evidence};
+use super::drift::Drift;
+use super::motion::{Motion, sizes};
 use super::pairs::Portion;
 use crate::coarse::PosePrior;
 use crate::tuning::NORMAL_ERROR;
 use nalgebra::{Cholesky, DMatrix, DVector, DVectorViewMut, Dyn, Matrix6, Matrix6xX, Vector6};
 use rayon::prelude::*;
-use transect_device::{Isometry3, Point3, Vector3};
-
-/// A rigid motion to first order: translation of the sensor, and rotation about it.
-pub type Motion = Vector6<f64>;
+use transect_device::{Point3, Vector3};
 
 /// The linear system of all motions, and of the offsets of all cameras after them.
 #[derive(Debug, Clone)]
@@ -216,12 +214,6 @@ fn damping(information: &Matrix6<f64>, distance: f64) -> Matrix6<f64> {
     scale * vectors * Matrix6::from_diagonal(&shares) * vectors.transpose() * back
 }
 
-/// Standard deviation of each component of a motion.
-pub fn sizes(prior: &PosePrior) -> [f64; 6] {
-    let (t, r) = (prior.translation, prior.rotation);
-    [t, t, t, r, r, r]
-}
-
 /// Turns a gradient about the origin into one about a point at `offset` from it. Its transpose
 /// turns motions the other way.
 pub fn about(offset: &Vector3) -> Matrix6<f64> {
@@ -229,29 +221,4 @@ pub fn about(offset: &Vector3) -> Matrix6<f64> {
     let cross = -offset.cross_matrix();
     shift.fixed_view_mut::<3, 3>(3, 0).copy_from(&cross);
     shift
-}
-
-/// The pose after a motion.
-pub fn moved(world_from_sensor: &Isometry3, motion: &Motion) -> Isometry3 {
-    let turn = nalgebra::UnitQuaternion::from_scaled_axis(motion.fixed_rows::<3>(3).into_owned());
-    let shift = motion.fixed_rows::<3>(0).into_owned();
-    let at = world_from_sensor.translation.vector + shift;
-    Isometry3::from_parts(at.into(), turn * world_from_sensor.rotation)
-}
-
-/// The motion between two poses.
-pub fn motion_between(from: &Isometry3, to: &Isometry3) -> Motion {
-    let shift = to.translation.vector - from.translation.vector;
-    let turn = (to.rotation * from.rotation.inverse()).scaled_axis();
-    Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z)
-}
-
-/// How far poses are wrong, from how far they moved (MacKay, 1992: the evidence for a prior).
-///
-/// A direction that the observations determine well shows the error of its pose. One that they do
-/// not determine stays at 0 and shows nothing. The ratio of rotation to translation stays: along a
-/// tunnel no observation limits the translation, but the rotations show that the poses are exact.
-pub fn estimated_prior(prior: &PosePrior, evidence: &Evidence) -> PosePrior {
-    let factor = evidence.factor().sqrt();
-    PosePrior { rotation: factor * prior.rotation, translation: factor * prior.translation }
 }

@@ -16,8 +16,9 @@
 //!    in them.
 
 use super::Rounds;
+use super::motion::Motion;
 use super::pairs::Portion;
-use super::solve::{Motion, System, about};
+use super::solve::{System, about};
 use crate::coarse::PosePrior;
 use crate::tuning::PROBES;
 use nalgebra::{Matrix3x6, Matrix6};
