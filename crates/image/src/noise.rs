@@ -93,10 +93,25 @@ impl RangeNoise {
         if let Some(sigma) = view.sigma() {
             return Self { known: Known::Length(sigma), length: sigma, shared: 0.0, both: 1.0 };
         }
-        let value = estimate_value_sigma(view.image());
-        let shared = shared_noise(view.image()).unwrap_or(0.0);
+        let neighbours = differences(view.image(), LINES, 1);
+        let enough = count(&neighbours) / FEWEST;
+        let value = smaller_spread(neighbours);
+        let shared = shared_noise(view.image(), value, enough).unwrap_or(0.0);
         let length = value * median_length_per_value(view);
         Self { known: Known::Value(value), length, shared, both: 1.0_f64.hypot(shared) }
+    }
+
+    /// The noise that each pixel has of its own, as stated or estimated. It takes a fifth of the
+    /// time of [`RangeNoise::of`].
+    pub fn of_pixels(view: &View) -> Self {
+        let (known, length) = match view.sigma() {
+            Some(sigma) => (Known::Length(sigma), sigma),
+            None => {
+                let value = estimate_value_sigma(view.image());
+                (Known::Value(value), value * median_length_per_value(view))
+            }
+        };
+        Self { known, length, shared: 0.0, both: 1.0 }
     }
 
     /// The estimate, as a length, where it contradicts the noise that a view states.
@@ -200,12 +215,10 @@ pub fn estimate_value_sigma(image: &RangeImage) -> f64 {
 /// pixel errs by itself. Noise that neighbours share makes them larger, up to the distance at
 /// which it is no longer shared. Bends make them larger, too, but first little and then by up to 8
 /// with each doubling.
-fn shared_noise(image: &RangeImage) -> Option<f64> {
+///
+/// `own` is the estimate from neighbours, and `enough` the least number of differences.
+fn shared_noise(image: &RangeImage, own: f64, enough: usize) -> Option<f64> {
     let of = |stride: usize| differences(image, LINES, stride);
-    let count = |differences: &[Vec<f64>; 2]| differences.iter().map(Vec::len).max().unwrap_or(0);
-    let neighbours = of(1);
-    let enough = count(&neighbours) / FEWEST;
-    let own = smaller_spread(neighbours);
     let farther = |stride: usize, before: f64| {
         let farther = of(stride);
         let are_enough = count(&farther) >= enough;
@@ -218,6 +231,11 @@ fn shared_noise(image: &RangeImage) -> Option<f64> {
     let ends = smaller_spread(of(FAR_APART)) < BEND * all;
     let least = if ends { SHARED } else { CLEARLY_SHARED };
     (at_four >= least * own).then(|| ((all / own).powi(2) - 1.0).sqrt())
+}
+
+/// The differences of the direction that has more of them.
+fn count(differences: &[Vec<f64>; 2]) -> usize {
+    differences.iter().map(Vec::len).max().unwrap_or(0)
 }
 
 /// The smaller of the estimates from both directions; 0 without differences. A direction with less

@@ -290,7 +290,8 @@ impl<S: Simd> Fit<'_, S> {
     fn rows(&self, work: &mut Workspace, mut visit: impl FnMut(WindowRow<'_, S>)) {
         let (top, bottom) = work.rows;
         let mut rest = &mut *work.places;
-        for k in top..bottom {
+        let apart = self.grid.rows_apart;
+        for k in (top..bottom).filter(|k| k.abs_diff(HALF_WINDOW).is_multiple_of(apart)) {
             let half = work.halves[k];
             let (places, others) = rest.split_at_mut(1 + 2 * half);
             rest = others;

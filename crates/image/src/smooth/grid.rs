@@ -4,8 +4,8 @@ use super::lanes::MOST;
 use super::links::Links;
 use super::pairs::{Line, Pairs};
 use super::quantity::Quantity;
-use crate::BreakRule;
-use crate::tuning::HALF_WINDOW;
+use crate::tuning::{HALF_WINDOW, MOSTLY_SHARED};
+use crate::{BreakRule, RangeNoise};
 use fearless_simd::Simd;
 use transect_device::{ImageSize, Neighbour, Pixel, View};
 
@@ -17,6 +17,8 @@ pub(super) struct Grid<'a> {
     beyond: usize,
     /// The fitted quantity; 0 where missing or outside the image.
     quantities: Vec<f32>,
+    /// Rows of a window from one that is read to the next.
+    pub rows_apart: usize,
     /// Which pixels belong to one surface.
     pub links: Links,
     size: ImageSize,
@@ -25,7 +27,12 @@ pub(super) struct Grid<'a> {
 
 impl<'a> Grid<'a> {
     #[inline(always)]
-    pub fn new<S: Simd>(simd: S, view: &'a View, rule: &'a BreakRule, quantity: Quantity) -> Self {
+    pub fn new<S: Simd>(
+        simd: S,
+        view: &'a View,
+        (rule, noise): (&'a BreakRule, &RangeNoise),
+        quantity: Quantity,
+    ) -> Self {
         let size = view.image().size();
         let stride = size.cols + 2 * HALF_WINDOW + MOST;
         let wraps = view.frame().columns_wrap();
@@ -34,6 +41,7 @@ impl<'a> Grid<'a> {
             // A full circle goes on where it began; an image smaller than a window does not.
             beyond: if wraps && size.cols > 2 * HALF_WINDOW { HALF_WINDOW } else { 0 },
             quantities: vec![0.0; stride * (size.rows + 2 * HALF_WINDOW)],
+            rows_apart: if noise.shared() < MOSTLY_SHARED { 1 } else { 2 },
             links: Links::new(size.rows, size.cols),
             size,
             pairs: Pairs::new(view, rule),

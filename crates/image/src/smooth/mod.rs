@@ -14,6 +14,7 @@
 //! 1. The window is round. Its radius follows from the noise per spacing of the rays; see
 //!    `window.rs`. Rows and columns that are spaced differently make an ellipse. Weights fall
 //!    smoothly to 0 at its rim, so that the result is smooth from pixel to pixel.
+//!    Where neighbours share most of their noise, every second row of a window is left out.
 //! 2. Only pixels that unbroken pairs connect to the centre count; see `links.rs`. Nothing is
 //!    smoothed across a range jump.
 //! 3. Three fits of the quantity in which planes are flat, see `quantity.rs`: the first with
@@ -216,7 +217,7 @@ impl<'a> Smoother<'a> {
         // A closure takes the loops into a function of their own, with all instructions.
         let grid = simd.vectorize(
             #[inline(always)]
-            || Grid::new(simd, view, rule, quantity),
+            || Grid::new(simd, view, (rule, noise), quantity),
         );
         Self { view, noise, quantity, grid, steps }
     }

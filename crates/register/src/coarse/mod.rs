@@ -134,7 +134,7 @@ impl CoarseView {
         let (step, full) = (step_of(cells), step_of(CELLS));
         let stride = stride(step);
         let size = ImageSize { rows: image.rows.div_ceil(step), cols: image.cols.div_ceil(step) };
-        let noise = RangeNoise::of(view);
+        let noise = RangeNoise::of_pixels(view);
         let cell = |k: usize| {
             let corner = Pixel::new(k / size.cols * step, k % size.cols * step);
             Sampled::new(view, &noise, corner, (step, stride))

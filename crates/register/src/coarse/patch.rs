@@ -298,10 +298,10 @@ fn second_order(points: &[[f64; 3]]) -> Option<[f64; 6]> {
     let (mut normal, mut right) = (Matrix6::zeros(), Vector6::zeros());
     for [a, b, w] in points {
         let terms = Vector6::from(terms(*a, *b));
-        normal.syger(1.0, &terms, &terms, 1.0);
-        right.axpy(*w, &terms, 1.0);
+        // Fixed sizes; `syger` and `axpy` take several times as long.
+        normal += terms * terms.transpose();
+        right += terms * *w;
     }
-    normal.fill_upper_triangle_with_lower_triangle();
     Some(normal.cholesky()?.solve(&right).into())
 }
 
