@@ -1,13 +1,11 @@
 //! The part of a surface that a set of views can see. A model can only be compared with this part.
 //!
-//! Points come in groups of neighbours. The rays of one view to such a group run close together, so
-//! one search with a thick ray finds all triangles that any of them can meet. Each ray is then
-//! tested against these few triangles alone. Where one triangle hides the box around the group from
-//! a view, no point needs a ray of its own: the places that a triangle hides are a convex set.
+//! Points come in the order of a curve. Mostly, the view that saw the last point sees the next one
+//! too, and the triangle that hid the last point from a view hides the next one too. So both are
+//! tried first.
 
 use crate::scene::WorldRay;
 use crate::{Mesh, MeshError, parry};
-use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 use parry3d_f64::query::{Ray, RayCast};
 use parry3d_f64::shape::{TriMesh, TriMeshFlags, Triangle};
@@ -22,18 +20,6 @@ const MAX_INCIDENCE_DEG: f64 = 80.0;
 /// Tolerance of a free path at its end, relative to its length. Chosen by hand: above rounding,
 /// below any thickness. Doubling it changes nothing visible.
 const REACHED: f64 = 1e-3;
-
-/// Most rays that share one thick ray. Chosen by hand. Doubled, each ray is tested against more
-/// triangles; halved, there are twice as many searches. What is seen stays the same.
-const BUNDLE: usize = 16;
-
-/// Most points of a group. Chosen by hand. Doubled, a triangle hides a whole group less often;
-/// halved, there are more searches. What is seen stays the same.
-const GROUP: usize = 32;
-
-/// Factor on the radius of a thick ray, against rounding. Chosen by hand: far above rounding.
-/// Doubled, more triangles are tested, with equal results.
-const THICKER: f64 = 1.01;
 
 /// Finds the points of a surface that some view sees.
 ///
@@ -67,51 +53,33 @@ impl Eye {
         Self { view, centre }
     }
 
-    /// The ways on which the view sees a point, if its pixel has a value.
-    fn sight(&self, number: usize, in_world: &Point3) -> Option<Sight> {
+    /// The ways on which the view sees a point, if its pixel has a value: from the start of the
+    /// pixel's ray, and from its second viewpoint, if it has one.
+    fn sight(&self, in_world: &Point3) -> Option<(Ray, Option<Ray>)> {
         let view = &self.view;
         let pixel = pixel(view, in_world)?;
         view.image().get(pixel)?;
-        let from =
-            |start: Point3| Ray::new(parry::point(&start), parry::vector(&(in_world - start)));
         let placed = |in_sensor: Point3| view.world_from_sensor() * in_sensor;
         let start = match self.centre {
             Some(centre) => centre,
             None => placed(view.frame().ray(pixel)?.start),
         };
-        let second = view.frame().second_viewpoint(pixel).map(|viewpoint| from(placed(viewpoint)));
-        Some(Sight { number, way: from(start), second })
-    }
-
-    fn centre(&self) -> Option<Vector> {
-        self.centre.map(|centre| parry::point(&centre))
-    }
-
-    /// Whether an end or the middle of a group is in the image.
-    fn looks_at(&self, group: &[Point3]) -> bool {
-        let samples = [group.first(), group.get(group.len() / 2), group.last()];
-        samples.into_iter().flatten().any(|point| pixel(&self.view, point).is_some())
+        let second = view.frame().second_viewpoint(pixel);
+        Some((way(&start, in_world), second.map(|start| way(&placed(start), in_world))))
     }
 }
 
-/// How a view sees the middle of a group of points.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Glance {
-    Seen,
-    /// One triangle hides the whole group.
-    Hidden,
-    /// Not in the image, hidden or seen too obliquely; other points may be seen.
-    Unknown,
+/// The way from a place to a point; it has the length 1 there.
+fn way(from: &Point3, to: &Point3) -> Ray {
+    Ray::new(parry::point(from), parry::vector(&(to - from)))
 }
 
-/// The ways to a point of the surface from where a view sees it.
-struct Sight {
-    /// The point's place in its group.
-    number: usize,
-    /// From the start of the pixel's ray.
-    way: Ray,
-    /// From the pixel's second viewpoint, if it has one.
-    second: Option<Ray>,
+/// How a way to a point of the surface ends.
+enum End {
+    /// At the point, with this cosine of incidence; `None` where no surface is.
+    AtPoint(Option<f64>),
+    /// At a triangle before it.
+    Blocked(Triangle),
 }
 
 impl Visibility {
@@ -129,114 +97,69 @@ impl Visibility {
         Ok(Self { surface, eyes, least_cosine: MAX_INCIDENCE_DEG.to_radians().cos() })
     }
 
-    /// Whether some view sees each of some points of the surface. The points should be in the order
-    /// of a curve: the time per point grows with the triangles around the paths to its neighbours.
+    /// Whether some view sees each of some points of the surface, in the order of a curve.
     pub fn sees(&self, in_world: &[Point3]) -> Vec<bool> {
-        in_world.chunks(GROUP).flat_map(|group| self.sees_group(group)).collect()
+        let mut blockers = vec![None; self.eyes.len()];
+        let mut last = 0;
+        let mut is_seen = |point: &Point3| {
+            let others = (0..self.eyes.len()).filter(|k| *k != last);
+            let mut views = std::iter::once(last).chain(others);
+            let found = views.find(|k| {
+                let eye = self.eyes.get(*k).zip(blockers.get_mut(*k));
+                eye.is_some_and(|(eye, blocker)| self.sees_point(eye, point, blocker))
+            });
+            last = found.unwrap_or(last);
+            found.is_some()
+        };
+        in_world.iter().map(&mut is_seen).collect()
     }
 
-    /// Whether some view sees each of a group of points.
-    fn sees_group(&self, in_world: &[Point3]) -> Vec<bool> {
-        let mut seen = vec![false; in_world.len()];
-        let bounds = Aabb::from_points(in_world.iter().map(parry::point));
-        let middle = in_world.get(in_world.len() / 2);
-        let mut hidden = Vec::with_capacity(self.eyes.len());
-        // Mostly, a view that sees the middle of a group sees all of it.
-        let first = self.eyes.iter().position(|eye| {
-            let found = middle.map(|point| self.glance(eye, point, &bounds));
-            hidden.push(found == Some(Glance::Hidden));
-            found == Some(Glance::Seen)
-        });
-        let others = (0..self.eyes.len()).filter(|k| Some(*k) != first);
-        for k in first.into_iter().chain(others) {
-            let Some(eye) = self.eyes.get(k).filter(|_| seen.contains(&false)) else { break };
-            let is_hidden = hidden.get(k).is_some_and(|hidden| *hidden)
-                || eye.looks_at(in_world) && self.hides(eye, &bounds);
-            if !is_hidden {
-                self.look(eye, in_world, &mut seen);
+    /// Whether a view sees a point. `blocker` is the triangle that hid the last point from it.
+    fn sees_point(&self, eye: &Eye, in_world: &Point3, blocker: &mut Option<Triangle>) -> bool {
+        let hidden = eye.centre.zip(blocker.as_ref());
+        if hidden.is_some_and(|(centre, triangle)| blocks(triangle, &way(&centre, in_world))) {
+            return false;
+        }
+        let Some((way, second)) = eye.sight(in_world) else { return false };
+        match self.end(&way) {
+            End::Blocked(triangle) => {
+                *blocker = Some(triangle);
+                false
             }
-        }
-        seen
-    }
-
-    /// How a view sees the middle of a group within a box.
-    fn glance(&self, eye: &Eye, middle: &Point3, bounds: &Aabb) -> Glance {
-        let Some(sight) = eye.sight(0, middle) else { return Glance::Unknown };
-        let mut around = self.around(std::iter::once(&sight.way));
-        let Some(cosine) = cosine_at_end(&sight.way, &mut around) else {
-            // Mostly, what hides the middle hides all.
-            let blocker = around.first().zip(eye.centre());
-            let hides = blocker.is_some_and(|(triangle, centre)| hides(triangle, centre, bounds));
-            return if hides { Glance::Hidden } else { Glance::Unknown };
-        };
-        let is_watched = |way: &Ray| {
-            let mut around = self.around(std::iter::once(way));
-            cosine_at_end(way, &mut around).is_some()
-        };
-        let is_seen = cosine > self.least_cosine && sight.second.as_ref().is_none_or(is_watched);
-        if is_seen { Glance::Seen } else { Glance::Unknown }
-    }
-
-    /// Marks the points that a view sees.
-    fn look(&self, eye: &Eye, in_world: &[Point3], seen: &mut [bool]) {
-        let unseen = in_world.iter().enumerate().filter(|(k, _)| seen.get(*k) == Some(&false));
-        let sights: Vec<Sight> = unseen.filter_map(|(k, point)| eye.sight(k, point)).collect();
-        for sights in sights.chunks(BUNDLE) {
-            self.follow(sights, seen);
-        }
-    }
-
-    /// Marks the points that can be seen on the ways to them.
-    fn follow(&self, sights: &[Sight], seen: &mut [bool]) {
-        let mut from_start = self.around(sights.iter().map(|s| &s.way));
-        let mut from_second = self.around(sights.iter().filter_map(|s| s.second.as_ref()));
-        for sight in sights {
-            let cosine = cosine_at_end(&sight.way, &mut from_start);
-            let is_lit = cosine.is_some_and(|c| c > self.least_cosine);
-            let mut is_watched = |way| cosine_at_end(way, &mut from_second).is_some();
-            if let Some(seen) = seen.get_mut(sight.number) {
-                *seen = is_lit && sight.second.as_ref().is_none_or(&mut is_watched);
+            End::AtPoint(cosine) => {
+                let is_free = |way: &Ray| matches!(self.end(way), End::AtPoint(Some(_)));
+                cosine.is_some_and(|cosine| cosine > self.least_cosine)
+                    && second.as_ref().is_none_or(is_free)
             }
         }
     }
 
-    /// Whether one triangle hides a box from a view.
-    fn hides(&self, eye: &Eye, bounds: &Aabb) -> bool {
-        let Some(centre) = eye.centre() else { return false };
-        let middle = WorldRay::new(centre, bounds.center() - centre);
-        let mut leaves = self.surface.bvh().leaves(|n| middle.box_entry(n.mins(), n.maxs()) <= 1.0);
-        leaves.any(|leaf| hides(&self.surface.triangle(leaf), centre, bounds))
-    }
-
-    /// The triangles that neighbouring ways can meet.
-    ///
-    /// The middle one of the ways is as thick as the largest distance of another one's ends from
-    /// its own. In between, and a little beyond the end, other ways are no farther from it.
-    fn around<'a>(&self, ways: impl Iterator<Item = &'a Ray> + Clone) -> Vec<Triangle> {
-        let Some(middle) = ways.clone().nth(ways.clone().count() / 2) else { return Vec::new() };
-        let end = |way: &Ray| way.origin + way.dir;
-        let distance = |way: &Ray| {
-            (way.origin - middle.origin).length().max((end(way) - end(middle)).length())
-        };
-        let radius = ways.map(distance).fold(REACHED * 1e-3 * middle.dir.length(), f64::max);
-        let thick = Vector::splat(THICKER * radius);
-        let ray = WorldRay::new(middle.origin, middle.dir);
+    /// Follows a way to a point of the surface.
+    fn end(&self, way: &Ray) -> End {
+        let ray = WorldRay::new(way.origin, way.dir);
+        // Room for rounding in boxes without thickness.
+        let thick = Vector::splat(REACHED * 1e-3 * way.dir.length());
         let leaves = self.surface.bvh().leaves(|node| {
             ray.box_entry(node.mins() - thick, node.maxs() + thick) <= 1.0 + REACHED
         });
-        let mut found = Vec::with_capacity(4 * BUNDLE);
-        found.extend(leaves.map(|leaf| self.surface.triangle(leaf)));
-        found
+        let (mut nearest, mut cosine) = (f64::INFINITY, None);
+        for leaf in leaves {
+            let triangle = self.surface.triangle(leaf);
+            let hit = triangle.cast_local_ray_and_get_normal(way, 1.0 + REACHED, false);
+            let Some(hit) = hit.filter(|hit| hit.time_of_impact < nearest) else { continue };
+            if hit.time_of_impact <= 1.0 - REACHED {
+                return End::Blocked(triangle);
+            }
+            nearest = hit.time_of_impact;
+            cosine = Some(hit.normal.dot(way.dir.normalize()).abs());
+        }
+        End::AtPoint(cosine)
     }
 }
 
-/// Whether a triangle hides a box from a place.
-fn hides(triangle: &Triangle, centre: Vector, bounds: &Aabb) -> bool {
-    let blocks = |end: Vector| {
-        let way = Ray::new(centre, end - centre);
-        triangle.cast_local_ray(&way, 1.0 - REACHED, false).is_some()
-    };
-    blocks(bounds.center()) && bounds.vertices().iter().all(|corner| blocks(*corner))
+/// Whether a triangle lies across a way before its end.
+fn blocks(triangle: &Triangle, way: &Ray) -> bool {
+    triangle.cast_local_ray(way, 1.0 - REACHED, false).is_some()
 }
 
 /// The pixel of the image that a point projects to.
@@ -250,30 +173,12 @@ fn pixel(view: &View, in_world: &Point3) -> Option<Pixel> {
     is_inside.then(|| Pixel::new(row as usize, col as usize))
 }
 
-/// Cosine of incidence of a way on the surface at its end; `None` if it is blocked before.
-///
-/// A triangle that blocks the way becomes the first one, as it mostly blocks the next way, too.
-fn cosine_at_end(way: &Ray, around: &mut [Triangle]) -> Option<f64> {
-    let mut first = None;
-    let mut least = f64::INFINITY;
-    for k in 0..around.len() {
-        // Measured in the length of the way, a ray that reaches the point hits at 1.
-        let hit = around.get(k)?.cast_local_ray_and_get_normal(way, 1.0 + REACHED, false);
-        let Some(hit) = hit.filter(|hit| hit.time_of_impact < least) else { continue };
-        if hit.time_of_impact <= 1.0 - REACHED {
-            around.swap(0, k);
-            return None;
-        }
-        (first, least) = (Some(hit.normal), hit.time_of_impact);
-    }
-    first.map(|normal| normal.dot(way.dir.normalize()).abs())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::test_frames::SheetOfLight;
     use crate::{Noise, Scene, Shape, Solid};
+    use parry3d_f64::query::RayIntersection;
     use std::sync::Arc;
     use transect_device::{DeviceFrame, ImageSize, Isometry3};
     use transect_sensors::{Intrinsics, Pinhole};
@@ -300,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn groups_are_seen_as_a_search_of_all_triangles_for_each_point_finds() {
+    fn points_are_seen_as_a_search_of_all_triangles_for_each_point_finds() {
         let block = |size: [f64; 3], x: f64, y: f64, z: f64| {
             let shape = Shape::cuboid(size.into()).unwrap();
             Solid::new(shape, Isometry3::translation(x, y, z)).unwrap()
@@ -319,12 +224,21 @@ mod tests {
         };
         let mesh = scene.mesh(0.05).unwrap();
         let seen = Visibility::new(&mesh, poses.iter().map(view).collect()).unwrap();
-        let mut all: Vec<Triangle> = seen.surface.triangles().collect();
+        let all: Vec<Triangle> = seen.surface.triangles().collect();
+        let cosine = |way: &Ray| {
+            let hit = |t: &Triangle| t.cast_local_ray_and_get_normal(way, 1.0 + REACHED, false);
+            let nearer = |a: &RayIntersection, b: &RayIntersection| {
+                a.time_of_impact.total_cmp(&b.time_of_impact)
+            };
+            let first = all.iter().filter_map(hit).min_by(nearer)?;
+            let cosine = first.normal.dot(way.dir.normalize()).abs();
+            (first.time_of_impact > 1.0 - REACHED).then_some(cosine)
+        };
         let mut alone = |point: &Point3| {
             seen.eyes.iter().any(|eye| {
-                let Some(sight) = eye.sight(0, point) else { return false };
-                cosine_at_end(&sight.way, &mut all).is_some_and(|c| c > seen.least_cosine)
-                    && sight.second.is_none_or(|way| cosine_at_end(&way, &mut all).is_some())
+                let Some((way, second)) = eye.sight(point) else { return false };
+                cosine(&way).is_some_and(|c| c > seen.least_cosine)
+                    && second.is_none_or(|way| cosine(&way).is_some())
             })
         };
         let mut counts = [0; 2];

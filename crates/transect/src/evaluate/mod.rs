@@ -9,8 +9,9 @@
 //!    groups of neighbours.
 //! 2. Samples of the curves: distance to the nearest unit of the truth on the same plane, and
 //!    whether that unit runs the same way (solid on the same side).
-//! 3. Samples of the truth: distance to the nearest curve unit on the same plane. A stretch of the
-//!    truth that the views could see is a curve to expect. Gaps shorter than the tolerance, or than
+//! 3. Samples of the truth: distance to the nearest curve unit on the same plane. The views are asked
+//!    about every fourth sample, and about those between two that differ. A stretch of the truth
+//!    that the views could see is a curve to expect. Gaps shorter than the tolerance, or than
 //!    four sample spacings of the views, do not end a stretch.
 //! 4. Samples of the curves again, against the curves: another piece of the same direction within
 //!    the tolerance is surface that was modelled twice.
@@ -131,8 +132,8 @@ pub fn evaluate(
     evaluate_seen(planes, curves, truth, &|_, points| vec![true; points.len()], options)
 }
 
-/// Whether points of the truth, in plane coordinates, count for completeness. The points lie beside
-/// each other on a curve, so that one search can serve all of them.
+/// Whether points of the truth, in plane coordinates, count for completeness. The points come in the
+/// order of a curve, so that what was found for one is tried first for the next.
 pub type Seen<'a> = dyn Fn(PlaneIndex, &[Point2]) -> Vec<bool> + Sync + 'a;
 
 /// As [`evaluate`], with the completeness of the part of the truth that the views could see.
