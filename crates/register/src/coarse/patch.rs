@@ -129,7 +129,8 @@ impl Patch {
         for [a, b, _] in &mut points {
             (*a, *b) = (*a / patch.radius, *b / patch.radius);
         }
-        let bent = second_order(&points)?;
+        let sums = Sums::of(&points);
+        let bent = sums.second_order()?;
         let spare = n.checked_sub(6).filter(|n| *n > 0)? as f64;
         let squares_bent = squares(&points, &bent);
         let rough = (squares_bent / spare).sqrt();
@@ -138,7 +139,7 @@ impl Patch {
             return None;
         }
         let variance = rough.max(cell.sigma).powi(2);
-        let flat = first_order(&points)?;
+        let flat = sums.first_order()?;
         patch.flat = squares(&points, &flat) - squares_bent < FLAT * variance;
         patch.depth = if patch.flat { flat } else { bent };
         patch.sigma = (variance / n as f64).sqrt();
@@ -208,7 +209,10 @@ impl Patch {
             ((w - at(&self.depth, a, b)).abs() <= tolerance).then_some([a, b, w])
         });
         let points: Vec<[f64; 3]> = near.chain([[0.0, 0.0, self.depth[0]]]).collect();
-        let Some(plane) = first_order(&points).filter(|_| points.len() > 3) else { return };
+        if points.len() <= 3 {
+            return;
+        }
+        let Some(plane) = Sums::of(&points).first_order() else { return };
         self.steady_slopes = Self { depth: plane, ..*self }.slopes();
     }
 
@@ -293,28 +297,56 @@ fn least_axis(direction: &Vector3) -> Vector3 {
     axis
 }
 
-/// The depths of second order that fit points best.
-fn second_order(points: &[[f64; 3]]) -> Option<[f64; 6]> {
-    let (mut normal, mut right) = (Matrix6::zeros(), Vector6::zeros());
-    for [a, b, w] in points {
-        let terms = Vector6::from(terms(*a, *b));
-        // Fixed sizes; `syger` and `axpy` take several times as long.
-        normal += terms * terms.transpose();
-        right += terms * *w;
-    }
-    Some(normal.cholesky()?.solve(&right).into())
+/// Powers of `a` and `b` in each term of a patch's depth.
+const POWERS: [(usize, usize); 6] = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)];
+
+/// Sums over points, from which the fits of both orders follow.
+#[derive(Debug, Default)]
+struct Sums {
+    /// `Σ aᵐ bⁿ` at `[m][n]`, m + n ≤ 4.
+    powers: [[f64; 5]; 5],
+    /// `Σ w` times each term.
+    depths: [f64; 6],
 }
 
-/// The linear depths that fit points best.
-fn first_order(points: &[[f64; 3]]) -> Option<[f64; 6]> {
-    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
-    for [a, b, w] in points {
-        let terms = Vector3::new(1.0, *a, *b);
-        normal += terms * terms.transpose();
-        right += terms * *w;
+impl Sums {
+    fn of(points: &[[f64; 3]]) -> Self {
+        let mut sums = Self::default();
+        for [a, b, w] in points {
+            let powers = |x: f64| [1.0, x, x * x, x * x * x, x * x * x * x];
+            let (of_a, of_b) = (powers(*a), powers(*b));
+            for (m, row) in sums.powers.iter_mut().enumerate() {
+                for n in 0..5 - m {
+                    row[n] += of_a[m] * of_b[n];
+                }
+            }
+            for (sum, term) in sums.depths.iter_mut().zip(terms(*a, *b)) {
+                *sum += w * term;
+            }
+        }
+        sums
     }
-    let [c0, c1, c2]: [f64; 3] = normal.cholesky()?.solve(&right).into();
-    Some([c0, c1, c2, 0.0, 0.0, 0.0])
+
+    /// The sum of the products of two terms.
+    fn product(&self, i: usize, j: usize) -> f64 {
+        let ((mi, ni), (mj, nj)) = (POWERS[i], POWERS[j]);
+        self.powers[mi + mj][ni + nj]
+    }
+
+    /// The depths of second order that fit the points best.
+    fn second_order(&self) -> Option<[f64; 6]> {
+        let normal = Matrix6::from_fn(|i, j| self.product(i, j));
+        Some(normal.cholesky()?.solve(&Vector6::from(self.depths)).into())
+    }
+
+    /// The linear depths that fit the points best.
+    fn first_order(&self) -> Option<[f64; 6]> {
+        let normal = Matrix3::from_fn(|i, j| self.product(i, j));
+        let [w, along_a, along_b, ..] = self.depths;
+        let solved = normal.cholesky()?.solve(&Vector3::new(w, along_a, along_b));
+        let [c0, c1, c2]: [f64; 3] = solved.into();
+        Some([c0, c1, c2, 0.0, 0.0, 0.0])
+    }
 }
 
 /// Sum of the squares of what points depart from depths.
