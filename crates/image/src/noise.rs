@@ -122,7 +122,7 @@ impl RangeNoise {
         let stated = view.sigma().filter(|sigma| *sigma > 0.0)?;
         let of = |stride| differences(view.image(), CHECKED_LINES, stride);
         let differences = of(1);
-        let zeros = |d: &Vec<f64>| d.iter().filter(|d| **d == 0.0).count() as f64;
+        let zeros = |d: &Vec<f32>| d.iter().filter(|d| **d == 0.0).count() as f64;
         if differences.iter().any(|d| zeros(d) > ZEROS * d.len() as f64) {
             return None;
         }
@@ -234,20 +234,20 @@ fn shared_noise(image: &RangeImage, own: f64, enough: usize) -> Option<f64> {
 }
 
 /// The differences of the direction that has more of them.
-fn count(differences: &[Vec<f64>; 2]) -> usize {
+fn count(differences: &[Vec<f32>; 2]) -> usize {
     differences.iter().map(Vec::len).max().unwrap_or(0)
 }
 
 /// The smaller of the estimates from both directions; 0 without differences. A direction with less
 /// than a tenth of the other's differences has no say.
-fn smaller_spread(mut differences: [Vec<f64>; 2]) -> f64 {
+fn smaller_spread(mut differences: [Vec<f32>; 2]) -> f64 {
     let fewest = differences.iter().map(Vec::len).max().unwrap_or(0) / 10;
     let lists = differences.iter_mut().filter(|d| d.len() >= fewest);
     lists.filter_map(|d| spread(d)).reduce(f64::min).unwrap_or(0.0)
 }
 
 /// Third differences of values `stride` pixels apart, within some rows and within columns.
-fn differences(image: &RangeImage, lines: usize, stride: usize) -> [Vec<f64>; 2] {
+fn differences(image: &RangeImage, lines: usize, stride: usize) -> [Vec<f32>; 2] {
     let size = image.size();
     let step = size.rows.div_ceil(lines).max(1);
     let [mut along, mut down] = [Vec::new(), Vec::new()];
@@ -262,7 +262,7 @@ fn differences(image: &RangeImage, lines: usize, stride: usize) -> [Vec<f64>; 2]
 }
 
 /// Keeps the third differences of values at the same places of four lists.
-fn keep(differences: &mut Vec<f64>, [a, b, c, d]: [&[f32]; 4]) {
+fn keep(differences: &mut Vec<f32>, [a, b, c, d]: [&[f32]; 4]) {
     let values = a.iter().zip(b).zip(c).zip(d);
     let mut count = differences.len();
     differences.resize(count + values.len(), 0.0);
@@ -270,18 +270,18 @@ fn keep(differences: &mut Vec<f64>, [a, b, c, d]: [&[f32]; 4]) {
         let (a, b, c, d) = (f64::from(*a), f64::from(*b), f64::from(*c), f64::from(*d));
         let third = ((d - a) - 3.0 * (c - b)).abs();
         // Missing pixels cannot be guessed, so nothing branches on them.
-        differences[count] = third;
+        differences[count] = third as f32;
         count += usize::from(!third.is_nan());
     }
     differences.truncate(count);
 }
 
 /// Standard deviation of the values of which these are third differences, without the largest.
-fn spread(differences: &mut [f64]) -> Option<f64> {
+fn spread(differences: &mut [f32]) -> Option<f64> {
     let last = differences.len().checked_sub(1)?;
     let largest = ((differences.len() as f64 * KEPT) as usize).clamp(1, last + 1) - 1;
-    let (smaller, largest, _) = differences.select_nth_unstable_by(largest, f64::total_cmp);
-    let squares = smaller.iter().chain([&*largest]).map(|d| d * d);
+    let (smaller, largest, _) = differences.select_nth_unstable_by(largest, f32::total_cmp);
+    let squares = smaller.iter().chain([&*largest]).map(|d| f64::from(*d).powi(2));
     let mean_square = squares.sum::<f64>() / (smaller.len() + 1) as f64;
     Some((mean_square / VARIANCE_OF_KEPT / VARIANCE_OF_DIFFERENCE).sqrt())
 }

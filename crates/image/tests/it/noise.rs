@@ -139,6 +139,31 @@ fn noise_that_neighbours_share_is_found() {
 }
 
 #[test]
+fn half_of_the_rows_is_enough_where_neighbours_share_their_noise() {
+    let (_, frame, plane, sigma) = cases().remove(0);
+    let clean = wall(&frame, plane, |_, _| 0.0);
+    for side in [4, 6] {
+        let mut shared = shared_noise(frame.size(), side, side as u64).into_iter();
+        let own = wall(&frame, plane, |_, _| sigma);
+        let image = changed(&own, |v| v + (2.0 * sigma * shared.next().unwrap()) as f32);
+        // A stated noise is one of single pixels, so all rows count.
+        let stated = Some(sigma * 5_f64.sqrt());
+        let [half, all] = [None, stated].map(|sigma| {
+            let pose = Isometry3::identity();
+            let view = View::new("groups", image.clone(), Arc::clone(&frame), pose, sigma).unwrap();
+            let noise = RangeNoise::of(&view);
+            let rule = BreakRule::new(78_f64.to_radians(), 4.0 * noise.length());
+            let result = smooth(&view, &noise, &rule).unwrap();
+            let errors = pixels(frame.size()).map(|p| error_at(&result.view, &clean, p));
+            (quantile(errors, 0.5), result.median_factor)
+        });
+        println!("groups of {side}: half the rows {half:?}, all {all:?}");
+        assert!(half.0 < 1.1 * all.0, "groups of {side}: {half:?}, {all:?}");
+        assert!(half.1 > 1.1 * all.1, "the factor is that of fewer rows: {half:?}, {all:?}");
+    }
+}
+
+#[test]
 fn surfaces_do_not_pass_for_noise_that_neighbours_share() {
     // A wall, balls of 12, 50 and 120 pixels, and pipes of 16 pixels before a wall. Their noise is
     // below, at and above their bends.
