@@ -15,14 +15,14 @@ pub struct PreparedView<'a> {
 }
 
 impl<'a> PreparedView<'a> {
-    /// Prepares a view; `rule` makes the rule for range jumps from the noise, as a length.
+    /// Prepares a view; `rule` makes the rule for range jumps from the noise.
     ///
     /// Without `smoothing` the image stays as it is, and so does an image that cannot be smoothed;
     /// [`PreparedView::failure`] tells why.
     pub fn new(
         view: &'a View,
         smoothing: Option<&Smoothing<'_>>,
-        rule: impl FnOnce(f64) -> BreakRule,
+        rule: impl FnOnce(&RangeNoise) -> BreakRule,
     ) -> Self {
         let shares = smoothing.is_none_or(|smoothing| smoothing.steps.shared_noise);
         let noise = RangeNoise::of(view);
@@ -31,7 +31,7 @@ impl<'a> PreparedView<'a> {
         let mut prepared =
             Self { given: view, noise, contradicting, smoothed: None, failure: None };
         if let Some(smoothing) = smoothing {
-            match smooth_with(view, &noise, &rule(noise.length()), smoothing) {
+            match smooth_with(view, &noise, &rule(&noise), smoothing) {
                 Ok(smoothed) => prepared.smoothed = Some(smoothed),
                 Err(error) => prepared.failure = Some(error),
             }
@@ -65,7 +65,12 @@ impl<'a> PreparedView<'a> {
         self.contradicting
     }
 
-    /// Range noise before smoothing, as a length.
+    /// Range noise before smoothing.
+    pub fn noise(&self) -> &RangeNoise {
+        &self.noise
+    }
+
+    /// The same as a length.
     ///
     /// Pixels that smoothing leaves alone still have it, so rules for all pixels use it.
     pub fn sigma(&self) -> f64 {

@@ -4,7 +4,7 @@ use super::lanes::MOST;
 use super::links::Links;
 use super::pairs::{Line, Pairs};
 use super::quantity::Quantity;
-use crate::tuning::{HALF_WINDOW, MOSTLY_SHARED};
+use crate::tuning::HALF_WINDOW;
 use crate::{BreakRule, RangeNoise};
 use fearless_simd::Simd;
 use transect_device::{ImageSize, Neighbour, Pixel, View};
@@ -41,7 +41,7 @@ impl<'a> Grid<'a> {
             // A full circle goes on where it began; an image smaller than a window does not.
             beyond: if wraps && size.cols > 2 * HALF_WINDOW { HALF_WINDOW } else { 0 },
             quantities: vec![0.0; stride * (size.rows + 2 * HALF_WINDOW)],
-            rows_apart: if noise.shared() < MOSTLY_SHARED { 1 } else { 2 },
+            rows_apart: if noise.is_mostly_shared() { 2 } else { 1 },
             links: Links::new(size.rows, size.cols),
             size,
             pairs: Pairs::new(view, rule),

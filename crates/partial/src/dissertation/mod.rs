@@ -157,7 +157,7 @@ pub fn plane_steps(
 /// labels thinned by what is around a curve.
 fn prepared<'a>(view: &'a View, options: &DissertationOptions) -> PreparedView<'a> {
     let smoothing = options.smooth.then(Smoothing::default);
-    PreparedView::new(view, smoothing.as_ref(), |sigma| options.jump.smoothing_rule(sigma))
+    PreparedView::new(view, smoothing.as_ref(), |noise| options.jump.smoothing_rule(noise.length()))
 }
 
 /// The label image of the plane at a level from the axes' base, before thinning.

@@ -93,9 +93,8 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use transect_device::View;
 use transect_geometry::{CurvedGuide, PlaneFamily};
-use transect_image::BreakRule;
-use transect_image::PreparedView;
 use transect_image::smooth::{PixelChoice, Smoothing, SmoothingSteps, ValueBounds};
+use transect_image::{BreakRule, PreparedView, RangeNoise};
 
 /// Options.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -103,7 +102,9 @@ use transect_image::smooth::{PixelChoice, Smoothing, SmoothingSteps, ValueBounds
 #[non_exhaustive]
 pub struct OnePassOptions {
     /// Largest angle between a ray and the surface normal at which two pixels still count as one
-    /// surface, in radians. Larger keeps more of the rims, where real scanners overshoot.
+    /// surface, in radians. Larger keeps more of the rims, where real scanners overshoot. Depth
+    /// cameras whose neighbouring pixels share their noise have 66° at most; see
+    /// [`OnePassOptions::break_rule`].
     pub max_incidence_rad: f64,
     /// How many standard deviations of the range a pair may differ by from noise alone.
     pub jump_sigmas: f64,
@@ -149,6 +150,24 @@ impl Default for OnePassOptions {
     }
 }
 
+/// Largest angle of incidence where neighbouring pixels share most of their noise, in degrees.
+///
+/// A window that is matched as a whole sees a jump as a slope as wide as itself. Measured on random
+/// halves of the red kitchen's views: instead of 78°, 9 % less length, all of it where the halves
+/// differ: 84.2 instead of 82.3 % lie within 2 cm. `kitchen_kin40_real` loses .05 % of its tight
+/// completeness; with 60°, .8 %. Doubled, slopes at jumps are surface.
+const SHARED_INCIDENCE: f64 = 66.0;
+
+impl OnePassOptions {
+    /// The rule for range jumps in a view with this noise.
+    pub fn break_rule(&self, view: &View, noise: &RangeNoise) -> BreakRule {
+        let most =
+            if noise.is_mostly_shared() { SHARED_INCIDENCE.to_radians() } else { f64::INFINITY };
+        let slack = self.jump_sigmas * noise.length();
+        BreakRule::new(self.max_incidence_rad.min(most), slack).on_rays_of(view)
+    }
+}
+
 /// The partial model of a view.
 ///
 /// # Errors
@@ -175,9 +194,7 @@ pub fn partial_model_with(
     if let Some(guide) = planes.guide().curved() {
         return along_guide(view, (planes, guide), options, effort, work);
     }
-    let rule = |sigma| {
-        BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma).on_rays_of(view)
-    };
+    let rule = |noise: &RangeNoise| options.break_rule(view, noise);
     let axes = SectionAxes::new(view, planes)?;
     let near = |bounds: &ValueBounds| near_planes(view, &axes, bounds, effort.instructions);
     let (instructions, steps) = (effort.instructions, options.smoothing);
@@ -185,7 +202,7 @@ pub fn partial_model_with(
     let pixels = (options.subpixel != Subpixel::FourPoint).then_some(&near as &PixelChoice<'_>);
     let smoothing = Smoothing { pixels, instructions, steps };
     let prepared = PreparedView::new(view, options.smooth.then_some(&smoothing), rule);
-    let rule = rule(prepared.sigma());
+    let rule = rule(prepared.noise());
     let contours = contours(prepared.view(), &axes, &rule, effort, work)?;
     let lines = curves::Lines {
         view: prepared.view(),
@@ -206,13 +223,11 @@ fn along_guide(
     effort: &Effort,
     work: &mut Workspace,
 ) -> Result<PartialModel, PartialError> {
-    let rule = |sigma| {
-        BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma).on_rays_of(view)
-    };
+    let rule = |noise: &RangeNoise| options.break_rule(view, noise);
     let (instructions, steps) = (effort.instructions, options.smoothing);
     let smoothing = Smoothing { pixels: None, instructions, steps };
     let prepared = PreparedView::new(view, options.smooth.then_some(&smoothing), rule);
-    let rule = rule(prepared.sigma());
+    let rule = rule(prepared.noise());
     let mut model = PartialModel::default();
     let off_guide = match AlongGuide::new(prepared.view(), planes, guide)? {
         Err(off_guide) => {

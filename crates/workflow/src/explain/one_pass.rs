@@ -9,7 +9,7 @@ use transect_device::{Pixel, View};
 use transect_exchange::svg::{Figure, Mark};
 use transect_geometry::{Envelope, PlaneIndex, Point2};
 use transect_image::smooth::Smoothing;
-use transect_image::{BreakRule, Instructions, PreparedView};
+use transect_image::{Instructions, PreparedView, RangeNoise};
 use transect_partial::one_pass::{
     Contours, Effort, OnePassOptions, Polyline, Seen, Workspace, contours, partial_model, seen,
 };
@@ -39,12 +39,10 @@ pub(super) struct Drawn<'a> {
 /// Draws all steps of one plane.
 pub(super) fn draw(drawn: &Drawn<'_>, pages: &mut Builder) -> Result<(), PartialError> {
     let Drawn { view, setup, plane, options } = *drawn;
-    let rule = |sigma| {
-        BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma).on_rays_of(view)
-    };
+    let rule = |noise: &RangeNoise| options.break_rule(view, noise);
     let smoothing = Smoothing { pixels: None, ..Smoothing::default() };
     let prepared = PreparedView::new(view, options.smooth.then_some(&smoothing), rule);
-    let (view, rule) = (prepared.view(), rule(prepared.sigma()));
+    let (view, rule) = (prepared.view(), rule(prepared.noise()));
     let axes = SectionAxes::new(view, &setup.planes)?;
     let mut work = Workspace::default();
     let swept = Swept {

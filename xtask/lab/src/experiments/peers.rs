@@ -14,13 +14,13 @@ use crate::failure::Failure;
 use crate::table::{line, say};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use transect::image::PreparedView;
 use transect::image::smooth::Smoothing;
+use transect::image::{PreparedView, RangeNoise};
 use transect::{Setup, Unwatched, reconstruct};
 use transect_device::View;
 use transect_exchange::{write_contours, write_file};
+use transect_partial::Method;
 use transect_partial::one_pass::OnePassOptions;
-use transect_partial::{BreakRule, Method};
 use transect_workflow::default_folder;
 use transect_workflow::simulation::{SensorKind, SensorPlan, StripeImages};
 
@@ -177,9 +177,7 @@ fn models(views: &[View], mut setup: Setup, folder: &Path) -> Result<f64, Failur
 /// A view with all its pixels smoothed, as a run smooths those near its planes.
 fn smoothed(view: &View) -> View {
     let options = OnePassOptions::default();
-    let rule = |sigma| {
-        BreakRule::new(options.max_incidence_rad, options.jump_sigmas * sigma).on_rays_of(view)
-    };
+    let rule = |noise: &RangeNoise| options.break_rule(view, noise);
     PreparedView::new(view, Some(&Smoothing::default()), rule).view().clone()
 }
 
