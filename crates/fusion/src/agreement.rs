@@ -40,17 +40,26 @@ impl Agreement {
     /// Fewest samples from which anything is concluded.
     const ENOUGH: u64 = 40;
 
+    /// About as often as three for every two lie the curves of a noisy sensor abreast, where rooms
+    /// are full of edges.
+    const OF_EDGES: f64 = 0.6;
+
+    /// Standard deviations of a share that chance explains.
+    const CHANCE: f64 = 2.0;
+
     /// Adds the counts of another plane.
     pub fn add(&mut self, other: &Self) {
         self.close += other.close;
         self.abreast += other.abreast;
     }
 
-    /// Whether the view contradicts the others clearly more often than it agrees with them: three
-    /// times for every two. About as often is what a noisy sensor does where rooms are full of
-    /// edges.
+    /// Whether the view contradicts the others clearly more often than it agrees with them: more
+    /// than three times for every two, by more than the chance of so many samples.
     pub fn is_contradicted(&self) -> bool {
-        self.close + self.abreast >= Self::ENOUGH && 2 * self.abreast > 3 * self.close
+        let samples = (self.close + self.abreast) as f64;
+        let excess = self.abreast as f64 - Self::OF_EDGES * samples;
+        let deviation = (Self::OF_EDGES * (1.0 - Self::OF_EDGES) * samples).sqrt();
+        samples >= Self::ENOUGH as f64 && excess > Self::CHANCE * deviation
     }
 }
 
@@ -133,6 +142,14 @@ mod tests {
         let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
         let found: Vec<bool> = agreement(&slices).iter().map(Agreement::is_contradicted).collect();
         assert_eq!(found, [false, false, false, true]);
+    }
+
+    #[test]
+    fn a_share_that_chance_explains_is_no_contradiction() {
+        let contradicted = |abreast, close| Agreement { close, abreast }.is_contradicted();
+        assert!(!contradicted(79, 50) && !contradicted(88, 41) && contradicted(89, 40));
+        assert!(!contradicted(630, 370) && contradicted(632, 368));
+        assert!(!contradicted(39, 0) && contradicted(40, 0));
     }
 
     #[test]
