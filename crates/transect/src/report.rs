@@ -177,6 +177,10 @@ pub struct FusionReport {
     /// Median over the planes of the views' own noise (standard deviation of a node).
     #[serde(skip)]
     pub noise: f64,
+    /// Planes with curves on which no part of the spread is one that views err by as a whole: their
+    /// views agree, or do not overlap.
+    #[serde(skip)]
+    pub planes_without_view_error: usize,
     /// Median over the planes of the overlap threshold; 0 for a single view.
     #[serde(skip_serializing_if = "is_zero")]
     pub threshold: f64,
@@ -211,6 +215,7 @@ impl FusionReport {
             spread: median(planes.iter().filter_map(|p| p.spread)),
             view_error: median(planes.iter().filter_map(|p| p.view_error)),
             noise: median(planes.iter().filter_map(|p| p.noise)),
+            planes_without_view_error: used().filter(|p| p.view_error == Some(0.0)).count(),
             threshold: median(planes.iter().filter_map(|p| p.threshold)),
             growth: planes.iter().filter_map(|p| p.growth).reduce(|mut sum, plane| {
                 sum.add(&plane);
@@ -227,11 +232,19 @@ impl FusionReport {
     /// The note for views that lie farther from each other than their noise explains.
     pub(crate) fn note_if_views_err(&self, unit: LengthUnit) -> Option<String> {
         let (error, noise) = (self.view_error, self.noise);
+        let unmeasured = match self.planes_without_view_error {
+            0 => String::new(),
+            planes => format!(
+                ". On {planes} of {} planes this does not show, as where views do not overlap: \
+                 sigma leaves it out there",
+                self.planes
+            ),
+        };
         (error > TOLD_NOISES * noise && error > 0.0).then(|| {
             format!(
                 "the views lie {} {unit} off each other (standard deviation) where their own noise \
                  is {} {unit}: their poses or their depths err. --refine-poses and transect register \
-                 estimate both",
+                 estimate both{unmeasured}",
                 digits(error),
                 digits(noise)
             )
@@ -304,4 +317,25 @@ pub struct Timings {
     pub modelling: Duration,
     /// Fusing all planes, in elapsed time.
     pub fusion: Duration,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planes_whose_views_could_not_be_compared_are_told() {
+        let plane = |view_error| PlaneSummary {
+            curves: 1,
+            view_error: Some(view_error),
+            noise: Some(0.001),
+            ..PlaneSummary::default()
+        };
+        let note = |planes: &[PlaneSummary]| {
+            FusionReport::of(planes).note_if_views_err(LengthUnit::Metre).unwrap_or_default()
+        };
+        assert!(note(&[plane(0.01), plane(0.02)]).ends_with("estimate both"));
+        assert!(note(&[plane(0.01), plane(0.0), plane(0.02)]).contains("On 1 of 3 planes"));
+        assert_eq!(note(&[plane(0.001), plane(0.0)]), "");
+    }
 }
