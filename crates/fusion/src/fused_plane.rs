@@ -14,6 +14,9 @@ pub struct FusedPlane {
     /// The part of the spread that each view errs by as a whole, head-on, in the length unit; 0
     /// where noise explains the spread, or no two views overlap.
     pub view_error: f64,
+    /// Whether the standard deviations of the nodes hold the noise of the pixels alone: no error
+    /// that a view makes as a whole was found, or the method adds none, as `pairwise`.
+    pub sigma_is_noise_alone: bool,
     /// Median standard deviation of the views' nodes by their own noise, in the length unit.
     pub noise: f64,
     /// Distance within which curves of the same direction count as one, in the length unit.

@@ -22,11 +22,11 @@ const CONTRADICTION: f64 = 3.0;
 /// more. Doubled, bends pass for noise.
 const BEND: f64 = 2.25;
 
-/// The same from neighbours to every second pixel, where noise that neighbours share is looked for.
-/// No unit. Theory: neighbours in one matching window or one step of disparity hardly differ, so the
-/// noise that they share may grow by more there; a bend grows by more at the next doublings.
-/// Measured: the red kitchen has up to 2.5; with 2, 14 of its 50 images would share no noise.
-/// Doubled, bends are told by the next doublings alone.
+/// Largest growth of the estimate from all pixels to every second one that is noise. No unit.
+/// Theory: neighbours in one matching window or one step of disparity hardly differ, so the noise
+/// that they share may grow by more there than [`BEND`]. Measured: the red kitchen has up to 2.5;
+/// with 2, 14 of its 50 images would share no noise. Doubled, only the next doublings tell bends
+/// from noise.
 const FIRST_BEND: f64 = 3.0;
 
 /// Distances, in pixels, at which the noise that neighbours share is looked for. Measured: in
@@ -139,7 +139,8 @@ impl RangeNoise {
         let value = smaller_spread(differences);
         let length = value * median_length_per_value(view);
         let too_small = stated > CONTRADICTION * length;
-        let too_large = || length > CONTRADICTION * stated && smaller_spread(of(2)) < BEND * value;
+        let too_large =
+            || length > CONTRADICTION * stated && smaller_spread(of(2)) < FIRST_BEND * value;
         (length > 0.0 && (too_small || too_large())).then_some(length)
     }
 

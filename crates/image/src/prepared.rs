@@ -70,7 +70,7 @@ impl<'a> PreparedView<'a> {
         &self.noise
     }
 
-    /// The same as a length.
+    /// Range noise before smoothing, as a length along the ray.
     ///
     /// Pixels that smoothing leaves alone still have it, so rules for all pixels use it.
     pub fn sigma(&self) -> f64 {
@@ -97,6 +97,9 @@ impl<'a> PreparedView<'a> {
     }
 
     /// Correlation of the noise of a pixel with that of its neighbours, from 0 to 1.
+    ///
+    /// Where every second row of a window is left out, two neighbours in a column have no sample
+    /// in common. The noise that neighbours share, most of the noise there, correlates them.
     ///
     /// A smooth weighting with a standard deviation of w pixels leaves a share f = 1 / (2 w √π) of
     /// the noise. Results a pixel apart have the correlation exp(−1 / (4 w²)) = exp(−π f²).

@@ -114,7 +114,7 @@ impl Visibility {
         in_world.iter().map(&mut is_seen).collect()
     }
 
-    /// Whether a view sees a point. `blocker` is the triangle that hid the last point from it.
+    /// Whether a view sees a point. `blocker` is the triangle that last hid a point from it.
     fn sees_point(&self, eye: &Eye, in_world: &Point3, blocker: &mut Option<Triangle>) -> bool {
         let hidden = eye.centre.zip(blocker.as_ref());
         if hidden.is_some_and(|(centre, triangle)| blocks(triangle, &way(&centre, in_world))) {

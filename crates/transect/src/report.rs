@@ -177,10 +177,12 @@ pub struct FusionReport {
     /// Median over the planes of the views' own noise (standard deviation of a node).
     #[serde(skip)]
     pub noise: f64,
-    /// Planes with curves on which no part of the spread is one that views err by as a whole: their
-    /// views agree, or do not overlap.
+    /// Planes with curves that were fused in this run.
     #[serde(skip)]
-    pub planes_without_view_error: usize,
+    pub(crate) planes_fused: usize,
+    /// Those of them whose standard deviations hold the noise of the pixels alone.
+    #[serde(skip)]
+    pub(crate) planes_noise_alone: usize,
     /// Median over the planes of the overlap threshold; 0 for a single view.
     #[serde(skip_serializing_if = "is_zero")]
     pub threshold: f64,
@@ -215,7 +217,8 @@ impl FusionReport {
             spread: median(planes.iter().filter_map(|p| p.spread)),
             view_error: median(planes.iter().filter_map(|p| p.view_error)),
             noise: median(planes.iter().filter_map(|p| p.noise)),
-            planes_without_view_error: used().filter(|p| p.view_error == Some(0.0)).count(),
+            planes_fused: used().filter(|p| p.sigma_is_noise_alone.is_some()).count(),
+            planes_noise_alone: used().filter(|p| p.sigma_is_noise_alone == Some(true)).count(),
             threshold: median(planes.iter().filter_map(|p| p.threshold)),
             growth: planes.iter().filter_map(|p| p.growth).reduce(|mut sum, plane| {
                 sum.add(&plane);
@@ -227,24 +230,24 @@ impl FusionReport {
     /// Without what only several views tell.
     pub(crate) fn forget_comparisons(&mut self) {
         (self.spread, self.view_error, self.threshold) = (0.0, 0.0, 0.0);
+        self.planes_noise_alone = 0;
     }
 
     /// The note for views that lie farther from each other than their noise explains.
     pub(crate) fn note_if_views_err(&self, unit: LengthUnit) -> Option<String> {
         let (error, noise) = (self.view_error, self.noise);
-        let unmeasured = match self.planes_without_view_error {
+        let left_out = match self.planes_noise_alone {
             0 => String::new(),
             planes => format!(
-                ". On {planes} of {} planes this does not show, as where views do not overlap: \
-                 sigma leaves it out there",
-                self.planes
+                ". On {planes} of {} planes the sigma of the nodes holds the noise alone",
+                self.planes_fused
             ),
         };
         (error > TOLD_NOISES * noise && error > 0.0).then(|| {
             format!(
                 "the views lie {} {unit} off each other (standard deviation) where their own noise \
                  is {} {unit}: their poses or their depths err. --refine-poses and transect register \
-                 estimate both{unmeasured}",
+                 estimate both{left_out}",
                 digits(error),
                 digits(noise)
             )
@@ -262,9 +265,10 @@ pub(crate) struct PlaneSummary {
     observations: usize,
     dropped: usize,
     crossings_resolved: usize,
-    /// `None` for a plane that was fused in an earlier run, as the next three.
+    /// `None` for a plane that was fused in an earlier run, as the next four.
     spread: Option<f64>,
     view_error: Option<f64>,
+    sigma_is_noise_alone: Option<bool>,
     noise: Option<f64>,
     threshold: Option<f64>,
     growth: Option<GrowthCounts>,
@@ -278,6 +282,7 @@ impl PlaneSummary {
             crossings_resolved: plane.counts.crossings,
             spread: Some(plane.spread),
             view_error: Some(plane.view_error),
+            sigma_is_noise_alone: Some(plane.sigma_is_noise_alone),
             noise: Some(plane.noise),
             threshold: Some(plane.threshold),
             growth: plane.growth,
@@ -324,18 +329,24 @@ mod tests {
     use super::*;
 
     #[test]
-    fn planes_whose_views_could_not_be_compared_are_told() {
-        let plane = |view_error| PlaneSummary {
+    fn planes_whose_sigma_leaves_the_views_errors_out_are_told() {
+        let plane = |view_error: f64| PlaneSummary {
             curves: 1,
             view_error: Some(view_error),
+            sigma_is_noise_alone: Some(view_error == 0.0),
             noise: Some(0.001),
             ..PlaneSummary::default()
         };
+        let earlier = PlaneSummary { curves: 1, ..PlaneSummary::default() };
         let note = |planes: &[PlaneSummary]| {
             FusionReport::of(planes).note_if_views_err(LengthUnit::Metre).unwrap_or_default()
         };
         assert!(note(&[plane(0.01), plane(0.02)]).ends_with("estimate both"));
-        assert!(note(&[plane(0.01), plane(0.0), plane(0.02)]).contains("On 1 of 3 planes"));
+        let told = note(&[plane(0.01), plane(0.0), plane(0.02), earlier]);
+        assert!(told.contains("On 1 of 3 planes"), "{told}");
         assert_eq!(note(&[plane(0.001), plane(0.0)]), "");
+        let mut of_one_view = FusionReport::of(&[plane(0.0)]);
+        of_one_view.forget_comparisons();
+        assert_eq!(of_one_view.planes_noise_alone, 0);
     }
 }

@@ -15,7 +15,7 @@
 //!      error and weight. Weights fall towards open ends, where real scanners overshoot.
 //!    * The spread between views sets the overlap threshold. The views' systematic errors, which
 //!      grow with the incidence, are part of all weights.
-//!    * Where these errors exceed a footprint, the views' curves move onto their common course.
+//!    * Where these errors exceed half a footprint, the views' curves move onto a common course.
 //! 2. `estimate` → `PlacedNode`s.
 //!    * Groups of observations beside each other; rough fits treat a group as one.
 //!    * Thinning: best supported first, a group moves across the curve onto a robust line through
@@ -143,6 +143,7 @@ fn fuse_watched(
         curves,
         spread: measured.spread,
         view_error: measured.view_error,
+        sigma_is_noise_alone: measured.observations.err_by_noise_alone(),
         noise: measured.noise,
         threshold: measured.scale.threshold,
         counts: FusionCounts { observations: count, kept, dropped, crossings },

@@ -72,7 +72,7 @@ steps! {
     incidence_error,
     /// A first search for other views nearby, before the full search distance.
     nearby_spread,
-    /// Views' curves moved onto their common course where their errors exceed the footprint.
+    /// Views' curves moved onto their common course where their errors exceed half a footprint.
     settle,
     /// Views shifted and turned as a whole before.
     align,

@@ -146,6 +146,7 @@ pub fn pairwise_watched(
         curves,
         spread: measured.spread,
         view_error: measured.view_error,
+        sigma_is_noise_alone: true,
         noise: measured.noise,
         threshold: tolerance.distance(),
         counts,

@@ -17,7 +17,7 @@ pub(super) struct Grid<'a> {
     beyond: usize,
     /// The fitted quantity; 0 where missing or outside the image.
     quantities: Vec<f32>,
-    /// Rows of a window from one that is read to the next.
+    /// Every n-th row of a window is read, counted from the centre's.
     pub rows_apart: usize,
     /// Which pixels belong to one surface.
     pub links: Links,

@@ -14,7 +14,8 @@
 //! 1. The window is round. Its radius follows from the noise per spacing of the rays; see
 //!    `window.rs`. Rows and columns that are spaced differently make an ellipse. Weights fall
 //!    smoothly to 0 at its rim, so that the result is smooth from pixel to pixel.
-//!    Where neighbours share most of their noise, every second row of a window is left out.
+//!    Where neighbours share most of their noise, every second row of a window is left out. Two
+//!    neighbours in a column then have different samples, and keep their own noise's difference.
 //! 2. Only pixels that unbroken pairs connect to the centre count; see `links.rs`. Nothing is
 //!    smoothed across a range jump.
 //! 3. Three fits of the quantity in which planes are flat, see `quantity.rs`: the first with
@@ -118,8 +119,9 @@ pub type PixelChoice<'a> = dyn Fn(&ValueBounds) -> Vec<bool> + 'a;
 #[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SmoothingSteps {
-    /// Noise that neighbours share counts: windows are wider, and regions beside a plane must rise
-    /// farther above it.
+    /// Noise that neighbours share counts. Windows are wider, every second row of them is left out
+    /// where neighbours share most of the noise, and surfaces are seen at smaller angles there.
+    /// Regions beside a plane must rise farther above it.
     pub shared_noise: bool,
     /// Only pixels near a plane are smoothed. It saves time and changes no curve.
     pub near_planes: bool,

@@ -3,6 +3,7 @@
 use crate::surfaces::{Distance, camera, look, pixels, shared_noise};
 use transect_device::{Isometry3, RangeImage, Vector3, View};
 use transect_geometry::{PlaneFamily, StraightGuide};
+use transect_image::RangeNoise;
 use transect_partial::PartialModel;
 use transect_partial::one_pass::{OnePassOptions, partial_model};
 
@@ -95,6 +96,26 @@ fn noise_that_neighbours_share_makes_no_curves() {
     println!("{without} pieces by the noise of single pixels, {with} by that of groups, too");
     assert!(without > 10, "{without}");
     assert_eq!(with, 0);
+}
+
+#[test]
+fn views_whose_pixels_share_their_noise_see_at_66_degrees_at_most() {
+    let largest = |view: &View, degrees: f64| {
+        let mut options = OnePassOptions::default();
+        options.max_incidence_rad = degrees.to_radians();
+        let rule = options.break_rule(view, &RangeNoise::of(view));
+        f64::from(rule.tan_incidence()).atan().to_degrees()
+    };
+    let in_groups = wall_in_groups(0.004, 0.012);
+    for (view, given, expected) in [
+        (&in_groups, 78.0, 66.0),
+        (&in_groups, 60.0, 60.0),
+        (&wall_in_groups(0.012, 0.0), 78.0, 78.0),
+        (&wall(0.012), 78.0, 78.0),
+    ] {
+        let found = largest(view, given);
+        assert!((found - expected).abs() < 1e-4, "{given}: {found}, expected {expected}");
+    }
 }
 
 #[test]

@@ -9,17 +9,18 @@
 //!    groups of neighbours.
 //! 2. Samples of the curves: distance to the nearest unit of the truth on the same plane, and
 //!    whether that unit runs the same way (solid on the same side).
-//! 3. Samples of the truth: distance to the nearest curve unit on the same plane. The views are asked
-//!    about every fourth sample, and about those between two that differ. A stretch of the truth
-//!    that the views could see is a curve to expect. Gaps shorter than the tolerance, or than
-//!    four sample spacings of the views, do not end a stretch.
+//! 3. Samples of the truth: distance to the nearest curve unit on the same plane. The views are
+//!    asked about every fifth sample, and about all samples between two different answers. A
+//!    stretch of the truth that the views could see is a curve to expect. Gaps shorter than the
+//!    tolerance, or than four sample spacings of the views, do not end a stretch.
 //! 4. Samples of the curves again, against the curves: another piece of the same direction within
 //!    the tolerance is surface that was modelled twice.
 //! 5. Shares count lengths; median and 95 % quantile count samples (linear between neighbouring
 //!    samples).
 //!
-//! An independent scorer that works on samples alone agrees with these figures. There are three
-//! differences. Distances and duplicates are found among whole units, not among samples. Where
+//! An independent scorer that works on samples alone agrees with these figures. There are four
+//! differences. Distances and duplicates are found among whole units, not among samples. The views
+//! are not asked about samples between two equal answers. Where
 //! several units of the truth are equally near, as at a corner, a curve agrees with the truth if it
 //! agrees with one of them. Curves on planes without truth are infinitely far from it.
 //!
@@ -132,8 +133,9 @@ pub fn evaluate(
     evaluate_seen(planes, curves, truth, &|_, points| vec![true; points.len()], options)
 }
 
-/// Whether points of the truth, in plane coordinates, count for completeness. The points come in the
-/// order of a curve, so that what was found for one is tried first for the next.
+/// Whether points of the truth, in plane coordinates, count for completeness: one answer for each
+/// point. The points come in the order of a curve, so that what was found for one is tried first
+/// for the next.
 pub type Seen<'a> = dyn Fn(PlaneIndex, &[Point2]) -> Vec<bool> + Sync + 'a;
 
 /// As [`evaluate`], with the completeness of the part of the truth that the views could see.

@@ -35,7 +35,8 @@ struct Judged {
     off: f64,
     /// The standard deviation that the model states.
     sigma: f64,
-    is_of_one_view: bool,
+    /// How many views measured it.
+    views: u32,
     curve_length: f64,
     to_end: f64,
 }
@@ -44,11 +45,13 @@ struct Judged {
 type Class = fn(&Judged) -> bool;
 
 /// The classes of nodes whose errors are told.
-const CLASSES: [(&str, Class); 4] = [
+const CLASSES: [(&str, Class); 6] = [
     ("all", |_| true),
-    ("of one view", |n| n.is_of_one_view),
-    ("of one view, in curves shorter than 0.4 m", |n| n.is_of_one_view && n.curve_length < SHORT),
-    ("of one view, within 5 cm of an end", |n| n.is_of_one_view && n.to_end < NEAR_END),
+    ("of three views or more", |n| n.views > 2),
+    ("of two views", |n| n.views == 2),
+    ("of one view", |n| n.views == 1),
+    ("of one view, in curves shorter than 0.4 m", |n| n.views == 1 && n.curve_length < SHORT),
+    ("of one view, within 5 cm of an end", |n| n.views == 1 && n.to_end < NEAR_END),
 ];
 
 /// Runs the experiment.
@@ -153,7 +156,7 @@ fn of_curve(curve: &Curve, truth: &[Curve]) -> Vec<Judged> {
                 length: 0.5 * (step(before) + step(Some(k))),
                 off: off.fold(f64::INFINITY, f64::min),
                 sigma: f64::from(node.sigma),
-                is_of_one_view: views.get() == 1,
+                views: views.get(),
                 curve_length,
                 to_end: if curve.is_closed() { f64::INFINITY } else { at.min(curve_length - at) },
             });

@@ -129,6 +129,11 @@ impl Observations {
         }
     }
 
+    /// Whether no observation has an error that it shares with others of its view.
+    pub fn err_by_noise_alone(&self) -> bool {
+        self.all.iter().all(|o| o.line_error == 0.0 && o.view_error == 0.0)
+    }
+
     /// Median standard deviation of a single pixel across a curve. A node whose error is shared
     /// over n pixels is an average of n, so a pixel's error is n times as large.
     pub fn pixel_noise(&self) -> f64 {
