@@ -123,8 +123,6 @@ steps! {
     backward,
     /// Short chains of one view are left out where views err by more than the footprint.
     lone_chains,
-    /// Open chains shorter than their error are left out.
-    direction,
     /// Small closed chains become circles.
     rings,
     /// Corners become sharp.

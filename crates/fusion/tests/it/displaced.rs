@@ -147,7 +147,7 @@ fn with_waves(view: &[Curve], noise: &mut Noise) -> Vec<Curve> {
 #[test]
 fn errors_that_change_along_a_wall_average_out_and_corners_stay() {
     let mut ratios = [Vec::new(), Vec::new()];
-    for seed in 1..9 {
+    for seed in 1..32 {
         let mut noise = Noise(100 + seed);
         let views: Vec<_> = scene(seed).iter().map(|v| with_waves(v, &mut noise)).collect();
         let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
@@ -162,7 +162,7 @@ fn errors_that_change_along_a_wall_average_out_and_corners_stay() {
     }
     ratios.iter_mut().for_each(|r| r.sort_by(f64::total_cmp));
     println!("wide windows over narrow ones, wall of one view and corner: {ratios:.2?}");
-    assert!(ratios[0][4] < 0.9 && ratios[1][4] < 1.1, "{ratios:?}");
+    assert!(ratios[0][15] < 0.9 && ratios[1][15] < 1.1, "{ratios:?}");
 }
 
 #[test]

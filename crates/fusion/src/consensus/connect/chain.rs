@@ -53,13 +53,6 @@ impl Chain {
         self.nodes.iter().any(|&k| nodes[k as usize].evidence.views > 1)
     }
 
-    /// Whether the chain is closed, or long enough against its own error to have a direction. Noise
-    /// leaves shorter chains of surfaces that run nearly along the plane.
-    pub fn has_direction(&self, nodes: &[PlacedNode]) -> bool {
-        let sigma: f64 = self.nodes.iter().map(|&k| nodes[k as usize].sigma).sum();
-        self.closed || self.length(nodes) * self.nodes.len() as f64 >= DIRECTION_SIGMAS * sigma
-    }
-
     /// Unit direction of the chain at one of its nodes, by the chord between its neighbours.
     pub fn chord(&self, nodes: &[PlacedNode], at: usize) -> Vector2 {
         let n = self.nodes.len();

@@ -49,9 +49,6 @@ pub(super) fn connect(estimate: &mut Estimate, measured: &Measurements) -> Chain
     if scale.steps().backward {
         chains.iter_mut().for_each(|c| hooks::remove_hooks(nodes, c));
     }
-    if scale.steps().direction {
-        chains.retain(|c| c.has_direction(nodes));
-    }
     if scale.steps().lone_chains {
         chains.retain(|c| c.is_shared(nodes) || c.length(nodes) >= LONE_LINES * scale.line);
     }

@@ -31,10 +31,6 @@ pub mod chain {
     /// Longest step of a short chain that several views confirm, in spacings. Theory: one missing
     /// pixel is no gap. Doubled: scraps of two views with a gap between them become curves.
     pub const CONFIRMED_STEP: f64 = 2.0;
-    /// Least length of an open chain, in mean standard deviations of its nodes. By hand: noise
-    /// leaves shorter ones of surfaces nearly parallel to the plane. Doubled: thin details are
-    /// lost.
-    pub const DIRECTION_SIGMAS: f64 = 6.0;
     /// Least length of a chain without a node that two views measured, in common lines. Theory:
     /// over less than a line nothing averages the view's error, and it looks like surface.
     /// Measured: the median of the red kitchen's halves falls by 5 %, and `kitchen_kin40_real`
