@@ -203,7 +203,7 @@ mod tests {
 
     #[test]
     fn parts_of_a_tolerance_and_more_are_found_to_the_sample() {
-        let shortest = 1;
+        let shortest = SAMPLES_PER_TOLERANCE as usize;
         let lengths = (0..9).flat_map(|b| (shortest..9).map(move |p| (b, p, (3 * b + p) % 7)));
         for (before, part, after) in lengths {
             for [outside, inside] in [["#", "."], [".", "#"]] {
