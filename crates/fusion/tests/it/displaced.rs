@@ -1,7 +1,7 @@
 //! Views that wrong poses displace by several footprints, as depth cameras' are.
 
 use crate::draws::Noise;
-use transect_fusion::{ConsensusOptions, FusedPlane, consensus};
+use transect_fusion::{ConsensusOptions, FusedPlane, PairwiseOptions, consensus, pairwise};
 use transect_geometry::{Curve, Node, Point2, crossings};
 
 /// Distance between neighbouring nodes, and one node's own standard deviation.
@@ -104,6 +104,22 @@ fn the_spread_is_that_of_the_views_though_it_exceeds_the_first_search() {
     let mean = (1..6).map(ratio).sum::<f64>() / 5.0;
     println!("measured spread over that of the shifts: {mean:.2}");
     assert!((0.75..1.3).contains(&mean), "{mean}");
+}
+
+#[test]
+fn nodes_tell_whether_their_sigma_holds_the_views_errors() {
+    let views = scene(1);
+    let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+    let of = |views: &[&[Curve]]| consensus(views, &ConsensusOptions::default());
+    let (one, all) = (of(&slices[..1]), of(&slices));
+    assert!(one.sigma_is_noise_alone && !all.sigma_is_noise_alone);
+    let sigma = |plane: &FusedPlane| {
+        let nodes = plane.curves.iter().flat_map(|curve| curve.nodes());
+        nodes.map(|n| f64::from(n.sigma)).fold(0.0, f64::max)
+    };
+    assert!(sigma(&one) < 2.0 * SIGMA && sigma(&all) > 4.0 * SIGMA);
+    let pairwise = pairwise(&slices, &PairwiseOptions::default());
+    assert!(pairwise.sigma_is_noise_alone && pairwise.view_error > SIGMA);
 }
 
 #[test]
