@@ -1,7 +1,7 @@
 //! The part of a surface that a set of views can see. A model can only be compared with this part.
 //!
 //! Points come in the order of a curve. Mostly, the view that saw the last point sees the next one
-//! too, and the triangle that hid the last point from a view hides the next one too. So both are
+//! too. The triangle that hid the last point from a view mostly hides the next one. So both are
 //! tried first.
 
 use crate::scene::WorldRay;

@@ -17,7 +17,7 @@ pub(super) struct Grid<'a> {
     beyond: usize,
     /// The fitted quantity; 0 where missing or outside the image.
     quantities: Vec<f32>,
-    /// Every n-th row of a window is read, counted from the centre's.
+    /// Distance between the rows of a window that are read; the centre's row is one of them.
     pub rows_apart: usize,
     /// Which pixels belong to one surface.
     pub links: Links,

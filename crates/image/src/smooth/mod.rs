@@ -15,7 +15,7 @@
 //!    `window.rs`. Rows and columns that are spaced differently make an ellipse. Weights fall
 //!    smoothly to 0 at its rim, so that the result is smooth from pixel to pixel.
 //!    Where neighbours share most of their noise, every second row of a window is left out. Two
-//!    neighbours in a column then have different samples, and keep their own noise's difference.
+//!    neighbours in a column then have no sample in common, so their own noise is independent.
 //! 2. Only pixels that unbroken pairs connect to the centre count; see `links.rs`. Nothing is
 //!    smoothed across a range jump.
 //! 3. Three fits of the quantity in which planes are flat, see `quantity.rs`: the first with

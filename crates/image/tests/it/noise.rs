@@ -258,6 +258,30 @@ fn a_stated_noise_is_compared_with_the_estimate() {
 }
 
 #[test]
+fn noise_that_hardly_differs_between_neighbours_contradicts_one_far_below_it() {
+    const SIDE: usize = 4;
+    let (_, frame, plane, sigma) = cases().remove(0);
+    let size = frame.size();
+    let groups = shared_noise(size, SIDE, 6);
+    // Means of means: as smooth as the noise of a matching window.
+    let smooth = |p: Pixel| {
+        let rows = p.row..(p.row + SIDE).min(size.rows);
+        let row = |r: usize| &groups[r * size.cols..][p.col..(p.col + SIDE).min(size.cols)];
+        let near: Vec<f64> = rows.flat_map(row).copied().collect();
+        near.iter().sum::<f64>() / near.len() as f64
+    };
+    let mut shared = pixels(size).map(smooth);
+    let own = wall(&frame, plane, |_, _| 0.05 * sigma);
+    let image = changed(&own, |v| v + (3.0 * sigma * shared.next().unwrap()) as f32);
+    let view = own.with_image(image).unwrap();
+    let found = estimate_sigma(&view);
+    for (factor, is_told) in [(0.2, true), (0.5, false)] {
+        let told = RangeNoise::contradicting(&stating(&view, &frame, factor * found));
+        assert_eq!(told.is_some(), is_told, "{factor} of the noise is stated: {told:?}");
+    }
+}
+
+#[test]
 fn bends_and_coarse_steps_contradict_no_stated_noise() {
     let waves = |p: &Point3| 0.2 * (3.0 + 0.2 * (8.0 * p.x).sin() * (7.0 * p.y).cos() - p.z);
     let clean = look(&camera(), waves, 0.0, None);

@@ -25,10 +25,10 @@
 //!    whole lines are put into their final order and place (`chains.rs`). Parts of the image may be
 //!    swept in parallel (`part.rs`); where it is cut, for either reason, changes no bit of the
 //!    result.
-//! 6. Handedness turns "high on the left" into "solid on the left" (3.7). Seen from the sensor, the
-//!    curve direction `n × N` (plane normal, outward surface normal) has the high side on its left,
-//!    whatever side of the plane the sensor is on. So a mirrored grid reverses all curves, and a
-//!    plain one none. No range comparison per curve is needed.
+//! 6. Handedness turns "high on the left" into "solid on the left" (3.7). A curve runs along
+//!    `n × N`: plane normal, outward surface normal. Seen from the sensor, the high side is on its
+//!    left, whatever side of the plane the sensor is on. So a mirrored grid reverses all curves,
+//!    and a plain one none. No range comparison per curve is needed.
 //! 7. Lines that noise alone makes where the surface is nearly tangent to the plane are left out;
 //!    see `near_tangent.rs`. If asked, lines cut by a few missing pixels are joined, and the unit
 //!    between is marked (3.5.1); see `bridge.rs`.

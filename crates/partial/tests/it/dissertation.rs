@@ -363,8 +363,8 @@ fn check_attributes(
             frame.x_axis() * normal.x + frame.y_axis() * normal.y + frame.normal() * normal.z;
         if normal.norm() > 0.0 && cos > 0.6 {
             prop_assert!((normal.norm() - 1.0).abs() < 1e-5);
-            // The normal of the smallest ball turns by this angle from one ray to the next, and up
-            // to its outline at most.
+            // The normal of the smallest ball turns by this angle from one ray to the next. The
+            // angle ends at the ball's outline.
             let next =
                 (1.0 - cos * cos).max(0.0).sqrt() + seen.rig.pixel() / (0.3 * seen.rig.scale);
             let turn = next.min(1.0).asin() - cos.min(1.0).acos();

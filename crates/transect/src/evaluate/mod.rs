@@ -20,9 +20,9 @@
 //!
 //! An independent scorer that works on samples alone agrees with these figures. There are four
 //! differences. Distances and duplicates are found among whole units, not among samples. The views
-//! are not asked about samples between two equal answers. Where
-//! several units of the truth are equally near, as at a corner, a curve agrees with the truth if it
-//! agrees with one of them. Curves on planes without truth are infinitely far from it.
+//! are not asked about samples between two equal answers. Where several units of the truth are
+//! equally near, as at a corner, a curve agrees with the truth if it agrees with one of them.
+//! Curves on planes without truth are infinitely far from it.
 //!
 //! Cost: O(s log u) time for s samples and u units, 8 bytes per sample of the curves. Planes are
 //! measured in parallel and added up in their order, so the figures do not depend on the threads.
