@@ -60,12 +60,22 @@ pub struct Cut {
 
 impl Cut {
     pub fn takes(&self, p: Pixel) -> bool {
+        self.is_within(p, 11)
+    }
+
+    /// Whether the cut changes the curve at one of its pixels: its border is that to the pixel
+    /// above or left, which may lie in the strip alone.
+    fn touches(&self, p: Pixel) -> bool {
+        self.is_within(p, 12)
+    }
+
+    fn is_within(&self, p: Pixel, reach: usize) -> bool {
         let (along, across, from, beside) = if self.along_columns {
             (p.col, p.row, self.at.col, self.at.row)
         } else {
             (p.row, p.col, self.at.row, self.at.col)
         };
-        (from..from + self.width).contains(&along) && across.abs_diff(beside) < 12
+        (from..from + self.width).contains(&along) && across.abs_diff(beside) <= reach
     }
 }
 
@@ -100,8 +110,8 @@ pub fn cuttable(seen: &Seen, model: &PartialModel) -> Option<(PlaneIndex, Cut)> 
             let gentle = gentle(first, last) && gentle(run[16], at) && gentle(at, run[44]);
             let straight = rows.max(cols) >= 24 && gentle && turn < 0.5;
             // The strip must not meet the curve a second time.
-            let inside = curve.pixels.iter().filter(|p| cut.takes(**p)).count();
-            let once = inside == run.iter().filter(|p| cut.takes(**p)).count();
+            let inside = curve.pixels.iter().filter(|p| cut.touches(**p)).count();
+            let once = inside == run.iter().filter(|p| cut.touches(**p)).count();
             if straight && once && run[12..52].iter().all(|p| is_surrounded(seen, *p)) {
                 return Some((plane.plane, cut));
             }
