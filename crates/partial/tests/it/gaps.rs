@@ -79,12 +79,17 @@ impl Cut {
     }
 }
 
-/// Whether all pixels up to three away are valid and close in space, too.
+/// Whether all pixels up to three away are valid and close in space, too, and the surface there is
+/// seen at 50° at most: across a gap, pixels are compared diagonally as well, where a surface is
+/// steeper than along rows and columns.
 fn is_surrounded(seen: &Seen, p: Pixel) -> bool {
     let Some(here) = seen.view.point_in_sensor(p) else { return false };
     let near = |row: usize, col: usize| {
-        let there = seen.view.point_in_sensor(Pixel::new(row, col));
-        there.is_some_and(|there| (there - here).norm() < 10.0 * seen.rig.pixel())
+        let q = Pixel::new(row, col);
+        let pair = seen.view.frame().pair(seen.view.image(), p, q);
+        let gentle = p == q || pair.is_some_and(|pair| pair.range_step <= 1.2 * pair.lateral);
+        let there = seen.view.point_in_sensor(q);
+        gentle && there.is_some_and(|there| (there - here).norm() < 10.0 * seen.rig.pixel())
     };
     let around = |at: usize| at.saturating_sub(3)..=at + 3;
     around(p.row).all(|row| around(p.col).all(|col| near(row, col)))
@@ -107,11 +112,11 @@ pub fn cuttable(seen: &Seen, model: &PartialModel) -> Option<(PlaneIndex, Cut)> 
             let cut = Cut { at, along_columns: cols > rows, width: 7 };
             let node = |k: usize| curve.curve.nodes()[start + k].position;
             let turn = (node(28) - node(16)).angle(&(node(48) - node(36)));
-            let gentle = gentle(first, last) && gentle(run[16], at) && gentle(at, run[44]);
+            let gentle = run[12..48].windows(13).all(|w| gentle(w[0], w[12]));
             let straight = rows.max(cols) >= 24 && gentle && turn < 0.5;
-            // The strip must not meet the curve a second time.
+            // The strip must not meet the curve a second time, be it soon after.
             let inside = curve.pixels.iter().filter(|p| cut.touches(**p)).count();
-            let once = inside == run.iter().filter(|p| cut.touches(**p)).count();
+            let once = inside == run[14..43].iter().filter(|p| cut.touches(**p)).count();
             if straight && once && run[12..52].iter().all(|p| is_surrounded(seen, *p)) {
                 return Some((plane.plane, cut));
             }
