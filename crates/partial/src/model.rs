@@ -35,6 +35,8 @@ pub struct PartialCounts {
     pub sigma_after: f64,
     /// Pixels that smoothing changed. Pixels far from every plane are not smoothed.
     pub smoothed: usize,
+    /// Pixels between the two surfaces of a range jump, which smoothing left out.
+    pub flying: usize,
     /// Pixels beyond an end of a curved guide; they count as missing.
     pub beyond_ends: usize,
     /// Pixels where planes along a curved guide may cross; they count as missing.
@@ -53,6 +55,7 @@ impl PartialModel {
         if let Some(smoothed) = prepared.smoothed() {
             counts.sigma_after *= smoothed.median_factor;
             counts.smoothed = smoothed.changed;
+            counts.flying = smoothed.flying;
             counts.window = smoothed.window;
         }
         if let Some(estimate) = prepared.contradicting_sigma() {

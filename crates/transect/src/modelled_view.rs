@@ -111,6 +111,7 @@ fn view_report(
         curves: planes.iter().map(|(_, curves)| curves.len()).sum(),
         crossings: counts.crossings,
         range_jumps: counts.jumps,
+        flying_pixels: counts.flying,
         samples_close_to_other_views: 0,
         samples_abreast_of_other_views: 0,
         contradicted: false,

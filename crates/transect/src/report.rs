@@ -118,6 +118,9 @@ pub struct ViewReport {
     pub crossings: usize,
     /// Pairs of neighbouring pixels that were separated as range jumps.
     pub range_jumps: usize,
+    /// Flying pixels: samples alone between the two surfaces of a range jump, which are left out.
+    /// They are looked for where the image is smoothed.
+    pub flying_pixels: usize,
     /// Samples that have another view's curve close by.
     pub samples_close_to_other_views: u64,
     /// Samples that have another view's curve of the same direction at a larger distance.

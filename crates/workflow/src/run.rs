@@ -218,6 +218,10 @@ fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
         let valid: usize = report.views.iter().map(|v| v.valid_pixels).sum();
         let pixels: usize = report.views.iter().map(|v| v.pixels).sum();
         rows.push(Row::new("valid pixels", percent(valid, pixels), "%"));
+        let flying = report.views.iter().map(|v| v.flying_pixels).sum::<usize>();
+        if flying > 0 {
+            rows.push(Row::new("flying pixels, left out", percent(flying, valid), "%"));
+        }
     }
     let closed_only = percent(fusion.planes_closed_only, fusion.planes);
     rows.extend([

@@ -18,6 +18,7 @@
 //!    neighbours in a column then have no sample in common, so their own noise is independent.
 //! 2. Only pixels that unbroken pairs connect to the centre count; see `links.rs`. Nothing is
 //!    smoothed across a range jump.
+//!    Flying pixels are left out before, and become missing; see `flying.rs`.
 //! 3. Three fits of the quantity in which planes are flat, see `quantity.rs`: the first with
 //!    weights by distance alone, the others also with weights by the residuals.
 //! 4. A fit in a wider window, with weights by the residuals of the last fit.
@@ -62,6 +63,7 @@
 mod block;
 mod bounds;
 mod estimate;
+mod flying;
 mod grid;
 mod lanes;
 mod links;
@@ -98,6 +100,8 @@ pub struct Smoothed {
     pub window: f64,
     /// How many pixels changed.
     pub changed: usize,
+    /// Pixels between the two surfaces of a range jump, which became missing; see `flying.rs`.
+    pub flying: usize,
 }
 
 impl Smoothed {
@@ -129,11 +133,19 @@ pub struct SmoothingSteps {
     pub wider_window: bool,
     /// The fit is repeated with weights by its residuals.
     pub robust_weights: bool,
+    /// Flying pixels are left out.
+    pub flying_pixels: bool,
 }
 
 impl Default for SmoothingSteps {
     fn default() -> Self {
-        Self { shared_noise: true, near_planes: true, wider_window: true, robust_weights: true }
+        Self {
+            shared_noise: true,
+            near_planes: true,
+            wider_window: true,
+            robust_weights: true,
+            flying_pixels: true,
+        }
     }
 }
 
@@ -174,15 +186,18 @@ pub fn smooth_with(
         return Output::new(view.image()).finish(view, 0);
     }
     let level = smoothing.instructions.level();
-    let smoother =
+    let mut smoother =
         dispatch!(level, simd => Smoother::new(simd, view, noise, rule, smoothing.steps));
+    let flying = if smoothing.steps.flying_pixels { smoother.part_flying_pixels() } else { vec![] };
     let pixels = smoothing.pixels.filter(|_| smoothing.steps.near_planes);
     let bounds = || dispatch!(level, simd => ValueBounds::new(simd, &smoother));
-    let wanted = match pixels.and_then(|choice| Some(choice(&bounds()?))) {
+    let mut wanted = match pixels.and_then(|choice| Some(choice(&bounds()?))) {
         Some(wanted) => wanted,
         None => vec![true; view.image().size().pixels()],
     };
+    flying.iter().for_each(|at| wanted[*at] = false);
     let mut output = Output::new(view.image());
+    output.leave_out(&flying);
     dispatch!(level, simd => smoother.image(simd, &wanted, &mut output));
     output.finish(view, count_valid(view.image(), &wanted))
 }
@@ -222,6 +237,15 @@ impl<'a> Smoother<'a> {
             || Grid::new(simd, view, (rule, noise), quantity),
         );
         Self { view, noise, quantity, grid, steps }
+    }
+
+    /// Finds the flying pixels, and parts them from the windows of all others.
+    fn part_flying_pixels(&mut self) -> Vec<usize> {
+        let image = self.view.image();
+        let found = flying::flying_pixels(image, &self.grid.links);
+        let cols = image.size().cols;
+        found.iter().for_each(|at| self.grid.links.part(at / cols, at % cols));
+        found
     }
 
     #[inline(always)]

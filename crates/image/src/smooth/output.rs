@@ -13,6 +13,8 @@ pub(super) struct Output {
     sigma_factors: Vec<f32>,
     /// How many pixels changed.
     changed: usize,
+    /// How many pixels were left out.
+    left_out: usize,
     /// Radii of the windows of the pixels that changed.
     radii: Histogram,
     /// Factors of their standard deviations.
@@ -28,9 +30,16 @@ impl Output {
             values,
             sigma_factors: vec![1.0; size.pixels()],
             changed: 0,
+            left_out: 0,
             radii: Histogram::new(WIDEST_RADIUS),
             factors: Histogram::new(1.0),
         }
+    }
+
+    /// Makes some pixels missing.
+    pub fn leave_out(&mut self, pixels: &[usize]) {
+        pixels.iter().for_each(|at| self.values[*at] = f32::NAN);
+        self.left_out += pixels.len();
     }
 
     /// Puts the results of neighbouring pixels, from one on, into the image.
@@ -64,6 +73,7 @@ impl Output {
             median_factor: self.factors.median(unchanged).unwrap_or(1.0),
             window: 2.0 * self.radii.median(0).unwrap_or(0.0),
             changed: self.changed,
+            flying: self.left_out,
         })
     }
 }

@@ -132,3 +132,40 @@ fn jumps_behind_missing_pixels_are_not_bridged() {
         assert!(error.is_nan() || error < 5.0, "{p}: {error}");
     }
 }
+
+/// Two walls side by side, a unit apart, and a column of pixels between that belong to both.
+fn rim(between: impl Fn(usize) -> f64) -> View {
+    let frame = camera();
+    let size = frame.size();
+    let mut random = Normal(9);
+    let depth = |p: Pixel| match p.col {
+        0..30 => 3.0,
+        30 => between(p.row),
+        _ => 4.0,
+    };
+    let values = pixels(size).map(|p| (depth(p) + 0.002 * random.sample()) as f32).collect();
+    let image = RangeImage::from_values(size, values).unwrap();
+    View::new("rim", image, frame, Isometry3::identity(), Some(0.002)).unwrap()
+}
+
+#[test]
+fn flying_pixels_become_missing_and_are_counted() {
+    let view = rim(|row| 3.2 + 0.6 * ((row * 7 % 10) as f64 / 9.0));
+    let rows = view.image().size().rows;
+    let result = smoothed(&view);
+    assert_eq!(result.flying, rows);
+    for row in 0..rows {
+        let get = |col: usize| result.view.image().get(Pixel::new(row, col));
+        assert!(get(30).is_none() && get(29).is_some() && get(31).is_some(), "row {row}");
+        assert!((get(29).unwrap() - 3.0).abs() < 0.01 && (get(31).unwrap() - 4.0).abs() < 0.01);
+    }
+}
+
+#[test]
+fn pixels_of_either_wall_and_of_a_wire_in_front_are_not_flying() {
+    for (depth, what) in [(3.0, "the near wall"), (4.0, "the far wall"), (2.0, "a wire")] {
+        let result = smoothed(&rim(|_| depth));
+        assert_eq!(result.flying, 0, "{what}");
+        assert!(result.view.image().get(Pixel::new(20, 30)).is_some());
+    }
+}

@@ -85,5 +85,6 @@ fn methods_left_out() -> [(&'static str, Method); 5] {
         ("smoothing: near_planes", without(|o| o.smoothing.near_planes = false)),
         ("smoothing: wider_window", without(|o| o.smoothing.wider_window = false)),
         ("smoothing: robust_weights", without(|o| o.smoothing.robust_weights = false)),
+        ("smoothing: flying_pixels", without(|o| o.smoothing.flying_pixels = false)),
     ]
 }

@@ -1,0 +1,144 @@
+//! Flying pixels: samples of no surface, between the two surfaces of a range jump.
+//!
+//! **Problem.** At the rim of an object a pixel's spot falls on the object and on what is behind
+//! it, and the sensor reports a range in between. Such samples may pass for a surface along the
+//! rim.
+//!
+//! **Idea.** Across the rim, a flying pixel is alone: it belongs to neither neighbour, its range is
+//! between theirs, and both neighbours go on as surfaces. Tang, Huber and Akinci (2007) compare
+//! filters of such pixels by their angles and by their ranges; here the pair test is the angle.
+//!
+//! **Steps.** In a row or in a column, pixel k is a flying one if
+//! 1. pixels k − 2 and k − 1 are joined, and pixels k + 1 and k + 2, too;
+//! 2. pixel k is joined to neither side;
+//! 3. its value is between those of pixels k − 1 and k + 1.
+//!
+//! Steps 1 and 3 spare what is seen at a grazing angle, where pair after pair is broken, and thin
+//! objects in front of others.
+//!
+//! **Limits.** Two flying pixels side by side across a rim are not found. The last pixel of a round
+//! rim, which is seen at a grazing angle, is counted with them; it has no neighbour across either.
+
+use super::links::Links;
+use crate::tuning::HALF_WINDOW;
+use transect_device::RangeImage;
+
+/// Whether the value of a pixel is between those of two others, which are valid.
+fn is_between(image: &RangeImage, at: (usize, usize), others: [(usize, usize); 2]) -> bool {
+    let value = |(row, col): (usize, usize)| image.row(row)[col];
+    let (here, [a, b]) = (value(at), others.map(value));
+    a < here && here < b || b < here && here < a
+}
+
+/// The flying pixels of an image in ascending order, as places in its rows.
+///
+/// The outermost two rows and columns have none, since both neighbours must have a next one. A full
+/// circle goes on at its seam.
+pub(super) fn flying_pixels(image: &RangeImage, links: &Links) -> Vec<usize> {
+    let size = image.size();
+    let mut lone = vec![[0; 2]; links.words()];
+    let mut found = Vec::new();
+    for row in 0..size.rows {
+        links.lone(row, &mut lone);
+        for (word, [across, down]) in lone.iter().enumerate() {
+            let mut both = across | down;
+            while both != 0 {
+                let bit = both.trailing_zeros();
+                both &= both - 1;
+                // The margin of a full circle holds its other side once more.
+                let col = (64 * word + bit as usize).checked_sub(HALF_WINDOW);
+                let Some(col) = col.filter(|col| *col < size.cols) else { continue };
+                let across = across >> bit & 1 == 1 && {
+                    // Beyond the seam of a full circle; others have no joined pixels there.
+                    let [left, right] = [col + size.cols - 1, col + 1].map(|col| col % size.cols);
+                    is_between(image, (row, col), [(row, left), (row, right)])
+                };
+                let down = down >> bit & 1 == 1
+                    && is_between(image, (row, col), [(row - 1, col), (row + 1, col)]);
+                if across || down {
+                    found.push(row * size.cols + col);
+                }
+            }
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::smooth::pairs::is_set;
+    use transect_device::ImageSize;
+
+    const ROWS: usize = 9;
+    const COLS: usize = 150;
+
+    /// The three steps, pixel by pixel.
+    fn slow(image: &RangeImage, left: &[Vec<u64>], up: &[Vec<u64>]) -> Vec<usize> {
+        let value = |row: usize, col: usize| image.row(row)[col];
+        let between = |a: f32, b: f32, c: f32| a < b && b < c || a > b && b > c;
+        let all = (0..ROWS).flat_map(|row| (0..COLS).map(move |col| (row, col)));
+        let flying = all.filter(|&(row, col)| {
+            let across = (2..COLS - 2).contains(&col) && {
+                let joined = |k: usize| is_set(&left[row], k);
+                let alone = !joined(col) && !joined(col + 1);
+                let [a, b, c] = [col - 1, col, col + 1].map(|k| value(row, k));
+                joined(col - 1) && alone && joined(col + 2) && between(a, b, c)
+            };
+            let down = (2..ROWS - 2).contains(&row) && {
+                let joined = |k: usize| is_set(&up[k], col);
+                let alone = !joined(row) && !joined(row + 1);
+                let [a, b, c] = [row - 1, row, row + 1].map(|k| value(k, col));
+                joined(row - 1) && alone && joined(row + 2) && between(a, b, c)
+            };
+            across || down
+        });
+        flying.map(|(row, col)| row * COLS + col).collect()
+    }
+
+    #[test]
+    fn masks_find_what_the_steps_find_pixel_by_pixel() {
+        let mut state = 1_u64;
+        let mut random = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            state >> 33
+        };
+        let mut count = 0;
+        for _ in 0..20 {
+            let values = (0..ROWS * COLS).map(|_| (random() % 8) as f32).collect();
+            let image = RangeImage::from_values(ImageSize { rows: ROWS, cols: COLS }, values);
+            let image = image.unwrap();
+            let mut links = Links::new(ROWS, COLS);
+            let (mut left, mut up) = (Vec::new(), Vec::new());
+            for row in 0..ROWS {
+                // A pair needs two pixels.
+                let valid = |row: usize, col: usize| !image.row(row)[col].is_nan();
+                let mut bits = [[0; 3]; 2].map(Vec::from);
+                for col in 0..COLS {
+                    let pairs = [
+                        col > 0 && valid(row, col) && valid(row, col - 1),
+                        row > 0 && valid(row, col) && valid(row - 1, col),
+                    ];
+                    for (bits, there) in bits.iter_mut().zip(pairs) {
+                        bits[col / 64] |= u64::from(there && random() % 2 == 0) << (col % 64);
+                    }
+                }
+                links.set_row(row, [&bits[0], &bits[1]], (COLS, 0));
+                let [of_left, of_up] = bits;
+                left.push(of_left);
+                up.push(of_up);
+            }
+            let found = flying_pixels(&image, &links);
+            assert_eq!(found, slow(&image, &left, &up));
+            count += found.len();
+            for at in &found {
+                let (row, col) = (at / COLS, at % COLS);
+                links.part(row, col);
+                let (row, col) = (row + HALF_WINDOW, col + HALF_WINDOW);
+                assert!(!links.left(row, col) && !links.left(row, col + 1));
+                assert!(!links.up(row, col) && !links.up(row + 1, col));
+            }
+        }
+        assert!(count > 100, "{count}");
+    }
+}
