@@ -5,6 +5,7 @@
 //! smoothing. `xtask/peers/run.py` has the other programs make meshes of both scans, cuts these on
 //! the scan's planes, and scores all curves against the true mesh. It shares no code with Transect.
 
+mod kitchen;
 mod real;
 
 use super::lab::Lab;
@@ -83,6 +84,7 @@ pub fn run(arguments: &Arguments, lab: &Lab) -> Result<(), Failure> {
     let folder = default_folder("peers").join(real::NAME);
     let seconds = real::write(lab.scans()?, &folder)?;
     run.score(real::NAME, seconds, &folder)?;
+    kitchen::draw(lab, &run.python)?;
     run.print_times()
 }
 

@@ -1,21 +1,15 @@
-//! The public scans of real things: each without any option, the bunny against its reference, and a
-//! plane of the red kitchen with and without averaging the views' surfaces.
+//! The public scans of real things: each without any option, and the bunny against its reference.
 
 use super::lab::Lab;
-use super::posters::INK;
-use super::posters::projection::{Projection, panel, stroke};
 use super::trial::{self, Public};
 use crate::failure::Failure;
 use crate::table::line;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use transect::Unwatched;
 use transect::evaluate::evaluate;
-use transect::{Setup, Unwatched, reconstruct};
 use transect_exchange::OpenOptions;
-use transect_exchange::svg::{Anchor, Figure, Mark};
-use transect_fusion::{ConsensusOptions, FusionMethod};
-use transect_geometry::{Curve, LengthUnit, PlaneIndex, Point2};
-use transect_model::Model;
+use transect_geometry::LengthUnit;
 use transect_scene::sections;
 use transect_workflow::{OpenScan, Settings};
 
@@ -27,19 +21,11 @@ const SCANS: [(&str, &str); 4] = [
     ("rgbd_redkitchen", "50 depth images"),
 ];
 
-/// The plane of the kitchen that is drawn, 0.2 m below the first camera: walls, table and shelf.
-const PLANE: PlaneIndex = PlaneIndex(2);
-
-/// Width and height of one panel, and the space between two, in pixels.
-const PANEL: [f64; 2] = [560.0, 470.0];
-const BETWEEN: f64 = 30.0;
-
 /// Runs the experiment.
 pub fn run(lab: &Lab) -> Result<(), Failure> {
     let data = lab.scans()?;
     without_options(data, lab)?;
-    bunny(data, lab)?;
-    kitchen(data, lab)
+    bunny(data, lab)
 }
 
 /// Every scan as `transect reconstruct PATH` models it.
@@ -88,42 +74,4 @@ fn bunny(data: &Path, lab: &Lab) -> Result<(), Failure> {
     let lines: Vec<_> =
         figures.map(|row| vec![row.metric, format!("{} {}", row.value, row.unit)]).collect();
     lab.table("bunny", "metric | value", lines)
-}
-
-/// A plane of the red kitchen without and with the step that averages the views' surfaces.
-fn kitchen(data: &Path, lab: &Lab) -> Result<(), Failure> {
-    let kitchen = trial::red_kitchen(data)?;
-    let models = [averaged(&kitchen, false)?, averaged(&kitchen, true)?];
-    let mut figure = Figure::new(
-        "A section of a real kitchen by a depth camera",
-        "The red kitchen of 7-Scenes, 50 frames: plane 2, across the upright. Poses and depths of \
-         the frames differ by centimetres.",
-        [2.0 * PANEL[0] + BETWEEN, PANEL[1] + 70.0],
-    );
-    let names = ["every view as it is", "views' surfaces averaged (default)"];
-    let frame = models[1].planes().frame(PLANE);
-    for (k, (name, model)) in names.into_iter().zip(&models).enumerate() {
-        let at = Point2::new(k as f64 * (PANEL[0] + BETWEEN), 30.0);
-        let shown = models[1].section(PLANE).into_iter().flat_map(|s| s.curves());
-        let nodes = shown.flat_map(Curve::nodes).map(|n| frame.world_from_plane(&n.position));
-        let projection = Projection::onto(&frame).fitting(nodes, at, PANEL);
-        let curves: Vec<&Curve> =
-            model.section(PLANE).into_iter().flat_map(|s| s.curves()).collect();
-        figure.text(Point2::new(at.x, 16.0), Anchor::Start, 18.0, INK, name);
-        let lines = projection.lines(&frame, curves.iter().copied());
-        panel(&mut figure, (at, PANEL), (projection.scale, "m"), |figure| {
-            figure.path(&lines, 1.2, &stroke(INK));
-        });
-    }
-    figure.legend(Mark::Line(INK), "fused curve");
-    lab.picture("depth_camera", |file| figure.write(file))
-}
-
-/// The model of the kitchen with or without averaging the views' surfaces.
-fn averaged(kitchen: &Public, settle: bool) -> Result<Model, Failure> {
-    let mut setup = Setup::new(LengthUnit::Metre, kitchen.planes.clone());
-    let mut options = ConsensusOptions::default();
-    options.steps.settle = settle;
-    setup.fusion = FusionMethod::Consensus(options);
-    Ok(reconstruct(&kitchen.views, &setup, &Unwatched)?.model)
 }

@@ -73,7 +73,7 @@ fn measure(set: &str, raw: &Raw, arguments: &Arguments, worth: &mut Worth) -> Re
 }
 
 /// The default way to find curves without smoothing, and without each step of it.
-fn methods_left_out() -> [(&'static str, Method); 5] {
+fn methods_left_out() -> [(&'static str, Method); 6] {
     let without = |leave_out: fn(&mut OnePassOptions)| {
         let mut options = OnePassOptions::default();
         leave_out(&mut options);
