@@ -11,24 +11,29 @@
 //! **Steps.** In a row or in a column, pixel k is a flying one if
 //! 1. pixels k − 2 and k − 1 are joined, and pixels k + 1 and k + 2, too;
 //! 2. pixel k is joined to neither side;
-//! 3. its value is between those of pixels k − 1 and k + 1.
+//! 3. its value is between those of pixels k − 1 and k + 1;
+//! 4. both its steps are more than [`ROUND_RIM`] times the step of the surface beside them.
 //!
 //! Steps 1 and 3 spare what is seen at a grazing angle, where pair after pair is broken, and thin
-//! objects in front of others.
+//! objects in front of others. Step 4 spares surfaces that bend away.
 //!
-//! **Limits.** Two flying pixels side by side across a rim are not found. The last pixel of a round
-//! rim, which is seen at a grazing angle, passes for one, and is left out, too: in scenes without
-//! flying pixels these are less than one pixel in a thousand.
+//! **Limits.** Two flying pixels side by side across a rim are not found.
 
 use super::links::Links;
 use crate::tuning::HALF_WINDOW;
 use transect_device::RangeImage;
 
-/// Whether the value of a pixel is between those of two others, which are valid.
-fn is_between(image: &RangeImage, at: (usize, usize), others: [(usize, usize); 2]) -> bool {
-    let value = |(row, col): (usize, usize)| image.row(row)[col];
-    let (here, [a, b]) = (value(at), others.map(value));
-    a < here && here < b || b < here && here < a
+/// Largest factor from one step to the next where a surface bends away. Near the rim of a round
+/// surface the range grows with the root of the distance from the rim, so the last steps of whole
+/// pixels are as 1 to √2 − 1 at most.
+const ROUND_RIM: f32 = 1.0 + std::f32::consts::SQRT_2;
+
+/// Steps 3 and 4, for the values of five pixels in line.
+fn is_between_surfaces([before, near, here, far, beyond]: [f32; 5]) -> bool {
+    let (there, back) = (here - near, far - here);
+    there * back > 0.0
+        && there.abs() > ROUND_RIM * (near - before).abs()
+        && back.abs() > ROUND_RIM * (beyond - far).abs()
 }
 
 /// The flying pixels of an image in ascending order, as places in its rows.
@@ -51,11 +56,13 @@ pub(super) fn flying_pixels(image: &RangeImage, links: &Links) -> Vec<usize> {
                 let Some(col) = col.filter(|col| *col < size.cols) else { continue };
                 let across = across >> bit & 1 == 1 && {
                     // Beyond the seam of a full circle; others have no joined pixels there.
-                    let [left, right] = [col + size.cols - 1, col + 1].map(|col| col % size.cols);
-                    is_between(image, (row, col), [(row, left), (row, right)])
+                    let at = |k: usize| image.row(row)[(col + size.cols + k - 2) % size.cols];
+                    is_between_surfaces([0, 1, 2, 3, 4].map(at))
                 };
-                let down = down >> bit & 1 == 1
-                    && is_between(image, (row, col), [(row - 1, col), (row + 1, col)]);
+                let down = down >> bit & 1 == 1 && {
+                    let at = |k: usize| image.row(row + k - 2)[col];
+                    is_between_surfaces([0, 1, 2, 3, 4].map(at))
+                };
                 if across || down {
                     found.push(row * size.cols + col);
                 }
@@ -77,20 +84,25 @@ mod tests {
     /// The three steps, pixel by pixel.
     fn slow(image: &RangeImage, left: &[Vec<u64>], up: &[Vec<u64>]) -> Vec<usize> {
         let value = |row: usize, col: usize| image.row(row)[col];
-        let between = |a: f32, b: f32, c: f32| a < b && b < c || a > b && b > c;
+        let between = |v: [f32; 5]| {
+            let step = |k: usize| f64::from((v[k + 1] - v[k]).abs());
+            let monotone = v[1] < v[2] && v[2] < v[3] || v[1] > v[2] && v[2] > v[3];
+            let factor = 1.0 + 2_f64.sqrt();
+            monotone && step(1) > factor * step(0) && step(2) > factor * step(3)
+        };
         let all = (0..ROWS).flat_map(|row| (0..COLS).map(move |col| (row, col)));
         let flying = all.filter(|&(row, col)| {
             let across = (2..COLS - 2).contains(&col) && {
                 let joined = |k: usize| is_set(&left[row], k);
                 let alone = !joined(col) && !joined(col + 1);
-                let [a, b, c] = [col - 1, col, col + 1].map(|k| value(row, k));
-                joined(col - 1) && alone && joined(col + 2) && between(a, b, c)
+                let values = std::array::from_fn(|k| value(row, col + k - 2));
+                joined(col - 1) && alone && joined(col + 2) && between(values)
             };
             let down = (2..ROWS - 2).contains(&row) && {
                 let joined = |k: usize| is_set(&up[k], col);
                 let alone = !joined(row) && !joined(row + 1);
-                let [a, b, c] = [row - 1, row, row + 1].map(|k| value(k, col));
-                joined(row - 1) && alone && joined(row + 2) && between(a, b, c)
+                let values = std::array::from_fn(|k| value(row + k - 2, col));
+                joined(row - 1) && alone && joined(row + 2) && between(values)
             };
             across || down
         });
@@ -105,8 +117,8 @@ mod tests {
             state >> 33
         };
         let mut count = 0;
-        for _ in 0..20 {
-            let values = (0..ROWS * COLS).map(|_| (random() % 8) as f32).collect();
+        for _ in 0..200 {
+            let values = (0..ROWS * COLS).map(|_| (1 + random() % 100) as f32).collect();
             let image = RangeImage::from_values(ImageSize { rows: ROWS, cols: COLS }, values);
             let image = image.unwrap();
             let mut links = Links::new(ROWS, COLS);

@@ -169,3 +169,21 @@ fn pixels_of_either_wall_and_of_a_wire_in_front_are_not_flying() {
         assert!(result.view.image().get(Pixel::new(20, 30)).is_some());
     }
 }
+
+#[test]
+fn the_rim_of_a_round_surface_is_not_flying() {
+    let frame = camera();
+    let size = frame.size();
+    // A cylinder bends away to the left of column 30.5, and a wall is behind it.
+    for rim in [30.05, 30.3, 30.55, 30.8] {
+        let depth = |p: Pixel| {
+            let inside = p.col as f64 - rim;
+            if inside > 0.0 { 3.0 - 0.2 * inside.sqrt() } else { 6.0 }
+        };
+        let mut random = Normal(3);
+        let values = pixels(size).map(|p| (depth(p) + 1e-3 * random.sample()) as f32).collect();
+        let image = RangeImage::from_values(size, values).unwrap();
+        let view = View::new("rim", image, frame.clone(), Isometry3::identity(), Some(1e-3));
+        assert_eq!(smoothed(&view.unwrap()).flying, 0, "rim at {rim}");
+    }
+}

@@ -66,10 +66,14 @@ impl Twin<'_> {
         let lone = |(rows, cols): (i64, i64), neighbour: Neighbour| {
             let at = |k: i64| self.at(pixel, k * rows, k * cols);
             let joined = |k: i64| at(k).and_then(|p| self.pair(p, neighbour)).is_some();
-            let [a, b, c] = [-1, 0, 1].map(|k| at(k).and_then(|p| self.view.image().get(p)));
-            let (Some(a), Some(b), Some(c)) = (a, b, c) else { return false };
-            let between = a < b && b < c || a > b && b > c;
-            joined(-1) && !joined(0) && !joined(1) && joined(2) && between
+            let lone = joined(-1) && !joined(0) && !joined(1) && joined(2);
+            let value = |k: i64| at(k).and_then(|p| self.view.image().get(p)).map(f64::from);
+            let step = |k: i64| Some(value(k)? - value(k - 1)?);
+            let [Some(a), Some(b), Some(c), Some(d)] = [-1, 0, 1, 2].map(step) else {
+                return false;
+            };
+            let rim = 1.0 + 2_f64.sqrt();
+            lone && b * c > 0.0 && b.abs() > rim * a.abs() && c.abs() > rim * d.abs()
         };
         lone((0, 1), Neighbour::Left) || lone((1, 0), Neighbour::Up)
     }
