@@ -1,23 +1,25 @@
 //! Flying pixels: samples of no surface, between the two surfaces of a range jump.
 //!
 //! **Problem.** At the rim of an object a pixel's spot falls on the object and on what is behind
-//! it, and the sensor reports a range in between. Such samples may pass for a surface along the
-//! rim.
+//! it, and the sensor reports a range in between.
 //!
-//! **Idea.** Across the rim, a flying pixel is alone: it belongs to neither neighbour, its range is
-//! between theirs, and both neighbours go on as surfaces. Tang, Huber and Akinci (2007) compare
-//! filters of such pixels by their angles and by their ranges; here the pair test is the angle.
+//! **Idea.** A flying pixel is alone: it belongs to the surface of no neighbour, its range is between
+//! those of its neighbours on either side of the rim, and both go on as surfaces. Tang, Huber and
+//! Akinci (2007) compare filters of such pixels by their angles and by their ranges; here the pair
+//! test is the angle.
 //!
 //! **Steps.** In a row or in a column, pixel k is a flying one if
 //! 1. pixels k − 2 and k − 1 are joined, and pixels k + 1 and k + 2, too;
-//! 2. pixel k is joined to neither side;
+//! 2. pixel k is joined to none of its four neighbours;
 //! 3. its value is between those of pixels k − 1 and k + 1;
 //! 4. both its steps are more than [`ROUND_RIM`] times the step of the surface beside them.
 //!
 //! Steps 1 and 3 spare what is seen at a grazing angle, where pair after pair is broken, and thin
 //! objects in front of others. Step 4 spares surfaces that bend away.
 //!
-//! **Limits.** Two flying pixels side by side across a rim are not found.
+//! **Limits.** Flying pixels that are joined to each other are not found, be it by chance or since
+//! the rim runs along the pixels. Leaving them out as well opens curves of the Stanford bunny, where
+//! a fold of the surface is seen by one row of pixels.
 
 use super::links::Links;
 use crate::tuning::HALF_WINDOW;
@@ -92,15 +94,21 @@ mod tests {
         };
         let all = (0..ROWS).flat_map(|row| (0..COLS).map(move |col| (row, col)));
         let flying = all.filter(|&(row, col)| {
+            let any = |bits: &[Vec<u64>], at: [(usize, usize); 2]| {
+                at.iter().any(|&(row, col)| {
+                    let inside = row < ROWS && col < COLS;
+                    inside && is_set(&bits[row], col)
+                })
+            };
+            let alone =
+                !any(left, [(row, col), (row, col + 1)]) && !any(up, [(row, col), (row + 1, col)]);
             let across = (2..COLS - 2).contains(&col) && {
                 let joined = |k: usize| is_set(&left[row], k);
-                let alone = !joined(col) && !joined(col + 1);
                 let values = std::array::from_fn(|k| value(row, col + k - 2));
                 joined(col - 1) && alone && joined(col + 2) && between(values)
             };
             let down = (2..ROWS - 2).contains(&row) && {
                 let joined = |k: usize| is_set(&up[k], col);
-                let alone = !joined(row) && !joined(row + 1);
                 let values = std::array::from_fn(|k| value(row + k - 2, col));
                 joined(row - 1) && alone && joined(row + 2) && between(values)
             };
@@ -144,14 +152,7 @@ mod tests {
             let found = flying_pixels(&image, &links);
             assert_eq!(found, slow(&image, &left, &up));
             count += found.len();
-            for at in &found {
-                let (row, col) = (at / COLS, at % COLS);
-                links.part(row, col);
-                let (row, col) = (row + HALF_WINDOW, col + HALF_WINDOW);
-                assert!(!links.left(row, col) && !links.left(row, col + 1));
-                assert!(!links.up(row, col) && !links.up(row + 1, col));
-            }
         }
-        assert!(count > 100, "{count}");
+        assert!(count > 30, "{count}");
     }
 }

@@ -65,8 +65,8 @@ impl Links {
         }
     }
 
-    /// The places of a row of the image that are joined to neither neighbour across, while both of
-    /// these are joined to the next one; and the same down the column.
+    /// The places of a row of the image that are joined to no neighbour, while those on either side
+    /// across are joined to the next ones; and the same down the column.
     pub fn lone(&self, row: usize, found: &mut [[u64; 2]]) {
         let rows = |k: usize| &self.up[(row + HALF_WINDOW + k - 1) * self.words..][..self.words];
         let [before, here, after, beyond] = [0, 1, 2, 3].map(rows);
@@ -75,24 +75,10 @@ impl Links {
             let earlier = if word > 0 { left[word - 1] >> 63 } else { 0 };
             let next = left.get(word + 1).copied().unwrap_or_default();
             let at = left[word];
-            let across =
-                (at << 1 | earlier) & !at & !(at >> 1 | next << 63) & (at >> 2 | next << 62);
-            let down = before[word] & !here[word] & !after[word] & beyond[word];
-            *found = [across, down];
+            let alone = !(at | at >> 1 | next << 63 | here[word] | after[word]);
+            let across = (at << 1 | earlier) & (at >> 2 | next << 62);
+            *found = [alone & across, alone & before[word] & beyond[word]];
         }
-    }
-
-    /// Parts a pixel of the image from all its neighbours.
-    pub fn part(&mut self, row: usize, col: usize) {
-        let (row, col) = (row + HALF_WINDOW, col + HALF_WINDOW);
-        let mut clear = |up: bool, row: usize, col: usize| {
-            let bits = if up { &mut self.up } else { &mut self.left };
-            bits[row * self.words + col / 64] &= !(1 << (col % 64));
-        };
-        clear(false, row, col);
-        clear(false, row, col + 1);
-        clear(true, row, col);
-        clear(true, row + 1, col);
     }
 
     /// Whether a place and the one to the left are joined.

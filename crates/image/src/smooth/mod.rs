@@ -80,6 +80,7 @@ use crate::{BreakRule, Instructions, RangeNoise};
 use block::{Block, Scales, Workspace};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, dispatch};
+use flying::flying_pixels;
 use grid::Grid;
 use lanes::Native;
 use output::Output;
@@ -186,18 +187,18 @@ pub fn smooth_with(
         return Output::new(view.image()).finish(view, 0);
     }
     let level = smoothing.instructions.level();
-    let mut smoother =
+    let smoother =
         dispatch!(level, simd => Smoother::new(simd, view, noise, rule, smoothing.steps));
-    let flying = if smoothing.steps.flying_pixels { smoother.part_flying_pixels() } else { vec![] };
     let pixels = smoothing.pixels.filter(|_| smoothing.steps.near_planes);
     let bounds = || dispatch!(level, simd => ValueBounds::new(simd, &smoother));
-    let mut wanted = match pixels.and_then(|choice| Some(choice(&bounds()?))) {
+    let wanted = match pixels.and_then(|choice| Some(choice(&bounds()?))) {
         Some(wanted) => wanted,
         None => vec![true; view.image().size().pixels()],
     };
-    flying.iter().for_each(|at| wanted[*at] = false);
     let mut output = Output::new(view.image());
-    output.leave_out(&flying);
+    if smoothing.steps.flying_pixels {
+        output.leave_out(&flying_pixels(view.image(), &smoother.grid.links));
+    }
     dispatch!(level, simd => smoother.image(simd, &wanted, &mut output));
     output.finish(view, count_valid(view.image(), &wanted))
 }
@@ -237,15 +238,6 @@ impl<'a> Smoother<'a> {
             || Grid::new(simd, view, (rule, noise), quantity),
         );
         Self { view, noise, quantity, grid, steps }
-    }
-
-    /// Finds the flying pixels, and parts them from the windows of all others.
-    fn part_flying_pixels(&mut self) -> Vec<usize> {
-        let image = self.view.image();
-        let found = flying::flying_pixels(image, &self.grid.links);
-        let cols = image.size().cols;
-        found.iter().for_each(|at| self.grid.links.part(at / cols, at % cols));
-        found
     }
 
     #[inline(always)]

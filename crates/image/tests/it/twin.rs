@@ -63,19 +63,25 @@ impl Twin<'_> {
 
     /// Whether a pixel is alone between two surfaces, across or down.
     fn is_flying(&self, pixel: Pixel) -> bool {
-        let lone = |(rows, cols): (i64, i64), neighbour: Neighbour| {
-            let at = |k: i64| self.at(pixel, k * rows, k * cols);
-            let joined = |k: i64| at(k).and_then(|p| self.pair(p, neighbour)).is_some();
-            let lone = joined(-1) && !joined(0) && !joined(1) && joined(2);
+        let joined = |(rows, cols): (i64, i64), neighbour: Neighbour, k: i64| {
+            let at = self.at(pixel, k * rows, k * cols);
+            at.and_then(|p| self.pair(p, neighbour)).is_some()
+        };
+        let [across, down] = [((0, 1), Neighbour::Left), ((1, 0), Neighbour::Up)];
+        let alone =
+            [across, down].iter().all(|(to, n)| ![0, 1].iter().any(|k| joined(*to, *n, *k)));
+        let between = |(to, neighbour): ((i64, i64), Neighbour)| {
+            let at = |k: i64| self.at(pixel, k * to.0, k * to.1);
+            let surfaces = joined(to, neighbour, -1) && joined(to, neighbour, 2);
             let value = |k: i64| at(k).and_then(|p| self.view.image().get(p)).map(f64::from);
             let step = |k: i64| Some(value(k)? - value(k - 1)?);
             let [Some(a), Some(b), Some(c), Some(d)] = [-1, 0, 1, 2].map(step) else {
                 return false;
             };
             let rim = 1.0 + 2_f64.sqrt();
-            lone && b * c > 0.0 && b.abs() > rim * a.abs() && c.abs() > rim * d.abs()
+            surfaces && b * c > 0.0 && b.abs() > rim * a.abs() && c.abs() > rim * d.abs()
         };
-        lone((0, 1), Neighbour::Left) || lone((1, 0), Neighbour::Up)
+        alone && (between(across) || between(down))
     }
 
     /// The view without its flying pixels, and their number.

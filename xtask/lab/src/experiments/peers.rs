@@ -72,6 +72,9 @@ pub fn run(arguments: &Arguments, lab: &Lab) -> Result<(), Failure> {
     };
     say(&format!("noise of the seed {SEED}"));
     let mut run = Run { python, shares: resolutions.join(","), lab, times: Vec::new() };
+    if !arguments.quick {
+        kitchen::draw(lab, &run.python)?;
+    }
     for scan in scans {
         let name = scan.name();
         let folder = default_folder("peers").join(&name);
@@ -84,7 +87,6 @@ pub fn run(arguments: &Arguments, lab: &Lab) -> Result<(), Failure> {
     let folder = default_folder("peers").join(real::NAME);
     let seconds = real::write(lab.scans()?, &folder)?;
     run.score(real::NAME, seconds, &folder)?;
-    kitchen::draw(lab, &run.python)?;
     run.print_times()
 }
 
