@@ -3,10 +3,10 @@
 //! **Problem.** At the rim of an object a pixel's spot falls on the object and on what is behind
 //! it, and the sensor reports a range in between.
 //!
-//! **Idea.** A flying pixel is alone: it belongs to the surface of no neighbour, its range is between
-//! those of its neighbours on either side of the rim, and both go on as surfaces. Tang, Huber and
-//! Akinci (2007) compare filters of such pixels by their angles and by their ranges; here the pair
-//! test is the angle.
+//! **Idea.** A flying pixel is alone. It belongs to the surface of no neighbour, its range is
+//! between those of its neighbours on either side of the rim, and both go on as surfaces. Tang,
+//! Huber and Akinci (2007) compare filters of such pixels by their angles and by their ranges; here
+//! the pair test is the angle.
 //!
 //! **Steps.** In a row or in a column, pixel k is a flying one if
 //! 1. pixels k − 2 and k − 1 are joined, and pixels k + 1 and k + 2, too;
@@ -40,8 +40,8 @@ fn is_between_surfaces([before, near, here, far, beyond]: [f32; 5]) -> bool {
 
 /// The flying pixels of an image in ascending order, as places in its rows.
 ///
-/// The outermost two rows and columns have none, since both neighbours must have a next one. A full
-/// circle goes on at its seam.
+/// The outermost two pixels on each end of a row have no surfaces on both sides, nor have those of
+/// a column. A full circle goes on at its seam.
 pub(super) fn flying_pixels(image: &RangeImage, links: &Links) -> Vec<usize> {
     let size = image.size();
     let mut lone = vec![[0; 2]; links.words()];
