@@ -2,8 +2,8 @@
 
     python xtask/peers/section.py FOLDER PLANE VOXEL
 
-FOLDER has a `scan.json` as `run.py` reads it; VOXEL is an edge in its unit. A line is a piece of the
-section: x, y and z of one end in the world, then of the other.
+FOLDER has a `scan.json` as `run.py` reads it; VOXEL is an edge in its unit. A line is a piece of
+the section: x, y and z of one end in the world, then of the other.
 """
 
 import sys

@@ -18,8 +18,8 @@
 //! objects in front of others. Step 4 spares surfaces that bend away.
 //!
 //! **Limits.** Flying pixels that are joined to each other are not found, be it by chance or since
-//! the rim runs along the pixels. Leaving them out as well opens curves of the Stanford bunny, where
-//! a fold of the surface is seen by one row of pixels.
+//! the rim runs along the pixels. Leaving them out as well opens curves of the Stanford bunny: a
+//! fold of its surface is seen by one row of pixels.
 
 use super::links::Links;
 use crate::tuning::HALF_WINDOW;
