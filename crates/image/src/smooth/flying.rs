@@ -26,8 +26,8 @@ use crate::tuning::HALF_WINDOW;
 use transect_device::RangeImage;
 
 /// Largest factor from one step to the next where a surface bends away. Near the rim of a round
-/// surface the range grows with the root of the distance from the rim, so the last steps of whole
-/// pixels are as 1 to √2 − 1 at most.
+/// surface the range grows with the root of the distance from the rim. The last two steps of whole
+/// pixels are therefore as 1 to √2 − 1 at most.
 const ROUND_RIM: f32 = 1.0 + std::f32::consts::SQRT_2;
 
 /// Steps 3 and 4, for the values of five pixels in line.
@@ -83,7 +83,7 @@ mod tests {
     const ROWS: usize = 9;
     const COLS: usize = 150;
 
-    /// The three steps, pixel by pixel.
+    /// The four steps, pixel by pixel.
     fn slow(image: &RangeImage, left: &[Vec<u64>], up: &[Vec<u64>]) -> Vec<usize> {
         let value = |row: usize, col: usize| image.row(row)[col];
         let between = |v: [f32; 5]| {
