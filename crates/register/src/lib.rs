@@ -14,7 +14,7 @@ mod readings;
 mod refine;
 mod tuning;
 
-pub use coarse::{CoarseView, Meeting, Patch, PosePrior, Sighting};
+pub use coarse::{CoarseView, Meeting, Patch, PosePrior, Sighting, StoredCopy};
 pub use judge::{
     Agreement, Finding, Judgement, Misplaced, Motion, Region, RegionKind, Scaled, judge,
 };

@@ -9,9 +9,10 @@
 //! over the remaining views, in any order of additions and removals.
 //!
 //! 1. A view is loaded and its curves are found; a failure leaves the store as it was.
-//! 2. Its curves are stored in one transaction.
+//! 2. Its curves are stored in one transaction, with a coarse copy of its image.
 //! 3. Its planes are fused: in the same transaction for a single view, after the last view if
 //!    several are added at once. Planes run in parallel.
+//! 4. The poses of the store are judged by the copies; see `judged.rs`.
 //!
 //! Views are fused in order of their ids. The result of `consensus` does not depend on that order.
 //! The result of `pairwise` is that of one run over the views in that order.
@@ -20,6 +21,7 @@
 
 mod error;
 mod fuser;
+mod judged;
 
 pub use error::GrowError;
 
@@ -32,11 +34,15 @@ use crate::{
     Unwatched, ViewSource, Watch,
 };
 use fuser::Fuser;
+use judged::{Judged, copy_of, judged};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
+use transect_device::View;
 use transect_geometry::{Curve, PlaneIndex};
-use transect_model::store::{Snapshot, Store, StoreError, StoredView, ViewEntry, ViewId};
+use transect_model::store::{
+    Snapshot, Store, StoreError, StoredView, ViewCopy, ViewEntry, ViewId, ViewReplacement,
+};
 use transect_register::RefineOptions;
 
 /// The result of adding views.
@@ -110,6 +116,8 @@ enum Looked {
 /// A view on its way into the store.
 struct NewView {
     entry: ViewEntry,
+    /// By which its pose is compared with those of other views.
+    copy: Option<ViewCopy>,
     view: ModelledView<Vec<Curve>>,
 }
 
@@ -151,6 +159,7 @@ impl<'a> Grower<'a> {
     pub fn add_view<S: ViewSource>(&self, source: &S) -> Result<Option<StoredView>, GrowError> {
         let Looked::New(new) = self.look_at(source)? else { return Ok(None) };
         let mut transaction = self.store.begin_view(new.entry)?;
+        new.copy.map_or(Ok(()), |copy| transaction.set_copy(&copy))?;
         transaction.add_planes(new.view.planes, &Fuser::new(self.setup, &Unwatched))?;
         Ok(Some(transaction.commit()?))
     }
@@ -187,7 +196,7 @@ impl<'a> Grower<'a> {
             modelling,
             fusion: started.elapsed() - views,
         };
-        self.growth(added, fuser, timings)
+        self.growth(sources, added, fuser, timings)
     }
 
     /// Fuses the planes that an interrupted run left; returns their number.
@@ -227,6 +236,31 @@ impl<'a> Grower<'a> {
         replacements: &[(ViewId, S)],
         watch: &dyn Watch,
     ) -> Result<(Vec<StoredView>, Report), GrowError> {
+        let (stored, mut report) = self.put_in_place(replacements, watch)?;
+        let new = stored.iter().map(|view| view.entry.id.clone()).collect();
+        let no_sources: [S; 0] = [];
+        let Judged { poses, note } = judged(&self.store.read()?, &new, &no_sources, self.setup)?;
+        report.notes.extend(note);
+        report.set_poses(poses, self.setup.unit);
+        Ok((stored, report))
+    }
+
+    /// Judges the poses of the views in the store by coarse copies of their images; `None` if
+    /// nothing contradicts. [`Grower::add_views`] and [`Grower::replace_views`] do that, too. It
+    /// reads the copies of 200 views at most: some 100 kB for each, and a few milliseconds.
+    ///
+    /// # Errors
+    /// If the store cannot be read.
+    pub fn judge_poses(&self) -> Result<Option<PoseReport>, GrowError> {
+        let no_sources: [View; 0] = [];
+        Ok(judged(&self.store.read()?, &BTreeSet::new(), &no_sources, self.setup)?.poses)
+    }
+
+    fn put_in_place<S: ViewSource>(
+        &self,
+        replacements: &[(ViewId, S)],
+        watch: &dyn Watch,
+    ) -> Result<(Vec<StoredView>, Report), GrowError> {
         watch.begin(Stage::Views, replacements.len());
         let model = |(id, source): &(ViewId, S)| {
             let new = self.model(source, TimedView::load(source)?)?;
@@ -236,10 +270,10 @@ impl<'a> Grower<'a> {
         let modelled: Vec<Result<_, GrowError>> = replacements.par_iter().map(model).collect();
         let (mut new, mut reports, mut notes) = (Vec::new(), Vec::new(), Vec::new());
         for modelled in modelled {
-            let (id, NewView { entry, view }) = modelled?;
+            let (id, NewView { entry, copy, view }) = modelled?;
             reports.push((entry.id.clone(), view.report));
             notes.extend(view.notes);
-            new.push((id, entry, view.planes));
+            new.push(ViewReplacement { id, entry, copy, planes: view.planes });
         }
         let fuser = Fuser::new(self.setup, watch);
         let stored = self.store.replace_views(new, &fuser)?;
@@ -282,7 +316,7 @@ impl<'a> Grower<'a> {
         let as_stored = |view| Posed { depth_offsets: None, ..view };
         let moved: Vec<_> =
             moved.map(|(view, _)| (view.source.entry.id.clone(), as_stored(view))).collect();
-        let (views, mut report) = self.replace_views(&moved, watch)?;
+        let (views, mut report) = self.put_in_place(&moved, watch)?;
         report.set_poses(Some(poses), self.setup.unit);
         Ok((views, report))
     }
@@ -333,17 +367,20 @@ impl<'a> Grower<'a> {
             world_from_sensor: *loaded.view.world_from_sensor(),
             sigma: loaded.view.sigma(),
         };
+        let copy = copy_of(&loaded.view);
         let view = timed.model(source.name(), self.setup)?;
-        Ok(NewView { entry, view })
+        Ok(NewView { entry, copy, view })
     }
 
-    fn put_in(&self, NewView { entry, view }: NewView, added: &mut Added) -> Result<(), GrowError> {
+    fn put_in(&self, new: NewView, added: &mut Added) -> Result<(), GrowError> {
+        let NewView { entry, copy, view } = new;
         added.ids.push(entry.id.clone());
         added.reports.push(view.report);
         added.notes.extend(view.notes);
         added.reading += view.reading;
         added.modelling += view.modelling;
         let mut transaction = self.store.begin_view(entry)?;
+        copy.map_or(Ok(()), |copy| transaction.set_copy(&copy))?;
         transaction.defer_planes(view.planes)?;
         transaction.commit()?;
         Ok(())
@@ -358,8 +395,9 @@ impl<'a> Grower<'a> {
         Ok(fuser)
     }
 
-    fn growth(
+    fn growth<S: ViewSource>(
         &self,
+        sources: &[S],
         added: Added,
         fuser: Fuser<'_>,
         timings: Timings,
@@ -370,6 +408,9 @@ impl<'a> Grower<'a> {
         }
         let Added { present, mut reports, ids, mut notes, .. } = added;
         let several = snapshot.views()?.len() > 1;
+        let Judged { poses, note } =
+            judged(&snapshot, &ids.iter().cloned().collect(), sources, self.setup)?;
+        notes.extend(note);
         for (report, id) in reports.iter_mut().zip(&ids) {
             report.set_agreement(&fuser.agreement(id));
         }
@@ -378,10 +419,10 @@ impl<'a> Grower<'a> {
         if !several {
             fusion.forget_comparisons();
         }
-        notes.extend(fusion.note_if_views_err(self.setup.unit));
         let fused = fuser.summaries().len();
-        let report =
+        let mut report =
             Report { views: reports, fusion, poses: None, refinement: None, notes, timings };
+        report.set_poses(poses, self.setup.unit);
         Ok(Growth { present, report, fused })
     }
 }

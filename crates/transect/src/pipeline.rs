@@ -14,6 +14,7 @@
 use crate::fused::{Fused, Observed, fuse};
 use crate::modelled_view::{ModelledView, model_views, no_curves};
 use crate::packed::PackedCurves;
+use crate::poses::reread;
 use crate::refine::{Refined, refine};
 use crate::report::{Report, Timings};
 use crate::{PoseReport, ReconstructError, Setup, ViewSource, Watch};
@@ -79,7 +80,8 @@ pub fn reconstruct<S: ViewSource>(
     .into_iter()
     .unzip();
     let copies = copies.into_iter().collect::<Option<Vec<_>>>();
-    let judged = copies.and_then(|copies| PoseReport::of_doubtful(copies, sources, setup.unit));
+    let again = |order| reread(sources, order);
+    let judged = copies.and_then(|copies| PoseReport::of_doubtful(copies, again, setup.unit));
     let views_done = Instant::now();
     let planes = by_plane(&mut views);
     if planes.is_empty() {

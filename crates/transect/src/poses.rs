@@ -71,7 +71,7 @@ fn coarse_views<S: ViewSource>(
 
 /// Coarse copies of all views, their images read in another order of pixels; `None` if a view
 /// cannot be.
-fn reread<S: ViewSource>(sources: &[S], order: ImageOrder) -> Option<Vec<CoarseView>> {
+pub(crate) fn reread<S: ViewSource>(sources: &[S], order: ImageOrder) -> Option<Vec<CoarseView>> {
     let copy = |source: &S| Some(CoarseView::quick(&source.load_in(order)?.ok()?.view));
     sources.par_iter().map(copy).collect()
 }
@@ -113,13 +113,14 @@ impl PoseReport {
         Ok(Self { unit, explanation, judgement: judge(&copies), refinement, images_stay: false })
     }
 
-    /// Judges the given poses by copies of the views; `None` if nothing contradicts.
-    pub(crate) fn of_doubtful<S: ViewSource>(
+    /// Judges the given poses by copies of the views; `None` if nothing contradicts. `reread` makes
+    /// copies of images that are read in another order.
+    pub(crate) fn of_doubtful(
         copies: Vec<CoarseView>,
-        sources: &[S],
+        reread: impl Fn(ImageOrder) -> Option<Vec<CoarseView>>,
         unit: LengthUnit,
     ) -> Option<Self> {
-        let explanation = explain(&copies, |order| reread(sources, order));
+        let explanation = explain(&copies, reread);
         let judgement = judge(&copies);
         let doubtful = explanation.is_some() || !judgement.findings.is_empty();
         doubtful.then_some(Self {

@@ -32,6 +32,13 @@ pub(crate) struct FusedValue<'a> {
     pub curves: Cow<'a, [Curve]>,
 }
 
+/// The coarse copy of a view's image, with the hash of that image.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct CopyValue<'a> {
+    pub source_hash: &'a str,
+    pub bytes: Cow<'a, [u8]>,
+}
+
 pub(crate) fn encode(value: &impl Serialize) -> Result<Vec<u8>, CodecError> {
     bincode::serde::encode_to_vec(value, bincode::config::standard()).map_err(CodecError::damaged)
 }

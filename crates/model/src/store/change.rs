@@ -1,6 +1,7 @@
 //! Changing a store: views are added, removed and replaced, each time in one transaction.
 
 use super::Store;
+use super::copy::{self, ViewCopy};
 use super::error::{StoreError, StoreProblem};
 use super::fuse::{Fuse, PlaneInputs};
 use super::tables::{
@@ -33,6 +34,19 @@ impl std::fmt::Debug for ViewTransaction<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("ViewTransaction").field("view", &self.view).finish_non_exhaustive()
     }
+}
+
+/// A view that takes the place of another one.
+#[derive(Debug, Clone)]
+pub struct ViewReplacement<C> {
+    /// The id of the view that leaves.
+    pub id: ViewId,
+    /// The view that comes.
+    pub entry: ViewEntry,
+    /// The coarse copy of its image.
+    pub copy: Option<ViewCopy>,
+    /// The curves of the view that comes, plane by plane.
+    pub planes: C,
 }
 
 impl Store {
@@ -75,23 +89,26 @@ impl Store {
     /// of a new entry may differ from that of the view it replaces, if no other view has it.
     pub fn replace_views<C: IntoIterator<Item = (PlaneIndex, Vec<Curve>)>>(
         &self,
-        replacements: Vec<(ViewId, ViewEntry, C)>,
+        replacements: Vec<ViewReplacement<C>>,
         fuse: &impl Fuse,
     ) -> Result<Vec<StoredView>, StoreError> {
         self.run(|| {
             let transaction = self.write()?;
             let mut touched = BTreeSet::new();
-            for (id, entry, _) in &replacements {
+            for ViewReplacement { id, entry, .. } in &replacements {
                 entry.check()?;
                 touched.extend(take_out(&transaction, id)?.planes);
             }
             let mut views = Vec::with_capacity(replacements.len());
-            for (_, entry, curves) in replacements {
+            for ViewReplacement { entry, copy, planes, .. } in replacements {
                 if read_view(&transaction.open_table(VIEWS)?, &entry.id)?.is_some() {
                     return Err(StoreProblem::ViewExists(entry.id));
                 }
+                if let Some(copy) = &copy {
+                    copy::put(&transaction, &entry, copy)?;
+                }
                 let mut view = StoredView::new(entry);
-                for (plane, curves) in curves {
+                for (plane, curves) in planes {
                     touched
                         .extend(put_in(&transaction, &mut view, plane, &curves)?.then_some(plane));
                 }
@@ -105,6 +122,14 @@ impl Store {
 }
 
 impl ViewTransaction<'_> {
+    /// Adds the coarse copy of the view's image.
+    ///
+    /// # Errors
+    /// If the store cannot be read or written.
+    pub fn set_copy(&mut self, copy: &ViewCopy) -> Result<(), StoreError> {
+        self.step(|transaction, view| copy::put(transaction, &view.entry, copy))
+    }
+
     /// Adds the view's curves on several planes and fuses those planes again, many at a time
     /// ([`Fuse::fuse_planes`]).
     ///
@@ -203,11 +228,12 @@ fn put_in(
     Ok(true)
 }
 
-/// Removes a view and its partial curves. The fused curves are not changed yet.
+/// Removes a view, its copy and its partial curves. The fused curves are not changed yet.
 fn take_out(transaction: &WriteTransaction, id: &ViewId) -> Result<StoredView, StoreProblem> {
     let mut views = transaction.open_table(VIEWS)?;
     let view = read_view(&views, id)?.ok_or_else(|| StoreProblem::NoSuchView(id.clone()))?;
     views.remove(id.0.as_str())?;
+    copy::take(transaction, &id.0)?;
     let mut partials = transaction.open_table(PARTIALS)?;
     for plane in &view.planes {
         partials.remove((plane.0, id.0.as_str()))?;

@@ -2,7 +2,7 @@
 
 use super::Store;
 use super::error::{StoreError, StoreProblem};
-use super::lines::{CurveText, EndLine, FusedLine, Line, PartialLine, StoreLine};
+use super::lines::{CopyLine, CurveText, EndLine, FusedLine, Line, PartialLine, StoreLine};
 use super::snapshot::Snapshot;
 use super::tables::{decode_fused, read_partials, read_views};
 use crate::codec::{HASH_OF_NOTHING, fnv1a_from};
@@ -36,7 +36,12 @@ impl Snapshot {
         let views = read_views(&self.views)?;
         let mut end = EndLine { views: views.len() as u64, planes: 0, hash: String::new() };
         for view in views {
+            let copy = self.read_copy(&view.entry)?;
+            let copy = copy.map(|copy| CopyLine::new(view.entry.id.clone(), &copy));
             out.write(&Line::View(view.entry))?;
+            if let Some(copy) = copy {
+                out.write(&Line::Copy(copy))?;
+            }
         }
         for entry in ReadableTable::iter(&self.fused)? {
             let (plane, value) = entry?;

@@ -1,8 +1,10 @@
 //! Reading a store from lines of JSON; see `lines` for the form.
 
+use super::copy;
 use super::error::{StoreError, StoreProblem};
 use super::lines::{
-    CurveText, EndLine, FORMAT, FusedLine, LINES_VERSION, Line, PartialLine, StoreLine,
+    CopyLine, CurveText, EndLine, FORMAT, FusedLine, LINES_VERSION, Line, OLDEST_LINES,
+    PartialLine, StoreLine,
 };
 use super::medium::Medium;
 use super::tables::{FUSED, PARTIALS, VIEWS, encode_curves, encode_fused};
@@ -79,8 +81,10 @@ fn read_header(lines: &mut Lines<impl BufRead>) -> Result<StoreHeader, StoreProb
         _ => return Err(lines.problem("an export begins with a line of its store")),
     };
     let StoreLine { version, .. } = line;
-    if version != LINES_VERSION {
-        let problem = format!("version {version}; this program reads version {LINES_VERSION}");
+    if !(OLDEST_LINES..=LINES_VERSION).contains(&version) {
+        let problem = format!(
+            "version {version}; this program reads versions {OLDEST_LINES} to {LINES_VERSION}"
+        );
         return Err(lines.problem(problem));
     }
     Ok(line.into())
@@ -117,6 +121,7 @@ fn read_contents(
         match line {
             Line::Store(_) => return contents.refuse("a second store"),
             Line::View(entry) => contents.add_view(entry)?,
+            Line::Copy(line) => contents.add_copy(&line, transaction)?,
             Line::Partial(line) => contents.add_partial(line, transaction)?,
             Line::Fused(line) => contents.add_fused(line, transaction)?,
             Line::End(line) => break contents.check_end(&line, lines.hash)?,
@@ -148,6 +153,22 @@ impl Contents {
         entry.check().or_else(|error| self.refuse(error))?;
         self.views.insert(entry.id.clone(), StoredView::new(entry));
         Ok(())
+    }
+
+    fn add_copy(
+        &self,
+        line: &CopyLine,
+        transaction: &WriteTransaction,
+    ) -> Result<(), StoreProblem> {
+        let last = self.views.last_key_value().filter(|(id, _)| **id == line.view);
+        let Some((_, view)) = last.filter(|_| self.open.is_none() && self.last_plane.is_none())
+        else {
+            return self.refuse("the copy of a view comes after the view");
+        };
+        let Some(copy) = line.copy() else {
+            return self.refuse("the bytes of a copy are pairs of hexadecimal digits");
+        };
+        copy::put(transaction, &view.entry, &copy)
     }
 
     fn add_partial(

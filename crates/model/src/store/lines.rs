@@ -1,10 +1,11 @@
 //! The exchange form of a store: lines of JSON, which do not depend on the database's format.
 //!
 //! ```json
-//! {"store":{"format":"transect-model","version":3,"unit":"m","planes":{"guide":{"straight":{"direction":[0.0,0.0,1.0]}},
+//! {"store":{"format":"transect-model","version":4,"unit":"m","planes":{"guide":{"straight":{"direction":[0.0,0.0,1.0]}},
 //!     "offset":0.0,"interval":0.5},"options":"…","tool":"transect 0.1.0"}}
 //! {"view":{"id":"front","name":"front","sensor":"…","source":"front.npy","source_hash":"…",
 //!     "world_from_sensor":{"rotation":[0.0,0.0,0.0,1.0],"translation":[0.0,0.0,0.0]},"sigma":0.001}}
+//! {"copy":{"view":"front","bytes":"05a0…"}}
 //! {"partial":{"plane":3,"view":"front","curves":[{"closed":true,"nodes":[[0.0,0.0,0.001,0.01,1.0,1,0.03,[1.0,0.0,0.0]],…]}]}}
 //! {"fused":{"plane":3,"curves":[…]}}
 //! {"end":{"views":1,"planes":1,"hash":"…"}}
@@ -14,7 +15,7 @@
 //! `{"polyline":RADIUS}`, with the radius `null` if corners have no largest radius.
 //!
 //! Each object is one line (broken here to fit the page). First the store, then its views in order
-//! of ids. Then, plane by plane in order of station, the partial curves of each view in order of
+//! of ids, each with the coarse copy of its image if there is one, in hexadecimal numbers. Then, plane by plane in order of station, the partial curves of each view in order of
 //! ids and the fused curves. Then the end. A rotation is a quaternion `[i, j, k, w]`. A node is
 //! `[x, y, sigma, footprint, weight, views, correlation, tan_incidence, normal]`: plane
 //! coordinates, standard deviation and sample spacing in the model's unit, weight, and number of
@@ -27,6 +28,7 @@
 //! Numbers have the fewest digits that read back as the same number, so an imported store exports
 //! as the same bytes.
 
+use super::copy::ViewCopy;
 use super::view::{StoreHeader, ViewEntry};
 use super::view_id::ViewId;
 use nalgebra::Vector3;
@@ -35,14 +37,17 @@ use transect_geometry::{Curve, CurveError, EndReason, LengthUnit, Node, PlaneFam
 
 /// Value of the key `format` in the first line.
 pub(super) const FORMAT: &str = "transect-model";
-/// Version of this form; other versions are refused.
-pub const LINES_VERSION: u32 = 3;
+/// Version of this form.
+pub const LINES_VERSION: u32 = 4;
+/// The oldest version that is still read. It has no copies.
+pub(super) const OLDEST_LINES: u32 = 3;
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(super) enum Line {
     Store(StoreLine),
     View(ViewEntry),
+    Copy(CopyLine),
     Partial(PartialLine),
     Fused(FusedLine),
     End(EndLine),
@@ -57,6 +62,29 @@ pub(super) struct StoreLine {
     pub planes: PlaneFamily,
     pub options: String,
     pub tool: String,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CopyLine {
+    pub view: ViewId,
+    /// Two hexadecimal digits for every byte.
+    bytes: String,
+}
+
+impl CopyLine {
+    pub fn new(view: ViewId, copy: &ViewCopy) -> Self {
+        Self { view, bytes: copy.0.iter().map(|byte| format!("{byte:02x}")).collect() }
+    }
+
+    /// The copy; `None` if the text has other characters, or an odd number of them.
+    pub fn copy(&self) -> Option<ViewCopy> {
+        let (pairs, odd) = self.bytes.as_bytes().as_chunks::<2>();
+        let digit = |c: u8| char::from(c).to_digit(16);
+        let byte = |[high, low]: &[u8; 2]| u8::try_from(16 * digit(*high)? + digit(*low)?).ok();
+        let bytes = pairs.iter().map(byte).collect::<Option<_>>()?;
+        odd.is_empty().then_some(ViewCopy(bytes))
+    }
 }
 
 #[derive(Debug, Serialize, Deserialize)]

@@ -68,6 +68,7 @@
 
 mod blocks;
 mod change;
+mod copy;
 mod error;
 mod export;
 mod fuse;
@@ -89,7 +90,8 @@ mod test_media;
 mod tests;
 
 pub use blocks::STORE_VERSION;
-pub use change::ViewTransaction;
+pub use change::{ViewReplacement, ViewTransaction};
+pub use copy::ViewCopy;
 pub use error::{StoreError, StoreProblem};
 pub use fuse::{Fuse, PlaneInputs};
 pub use lines::LINES_VERSION;
@@ -106,7 +108,7 @@ use medium::Medium;
 use redb::{Database, ReadableDatabase, StorageBackend, WriteTransaction};
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
-use tables::{FUSED, HEADER, PARTIALS, PENDING, VIEWS};
+use tables::{COPIES, FUSED, HEADER, PARTIALS, PENDING, VIEWS};
 
 /// Memory for pages of the file, in bytes. Chosen by hand; doubled, pages are read again less
 /// often.
@@ -181,6 +183,7 @@ impl Store {
         let transaction = store.write()?;
         transaction.open_table(HEADER)?.insert("header", header.encode()?.as_slice())?;
         transaction.open_table(VIEWS)?;
+        transaction.open_table(COPIES)?;
         transaction.open_table(PARTIALS)?;
         transaction.open_table(FUSED)?;
         transaction.open_table(PENDING)?;

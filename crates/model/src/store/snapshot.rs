@@ -1,5 +1,6 @@
 //! Reading a store: a snapshot has the views that were committed when it was taken.
 
+use super::copy;
 use super::error::{StoreError, StoreProblem};
 use super::tables::{
     FUSED, HEADER, PARTIALS, PENDING, VIEWS, decode_fused, read_partials, read_view, read_views,
@@ -19,6 +20,7 @@ pub struct Snapshot {
     path: PathBuf,
     header: StoreHeader,
     pub(super) views: ReadOnlyTable<&'static str, &'static [u8]>,
+    pub(super) copies: Option<ReadOnlyTable<&'static str, &'static [u8]>>,
     pub(super) partials: ReadOnlyTable<(i64, &'static str), &'static [u8]>,
     pub(super) fused: ReadOnlyTable<i64, &'static [u8]>,
     pub(super) pending: ReadOnlyTable<i64, ()>,
@@ -40,6 +42,7 @@ impl Snapshot {
             path: path.to_owned(),
             header,
             views: transaction.open_table(VIEWS)?,
+            copies: copy::open(transaction)?,
             partials: transaction.open_table(PARTIALS)?,
             fused: transaction.open_table(FUSED)?,
             pending: transaction.open_table(PENDING)?,

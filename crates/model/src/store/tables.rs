@@ -3,6 +3,7 @@
 //! ```text
 //! header    "header"        → unit, planes, options, tool
 //! views     id              → name, sensor, source, its hash, pose, sigma, counts, planes
+//! copies    id              → hash of the image, coarse copy of it, which the caller reads
 //! partials  (plane, id)     → curves of one view on one plane
 //! fused     plane           → hash of the partials they were made of, curves
 //! pending   plane           → nothing; the plane's fused curves are still to be made
@@ -19,6 +20,7 @@ use transect_geometry::{Curve, PlaneIndex};
 
 pub(super) const HEADER: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("header");
 pub(super) const VIEWS: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("views");
+pub(super) const COPIES: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("copies");
 pub(super) const PARTIALS: TableDefinition<'_, (i64, &str), &[u8]> =
     TableDefinition::new("partials");
 pub(super) const FUSED: TableDefinition<'_, i64, &[u8]> = TableDefinition::new("fused");

@@ -53,8 +53,13 @@ fn memory_store() -> (Memory, Store) {
     (memory, store)
 }
 
+fn copy(id: &str) -> ViewCopy {
+    ViewCopy(format!("copy of {id}").into_bytes())
+}
+
 fn add(store: &Store, id: &str, curves: &Curves) -> Result<StoredView, StoreError> {
     let mut view = store.begin_view(entry(id))?;
+    view.set_copy(&copy(id))?;
     view.add_planes(curves.clone(), &fuse)?;
     view.commit()
 }
@@ -129,7 +134,12 @@ fn take(step: Step, store: &mut Store, memory: &mut Memory, views: &mut BTreeMap
                 after.insert(name(*new), curves.clone()).is_none()
             };
             let possible = taken && all.iter().all(put);
-            let replacement = |(old, new, curves)| (ViewId(name(old)), entry(&name(new)), curves);
+            let replacement = |(old, new, planes): (u8, u8, Curves)| ViewReplacement {
+                id: ViewId(name(old)),
+                entry: entry(&name(new)),
+                copy: Some(copy(&name(new))),
+                planes,
+            };
             let replacements = all.into_iter().map(replacement).collect();
             let replaced = store.replace_views::<Curves>(replacements, &fuse);
             assert_eq!(replaced.is_ok(), possible);
@@ -144,6 +154,7 @@ fn take(step: Step, store: &mut Store, memory: &mut Memory, views: &mut BTreeMap
         }
         Step::Defer(id, curves) => {
             if let Ok(mut view) = store.begin_view(entry(&name(id))) {
+                view.set_copy(&copy(&name(id))).unwrap();
                 view.defer_planes(curves.clone()).unwrap();
                 view.commit().unwrap();
                 views.insert(name(id), curves);
@@ -472,9 +483,56 @@ fn only_planes_that_a_view_touches_are_fused() {
     view.add_planes(planes(48..51), &counting).unwrap();
     view.commit().unwrap();
     assert_eq!(fused.take(), [(48, 2), (49, 2), (50, 1)]);
-    store.replace_views(vec![("b".into(), entry("b"), planes(49..50))], &counting).unwrap();
+    let planes = planes(49..50);
+    let same = ViewReplacement { id: "b".into(), entry: entry("b"), copy: None, planes };
+    store.replace_views(vec![same], &counting).unwrap();
     assert_eq!(fused.take(), [(48, 1), (49, 2)]);
     store.remove_view(&"b".into(), &counting).unwrap();
     assert_eq!(fused.take(), [(49, 1)]);
     assert_eq!(store.read().unwrap().plane(PlaneIndex(50)).unwrap(), None);
+}
+
+fn squares(planes: std::ops::Range<i64>) -> Curves {
+    planes.map(|k| (PlaneIndex(k), square(k as f64))).collect()
+}
+
+#[test]
+fn a_copy_of_another_image_is_none() {
+    let (_, mut store) = memory_store();
+    add(&store, "a", &squares(0..2)).unwrap();
+    let snapshot = store.read().unwrap();
+    assert_eq!(snapshot.copy(&entry("a")).unwrap(), Some(copy("a")));
+    assert_eq!(snapshot.copy(&entry("b")).unwrap(), None);
+    let replaced = ViewEntry { source_hash: "another".to_owned(), ..entry("a") };
+    assert_eq!(snapshot.copy(&replaced).unwrap(), None);
+    drop(snapshot);
+    store.remove_view(&"a".into(), &fuse).unwrap();
+    assert_eq!(store.read().unwrap().copy(&entry("a")).unwrap(), None);
+    store.verify().unwrap();
+}
+
+#[test]
+fn a_store_without_a_table_of_copies_is_read_and_changed() {
+    let (_, mut store) = memory_store();
+    add(&store, "a", &squares(0..2)).unwrap();
+    let transaction = store.write().unwrap();
+    transaction.delete_table(COPIES).unwrap();
+    transaction.commit().unwrap();
+    assert_eq!(store.read().unwrap().copy(&entry("a")).unwrap(), None);
+    store.verify().unwrap();
+    add(&store, "b", &squares(1..3)).unwrap();
+    assert_eq!(store.read().unwrap().copy(&entry("b")).unwrap(), Some(copy("b")));
+    store.remove_view(&"a".into(), &fuse).unwrap();
+    store.verify().unwrap();
+}
+
+#[test]
+fn a_copy_without_a_view_is_found() {
+    let (_, mut store) = memory_store();
+    add(&store, "a", &squares(0..2)).unwrap();
+    let transaction = store.write().unwrap();
+    super::copy::put(&transaction, &entry("lost"), &copy("lost")).unwrap();
+    transaction.commit().unwrap();
+    let problem = store.verify().unwrap_err().problem.to_string();
+    assert!(problem.contains("a copy of a view lost"), "{problem}");
 }

@@ -43,7 +43,7 @@ impl Store {
     /// * Every block in use matches its checksum, and every page of the database matches the
     ///   checksum kept with the reference to it.
     /// * Every value decodes; headers, poses and curves are sound.
-    /// * Views and partial curves name each other, with right counts.
+    /// * Views and partial curves name each other, with right counts. Copies name views.
     /// * Every plane with partial curves was fused from exactly these curves, or is marked as still
     ///   to be fused.
     ///
@@ -111,7 +111,28 @@ impl Snapshot {
             let problem = format!("the curves of view {id} are not those in its record");
             return Err(StoreProblem::Unsound(problem));
         }
+        self.verify_copies(&views, &mut found)?;
         Ok(found)
+    }
+
+    /// Checks that every copy has a view and can be read.
+    fn verify_copies(
+        &self,
+        views: &[StoredView],
+        found: &mut Verification,
+    ) -> Result<(), StoreProblem> {
+        let Some(copies) = &self.copies else { return Ok(()) };
+        for entry in ReadableTable::iter(copies)? {
+            let (id, value) = entry?;
+            let Some(view) = views.iter().find(|view| view.entry.id.0 == id.value()) else {
+                let problem =
+                    format!("there is a copy of a view {}, which is not there", id.value());
+                return Err(StoreProblem::Unsound(problem));
+            };
+            self.read_copy(&view.entry)?;
+            found.add_hash(id.value().as_bytes(), value.value());
+        }
+        Ok(())
     }
 
     fn first_plane_with_partials(

@@ -4,7 +4,6 @@
 //! the nearest patch to the depth of that patch. The nearest patch to the moved point is the next
 //! guess. It no longer changes after a few steps.
 
-use super::Sampled;
 use rstar::{RTree, primitives::GeomWithData};
 use transect_device::{Point3, Ray};
 
@@ -23,13 +22,10 @@ pub(super) struct ByPoints {
 }
 
 impl ByPoints {
-    /// `cols` is the number of cells of a row.
-    pub(super) fn new(cells: &[Option<Sampled>], cols: usize) -> Self {
-        let placed = cells.iter().enumerate().filter_map(|(k, cell)| {
-            let patch = cell.as_ref()?.patch.as_ref()?;
-            Some(GeomWithData::new(patch.point().into(), k))
-        });
-        let rays: Vec<Option<Ray>> = cells.iter().map(|c| c.as_ref().map(|c| c.ray)).collect();
+    /// The points of the patches with the numbers of their cells, and the ray of every cell with a
+    /// sample. `cols` is the number of cells of a row.
+    pub(super) fn new(points: Vec<(usize, Point3)>, rays: Vec<Option<Ray>>, cols: usize) -> Self {
+        let placed = points.into_iter().map(|(k, point)| GeomWithData::new(point.into(), k));
         let openings = openings(&rays, cols);
         Self { tree: RTree::bulk_load(placed.collect()), rays, openings }
     }

@@ -11,16 +11,20 @@
 //!    whose ray passes the point is found from the samples, see `by_points.rs`.
 
 mod by_points;
+mod lattice;
 mod patch;
+mod stored;
 
 pub use patch::Patch;
+pub use stored::StoredCopy;
 
 use crate::tuning::{CELLS, LEAST_AHEAD, LEAST_STEP, LEAST_WHOLE, QUICK_CELLS};
 use by_points::ByPoints;
+use lattice::{Lattice, Place};
 use patch::StoredPatch;
 use std::sync::Arc;
 use transect_device::{
-    DepthOffsets, DeviceFrame, ImageSize, Isometry3, Pixel, Point3, Ray, Vector3, View,
+    DepthOffsets, DeviceFrame, DevicePoint, ImageSize, Isometry3, Pixel, Point3, Ray, Vector3, View,
 };
 use transect_image::RangeNoise;
 
@@ -56,6 +60,8 @@ pub struct PosePrior {
 enum Lookup {
     Inverse(Arc<dyn DeviceFrame>),
     Points(ByPoints),
+    /// The rays of the cells with a sample, and the lattice that a store keeps for the sensor.
+    Stored(Vec<Option<Ray>>, Lattice),
 }
 
 /// What a cell of pixels measured, as it is kept: a view has thousands of cells.
@@ -66,7 +72,7 @@ struct Cell {
 }
 
 /// The depths of a cell, in the model's length unit. Rounding widens them.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, serde::Serialize, serde::Deserialize)]
 struct Seen {
     /// Rows and columns from the cell's corner to the pixel whose ray stands for those of all.
     middle: (u16, u16),
@@ -256,6 +262,7 @@ impl CoarseView {
                 cell % self.size.cols * self.step + usize::from(col),
             )),
             Lookup::Points(points) => points.ray(cell),
+            Lookup::Stored(rays, _) => rays.get(cell).copied().flatten(),
         }
     }
 
@@ -280,7 +287,11 @@ impl CoarseView {
     /// A point is in front only if all nine cells around it are whole and farther away: rays
     /// between surfaces say nothing.
     pub fn sighting(&self, in_sensor: &Point3) -> Sighting {
-        let Some(cell) = self.cell_of(in_sensor) else { return Sighting::Unseen };
+        self.cell_of(in_sensor).map_or(Sighting::Unseen, |cell| self.sighting_in(cell, in_sensor))
+    }
+
+    /// The same for a point whose ray passes the cell.
+    pub(crate) fn sighting_in(&self, cell: usize, in_sensor: &Point3) -> Sighting {
         let Some(seen) = self.cells.get(cell).and_then(|c| c.seen) else { return Sighting::Unseen };
         let Some(ray) = self.ray(cell) else { return Sighting::Unseen };
         let depth = (in_sensor - ray.start).dot(&ray.direction);
@@ -325,16 +336,18 @@ impl CoarseView {
 
     /// The cell whose rays pass a sensor-frame point.
     pub(crate) fn cell_of(&self, in_sensor: &Point3) -> Option<usize> {
-        match &self.lookup {
+        let at = match &self.lookup {
             Lookup::Inverse(frame) => {
-                let at = frame.device_point(in_sensor)?;
-                let inside = at.row > -0.5 && at.col > -0.5;
-                let (row, col) = ((at.row + 0.5) as usize, (at.col + 0.5) as usize);
-                let inside = inside && row < self.image.rows && col < self.image.cols;
-                inside.then(|| row / self.step * self.size.cols + col / self.step)
+                let DevicePoint { row, col, .. } = frame.device_point(in_sensor)?;
+                Place { row, col }
             }
-            Lookup::Points(points) => points.cell_of(in_sensor),
-        }
+            Lookup::Points(points) => return points.cell_of(in_sensor),
+            Lookup::Stored(_, lattice) => lattice.place_of(in_sensor)?,
+        };
+        let inside = at.row > -0.5 && at.col > -0.5;
+        let (row, col) = ((at.row + 0.5) as usize, (at.col + 0.5) as usize);
+        let inside = inside && row < self.image.rows && col < self.image.cols;
+        inside.then(|| row / self.step * self.size.cols + col / self.step)
     }
 }
 
@@ -402,10 +415,14 @@ impl Sampled {
 impl Lookup {
     fn new(view: &View, cells: &[Option<Sampled>], cols: usize) -> Self {
         let frame = view.shared_frame();
-        let patches = cells.iter().flatten().filter_map(|cell| cell.patch.as_ref());
-        let mut points = patches.map(Patch::point);
-        let inverse = points.next().is_none_or(|p| frame.device_point(&p).is_some());
-        if inverse { Self::Inverse(frame) } else { Self::Points(ByPoints::new(cells, cols)) }
+        let point = |cell: &Option<Sampled>| Some(cell.as_ref()?.patch.as_ref()?.point());
+        let points = cells.iter().enumerate().filter_map(|(k, cell)| Some((k, point(cell)?)));
+        let points: Vec<(usize, Point3)> = points.collect();
+        if points.first().is_none_or(|(_, p)| frame.device_point(p).is_some()) {
+            return Self::Inverse(frame);
+        }
+        let rays = cells.iter().map(|cell| cell.as_ref().map(|cell| cell.ray)).collect();
+        Self::Points(ByPoints::new(points, rays, cols))
     }
 }
 

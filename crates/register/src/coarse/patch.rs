@@ -47,7 +47,7 @@ pub struct Patch {
 ///
 /// Single precision is enough: depths are fitted relative to the place that is kept, so their
 /// rounding is a share of the patch's own relief.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, serde::Serialize, serde::Deserialize)]
 pub(super) struct StoredPatch {
     mean_depth: f32,
     divergence: f32,

@@ -112,7 +112,7 @@ fn sample(
         radius: probe.radius,
         met: false,
     };
-    let met = other.meeting(&at).and_then(|m| {
+    let met = other.meeting_in(other_cell, &at).and_then(|m| {
         let there_normal = there.world_from_sensor * m.normal;
         let alike = there_normal.dot(&normal) > ALIKE;
         let near = m.distance.abs() * there.scale < reach * probe.radius;
@@ -125,7 +125,7 @@ fn sample(
         })
     });
     met.or_else(|| {
-        let Sighting::InFront(depth) = other.sighting(&at) else { return None };
+        let Sighting::InFront(depth) = other.sighting_in(other_cell, &at) else { return None };
         // Rays need not start in the origin of the sensor frame.
         let ray = there.world_from_sensor * other.ray(other_cell)?.direction;
         Some(Sample { distance: depth * there.scale * ray.dot(&normal).abs(), ..found })

@@ -2,7 +2,7 @@
 
 use crate::common::{alone, changed, coarse, findings, real, simulated, turned};
 use proptest::prelude::*;
-use transect_device::{Isometry3, Vector3};
+use transect_device::{Isometry3, Vector3, View};
 use transect_register::{CoarseView, Finding, RegionKind, judge};
 
 #[test]
@@ -33,6 +33,43 @@ fn a_turned_view_is_named_alone() {
                 copies[k] = CoarseView::new(&turned(view, axis, degrees));
                 let found = judge(&copies).findings;
                 let case = format!("{scene}, {} by {degrees} about {axis}", view.name());
+                assert_eq!(alone(&found), Some(view.name()), "{case}: {found:?}");
+            }
+        }
+    }
+}
+
+/// A quick copy, as a store gives it back.
+fn stored(view: &View) -> CoarseView {
+    let copy = CoarseView::quick(view).stored();
+    copy.restore(view.name(), *view.world_from_sensor()).unwrap()
+}
+
+#[test]
+fn stored_copies_of_sound_views_have_no_findings() {
+    for name in transect_scene::BUNDLED_SCENES.map(|(name, _)| name) {
+        let copies: Vec<CoarseView> = simulated(name, "").iter().map(stored).collect();
+        assert_eq!(judge(&copies).findings, [], "{name}");
+    }
+    for name in ["rgbd_redkitchen", "stanford_bunny"] {
+        let Some(views) = real(name) else { continue };
+        let copies: Vec<CoarseView> = views.iter().map(stored).collect();
+        let findings = judge(&copies).findings;
+        assert!(findings.iter().all(|f| matches!(f, Finding::Region(_))), "{name}: {findings:?}");
+    }
+}
+
+#[test]
+fn a_turned_view_is_named_alone_by_stored_copies() {
+    for scene in ["room", "face_mask", "tunnel", "kitchen"] {
+        let views = simulated(scene, "");
+        let copies: Vec<CoarseView> = views.iter().map(stored).collect();
+        for (k, view) in views.iter().enumerate().step_by(views.len().div_ceil(8)) {
+            for degrees in [10.0, 30.0] {
+                let mut copies = copies.clone();
+                copies[k] = stored(&turned(view, k % 3, degrees));
+                let found = judge(&copies).findings;
+                let case = format!("{scene}, {} by {degrees}", view.name());
                 assert_eq!(alone(&found), Some(view.name()), "{case}: {found:?}");
             }
         }

@@ -13,9 +13,9 @@ use transect::{
 use transect_device::{ImageSize, Isometry3, View};
 use transect_exchange::write_contours;
 use transect_fusion::FusionMethod;
-use transect_geometry::{LengthUnit, PlaneFamily, StraightGuide, Vector3};
+use transect_geometry::{LengthUnit, PlaneFamily, PlaneIndex, StraightGuide, Vector3};
 use transect_model::Model;
-use transect_model::store::{Store, StoreProblem, ViewId};
+use transect_model::store::{Store, StoreProblem, ViewId, ViewReplacement};
 use transect_scene::{Description, Noise, Station};
 use transect_sensors::{AngularScan, ImagingRadar};
 
@@ -350,5 +350,69 @@ fn views_that_no_plane_crosses_and_unknown_ones_are_told() {
         let unknown = grower.remove_view(&ViewId::from("attic")).unwrap_err();
         let GrowError::Store(unknown) = unknown else { panic!("{unknown}") };
         assert_eq!(unknown.problem.to_string(), "has no view \"attic\"");
+    });
+}
+
+/// The views of the bundled room.
+fn room() -> (Setup, Vec<View>) {
+    let (_, text) =
+        transect_scene::BUNDLED_SCENES.iter().find(|(name, _)| *name == "room").unwrap();
+    let description = Description::parse(text).unwrap();
+    let scene = description.scene();
+    let view = |(k, station): (usize, &Station)| {
+        let (pose, noise) = (station.world_from_sensor, &description.noise);
+        scene.view(station.name.clone(), station.frame().unwrap(), pose, noise, k as u64).unwrap()
+    };
+    let own = &description.planes;
+    let planes = PlaneFamily::new(own.guide().clone(), own.offset(), 1.0).unwrap();
+    let views = description.stations.iter().enumerate().map(view).collect();
+    (Setup::new(description.unit, planes), views)
+}
+
+#[test]
+fn a_wrong_pose_is_told_by_the_copies_of_earlier_images() {
+    let (setup, views) = room();
+    let (last, first) = views.split_last().unwrap();
+    let turn = Isometry3::rotation(Vector3::new(0.0, 0.0, 10_f64.to_radians()));
+    let turned = last.with_pose(last.world_from_sensor() * turn).unwrap();
+    with_store(&setup, |store| {
+        let grower = Grower::new(store, &setup).unwrap();
+        assert_eq!(grower.add_views(first, &Unwatched).unwrap().report.warnings(), [""; 0]);
+        let growth = grower.add_views(&[turned], &Unwatched).unwrap();
+        let warnings = growth.report.warnings();
+        let expected = format!("view {} contradicts the others", last.name());
+        assert!(warnings.len() == 1 && warnings[0].starts_with(&expected), "{warnings:?}");
+        assert_eq!(grower.judge_poses().unwrap().unwrap().warnings(), warnings);
+        let replacement = [(ViewId(last.name().to_owned()), last.clone())];
+        let (_, report) = grower.replace_views(&replacement, &Unwatched).unwrap();
+        assert_eq!(report.warnings(), [""; 0]);
+        assert!(grower.judge_poses().unwrap().is_none());
+        // Judging changes nothing, and copies leave with their views.
+        assert_eq!(stored(store), at_once(&views, &setup));
+        store.verify().unwrap();
+    });
+}
+
+#[test]
+fn views_of_a_store_without_copies_are_told() {
+    let (setup, views) = room();
+    with_store(&setup, |store| {
+        let grower = Grower::new(store, &setup).unwrap();
+        let (first, others) = views.split_first().unwrap();
+        grower.add_view(first).unwrap();
+        // What a program that makes no copies leaves.
+        let there = store.views().unwrap().remove(0);
+        let mut entry = there.entry;
+        entry.source_hash = "another image".to_owned();
+        let snapshot = store.read().unwrap();
+        let of_plane = |k| (k, snapshot.partials(k).unwrap().remove(0).1);
+        let planes: Vec<_> = there.planes.into_iter().map(of_plane).collect();
+        let replacement = ViewReplacement { id: entry.id.clone(), entry, copy: None, planes };
+        let keep = |_: PlaneIndex, partials: &[(ViewId, Vec<_>)]| partials[0].1.clone();
+        store.replace_views(vec![replacement], &keep).unwrap();
+        let growth = grower.add_views(others, &Unwatched).unwrap();
+        let told = growth.report.notes.iter().any(|note| note.contains("1 of 4 views"));
+        assert!(told, "{:?}", growth.report.notes);
+        assert_eq!(growth.report.warnings(), [""; 0]);
     });
 }

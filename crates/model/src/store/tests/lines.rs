@@ -1,6 +1,7 @@
 //! Exports read back as the same store, and anything else is refused with its line.
 
 use super::*;
+use crate::codec::{HASH_OF_NOTHING, fnv1a_from};
 
 fn import(text: &str) -> Result<String, StoreProblem> {
     let imported = Store::import_in(Path::new("memory"), Memory::default(), text.as_bytes());
@@ -76,6 +77,7 @@ fn sample() -> String {
     let triangle = vec![polyline(&[(0.0, 0.0), (1.0, 0.0), (0.0, 0.1)], true)];
     let entry = ViewEntry { world_from_sensor: Isometry3::identity(), ..entry("a") };
     let mut view = store.begin_view(entry).unwrap();
+    view.set_copy(&ViewCopy(vec![0, 0x1f, 0xff])).unwrap();
     let same = |_: PlaneIndex, partials: &[(ViewId, Vec<Curve>)]| partials[0].1.clone();
     view.add_planes([(PlaneIndex(3), triangle)], &same).unwrap();
     view.commit().unwrap();
@@ -86,16 +88,17 @@ fn sample() -> String {
 fn the_lines_are_the_documented_ones() {
     let curves = "[{\"closed\":true,\"nodes\":[[0.0,0.0,0.0,0.0,1.0,1,0.0,0.0,[0.0,0.0,0.0]],[1.0,0.0,0.0,0.0,1.0,1,0.0,0.0,[0.0,0.0,0.0]],[0.0,0.1,0.0,0.0,1.0,1,0.0,0.0,[0.0,0.0,0.0]]]}]";
     let expected = [
-        "{\"store\":{\"format\":\"transect-model\",\"version\":3,\"unit\":\"mm\",\"planes\":{\"guide\":{\"straight\":{\"direction\":[0.0,0.0,1.0]}},\"offset\":0.0,\"interval\":0.5},\"options\":\"{\\\"order\\\":2}\",\"tool\":\"transect 0.1.0\"}}".to_owned(),
+        "{\"store\":{\"format\":\"transect-model\",\"version\":4,\"unit\":\"mm\",\"planes\":{\"guide\":{\"straight\":{\"direction\":[0.0,0.0,1.0]}},\"offset\":0.0,\"interval\":0.5},\"options\":\"{\\\"order\\\":2}\",\"tool\":\"transect 0.1.0\"}}".to_owned(),
         "{\"view\":{\"id\":\"a\",\"name\":\"view a\",\"sensor\":\"pinhole\",\"source\":\"a.npy\",\"source_hash\":\"0123abcd\",\"world_from_sensor\":{\"rotation\":[0.0,0.0,0.0,1.0],\"translation\":[0.0,0.0,0.0]},\"sigma\":0.1}}".to_owned(),
+        "{\"copy\":{\"view\":\"a\",\"bytes\":\"001fff\"}}".to_owned(),
         format!("{{\"partial\":{{\"plane\":3,\"view\":\"a\",\"curves\":{curves}}}}}"),
         format!("{{\"fused\":{{\"plane\":3,\"curves\":{curves}}}}}"),
     ];
     let text = sample();
     let lines: Vec<_> = text.lines().collect();
-    assert_eq!(lines[..4], expected);
-    assert!(lines[4].starts_with("{\"end\":{\"views\":1,\"planes\":1,\"hash\":\""), "{}", lines[4]);
-    assert_eq!(lines.len(), 5);
+    assert_eq!(lines[..5], expected);
+    assert!(lines[5].starts_with("{\"end\":{\"views\":1,\"planes\":1,\"hash\":\""), "{}", lines[5]);
+    assert_eq!(lines.len(), 6);
 }
 
 fn refusal(text: &str) -> (usize, String) {
@@ -127,22 +130,22 @@ fn damaged_lines_are_named() {
     };
     for (skipped, line, problem) in [
         (0, 1, "an export begins with a line of its store"),
-        (1, 2, "there is no view a"),
-        (2, 3, "plane 3 has no lines of its views"),
-        (3, 4, "the last plane has no line of its fused curves"),
-        (4, 5, "the end is missing"),
+        (1, 2, "the copy of a view comes after the view"),
+        (3, 4, "plane 3 has no lines of its views"),
+        (4, 5, "the last plane has no line of its fused curves"),
+        (5, 6, "the end is missing"),
     ] {
         assert_eq!(refusal(&without(skipped)), (line, problem.to_owned()));
     }
     assert_eq!(refusal(&text.replace("0.1,", "0.2,")).1, "the lines do not match their hash");
     assert_eq!(refusal(&format!("{text}\n")).1, "there is more behind the end");
-    let (line, problem) = refusal(&text.replacen("\"version\":3", "\"version\":8", 1));
-    assert_eq!((line, problem.as_str()), (1, "version 8; this program reads version 3"));
+    let (line, problem) = refusal(&text.replacen("\"version\":4", "\"version\":8", 1));
+    assert_eq!((line, problem.as_str()), (1, "version 8; this program reads versions 3 to 4"));
     let (line, problem) = refusal(&text.replace("[0.0,0.1,", "[0.0,1e999,"));
-    assert_eq!(line, 3);
+    assert_eq!(line, 4);
     assert!(problem.contains("number out of range"), "{problem}");
     assert_eq!(refusal(&text.replace("\"sigma\":0.1", "\"sigma\":-0.1")).0, 2);
-    assert_eq!(refusal(&text.replace("\"closed\"", "\"shut\"")).0, 3);
+    assert_eq!(refusal(&text.replace("\"closed\"", "\"shut\"")).0, 4);
     assert_eq!(refusal("").0, 1);
     let short = text.replace(",[0.0,0.1,0.0,0.0,1.0,1,0.0,0.0,[0.0,0.0,0.0]]", "");
     assert_eq!(refusal(&short).1, "curve 0: 2 nodes cannot make a closed curve");
@@ -170,4 +173,26 @@ fn a_curved_guide_is_exported_as_documented() {
     );
     assert_eq!(line, wanted);
     assert_eq!(serde_json::from_str::<transect_geometry::PlaneFamily>(&line).unwrap(), planes);
+}
+
+#[test]
+fn exports_without_copies_are_still_read() {
+    let text = sample();
+    let lines: Vec<&str> = text.lines().filter(|line| !line.starts_with("{\"copy\"")).collect();
+    let (end, lines) = lines.split_last().unwrap();
+    let lines = lines.join("\n").replacen("\"version\":4", "\"version\":3", 1) + "\n";
+    let hash = fnv1a_from(HASH_OF_NOTHING, lines.as_bytes());
+    let (before, _) = end.split_once("\"hash\":").unwrap();
+    let old = format!("{lines}{before}\"hash\":\"{hash:016x}\"}}}}\n");
+    let now = import(&old).unwrap();
+    assert_eq!(now.lines().count(), 5);
+    assert!(now.contains("\"version\":4"), "{now}");
+}
+
+#[test]
+fn bytes_of_a_copy_are_pairs_of_digits() {
+    for wrong in ["001ff", "001fgg", "é"] {
+        let problem = refusal(&sample().replace("001fff", wrong));
+        assert_eq!(problem, (3, "the bytes of a copy are pairs of hexadecimal digits".to_owned()));
+    }
 }

@@ -1,0 +1,118 @@
+//! A coarse copy as a model store keeps it.
+//!
+//! **Problem.** A store judges the poses of views whose images may be gone. Their sensors cannot be
+//! written: a sensor may be any implementation of the trait.
+//!
+//! **Idea.** Rays stand for the sensor: the middle ray of every cell, and a lattice of rays by which
+//! points are looked up; see `lattice.rs`. Grids of points have no inverse, and need no lattice; see
+//! `by_points.rs`.
+
+use super::lattice::{Lattice, Starts};
+use super::patch::StoredPatch;
+use super::{ByPoints, Cell, CoarseView, Lookup, Seen};
+use serde::{Deserialize, Serialize};
+use transect_device::{ImageSize, Isometry3, Ray, Vector3};
+
+/// A coarse copy without the name and the pose of its view, which the store has elsewhere. The
+/// order of the fields is the layout in the store.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct StoredCopy {
+    /// Rows and columns of the image.
+    image: [usize; 2],
+    step: usize,
+    share: f64,
+    sigma: f64,
+    /// Of sensors with an inverse.
+    lattice: Option<Lattice>,
+    /// Of the cells with a sample.
+    starts: Starts,
+    /// Row by row.
+    cells: Vec<Option<StoredCell>>,
+}
+
+/// A cell with a sample.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+struct StoredCell {
+    direction: [f32; 3],
+    seen: Seen,
+    patch: Option<StoredPatch>,
+}
+
+impl CoarseView {
+    /// The copy as a store keeps it; [`StoredCopy::restore`] reads it.
+    pub fn stored(&self) -> StoredCopy {
+        let cell = |(k, cell): (usize, &Cell)| {
+            let direction = self.ray(k)?.direction.map(|c| c as f32).into();
+            Some(StoredCell { direction, seen: cell.seen?, patch: cell.patch })
+        };
+        StoredCopy {
+            image: [self.image.rows, self.image.cols],
+            step: self.step,
+            share: self.share,
+            sigma: self.sigma,
+            lattice: match &self.lookup {
+                Lookup::Inverse(frame) => Lattice::of(frame.as_ref(), self.image, self.step),
+                Lookup::Stored(_, lattice) => Some(lattice.clone()),
+                Lookup::Points(_) => None,
+            },
+            starts: Starts::of(&self.rays().collect::<Vec<_>>()),
+            cells: self.cells.iter().enumerate().map(cell).collect(),
+        }
+    }
+}
+
+impl StoredCopy {
+    /// The copy of the view with this name and pose; `None` if its parts do not fit each other,
+    /// which those of [`CoarseView::stored`] do.
+    pub fn restore(self, name: &str, world_from_sensor: Isometry3) -> Option<CoarseView> {
+        let image = ImageSize { rows: self.image[0], cols: self.image[1] };
+        let cells_of = |count: usize| (self.step > 0).then(|| count.div_ceil(self.step));
+        let size = ImageSize { rows: cells_of(image.rows)?, cols: cells_of(image.cols)? };
+        let fits = size.rows.checked_mul(size.cols)? == self.cells.len()
+            && self.lattice.as_ref().is_none_or(|lattice| lattice.is_of(image));
+        if !fits {
+            return None;
+        }
+        let rays = self.rays();
+        let cells: Vec<Cell> = self.cells.iter().copied().map(Cell::from).collect();
+        let lookup = match self.lattice {
+            Some(lattice) => Lookup::Stored(rays, lattice),
+            None => {
+                let patches = cells.iter().zip(&rays).enumerate().filter_map(|(k, (cell, ray))| {
+                    Some((k, cell.patch?.patch(ray.as_ref()?)?.point()))
+                });
+                Lookup::Points(ByPoints::new(patches.collect(), rays, size.cols))
+            }
+        };
+        Some(CoarseView {
+            name: name.to_owned(),
+            world_from_sensor,
+            image,
+            size,
+            step: self.step,
+            share: self.share,
+            cells,
+            lookup,
+            sigma: self.sigma,
+            prior: None,
+        })
+    }
+
+    /// The ray of every cell with a sample.
+    fn rays(&self) -> Vec<Option<Ray>> {
+        let mut seen = 0..;
+        let ray = |cell: &Option<StoredCell>| {
+            let cell = cell.as_ref()?;
+            let start = self.starts.get(seen.next()?)?;
+            let direction = Vector3::from(cell.direction.map(f64::from)).try_normalize(0.0)?;
+            Some(Ray { start, direction })
+        };
+        self.cells.iter().map(ray).collect()
+    }
+}
+
+impl From<Option<StoredCell>> for Cell {
+    fn from(stored: Option<StoredCell>) -> Self {
+        stored.map_or_else(Self::default, |cell| Self { seen: Some(cell.seen), patch: cell.patch })
+    }
+}

@@ -1,0 +1,117 @@
+//! The poses in a store, judged by the coarse copies that it keeps of the views' images.
+//!
+//! Views come one after the other, and the images of earlier ones may be gone. With every view the
+//! store keeps its [`CoarseView`], as [`StoredCopy`]. The views are judged at the poses that they
+//! have in the store, as in a run over all of them.
+
+use super::GrowError;
+use crate::poses::{PoseReport, reread};
+use crate::{Setup, ViewSource};
+use std::collections::BTreeSet;
+use transect_device::Vector3;
+use transect_model::store::{Snapshot, StoredView, ViewCopy, ViewId};
+use transect_register::{CoarseView, StoredCopy};
+
+/// Most views that are judged at once, unless more are new. No unit. Chosen by hand: their copies
+/// take 30 MB. Doubled, adding one view to a large store takes twice the memory and time.
+const MOST_JUDGED: usize = 200;
+
+/// What the copies of a store tell about its poses.
+pub(super) struct Judged {
+    /// What contradicts, if anything does.
+    pub poses: Option<PoseReport>,
+    /// The note on views that have no copy.
+    pub note: Option<String>,
+}
+
+/// The copy of a view that a store keeps; `None` if it cannot be written.
+pub(super) fn copy_of(view: &transect_device::View) -> Option<ViewCopy> {
+    ViewCopy::of(&CoarseView::quick(view).stored()).ok()
+}
+
+/// Judges the poses of a store: of all views, or if there are many, of new ones and those around
+/// them. Images are read in another order only if all of these views are among the sources.
+pub(super) fn judged<S: ViewSource>(
+    snapshot: &Snapshot,
+    new: &BTreeSet<ViewId>,
+    sources: &[S],
+    setup: &Setup,
+) -> Result<Judged, GrowError> {
+    let views = nearest(snapshot.views()?, new);
+    let mut copies = Vec::with_capacity(views.len());
+    for StoredView { entry, .. } in &views {
+        let stored: Option<StoredCopy> = snapshot.copy(entry)?.and_then(|copy| copy.value());
+        copies.extend(stored.and_then(|c| c.restore(&entry.name, entry.world_from_sensor)));
+    }
+    let (count, without) = (views.len(), views.len() - copies.len());
+    let note = (without > 0 && count > 1).then(|| {
+        format!(
+            "the poses of {without} of {count} views are not compared with those of others: the \
+             store was made without coarse copies of their images. transect replace-view adds the \
+             copy of a view"
+        )
+    });
+    let known: BTreeSet<&str> = sources.iter().map(ViewSource::id).collect();
+    let all_known = views.iter().all(|view| known.contains(view.entry.id.0.as_str()));
+    let again = |order| if all_known { reread(sources, order) } else { None };
+    let several = copies.len() > 1;
+    let poses = several.then(|| PoseReport::of_doubtful(copies, again, setup.unit)).flatten();
+    Ok(Judged { poses, note })
+}
+
+/// The new views, and of the others those whose sensors are nearest to one of theirs.
+fn nearest(mut views: Vec<StoredView>, new: &BTreeSet<ViewId>) -> Vec<StoredView> {
+    if views.len() <= MOST_JUDGED {
+        return views;
+    }
+    let place = |view: &StoredView| view.entry.world_from_sensor.translation.vector;
+    let is_new = |view: &StoredView| new.contains(&view.entry.id);
+    let places: Vec<Vector3> = views.iter().filter(|view| is_new(view)).map(place).collect();
+    let far = |view: &StoredView| {
+        let lengths = places.iter().map(|new| (place(view) - new).norm());
+        lengths.fold(f64::INFINITY, f64::min)
+    };
+    // New views are at no distance. The sort is stable, so views as far away keep their order.
+    views.sort_by(|a, b| far(a).total_cmp(&far(b)));
+    views.truncate(MOST_JUDGED.max(places.len()));
+    views
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use transect_device::Isometry3;
+    use transect_geometry::{LengthUnit, PlaneFamily, StraightGuide};
+    use transect_model::store::{Store, StoreHeader, ViewEntry};
+
+    #[test]
+    fn of_many_views_the_nearest_to_new_ones_are_judged() {
+        let folder = tempfile::tempdir().unwrap();
+        let planes = PlaneFamily::new(StraightGuide::along(Vector3::z()).unwrap(), 0.0, 1.0);
+        let header = StoreHeader {
+            unit: LengthUnit::Metre,
+            planes: planes.unwrap(),
+            options: String::new(),
+            tool: String::new(),
+        };
+        let store = Store::create(folder.path().join("many.transect"), &header).unwrap();
+        for k in 0..MOST_JUDGED + 50 {
+            let entry = ViewEntry {
+                id: format!("{k:03}").as_str().into(),
+                name: String::new(),
+                sensor: String::new(),
+                source: String::new(),
+                source_hash: String::new(),
+                world_from_sensor: Isometry3::translation(k as f64, 0.0, 0.0),
+                sigma: None,
+            };
+            store.begin_view(entry).unwrap().commit().unwrap();
+        }
+        let new = BTreeSet::from(["245".into(), "249".into()]);
+        let chosen = nearest(store.views().unwrap(), &new);
+        let mut ids: Vec<String> = chosen.into_iter().map(|view| view.entry.id.0).collect();
+        ids.sort();
+        let expected: Vec<String> = (50..250).map(|k| format!("{k:03}")).collect();
+        assert_eq!(ids, expected);
+    }
+}
