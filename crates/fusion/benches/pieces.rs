@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 use std::time::Duration;
 use transect_fusion::pattern::{OverlapTolerance, classify};
 use transect_fusion::screening::may_overlap;
-use transect_fusion::{ConsensusOptions, PairwiseOptions, agreement, consensus, measure, pairwise};
+use transect_fusion::{ConsensusOptions, PairwiseOptions, consensus, measure, pairwise};
 use transect_geometry::{Curve, Node, Point2};
 
 /// Nodes of a whole ring.
@@ -101,11 +101,6 @@ fn dissertation(criterion: &mut Criterion) {
     by_views(criterion, "pairwise of arcs", arcs, &[4, 16], |v| pairwise(v, &options));
 }
 
-/// Whether views contradict each other.
-fn poses(criterion: &mut Criterion) {
-    by_views(criterion, "agreement", rings, &[4, 16, 64], agreement);
-}
-
 /// Screening and classification of one pair of curves, overlapping and far apart.
 fn overlaps(criterion: &mut Criterion) {
     let tolerance = OverlapTolerance::within(8.0 * SIGMA).expect("a distance");
@@ -133,6 +128,6 @@ criterion_group! {
         .sample_size(10)
         .warm_up_time(Duration::from_millis(300))
         .measurement_time(Duration::from_secs(2));
-    targets = whole_plane, spread, dissertation, poses, overlaps
+    targets = whole_plane, spread, dissertation, overlaps
 }
 criterion_main!(pieces);

@@ -1,7 +1,7 @@
 //! Fuses what two views measured of the corner of a room:
 //! `cargo run -p transect-fusion --example two_views`.
 
-use transect_fusion::{FusionMethod, fuse_and_compare};
+use transect_fusion::{FusionMethod, fuse_plane};
 use transect_geometry::{Curve, CurveError, Node, Point2};
 
 /// Distance between the samples of a view, in metres.
@@ -21,7 +21,7 @@ fn main() -> Result<(), CurveError> {
     // The first view saw 3 m of one wall and 1 m of the other, the second view 1 m and 2 m.
     let views = [view(3.0, 1.0, 0.0)?, view(1.0, 2.0, 0.002)?];
     let slices = [views[0].as_slice(), views[1].as_slice()];
-    let (plane, agreement) = fuse_and_compare(&slices, &FusionMethod::default());
+    let plane = fuse_plane(&slices, &FusionMethod::default());
 
     // One curve round the corner, as long as both views together saw.
     assert_eq!(plane.curves.len(), 1);
@@ -29,7 +29,5 @@ fn main() -> Result<(), CurveError> {
     // Where both saw the wall, the curve runs between them.
     let shared = plane.curves[0].foot(&Point2::new(-0.5, 0.0)).point;
     assert!((0.0005..0.0015).contains(&shared.y));
-    // Neither view contradicts the other.
-    assert!(agreement.iter().all(|a| !a.is_contradicted()));
     Ok(())
 }

@@ -5,13 +5,11 @@
 //!
 //! * [`mod@consensus`]: all views at once, the default;
 //! * [`mod@pairwise`]: view by view and curve by curve, the dissertation's own way;
-//! * [`agreement()`]: whether views contradict each other, the sign of a wrong pose;
 //! * [`envelopes`], [`screening`], [`pattern`]: the dissertation's envelopes and overlap rules
 //!   (5.3, 5.4).
 //!
 //! `cargo run -p transect-fusion --example two_views` fuses two views of a room's corner.
 
-mod agreement;
 pub mod consensus;
 pub mod envelopes;
 mod fused_plane;
@@ -23,13 +21,10 @@ mod planar;
 pub mod screening;
 mod sequence;
 
-pub use agreement::{Agreement, agreement};
 pub use consensus::{ConsensusOptions, Measured, consensus, measure};
 pub use fused_plane::{FusedPlane, FusionCounts};
 pub use pairwise::{PairwiseOptions, pairwise};
 
-use consensus::Steps;
-use consensus::measure::Observations;
 use serde::{Deserialize, Serialize};
 use transect_geometry::Curve;
 
@@ -77,19 +72,4 @@ pub fn fuse_plane(views: &[&[Curve]], method: &FusionMethod) -> FusedPlane {
         FusionMethod::Consensus(options) => consensus(views, options),
         FusionMethod::Pairwise(options) => pairwise(views, options),
     }
-}
-
-/// The same, and how each view agrees with the others. Observations are collected once for both.
-pub fn fuse_and_compare(views: &[&[Curve]], method: &FusionMethod) -> (FusedPlane, Vec<Agreement>) {
-    let steps = match method {
-        FusionMethod::Consensus(options) => options.steps,
-        FusionMethod::Pairwise(_) => Steps::default(),
-    };
-    let observations = Observations::collect(views, &steps);
-    let agreement = agreement::between(&observations, views.len());
-    let plane = match method {
-        FusionMethod::Consensus(options) => consensus::fuse(observations, options),
-        FusionMethod::Pairwise(options) => pairwise(views, options),
-    };
-    (plane, agreement)
 }

@@ -5,17 +5,16 @@ use crate::{ReconstructError, Setup, Stage, Watch};
 use rayon::prelude::*;
 use std::borrow::Borrow;
 use std::collections::BTreeMap;
-use transect_fusion::{Agreement, FusedPlane, fuse_and_compare};
+use transect_fusion::{FusedPlane, fuse_plane};
 use transect_geometry::{Curve, PlaneIndex};
 
 /// The curves that each plane has from each view, in the order of the views.
 pub(crate) type Observed = BTreeMap<PlaneIndex, Vec<PackedCurves>>;
 
-/// The fused curves of a plane, and how its views agree.
+/// The fused curves of a plane.
 pub(crate) struct Fused {
     pub index: PlaneIndex,
     pub plane: FusedPlane,
-    pub agreement: Vec<Agreement>,
 }
 
 /// Fuses planes in parallel. The curves of a plane that is given away are freed with its fusion.
@@ -32,9 +31,9 @@ pub(crate) fn fuse<V: Borrow<Vec<PackedCurves>> + Send>(
         let curves: Vec<Vec<Curve>> = views.borrow().iter().map(PackedCurves::curves).collect();
         drop(views);
         let curves: Vec<&[Curve]> = curves.iter().map(Vec::as_slice).collect();
-        let (plane, agreement) = fuse_and_compare(&curves, &setup.fusion);
+        let plane = fuse_plane(&curves, &setup.fusion);
         watch.step(Stage::Planes);
-        Ok(Fused { index, plane, agreement })
+        Ok(Fused { index, plane })
     };
     planes.into_par_iter().map(fuse).collect()
 }

@@ -253,7 +253,9 @@ impl<'a> Grower<'a> {
     /// If the store cannot be read.
     pub fn judge_poses(&self) -> Result<Option<PoseReport>, GrowError> {
         let no_sources: [View; 0] = [];
-        Ok(judged(&self.store.read()?, &BTreeSet::new(), &no_sources, self.setup)?.poses)
+        let Judged { poses, .. } =
+            judged(&self.store.read()?, &BTreeSet::new(), &no_sources, self.setup)?;
+        Ok(poses.filter(PoseReport::is_doubtful))
     }
 
     fn put_in_place<S: ViewSource>(
@@ -268,22 +270,15 @@ impl<'a> Grower<'a> {
             Ok((id.clone(), new))
         };
         let modelled: Vec<Result<_, GrowError>> = replacements.par_iter().map(model).collect();
-        let (mut new, mut reports, mut notes) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut new, mut views, mut notes) = (Vec::new(), Vec::new(), Vec::new());
         for modelled in modelled {
             let (id, NewView { entry, copy, view }) = modelled?;
-            reports.push((entry.id.clone(), view.report));
+            views.push(view.report);
             notes.extend(view.notes);
             new.push(ViewReplacement { id, entry, copy, planes: view.planes });
         }
         let fuser = Fuser::new(self.setup, watch);
         let stored = self.store.replace_views(new, &fuser)?;
-        let several = self.store.views()?.len() > 1;
-        let mut views = Vec::new();
-        for (id, mut report) in reports {
-            report.set_agreement(&fuser.agreement(&id));
-            notes.extend(several.then(|| report.note_if_alone()).flatten());
-            views.push(report);
-        }
         let (fusion, timings) = (FusionReport::default(), Timings::default());
         Ok((stored, Report { views, fusion, poses: None, refinement: None, notes, timings }))
     }
@@ -308,7 +303,7 @@ impl<'a> Grower<'a> {
             stored.push(Stored { source, entry: there.ok_or_else(no_view)?.entry });
         }
         let mut poses = PoseReport::new(&stored, Some(options), self.setup.unit, watch)?;
-        poses.images_stay = true;
+        poses.in_store = true;
         let refined = poses.refinement.iter().flat_map(|refinement| &refinement.poses);
         let moved = poses.posed(&stored).into_iter().zip(refined);
         let moved = moved.filter(|(_, pose)| pose.has_moved());
@@ -406,15 +401,11 @@ impl<'a> Grower<'a> {
         if snapshot.plane_count()? == 0 && !added.reports.is_empty() {
             return Err(no_curves(added.reports.iter(), self.setup).into());
         }
-        let Added { present, mut reports, ids, mut notes, .. } = added;
+        let Added { present, reports, ids, mut notes, .. } = added;
         let several = snapshot.views()?.len() > 1;
         let Judged { poses, note } =
             judged(&snapshot, &ids.iter().cloned().collect(), sources, self.setup)?;
         notes.extend(note);
-        for (report, id) in reports.iter_mut().zip(&ids) {
-            report.set_agreement(&fuser.agreement(id));
-        }
-        notes.extend(reports.iter().filter(|_| several).filter_map(ViewReport::note_if_alone));
         let mut fusion = whole_fusion(&snapshot, &fuser)?;
         if !several {
             fusion.forget_comparisons();

@@ -18,7 +18,6 @@ pub(crate) struct ModelledView<C = PackedCurves> {
     /// The planes it crosses, sorted, each with its curves.
     pub planes: Vec<(PlaneIndex, C)>,
     pub notes: Vec<String>,
-    /// Its agreement with other views is filled in after fusion.
     pub report: ViewReport,
     pub reading: Duration,
     pub modelling: Duration,
@@ -112,9 +111,6 @@ fn view_report(
         crossings: counts.crossings,
         range_jumps: counts.jumps,
         flying_pixels: counts.flying,
-        samples_close_to_other_views: 0,
-        samples_abreast_of_other_views: 0,
-        contradicted: false,
     }
 }
 

@@ -81,7 +81,7 @@ pub fn reconstruct<S: ViewSource>(
     .unzip();
     let copies = copies.into_iter().collect::<Option<Vec<_>>>();
     let again = |order| reread(sources, order);
-    let judged = copies.and_then(|copies| PoseReport::of_doubtful(copies, again, setup.unit));
+    let judged = copies.map(|copies| PoseReport::of_given(copies, again, setup.unit));
     let views_done = Instant::now();
     let planes = by_plane(&mut views);
     if planes.is_empty() {

@@ -39,9 +39,9 @@ pub struct PoseReport {
     /// explains.
     #[serde(flatten)]
     pub refinement: Option<Refinement>,
-    /// Whether the images keep the errors of their depth cameras, as those of a store do.
+    /// Whether the views are those of a store, whose images keep the errors of their cameras.
     #[serde(skip)]
-    pub(crate) images_stay: bool,
+    pub(crate) in_store: bool,
 }
 
 /// Coarse copies of all views, in their order; each view is dropped as soon as it is copied.
@@ -110,26 +110,24 @@ impl PoseReport {
                 (refinement, copies) = (None, coarse_views(sources, &Unwatched)?);
             }
         }
-        Ok(Self { unit, explanation, judgement: judge(&copies), refinement, images_stay: false })
+        Ok(Self { unit, explanation, judgement: judge(&copies), refinement, in_store: false })
     }
 
-    /// Judges the given poses by copies of the views; `None` if nothing contradicts. `reread` makes
-    /// copies of images that are read in another order.
-    pub(crate) fn of_doubtful(
+    /// Judges the given poses by copies of the views. `reread` makes copies of images that are read
+    /// in another order.
+    pub(crate) fn of_given(
         copies: Vec<CoarseView>,
         reread: impl Fn(ImageOrder) -> Option<Vec<CoarseView>>,
         unit: LengthUnit,
-    ) -> Option<Self> {
+    ) -> Self {
         let explanation = explain(&copies, reread);
         let judgement = judge(&copies);
-        let doubtful = explanation.is_some() || !judgement.findings.is_empty();
-        doubtful.then_some(Self {
-            unit,
-            explanation,
-            judgement,
-            refinement: None,
-            images_stay: true,
-        })
+        Self { unit, explanation, judgement, refinement: None, in_store: false }
+    }
+
+    /// Whether anything contradicts.
+    pub fn is_doubtful(&self) -> bool {
+        self.explanation.is_some() || !self.judgement.findings.is_empty()
     }
 
     /// The views at their refined poses, without the errors of their depth cameras; none if the

@@ -5,8 +5,8 @@ use crate::fused::Fused;
 use crate::{PoseReport, RefinementReport};
 use serde::Serialize;
 use std::time::Duration;
+use transect_fusion::FusedPlane;
 use transect_fusion::pairwise::GrowthCounts;
-use transect_fusion::{Agreement, FusedPlane};
 use transect_geometry::{Curve, LengthUnit};
 
 /// A run's report. Lengths are in the model's length unit.
@@ -17,7 +17,7 @@ pub struct Report {
     pub views: Vec<ViewReport>,
     /// Counts and lengths of the fusion.
     pub fusion: FusionReport,
-    /// The refined poses; `None` for runs that keep the given ones.
+    /// The refined poses, or what contradicts the given ones; `None` if nothing does.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub poses: Option<PoseReport>,
     /// The inserted planes with the reasons; `None` for runs without refinement.
@@ -33,19 +33,11 @@ pub struct Report {
 impl Report {
     /// The report of a run. `views` are in the order in which their curves were fused.
     pub(crate) fn new(
-        mut views: Vec<ViewReport>,
-        mut notes: Vec<String>,
+        views: Vec<ViewReport>,
+        notes: Vec<String>,
         fused: &[Fused],
         timings: Timings,
     ) -> Self {
-        let mut agreements = vec![Agreement::default(); views.len()];
-        for plane in fused {
-            agreements.iter_mut().zip(&plane.agreement).for_each(|(sum, a)| sum.add(a));
-        }
-        views.iter_mut().zip(&agreements).for_each(|(view, a)| view.set_agreement(a));
-        if views.len() > 1 {
-            notes.extend(views.iter().filter_map(ViewReport::note_if_alone));
-        }
         let mut fusion = FusionReport::new(fused.iter().map(|f| &f.plane));
         if views.len() < 2 {
             fusion.forget_comparisons();
@@ -53,30 +45,18 @@ impl Report {
         Self { views, fusion, poses: None, refinement: None, notes, timings }
     }
 
-    /// Adds the refined poses, and what they have to tell.
+    /// Adds what the poses have to tell; judged poses that nothing contradicts leave notes alone.
     pub(crate) fn set_poses(&mut self, poses: Option<PoseReport>, unit: LengthUnit) {
         self.notes.extend(poses.iter().flat_map(PoseReport::notes));
         if poses.iter().all(|poses| poses.refinement.is_none()) {
             self.notes.extend(self.fusion.note_if_views_err(unit));
         }
-        self.poses = poses;
+        self.poses = poses.filter(|poses| poses.refinement.is_some() || poses.is_doubtful());
     }
 
-    /// Warnings for the user: views whose poses or curves contradict those of the others.
+    /// Warnings for the user: views whose poses contradict those of the others.
     pub fn warnings(&self) -> Vec<String> {
-        // Curves tell less than surfaces: a right view contradicts a turned one as often.
-        let contradicted = self.views.iter().filter(|v| v.contradicted && self.poses.is_none());
-        let warning = |v: &ViewReport| {
-            let total = v.samples_close_to_other_views + v.samples_abreast_of_other_views;
-            let share = 100.0 * v.samples_abreast_of_other_views as f64 / total as f64;
-            format!(
-                "view {} contradicts the others: {share:.0} % of its overlap with them lies apart. \
-                 Check its pose and the convention (sensor to world, quaternion not conjugated)",
-                v.name
-            )
-        };
-        let of_poses = self.poses.iter().flat_map(PoseReport::warnings);
-        of_poses.chain(contradicted.map(warning)).collect()
+        self.poses.iter().flat_map(PoseReport::warnings).collect()
     }
 }
 
@@ -121,29 +101,6 @@ pub struct ViewReport {
     /// Flying pixels: samples alone between the two surfaces of a range jump, which are left out.
     /// They are looked for where the image is smoothed.
     pub flying_pixels: usize,
-    /// Samples that have another view's curve close by.
-    pub samples_close_to_other_views: u64,
-    /// Samples that have another view's curve of the same direction at a larger distance.
-    pub samples_abreast_of_other_views: u64,
-    /// Whether the distant samples clearly outnumber the close ones.
-    pub contradicted: bool,
-}
-
-impl ViewReport {
-    pub(crate) fn set_agreement(&mut self, agreement: &Agreement) {
-        self.samples_close_to_other_views = agreement.close;
-        self.samples_abreast_of_other_views = agreement.abreast;
-        self.contradicted = agreement.is_contradicted();
-    }
-
-    /// The note for a view that overlaps no other view: its pose cannot be checked.
-    pub(crate) fn note_if_alone(&self) -> Option<String> {
-        let alone = self.samples_close_to_other_views + self.samples_abreast_of_other_views == 0;
-        alone.then(|| {
-            let name = &self.name;
-            format!("view {name} overlaps no other view: nothing tells whether its pose is right")
-        })
-    }
 }
 
 /// The fusion of all planes.

@@ -102,12 +102,7 @@ pub fn measure(views: &[&[Curve]], options: &ConsensusOptions) -> Option<Measure
 /// # Ok::<(), transect_geometry::CurveError>(())
 /// ```
 pub fn consensus(views: &[&[Curve]], options: &ConsensusOptions) -> FusedPlane {
-    fuse(Observations::collect(views, &options.steps), options)
-}
-
-/// The same from collected observations.
-pub(crate) fn fuse(observations: Observations, options: &ConsensusOptions) -> FusedPlane {
-    fuse_watched(observations, options, |_, _, _| ())
+    fuse(Observations::collect(views, &options.steps), options, |_, _, _| ())
 }
 
 /// The same, and what each room handed on.
@@ -117,14 +112,14 @@ pub fn consensus_steps(
 ) -> (FusedPlane, ConsensusSteps) {
     let mut steps = ConsensusSteps::default();
     let observations = Observations::collect(views, &options.steps);
-    let plane = fuse_watched(observations, options, |measured, estimate, chains| {
+    let plane = fuse(observations, options, |measured, estimate, chains| {
         steps = ConsensusSteps::new(measured, estimate, chains);
     });
     (plane, steps)
 }
 
 /// Fuses observations; `watch` gets what the first three rooms handed on.
-fn fuse_watched(
+fn fuse(
     observations: Observations,
     options: &ConsensusOptions,
     watch: impl FnOnce(&Measurements, &Estimate, &[connect::Chain]),

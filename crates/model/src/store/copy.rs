@@ -9,7 +9,7 @@ use super::tables::COPIES;
 use super::view::ViewEntry;
 use crate::CodecError;
 use crate::codec::values::{CopyValue, decode, encode};
-use redb::{ReadOnlyTable, ReadTransaction, TableError, WriteTransaction};
+use redb::WriteTransaction;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::borrow::Cow;
@@ -55,17 +55,6 @@ impl Snapshot {
         // A program that knows no copies may have replaced the view.
         let same = value.source_hash == entry.source_hash;
         Ok(same.then(|| ViewCopy(value.bytes.into_owned())))
-    }
-}
-
-/// The copies of a store; `None` if a program made it that knows none.
-pub(super) fn open(
-    transaction: &ReadTransaction,
-) -> Result<Option<ReadOnlyTable<&'static str, &'static [u8]>>, StoreProblem> {
-    match transaction.open_table(COPIES) {
-        Ok(table) => Ok(Some(table)),
-        Err(TableError::TableDoesNotExist(_)) => Ok(None),
-        Err(error) => Err(error.into()),
     }
 }
 

@@ -15,8 +15,9 @@
 //! `{"polyline":RADIUS}`, with the radius `null` if corners have no largest radius.
 //!
 //! Each object is one line (broken here to fit the page). First the store, then its views in order
-//! of ids, each with the coarse copy of its image if there is one, in hexadecimal numbers. Then, plane by plane in order of station, the partial curves of each view in order of
-//! ids and the fused curves. Then the end. A rotation is a quaternion `[i, j, k, w]`. A node is
+//! of ids, each with the coarse copy of its image if there is one, in hexadecimal digits. Then,
+//! plane by plane in order of station, the partial curves of each view in order of ids and the
+//! fused curves. Then the end. A rotation is a quaternion `[i, j, k, w]`. A node is
 //! `[x, y, sigma, footprint, weight, views, correlation, tan_incidence, normal]`: plane
 //! coordinates, standard deviation and sample spacing in the model's unit, weight, and number of
 //! views (0 on bridged ground). `correlation` is the length over which errors are shared; tangent

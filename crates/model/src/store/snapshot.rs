@@ -1,9 +1,9 @@
 //! Reading a store: a snapshot has the views that were committed when it was taken.
 
-use super::copy;
 use super::error::{StoreError, StoreProblem};
 use super::tables::{
-    FUSED, HEADER, PARTIALS, PENDING, VIEWS, decode_fused, read_partials, read_view, read_views,
+    FUSED, HEADER, PARTIALS, PENDING, VIEWS, decode_fused, open_copies, read_partials, read_view,
+    read_views,
 };
 use super::view::{StoreHeader, StoredView, ViewEntry};
 use super::view_id::ViewId;
@@ -42,7 +42,7 @@ impl Snapshot {
             path: path.to_owned(),
             header,
             views: transaction.open_table(VIEWS)?,
-            copies: copy::open(transaction)?,
+            copies: open_copies(transaction)?,
             partials: transaction.open_table(PARTIALS)?,
             fused: transaction.open_table(FUSED)?,
             pending: transaction.open_table(PENDING)?,

@@ -14,7 +14,7 @@ use super::view::StoredView;
 use super::view_id::ViewId;
 use crate::codec::HASH_OF_NOTHING;
 use crate::codec::values::{FusedValue, decode, encode, hash_piece};
-use redb::{ReadableTable, TableDefinition};
+use redb::{ReadOnlyTable, ReadTransaction, ReadableTable, TableDefinition, TableError};
 use std::borrow::Cow;
 use transect_geometry::{Curve, PlaneIndex};
 
@@ -99,4 +99,15 @@ pub(super) fn read_views(
         StoredView::decode(id.value(), value.value())
     });
     entries.collect()
+}
+
+/// The copies of a store; `None` if a program made it that knows none.
+pub(super) fn open_copies(
+    transaction: &ReadTransaction,
+) -> Result<Option<ReadOnlyTable<&'static str, &'static [u8]>>, StoreProblem> {
+    match transaction.open_table(COPIES) {
+        Ok(table) => Ok(Some(table)),
+        Err(TableError::TableDoesNotExist(_)) => Ok(None),
+        Err(error) => Err(error.into()),
+    }
 }

@@ -3,9 +3,9 @@
 //! **Problem.** A store judges the poses of views whose images may be gone. Their sensors cannot be
 //! written: a sensor may be any implementation of the trait.
 //!
-//! **Idea.** Rays stand for the sensor: the middle ray of every cell, and a lattice of rays by which
-//! points are looked up; see `lattice.rs`. Grids of points have no inverse, and need no lattice; see
-//! `by_points.rs`.
+//! **Idea.** Rays stand for the sensor: the middle ray of every cell, and a lattice of rays by
+//! which points are looked up; see `lattice.rs`. Grids of points have no inverse, and need no
+//! lattice; see `by_points.rs`.
 
 use super::lattice::{Lattice, Starts};
 use super::patch::StoredPatch;

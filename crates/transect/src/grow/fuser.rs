@@ -5,7 +5,7 @@ use crate::{Setup, Stage, Watch};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use transect_fusion::{Agreement, FusedPlane, fuse_and_compare};
+use transect_fusion::fuse_plane;
 use transect_geometry::{Curve, PlaneIndex};
 use transect_model::store::{Fuse, PlaneInputs, ViewId};
 
@@ -13,18 +13,12 @@ use transect_model::store::{Fuse, PlaneInputs, ViewId};
 pub(super) struct Fuser<'a> {
     setup: &'a Setup,
     watch: &'a dyn Watch,
-    seen: Mutex<Seen>,
-}
-
-#[derive(Default)]
-struct Seen {
-    summaries: BTreeMap<PlaneIndex, PlaneSummary>,
-    agreements: BTreeMap<ViewId, Agreement>,
+    summaries: Mutex<BTreeMap<PlaneIndex, PlaneSummary>>,
 }
 
 impl<'a> Fuser<'a> {
     pub fn new(setup: &'a Setup, watch: &'a dyn Watch) -> Self {
-        Self { setup, watch, seen: Mutex::default() }
+        Self { setup, watch, summaries: Mutex::default() }
     }
 
     /// Announces the number of planes to the watcher.
@@ -32,41 +26,22 @@ impl<'a> Fuser<'a> {
         self.watch.begin(Stage::Planes, planes);
     }
 
-    /// How a view agrees with the others on the planes that were fused.
-    pub fn agreement(&self, view: &ViewId) -> Agreement {
-        self.seen().agreements.get(view).copied().unwrap_or_default()
-    }
-
     /// The planes that were fused.
     pub fn summaries(&self) -> BTreeMap<PlaneIndex, PlaneSummary> {
-        self.seen().summaries.clone()
+        self.lock().clone()
     }
 
-    fn seen(&self) -> MutexGuard<'_, Seen> {
-        // Sums are changed under the lock, so they are sound even if another thread panicked.
-        self.seen.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn remember(
-        &self,
-        plane: PlaneIndex,
-        partials: &[(ViewId, Vec<Curve>)],
-        fused: &FusedPlane,
-        agreements: &[Agreement],
-    ) {
-        let mut seen = self.seen();
-        seen.summaries.insert(plane, PlaneSummary::of_fused(fused));
-        for ((view, _), agreement) in partials.iter().zip(agreements) {
-            seen.agreements.entry(view.clone()).or_default().add(agreement);
-        }
+    fn lock(&self) -> MutexGuard<'_, BTreeMap<PlaneIndex, PlaneSummary>> {
+        // Each plane is one entry, so the map is sound even if another thread panicked.
+        self.summaries.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl Fuse for Fuser<'_> {
     fn fuse(&self, plane: PlaneIndex, partials: &[(ViewId, Vec<Curve>)]) -> Vec<Curve> {
         let views: Vec<&[Curve]> = partials.iter().map(|(_, curves)| curves.as_slice()).collect();
-        let (fused, agreement) = fuse_and_compare(&views, &self.setup.fusion);
-        self.remember(plane, partials, &fused, &agreement);
+        let fused = fuse_plane(&views, &self.setup.fusion);
+        self.lock().insert(plane, PlaneSummary::of_fused(&fused));
         self.watch.step(Stage::Planes);
         fused.curves
     }

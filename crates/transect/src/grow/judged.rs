@@ -18,7 +18,7 @@ const MOST_JUDGED: usize = 200;
 
 /// What the copies of a store tell about its poses.
 pub(super) struct Judged {
-    /// What contradicts, if anything does.
+    /// The poses; `None` of fewer than two views.
     pub poses: Option<PoseReport>,
     /// The note on views that have no copy.
     pub note: Option<String>,
@@ -55,7 +55,8 @@ pub(super) fn judged<S: ViewSource>(
     let all_known = views.iter().all(|view| known.contains(view.entry.id.0.as_str()));
     let again = |order| if all_known { reread(sources, order) } else { None };
     let several = copies.len() > 1;
-    let poses = several.then(|| PoseReport::of_doubtful(copies, again, setup.unit)).flatten();
+    let judge = || PoseReport { in_store: true, ..PoseReport::of_given(copies, again, setup.unit) };
+    let poses = several.then(judge);
     Ok(Judged { poses, note })
 }
 

@@ -20,7 +20,7 @@ const NAMES: usize = 8;
 impl PoseReport {
     /// Notes: how many views moved, and views whose pose nothing tells.
     pub fn notes(&self) -> Vec<String> {
-        let Some(refinement) = &self.refinement else { return Vec::new() };
+        let Some(refinement) = &self.refinement else { return self.alone().collect() };
         let poses = &refinement.poses;
         let moved = poses.iter().filter(|pose| pose.has_moved());
         let (count, all) = (moved.clone().count(), poses.len());
@@ -39,6 +39,16 @@ impl PoseReport {
         notes
     }
 
+    /// Views whose surfaces no other view meets, and of which no warning tells.
+    fn alone(&self) -> impl Iterator<Item = String> {
+        let told = self.is_doubtful();
+        let alone = self.judgement.views.iter().filter(move |v| v.compared == 0 && !told);
+        alone.map(|v| {
+            let name = &v.view;
+            format!("view {name} overlaps no other view: nothing tells whether its pose is right")
+        })
+    }
+
     /// What the depth cameras err by, if they do.
     fn camera_error(&self, refinement: &Refinement) -> Option<String> {
         let offsets: Vec<f64> = refinement
@@ -50,7 +60,7 @@ impl PoseReport {
         let largest = offsets.iter().copied().reduce(f64::max)?;
         let (distance, unit, views) = (refinement.distance, self.unit, offsets.len());
         let error = digits(largest * distance.powi(2));
-        let what = match self.images_stay {
+        let what = match self.in_store {
             true => {
                 "a store keeps its images as they are; to correct them, register the scan and \
                  build the store from the scan that it writes"
@@ -119,7 +129,8 @@ impl PoseReport {
             )),
             PoseOutcome::Misplaced => Some(format!(
                 "view {view} contradicts the others, and no nearby pose agrees with them; it keeps \
-                 its pose. Correct the pose, or leave the view out with --views"
+                 its pose. Correct the pose, or {}",
+                self.leave_it_out()
             )),
             PoseOutcome::Refined | PoseOutcome::Kept | PoseOutcome::Alone => None,
         }
@@ -148,7 +159,8 @@ impl PoseReport {
             }
             Finding::Apart { view } => format!(
                 "view {view} sees no surface that another view sees, although the others overlap. \
-                 Check its pose, or leave it out with --views"
+                 Check its pose, or {}",
+                self.leave_it_out()
             ),
             Finding::Camps { camps, contradicting } => of_groups(camps, &percent(*contradicting)),
             Finding::Region(region) => self.region(region),
@@ -159,19 +171,33 @@ impl PoseReport {
         match motion {
             Some(motion) if self.refinement.is_some() => format!(
                 "It would agree ({} left) if it moved by {}, which refinement did not find: check \
-                 its pose, or leave it out with --views",
+                 its pose, or {}",
                 percent(motion.contradicting),
-                self.motion(motion.rotation, motion.translation)
+                self.motion(motion.rotation, motion.translation),
+                self.leave_it_out()
             ),
             Some(motion) => format!(
-                "It agrees ({} left) if it moves by {}; --refine-poses and transect register do \
-                 that",
+                "It agrees ({} left) if it moves by {}; {}",
                 percent(motion.contradicting),
-                self.motion(motion.rotation, motion.translation)
+                self.motion(motion.rotation, motion.translation),
+                if self.in_store {
+                    "transect register does that"
+                } else {
+                    "--refine-poses and transect register do that"
+                }
             ),
-            None => "No nearby pose agrees: check its pose and its convention \
-                     (--pose-convention), or leave it out with --views"
-                .to_owned(),
+            None => format!(
+                "No nearby pose agrees: check its pose and its convention (--pose-convention), or \
+                 {}",
+                self.leave_it_out()
+            ),
+        }
+    }
+
+    fn leave_it_out(&self) -> &'static str {
+        match self.in_store {
+            true => "take it out with transect remove-view",
+            false => "leave it out with --views",
         }
     }
 

@@ -70,8 +70,6 @@ pub(crate) struct Observations {
     pub all: Vec<Observation>,
     /// For each different view in canonical order, its place among the views as given.
     pub sources: Vec<usize>,
-    /// Views that were left out because they are identical with another one, which comes first.
-    pub twins: Vec<(usize, usize)>,
     /// Where the views' curves begin and end, if the reason is known.
     pub ends: Vec<ViewEnd>,
     /// Median footprint.
@@ -94,11 +92,7 @@ impl Observations {
         };
         sorted.sort_by(|(_, a), (_, b)| order(a, b));
         let mut observations = Self::default();
-        sorted.dedup_by(|(twin, b), (source, a)| {
-            let same = order(a, b).is_eq();
-            observations.twins.extend(same.then_some((*source, *twin)));
-            same
-        });
+        sorted.dedup_by(|(_, b), (_, a)| order(a, b).is_eq());
         let curves = sorted.iter().flat_map(|(_, curves)| curves);
         observations.all.reserve(curves.map(|c| c.nodes().len()).sum());
         for (view, (source, curves)) in sorted.iter().enumerate() {
