@@ -8,6 +8,8 @@
 //!    yet blamed are the least likely among right views (a vertex cover with soft edges, greedily).
 //! 2. Blame holds only where it makes peace: the blamed views must contradict the others far more
 //!    than any two of the others do. Real scans have many small contradictions without a culprit.
+//!    Of two sets of blamed views that make peace, the smaller one counts if the larger one leaves
+//!    views that do not meet.
 
 use super::tuning::{BAD_IF_RIGHT, BLAME_COST, EVIDENCE_OF_A_PAIR, LEAST_SAMPLES, STANDS_OUT};
 
@@ -95,8 +97,23 @@ impl Table {
         while !order.is_empty() && !self.makes_peace(&order) {
             order.pop();
         }
+        // Where the others do not meet, nothing tells what is usual, and the last view that was
+        // blamed may be as good as they are.
+        while let [first @ .., _] = &order[..]
+            && !first.is_empty()
+            && !self.others_meet(&order)
+            && self.makes_peace(first)
+        {
+            order.pop();
+        }
         order.sort_unstable();
         order
+    }
+
+    /// Whether any two of the views that are not blamed meet.
+    fn others_meet(&self, blamed: &[usize]) -> bool {
+        let mut right = (0..self.views).filter(|k| !blamed.contains(k));
+        right.any(|k| self.with_right(k, blamed).all() >= LEAST_SAMPLES)
     }
 
     fn makes_peace(&self, blamed: &[usize]) -> bool {
@@ -142,6 +159,21 @@ mod tests {
             (1, 2) => between_faces,
             _ => Counts::default(),
         })
+    }
+
+    #[test]
+    fn a_view_beside_a_wrong_one_is_not_blamed_for_what_is_usual() {
+        // Four views around an object: each meets the two beside it, and errs a little.
+        let around = |a: usize, b: usize, wrong: &[usize]| match (a + 4 - b) % 4 {
+            1 | 3 if wrong.contains(&a) || wrong.contains(&b) => Counts { good: 0, bad: 140 },
+            1 | 3 => Counts { good: 130, bad: 10 },
+            _ => Counts::default(),
+        };
+        for wrong in 0..4 {
+            assert_eq!(Table::new(4, |a, b| around(a, b, &[wrong])).blamed(), [wrong]);
+        }
+        // Two wrong views leave two that do not meet, and both are needed for peace.
+        assert_eq!(Table::new(4, |a, b| around(a, b, &[0, 2])).blamed().len(), 2);
     }
 
     #[test]
