@@ -247,7 +247,7 @@ impl<'a> Grower<'a> {
 
     /// Judges the poses of the views in the store by coarse copies of their images; `None` if
     /// nothing contradicts. [`Grower::add_views`] and [`Grower::replace_views`] do that, too. It
-    /// reads the copies of 200 views at most: some 100 kB for each, and a few milliseconds.
+    /// reads the copies of 200 views at most: some 100 kB and a few milliseconds for each.
     ///
     /// # Errors
     /// If the store cannot be read.

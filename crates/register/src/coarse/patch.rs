@@ -71,6 +71,13 @@ impl StoredPatch {
         }
     }
 
+    /// Whether all its numbers are finite: those of a file may be anything.
+    pub fn is_finite(&self) -> bool {
+        let Self { mean_depth, divergence, depth, radius, sigma, steady_slopes, .. } = self;
+        let all = depth.iter().chain(steady_slopes);
+        all.chain([mean_depth, divergence, radius, sigma]).all(|number| number.is_finite())
+    }
+
     /// The patch with an offset added to 1 / depth along its rays, which have one start.
     pub fn shifted(&self, offset: f32) -> Self {
         // Depths scale by this, and their differences by its square.

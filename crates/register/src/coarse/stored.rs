@@ -62,13 +62,16 @@ impl CoarseView {
 }
 
 impl StoredCopy {
-    /// The copy of the view with this name and pose; `None` if its parts do not fit each other,
-    /// which those of [`CoarseView::stored`] do.
+    /// The copy of the view with this name and pose; `None` if its parts do not fit each other or
+    /// are not finite, which those of [`CoarseView::stored`] do and are.
     pub fn restore(self, name: &str, world_from_sensor: Isometry3) -> Option<CoarseView> {
         let image = ImageSize { rows: self.image[0], cols: self.image[1] };
         let cells_of = |count: usize| (self.step > 0).then(|| count.div_ceil(self.step));
         let size = ImageSize { rows: cells_of(image.rows)?, cols: cells_of(image.cols)? };
-        let fits = size.rows.checked_mul(size.cols)? == self.cells.len()
+        let finite =
+            self.cells.iter().flatten().all(StoredCell::is_finite) && self.starts.is_finite();
+        let fits = finite
+            && size.rows.checked_mul(size.cols)? == self.cells.len()
             && self.lattice.as_ref().is_none_or(|lattice| lattice.is_of(image));
         if !fits {
             return None;
@@ -111,8 +114,49 @@ impl StoredCopy {
     }
 }
 
+impl StoredCell {
+    fn is_finite(&self) -> bool {
+        let Self { direction: [x, y, z], seen, patch } = self;
+        let numbers = [x, y, z, &seen.nearest, &seen.farthest];
+        let of_patch = patch.as_ref().is_none_or(StoredPatch::is_finite);
+        of_patch && numbers.into_iter().all(|number| number.is_finite())
+    }
+}
+
 impl From<Option<StoredCell>> for Cell {
     fn from(stored: Option<StoredCell>) -> Self {
         stored.map_or_else(Self::default, |cell| Self { seen: Some(cell.seen), patch: cell.patch })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+    use transect_device::{RangeImage, View};
+    use transect_sensors::{Intrinsics, Pinhole};
+
+    #[test]
+    fn a_copy_whose_parts_do_not_fit_is_none() {
+        let size = ImageSize { rows: 48, cols: 64 };
+        let camera = Pinhole::new(size, Intrinsics { fx: 60.0, fy: 60.0, cx: 31.5, cy: 23.5 });
+        let image = RangeImage::from_values(size, vec![2.0; size.pixels()]).unwrap();
+        let pose = Isometry3::identity();
+        let view = View::new("v", image, Arc::new(camera.unwrap()), pose, Some(0.001)).unwrap();
+        let copy = CoarseView::quick(&view).stored();
+        let restored = |change: fn(&mut StoredCopy)| {
+            let mut changed = copy.clone();
+            change(&mut changed);
+            changed.restore("v", pose).is_some()
+        };
+        assert!(restored(|_| ()));
+        assert!(!restored(|c| c.step = 0));
+        assert!(!restored(|c| c.image[0] += 40));
+        assert!(!restored(|c| drop(c.cells.pop())));
+        assert!(!restored(|c| c.cells[3].as_mut().unwrap().seen.nearest = f32::NAN));
+        assert!(!restored(|c| c.cells[3].as_mut().unwrap().direction[1] = f32::INFINITY));
+        assert!(!restored(|c| c.starts = Starts::One([f64::NAN; 3])));
+        let restored = copy.clone().restore("v", pose).unwrap();
+        assert_eq!(restored.stored().cells.len(), copy.cells.len());
     }
 }
