@@ -246,15 +246,15 @@ impl<'a> Grower<'a> {
     }
 
     /// Judges the poses of the views in the store by coarse copies of their images; `None` if
-    /// nothing contradicts. [`Grower::add_views`] and [`Grower::replace_views`] do that, too. It
-    /// reads the copies of 200 views at most: some 100 kB and a few milliseconds for each.
+    /// nothing contradicts. Of more than 200 views, these are the `new` ones and those nearest to
+    /// them. For each it reads some 100 kB and takes a few milliseconds. [`Grower::add_views`] and
+    /// [`Grower::replace_views`] judge, too.
     ///
     /// # Errors
     /// If the store cannot be read.
-    pub fn judge_poses(&self) -> Result<Option<PoseReport>, GrowError> {
-        let no_sources: [View; 0] = [];
-        let Judged { poses, .. } =
-            judged(&self.store.read()?, &BTreeSet::new(), &no_sources, self.setup)?;
+    pub fn judge_poses(&self, new: &[ViewId]) -> Result<Option<PoseReport>, GrowError> {
+        let (new, no_sources): (_, [View; 0]) = (new.iter().cloned().collect(), []);
+        let Judged { poses, .. } = judged(&self.store.read()?, &new, &no_sources, self.setup)?;
         Ok(poses.filter(PoseReport::is_doubtful))
     }
 

@@ -45,7 +45,7 @@ impl Report {
         Self { views, fusion, poses: None, refinement: None, notes, timings }
     }
 
-    /// Adds what the poses have to tell; judged poses that nothing contradicts leave notes alone.
+    /// Adds the poses and their notes. Given poses that nothing contradicts leave only notes.
     pub(crate) fn set_poses(&mut self, poses: Option<PoseReport>, unit: LengthUnit) {
         self.notes.extend(poses.iter().flat_map(PoseReport::notes));
         if poses.iter().all(|poses| poses.refinement.is_none()) {

@@ -31,11 +31,6 @@ impl ViewCopy {
     pub fn value<T: DeserializeOwned>(&self) -> Option<T> {
         decode(&self.0).ok()
     }
-
-    /// Number of bytes.
-    pub fn size(&self) -> usize {
-        self.0.len()
-    }
 }
 
 impl Snapshot {

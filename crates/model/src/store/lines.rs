@@ -21,10 +21,10 @@
 //! `[x, y, sigma, footprint, weight, views, correlation, tan_incidence, normal]`: plane
 //! coordinates, standard deviation and sample spacing in the model's unit, weight, and number of
 //! views (0 on bridged ground). `correlation` is the length over which errors are shared; tangent
-//! and normal of the surface (in plane coordinates) are zeros if unknown. If there are any,
-//! `"bridged"` lists the nodes whose following unit no view saw, and `"ends"` says why an open
-//! curve begins and ends (`"missing_pixel"`, `"range_jump"`, `"image_border"`, or null). The last
-//! line's hash is FNV-1a (64 bits, hexadecimal) of all bytes before that line, newlines included.
+//! and normal of the surface (in plane coordinates) are zeros if unknown. `"bridged"` lists the
+//! nodes whose following unit no view saw, if there are any. `"ends"` says why an open curve begins
+//! and ends: `"missing_pixel"`, `"range_jump"`, `"image_border"`, or null. The last line's hash
+//! is FNV-1a (64 bits, hexadecimal) of all bytes before that line, newlines included.
 //!
 //! Numbers have the fewest digits that read back as the same number, so an imported store exports
 //! as the same bytes.

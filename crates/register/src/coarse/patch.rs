@@ -8,8 +8,8 @@
 //! along oblique rays for a tilt. Cells do not overlap, so the noise of patches is independent.
 //!
 //! **Steps.**
-//! 1. Every sample gets the place `a`, `b` of its ray in the plane across the middle ray at the
-//!    mean depth, and `w = h / (1 + γ h)` for its height `h` beyond that plane. `γ` is the
+//! 1. The base plane lies across the middle ray at the mean depth. Every sample gets the place
+//!    `a`, `b` of its ray in it, and `w = h / (1 + γ h)` for its height `h` beyond it. `γ` is the
 //!    divergence of the rays, 1 / distance from a common start and 0 for parallel rays. Planes in
 //!    space are linear in `a` and `b` then.
 //! 2. Least squares of `w = c0 + c1 a + c2 b + c3 a² + c4 a b + c5 b²` over the samples, and of its

@@ -62,8 +62,8 @@ impl CoarseView {
 }
 
 impl StoredCopy {
-    /// The copy of the view with this name and pose; `None` if its parts do not fit each other or
-    /// are not finite, which those of [`CoarseView::stored`] do and are.
+    /// The copy of the view with this name and pose. `None` if its parts do not fit each other, or
+    /// numbers are not finite: a file may hold anything.
     pub fn restore(self, name: &str, world_from_sensor: Isometry3) -> Option<CoarseView> {
         let image = ImageSize { rows: self.image[0], cols: self.image[1] };
         let cells_of = |count: usize| (self.step > 0).then(|| count.div_ceil(self.step));

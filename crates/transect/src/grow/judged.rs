@@ -8,7 +8,7 @@ use super::GrowError;
 use crate::poses::{PoseReport, reread};
 use crate::{Setup, ViewSource};
 use std::collections::BTreeSet;
-use transect_device::Vector3;
+use transect_device::{Vector3, View};
 use transect_model::store::{Snapshot, StoredView, ViewCopy, ViewId};
 use transect_register::{CoarseView, StoredCopy};
 
@@ -25,11 +25,11 @@ pub(super) struct Judged {
 }
 
 /// The copy of a view that a store keeps; `None` if it cannot be written.
-pub(super) fn copy_of(view: &transect_device::View) -> Option<ViewCopy> {
+pub(super) fn copy_of(view: &View) -> Option<ViewCopy> {
     ViewCopy::of(&CoarseView::quick(view).stored()).ok()
 }
 
-/// Judges the poses of a store: of all views, or if there are many, of new ones and those around
+/// Judges the poses of a store: of all views, or if there are many, of `new` ones and those around
 /// them. Images are read in another order only if all of these views are among the sources.
 pub(super) fn judged<S: ViewSource>(
     snapshot: &Snapshot,
@@ -72,8 +72,8 @@ fn nearest(mut views: Vec<StoredView>, new: &BTreeSet<ViewId>) -> Vec<StoredView
         let lengths = places.iter().map(|new| (place(view) - new).norm());
         lengths.fold(f64::INFINITY, f64::min)
     };
-    // New views are at no distance. The sort is stable, so views as far away keep their order.
-    views.sort_by(|a, b| far(a).total_cmp(&far(b)));
+    // The sort is stable, so views as far away keep their order.
+    views.sort_by(|a, b| is_new(b).cmp(&is_new(a)).then(far(a).total_cmp(&far(b))));
     views.truncate(MOST_JUDGED.max(places.len()));
     views
 }

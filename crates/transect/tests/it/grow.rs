@@ -382,11 +382,11 @@ fn a_wrong_pose_is_told_by_the_copies_of_earlier_images() {
         let warnings = growth.report.warnings();
         let expected = format!("view {} contradicts the others", last.name());
         assert!(warnings.len() == 1 && warnings[0].starts_with(&expected), "{warnings:?}");
-        assert_eq!(grower.judge_poses().unwrap().unwrap().warnings(), warnings);
+        assert_eq!(grower.judge_poses(&[]).unwrap().unwrap().warnings(), warnings);
         let replacement = [(ViewId(last.name().to_owned()), last.clone())];
         let (_, report) = grower.replace_views(&replacement, &Unwatched).unwrap();
         assert_eq!(report.warnings(), [""; 0]);
-        assert!(grower.judge_poses().unwrap().is_none());
+        assert!(grower.judge_poses(&[]).unwrap().is_none());
         // Judging changes nothing, and copies leave with their views.
         assert_eq!(stored(store), at_once(&views, &setup));
         store.verify().unwrap();
