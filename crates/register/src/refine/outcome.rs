@@ -223,10 +223,13 @@ fn middle(samples: &[Sample]) -> Point3 {
 }
 
 /// Median distance of each view's patches from the surfaces of the others.
-fn medians(pairs: &[Pair], views: usize) -> Vec<Option<f64>> {
+///
+/// A patch behind a surface may be hidden by it, which says nothing: of parallel plates, one hides
+/// the others. Of two views that contradict each other, patches of one lie in front.
+pub(super) fn medians(pairs: &[Pair], views: usize) -> Vec<Option<f64>> {
     let mut distances = vec![Vec::new(); views];
     for pair in pairs {
-        let found = pair.observations.iter().map(|o| o.distance.abs());
+        let found = pair.observations.iter().map(|o| o.distance).filter(|d| *d >= 0.0);
         for view in [pair.a, pair.b] {
             if let Some(list) = distances.get_mut(view) {
                 list.extend(found.clone());

@@ -1,6 +1,7 @@
 //! What the rounds of a refinement find, before its result.
 
-use super::pairs::scrambled;
+use super::outcome::medians;
+use super::pairs::{Observation, scrambled};
 use super::*;
 use crate::tuning::PARTNERS;
 use transect_device::{RangeImage, View};
@@ -135,4 +136,28 @@ fn errors_tell_whether_poses_drift() {
             "seed {seed}: {alone} of single errors, {walk} of a walk"
         );
     }
+}
+
+/// Of two plates, the first hides the second from view 1. Nearly all that view 0 sees of it lies
+/// behind.
+#[test]
+fn what_a_surface_hides_is_no_residual() {
+    let observation = |distance: f64| Observation {
+        cells: [0, 0],
+        gradient: Motion::zeros(),
+        distance,
+        slopes: [0.0; 2],
+        variance: 1e-6,
+        share: 1.0,
+    };
+    let pair = |distances: &[f64]| Pair {
+        a: 0,
+        b: 1,
+        observations: distances.iter().map(|d| observation(*d)).collect(),
+        excess: 0.0,
+    };
+    let hidden = [-0.2, -0.2, -0.2, -0.2, 0.001, -0.001, 0.002];
+    assert_eq!(medians(&[pair(&hidden)], 2), [Some(0.002); 2]);
+    // A view that is shifted by as much is seen from the other side.
+    assert_eq!(medians(&[pair(&hidden), pair(&hidden.map(|d| -d))], 2), [Some(0.2); 2]);
 }
