@@ -74,12 +74,13 @@ impl Table {
         met(opponent).next().is_none().then_some(opponent)
     }
 
-    /// The largest share of contradictions of a view that is not blamed.
-    pub fn usual_share(&self, blamed: &[usize]) -> f64 {
+    /// The largest share of contradictions of a view that is not blamed; `None` if no two of these
+    /// meet.
+    pub fn usual_share(&self, blamed: &[usize]) -> Option<f64> {
         let right = (0..self.views).filter(|k| !blamed.contains(k));
         let counts = right.map(|k| self.with_right(k, blamed));
         let known = counts.filter(|c| c.all() >= LEAST_SAMPLES);
-        known.map(Counts::bad_share).fold(0.0, f64::max)
+        known.map(Counts::bad_share).max_by(f64::total_cmp)
     }
 
     /// The views whose being wrong explains the contradictions: at most half of all.
@@ -121,9 +122,10 @@ impl Table {
         blamed.iter().all(|k| self.with_right(*k, blamed).bad_share() >= least)
     }
 
-    /// The share of contradictions from which a view stands out among those not blamed.
+    /// The share of contradictions from which a view stands out among those not blamed. Where no
+    /// two of these meet, they are taken for right views that contradict as often as any.
     pub fn least_share(&self, blamed: &[usize]) -> f64 {
-        STANDS_OUT[0] + STANDS_OUT[1] * self.usual_share(blamed)
+        STANDS_OUT[0] + STANDS_OUT[1] * self.usual_share(blamed).unwrap_or(BAD_IF_RIGHT)
     }
 
     /// By how much the logarithm of the likelihood grows if a view is taken to be wrong, with the
@@ -172,6 +174,12 @@ mod tests {
         for wrong in 0..4 {
             assert_eq!(Table::new(4, |a, b| around(a, b, &[wrong])).blamed(), [wrong]);
         }
+        // As many contradictions everywhere name nobody.
+        let all_alike = |a: usize, b: usize| match (a + 4 - b) % 4 {
+            1 | 3 => Counts { good: 101, bad: 8 },
+            _ => Counts::default(),
+        };
+        assert_eq!(Table::new(4, all_alike).blamed(), []);
         // Two wrong views leave two that do not meet, and both are needed for peace.
         assert_eq!(Table::new(4, |a, b| around(a, b, &[0, 2])).blamed().len(), 2);
     }

@@ -269,7 +269,7 @@ fn of_view(
     });
     let compared = |k: &&usize| table.pair(view, **k).all() > 0;
     let against = right.iter().filter(compared).count();
-    let usual = table.usual_share(blamed);
+    let usual = table.usual_share(blamed).unwrap_or(0.0);
     Finding::Misplaced(Misplaced { view: name, contradicting, usual, against, motion })
 }
 
