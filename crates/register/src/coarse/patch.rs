@@ -17,10 +17,10 @@
 //! 3. What the samples depart from it is compared with their noise; a crease, a jump or texture is
 //!    no patch.
 //!
-//! **Tried.** Where noise hides a bend, the mean lies behind the middle, and views around a part
-//! move apart by a few hundredths of the noise of a sample. The bend of the means of nine patches
-//! mends that. Its errors turn the normals of flat surfaces, though, and pass for knowledge about
-//! motions along them: sections gained nothing, and those of rods and drifting cameras got worse.
+//! **Known bias.** Where noise hides a bend, the patch is a plane, and its point lies behind the
+//! surface. Refined views around a part move apart by some hundredths of a sample's noise. Bends
+//! from the means of nine patches removed this bias, but sections became no more accurate. Views
+//! around thin plates got more false pieces, since the normals of flat surfaces became noisier.
 
 use crate::tuning::{
     FLAT, LEAST_FILLED, MAX_INCIDENCE_DEGREES, ROUGH, SAME_SURFACE, SAMPLING_ROUGH,

@@ -123,7 +123,7 @@ impl Table {
     }
 
     /// The share of contradictions from which a view stands out among those not blamed. Where no
-    /// two of these meet, they are taken for right views that contradict as often as any.
+    /// two of these meet, their usual share is unknown, and [`BAD_IF_RIGHT`] stands for it.
     pub fn least_share(&self, blamed: &[usize]) -> f64 {
         STANDS_OUT[0] + STANDS_OUT[1] * self.usual_share(blamed).unwrap_or(BAD_IF_RIGHT)
     }
@@ -174,7 +174,7 @@ mod tests {
         for wrong in 0..4 {
             assert_eq!(Table::new(4, |a, b| around(a, b, &[wrong])).blamed(), [wrong]);
         }
-        // As many contradictions everywhere name nobody.
+        // If all pairs contradict equally and seldom, no view is blamed.
         let all_alike = |a: usize, b: usize| match (a + 4 - b) % 4 {
             1 | 3 => Counts { good: 101, bad: 8 },
             _ => Counts::default(),

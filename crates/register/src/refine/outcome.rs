@@ -44,8 +44,8 @@ pub struct RefinedPose {
     /// Standard deviations of the refined pose after the rigid fit of all views to the given ones.
     /// What no other view determines has that of the given pose.
     pub sigma: PosePrior,
-    /// Median distance of the view's patches from the other views' surfaces at the given poses, in
-    /// the model's length unit; `None` without overlap.
+    /// Median distance between the view's surface and those of the other views at the given poses,
+    /// in the model's length unit; `None` without overlap. Patches behind a surface do not count.
     pub residual_before: Option<f64>,
     /// The same at the refined poses, from the same pairs of views.
     pub residual_after: Option<f64>,
@@ -224,8 +224,9 @@ fn middle(samples: &[Sample]) -> Point3 {
 
 /// Median distance of each view's patches from the surfaces of the others.
 ///
-/// A patch behind a surface may be hidden by it, which says nothing: of parallel plates, one hides
-/// the others. Of two views that contradict each other, patches of one lie in front.
+/// Only patches in front of a surface count. The surface may hide those behind it, as one of two
+/// parallel plates hides the other. If two views contradict each other, each pair is compared in
+/// both directions, and one view's patches lie in front of the other's surface.
 pub(super) fn medians(pairs: &[Pair], views: usize) -> Vec<Option<f64>> {
     let mut distances = vec![Vec::new(); views];
     for pair in pairs {

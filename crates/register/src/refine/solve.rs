@@ -149,7 +149,8 @@ impl System {
             let mut to = right.rows_mut(first, NODES);
             to -= precision * &camera.offsets;
         }
-        // What rounding leaves of a direction that nothing determines may be negative.
+        // Rounding can make the matrix indefinite in a direction that only a loose prior holds. The
+        // diagonal grows by the bound of the rounding errors, in shares of itself.
         let rounding = 1.0 + matrix.nrows() as f64 * f64::EPSILON;
         (0..matrix.nrows()).for_each(|k| matrix[(k, k)] *= rounding);
         let factor = matrix.cholesky()?;

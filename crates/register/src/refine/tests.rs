@@ -138,8 +138,7 @@ fn errors_tell_whether_poses_drift() {
     }
 }
 
-/// Of two plates, the first hides the second from view 1. Nearly all that view 0 sees of it lies
-/// behind.
+/// One plate hides another one from view 1. Most patches of view 0 lie on the hidden plate.
 #[test]
 fn what_a_surface_hides_is_no_residual() {
     let observation = |distance: f64| Observation {
@@ -158,6 +157,6 @@ fn what_a_surface_hides_is_no_residual() {
     };
     let hidden = [-0.2, -0.2, -0.2, -0.2, 0.001, -0.001, 0.002];
     assert_eq!(medians(&[pair(&hidden)], 2), [Some(0.002); 2]);
-    // A view that is shifted by as much is seen from the other side.
+    // If view 1 sees the patches of the other direction in front, the views contradict each other.
     assert_eq!(medians(&[pair(&hidden), pair(&hidden.map(|d| -d))], 2), [Some(0.2); 2]);
 }
