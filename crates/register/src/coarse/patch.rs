@@ -202,10 +202,13 @@ impl Patch {
         self.sigma_at(0.0, 0.0) * -self.normal().dot(&self.axes[2])
     }
 
-    /// The unit normal from a plane through the points of this patch and of those around it.
+    /// The unit normal from a plane through the points of the patches around this one, and from the
+    /// tilt of this one.
     ///
     /// The tilt of a single patch is noisy. As a direction in which two views are compared, it
-    /// would let noise pass for knowledge about motions along the surface.
+    /// would let noise pass for knowledge about motions along the surface. The patch's own depth
+    /// has no part in it: at the rim of an image it would tilt the normal, and the same noise would
+    /// be in the distance. Views that slide along a wall are drawn together by such a product.
     pub fn steady_normal(&self) -> Vector3 {
         let ([first, second, along_ray], [a, b]) = (self.axes, self.steady_slopes);
         (first * a + second * b - along_ray).normalize()
@@ -220,11 +223,13 @@ impl Patch {
                 * (self.sigma_at(a, b).powi(2) + other.sigma_at(0.0, 0.0).powi(2)).sqrt();
             ((w - at(&self.depth, a, b)).abs() <= tolerance).then_some([a, b, w])
         });
-        let points: Vec<[f64; 3]> = near.chain([[0.0, 0.0, self.depth[0]]]).collect();
-        if points.len() <= 3 {
+        let points: Vec<[f64; 3]> = near.collect();
+        if points.len() < 3 {
             return;
         }
-        let Some(plane) = Sums::of(&points).first_order() else { return };
+        let [_, along_a, along_b, ..] = self.depth;
+        let plane = Sums::of(&points).first_order_with([along_a, along_b], SLOPE);
+        let Some(plane) = plane else { return };
         self.steady_slopes = Self { depth: plane, ..*self }.slopes();
     }
 
@@ -312,6 +317,10 @@ fn least_axis(direction: &Vector3) -> Vector3 {
 /// Powers of `a` and `b` in each term of a patch's depth.
 const POWERS: [(usize, usize); 6] = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)];
 
+/// Weight of a patch's slope beside that of its depth: the variance of the depth of a plane over
+/// that of its slope, for samples that are spread evenly over the square.
+const SLOPE: f64 = 1.0 / 3.0;
+
 /// Sums over points, from which the fits of both orders follow.
 #[derive(Debug, Default)]
 struct Sums {
@@ -353,10 +362,17 @@ impl Sums {
 
     /// The linear depths that fit the points best.
     fn first_order(&self) -> Option<[f64; 6]> {
-        let normal = Matrix3::from_fn(|i, j| self.product(i, j));
+        self.first_order_with([0.0; 2], 0.0)
+    }
+
+    /// The linear depths that fit the points best, and these slopes with a weight.
+    fn first_order_with(&self, slopes: [f64; 2], weight: f64) -> Option<[f64; 6]> {
+        let weights = Matrix3::from_diagonal(&Vector3::new(0.0, weight, weight));
+        let normal = Matrix3::from_fn(|i, j| self.product(i, j)) + weights;
         let [w, along_a, along_b, ..] = self.depths;
-        let solved = normal.cholesky()?.solve(&Vector3::new(w, along_a, along_b));
-        let [c0, c1, c2]: [f64; 3] = solved.into();
+        let [of_a, of_b] = slopes.map(|slope| weight * slope);
+        let right = Vector3::new(w, along_a + of_a, along_b + of_b);
+        let [c0, c1, c2]: [f64; 3] = normal.cholesky()?.solve(&right).into();
         Some([c0, c1, c2, 0.0, 0.0, 0.0])
     }
 }
@@ -408,6 +424,36 @@ mod tests {
             assert!((fitted.0 - kept.0).abs() < 2e-9, "{fitted:?} {kept:?}");
             assert!((fitted.1 - kept.1).abs() < 1e-6 * fitted.1, "{fitted:?} {kept:?}");
         }
+    }
+
+    #[test]
+    fn the_noise_of_a_depth_does_not_tilt_its_steady_normal() {
+        let ray = |a: f64, b: f64| Ray {
+            start: Point3::origin(),
+            direction: Vector3::new(0.01 * a, 0.01 * b, 1.0).normalize(),
+        };
+        // Two columns of three cells: the first column is at the rim of the image.
+        let patch = |col: i32, row: i32, depth: f64| {
+            let at = |k: i32| f64::from(k) / 3.5 - 1.0;
+            let place =
+                |k: i32| (at(k % 8) + 2.0 * f64::from(col), at(k / 8) + 2.0 * f64::from(row));
+            let samples: Vec<Point3> = (0..64)
+                .map(|k| ray(place(k).0, place(k).1).direction)
+                .map(|direction| Point3::from(direction * (depth / direction.z)))
+                .collect();
+            let middle = ray(2.0 * f64::from(col), 2.0 * f64::from(row));
+            let rim = ray(2.0 * f64::from(col) + 1.0, 2.0 * f64::from(row) + 1.0);
+            let cell = Cell { samples: &samples, pixels: 64, ray: middle, rim, sigma: 0.01 };
+            Patch::fit(&cell).unwrap()
+        };
+        let around = [(0, -1), (0, 1), (1, -1), (1, 0), (1, 1)].map(|(c, r)| patch(c, r, 2.0));
+        let tilt = |own_depth: f64| {
+            let mut own = patch(0, 0, own_depth);
+            own.steady(around.iter());
+            own.steady_normal().x
+        };
+        // A plane through the depth of the patch itself turns by a third of 1 mm / 40 mm.
+        assert!((tilt(2.001) - tilt(2.0)).abs() < 1e-4, "{} {}", tilt(2.001), tilt(2.0));
     }
 
     #[test]

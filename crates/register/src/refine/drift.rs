@@ -8,12 +8,13 @@
 //! views in the order of their names. The evidence tells the share of the walk (Harville, 1977),
 //! as it tells the size of the errors.
 //!
-//! **Departure.** The walk is taken about its mean, because the motion that all views share is
-//! taken out in the end.
+//! **Departure.** The walk is taken about its mean, and the motion that all views share is free: it
+//! is taken out in the end. A prior that holds it at zero bends the scan where the walk started at
+//! the first view.
 
 use super::motion::{Motion, sizes};
 use crate::coarse::PosePrior;
-use crate::tuning::{FIRST_SHARE, LEAST_DRIFTING, LEAST_SHARE};
+use crate::tuning::{FIRST_SHARE, LEAST_DRIFTING, LEAST_SHARE, SHARED};
 use nalgebra::DMatrix;
 
 /// The correlations of the errors of all views.
@@ -76,7 +77,8 @@ impl Drift {
 
     fn set(&mut self, share: f64) {
         let n = self.walk.nrows();
-        let correlations = DMatrix::identity(n, n) * (1.0 - share) + &self.walk * share;
+        let own = DMatrix::identity(n, n) * (1.0 - share);
+        let correlations = (own + &self.walk * share).add_scalar(SHARED);
         if let Some(factor) = correlations.cholesky() {
             (self.share, self.precision) = (share, factor.inverse());
         }
