@@ -170,8 +170,9 @@ impl<'a> Rounds<'a> {
                 return;
             }
         }
-        // A loose prior lets patches of other surfaces draw views that were right.
-        if self.agreeing() <= given {
+        // A loose prior lets patches of other surfaces draw views that were right. Counts by
+        // chance vary by their roots.
+        if self.agreeing() + GATE * given.sqrt() < given {
             self.poses = self.given.clone();
             self.last_change.fill(0.0);
         }
@@ -190,11 +191,12 @@ impl<'a> Rounds<'a> {
     }
 
     /// How many patches lie on those of other views, within noise.
-    fn agreeing(&self) -> usize {
+    fn agreeing(&self) -> f64 {
         let state = State { poses: &self.poses, cameras: &self.cameras };
         let pairs = self.observed(state, self.first, OBSERVATIONS / 4, Spread::Narrow);
         let within = |o: &&Observation| o.distance.powi(2) <= GATE.powi(2) * o.variance;
-        pairs.iter().map(|pair| pair.observations.iter().filter(within).count()).sum()
+        let counts = pairs.iter().map(|pair| pair.observations.iter().filter(within).count());
+        counts.sum::<usize>() as f64
     }
 
     /// Finds the meetings at the poses as they are, about as many as wanted.
