@@ -123,9 +123,9 @@ pub const FIRST_SHARE: f64 = 0.5;
 /// drift of 31 stays.
 pub const LEAST_DRIFTING: usize = 20;
 
-/// Variance of the motion that all views of a drift share, over that of the others. No unit. Theory:
-/// it is free, since it is taken out in the end; a finite one keeps the system definite. Doubled,
-/// nothing changes.
+/// Variance of the motion that all views of a drift share, over that of the others. No unit.
+/// Theory: it is free, since it is taken out in the end; a finite one keeps the system definite.
+/// Doubled, nothing changes.
 pub const SHARED: f64 = 100.0;
 
 /// Least share of each of the two. No unit. Chosen by hand: a thousandth is far below what the
