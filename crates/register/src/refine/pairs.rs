@@ -2,7 +2,9 @@
 
 use super::camera::Cameras;
 use crate::CoarseView;
-use crate::tuning::{ALIKE_DEGREES, BLOCKS, GATE, LEAST_MEETINGS, PARTNERS, PROBES};
+use crate::tuning::{
+    ALIKE_DEGREES, BLOCKS, GATE, LEAST_MEETINGS, MOST_STOOD_FOR, PARTNERS, PROBES,
+};
 use nalgebra::Vector6;
 use rayon::prelude::*;
 use std::cmp::Reverse;
@@ -176,20 +178,29 @@ impl Scene<'_> {
     /// A surface that `k` views see gives `k (k - 1)` ordered pairs, whose squares add up to `k`
     /// times those of the views against their mean. So each counts as `1 / k`. Where two views
     /// alone hold the others together, they count most.
+    ///
+    /// With a limit on the samples, an observation stands for several, and others of its surface
+    /// are rarely there to be counted. They count for as many as they stand for, since `k` does not
+    /// depend on the limit; the observation itself for [`MOST_STOOD_FOR`] at most.
     fn share(&self, pairs: &mut [Pair], most: usize) {
         let view = pairs.first().and_then(|pair| self.views.get(pair.b));
         let mut seen = vec![1.0; view.map_or(0, |view| view.size().pixels())];
+        let each = |pair: &Pair| {
+            self.samples.get(pair.a).map_or(1.0, |s| (s.len() as f64 / most as f64).max(1.0))
+        };
         for pair in pairs.iter() {
-            // As many as without the limit on the samples.
-            let each = self.samples.get(pair.a).map_or(1.0, |s| s.len() as f64 / most as f64);
             for o in &pair.observations {
                 if let Some(views) = seen.get_mut(o.cells[1]) {
-                    *views += each.max(1.0);
+                    *views += each(pair);
                 }
             }
         }
-        for o in pairs.iter_mut().flat_map(|pair| &mut pair.observations) {
-            o.share = seen.get(o.cells[1]).map_or(0.5, |views| 1.0 / views);
+        for pair in pairs {
+            let each = each(pair);
+            for o in &mut pair.observations {
+                let others = seen.get(o.cells[1]).map_or(1.0, |views| views - each);
+                o.share = 1.0 / (others + each.min(MOST_STOOD_FOR));
+            }
         }
     }
 
