@@ -74,6 +74,35 @@ fn residuals_before_and_after_are_of_one_scale() {
 }
 
 #[test]
+fn few_samples_of_many_weigh_no_less_than_a_quarter() {
+    let view = CoarseView::new(&depth_camera().swap_remove(0));
+    let views = vec![&view; 3];
+    let given = vec![*view.world_from_sensor(); 3];
+    let scene = scene(views, &given);
+    let rounds = Rounds::new(&scene, given.clone(), &RefineOptions::default(), &[]);
+    let state = State { poses: &given, cameras: &rounds.cameras };
+    let reach = Reach { rotation: 0.01, translation: 0.03, unexplained: 0.0 };
+    let shares = |most: usize| {
+        let pairs = scene.observe_all(&rounds.candidates, state, reach, most, Spread::Narrow);
+        let shares = pairs.iter().flat_map(|pair| &pair.observations).map(|o| o.share);
+        shares.collect::<Vec<f64>>()
+    };
+    // All three views see each surface.
+    assert!(shares(usize::MAX).iter().all(|share| *share == 1.0 / 3.0));
+    // Each of two views samples every tenth cell, the same ones of alike views, so the other view
+    // counts for ten.
+    let tenth = scene.samples[0].len() / 10;
+    let all = shares(tenth);
+    assert!(all.iter().all(|share| (0.05..0.1).contains(share)), "{all:?}");
+    // Alone in its cell, an observation stands for three.
+    let two: Vec<(usize, usize)> =
+        rounds.candidates.iter().copied().filter(|(a, b)| a.max(b) < &2).collect();
+    let pairs = scene.observe_all(&two, state, reach, tenth, Spread::Narrow);
+    let mut alone = pairs.iter().flat_map(|pair| &pair.observations);
+    assert!(alone.all(|o| o.share == 0.25));
+}
+
+#[test]
 fn a_view_has_a_limited_number_of_partners() {
     let view = depth_camera().swap_remove(0);
     let size = view.image().size();
