@@ -103,11 +103,14 @@ impl PoseReport {
             copies = copies.into_iter().zip(poses).map(refined).collect();
         }
         if refinement.is_some() && explanation.is_some() {
-            // Few views that are a little off may look misread: refined, they need no other
-            // reading. Views that were misread are wrong by more than a refinement finds.
-            explanation = explain(&copies, |order| reread(sources, order));
-            if explanation.is_some() {
+            // Few views that are a little off may look misread: refined, they agree, and need no
+            // other reading. Views that were misread are wrong by more than a refinement finds.
+            let again = explain(&copies, |order| reread(sources, order));
+            if again.is_some() || !judge(&copies).findings.is_empty() {
                 (refinement, copies) = (None, coarse_views(sources, &Unwatched)?);
+                explanation = again.or(explanation);
+            } else {
+                explanation = None;
             }
         }
         Ok(Self { unit, explanation, judgement: judge(&copies), refinement, in_store: false })
