@@ -20,8 +20,8 @@ use serde::Serialize;
 use transect_device::ImageOrder;
 use transect_geometry::LengthUnit;
 use transect_register::{
-    CoarseView, Explanation, Judgement, RefineOptions, RefinedPose, Refinement, explain, judge,
-    refine,
+    CoarseView, Explanation, Finding, Judgement, RefineOptions, RefinedPose, Refinement, explain,
+    judge, refine,
 };
 
 /// The poses of a run: what contradicts, and how they were refined.
@@ -102,18 +102,22 @@ impl PoseReport {
             };
             copies = copies.into_iter().zip(poses).map(refined).collect();
         }
+        let mut judgement = judge(&copies);
         if refinement.is_some() && explanation.is_some() {
             // Few views that are a little off may look misread: refined, they agree, and need no
             // other reading. Views that were misread are wrong by more than a refinement finds.
             let again = explain(&copies, |order| reread(sources, order));
-            if again.is_some() || !judge(&copies).findings.is_empty() {
-                (refinement, copies) = (None, coarse_views(sources, &Unwatched)?);
-                explanation = again.or(explanation);
-            } else {
+            // An object that moved contradicts at right poses, too.
+            let agree = judgement.findings.iter().all(|f| matches!(f, Finding::Region(_)));
+            if again.is_none() && agree {
                 explanation = None;
+            } else {
+                explanation = again.or(explanation);
+                (refinement, copies) = (None, coarse_views(sources, &Unwatched)?);
+                judgement = judge(&copies);
             }
         }
-        Ok(Self { unit, explanation, judgement: judge(&copies), refinement, in_store: false })
+        Ok(Self { unit, explanation, judgement, refinement, in_store: false })
     }
 
     /// Judges the given poses by copies of the views. `reread` makes copies of images that are read
