@@ -68,11 +68,11 @@ pub const LEAST_SAMPLES: usize = 64;
 /// twelve views then uses all its patches. Doubled, a round takes twice the time.
 pub const OBSERVATIONS: usize = 400_000;
 
-/// Most samples that an observation stands for when its weight is found. No unit. Measured with 120
-/// frames of a depth camera, whose observations stand for 45: poses err by 8.5 mm at 2, by 8.7 mm
-/// at 3, by 9.4 mm at 5, and by 13.8 mm without a limit, as the given poses hold them. Doubled, or
-/// halved, the errors of 40 frames change by a few per cent either way.
-pub const MOST_STOOD_FOR: f64 = 3.0;
+/// Most samples that an observation represents when its weight is computed. No unit. Measured with
+/// 120 simulated frames of a depth camera: the poses err by 8.5 mm at 2, by 8.7 mm at 3, by 9.4 mm
+/// at 5, and by 13.8 mm without a limit, because the prior outweighs the observations. Between 2
+/// and 5, errors of 40 frames change by up to 11 %.
+pub const MOST_REPRESENTED: f64 = 3.0;
 
 /// How far poses may be off at first: a rotation, in degrees. Chosen by hand: a third of the turn
 /// that a view off by ten degrees needs. Doubled, patches of other surfaces meet.

@@ -11,12 +11,14 @@
 //!
 //! **Steps.**
 //! 1. Pairs of views that overlap: `pairs.rs`.
-//! 2. Rounds: every patch is looked up in the other views; the most probable small motions of all
+//! 2. The poses settle under a loose prior. They return to the given ones if clearly fewer patches
+//!    agree then.
+//! 3. Rounds: every patch is looked up in the other views; the most probable small motions of all
 //!    views together (`solve.rs`); how far poses are wrong.
-//! 3. The error that a depth camera makes alike in all its images is found beside the motions:
+//! 4. The error that a depth camera makes alike in all its images is found beside the motions:
 //!    `camera.rs`.
-//! 4. The motion that all views share is taken out.
-//! 5. Pairs that were left out judge the result: `left_out.rs`.
+//! 5. The motion that all views share is taken out.
+//! 6. Pairs that were left out judge the result: `left_out.rs`.
 
 mod camera;
 mod common_motion;
@@ -170,8 +172,8 @@ impl<'a> Rounds<'a> {
                 return;
             }
         }
-        // A loose prior lets patches of other surfaces draw views that were right. Counts by
-        // chance vary by their roots.
+        // A loose prior lets patches of other surfaces draw views that were right. The standard
+        // deviation of a count is its root.
         if self.agreeing() + GATE * given.sqrt() < given {
             self.poses = self.given.clone();
             self.last_change.fill(0.0);

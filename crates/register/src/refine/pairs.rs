@@ -3,7 +3,7 @@
 use super::camera::Cameras;
 use crate::CoarseView;
 use crate::tuning::{
-    ALIKE_DEGREES, BLOCKS, GATE, LEAST_MEETINGS, MOST_STOOD_FOR, PARTNERS, PROBES,
+    ALIKE_DEGREES, BLOCKS, GATE, LEAST_MEETINGS, MOST_REPRESENTED, PARTNERS, PROBES,
 };
 use nalgebra::Vector6;
 use rayon::prelude::*;
@@ -179,9 +179,10 @@ impl Scene<'_> {
     /// times those of the views against their mean. So each counts as `1 / k`. Where two views
     /// alone hold the others together, they count most.
     ///
-    /// With a limit on the samples, an observation stands for several, and others of its surface
-    /// are rarely there to be counted. They count for as many as they stand for, since `k` does not
-    /// depend on the limit; the observation itself for [`MOST_STOOD_FOR`] at most.
+    /// With a limit on the samples, an observation represents several samples. Other observations
+    /// of its surface count as often as they represent samples, so that `k` does not depend on the
+    /// limit. The observation itself counts [`MOST_REPRESENTED`] times at most: its weight would
+    /// fall with the square of the thinning otherwise.
     fn share(&self, pairs: &mut [Pair], most: usize) {
         let view = pairs.first().and_then(|pair| self.views.get(pair.b));
         let mut seen = vec![1.0; view.map_or(0, |view| view.size().pixels())];
@@ -199,7 +200,7 @@ impl Scene<'_> {
             let each = each(pair);
             for o in &mut pair.observations {
                 let others = seen.get(o.cells[1]).map_or(1.0, |views| views - each);
-                o.share = 1.0 / (others + each.min(MOST_STOOD_FOR));
+                o.share = 1.0 / (others + each.min(MOST_REPRESENTED));
             }
         }
     }
