@@ -144,9 +144,18 @@ fn check_sides(
 ) -> Result<usize, TestCaseError> {
     let (pixel, frame) = (seen.rig.pixel(), planes.frame(plane));
     let mut checked = 0;
-    for unit in curve.curve.units() {
+    let nodes = curve.curve.nodes();
+    if nodes.len() <= 4 {
+        return Ok(0);
+    }
+    for (i, unit) in curve.curve.units().enumerate() {
+        let steepest = [&nodes[i], &nodes[(i + 1) % nodes.len()]]
+            .map(|node| node.tan_incidence.map_or(0.0, f64::from))
+            .into_iter()
+            .fold(0.0, f64::max);
         let v = unit.vector();
-        if v.norm() < 0.3 * pixel {
+        let spacing = pixel * steepest.hypot(1.0);
+        if v.norm() < 0.3 * spacing {
             continue;
         }
         let left = Vector2::new(-v.y, v.x).normalize();
@@ -159,7 +168,7 @@ fn check_sides(
             prop_assert!(inside < outside, "{inside} {outside} at {}", unit.at(0.5));
             checked += 1;
         }
-        if curve.curve.nodes().len() > 12 {
+        if nodes.len() > 12 {
             let deepest = [0.5, 1.0, 2.0].map(at).into_iter().fold(f64::INFINITY, f64::min);
             // A plane that touches a solid between two samples cuts a section as shallow as the
             // sagitta of their chord, on the tightest curve: pixel² / (8 · 0.3).
@@ -173,9 +182,10 @@ fn check_sides(
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 
-    /// Not compared are units shorter than a third of a pixel, whose direction is the zigzag of two
-    /// kinds of pairs. Nor are places where both sides are at the same depth, as on a plane that
-    /// touches the solid. In curves of up to 12 nodes, the left need not lie inside.
+    /// Not compared are units shorter than a third of the distance of two samples on the surface,
+    /// whose direction is the zigzag of two kinds of pairs, and curves of up to four nodes, which
+    /// may be nothing else. Nor are places where both sides are at the same depth, as on a plane
+    /// that touches the solid. In curves of up to 12 nodes, the left need not lie inside.
     #[test]
     fn the_point_to_the_left_of_every_curve_is_inside(
         seen in seen(0.03), normal in directions(), interval in 0.05..0.3, kind in 0..3_u8,
@@ -191,7 +201,10 @@ proptest! {
         for plane in &model.planes {
             for curve in &plane.curves {
                 check_sides(&seen, &planes, plane.plane, curve)?;
-                check_attributes(&seen, &planes, plane.plane, curve)?;
+                check_ends(curve)?;
+                if printed.is_none() {
+                    check_attributes(&seen, &planes, plane.plane, curve)?;
+                }
             }
         }
     }
@@ -300,7 +313,9 @@ proptest! {
         let mut linear = OnePassOptions::default(); linear.subpixel = Subpixel::Cartesian;
         let other = one_pass::partial_model(&seen.view, &planes, &linear);
         let other = other.unwrap();
-        let same = 1e-5 * seen.rig.pixel();
+        // A level of 28 is known to 2e-6 of an interval in f32, a node to many times that where
+        // the plane cuts two samples' line at a small angle.
+        let same = 1e-3 * seen.rig.pixel();
         for plane in &model.planes {
             let there = other.planes.iter().find(|p| p.plane == plane.plane);
             let nodes: Vec<_> =
@@ -336,7 +351,17 @@ fn as_point_grid(seen: &Seen) -> Seen {
     Seen { rig: seen.rig.clone(), view, solids: seen.solids.clone() }
 }
 
-/// One entry per node, normals that are the solid's, bridged units that exist, ends if open.
+/// One pixel per node, bridged units that exist, ends if open.
+fn check_ends(curve: &PartialCurve) -> Result<(), TestCaseError> {
+    prop_assert_eq!(curve.pixels.len(), curve.curve.nodes().len());
+    prop_assert_eq!(curve.ends.is_none(), curve.curve.is_closed());
+    prop_assert!(curve.bridged.is_sorted());
+    prop_assert!(curve.bridged.iter().all(|k| (*k as usize) < curve.curve.units().len()));
+    Ok(())
+}
+
+/// Samples beside their nodes, and normals that are the solid's. The printed jump test lets a
+/// normal's samples lie on two solids.
 fn check_attributes(
     seen: &Seen,
     planes: &PlaneFamily,
@@ -344,10 +369,6 @@ fn check_attributes(
     curve: &PartialCurve,
 ) -> Result<(), TestCaseError> {
     let nodes = curve.curve.nodes();
-    prop_assert_eq!(curve.pixels.len(), nodes.len());
-    prop_assert_eq!(curve.ends.is_none(), curve.curve.is_closed());
-    prop_assert!(curve.bridged.is_sorted());
-    prop_assert!(curve.bridged.iter().all(|k| (*k as usize) < curve.curve.units().len()));
     let frame = planes.frame(plane);
     for (node, pixel) in nodes.iter().zip(&curve.pixels) {
         let normal = &node.normal;
