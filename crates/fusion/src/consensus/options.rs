@@ -76,8 +76,8 @@ steps! {
     settle,
     /// Views shifted and turned as a whole before.
     align,
-    /// Curves moved onto longer lines where the surface is straight.
-    wider_lines,
+    /// Curves moved onto longer courses where the surface bends no more than a parabola.
+    wider_courses,
     /// Groups of observations that rough fits treat as one.
     groups,
     /// Groups that go to a kept node when their turn comes.

@@ -171,7 +171,7 @@ fn errors_that_change_along_a_wall_average_out_and_corners_stay() {
         let alone = |n: &Node| n.position.x < 0.3 && (0.6..0.9 * SIDE).contains(&n.position.y);
         let mut options = ConsensusOptions::default();
         let wide = consensus(&slices, &options);
-        options.steps.wider_lines = false;
+        options.steps.wider_courses = false;
         let narrow = consensus(&slices, &options);
         ratios[0].push(median_off(&wide, alone) / median_off(&narrow, alone));
         ratios[1].push(median_off(&wide, corner) / median_off(&narrow, corner));
@@ -182,7 +182,7 @@ fn errors_that_change_along_a_wall_average_out_and_corners_stay() {
 }
 
 #[test]
-fn a_curve_of_one_view_is_left_out_if_it_is_shorter_than_a_common_line() {
+fn a_curve_of_one_view_is_left_out_if_it_is_shorter_than_a_common_course() {
     let mut views = scene(1);
     let straight = |y: f64, length: f64| {
         let node = |k: u32| {

@@ -13,7 +13,7 @@ pub(super) use chain::{Chain, by_length};
 
 use super::estimate::{Estimate, PlacedNode};
 use super::measure::{Measurements, Scale};
-use super::tuning::chain::LONE_LINES;
+use super::tuning::chain::LONE_COURSES;
 use crate::ground::Ground;
 use cover::Shortest;
 use ends::JoinRule;
@@ -50,7 +50,9 @@ pub(super) fn connect(estimate: &mut Estimate, measured: &Measurements) -> Chain
         chains.iter_mut().for_each(|c| hooks::remove_hooks(nodes, c));
     }
     if scale.steps().lone_chains {
-        chains.retain(|c| c.is_shared(nodes) || c.length(nodes) >= LONE_LINES * scale.line);
+        chains.retain(|c| {
+            c.is_shared(nodes) || c.length(nodes) >= LONE_COURSES * scale.course_length
+        });
     }
     let left: usize = chains.iter().map(|c| c.nodes.len()).sum();
     Chains { chains, dropped: nodes.len() - left }

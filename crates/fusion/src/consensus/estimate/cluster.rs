@@ -68,8 +68,8 @@ struct Sums {
     /// Weighted systematic error of the last view's members, and sum of squares of earlier views'.
     of_view: f64,
     of_views: f64,
-    /// Weighted error of the common lines that members moved onto. Members of all views share it.
-    of_lines: f64,
+    /// Weighted error of the common courses that members moved onto. Members of all views share it.
+    of_courses: f64,
 }
 
 impl Sums {
@@ -88,7 +88,7 @@ impl Sums {
         self.last_along = along;
         self.weight += o.weight;
         self.of_view += o.weight * o.view_error;
-        self.of_lines += o.weight * o.line_error;
+        self.of_courses += o.weight * o.course_error;
         self.support += o.support;
         self.position += o.position.coords * o.weight;
         self.along += o.weight * along;
@@ -105,7 +105,7 @@ impl Sums {
         // A stand whose members have no weight keeps its own place and knows no errors.
         let has_weight = self.weight > 0.0;
         let per_weight = |sum: f64| if has_weight { sum / self.weight } else { 0.0 };
-        let squares = self.of_views + self.of_view.powi(2) + self.of_lines.powi(2);
+        let squares = self.of_views + self.of_view.powi(2) + self.of_courses.powi(2);
         let along = per_weight(self.along);
         let mean = Point2::from(self.position / self.weight);
         let tan_incidence = (self.tan_incidence / self.known_weight) as f32;

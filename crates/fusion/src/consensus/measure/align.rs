@@ -1,9 +1,9 @@
-//! Views are shifted and turned within the plane as they lie to the common lines of all views.
+//! Views are shifted and turned within the plane as they lie to the common courses of all views.
 //!
 //! **Problem.** A wrong pose moves all curves of a view together. An average of the curves at one
 //! place leaves the view's corners and the surface that it alone measured where they are.
 //!
-//! **Idea.** Two shifts and a turn of each view bring its beads onto the common lines, by least
+//! **Idea.** Two shifts and a turn of each view bring its beads onto the common courses, by least
 //! squares. Poses are as wrong as views differ, which is the prior (ridge regression).
 //! Neighbouring windows share errors that are no motion, such as a camera's distortion; several of
 //! them therefore count as one observation. Without both, the views would follow such errors far
@@ -17,13 +17,13 @@
 
 use super::super::tuning::settle::*;
 use super::super::window::left_of;
-use super::common_line::{Bead, Reach, averaged_view_error, beads, joined, on_common_lines};
+use super::common_course::{Bead, Reach, averaged_view_error, beads, joined, on_common_courses};
 use super::observations::Observations;
 use nalgebra::{Matrix3, Vector3};
 use transect_geometry::{Point2, Vector2};
 
 /// Moves each view's observations. `error` is the standard deviation of the views' errors. Returns
-/// this error as the lines show it before any view moves, averaged along them.
+/// this error as the courses show it before any view moves, averaged along them.
 pub(super) fn align(observations: &mut Observations, reach: &Reach, error: f64) -> f64 {
     let (given, _) = beads(observations, reach);
     let given: Vec<Bead> = joined(&given, ALIGN_BEADS).into_iter().map(|(_, bead)| bead).collect();
@@ -36,12 +36,13 @@ pub(super) fn align(observations: &mut Observations, reach: &Reach, error: f64) 
         for bead in &mut moved {
             motions[bead.view as usize].apply(&mut bead.position, &mut bead.tangent);
         }
-        let lines = on_common_lines(&moved, motions.len(), reach);
-        given_error = given_error.or_else(|| Some(averaged_view_error(&lines)));
+        let courses = on_common_courses(&moved, motions.len(), reach);
+        given_error = given_error.or_else(|| Some(averaged_view_error(&courses)));
         let mut equations = vec![Equations::default(); motions.len()];
-        for (bead, line) in moved.iter().zip(&lines).filter(|(_, line)| line.tells_error()) {
+        for (bead, course) in moved.iter().zip(&courses).filter(|(_, course)| course.tells_error())
+        {
             let view = bead.view as usize;
-            equations[view].add(bead, line.off / error, &motions[view], reach.along);
+            equations[view].add(bead, course.off / error, &motions[view], reach.along);
         }
         motions.iter_mut().zip(&equations).for_each(|(motion, e)| motion.improve(e, error));
     }
@@ -107,12 +108,12 @@ struct Equations {
 }
 
 impl Equations {
-    /// Adds a bead that is `off` errors of a view away from its line.
+    /// Adds a bead that is `off` errors of a view away from its course.
     fn add(&mut self, bead: &Bead, off: f64, motion: &Motion, half_length: f64) {
         let normal = left_of(&bead.tangent);
         let lever = bead.position - motion.centre - motion.shift;
         let change = Vector3::new(normal.x, normal.y, normal.dot(&left_of(&lever)));
-        // Tukey's biweight: a bead far from its line may be of another surface.
+        // Tukey's biweight: a bead far from its course may be of another surface.
         let trust = (1.0 - (off / ALIGN_CUT).powi(2)).max(0.0).powi(2);
         let weight = trust * bead.length / (half_length * REACHES_PER_OBSERVATION);
         self.matrix += change * change.transpose() * weight;

@@ -4,7 +4,7 @@
 
 mod align;
 mod arc;
-mod common_line;
+mod common_course;
 mod observations;
 mod scale;
 mod settle;
@@ -42,11 +42,11 @@ impl Measurements {
         let (mut scale, spread) = Scale::new(&observations, options);
         let view_error = spread.view_error.head_on.sqrt();
         let noise = median(observations.all.iter().map(|o| o.sigma));
-        let line =
+        let course_length =
             if options.steps.settle { settle(&mut observations, &scale, view_error) } else { 0.0 };
-        if line > 0.0 {
+        if course_length > 0.0 {
             // The views now lie close to each other, so surfaces that do so are told apart.
-            scale = Scale { line, ..Scale::new(&observations, options).0 };
+            scale = Scale { course_length, ..Scale::new(&observations, options).0 };
         }
         if options.steps.view_error {
             observations.weigh(&spread.view_error);

@@ -28,9 +28,9 @@ pub(crate) struct Observation {
     /// Standard deviation of the view's systematic error here, which neighbouring nodes share. Set
     /// by [`Observations::weigh`].
     pub view_error: f64,
-    /// Standard deviation of the common line of all views that it moved onto, which neighbouring
+    /// Standard deviation of the common course of all views that it moved onto, which neighbouring
     /// nodes of all views share; 0 if it did not move. Set by `settle`.
-    pub line_error: f64,
+    pub course_error: f64,
     /// Outward unit normal of the surface; `None` where not known.
     pub normal: Option<Vector3<f32>>,
     /// How many observations the node counts as: its weight times the taper.
@@ -117,15 +117,15 @@ impl Observations {
     pub fn weigh(&mut self, view_error: &ViewError) {
         for o in &mut self.all {
             let variance = view_error.variance(o.squared_tangent());
-            // What has moved onto a common line has the line's error instead.
-            o.view_error = if o.line_error > 0.0 { 0.0 } else { variance.sqrt() };
+            // What has moved onto a common course has the course's error instead.
+            o.view_error = if o.course_error > 0.0 { 0.0 } else { variance.sqrt() };
             o.weight = o.support / (o.sigma * o.sigma + variance);
         }
     }
 
     /// Whether no observation has an error that it shares with others of its view.
     pub fn err_by_noise_alone(&self) -> bool {
-        self.all.iter().all(|o| o.line_error == 0.0 && o.view_error == 0.0)
+        self.all.iter().all(|o| o.course_error == 0.0 && o.view_error == 0.0)
     }
 
     /// Median standard deviation of a single pixel across a curve. A node whose error is shared
@@ -194,7 +194,7 @@ fn observation(arc: &Arc<'_>, k: usize, steps: &Steps) -> Observation {
         correlation: if steps.shared_errors { f64::from(node.correlation) } else { 0.0 },
         tan_incidence: node.tan_incidence,
         view_error: 0.0,
-        line_error: 0.0,
+        course_error: 0.0,
         normal: node.normal,
         support,
         weight: support / (sigma * sigma),

@@ -15,8 +15,8 @@ pub(crate) struct Scale {
     pub threshold: f64,
     /// Cosine of the largest angle between observations of one surface.
     pub same_way: f64,
-    /// Length of the common lines that the views' curves were moved onto; 0 if they stayed.
-    pub line: f64,
+    /// Length of the common courses that the views' curves were moved onto; 0 if they stayed.
+    pub course_length: f64,
     pub options: ConsensusOptions,
 }
 
@@ -32,7 +32,7 @@ impl Scale {
         let measured = measured.unwrap_or(own);
         let least = (LEAST_SIGMAS * sigma).max(LEAST_FOOTPRINTS * spacing);
         let threshold = (options.threshold_spreads * measured.between_views).max(least);
-        (Self { spacing, threshold, same_way, line: 0.0, options: *options }, measured)
+        (Self { spacing, threshold, same_way, course_length: 0.0, options: *options }, measured)
     }
 
     pub fn steps(&self) -> &Steps {

@@ -6,18 +6,19 @@
 //!
 //! **Idea.** A volumetric method averages the distances to all views' surfaces first, and only then
 //! looks for the surface. Here every node moves across the curve onto the average of all views
-//! around it. This is a projection onto a moving least squares line (Alexa et al., 2003), in which
-//! each view counts alike. Direction still tells surfaces apart, so both sides of a thin wall stay.
+//! around it. This is a projection onto a moving least squares parabola (Alexa et al., 2003), in
+//! which each view counts alike. Direction still tells surfaces apart, so both sides of a thin wall
+//! stay.
 //!
 //! **Steps.**
 //! 1. Each view is shifted and turned as a whole (`align.rs`).
-//! 2. Beads, short pieces of each view's curves, move onto the line through the beads around them
-//!    (`common_line.rs`), as long as the surface is straight. Twice, as the first lines pass
-//!    through beads that have not moved yet.
-//! 3. Each observation moves onto the line of its bead, as far as errors of views exceed its own
+//! 2. Beads, short pieces of each view's curves, move onto the course through the beads around them
+//!    (`common_course.rs`), in the widest window whose parabola agrees with those of the narrower
+//!    ones. Twice, as the first courses pass through beads that have not moved yet.
+//! 3. Each observation moves onto the course of its bead, as far as errors of views exceed its own
 //!    noise.
-//! 4. The distances of the views from the first lines tell how far a view is off *after averaging
-//!    along the window*. This, over the views that share a line, is the line's own error. Views
+//! 4. The distances of the views from the first courses tell how far a view is off *after averaging
+//!    along the window*. This, over the views that share a course, is the course's own error. Views
 //!    that were shifted agree better afterwards, but their mean is as far from the truth as before.
 //!
 //! **Source.** Not in the dissertation, whose averages move two curves at a time (5.5.2).
@@ -25,12 +26,12 @@
 use super::super::tuning::settle::*;
 use super::super::window::left_of;
 use super::align::align;
-use super::common_line::{Reach, averaged_view_error, beads, on_widest_lines};
+use super::common_course::{Reach, averaged_view_error, beads, on_widest_courses};
 use super::observations::{Observations, median};
 use super::scale::Scale;
 
-/// Moves the observations if the views' errors ask for it, and returns the length of a common line;
-/// 0 if they stay. `error` is the standard deviation of the views' systematic errors.
+/// Moves the observations if the views' errors ask for it, and returns the length of a common
+/// course; 0 if they stay. `error` is the standard deviation of the views' systematic errors.
 pub(super) fn settle(observations: &mut Observations, scale: &Scale, error: f64) -> f64 {
     let noise = median(observations.all.iter().map(|o| o.sigma));
     if error < LEAST_FOOTPRINTS * scale.spacing || error < LEAST_NOISE_RATIO * noise {
@@ -41,12 +42,12 @@ pub(super) fn settle(observations: &mut Observations, scale: &Scale, error: f64)
     let (mut beads, bead_of) = beads(observations, &reach);
     let mut wave_errors = Vec::new();
     for _ in 0..ROUNDS {
-        beads = on_widest_lines(&beads, observations.sources.len(), &reach, &mut wave_errors);
+        beads = on_widest_courses(&beads, observations.sources.len(), &reach, &mut wave_errors);
         view_error = view_error.or_else(|| Some(averaged_view_error(&beads)));
     }
     for (o, &k) in observations.all.iter_mut().zip(&bead_of) {
         let bead = &beads[k as usize];
-        o.line_error = view_error.unwrap_or(error).max(error) / bead.views.sqrt();
+        o.course_error = view_error.unwrap_or(error).max(error) / bead.views.sqrt();
         let trust = error * error / (error * error + o.sigma * o.sigma);
         let normal = left_of(&bead.tangent);
         o.position += normal * (trust * normal.dot(&(bead.position - o.position)));

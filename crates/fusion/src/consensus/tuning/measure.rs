@@ -1,4 +1,4 @@
-//! Tunables of `measure/`: weights, spread, errors of views and common lines.
+//! Tunables of `measure/`: weights, spread, errors of views and common courses.
 
 /// `measure/observations.rs`
 pub mod observations {
@@ -93,7 +93,7 @@ pub mod scale {
     pub const LEAST_FOOTPRINTS: f64 = 0.35;
 }
 
-/// `measure/settle.rs`, `measure/common_line.rs` and `measure/align.rs`
+/// `measure/settle.rs`, `measure/common_course.rs` and `measure/align.rs`
 pub mod settle {
     /// Least error of the views, in footprints. Theory: two views then differ by 0.7 footprints;
     /// below, their nodes hardly interleave. Doubled: depth cameras at close range zigzag.
@@ -102,21 +102,21 @@ pub mod settle {
     /// the errors of views seem to be three times the noise by chance; depth cameras have 9 and
     /// more. Doubled: nothing changes.
     pub const LEAST_NOISE_RATIO: f64 = 4.0;
-    /// Half-length of a common line, in errors of a view. Measured on `kitchen_kin40_real` and the
-    /// red kitchen: from 5 to 8 medians fall by 2 %, turns by a fifth, and small things blur.
-    /// Doubled: corners are round.
-    pub const ALONG_ERRORS: f64 = 6.0;
-    /// Largest distance between beads of one line, in errors of a view. Theory: two views differ by
-    /// √2 errors, and one normal difference in 100 000 is larger than 4.42 times that. Measured:
+    /// Half-length of a common course, in errors of a view. Measured: from 6 to 8 medians of the
+    /// kitchens and the room fall by 1 to 3 %. Doubled: by 1 to 5 % more, but 2 to 7 % of thin
+    /// things and of small ones in kitchens are lost.
+    pub const ALONG_ERRORS: f64 = 8.0;
+    /// Largest distance between beads of one course, in errors of a view. Theory: two views differ
+    /// by √2 errors, and one normal difference in 100 000 is larger than 4.42 times that. Measured:
     /// with 5, walls that wrong poses double keep both copies (95 % distance of
     /// `parts_pin12_n01_pose` 7 % larger); with 7, small things merge (tight completeness of
     /// `kitchen_kin40_real` 86.0 instead of 86.4 %). Doubled: surfaces beside each other merge.
     pub const ACROSS_ERRORS: f64 = 6.25;
-    /// Half-lengths of wider windows, in those of the narrowest. Measured on `kitchen_kin40_real`
-    /// and the red kitchen: medians fall by 8 and 3 %. Doubled: by as much again, but the 95 %
-    /// distance of round parts with wrong poses grows by 11 %.
-    pub const WIDER_WINDOWS: [f64; 2] = [2.0, 4.0];
-    /// Distance between the lines of a wider window and of the narrower ones at which the wider
+    /// Half-lengths of wider windows, in those of the narrowest: each about three times the one
+    /// before. Measured against 2 and 4: medians of three kitchens and a room fall by 2 to 7 %.
+    /// Doubled: they change by -4 to +2 %, and those of round things grow by a tenth.
+    pub const WIDER_WINDOWS: [f64; 2] = [3.0, 10.0];
+    /// Distance between the courses of a wider window and of the narrower ones at which the wider
     /// one does not count, in standard deviations. Theory: one normal error in 400 is larger.
     /// Doubled: bends become flatter.
     pub const WAVE_CUT: f64 = 3.0;
@@ -124,16 +124,17 @@ pub mod settle {
     /// and 4 nothing changes by more than 1 %, but for the median of `parts_pin12_n01_pose`: it is
     /// 3 % larger after two. Doubled: time.
     pub const ALIGN_ROUNDS: usize = 3;
-    /// Distance from its line, in errors of a view, at which a bead does not move its view. Theory:
-    /// as for other outliers, one normal error in 16 000 is larger. Doubled: other surfaces pull.
+    /// Distance from its course, in errors of a view, at which a bead does not move its view.
+    /// Theory: as for other outliers, one normal error in 16 000 is larger. Doubled: other surfaces
+    /// pull.
     pub const ALIGN_CUT: f64 = 4.0;
-    /// Half-lengths of a line that count as one observation of a view's motion: windows beside each
-    /// other share the errors of the camera. Measured: between 1 and 16 medians of the kitchen and
-    /// the red kitchen change by 3 %, and are best between 4 and 16. Doubled: nothing changes.
+    /// Half-lengths of a course that count as one observation of a view's motion: windows beside
+    /// each other share the errors of the camera. Measured: between 1 and 16 medians of the kitchen
+    /// and the red kitchen change by 3 %, and are best between 4 and 16. Doubled: nothing changes.
     pub const REACHES_PER_OBSERVATION: f64 = 4.0;
-    /// Beads along half of a line. Measured: with 3, wide windows round corners by 10 %, and the
+    /// Beads along half of a course. Measured: with 3, wide windows round corners by 10 %, and the
     /// 95 % distance of `parts_pin12_n01_pose` grows by 5 %. Doubled: four times the time of common
-    /// lines.
+    /// courses.
     pub const BEADS_PER_REACH: f64 = 5.0;
     /// Smallest cosine between beads that are joined. Measured on `parts_pin12_n01_pose`, whose
     /// parts are round: with 10 degrees its 95 % distance is that of short beads within 1 %. With
@@ -141,16 +142,16 @@ pub mod settle {
     pub const JOINED_COSINE: f64 = 0.985;
     /// Beads that are joined before views are aligned: a motion of the whole view needs no detail.
     /// Measured with 2 instead of 1: medians change by less than 1 %, alignment takes a quarter of
-    /// the time. Doubled: lines of short pieces of curve have no slope.
+    /// the time. Doubled: courses of short pieces of curve have no slope.
     pub const ALIGN_BEADS: usize = 2;
-    /// Rounds of averaging. By hand: the first line passes through beads that have not moved.
+    /// Rounds of averaging. By hand: the first course passes through beads that have not moved.
     /// Doubled: corners become rounder, while accuracy gains 2 %.
     pub const ROUNDS: usize = 2;
-    /// Least variance of the beads' places along a line, in squares of its half-width, for the line
-    /// to have a slope. By hand. Doubled: nothing changes.
+    /// Least variance of the beads' places along a course, in squares of its half-length, for the
+    /// course to have a slope. By hand. Doubled: nothing changes.
     pub const LEAST_VARIANCE: f64 = 0.01;
-    /// Least variance of a view's distance from a common line, in variances of the view, for the
+    /// Least variance of a view's distance from a common course, in variances of the view, for the
     /// distance to tell something of the views' errors. Theory: two views that count alike have
-    /// half. Doubled: lines of two views do not count.
+    /// half. Doubled: courses of two views do not count.
     pub const LEAST_OFF_VARIANCE: f64 = 0.25;
 }

@@ -1,8 +1,10 @@
-//! Common lines: moving least squares lines through the curves of all views.
+//! Common courses: moving least squares parabolas through the curves of all views.
 //!
-//! Lines go through beads, short pieces of each view's curves; they cost less than lines through
-//! nodes. Each view counts alike, however densely it sampled (Alexa et al., 2003, with one share
-//! per view). Direction tells surfaces apart, so both sides of a thin wall stay.
+//! Courses go through beads, short pieces of each view's curves; they cost less than courses
+//! through nodes. Each view counts alike, however densely it sampled (Alexa et al., 2003, with one
+//! share per view). Direction tells surfaces apart, so both sides of a thin wall stay.
+//!
+//! A straight course would cut bends. All views are cut alike, so more of them would not help.
 
 use super::super::tuning::settle::*;
 use super::super::tuning::spread::MEDIAN_OF_NORMAL;
@@ -13,12 +15,14 @@ use crate::grid::PointGrid;
 use std::iter::repeat_n;
 use transect_geometry::{Point2, Vector2};
 
-/// What a common line is made of.
+/// What a common course is made of.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reach {
-    /// Half-length of a line.
+    /// Half-length of a course.
     pub along: f64,
-    /// Largest distance of a bead from the bead whose line is sought.
+    /// Squared standard deviation of a view's error, over the squared half-length.
+    squared_error: f64,
+    /// Largest distance of a bead from the bead whose course is sought.
     pub across: f64,
     /// Half-lengths of wider windows, in those of the narrowest.
     pub wider: &'static [f64],
@@ -31,10 +35,17 @@ impl Reach {
     pub fn new(error: f64, scale: &Scale) -> Self {
         Self {
             along: ALONG_ERRORS * error,
+            squared_error: ALONG_ERRORS.powi(-2),
             across: ACROSS_ERRORS * error,
-            wider: if scale.steps().wider_lines { &WIDER_WINDOWS } else { &[] },
+            wider: if scale.steps().wider_courses { &WIDER_WINDOWS } else { &[] },
             same_way: scale.same_way,
         }
+    }
+
+    /// A window this many times as long.
+    fn times(&self, factor: f64) -> Self {
+        let squared_error = self.squared_error / (factor * factor);
+        Self { along: factor * self.along, squared_error, ..*self }
     }
 }
 
@@ -50,16 +61,18 @@ pub(super) struct Bead {
     pub view: u32,
     /// Whether it goes on where the bead before it ends.
     pub follows: bool,
-    /// How far its view is off the common line, averaged over the window, and the variance of this
-    /// in variances of a view. A view takes part in the line that it is compared with.
+    /// How far its view is off the common course, averaged over the window, and the variance of
+    /// this in variances of a view. A view takes part in the course that it is compared with.
     pub off: f64,
     pub off_variance: f64,
-    /// Number of views in the common line. One that measured a part of the window counts in part.
+    /// Second derivative of the common course at the bead.
+    bend: f64,
+    /// Number of views in the common course. One that measured a part of the window counts in part.
     pub views: f64,
 }
 
 impl Bead {
-    /// Whether the distance from the line tells something of its view's error.
+    /// Whether the distance from the course tells something of its view's error.
     pub fn tells_error(&self) -> bool {
         self.length > 0.0 && self.off_variance > LEAST_OFF_VARIANCE
     }
@@ -74,17 +87,20 @@ impl Bead {
         self.length = length;
     }
 
-    /// The bead, moved across its direction onto the line of a bead that it is part of.
-    fn onto(&self, line: &Self) -> Self {
-        let normal = left_of(&self.tangent);
-        let off = left_of(&line.tangent).dot(&(line.position - self.position));
-        // The line may have turned away from the bead by its slope.
-        let cosine = line.tangent.dot(&self.tangent).max(JOINED_COSINE);
-        Self { position: self.position + normal * (off / cosine), tangent: line.tangent, ..*line }
+    /// The bead, moved across its direction onto the course of a bead that it is part of.
+    fn onto(&self, course: &Self) -> Self {
+        let (normal, across) = (left_of(&self.tangent), left_of(&course.tangent));
+        let offset = self.position - course.position;
+        let x = course.tangent.dot(&offset);
+        let off = 0.5 * course.bend * x * x - across.dot(&offset);
+        let tangent = (course.tangent + across * (course.bend * x)).normalize();
+        // The course may have turned away from the bead by its slope.
+        let cosine = tangent.dot(&self.tangent).max(JOINED_COSINE);
+        Self { position: self.position + normal * (off / cosine), tangent, ..*course }
     }
 
-    /// Moves the bead from its line towards the line of a wider window, the less the farther apart
-    /// both are. `largest_step` is the largest distance by chance for a line of one view.
+    /// Moves the bead from its course towards that of a wider window, the less the farther apart
+    /// both are. `largest_step` is the largest distance by chance for a course of one view.
     fn move_towards(&mut self, wider: &Self, largest_step: f64) {
         let step = wider.position - self.position;
         let steps = step.norm() * self.views.sqrt() / largest_step.max(f64::MIN_POSITIVE);
@@ -150,65 +166,70 @@ fn bead(members: &[Observation]) -> Bead {
         follows: false,
         off: 0.0,
         off_variance: 0.0,
+        bend: 0.0,
         views: 1.0,
     }
 }
 
-/// Standard deviation of a view's error, averaged over a window, from what the first lines left.
+/// Standard deviation of a view's error, averaged over a window, from what the first courses left.
 /// Unlike the spread between nodes beside each other, it is not cut at the search distance.
 pub(super) fn averaged_view_error(beads: &[Bead]) -> f64 {
     let known = beads.iter().filter(|bead| bead.tells_error());
     median(known.map(|bead| bead.off.abs() / bead.off_variance.sqrt())) / MEDIAN_OF_NORMAL
 }
 
-/// The beads, each moved onto the line of the widest window whose line agrees with that of the
+/// The beads, each moved onto the course of the widest window whose course agrees with that of the
 /// narrower ones. Errors that change along a surface average out over several of their lengths,
-/// while a wide window cuts a bend.
+/// while a wide window flattens what bends more than a parabola.
 ///
 /// `wave_errors` keeps [`wave_error`] of each wider window from the first call on: beads that have
 /// moved no longer show it.
-pub(super) fn on_widest_lines(
+pub(super) fn on_widest_courses(
     beads: &[Bead],
     views: usize,
     reach: &Reach,
     wave_errors: &mut Vec<f64>,
 ) -> Vec<Bead> {
-    let mut moved = on_common_lines(beads, views, reach);
+    let mut moved = on_common_courses(beads, views, reach);
     for (number, factor) in reach.wider.iter().enumerate() {
-        let wider = Reach { along: factor * reach.along, ..*reach };
-        let lines = on_lines_of_joined(beads, views, &wider, *factor as usize);
+        let wider = reach.times(*factor);
+        let courses = on_courses_of_joined(beads, views, &wider, *factor as usize);
         if number == wave_errors.len() {
-            wave_errors.push(wave_error(&moved, &lines));
+            wave_errors.push(wave_error(&moved, &courses));
         }
         let largest_step = WAVE_CUT * wave_errors[number];
-        moved.iter_mut().zip(&lines).for_each(|(bead, line)| bead.move_towards(line, largest_step));
+        for (bead, course) in moved.iter_mut().zip(&courses) {
+            bead.move_towards(course, largest_step);
+        }
     }
     moved
 }
 
-/// The beads, each moved onto the line of the longer bead that it is part of. Wide windows through
-/// long beads cost less than narrow ones through short beads.
-fn on_lines_of_joined(beads: &[Bead], views: usize, reach: &Reach, most: usize) -> Vec<Bead> {
+/// The beads, each moved onto the course of the longer bead that it is part of. Wide windows
+/// through long beads cost less than narrow ones through short beads.
+fn on_courses_of_joined(beads: &[Bead], views: usize, reach: &Reach, most: usize) -> Vec<Bead> {
     let (counts, joined): (Vec<_>, Vec<_>) = joined(beads, most).into_iter().unzip();
-    let lines = on_common_lines(&joined, views, reach);
-    let lines = counts.into_iter().zip(&lines).flat_map(|(count, line)| repeat_n(line, count));
-    beads.iter().zip(lines).map(|(bead, line)| bead.onto(line)).collect()
+    let courses = on_common_courses(&joined, views, reach);
+    let courses =
+        counts.into_iter().zip(&courses).flat_map(|(count, course)| repeat_n(course, count));
+    beads.iter().zip(courses).map(|(bead, course)| bead.onto(course)).collect()
 }
 
-/// Standard deviation by which a view's distance from the common line differs between a window and
-/// a wider one. A bend moves the view and the common line alike, and a wrong pose shifts the view
-/// in both windows alike, so neither has a part in it.
+/// Standard deviation by which a view's distance from the common course differs between a window
+/// and a wider one. A bend moves the view and the common course alike, and a wrong pose shifts the
+/// view in both windows alike, so neither has a part in it.
 fn wave_error(narrow: &[Bead], wide: &[Bead]) -> f64 {
     let known = narrow.iter().zip(wide).filter(|(n, w)| n.tells_error() && w.tells_error());
     median(known.map(|(n, w)| (n.off - w.off).abs() / n.off_variance.sqrt())) / MEDIAN_OF_NORMAL
 }
 
-/// The beads, each moved onto the line through those around it.
-pub(super) fn on_common_lines(beads: &[Bead], views: usize, reach: &Reach) -> Vec<Bead> {
-    let Reach { along: reach, across, same_way, .. } = *reach;
+/// The beads, each moved onto the course through those around it.
+pub(super) fn on_common_courses(beads: &[Bead], views: usize, reach: &Reach) -> Vec<Bead> {
+    let Reach { along: half, across, same_way, squared_error, .. } = *reach;
+    let per_half = half.recip();
     let grid = |beads: &[Bead]| {
         let places: Vec<Point2> = beads.iter().map(|bead| bead.position).collect();
-        PointGrid::new(&places, 0.5 * reach)
+        PointGrid::new(&places, 0.5 * half)
     };
     // Beads in the order of the grid's cells lie in memory as they are gathered.
     let order: Vec<usize> = grid(beads).order().collect();
@@ -218,38 +239,40 @@ pub(super) fn on_common_lines(beads: &[Bead], views: usize, reach: &Reach) -> Ve
     let (mut of_view, mut met) = (vec![Sums::default(); views], Vec::new());
     let mut moved = |bead: &Bead| {
         let (centre, tangent) = (bead.position, bead.tangent);
-        let window = Window { centre, tangent, reach, across, same_way };
+        let window = Window { centre, tangent, reach: half, across, same_way };
         grid.runs_around(&centre, &window.half(), |points| {
             let Some(first) = points.first() else { return };
             for there in &beads[first.number as usize..][..points.len()] {
                 let (x, y) = window.place(&there.position);
                 // Tests that cannot be guessed cost less together.
-                if !((x.abs() <= reach) & (y.abs() <= across) & window.goes_along(&there.tangent)) {
+                if !((x.abs() <= half) & (y.abs() <= across) & window.goes_along(&there.tangent)) {
                     continue;
                 }
                 let sums = &mut of_view[there.view as usize];
                 if sums.length == 0.0 {
                     met.push(there.view);
                 }
-                sums.add((1.0 - x.abs() / reach) * there.length, x, y);
+                let x = x * per_half;
+                sums.add((1.0 - x.abs()) * there.length * per_half, x, y);
             }
         });
         let (mut common, mut squared_shares) = (Sums::default(), 0.0);
         let own = of_view[bead.view as usize];
         for view in met.drain(..) {
             let sums = std::mem::take(&mut of_view[view as usize]);
-            squared_shares += sums.share(reach).powi(2);
-            common.add_view(&sums, reach);
+            squared_shares += sums.share().powi(2);
+            common.add_view(&sums);
         }
-        let (offset, slope) = common.line(reach);
+        let Parabola { offset, slope, bend } = common.parabola(squared_error);
         let normal = left_of(&tangent);
         let has_length = common.length > 0.0;
         let views = if has_length { common.length.powi(2) / squared_shares } else { 1.0 };
         Bead {
             position: centre + normal * offset.clamp(-across, across),
-            tangent: (tangent + normal * slope).normalize(),
-            off: (own.y - slope * own.x) / own.length - offset,
-            off_variance: 1.0 - 2.0 * own.share(reach) / common.length + 1.0 / views,
+            tangent: (tangent + normal * (slope * per_half)).normalize(),
+            off: (own.y - slope * own.x - bend * own.xx) / own.length - offset,
+            bend: 2.0 * bend * per_half * per_half,
+            off_variance: 1.0 - 2.0 * own.share() / common.length + 1.0 / views,
             views,
             ..*bead
         }
@@ -260,54 +283,80 @@ pub(super) fn on_common_lines(beads: &[Bead], views: usize, reach: &Reach) -> Ve
     result
 }
 
-/// Weighted sums for a line y(x) through beads; the weights are lengths.
+/// The course y = offset + slope · x + bend · x², with x in half-lengths of the window.
+#[derive(Debug, Clone, Copy, Default)]
+struct Parabola {
+    offset: f64,
+    slope: f64,
+    bend: f64,
+}
+
+/// Weighted sums for a parabola y(x) through beads, with x in half-lengths of the window. The
+/// weights are lengths, in half-lengths too.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     length: f64,
     x: f64,
-    y: f64,
     xx: f64,
+    xxx: f64,
+    xxxx: f64,
+    y: f64,
     xy: f64,
+    xxy: f64,
 }
 
 impl Sums {
     fn add(&mut self, length: f64, x: f64, y: f64) {
-        self.add_share(&Self { length: 1.0, x, y, xx: x * x, xy: x * y }, length);
+        let xx = x * x;
+        let (xxx, xxxx, xy, xxy) = (x * xx, xx * xx, x * y, xx * y);
+        self.add_share(&Self { length: 1.0, x, xx, xxx, xxxx, y, xy, xxy }, length);
     }
 
     fn add_share(&mut self, other: &Self, share: f64) {
         self.length += share * other.length;
         self.x += share * other.x;
-        self.y += share * other.y;
         self.xx += share * other.xx;
+        self.xxx += share * other.xxx;
+        self.xxxx += share * other.xxxx;
+        self.y += share * other.y;
         self.xy += share * other.xy;
+        self.xxy += share * other.xxy;
     }
 
     /// Adds the sums of one view. All views that measured the whole window count alike, however
     /// densely they did.
-    fn add_view(&mut self, view: &Self, reach: f64) {
+    fn add_view(&mut self, view: &Self) {
         if view.length > 0.0 {
-            self.add_share(view, 1.0 / view.length.max(reach));
+            self.add_share(view, 1.0 / view.length.max(1.0));
         }
     }
 
     /// What a view counts as: the part of the window that it measured.
-    fn share(&self, reach: f64) -> f64 {
-        (self.length / reach).min(1.0)
+    fn share(&self) -> f64 {
+        self.length.min(1.0)
     }
 
-    /// Value and slope of the line at x = 0. Samples all in one place have no slope.
-    fn line(&self, reach: f64) -> (f64, f64) {
+    /// The parabola of least squares (ridge regression). One view errs by a standard deviation
+    /// whose square is given in half-lengths. The prior of the bend is that the ends of the window
+    /// lie a half-length off the tangent. Samples all in one place have neither slope nor bend.
+    fn parabola(&self, squared_error: f64) -> Parabola {
         if self.length <= 0.0 {
-            return (0.0, 0.0);
+            return Parabola::default();
         }
-        let (x, y) = (self.x / self.length, self.y / self.length);
-        let variance = self.xx / self.length - x * x;
-        if variance <= LEAST_VARIANCE * reach * reach {
-            return (y, 0.0);
+        let mean = |sum: f64| sum / self.length;
+        let (x, y, xx) = (mean(self.x), mean(self.y), mean(self.xx));
+        let variance = xx - x * x;
+        if variance <= LEAST_VARIANCE {
+            return Parabola { offset: y, ..Parabola::default() };
         }
-        let slope = (self.xy / self.length - x * y) / variance;
-        (y - slope * x, slope)
+        // What of x² is not linear in x.
+        let along = (mean(self.xxx) - x * xx) / variance;
+        let steepness = (mean(self.xy) - x * y) / variance;
+        let bent = mean(self.xxxx) - xx * xx - along * along * variance;
+        let together = mean(self.xxy) - xx * y - along * steepness * variance;
+        let bend = together / (bent.max(0.0) + squared_error / self.length);
+        let slope = steepness - along * bend;
+        Parabola { offset: y - slope * x - bend * xx, slope, bend }
     }
 }
 
@@ -328,6 +377,7 @@ mod tests {
                 follows: k > 0,
                 off: 0.0,
                 off_variance: 0.0,
+                bend: 0.0,
                 views: 1.0,
             }
         };
@@ -350,14 +400,15 @@ mod tests {
     }
 
     #[test]
-    fn lines_through_joined_beads_are_those_through_all_beads() {
+    fn courses_through_joined_beads_are_those_through_all_beads() {
         // Five views of a gentle bend, which err by different lengths.
         let views = 5;
         let of_view = |view: u32| arc(view, 3000, 300, 1.0 + 0.002 * f64::from(view * view % 5));
         let beads: Vec<Bead> = (0..views).flat_map(of_view).collect();
-        let reach = Reach { along: 0.05, across: 0.03, wider: &[], same_way: 0.8 };
-        let slow = on_common_lines(&beads, views as usize, &reach);
-        let fast = on_lines_of_joined(&beads, views as usize, &reach, 4);
+        let reach =
+            Reach { along: 0.05, squared_error: 0.01, across: 0.03, wider: &[], same_way: 0.8 };
+        let slow = on_common_courses(&beads, views as usize, &reach);
+        let fast = on_courses_of_joined(&beads, views as usize, &reach, 4);
         for (k, (slow, fast)) in slow.iter().zip(&fast).enumerate() {
             // At the ends of the curves both windows hold other beads.
             let inside = (30..270).contains(&(k % 300));
@@ -365,6 +416,29 @@ mod tests {
             assert!(!inside || apart.abs() < 1e-4, "bead {k}: {apart}");
             assert!(!inside || (slow.off - fast.off).abs() < 2e-4, "bead {k}");
             assert!(!inside || slow.tangent.dot(&fast.tangent) > 0.99999, "bead {k}");
+        }
+    }
+
+    #[test]
+    fn courses_follow_a_bend() {
+        // Seven views of a circle of radius 1, which err by 0.03 in the mean of squares.
+        let errors = [-0.045, -0.03, -0.015, 0.0, 0.015, 0.03, 0.045];
+        let of_view = |(view, error): (u32, &f64)| arc(view, 600, 600, 1.0 + error);
+        let beads: Vec<Bead> = (0..).zip(&errors).flat_map(of_view).collect();
+        let narrow = Reach {
+            along: 0.24,
+            squared_error: (0.03_f64 / 0.24).powi(2),
+            across: 0.19,
+            wider: &[],
+            same_way: 0.64,
+        };
+        for (reach, limit) in [(narrow, 0.0005), (narrow.times(2.0), 0.0015)] {
+            let courses = on_common_courses(&beads, errors.len(), &reach);
+            let radii = courses.iter().map(|bead| bead.position.coords.norm());
+            let (least, most) = radii.fold((f64::MAX, 0.0_f64), |(a, b), r| (a.min(r), b.max(r)));
+            // A straight course would lie inside by half² / 12: 0.005 and 0.019.
+            assert!(1.0 - limit < least && most < 1.0 + limit, "{least} {most}");
+            assert!(courses.iter().all(|bead| (bead.bend - 1.0).abs() < 0.1));
         }
     }
 }
