@@ -20,8 +20,9 @@ use transect_geometry::{Point2, Vector2};
 pub(super) struct Reach {
     /// Half-length of a course.
     pub along: f64,
-    /// Squared standard deviation of a view's error, over the squared half-length.
-    squared_error: f64,
+    /// Variance of a view's error over that of how far bends take the ends of a course off its
+    /// tangent.
+    bend_prior: f64,
     /// Largest distance of a bead from the bead whose course is sought.
     pub across: f64,
     /// Half-lengths of wider windows, in those of the narrowest.
@@ -35,7 +36,7 @@ impl Reach {
     pub fn new(error: f64, scale: &Scale) -> Self {
         Self {
             along: ALONG_ERRORS * error,
-            squared_error: ALONG_ERRORS.powi(-2),
+            bend_prior: (2.0 * SHARPEST_BEND / ALONG_ERRORS.powi(2)).powi(2),
             across: ACROSS_ERRORS * error,
             wider: if scale.steps().wider_courses { &WIDER_WINDOWS } else { &[] },
             same_way: scale.same_way,
@@ -44,8 +45,7 @@ impl Reach {
 
     /// A window this many times as long.
     fn times(&self, factor: f64) -> Self {
-        let squared_error = self.squared_error / (factor * factor);
-        Self { along: factor * self.along, squared_error, ..*self }
+        Self { along: factor * self.along, bend_prior: self.bend_prior / factor.powi(4), ..*self }
     }
 }
 
@@ -225,7 +225,7 @@ fn wave_error(narrow: &[Bead], wide: &[Bead]) -> f64 {
 
 /// The beads, each moved onto the course through those around it.
 pub(super) fn on_common_courses(beads: &[Bead], views: usize, reach: &Reach) -> Vec<Bead> {
-    let Reach { along: half, across, same_way, squared_error, .. } = *reach;
+    let Reach { along: half, across, same_way, bend_prior, .. } = *reach;
     let per_half = half.recip();
     let grid = |beads: &[Bead]| {
         let places: Vec<Point2> = beads.iter().map(|bead| bead.position).collect();
@@ -263,7 +263,7 @@ pub(super) fn on_common_courses(beads: &[Bead], views: usize, reach: &Reach) -> 
             squared_shares += sums.share().powi(2);
             common.add_view(&sums);
         }
-        let Parabola { offset, slope, bend } = common.parabola(squared_error);
+        let Parabola { offset, slope, bend } = common.parabola(bend_prior);
         let normal = left_of(&tangent);
         let has_length = common.length > 0.0;
         let views = if has_length { common.length.powi(2) / squared_shares } else { 1.0 };
@@ -336,10 +336,9 @@ impl Sums {
         self.length.min(1.0)
     }
 
-    /// The parabola of least squares (ridge regression). One view errs by a standard deviation
-    /// whose square is given in half-lengths. The prior of the bend is that the ends of the window
-    /// lie a half-length off the tangent. Samples all in one place have neither slope nor bend.
-    fn parabola(&self, squared_error: f64) -> Parabola {
+    /// The parabola of least squares, with a prior on the bend (ridge regression). Samples all in
+    /// one place have neither slope nor bend.
+    fn parabola(&self, bend_prior: f64) -> Parabola {
         if self.length <= 0.0 {
             return Parabola::default();
         }
@@ -354,7 +353,7 @@ impl Sums {
         let steepness = (mean(self.xy) - x * y) / variance;
         let bent = mean(self.xxxx) - xx * xx - along * along * variance;
         let together = mean(self.xxy) - xx * y - along * steepness * variance;
-        let bend = together / (bent.max(0.0) + squared_error / self.length);
+        let bend = together / (bent.max(0.0) + bend_prior / self.length);
         let slope = steepness - along * bend;
         Parabola { offset: y - slope * x - bend * xx, slope, bend }
     }
@@ -406,7 +405,7 @@ mod tests {
         let of_view = |view: u32| arc(view, 3000, 300, 1.0 + 0.002 * f64::from(view * view % 5));
         let beads: Vec<Bead> = (0..views).flat_map(of_view).collect();
         let reach =
-            Reach { along: 0.05, squared_error: 0.01, across: 0.03, wider: &[], same_way: 0.8 };
+            Reach { along: 0.05, bend_prior: 0.01, across: 0.03, wider: &[], same_way: 0.8 };
         let slow = on_common_courses(&beads, views as usize, &reach);
         let fast = on_courses_of_joined(&beads, views as usize, &reach, 4);
         for (k, (slow, fast)) in slow.iter().zip(&fast).enumerate() {
@@ -427,7 +426,7 @@ mod tests {
         let beads: Vec<Bead> = (0..).zip(&errors).flat_map(of_view).collect();
         let narrow = Reach {
             along: 0.24,
-            squared_error: (0.03_f64 / 0.24).powi(2),
+            bend_prior: (4.0_f64 / 64.0).powi(2),
             across: 0.19,
             wider: &[],
             same_way: 0.64,
@@ -438,7 +437,7 @@ mod tests {
             let (least, most) = radii.fold((f64::MAX, 0.0_f64), |(a, b), r| (a.min(r), b.max(r)));
             // A straight course would lie inside by half² / 12: 0.005 and 0.019.
             assert!(1.0 - limit < least && most < 1.0 + limit, "{least} {most}");
-            assert!(courses.iter().all(|bead| (bead.bend - 1.0).abs() < 0.1));
+            assert!(courses.iter().all(|bead| (bead.bend - 1.0).abs() < 0.05));
         }
     }
 }
