@@ -20,13 +20,10 @@ use transect_geometry::{Point2, Vector2};
 pub(super) struct Reach {
     /// Half-length of a course.
     pub along: f64,
-    /// Variance of a view's error over that of how far bends take the ends of a course off its
-    /// tangent.
-    bend_prior: f64,
     /// Largest distance of a bead from the bead whose course is sought.
     pub across: f64,
-    /// Half-lengths of wider windows, in those of the narrowest.
-    pub wider: &'static [f64],
+    /// Half-lengths of all windows, in that of the narrowest.
+    pub windows: &'static [f64],
     /// Cosine of the largest angle between beads of one surface.
     pub same_way: f64,
 }
@@ -36,16 +33,15 @@ impl Reach {
     pub fn new(error: f64, scale: &Scale) -> Self {
         Self {
             along: ALONG_ERRORS * error,
-            bend_prior: (2.0 * SHARPEST_BEND / ALONG_ERRORS.powi(2)).powi(2),
             across: ACROSS_ERRORS * error,
-            wider: if scale.steps().wider_courses { &WIDER_WINDOWS } else { &[] },
+            windows: if scale.steps().wider_courses { &WINDOWS } else { &WINDOWS[..1] },
             same_way: scale.same_way,
         }
     }
 
     /// A window this many times as long.
     fn times(&self, factor: f64) -> Self {
-        Self { along: factor * self.along, bend_prior: self.bend_prior / factor.powi(4), ..*self }
+        Self { along: factor * self.along, ..*self }
     }
 }
 
@@ -65,10 +61,23 @@ pub(super) struct Bead {
     /// this in variances of a view. A view takes part in the course that it is compared with.
     pub off: f64,
     pub off_variance: f64,
-    /// Second derivative of the common course at the bead.
-    bend: f64,
+    bend: Bend,
     /// Number of views in the common course. One that measured a part of the window counts in part.
     pub views: f64,
+}
+
+/// The bend of a common course at a bead.
+#[derive(Debug, Clone, Copy, Default)]
+struct Bend {
+    /// The course's second derivative.
+    curvature: f64,
+    /// By how much the bend moves the course across the bead, and turns it there.
+    offset: f64,
+    slope: f64,
+    /// By how much the curvature of the bead's view differs, in errors that a view of curvature
+    /// error 1 would have there, and the error of the common curvature in the same unit.
+    off: f64,
+    chance: f64,
 }
 
 impl Bead {
@@ -92,11 +101,22 @@ impl Bead {
         let (normal, across) = (left_of(&self.tangent), left_of(&course.tangent));
         let offset = self.position - course.position;
         let x = course.tangent.dot(&offset);
-        let off = 0.5 * course.bend * x * x - across.dot(&offset);
-        let tangent = (course.tangent + across * (course.bend * x)).normalize();
+        let off = 0.5 * course.bend.curvature * x * x - across.dot(&offset);
+        let tangent = (course.tangent + across * (course.bend.curvature * x)).normalize();
         // The course may have turned away from the bead by its slope.
         let cosine = tangent.dot(&self.tangent).max(JOINED_COSINE);
         Self { position: self.position + normal * (off / cosine), tangent, ..*course }
+    }
+
+    /// Takes out as much of the bend as chance explains, where `bead` moved onto this course: the
+    /// square of what is seen is that of the bend and that of its error. `error` is a view's.
+    fn straighten(&mut self, bead: &Self, error: f64) {
+        let chance = error * self.bend.chance / self.bend.curvature.abs().max(f64::MIN_POSITIVE);
+        let out = (chance * chance).min(1.0);
+        let normal = left_of(&bead.tangent);
+        self.position -= normal * (out * self.bend.offset);
+        self.tangent = (self.tangent - normal * (out * self.bend.slope)).normalize();
+        self.bend.curvature *= 1.0 - out;
     }
 
     /// Moves the bead from its course towards that of a wider window, the less the farther apart
@@ -166,7 +186,7 @@ fn bead(members: &[Observation]) -> Bead {
         follows: false,
         off: 0.0,
         off_variance: 0.0,
-        bend: 0.0,
+        bend: Bend::default(),
         views: 1.0,
     }
 }
@@ -178,41 +198,73 @@ pub(super) fn averaged_view_error(beads: &[Bead]) -> f64 {
     median(known.map(|bead| bead.off.abs() / bead.off_variance.sqrt())) / MEDIAN_OF_NORMAL
 }
 
+/// What views differ by, apart from shifts, in each window: of the first round, as beads that have
+/// moved no longer show it.
+#[derive(Debug, Default)]
+pub(super) struct ViewErrors {
+    bends: Vec<f64>,
+    waves: Vec<f64>,
+}
+
 /// The beads, each moved onto the course of the widest window whose course agrees with that of the
 /// narrower ones. Errors that change along a surface average out over several of their lengths,
 /// while a wide window flattens what bends more than a parabola.
-///
-/// `wave_errors` keeps [`wave_error`] of each wider window from the first call on: beads that have
-/// moved no longer show it.
 pub(super) fn on_widest_courses(
     beads: &[Bead],
     views: usize,
     reach: &Reach,
-    wave_errors: &mut Vec<f64>,
+    errors: &mut ViewErrors,
 ) -> Vec<Bead> {
-    let mut moved = on_common_courses(beads, views, reach);
-    for (number, factor) in reach.wider.iter().enumerate() {
-        let wider = reach.times(*factor);
-        let courses = on_courses_of_joined(beads, views, &wider, *factor as usize);
-        if number == wave_errors.len() {
-            wave_errors.push(wave_error(&moved, &courses));
-        }
-        let largest_step = WAVE_CUT * wave_errors[number];
-        for (bead, course) in moved.iter_mut().zip(&courses) {
-            bead.move_towards(course, largest_step);
+    let mut moved: Option<Vec<Bead>> = None;
+    for (number, factor) in reach.windows.iter().enumerate() {
+        let (window, most) = (reach.times(*factor), *factor as usize);
+        let courses = on_courses_of_joined(beads, views, &window, most, |courses| {
+            known(&mut errors.bends, number, || bend_error(courses))
+        });
+        let Some(narrower) = &mut moved else {
+            moved = Some(courses);
+            continue;
+        };
+        let wave = known(&mut errors.waves, number - 1, || wave_error(narrower, &courses));
+        for (bead, course) in narrower.iter_mut().zip(&courses) {
+            bead.move_towards(course, WAVE_CUT * wave);
         }
     }
-    moved
+    moved.unwrap_or_else(|| beads.to_vec())
+}
+
+/// A value that is measured once.
+fn known(values: &mut Vec<f64>, number: usize, measure: impl FnOnce() -> f64) -> f64 {
+    if number == values.len() {
+        values.push(measure());
+    }
+    values[number]
 }
 
 /// The beads, each moved onto the course of the longer bead that it is part of. Wide windows
 /// through long beads cost less than narrow ones through short beads.
-fn on_courses_of_joined(beads: &[Bead], views: usize, reach: &Reach, most: usize) -> Vec<Bead> {
+fn on_courses_of_joined(
+    beads: &[Bead],
+    views: usize,
+    reach: &Reach,
+    most: usize,
+    bend_error: impl FnOnce(&[Bead]) -> f64,
+) -> Vec<Bead> {
     let (counts, joined): (Vec<_>, Vec<_>) = joined(beads, most).into_iter().unzip();
-    let courses = on_common_courses(&joined, views, reach);
+    let mut courses = on_common_courses(&joined, views, reach);
+    let error = bend_error(&courses);
+    for (course, bead) in courses.iter_mut().zip(&joined) {
+        course.straighten(bead, error);
+    }
     let courses =
         counts.into_iter().zip(&courses).flat_map(|(count, course)| repeat_n(course, count));
     beads.iter().zip(courses).map(|(bead, course)| bead.onto(course)).collect()
+}
+
+/// Standard deviation of a view's curvature error, where it would be 1 for a bend with `chance` 1.
+fn bend_error(courses: &[Bead]) -> f64 {
+    let known = courses.iter().filter(|bead| bead.tells_error());
+    median(known.map(|bead| bead.bend.off.abs() / bead.off_variance.sqrt())) / MEDIAN_OF_NORMAL
 }
 
 /// Standard deviation by which a view's distance from the common course differs between a window
@@ -225,7 +277,7 @@ fn wave_error(narrow: &[Bead], wide: &[Bead]) -> f64 {
 
 /// The beads, each moved onto the course through those around it.
 pub(super) fn on_common_courses(beads: &[Bead], views: usize, reach: &Reach) -> Vec<Bead> {
-    let Reach { along: half, across, same_way, bend_prior, .. } = *reach;
+    let Reach { along: half, across, same_way, .. } = *reach;
     let per_half = half.recip();
     let grid = |beads: &[Bead]| {
         let places: Vec<Point2> = beads.iter().map(|bead| bead.position).collect();
@@ -263,16 +315,16 @@ pub(super) fn on_common_courses(beads: &[Bead], views: usize, reach: &Reach) -> 
             squared_shares += sums.share().powi(2);
             common.add_view(&sums);
         }
-        let Parabola { offset, slope, bend } = common.parabola(bend_prior);
-        let normal = left_of(&tangent);
         let has_length = common.length > 0.0;
         let views = if has_length { common.length.powi(2) / squared_shares } else { 1.0 };
+        let (course, alone) = (common.parabola(), own.parabola());
+        let normal = left_of(&tangent);
         Bead {
-            position: centre + normal * offset.clamp(-across, across),
-            tangent: (tangent + normal * (slope * per_half)).normalize(),
-            off: (own.y - slope * own.x - bend * own.xx) / own.length - offset,
-            bend: 2.0 * bend * per_half * per_half,
+            position: centre + normal * course.offset.clamp(-across, across),
+            tangent: (tangent + normal * (course.slope * per_half)).normalize(),
+            off: own.mean_off(&course),
             off_variance: 1.0 - 2.0 * own.share() / common.length + 1.0 / views,
+            bend: course.bend(&alone, views, half),
             views,
             ..*bead
         }
@@ -289,6 +341,26 @@ struct Parabola {
     offset: f64,
     slope: f64,
     bend: f64,
+    /// What of the offset and the slope the straight course lacks.
+    offset_by_bend: f64,
+    slope_by_bend: f64,
+    /// Mean square of what of x² is not linear in x; 0 if too small to tell a bend.
+    bent: f64,
+}
+
+impl Parabola {
+    /// The bend in space, beside that of one of its views.
+    fn bend(&self, alone: &Self, views: f64, half: f64) -> Bend {
+        let in_space = 2.0 / (half * half);
+        let chance = if self.bent > 0.0 { 1.0 / (views * self.bent).sqrt() } else { 0.0 };
+        Bend {
+            curvature: in_space * self.bend,
+            offset: self.offset_by_bend,
+            slope: self.slope_by_bend / half,
+            off: in_space * (alone.bend - self.bend) * alone.bent.sqrt(),
+            chance,
+        }
+    }
 }
 
 /// Weighted sums for a parabola y(x) through beads, with x in half-lengths of the window. The
@@ -336,9 +408,13 @@ impl Sums {
         self.length.min(1.0)
     }
 
-    /// The parabola of least squares, with a prior on the bend (ridge regression). Samples all in
-    /// one place have neither slope nor bend.
-    fn parabola(&self, bend_prior: f64) -> Parabola {
+    /// Mean distance of the samples from a course.
+    fn mean_off(&self, course: &Parabola) -> f64 {
+        (self.y - course.slope * self.x - course.bend * self.xx) / self.length - course.offset
+    }
+
+    /// The parabola of least squares. Samples all in one place have neither slope nor bend.
+    fn parabola(&self) -> Parabola {
         if self.length <= 0.0 {
             return Parabola::default();
         }
@@ -350,12 +426,22 @@ impl Sums {
         }
         // What of x² is not linear in x.
         let along = (mean(self.xxx) - x * xx) / variance;
-        let steepness = (mean(self.xy) - x * y) / variance;
         let bent = mean(self.xxxx) - xx * xx - along * along * variance;
-        let together = mean(self.xxy) - xx * y - along * steepness * variance;
-        let bend = together / (bent.max(0.0) + bend_prior / self.length);
-        let slope = steepness - along * bend;
-        Parabola { offset: y - slope * x - bend * xx, slope, bend }
+        let slope = (mean(self.xy) - x * y) / variance;
+        let offset = y - slope * x;
+        if bent <= LEAST_VARIANCE * LEAST_VARIANCE {
+            return Parabola { offset, slope, ..Parabola::default() };
+        }
+        let bend = (mean(self.xxy) - xx * y - along * slope * variance) / bent;
+        let (offset_by_bend, slope_by_bend) = (bend * (along * x - xx), -along * bend);
+        Parabola {
+            offset: offset + offset_by_bend,
+            slope: slope + slope_by_bend,
+            bend,
+            offset_by_bend,
+            slope_by_bend,
+            bent,
+        }
     }
 }
 
@@ -376,7 +462,7 @@ mod tests {
                 follows: k > 0,
                 off: 0.0,
                 off_variance: 0.0,
-                bend: 0.0,
+                bend: Bend::default(),
                 views: 1.0,
             }
         };
@@ -404,10 +490,9 @@ mod tests {
         let views = 5;
         let of_view = |view: u32| arc(view, 3000, 300, 1.0 + 0.002 * f64::from(view * view % 5));
         let beads: Vec<Bead> = (0..views).flat_map(of_view).collect();
-        let reach =
-            Reach { along: 0.05, bend_prior: 0.01, across: 0.03, wider: &[], same_way: 0.8 };
+        let reach = Reach { along: 0.05, across: 0.03, windows: &[1.0], same_way: 0.8 };
         let slow = on_common_courses(&beads, views as usize, &reach);
-        let fast = on_courses_of_joined(&beads, views as usize, &reach, 4);
+        let fast = on_courses_of_joined(&beads, views as usize, &reach, 4, |_| 0.0);
         for (k, (slow, fast)) in slow.iter().zip(&fast).enumerate() {
             // At the ends of the curves both windows hold other beads.
             let inside = (30..270).contains(&(k % 300));
@@ -424,20 +509,14 @@ mod tests {
         let errors = [-0.045, -0.03, -0.015, 0.0, 0.015, 0.03, 0.045];
         let of_view = |(view, error): (u32, &f64)| arc(view, 600, 600, 1.0 + error);
         let beads: Vec<Bead> = (0..).zip(&errors).flat_map(of_view).collect();
-        let narrow = Reach {
-            along: 0.24,
-            bend_prior: (4.0_f64 / 64.0).powi(2),
-            across: 0.19,
-            wider: &[],
-            same_way: 0.64,
-        };
+        let narrow = Reach { along: 0.24, across: 0.19, windows: &[1.0], same_way: 0.64 };
         for (reach, limit) in [(narrow, 0.0005), (narrow.times(2.0), 0.0015)] {
             let courses = on_common_courses(&beads, errors.len(), &reach);
             let radii = courses.iter().map(|bead| bead.position.coords.norm());
             let (least, most) = radii.fold((f64::MAX, 0.0_f64), |(a, b), r| (a.min(r), b.max(r)));
             // A straight course would lie inside by half² / 12: 0.005 and 0.019.
             assert!(1.0 - limit < least && most < 1.0 + limit, "{least} {most}");
-            assert!(courses.iter().all(|bead| (bead.bend - 1.0).abs() < 0.05));
+            assert!(courses.iter().all(|bead| (bead.bend.curvature - 1.0).abs() < 0.05));
         }
     }
 }

@@ -26,7 +26,7 @@
 use super::super::tuning::settle::*;
 use super::super::window::left_of;
 use super::align::align;
-use super::common_course::{Reach, averaged_view_error, beads, on_widest_courses};
+use super::common_course::{Reach, ViewErrors, averaged_view_error, beads, on_widest_courses};
 use super::observations::{Observations, median};
 use super::scale::Scale;
 
@@ -40,9 +40,9 @@ pub(super) fn settle(observations: &mut Observations, scale: &Scale, error: f64)
     let reach = Reach::new(error, scale);
     let mut view_error = scale.steps().align.then(|| align(observations, &reach, error));
     let (mut beads, bead_of) = beads(observations, &reach);
-    let mut wave_errors = Vec::new();
+    let mut errors = ViewErrors::default();
     for _ in 0..ROUNDS {
-        beads = on_widest_courses(&beads, observations.sources.len(), &reach, &mut wave_errors);
+        beads = on_widest_courses(&beads, observations.sources.len(), &reach, &mut errors);
         view_error = view_error.or_else(|| Some(averaged_view_error(&beads)));
     }
     for (o, &k) in observations.all.iter_mut().zip(&bead_of) {

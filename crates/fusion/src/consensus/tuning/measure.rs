@@ -112,15 +112,10 @@ pub mod settle {
     /// `parts_pin12_n01_pose` 7 % larger); with 7, small things merge (tight completeness of
     /// `kitchen_kin40_real` 86.0 instead of 86.4 %). Doubled: surfaces beside each other merge.
     pub const ACROSS_ERRORS: f64 = 6.25;
-    /// Half-lengths of wider windows, in those of the narrowest: each about three times the one
+    /// Half-lengths of all windows, in that of the narrowest: each about three times the one
     /// before. Measured against 2 and 4: medians of three kitchens and a room fall by 2 to 7 %.
     /// Doubled: they change by -4 to +2 %, and those of round things grow by a tenth.
-    pub const WIDER_WINDOWS: [f64; 2] = [3.0, 10.0];
-    /// Radius of the sharpest bend, in errors of a view: a circle that is not much larger cannot be
-    /// told from errors. The bends of courses are expected up to it. Measured: between 1 and 4
-    /// medians of kitchens and rooms change by less than 1 %, those of round parts by 2 %. Doubled:
-    /// nothing changes.
-    pub const SHARPEST_BEND: f64 = 2.0;
+    pub const WINDOWS: [f64; 3] = [1.0, 3.0, 10.0];
     /// Distance between the courses of a wider window and of the narrower ones at which the wider
     /// one does not count, in standard deviations. Theory: one normal error in 400 is larger.
     /// Doubled: bends become flatter.
