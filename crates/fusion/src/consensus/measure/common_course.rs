@@ -4,11 +4,14 @@
 //! through nodes. Each view counts alike, however densely it sampled (Alexa et al., 2003, with one
 //! share per view). Direction tells surfaces apart, so both sides of a thin wall stay.
 //!
-//! A straight course would cut bends. All views are cut alike, so more of them would not help.
+//! A straight course would cut bends. All views are cut alike, so more of them would not help. A
+//! parabola keeps bends, but doubles the variance where nothing bends. What chance explains of a
+//! bend is therefore taken out (Efron and Morris, 1973).
 
 use super::super::tuning::settle::*;
 use super::super::tuning::spread::MEDIAN_OF_NORMAL;
 use super::super::window::{Window, left_of};
+use super::course_fit::{Parabola, Sums};
 use super::observations::{Observation, Observations, median};
 use super::scale::Scale;
 use crate::grid::PointGrid;
@@ -74,10 +77,26 @@ struct Bend {
     /// By how much the bend moves the course across the bead, and turns it there.
     offset: f64,
     slope: f64,
-    /// By how much the curvature of the bead's view differs, in errors that a view of curvature
-    /// error 1 would have there, and the error of the common curvature in the same unit.
+    /// How far the bead's view is off, as its own bend shows it: a length.
     off: f64,
+    /// Standard deviation of the curvature if views were off by 1.
     chance: f64,
+}
+
+impl Bend {
+    /// The bend of a course of so many views, beside that of one view alone, in a window of this
+    /// half-length. Courses move beads by `most` at most.
+    fn new(course: &Parabola, alone: &Parabola, views: f64, half: f64, most: f64) -> Self {
+        let in_space = 2.0 / (half * half);
+        let known = views * course.bent;
+        Self {
+            curvature: in_space * course.bend,
+            offset: course.offset.clamp(-most, most) - course.straight_offset.clamp(-most, most),
+            slope: (course.slope - course.straight_slope) / half,
+            off: (alone.bend - course.bend) * alone.bent.sqrt(),
+            chance: if known > 0.0 { in_space / known.sqrt() } else { 0.0 },
+        }
+    }
 }
 
 impl Bead {
@@ -109,7 +128,8 @@ impl Bead {
     }
 
     /// Takes out as much of the bend as chance explains, where `bead` moved onto this course: the
-    /// square of what is seen is that of the bend and that of its error. `error` is a view's.
+    /// square of what is seen holds that of the bend and that of its error. `error` is how far a
+    /// view is off, as bends show it.
     fn straighten(&mut self, bead: &Self, error: f64) {
         let chance = error * self.bend.chance / self.bend.curvature.abs().max(f64::MIN_POSITIVE);
         let out = (chance * chance).min(1.0);
@@ -198,11 +218,13 @@ pub(super) fn averaged_view_error(beads: &[Bead]) -> f64 {
     median(known.map(|bead| bead.off.abs() / bead.off_variance.sqrt())) / MEDIAN_OF_NORMAL
 }
 
-/// What views differ by, apart from shifts, in each window: of the first round, as beads that have
-/// moved no longer show it.
+/// How far views are off, apart from shifts, in each window. The first round measures it, since
+/// beads that have moved no longer show it.
 #[derive(Debug, Default)]
 pub(super) struct ViewErrors {
+    /// As the bends of each window show it.
     bends: Vec<f64>,
+    /// As the distances from the courses of each wider window and of the narrower one show it.
     waves: Vec<f64>,
 }
 
@@ -261,7 +283,7 @@ fn on_courses_of_joined(
     beads.iter().zip(courses).map(|(bead, course)| bead.onto(course)).collect()
 }
 
-/// Standard deviation of a view's curvature error, where it would be 1 for a bend with `chance` 1.
+/// Standard deviation of a view's error, as bends show it.
 fn bend_error(courses: &[Bead]) -> f64 {
     let known = courses.iter().filter(|bead| bead.tells_error());
     median(known.map(|bead| bead.bend.off.abs() / bead.off_variance.sqrt())) / MEDIAN_OF_NORMAL
@@ -324,7 +346,7 @@ pub(super) fn on_common_courses(beads: &[Bead], views: usize, reach: &Reach) -> 
             tangent: (tangent + normal * (course.slope * per_half)).normalize(),
             off: own.mean_off(&course),
             off_variance: 1.0 - 2.0 * own.share() / common.length + 1.0 / views,
-            bend: course.bend(&alone, views, half),
+            bend: Bend::new(&course, &alone, views, half, across),
             views,
             ..*bead
         }
@@ -333,116 +355,6 @@ pub(super) fn on_common_courses(beads: &[Bead], views: usize, reach: &Reach) -> 
         result[k] = moved(bead);
     }
     result
-}
-
-/// The course y = offset + slope · x + bend · x², with x in half-lengths of the window.
-#[derive(Debug, Clone, Copy, Default)]
-struct Parabola {
-    offset: f64,
-    slope: f64,
-    bend: f64,
-    /// What of the offset and the slope the straight course lacks.
-    offset_by_bend: f64,
-    slope_by_bend: f64,
-    /// Mean square of what of x² is not linear in x; 0 if too small to tell a bend.
-    bent: f64,
-}
-
-impl Parabola {
-    /// The bend in space, beside that of one of its views.
-    fn bend(&self, alone: &Self, views: f64, half: f64) -> Bend {
-        let in_space = 2.0 / (half * half);
-        let chance = if self.bent > 0.0 { 1.0 / (views * self.bent).sqrt() } else { 0.0 };
-        Bend {
-            curvature: in_space * self.bend,
-            offset: self.offset_by_bend,
-            slope: self.slope_by_bend / half,
-            off: in_space * (alone.bend - self.bend) * alone.bent.sqrt(),
-            chance,
-        }
-    }
-}
-
-/// Weighted sums for a parabola y(x) through beads, with x in half-lengths of the window. The
-/// weights are lengths, in half-lengths too.
-#[derive(Debug, Clone, Copy, Default)]
-struct Sums {
-    length: f64,
-    x: f64,
-    xx: f64,
-    xxx: f64,
-    xxxx: f64,
-    y: f64,
-    xy: f64,
-    xxy: f64,
-}
-
-impl Sums {
-    fn add(&mut self, length: f64, x: f64, y: f64) {
-        let xx = x * x;
-        let (xxx, xxxx, xy, xxy) = (x * xx, xx * xx, x * y, xx * y);
-        self.add_share(&Self { length: 1.0, x, xx, xxx, xxxx, y, xy, xxy }, length);
-    }
-
-    fn add_share(&mut self, other: &Self, share: f64) {
-        self.length += share * other.length;
-        self.x += share * other.x;
-        self.xx += share * other.xx;
-        self.xxx += share * other.xxx;
-        self.xxxx += share * other.xxxx;
-        self.y += share * other.y;
-        self.xy += share * other.xy;
-        self.xxy += share * other.xxy;
-    }
-
-    /// Adds the sums of one view. All views that measured the whole window count alike, however
-    /// densely they did.
-    fn add_view(&mut self, view: &Self) {
-        if view.length > 0.0 {
-            self.add_share(view, 1.0 / view.length.max(1.0));
-        }
-    }
-
-    /// What a view counts as: the part of the window that it measured.
-    fn share(&self) -> f64 {
-        self.length.min(1.0)
-    }
-
-    /// Mean distance of the samples from a course.
-    fn mean_off(&self, course: &Parabola) -> f64 {
-        (self.y - course.slope * self.x - course.bend * self.xx) / self.length - course.offset
-    }
-
-    /// The parabola of least squares. Samples all in one place have neither slope nor bend.
-    fn parabola(&self) -> Parabola {
-        if self.length <= 0.0 {
-            return Parabola::default();
-        }
-        let mean = |sum: f64| sum / self.length;
-        let (x, y, xx) = (mean(self.x), mean(self.y), mean(self.xx));
-        let variance = xx - x * x;
-        if variance <= LEAST_VARIANCE {
-            return Parabola { offset: y, ..Parabola::default() };
-        }
-        // What of x² is not linear in x.
-        let along = (mean(self.xxx) - x * xx) / variance;
-        let bent = mean(self.xxxx) - xx * xx - along * along * variance;
-        let slope = (mean(self.xy) - x * y) / variance;
-        let offset = y - slope * x;
-        if bent <= LEAST_VARIANCE * LEAST_VARIANCE {
-            return Parabola { offset, slope, ..Parabola::default() };
-        }
-        let bend = (mean(self.xxy) - xx * y - along * slope * variance) / bent;
-        let (offset_by_bend, slope_by_bend) = (bend * (along * x - xx), -along * bend);
-        Parabola {
-            offset: offset + offset_by_bend,
-            slope: slope + slope_by_bend,
-            bend,
-            offset_by_bend,
-            slope_by_bend,
-            bent,
-        }
-    }
 }
 
 #[cfg(test)]
@@ -517,6 +429,21 @@ mod tests {
             // A straight course would lie inside by half² / 12: 0.005 and 0.019.
             assert!(1.0 - limit < least && most < 1.0 + limit, "{least} {most}");
             assert!(courses.iter().all(|bead| (bead.bend.curvature - 1.0).abs() < 0.05));
+        }
+    }
+
+    #[test]
+    fn what_chance_explains_of_a_bend_is_taken_out() {
+        let bead = arc(0, 60, 2, 1.0)[0];
+        let bend = Bend { curvature: 2.0, offset: 0.01, slope: 0.1, off: 0.0, chance: 1.0 };
+        let bent = Bead { position: bead.position + left_of(&bead.tangent) * 0.01, bend, ..bead };
+        // Errors of nothing, half, all and twice of the bend, and the share of it that stays.
+        for (error, stays) in [(0.0, 1.0), (1.0, 0.75), (2.0, 0.0), (4.0, 0.0)] {
+            let mut straight = bent;
+            straight.straighten(&bead, error);
+            let off = left_of(&bead.tangent).dot(&(straight.position - bead.position));
+            assert!((off - 0.01 * stays).abs() < 1e-12 && off.is_finite());
+            assert!((straight.bend.curvature - 2.0 * stays).abs() < 1e-12);
         }
     }
 }

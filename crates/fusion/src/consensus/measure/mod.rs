@@ -5,6 +5,7 @@
 mod align;
 mod arc;
 mod common_course;
+mod course_fit;
 mod observations;
 mod scale;
 mod settle;
