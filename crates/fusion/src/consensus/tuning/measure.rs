@@ -151,8 +151,8 @@ pub mod settle {
     /// Least variance of the beads' places along a course, in squares of its half-length, for the
     /// course to have a slope. By hand. Doubled: nothing changes.
     pub const LEAST_VARIANCE: f64 = 0.01;
-    /// Least mean square of what of x² is not linear along a course, with x in half-lengths, for the
-    /// course to have a bend. Theory: [`LEAST_VARIANCE`] squared. Doubled: nothing changes.
+    /// Least mean square of what of x² is not linear along a course, with x in half-lengths, for
+    /// the course to have a bend. Theory: [`LEAST_VARIANCE`] squared. Doubled: nothing changes.
     pub const LEAST_BENT: f64 = LEAST_VARIANCE * LEAST_VARIANCE;
     /// Least variance of a view's distance from a common course, in variances of the view, for the
     /// distance to tell something of the views' errors. Theory: two views that count alike have
