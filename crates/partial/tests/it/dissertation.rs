@@ -182,9 +182,9 @@ fn check_sides(
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 
-    /// Not compared are units shorter than a third of the distance of two samples on the surface,
-    /// whose direction is the zigzag of two kinds of pairs, and curves of up to four nodes, which
-    /// may be nothing else. Nor are places where both sides are at the same depth, as on a plane
+    /// Not compared are units shorter than a third of the distance of two samples on the surface.
+    /// Their direction is the zigzag of two kinds of pairs. Curves of up to four nodes may be
+    /// nothing else, so they are not compared either. Nor are places where both sides are at the same depth, as on a plane
     /// that touches the solid. In curves of up to 12 nodes, the left need not lie inside.
     #[test]
     fn the_point_to_the_left_of_every_curve_is_inside(
@@ -313,8 +313,8 @@ proptest! {
         let mut linear = OnePassOptions::default(); linear.subpixel = Subpixel::Cartesian;
         let other = one_pass::partial_model(&seen.view, &planes, &linear);
         let other = other.unwrap();
-        // A level of 28 is known to 2e-6 of an interval in f32, a node to many times that where
-        // the plane cuts two samples' line at a small angle.
+        // In f32 a level of 28 is known to 2e-6 of an interval. Where the plane cuts the line of
+        // two samples at a small angle, a node is known to many times that.
         let same = 1e-3 * seen.rig.pixel();
         for plane in &model.planes {
             let there = other.planes.iter().find(|p| p.plane == plane.plane);

@@ -152,7 +152,8 @@ pub mod settle {
     /// course to have a slope. By hand. Doubled: nothing changes.
     pub const LEAST_VARIANCE: f64 = 0.01;
     /// Least mean square of what of x² is not linear along a course, with x in half-lengths, for
-    /// the course to have a bend. Theory: [`LEAST_VARIANCE`] squared. Doubled: nothing changes.
+    /// the course to have a bend. By hand: the square of [`LEAST_VARIANCE`], as x² goes with x².
+    /// A window that is measured as a whole has 0.04.
     pub const LEAST_BENT: f64 = LEAST_VARIANCE * LEAST_VARIANCE;
     /// Least variance of a view's distance from a common course, in variances of the view, for the
     /// distance to tell something of the views' errors. Theory: two views that count alike have
