@@ -184,8 +184,9 @@ proptest! {
 
     /// Not compared are units shorter than a third of the distance of two samples on the surface.
     /// Their direction is the zigzag of two kinds of pairs. Curves of up to four nodes may be
-    /// nothing else, so they are not compared either. Nor are places where both sides are at the same depth, as on a plane
-    /// that touches the solid. In curves of up to 12 nodes, the left need not lie inside.
+    /// nothing else, so they are not compared either. Nor are places where both sides are at the
+    /// same depth, as on a plane that touches the solid. In curves of up to 12 nodes, the left
+    /// need not lie inside.
     #[test]
     fn the_point_to_the_left_of_every_curve_is_inside(
         seen in seen(0.03), normal in directions(), interval in 0.05..0.3, kind in 0..3_u8,
