@@ -13,9 +13,9 @@
 //! **Steps.**
 //! 1. Each view is shifted and turned as a whole (`align.rs`).
 //! 2. Each view's curves are cut into beads, which are short pieces. Each bead moves onto the
-//!    course through the beads around it (`common_course.rs`). The course is the one of the widest window
-//!    that agrees with those of narrower windows. Twice, as the first courses pass through beads
-//!    that have not moved yet.
+//!    course through the beads around it (`common_course.rs`). The course is the one of the widest
+//!    window that agrees with those of narrower windows. Twice, as the first courses pass through
+//!    beads that have not moved yet.
 //! 3. Each observation moves onto the course of its bead, as far as errors of views exceed its own
 //!    noise.
 //! 4. The distances of the views from the first courses tell how far a view is off *after averaging
