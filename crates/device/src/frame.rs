@@ -1,6 +1,7 @@
 //! The device frame of a sensor (dissertation, section 3.3): the trait every backend implements.
 
 use crate::{ImageSize, Pixel, Point3, RangeImage, RayProducts, SeparableForm, Vector3};
+use std::sync::Arc;
 
 /// The ray of one pixel in the sensor frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -208,6 +209,12 @@ pub trait DeviceFrame: std::fmt::Debug + Send + Sync {
     /// Conservative: no such point lies outside them (dissertation, section 4.2.4). The caller
     /// derives from them which section planes a view can involve.
     fn extent(&self, direction: &Vector3, nearest: f64, farthest: f64) -> (f64, f64);
+
+    /// The frame of every other row and column, from row 0 and column 0 on: its pixel `(i, j)` is
+    /// `(2 i, 2 j)` of this one. `None` if the sensor has no such frame.
+    fn halved(&self) -> Option<Arc<dyn DeviceFrame>> {
+        None
+    }
 
     /// The form's value at every pixel of a row, NaN where missing.
     ///

@@ -37,6 +37,12 @@ impl ImageSize {
         self.rows.saturating_mul(self.cols)
     }
 
+    /// The size of every other row and column, from row 0 and column 0 on.
+    #[must_use]
+    pub fn halved(self) -> Self {
+        Self { rows: self.rows.div_ceil(2), cols: self.cols.div_ceil(2) }
+    }
+
     /// All pixels, row by row.
     pub fn all_pixels(self) -> impl Iterator<Item = Pixel> {
         (0..self.rows).flat_map(move |row| (0..self.cols).map(move |col| Pixel::new(row, col)))
@@ -154,6 +160,25 @@ impl RangeImage {
         }
         let census = Census::take(&mut values);
         Ok(Self { size, values, census })
+    }
+
+    /// The image of a function of every value. Missing pixels stay missing, and useless results
+    /// become missing.
+    #[must_use]
+    pub fn map(&self, of: impl Fn(f32) -> f32) -> Self {
+        let mut values: Vec<f32> = self.values.iter().map(|value| of(*value)).collect();
+        let census = Census::take(&mut values);
+        Self { size: self.size, values, census }
+    }
+
+    /// Every other row and column, from row 0 and column 0 on.
+    #[must_use]
+    pub fn halved(&self) -> Self {
+        let size = self.size.halved();
+        let rows = (0..size.rows).map(|row| self.row(2 * row));
+        let mut values: Vec<f32> = rows.flat_map(|row| row.iter().step_by(2).copied()).collect();
+        let census = Census::take(&mut values);
+        Self { size, values, census }
     }
 
     /// Number of rows and columns.

@@ -74,6 +74,13 @@ impl View {
         Self::new(name, image, frame, self.world_from_sensor, self.sigma)
     }
 
+    /// The view at half its resolution: every other row and column, from row 0 and column 0 on.
+    /// `None` if its frame cannot be halved, or if these pixels are all missing.
+    pub fn halved(&self) -> Option<Self> {
+        let (name, pose) = (self.name.clone(), self.world_from_sensor);
+        Self::new(name, self.image.halved(), self.frame.halved()?, pose, self.sigma).ok()
+    }
+
     /// The same view with another pose, for example from a better registration.
     ///
     /// # Errors

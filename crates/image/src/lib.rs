@@ -7,11 +7,13 @@
 //! * [`BreakRule`]: whether two neighbouring pixels belong to one surface (dissertation, 3.4.2);
 //!   [`PairTests`] is the same rule for many pairs side by side;
 //! * [`mod@smooth`]: edge-preserving smoothing;
-//! * [`PreparedView`]: a view with its noise known and its image smoothed.
+//! * [`NoisyView`]: a view with its noise, at the resolution that the noise leaves;
+//! * [`PreparedView`]: the same view with its image smoothed.
 
 mod breaks;
 mod instructions;
 mod noise;
+mod noisy_view;
 mod pair_rule;
 mod prepared;
 pub mod smooth;
@@ -20,5 +22,6 @@ mod tuning;
 pub use breaks::BreakRule;
 pub use instructions::Instructions;
 pub use noise::{RangeNoise, estimate_sigma, estimate_value_sigma, length_per_value};
+pub use noisy_view::NoisyView;
 pub use pair_rule::{PairTest, PairTests, TestPairs, UniformTest, padded};
 pub use prepared::PreparedView;

@@ -1,13 +1,13 @@
 //! A view as curves are found in it: its noise known and, where that asks for it, smoothed.
 
 use crate::smooth::{Smoothed, Smoothing, smooth_with};
-use crate::{BreakRule, RangeNoise};
+use crate::{BreakRule, NoisyView, RangeNoise};
 use transect_device::{Pixel, View, ViewError};
 
 /// A view with its noise known, smoothed if that was asked for. It never changes.
 #[derive(Debug, Clone)]
 pub struct PreparedView<'a> {
-    given: &'a View,
+    given: &'a NoisyView<'a>,
     noise: RangeNoise,
     contradicting: Option<f64>,
     smoothed: Option<Smoothed>,
@@ -20,16 +20,16 @@ impl<'a> PreparedView<'a> {
     /// Without `smoothing` the image stays as it is, and so does an image that cannot be smoothed;
     /// [`PreparedView::failure`] tells why.
     pub fn new(
-        view: &'a View,
+        given: &'a NoisyView<'a>,
         smoothing: Option<&Smoothing<'_>>,
         rule: impl FnOnce(&RangeNoise) -> BreakRule,
     ) -> Self {
         let shares = smoothing.is_none_or(|smoothing| smoothing.steps.shared_noise);
-        let noise = RangeNoise::of(view);
+        let (view, noise) = (given.view(), *given.noise());
         let noise = if shares { noise } else { noise.own() };
         let contradicting = RangeNoise::contradicting(view);
         let mut prepared =
-            Self { given: view, noise, contradicting, smoothed: None, failure: None };
+            Self { given, noise, contradicting, smoothed: None, failure: None };
         if let Some(smoothing) = smoothing {
             match smooth_with(view, &noise, &rule(&noise), smoothing) {
                 Ok(smoothed) => prepared.smoothed = Some(smoothed),
@@ -41,12 +41,17 @@ impl<'a> PreparedView<'a> {
 
     /// The view in which curves are found.
     pub fn view(&self) -> &View {
-        self.smoothed.as_ref().map_or(self.given, |s| &s.view)
+        self.smoothed.as_ref().map_or(self.given.view(), |s| &s.view)
     }
 
     /// The view before smoothing.
     pub fn given(&self) -> &View {
-        self.given
+        self.given.view()
+    }
+
+    /// Distance between neighbouring pixels in the view's own image; see [`NoisyView::step`].
+    pub fn step(&self) -> usize {
+        self.given.step()
     }
 
     /// The result of smoothing; `None` if it was not asked for or failed.
@@ -79,13 +84,13 @@ impl<'a> PreparedView<'a> {
 
     /// Range noise of a pixel after smoothing, along its ray, as a length.
     pub fn sigma_at(&self, pixel: Pixel) -> f64 {
-        self.noise.length_at(self.given, pixel) * self.factor(pixel)
+        self.noise.length_at(self.given(), pixel) * self.factor(pixel)
     }
 
     /// Standard deviation of the range of a group of neighbouring pixels, along the ray, as a
     /// length: a pixel's own noise after smoothing, and the noise that the group shares.
     pub fn sigma_of_group(&self, pixel: Pixel) -> f64 {
-        self.noise.length_at(self.given, pixel) * self.factor(pixel).hypot(self.noise.shared())
+        self.noise.length_at(self.given(), pixel) * self.factor(pixel).hypot(self.noise.shared())
     }
 
     /// How many pixels across share their noise with a pixel; 0 if each has its own.

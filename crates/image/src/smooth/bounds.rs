@@ -54,7 +54,7 @@ impl ValueBounds {
 /// Largest change of a value by smoothing, as a share of it; NaN where it is not known.
 #[inline(always)]
 fn relative_change(noise: &RangeNoise, rate: f32, value: f32) -> f32 {
-    let sigma = noise.value_sigma(f64::from(rate)) as f32;
+    let sigma = noise.value_sigma(f64::from(value), f64::from(rate)) as f32;
     let change = LARGEST_CHANGE * sigma / value + ROUNDING;
     if change < LARGEST_SHARE { change } else { f32::NAN }
 }

@@ -124,10 +124,12 @@ pub type PixelChoice<'a> = dyn Fn(&ValueBounds) -> Vec<bool> + 'a;
 #[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SmoothingSteps {
-    /// Noise that neighbours share counts. Windows are wider, every second row of them is left out
-    /// where neighbours share most of the noise, and surfaces are seen at smaller angles there.
-    /// Regions beside a plane must rise farther above it.
+    /// Noise that neighbours share counts. Windows are wider, and every second row of them is left
+    /// out where neighbours share most of the noise. Regions beside a plane must rise farther above
+    /// it. Without this step no view is halved, either.
     pub shared_noise: bool,
+    /// Every other row and column is left out where neighbours share most of the noise.
+    pub half_resolution: bool,
     /// Only pixels near a plane are smoothed. It saves time and changes no curve.
     pub near_planes: bool,
     /// The fit in a second, wider window counts where both windows agree.
@@ -142,6 +144,7 @@ impl Default for SmoothingSteps {
     fn default() -> Self {
         Self {
             shared_noise: true,
+            half_resolution: true,
             near_planes: true,
             wider_window: true,
             robust_weights: true,
@@ -290,7 +293,8 @@ impl<'a> Smoother<'a> {
             let pixel = Pixel { row, col };
             let Some((across, down)) = self.grid.spacings(pixel) else { continue };
             let rate = f64::from(rates[col]);
-            let (sigma, lane) = (self.noise.value_sigma(rate), col - first);
+            let sigma = self.noise.value_sigma(f64::from(values[col]), rate);
+            let lane = col - first;
             (scales.across[lane], scales.down[lane]) = (across, down);
             scales.sigma[lane] = (sigma * rate) as f32;
             let inverse_sigma = self.quantity.inverse_sigma(values[col], (1.0 / sigma) as f32);

@@ -69,7 +69,7 @@ use serde::{Deserialize, Serialize};
 use trace::Trace;
 use transect_device::View;
 use transect_geometry::{PlaneFamily, PlaneIndex};
-use transect_image::PreparedView;
+use transect_image::{NoisyView, PreparedView};
 use transect_image::smooth::Smoothing;
 
 /// Options.
@@ -115,7 +115,8 @@ pub fn partial_model(
     planes: &PlaneFamily,
     options: &DissertationOptions,
 ) -> Result<PartialModel, PartialError> {
-    let prepared = prepared(view, options);
+    let noisy = NoisyView::whole(view);
+    let prepared = prepared(&noisy, options);
     let axes = SectionAxes::new(prepared.view(), planes)?;
     let modeler = Modeler::new(&prepared, &axes, options);
     let mut model = PartialModel::default();
@@ -142,7 +143,8 @@ pub fn plane_steps(
     plane: PlaneIndex,
     options: &DissertationOptions,
 ) -> Result<PlaneSteps, PartialError> {
-    let prepared = prepared(view, options);
+    let noisy = NoisyView::whole(view);
+    let prepared = prepared(&noisy, options);
     let axes = SectionAxes::new(prepared.view(), planes)?;
     let modeler = Modeler::new(&prepared, &axes, options);
     let level = i32::try_from(plane.0 - axes.base().0);
@@ -155,7 +157,7 @@ pub fn plane_steps(
 
 /// The view, smoothed as the options say. All of it is smoothed, since gaps are bridged and thick
 /// labels thinned by what is around a curve.
-fn prepared<'a>(view: &'a View, options: &DissertationOptions) -> PreparedView<'a> {
+fn prepared<'a>(view: &'a NoisyView<'a>, options: &DissertationOptions) -> PreparedView<'a> {
     let smoothing = options.smooth.then(Smoothing::default);
     PreparedView::new(view, smoothing.as_ref(), |noise| options.jump.smoothing_rule(noise.length()))
 }

@@ -43,7 +43,7 @@ impl Lines<'_> {
         let pairs = PairLines { view, rule, grid };
         let refined = Refinement::new(prepared, axes, pairs, options.subpixel);
         let refinement = refined.filter(|_| along.is_none());
-        let gaps = Gaps { view, rule, contours, grid, gap: options.gap };
+        let gaps = Gaps { view, rule, contours, grid, gap: options.gap.div_ceil(prepared.step()) };
         let mut near_tangent =
             NearTangent::new(view, prepared, axes, rule, options.excursion_sigmas);
         let mut nodes = NodeMaker {

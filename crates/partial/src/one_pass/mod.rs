@@ -94,7 +94,7 @@ use std::sync::Arc;
 use transect_device::View;
 use transect_geometry::{CurvedGuide, PlaneFamily};
 use transect_image::smooth::{PixelChoice, Smoothing, SmoothingSteps, ValueBounds};
-use transect_image::{BreakRule, PreparedView, RangeNoise};
+use transect_image::{BreakRule, NoisyView, PreparedView, RangeNoise};
 
 /// Options.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -102,9 +102,7 @@ use transect_image::{BreakRule, PreparedView, RangeNoise};
 #[non_exhaustive]
 pub struct OnePassOptions {
     /// Largest angle between a ray and the surface normal at which two pixels still count as one
-    /// surface, in radians. Larger keeps more of the rims, where real scanners overshoot. A
-    /// view that states no sigma, and whose neighbouring pixels share most of their noise, has 66°
-    /// at most; see [`OnePassOptions::break_rule`].
+    /// surface, in radians. Larger keeps more of the rims, where real scanners overshoot.
     pub max_incidence_rad: f64,
     /// How many standard deviations of the range a pair may differ by from noise alone.
     pub jump_sigmas: f64,
@@ -117,7 +115,7 @@ pub struct OnePassOptions {
     /// estimate sees, bends them: they are for ranges known to be clean.
     pub subpixel: Subpixel,
     /// Most missing pixels in a row that a curve is continued across, 4 as in the source; 0 bridges
-    /// nothing. Bridged units are marked: fusion never lets them keep seen nodes from each other.
+    /// nothing. Where every other pixel is read, two of the image count as one. Bridged units are marked: fusion never lets them keep seen nodes from each other.
     pub gap: usize,
     /// Standard deviations by which the surface must leave the plane on both sides of a curve. 0
     /// keeps the curves that noise alone makes where the surface is nearly tangent to the plane.
@@ -150,21 +148,21 @@ impl Default for OnePassOptions {
     }
 }
 
-/// Largest angle of incidence where neighbouring pixels share most of their noise, in degrees.
-///
-/// A matching window turns a jump into a slope as wide as itself. Measured on random halves of the
-/// red kitchen's views, against 78°: the curves are 9 % shorter, and the share within 2 cm rises
-/// from 82.3 to 84.4 %. `kitchen_kin40_real` loses .05 % of its tight completeness; with 60°, .8 %.
-/// Doubled, slopes at jumps are surface.
-const SHARED_INCIDENCE: f64 = 66.0;
-
 impl OnePassOptions {
+    /// A view with its noise, at the resolution in which curves are found.
+    pub fn resolved<'a>(&self, view: &'a View) -> NoisyView<'a> {
+        let SmoothingSteps { shared_noise, half_resolution, .. } = self.smoothing;
+        if self.smooth && shared_noise && half_resolution {
+            NoisyView::resolved(view)
+        } else {
+            NoisyView::whole(view)
+        }
+    }
+
     /// The rule for range jumps in a view with this noise.
     pub fn break_rule(&self, view: &View, noise: &RangeNoise) -> BreakRule {
-        let most =
-            if noise.is_mostly_shared() { SHARED_INCIDENCE.to_radians() } else { f64::INFINITY };
         let slack = self.jump_sigmas * noise.length();
-        BreakRule::new(self.max_incidence_rad.min(most), slack).on_rays_of(view)
+        BreakRule::new(self.max_incidence_rad, slack).on_rays_of(view)
     }
 }
 
@@ -194,6 +192,8 @@ pub fn partial_model_with(
     if let Some(guide) = planes.guide().curved() {
         return along_guide(view, (planes, guide), options, effort, work);
     }
+    let noisy = options.resolved(view);
+    let view = noisy.view();
     let rule = |noise: &RangeNoise| options.break_rule(view, noise);
     let axes = SectionAxes::new(view, planes)?;
     let near = |bounds: &ValueBounds| near_planes(view, &axes, bounds, effort.instructions);
@@ -201,7 +201,7 @@ pub fn partial_model_with(
     // The cubic reads samples beside the pairs, which may be far from every plane.
     let pixels = (options.subpixel != Subpixel::FourPoint).then_some(&near as &PixelChoice<'_>);
     let smoothing = Smoothing { pixels, instructions, steps };
-    let prepared = PreparedView::new(view, options.smooth.then_some(&smoothing), rule);
+    let prepared = PreparedView::new(&noisy, options.smooth.then_some(&smoothing), rule);
     let rule = rule(prepared.noise());
     let contours = contours(prepared.view(), &axes, &rule, effort, work)?;
     let lines = curves::Lines {
@@ -223,10 +223,11 @@ fn along_guide(
     effort: &Effort,
     work: &mut Workspace,
 ) -> Result<PartialModel, PartialError> {
-    let rule = |noise: &RangeNoise| options.break_rule(view, noise);
+    let noisy = options.resolved(view);
+    let rule = |noise: &RangeNoise| options.break_rule(noisy.view(), noise);
     let (instructions, steps) = (effort.instructions, options.smoothing);
     let smoothing = Smoothing { pixels: None, instructions, steps };
-    let prepared = PreparedView::new(view, options.smooth.then_some(&smoothing), rule);
+    let prepared = PreparedView::new(&noisy, options.smooth.then_some(&smoothing), rule);
     let rule = rule(prepared.noise());
     let mut model = PartialModel::default();
     let off_guide = match AlongGuide::new(prepared.view(), planes, guide)? {

@@ -22,6 +22,7 @@ pub use ray_table::RayTable;
 use crate::central::{central_extent, central_plane_value};
 use crate::error::{SensorError, require};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 use transect_device::{
     DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, Neighbour, Pixel, Point3,
     RangeImage, Ray, RayProduct, RayProducts, SensorPlane, SeparableForm, Vector3,
@@ -152,6 +153,13 @@ impl DeviceFrame for Pinhole {
 
     fn plane_value(&self, pixel: Pixel, plane: &SensorPlane) -> Option<f64> {
         central_plane_value(&self.inside(pixel)?, plane)
+    }
+
+    fn halved(&self) -> Option<Arc<dyn DeviceFrame>> {
+        let Intrinsics { fx, fy, cx, cy } = self.intrinsics;
+        let [fx, fy, cx, cy] = [fx, fy, cx, cy].map(|pixels| pixels / 2.0);
+        let intrinsics = Intrinsics { fx, fy, cx, cy };
+        Some(Arc::new(Self { size: self.size.halved(), intrinsics, ..*self }))
     }
 
     /// Exact. Rays of depth 1 fill a rectangle, whose corners are extreme; those of length 1 bulge.

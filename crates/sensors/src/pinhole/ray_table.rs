@@ -21,6 +21,7 @@ use super::PinholeScale;
 use crate::central::{central_extent, central_plane_value};
 use crate::error::{SensorError, require};
 use nalgebra::{Matrix2, Vector2};
+use std::sync::Arc;
 use transect_device::{
     DeviceFrame, DevicePoint, Handedness, ImageError, ImageSize, Pixel, Point3, Ray, SensorPlane,
     Vector3,
@@ -205,6 +206,12 @@ impl DeviceFrame for RayTable {
 
     fn plane_value(&self, pixel: Pixel, plane: &SensorPlane) -> Option<f64> {
         central_plane_value(&self.scaled(pixel.row, pixel.col)?, plane)
+    }
+
+    fn halved(&self) -> Option<Arc<dyn DeviceFrame>> {
+        let size = self.size.halved();
+        let rays = size.all_pixels().map(|p| self.scaled(2 * p.row, 2 * p.col)).collect();
+        Some(Arc::new(Self { size, rays, ..*self }))
     }
 
     /// Exact, ray by ray.

@@ -39,9 +39,10 @@ pub(super) struct Drawn<'a> {
 /// Draws all steps of one plane.
 pub(super) fn draw(drawn: &Drawn<'_>, pages: &mut Builder) -> Result<(), PartialError> {
     let Drawn { view, setup, plane, options } = *drawn;
-    let rule = |noise: &RangeNoise| options.break_rule(view, noise);
+    let noisy = options.resolved(view);
+    let rule = |noise: &RangeNoise| options.break_rule(noisy.view(), noise);
     let smoothing = Smoothing { pixels: None, ..Smoothing::default() };
-    let prepared = PreparedView::new(view, options.smooth.then_some(&smoothing), rule);
+    let prepared = PreparedView::new(&noisy, options.smooth.then_some(&smoothing), rule);
     let (view, rule) = (prepared.view(), rule(prepared.noise()));
     let axes = SectionAxes::new(view, &setup.planes)?;
     let mut work = Workspace::default();

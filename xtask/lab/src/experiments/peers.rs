@@ -16,7 +16,7 @@ use crate::table::{line, say};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use transect::image::smooth::Smoothing;
-use transect::image::{PreparedView, RangeNoise};
+use transect::image::{NoisyView, PreparedView, RangeNoise};
 use transect::{Setup, Unwatched, reconstruct};
 use transect_device::View;
 use transect_exchange::{write_contours, write_file};
@@ -182,7 +182,8 @@ fn models(views: &[View], mut setup: Setup, folder: &Path) -> Result<f64, Failur
 fn smoothed(view: &View) -> View {
     let options = OnePassOptions::default();
     let rule = |noise: &RangeNoise| options.break_rule(view, noise);
-    PreparedView::new(view, Some(&Smoothing::default()), rule).view().clone()
+    let noisy = NoisyView::whole(view);
+    PreparedView::new(&noisy, Some(&Smoothing::default()), rule).view().clone()
 }
 
 #[cfg(test)]

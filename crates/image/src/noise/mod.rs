@@ -1,6 +1,11 @@
 //! Range noise of a view: as stated, or estimated from the image itself.
 
+mod differences;
+mod growth;
+
 use crate::tuning::MOSTLY_SHARED;
+use differences::{count, differences, smaller_spread};
+use growth::Growth;
 use transect_device::{DeviceFrame, Pixel, RangeImage, View};
 
 /// Most rows, and rows of groups down the columns, in an estimate. No unit. Measured: more change
@@ -57,17 +62,6 @@ const FEWEST: usize = 4;
 /// Theory: noise of half a step gives 0.18. Doubled, steps pass for noise.
 const ZEROS: f64 = 0.25;
 
-/// Share of the differences that count, smallest first. Chosen by hand: the others may be at jumps
-/// and creases. A larger share counts jumps as noise.
-const KEPT: f64 = 0.7;
-
-/// Variance of a normal variable of variance 1 whose size is among the smallest [`KEPT`]. Theory;
-/// it changes with [`KEPT`].
-const VARIANCE_OF_KEPT: f64 = 0.309_561;
-
-/// Variance of a third difference of independent values of variance 1. Theory: 1 + 9 + 9 + 1.
-const VARIANCE_OF_DIFFERENCE: f64 = 20.0;
-
 /// Pixels along each side of the lattice on which lengths per value are found. Chosen by hand; the
 /// median of 2 304 of them is known to about 3 %.
 const LATTICE: usize = 48;
@@ -80,7 +74,8 @@ const VALUE_STEP: f64 = 1.0 / 1024.0;
 ///
 /// A stated noise is a length along the ray, the same at every pixel. An estimated one is in the
 /// unit of the image's values: a triangulation sensor errs by a distance on its detector, which
-/// stands for more length far away than nearby.
+/// stands for more length far away than nearby. It is the same for all values, or grows with their
+/// square, as that of a depth camera does; the image itself tells which.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RangeNoise {
     known: Known,
@@ -94,7 +89,7 @@ pub struct RangeNoise {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Known {
     Length(f64),
-    Value(f64),
+    Value(f64, Growth),
 }
 
 impl RangeNoise {
@@ -103,12 +98,14 @@ impl RangeNoise {
         if let Some(sigma) = view.sigma() {
             return Self { known: Known::Length(sigma), length: sigma, shared: 0.0, both: 1.0 };
         }
-        let neighbours = differences(view.image(), LINES, 1);
+        let growth = Growth::of(view.image());
+        let image = growth.evened(view.image());
+        let neighbours = differences(&image, LINES, 1);
         let enough = count(&neighbours) / FEWEST;
         let value = smaller_spread(neighbours);
-        let shared = shared_noise(view.image(), value, enough).unwrap_or(0.0);
-        let length = value * median_length_per_value(view);
-        Self { known: Known::Value(value), length, shared, both: 1.0_f64.hypot(shared) }
+        let shared = shared_noise(&image, value, enough).unwrap_or(0.0);
+        let length = value * median_length(view, growth);
+        Self { known: Known::Value(value, growth), length, shared, both: 1.0_f64.hypot(shared) }
     }
 
     /// The noise that each pixel has of its own, as stated or estimated. It takes a fifth of the
@@ -118,7 +115,7 @@ impl RangeNoise {
             Some(sigma) => (Known::Length(sigma), sigma),
             None => {
                 let value = estimate_value_sigma(view.image());
-                (Known::Value(value), value * median_length_per_value(view))
+                (Known::Value(value, Growth::Same), value * median_length(view, Growth::Same))
             }
         };
         Self { known, length, shared: 0.0, both: 1.0 }
@@ -137,7 +134,7 @@ impl RangeNoise {
             return None;
         }
         let value = smaller_spread(differences);
-        let length = value * median_length_per_value(view);
+        let length = value * median_length(view, Growth::Same);
         let too_small = stated > CONTRADICTION * length;
         let too_large =
             || length > CONTRADICTION * stated && smaller_spread(of(2)) < FIRST_BEND * value;
@@ -153,7 +150,7 @@ impl RangeNoise {
     pub fn stated_length(&self) -> Option<f64> {
         match self.known {
             Known::Length(sigma) => Some(sigma),
-            Known::Value(_) => None,
+            Known::Value(..) => None,
         }
     }
 
@@ -176,12 +173,12 @@ impl RangeNoise {
         Self { shared: 0.0, both: 1.0, ..self }
     }
 
-    /// Standard deviation of the image's value at a pixel with this [`length_per_value`]: of the
-    /// pixel's own noise, and of the noise that it shares with its neighbours.
-    pub fn value_sigma(&self, length_per_value: f64) -> f64 {
+    /// Standard deviation of a value at a pixel with this [`length_per_value`]: of the pixel's own
+    /// noise, and of the noise that it shares with its neighbours.
+    pub fn value_sigma(&self, value: f64, length_per_value: f64) -> f64 {
         match self.known {
             Known::Length(sigma) => sigma / length_per_value,
-            Known::Value(sigma) => sigma * self.both,
+            Known::Value(sigma, growth) => sigma * self.both * growth.factor(value),
         }
     }
 
@@ -189,10 +186,10 @@ impl RangeNoise {
     pub fn length_at(&self, view: &View, pixel: Pixel) -> f64 {
         match self.known {
             Known::Length(sigma) => sigma,
-            Known::Value(sigma) => {
+            Known::Value(sigma, growth) => {
                 let d3 = view.image().get(pixel).map(f64::from);
-                let rate = d3.and_then(|d3| length_per_value(view.frame(), pixel, d3));
-                rate.map_or(self.length, |rate| sigma * rate)
+                let length = d3.and_then(|d3| length_per_evened(view.frame(), (pixel, d3), growth));
+                length.map_or(self.length, |length| sigma * length)
             }
         }
     }
@@ -205,7 +202,7 @@ impl RangeNoise {
 /// The model's length unit, whatever the image's values are.
 pub fn estimate_sigma(view: &View) -> f64 {
     let value = estimate_value_sigma(view.image());
-    if value == 0.0 { 0.0 } else { value * median_length_per_value(view) }
+    if value == 0.0 { 0.0 } else { value * median_length(view, Growth::Same) }
 }
 
 /// Standard deviation of the values of an image, estimated from the image itself.
@@ -250,59 +247,6 @@ fn shared_noise(image: &RangeImage, own: f64, enough: usize) -> Option<f64> {
     (at_four >= least * own).then(|| ((all / own).powi(2) - 1.0).sqrt())
 }
 
-/// The differences of the direction that has more of them.
-fn count(differences: &[Vec<f32>; 2]) -> usize {
-    differences.iter().map(Vec::len).max().unwrap_or(0)
-}
-
-/// The smaller of the estimates from both directions; 0 without differences. A direction with less
-/// than a tenth of the other's differences has no say.
-fn smaller_spread(mut differences: [Vec<f32>; 2]) -> f64 {
-    let fewest = differences.iter().map(Vec::len).max().unwrap_or(0) / 10;
-    let lists = differences.iter_mut().filter(|d| d.len() >= fewest);
-    lists.filter_map(|d| spread(d)).reduce(f64::min).unwrap_or(0.0)
-}
-
-/// Third differences of values `stride` pixels apart, within some rows and within columns.
-fn differences(image: &RangeImage, lines: usize, stride: usize) -> [Vec<f32>; 2] {
-    let size = image.size();
-    let step = size.rows.div_ceil(lines).max(1);
-    let [mut along, mut down] = [Vec::new(), Vec::new()];
-    for row in (0..size.rows).step_by(step) {
-        let of = |k: usize| image.row(row).get(k * stride..).unwrap_or_default();
-        keep(&mut along, [of(0), of(1), of(2), of(3)]);
-    }
-    for top in (0..size.rows.saturating_sub(3 * stride)).step_by(step) {
-        keep(&mut down, [0, 1, 2, 3].map(|k| image.row(top + k * stride)));
-    }
-    [along, down]
-}
-
-/// Keeps the third differences of values at the same places of four lists.
-fn keep(differences: &mut Vec<f32>, [a, b, c, d]: [&[f32]; 4]) {
-    let values = a.iter().zip(b).zip(c).zip(d);
-    let mut count = differences.len();
-    differences.resize(count + values.len(), 0.0);
-    for (((a, b), c), d) in values {
-        let (a, b, c, d) = (f64::from(*a), f64::from(*b), f64::from(*c), f64::from(*d));
-        let third = ((d - a) - 3.0 * (c - b)).abs();
-        // Missing pixels cannot be guessed, so nothing branches on them.
-        differences[count] = third as f32;
-        count += usize::from(!third.is_nan());
-    }
-    differences.truncate(count);
-}
-
-/// Standard deviation of the values of which these are third differences, without the largest.
-fn spread(differences: &mut [f32]) -> Option<f64> {
-    let last = differences.len().checked_sub(1)?;
-    let largest = ((differences.len() as f64 * KEPT) as usize).clamp(1, last + 1) - 1;
-    let (smaller, largest, _) = differences.select_nth_unstable_by(largest, f32::total_cmp);
-    let squares = smaller.iter().chain([&*largest]).map(|d| f64::from(*d).powi(2));
-    let mean_square = squares.sum::<f64>() / (smaller.len() + 1) as f64;
-    Some((mean_square / VARIANCE_OF_KEPT / VARIANCE_OF_DIFFERENCE).sqrt())
-}
-
 /// Length along a pixel's ray per unit of its value; `None` where the value means no point.
 ///
 /// By a difference of [`DeviceFrame::point`], so it holds for every sensor.
@@ -320,11 +264,20 @@ pub fn length_per_value(frame: &dyn DeviceFrame, pixel: Pixel, d3: f64) -> Optio
     (rate.is_finite() && rate > 0.0).then_some(rate)
 }
 
-/// The median over a lattice of the view's pixels; 1 if no pixel has a rate.
-fn median_length_per_value(view: &View) -> f64 {
+/// Length along a pixel's ray per standard deviation of its evened value.
+fn length_per_evened(
+    frame: &dyn DeviceFrame,
+    (pixel, d3): (Pixel, f64),
+    growth: Growth,
+) -> Option<f64> {
+    Some(growth.factor(d3) * length_per_value(frame, pixel, d3)?)
+}
+
+/// The median over a lattice of the view's pixels; 1 if no pixel has such a length.
+fn median_length(view: &View, growth: Growth) -> f64 {
     let rates_of = |count: usize| -> Vec<f64> {
         let pixels = lattice(view.image(), count);
-        pixels.filter_map(|(p, d3)| length_per_value(view.frame(), p, d3)).collect()
+        pixels.filter_map(|pixel| length_per_evened(view.frame(), pixel, growth)).collect()
     };
     let mut rates = rates_of(LATTICE);
     if rates.is_empty() {

@@ -1,0 +1,63 @@
+//! A view with its noise, at the resolution that the noise leaves.
+//!
+//! **Problem.** A depth camera matches windows, and counts disparities in steps. Neighbouring
+//! pixels then share most of their noise, and move in groups of several pixels. A pixel more tells
+//! nothing new, but takes its time. Where a group moves by a step, two neighbours look like the two
+//! sides of a range jump, and surfaces break there.
+//!
+//! **Idea.** Every other row and column holds nearly all that the image tells about its surfaces.
+//! Samples twice as far apart differ by as much from noise, and by twice as much from the surface.
+//! So fewer pairs seem to be range jumps, and each takes part in the same windows as before.
+//!
+//! **Steps.** The noise is measured. Where neighbours share most of it and the sensor's frame can
+//! be [halved](transect_device::DeviceFrame::halved), the view is halved once and its noise is
+//! measured again.
+//!
+//! **Worth**, on the simulated kitchen before a depth camera and the red kitchen: see the row
+//! `smoothing: half_resolution` of the ablation in `docs/fusion.md`. Halved again, the simulated
+//! kitchen loses 1 % of its completeness.
+
+use crate::RangeNoise;
+use std::borrow::Cow;
+use transect_device::View;
+
+/// A view with its noise. It never changes.
+#[derive(Debug, Clone)]
+pub struct NoisyView<'a> {
+    view: Cow<'a, View>,
+    noise: RangeNoise,
+    step: usize,
+}
+
+impl<'a> NoisyView<'a> {
+    /// All pixels of a view.
+    pub fn whole(view: &'a View) -> Self {
+        Self { noise: RangeNoise::of(view), view: Cow::Borrowed(view), step: 1 }
+    }
+
+    /// The view at the resolution that its noise leaves: every other row and column where
+    /// neighbours share most of their noise, else all of them.
+    pub fn resolved(view: &'a View) -> Self {
+        let whole = Self::whole(view);
+        let halved = || view.halved();
+        match whole.noise.is_mostly_shared().then(halved).flatten() {
+            Some(view) => Self { noise: RangeNoise::of(&view), view: Cow::Owned(view), step: 2 },
+            None => whole,
+        }
+    }
+
+    /// The view.
+    pub fn view(&self) -> &View {
+        &self.view
+    }
+
+    /// Its noise.
+    pub fn noise(&self) -> &RangeNoise {
+        &self.noise
+    }
+
+    /// Distance between its neighbouring pixels in the image that was given, in pixels: 1 or 2.
+    pub fn step(&self) -> usize {
+        self.step
+    }
+}
