@@ -38,11 +38,10 @@ impl<'a> NoisyView<'a> {
     /// The view at the resolution that its noise leaves: every other row and column where
     /// neighbours share most of their noise, else all of them.
     pub fn resolved(view: &'a View) -> Self {
-        let whole = Self::whole(view);
-        let halved = || view.halved();
-        match whole.noise.is_mostly_shared().then(halved).flatten() {
+        let halve = RangeNoise::coarsely(view).is_mostly_shared();
+        match halve.then(|| view.halved()).flatten() {
             Some(view) => Self { noise: RangeNoise::of(&view), view: Cow::Owned(view), step: 2 },
-            None => whole,
+            None => Self::whole(view),
         }
     }
 

@@ -7,7 +7,7 @@ use transect_device::{
 };
 use transect_image::smooth::smooth;
 use transect_image::{
-    BreakRule, RangeNoise, estimate_sigma, estimate_value_sigma, length_per_value,
+    BreakRule, NoisyView, RangeNoise, estimate_sigma, estimate_value_sigma, length_per_value,
 };
 use transect_sensors::lookup_table::LinearSteps;
 use transect_sensors::{LightStripe, LookupTable, PointGrid, RayStarts};
@@ -136,6 +136,43 @@ fn noise_that_neighbours_share_is_found() {
         let (found, expected) = (total(&view.unwrap()), sigma * own.hypot(2.0));
         println!("groups of {side}: {found:.5} for {expected:.5}");
         assert!((found / expected - 1.0).abs() < 0.15, "groups of {side}: {found}, {expected}");
+    }
+}
+
+#[test]
+fn noise_that_grows_with_the_square_of_the_depth_is_found() {
+    let (_, frame, _, sigma) = cases().remove(0);
+    // Depths from about 2 to 6.
+    let plane = (Vector3::new(1.0, 0.0, -1.0), Point3::new(0.0, 0.0, 3.0));
+    for power in [0, 2] {
+        let view = wall(&frame, plane, |_, depth| 0.1 * sigma * depth.powi(power));
+        let noise = RangeNoise::of(&view);
+        for depth in [2.0_f64, 3.0, 5.0] {
+            let found = noise.value_sigma(depth, 1.0) / (0.1 * sigma * depth.powi(power));
+            println!("power {power}, depth {depth}: {found:.3} of the noise");
+            assert!((found - 1.0).abs() < 0.1, "power {power}, depth {depth}: {found}");
+        }
+    }
+}
+
+#[test]
+fn views_are_halved_where_neighbours_share_most_of_their_noise() {
+    let (_, frame, plane, sigma) = cases().remove(0);
+    let own = wall(&frame, plane, |_, _| sigma);
+    let mut shared = shared_noise(frame.size(), 6, 1).into_iter();
+    let image = changed(&own, |v| v + (3.0 * sigma * shared.next().unwrap()) as f32);
+    let groups = own.with_image(image.clone()).unwrap();
+    let stated = View::new("stated", image, frame, *own.world_from_sensor(), Some(sigma)).unwrap();
+    for (view, step) in [(&groups, 2), (&own, 1), (&stated, 1)] {
+        let noisy = NoisyView::resolved(view);
+        assert_eq!(noisy.step(), step);
+        for pixel in pixels(noisy.view().image().size()) {
+            let whole = Pixel::new(step * pixel.row, step * pixel.col);
+            let (found, expected) =
+                (noisy.view().point_in_sensor(pixel), view.point_in_sensor(whole));
+            let apart = found.zip(expected).map_or(0.0, |(a, b)| (a - b).norm());
+            assert!(found.is_some() == expected.is_some() && apart < 1e-9, "{pixel}");
+        }
     }
 }
 

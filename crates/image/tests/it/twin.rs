@@ -136,7 +136,7 @@ impl Twin<'_> {
         let Some(d3) = image.get(pixel).map(f64::from) else { return Expected::Stays };
         let Some((across, down)) = self.spacing(pixel) else { return Expected::Stays };
         let rate = length_per_value(self.view.frame(), pixel, d3).unwrap();
-        let sigma = self.noise.value_sigma(rate);
+        let sigma = self.noise.value_sigma(d3, rate);
         let spacing = (across * down).sqrt();
         let radius = 6.0 * (sigma * rate / spacing).cbrt();
         if radius < 2.3 {
@@ -243,7 +243,7 @@ fn compare(view: &View) -> (f64, f64) {
             Expected::Changes { value, factor } => {
                 changed += 1;
                 let rate = length_per_value(twin.view.frame(), pixel, value).unwrap();
-                let apart = (value - f64::from(new.unwrap())) / twin.noise.value_sigma(rate);
+                let apart = (value - f64::from(new.unwrap())) / twin.noise.value_sigma(value, rate);
                 assert!(apart.abs() < 0.01, "{pixel}: {value} and {new:?}, {apart} sigma apart");
                 let factors = (factor, result.factor(pixel));
                 assert!((factors.0 - factors.1).abs() < 0.01, "{pixel}: {factors:?}");

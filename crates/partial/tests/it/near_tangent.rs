@@ -3,7 +3,6 @@
 use crate::surfaces::{Distance, camera, look, pixels, shared_noise};
 use transect_device::{Isometry3, RangeImage, Vector3, View};
 use transect_geometry::{PlaneFamily, StraightGuide};
-use transect_image::RangeNoise;
 use transect_partial::PartialModel;
 use transect_partial::one_pass::{OnePassOptions, partial_model};
 
@@ -99,23 +98,28 @@ fn noise_that_neighbours_share_makes_no_curves() {
 }
 
 #[test]
-fn views_whose_pixels_share_their_noise_see_at_66_degrees_at_most() {
-    let largest = |view: &View, degrees: f64| {
+fn views_whose_pixels_share_their_noise_are_read_at_half_their_resolution() {
+    let step = |view: &View, change: fn(&mut OnePassOptions)| {
         let mut options = OnePassOptions::default();
-        options.max_incidence_rad = degrees.to_radians();
-        let rule = options.break_rule(view, &RangeNoise::of(view));
-        f64::from(rule.tan_incidence()).atan().to_degrees()
+        change(&mut options);
+        options.resolved(view).step()
     };
     let in_groups = wall_in_groups(0.004, 0.012);
-    for (view, given, expected) in [
-        (&in_groups, 78.0, 66.0),
-        (&in_groups, 60.0, 60.0),
-        (&wall_in_groups(0.012, 0.0), 78.0, 78.0),
-        (&wall(0.012), 78.0, 78.0),
-    ] {
-        let found = largest(view, given);
-        assert!((found - expected).abs() < 1e-4, "{given}: {found}, expected {expected}");
-    }
+    assert_eq!(step(&in_groups, |_| ()), 2);
+    assert_eq!(step(&in_groups, |options| options.smooth = false), 1);
+    assert_eq!(step(&in_groups, |options| options.smoothing.half_resolution = false), 1);
+    assert_eq!(step(&wall_in_groups(0.012, 0.0), |_| ()), 1);
+    assert_eq!(step(&wall(0.012), |_| ()), 1);
+    let nodes = |smoothing_step: bool| {
+        let mut options = OnePassOptions::default();
+        options.smoothing.half_resolution = smoothing_step;
+        let model = partial_model(&in_groups, &turned(60.0), &options).unwrap();
+        let curves = model.planes.iter().flat_map(|p| &p.curves);
+        curves.map(|c| c.curve.nodes().len()).sum::<usize>()
+    };
+    let (half, whole) = (nodes(true), nodes(false));
+    println!("{half} nodes at half resolution, {whole} from all pixels");
+    assert!((0.4..0.6).contains(&(half as f64 / whole as f64)), "{half} of {whole}");
 }
 
 #[test]

@@ -17,6 +17,7 @@ pub use carried_pinhole::CarriedPinhole;
 pub use rotating_scan::{fit_viewpoint, uneven_rays};
 
 use crate::error::{SensorError, require};
+use std::sync::Arc;
 use transect_device::{
     DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, Neighbour, PairGeometry, Pixel,
     Point3, RangeImage, Ray, SensorPlane, Vector3,
@@ -350,6 +351,17 @@ impl DeviceFrame for PointGrid {
         let ahead = plane.offset - plane.normal.dot(&ray.start.coords);
         let value = ahead / plane.normal.dot(&ray.direction);
         (value.is_finite() && value > 0.0).then_some(value)
+    }
+
+    fn halved(&self) -> Option<Arc<dyn DeviceFrame>> {
+        let size = self.size.halved();
+        let whole = |p: Pixel| self.size.index(Pixel::new(2 * p.row, 2 * p.col));
+        let places = size.all_pixels().filter_map(whole);
+        let (points, distances) = places.map(|k| (self.points[k], self.distances[k])).unzip();
+        let Self { starts, parallel_start, bounds, handedness, wraps, .. } = *self;
+        let grid =
+            Self { size, points, starts, distances, parallel_start, bounds, handedness, wraps };
+        Some(Arc::new(grid))
     }
 
     /// Exact for the stored points, independent of the values: the points of a smoothed image may

@@ -249,6 +249,34 @@ proptest! {
     }
 
     #[test]
+    fn halved_frames_are_every_other_row_and_column(
+        frame in central_frames(),
+        image in images(),
+        d3 in 1.0..9.0_f64,
+    ) {
+        let grid = grid_of(frame.as_ref(), &image).map(|(grid, image)| (grid.halved(), grid, image));
+        let grid = grid.as_ref().map(|(half, grid, _)| (half.clone(), grid as &dyn DeviceFrame));
+        for (half, whole) in std::iter::once((frame.halved(), frame.as_ref())).chain(grid) {
+            // A radar has none.
+            let Some(half) = half else { continue };
+            prop_assert_eq!(half.size(), SIZE.halved());
+            prop_assert_eq!(half.handedness(), whole.handedness());
+            for pixel in half.size().all_pixels() {
+                let in_whole = Pixel::new(2 * pixel.row, 2 * pixel.col);
+                let points = [half.point(pixel, d3), whole.point(in_whole, d3)];
+                prop_assert_eq!(points[0].is_some(), points[1].is_some());
+                if let [Some(a), Some(b)] = points {
+                    prop_assert!((a - b).norm() < 1e-9, "{}: {} and {}", pixel, a, b);
+                }
+            }
+            let values = (0..SIZE.rows).step_by(2).flat_map(|row| image.row(row).iter().step_by(2));
+            let halved = image.halved();
+            let found = (0..halved.size().rows).flat_map(|row| halved.row(row));
+            prop_assert!(values.zip(found).all(|(a, b)| a == b || a.is_nan() && b.is_nan()));
+        }
+    }
+
+    #[test]
     fn larger_values_are_farther_along_the_ray(
         frame in frames(), pixel in pixels(), a in 0.1..50.0, b in 0.1..50.0,
     ) {
