@@ -49,9 +49,14 @@ impl<'a> PreparedView<'a> {
         self.given.view()
     }
 
-    /// Distance between neighbouring pixels in the view's own image; see [`NoisyView::step`].
+    /// Distance between neighbouring pixels in the image that was given; see [`NoisyView::step`].
     pub fn step(&self) -> usize {
         self.given.step()
+    }
+
+    /// The pixel of the image that was given.
+    pub fn in_image(&self, Pixel { row, col }: Pixel) -> Pixel {
+        Pixel { row: row * self.step(), col: col * self.step() }
     }
 
     /// The result of smoothing; `None` if it was not asked for or failed.

@@ -19,6 +19,9 @@ pub struct PartialModel {
 pub struct PartialCounts {
     /// Planes crossing an unbroken pair of neighbouring pixels: vertices before tidying.
     pub crossings: usize,
+    /// Valid pixels that were read: all of the view, or those of every other row and column. Counts
+    /// of pixels and pairs are of these.
+    pub read: usize,
     /// Pairs of neighbouring valid pixels that do not belong to one surface. Pixels far from every
     /// plane are not smoothed and count as they were read.
     pub jumps: usize,
@@ -50,6 +53,7 @@ impl PartialModel {
     /// Takes over the noise of a view and what smoothing did.
     pub(crate) fn take_prepared(&mut self, prepared: &PreparedView<'_>) {
         let counts = &mut self.counts;
+        counts.read = prepared.given().image().valid_count();
         counts.sigma = prepared.sigma();
         counts.sigma_after = counts.sigma;
         if let Some(smoothed) = prepared.smoothed() {

@@ -101,6 +101,7 @@ fn view_report(
         name: name.to_owned(),
         pixels: view.image().size().pixels(),
         valid_pixels: view.image().valid_count(),
+        read_pixels: counts.read,
         stations: stations(view, &setup.planes),
         beyond_guide_ends: counts.beyond_ends,
         beyond_guide_reach: counts.beyond_reach,

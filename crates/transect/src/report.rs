@@ -76,6 +76,9 @@ pub struct ViewReport {
     pub pixels: usize,
     /// Pixels that are not missing.
     pub valid_pixels: usize,
+    /// Valid pixels that were read: all, or those of every other row and column, where neighbours
+    /// share most of their noise.
+    pub read_pixels: usize,
     /// Lowest and highest station that its points can have. For a curved guide, the whole guide.
     #[serde(skip)]
     pub stations: [f64; 2],
@@ -96,7 +99,7 @@ pub struct ViewReport {
     /// Crossings of planes with unbroken pixel pairs: its nodes before fusion, and crossings that
     /// belong to no curve.
     pub crossings: usize,
-    /// Pairs of neighbouring pixels that were separated as range jumps.
+    /// Pairs of neighbouring pixels, of those that were read, that were separated as range jumps.
     pub range_jumps: usize,
     /// Flying pixels: samples alone between the two surfaces of a range jump, which are left out.
     /// They are looked for where the image is smoothed.

@@ -218,9 +218,14 @@ fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
         let valid: usize = report.views.iter().map(|v| v.valid_pixels).sum();
         let pixels: usize = report.views.iter().map(|v| v.pixels).sum();
         rows.push(Row::new("valid pixels", percent(valid, pixels), "%"));
+        let halved = report.views.iter().filter(|v| v.read_pixels < v.valid_pixels).count();
+        if halved > 0 {
+            rows.push(Row::plain("views at half their resolution", halved));
+        }
         let flying = report.views.iter().map(|v| v.flying_pixels).sum::<usize>();
         if flying > 0 {
-            rows.push(Row::new("flying pixels, left out", percent(flying, valid), "%"));
+            let read = report.views.iter().map(|v| v.read_pixels).sum();
+            rows.push(Row::new("flying pixels, left out", percent(flying, read), "%"));
         }
     }
     let closed_only = percent(fusion.planes_closed_only, fusion.planes);

@@ -1,7 +1,7 @@
 //! Planes nearly tangent to noisy surfaces: no confetti, and nothing true is lost.
 
 use crate::surfaces::{Distance, camera, look, pixels, shared_noise};
-use transect_device::{Isometry3, RangeImage, Vector3, View};
+use transect_device::{Isometry3, Pixel, RangeImage, Vector3, View};
 use transect_geometry::{PlaneFamily, StraightGuide};
 use transect_partial::PartialModel;
 use transect_partial::one_pass::{OnePassOptions, partial_model};
@@ -110,16 +110,27 @@ fn views_whose_pixels_share_their_noise_are_read_at_half_their_resolution() {
     assert_eq!(step(&in_groups, |options| options.smoothing.half_resolution = false), 1);
     assert_eq!(step(&wall_in_groups(0.012, 0.0), |_| ()), 1);
     assert_eq!(step(&wall(0.012), |_| ()), 1);
-    let nodes = |smoothing_step: bool| {
+}
+
+#[test]
+fn nodes_of_a_halved_view_name_the_pixels_of_the_whole_one() {
+    let view = wall_in_groups(0.004, 0.012);
+    let places = |half_resolution: bool| {
         let mut options = OnePassOptions::default();
-        options.smoothing.half_resolution = smoothing_step;
-        let model = partial_model(&in_groups, &turned(60.0), &options).unwrap();
+        options.smoothing.half_resolution = half_resolution;
+        let model = partial_model(&view, &turned(60.0), &options).unwrap();
         let curves = model.planes.iter().flat_map(|p| &p.curves);
-        curves.map(|c| c.curve.nodes().len()).sum::<usize>()
+        let mut places: Vec<_> = curves.flat_map(|c| c.pixels.clone()).collect();
+        places.sort();
+        places
     };
-    let (half, whole) = (nodes(true), nodes(false));
-    println!("{half} nodes at half resolution, {whole} from all pixels");
-    assert!((0.4..0.6).contains(&(half as f64 / whole as f64)), "{half} of {whole}");
+    let (half, whole) = (places(true), places(false));
+    println!("{} nodes at half the resolution, {} of all pixels", half.len(), whole.len());
+    assert!((0.4..0.6).contains(&(half.len() as f64 / whole.len() as f64)));
+    let beside = |p: &Pixel| {
+        whole.iter().any(|w| w.row.abs_diff(p.row) < 3 && w.col.abs_diff(p.col) < 3)
+    };
+    assert!(half.iter().all(beside));
 }
 
 #[test]
