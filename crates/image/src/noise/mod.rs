@@ -123,8 +123,9 @@ impl RangeNoise {
         let (known, length) = match view.sigma() {
             Some(sigma) => (Known::Length(sigma), sigma),
             None => {
-                let value = estimate_value_sigma(view.image());
-                (Known::Value(value, Growth::Same), value * median_length(view, Growth::Same))
+                let growth = Growth::of(view.image());
+                let value = estimate_value_sigma(&growth.evened(view.image()));
+                (Known::Value(value, growth), value * median_length(view, growth))
             }
         };
         Self { known, length, shared: 0.0, both: 1.0 }
