@@ -7,15 +7,16 @@
 //!
 //! **Idea.** Every other row and column holds nearly all that the image tells about its surfaces.
 //! Samples twice as far apart differ by as much from noise, and by twice as much from the surface.
-//! So fewer pairs seem to be range jumps, and each takes part in the same windows as before.
+//! So fewer pairs seem to be range jumps.
 //!
 //! **Steps.** The noise is measured. Where neighbours share most of it and the sensor's frame can
 //! be [halved](transect_device::DeviceFrame::halved), the view is halved once and its noise is
 //! measured again.
 //!
-//! **Worth**, on the simulated kitchen before a depth camera and the red kitchen: see the row
-//! `smoothing: half_resolution` of the ablation in `docs/fusion.md`. Halved again, the simulated
-//! kitchen loses 1 % of its completeness.
+//! **Worth.** `cargo xtask experiments ablation` has the row `smoothing: half_resolution`. Measured
+//! on ten simulated scans by depth cameras: the time of a run halves. Medians change by −15 to 5 %
+//! and 95 % distances by −16 to 4 %, with fewer false pieces. Up to 5 % more of the truth is found
+//! within 0.2 % of the size. Halved again, a kitchen loses 1 % of it.
 
 use crate::RangeNoise;
 use std::borrow::Cow;

@@ -12,6 +12,10 @@ const LINES: usize = 32;
 ///
 /// A depth camera errs by a disparity, the same near and far. Its depths are the inverses of
 /// disparities, so they err by the square of the depth. A laser scanner errs by a length.
+///
+/// Measured, against one noise for all depths, median / 95 % distance: the sections of `room_kin40`
+/// err by 0.25 / 0.99 instead of 0.27 / 1.25 mm, and those of `room_kin40_drift` at refined poses
+/// by 1.34 / 7.0 instead of 1.93 / 8.3 mm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Growth {
     /// Every value has the same noise.

@@ -73,7 +73,7 @@ fn measure(set: &str, raw: &Raw, arguments: &Arguments, worth: &mut Worth) -> Re
 }
 
 /// The default way to find curves without smoothing, and without each step of it.
-fn methods_left_out() -> [(&'static str, Method); 6] {
+fn methods_left_out() -> [(&'static str, Method); 7] {
     let without = |leave_out: fn(&mut OnePassOptions)| {
         let mut options = OnePassOptions::default();
         leave_out(&mut options);
@@ -82,6 +82,7 @@ fn methods_left_out() -> [(&'static str, Method); 6] {
     [
         ("smoothing", without(|o| o.smooth = false)),
         ("smoothing: shared_noise", without(|o| o.smoothing.shared_noise = false)),
+        ("smoothing: half_resolution", without(|o| o.smoothing.half_resolution = false)),
         ("smoothing: near_planes", without(|o| o.smoothing.near_planes = false)),
         ("smoothing: wider_window", without(|o| o.smoothing.wider_window = false)),
         ("smoothing: robust_weights", without(|o| o.smoothing.robust_weights = false)),
