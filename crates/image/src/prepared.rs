@@ -28,8 +28,7 @@ impl<'a> PreparedView<'a> {
         let (view, noise) = (given.view(), *given.noise());
         let noise = if shares { noise } else { noise.own() };
         let contradicting = RangeNoise::contradicting(view);
-        let mut prepared =
-            Self { given, noise, contradicting, smoothed: None, failure: None };
+        let mut prepared = Self { given, noise, contradicting, smoothed: None, failure: None };
         if let Some(smoothing) = smoothing {
             match smooth_with(view, &noise, &rule(&noise), smoothing) {
                 Ok(smoothed) => prepared.smoothed = Some(smoothed),

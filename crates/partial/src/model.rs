@@ -44,8 +44,8 @@ pub struct PartialCounts {
     pub beyond_ends: usize,
     /// Pixels where planes along a curved guide may cross; they count as missing.
     pub beyond_reach: usize,
-    /// Diameter of the smoothing window at the median smoothed pixel, in pixels; 0 if none was
-    /// smoothed.
+    /// Diameter of the smoothing window at the median smoothed pixel, in pixels of those that were
+    /// read; 0 if none was smoothed.
     pub window: f64,
 }
 

@@ -82,10 +82,11 @@ pub struct ViewReport {
     /// Lowest and highest station that its points can have. For a curved guide, the whole guide.
     #[serde(skip)]
     pub stations: [f64; 2],
-    /// Valid pixels beyond the ends of a curved guide, which are left out.
+    /// Pixels that were read beyond the ends of a curved guide, which are left out.
     #[serde(skip_serializing_if = "is_zero")]
     pub beyond_guide_ends: usize,
-    /// Pixels so far from a curved guide that its planes may cross there, which are left out.
+    /// Pixels that were read so far from a curved guide that its planes may cross there, which are
+    /// left out.
     #[serde(skip_serializing_if = "is_zero")]
     pub beyond_guide_reach: usize,
     /// Range noise, given or estimated.

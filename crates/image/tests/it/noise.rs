@@ -146,13 +146,25 @@ fn noise_that_grows_with_the_square_of_the_depth_is_found() {
     let plane = (Vector3::new(1.0, 0.0, -1.0), Point3::new(0.0, 0.0, 3.0));
     for power in [0, 2] {
         let view = wall(&frame, plane, |_, depth| 0.1 * sigma * depth.powi(power));
-        let noise = RangeNoise::of(&view);
-        for depth in [2.0_f64, 3.0, 5.0] {
-            let found = noise.value_sigma(depth, 1.0) / (0.1 * sigma * depth.powi(power));
-            println!("power {power}, depth {depth}: {found:.3} of the noise");
-            assert!((found - 1.0).abs() < 0.1, "power {power}, depth {depth}: {found}");
+        for noise in [RangeNoise::of(&view), RangeNoise::of_pixels(&view)] {
+            for depth in [2.0_f64, 3.0, 5.0] {
+                let found = noise.value_sigma(depth, 1.0) / (0.1 * sigma * depth.powi(power));
+                println!("power {power}, depth {depth}: {found:.3} of the noise");
+                assert!((found - 1.0).abs() < 0.1, "power {power}, depth {depth}: {found}");
+            }
         }
     }
+}
+
+#[test]
+fn noise_of_one_size_does_not_grow_with_few_far_pixels() {
+    // A wall across the line of sight, seen through which a far one fills a tenth of the image.
+    let surface = |p: &Point3| (3.0 - p.z).max(p.x + 1.0).min(9.0 - p.z);
+    let view = look(&camera(), surface, 0.003, None);
+    let far = pixels(view.image().size()).filter(|p| view.image().get(*p) > Some(6.0)).count();
+    assert!(far > view.image().size().pixels() / 50, "{far}");
+    let noise = RangeNoise::of(&view);
+    assert_eq!(noise.value_sigma(3.0, 1.0), noise.value_sigma(9.0, 1.0));
 }
 
 #[test]

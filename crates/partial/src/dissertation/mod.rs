@@ -69,8 +69,8 @@ use serde::{Deserialize, Serialize};
 use trace::Trace;
 use transect_device::View;
 use transect_geometry::{PlaneFamily, PlaneIndex};
-use transect_image::{NoisyView, PreparedView};
 use transect_image::smooth::Smoothing;
+use transect_image::{NoisyView, PreparedView};
 
 /// Options.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

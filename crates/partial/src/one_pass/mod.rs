@@ -107,7 +107,7 @@ pub struct OnePassOptions {
     /// How many standard deviations of the range a pair may differ by from noise alone.
     pub jump_sigmas: f64,
     /// Whether noisy images are smoothed before their contours are found; see
-    /// [`transect_image::smooth`].
+    /// [`transect_image::smooth`]. Images that are not smoothed are not halved, either.
     pub smooth: bool,
     /// How the point between two pixels is found. Diagonals of cells with a missing pixel are
     /// solved linearly, and so are all crossings with four points that noise alone may have bent.
@@ -115,7 +115,8 @@ pub struct OnePassOptions {
     /// estimate sees, bends them: they are for ranges known to be clean.
     pub subpixel: Subpixel,
     /// Most missing pixels in a row that a curve is continued across, 4 as in the source; 0 bridges
-    /// nothing. Where every other pixel is read, two of the image count as one. Bridged units are marked: fusion never lets them keep seen nodes from each other.
+    /// nothing. In a view that is halved, half as many of the pixels read, rounded up. Bridged units
+    /// are marked: fusion never lets them keep seen nodes from each other.
     pub gap: usize,
     /// Standard deviations by which the surface must leave the plane on both sides of a curve. 0
     /// keeps the curves that noise alone makes where the surface is nearly tangent to the plane.

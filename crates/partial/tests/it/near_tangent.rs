@@ -127,9 +127,8 @@ fn nodes_of_a_halved_view_name_the_pixels_of_the_whole_one() {
     let (half, whole) = (places(true), places(false));
     println!("{} nodes at half the resolution, {} of all pixels", half.len(), whole.len());
     assert!((0.4..0.6).contains(&(half.len() as f64 / whole.len() as f64)));
-    let beside = |p: &Pixel| {
-        whole.iter().any(|w| w.row.abs_diff(p.row) < 3 && w.col.abs_diff(p.col) < 3)
-    };
+    let beside =
+        |p: &Pixel| whole.iter().any(|w| w.row.abs_diff(p.row) < 3 && w.col.abs_diff(p.col) < 3);
     assert!(half.iter().all(beside));
 }
 

@@ -407,7 +407,8 @@ impl Sampled {
             whole: (samples.len() + 1) as f64 >= LEAST_WHOLE * pixels as f64,
         };
         let sigma = noise.length_at(view, pixel);
-        let cell = patch::Cell { samples: &samples, pixels, ray, rim, sigma };
+        let median_sigma = noise.length();
+        let cell = patch::Cell { samples: &samples, pixels, ray, rim, sigma, median_sigma };
         Some(Self { seen, ray, patch: Patch::fit(&cell) })
     }
 }

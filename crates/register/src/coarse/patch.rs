@@ -125,6 +125,8 @@ pub(super) struct Cell<'a> {
     pub rim: Ray,
     /// Range noise of its pixels along the ray, as a length.
     pub sigma: f64,
+    /// The same at the view's median pixel.
+    pub median_sigma: f64,
 }
 
 impl Patch {
@@ -147,7 +149,9 @@ impl Patch {
         let squares_bent = squares(&points, &bent);
         let rough = (squares_bent / spare).sqrt();
         let spacing = 2.0 * patch.radius / (n as f64).sqrt();
-        if rough > ROUGH * cell.sigma + SAMPLING_ROUGH * spacing {
+        // Neighbours share noise, of which near cells have more than their own noise tells.
+        let noise = cell.sigma.max(cell.median_sigma);
+        if rough > ROUGH * noise + SAMPLING_ROUGH * spacing {
             return None;
         }
         let variance = rough.max(cell.sigma).powi(2);
@@ -408,7 +412,14 @@ mod tests {
             .map(|(a, b)| ray(a, b).start + ray(a, b).direction * depth(a, b))
             .collect();
         let (middle, rim) = (ray(0.0, 0.0), ray(1.0, 1.0));
-        let cell = Cell { samples: &samples, pixels: 64, ray: middle, rim, sigma: 1e-4 };
+        let cell = Cell {
+            samples: &samples,
+            pixels: 64,
+            ray: middle,
+            rim,
+            sigma: 1e-4,
+            median_sigma: 1e-4,
+        };
         let fitted = Patch::fit(&cell).unwrap();
         let kept = StoredPatch::new(&fitted, &middle).patch(&middle).unwrap();
         assert!(!fitted.flat && !kept.flat);
@@ -443,7 +454,14 @@ mod tests {
                 .collect();
             let middle = ray(2.0 * f64::from(col), 2.0 * f64::from(row));
             let rim = ray(2.0 * f64::from(col) + 1.0, 2.0 * f64::from(row) + 1.0);
-            let cell = Cell { samples: &samples, pixels: 64, ray: middle, rim, sigma: 0.01 };
+            let cell = Cell {
+                samples: &samples,
+                pixels: 64,
+                ray: middle,
+                rim,
+                sigma: 0.01,
+                median_sigma: 0.01,
+            };
             Patch::fit(&cell).unwrap()
         };
         let around = [(0, -1), (0, 1), (1, -1), (1, 0), (1, 1)].map(|(c, r)| patch(c, r, 2.0));

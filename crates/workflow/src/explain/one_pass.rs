@@ -60,7 +60,7 @@ pub(super) fn draw(drawn: &Drawn<'_>, pages: &mut Builder) -> Result<(), Partial
     pairs(&swept, &window, pages);
     let near = |p| if window.contains(p) { swept.interest(p) } else { [0.0; 2] };
     links(&swept, &Window::best(size, CLOSE_UP, near), pages);
-    curves(&Drawn { view, ..*drawn }, pages)
+    curves(drawn, pages)
 }
 
 impl Swept<'_> {
@@ -117,7 +117,7 @@ fn side_legend(figure: &mut Figure) {
 }
 
 fn heights(swept: &Swept<'_>, whole: &Window, window: &Window, pages: &mut Builder) {
-    let text = ("Range image", "What the sensor measured: one value per pixel.");
+    let text = ("Range image", "What the sensor measured: one value per pixel that is read.");
     pages.step("range-image", text, whole.size(), |figure| {
         range_image(figure, swept.view);
         whole.outline(figure, window);
@@ -220,10 +220,7 @@ fn links(swept: &Swept<'_>, window: &Window, pages: &mut Builder) {
 
 fn curves(drawn: &Drawn<'_>, pages: &mut Builder) -> Result<(), PartialError> {
     let Drawn { view, setup, plane, options } = *drawn;
-    let mut as_it_is = *options;
-    // The view is smoothed already.
-    as_it_is.smooth = false;
-    let model = partial_model(view, &setup.planes, &as_it_is)?;
+    let model = partial_model(view, &setup.planes, options)?;
     let found = model.planes.iter().find(|p| p.plane == plane);
     let curves: Vec<_> = found.into_iter().flat_map(|p| &p.curves).map(|c| &c.curve).collect();
     pages.count("curves of the view", curves.len());

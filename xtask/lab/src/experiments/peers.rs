@@ -84,6 +84,11 @@ pub fn run(arguments: &Arguments, lab: &Lab) -> Result<(), Failure> {
     if !arguments.quick && arguments.chooses("kitchen") {
         kitchen::draw(lab, &run.python)?;
     }
+    let named = || scans.iter().map(|scan| scan.name()).chain([real::NAME.to_owned()]);
+    if !named().any(|name| arguments.chooses(&name)) {
+        let names = named().collect::<Vec<_>>().join(", ");
+        return Err(Failure::because(format!("no scan has this name; there are {names}")));
+    }
     for scan in scans.iter().filter(|scan| arguments.chooses(&scan.name())) {
         let name = scan.name();
         let folder = default_folder("peers").join(&name);
