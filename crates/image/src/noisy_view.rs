@@ -2,8 +2,8 @@
 //!
 //! **Problem.** A depth camera matches windows, and counts disparities in steps. Neighbouring
 //! pixels then share most of their noise, and move in groups of several pixels. An additional pixel
-//! adds no information and costs time. Where a group moves by a step, two neighbours look like the two
-//! sides of a range jump, and surfaces break there.
+//! adds no information and costs time. Where a group moves by a step, two neighbours look like the
+//! two sides of a range jump, and surfaces break there.
 //!
 //! **Idea.** Every other row and column holds nearly all that the image tells about its surfaces.
 //! Samples twice as far apart differ by as much from noise, and by twice as much from the surface.

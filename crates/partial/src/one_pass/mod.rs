@@ -115,8 +115,8 @@ pub struct OnePassOptions {
     /// estimate sees, bends them: they are for ranges known to be clean.
     pub subpixel: Subpixel,
     /// Most missing pixels in a row that a curve is continued across, 4 as in the source; 0 bridges
-    /// nothing. In a view that is halved, half as many of the pixels read, rounded up. Bridged units
-    /// are marked: fusion never lets them keep seen nodes from each other.
+    /// nothing. In a view that is halved, half as many of the pixels read, rounded up. Bridged
+    /// units are marked: fusion never lets them keep seen nodes from each other.
     pub gap: usize,
     /// Standard deviations by which the surface must leave the plane on both sides of a curve. 0
     /// keeps the curves that noise alone makes where the surface is nearly tangent to the plane.
