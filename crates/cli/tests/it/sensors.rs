@@ -106,6 +106,17 @@ fn a_depth_camera_as_real_ones_gives_a_model_that_is_scored_only_if_wanted() {
     let run = folder.reconstruct("scan --no-score").succeeded();
     assert_eq!(run.number("views"), 16.0);
     assert!(run.number("planes with curves") >= 44.0, "{}", run.stdout);
+    // Where neighbouring pixels share most of their noise, every other row and column is read.
+    let halved = run.number("views at half their resolution");
+    let report = folder.json("out/report.json");
+    let views = report["views"].as_array().unwrap();
+    let share = |view: &serde_json::Value| {
+        let [read, valid] = ["read_pixels", "valid_pixels"].map(|key| view[key].as_f64().unwrap());
+        read / valid
+    };
+    let shares: Vec<f64> = views.iter().map(share).filter(|share| *share < 1.0).collect();
+    assert!(halved > 4.0 && shares.len() as f64 == halved, "{halved}: {shares:?}");
+    assert!(shares.iter().all(|share| (0.24..0.26).contains(share)), "{shares:?}");
     // Poses err by 4 mm, and scale and lens by 0.4 % of two to three metres.
     assert!(run.number("spread between views") > 0.004, "{}", run.stdout);
     assert!(
