@@ -41,14 +41,14 @@ pub(crate) const WIDEST_RADIUS: f32 = HALF_WINDOW as f32 + 0.5;
 /// one seldom counts.
 pub(crate) const WIDER: f32 = 1.5;
 
-/// Noise that neighbours share, over the noise that each pixel has of its own, from which a view is
-/// halved, and from which every second row of a window is left out.
+/// Least noise that neighbours share, over the noise that each pixel has of its own, of a view that
+/// is halved. Every second row of a window is left out there, too.
 ///
 /// Theory: shared noise of this size has groups of four pixels and more, so at least four fifths of
 /// the variance of a mean are shared noise. Half the samples then add at most a fifth to it.
-/// Measured: depth cameras have 2.5 and more; half the rows take half the time and change
-/// neither median nor 95 % distance of `kitchen_kin40_real` and the red kitchen. Doubled, cameras
-/// just above it take four times the time.
+/// Measured: simulated depth cameras have 1.2 to 2.5, and the red kitchen has 2.2 to 3.3. Half the
+/// rows take half the time and change neither median nor 95 % distance of `kitchen_kin40_real` and
+/// the red kitchen. Doubled, most depth cameras are read whole, which takes twice the time.
 pub(crate) const MOSTLY_SHARED: f64 = 1.0;
 
 /// Residual at which a pixel's robust weight becomes 0, in standard deviations of a sample.

@@ -158,7 +158,7 @@ fn noise_that_grows_with_the_square_of_the_depth_is_found() {
 
 #[test]
 fn noise_of_one_size_does_not_grow_with_few_far_pixels() {
-    // A wall across the line of sight, seen through which a far one fills a tenth of the image.
+    // A wall across the line of sight ends at one side, where a far one is seen.
     let surface = |p: &Point3| (3.0 - p.z).max(p.x + 1.0).min(9.0 - p.z);
     let view = look(&camera(), surface, 0.003, None);
     let far = pixels(view.image().size()).filter(|p| view.image().get(*p) > Some(6.0)).count();

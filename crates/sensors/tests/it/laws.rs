@@ -10,7 +10,7 @@ use transect_sensors::{
     Pinhole, PinholeScale, PointGrid, RayStarts, RayTable,
 };
 
-const SIZE: ImageSize = ImageSize { rows: 12, cols: 17 };
+pub(super) const SIZE: ImageSize = ImageSize { rows: 12, cols: 17 };
 
 fn radars() -> impl Strategy<Value = ImagingRadar> {
     let steps = (0.005..0.1_f64, 0.005..0.1_f64, any::<bool>(), any::<bool>());
@@ -22,7 +22,7 @@ fn radars() -> impl Strategy<Value = ImagingRadar> {
     })
 }
 
-fn cameras() -> impl Strategy<Value = Pinhole> {
+pub(super) fn cameras() -> impl Strategy<Value = Pinhole> {
     (5.0..60.0, 5.0..60.0, -3.0..20.0, -3.0..20.0)
         .prop_map(|(fx, fy, cx, cy)| Pinhole::new(SIZE, Intrinsics { fx, fy, cx, cy }).unwrap())
 }
@@ -75,21 +75,12 @@ fn central_frames() -> impl Strategy<Value = Box<dyn DeviceFrame>> {
     ]
 }
 
-/// Sensors whose neighbouring pixels may share their noise.
-fn depth_cameras() -> impl Strategy<Value = Box<dyn DeviceFrame>> {
-    prop_oneof![
-        (cameras(), scales())
-            .prop_map(|(f, scale)| Box::new(f.with_scale(scale)) as Box<dyn DeviceFrame>),
-        lenses().prop_map(|f| Box::new(f) as Box<dyn DeviceFrame>),
-    ]
-}
-
-fn scales() -> impl Strategy<Value = PinholeScale> {
+pub(super) fn scales() -> impl Strategy<Value = PinholeScale> {
     prop_oneof![Just(PinholeScale::Depth), Just(PinholeScale::RayLength)]
 }
 
 /// Cameras whose lens pulls rays in or pushes them out, the grid either way round.
-fn lenses() -> impl Strategy<Value = RayTable> {
+pub(super) fn lenses() -> impl Strategy<Value = RayTable> {
     let camera = (20.0..60.0_f64, 4.0..12.0_f64, 2.0..9.0_f64);
     (camera, -0.15..0.15_f64, any::<bool>(), scales()).prop_map(
         |(camera, bend, mirrored, scale)| {
@@ -125,14 +116,17 @@ fn directions() -> impl Strategy<Value = Vector3> {
 }
 
 /// Images with values from 1 to 9 and a fifth of the pixels missing.
-fn images() -> impl Strategy<Value = RangeImage> {
+pub(super) fn images() -> impl Strategy<Value = RangeImage> {
     let value = prop_oneof![4 => 1.0_f32..9.0, 1 => Just(f32::NAN)];
     prop::collection::vec(value, SIZE.pixels())
         .prop_map(|values| RangeImage::from_values(SIZE, values).unwrap())
 }
 
 /// The grid of points that another frame sees.
-fn grid_of(frame: &dyn DeviceFrame, image: &RangeImage) -> Option<(PointGrid, RangeImage)> {
+pub(super) fn grid_of(
+    frame: &dyn DeviceFrame,
+    image: &RangeImage,
+) -> Option<(PointGrid, RangeImage)> {
     let all = (0..SIZE.rows).flat_map(|row| (0..SIZE.cols).map(move |col| Pixel::new(row, col)));
     let missing = Point3::new(f64::NAN, f64::NAN, f64::NAN);
     let point = |p: Pixel| frame.point(p, f64::from(image.get(p)?));
@@ -254,39 +248,6 @@ proptest! {
             prop_assert!((normal.dot(&p.coords) - offset).abs() < 1e-9 * scale);
             prop_assert!(along.cross(&ray.direction).norm() < 1e-9 * scale);
             prop_assert!(along.dot(&ray.direction) > 0.0);
-        }
-    }
-
-    #[test]
-    fn halved_frames_are_every_other_row_and_column(
-        frame in depth_cameras(),
-        image in images(),
-        d3 in 1.0..9.0_f64,
-    ) {
-        let grid = grid_of(frame.as_ref(), &image).map(|(grid, _)| grid);
-        let grid = grid.iter().map(|grid| grid as &dyn DeviceFrame);
-        for whole in std::iter::once(frame.as_ref()).chain(grid) {
-            let half = whole.halved().unwrap();
-            prop_assert_eq!(half.size(), SIZE.halved());
-            prop_assert_eq!(half.handedness(), whole.handedness());
-            for pixel in half.size().all_pixels() {
-                let in_whole = Pixel::new(2 * pixel.row, 2 * pixel.col);
-                let points = [half.point(pixel, d3), whole.point(in_whole, d3)];
-                prop_assert_eq!(points[0].is_some(), points[1].is_some());
-                let [Some(a), Some(b)] = points else { continue };
-                prop_assert!((a - b).norm() < 1e-9, "{}: {} and {}", pixel, a, b);
-                let rays = (half.ray(pixel).unwrap(), whole.ray(in_whole).unwrap());
-                prop_assert!((rays.0.direction - rays.1.direction).norm() < 1e-9);
-                let places = half.device_point(&a).zip(whole.device_point(&a));
-                let apart = places.map_or(0.0, |(half, whole)| {
-                    (2.0 * half.row - whole.row).hypot(2.0 * half.col - whole.col)
-                });
-                prop_assert!(apart < 1e-6, "{}: {} pixels apart", pixel, apart);
-            }
-            let values = (0..SIZE.rows).step_by(2).flat_map(|row| image.row(row).iter().step_by(2));
-            let halved = image.halved();
-            let found = (0..halved.size().rows).flat_map(|row| halved.row(row));
-            prop_assert!(values.zip(found).all(|(a, b)| a == b || a.is_nan() && b.is_nan()));
         }
     }
 
