@@ -162,15 +162,6 @@ impl RangeImage {
         Ok(Self { size, values, census })
     }
 
-    /// The image of a function of every value. Missing pixels stay missing, and useless results
-    /// become missing.
-    #[must_use]
-    pub fn map(&self, of: impl Fn(f32) -> f32) -> Self {
-        let mut values: Vec<f32> = self.values.iter().map(|value| of(*value)).collect();
-        let census = Census::take(&mut values);
-        Self { size: self.size, values, census }
-    }
-
     /// Every other row and column, from row 0 and column 0 on.
     #[must_use]
     pub fn halved(&self) -> Self {
@@ -190,6 +181,12 @@ impl RangeImage {
     #[inline]
     pub fn get(&self, pixel: Pixel) -> Option<f32> {
         self.values.get(self.size.index(pixel)?).copied().filter(|v| !v.is_nan())
+    }
+
+    /// All values for inner loops, row by row, **NaN where missing**.
+    #[inline]
+    pub fn values(&self) -> &[f32] {
+        &self.values
     }
 
     /// The values of one row for inner loops, **NaN where missing**; empty outside the image.

@@ -1,6 +1,6 @@
 //! How noise grows with the value.
 
-use super::differences::{spread, third_difference};
+use super::differences::{Values, spread, third_difference};
 use std::borrow::Cow;
 use transect_device::RangeImage;
 
@@ -49,9 +49,11 @@ impl Growth {
         if count < LEAST_COUNT {
             return Self::Same;
         }
-        samples.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        let quarters = (Quarter::of(&samples[..quarter]), Quarter::of(&samples[count - quarter..]));
-        let (Some(smallest), Some(largest)) = quarters else { return Self::Same };
+        samples.select_nth_unstable_by_key(quarter, by_value);
+        let smallest = Quarter::of(&mut samples[..quarter]);
+        samples.select_nth_unstable_by_key(count - quarter, by_value);
+        let largest = Quarter::of(&mut samples[count - quarter..]);
+        let (Some(smallest), Some(largest)) = (smallest, largest) else { return Self::Same };
         let factor = largest.value / smallest.value;
         if factor > LEAST_FACTOR && largest.noise > factor * smallest.noise {
             Self::Square
@@ -60,12 +62,14 @@ impl Growth {
         }
     }
 
-    /// The image with the same noise everywhere: its values or their inverses.
-    pub fn with_even_noise(self, image: &RangeImage) -> Cow<'_, RangeImage> {
-        match self {
-            Self::Same => Cow::Borrowed(image),
-            Self::Square => Cow::Owned(image.map(|value| 1.0 / value)),
-        }
+    /// The values with the same noise everywhere: those of an image, or their inverses.
+    pub fn with_even_noise(self, image: &RangeImage) -> Values<'_> {
+        let values = image.values();
+        let values = match self {
+            Self::Same => Cow::Borrowed(values),
+            Self::Square => values.iter().map(|value| 1.0 / value).collect(),
+        };
+        Values { size: image.size(), values }
     }
 
     /// Standard deviation of a value over that of its value with even noise.
@@ -85,10 +89,16 @@ struct Quarter {
 }
 
 impl Quarter {
-    /// The quarter of these values, in order, each with the third difference beside it.
-    fn of(samples: &[(f32, f32)]) -> Option<Self> {
-        let (value, _) = samples.get(samples.len() / 2)?;
+    /// The quarter of these values, each with the third difference beside it.
+    fn of(samples: &mut [(f32, f32)]) -> Option<Self> {
+        let (_, &mut (value, _), _) =
+            samples.select_nth_unstable_by_key(samples.len() / 2, by_value);
         let mut thirds: Vec<f32> = samples.iter().map(|(_, third)| *third).collect();
-        Some(Self { value: f64::from(*value), noise: spread(&mut thirds)? })
+        Some(Self { value: f64::from(value), noise: spread(&mut thirds)? })
     }
+}
+
+/// The order of samples by their values, which are positive: that of their bits.
+fn by_value((value, _): &(f32, f32)) -> u32 {
+    value.to_bits()
 }

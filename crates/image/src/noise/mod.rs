@@ -4,13 +4,13 @@ mod differences;
 mod growth;
 
 use crate::tuning::MOSTLY_SHARED;
-use differences::{count, differences, smaller_spread};
+use differences::{Values, count, differences, smaller_spread};
 use growth::Growth;
 use transect_device::{DeviceFrame, Pixel, RangeImage, View};
 
 /// Most rows, and rows of groups down the columns, in an estimate. No unit. Measured: more change
 /// it by less than 1 %. Doubled, it takes twice the time.
-const LINES: usize = 128;
+const LINES: usize = 64;
 
 /// The same where 10 % are enough: in a check of a stated noise, and to tell whether neighbours
 /// share most of it. Chosen by hand. Doubled, both take twice the time.
@@ -98,7 +98,7 @@ impl RangeNoise {
         Self::of_lines(view, LINES)
     }
 
-    /// The same from a quarter of the rows, in a quarter of the time.
+    /// The same from half the rows, in half the time.
     pub(crate) fn of_fewer_rows(view: &View) -> Self {
         Self::of_lines(view, CHECKED_LINES)
     }
@@ -133,7 +133,8 @@ impl RangeNoise {
     /// bends of its surfaces exceed the stated noise. A stated 0 declares an image without noise.
     pub fn contradicting(view: &View) -> Option<f64> {
         let stated = view.sigma().filter(|sigma| *sigma > 0.0)?;
-        let of = |stride| differences(view.image(), CHECKED_LINES, stride);
+        let values = Growth::Same.with_even_noise(view.image());
+        let of = |stride| differences(&values, CHECKED_LINES, stride);
         let differences = of(1);
         let zeros = |d: &Vec<f32>| d.iter().filter(|d| **d == 0.0).count() as f64;
         if differences.iter().any(|d| zeros(d) > ZEROS * d.len() as f64) {
@@ -214,7 +215,7 @@ pub fn estimate_sigma(view: &View) -> f64 {
 /// The noise that each pixel has of its own, and the same as a length at the view's median pixel.
 fn estimated(view: &View) -> (Known, f64) {
     let growth = Growth::of(view.image());
-    let value = estimate_value_sigma(&growth.with_even_noise(view.image()));
+    let value = smaller_spread(differences(&growth.with_even_noise(view.image()), LINES, 1));
     let length = if value == 0.0 { 0.0 } else { value * median_length(view, growth) };
     (Known::Value(value, growth), length)
 }
@@ -232,7 +233,7 @@ fn estimated(view: &View) -> (Known, f64) {
 /// # Units
 /// That of the image's values.
 pub fn estimate_value_sigma(image: &RangeImage) -> f64 {
-    smaller_spread(differences(image, LINES, 1))
+    smaller_spread(differences(&Growth::Same.with_even_noise(image), LINES, 1))
 }
 
 /// The noise that neighbouring pixels share, over the noise that each has of its own; `None` where
@@ -244,7 +245,7 @@ pub fn estimate_value_sigma(image: &RangeImage) -> f64 {
 /// with each doubling.
 ///
 /// `own` is the estimate from neighbours, and `enough` the least number of differences.
-fn shared_noise((image, lines): (&RangeImage, usize), own: f64, enough: usize) -> Option<f64> {
+fn shared_noise((image, lines): (&Values<'_>, usize), own: f64, enough: usize) -> Option<f64> {
     let of = |stride: usize| differences(image, lines, stride);
     let farther = |stride: usize, before: f64, most: f64| {
         let farther = of(stride);
