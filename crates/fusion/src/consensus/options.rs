@@ -114,8 +114,6 @@ steps! {
     join_hairpin,
     /// Ends that cross are cut back and joined.
     join_crossing,
-    /// Joined chains are covered once more.
-    second_cover,
     /// Open chains of one view beside a closed one are left out.
     spurs,
     /// Short units that run backwards are removed, and units within the noise that turn by more

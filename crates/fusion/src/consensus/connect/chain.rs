@@ -37,8 +37,14 @@ impl Chain {
         length * self.nodes.len() as f64 / footprint
     }
 
+    /// Whether the chain is large enough to be a curve: of this many footprints, or confirmed.
+    pub fn is_curve(&self, nodes: &[PlacedNode], shortest_footprints: f64) -> bool {
+        let is_long = || self.footprints(nodes) >= shortest_footprints;
+        self.nodes.len() >= MIN_NODES && (is_long() || self.is_confirmed(nodes))
+    }
+
     /// Whether the chain has no gap, and is closed or measured by at least two views.
-    pub fn is_confirmed(&self, nodes: &[PlacedNode]) -> bool {
+    fn is_confirmed(&self, nodes: &[PlacedNode]) -> bool {
         let mut evidence = self.nodes.iter().map(|&k| &nodes[k as usize].evidence);
         let view = evidence.clone().next().map(|e| e.last_view);
         let is_shared = evidence.any(|e| e.views > 1 || Some(e.last_view) != view);

@@ -2,46 +2,19 @@
 
 use super::super::estimate::PlacedNode;
 use super::super::measure::{NONE, Scale};
+use super::super::tuning::chain::MIN_NODES;
 use super::super::tuning::cover::*;
 use super::chain::{Chain, by_length};
 use crate::grid::PointGrid;
 use crate::sequence::runs;
 use transect_geometry::{Point2, Vector2};
 
-/// Smallest chain that is accepted.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Shortest {
-    /// For chains that take part in joining. Of a thin leg a view has a sample or two of each side,
-    /// so a chain that no other covers may be of any size.
-    Part,
-    /// For chains that become curves: the least length in footprints of a chain that a single view
-    /// measured on one side.
-    Curve(f64),
-}
-
-impl Shortest {
-    /// Whether a chain is large enough. A rest beside another chain is no thin part.
-    pub fn accepts(&self, chain: &Chain, nodes: &[PlacedNode], is_whole: bool) -> bool {
-        let is_long = |least: f64| chain.footprints(nodes) >= least;
-        match *self {
-            Self::Part if is_whole => true,
-            Self::Part => chain.nodes.len() >= MIN_NODES && is_long(REST_FOOTPRINTS),
-            Self::Curve(least) => {
-                let is_confirmed = || is_whole && chain.is_confirmed(nodes);
-                chain.nodes.len() >= MIN_NODES && (is_long(least) || is_confirmed())
-            }
-        }
-    }
-}
-
 /// Accepts chains, longest first, cutting away what lies beside an accepted one in the same
-/// direction, and leaving out what is too short.
-pub(super) fn cover(
-    nodes: &[PlacedNode],
-    chains: Vec<Chain>,
-    scale: &Scale,
-    shortest: Shortest,
-) -> Vec<Chain> {
+/// direction, and leaving out rests that are too short.
+///
+/// Of a thin leg a view has a sample or two of each side, so a chain that no other covers may be of
+/// any size. A rest beside another chain is no thin part.
+pub(super) fn cover(nodes: &[PlacedNode], chains: Vec<Chain>, scale: &Scale) -> Vec<Chain> {
     let mut cover = Cover::new(nodes, &chains, scale);
     let mut accepted = Vec::new();
     for chain in by_length(nodes, chains) {
@@ -51,7 +24,8 @@ pub(super) fn cover(
             chain.nodes.iter().map(|&k| !first && cover.lies_beside(k)).collect();
         let is_whole = !covered.contains(&true);
         for run in uncovered(&chain, &covered) {
-            if shortest.accepts(&run, nodes, is_whole) {
+            let is_long = || run.footprints(nodes) >= REST_FOOTPRINTS;
+            if is_whole || (run.nodes.len() >= MIN_NODES && is_long()) {
                 cover.accept(&run);
                 accepted.push(run);
             }

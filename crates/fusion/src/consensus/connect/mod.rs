@@ -15,7 +15,6 @@ use super::estimate::{Estimate, PlacedNode};
 use super::measure::{Measurements, Scale};
 use super::tuning::chain::LONE_COURSES;
 use crate::ground::Ground;
-use cover::Shortest;
 use ends::JoinRule;
 
 /// The chains of a plane.
@@ -34,15 +33,9 @@ pub(super) fn connect(estimate: &mut Estimate, measured: &Measurements) -> Chain
     }
     let Estimate { nodes, absorbed_by, .. } = &*estimate;
     let next = link::link(nodes, absorbed_by, observations, ground, scale);
-    let chains = cover::cover(nodes, chain::trace(&next), scale, Shortest::Part);
+    let chains = cover::cover(nodes, chain::trace(&next), scale);
     let mut chains = joined(nodes, chains, ground, scale);
-    // A joined chain may lie beside others, and one that stayed short is no curve.
-    let shortest = Shortest::Curve(scale.options.shortest_footprints);
-    if scale.steps().second_cover {
-        chains = cover::cover(nodes, chains, scale, shortest);
-    } else {
-        chains.retain(|c| shortest.accepts(c, nodes, true));
-    }
+    chains.retain(|c| c.is_curve(nodes, scale.options.shortest_footprints));
     if scale.steps().spurs {
         chains = spurs::without_spurs(nodes, chains, scale);
     }

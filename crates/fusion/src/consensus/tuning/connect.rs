@@ -23,6 +23,9 @@ pub mod link {
 
 /// `connect/chain.rs`
 pub mod chain {
+    /// Fewest nodes of a chain; fewer have no direction. Theory. Doubled: legs of few samples are
+    /// lost.
+    pub const MIN_NODES: usize = 3;
     /// Nodes on each side whose chord is a chain's direction at a node. By hand. Doubled: lags at
     /// bends.
     pub const CHORD_NODES: usize = 2;
@@ -41,9 +44,6 @@ pub mod chain {
 
 /// `connect/cover.rs`
 pub mod cover {
-    /// Fewest nodes of a chain; fewer have no direction. Theory. Doubled: legs of few samples are
-    /// lost.
-    pub const MIN_NODES: usize = 3;
     /// Least length of the rest of a chain that was cut, in footprints, for it to be joined. By
     /// hand. Doubled: gaps stay open.
     pub const REST_FOOTPRINTS: f64 = 2.0;
