@@ -65,7 +65,7 @@ fn keep(differences: &mut Vec<f32>, [a, b, c, d]: [&[f32]; 4]) {
         // Missing pixels cannot be guessed, so nothing branches on them.
         let third = third_difference([*a, *b, *c, *d]);
         differences[count] = third;
-        count += usize::from(!third.is_nan());
+        count += usize::from(third.is_finite());
     }
     differences.truncate(count);
 }

@@ -1,6 +1,7 @@
 //! Room 3: from placed nodes to chains, in the order of the curves.
 //!
-//! Hands on [`Chain`]s: no two of the same direction lie beside each other.
+//! Hands on [`Chain`]s. What lay beside a longer one in the same direction was cut away before they
+//! were joined.
 
 mod chain;
 mod cover;
