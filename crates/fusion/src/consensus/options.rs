@@ -68,7 +68,9 @@ steps! {
     end_taper,
     /// The views' systematic errors, as part of all weights.
     view_error,
-    /// The part of these errors that grows with the incidence.
+    /// The part of these errors that goes with the noise.
+    error_with_noise,
+    /// The part of them that grows with the incidence.
     incidence_error,
     /// A first search for other views nearby, before the full search distance.
     nearby_spread,

@@ -59,6 +59,12 @@ impl Chain {
         self.nodes.iter().any(|&k| nodes[k as usize].evidence.views > 1)
     }
 
+    /// Standard deviation of the views' systematic errors, in the mean of squares.
+    pub fn mean_view_error(&self, nodes: &[PlacedNode]) -> f64 {
+        let variances = self.nodes.iter().map(|&k| nodes[k as usize].evidence.view_variance);
+        (variances.sum::<f64>() / self.nodes.len().max(1) as f64).sqrt()
+    }
+
     /// Unit direction of the chain at one of its nodes, by the chord between its neighbours.
     pub fn chord(&self, nodes: &[PlacedNode], at: usize) -> Vector2 {
         let n = self.nodes.len();

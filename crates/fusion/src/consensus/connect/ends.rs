@@ -180,7 +180,7 @@ mod tests {
 
     fn scale() -> Scale {
         let options = ConsensusOptions::default();
-        Scale { spacing: 0.003, threshold: 0.001, same_way: 0.6, course_length: 0.0, options }
+        Scale { spacing: 0.003, threshold: 0.001, same_way: 0.6, settled: false, options }
     }
 
     fn joined(nodes: &[PlacedNode], chains: Vec<Chain>, rule: &JoinRule) -> Vec<Chain> {

@@ -171,7 +171,7 @@ mod tests {
         let nodes = [node(0.0, 0.002, 1.0), node(0.001, -0.002, 0.05), node(0.02, 0.0, 2.0)];
         let options = ConsensusOptions::default();
         let scale =
-            Scale { spacing: 0.02, threshold: 0.001, same_way: 0.6, course_length: 0.0, options };
+            Scale { spacing: 0.02, threshold: 0.001, same_way: 0.6, settled: false, options };
         let (observations, grid) = (Observations::default(), PointGrid::new(&[], 1.0));
         let next = link(&nodes, &[], &observations, &Ground::new(&observations, &grid), &scale);
         assert_eq!(next, [2, NONE, NONE]);

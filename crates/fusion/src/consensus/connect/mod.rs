@@ -13,7 +13,7 @@ mod spurs;
 pub(super) use chain::{Chain, by_length};
 
 use super::estimate::{Estimate, PlacedNode};
-use super::measure::{Measurements, Scale};
+use super::measure::{Measurements, Scale, course_length};
 use super::tuning::chain::LONE_COURSES;
 use crate::ground::Ground;
 use ends::JoinRule;
@@ -43,10 +43,9 @@ pub(super) fn connect(estimate: &mut Estimate, measured: &Measurements) -> Chain
     if scale.steps().backward {
         chains.iter_mut().for_each(|c| hooks::remove_hooks(nodes, c));
     }
-    if scale.steps().lone_chains {
-        chains.retain(|c| {
-            c.is_shared(nodes) || c.length(nodes) >= LONE_COURSES * scale.course_length
-        });
+    if scale.settled && scale.steps().lone_chains {
+        let least = |c: &Chain| LONE_COURSES * course_length(c.mean_view_error(nodes));
+        chains.retain(|c| c.is_shared(nodes) || c.length(nodes) >= least(c));
     }
     let left: usize = chains.iter().map(|c| c.nodes.len()).sum();
     Chains { chains, dropped: nodes.len() - left }

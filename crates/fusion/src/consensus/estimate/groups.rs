@@ -146,7 +146,7 @@ mod tests {
                 spacing: 0.02,
                 threshold: 0.02,
                 same_way: 0.6,
-                course_length: 0.0,
+                settled: false,
                 options: ConsensusOptions::default(),
             },
         )

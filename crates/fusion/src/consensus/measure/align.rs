@@ -22,9 +22,10 @@ use super::observations::Observations;
 use nalgebra::{Matrix3, Vector3};
 use transect_geometry::{Point2, Vector2};
 
-/// Moves each view's observations. `error` is the standard deviation of the views' errors. Returns
-/// this error as the courses show it before any view moves, averaged along them.
-pub(super) fn align(observations: &mut Observations, reach: &Reach, error: f64) -> f64 {
+/// Moves each view's observations. Returns the standard deviation of the error of a typical view as
+/// the courses show it before any view moves, averaged along them.
+pub(super) fn align(observations: &mut Observations, reach: &Reach) -> f64 {
+    let error = reach.typical;
     let (given, _) = beads(observations, reach);
     let given: Vec<Bead> = joined(&given, ALIGN_BEADS).into_iter().map(|(_, bead)| bead).collect();
     let mut motions = vec![Motion::default(); observations.sources.len()];
@@ -42,7 +43,8 @@ pub(super) fn align(observations: &mut Observations, reach: &Reach, error: f64) 
         for (bead, course) in moved.iter().zip(&courses).filter(|(_, course)| course.tells_error())
         {
             let view = bead.view as usize;
-            equations[view].add(bead, course.off / error, &motions[view], reach.along);
+            let off = course.off / (error * bead.variance.sqrt());
+            equations[view].add(bead, off, &motions[view], reach.along);
         }
         motions.iter_mut().zip(&equations).for_each(|(motion, e)| motion.improve(e, error));
     }
@@ -108,15 +110,15 @@ struct Equations {
 }
 
 impl Equations {
-    /// Adds a bead that is `off` errors of a view away from its course.
+    /// Adds a bead that is `off` errors of its view away from its course.
     fn add(&mut self, bead: &Bead, off: f64, motion: &Motion, half_length: f64) {
         let normal = left_of(&bead.tangent);
         let lever = bead.position - motion.centre - motion.shift;
         let change = Vector3::new(normal.x, normal.y, normal.dot(&left_of(&lever)));
         // Tukey's biweight: a bead far from its course may be of another surface.
         let trust = (1.0 - (off / ALIGN_CUT).powi(2)).max(0.0).powi(2);
-        let weight = trust * bead.length / (half_length * REACHES_PER_OBSERVATION);
-        self.matrix += change * change.transpose() * weight;
-        self.vector -= change * (off * weight);
+        let count = trust * bead.length / (half_length * REACHES_PER_OBSERVATION);
+        self.matrix += change * change.transpose() * (count / bead.variance);
+        self.vector -= change * (off * count / bead.variance.sqrt());
     }
 }

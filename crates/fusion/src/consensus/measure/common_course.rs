@@ -1,8 +1,9 @@
 //! Common courses: moving least squares parabolas through the curves of all views.
 //!
 //! Courses go through beads, short pieces of each view's curves; they cost less than courses
-//! through nodes. Each view counts alike, however densely it sampled (Alexa et al., 2003, with one
-//! share per view). Direction tells surfaces apart, so both sides of a thin wall stay.
+//! through nodes. A view counts by the variance of its error, however densely it sampled (Alexa et
+//! al., 2003, with one share per view). Direction tells surfaces apart, so both sides of a thin wall
+//! stay.
 //!
 //! A straight course would cut bends. All views are cut alike, so more of them would not help. A
 //! parabola keeps bends, but doubles the variance where nothing bends. What chance explains of a
@@ -14,17 +15,22 @@ use super::super::window::{Window, left_of};
 use super::course_fit::{Parabola, Sums};
 use super::observations::{Observation, Observations, median};
 use super::scale::Scale;
+use super::view_error::ViewError;
 use crate::grid::PointGrid;
 use std::iter::repeat_n;
 use transect_geometry::{Point2, Vector2};
 
-/// What a common course is made of.
+/// What a common course is made of. Lengths are those of a typical view; they go with the error of
+/// the view whose course is sought.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reach {
     /// Half-length of a course.
     pub along: f64,
     /// Largest distance of a bead from the bead whose course is sought.
     pub across: f64,
+    /// Errors of views, and the standard deviation of that of a typical view.
+    pub of_view: ViewError,
+    pub typical: f64,
     /// Half-lengths of all windows, in that of the narrowest.
     pub windows: &'static [f64],
     /// Cosine of the largest angle between beads of one surface.
@@ -33,10 +39,12 @@ pub(super) struct Reach {
 
 impl Reach {
     /// The reach that views with these errors need.
-    pub fn new(error: f64, scale: &Scale) -> Self {
+    pub fn new(of_view: ViewError, typical: f64, scale: &Scale) -> Self {
         Self {
-            along: ALONG_ERRORS * error,
-            across: ACROSS_ERRORS * error,
+            along: ALONG_ERRORS * typical,
+            across: ACROSS_ERRORS * typical,
+            of_view,
+            typical,
             windows: if scale.steps().wider_courses { &WINDOWS } else { &WINDOWS[..1] },
             same_way: scale.same_way,
         }
@@ -46,6 +54,22 @@ impl Reach {
     fn times(&self, factor: f64) -> Self {
         Self { along: factor * self.along, ..*self }
     }
+
+    /// The reach for a bead of this variance.
+    fn at(&self, variance: f64) -> Self {
+        let factor = variance.sqrt().clamp(LARGEST_REACH.recip(), LARGEST_REACH);
+        Self { along: factor * self.along, across: factor * self.across, ..*self }
+    }
+
+    /// Variance of the error of an observation, its own included, in that of a typical view.
+    fn variance(&self, of: &Observation) -> f64 {
+        (self.of_view.variance(of) + of.sigma * of.sigma) / (self.typical * self.typical)
+    }
+}
+
+/// Length of the common course of a view whose error has this standard deviation.
+pub(crate) fn course_length(error: f64) -> f64 {
+    2.0 * ALONG_ERRORS * error
 }
 
 /// A short piece of a view's curve.
@@ -57,15 +81,18 @@ pub(super) struct Bead {
     pub tangent: Vector2,
     /// Length that its observations stand for.
     pub length: f64,
+    /// Variance of its view's error, in that of a typical view.
+    pub variance: f64,
     pub view: u32,
     /// Whether it goes on where the bead before it ends.
     pub follows: bool,
     /// How far its view is off the common course, averaged over the window, and the variance of
-    /// this in variances of a view. A view takes part in the course that it is compared with.
+    /// this in that of a typical view. A view takes part in the course that it is compared with.
     pub off: f64,
     pub off_variance: f64,
     bend: Bend,
-    /// Number of views in the common course. One that measured a part of the window counts in part.
+    /// Number of typical views that would know the common course as well. A view that measured a
+    /// part of the window counts in part.
     pub views: f64,
 }
 
@@ -112,6 +139,7 @@ impl Bead {
         self.position += (next.position - self.position) * share;
         let tangent = self.tangent + (next.tangent - self.tangent) * share;
         self.tangent = tangent.try_normalize(0.0).unwrap_or(self.tangent);
+        self.variance += (next.variance - self.variance) * share;
         self.length = length;
     }
 
@@ -154,16 +182,18 @@ impl Bead {
 
 /// Cuts the views' curves into beads, and says which bead each observation is in.
 pub(super) fn beads(observations: &Observations, reach: &Reach) -> (Vec<Bead>, Vec<u32>) {
-    let (all, length) = (&observations.all, reach.along / BEADS_PER_REACH);
+    let all = &observations.all;
+    let length_at =
+        |k: usize| all.get(k).map_or(0.0, |o| reach.at(reach.variance(o)).along / BEADS_PER_REACH);
     let (mut beads, mut bead_of) = (Vec::new(), Vec::with_capacity(all.len()));
-    let (mut start, mut begun) = (0, false);
+    let (mut start, mut begun, mut length) = (0, false, length_at(0));
     for k in 0..all.len() {
         bead_of.push(beads.len() as u32);
         let follows = all[k].next as usize == k + 1 && !all[k].bridged;
         let fits = |next: &Point2| (next - all[start].position).norm() <= length;
         if !(follows && fits(&all[k + 1].position)) {
-            beads.push(Bead { follows: begun, ..bead(&all[start..=k]) });
-            (start, begun) = (k + 1, follows);
+            beads.push(Bead { follows: begun, ..bead(&all[start..=k], reach) });
+            (start, begun, length) = (k + 1, follows, length_at(k + 1));
         }
     }
     (beads, bead_of)
@@ -189,12 +219,14 @@ pub(super) fn joined(beads: &[Bead], most: usize) -> Vec<(usize, Bead)> {
     joined
 }
 
-fn bead(members: &[Observation]) -> Bead {
+fn bead(members: &[Observation], reach: &Reach) -> Bead {
     let first = &members[0];
     let (mut length, mut place, mut tangent) = (0.0, Vector2::zeros(), Vector2::zeros());
+    let mut variance = 0.0;
     for o in members {
         let weight = o.support * o.footprint;
         length += weight;
+        variance += weight * reach.variance(o);
         place += (o.position - first.position) * weight;
         tangent += o.tangent * weight;
     }
@@ -202,6 +234,7 @@ fn bead(members: &[Observation]) -> Bead {
         position: first.position + place / length.max(f64::MIN_POSITIVE),
         tangent: tangent.try_normalize(0.0).unwrap_or(first.tangent),
         length,
+        variance: if length > 0.0 { variance / length } else { reach.variance(first) },
         view: first.view,
         follows: false,
         off: 0.0,
@@ -299,11 +332,9 @@ fn wave_error(narrow: &[Bead], wide: &[Bead]) -> f64 {
 
 /// The beads, each moved onto the course through those around it.
 pub(super) fn on_common_courses(beads: &[Bead], views: usize, reach: &Reach) -> Vec<Bead> {
-    let Reach { along: half, across, same_way, .. } = *reach;
-    let per_half = half.recip();
     let grid = |beads: &[Bead]| {
         let places: Vec<Point2> = beads.iter().map(|bead| bead.position).collect();
-        PointGrid::new(&places, 0.5 * half)
+        PointGrid::new(&places, 0.5 * reach.along)
     };
     // Beads in the order of the grid's cells lie in memory as they are gathered.
     let order: Vec<usize> = grid(beads).order().collect();
@@ -313,6 +344,8 @@ pub(super) fn on_common_courses(beads: &[Bead], views: usize, reach: &Reach) -> 
     let (mut of_view, mut met) = (vec![Sums::default(); views], Vec::new());
     let mut moved = |bead: &Bead| {
         let (centre, tangent) = (bead.position, bead.tangent);
+        let Reach { along: half, across, same_way, .. } = reach.at(bead.variance);
+        let per_half = half.recip();
         let window = Window { centre, tangent, reach: half, across, same_way };
         grid.runs_around(&centre, &window.half(), |points| {
             let Some(first) = points.first() else { return };
@@ -327,25 +360,26 @@ pub(super) fn on_common_courses(beads: &[Bead], views: usize, reach: &Reach) -> 
                     met.push(there.view);
                 }
                 let x = x * per_half;
-                sums.add((1.0 - x.abs()) * there.length * per_half, x, y);
+                sums.add((1.0 - x.abs()) * there.length * per_half, x, y, there.variance);
             }
         });
-        let (mut common, mut squared_shares) = (Sums::default(), 0.0);
+        let (mut common, mut variance) = (Sums::default(), 0.0);
         let own = of_view[bead.view as usize];
         for view in met.drain(..) {
             let sums = std::mem::take(&mut of_view[view as usize]);
-            squared_shares += sums.share().powi(2);
+            variance += sums.share().powi(2) * sums.mean_variance();
             common.add_view(&sums);
         }
         let has_length = common.length > 0.0;
-        let views = if has_length { common.length.powi(2) / squared_shares } else { 1.0 };
+        let views = if has_length { common.length.powi(2) / variance } else { 1.0 };
         let (course, alone) = (common.parabola(), own.parabola());
         let normal = left_of(&tangent);
         Bead {
             position: centre + normal * course.offset.clamp(-across, across),
             tangent: (tangent + normal * (course.slope * per_half)).normalize(),
             off: own.mean_off(&course),
-            off_variance: 1.0 - 2.0 * own.share() / common.length + 1.0 / views,
+            off_variance: own.mean_variance() * (1.0 - 2.0 * own.share() / common.length)
+                + 1.0 / views,
             bend: Bend::new(&course, &alone, views, half, across),
             views,
             ..*bead
@@ -362,6 +396,11 @@ mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
+    fn reach(along: f64, across: f64, same_way: f64) -> Reach {
+        let of_view = ViewError::default();
+        Reach { along, across, of_view, typical: 1.0, windows: &[1.0], same_way }
+    }
+
     /// Beads along an arc of a view: angles in parts of a circle of radius 1.
     fn arc(view: u32, parts: u32, count: u32, radius: f64) -> Vec<Bead> {
         let bead = |k: u32| {
@@ -370,6 +409,7 @@ mod tests {
                 position: Point2::new(radius * cos, radius * sin),
                 tangent: Vector2::new(-sin, cos),
                 length: radius * TAU / f64::from(parts),
+                variance: 1.0,
                 view,
                 follows: k > 0,
                 off: 0.0,
@@ -402,7 +442,7 @@ mod tests {
         let views = 5;
         let of_view = |view: u32| arc(view, 3000, 300, 1.0 + 0.002 * f64::from(view * view % 5));
         let beads: Vec<Bead> = (0..views).flat_map(of_view).collect();
-        let reach = Reach { along: 0.05, across: 0.03, windows: &[1.0], same_way: 0.8 };
+        let reach = reach(0.05, 0.03, 0.8);
         let slow = on_common_courses(&beads, views as usize, &reach);
         let fast = on_courses_of_joined(&beads, views as usize, &reach, 4, |_| 0.0);
         for (k, (slow, fast)) in slow.iter().zip(&fast).enumerate() {
@@ -421,7 +461,7 @@ mod tests {
         let errors = [-0.045, -0.03, -0.015, 0.0, 0.015, 0.03, 0.045];
         let of_view = |(view, error): (u32, &f64)| arc(view, 600, 600, 1.0 + error);
         let beads: Vec<Bead> = (0..).zip(&errors).flat_map(of_view).collect();
-        let narrow = Reach { along: 0.24, across: 0.19, windows: &[1.0], same_way: 0.64 };
+        let narrow = reach(0.24, 0.19, 0.64);
         for (reach, limit) in [(narrow, 0.0005), (narrow.times(2.0), 0.0015)] {
             let courses = on_common_courses(&beads, errors.len(), &reach);
             let radii = courses.iter().map(|bead| bead.position.coords.norm());

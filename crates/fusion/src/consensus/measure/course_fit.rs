@@ -1,4 +1,4 @@
-//! The parabola of least squares through the beads of a window, each view counting alike.
+//! The parabola of least squares through the beads of a window. A view counts by its error.
 
 use super::super::tuning::settle::{LEAST_BENT, LEAST_VARIANCE};
 
@@ -27,13 +27,14 @@ pub(super) struct Sums {
     y: f64,
     xy: f64,
     xxy: f64,
+    variance: f64,
 }
 
 impl Sums {
-    pub fn add(&mut self, length: f64, x: f64, y: f64) {
+    pub fn add(&mut self, length: f64, x: f64, y: f64, variance: f64) {
         let xx = x * x;
         let (xxx, xxxx, xy, xxy) = (x * xx, xx * xx, x * y, xx * y);
-        self.add_share(&Self { length: 1.0, x, xx, xxx, xxxx, y, xy, xxy }, length);
+        self.add_share(&Self { length: 1.0, x, xx, xxx, xxxx, y, xy, xxy, variance }, length);
     }
 
     fn add_share(&mut self, other: &Self, share: f64) {
@@ -45,19 +46,24 @@ impl Sums {
         self.y += share * other.y;
         self.xy += share * other.xy;
         self.xxy += share * other.xxy;
+        self.variance += share * other.variance;
     }
 
-    /// Adds the sums of one view. All views that measured the whole window count alike, however
-    /// densely they did.
+    /// Adds the sums of one view. How densely it measured the window does not count.
     pub fn add_view(&mut self, view: &Self) {
         if view.length > 0.0 {
-            self.add_share(view, 1.0 / view.length.max(1.0));
+            self.add_share(view, view.share() / view.length);
         }
     }
 
-    /// What a view counts as: the part of the window that it measured.
+    /// What a view counts as: the part of the window that it measured, over its variance.
     pub fn share(&self) -> f64 {
-        self.length.min(1.0)
+        if self.length > 0.0 { self.length.min(1.0) / self.mean_variance() } else { 0.0 }
+    }
+
+    /// Variance of the view's error, averaged over the window.
+    pub fn mean_variance(&self) -> f64 {
+        self.variance / self.length
     }
 
     /// Mean distance of the samples from a course.
@@ -104,7 +110,7 @@ mod tests {
         let mut sums = Sums::default();
         for k in 0..=200 {
             let x = from + (1.0 - from) * f64::from(k) / 200.0;
-            sums.add(0.01, x, y(x));
+            sums.add(0.01, x, y(x), 1.0);
         }
         sums
     }
@@ -119,6 +125,24 @@ mod tests {
             for (found, expected) in [(found.offset, 0.3), (found.slope, -0.2), (found.bend, 0.7)] {
                 assert!((found - expected).abs() < 1e-9, "{found} {expected} from {from}");
             }
+        }
+    }
+
+    #[test]
+    fn views_count_by_their_variance_and_not_by_their_density() {
+        let view = |y: f64, variance: f64, density: f64| {
+            let mut sums = Sums::default();
+            for k in -100..=100 {
+                sums.add(0.01 * density, f64::from(k) / 100.0, y, variance);
+            }
+            sums
+        };
+        for density in [1.0, 7.0] {
+            let mut common = Sums::default();
+            common.add_view(&view(1.0, 1.0, density));
+            common.add_view(&view(0.0, 4.0, 1.0));
+            let found = common.parabola();
+            assert!((found.offset - 0.8).abs() < 1e-9 && found.bend.abs() < 1e-9, "{found:?}");
         }
     }
 

@@ -12,6 +12,7 @@ mod settle;
 mod spread;
 mod view_error;
 
+pub(crate) use common_course::course_length;
 pub(crate) use observations::{NONE, Observation, Observations, ViewEnd, canonical};
 pub(crate) use scale::Scale;
 
@@ -41,16 +42,16 @@ impl Measurements {
             return None;
         }
         let (mut scale, spread) = Scale::new(&observations, options);
-        let view_error = spread.view_error.head_on.sqrt();
+        let view_error = spread.view_error.level.sqrt();
         let noise = median(observations.all.iter().map(|o| o.sigma));
-        let course_length =
-            if options.steps.settle { settle(&mut observations, &scale, view_error) } else { 0.0 };
-        if course_length > 0.0 {
+        let moved =
+            if options.steps.settle { settle(&mut observations, &scale, &spread) } else { None };
+        if moved.is_some() {
             // The views now lie close to each other, so surfaces that do so are told apart.
-            scale = Scale { course_length, ..Scale::new(&observations, options).0 };
+            scale = Scale { settled: true, ..Scale::new(&observations, options).0 };
         }
         if options.steps.view_error {
-            observations.weigh(&spread.view_error);
+            observations.weigh(&moved.unwrap_or(spread.view_error));
         }
         let grid = PointGrid::new(&observations.positions(), observations.spacing());
         let spread = spread.between_views;

@@ -116,7 +116,7 @@ impl Observations {
     /// averaging them does not reduce it, however well they agree with each other.
     pub fn weigh(&mut self, view_error: &ViewError) {
         for o in &mut self.all {
-            let variance = view_error.variance(o.squared_tangent());
+            let variance = view_error.variance(o);
             // What has moved onto a common course has the course's error instead.
             o.view_error = if o.course_error > 0.0 { 0.0 } else { variance.sqrt() };
             o.weight = o.support / (o.sigma * o.sigma + variance);

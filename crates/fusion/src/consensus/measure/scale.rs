@@ -15,8 +15,8 @@ pub(crate) struct Scale {
     pub threshold: f64,
     /// Cosine of the largest angle between observations of one surface.
     pub same_way: f64,
-    /// Length of the common courses that the views' curves were moved onto; 0 if they stayed.
-    pub course_length: f64,
+    /// Whether the views' curves were moved onto common courses.
+    pub settled: bool,
     pub options: ConsensusOptions,
 }
 
@@ -28,11 +28,12 @@ impl Scale {
         let same_way = options.direction_limit_rad.cos();
         // A single view does not show the spread between views; its own error has to do.
         let measured = Search::new(observations, options).spread_between_views();
-        let own = Spread { between_views: sigma, view_error: ViewError::default() };
+        let (view_error, pairs) = (ViewError::default(), Vec::new());
+        let own = Spread { between_views: sigma, view_error, pairs };
         let measured = measured.unwrap_or(own);
         let least = (LEAST_SIGMAS * sigma).max(LEAST_FOOTPRINTS * spacing);
         let threshold = (options.threshold_spreads * measured.between_views).max(least);
-        (Self { spacing, threshold, same_way, course_length: 0.0, options: *options }, measured)
+        (Self { spacing, threshold, same_way, settled: false, options: *options }, measured)
     }
 
     pub fn steps(&self) -> &Steps {

@@ -6,9 +6,9 @@
 //!
 //! **Idea.** A volumetric method averages the distances to all views' surfaces first, and only then
 //! looks for the surface. Here every node moves across the curve onto the average of all views
-//! around it. This is a projection onto a moving least squares parabola (Alexa et al., 2003), in
-//! which each view counts alike. Direction still tells surfaces apart, so both sides of a thin wall
-//! stay.
+//! around it. This is a projection onto a moving least squares parabola (Alexa et al., 2003). A view
+//! counts by how far it errs there (`view_error.rs`), not by how densely it sampled. Direction still
+//! tells surfaces apart, so both sides of a thin wall stay.
 //!
 //! **Steps.**
 //! 1. Each view is shifted and turned as a whole (`align.rs`).
@@ -24,36 +24,49 @@
 //!
 //! **Source.** Not in the dissertation, whose averages move two curves at a time (5.5.2).
 
+use super::super::options::Steps;
 use super::super::tuning::settle::*;
 use super::super::window::left_of;
 use super::align::align;
 use super::common_course::{Reach, ViewErrors, averaged_view_error, beads, on_widest_courses};
 use super::observations::{Observations, median};
 use super::scale::Scale;
+use super::spread::Spread;
+use super::view_error::ViewError;
 
-/// Moves the observations if the views' errors ask for it, and returns the length of a common
-/// course; 0 if they stay. `error` is the standard deviation of the views' systematic errors.
-pub(super) fn settle(observations: &mut Observations, scale: &Scale, error: f64) -> f64 {
+/// Moves the observations if the views' errors ask for it, and returns these errors, with the part
+/// that goes with the noise.
+pub(super) fn settle(
+    observations: &mut Observations,
+    scale: &Scale,
+    spread: &Spread,
+) -> Option<ViewError> {
+    let error = spread.view_error.level.sqrt();
     let noise = median(observations.all.iter().map(|o| o.sigma));
     if error < LEAST_FOOTPRINTS * scale.spacing || error < LEAST_NOISE_RATIO * noise {
-        return 0.0;
+        return None;
     }
-    let reach = Reach::new(error, scale);
-    let mut view_error = scale.steps().align.then(|| align(observations, &reach, error));
+    let Steps { error_with_noise, incidence_error, .. } = *scale.steps();
+    let sought = [true, error_with_noise, incidence_error];
+    let of_view = ViewError::of(&spread.pairs, spread.between_views, sought);
+    let typical = of_view.typical(observations).max(noise);
+    let reach = Reach::new(of_view, typical, scale);
+    let mut averaged = scale.steps().align.then(|| align(observations, &reach));
     let (mut beads, bead_of) = beads(observations, &reach);
     let mut errors = ViewErrors::default();
     for _ in 0..ROUNDS {
         beads = on_widest_courses(&beads, observations.sources.len(), &reach, &mut errors);
-        view_error = view_error.or_else(|| Some(averaged_view_error(&beads)));
+        averaged = averaged.or_else(|| Some(averaged_view_error(&beads)));
     }
     for (o, &k) in observations.all.iter_mut().zip(&bead_of) {
         let bead = &beads[k as usize];
-        o.course_error = view_error.unwrap_or(error).max(error) / bead.views.sqrt();
-        let trust = error * error / (error * error + o.sigma * o.sigma);
+        o.course_error = averaged.unwrap_or(typical).max(typical) / bead.views.sqrt();
+        let variance = of_view.variance(o);
+        let trust = variance / (variance + o.sigma * o.sigma);
         let normal = left_of(&bead.tangent);
         o.position += normal * (trust * normal.dot(&(bead.position - o.position)));
         let turned = o.tangent + (bead.tangent - o.tangent) * trust;
         o.tangent = turned.try_normalize(0.0).unwrap_or(o.tangent);
     }
-    2.0 * reach.along
+    Some(of_view)
 }

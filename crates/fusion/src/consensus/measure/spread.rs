@@ -14,12 +14,14 @@ use std::collections::BinaryHeap;
 use transect_geometry::{Envelope, Point2};
 
 /// Spread between views, in the length unit.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(crate) struct Spread {
     /// Standard deviation of one view's curve against the common one, with the registration error.
     pub between_views: f64,
-    /// The part of it that the nodes' own errors do not explain.
+    /// The part of it that the nodes' own errors do not explain, and that does not go with them.
     pub view_error: ViewError,
+    /// The pairs of nodes that show it.
+    pub pairs: Vec<Pair>,
 }
 
 /// How far from a node another curve is searched for.
@@ -82,7 +84,7 @@ impl<'a> Search<'a> {
         let usual = self.within(1.0)?;
         // Only curves that will be moved onto each other may be farther apart.
         let widest = if self.options.steps.settle { WIDEST_SHARE } else { 1.0 };
-        let (mut share, mut found) = (1.0, usual);
+        let (mut share, mut found) = (1.0, usual.clone());
         while !self.holds(&found, share) && share < widest {
             share *= SHARE_GROWTH;
             found = self.within(share)?;
@@ -118,7 +120,9 @@ impl<'a> Search<'a> {
         }
         let between_two = median(pairs.iter().map(|p| p.distance)) / MEDIAN_OF_NORMAL;
         let between_views = between_two / std::f64::consts::SQRT_2;
-        Some(Spread { between_views, view_error: ViewError::of(&pairs, between_views) })
+        let sought = [true, false, self.options.steps.incidence_error];
+        let view_error = ViewError::of(&pairs, between_views, sought);
+        Some(Spread { between_views, view_error, pairs })
     }
 
     /// The distance across the curve to one other view, drawn from those that measured this place:
@@ -148,20 +152,14 @@ impl<'a> Search<'a> {
             let how_far = d.dot(&there.tangent).abs();
             if how_far < along && there.tangent.dot(&here.tangent) >= same_way {
                 along = how_far;
-                pair = Some(self.pair(here, there, there.tangent.perp(&d).abs()));
+                pair = Some(Pair {
+                    distance: there.tangent.perp(&d).abs(),
+                    variance: here.sigma.powi(2) + there.sigma.powi(2),
+                    squared_tangents: here.squared_tangent() + there.squared_tangent(),
+                });
             }
         });
         pair
-    }
-
-    fn pair(&self, here: &Observation, there: &Observation, distance: f64) -> Pair {
-        let by_incidence = self.options.steps.incidence_error;
-        let squared_tangents = here.squared_tangent() + there.squared_tangent();
-        Pair {
-            distance,
-            variance: here.sigma.powi(2) + there.sigma.powi(2),
-            squared_tangents: if by_incidence { squared_tangents } else { 0.0 },
-        }
     }
 }
 

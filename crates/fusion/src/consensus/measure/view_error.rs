@@ -2,28 +2,35 @@
 //! do not explain (random effects model).
 //!
 //! **Problem.** Pixel noise averages out along a curve. Errors of calibration, pose and blur do
-//! not, since neighbouring nodes share them, and views have to be weighed by these. Real scanners
-//! err more where they see a surface obliquely: the laser's stripe and the pixel's patch get
-//! longer. Pixel noise suggests the opposite, as an error along the ray counts less across an
-//! oblique surface.
+//! not, since neighbouring nodes share them, and views have to be weighed by these. Scanners err
+//! more where they see a surface obliquely: the laser's stripe and the pixel's patch get longer.
+//! Pixel noise suggests the opposite, as an error along the ray counts less across an oblique
+//! surface. Depth cameras triangulate. Whatever moves their disparity, be it noise, a matching
+//! window or the lens, is an error that grows with the square of the depth. There a view's error
+//! goes with its noise.
 //!
-//! **Idea.** Variance components by least squares. The variance across the curve is `h + o t²`,
-//! with `t` the tangent of the incidence. Two nodes of two views beside each other lie a distance
-//! `d` apart with `E d² = σ₁² + σ₂² + 2 h + o (t₁² + t₂²)`, which is linear in `h` and `o`.
+//! **Idea.** Variance components by least squares. The variance across the curve is
+//! `l + n σ² + o t²`, with `σ` the node's own standard deviation and `t` the tangent of the
+//! incidence. Two nodes of two views beside each other lie a distance `d` apart with
+//! `E d² = (1 + n) (σ₁² + σ₂²) + 2 l + o (t₁² + t₂²)`, which is linear in `l`, `n` and `o`.
 //!
 //! **Steps.**
-//! 1. Start: the whole spread is independent of the incidence.
+//! 1. Start: the whole spread is the same everywhere.
 //! 2. Least squares, weighted by the last estimate: the square of a normal error has a standard
 //!    deviation in proportion to its variance. Pairs more than three standard deviations apart are
-//!    outliers or of different surfaces, and do not count.
-//! 3. The part that grows with the incidence counts as far as it exceeds its own error (shrinkage
-//!    of James and Stein, 1961). Otherwise chance would give weights to views that err alike at any
-//!    incidence.
+//!    outliers or of different surfaces, and do not count. Parts that do not exceed their own
+//!    error are left out, as are parts below 0.
+//! 3. The part that goes with the noise is sought only where views are moved onto common courses
+//!    (`settle.rs`). The noise of a laser scanner says little of its errors.
+//! 4. The parts that grow count as far as they exceed their own errors (shrinkage of James and
+//!    Stein, 1961). Otherwise chance would give weights to views that err alike everywhere.
 //!
 //! **Source.** Not in the dissertation, whose averages weigh all views alike (5.5.2). Weights that
 //! fall with the incidence go back to Turk and Levoy (1994); here they are measured.
 
 use super::super::tuning::view_error::*;
+use super::observations::{Observation, Observations, median};
+use nalgebra::{Matrix3, Vector3};
 
 /// Two nodes of different views beside each other.
 #[derive(Debug, Clone, Copy)]
@@ -36,135 +43,123 @@ pub(crate) struct Pair {
     pub squared_tangents: f64,
 }
 
-/// Variance of a view's systematic error across the curve.
+impl Pair {
+    /// What the parts of a [`ViewError`] count for in the variance of the distance.
+    fn counts(&self) -> Vector3<f64> {
+        Vector3::new(2.0, self.variance, self.squared_tangents)
+    }
+}
+
+/// Variance of a view's systematic error across the curve, in three parts.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct ViewError {
-    /// Variance where the surface is seen head-on.
-    pub head_on: f64,
+    /// The part that is the same everywhere.
+    pub level: f64,
+    /// The part that goes with the node's own variance, in such variances.
+    pub with_noise: f64,
     /// Increase per squared tangent of the incidence.
     pub oblique: f64,
 }
 
-/// An estimate, and the share of its oblique part that exceeds the part's own error.
-struct Estimate {
-    error: ViewError,
-    trust: f64,
-}
-
 impl ViewError {
-    /// Variance at an incidence of this squared tangent.
-    pub fn variance(&self, squared_tangent: f64) -> f64 {
-        self.head_on + self.oblique * squared_tangent
+    /// Variance at an observation.
+    pub fn variance(&self, of: &Observation) -> f64 {
+        self.level + self.with_noise * of.sigma * of.sigma + self.oblique * of.squared_tangent()
     }
 
-    /// The error from pairs of nodes; `between_views` is the standard deviation of one view.
-    pub fn of(pairs: &[Pair], between_views: f64) -> Self {
-        let error = Self { head_on: between_views * between_views, oblique: 0.0 };
-        let mut last = Estimate { error, trust: 0.0 };
+    /// Standard deviation at a typical observation.
+    pub fn typical(&self, observations: &Observations) -> f64 {
+        median(observations.all.iter().map(|o| self.variance(o))).sqrt()
+    }
+
+    /// The error from pairs of nodes; `between_views` is the standard deviation of one view. Only
+    /// the parts that are `sought` can be more than 0.
+    pub fn of(pairs: &[Pair], between_views: f64, sought: [bool; 3]) -> Self {
+        let mut error = Self { level: between_views * between_views, ..Self::default() };
+        let mut trust = Vector3::zeros();
         for _ in 0..ROUNDS {
-            last = last.error.improved(pairs);
+            (error, trust) = error.equations(pairs).solution(sought);
         }
-        let Estimate { error, trust } = last;
-        let shrunk = Self { head_on: error.head_on, oblique: error.oblique * trust };
-        // The part that shrinking removed counts at any incidence.
-        shrunk.head_on_for(pairs)
+        let [_, with_noise, oblique] = error.parts().component_mul(&trust).into();
+        // What shrinking removed counts everywhere.
+        let shrunk = Self { with_noise, oblique, ..error };
+        Self { level: shrunk.equations(pairs).level(&shrunk), ..shrunk }
     }
 
-    /// Variance of the distance between the nodes of a pair.
-    fn expected(&self, pair: &Pair) -> f64 {
-        pair.variance + 2.0 * self.head_on + self.oblique * pair.squared_tangents
+    fn parts(&self) -> Vector3<f64> {
+        Vector3::new(self.level, self.with_noise, self.oblique)
     }
 
-    fn sums(&self, pairs: &[Pair]) -> Sums {
-        let mut sums = Sums::default();
+    /// The normal equations for the next estimate. The square of a normal error has a standard
+    /// deviation in proportion to its variance, so a pair's weight is one over the square of this.
+    fn equations(&self, pairs: &[Pair]) -> Equations {
+        let mut equations = Equations::default();
         for pair in pairs {
-            let expected = self.expected(pair);
+            let counts = pair.counts();
+            let expected = pair.variance + self.parts().dot(&counts);
             let squared = pair.distance * pair.distance;
             if expected > 0.0 && squared <= SQUARED_CUT * expected {
+                let weight = 1.0 / (expected * expected);
                 let unexplained = squared / VARIANCE_LEFT_BY_CUT - pair.variance;
-                sums.add(pair.squared_tangents, unexplained, 1.0 / (expected * expected));
+                equations.matrix += counts * counts.transpose() * weight;
+                equations.vector += counts * (unexplained * weight);
             }
         }
-        sums
-    }
-
-    /// The next estimate.
-    fn improved(&self, pairs: &[Pair]) -> Estimate {
-        let sums = self.sums(pairs);
-        let line = sums.line();
-        // A variance cannot be negative.
-        let (head_on, oblique) =
-            if line.level < 0.0 { (0.0, sums.line_through_0()) } else { (line.level, line.slope) };
-        let trust = 1.0 - oblique.variance / (oblique.value * oblique.value);
-        if oblique.value > 0.0 && trust > 0.0 {
-            Estimate { error: Self { head_on: 0.5 * head_on, oblique: oblique.value }, trust }
-        } else {
-            let error = Self { head_on: 0.5 * sums.level(0.0), oblique: 0.0 };
-            Estimate { error, trust: 0.0 }
-        }
-    }
-
-    /// The same oblique part with the level that fits it.
-    fn head_on_for(self, pairs: &[Pair]) -> Self {
-        Self { head_on: 0.5 * self.sums(pairs).level(self.oblique), ..self }
+        equations
     }
 }
 
-#[derive(Debug, Clone, Copy)]
-struct Line {
-    level: f64,
-    slope: Slope,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Slope {
-    value: f64,
-    variance: f64,
-}
-
-/// Weighted sums for a straight line. The weight of a sample is one over its squared expectation;
-/// the square of a normal error has twice that as its variance.
+/// Normal equations of the parts of a view's error.
 #[derive(Debug, Clone, Copy, Default)]
-struct Sums {
-    w: f64,
-    x: f64,
-    y: f64,
-    xx: f64,
-    xy: f64,
+struct Equations {
+    matrix: Matrix3<f64>,
+    vector: Vector3<f64>,
 }
 
-impl Sums {
-    fn add(&mut self, x: f64, y: f64, w: f64) {
-        self.w += w;
-        self.x += w * x;
-        self.y += w * y;
-        self.xx += w * x * x;
-        self.xy += w * x * y;
-    }
-
-    /// The line; only a level where all samples have one place.
-    fn line(&self) -> Line {
-        let spread = self.xx * self.w - self.x * self.x;
-        if spread.is_nan() || spread <= LEAST_SPREAD * self.xx * self.w {
-            let slope = Slope { value: 0.0, variance: f64::INFINITY };
-            return Line { level: self.level(0.0), slope };
+impl Equations {
+    /// The parts, and the share of each that exceeds its own error. Slopes that do not exceed it are
+    /// left out one after the other, beginning with the one that says least. A level below 0 is left
+    /// out last.
+    fn solution(&self, mut taken: [bool; 3]) -> (ViewError, Vector3<f64>) {
+        loop {
+            let (parts, variances) = self.solve(&taken);
+            let says = |k: usize| parts[k] / variances[k].sqrt();
+            let vague = (1..3).filter(|&k| taken[k] && (says(k).is_nan() || says(k) <= 1.0));
+            let vaguest = vague.min_by(|&a, &b| says(a).total_cmp(&says(b)));
+            let Some(left_out) = vaguest.or((taken[0] && parts[0] < 0.0).then_some(0)) else {
+                let trust = |k: usize| if taken[k] { 1.0 - says(k).powi(-2) } else { 0.0 };
+                let [level, with_noise, oblique] = parts.into();
+                let error = ViewError { level, with_noise, oblique };
+                return (error, Vector3::new(1.0, trust(1), trust(2)));
+            };
+            taken[left_out] = false;
         }
-        let value = (self.xy * self.w - self.x * self.y) / spread;
-        let slope = Slope { value, variance: VARIANCE_OF_SQUARE * self.w / spread };
-        Line { level: (self.y - value * self.x) / self.w, slope }
     }
 
-    /// The level that fits a slope, at least 0.
-    fn level(&self, slope: f64) -> f64 {
-        if self.w > 0.0 { ((self.y - slope * self.x) / self.w).max(0.0) } else { 0.0 }
+    /// The parts, and the variance of each, without bounds for a part that no pair tells anything of.
+    /// Those that are not taken are 0.
+    fn solve(&self, taken: &[bool; 3]) -> (Vector3<f64>, Vector3<f64>) {
+        let kept = Vector3::from(taken.map(|taken| f64::from(u8::from(taken))));
+        let size = self.matrix.diagonal().map(|d| if d > 0.0 { d.sqrt().recip() } else { 0.0 });
+        let scale = size.component_mul(&kept);
+        // With ones on the diagonal, and a little more where parts cannot be told apart.
+        let scaled = self.matrix.component_mul(&(scale * scale.transpose()));
+        let added = scale.map(|s| if s > 0.0 { LEAST_SPREAD } else { 1.0 });
+        let matrix = scaled + Matrix3::from_diagonal(&added);
+        let Some(inverse) = matrix.cholesky().map(|m| m.inverse()) else {
+            return (Vector3::zeros(), Vector3::repeat(f64::INFINITY));
+        };
+        let parts = (inverse * self.vector.component_mul(&scale)).component_mul(&scale);
+        let known = inverse.diagonal().component_mul(&scale).component_mul(&scale);
+        let variances = known.map(|v| if v > 0.0 { VARIANCE_OF_SQUARE * v } else { f64::INFINITY });
+        (parts, variances)
     }
 
-    fn line_through_0(&self) -> Slope {
-        if self.xx > 0.0 {
-            Slope { value: self.xy / self.xx, variance: VARIANCE_OF_SQUARE / self.xx }
-        } else {
-            Slope { value: 0.0, variance: f64::INFINITY }
-        }
+    /// The level that fits the other parts of an error, at least 0.
+    fn level(&self, error: &ViewError) -> f64 {
+        let others = Vector3::new(0.0, error.with_noise, error.oblique);
+        let level = (self.vector[0] - (self.matrix * others)[0]) / self.matrix[(0, 0)];
+        if level > 0.0 { level } else { 0.0 }
     }
 }
 
@@ -172,9 +167,13 @@ impl Sums {
 mod tests {
     use super::*;
 
-    /// Distances drawn as the quantiles of a normal error, in an order unrelated to the incidences.
-    fn pairs(own: f64, variance_at: impl Fn(f64) -> f64) -> Vec<Pair> {
-        let count = 400_u32;
+    const ALL: [bool; 3] = [true; 3];
+
+    /// Distances drawn as the quantiles of a normal error, in an order unrelated to incidences and
+    /// noises. The variances of the errors of views follow from the squared tangent and from the
+    /// variance by noise.
+    fn pairs(noise: f64, variance_at: impl Fn(f64, f64) -> f64) -> Vec<Pair> {
+        let count = 800_u32;
         // The inverse of the normal distribution's error function, by bisection on its series.
         let quantile = |p: f64| {
             let cdf = |z: f64| {
@@ -193,49 +192,75 @@ mod tests {
             low
         };
         let pair = |k: u32| {
-            let error = quantile((f64::from(k) + 0.5) / f64::from(count));
+            let error = quantile((f64::from(k * 467 % count) + 0.5) / f64::from(count));
             let t = |k: u32| f64::from(k % 31) / 10.0;
-            let (a, b) = (t(k * 17), t(k * 29 + 5));
-            let variance = 2.0 * own * own + variance_at(a) + variance_at(b);
+            // Depths from 1 to 3, with noise that grows with their squares.
+            let own = |k: u32| noise * noise * (1.0 + f64::from(k % 23) / 11.0).powi(4);
+            let (a, b) = ((t(k * 17), own(k * 7)), (t(k * 29 + 5), own(k * 13 + 3)));
+            let of = |(t, own): (f64, f64)| own + variance_at(t * t, own);
             Pair {
-                distance: (error * variance.sqrt()).abs(),
-                variance: 2.0 * own * own,
-                squared_tangents: a * a + b * b,
+                distance: (error * (of(a) + of(b)).sqrt()).abs(),
+                variance: a.1 + b.1,
+                squared_tangents: a.0 * a.0 + b.0 * b.0,
             }
         };
         (0..count).map(pair).collect()
     }
 
     #[test]
-    fn what_grows_with_the_incidence_is_told_from_what_does_not() {
-        for (head_on, oblique) in [(0.04, 0.0), (0.04, 0.04), (0.0, 0.03), (0.04, 0.01)] {
-            let found = ViewError::of(&pairs(0.1, |t| head_on + oblique * t * t), 0.3);
-            assert!((found.head_on - head_on).abs() < 0.012, "{head_on} {oblique}: {found:?}");
-            assert!((found.oblique - oblique).abs() < 0.2 * oblique + 0.002, "{found:?}");
+    fn each_part_is_told_from_the_others() {
+        let parts = [
+            (0.04, 0.0, 0.0),
+            (0.04, 0.0, 0.04),
+            (0.0, 0.0, 0.03),
+            (0.04, 0.0, 0.01),
+            (0.04, 40.0, 0.0),
+            (0.0, 30.0, 0.0),
+            (0.02, 50.0, 0.03),
+        ];
+        for (level, with_noise, oblique) in parts {
+            let pairs = pairs(0.01, |t, own| level + with_noise * own + oblique * t);
+            let found = ViewError::of(&pairs, 0.3, ALL);
+            let text = format!("{level} {with_noise} {oblique}: {found:?}");
+            assert!((found.level - level).abs() < 0.013, "{text}");
+            assert!((found.with_noise - with_noise).abs() < 0.25 * with_noise + 0.8, "{text}");
+            assert!((found.oblique - oblique).abs() < 0.25 * oblique + 0.003, "{text}");
+        }
+    }
+
+    #[test]
+    fn parts_that_are_not_sought_are_not_found() {
+        let pairs = pairs(0.03, |t, own| 0.02 + 40.0 * own + 0.03 * t);
+        for sought in [[true, false, false], [true, true, false], [true, false, true]] {
+            let found = ViewError::of(&pairs, 0.3, sought);
+            assert_eq!([found.with_noise > 0.0, found.oblique > 0.0], sought[1..], "{found:?}");
         }
     }
 
     #[test]
     fn own_errors_explain_what_they_can() {
-        let found = ViewError::of(&pairs(0.1, |_| 0.0), 0.1);
-        assert!(found.variance(0.0) < 0.001 && found.variance(9.0) < 0.004, "{found:?}");
+        let found = ViewError::of(&pairs(0.03, |_, _| 0.0), 0.1, ALL);
+        assert!(found.level < 0.0005 && found.oblique < 0.0005, "{found:?}");
+        assert!(found.with_noise < 0.2, "{found:?}");
     }
 
     #[test]
     fn surfaces_beside_each_other_do_not_count() {
-        let mut pairs = pairs(0.1, |t| 0.01 + 0.01 * t * t);
-        let clean = ViewError::of(&pairs, 0.2);
+        let mut pairs = pairs(0.03, |t, _| 0.01 + 0.01 * t);
+        let clean = ViewError::of(&pairs, 0.2, ALL);
         pairs.iter_mut().step_by(20).for_each(|p| p.distance = 3.0);
-        let found = ViewError::of(&pairs, 0.2);
-        assert!(found.variance(1.0) < 1.3 * clean.variance(1.0), "{clean:?} {found:?}");
+        let found = ViewError::of(&pairs, 0.2, ALL);
+        let variance = |error: &ViewError| error.level + error.oblique;
+        assert!(variance(&found) < 1.3 * variance(&clean), "{clean:?} {found:?}");
     }
 
     #[test]
-    fn one_incidence_says_nothing_about_others() {
-        let mut pairs = pairs(0.1, |_| 0.02);
-        pairs.iter_mut().for_each(|p| p.squared_tangents = 2.0);
-        let found = ViewError::of(&pairs, 0.2);
-        assert!(found.oblique == 0.0 && (found.head_on - 0.02).abs() < 0.004, "{found:?}");
-        assert_eq!(ViewError::of(&[], 0.2), ViewError::default(), "and no pair nothing at all");
+    fn pairs_that_are_all_alike_say_nothing_about_others() {
+        let mut pairs = pairs(0.0003, |_, _| 0.02);
+        pairs.iter_mut().for_each(|p| (p.squared_tangents, p.variance) = (2.0, 1e-6));
+        let found = ViewError::of(&pairs, 0.2, ALL);
+        assert_eq!([found.with_noise, found.oblique], [0.0; 2], "{found:?}");
+        assert!((found.level - 0.02).abs() < 0.004, "{found:?}");
+        assert_eq!(ViewError::of(&[], 0.2, ALL), ViewError::default(), "and no pair nothing");
     }
 }
