@@ -10,6 +10,7 @@ mod drift;
 mod incidence;
 mod invariants;
 mod marks;
+mod near_and_far;
 mod noise;
 mod overlap_rules;
 mod page;

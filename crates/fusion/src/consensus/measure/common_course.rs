@@ -2,8 +2,8 @@
 //!
 //! Courses go through beads, short pieces of each view's curves; they cost less than courses
 //! through nodes. A view counts by the variance of its error, however densely it sampled (Alexa et
-//! al., 2003, with one share per view). Direction tells surfaces apart, so both sides of a thin wall
-//! stay.
+//! al., 2003, with one share per view). Direction tells surfaces apart, so both sides of a thin
+//! wall stay.
 //!
 //! A straight course would cut bends. All views are cut alike, so more of them would not help. A
 //! parabola keeps bends, but doubles the variance where nothing bends. What chance explains of a
@@ -63,7 +63,7 @@ impl Reach {
 
     /// Variance of the error of an observation, its own included, in that of a typical view.
     fn variance(&self, of: &Observation) -> f64 {
-        (self.of_view.variance(of) + of.sigma * of.sigma) / (self.typical * self.typical)
+        (of.view_variance(&self.of_view) + of.sigma * of.sigma) / (self.typical * self.typical)
     }
 }
 

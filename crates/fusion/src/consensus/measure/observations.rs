@@ -50,6 +50,11 @@ impl Observation {
     pub fn squared_tangent(&self) -> f64 {
         self.tan_incidence.map_or(0.0, |tan| f64::from(tan).powi(2))
     }
+
+    /// Variance of its view's systematic error here.
+    pub fn view_variance(&self, error: &ViewError) -> f64 {
+        error.variance(self.sigma, self.squared_tangent())
+    }
 }
 
 /// Where a view's curve begins or ends.
@@ -116,7 +121,7 @@ impl Observations {
     /// averaging them does not reduce it, however well they agree with each other.
     pub fn weigh(&mut self, view_error: &ViewError) {
         for o in &mut self.all {
-            let variance = view_error.variance(o);
+            let variance = o.view_variance(view_error);
             // What has moved onto a common course has the course's error instead.
             o.view_error = if o.course_error > 0.0 { 0.0 } else { variance.sqrt() };
             o.weight = o.support / (o.sigma * o.sigma + variance);

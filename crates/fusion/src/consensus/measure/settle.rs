@@ -6,9 +6,9 @@
 //!
 //! **Idea.** A volumetric method averages the distances to all views' surfaces first, and only then
 //! looks for the surface. Here every node moves across the curve onto the average of all views
-//! around it. This is a projection onto a moving least squares parabola (Alexa et al., 2003). A view
-//! counts by how far it errs there (`view_error.rs`), not by how densely it sampled. Direction still
-//! tells surfaces apart, so both sides of a thin wall stay.
+//! around it. This is a projection onto a moving least squares parabola (Alexa et al., 2003). A
+//! view counts by how far it errs there (`view_error.rs`), not by how densely it sampled. Direction
+//! still tells surfaces apart, so both sides of a thin wall stay.
 //!
 //! **Steps.**
 //! 1. Each view is shifted and turned as a whole (`align.rs`).
@@ -49,7 +49,8 @@ pub(super) fn settle(
     let Steps { error_with_noise, incidence_error, .. } = *scale.steps();
     let sought = [true, error_with_noise, incidence_error];
     let of_view = ViewError::of(&spread.pairs, spread.between_views, sought);
-    let typical = of_view.typical(observations).max(noise);
+    let typical =
+        median(observations.all.iter().map(|o| o.view_variance(&of_view))).sqrt().max(noise);
     let reach = Reach::new(of_view, typical, scale);
     let mut averaged = scale.steps().align.then(|| align(observations, &reach));
     let (mut beads, bead_of) = beads(observations, &reach);
@@ -61,7 +62,7 @@ pub(super) fn settle(
     for (o, &k) in observations.all.iter_mut().zip(&bead_of) {
         let bead = &beads[k as usize];
         o.course_error = averaged.unwrap_or(typical).max(typical) / bead.views.sqrt();
-        let variance = of_view.variance(o);
+        let variance = o.view_variance(&of_view);
         let trust = variance / (variance + o.sigma * o.sigma);
         let normal = left_of(&bead.tangent);
         o.position += normal * (trust * normal.dot(&(bead.position - o.position)));

@@ -29,7 +29,6 @@
 //! fall with the incidence go back to Turk and Levoy (1994); here they are measured.
 
 use super::super::tuning::view_error::*;
-use super::observations::{Observation, Observations, median};
 use nalgebra::{Matrix3, Vector3};
 
 /// Two nodes of different views beside each other.
@@ -62,14 +61,10 @@ pub(crate) struct ViewError {
 }
 
 impl ViewError {
-    /// Variance at an observation.
-    pub fn variance(&self, of: &Observation) -> f64 {
-        self.level + self.with_noise * of.sigma * of.sigma + self.oblique * of.squared_tangent()
-    }
-
-    /// Standard deviation at a typical observation.
-    pub fn typical(&self, observations: &Observations) -> f64 {
-        median(observations.all.iter().map(|o| self.variance(o))).sqrt()
+    /// Variance where a node has this standard deviation of its own, at an incidence of this
+    /// squared tangent.
+    pub fn variance(&self, sigma: f64, squared_tangent: f64) -> f64 {
+        self.level + self.with_noise * sigma * sigma + self.oblique * squared_tangent
     }
 
     /// The error from pairs of nodes; `between_views` is the standard deviation of one view. Only
@@ -117,9 +112,9 @@ struct Equations {
 }
 
 impl Equations {
-    /// The parts, and the share of each that exceeds its own error. Slopes that do not exceed it are
-    /// left out one after the other, beginning with the one that says least. A level below 0 is left
-    /// out last.
+    /// The parts, and the share of each that exceeds its own error. Slopes that do not exceed it
+    /// are left out one after the other, beginning with the one that says least. A level below 0
+    /// is left out last.
     fn solution(&self, mut taken: [bool; 3]) -> (ViewError, Vector3<f64>) {
         loop {
             let (parts, variances) = self.solve(&taken);
@@ -136,8 +131,8 @@ impl Equations {
         }
     }
 
-    /// The parts, and the variance of each, without bounds for a part that no pair tells anything of.
-    /// Those that are not taken are 0.
+    /// The parts, and the variance of each, without bounds for a part that no pair tells anything
+    /// of. Those that are not taken are 0.
     fn solve(&self, taken: &[bool; 3]) -> (Vector3<f64>, Vector3<f64>) {
         let kept = Vector3::from(taken.map(|taken| f64::from(u8::from(taken))));
         let size = self.matrix.diagonal().map(|d| if d > 0.0 { d.sqrt().recip() } else { 0.0 });

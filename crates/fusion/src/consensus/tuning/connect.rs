@@ -36,9 +36,10 @@ pub mod chain {
     pub const CONFIRMED_STEP: f64 = 2.0;
     /// Least length of a chain without a node that two views measured, in lengths of the common
     /// course that the error of its view asks for. Theory: over less than a course nothing averages
-    /// the view's error, and it looks like surface. Measured: the median of the red kitchen's halves falls by 7 %. 12 of the 14 false
-    /// pieces of `kitchen_kin40_real` go, with 0.4 % of its tight completeness. With 0.75 two more
-    /// false pieces stay in another draw of it; with 1.25 the halves gain 0.3 % in median.
+    /// the view's error, and it looks like surface. Measured: the median of the red kitchen's
+    /// halves falls by 7 %. 12 of the 14 false pieces of `kitchen_kin40_real` go, with 0.4 % of its
+    /// tight completeness. With 0.75 two more false pieces stay in another draw of it; with 1.25
+    /// the halves gain 0.3 % in median.
     pub const LONE_COURSES: f64 = 1.0;
 }
 
