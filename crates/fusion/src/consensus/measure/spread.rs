@@ -18,7 +18,8 @@ use transect_geometry::{Envelope, Point2};
 pub(crate) struct Spread {
     /// Standard deviation of one view's curve against the common one, with the registration error.
     pub between_views: f64,
-    /// The part of it that the nodes' own errors do not explain, and that does not go with them.
+    /// The part of it that the nodes' own errors do not explain, without a part that goes with the
+    /// noise.
     pub view_error: ViewError,
     /// The pairs of nodes that show it.
     pub pairs: Vec<Pair>,

@@ -39,7 +39,8 @@ pub mod chain {
     /// the view's error, and it looks like surface. Measured: the median of the red kitchen's
     /// halves falls by 7 %. 12 of the 14 false pieces of `kitchen_kin40_real` go, with 0.4 % of its
     /// tight completeness. With 0.75 two more false pieces stay in another draw of it; with 1.25
-    /// the halves gain 0.3 % in median.
+    /// the halves gain 0.3 % in median. With the error of a typical view for all, parts seen from
+    /// near and far have 21 false pieces instead of 17.
     pub const LONE_COURSES: f64 = 1.0;
 }
 
