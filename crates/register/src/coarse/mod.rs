@@ -66,7 +66,7 @@ enum Lookup {
 
 /// What a cell of pixels measured, as it is kept: a view has thousands of cells.
 #[derive(Debug, Clone, Copy, Default)]
-struct Cell {
+pub(crate) struct Cell {
     seen: Option<Seen>,
     patch: Option<StoredPatch>,
 }
@@ -250,12 +250,20 @@ impl CoarseView {
     }
 
     fn patch(&self, cell: usize) -> Option<Patch> {
-        self.cells.get(cell)?.patch?.patch(&self.ray(cell)?)
+        self.patch_of(&self.kept(cell)?, cell)
+    }
+
+    fn patch_of(&self, kept: &Cell, cell: usize) -> Option<Patch> {
+        kept.patch?.patch(&self.ray_through(kept.seen?, cell)?)
     }
 
     /// The ray that stands for those of all pixels of a cell.
     pub(crate) fn ray(&self, cell: usize) -> Option<Ray> {
-        let (row, col) = self.cells.get(cell)?.seen?.middle;
+        self.ray_through(self.cells.get(cell)?.seen?, cell)
+    }
+
+    fn ray_through(&self, seen: Seen, cell: usize) -> Option<Ray> {
+        let (row, col) = seen.middle;
         match &self.lookup {
             Lookup::Inverse(frame) => frame.ray(Pixel::new(
                 cell / self.size.cols * self.step + usize::from(row),
@@ -277,9 +285,24 @@ impl CoarseView {
 
     /// The patch of a cell, with a point whose ray passes the cell.
     pub(crate) fn meeting_in(&self, cell: usize, in_sensor: &Point3) -> Option<Meeting> {
-        let patch = self.patch(cell)?;
+        self.meeting_with(&self.kept(cell)?, cell, in_sensor)
+    }
+
+    /// The same with what is [kept](Self::kept) of the cell.
+    pub(crate) fn meeting_with(
+        &self,
+        kept: &Cell,
+        cell: usize,
+        in_sensor: &Point3,
+    ) -> Option<Meeting> {
+        let patch = self.patch_of(kept, cell)?;
         let (distance, sigma) = patch.distance(in_sensor)?;
         Some(Meeting { cell, distance, normal: patch.steady_normal(), sigma })
+    }
+
+    /// What is kept of a cell.
+    pub(crate) fn kept(&self, cell: usize) -> Option<Cell> {
+        self.cells.get(cell).copied()
     }
 
     /// Where a sensor-frame point lies along the view's rays.

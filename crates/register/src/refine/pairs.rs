@@ -129,7 +129,7 @@ impl Scene<'_> {
     pub fn pairs(&self, state: State<'_>, reach: Reach) -> Vec<(usize, usize)> {
         let n = self.views.len();
         let probes: Vec<Vec<Sample>> =
-            (0..n).into_par_iter().map(|a| self.first_samples(a, PROBES)).collect();
+            (0..n).into_par_iter().map(|a| self.first_samples(a, PROBES, state.cameras)).collect();
         let common = |k: usize| {
             let (a, b) = (k % n, k / n);
             let Some(probes) = probes.get(a).filter(|_| a != b) else { return 0 };
@@ -157,8 +157,8 @@ impl Scene<'_> {
         most: usize,
         spread: Spread,
     ) -> Vec<Pair> {
-        let samples: Vec<Vec<Sample>> =
-            (0..self.views.len()).into_par_iter().map(|a| self.first_samples(a, most)).collect();
+        let first = |a| self.first_samples(a, most, state.cameras);
+        let samples: Vec<Vec<Sample>> = (0..self.views.len()).into_par_iter().map(first).collect();
         let observe = |&(a, b): &(usize, usize)| {
             let samples = samples.get(a).map_or(&[][..], Vec::as_slice);
             let observations = self.observe(samples, (a, b), state, reach);
@@ -205,11 +205,16 @@ impl Scene<'_> {
         }
     }
 
-    /// The first samples of a view, by their place in the image: neighbours meet neighbours, which
-    /// are still in the processor's cache.
-    fn first_samples(&self, view: usize, most: usize) -> Vec<Sample> {
-        let mut first: Vec<Sample> =
-            self.samples.get(view).into_iter().flatten().take(most).copied().collect();
+    /// The first samples of a view, without the error of its camera, by their place in the image:
+    /// neighbours meet neighbours, which are still in the processor's cache.
+    fn first_samples(&self, view: usize, most: usize, cameras: &Cameras) -> Vec<Sample> {
+        let corrected = |sample: &Sample| {
+            let nodes = cameras.nodes(view, sample.cell);
+            let point = sample.in_sensor;
+            Sample { in_sensor: nodes.map_or(point, |n| cameras.corrected(&n, &point)), ..*sample }
+        };
+        let samples = self.samples.get(view).into_iter().flatten();
+        let mut first: Vec<Sample> = samples.take(most).map(corrected).collect();
         first.sort_unstable_by_key(|sample| sample.cell);
         first
     }
@@ -227,15 +232,18 @@ impl Scene<'_> {
         };
         let b_from_a = world_from_b.inverse() * world_from_a;
         let alike = ALIKE_DEGREES.to_radians().cos();
-        let observe = |sample: &Sample| {
-            let nodes = cameras.nodes(a, sample.cell);
-            let in_a = nodes.map_or(sample.in_sensor, |n| cameras.corrected(&n, &sample.in_sensor));
-            let in_b = b_from_a * in_a;
+        let placed = samples.iter().filter_map(|sample| {
+            let in_b = b_from_a * sample.in_sensor;
             // The error of a camera moves a point along its ray, so the point stays in its cell.
-            let cell = view.cell_of(&in_b)?;
-            let nodes = cameras.nodes(b, cell);
-            let measured = nodes.map_or(in_b, |n| cameras.measured(&n, &in_b));
-            let meeting = view.meeting_in(cell, &measured)?;
+            Some(Placed { sample, in_b, cell: view.cell_of(&in_b)? })
+        });
+        let placed: Vec<Placed<'_>> = placed.collect();
+        // Cells lie far apart in memory. Read one after the other, they arrive side by side.
+        let kept: Vec<_> = placed.iter().map(|placed| view.kept(placed.cell)).collect();
+        let observe = |(Placed { sample, in_b, cell }, kept): (&Placed<'_>, Option<_>)| {
+            let nodes = cameras.nodes(b, *cell);
+            let measured = nodes.map_or(*in_b, |n| cameras.measured(&n, in_b));
+            let meeting = view.meeting_with(&kept?, *cell, &measured)?;
             let normal = b_from_a.rotation * sample.normal;
             let moved = reach.translation + reach.rotation * sample.in_sensor.coords.norm();
             let variance = sample.sigma.powi(2) + meeting.sigma.powi(2);
@@ -244,9 +252,9 @@ impl Scene<'_> {
             if meeting.distance.abs() > gate || normal.dot(&meeting.normal) < alike {
                 return None;
             }
-            let ray = b_from_a.rotation * in_a.coords;
-            let slopes =
-                [-in_a.z * meeting.normal.dot(&ray), in_b.z * meeting.normal.dot(&in_b.coords)];
+            let ray = in_b.coords - b_from_a.translation.vector;
+            let slope_of_a = -sample.in_sensor.z * meeting.normal.dot(&ray);
+            let slopes = [slope_of_a, in_b.z * meeting.normal.dot(&in_b.coords)];
             let normal = world_from_b.rotation * meeting.normal;
             let arm = world_from_b * in_b - self.origin;
             let turn = arm.cross(&normal);
@@ -254,8 +262,15 @@ impl Scene<'_> {
             let (cells, distance) = ([sample.cell, meeting.cell], meeting.distance);
             Some(Observation { cells, gradient, distance, slopes, variance, share: 1.0 })
         };
-        samples.iter().filter_map(observe).collect()
+        placed.iter().zip(kept).filter_map(observe).collect()
     }
+}
+
+/// A sample of view `a` in the sensor frame of view `b`, and the cell of `b` that its ray passes.
+struct Placed<'a> {
+    sample: &'a Sample,
+    in_b: Point3,
+    cell: usize,
 }
 
 /// How the variance that noise leaves unexplained is found.
