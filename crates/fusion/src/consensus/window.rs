@@ -1,6 +1,6 @@
 //! A rectangle laid along a curve, from which neighbours of the same direction are gathered.
 
-use crate::grid::PointGrid;
+use crate::grid::{Numbered, PointGrid};
 use transect_geometry::{Point2, Vector2};
 
 /// Points that are compared with a window at once. No unit. Chosen by hand. Doubled: nothing
@@ -30,20 +30,34 @@ impl Window {
     /// Visits the points inside: number, place along (x) and across (y).
     pub fn visit(&self, grid: &PointGrid, mut visit: impl FnMut(usize, f64, f64)) {
         grid.runs_around(&self.centre, &self.half(), |points| {
-            for points in points.chunks(CHUNK) {
-                // Whether a point is inside cannot be guessed, so nothing branches on it.
-                let (mut inside, mut count) = ([0; CHUNK], 0);
-                for (i, point) in points.iter().enumerate() {
-                    let (x, y) = self.place(&point.place);
-                    inside[count] = i as u8;
-                    count += usize::from((x.abs() <= self.reach) & (y.abs() <= self.across));
-                }
-                for point in inside[..count].iter().map(|i| &points[usize::from(*i)]) {
-                    let (x, y) = self.place(&point.place);
-                    visit(point.number as usize, x, y);
-                }
-            }
+            let all = |_: &Numbered| true;
+            self.visit_run(points, |p| p.place, all, |p, x, y| visit(p.number as usize, x, y));
         });
+    }
+
+    /// Visits those of a run of points that are inside and suit: point, place along and across.
+    #[inline]
+    pub fn visit_run<T>(
+        &self,
+        points: &[T],
+        place: impl Fn(&T) -> Point2,
+        suits: impl Fn(&T) -> bool,
+        mut visit: impl FnMut(&T, f64, f64),
+    ) {
+        for points in points.chunks(CHUNK) {
+            // Whether a point is inside cannot be guessed, so nothing branches on it.
+            let (mut inside, mut count) = ([0; CHUNK], 0);
+            for (i, point) in points.iter().enumerate() {
+                let (x, y) = self.place(&place(point));
+                inside[count] = i as u8;
+                let is_inside = (x.abs() <= self.reach) & (y.abs() <= self.across);
+                count += usize::from(is_inside & suits(point));
+            }
+            for point in inside[..count].iter().map(|i| &points[usize::from(*i)]) {
+                let (x, y) = self.place(&place(point));
+                visit(point, x, y);
+            }
+        }
     }
 
     /// The place of a point along (x) and across (y) the curve.

@@ -349,19 +349,21 @@ pub(super) fn on_common_courses(beads: &[Bead], views: usize, reach: &Reach) -> 
         let window = Window { centre, tangent, reach: half, across, same_way };
         grid.runs_around(&centre, &window.half(), |points| {
             let Some(first) = points.first() else { return };
-            for there in &beads[first.number as usize..][..points.len()] {
-                let (x, y) = window.place(&there.position);
-                // Tests that cannot be guessed cost less together.
-                if !((x.abs() <= half) & (y.abs() <= across) & window.goes_along(&there.tangent)) {
-                    continue;
-                }
-                let sums = &mut of_view[there.view as usize];
-                if sums.length == 0.0 {
-                    met.push(there.view);
-                }
-                let x = x * per_half;
-                sums.add((1.0 - x.abs()) * there.length * per_half, x, y, there.variance);
-            }
+            let run = &beads[first.number as usize..][..points.len()];
+            let goes_along = |there: &Bead| window.goes_along(&there.tangent);
+            window.visit_run(
+                run,
+                |there| there.position,
+                goes_along,
+                |there, x, y| {
+                    let sums = &mut of_view[there.view as usize];
+                    if sums.length == 0.0 {
+                        met.push(there.view);
+                    }
+                    let x = x * per_half;
+                    sums.add((1.0 - x.abs()) * there.length * per_half, x, y, there.variance);
+                },
+            );
         });
         let (mut common, mut variance) = (Sums::default(), 0.0);
         let own = of_view[bead.view as usize];
