@@ -129,6 +129,34 @@ fn bad_points_are_named() {
     assert_eq!(error(vec![p(0.0); MAX_GUIDE_POINTS + 1]), GuideError::PointCount(10_001));
 }
 
+#[test]
+fn a_guess_does_not_hide_a_nearer_place() {
+    let points = [(0.0, 0.0), (50.0, 0.0), (50.0, 10.0), (0.0, 10.0)];
+    let points = points.map(|(x, y)| Point3::new(x, y, 0.0)).to_vec();
+    let mut guide = CurvedGuide::polyline(points, Some(4.0)).unwrap();
+    let p = Point3::new(10.0, 7.0, 0.0);
+    // Perpendiculars of both legs pass the point. A narrow passage can be missed, so that the reach
+    // is too large.
+    guide.reach = 8.0;
+    let expected = guide.length() - 10.0;
+    for guess in [0.0, 10.0, 60.0, expected] {
+        let station = guide.station(&p, Some(guess)).unwrap();
+        assert!((station - expected).abs() < 1e-9, "{station} from {guess}");
+    }
+}
+
+#[test]
+fn a_straight_guide_needs_no_search() {
+    let ends = [Point3::origin(), Point3::new(0.0, 0.0, 3.0)];
+    let guide = CurvedGuide::polyline(ends.to_vec(), None).unwrap();
+    assert_eq!(guide.reach(), f64::INFINITY);
+    for (height, guess) in [(1.0, 2.5), (0.0, 3.0), (3.1, 0.0)] {
+        let p = Point3::new(40.0, -7.0, height);
+        let stations = [None, Some(guess)].map(|guess| guide.extended_station(&p, guess).unwrap());
+        assert!(stations.iter().all(|station| (station - height).abs() < 1e-12), "{stations:?}");
+    }
+}
+
 /// Points of a smooth random curve.
 fn guides() -> impl Strategy<Value = CurvedGuide> {
     let turns = prop::collection::vec((-0.5..0.5f64, -0.4..0.4f64), 3..9);
