@@ -3,11 +3,13 @@
 use crate::{DeviceFrame, ImageError, ImageSize, Pixel, RangeImage};
 use serde::{Deserialize, Serialize};
 
-/// Offsets of 1 / depth over the image of a depth camera, on a grid that spans the image.
+/// Offsets of 1 / depth over the image of a depth camera, on a grid that spans the image, and the
+/// scale of its depths.
 ///
 /// A camera that measures by disparity errs by a disparity of its own at each pixel. That is an
-/// offset of 1 / depth, at any depth: the true depth is `1 / (1 / z + offset)` for a measured `z`.
-/// Between the nodes of the grid the offset is bilinear; the outer nodes lie on the image's rim.
+/// offset of 1 / depth, at any depth. A wrong baseline or clock errs by a factor. The true depth is
+/// `1 / (1 / (scale · z) + offset)` for a measured `z`. Between the nodes of the grid the offset is
+/// bilinear; the outer nodes lie on the image's rim.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Grid", into = "Grid")]
 pub struct DepthOffsets(Grid);
@@ -16,9 +18,19 @@ pub struct DepthOffsets(Grid);
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Grid {
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    scale: f64,
     rows: usize,
     cols: usize,
     values: Vec<f64>,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn is_one(scale: &f64) -> bool {
+    *scale == 1.0
 }
 
 /// Four nodes of a grid with their weights.
@@ -28,7 +40,7 @@ impl TryFrom<Grid> for DepthOffsets {
     type Error = String;
 
     fn try_from(grid: Grid) -> Result<Self, String> {
-        let Grid { rows, cols, ref values } = grid;
+        let Grid { scale, rows, cols, ref values } = grid;
         let count = rows.checked_mul(cols).filter(|_| rows > 1 && cols > 1);
         match count {
             None => Err(format!("a grid of {rows} x {cols} nodes; it needs 2 x 2 at least")),
@@ -37,6 +49,9 @@ impl TryFrom<Grid> for DepthOffsets {
             }
             Some(_) if values.iter().any(|v| !v.is_finite()) => {
                 Err("a value that is no finite number".to_owned())
+            }
+            Some(_) if !(scale.is_finite() && scale > 0.0) => {
+                Err(format!("a scale of {scale}; it must be above 0"))
             }
             Some(_) => Ok(Self(grid)),
         }
@@ -55,7 +70,20 @@ impl DepthOffsets {
     /// # Errors
     /// What is wrong: fewer than 2 × 2 nodes, another number of values, or one that is not finite.
     pub fn new(rows: usize, cols: usize, values: Vec<f64>) -> Result<Self, String> {
-        Grid { rows, cols, values }.try_into()
+        Grid { scale: 1.0, rows, cols, values }.try_into()
+    }
+
+    /// The same offsets, for depths that are multiplied by a scale first.
+    ///
+    /// # Errors
+    /// If the scale is not a finite number above 0.
+    pub fn after_scale(self, scale: f64) -> Result<Self, String> {
+        Grid { scale, ..self.0 }.try_into()
+    }
+
+    /// The factor on measured depths, before offsets are added.
+    pub fn scale(&self) -> f64 {
+        self.0.scale
     }
 
     /// The nodes around a place in an image, with their weights. `row` and `col` are shares of the
@@ -101,10 +129,15 @@ impl DepthOffsets {
             let value = image.get(pixel)?;
             let depth = frame.point(pixel, f64::from(value))?.z;
             // Points move along their rays, so depths and lengths change by the same factor.
-            Some((f64::from(value) / (1.0 + self.at(size, pixel) * depth)) as f32)
+            Some((f64::from(value) * self.factor(self.at(size, pixel), depth)) as f32)
         };
         let values = size.all_pixels().map(|pixel| corrected(pixel).unwrap_or(f32::NAN));
         RangeImage::from_values(size, values.collect())
+    }
+
+    /// The true over the measured depth, where the offset is this one.
+    pub fn factor(&self, offset: f64, depth: f64) -> f64 {
+        1.0 / (1.0 / self.0.scale + offset * depth)
     }
 
     /// The offsets of both, one after the other, on the grid of the second ones.
@@ -117,8 +150,16 @@ impl DepthOffsets {
                 Self::nodes(first.rows, first.cols, row, share(k % second.cols, second.cols));
             nodes.iter().filter_map(|(node, w)| Some(first.values.get(*node)? * w)).sum()
         };
-        let values = second.values.iter().enumerate().map(|(k, v)| v + of_first(k)).collect();
-        Self(Grid { values, ..*second })
+        let values =
+            second.values.iter().enumerate().map(|(k, v)| v + of_first(k) / second.scale).collect();
+        Self(Grid { values, scale: first.scale * second.scale, ..*second })
+    }
+
+    /// What the camera errs by at a depth, in the length unit: the root mean square over the nodes.
+    pub fn error_at(&self, depth: f64) -> f64 {
+        let error = |offset: &f64| depth * (self.factor(*offset, depth) - 1.0);
+        let squares: f64 = self.0.values.iter().map(|offset| error(offset).powi(2)).sum();
+        (squares / self.0.values.len() as f64).sqrt()
     }
 
     /// Root mean square of the offsets, in 1 / length unit.
@@ -151,19 +192,33 @@ mod tests {
         assert!(told(2, 3, vec![0.0; 5]).contains("5 values for 2 x 3"));
         assert!(told(2, 2, vec![0.0, f64::NAN, 0.0, 0.0]).contains("finite"));
         assert!(told(usize::MAX, 3, Vec::new()).contains("nodes"));
+        for scale in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let offsets = DepthOffsets::new(2, 2, vec![0.0; 4]).unwrap();
+            assert!(offsets.after_scale(scale).unwrap_err().contains("a scale of"));
+        }
+    }
+
+    #[test]
+    fn a_scale_multiplies_depths_before_the_offset() {
+        let offsets = DepthOffsets::new(2, 2, vec![0.1; 4]).unwrap().after_scale(0.8).unwrap();
+        // 1 / (1 / (0.8 * 2.5) + 0.1)
+        let true_depth = 1.0 / 0.6;
+        assert!((2.5 * offsets.factor(0.1, 2.5) - true_depth).abs() < 1e-12);
+        assert!((offsets.error_at(2.5) - (2.5 - true_depth)).abs() < 1e-12);
     }
 
     #[test]
     fn offsets_one_after_the_other_add_up() {
         let grid = |cols, values: &[f64]| DepthOffsets::new(2, cols, values.to_vec()).unwrap();
         // A grid that holds the other one's nodes loses nothing.
-        let first = grid(3, &[0.3, -0.2, 0.7, 0.1, 0.0, -0.9]);
-        let second = grid(2, &[0.5, 0.25, -0.5, 2.0]);
-        let both = second.then(&first);
+        let first = grid(2, &[0.5, 0.25, -0.5, 2.0]).after_scale(1.25).unwrap();
+        let second = grid(3, &[0.3, -0.2, 0.7, 0.1, 0.0, -0.9]).after_scale(0.5).unwrap();
+        let both = first.then(&second);
         let size = ImageSize { rows: 5, cols: 7 };
+        let corrected = |by: &DepthOffsets, pixel, z| z * by.factor(by.at(size, pixel), z);
         for pixel in size.all_pixels() {
-            let sum = first.at(size, pixel) + second.at(size, pixel);
-            assert!((both.at(size, pixel) - sum).abs() < 1e-12);
+            let step_by_step = corrected(&second, pixel, corrected(&first, pixel, 0.4));
+            assert!((corrected(&both, pixel, 0.4) - step_by_step).abs() < 1e-12);
         }
     }
 }

@@ -178,14 +178,14 @@ impl CoarseView {
         let correct = |(k, cell): (usize, &Cell)| -> Option<Cell> {
             let along_z = self.ray(k)?.direction.z;
             let of_cell = offsets.at(size, Pixel::new(k / size.cols, k % size.cols)) * along_z;
-            let offset = of_cell as f32;
-            let shifted = |depth: f32| depth / (1.0 + offset * depth);
+            let (scale, offset) = (offsets.scale() as f32, of_cell as f32);
+            let shifted = |depth: f32| depth / (scale.recip() + offset * depth);
             let seen = cell.seen.map(|seen| Seen {
                 nearest: shifted(seen.nearest).next_down(),
                 farthest: shifted(seen.farthest).next_up(),
                 ..seen
             });
-            Some(Cell { seen, patch: cell.patch.map(|patch| patch.shifted(offset)) })
+            Some(Cell { seen, patch: cell.patch.map(|patch| patch.shifted(scale, offset)) })
         };
         let cells = self.cells.iter().enumerate();
         let cells = cells.map(|cell| correct(cell).unwrap_or_default()).collect();

@@ -83,17 +83,19 @@ impl StoredPatch {
         all.chain([mean_depth, divergence, radius, sigma]).all(|number| number.is_finite())
     }
 
-    /// The patch with an offset added to 1 / depth along its rays, which have one start.
-    pub fn shifted(&self, offset: f32) -> Self {
-        // Depths scale by this, and their differences by its square.
-        let scale = 1.0 / (1.0 + offset * self.mean_depth);
+    /// The patch with depths multiplied by `scale`, and then an offset added to 1 / depth, along its
+    /// rays, which have one start.
+    pub fn shifted(&self, scale: f32, offset: f32) -> Self {
+        // Depths grow by this factor, and their differences by `relief`.
+        let factor = 1.0 / (scale.recip() + offset * self.mean_depth);
+        let relief = factor * factor / scale;
         Self {
-            mean_depth: scale * self.mean_depth,
-            divergence: self.divergence / scale,
-            depth: self.depth.map(|c| scale * scale * c),
-            radius: scale * self.radius,
-            sigma: scale * scale * self.sigma,
-            steady_slopes: self.steady_slopes.map(|slope| scale * slope),
+            mean_depth: factor * self.mean_depth,
+            divergence: self.divergence / factor,
+            depth: self.depth.map(|c| relief * c),
+            radius: factor * self.radius,
+            sigma: relief * self.sigma,
+            steady_slopes: self.steady_slopes.map(|slope| factor / scale * slope),
             flat: self.flat,
         }
     }

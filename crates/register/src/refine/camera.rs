@@ -8,6 +8,9 @@
 //! of 1 / depth at each pixel. Offsets on a grid over the image are unknowns beside the motions
 //! ([`DepthOffsets`]).
 //!
+//! Time of flight, and a wrong baseline, err by a factor on all depths. Poses hide most of it: they
+//! move apart, as if the scene were larger. How far they are wrong tells both apart.
+//!
 //! **Steps.**
 //! 1. Views with the same rays share a camera.
 //! 2. The poses settle first. Then samples and patches are looked up with the offsets known so
@@ -15,26 +18,36 @@
 //! 3. The offsets have a prior: `own` holds them at zero, and `step` holds neighbouring nodes
 //!    together. Both follow from the evidence (MacKay, 1992), so the offsets of a sound camera
 //!    vanish.
+//! 4. After the rounds, scales that rather err than not become unknowns, and the rounds are
+//!    repeated. Where a scale then is not wrong by far odds, the first rounds count.
 
 use crate::CoarseView;
-use crate::tuning::{CAMERA_GRID, EXACT, FIRST_CAMERA_ERROR};
+use crate::tuning::{CAMERA_GRID, EXACT, FIRST_CAMERA_ERROR, SCALE_ODDS};
 use nalgebra::{DMatrix, DVector, DVectorView};
 use std::sync::Arc;
 use transect_device::{DepthOffsets, ImageSize, Nodes, Point3};
 
 const ROWS: usize = CAMERA_GRID.0;
 const COLS: usize = CAMERA_GRID.1;
+/// Precision of the relative change of 1 / depth of a camera whose scale may err, and of one whose
+/// scale is right.
+const FREE_SCALE: f64 = 1.0 / (FIRST_CAMERA_ERROR * FIRST_CAMERA_ERROR);
+const SOUND_SCALE: f64 = FREE_SCALE / (EXACT * EXACT);
 /// Nodes of the grid of one camera.
-pub const NODES: usize = ROWS * COLS;
+const NODES: usize = ROWS * COLS;
+/// Unknowns of one camera: the offsets at its nodes, and the relative change of 1 / depth.
+pub const UNKNOWNS: usize = NODES + 1;
 
 /// A depth camera with several views.
 #[derive(Debug, Clone)]
 pub struct Camera {
-    /// The offsets at the nodes, in 1 / length.
-    pub offsets: DVector<f64>,
+    /// The offsets at the nodes, in 1 / length, and the relative change of 1 / depth.
+    pub errors: DVector<f64>,
     /// Precision of each offset, and of the steps between neighbouring nodes.
     own: f64,
     step: f64,
+    /// Precision of the relative change.
+    scale: f64,
     /// The precision that it has at first, and the one above which it is sound.
     first: f64,
     sound: f64,
@@ -73,9 +86,9 @@ impl Cameras {
             sizes.enumerate().map(|(k, size)| size.map_or_else(Vec::new, |s| around(k, s)));
         let around = Arc::new(around.collect());
         let first = (distance / FIRST_CAMERA_ERROR).powi(2);
-        let offsets = DVector::zeros(NODES);
+        let errors = DVector::zeros(UNKNOWNS);
         let sound = first / EXACT.powi(2);
-        let camera = Camera { offsets, own: sound, step: sound, first, sound };
+        let camera = Camera { errors, own: sound, step: sound, scale: SOUND_SCALE, first, sound };
         Self { of_view, around, list: vec![camera; shared.len()] }
     }
 
@@ -83,14 +96,15 @@ impl Cameras {
     pub fn without_errors(&self) -> Self {
         let mut sound = self.clone();
         for camera in &mut sound.list {
-            (camera.offsets, camera.own) = (DVector::zeros(NODES), camera.sound);
+            camera.errors = DVector::zeros(UNKNOWNS);
+            (camera.own, camera.scale) = (camera.sound, SOUND_SCALE);
         }
         sound
     }
 
     /// The number of unknowns.
     pub fn unknowns(&self) -> usize {
-        NODES * self.list.len()
+        UNKNOWNS * self.list.len()
     }
 
     /// The nodes around a cell of a view, numbered over all cameras; `None` for other sensors.
@@ -98,21 +112,30 @@ impl Cameras {
         self.around.get((*self.of_view.get(view)?)?)?.get(cell).copied()
     }
 
+    /// The number of the relative change of a camera, from the nodes around one of its cells.
+    pub fn scale_of(nodes: Nodes) -> usize {
+        nodes[0].0 / UNKNOWNS * UNKNOWNS + NODES
+    }
+
     /// A point of a view without the error of its camera.
     pub fn corrected(&self, nodes: &Nodes, p: &Point3) -> Point3 {
-        Point3::from(p.coords / (1.0 + self.offset(nodes) * p.z))
+        let (change, offset) = self.error(nodes);
+        Point3::from(p.coords / (1.0 + change + offset * p.z))
     }
 
     /// A point as the camera would measure it.
     pub fn measured(&self, nodes: &Nodes, p: &Point3) -> Point3 {
-        Point3::from(p.coords / (1.0 - self.offset(nodes) * p.z))
+        let (change, offset) = self.error(nodes);
+        Point3::from(p.coords * ((1.0 + change) / (1.0 - offset * p.z)))
     }
 
-    fn offset(&self, nodes: &Nodes) -> f64 {
-        let of = |(node, weight): &(usize, f64)| {
-            Some(self.list.get(node / NODES)?.offsets.get(node % NODES)? * weight)
+    /// The relative change of 1 / depth, and what is added to it.
+    fn error(&self, nodes: &Nodes) -> (f64, f64) {
+        let at = |unknown: usize| {
+            let camera = self.list.get(unknown / UNKNOWNS);
+            camera.and_then(|c| c.errors.get(unknown % UNKNOWNS)).copied().unwrap_or(0.0)
         };
-        nodes.iter().filter_map(of).sum()
+        (at(Self::scale_of(*nodes)), nodes.iter().map(|(node, weight)| at(*node) * weight).sum())
     }
 
     /// Lets the cameras err, after the poses have settled.
@@ -122,10 +145,51 @@ impl Cameras {
         }
     }
 
+    /// The same cameras, whose scales may err.
+    pub fn with_free_scales(&self) -> Self {
+        let mut free = self.clone();
+        free.list.iter_mut().for_each(|camera| camera.scale = FREE_SCALE);
+        free
+    }
+
+    /// Frees the scales that rather err than not.
+    pub fn free_scales(&mut self, odds: &[f64]) {
+        for (camera, odds) in self.list.iter_mut().zip(odds) {
+            if *odds > 1.0 {
+                camera.scale = FREE_SCALE;
+            }
+        }
+    }
+
+    /// The odds that each scale errs, from the changes of all unknowns and their
+    /// [`Solution::root`](super::solve::Solution::root) with free scales: the probability of the
+    /// right scale before the images are seen over that after it (Dickey, 1971).
+    pub fn scale_odds(&self, changes: &DVector<f64>, root: &DMatrix<f64>) -> Vec<f64> {
+        let first = changes.len() - self.unknowns();
+        let odds = |(k, camera): (usize, &Camera)| {
+            let at = first + UNKNOWNS * k + NODES;
+            let variance = root.column(at).norm_squared();
+            let error = camera.errors[NODES] + changes[at];
+            (FREE_SCALE * variance).sqrt() * (0.5 * error * error / variance).exp()
+        };
+        self.list.iter().enumerate().map(odds).collect()
+    }
+
+    /// Whether the odds of all free scales are those of a scale that errs.
+    pub fn scales_err(&self, odds: &[f64]) -> bool {
+        let wrong = |k: usize| odds.get(k).is_some_and(|odds| *odds > SCALE_ODDS);
+        self.list.iter().enumerate().all(|(k, camera)| !camera.scale_is_free() || wrong(k))
+    }
+
+    /// Whether any scale is an unknown.
+    pub fn has_free_scales(&self) -> bool {
+        self.list.iter().any(Camera::scale_is_free)
+    }
+
     /// Adds the changes of a round.
     pub fn change(&mut self, changes: &DVectorView<'_, f64>) {
         for (k, camera) in self.list.iter_mut().enumerate() {
-            camera.offsets += changes.rows(NODES * k, NODES);
+            camera.errors += changes.rows(UNKNOWNS * k, UNKNOWNS);
         }
     }
 
@@ -134,18 +198,24 @@ impl Cameras {
     pub fn learn(&mut self, changes: &DVector<f64>, root: &DMatrix<f64>) {
         let first = changes.len() - self.unknowns();
         for (k, camera) in self.list.iter_mut().enumerate() {
-            let at = first + NODES * k;
-            let offsets = &camera.offsets + changes.rows(at, NODES);
-            let columns = root.view((at, at), (changes.len() - at, NODES));
-            camera.learn(&offsets, &columns.tr_mul(&columns));
+            let at = first + UNKNOWNS * k;
+            let errors = &camera.errors + changes.rows(at, UNKNOWNS);
+            let columns = root.view((at, at), (changes.len() - at, UNKNOWNS));
+            camera.learn(&errors, &columns.tr_mul(&columns));
         }
     }
 
     /// The offsets of a view's camera that the images tell from zero; `None` for a sound camera.
     pub fn of_view(&self, view: usize) -> Option<DepthOffsets> {
         let camera = (*self.of_view.get(view)?)?;
-        let camera = self.list.get(camera).filter(|camera| camera.own < camera.sound)?;
-        DepthOffsets::new(ROWS, COLS, camera.offsets.iter().copied().collect()).ok()
+        let errs = |c: &&Camera| c.own < c.sound || c.scale_is_free();
+        let camera = self.list.get(camera).filter(errs)?;
+        let values = camera.errors.iter().copied().take(NODES).collect();
+        let offsets = DepthOffsets::new(ROWS, COLS, values).ok()?;
+        if camera.scale_is_free() {
+            return offsets.after_scale(1.0 / (1.0 + camera.errors[NODES])).ok();
+        }
+        Some(offsets)
     }
 }
 
@@ -155,22 +225,35 @@ fn around(camera: usize, size: ImageSize) -> Vec<Nodes> {
     let of_cell = |cell: usize| {
         let (row, col) = (share(cell / size.cols, size.rows), share(cell % size.cols, size.cols));
         let nodes = DepthOffsets::nodes(ROWS, COLS, row, col);
-        nodes.map(|(node, weight)| (camera * NODES + node, weight))
+        nodes.map(|(node, weight)| (camera * UNKNOWNS + node, weight))
     };
     (0..size.pixels()).map(of_cell).collect()
 }
 
 impl Camera {
-    /// The precision of the offsets before anything is seen.
+    fn scale_is_free(&self) -> bool {
+        self.scale < SOUND_SCALE
+    }
+
+    /// The precision of the errors before anything is seen.
     pub fn precision(&self) -> DMatrix<f64> {
+        let mut precision = DMatrix::zeros(UNKNOWNS, UNKNOWNS);
+        precision.view_mut((0, 0), (NODES, NODES)).copy_from(&self.of_offsets());
+        precision[(NODES, NODES)] = self.scale;
+        precision
+    }
+
+    fn of_offsets(&self) -> DMatrix<f64> {
         DMatrix::identity(NODES, NODES) * self.own + steps() * self.step
     }
 
-    /// The larger the offsets and their steps, for what is known of them, the weaker the prior.
-    fn learn(&mut self, offsets: &DVector<f64>, covariance: &DMatrix<f64>) {
-        let Some(prior) = self.precision().cholesky().map(|c| c.inverse()) else { return };
-        let (steps, spare) = (steps(), prior - covariance);
-        // Half an offset at least, so that offsets that explain nothing vanish step by step.
+    /// The larger the errors and the steps of offsets, for what is known of them, the weaker the
+    /// prior.
+    fn learn(&mut self, errors: &DVector<f64>, covariance: &DMatrix<f64>) {
+        let Some(prior) = self.of_offsets().cholesky().map(|c| c.inverse()) else { return };
+        let (steps, spare) = (steps(), prior - covariance.view((0, 0), (NODES, NODES)));
+        let offsets = errors.rows(0, NODES);
+        // Half an error at least, so that errors that explain nothing vanish step by step.
         let factor = |precision: f64, known: f64, square: f64| {
             precision * (known.max(0.5 / precision) / square).clamp(1e-3, 1e3)
         };

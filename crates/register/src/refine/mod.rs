@@ -35,7 +35,7 @@ mod uncertainty;
 use crate::coarse::{CoarseView, PosePrior};
 use crate::tuning::{
     BEFORE_MOMENTUM, BLOCKS, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, GATE, LEAST_SAMPLES,
-    MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS, SETTLED, SETTLING,
+    MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS, SCALE_RUNS, SETTLED, SETTLING,
 };
 use camera::Cameras;
 use drift::{Drift, Errors, estimated_prior};
@@ -101,6 +101,7 @@ fn scene<'a>(views: Vec<&'a CoarseView>, poses: &[Isometry3]) -> Scene<'a> {
 }
 
 /// The state of a refinement between its rounds.
+#[derive(Clone)]
 struct Rounds<'a> {
     scene: &'a Scene<'a>,
     given: Vec<Isometry3>,
@@ -180,6 +181,34 @@ impl<'a> Rounds<'a> {
         }
         self.cameras.release();
         self.drift.release();
+        self.run_rounds();
+        self.free_wrong_scales();
+    }
+
+    /// Repeats the rounds with free scales of the depth cameras, where these rather err than not.
+    /// Poses and offsets have hidden such an error as far as they could, so the odds grow in these
+    /// rounds if it is one.
+    fn free_wrong_scales(&mut self) {
+        if self.cameras.list.is_empty() {
+            return;
+        }
+        let mut freed = self.cameras.clone();
+        freed.free_scales(&self.scale_odds());
+        if !freed.has_free_scales() {
+            return;
+        }
+        let pairs = std::mem::take(&mut self.pairs);
+        let sound = self.clone();
+        (self.pairs, self.cameras) = (pairs, freed);
+        (0..SCALE_RUNS).any(|_| self.run_rounds());
+        if !self.cameras.scales_err(&self.scale_odds()) {
+            *self = sound;
+            self.observe(self.prior, OBSERVATIONS, Spread::Narrow);
+        }
+    }
+
+    /// Moves all views until they settle, and says whether they do.
+    fn run_rounds(&mut self) -> bool {
         let estimated = self.scene.views.iter().all(|view| view.prior().is_none());
         for round in 0..ROUNDS {
             let momentum = if round < BEFORE_MOMENTUM { 0.0 } else { MOMENTUM };
@@ -187,9 +216,21 @@ impl<'a> Rounds<'a> {
             let moves = self.step(PRIOR_ROUNDS, momentum).is_some_and(|largest| largest > SETTLED);
             let exact = estimated && self.prior.rotation < EXACT * self.first.rotation;
             if exact || !moves {
-                break;
+                return true;
             }
         }
+        false
+    }
+
+    /// The odds that the scale of each depth camera errs, from the pairs of the last round.
+    fn scale_odds(&self) -> Vec<f64> {
+        let cameras = self.cameras.with_free_scales();
+        let (priors, moved) = (self.priors(), self.motions());
+        let before =
+            Before { priors: &priors, moved: &moved, drift: &self.drift, cameras: &cameras };
+        let system = System::sum(&self.systems());
+        let solution = system.and_then(|system| system.solve(self.independent, &before));
+        solution.map_or_else(Vec::new, |s| cameras.scale_odds(&s.unknowns, &s.root()))
     }
 
     /// How many patches lie on those of other views, within noise.

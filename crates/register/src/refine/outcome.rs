@@ -51,7 +51,7 @@ pub struct RefinedPose {
     pub residual_after: Option<f64>,
     /// The error of the view's depth camera, which its images must lose at the refined pose;
     /// `None` for other sensors, and for a camera without a visible error.
-    #[serde(skip_serializing_if = "Option::is_none", serialize_with = "rms")]
+    #[serde(flatten, serialize_with = "in_short")]
     pub depth_offsets: Option<DepthOffsets>,
 }
 
@@ -70,9 +70,26 @@ pub struct Refinement {
     pub distance: f64,
 }
 
-/// Reports tell how large offsets are; the scan that registration writes has their values.
-fn rms<S: serde::Serializer>(offsets: &Option<DepthOffsets>, out: S) -> Result<S::Ok, S::Error> {
-    out.serialize_some(&offsets.as_ref().map(DepthOffsets::rms))
+/// What reports tell of a camera's error: the root mean square of its offsets, and its scale if
+/// that is not 1. The scan that registration writes has all values.
+#[derive(serde::Serialize)]
+struct CameraError {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    depth_offsets: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    depth_scale: Option<f64>,
+}
+
+fn in_short<S: serde::Serializer>(
+    offsets: &Option<DepthOffsets>,
+    out: S,
+) -> Result<S::Ok, S::Error> {
+    let scale = offsets.as_ref().map(DepthOffsets::scale);
+    let error = CameraError {
+        depth_offsets: offsets.as_ref().map(DepthOffsets::rms),
+        depth_scale: scale.filter(|scale| *scale != 1.0),
+    };
+    serde::Serialize::serialize(&error, out)
 }
 
 impl Rounds<'_> {

@@ -51,8 +51,10 @@ pub struct Observation {
     pub gradient: Vector6<f64>,
     /// Distance of the sample from the patch along the patch's normal.
     pub distance: f64,
-    /// Change of the distance with the offset of 1 / depth at the cell of `a`, and at that of `b`.
+    /// Change of the distance with a relative change of 1 / depth at the cell of `a`, and at that
+    /// of `b`, and these depths.
     pub slopes: [f64; 2],
+    pub depths: [f64; 2],
     /// Variance of the distance from the noise of both patches.
     pub variance: f64,
     /// What the other observations of the same surface leave to it: see [`Scene::share`].
@@ -253,14 +255,14 @@ impl Scene<'_> {
                 return None;
             }
             let ray = in_b.coords - b_from_a.translation.vector;
-            let slope_of_a = -sample.in_sensor.z * meeting.normal.dot(&ray);
-            let slopes = [slope_of_a, in_b.z * meeting.normal.dot(&in_b.coords)];
+            let slopes = [-meeting.normal.dot(&ray), meeting.normal.dot(&in_b.coords)];
+            let depths = [sample.in_sensor.z, in_b.z];
             let normal = world_from_b.rotation * meeting.normal;
             let arm = world_from_b * in_b - self.origin;
             let turn = arm.cross(&normal);
             let gradient = Vector6::new(normal.x, normal.y, normal.z, turn.x, turn.y, turn.z);
             let (cells, distance) = ([sample.cell, meeting.cell], meeting.distance);
-            Some(Observation { cells, gradient, distance, slopes, variance, share: 1.0 })
+            Some(Observation { cells, gradient, distance, slopes, depths, variance, share: 1.0 })
         };
         placed.iter().zip(kept).filter_map(observe).collect()
     }
@@ -334,13 +336,18 @@ impl Pair {
     }
 
     /// The slopes of an observation over the unknowns of the cameras, and their number.
-    pub fn camera_terms(&self, o: &Observation, cameras: &Cameras) -> ([(usize, f64); 8], usize) {
-        let mut terms = [(0, 0.0); 8];
-        let sides = [self.a, self.b].into_iter().zip(o.cells).zip(o.slopes);
-        let nodes = sides.filter_map(|((view, cell), slope)| {
-            Some(cameras.nodes(view, cell)?.map(|(node, share)| (node, share * slope)))
-        });
-        let count = nodes.flatten().zip(&mut terms).map(|(from, to)| *to = from).count();
+    pub fn camera_terms(&self, o: &Observation, cameras: &Cameras) -> ([(usize, f64); 10], usize) {
+        let (mut terms, mut count) = ([(0, 0.0); 10], 0);
+        for (side, view) in [self.a, self.b].into_iter().enumerate() {
+            let Some(nodes) = cameras.nodes(view, o.cells[side]) else { continue };
+            let slope = o.slopes[side];
+            let offsets = nodes.map(|(node, share)| (node, share * slope * o.depths[side]));
+            let scale = (Cameras::scale_of(nodes), slope);
+            for (from, to) in offsets.into_iter().chain([scale]).zip(&mut terms[count..]) {
+                *to = from;
+            }
+            count += offsets.len() + 1;
+        }
         (terms, count)
     }
 }

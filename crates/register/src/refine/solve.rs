@@ -1,7 +1,7 @@
 //! The most probable motions of all views and offsets of all cameras, given what pairs say and how
 //! far poses may be wrong.
 
-use super::camera::{Cameras, NODES};
+use super::camera::{Cameras, UNKNOWNS};
 use super::drift::Drift;
 use super::motion::{Motion, sizes};
 use super::pairs::Portion;
@@ -142,12 +142,12 @@ impl System {
             }
         }
         for (k, camera) in before.cameras.list.iter().enumerate() {
-            let first = 6 * before.moved.len() + NODES * k;
+            let first = 6 * before.moved.len() + UNKNOWNS * k;
             let precision = camera.precision();
-            let mut to = matrix.view_mut((first, first), (NODES, NODES));
+            let mut to = matrix.view_mut((first, first), (UNKNOWNS, UNKNOWNS));
             to += &precision;
-            let mut to = right.rows_mut(first, NODES);
-            to -= precision * &camera.offsets;
+            let mut to = right.rows_mut(first, UNKNOWNS);
+            to -= precision * &camera.errors;
         }
         // Rounding can make the matrix indefinite in a direction that only a loose prior holds. The
         // diagonal grows by the bound of the rounding errors, in shares of itself.
@@ -172,7 +172,7 @@ impl Before<'_> {
     /// The unknowns that take everything back to where it was given.
     pub fn back(&self) -> DVector<f64> {
         let motions = self.moved.iter().flat_map(|m| m.iter());
-        let offsets = self.cameras.list.iter().flat_map(|camera| camera.offsets.iter());
+        let offsets = self.cameras.list.iter().flat_map(|camera| camera.errors.iter());
         DVector::from_vec(motions.chain(offsets).map(|v| -v).collect())
     }
 }

@@ -175,6 +175,7 @@ fn what_a_surface_hides_is_no_residual() {
         gradient: Motion::zeros(),
         distance,
         slopes: [0.0; 2],
+        depths: [1.0; 2],
         variance: 1e-6,
         share: 1.0,
     };

@@ -418,6 +418,33 @@ fn the_error_of_a_depth_camera_is_found_with_the_poses() {
     assert!(after < 0.4 * before, "{after} of {before} are left");
 }
 
+/// Views whose depths are this many times what they were.
+fn with_depths_times(views: &[View], factor: f32) -> Vec<View> {
+    let scaled = |view: &View| {
+        let values = view.image().values().iter().map(|value| factor * value).collect();
+        let image = RangeImage::from_values(view.image().size(), values).unwrap();
+        view.with_image(image).unwrap()
+    };
+    views.iter().map(scaled).collect()
+}
+
+#[test]
+fn the_scale_of_a_depth_camera_is_found_with_the_poses() {
+    let views = with_depths_times(&simulated("machined_part", ""), 1.006);
+    for (degrees, length) in [(0.0, 0.0), (0.2, 0.1)] {
+        let wrong = shaken(&views, degrees, length);
+        let refinement = refine(&coarse(&wrong), &RefineOptions::default());
+        let found = refinement.poses[0].depth_offsets.as_ref().unwrap();
+        let poses: Vec<_> = refinement.poses.iter().map(|p| p.world_from_sensor).collect();
+        let (before, after) = (apart(&views, &given(&wrong)), apart(&views, &poses));
+        println!("scale {}, {before} to {after} mm", found.scale());
+        assert!((1.006 * found.scale() - 1.0).abs() < 1e-3, "scale {}", found.scale());
+        // Without the scale, right poses move by several millimetres.
+        assert!(after < 0.2 * before.max(1.0), "{before} to {after}");
+        assert!(refinement.poses.iter().all(|pose| pose.depth_offsets.as_ref() == Some(found)));
+    }
+}
+
 #[test]
 fn a_sound_camera_has_no_offsets() {
     let refinement = refine(&coarse(&simulated("machined_part", "")), &RefineOptions::default());
@@ -430,7 +457,7 @@ fn a_corrected_copy_is_that_of_the_corrected_image() {
     let views = simulated("kitchen", "");
     let (rows, cols) = (3, 4);
     let values = (0..rows * cols).map(|k| 0.01 * (1.3 * k as f64).sin()).collect();
-    let offsets = DepthOffsets::new(rows, cols, values).unwrap();
+    let offsets = DepthOffsets::new(rows, cols, values).unwrap().after_scale(0.98).unwrap();
     let view = &views[0];
     let image = offsets.correct(view.frame(), view.image()).unwrap();
     let [given, corrected] = [view, &view.with_image(image).unwrap()].map(CoarseView::new);

@@ -3,6 +3,7 @@
 use super::PoseReport;
 use crate::evaluate::digits;
 use std::collections::BTreeSet;
+use transect_device::DepthOffsets;
 use transect_geometry::LengthUnit;
 use transect_register::{
     Explanation, Finding, Motion, PoseOutcome, PoseReading, Reading, RefinedPose, Refinement,
@@ -51,15 +52,15 @@ impl PoseReport {
 
     /// What the depth cameras err by, if they do.
     fn camera_error(&self, refinement: &Refinement) -> Option<String> {
-        let offsets: Vec<f64> = refinement
-            .poses
-            .iter()
-            .filter_map(|p| p.depth_offsets.as_ref())
-            .map(|o| o.rms())
-            .collect();
-        let largest = offsets.iter().copied().reduce(f64::max)?;
-        let (distance, unit, views) = (refinement.distance, self.unit, offsets.len());
-        let error = digits(largest * distance.powi(2));
+        let (distance, unit) = (refinement.distance, self.unit);
+        let error_at = |offsets: &&DepthOffsets| offsets.error_at(distance);
+        let errors = || refinement.poses.iter().filter_map(|pose| pose.depth_offsets.as_ref());
+        let largest = errors().max_by(|a, b| error_at(a).total_cmp(&error_at(b)))?;
+        let (error, views) = (digits(error_at(&largest)), errors().count());
+        let scale = match largest.scale() {
+            1.0 => String::new(),
+            scale => format!(", and its depths are {:.4} times the true ones", scale.recip()),
+        };
         let what = match self.in_store {
             true => {
                 "a store keeps its images as they are; to correct them, register the scan and \
@@ -69,7 +70,7 @@ impl PoseReport {
         };
         Some(format!(
             "the depth camera errs alike in its {views} images, by {error} {unit} (root mean \
-             square) at the median distance of {} {unit}; {what}",
+             square) at the median distance of {} {unit}{scale}; {what}",
             digits(distance)
         ))
     }

@@ -6,7 +6,7 @@
 //! | `distortion` | `[k1, k2, p1, p2, k3]`, radial and tangential (Brown, Conrady); optional |
 //! | `rays` | instead of all of the above: a `.npy` of rows × cols × 3, the direction of every pixel's ray, NaN where there is none |
 //! | `holds` | the pixels' values: `depth` along z (the default) or `ray_length` |
-//! | `depth_offsets` | `{rows, cols, values}`: what is added to 1 / depth at the nodes of a grid over the image, in 1 / length unit; optional, see [`DepthOffsets`] |
+//! | `depth_offsets` | `{rows, cols, values, scale}`: what is added to 1 / depth at the nodes of a grid over the image, in 1 / length unit, after depths are multiplied by `scale`; optional, as is `scale`, see [`DepthOffsets`] |
 //!
 //! Column j, row i without distortion: the ray ((j − cx)/fx, (i − cy)/fy, 1), y down. With
 //! distortion, the lens moves the ray to that place; see `distortion.rs` for the equations.

@@ -131,11 +131,14 @@ fn a_pinhole_reads_back_as_it_was_written() {
     assert!(!text.contains("holds") && !text.contains("distortion"), "{text}");
     let distortion = Some([-0.1, 0.02, 1e-3, -2e-3, 0.3]);
     let lens = LensEntry::Intrinsics { intrinsics, distortion };
-    let depth_offsets = Some(DepthOffsets::new(2, 2, vec![0.0, 1e-3, -2e-3, 0.5]).unwrap());
+    let offsets = DepthOffsets::new(2, 2, vec![0.0, 1e-3, -2e-3, 0.5]).unwrap();
+    let depth_offsets = Some(offsets.clone());
     let distorted = PinholeEntry { lens, holds: PinholeScale::RayLength, depth_offsets };
+    let depth_offsets = Some(offsets.after_scale(0.99).unwrap());
+    let scaled = PinholeEntry { depth_offsets, ..distorted.clone() };
     let lens = LensEntry::Rays { rays: "rays.npy".to_owned() };
     let rays = PinholeEntry { lens, holds: PinholeScale::Depth, depth_offsets: None };
-    for entry in [distorted, rays] {
+    for entry in [distorted, scaled, rays] {
         let entry = SensorEntry::Pinhole(entry);
         assert_eq!(round_trip(&entry).0, entry);
     }
