@@ -18,8 +18,8 @@
 //! 3. The offsets have a prior: `own` holds them at zero, and `step` holds neighbouring nodes
 //!    together. Both follow from the evidence (MacKay, 1992), so the offsets of a sound camera
 //!    vanish.
-//! 4. After the rounds, scales that rather err than not become unknowns, and the rounds are
-//!    repeated. Where a scale then is not wrong by far odds, the first rounds count.
+//! 4. After the rounds, scales that are wrong more probably than right become unknowns, and the
+//!    rounds are repeated. Unless the odds then are far from even, the first rounds count.
 
 use crate::CoarseView;
 use crate::tuning::{CAMERA_GRID, EXACT, FIRST_CAMERA_ERROR, SCALE_ODDS};
@@ -152,7 +152,7 @@ impl Cameras {
         free
     }
 
-    /// Frees the scales that rather err than not.
+    /// Frees the scales that are wrong more probably than right.
     pub fn free_scales(&mut self, odds: &[f64]) {
         for (camera, odds) in self.list.iter_mut().zip(odds) {
             if *odds > 1.0 {

@@ -185,9 +185,9 @@ impl<'a> Rounds<'a> {
         self.free_wrong_scales();
     }
 
-    /// Repeats the rounds with free scales of the depth cameras, where these rather err than not.
-    /// Poses and offsets have hidden such an error as far as they could, so the odds grow in these
-    /// rounds if it is one.
+    /// Repeats the rounds with free scales of the depth cameras that are wrong more probably than
+    /// right. Poses and offsets have hidden such an error as far as they could, so these rounds
+    /// raise the odds of a wrong scale.
     fn free_wrong_scales(&mut self) {
         if self.cameras.list.is_empty() {
             return;
