@@ -190,12 +190,12 @@ pub const CAMERA_GRID: (usize, usize) = (7, 9);
 /// estimate the same.
 pub const FIRST_CAMERA_ERROR: f64 = 0.01;
 
-/// Odds from which a depth camera's scale is taken for wrong. No unit. Theory: strong evidence (Kass
-/// and Raftery, 1995). In 26 simulated scans with right scales, and in the red kitchen, the odds are
-/// 0.8 at most. Doubled, scales wrong by three standard deviations stay.
+/// Odds from which a depth camera's scale is taken for wrong. No unit. Theory: strong evidence
+/// (Kass and Raftery, 1995). In 26 simulated scans with right scales, and in the red kitchen, the
+/// odds are 0.8 at most. Doubled, scales wrong by three standard deviations stay.
 pub const SCALE_ODDS: f64 = 20.0;
 
-/// Most runs of [`ROUNDS`] with free scales. No unit. Measured with 40 frames whose depths are 2 and
-/// 3 % too large: sections err by 13 and 23 mm after one run, and by 8 and 11 mm after four.
+/// Most runs of [`ROUNDS`] with free scales. No unit. Measured with 40 frames whose depths are 2
+/// and 3 % too large: sections err by 13 and 23 mm after one run, and by 8 and 11 mm after four.
 /// Doubled, such scans take up to twice the time.
 pub const SCALE_RUNS: usize = 4;

@@ -46,7 +46,8 @@ const USED_REACH: f64 = 0.9;
 const BEYOND: f64 = 0.05;
 
 /// Distance from the plane at a foot, as a share of the guide's length, up to which Newton's method
-/// has found the foot. Source: rounding, far below any interval of planes. Doubled, nothing changes.
+/// has found the foot. Source: rounding, far below any interval of planes. Doubled, nothing
+/// changes.
 const FOOT: f64 = 1e-9;
 
 /// The meaning of a guide's points.

@@ -83,8 +83,8 @@ impl StoredPatch {
         all.chain([mean_depth, divergence, radius, sigma]).all(|number| number.is_finite())
     }
 
-    /// The patch with depths multiplied by `scale`, and then an offset added to 1 / depth, along its
-    /// rays, which have one start.
+    /// The patch with depths multiplied by `scale`, and then an offset added to 1 / depth, along
+    /// its rays, which have one start.
     pub fn shifted(&self, scale: f32, offset: f32) -> Self {
         // Depths grow by this factor, and their differences by `relief`.
         let factor = 1.0 / (scale.recip() + offset * self.mean_depth);
