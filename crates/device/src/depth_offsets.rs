@@ -51,7 +51,7 @@ impl TryFrom<Grid> for DepthOffsets {
                 Err("a value that is no finite number".to_owned())
             }
             Some(_) if !(scale.is_finite() && scale > 0.0) => {
-                Err(format!("a scale of {scale}; it must be above 0"))
+                Err(format!("a scale of {scale}; it must be a finite number above 0"))
             }
             Some(_) => Ok(Self(grid)),
         }
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn offsets_one_after_the_other_add_up() {
+    fn corrections_one_after_the_other_are_one_correction() {
         let grid = |cols, values: &[f64]| DepthOffsets::new(2, cols, values.to_vec()).unwrap();
         // A grid that holds the other one's nodes loses nothing.
         let first = grid(2, &[0.5, 0.25, -0.5, 2.0]).after_scale(1.25).unwrap();

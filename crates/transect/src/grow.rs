@@ -302,7 +302,8 @@ impl<'a> Grower<'a> {
             let no_view = || GrowError::NotThere(source.id().to_owned());
             stored.push(Stored { source, entry: there.ok_or_else(no_view)?.entry });
         }
-        let mut poses = PoseReport::new(&stored, Some(options), self.setup.unit, watch)?;
+        let options = RefineOptions { images_stay: true, ..*options };
+        let mut poses = PoseReport::new(&stored, Some(&options), self.setup.unit, watch)?;
         poses.in_store = true;
         let refined = poses.refinement.iter().flat_map(|refinement| &refinement.poses);
         let moved = poses.posed(&stored).into_iter().zip(refined);

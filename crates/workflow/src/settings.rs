@@ -208,7 +208,8 @@ pub(crate) fn refine_options(
     unit: LengthUnit,
     prior: Option<&str>,
 ) -> Result<RefineOptions, WorkflowError> {
-    Ok(RefineOptions { prior: prior.map(|text| parse_prior(unit, text)).transpose()? })
+    let prior = prior.map(|text| parse_prior(unit, text)).transpose()?;
+    Ok(RefineOptions { prior, ..RefineOptions::default() })
 }
 
 fn parse_prior(unit: LengthUnit, text: &str) -> Result<PosePrior, WorkflowError> {

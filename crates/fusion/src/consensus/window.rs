@@ -35,7 +35,7 @@ impl Window {
         });
     }
 
-    /// Visits those of a run of points that are inside and suit: point, place along and across.
+    /// Visits the points of a run that lie inside and pass `suits`: point, place along and across.
     #[inline]
     pub fn visit_run<T>(
         &self,

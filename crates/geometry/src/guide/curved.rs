@@ -12,7 +12,7 @@
 //! 2. In-plane axes: those of [`PlaneFrame::new`] at the first point, carried from piece to piece
 //!    without turning (`transport.rs`).
 //! 3. The station of a point: Newton's method for `(p − g(s)) · g′(s) = 0`, from the nearest of
-//!    equally spaced samples, or from a guess. What a guess leads to is checked against samples.
+//!    equally spaced samples, or from a guess. The foot found from a guess is compared with samples.
 //!
 //! Accuracy: stations and frames of straight and circular pieces are exact to rounding. For a
 //! spline along a helix with 24 points per turn, the length of two turns (65.6) agrees with that of
@@ -230,14 +230,16 @@ impl CurvedGuide {
 
     /// The foot of the perpendicular near a guess, if it is the nearest place of the guide.
     ///
-    /// Over a quarter of a turn of its least bend radius R, the guide stays outside the ball of
-    /// radius R that touches it at the foot. Its direction turns by at most s / R over a length s,
-    /// so it goes at least R sin(s / R) along and at most R (1 − cos(s / R)) aside. Farther along,
-    /// samples tell.
+    /// Let R be no larger than any bend radius. Over a quarter of a turn of radius R, the guide
+    /// stays outside the ball of radius R that touches it at the foot: its direction turns by at
+    /// most s / R over a length s, so it goes at least R sin(s / R) along and at most
+    /// R (1 − cos(s / R)) aside. Farther along, samples tell.
     fn nearest_foot(&self, p: &Point3, guess: f64) -> Option<(f64, f64)> {
         let (station, distance) = self.foot_near(p, guess);
-        let at = self.path.at(station);
-        if distance > self.reach || at.tangent.dot(&(p - at.point)).abs() > FOOT * self.length() {
+        let (at, length) = (self.path.at(station), self.length());
+        let is_foot = at.tangent.dot(&(p - at.point)).abs() <= FOOT * length;
+        let is_near = (-BEYOND * length..=(1.0 + BEYOND) * length).contains(&station);
+        if !(is_foot && is_near && distance <= self.reach) {
             return None;
         }
         let quarter = FRAC_PI_2 * self.reach;

@@ -250,11 +250,11 @@ impl CoarseView {
     }
 
     fn patch(&self, cell: usize) -> Option<Patch> {
-        self.patch_of(&self.kept(cell)?, cell)
+        self.patch_of(&self.cell(cell)?, cell)
     }
 
-    fn patch_of(&self, kept: &Cell, cell: usize) -> Option<Patch> {
-        kept.patch?.patch(&self.ray_through(kept.seen?, cell)?)
+    fn patch_of(&self, copy: &Cell, cell: usize) -> Option<Patch> {
+        copy.patch?.patch(&self.ray_through(copy.seen?, cell)?)
     }
 
     /// The ray that stands for those of all pixels of a cell.
@@ -285,23 +285,23 @@ impl CoarseView {
 
     /// The patch of a cell, with a point whose ray passes the cell.
     pub(crate) fn meeting_in(&self, cell: usize, in_sensor: &Point3) -> Option<Meeting> {
-        self.meeting_with(&self.kept(cell)?, cell, in_sensor)
+        self.meeting_with(&self.cell(cell)?, cell, in_sensor)
     }
 
-    /// The same with what is [kept](Self::kept) of the cell.
+    /// The same with a copy of the cell.
     pub(crate) fn meeting_with(
         &self,
-        kept: &Cell,
+        copy: &Cell,
         cell: usize,
         in_sensor: &Point3,
     ) -> Option<Meeting> {
-        let patch = self.patch_of(kept, cell)?;
+        let patch = self.patch_of(copy, cell)?;
         let (distance, sigma) = patch.distance(in_sensor)?;
         Some(Meeting { cell, distance, normal: patch.steady_normal(), sigma })
     }
 
-    /// What is kept of a cell.
-    pub(crate) fn kept(&self, cell: usize) -> Option<Cell> {
+    /// A cell as it is kept.
+    pub(crate) fn cell(&self, cell: usize) -> Option<Cell> {
         self.cells.get(cell).copied()
     }
 

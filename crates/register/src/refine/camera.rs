@@ -8,8 +8,8 @@
 //! of 1 / depth at each pixel. Offsets on a grid over the image are unknowns beside the motions
 //! ([`DepthOffsets`]).
 //!
-//! Time of flight, and a wrong baseline, err by a factor on all depths. Poses hide most of it: they
-//! move apart, as if the scene were larger. How far they are wrong tells both apart.
+//! A wrong clock, or a wrong baseline, errs by a factor on all depths. Poses can hide it: they move
+//! apart, as if the scene were larger. How far they may be wrong tells whether they do.
 //!
 //! **Steps.**
 //! 1. Views with the same rays share a camera.
@@ -19,10 +19,10 @@
 //!    together. Both follow from the evidence (MacKay, 1992), so the offsets of a sound camera
 //!    vanish.
 //! 4. After the rounds, scales that are wrong more probably than right become unknowns, and the
-//!    rounds are repeated. Unless the odds then are far from even, the first rounds count.
+//!    rounds are repeated. A scale whose odds do not exceed `SCALE_ODDS` then is right.
 
 use crate::CoarseView;
-use crate::tuning::{CAMERA_GRID, EXACT, FIRST_CAMERA_ERROR, SCALE_ODDS};
+use crate::tuning::{CAMERA_GRID, EXACT, FIRST_CAMERA_ERROR};
 use nalgebra::{DMatrix, DVector, DVectorView};
 use std::sync::Arc;
 use transect_device::{DepthOffsets, ImageSize, Nodes, Point3};
@@ -48,7 +48,7 @@ pub struct Camera {
     step: f64,
     /// Precision of the relative change.
     scale: f64,
-    /// The precision that it has at first, and the one above which it is sound.
+    /// The precision that offsets have at first, and the one above which they are none.
     first: f64,
     sound: f64,
 }
@@ -113,8 +113,14 @@ impl Cameras {
     }
 
     /// The number of the relative change of a camera, from the nodes around one of its cells.
-    pub fn scale_of(nodes: Nodes) -> usize {
+    fn scale_of(nodes: &Nodes) -> usize {
         nodes[0].0 / UNKNOWNS * UNKNOWNS + NODES
+    }
+
+    /// The same if that scale is free.
+    pub fn free_scale(&self, nodes: &Nodes) -> Option<usize> {
+        let unknown = Self::scale_of(nodes);
+        self.list.get(unknown / UNKNOWNS).filter(|c| c.scale_is_free()).map(|_| unknown)
     }
 
     /// A point of a view without the error of its camera.
@@ -135,7 +141,7 @@ impl Cameras {
             let camera = self.list.get(unknown / UNKNOWNS);
             camera.and_then(|c| c.errors.get(unknown % UNKNOWNS)).copied().unwrap_or(0.0)
         };
-        (at(Self::scale_of(*nodes)), nodes.iter().map(|(node, weight)| at(*node) * weight).sum())
+        (at(Self::scale_of(nodes)), nodes.iter().map(|(node, weight)| at(*node) * weight).sum())
     }
 
     /// Lets the cameras err, after the poses have settled.
@@ -145,25 +151,18 @@ impl Cameras {
         }
     }
 
-    /// The same cameras, whose scales may err.
-    pub fn with_free_scales(&self) -> Self {
-        let mut free = self.clone();
-        free.list.iter_mut().for_each(|camera| camera.scale = FREE_SCALE);
-        free
-    }
-
-    /// Frees the scales that are wrong more probably than right.
-    pub fn free_scales(&mut self, odds: &[f64]) {
-        for (camera, odds) in self.list.iter_mut().zip(odds) {
-            if *odds > 1.0 {
-                camera.scale = FREE_SCALE;
-            }
+    /// The same cameras, with free scales of those that are chosen by number.
+    pub fn with_free_scales(&self, is_free: impl Fn(usize) -> bool) -> Self {
+        let mut cameras = self.clone();
+        for (_, camera) in cameras.list.iter_mut().enumerate().filter(|(k, _)| is_free(*k)) {
+            camera.scale = FREE_SCALE;
         }
+        cameras
     }
 
-    /// The odds that each scale errs, from the changes of all unknowns and their
-    /// [`Solution::root`](super::solve::Solution::root) with free scales: the probability of the
-    /// right scale before the images are seen over that after it (Dickey, 1971).
+    /// The odds that each free scale is wrong, from the changes of all unknowns and their
+    /// [`Solution::root`](super::solve::Solution::root): the probability of the right scale before
+    /// the images are seen over that after it (Dickey, 1971).
     pub fn scale_odds(&self, changes: &DVector<f64>, root: &DMatrix<f64>) -> Vec<f64> {
         let first = changes.len() - self.unknowns();
         let odds = |(k, camera): (usize, &Camera)| {
@@ -175,15 +174,18 @@ impl Cameras {
         self.list.iter().enumerate().map(odds).collect()
     }
 
-    /// Whether the odds of all free scales are those of a scale that errs.
-    pub fn scales_err(&self, odds: &[f64]) -> bool {
-        let wrong = |k: usize| odds.get(k).is_some_and(|odds| *odds > SCALE_ODDS);
-        self.list.iter().enumerate().all(|(k, camera)| !camera.scale_is_free() || wrong(k))
-    }
-
-    /// Whether any scale is an unknown.
-    pub fn has_free_scales(&self) -> bool {
-        self.list.iter().any(Camera::scale_is_free)
+    /// The changes of free scales, in their standard deviations.
+    pub fn scale_steps(
+        &self,
+        changes: &DVector<f64>,
+        root: &DMatrix<f64>,
+    ) -> impl Iterator<Item = f64> {
+        let first = changes.len() - self.unknowns();
+        let free = self.list.iter().enumerate().filter(|(_, camera)| camera.scale_is_free());
+        free.map(move |(k, _)| {
+            let at = first + UNKNOWNS * k + NODES;
+            changes[at].abs() / root.column(at).norm()
+        })
     }
 
     /// Adds the changes of a round.
@@ -279,4 +281,24 @@ fn steps() -> DMatrix<f64> {
         }
     }
     matrix
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_camera_measures_is_corrected_to_what_was_there() {
+        let errors =
+            DVector::from_fn(UNKNOWNS, |k, _| if k < NODES { 1e-3 * k as f64 } else { 0.02 });
+        let camera = Camera { errors, own: 1.0, step: 1.0, scale: 1.0, first: 1.0, sound: 2.0 };
+        let cameras =
+            Cameras { list: vec![camera], of_view: vec![Some(0)], around: Arc::new(Vec::new()) };
+        let p = Point3::new(0.4, -0.7, 2.5);
+        for nodes in around(0, ImageSize { rows: 5, cols: 7 }) {
+            let measured = cameras.measured(&nodes, &p);
+            assert!((measured - p).norm() > 0.01);
+            assert!((cameras.corrected(&nodes, &measured) - p).norm() < 1e-12);
+        }
+    }
 }

@@ -35,7 +35,8 @@ mod uncertainty;
 use crate::coarse::{CoarseView, PosePrior};
 use crate::tuning::{
     BEFORE_MOMENTUM, BLOCKS, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, GATE, LEAST_SAMPLES,
-    MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS, SCALE_RUNS, SETTLED, SETTLING,
+    MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS, SCALE_ODDS, SCALE_RUNS, SETTLED,
+    SETTLING,
 };
 use camera::Cameras;
 use drift::{Drift, Errors, estimated_prior};
@@ -55,6 +56,9 @@ pub struct RefineOptions {
     /// How far the given poses may be wrong, of views that do not state their own
     /// ([`CoarseView::with_prior`]); estimated from the views' contradictions if `None`.
     pub prior: Option<PosePrior>,
+    /// Whether the images keep the error of their camera. Its scale is not looked for then: images
+    /// with a wrong scale agree better at poses that hide it.
+    pub images_stay: bool,
 }
 
 /// Refines the poses of all views together.
@@ -111,6 +115,7 @@ struct Rounds<'a> {
     first: PosePrior,
     prior: PosePrior,
     stated: bool,
+    images_stay: bool,
     cameras: Cameras,
     drift: Drift,
     candidates: Vec<(usize, usize)>,
@@ -154,6 +159,7 @@ impl<'a> Rounds<'a> {
             first,
             prior,
             stated: stated.is_some(),
+            images_stay: options.images_stay,
             cameras,
             drift: Drift::of(scene.views.len()),
             candidates,
@@ -187,24 +193,35 @@ impl<'a> Rounds<'a> {
 
     /// Repeats the rounds with free scales of the depth cameras that are wrong more probably than
     /// right. Poses and offsets have hidden such an error as far as they could, so these rounds
-    /// raise the odds of a wrong scale.
+    /// raise the odds of a wrong scale. Unless all odds exceed [`SCALE_ODDS`] then, the rounds are
+    /// repeated without the scales below it.
     fn free_wrong_scales(&mut self) {
-        if self.cameras.list.is_empty() {
+        if self.cameras.list.is_empty() || self.images_stay {
             return;
         }
-        let mut freed = self.cameras.clone();
-        freed.free_scales(&self.scale_odds());
-        if !freed.has_free_scales() {
+        let free = self.cameras.with_free_scales(|_| true);
+        let cameras = std::mem::replace(&mut self.cameras, free);
+        let mut odds = self.scale_odds();
+        self.cameras = cameras;
+        let mut tried: Vec<bool> = odds.iter().map(|odds| *odds > 1.0).collect();
+        if !tried.contains(&true) {
             return;
         }
-        let pairs = std::mem::take(&mut self.pairs);
         let sound = self.clone();
-        (self.pairs, self.cameras) = (pairs, freed);
-        (0..SCALE_RUNS).any(|_| self.run_rounds());
-        if !self.cameras.scales_err(&self.scale_odds()) {
-            *self = sound;
+        while tried.contains(&true) {
+            *self = sound.clone();
+            self.cameras = self.cameras.with_free_scales(|k| tried.get(k) == Some(&true));
+            (0..SCALE_RUNS).any(|_| self.run_rounds());
             self.observe(self.prior, OBSERVATIONS, Spread::Narrow);
+            odds = self.scale_odds();
+            let wrong = tried.iter().zip(&odds).map(|(tried, odds)| *tried && *odds > SCALE_ODDS);
+            let wrong: Vec<bool> = wrong.collect();
+            if wrong == tried {
+                return;
+            }
+            tried = wrong;
         }
+        *self = sound;
     }
 
     /// Moves all views until they settle, and says whether they do.
@@ -222,15 +239,14 @@ impl<'a> Rounds<'a> {
         false
     }
 
-    /// The odds that the scale of each depth camera errs, from the pairs of the last round.
+    /// The odds that the scale of each depth camera is wrong, from the pairs as they are; those of
+    /// scales that are not free mean nothing.
     fn scale_odds(&self) -> Vec<f64> {
-        let cameras = self.cameras.with_free_scales();
         let (priors, moved) = (self.priors(), self.motions());
-        let before =
-            Before { priors: &priors, moved: &moved, drift: &self.drift, cameras: &cameras };
-        let system = System::sum(&self.systems());
-        let solution = system.and_then(|system| system.solve(self.independent, &before));
-        solution.map_or_else(Vec::new, |s| cameras.scale_odds(&s.unknowns, &s.root()))
+        let solution = System::sum(&self.systems())
+            .and_then(|system| system.solve(self.independent, &self.known_before(&priors, &moved)));
+        let odds = solution.map(|s| self.cameras.scale_odds(&s.unknowns, &s.root()));
+        odds.unwrap_or_else(|| vec![0.0; self.cameras.list.len()])
     }
 
     /// How many patches lie on those of other views, within noise.
@@ -286,7 +302,8 @@ impl<'a> Rounds<'a> {
         }
         let variances = variances(&root, so_far.len()).into_iter().enumerate();
         let sizes = variances.map(|(k, v)| solution.motion(k).component_div(&v.map(f64::sqrt)));
-        let largest = sizes.map(|size| size.amax()).fold(0.0, f64::max);
+        let scales = self.cameras.scale_steps(&solution.unknowns, &root);
+        let largest = sizes.map(|size| size.amax()).chain(scales).fold(0.0, f64::max);
         self.change(solution.unknowns, momentum);
         Some(largest)
     }

@@ -70,14 +70,14 @@ pub struct Refinement {
     pub distance: f64,
 }
 
-/// What reports tell of a camera's error: the root mean square of its offsets, and its scale if
-/// that is not 1. The scan that registration writes has all values.
+/// What reports tell of a camera's error: the root mean square of its offsets, and its depths over
+/// the true ones if its scale is wrong. The scan that registration writes has all values.
 #[derive(serde::Serialize)]
 struct CameraError {
     #[serde(skip_serializing_if = "Option::is_none")]
     depth_offsets: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    depth_scale: Option<f64>,
+    depths_over_true: Option<f64>,
 }
 
 fn in_short<S: serde::Serializer>(
@@ -87,7 +87,7 @@ fn in_short<S: serde::Serializer>(
     let scale = offsets.as_ref().map(DepthOffsets::scale);
     let error = CameraError {
         depth_offsets: offsets.as_ref().map(DepthOffsets::rms),
-        depth_scale: scale.filter(|scale| *scale != 1.0),
+        depths_over_true: scale.filter(|scale| *scale != 1.0).map(f64::recip),
     };
     serde::Serialize::serialize(&error, out)
 }

@@ -52,8 +52,9 @@ pub struct Observation {
     /// Distance of the sample from the patch along the patch's normal.
     pub distance: f64,
     /// Change of the distance with a relative change of 1 / depth at the cell of `a`, and at that
-    /// of `b`, and these depths.
+    /// of `b`.
     pub slopes: [f64; 2],
+    /// The depths there. Times these, the slopes are those over an offset of 1 / depth.
     pub depths: [f64; 2],
     /// Variance of the distance from the noise of both patches.
     pub variance: f64,
@@ -240,12 +241,12 @@ impl Scene<'_> {
             Some(Placed { sample, in_b, cell: view.cell_of(&in_b)? })
         });
         let placed: Vec<Placed<'_>> = placed.collect();
-        // Cells lie far apart in memory. Read one after the other, they arrive side by side.
-        let kept: Vec<_> = placed.iter().map(|placed| view.kept(placed.cell)).collect();
-        let observe = |(Placed { sample, in_b, cell }, kept): (&Placed<'_>, Option<_>)| {
+        // Cells lie far apart in memory. A pass that only copies them waits for several at once.
+        let cells: Vec<_> = placed.iter().map(|placed| view.cell(placed.cell)).collect();
+        let observe = |(Placed { sample, in_b, cell }, copy): (&Placed<'_>, Option<_>)| {
             let nodes = cameras.nodes(b, *cell);
             let measured = nodes.map_or(*in_b, |n| cameras.measured(&n, in_b));
-            let meeting = view.meeting_with(&kept?, *cell, &measured)?;
+            let meeting = view.meeting_with(&copy?, *cell, &measured)?;
             let normal = b_from_a.rotation * sample.normal;
             let moved = reach.translation + reach.rotation * sample.in_sensor.coords.norm();
             let variance = sample.sigma.powi(2) + meeting.sigma.powi(2);
@@ -264,7 +265,7 @@ impl Scene<'_> {
             let (cells, distance) = ([sample.cell, meeting.cell], meeting.distance);
             Some(Observation { cells, gradient, distance, slopes, depths, variance, share: 1.0 })
         };
-        placed.iter().zip(kept).filter_map(observe).collect()
+        placed.iter().zip(cells).filter_map(observe).collect()
     }
 }
 
@@ -335,18 +336,17 @@ impl Pair {
         if share < 1.0 { (1.0 - share).powi(2) / variance } else { 0.0 }
     }
 
-    /// The slopes of an observation over the unknowns of the cameras, and their number.
+    /// The slopes of an observation over the unknowns of the cameras that are free, and their
+    /// number.
     pub fn camera_terms(&self, o: &Observation, cameras: &Cameras) -> ([(usize, f64); 10], usize) {
         let (mut terms, mut count) = ([(0, 0.0); 10], 0);
         for (side, view) in [self.a, self.b].into_iter().enumerate() {
             let Some(nodes) = cameras.nodes(view, o.cells[side]) else { continue };
             let slope = o.slopes[side];
             let offsets = nodes.map(|(node, share)| (node, share * slope * o.depths[side]));
-            let scale = (Cameras::scale_of(nodes), slope);
-            for (from, to) in offsets.into_iter().chain([scale]).zip(&mut terms[count..]) {
-                *to = from;
-            }
-            count += offsets.len() + 1;
+            let scale = cameras.free_scale(&nodes).map(|unknown| (unknown, slope));
+            let both = offsets.into_iter().chain(scale).zip(&mut terms[count..]);
+            count += both.map(|(from, to)| *to = from).count();
         }
         (terms, count)
     }

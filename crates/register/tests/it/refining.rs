@@ -113,7 +113,10 @@ fn a_view_of_another_place_stays_and_is_told() {
 #[test]
 fn a_stated_prior_holds_the_poses() {
     let views = shaken(&simulated("room", ""), 0.3, 0.005);
-    let options = RefineOptions { prior: Some(PosePrior { rotation: 1e-7, translation: 1e-7 }) };
+    let options = RefineOptions {
+        prior: Some(PosePrior { rotation: 1e-7, translation: 1e-7 }),
+        ..RefineOptions::default()
+    };
     let refinement = refine(&coarse(&views), &options);
     assert!(refinement.poses.iter().all(|p| p.translation < 1e-4), "{refinement:?}");
 }
@@ -345,7 +348,10 @@ fn perturbed_poses_of_a_turntable_scan_come_back() {
     let Some(views) = real("stanford_bunny") else { return };
     let free = PosePrior { rotation: 3.0_f64.to_radians(), translation: 0.01 };
     let refined = |views: &[View]| -> Vec<Isometry3> {
-        let refinement = refine(&coarse(views), &RefineOptions { prior: Some(free) });
+        let refinement = refine(
+            &coarse(views),
+            &RefineOptions { prior: Some(free), ..RefineOptions::default() },
+        );
         refinement.poses.iter().map(|p| p.world_from_sensor).collect()
     };
     let (one, other) = (shaken(&views, 0.3, 0.0005), shaken(&views, -0.3, 0.0005));
@@ -443,6 +449,16 @@ fn the_scale_of_a_depth_camera_is_found_with_the_poses() {
         assert!(after < 0.2 * before.max(1.0), "{before} to {after}");
         assert!(refinement.poses.iter().all(|pose| pose.depth_offsets.as_ref() == Some(found)));
     }
+}
+
+/// A store keeps its images: poses that hide their wrong scale suit them.
+#[test]
+fn no_scale_is_found_where_images_stay() {
+    let views = with_depths_times(&simulated("machined_part", ""), 1.006);
+    let options = RefineOptions { images_stay: true, ..RefineOptions::default() };
+    let refinement = refine(&coarse(&views), &options);
+    let scales = refinement.poses.iter().filter_map(|pose| pose.depth_offsets.as_ref());
+    assert!(scales.into_iter().all(|offsets| offsets.scale() == 1.0));
 }
 
 #[test]

@@ -146,14 +146,28 @@ fn a_guess_does_not_hide_a_nearer_place() {
 }
 
 #[test]
+fn a_guess_beyond_an_end_does_not_hide_a_nearer_place() {
+    // Beyond its end the guide goes on across its first piece.
+    let points = [(0.0, 0.0), (50.0, 0.0), (50.0, 30.0), (20.0, 30.0), (20.0, 10.0)];
+    let points = points.map(|(x, y)| Point3::new(x, y, 0.0)).to_vec();
+    let guide = CurvedGuide::polyline(points, Some(2.0)).unwrap();
+    let p = Point3::new(20.5, 0.6, 0.0);
+    for guess in [20.0, guide.length(), guide.length() + 6.0, f64::NAN] {
+        let station = guide.station(&p, Some(guess)).unwrap();
+        assert!((station - 20.5).abs() < 1e-9, "{station} from {guess}");
+    }
+}
+
+#[test]
 fn a_straight_guide_needs_no_search() {
     let ends = [Point3::origin(), Point3::new(0.0, 0.0, 3.0)];
     let guide = CurvedGuide::polyline(ends.to_vec(), None).unwrap();
     assert_eq!(guide.reach(), f64::INFINITY);
-    for (height, guess) in [(1.0, 2.5), (0.0, 3.0), (3.1, 0.0)] {
+    for (height, guess) in [(1.0, 1.2), (0.0, 0.1), (3.1, 3.0)] {
         let p = Point3::new(40.0, -7.0, height);
         let stations = [None, Some(guess)].map(|guess| guide.extended_station(&p, guess).unwrap());
         assert!(stations.iter().all(|station| (station - height).abs() < 1e-12), "{stations:?}");
+        assert!(guide.nearest_foot(&p, guess).is_some());
     }
 }
 
