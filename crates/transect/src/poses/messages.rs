@@ -59,7 +59,10 @@ impl PoseReport {
         let (error, views) = (digits(error_at(&largest)), errors().count());
         let scale = match largest.scale() {
             1.0 => String::new(),
-            scale => format!(", and its depths are {:.4} times the true ones", scale.recip()),
+            scale => format!(
+                ", and its depths are {:.4} times what the poses ask for (check a known length)",
+                scale.recip()
+            ),
         };
         let what = match self.in_store {
             true => {
