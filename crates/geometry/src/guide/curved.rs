@@ -12,7 +12,8 @@
 //! 2. In-plane axes: those of [`PlaneFrame::new`] at the first point, carried from piece to piece
 //!    without turning (`transport.rs`).
 //! 3. The station of a point: Newton's method for `(p − g(s)) · g′(s) = 0`, from the nearest of
-//!    equally spaced samples, or from a guess. The foot found from a guess is compared with samples.
+//!    equally spaced samples, or from a guess. The foot found from a guess is compared with
+//!    samples.
 //!
 //! Accuracy: stations and frames of straight and circular pieces are exact to rounding. For a
 //! spline along a helix with 24 points per turn, the length of two turns (65.6) agrees with that of
