@@ -23,7 +23,15 @@ fn apart(curve: &Curve, splines: &CurveSplines) -> [f64; 2] {
         let at = |k: usize| first + (last - first) * k as f64 / count as f64;
         let own: Vec<_> = (0..=count).map(|k| piece.point(at(k))).collect();
         // A sample leaves the chord of its neighbours by four times what the spline leaves its own.
-        let bend = |w: &[Point2]| CurveUnit { start: w[0], end: w[2] }.distance(&w[1]);
+        // A corner between two samples lies within the ellipse of a step's length around them.
+        let step = own.windows(2).map(|w| (w[1] - w[0]).norm()).fold(0.0, f64::max);
+        let bend = |w: &[Point2]| {
+            let (a, b) = (w[1] - w[0], w[2] - w[1]);
+            let is_corner = a.dot(&b) < 0.9999 * a.norm() * b.norm();
+            let half_axis = 0.5 * (step.powi(2) - a.norm().min(b.norm()).powi(2)).sqrt();
+            let corner = if is_corner { half_axis } else { 0.0 };
+            CurveUnit { start: w[0], end: w[2] }.distance(&w[1]).max(corner)
+        };
         chords = own.windows(3).map(bend).fold(chords, f64::max);
         samples.extend(own);
     }
