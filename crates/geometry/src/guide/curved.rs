@@ -232,8 +232,8 @@ impl CurvedGuide {
     /// The foot of the perpendicular near a guess, if it is the nearest place of the guide.
     ///
     /// Let R be no larger than any bend radius. Over a quarter of a turn of radius R, the guide
-    /// stays outside the ball of radius R that touches it at the foot: its direction turns by at
-    /// most s / R over a length s, so it goes at least R sin(s / R) along and at most
+    /// stays outside the ball of radius R that touches it at the foot. Its direction turns by at
+    /// most s / R over a length s. So it goes at least R sin(s / R) along, and at most
     /// R (1 − cos(s / R)) aside. Farther along, samples tell.
     fn nearest_foot(&self, p: &Point3, guess: f64) -> Option<(f64, f64)> {
         let (station, distance) = self.foot_near(p, guess);

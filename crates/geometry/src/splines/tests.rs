@@ -18,22 +18,18 @@ fn circle(radius: f64, count: u32) -> Curve {
 fn apart(curve: &Curve, splines: &CurveSplines) -> [f64; 2] {
     let (mut samples, mut chords) = (Vec::new(), 0.0_f64);
     for piece in &splines.pieces {
-        let (first, last) = piece.domain();
-        let count = (60 * piece.controls().len()).clamp(1500, 5000);
-        let at = |k: usize| first + (last - first) * k as f64 / count as f64;
-        let own: Vec<_> = (0..=count).map(|k| piece.point(at(k))).collect();
-        // A sample leaves the chord of its neighbours by four times what the spline leaves its own.
-        // A corner between two samples lies within the ellipse of a step's length around them.
-        let step = own.windows(2).map(|w| (w[1] - w[0]).norm()).fold(0.0, f64::max);
-        let bend = |w: &[Point2]| {
-            let (a, b) = (w[1] - w[0], w[2] - w[1]);
-            let is_corner = a.dot(&b) < 0.9999 * a.norm() * b.norm();
-            let half_axis = 0.5 * (step.powi(2) - a.norm().min(b.norm()).powi(2)).sqrt();
-            let corner = if is_corner { half_axis } else { 0.0 };
-            CurveUnit { start: w[0], end: w[2] }.distance(&w[1]).max(corner)
-        };
-        chords = own.windows(3).map(bend).fold(chords, f64::max);
-        samples.extend(own);
+        // Corners are at knots alone, so each span between knots has samples of its own.
+        let spans = piece.knots().windows(2).filter(|knots| knots[1] > knots[0]);
+        let count = (60 * piece.controls().len()).clamp(1500, 5000) / spans.clone().count();
+        for knots in spans {
+            let at = |k: usize| knots[0] + (knots[1] - knots[0]) * k as f64 / count.max(8) as f64;
+            let own: Vec<_> = (0..=count.max(8)).map(|k| piece.point(at(k))).collect();
+            // A sample leaves the chord of its neighbours by four times what the spline leaves its
+            // own.
+            let bend = |w: &[Point2]| CurveUnit { start: w[0], end: w[2] }.distance(&w[1]);
+            chords = own.windows(3).map(bend).fold(chords, f64::max);
+            samples.extend(own);
+        }
     }
     let from_curve = samples.iter().map(|p| curve.foot(p).distance).fold(0.0, f64::max);
     let line = self::curve(samples, splines.closed);

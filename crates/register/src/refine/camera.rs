@@ -301,4 +301,29 @@ mod tests {
             assert!((cameras.corrected(&nodes, &measured) - p).norm() < 1e-12);
         }
     }
+
+    /// A measured scale, right or wrong by a prior: its evidence for both, by a sum.
+    #[test]
+    fn odds_are_those_of_the_evidence() {
+        let normal = |x: f64, sigma: f64| (-0.5 * (x / sigma).powi(2)).exp() / sigma;
+        let prior = FREE_SCALE.powf(-0.5);
+        for (measured, sigma) in [(0.001, 0.002), (0.006, 0.002), (0.012, 0.004)] {
+            let step = 1e-5;
+            let free = (-10_000..=10_000).map(|k| step * f64::from(k));
+            let wrong = free.map(|s| normal(measured - s, sigma) * normal(s, prior)).sum::<f64>();
+            // The first normal density is over both evidences; the second one lacks its factor.
+            let expected = step * wrong / std::f64::consts::TAU.sqrt() / normal(measured, sigma);
+            let variance = 1.0 / (FREE_SCALE + sigma.powi(-2));
+            let errors = DVector::zeros(UNKNOWNS);
+            let camera =
+                Camera { errors, own: 1.0, step: 1.0, scale: FREE_SCALE, first: 1.0, sound: 2.0 };
+            let cameras = Cameras { list: vec![camera], of_view: vec![], around: Arc::default() };
+            let (mut changes, mut root) =
+                (DVector::zeros(UNKNOWNS), DMatrix::identity(UNKNOWNS, UNKNOWNS));
+            changes[NODES] = measured * variance / sigma.powi(2);
+            root[(NODES, NODES)] = variance.sqrt();
+            let odds = cameras.scale_odds(&changes, &root)[0];
+            assert!((odds / expected - 1.0).abs() < 1e-3, "{odds} {expected}");
+        }
+    }
 }

@@ -5,13 +5,18 @@ use super::pairs::{Observation, scrambled};
 use super::*;
 use crate::tuning::PARTNERS;
 use transect_device::{RangeImage, View};
-use transect_scene::{BUNDLED_SCENES, Description};
+use transect_scene::{BUNDLED_SCENES, Description, Noise};
 
 /// Frames of a depth camera that errs by 2 %.
 fn depth_camera() -> Vec<View> {
+    frames(|noise| noise.depth_camera.distortion = 0.02)
+}
+
+/// Frames of the kitchen, with another noise.
+fn frames(change: impl Fn(&mut Noise)) -> Vec<View> {
     let (_, text) = BUNDLED_SCENES.iter().find(|(name, _)| *name == "kitchen").unwrap();
     let mut description = Description::parse(text).unwrap();
-    description.noise.depth_camera.distortion = 0.02;
+    change(&mut description.noise);
     let (scene, noise) = (description.scene(), description.noise);
     let stations = description.stations.iter().step_by(4).zip(0..);
     let view = stations.map(|(station, k)| {
@@ -55,6 +60,47 @@ fn a_motion_within_the_noise_is_not_far_off() {
     assert!(turned[1] > 100.0 * turned[0], "{turned:?}");
     let system = System::sum(&rounds.systems());
     assert_eq!(rounds.far_off(system.as_ref()), [false; 4]);
+}
+
+/// The slopes over the unknowns of a camera are those of small changes.
+#[test]
+fn distances_change_with_the_errors_of_a_camera_as_their_slopes_say() {
+    // Distances run along the normals of patches, and slopes along steadier ones: without noise
+    // both are alike.
+    let exact = frames(|noise| *noise = Noise::NONE);
+    let copies: Vec<CoarseView> = exact.iter().map(CoarseView::new).collect();
+    let views: Vec<&CoarseView> = copies.iter().collect();
+    let given: Vec<Isometry3> = views.iter().map(|view| *view.world_from_sensor()).collect();
+    let scene = scene(views, &given);
+    let mut rounds = Rounds::new(&scene, given, &RefineOptions::default(), &[]);
+    rounds.cameras = rounds.cameras.with_free_scales(|_| true);
+    let wide = PosePrior { rotation: 0.01, translation: 0.03 };
+    for unknown in [31, rounds.cameras.unknowns() - 1] {
+        let step = 1e-5;
+        let mut observed = |error: f64| {
+            let mut change = DVector::zeros(rounds.cameras.unknowns());
+            change[unknown] = error;
+            rounds.cameras.change(&change.rows_range(..));
+            rounds.observe(wide, OBSERVATIONS, Spread::Narrow);
+            rounds.pairs.clone()
+        };
+        let (before, after) = (observed(0.0), observed(step));
+        let (mut products, mut squares, mut count) = (0.0, 0.0, 0);
+        for (one, other) in before.iter().zip(&after) {
+            for o in &one.observations {
+                let same = other.observations.iter().find(|p| p.cells == o.cells);
+                let Some(same) = same else { continue };
+                let (terms, _) = one.camera_terms(o, &rounds.cameras);
+                let slopes = terms.iter().filter(|(k, _)| *k == unknown).map(|(_, slope)| slope);
+                let slope = slopes.sum::<f64>();
+                products += slope * (same.distance - o.distance) / step;
+                squares += slope * slope;
+                count += usize::from(slope != 0.0);
+            }
+        }
+        let ratio = products / squares;
+        assert!(count > 100 && (ratio - 1.0).abs() < 0.05, "unknown {unknown}: {ratio}, {count}");
+    }
 }
 
 #[test]
