@@ -237,6 +237,15 @@ fn a_store_keeps_its_planes_where_the_scan_states_others() {
     assert_eq!(grow(&folder, "scan --interval 10.16cm").succeeded().number("views added"), 0.0);
 }
 
+/// The unit vector along 1, 1, 0 has a length that rounding makes unequal to 1.
+#[test]
+fn a_store_grows_along_any_normal() {
+    let folder = Folder::simulated("objects.scene.toml");
+    let first = grow(&folder, "scan --views 0 --normal 1,1,0 --interval 100mm");
+    assert_eq!(first.succeeded().number("views added"), 1.0);
+    assert_eq!(grow(&folder, "scan --views 1").succeeded().number("views added"), 1.0);
+}
+
 #[test]
 fn a_replaced_pose_is_checked_as_in_a_run() {
     let folder = stored();

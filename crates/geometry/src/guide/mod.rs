@@ -59,6 +59,10 @@ pub enum GuideError {
     },
 }
 
+/// Largest departure from 1 of the length of a direction after it is divided by its length.
+/// Theory: six roundings of half a unit each.
+const ROUNDING: f64 = 3.0 * f64::EPSILON;
+
 /// A straight guide: the line through the origin of the world along a unit direction.
 ///
 /// The station of a point is its signed distance along that line, so the plane at station `s` is
@@ -69,13 +73,16 @@ pub struct StraightGuide {
 }
 
 impl StraightGuide {
-    /// The guide along a direction of any positive length.
+    /// The guide along a direction of any positive length. A unit direction stays as it is, bit
+    /// for bit, so that planes that were stored are those that are read.
     ///
     /// # Errors
     /// [`GuideError::NoDirection`] if it is zero or not finite.
     pub fn along(direction: Vector3) -> Result<Self, GuideError> {
         let length = direction.norm();
-        if length.is_finite() && length > 0.0 {
+        if (length - 1.0).abs() <= ROUNDING {
+            Ok(Self { direction })
+        } else if length.is_finite() && length > 0.0 {
             Ok(Self { direction: direction / length })
         } else {
             Err(GuideError::NoDirection(direction.x, direction.y, direction.z))
@@ -159,5 +166,24 @@ impl From<CurvedGuide> for Guide {
 impl From<Arc<CurvedGuide>> for Guide {
     fn from(guide: Arc<CurvedGuide>) -> Self {
         Self::Curved(guide)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_unit_direction_stays_as_it_is(
+            x in -1.0..1.0f64, y in -1.0..1.0f64, z in -1.0..1.0f64, length in 1e-3..1e3f64,
+        ) {
+            let Ok(guide) = StraightGuide::along(Vector3::new(x, y, z) * length) else {
+                return Ok(());
+            };
+            prop_assert!((guide.direction().norm() - 1.0).abs() < 1e-15);
+            prop_assert_eq!(StraightGuide::along(guide.direction()).unwrap(), guide);
+        }
     }
 }

@@ -19,7 +19,8 @@
 //!    together. Both follow from the evidence (MacKay, 1992), so the offsets of a sound camera
 //!    vanish.
 //! 4. After the rounds, scales that are wrong more probably than right become unknowns, and the
-//!    rounds are repeated. A scale whose odds do not exceed `SCALE_ODDS` then is right.
+//!    rounds are repeated from the given poses, which do not hide the scale. A scale whose odds do
+//!    not exceed `SCALE_ODDS` then is right.
 
 use crate::CoarseView;
 use crate::tuning::{CAMERA_GRID, EXACT, FIRST_CAMERA_ERROR};

@@ -188,51 +188,61 @@ impl<'a> Rounds<'a> {
         self.cameras.release();
         self.drift.release();
         self.run_rounds();
-        self.free_wrong_scales();
+        let suspected = self.suspected_scales();
+        self.free_scales(suspected);
     }
 
-    /// Repeats the rounds with free scales of the depth cameras that are wrong more probably than
-    /// right. Poses and offsets have hidden such an error as far as they could, so these rounds
-    /// raise the odds of a wrong scale. Unless all odds exceed [`SCALE_ODDS`] then, the rounds are
-    /// repeated without the scales below it.
-    fn free_wrong_scales(&mut self) {
+    /// Which depth cameras have a wrong scale more probably than a right one. Poses and offsets have
+    /// hidden such an error as far as they could.
+    fn suspected_scales(&mut self) -> Vec<bool> {
         if self.cameras.list.is_empty() || self.images_stay {
-            return;
+            return Vec::new();
         }
         let free = self.cameras.with_free_scales(|_| true);
         let cameras = std::mem::replace(&mut self.cameras, free);
-        let mut odds = self.scale_odds();
+        let odds = self.scale_odds();
         self.cameras = cameras;
-        let mut tried: Vec<bool> = odds.iter().map(|odds| *odds > 1.0).collect();
-        if !tried.contains(&true) {
+        odds.into_iter().map(|odds| odds > 1.0).collect()
+    }
+
+    /// Repeats the rounds with free scales of the suspected cameras, which raises the odds of a
+    /// wrong scale. They begin at the given poses, since the refined ones hide the scale; views that
+    /// were far off stay where they were brought. Unless all odds exceed [`SCALE_ODDS`] then, the rounds are repeated without the
+    /// scales below it. Without any, everything stays as it was.
+    fn free_scales(&mut self, mut suspected: Vec<bool>) {
+        if !suspected.contains(&true) {
             return;
         }
         let sound = self.clone();
-        while tried.contains(&true) {
+        let far_off = self.far_off(System::sum(&self.systems()).as_ref());
+        let begin = self.given.iter().zip(&self.poses).zip(far_off);
+        let begin: Vec<_> = begin.map(|((from, to), far)| if far { *to } else { *from }).collect();
+        while suspected.contains(&true) {
             *self = sound.clone();
-            self.cameras = self.cameras.with_free_scales(|k| tried.get(k) == Some(&true));
-            (0..SCALE_RUNS).any(|_| self.run_rounds());
+            self.cameras = self.cameras.with_free_scales(|k| suspected.get(k) == Some(&true));
+            (0..SCALE_RUNS).any(|_| {
+                self.poses.clone_from(&begin);
+                self.last_change.fill(0.0);
+                self.run_rounds()
+            });
             self.observe(self.prior, OBSERVATIONS, Spread::Narrow);
-            odds = self.scale_odds();
-            let wrong = tried.iter().zip(&odds).map(|(tried, odds)| *tried && *odds > SCALE_ODDS);
+            let odds = self.scale_odds();
+            let wrong = suspected.iter().zip(&odds).map(|(s, odds)| *s && *odds > SCALE_ODDS);
             let wrong: Vec<bool> = wrong.collect();
-            if wrong == tried {
+            if wrong == suspected {
                 return;
             }
-            tried = wrong;
+            suspected = wrong;
         }
         *self = sound;
     }
 
     /// Moves all views until they settle, and says whether they do.
     fn run_rounds(&mut self) -> bool {
-        let estimated = self.scene.views.iter().all(|view| view.prior().is_none());
         for round in 0..ROUNDS {
             let momentum = if round < BEFORE_MOMENTUM { 0.0 } else { MOMENTUM };
             self.observe(self.prior, OBSERVATIONS, Spread::Narrow);
-            let moves = self.step(PRIOR_ROUNDS, momentum).is_some_and(|largest| largest > SETTLED);
-            let exact = estimated && self.prior.rotation < EXACT * self.first.rotation;
-            if exact || !moves {
+            if self.step(PRIOR_ROUNDS, momentum).is_none_or(|largest| largest <= SETTLED) {
                 return true;
             }
         }
@@ -302,10 +312,17 @@ impl<'a> Rounds<'a> {
         }
         let variances = variances(&root, so_far.len()).into_iter().enumerate();
         let sizes = variances.map(|(k, v)| solution.motion(k).component_div(&v.map(f64::sqrt)));
+        let poses = sizes.map(|size| size.amax()).filter(|_| !self.are_exact());
         let scales = self.cameras.scale_steps(&solution.unknowns, &root);
-        let largest = sizes.map(|size| size.amax()).chain(scales).fold(0.0, f64::max);
+        let largest = poses.chain(scales).fold(0.0, f64::max);
         self.change(solution.unknowns, momentum);
         Some(largest)
+    }
+
+    /// Whether the given poses are taken for exact: they hold the views where they are.
+    fn are_exact(&self) -> bool {
+        let stated = self.scene.views.iter().any(|view| view.prior().is_some());
+        !stated && self.prior.rotation < EXACT * self.first.rotation
     }
 
     /// Learns how large the errors of poses and cameras are, and how much views err alike.

@@ -103,6 +103,30 @@ fn distances_change_with_the_errors_of_a_camera_as_their_slopes_say() {
     }
 }
 
+/// The depths of a sound camera are suspected, and acquitted.
+#[test]
+fn everything_stays_where_no_scale_is_wrong() {
+    let sound = frames(|noise| noise.depth_camera.distortion = 0.0);
+    let copies: Vec<CoarseView> = sound.iter().map(CoarseView::new).collect();
+    let views: Vec<&CoarseView> = copies.iter().collect();
+    let given: Vec<Isometry3> = views.iter().map(|view| *view.world_from_sensor()).collect();
+    let scene = scene(views, &given);
+    let mut rounds = Rounds::new(&scene, given, &RefineOptions::default(), &[]);
+    rounds.run();
+    let before = rounds.clone();
+    rounds.free_scales(vec![true]);
+    let numbers = |rounds: &Rounds<'_>| {
+        let solution = System::sum(&rounds.systems()).unwrap();
+        let solution = solution.solve(
+            rounds.independent,
+            &rounds.known_before(&rounds.priors(), &rounds.motions()),
+        );
+        (rounds.poses.clone(), rounds.cameras.list[0].errors.clone(), solution.unwrap().unknowns)
+    };
+    assert_eq!(numbers(&rounds), numbers(&before));
+    assert!(rounds.cameras.of_view(0).is_none_or(|offsets| offsets.scale() == 1.0));
+}
+
 #[test]
 fn residuals_before_and_after_are_of_one_scale() {
     let copies: Vec<CoarseView> = depth_camera().iter().map(CoarseView::new).collect();

@@ -436,15 +436,17 @@ fn with_depths_times(views: &[View], factor: f32) -> Vec<View> {
 
 #[test]
 fn the_scale_of_a_depth_camera_is_found_with_the_poses() {
-    let views = with_depths_times(&simulated("machined_part", ""), 1.006);
-    for (degrees, length) in [(0.0, 0.0), (0.2, 0.1)] {
+    let sound = simulated("machined_part", "");
+    for (factor, degrees, length) in [(1.006, 0.0, 0.0), (1.035, 0.0, 0.0), (1.006, 0.2, 0.1)] {
+        let views = with_depths_times(&sound, factor);
         let wrong = shaken(&views, degrees, length);
         let refinement = refine(&coarse(&wrong), &RefineOptions::default());
         let found = refinement.poses[0].depth_offsets.as_ref().unwrap();
         let poses: Vec<_> = refinement.poses.iter().map(|p| p.world_from_sensor).collect();
         let (before, after) = (apart(&views, &given(&wrong)), apart(&views, &poses));
         println!("scale {}, {before} to {after} mm", found.scale());
-        assert!((1.006 * found.scale() - 1.0).abs() < 1e-3, "scale {}", found.scale());
+        let left = f64::from(factor) * found.scale() - 1.0;
+        assert!(left.abs() < 1e-3, "scale {} of {factor}", found.scale());
         // Without the scale, right poses move by several millimetres.
         assert!(after < 0.2 * before.max(1.0), "{before} to {after}");
         assert!(refinement.poses.iter().all(|pose| pose.depth_offsets.as_ref() == Some(found)));
