@@ -11,6 +11,7 @@ use std::fs::{self, File, TryLockError};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use transect_model::SCHEMA_VERSION;
+use transect_model::store::LINES_START;
 
 /// The folder inside the target that holds files until all of them are complete.
 const STAGE: &str = ".transect.part";
@@ -58,6 +59,26 @@ pub fn claim_manifest(output: &Path, force: bool, inputs: &[PathBuf]) -> Result<
     let problem = "the file exists, and its key \"tool\" does not name this program; choose another \
                    --out, or replace it with --force";
     Err(WorkflowError::file(output, problem))
+}
+
+/// Prepares a file for the lines of a store. A file that is there must hold such lines: it might be
+/// an image or a manifest that the store's views came from.
+///
+/// # Errors
+/// [`WorkflowError::File`] if it is of other origin, a folder, one of the inputs, or a store.
+pub fn claim_lines(output: &Path, inputs: &[PathBuf]) -> Result<(), WorkflowError> {
+    claim_output(output, inputs)?;
+    if !output.exists() || starts_with(output, LINES_START) {
+        return Ok(());
+    }
+    let problem = "the file exists, and export --lines did not write it; choose another file";
+    Err(WorkflowError::file(output, problem))
+}
+
+fn starts_with(path: &Path, start: &[u8]) -> bool {
+    let mut found = vec![0; start.len()];
+    let read = File::open(path).and_then(|mut file| file.read_exact(&mut found));
+    read.is_ok() && found == start
 }
 
 /// Whether a manifest states that this program wrote it.

@@ -30,9 +30,12 @@ const SHEETS: &str = "planes";
 const DEFAULT_PARENT: &str = "transect-out";
 
 /// The folder for the results of a run, unless the user chooses another: `transect-out/NAME`
-/// beneath the current folder.
+/// beneath the current folder. A name without a letter or a digit is no name of a folder: dots
+/// lead out of it.
 pub fn default_folder(name: &str) -> PathBuf {
     let safe = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
+    let named = name.chars().any(char::is_alphanumeric);
+    let name = if named { name } else { "scan" };
     Path::new(DEFAULT_PARENT).join(name.chars().map(safe).collect::<String>())
 }
 

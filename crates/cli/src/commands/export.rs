@@ -6,7 +6,7 @@ use crate::table::{Row, print};
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use transect_exchange::write_file;
-use transect_workflow::{ModelFile, ResultFolder, claim_output, find_model};
+use transect_workflow::{ModelFile, ResultFolder, claim_lines, find_model};
 
 /// Options of `export`.
 #[derive(Debug, clap::Args)]
@@ -29,7 +29,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (inputs, mut rows) = ([find_model(&arguments.file)?], Vec::new());
     let folder = arguments.out.as_ref().map(ResultFolder::new);
     folder.iter().try_for_each(|folder| folder.claim(&inputs))?;
-    arguments.lines.iter().try_for_each(|lines| claim_output(lines, &inputs))?;
+    arguments.lines.iter().try_for_each(|lines| claim_lines(lines, &inputs))?;
     if let Some(lines) = &arguments.lines {
         write_lines(&arguments.file, lines)?;
         rows.push(Row::plain("lines", lines.display()));

@@ -61,8 +61,10 @@ fn results_never_replace_a_store_or_an_input() {
         ("export s.transect --lines s.transect", "s.transect", input),
         ("export s.transect --lines c/report.json", "c/report.json", input),
         ("export s.transect --lines a/model.transect", "a/model.transect", store),
+        ("export s.transect --lines scan/scan.json", "scan/scan.json", "did not write it"),
+        ("export s.transect --lines scan/range_001.npy", "range_001.npy", "did not write it"),
     ] {
-        folder.run(line).failed_with(1, &[file, reason, "choose another place"]);
+        folder.run(line).failed_with(1, &[file, reason, "choose another"]);
         assert!(contents(&folder.path(".")) == before, "{line} changed files");
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `.csv`, `.txt` | a point per line: `x,y,z`, also with `;` or spaces; `#` begins a comment; one header line |
+//! | `.csv`, `.txt` | a point per line: `x,y,z`, also with `;` or spaces; `#` begins a comment; a first line may name x, y and z |
 //! | `.geojson`, `.json` | one `LineString`, alone, in a `Feature` or in a `FeatureCollection`; three coordinates each |
 //! | `.dxf` | one `POLYLINE`, one `LWPOLYLINE` (at its elevation), or consecutive `LINE`s; text, not binary |
 //!
@@ -79,6 +79,22 @@ fn checked(points: &[Placed]) -> Result<Vec<Point3>, Problem> {
     Ok(points.iter().map(|placed| placed.point).collect())
 }
 
+/// Checks a line of names: those of x, y and z, in this order. Units may follow in brackets.
+fn names_coordinates(line: &str, at: Place) -> Result<(), Problem> {
+    let names = line.split([',', ';', ' ', '\t']).map(|name| name.trim_matches('"'));
+    let names = names.filter(|name| !name.is_empty() && !name.starts_with(['[', '(']));
+    let names: Vec<String> = names.map(str::to_lowercase).collect();
+    let right = names.len() == 3 && names.iter().zip("xyz".chars()).all(|(n, c)| n.starts_with(c));
+    if right {
+        return Ok(());
+    }
+    let problem = format!(
+        "{line:?} names no x, y and z in this order; bring the columns into this order, and name \
+         them x,y,z or remove the line"
+    );
+    Err(Problem::at(at, problem))
+}
+
 /// The points of a table.
 fn rows(text: &str) -> Result<Vec<Placed>, Problem> {
     let mut points = Vec::new();
@@ -97,7 +113,10 @@ fn rows(text: &str) -> Result<Vec<Placed>, Problem> {
                 let problem = format!("{} numbers, not the three x, y and z", other.len());
                 return Err(Problem::at(at, problem));
             }
-            Err(_) if points.is_empty() && !header => header = true,
+            Err(_) if points.is_empty() && !header && !content.contains(char::is_numeric) => {
+                names_coordinates(content, at)?;
+                header = true;
+            }
             Err(_) => {
                 let problem = format!("{content:?} is not three numbers x, y and z");
                 return Err(Problem::at(at, problem));

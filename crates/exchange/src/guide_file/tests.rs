@@ -36,6 +36,8 @@ fn all_forms_give_the_same_points() {
                  0 VERTEX 10 4.5 20 9 30 3 0 SEQEND";
     let lines = "0 LINE 10 1 20 2 30 3 11 4 21 5 31 3 0 LINE 10 4 20 5 30 3 11 4.5 21 9 31 3";
     assert_eq!(read("a.csv", table).unwrap(), wanted());
+    let units = table.replace("x,y,z", "\"X\" [m]; Y_world (m); z");
+    assert_eq!(read("a.csv", &units).unwrap(), wanted());
     for text in [line, &feature, &collection] {
         assert_eq!(read("a.geojson", text).unwrap(), wanted());
     }
@@ -49,6 +51,9 @@ fn what_is_wrong_is_named_with_its_line() {
     for (name, text, wanted) in [
         ("a.csv", "1,2,3\n4,5\n", "line 2: 2 numbers"),
         ("a.csv", "1,2,3\n4,five,6\n", "line 2: \"4,five,6\" is not three numbers"),
+        ("a.csv", "0,0,2O\n1,2,3\n4,5,6\n", "line 1: \"0,0,2O\" is not three numbers"),
+        ("a.csv", "y,x,z\n1,2,3\n4,5,6\n", "line 1: \"y,x,z\" names no x, y and z in this order"),
+        ("a.csv", "lat;lon;h\n1,2,3\n4,5,6\n", "line 1: \"lat;lon;h\" names no x, y and z"),
         ("a.csv", "1,2,3\n\n1,2,3\n", "line 3: the point repeats"),
         ("a.csv", "1,2,3\nnan,2,3\n", "line 2: a coordinate is not finite"),
         ("a.csv", "1,2,3\n", "a guide has 1 points"),

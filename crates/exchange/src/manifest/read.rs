@@ -71,7 +71,14 @@ fn view(
     let keys = Keys::of(path, at, "", value)?;
     keys.informational(&FOREIGN_KEYS);
     // The second name is the older one.
-    let scale: Option<f64> = keys.optional("scale")?.or(keys.optional("depth_scale")?);
+    let [scale, older]: [Option<f64>; 2] = [keys.optional("scale")?, keys.optional("depth_scale")?];
+    if let (Some(a), Some(b)) = (scale, older)
+        && a != b
+    {
+        let wanted = format!("the same as depth_scale, its older name, which is {b}; it is {a}");
+        return Err(keys.wrong("scale", &wanted));
+    }
+    let scale = scale.or(older);
     if scale.is_some_and(|s| !(s.is_finite() && s > 0.0)) {
         return Err(keys.wrong("scale", "a positive length per count"));
     }

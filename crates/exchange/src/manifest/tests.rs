@@ -399,6 +399,13 @@ fn stated_missing_values_are_missing() {
 }
 
 #[test]
+fn two_different_scales_are_refused() {
+    let wrong = Folder::pinhole(r#", "scale": 1, "depth_scale": 0.5"#).error();
+    assert!(wrong.contains("the same as depth_scale, its older name, which is 0.5"), "{wrong}");
+    Folder::pinhole(r#", "scale": 0.5, "depth_scale": 0.5"#).open().unwrap();
+}
+
+#[test]
 fn damaged_png_images_are_refused() {
     let folder = Folder::pinhole(r#", "depth_scale": 0.5"#);
     let text = std::fs::read_to_string(folder.path("scan.json")).unwrap();

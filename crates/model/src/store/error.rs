@@ -27,6 +27,12 @@ pub enum StoreProblem {
     /// Another process, or another handle of this one, reads the file, and the call must write.
     #[error("is being read by another process; wait until that process has finished")]
     BeingRead,
+    /// The store is to be made, and there is a file of its name.
+    #[error(
+        "exists already; choose another file. If another process has just made it, repeat the \
+         command when that process has finished"
+    )]
+    Exists,
     /// Another thread of this process is changing the store.
     #[error("is being changed by another thread of this program")]
     Busy,

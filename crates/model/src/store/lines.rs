@@ -38,6 +38,8 @@ use transect_geometry::{Curve, CurveError, EndReason, LengthUnit, Node, PlaneFam
 
 /// Value of the key `format` in the first line.
 pub(super) const FORMAT: &str = "transect-model";
+/// The bytes that every export begins with.
+pub const LINES_START: &[u8] = br#"{"store":{"format":"transect-model","#;
 /// Version of this form.
 pub const LINES_VERSION: u32 = 4;
 /// The oldest version that is still read. It has no copies.

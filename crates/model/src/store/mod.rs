@@ -94,7 +94,7 @@ pub use change::{ViewReplacement, ViewTransaction};
 pub use copy::ViewCopy;
 pub use error::{StoreError, StoreProblem};
 pub use fuse::{Fuse, PlaneInputs};
-pub use lines::LINES_VERSION;
+pub use lines::{LINES_START, LINES_VERSION};
 pub use query::SpaceQuery;
 pub use snapshot::Snapshot;
 pub use verify::Verification;
@@ -274,20 +274,20 @@ fn locked(error: TryLockError, busy: StoreProblem) -> StoreProblem {
     }
 }
 
-/// Builds a store under another name and renames it when it is complete, so a crash never leaves
-/// half a store.
+/// Builds a store under another name and gives it its own one when it is complete, so a crash never
+/// leaves half a store. A store that another process has made meanwhile stays.
 fn build(
     path: &Path,
     fill: impl FnOnce(File) -> Result<Store, StoreProblem>,
 ) -> Result<Store, StoreProblem> {
     if path.try_exists()? {
-        return Err(std::io::Error::from(std::io::ErrorKind::AlreadyExists).into());
+        return Err(StoreProblem::Exists);
     }
     let beside = crate::file::path_beside(path);
     let file = File::options().read(true).write(true).create_new(true).open(&beside)?;
     let built = lock(&file).and_then(|()| fill(file));
     let named = built.and_then(|store| {
-        fs::rename(&beside, path)?;
+        publish(&beside, path)?;
         sync_folder_of(path)?;
         Ok(store)
     });
@@ -296,6 +296,16 @@ fn build(
         let _ = fs::remove_file(&beside);
     }
     named
+}
+
+/// Gives a file its name, unless there is a file of that name.
+fn publish(beside: &Path, path: &Path) -> Result<(), StoreProblem> {
+    match fs::hard_link(beside, path) {
+        Ok(()) => Ok(fs::remove_file(beside)?),
+        Err(_) if path.try_exists()? => Err(StoreProblem::Exists),
+        // Some file systems have no links.
+        Err(_) => Ok(fs::rename(beside, path)?),
+    }
 }
 
 /// Writes the folder to disk: otherwise a power cut could remove the new name and the views

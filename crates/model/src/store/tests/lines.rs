@@ -176,6 +176,12 @@ fn a_curved_guide_is_exported_as_documented() {
 }
 
 #[test]
+fn every_export_begins_alike() {
+    let store = Store::create_in(Path::new("memory"), Memory::default(), &header()).unwrap();
+    assert!(export(&store).as_bytes().starts_with(LINES_START));
+}
+
+#[test]
 fn exports_without_copies_are_still_read() {
     let text = sample();
     let lines: Vec<&str> = text.lines().filter(|line| !line.starts_with("{\"copy\"")).collect();
