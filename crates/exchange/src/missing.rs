@@ -40,6 +40,14 @@ const FEWEST_REPEATS: usize = 3;
 /// Doubled, 9999 beside ranges of 50 to 100 stays surface.
 const FAR_OUTSIDE: f32 = 100.0;
 
+/// Share of the pixels with the largest value from which a note tells of it. No unit. Chosen by
+/// hand: a tenth of the image around an object. Doubled, such a background is a surface in silence.
+const BACKGROUND: f64 = 0.05;
+
+/// The next largest value over that one, at most. No unit. Chosen by hand: walls have neighbours
+/// nearly as far away. At 1, every wall without noise that faces its camera is told of.
+const ALONE: f32 = 0.9;
+
 /// A value this many times the median is refused. Theory: `f32` resolves 2⁻²⁴ of a range, so a
 /// sensor that sees both is beyond any. Doubled, a value twice as absurd reaches the planes.
 const ABSURD: f64 = 1e6;
@@ -79,6 +87,7 @@ pub(crate) fn without_marks(
 ) -> Result<RangeImage, Problem> {
     // Nearly every image ends here.
     if image.extremes().is_none_or(|(least, largest)| largest / least <= FAR_OUTSIDE) {
+        notes.extend(background(&image));
         return Ok(image);
     }
     let size = image.size();
@@ -90,6 +99,24 @@ pub(crate) fn without_marks(
     let text = |at: usize| values.get(at).map_or_else(String::new, |v| format!("{v:?}"));
     refuse_absurd(size, || values.iter().map(|v| f64::from(*v)), text)?;
     RangeImage::from_values(size, values).map_err(|e| Problem::damaged(e.to_string()))
+}
+
+/// The note on a value that many pixels hold and that may be a background, not a surface.
+fn background(image: &RangeImage) -> Option<String> {
+    let (_, largest) = image.extremes()?;
+    let valid = || (0..image.size().rows).flat_map(|row| image.row(row)).filter(|v| !v.is_nan());
+    let count = valid().filter(|v| **v == largest).count();
+    if (count as f64) < BACKGROUND * image.valid_count() as f64 {
+        return None;
+    }
+    let is_alone = |v: &f32| *v == largest || *v < ALONE * largest;
+    valid().all(is_alone).then(|| {
+        format!(
+            "{count} pixels hold exactly {largest:?}, and no other is as far away. They are taken \
+             for a surface; if the value stands for no return, state \"missing\": {largest:?} in \
+             the manifest (divided by the view's scale, if it has one)"
+        )
+    })
 }
 
 fn clear_value(values: &mut [f32], mark: f32) {
@@ -241,11 +268,20 @@ mod tests {
     #[test]
     fn walls_and_rounded_depths_stay() {
         let mut wall = ranges();
-        wall[8..].fill(60.0);
+        wall[8..].fill(3.75);
         let counts: Vec<f32> = (0..32).map(|n| 0.001 * (500 + n / 8) as f32).collect();
         for values in [wall, counts] {
             assert_eq!(cleared(values.clone(), None), Ok((values, Vec::new())));
         }
+    }
+
+    #[test]
+    fn a_background_stays_and_is_told() {
+        let mut values = ranges();
+        values[8..].fill(60.0);
+        let (left, notes) = cleared(values.clone(), None).unwrap();
+        assert_eq!(left, values);
+        assert!(notes[0].starts_with("24 pixels hold exactly 60.0, and no other is"), "{notes:?}");
     }
 
     #[test]

@@ -32,9 +32,9 @@ pub enum ReconstructError {
     },
     /// No plane crosses any view's surface: usually a wrong unit, offset or depth scale.
     #[error(
-        "no section plane crosses the surfaces of the scan (views: {views}), which lie between the \
-         stations {} and {} {unit}; check the unit, the depth scale, and the offset and interval of \
-         the planes",
+        "no section plane crosses the surfaces of the scan (views: {views}). By the ranges of the \
+         images they lie within the stations {} to {} {unit}, not everywhere there; check the unit, \
+         the depth scale, the offset and interval of the planes, and the rule for range jumps",
         digits(*low),
         digits(*high)
     )]
@@ -64,7 +64,8 @@ pub enum ReconstructError {
     /// Planes cross surfaces of the views, but no view has two crossings beside each other.
     #[error(
         "the surfaces of the scan (views: {views}) cross the section planes {crossings} times, but \
-         nowhere twice in a row: images of one row, or too few pixels, make no curves"
+         nowhere twice in a row: images of one row, too few pixels, or a sigma as large as the \
+         objects make no curves"
     )]
     NoCurves {
         /// How many views there were.

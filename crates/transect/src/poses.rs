@@ -103,13 +103,13 @@ impl PoseReport {
             copies = copies.into_iter().zip(poses).map(refined).collect();
         }
         let mut judgement = judge(&copies);
-        if refinement.is_some() && explanation.is_some() {
+        if let (Some(_), Some(found)) = (&refinement, &explanation) {
             // Few views that are a little off may look misread: refined, they agree, and need no
             // other reading. Views that were misread are wrong by more than a refinement finds.
             let again = explain(&copies, |order| reread(sources, order));
             // An object that moved contradicts at right poses, too.
             let agree = judgement.findings.iter().all(|f| matches!(f, Finding::Region(_)));
-            if again.is_none() && agree {
+            if again.is_none() && agree && found.is_matched_by(&copies) {
                 explanation = None;
             } else {
                 explanation = again.or(explanation);

@@ -235,7 +235,8 @@ impl Plausibility {
         Check::Distance.refuse(format!(
             "the two nearest of the {} sensors are {nearest:.4} {unit} apart, but no view reaches \
              farther than {farthest:.4} {unit}, so no surface is seen twice. Check that poses and \
-             images are in the same unit.",
+             images are in the same unit: --pose-convention millimetres reads positions in \
+             millimetres beside images in metres.",
             sensors.len()
         ))
     }

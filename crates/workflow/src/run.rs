@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use transect::register::Reading;
-use transect::{Reconstruction, RefinementReport, Setup, Watch, reconstruct};
+use transect::{Reconstruction, RefinementReport, Report, Setup, ViewReport, Watch, reconstruct};
 use transect_exchange::{DxfFrame, Scan};
 use transect_geometry::LengthUnit;
 
@@ -148,7 +148,7 @@ impl OpenScan {
 
     fn run(
         &self,
-        reconstruction: Reconstruction,
+        mut reconstruction: Reconstruction,
         setup: Setup,
         (settings, splines): (&Settings, Option<f64>),
         store_path: Option<&Path>,
@@ -159,6 +159,8 @@ impl OpenScan {
             let (views, nodes) = (model.views().len(), reconstruction.report.fusion.observations);
             return Err(WorkflowError::Empty { views, nodes });
         }
+        let off_guide = off_guide(&reconstruction.report, &setup);
+        reconstruction.report.notes.extend(off_guide);
         let mut costs = Costs::default();
         costs.modelled(&reconstruction.report.timings);
         let (inputs, dxf) = (self.inputs(settings, store_path), settings.dxf);
@@ -205,6 +207,31 @@ impl Run<'_> {
     }
 }
 
+/// Least share of the pixels beyond a guide's reach of which a note tells. No unit. Chosen by hand.
+/// Doubled, strips of the walls of a bend are left out in silence.
+const TOLD_BEYOND: f64 = 0.01;
+
+/// The pixels of all views that a count of their reports tells.
+fn beyond(report: &Report, count: impl Fn(&ViewReport) -> usize) -> usize {
+    report.views.iter().map(count).sum()
+}
+
+/// The note for pixels that are left out because the planes of a guide may cross there.
+fn off_guide(report: &Report, setup: &Setup) -> Option<String> {
+    let reach = setup.planes.guide().curved()?.reach();
+    let left_out = beyond(report, |v| v.beyond_guide_reach) as f64;
+    let share = left_out / beyond(report, |v| v.read_pixels).max(1) as f64;
+    (share >= TOLD_BEYOND).then(|| {
+        format!(
+            "{} % of the pixels lie more than {} {} from the guide and are left out, because its \
+             planes cross there; give a guide with wider bends, or a larger --guide-radius",
+            digits(100.0 * share),
+            digits(reach),
+            setup.unit
+        )
+    })
+}
+
 fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
     let (report, unit) = (&result.report, scan.unit);
     let fusion = &report.fusion;
@@ -223,10 +250,14 @@ fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
             rows.push(Row::plain("views at half their resolution", halved));
         }
         let flying = report.views.iter().map(|v| v.flying_pixels).sum::<usize>();
-        if flying > 0 {
-            let read = report.views.iter().map(|v| v.read_pixels).sum();
-            rows.push(Row::new("flying pixels, left out", percent(flying, read), "%"));
-        }
+        let read = report.views.iter().map(|v| v.read_pixels).sum();
+        let left_out = [
+            ("flying pixels, left out", flying),
+            ("beyond the guide's ends, left out", beyond(report, |v| v.beyond_guide_ends)),
+            ("beyond the guide's reach, left out", beyond(report, |v| v.beyond_guide_reach)),
+        ];
+        let left_out = left_out.into_iter().filter(|(_, pixels)| *pixels > 0);
+        rows.extend(left_out.map(|(name, pixels)| Row::new(name, percent(pixels, read), "%")));
     }
     let closed_only = percent(fusion.planes_closed_only, fusion.planes);
     rows.extend([

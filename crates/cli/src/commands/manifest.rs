@@ -30,6 +30,9 @@ pub struct Arguments {
     /// Distance between the section planes to put into it; a bare number is in metres.
     #[arg(long, value_name = "LENGTH", requires = "normal")]
     interval: Option<String>,
+    /// Station of plane 0 to put into it; a bare number is in metres. 0 if it is left out.
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, requires = "normal")]
+    offset: Option<String>,
 }
 
 /// Runs the command.
@@ -39,8 +42,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         depth_sequence_manifest(&arguments.folder, FileNames::Absolute, &options)?;
     notes.iter().for_each(|n| eprintln!("note: {n}"));
     if let (Some(normal), Some(interval)) = (&arguments.normal, &arguments.interval) {
-        let interval = parse_length(LengthUnit::Metre, "interval", interval)?;
-        let planes = PlanesEntry::new(parse_normal(normal)?, 0.0, interval);
+        let metres = |name, text: &String| parse_length(LengthUnit::Metre, name, text);
+        let interval = metres("interval", interval)?;
+        let offset = arguments.offset.as_ref().map(|text| metres("offset", text)).transpose()?;
+        let planes = PlanesEntry::new(parse_normal(normal)?, offset.unwrap_or(0.0), interval);
         planes.family().map_err(|e| Failure::Usage(e.to_string()))?;
         manifest.planes = Some(planes);
     }

@@ -148,14 +148,16 @@ fn volume_rows(name: &str, volume: &Volume, closed: Option<bool>, lengths: &Leng
         Row::new(name, value, unit)
     };
     let error = lengths.digits(*interval_error, 3);
+    // A single plane has no neighbour that tells how far its area reaches.
+    let known = bracket.estimate == 0.0 || *interval_error < bracket.estimate;
+    let or_unknown = |text: String| if known { text } else { "too few planes".to_owned() };
     let mut rows = vec![
-        row(name.to_owned(), bounds(bracket, lengths, 3)),
+        row(name.to_owned(), or_unknown(bounds(bracket, lengths, 3))),
         row(format!("largest interval error of {name}"), error),
     ];
-    rows.extend(
-        closed.map(|closed| {
-            row(format!("{name}, gaps closed"), estimate(bracket, closed, lengths, 3))
-        }),
-    );
+    rows.extend(closed.map(|closed| {
+        let value = or_unknown(estimate(bracket, closed, lengths, 3));
+        row(format!("{name}, gaps closed"), value)
+    }));
     rows
 }

@@ -201,6 +201,22 @@ fn identical_views_overlap() {
     assert_eq!(store.stderr, "");
 }
 
+/// The guide's corner is rounded with a radius of 2 m in a tunnel 6 m wide.
+#[test]
+fn pixels_beyond_the_reach_of_a_guide_are_told() {
+    let folder = Folder::empty();
+    folder.run("simulate bend_tunnel --out scan").succeeded();
+    let told = "of the pixels lie more than 1.8 m from the guide and are left out";
+    let sound = folder.reconstruct("scan --no-score").succeeded();
+    assert!(!sound.stderr.contains(told) && !sound.stdout.contains("reach"), "{}", sound.stdout);
+    folder.edit_json("scan/scan.json", "scan/tight.json", |m| {
+        m["planes"]["guide"]["kind"] = json!({ "polyline": 2.0 });
+    });
+    let tight = folder.reconstruct("scan/tight.json --no-score").succeeded();
+    assert!(tight.stderr.contains(told), "{}", tight.stderr);
+    assert!(tight.number("beyond the guide's reach, left out") > 50.0, "{}", tight.stdout);
+}
+
 /// A store whose planes miss every view is not left behind, and an empty model is a failure.
 #[test]
 fn an_empty_model_is_a_failure() {

@@ -92,6 +92,25 @@ fn poses_of_another_convention_are_read_as_asked_for() {
     folder.reconstruct("scan/all.json --pose-convention conjugate --no-score").succeeded();
 }
 
+/// Refinement turns these views by up to 3.5° and moves them by 0.3 m, and leaves regions alone that
+/// contradict.
+#[test]
+fn refinement_does_not_hide_a_convention() {
+    let folder = Folder::empty();
+    folder.run("simulate kitchen --out scan").succeeded();
+    folder.edit_json("scan/scan.json", "scan/y_up.json", |m| {
+        for view in m["views"].as_array_mut().unwrap() {
+            let mut pose = numbers(view);
+            pose.chunks_mut(4).take(3).flat_map(|row| &mut row[1..3]).for_each(|n| *n = -*n);
+            view["pose"] = serde_json::to_value(pose).unwrap();
+        }
+    });
+    let refused = ["y_up.json", "Pass --pose-convention camera-y-up"];
+    folder.run("register scan/y_up.json --out new --quiet").failed_with(1, &refused);
+    assert!(!folder.path("new/scan.json").exists());
+    folder.run("register scan --out new --quiet").succeeded();
+}
+
 #[test]
 fn inspect_names_a_wrong_view_and_the_convention_that_mends_all() {
     let folder = perturbed();

@@ -93,6 +93,16 @@ impl Accord {
     }
 }
 
+impl Explanation {
+    /// Whether views that have been refined agree about as well as under the reading. If they do
+    /// not, the refinement did not find what the reading explains.
+    pub fn is_matched_by(&self, refined: &[CoarseView]) -> bool {
+        let all: Vec<&CoarseView> = refined.iter().collect();
+        let found = accord(&all, &probes_of(&all), Placing::given);
+        BETTER * found.score() >= self.read.score()
+    }
+}
+
 /// The reading under which the views agree far better than as given; `None` if they agree as given,
 /// or under no reading.
 ///
