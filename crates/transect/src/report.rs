@@ -203,15 +203,15 @@ impl FusionReport {
         let left_out = match self.planes_noise_alone {
             0 => String::new(),
             planes => format!(
-                ". On {planes} of {} planes the sigma of the nodes holds the noise alone",
+                ". On {planes} of {} planes the sigma of the nodes does not include this error",
                 self.planes_fused
             ),
         };
         (error > TOLD_NOISES * noise && error > 0.0).then(|| {
             format!(
                 "the views lie {} {unit} off each other (standard deviation) where their own noise \
-                 is {} {unit}: their poses or their depths err. --refine-poses and transect register \
-                 estimate both{left_out}",
+                 is {} {unit}: their poses or their depths err. transect register estimates both, \
+                 and without a store --refine-poses does{left_out}",
                 digits(error),
                 digits(noise)
             )
@@ -305,7 +305,7 @@ mod tests {
         let note = |planes: &[PlaneSummary]| {
             FusionReport::of(planes).note_if_views_err(LengthUnit::Metre).unwrap_or_default()
         };
-        assert!(note(&[plane(0.01), plane(0.02)]).ends_with("estimate both"));
+        assert!(note(&[plane(0.01), plane(0.02)]).ends_with("--refine-poses does"));
         let told = note(&[plane(0.01), plane(0.0), plane(0.02), earlier]);
         assert!(told.contains("On 1 of 3 planes"), "{told}");
         assert_eq!(note(&[plane(0.001), plane(0.0)]), "");

@@ -110,7 +110,7 @@ impl Missing {
         let lines: Vec<_> = self.gaps.iter().take(count).map(line).collect();
         let [width, from, to] = ["width", "from", "to"].map(|h| format!("{h}, {}", lengths.unit));
         if !lines.is_empty() {
-            print_grid(&["plane", &width, &from, &to, "ends for", "begins late for"], &lines);
+            print_grid(&["plane", &width, &from, &to, "reason at from", "reason at to"], &lines);
             say("");
         }
     }

@@ -117,10 +117,8 @@ fn everything_stays_where_no_scale_is_wrong() {
     rounds.free_scales(vec![true]);
     let numbers = |rounds: &Rounds<'_>| {
         let solution = System::sum(&rounds.systems()).unwrap();
-        let solution = solution.solve(
-            rounds.independent,
-            &rounds.known_before(&rounds.priors(), &rounds.motions()),
-        );
+        let solution = solution
+            .solve(rounds.independent, &rounds.known_before(&rounds.priors(), &rounds.motions()));
         (rounds.poses.clone(), rounds.cameras.list[0].errors.clone(), solution.unwrap().unknowns)
     };
     assert_eq!(numbers(&rounds), numbers(&before));

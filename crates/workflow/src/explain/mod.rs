@@ -181,7 +181,8 @@ fn straight(setup: Setup) -> Result<Setup, WorkflowError> {
     if setup.planes.guide().straight().is_some() {
         return Ok(setup);
     }
-    let problem = "the figures show parallel planes; give --normal instead of a curved guide";
+    let problem = "the figures show parallel planes, and those of the scan, or of --guide, follow a \
+                   curve; give --normal and --interval";
     Err(WorkflowError::setting("guide", problem))
 }
 
