@@ -103,10 +103,11 @@ pub(crate) fn without_marks(
 
 /// The note on a value that many pixels hold and that may be a background, not a surface.
 fn background(image: &RangeImage) -> Option<String> {
-    let (_, largest) = image.extremes()?;
+    let (least, largest) = image.extremes()?;
     let valid = || (0..image.size().rows).flat_map(|row| image.row(row)).filter(|v| !v.is_nan());
     let count = valid().filter(|v| **v == largest).count();
-    if (count as f64) < BACKGROUND * image.valid_count() as f64 {
+    let many = count >= FEWEST_REPEATS && count as f64 >= BACKGROUND * image.valid_count() as f64;
+    if least == largest || !many {
         return None;
     }
     let is_alone = |v: &f32| *v == largest || *v < ALONE * largest;

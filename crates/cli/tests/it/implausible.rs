@@ -206,7 +206,7 @@ fn identical_views_overlap() {
 fn pixels_beyond_the_reach_of_a_guide_are_told() {
     let folder = Folder::empty();
     folder.run("simulate bend_tunnel --out scan").succeeded();
-    let told = "of the pixels lie more than 1.8 m from the guide and are left out";
+    let told = "of the pixels lie more than 1.800 m from the guide and are left out";
     let sound = folder.reconstruct("scan --no-score").succeeded();
     assert!(!sound.stderr.contains(told) && !sound.stdout.contains("reach"), "{}", sound.stdout);
     folder.edit_json("scan/scan.json", "scan/tight.json", |m| {
