@@ -117,7 +117,7 @@ fn is_store(path: &Path) -> bool {
 }
 
 /// Removes `.NAME.PROCESS.part` and `NAME.PROCESS-N.part` beside a file, if the process has ended.
-fn remove_leftovers(output: &Path) {
+pub(crate) fn remove_leftovers(output: &Path) {
     let folder = output.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let (Ok(entries), Some(name)) = (fs::read_dir(folder), output.file_name()) else { return };
     let name = name.to_string_lossy();

@@ -1,6 +1,7 @@
 //! From a scan on disk to a model, and from there to a result folder.
 
 use crate::length::parse_length;
+use crate::outputs::remove_leftovers;
 use crate::score::{Reference, ScoreLimits, score};
 use crate::selection::Limits;
 use crate::store_file::{Grown, grow, origin, setup_of};
@@ -92,6 +93,7 @@ impl OpenScan {
             );
             return Err(WorkflowError::setting("store", problem));
         }
+        remove_leftovers(store);
         let (setup, note) = self.setup_for_store(store, settings)?;
         let splines = self.splines(settings)?;
         let views = self.views(prefix, settings.plausibility(&setup))?;

@@ -5,7 +5,7 @@ use crate::table::{Row, print};
 use std::io::BufReader;
 use std::path::PathBuf;
 use transect_model::open_regular;
-use transect_model::store::Store;
+use transect_model::store::{Store, StoreProblem};
 
 /// Options of `import`.
 #[derive(Debug, clap::Args)]
@@ -20,7 +20,13 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let lines = open_regular(&arguments.lines);
     let lines = lines.map_err(|e| Failure::with_file(&arguments.lines, e))?;
-    let store = Store::import(&arguments.file, BufReader::new(lines))?;
+    let store = Store::import(&arguments.file, BufReader::new(lines));
+    let store = store.map_err(|error| match error.problem {
+        StoreProblem::Import { line, problem } => {
+            Failure::with_file(&arguments.lines, format!("line {line}: {problem}"))
+        }
+        _ => error.into(),
+    })?;
     let rows = [
         Row::plain("views", store.views()?.len()),
         Row::plain("planes", store.read()?.plane_count()?),

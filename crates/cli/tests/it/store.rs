@@ -93,7 +93,7 @@ fn lines_of_json_make_the_same_store() {
     folder.run("import lines.json t.transect").failed_with(1, &["t.transect", "exists"]);
     let text = folder.text("lines.json").replacen("\"closed\":true", "\"closed\":1", 1);
     folder.write("spoiled.json", text);
-    folder.run("import spoiled.json u.transect").failed_with(1, &["u.transect", "line "]);
+    folder.run("import spoiled.json u.transect").failed_with(1, &["spoiled.json: line "]);
     assert!(!folder.path("u.transect").exists());
 }
 
@@ -235,6 +235,25 @@ fn a_store_keeps_its_planes_where_the_scan_states_others() {
     let notes = run.told("note: the scan states other planes than the store");
     assert_eq!(notes.len(), 1, "{}", run.stderr);
     assert_eq!(grow(&folder, "scan --interval 10.16cm").succeeded().number("views added"), 0.0);
+}
+
+#[test]
+fn what_a_killed_process_left_of_a_new_store_is_removed() {
+    let folder = Folder::simulated("objects.scene.toml");
+    folder.write("s.transect.4294967295-0.part", "half");
+    grow(&folder, "scan --views 0").succeeded();
+    assert!(!folder.path("s.transect.4294967295-0.part").exists());
+}
+
+#[test]
+fn a_store_without_views_replaces_no_results() {
+    let folder = stored();
+    let before = exported(&folder);
+    for k in 0..4 {
+        folder.run(&format!("remove-view s.transect range_00{k}.npy")).succeeded();
+    }
+    folder.run("export s.transect --out exported").failed_with(1, &["s.transect", "no curves"]);
+    assert!(folder.bytes("exported/contours.json") == before);
 }
 
 /// The unit vector along 1, 1, 0 has a length that rounding makes unequal to 1.

@@ -67,7 +67,9 @@ impl<R: BufRead> Lines<R> {
         if size.map_err(|e| self.problem(e))? == 0 {
             return Err(self.problem("the end is missing"));
         }
-        serde_json::from_slice(&self.text).map_err(|e| self.problem(e))
+        // The text is one line, which has a number of its own.
+        let in_line = |e: serde_json::Error| e.to_string().replace(" at line 1 ", " at ");
+        serde_json::from_slice(&self.text).map_err(|e| self.problem(in_line(e)))
     }
 
     fn problem(&self, problem: impl std::fmt::Display) -> StoreProblem {
