@@ -92,7 +92,7 @@ fn poses_of_another_convention_are_read_as_asked_for() {
     folder.reconstruct("scan/all.json --pose-convention conjugate --no-score").succeeded();
 }
 
-/// Refinement turns these views by up to 3.5° and moves them by 0.3 m, and leaves regions alone that
+/// Refinement turns these views by up to 3.5°, moves them by 0.3 m, and leaves only regions that
 /// contradict.
 #[test]
 fn refinement_does_not_hide_a_convention() {

@@ -192,8 +192,8 @@ impl<'a> Rounds<'a> {
         self.free_scales(suspected);
     }
 
-    /// Which depth cameras have a wrong scale more probably than a right one. Poses and offsets have
-    /// hidden such an error as far as they could.
+    /// Which depth cameras have a wrong scale more probably than a right one. Poses and offsets
+    /// have hidden such an error as far as they could.
     fn suspected_scales(&mut self) -> Vec<bool> {
         if self.cameras.list.is_empty() || self.images_stay {
             return Vec::new();
@@ -206,9 +206,10 @@ impl<'a> Rounds<'a> {
     }
 
     /// Repeats the rounds with free scales of the suspected cameras, which raises the odds of a
-    /// wrong scale. They begin at the given poses, since the refined ones hide the scale; views that
-    /// were far off stay where they were brought. Unless all odds exceed [`SCALE_ODDS`] then, the rounds are repeated without the
-    /// scales below it. Without any, everything stays as it was.
+    /// wrong scale. They begin at the given poses, since the refined ones hide the scale; views
+    /// that were far off stay where they were brought. Unless all odds exceed [`SCALE_ODDS`] then,
+    /// the rounds are repeated without the scales below it. If none is left, everything stays as it
+    /// was.
     fn free_scales(&mut self, mut suspected: Vec<bool>) {
         if !suspected.contains(&true) {
             return;
