@@ -1,10 +1,11 @@
 //! Registration: the poses of a scan, refined and written as a scan of their own.
 
 use crate::outputs::{Staging, claim_output};
+use crate::report_file::readable;
 use crate::settings::refine_options;
 use crate::{Check, OpenScan, Plausibility, WorkflowError, claim_manifest};
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use transect::register::{PoseReading, RefinedPose};
 use transect::{PoseReport, Watch};
 use transect_exchange::{PosedScan, SensorEntry, ViewPose, write_file};
@@ -31,7 +32,7 @@ struct RegistrationReport<'a> {
     tool: &'static str,
     version: &'static str,
     /// Absolute path of the scan that was registered.
-    registered: PathBuf,
+    registered: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     pose_convention: Option<PoseReading>,
     warnings: Vec<String>,
@@ -121,7 +122,7 @@ impl Registration<'_> {
         let report = RegistrationReport {
             tool: "transect",
             version: env!("CARGO_PKG_VERSION"),
-            registered: std::path::absolute(path).unwrap_or_else(|_| path.clone()),
+            registered: readable(&std::path::absolute(path).unwrap_or_else(|_| path.clone())),
             pose_convention: self.scan.reading,
             warnings: warnings.clone(),
             notes: &self.notes,

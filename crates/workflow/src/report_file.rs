@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use transect::register::PoseReading;
 use transect::{Report, Setup};
@@ -20,7 +20,7 @@ pub struct ReportFile<'a> {
     tool: &'static str,
     version: &'static str,
     /// Absolute path of the scan.
-    scan: PathBuf,
+    scan: String,
     unit: &'static str,
     /// The part of the scan that was used.
     #[serde(skip_serializing_if = "Selection::is_whole")]
@@ -64,7 +64,7 @@ fn with_options(method: &impl Serialize) -> Value {
 
 #[derive(Debug, Serialize)]
 struct Input {
-    path: PathBuf,
+    path: String,
     bytes: u64,
     sha256: String,
 }
@@ -76,7 +76,7 @@ impl<'a> ReportFile<'a> {
         Self {
             tool: "transect",
             version: env!("CARGO_PKG_VERSION"),
-            scan: std::path::absolute(path).unwrap_or_else(|_| path.to_owned()),
+            scan: readable(&std::path::absolute(path).unwrap_or_else(|_| path.to_owned())),
             unit: scan.unit.symbol(),
             selection: &opened.selection,
             pose_convention: opened.reading,
@@ -97,11 +97,16 @@ impl<'a> ReportFile<'a> {
     }
 }
 
+/// A path as text. JSON holds no bytes that are not Unicode; they become replacement characters.
+pub(crate) fn readable(path: &Path) -> String {
+    path.to_string_lossy().into_owned()
+}
+
 /// Size and hash of an input; an input that has vanished meanwhile is left out.
 fn input(path: &Path) -> Option<Input> {
     let mut bytes = Vec::new();
     open_regular(path).and_then(|mut file| file.read_to_end(&mut bytes)).ok()?;
     let hash = Sha256::digest(&bytes);
     let sha256 = hash.iter().map(|b| format!("{b:02x}")).collect();
-    Some(Input { path: path.to_owned(), bytes: bytes.len() as u64, sha256 })
+    Some(Input { path: readable(path), bytes: bytes.len() as u64, sha256 })
 }

@@ -161,3 +161,19 @@ fn the_table_of_the_readme_is_what_the_first_command_prints() {
         );
     }
 }
+
+/// JSON holds no bytes that are not Unicode, and reports name the scan.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_scan_may_lie_in_a_folder_whose_name_is_not_unicode() {
+    use std::os::unix::ffi::OsStrExt;
+    let folder = Folder::simulated("objects.scene.toml");
+    let odd = std::ffi::OsStr::from_bytes(b"a\xff b");
+    fs::rename(folder.path("scan"), folder.path(".").join(odd)).unwrap();
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_transect"));
+    command.arg("reconstruct").arg(odd).args(["--out", "out"]).current_dir(folder.path("."));
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let scan = folder.json("out/report.json")["scan"].clone();
+    assert!(scan.as_str().unwrap().contains("a\u{fffd} b"), "{scan}");
+}
