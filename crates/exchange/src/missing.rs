@@ -104,14 +104,14 @@ pub(crate) fn without_marks(
 /// The note on a value that many pixels hold and that may be a background, not a surface.
 fn background(image: &RangeImage) -> Option<String> {
     let (least, largest) = image.extremes()?;
-    let valid = || (0..image.size().rows).flat_map(|row| image.row(row)).filter(|v| !v.is_nan());
-    let count = valid().filter(|v| **v == largest).count();
-    let many = count >= FEWEST_REPEATS && count as f64 >= BACKGROUND * image.valid_count() as f64;
+    let (size, rows) = (image.size(), || (0..image.size().rows).map(|row| image.row(row)));
+    let count: usize = rows().map(|row| row.iter().filter(|v| **v == largest).count()).sum();
+    let many = count >= FEWEST_REPEATS && count as f64 >= BACKGROUND * size.pixels() as f64;
     if least == largest || !many {
         return None;
     }
-    let is_alone = |v: &f32| *v == largest || *v < ALONE * largest;
-    valid().all(is_alone).then(|| {
+    let is_alone = |v: &f32| v.is_nan() || *v == largest || *v < ALONE * largest;
+    rows().flatten().all(is_alone).then(|| {
         format!(
             "{count} pixels hold exactly {largest:?}, and no other is as far away. They are taken \
              for a surface; if the value stands for no return, state \"missing\": {largest:?} in \
