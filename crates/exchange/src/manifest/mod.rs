@@ -50,6 +50,7 @@ mod sensor;
 #[cfg(test)]
 mod tests;
 mod to_scan;
+mod unique;
 
 pub use entry::{Manifest, ViewEntry, write_manifest};
 pub(crate) use entry::{write_key, write_list};

@@ -3,6 +3,7 @@
 use super::entry::{Manifest, ViewEntry};
 use super::keys::{Keys, UnknownKey, unknown_notes};
 use super::sensor::SensorEntry;
+use super::unique::Unique;
 use crate::missing::MissingValue;
 use crate::{Place, PlanesEntry, PoseSigma, ReadError};
 use serde::Deserialize;
@@ -15,7 +16,7 @@ const FOREIGN_KEYS: [&str; 8] =
     ["scene", "size", "truth", "seed", "comment", "pose_true", "description", "tool"];
 
 pub(super) fn manifest(path: &Path, text: &str) -> Result<(Manifest, Vec<String>), ReadError> {
-    let value: Value = serde_json::from_str(&without_nan(text))
+    let Unique(value) = serde_json::from_str(&without_nan(text))
         .map_err(|source| ReadError::Json { path: path.to_owned(), source })?;
     let keys = Keys::of(path, Place::Whole, "", &value)?;
     keys.informational(&FOREIGN_KEYS);
