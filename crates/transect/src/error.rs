@@ -32,9 +32,9 @@ pub enum ReconstructError {
     },
     /// No plane crosses any view's surface: usually a wrong unit, offset or depth scale.
     #[error(
-        "no section plane crosses the surfaces of the scan (views: {views}). By the ranges of the \
-         images they lie within the stations {} to {} {unit}, not everywhere there; check the unit, \
-         the depth scale, the offset and interval of the planes, and the rule for range jumps",
+        "no section plane crosses the surfaces of the scan (views: {views}). By their ranges \
+         they lie somewhere within the stations {} to {} {unit}; check the unit, the depth scale, \
+         the offset and interval of the planes, and the rule for range jumps",
         digits(*low),
         digits(*high)
     )]

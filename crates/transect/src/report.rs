@@ -211,7 +211,7 @@ impl FusionReport {
             format!(
                 "the views lie {} {unit} off each other (standard deviation) where their own noise \
                  is {} {unit}: their poses or their depths err. transect register estimates both, \
-                 and without a store --refine-poses does{left_out}",
+                 and so does --refine-poses without a store{left_out}",
                 digits(error),
                 digits(noise)
             )
@@ -305,7 +305,9 @@ mod tests {
         let note = |planes: &[PlaneSummary]| {
             FusionReport::of(planes).note_if_views_err(LengthUnit::Metre).unwrap_or_default()
         };
-        assert!(note(&[plane(0.01), plane(0.02)]).ends_with("--refine-poses does"));
+        assert!(
+            note(&[plane(0.01), plane(0.02)]).ends_with("so does --refine-poses without a store")
+        );
         let told = note(&[plane(0.01), plane(0.0), plane(0.02), earlier]);
         assert!(told.contains("On 1 of 3 planes"), "{told}");
         assert_eq!(note(&[plane(0.001), plane(0.0)]), "");

@@ -19,6 +19,9 @@ const STAGE: &str = ".transect.part";
 /// The file in that folder that a running process keeps locked.
 const LOCK: &str = ".lock";
 
+/// What to do about an output that would replace a file that must stay.
+const ELSEWHERE: &str = "choose another place for the output";
+
 /// Prepares a file for being replaced: refuses files that must stay, and removes the temporary
 /// files that killed processes left beside it.
 ///
@@ -32,7 +35,6 @@ pub fn claim_output(output: &Path, inputs: &[PathBuf]) -> Result<(), WorkflowErr
 
 /// Refuses an output that is a folder, one of the inputs, or a model store.
 pub(crate) fn check_output(output: &Path, inputs: &[PathBuf]) -> Result<(), WorkflowError> {
-    const ELSEWHERE: &str = "choose another place for the output";
     let refuse = |problem: String| Err(WorkflowError::file(output, problem));
     if output.is_dir() {
         return refuse("is a folder, and the output needs a file of that name; rename it".into());
@@ -71,7 +73,7 @@ pub fn claim_lines(output: &Path, inputs: &[PathBuf]) -> Result<(), WorkflowErro
     if !output.exists() || starts_with(output, LINES_START) {
         return Ok(());
     }
-    let problem = "the file exists, and export --lines did not write it; choose another file";
+    let problem = format!("the file exists, and export --lines did not write it; {ELSEWHERE}");
     Err(WorkflowError::file(output, problem))
 }
 

@@ -222,3 +222,15 @@ fn write_sheets(folder: &Path, model: &Model) -> Result<(), WorkflowError> {
         written.map_err(WorkflowError::io(&path))
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_name_leads_out_of_the_default_folder() {
+        let names = ["room 1", "..", "", "a/../b", "."].map(default_folder);
+        let wanted = ["room_1", "scan", "scan", "a_.._b", "scan"];
+        assert_eq!(names, wanted.map(|name| Path::new("transect-out").join(name)));
+    }
+}

@@ -226,7 +226,7 @@ fn off_guide(report: &Report, setup: &Setup) -> Option<String> {
     (share >= TOLD_BEYOND).then(|| {
         format!(
             "{} % of the pixels lie more than {} {} from the guide and are left out, because its \
-             planes cross there; give a guide with wider bends, or a larger --guide-radius",
+             planes cross there; give a guide with wider bends, or a polyline and a larger --guide-radius",
             digits(100.0 * share),
             digits(reach),
             setup.unit

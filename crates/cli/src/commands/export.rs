@@ -37,7 +37,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(folder) = folder {
         let model = open_model(&arguments.file)?.into_model()?;
         if model.sections().len() == 0 {
-            let problem = "the model has no curves, and the results of others would be replaced";
+            let problem = "the model has no curves, so there are no results to write";
             return Err(Failure::with_file(&arguments.file, problem));
         }
         let name = arguments.file.file_stem().unwrap_or_default().to_string_lossy();

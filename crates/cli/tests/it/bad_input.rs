@@ -343,11 +343,15 @@ fn planes_that_miss_everything_are_told_with_the_stations_seen() {
     // Counts of a micrometre instead of a millimetre: the wall is 1 mm to 2.1 mm away.
     manifest["views"][0]["depth_scale"] = json!(1e-6);
     let folder = scan_of(&manifest);
-    refused(&folder, "scan.json", &["no section plane crosses", "they lie within the stations"]);
+    refused(
+        &folder,
+        "scan.json",
+        &["no section plane crosses", "they lie somewhere within the stations"],
+    );
     let said = folder.reconstruct("scan.json").stderr;
     let (_, stations) = said.split_once("within the stations ").unwrap();
     let words: Vec<&str> = stations.split_whitespace().take(4).collect();
-    let [low, "to", high, "m,"] = words[..] else { panic!("{said}") };
+    let [low, "to", high, "m;"] = words[..] else { panic!("{said}") };
     let [low, high] = [low, high].map(|n| n.parse::<f64>().unwrap());
     assert!((low - 0.001).abs() < 1e-6 && (high - 0.0021).abs() < 1e-6, "{said}");
 }

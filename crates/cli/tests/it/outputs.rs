@@ -64,7 +64,7 @@ fn results_never_replace_a_store_or_an_input() {
         ("export s.transect --lines scan/scan.json", "scan/scan.json", "did not write it"),
         ("export s.transect --lines scan/range_001.npy", "range_001.npy", "did not write it"),
     ] {
-        folder.run(line).failed_with(1, &[file, reason, "choose another"]);
+        folder.run(line).failed_with(1, &[file, reason, "choose another place"]);
         assert!(contents(&folder.path(".")) == before, "{line} changed files");
     }
 }

@@ -256,6 +256,18 @@ fn a_store_without_views_replaces_no_results() {
     assert!(folder.bytes("exported/contours.json") == before);
 }
 
+#[test]
+fn a_single_plane_tells_no_volume() {
+    let folder = Folder::simulated("objects.scene.toml");
+    folder.reconstruct("scan --interval 100m --offset 300mm").succeeded();
+    let sums = folder.run("measure out --sums").succeeded().stdout;
+    assert!(sums.contains("too few planes"), "{sums}");
+    let whole = folder.reconstruct("scan --interval 20mm").succeeded();
+    assert!(whole.number("planes with curves") > 1.0);
+    let sums = folder.run("measure out --sums").succeeded().stdout;
+    assert!(!sums.contains("too few planes"), "{sums}");
+}
+
 /// The unit vector along 1, 1, 0 has a length that rounding makes unequal to 1.
 #[test]
 fn a_store_grows_along_any_normal() {
