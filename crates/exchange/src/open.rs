@@ -200,7 +200,8 @@ impl Scan {
     /// to use, by name, in the order of the scan; `options` are those the scan was opened with.
     ///
     /// # Errors
-    /// [`ReadError`] if the scan's own files cannot be read any more.
+    /// [`ReadError`] if the scan's own files cannot be read any more, or have names that are not
+    /// Unicode.
     pub fn posed(
         &self,
         path: &Path,
@@ -214,11 +215,11 @@ impl Scan {
         }
         let format = FORMATS.iter().find(|format| (format.recognise)(path));
         let Some(manifest) = format.and_then(|format| format.manifest) else {
-            let list = PoseList::new((path, &self.name), options, poses, folder);
+            let list = PoseList::new((path, &self.name), options, poses, folder)?;
             return Ok(PosedScan::Poses(list));
         };
         let beside = if path.is_dir() { path } else { path.parent().unwrap_or(Path::new("")) };
-        let mut manifest = manifest(path, options)?.posed(beside, poses, folder);
+        let mut manifest = manifest(path, options)?.posed(beside, poses, folder)?;
         manifest.unit = Some(self.unit);
         for view in &mut manifest.views {
             view.image_order = view.image_order.or(options.image_order);

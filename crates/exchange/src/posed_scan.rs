@@ -19,8 +19,8 @@
 use crate::input::read_text;
 use crate::manifest::{write_key, write_list};
 use crate::{
-    LensEntry, Manifest, OpenOptions, Place, ReadError, Scan, SensorEntry, pose, row_major,
-    write_manifest,
+    LensEntry, Manifest, OpenOptions, Place, ReadError, Scan, SensorEntry, ViewEntry, pose,
+    row_major, write_manifest,
 };
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
@@ -123,21 +123,22 @@ impl PoseList {
         options: &OpenOptions,
         poses: &[ViewPose],
         folder: &Path,
-    ) -> Self {
+    ) -> Result<Self, ReadError> {
+        let seen = |file: &Path| stated(seen_from(folder, file)).map(PathBuf::from);
         let named = |pose: &ViewPose| NamedPose {
             view: pose.view.clone(),
             pose: row_major(&pose.world_from_sensor),
         };
-        Self {
+        Ok(Self {
             name: name.to_owned(),
             tool: concat!("transect ", env!("CARGO_PKG_VERSION")).to_owned(),
-            scan: seen_from(folder, scan),
+            scan: seen(scan)?,
             unit: options.unit,
             grid: options.grid.map(|grid| [grid.rows, grid.cols]),
             rings: options.rings,
-            poses_from: options.poses.as_ref().map(|file| seen_from(folder, file)),
+            poses_from: options.poses.as_deref().map(seen).transpose()?,
             poses: poses.iter().map(named).collect(),
-        }
+        })
     }
 
     /// Reads a list.
@@ -199,37 +200,66 @@ impl PoseList {
 impl Manifest {
     /// The manifest with other poses, for a file in another folder that exists. Views without a
     /// pose are left out; the others keep their names.
-    pub(crate) fn posed(mut self, from: &Path, poses: &[ViewPose], folder: &Path) -> Self {
+    ///
+    /// # Errors
+    /// [`ReadError`] naming a file whose name is not Unicode.
+    pub(crate) fn posed(
+        mut self,
+        from: &Path,
+        poses: &[ViewPose],
+        folder: &Path,
+    ) -> Result<Self, ReadError> {
         let mut poses = poses.iter().peekable();
-        self.views.retain_mut(|view| {
-            let name = view.name.as_ref().unwrap_or(&view.file).clone();
-            let Some(pose) = poses.next_if(|posed| posed.view == name) else { return false };
-            view.pose = row_major(&pose.world_from_sensor);
-            // It is the error of the given pose.
-            view.pose_sigma = None;
-            let moved = |file: &mut String| {
-                *file = seen_from(folder, &from.join(&*file)).to_string_lossy().into_owned();
-            };
-            moved(&mut view.file);
-            match &mut view.sensor {
-                SensorEntry::LookupTable(entry) => moved(&mut entry.calibration),
-                SensorEntry::Pinhole(entry) => {
-                    if let Some(found) = &pose.depth_offsets {
-                        let known = entry.depth_offsets.take();
-                        let both = known.map_or_else(|| found.clone(), |known| known.then(found));
-                        entry.depth_offsets = Some(both);
-                    }
-                    if let LensEntry::Rays { rays } = &mut entry.lens {
-                        moved(rays);
-                    }
-                }
-                _ => (),
+        let mut views = Vec::with_capacity(self.views.len());
+        for view in self.views {
+            let name = view.name.as_ref().unwrap_or(&view.file);
+            if let Some(pose) = poses.next_if(|posed| posed.view == *name) {
+                views.push(view.posed(from, pose, folder)?);
             }
-            view.name = (name != view.file).then_some(name);
-            true
-        });
-        self
+        }
+        self.views = views;
+        Ok(self)
     }
+}
+
+impl ViewEntry {
+    /// The view at another pose, for a file in another folder.
+    fn posed(mut self, from: &Path, pose: &ViewPose, folder: &Path) -> Result<Self, ReadError> {
+        let seen = |file: &str| stated(seen_from(folder, &from.join(file)));
+        let file = seen(&self.file)?;
+        match &mut self.sensor {
+            SensorEntry::LookupTable(entry) => entry.calibration = seen(&entry.calibration)?,
+            SensorEntry::Pinhole(entry) => {
+                if let Some(found) = &pose.depth_offsets {
+                    let known = entry.depth_offsets.take();
+                    let both = known.map_or_else(|| found.clone(), |known| known.then(found));
+                    entry.depth_offsets = Some(both);
+                }
+                if let LensEntry::Rays { rays } = &mut entry.lens {
+                    *rays = seen(rays)?;
+                }
+            }
+            _ => (),
+        }
+        let name = self.name.unwrap_or(self.file);
+        Ok(Self {
+            name: (name != file).then_some(name),
+            pose: row_major(&pose.world_from_sensor),
+            // It is the error of the given pose.
+            pose_sigma: None,
+            file,
+            ..self
+        })
+    }
+}
+
+/// A path as JSON can state it.
+pub(crate) fn stated(path: PathBuf) -> Result<String, ReadError> {
+    path.into_os_string().into_string().map_err(|path| {
+        let problem = "this name is not Unicode, so no scan.json can state it; rename the file or \
+                       its folder";
+        ReadError::unsupported(Path::new(&path), Place::Whole, problem)
+    })
 }
 
 /// A file as a folder names it: by the way from the folder, or by absolute path where the two have

@@ -7,7 +7,7 @@ use crate::WorkflowError;
 use crate::samples::{median, pixel_spacing, reach, samples};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
-use transect_device::View;
+use transect_device::{Pixel, View};
 use transect_exchange::Scan;
 use transect_geometry::LengthUnit;
 
@@ -30,6 +30,16 @@ const FARTHEST_PIXELS: f64 = 0.5;
 /// factor 10 of a near and a far view and the factor 1000 of metres and millimetres. Doubled,
 /// centimetres among metres pass.
 const BETWEEN_VIEWS: f64 = 50.0;
+
+/// Sine of the smallest angle between a row and a column of pixels, as rays see them. Theory: they
+/// cross at 90°; read in the wrong order, both run along one row, at 0°. Doubled, every view is
+/// refused.
+const CROSSING: f64 = 0.5;
+
+/// Largest angle between the rays of neighbouring pixels, as their distance on the unit sphere; 30°.
+/// Chosen by hand: rotating lidars have 3° at most, and scans of a full circle that are read in the
+/// wrong order have up to 180°. Doubled, coarse scans of that kind pass.
+const FARTHEST_RAYS: f64 = 0.5;
 
 /// Most pixels of a view that is kept from the look at a scan until its turn in the run. Chosen by
 /// hand: such a view takes some ten megabytes, and reading it again takes longer than anything else
@@ -58,17 +68,20 @@ pub enum Check {
     Extent,
     /// Angles within a full circle.
     Angles,
+    /// Rows and columns in the order of the sensor.
+    Order,
 }
 
 impl Check {
     /// All checks.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Planes,
         Self::ValidPixels,
         Self::Resolution,
         Self::Distance,
         Self::Extent,
         Self::Angles,
+        Self::Order,
     ];
 
     /// The name that accepts the input after all.
@@ -80,6 +93,7 @@ impl Check {
             Self::Distance => "distance",
             Self::Extent => "extent",
             Self::Angles => "angles",
+            Self::Order => "order",
         }
     }
 
@@ -119,6 +133,7 @@ impl Plausibility {
                 Check::Distance => Ok(()),
                 Check::Extent => self.check_extent(spacing),
                 Check::Angles => check_angles(view),
+                Check::Order => check_order(view),
             },
         )
     }
@@ -250,6 +265,41 @@ fn check_angles(view: &View) -> Result<(), WorkflowError> {
         )),
         _ => Ok(()),
     }
+}
+
+fn check_order(view: &View) -> Result<(), WorkflowError> {
+    let [mut crossing, mut beside] = [0_usize; 2];
+    for sample in samples(view) {
+        match rays_cross(view, sample.pixel) {
+            Some(true) => crossing += 1,
+            Some(false) => beside += 1,
+            None => (),
+        }
+    }
+    if beside <= crossing {
+        return Ok(());
+    }
+    let (size, pixels) = (view.image().size(), crossing + beside);
+    Check::Order.refuse(format!(
+        "rows and columns are not those of a scanner: at {beside} of {pixels} pixels looked at, \
+         the next pixels of the row and of the column lie in one direction, or far away. Check \
+         whether {size} should be {} rows and {} columns, in the file's header or in --grid.",
+        size.cols, size.rows
+    ))
+}
+
+/// Whether the next pixels of the row and of the column are near and in different directions, as the
+/// rays see them; `None` where rays begin at different places or are parallel.
+fn rays_cross(view: &View, Pixel { row, col }: Pixel) -> Option<bool> {
+    let ray = |row, col| view.frame().ray(Pixel { row, col });
+    let [here, right, below] = [ray(row, col)?, ray(row, col + 1)?, ray(row + 1, col)?];
+    if right.start != here.start || below.start != here.start {
+        return None;
+    }
+    let [right, below] = [right, below].map(|ray| ray.direction - here.direction);
+    let (across, both) = (right.cross(&below).norm(), right.norm() * below.norm());
+    let farthest = right.norm().max(below.norm());
+    (both > 0.0).then(|| across >= CROSSING * both && farthest <= FARTHEST_RAYS)
 }
 
 fn check_valid_pixels(view: &View) -> Result<(), WorkflowError> {

@@ -99,6 +99,42 @@ fn coordinates_that_their_number_type_does_not_resolve_are_stopped() {
     folder.reconstruct("double.json").succeeded();
 }
 
+/// A header with its two numbers exchanged makes neighbours of points that are far apart.
+#[test]
+fn exchanged_rows_and_columns_are_told() {
+    let folder = Folder::empty();
+    let point = |row: usize, col: usize, turn: f64| {
+        let (azimuth, height) = (turn * col as f64 / 50.0, 0.7 - 0.05 * row as f64);
+        let range = 3.0 + 0.3 * (3.0 * azimuth).sin();
+        format!("{:.4} {:.4} {:.4}", range * azimuth.cos(), range * azimuth.sin(), range * height)
+    };
+    let scans = [("sector", 1.2), ("circle", std::f64::consts::TAU)];
+    for (name, turn) in scans {
+        let down: Vec<_> =
+            (0..50 * 30).map(|k| format!("{} .5\n", point(k % 30, k / 30, turn))).collect();
+        let along: Vec<_> =
+            (0..50 * 30).map(|k| format!("{}\n", point(k / 50, k % 50, turn))).collect();
+        for (order, rows, cols) in [("right", 30, 50), ("wrong", 50, 30)] {
+            let axes = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
+            let ptx = format!("{cols}\n{rows}\n{axes}{}", down.concat());
+            folder.write(&format!("{name}_{order}.ptx"), ptx);
+            let pcd = format!(
+                "VERSION .7\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nCOUNT 1 1 1\nWIDTH {cols}\n\
+                 HEIGHT {rows}\nPOINTS 1500\nDATA ascii\n{}",
+                along.concat()
+            );
+            folder.write(&format!("{name}_{order}.pcd"), pcd);
+        }
+        for kind in ["ptx", "pcd"] {
+            let texts = ["rows and columns", "30 rows and 50 columns", "pass --accept order"];
+            refused(&folder, &format!("{name}_wrong.{kind}"), &texts);
+        }
+    }
+    for (name, kind) in scans.iter().flat_map(|(name, _)| ["ptx", "pcd"].map(|kind| (name, kind))) {
+        folder.reconstruct(&format!("{name}_right.{kind}")).succeeded();
+    }
+}
+
 /// A turning scanner's view of the wall, whose first column looks along an angle.
 fn turning(theta0: f64) -> Value {
     json!({

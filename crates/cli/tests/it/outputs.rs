@@ -162,7 +162,8 @@ fn the_table_of_the_readme_is_what_the_first_command_prints() {
     }
 }
 
-/// JSON holds no bytes that are not Unicode, and reports name the scan.
+/// JSON holds no bytes that are not Unicode: reports name the scan all the same, and files that name
+/// it for other commands are refused.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_scan_may_lie_in_a_folder_whose_name_is_not_unicode() {
@@ -170,10 +171,17 @@ fn a_scan_may_lie_in_a_folder_whose_name_is_not_unicode() {
     let folder = Folder::simulated("objects.scene.toml");
     let odd = std::ffi::OsStr::from_bytes(b"a\xff b");
     fs::rename(folder.path("scan"), folder.path(".").join(odd)).unwrap();
-    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_transect"));
-    command.arg("reconstruct").arg(odd).args(["--out", "out"]).current_dir(folder.path("."));
-    let output = command.output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let scan = folder.json("out/report.json")["scan"].clone();
+    let run = |command: &str| {
+        let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_transect"));
+        program.arg(command).arg(odd).args(["--out", command]).current_dir(folder.path("."));
+        let output = program.output().unwrap();
+        (output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (succeeded, said) = run("reconstruct");
+    assert!(succeeded, "{said}");
+    let scan = folder.json("reconstruct/report.json")["scan"].clone();
     assert!(scan.as_str().unwrap().contains("a\u{fffd} b"), "{scan}");
+    let (succeeded, said) = run("register");
+    assert!(!succeeded && said.contains("not Unicode") && said.contains("rename"), "{said}");
+    assert!(!folder.path("register/scan.json").exists());
 }

@@ -22,6 +22,7 @@ pub(crate) use layouts::is_one;
 
 use crate::image_file::{self, Pixels};
 use crate::manifest::{self, Manifest, ViewEntry};
+use crate::posed_scan::stated;
 use crate::{CameraOption, OpenOptions, Place, ReadError, Scan};
 use association::associate;
 use camera::Camera;
@@ -83,14 +84,15 @@ fn sequence(folder: &Path, names: FileNames, options: &OpenOptions) -> Result<Se
     let view = |(&file, (_, pose)): (&&str, &(usize, [f64; 16]))| {
         let file = match names {
             FileNames::Relative => file.to_owned(),
-            FileNames::Absolute => absolute.join(file).to_string_lossy().into_owned(),
+            FileNames::Absolute => stated(absolute.join(file))?,
         };
         let pose = if turned { with_y_turned(*pose) } else { *pose };
         let rows = camera.rows.or(sample.size.map(|size| size.rows));
         let cols = camera.cols.or(sample.size.map(|size| size.cols));
-        ViewEntry { rows, cols, scale, ..ViewEntry::new(file, camera.sensor(), pose) }
+        Ok(ViewEntry { rows, cols, scale, ..ViewEntry::new(file, camera.sensor(), pose) })
     };
-    let views = images.iter().zip(&association.poses).map(view).collect();
+    let views = images.iter().zip(&association.poses).map(view);
+    let views = views.collect::<Result<_, ReadError>>()?;
     let name = absolute.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let manifest = Manifest { unit: Some(LengthUnit::Metre), ..Manifest::new(name, views) };
     let mut notes = vec![format!("{}: metres, {kind}{}", folder.display(), sample.depths(scale))];
