@@ -175,6 +175,11 @@ pub const FAR_OFF: f64 = 5.0;
 /// are left of four views do not determine them. Doubled, judging takes twice the time.
 pub const PARTS: usize = 10;
 
+/// Sums in which threads add up what all pairs say. No unit. Chosen by hand: results do not depend on
+/// the number of threads, of which four have work. Doubled, each round adds up twice as many
+/// matrices.
+pub const SUMS: usize = 4;
+
 /// Least share of a depth camera's rays along its axis: the cosine of half the field of view. No
 /// unit. Chosen by hand: lenses see 120 degrees at most without large distortion. Doubled, only
 /// the axis itself passes.

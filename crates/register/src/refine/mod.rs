@@ -36,7 +36,7 @@ use crate::coarse::{CoarseView, PosePrior};
 use crate::tuning::{
     BEFORE_MOMENTUM, BLOCKS, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, GATE, LEAST_SAMPLES,
     MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS, SCALE_ODDS, SCALE_RUNS, SETTLED,
-    SETTLING,
+    SETTLING, SUMS,
 };
 use camera::Cameras;
 use drift::{Drift, Errors, estimated_prior};
@@ -215,7 +215,7 @@ impl<'a> Rounds<'a> {
             return;
         }
         let sound = self.clone();
-        let far_off = self.far_off(System::sum(&self.systems()).as_ref());
+        let far_off = self.far_off(self.whole_system().as_ref());
         let begin = self.given.iter().zip(&self.poses).zip(far_off);
         let begin: Vec<_> = begin.map(|((from, to), far)| if far { *to } else { *from }).collect();
         while suspected.contains(&true) {
@@ -254,7 +254,8 @@ impl<'a> Rounds<'a> {
     /// scales that are not free mean nothing.
     fn scale_odds(&self) -> Vec<f64> {
         let (priors, moved) = (self.priors(), self.motions());
-        let solution = System::sum(&self.systems())
+        let solution = self
+            .whole_system()
             .and_then(|system| system.solve(self.independent, &self.known_before(&priors, &moved)));
         let odds = solution.map(|s| self.cameras.scale_odds(&s.unknowns, &s.root()));
         odds.unwrap_or_else(|| vec![0.0; self.cameras.list.len()])
@@ -299,7 +300,7 @@ impl<'a> Rounds<'a> {
         // would weaken what they tell, and hold the poses all the more.
         let share = independent_share(&self.scene.views, &self.pairs);
         self.independent = self.independent.max(share);
-        let system = System::sum(&self.systems())?;
+        let system = self.whole_system()?;
         let so_far = self.motions();
         let solve = |rounds: &Self| {
             system.solve(rounds.independent, &rounds.known_before(&rounds.priors(), &so_far))
@@ -346,6 +347,13 @@ impl<'a> Rounds<'a> {
         }
         self.cameras.change(&change.rows_range(6 * self.poses.len()..));
         self.last_change = change;
+    }
+
+    /// What all pairs say; `None` of none.
+    fn whole_system(&self) -> Option<System> {
+        let all: Vec<Portion<'_>> = self.pairs.iter().map(Portion::from).collect();
+        let parts = all.par_chunks(all.len().div_ceil(SUMS).max(1));
+        System::sum(&parts.map(|portions| self.system(portions, None)).collect::<Vec<_>>())
     }
 
     /// What the pairs say, in the parts that judge each other.

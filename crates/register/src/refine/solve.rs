@@ -43,13 +43,20 @@ impl System {
         let n = 6 * ground.sensors.len() + ground.cameras.unknowns();
         let (matrix, right) = (DMatrix::zeros(n, n), DVector::zeros(n));
         let mut system = Self { matrix, right, square: 0.0 };
+        let cameras = ground.cameras.unknowns();
+        let mut half = DMatrix::zeros(cameras, cameras);
         for portion in portions {
-            system.add(portion, ground);
+            system.add(portion, ground, &mut half);
         }
+        let first = n - cameras;
+        let both = &half + half.transpose();
+        system.matrix.view_mut((first, first), (cameras, cameras)).copy_from(&both);
         system
     }
 
-    fn add(&mut self, portion: &Portion<'_>, ground: &Ground<'_>) {
+    /// Adds what a portion says, but for the matrix of the cameras' offsets: `half` gathers one
+    /// half of it, and the other half is its transpose.
+    fn add(&mut self, portion: &Portion<'_>, ground: &Ground<'_>, half: &mut DMatrix<f64>) {
         let pair = portion.pair;
         let (mut information, mut force) = (Matrix6::zeros(), Vector6::zeros());
         let cameras = ground.cameras.unknowns();
@@ -57,18 +64,23 @@ impl System {
         let first = 6 * ground.sensors.len();
         for o in portion.observations() {
             let weight = pair.weight(o) * o.share;
+            if weight == 0.0 {
+                continue;
+            }
             let weighted = o.gradient * weight;
             information += weighted * o.gradient.transpose();
             force += weighted * o.distance;
             self.square += weight * o.distance.powi(2);
             let (terms, count) = pair.camera_terms(o, ground.cameras);
             let terms = terms.get(..count).unwrap_or(&[]);
-            for (i, slope) in terms {
+            for (k, (i, slope)) in terms.iter().enumerate() {
                 let mut to = crossed.fixed_columns_mut::<1>(*i);
                 to += weighted * *slope;
                 self.right[first + i] -= weight * slope * o.distance;
-                for (j, other) in terms.iter().filter(|(j, _)| j <= i) {
-                    self.matrix[(first + i, first + j)] += weight * slope * other;
+                let mut to = half.column_mut(*i);
+                to[*i] += 0.5 * weight * slope * slope;
+                for (j, other) in terms.iter().take(k) {
+                    to[*j] += weight * slope * other;
                 }
             }
         }
