@@ -185,6 +185,10 @@ impl GuideSettings {
         };
         let guide = read_guide(&self.path, kind)?;
         if let Some(reach) = length("guide_reach", &self.reach)? {
+            if reach <= 0.0 {
+                let problem = format!("the reach must be a positive length, got {reach}");
+                return Err(WorkflowError::setting("guide_reach", problem));
+            }
             guide.require_reach(reach).map_err(|e| WorkflowError::file(&self.path, e))?;
         }
         Ok(guide.into())

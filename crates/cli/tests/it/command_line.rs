@@ -361,6 +361,7 @@ fn a_second_run_leaves_no_sheet_of_the_first() {
 #[test]
 fn arguments_that_make_no_sense_end_with_2() {
     let folder = Folder::simulated("objects.scene.toml");
+    folder.write("axis.csv", "x,y,z\n0,0,0\n0,0,1\n0,0.2,2\n");
     for (arguments, reason) in [
         ("--interval 0", "interval must be a positive length, got 0"),
         ("--interval -1", "interval must be a positive length, got -1"),
@@ -372,6 +373,7 @@ fn arguments_that_make_no_sense_end_with_2() {
         ("--normal 0,0,0", "normal (0, 0, 0) has no direction"),
         ("--normal 1,2", "--normal 1,2: write three numbers"),
         ("--normal nan,0,1", "has no direction"),
+        ("--guide axis.csv --guide-reach 0", "the reach must be a positive length, got 0"),
         ("--method guess", "invalid value 'guess' for '--method"),
         ("--threads many", "invalid value 'many' for '--threads"),
         ("--unit furlong", "unknown length unit \"furlong\""),

@@ -127,6 +127,30 @@ impl Bend {
 }
 
 impl Bead {
+    /// The bead, moved onto the course through the beads of all views in its window.
+    fn on_course_of(&self, views: impl Iterator<Item = Sums>, own: &Sums, window: &Window) -> Self {
+        let (mut common, mut variance) = (Sums::default(), 0.0);
+        for view in views {
+            variance += view.share().powi(2) * view.mean_variance();
+            common.add_view(&view);
+        }
+        let has_length = common.length > 0.0;
+        let views = if has_length { common.length.powi(2) / variance } else { 1.0 };
+        let (course, alone) = (common.parabola(), own.parabola());
+        let (normal, across) = (window.normal(), window.across);
+        let turned = self.tangent + normal * (course.slope * window.reach.recip());
+        Self {
+            position: self.position + normal * course.offset.clamp(-across, across),
+            tangent: turned.normalize(),
+            off: own.mean_off(&course),
+            off_variance: own.mean_variance() * (1.0 - 2.0 * own.share() / common.length)
+                + 1.0 / views,
+            bend: Bend::new(&course, &alone, views, window.reach, across),
+            views,
+            ..*self
+        }
+    }
+
     /// Whether the distance from the course tells something of its view's error.
     pub fn tells_error(&self) -> bool {
         self.length > 0.0 && self.off_variance > LEAST_OFF_VARIANCE
@@ -342,10 +366,10 @@ pub(super) fn on_common_courses(beads: &[Bead], views: usize, reach: &Reach) -> 
     let mut result = beads.to_vec();
     let (beads, grid) = (&sorted, grid(&sorted));
     let (mut of_view, mut met) = (vec![Sums::default(); views], Vec::new());
-    let mut moved = |bead: &Bead| {
-        let (centre, tangent) = (bead.position, bead.tangent);
+    for (k, bead) in order.into_iter().zip(beads) {
         let Reach { along: half, across, same_way, .. } = reach.at(bead.variance);
         let per_half = half.recip();
+        let (centre, tangent) = (bead.position, bead.tangent);
         let window = Window { centre, tangent, reach: half, across, same_way };
         grid.runs_around(&centre, &window.half(), |points| {
             let Some(first) = points.first() else { return };
@@ -365,30 +389,9 @@ pub(super) fn on_common_courses(beads: &[Bead], views: usize, reach: &Reach) -> 
                 },
             );
         });
-        let (mut common, mut variance) = (Sums::default(), 0.0);
         let own = of_view[bead.view as usize];
-        for view in met.drain(..) {
-            let sums = std::mem::take(&mut of_view[view as usize]);
-            variance += sums.share().powi(2) * sums.mean_variance();
-            common.add_view(&sums);
-        }
-        let has_length = common.length > 0.0;
-        let views = if has_length { common.length.powi(2) / variance } else { 1.0 };
-        let (course, alone) = (common.parabola(), own.parabola());
-        let normal = left_of(&tangent);
-        Bead {
-            position: centre + normal * course.offset.clamp(-across, across),
-            tangent: (tangent + normal * (course.slope * per_half)).normalize(),
-            off: own.mean_off(&course),
-            off_variance: own.mean_variance() * (1.0 - 2.0 * own.share() / common.length)
-                + 1.0 / views,
-            bend: Bend::new(&course, &alone, views, half, across),
-            views,
-            ..*bead
-        }
-    };
-    for (k, bead) in order.into_iter().zip(beads) {
-        result[k] = moved(bead);
+        let all = met.drain(..).map(|view| std::mem::take(&mut of_view[view as usize]));
+        result[k] = bead.on_course_of(all, &own, &window);
     }
     result
 }
