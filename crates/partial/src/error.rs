@@ -1,5 +1,7 @@
 //! Why a view could not be modelled.
 
+use transect_geometry::PlaneIndex;
+
 /// Largest number of planes one view may span, 2²².
 ///
 /// Levels are compared as `f32`; at this many planes one still resolves a quarter of an interval.
@@ -39,6 +41,12 @@ pub enum PartialError {
         planes: f64,
         /// The interval, in the model's length unit.
         interval: f64,
+    },
+    /// A single plane that was asked for is so far from the view that it cannot be counted from it.
+    #[error("plane {plane} is more than 2^31 planes from the view; choose a plane that crosses it")]
+    OffView {
+        /// The plane.
+        plane: PlaneIndex,
     },
     /// So many crossings that their curves would not fit into memory.
     #[error(

@@ -22,6 +22,7 @@ mod node_values;
 pub mod one_pass;
 mod partial_curve;
 mod pixel_grid;
+mod repeats;
 pub mod subpixel;
 
 pub use axes::SectionAxes;

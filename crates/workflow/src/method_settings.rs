@@ -6,12 +6,8 @@ use transect::Setup;
 use transect_fusion::FusionMethod;
 use transect_fusion::pattern::OverlapTolerance;
 use transect_partial::Method;
-use transect_partial::dissertation::{DirectionRule, DissertationOptions, JumpTest};
+use transect_partial::dissertation::{DirectionRule, DissertationOptions, JumpTest, MOST_PIXELS};
 use transect_partial::subpixel::Subpixel;
-
-/// Longest gap, and largest thickness, that can be set, in pixels. By hand: a search window of 129
-/// × 129 pixels. Doubled, every open end costs four times the time.
-const MOST_PIXELS: usize = 64;
 
 /// Settings of `dissertation` and of `pairwise`; each is an error with the other method.
 ///

@@ -1,5 +1,6 @@
 //! The crossings of a plane with the borders of labels.
 
+use crate::repeats::OnCurve;
 use transect_device::{Neighbour, Pixel};
 use transect_geometry::Point2;
 
@@ -21,4 +22,18 @@ pub(super) struct Crossing {
     pub pair_length: f64,
     /// Whether pixels are missing between this crossing and the next one of its curve.
     pub bridged_after: bool,
+}
+
+impl OnCurve for Crossing {
+    fn position(&self) -> Point2 {
+        self.position
+    }
+
+    fn spacing(&self) -> f64 {
+        self.pair_length
+    }
+
+    fn bridged_after(&mut self) -> &mut bool {
+        &mut self.bridged_after
+    }
 }

@@ -72,6 +72,10 @@ use transect_geometry::{PlaneFamily, PlaneIndex};
 use transect_image::smooth::Smoothing;
 use transect_image::{NoisyView, PreparedView};
 
+/// Longest gap, and largest useful thickness, in pixels. By hand: a search window of 131 × 131
+/// pixels. Doubled, every open end costs four times the time.
+pub const MOST_PIXELS: usize = 64;
+
 /// Options.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -79,7 +83,8 @@ use transect_image::{NoisyView, PreparedView};
 pub struct DissertationOptions {
     /// How an intersection is told from a range jump.
     pub jump: JumpTest,
-    /// Most missing pixels that a curve is continued across; 0 bridges nothing.
+    /// Most missing pixels that a curve is continued across; 0 bridges nothing. More than
+    /// [`MOST_PIXELS`] are taken for as many.
     pub gap: usize,
     /// Thickness in pixels up to which alternating labels are taken for one curve; under 2 thins
     /// nothing.
@@ -136,7 +141,8 @@ pub fn partial_model(
 /// The steps of one plane, from its range image to its directed curves; see [`PlaneSteps`].
 ///
 /// # Errors
-/// [`PartialError`] if the planes are not parallel, or too dense for the view.
+/// [`PartialError`] if the planes are not parallel, or too dense for the view, or if this plane is
+/// far from it.
 pub fn plane_steps(
     view: &View,
     planes: &PlaneFamily,
@@ -147,11 +153,8 @@ pub fn plane_steps(
     let prepared = prepared(&noisy, options);
     let axes = SectionAxes::new(prepared.view(), planes)?;
     let modeler = Modeler::new(&prepared, &axes, options);
-    let level = i32::try_from(plane.0 - axes.base().0);
-    let level = level.map_err(|_| PartialError::TooFar {
-        planes: (plane.0 - axes.base().0) as f64,
-        interval: axes.interval(),
-    })?;
+    let level = plane.0.checked_sub(axes.base().0).and_then(|level| i32::try_from(level).ok());
+    let level = level.ok_or(PartialError::OffView { plane })?;
     Ok(modeler.with_plane(level, |traced| traced.steps(&modeler)))
 }
 

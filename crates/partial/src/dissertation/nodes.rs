@@ -7,6 +7,7 @@ use super::samples::Samples;
 use super::trace::{Border, Trace};
 use crate::PartialCurve;
 use crate::node_values::{LARGEST_SIGMA_FACTOR, sine_between, tan_incidence};
+use crate::repeats::drop_repeats;
 use crate::subpixel::{PairLine, Solver};
 use transect_device::{Neighbour, Pixel, Point3, Vector3};
 use transect_geometry::{Node, Vector2};
@@ -18,9 +19,6 @@ const SMALLEST_SIGMA_FACTOR: f64 = 0.25;
 
 /// Nodes on each side over which the pixels along the curve are counted.
 const COUNTED_NODES: usize = 6;
-
-/// Distance at which two nodes are one, as a share of the pair's length: rounding.
-const SAME: f64 = 1e-6;
 
 /// Makes the curves of one plane.
 pub(super) struct Maker<'a> {
@@ -46,8 +44,7 @@ impl Maker<'_> {
             reverse(&mut crossings, closed);
             ends = ends.map(|[a, b]| [b, a]);
         }
-        let normals: Vec<Vector3> = crossings.iter().map(|c| self.normal(c)).collect();
-        let node = |k: usize| self.node(&crossings, k, closed, &normals[k]);
+        let node = |k: usize| self.node(&crossings, k, closed);
         let nodes = (0..crossings.len()).map(node).collect();
         let units = crossings.iter().zip(0_u32..).filter(|(c, _)| c.bridged_after);
         let pixels = crossings.iter().map(|c| c.nearest).collect();
@@ -68,7 +65,7 @@ impl Maker<'_> {
                 }
             }
         }
-        tidy(&mut found, trace.ends.is_none());
+        drop_repeats(&mut found, trace.ends.is_none());
         found
     }
 
@@ -111,14 +108,10 @@ impl Maker<'_> {
         }
     }
 
-    /// Outward unit normal of the surface in plane coordinates; zero where unknown.
+    /// Outward unit normal of the surface in plane coordinates; `None` where unknown.
     ///
     /// From the pair itself and the differences across it at both its pixels.
-    fn normal(&self, crossing: &Crossing) -> Vector3 {
-        self.known_normal(crossing).unwrap_or_else(Vector3::zeros)
-    }
-
-    fn known_normal(&self, crossing: &Crossing) -> Option<Vector3> {
+    fn normal(&self, crossing: &Crossing) -> Option<Vector3> {
         let along = self.point(crossing.second)? - self.point(crossing.first)?;
         let other = match crossing.neighbour {
             Neighbour::Up => Neighbour::Left,
@@ -142,39 +135,19 @@ impl Maker<'_> {
         (from != to).then(|| Some(self.point(to)? - self.point(from)?)).flatten()
     }
 
-    fn node(&self, crossings: &[Crossing], k: usize, closed: bool, normal: &Vector3) -> Node {
-        let pixel = crossings[k].nearest;
+    fn node(&self, crossings: &[Crossing], k: usize, closed: bool) -> Node {
+        let (pixel, normal) = (crossings[k].nearest, self.normal(&crossings[k]));
         let ray = self.samples.view.frame().ray(pixel);
         let ray = self.samples.axes.turn(&ray.map_or(Vector3::z(), |r| r.direction));
         let sigma = self.prepared.sigma_at(pixel);
-        let footprint = footprint(crossings, k, closed, normal, &ray);
-        let known = normal.try_normalize(0.0);
+        let footprint = footprint(crossings, k, closed, normal.as_ref(), &ray);
+        let factor = normal.map_or(LARGEST_SIGMA_FACTOR, |normal| sigma_factor(&normal, &ray));
         Node::at(crossings[k].position)
-            .with_sigma((sigma * sigma_factor(normal, &ray)) as f32)
+            .with_sigma((sigma * factor) as f32)
             .with_footprint(footprint as f32)
             .with_correlation((footprint * self.prepared.shared_pixels(pixel)) as f32)
-            .with_tan_incidence(known.map(|_| tan_incidence(normal, &ray)))
-            .with_normal(known.map(|known| known.cast()))
-    }
-}
-
-/// Drops nodes that repeat the one before: where a sample lies on the plane, up to four of its
-/// borders are crossed there.
-fn tidy(crossings: &mut Vec<Crossing>, closed: bool) {
-    let repeats = |a: &Crossing, b: &Crossing| {
-        (a.position - b.position).norm() <= SAME * a.pair_length.max(b.pair_length)
-    };
-    crossings.dedup_by(|b, a| {
-        let same = repeats(a, b);
-        if same {
-            a.bridged_after = b.bridged_after;
-        }
-        same
-    });
-    if let (true, [first, .., last]) = (closed, crossings.as_slice())
-        && repeats(first, last)
-    {
-        crossings.pop();
+            .with_tan_incidence(normal.map(|normal| tan_incidence(&normal, &ray)))
+            .with_normal(normal.map(|normal| normal.cast()))
     }
 }
 
@@ -208,7 +181,7 @@ fn footprint(
     crossings: &[Crossing],
     k: usize,
     closed: bool,
-    normal: &Vector3,
+    normal: Option<&Vector3>,
     ray: &Vector3,
 ) -> f64 {
     let n = crossings.len();
@@ -222,8 +195,10 @@ fn footprint(
     let rows = (-reach..reach).filter(|s| at(*s).neighbour == Neighbour::Up).count();
     let pixels = rows.max(2 * reach as usize - rows);
     let chords = [(-reach, 0), (0, reach)].map(|(a, b)| (at(b).position - at(a).position).norm());
-    let tangent = Vector2::new(-normal.y, normal.x).try_normalize(0.0).unwrap_or_else(Vector2::x);
-    let spacing = crossings[k].pair_length * ray_sine(normal, ray) / sine_between(&tangent, ray);
+    let tangent = normal.and_then(|normal| Vector2::new(-normal.y, normal.x).try_normalize(0.0));
+    let tangent = tangent.unwrap_or_else(Vector2::x);
+    let across_ray = normal.map_or(1.0, |normal| ray_sine(normal, ray));
+    let spacing = crossings[k].pair_length * across_ray / sine_between(&tangent, ray);
     if pixels < 3 { spacing } else { spacing.max((chords[0] + chords[1]) / pixels as f64) }
 }
 
@@ -245,6 +220,5 @@ mod tests {
         let from_above = sigma_factor(&slope, &-Vector3::z());
         assert!((from_above - 0.8 / 0.6).abs() < 1e-12, "{from_above}");
         assert_eq!(sigma_factor(&Vector3::z(), &-Vector3::z()), LARGEST_SIGMA_FACTOR, "a floor");
-        assert_eq!(sigma_factor(&Vector3::zeros(), &Vector3::z()), LARGEST_SIGMA_FACTOR, "unknown");
     }
 }

@@ -22,6 +22,7 @@
 //! adjacent way in, except where pixels are missing. So gaps arise from missing pixels and range
 //! jumps alone, and never from the search.
 
+use super::MOST_PIXELS;
 use transect_device::Neighbour;
 
 /// A side on which a curve leaves or enters a contour pixel.
@@ -88,7 +89,7 @@ pub(super) struct SearchOrder {
 impl SearchOrder {
     /// Orders for gaps of up to so many missing pixels; 0 for none.
     pub fn new(gap: usize) -> Self {
-        let reach = gap.clamp(0, 64) as i32 + 1;
+        let reach = gap.min(MOST_PIXELS) as i32 + 1;
         Self { by_code: [1, 2, 3].map(|code| order(code, reach, gap > 0)) }
     }
 

@@ -63,20 +63,27 @@ pub(super) struct AlongGuide {
     family: PlaneFamily,
 }
 
-impl AlongGuide {
-    /// `None` if no sample has a station, or no plane lies between the guide's ends; then with the
-    /// counts.
-    pub fn new(
+/// What a view is along a guide.
+#[derive(Debug)]
+pub(super) enum Straightening {
+    Along(Box<AlongGuide>),
+    /// No sample has a station between the guide's ends.
+    Off(OffGuide),
+}
+
+impl Straightening {
+    /// The view along the guide.
+    pub fn of(
         view: &View,
         family: &PlaneFamily,
         guide: &Arc<CurvedGuide>,
-    ) -> Result<Result<Self, OffGuide>, PartialError> {
+    ) -> Result<Self, PartialError> {
         let (points, off_guide) = points_along(view, family, guide);
         let values = |row: usize| view.image().row(row).iter().copied();
         let all = (0..view.image().size().rows).flat_map(values);
         let kept = all.zip(&points).map(|(v, p)| if p.x.is_nan() { f32::NAN } else { v });
         let Ok(image) = RangeImage::from_values(view.image().size(), kept.collect()) else {
-            return Ok(Err(off_guide));
+            return Ok(Self::Off(off_guide));
         };
         let (given, guide) = (view.clone(), Arc::clone(guide));
         let mut frame = Straightened { given, guide, points, torn: 0 };
@@ -84,15 +91,18 @@ impl AlongGuide {
         let note = frame.note();
         let (name, at) = (view.name(), Isometry3::identity());
         let Ok(straight) = View::new(name, image, Arc::new(frame), at, view.sigma()) else {
-            return Ok(Err(off_guide));
+            return Ok(Self::Off(off_guide));
         };
         let planes = StraightGuide::along(Vector3::z())
             .and_then(|z| PlaneFamily::new(z, family.offset(), family.interval()))
             .map_err(|_| PartialError::CurvedGuide)?;
         let (given, family) = (view.clone(), family.clone());
-        Ok(Ok(Self { view: straight, planes, off_guide, note, given, family }))
+        let along = AlongGuide { view: straight, planes, off_guide, note, given, family };
+        Ok(Self::Along(Box::new(along)))
     }
+}
 
+impl AlongGuide {
     /// The frame of a plane of the curved guide.
     pub fn frame(&self, plane: PlaneIndex) -> PlaneFrame {
         self.family.frame(plane)

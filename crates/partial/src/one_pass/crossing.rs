@@ -3,6 +3,7 @@
 
 use super::vertex::Kind;
 use crate::SectionAxes;
+use crate::repeats::OnCurve;
 use crate::subpixel::parameter;
 use transect_device::{Pixel, Point3, Vector3, View};
 use transect_geometry::Point2;
@@ -29,6 +30,20 @@ pub(super) struct Crossing {
     pub share: f32,
     /// Whether pixels are missing between this crossing and the next one of its curve.
     pub bridged_after: bool,
+}
+
+impl OnCurve for Crossing {
+    fn position(&self) -> Point2 {
+        self.position
+    }
+
+    fn spacing(&self) -> f64 {
+        f64::from(self.spacing)
+    }
+
+    fn bridged_after(&mut self) -> &mut bool {
+        &mut self.bridged_after
+    }
 }
 
 impl Crossing {

@@ -12,6 +12,7 @@ use super::pair_line::PairLines;
 use super::refine::Refinement;
 use super::vertex::Kind;
 use crate::pixel_grid::Grid;
+use crate::repeats::drop_repeats;
 use crate::{PartialCurve, PartialModel, PlaneCurves, SectionAxes};
 use transect_device::{Pixel, Vector3, View};
 use transect_geometry::EndReason;
@@ -190,31 +191,5 @@ fn collect(strand: &Strand, lines: &[Solved<'_>], crossings: &mut Vec<Crossing>)
             last.bridged_after = true;
         }
     }
-    tidy(crossings, strand.closed);
-}
-
-/// Drops nodes that repeat the one before: where a sample lies on the plane, up to four of its
-/// pairs cross there.
-fn tidy(crossings: &mut Vec<Crossing>, closed: bool) {
-    /// Distance at which two crossings are one, as a share of the rays' spacing: rounding.
-    const SAME: f64 = 1e-6;
-    let repeats = |a: &Crossing, b: &Crossing| {
-        let apart = (a.position - b.position).norm();
-        apart <= SAME * f64::from(a.spacing.max(b.spacing))
-    };
-    crossings.dedup_by(|b, a| {
-        let same = repeats(a, b);
-        // What follows the one that goes follows the one that stays.
-        a.bridged_after |= same && b.bridged_after;
-        same
-    });
-    if let (true, [first, .., last]) = (closed, crossings.as_slice())
-        && repeats(first, last)
-    {
-        let bridged = last.bridged_after;
-        crossings.pop();
-        if let (true, Some(last)) = (bridged, crossings.last_mut()) {
-            last.bridged_after = true;
-        }
-    }
+    drop_repeats(crossings, strand.closed);
 }

@@ -88,7 +88,7 @@ pub use vertex::{Kind, Vertex};
 use crate::near_planes::near_planes;
 use crate::subpixel::Subpixel;
 use crate::{PartialError, PartialModel, SectionAxes};
-use along_guide::AlongGuide;
+use along_guide::Straightening;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use transect_device::View;
@@ -231,12 +231,12 @@ fn along_guide(
     let prepared = PreparedView::new(&noisy, options.smooth.then_some(&smoothing), rule);
     let rule = rule(prepared.noise());
     let mut model = PartialModel::default();
-    let off_guide = match AlongGuide::new(prepared.view(), planes, guide)? {
-        Err(off_guide) => {
+    let off_guide = match Straightening::of(prepared.view(), planes, guide)? {
+        Straightening::Off(off_guide) => {
             model.take_prepared(&prepared);
             off_guide
         }
-        Ok(along) => {
+        Straightening::Along(along) => {
             let axes = SectionAxes::new(&along.view, &along.planes)?;
             let contours = contours(&along.view, &axes, &rule, effort, work)?;
             let lines = curves::Lines {

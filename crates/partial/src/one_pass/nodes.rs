@@ -143,7 +143,7 @@ fn sigma_factor(tangent: &Vector2, across: &Vector3, ray: &Vector3) -> f64 {
 }
 
 /// Unit normal of the surface that holds the curve's direction and a step across it, on the
-/// sensor's side; zero where the two do not span a surface.
+/// sensor's side; `None` where the two do not span a surface.
 fn surface_normal(tangent: &Vector2, across: &Vector3, ray: &Vector3) -> Option<Vector3> {
     let normal = Vector3::new(tangent.x, tangent.y, 0.0).cross(across).try_normalize(0.0);
     let outward = normal.map(|n| if n.dot(ray) > 0.0 { -n } else { n });
