@@ -1,6 +1,8 @@
 //! The result of fusing one plane.
 
+use crate::consensus::measure::canonical;
 use crate::pairwise::GrowthCounts;
+use std::cmp::Ordering;
 use transect_geometry::Curve;
 
 /// The fused curves of one plane.
@@ -30,13 +32,18 @@ pub struct FusedPlane {
 /// Counts of one plane's fusion.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct FusionCounts {
-    /// Nodes of all views.
+    /// Nodes of all views. Of `consensus`: those beside a measured unit; views that are the same
+    /// count once. Of `pairwise`: all.
     pub observations: usize,
-    /// Nodes kept for the result before tidying.
-    pub kept: usize,
-    /// Nodes left out. Of `consensus`: kept nodes beside a better curve or on a curve that is too
+    /// Nodes left out. Of `consensus`: placed nodes beside a better curve or on a curve that is too
     /// short. Of `pairwise`: observations farther than the threshold from every fused curve.
     pub dropped: usize,
     /// Crossings of the curves that the last step resolved.
     pub crossings: usize,
+}
+
+/// The order of the curves of a fused plane: equal lengths by all that is known of the curves.
+pub(crate) fn longest_first(a: &Curve, b: &Curve) -> Ordering {
+    let by_length = b.length().total_cmp(&a.length());
+    by_length.then_with(|| canonical(a, b))
 }

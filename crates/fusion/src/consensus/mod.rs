@@ -58,7 +58,7 @@ mod window;
 pub use options::{ConsensusOptions, Steps};
 pub use steps::{ChainStep, ConsensusSteps, NodeStep, ObservationStep};
 
-use crate::fused_plane::{FusedPlane, FusionCounts};
+use crate::fused_plane::{FusedPlane, FusionCounts, longest_first};
 use crate::planar::without_crossings;
 use connect::Chains;
 use estimate::Estimate;
@@ -130,11 +130,11 @@ fn fuse(
         return FusedPlane::default();
     };
     let mut estimate = Estimate::new(&measured);
-    let kept = estimate.nodes.len();
     let Chains { chains, dropped } = connect::connect(&mut estimate, &measured);
     watch(&measured, &estimate, &chains);
     let curves = shape::shape(estimate, chains, &measured);
-    let (curves, crossings) = without_crossings(curves, options.shortest_footprints);
+    let (mut curves, crossings) = without_crossings(curves, options.shortest_footprints);
+    curves.sort_by(longest_first);
     FusedPlane {
         curves,
         spread: measured.spread,
@@ -142,7 +142,7 @@ fn fuse(
         sigma_is_noise_alone: measured.observations.err_by_noise_alone(),
         noise: measured.noise,
         threshold: measured.scale.threshold,
-        counts: FusionCounts { observations: count, kept, dropped, crossings },
+        counts: FusionCounts { observations: count, dropped, crossings },
         growth: None,
     }
 }

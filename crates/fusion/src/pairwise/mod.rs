@@ -48,12 +48,11 @@ pub use steps::{MergeOutcome, MergeSteps, VerifiedOverlap, merge_steps};
 use crate::consensus::ConsensusOptions;
 use crate::consensus::measure::{Measurements, Observations};
 use crate::envelopes::UnitIndex;
-use crate::fused_plane::{FusedPlane, FusionCounts};
+use crate::fused_plane::{FusedPlane, FusionCounts, longest_first};
 use crate::ground::Ground;
 use crate::pattern::OverlapTolerance;
 use crate::planar::without_crossings;
 use serde::{Deserialize, Serialize};
-use std::cmp::Ordering;
 use transect_geometry::Curve;
 
 /// What can be set. Without a tolerance no length is in the user's unit.
@@ -138,7 +137,6 @@ pub fn pairwise_watched(
     curves.sort_by(longest_first);
     let counts = FusionCounts {
         observations: views.iter().flat_map(|v| v.iter()).map(|c| c.nodes().len()).sum(),
-        kept: curves.iter().map(|c| c.nodes().len()).sum(),
         dropped: unseen(views, &curves, tolerance.distance()),
         crossings,
     };
@@ -168,10 +166,4 @@ fn without_curves(views: &[&[Curve]]) -> FusedPlane {
     let observations = views.iter().flat_map(|v| v.iter()).map(|c| c.nodes().len()).sum();
     let counts = FusionCounts { observations, dropped: observations, ..FusionCounts::default() };
     FusedPlane { counts, ..FusedPlane::default() }
-}
-
-/// Equal lengths by all that is known of the curves.
-fn longest_first(a: &Curve, b: &Curve) -> Ordering {
-    let by_length = b.length().total_cmp(&a.length());
-    by_length.then_with(|| crate::consensus::measure::canonical(a, b))
 }

@@ -7,7 +7,7 @@
 use super::super::estimate::PlacedNode;
 use super::super::measure::Scale;
 pub(super) use super::super::tuning::ends::JoinRule;
-use super::super::tuning::ends::{CUT_COST, THRESHOLD_SHARE};
+use super::super::tuning::ends::{CUT_COST, CUT_PARTS, LEAST_CLOSED, THRESHOLD_SHARE};
 use super::chain::Chain;
 use crate::grid::PointGrid;
 use crate::ground::Ground;
@@ -113,7 +113,7 @@ impl Pair<'_> {
         let outermost = [*tail.nodes.last()?, *head.nodes.first()?];
         let [lost_tail, lost_head] = outermost.map(|k| nodes[k as usize].evidence.footprint);
         let shortest = tail.nodes.len().min(head.nodes.len());
-        let most = rule.cut_nodes.min(if is_one { shortest / 3 } else { shortest / 2 });
+        let most = rule.cut_nodes.min(shortest / CUT_PARTS[usize::from(is_one)]);
         // An overshooting end points elsewhere than the curve it is cut back to.
         let leaving: Vec<Vector2> = (0..=most).map(|c| tail.direction(nodes, true, c)).collect();
         let arriving: Vec<Vector2> = (0..=most).map(|c| head.direction(nodes, false, c)).collect();
@@ -122,6 +122,9 @@ impl Pair<'_> {
             for (cut_head, arriving) in arriving.iter().enumerate() {
                 let p = &nodes[tail.nodes[tail.nodes.len() - 1 - cut_tail] as usize];
                 let q = &nodes[head.nodes[cut_head] as usize];
+                if is_one && tail.nodes.len() < cut_tail + cut_head + LEAST_CLOSED {
+                    continue;
+                }
                 let Some(cost) = gap_cost([p, q], [leaving, arriving], scale, rule) else {
                     continue;
                 };
@@ -133,8 +136,7 @@ impl Pair<'_> {
                 }
             }
         }
-        // Enough nodes must be left for a closed curve.
-        best.filter(|b| !is_one || tail.nodes.len() >= b.cut_tail + b.cut_head + 4)
+        best
     }
 }
 

@@ -233,11 +233,14 @@ fn canonical_node(a: &Node, b: &Node) -> Ordering {
     let values = |n: &Node| {
         let normal = n.normal.unwrap_or_default();
         let tan_incidence = n.tan_incidence.unwrap_or(0.0);
-        let bridged = f32::from(u8::from(n.bridged));
-        let known = [n.correlation, bridged, tan_incidence, normal.x, normal.y, normal.z];
+        let [bridged, has_normal, has_incidence] =
+            [n.bridged, n.normal.is_some(), n.tan_incidence.is_some()]
+                .map(|b| f32::from(u8::from(b)));
+        let flags = [bridged, has_normal, has_incidence];
+        let known = [n.correlation, tan_incidence, normal.x, normal.y, normal.z];
         let places = [n.position.x, n.position.y].into_iter();
         let measures = [n.sigma, n.footprint, n.weight, n.view_count() as f32];
-        places.chain(measures.into_iter().chain(known).map(f64::from))
+        places.chain(measures.into_iter().chain(known).chain(flags).map(f64::from))
     };
     let mut orders = values(a).zip(values(b)).map(|(a, b)| a.total_cmp(&b));
     orders.find(|o| o.is_ne()).unwrap_or(Ordering::Equal)
