@@ -265,6 +265,9 @@ impl<'a> Grower<'a> {
     ) -> Result<(Vec<StoredView>, Report), GrowError> {
         watch.begin(Stage::Views, replacements.len());
         let model = |(id, source): &(ViewId, S)| {
+            if watch.cancelled() {
+                return Err(ReconstructError::Cancelled.into());
+            }
             let new = self.model(source, TimedView::load(source)?)?;
             watch.step(Stage::Views);
             Ok((id.clone(), new))

@@ -17,6 +17,8 @@ pub(crate) struct ModelledView<C = PackedCurves> {
     pub sigma: Option<f64>,
     /// The planes it crosses, sorted, each with its curves.
     pub planes: Vec<(PlaneIndex, C)>,
+    /// Number of nodes of these curves.
+    pub nodes: u64,
     pub notes: Vec<String>,
     pub report: ViewReport,
     pub reading: Duration,
@@ -41,7 +43,9 @@ impl TimedView {
             (found.plane, curves)
         });
         let planes: Vec<(PlaneIndex, Vec<Curve>)> = curves.collect();
+        let nodes = planes.iter().flat_map(|(_, curves)| curves).map(|c| c.nodes().len() as u64);
         Ok(ModelledView {
+            nodes: nodes.sum(),
             world_from_sensor: *view.world_from_sensor(),
             sigma: view.sigma(),
             report: view_report(name, &view, setup, &partial.counts, &planes),
@@ -57,8 +61,8 @@ impl ModelledView<Vec<Curve>> {
     fn packed(self) -> ModelledView {
         let planes = self.planes.into_iter();
         let planes = planes.map(|(plane, curves)| (plane, PackedCurves::new(&curves))).collect();
-        let Self { world_from_sensor, sigma, notes, report, reading, modelling, .. } = self;
-        ModelledView { world_from_sensor, sigma, planes, notes, report, reading, modelling }
+        let Self { world_from_sensor, sigma, nodes, notes, report, reading, modelling, .. } = self;
+        ModelledView { world_from_sensor, sigma, planes, nodes, notes, report, reading, modelling }
     }
 }
 

@@ -132,9 +132,9 @@ fn by_plane(views: &mut [ModelledView]) -> Observed {
 
 fn assemble(setup: &Setup, views: Vec<ModelledView>, fused: Vec<Fused>) -> Model {
     let mut model = Model::new(setup.unit, setup.planes.clone());
-    for ModelledView { world_from_sensor, sigma, report, .. } in views {
-        let (source, nodes) = (report.name.clone(), report.crossings as u64);
-        model.add_view(ViewRecord { name: report.name, source, world_from_sensor, sigma, nodes });
+    for ModelledView { world_from_sensor, sigma, nodes, report, .. } in views {
+        let (source, name) = (report.name.clone(), report.name);
+        model.add_view(ViewRecord { name, source, world_from_sensor, sigma, nodes });
     }
     for plane in fused {
         model.set_curves(plane.index, plane.plane.curves);

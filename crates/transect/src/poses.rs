@@ -14,7 +14,7 @@
 mod messages;
 
 use crate::timed_view::TimedView;
-use crate::{Posed, ReconstructError, Stage, Unwatched, ViewSource, Watch};
+use crate::{Posed, ReconstructError, Stage, ViewSource, Watch};
 use rayon::prelude::*;
 use serde::Serialize;
 use transect_device::ImageOrder;
@@ -113,7 +113,7 @@ impl PoseReport {
                 explanation = None;
             } else {
                 explanation = again.or(explanation);
-                (refinement, copies) = (None, coarse_views(sources, &Unwatched)?);
+                (refinement, copies) = (None, coarse_views(sources, watch)?);
                 judgement = judge(&copies);
             }
         }

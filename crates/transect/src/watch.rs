@@ -19,7 +19,8 @@ pub trait Watch: Sync {
     fn begin(&self, stage: Stage, total: usize);
     /// One more step is done.
     fn step(&self, stage: Stage);
-    /// Whether the run should stop. Called before each view and each plane.
+    /// Whether the run should stop. Called before each view, and before each plane outside of a
+    /// model store: the transactions of a store run to their end.
     fn cancelled(&self) -> bool {
         false
     }

@@ -12,7 +12,7 @@ pub struct StageCost {
     pub stage: String,
     /// Time by the clock.
     pub seconds: f64,
-    /// Largest resident memory of the process up to the stage's end.
+    /// Largest resident memory of the process up to the stage's end; `None` where it is not known.
     pub peak_memory_mib: Option<f64>,
 }
 
@@ -26,7 +26,7 @@ impl Costs {
     pub fn stage<T>(&mut self, stage: &str, work: impl FnOnce() -> T) -> T {
         let began = Instant::now();
         let done = work();
-        self.push(stage, began.elapsed());
+        self.push(stage, began.elapsed(), peak_memory_mib());
         done
     }
 
@@ -47,16 +47,17 @@ impl Costs {
             }
         };
         if !timings.poses.is_zero() {
-            self.push("refining poses", timings.poses);
+            self.push("refining poses", timings.poses, None);
         }
-        self.push("reading", share(timings.reading));
-        self.push("finding curves", share(timings.modelling));
-        self.push("fusing", timings.fusion);
+        self.push("reading", share(timings.reading), None);
+        self.push("finding curves", share(timings.modelling), None);
+        // The others have ended before, and their peaks are no longer known.
+        self.push("fusing", timings.fusion, peak_memory_mib());
     }
 
-    fn push(&mut self, stage: &str, time: Duration) {
-        let (seconds, peak_memory_mib) = (time.as_secs_f64(), peak_memory_mib());
-        self.0.push(StageCost { stage: stage.to_owned(), seconds, peak_memory_mib });
+    fn push(&mut self, stage: &str, time: Duration, peak_memory_mib: Option<f64>) {
+        let (stage, seconds) = (stage.to_owned(), time.as_secs_f64());
+        self.0.push(StageCost { stage, seconds, peak_memory_mib });
     }
 
     /// One row per stage and their sum.

@@ -299,7 +299,7 @@ fn rays_cross(view: &View, Pixel { row, col }: Pixel) -> Option<bool> {
     let [right, below] = [right, below].map(|ray| ray.direction - here.direction);
     let (across, both) = (right.cross(&below).norm(), right.norm() * below.norm());
     let farthest = right.norm().max(below.norm());
-    (both > 0.0).then(|| across >= CROSSING * both && farthest <= FARTHEST_RAYS)
+    (both > 0.0).then_some(across >= CROSSING * both && farthest <= FARTHEST_RAYS)
 }
 
 fn check_valid_pixels(view: &View) -> Result<(), WorkflowError> {

@@ -102,11 +102,21 @@ pub(crate) fn readable(path: &Path) -> String {
     path.to_string_lossy().into_owned()
 }
 
+/// Bytes of a file that are in memory at once while it is hashed: files of scanners have gigabytes.
+const PART: usize = 1 << 18;
+
 /// Size and hash of an input; an input that has vanished meanwhile is left out.
 fn input(path: &Path) -> Option<Input> {
-    let mut bytes = Vec::new();
-    open_regular(path).and_then(|mut file| file.read_to_end(&mut bytes)).ok()?;
-    let hash = Sha256::digest(&bytes);
-    let sha256 = hash.iter().map(|b| format!("{b:02x}")).collect();
-    Some(Input { path: readable(path), bytes: bytes.len() as u64, sha256 })
+    let mut file = open_regular(path).ok()?;
+    let (mut hash, mut bytes, mut part) = (Sha256::new(), 0, vec![0; PART]);
+    loop {
+        let read = file.read(&mut part).ok()?;
+        if read == 0 {
+            break;
+        }
+        hash.update(&part[..read]);
+        bytes += read as u64;
+    }
+    let sha256 = hash.finalize().iter().map(|b| format!("{b:02x}")).collect();
+    Some(Input { path: readable(path), bytes, sha256 })
 }

@@ -12,7 +12,8 @@ use transect_geometry::LengthUnit;
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Selection {
-    /// Views by number from 0, by range of numbers or by name, with commas between them: `3-7,12`.
+    /// Views by name, by number from 0 or by range of numbers, with commas between them: `3-7,12`.
+    /// A name goes before a number.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub views: Option<String>,
     /// Of these views, the first one and every so many further on.
@@ -107,19 +108,11 @@ impl Selection {
         };
         let mut chosen = vec![false; scan.views.len()];
         for item in text.split(',').map(str::trim) {
-            let range = numbered(item);
-            let of_item = |(number, view): (usize, &ScanView)| match &range {
-                Some(range) => range.contains(&number),
-                None => view.name() == item,
-            };
-            let beyond = range.as_ref().is_some_and(|range| *range.end() >= chosen.len());
-            let mut found = false;
-            for (number, view) in scan.views.iter().enumerate() {
-                if of_item((number, view)) {
-                    (chosen[number], found) = (true, true);
-                }
-            }
-            if beyond || !found {
+            let named = numbers_of_name(scan.views.iter().map(ScanView::name), item);
+            let range = numbered(item).filter(|r| named.is_empty() && *r.end() < chosen.len());
+            let found: Vec<usize> = range.map_or(named, Iterator::collect);
+            found.iter().for_each(|number| chosen[*number] = true);
+            if found.is_empty() {
                 let last = chosen.len().saturating_sub(1);
                 let problem = format!(
                     "there is no view {item:?}; write names of views, or numbers from 0 to {last} \
@@ -130,6 +123,11 @@ impl Selection {
         }
         Ok((0..chosen.len()).filter(|&k| chosen[k]).step_by(every).collect())
     }
+}
+
+/// The numbers of the views of a name. Where none has it, texts that are numbers choose by number.
+pub(crate) fn numbers_of_name<'a>(views: impl Iterator<Item = &'a str>, name: &str) -> Vec<usize> {
+    views.enumerate().filter(|(_, view)| *view == name).map(|(number, _)| number).collect()
 }
 
 /// The numbers `3`, or `3-7` from 3 to 7; `None` for a name.

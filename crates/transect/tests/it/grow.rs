@@ -88,6 +88,13 @@ fn any_order_of_views_gives_the_bytes_of_one_run() {
         with_store(&setup, |store| {
             Grower::new(store, &setup).unwrap().add_views(&views, &Unwatched).unwrap();
             assert!(stored(store) == whole, "all at once");
+            let run = reconstruct(&views, &setup, &Unwatched).unwrap().model;
+            let by_name = |model: &Model| {
+                let mut views = model.views().to_vec();
+                views.sort_by(|a, b| a.name.cmp(&b.name));
+                views
+            };
+            assert_eq!(by_name(&store.read().unwrap().model().unwrap()), by_name(&run));
             assert_eq!(store.verify().unwrap().pending, 0);
         });
     }
@@ -336,6 +343,11 @@ fn a_stopped_run_is_taken_up_where_it_stopped() {
         assert_eq!((growth.present.len(), growth.report.views.len()), (3, 1));
         assert!(stored(store) == at_once(&views, &setup));
         assert_eq!(grower.fuse_pending(&Unwatched).unwrap(), 0);
+        let replacement = [(views[0].name().into(), moved(&views[0]))];
+        let stopped = grower.replace_views(&replacement, &Stopping(AtomicUsize::new(0)));
+        let error = stopped.unwrap_err();
+        assert!(matches!(error, GrowError::View(ReconstructError::Cancelled)), "{error}");
+        assert!(stored(store) == at_once(&views, &setup));
     });
 }
 

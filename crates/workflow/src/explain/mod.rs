@@ -18,6 +18,7 @@ mod rules;
 pub use page::{Explanation, Step};
 pub use rules::rule_figures;
 
+use crate::selection::numbers_of_name;
 use crate::views::FileView;
 use crate::{OpenScan, Settings, WorkflowError};
 use page::Builder;
@@ -188,16 +189,24 @@ fn straight(setup: Setup) -> Result<Setup, WorkflowError> {
 
 fn off_plane(plane: PlaneIndex, view: &str, crossed: &RangeInclusive<i64>) -> WorkflowError {
     let (first, last) = (crossed.start(), crossed.end());
+    if crossed.is_empty() {
+        let problem = format!(
+            "no plane crosses the surface that view {view} saw; give a smaller --interval, or \
+             another --offset"
+        );
+        return WorkflowError::setting("interval", problem);
+    }
     let problem = format!(
         "plane {plane} does not cross the surface that view {view} saw; planes {first} to {last} do"
     );
     WorkflowError::setting("plane", problem)
 }
 
-/// A view by its number from 0, or by its name.
+/// A view by its name, or by its number from 0.
 fn number_of(views: &[FileView<'_>], text: &str) -> Result<usize, WorkflowError> {
-    let by_name = views.iter().position(|view| view.name() == text);
-    let number = by_name.or_else(|| text.parse().ok().filter(|k| *k < views.len()));
+    let by_name = numbers_of_name(views.iter().map(|view| view.name()), text);
+    let number =
+        by_name.first().copied().or_else(|| text.parse().ok().filter(|k| *k < views.len()));
     number.ok_or_else(|| {
         let last = views.len().saturating_sub(1);
         let problem = format!("no view {text}; views have numbers from 0 to {last}, and names");

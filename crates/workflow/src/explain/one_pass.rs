@@ -48,7 +48,7 @@ pub(super) fn draw(drawn: &Drawn<'_>, pages: &mut Builder) -> Result<(), Partial
     let mut work = Workspace::default();
     let swept = Swept {
         view,
-        level: (plane.0 - axes.base().0) as f64,
+        level: plane.0 as f64 - axes.base().0 as f64,
         seen: seen(view, &axes, &rule, Instructions::Best),
         contours: contours(view, &axes, &rule, &Effort::default(), &mut work)?,
         plane,
