@@ -68,7 +68,7 @@ impl DepthOffsets {
     /// Offsets at the nodes of a grid, row by row, in 1 / length unit.
     ///
     /// # Errors
-    /// What is wrong: fewer than 2 × 2 nodes, another number of values, or one that is not finite.
+    /// A sentence: fewer than 2 × 2 nodes, another number of values, or one that is not finite.
     pub fn new(rows: usize, cols: usize, values: Vec<f64>) -> Result<Self, String> {
         Grid { scale: 1.0, rows, cols, values }.try_into()
     }
@@ -155,7 +155,7 @@ impl DepthOffsets {
         Self(Grid { values, scale: first.scale * second.scale, ..*second })
     }
 
-    /// What the camera errs by at a depth, in the length unit: the root mean square over the nodes.
+    /// The camera's error at a depth, in the length unit: the root mean square over the nodes.
     pub fn error_at(&self, depth: f64) -> f64 {
         let error = |offset: &f64| depth * (self.factor(*offset, depth) - 1.0);
         let squares: f64 = self.0.values.iter().map(|offset| error(offset).powi(2)).sum();

@@ -35,7 +35,7 @@ impl ImageOrder {
         }
     }
 
-    /// What the order takes the images for, as a sentence without a full stop.
+    /// The assumption of the order about the images, as a sentence without a full stop.
     pub fn meaning(self) -> &'static str {
         match self {
             Self::Transposed => "the rows of the files are the columns of the images",

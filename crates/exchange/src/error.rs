@@ -78,7 +78,7 @@ pub enum ReadError {
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the system.
         #[source]
         source: std::io::Error,
     },
@@ -255,7 +255,7 @@ impl Problem {
 pub struct WriteError {
     /// The file that was to be written.
     pub path: PathBuf,
-    /// What the system says.
+    /// The error of the system.
     #[source]
     pub source: std::io::Error,
 }

@@ -1,4 +1,4 @@
-//! What the tests of several modules need.
+//! Data that the tests of several modules need.
 
 use std::path::{Path, PathBuf};
 use transect_geometry::{

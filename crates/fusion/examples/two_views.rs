@@ -7,7 +7,7 @@ use transect_geometry::{Curve, CurveError, Node, Point2};
 /// Distance between the samples of a view, in metres.
 const SPACING: f64 = 0.02;
 
-/// What a view measures of the corner at the origin: the wall along x from `from` to the corner,
+/// A view's curve of the corner at the origin: the wall along x from `from` to the corner,
 /// and the wall along y up to `to`. All its points are `off` to the side.
 fn view(from: f64, to: f64, off: f64) -> Result<Vec<Curve>, CurveError> {
     let steps = |length: f64| 1..=(length / SPACING) as u32;

@@ -138,7 +138,7 @@ mod tests {
         (place(), size()).prop_map(|((x, y), (u, v))| line((x, y), (x + u, y + v)))
     }
 
-    /// What is done to a plane: a curve arrives or grows, or one goes.
+    /// A change of a plane: a curve arrives, grows or goes.
     #[derive(Debug, Clone)]
     enum Step {
         Insert(usize, Curve),

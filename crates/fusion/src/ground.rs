@@ -1,4 +1,4 @@
-//! What the views tell about the ground between two places: that one measured it, or that one saw
+//! The ground between two places, as the views know it: one view measured it, or one view saw
 //! the surface end on both sides of it.
 
 use crate::consensus::measure::{Observation, Observations};

@@ -4,7 +4,7 @@
 //! measurements that contradict each other may.
 //!
 //! **Idea.** Of two units that cross, the one that more views saw stays. Units are only left out or
-//! shortened, so no new crossing appears.
+//! shortened. Rounding may make a shortened one touch another, so step 2 repeats until none does.
 //!
 //! **Steps.**
 //! 1. Loops: where a curve crosses itself, a loop shorter than the shortest curve is cut off at the

@@ -4,7 +4,7 @@
 //! views, and never through curves. It knows no section planes, no files and no model.
 //!
 //! * [`CoarseView`]: a view as a few thousand patches of surface and the free space before them.
-//! * [`judge`]: which views, camps of views or regions of a view contradict the others.
+//! * [`judge`]: which views, groups of views or regions of a view contradict the others.
 //! * [`refine`]: the poses of all views, refined together.
 //! * [`explain`]: another convention by which the same poses or images may have been written.
 

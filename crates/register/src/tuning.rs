@@ -175,8 +175,8 @@ pub const FAR_OFF: f64 = 5.0;
 /// are left of four views do not determine them. Doubled, judging takes twice the time.
 pub const PARTS: usize = 10;
 
-/// Sums in which threads add up what all pairs say. No unit. Chosen by hand: results do not depend on
-/// the number of threads, of which four have work. Doubled, each round adds up twice as many
+/// Sums in which threads add up what all pairs say. No unit. Chosen by hand: results do not depend
+/// on the number of threads, of which four have work. Doubled, each round adds up twice as many
 /// matrices.
 pub const SUMS: usize = 4;
 

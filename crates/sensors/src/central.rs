@@ -1,4 +1,4 @@
-//! What sensors share whose rays all start in the origin.
+//! Functions of sensors whose rays all start in the origin.
 
 use transect_device::{SensorPlane, Vector3};
 

@@ -2,8 +2,8 @@
 
 use transect_device::{Pixel, View};
 
-/// A hash of the image size, the points of all pixels in the sensor's frame, the starts of their
-/// rays, and the given noise. The pose and the names of files are not part of it.
+/// A hash of the image size, the points of all pixels in the sensor's frame, the start of the
+/// middle ray of each row, and the given noise. The pose and the names of files are not part of it.
 ///
 /// 64 bits find accidents, such as an image that was taken again under its old name. They do not
 /// stop attacks.

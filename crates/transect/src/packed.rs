@@ -15,7 +15,7 @@ pub(crate) struct PackedCurves {
     bridged: Box<[u32]>,
 }
 
-/// What a curve has besides its nodes.
+/// The properties of a curve besides its nodes.
 #[derive(Debug)]
 struct Shape {
     nodes: u32,
@@ -23,7 +23,7 @@ struct Shape {
     ends: [Option<EndReason>; 2],
 }
 
-/// What a node has besides its place.
+/// The properties of a node besides its place.
 #[derive(Debug)]
 struct Measures {
     sigma: f32,

@@ -33,7 +33,7 @@ pub struct PoseReport {
     /// Another reading of the poses or images under which the views agree, where they contradict.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub explanation: Option<Explanation>,
-    /// What contradicts at the refined poses, or at the given ones if they were kept.
+    /// The contradictions at the refined poses, or at the given ones if they were kept.
     pub judgement: Judgement,
     /// The refined poses; `None` if the given ones were kept, as those are that another convention
     /// explains.

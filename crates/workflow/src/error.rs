@@ -43,13 +43,13 @@ pub enum WorkflowError {
     File {
         /// The file or folder.
         path: PathBuf,
-        /// What was found, what was expected, and what to do.
+        /// The finding, the expectation, and the remedy.
         problem: String,
     },
     /// Valid input that is most likely wrong.
     #[error("{problem} If the input is right, pass --accept {check}")]
     Implausible {
-        /// What was found, what is plausible, and the likely cause.
+        /// The finding, the plausible range, and the likely cause.
         problem: String,
         /// The name of the check; see [`Check`](crate::Check).
         check: &'static str,

@@ -19,7 +19,7 @@ const STAGE: &str = ".transect.part";
 /// The file in that folder that a running process keeps locked.
 const LOCK: &str = ".lock";
 
-/// What to do about an output that would replace a file that must stay.
+/// The advice for an output that would replace a file that must stay.
 const ELSEWHERE: &str = "choose another place for the output";
 
 /// Prepares a file for being replaced: refuses files that must stay, and removes the temporary
@@ -129,7 +129,7 @@ pub(crate) fn remove_leftovers(output: &Path) {
         let process = rest.and_then(|r| r.strip_prefix('.')?.strip_suffix(".part"));
         let process = process.and_then(|p| p.split('-').next()?.parse().ok());
         if process.is_some_and(|process| !is_running(process)) {
-            // A file that cannot be removed harms nobody.
+            // A file that cannot be removed is left; the next run tries again.
             let _ = fs::remove_file(entry.path());
         }
     }

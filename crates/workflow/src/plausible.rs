@@ -36,9 +36,9 @@ const BETWEEN_VIEWS: f64 = 50.0;
 /// refused.
 const CROSSING: f64 = 0.5;
 
-/// Largest angle between the rays of neighbouring pixels, as their distance on the unit sphere; 30°.
-/// Chosen by hand: rotating lidars have 3° at most, and scans of a full circle that are read in the
-/// wrong order have up to 180°. Doubled, coarse scans of that kind pass.
+/// Largest angle between the rays of neighbouring pixels, as their distance on the unit sphere;
+/// 30°. Chosen by hand: rotating lidars have 3° at most, and scans of a full circle that are read
+/// in the wrong order have up to 180°. Doubled, coarse scans of that kind pass.
 const FARTHEST_RAYS: f64 = 0.5;
 
 /// Most pixels of a view that is kept from the look at a scan until its turn in the run. Chosen by
@@ -288,8 +288,8 @@ fn check_order(view: &View) -> Result<(), WorkflowError> {
     ))
 }
 
-/// Whether the next pixels of the row and of the column are near and in different directions, as the
-/// rays see them; `None` where rays begin at different places or are parallel.
+/// Whether the next pixels of the row and of the column are near and in different directions, as
+/// the rays see them; `None` where rays begin at different places or are parallel.
 fn rays_cross(view: &View, Pixel { row, col }: Pixel) -> Option<bool> {
     let ray = |row, col| view.frame().ray(Pixel { row, col });
     let [here, right, below] = [ray(row, col)?, ray(row, col + 1)?, ray(row + 1, col)?];

@@ -21,7 +21,7 @@ const REPORT: &str = "report.json";
 pub struct Registration<'a> {
     /// The poses, in the order of the scan's views.
     pub poses: PoseReport,
-    /// What to tell about them.
+    /// The notes about them.
     pub notes: Vec<String>,
     scan: &'a OpenScan,
 }

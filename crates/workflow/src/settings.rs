@@ -75,7 +75,7 @@ pub struct GuideSettings {
 }
 
 impl Settings {
-    /// What the modeler needs: these settings, completed by a scan.
+    /// The setup of the modeler: these settings, completed by a scan.
     ///
     /// # Errors
     /// [`WorkflowError`] if a setting has no usable value, neither settings nor scan state an
@@ -85,7 +85,7 @@ impl Settings {
         self.complete(Setup::new(scan.unit, planes))
     }
 
-    /// What the modeler needs to continue a store: these settings, completed by the store's.
+    /// The setup of the modeler for a store: these settings, completed by the store's.
     pub(crate) fn setup_of_store(
         &self,
         scan: &Scan,

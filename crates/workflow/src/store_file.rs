@@ -299,13 +299,20 @@ pub(crate) fn origin<'a>(
     FileView { view, id, origin, pose: None, read: Arc::default(), limits, plausibility }
 }
 
+/// Names of a scan's views in a message. By hand: they fill two lines.
+const NAMES: usize = 20;
+
 fn view_of_scan<'a>(
     scan: &'a Scan,
     path: &Path,
     name: &str,
 ) -> Result<&'a ScanView, WorkflowError> {
     scan.views.iter().find(|view| view.name() == name).ok_or_else(|| {
-        let names: Vec<&str> = scan.views.iter().take(20).map(ScanView::name).collect();
-        WorkflowError::file(path, format!("no view {name:?}; it has {}", names.join(", ")))
+        let names: Vec<&str> = scan.views.iter().take(NAMES).map(ScanView::name).collect();
+        let others = match scan.views.len() - names.len() {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        WorkflowError::file(path, format!("no view {name:?}; it has {}{others}", names.join(", ")))
     })
 }

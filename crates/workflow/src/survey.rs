@@ -21,7 +21,7 @@ const CELL: f64 = 2.0;
 /// Chosen by hand: cameras look along it, turning scanners across it. Doubling has no meaning.
 const ALONG_AXIS: f64 = 0.8;
 
-/// What a view holds.
+/// The content of a view.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct ViewSurvey {
@@ -54,7 +54,7 @@ pub struct ViewSurvey {
     /// Share of its sampled points beside which another view has a point, too. `None` for a single
     /// view.
     pub overlap: Option<f64>,
-    /// What its reader noticed.
+    /// The notes of its reader.
     pub notes: Vec<String>,
     /// Direction in the world that is up for the view.
     pub(crate) up: Vector3,

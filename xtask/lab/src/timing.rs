@@ -10,7 +10,7 @@ use std::time::Instant;
 /// One thing to be timed.
 pub struct Variant<'a> {
     pub name: &'static str,
-    /// What its time is multiplied by: for those that do a part of the work.
+    /// Factor of its time: for those that do a part of the work.
     pub scale: f64,
     pub run: Box<dyn FnMut() + 'a>,
 }

@@ -1,4 +1,4 @@
-//! What the structure checks share: findings, and the list of files they read.
+//! Findings of the structure checks, and the list of files they read.
 
 use crate::run::Failure;
 use std::fmt;
@@ -11,7 +11,7 @@ pub struct Finding {
     pub file: String,
     /// The line, counted from 1.
     pub line: usize,
-    /// What is wrong, what was found and what to do.
+    /// The problem, the finding and the remedy.
     pub message: String,
 }
 

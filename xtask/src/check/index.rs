@@ -9,7 +9,7 @@ use std::path::Path;
 /// The page with the index.
 const PAGE: &str = "docs/dissertation.md";
 
-/// What stands before the name of an item.
+/// The words before the name of an item.
 const KEYWORDS: [&str; 7] = ["fn", "struct", "enum", "const", "trait", "type", "mod"];
 
 /// Checks every link and every name of the page.

@@ -19,7 +19,7 @@ pub struct Arguments {
     drawing: DrawingArguments,
 }
 
-/// What `explain` and `grow` have in common.
+/// The common arguments of `explain` and `grow`.
 #[derive(Debug, clap::Args)]
 pub struct DrawingArguments {
     /// Scan, as for reconstruct.

@@ -57,7 +57,7 @@ struct PartArguments {
     max_range: Option<String>,
 }
 
-/// What the caller says in place of the files of a folder of depth images.
+/// Options in place of the files of a folder of depth images.
 #[derive(Debug, clap::Args)]
 pub struct DepthArguments {
     /// Poses of a folder of depth images or clouds, sensor to world: TUM, KITTI, Open3D .log or

@@ -101,7 +101,9 @@ fn views_planes_and_guides_that_cannot_be_drawn_are_refused() {
         2,
         &["--plane", "plane 4000 does not cross", "view range_000.npy saw; planes"],
     );
-    folder.run("grow scan --plane -4000 --out a").failed_with(2, &["--plane", "no view saw"]);
+    folder
+        .run("grow scan --plane -4000 --out a")
+        .failed_with(2, &["--plane", "no view has a curve"]);
     folder.write("axis.csv", "0,0,0\n0,0,1\n0,0.2,2\n");
     folder
         .run("explain scan --guide axis.csv --out a")

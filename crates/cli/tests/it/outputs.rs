@@ -162,8 +162,8 @@ fn the_table_of_the_readme_is_what_the_first_command_prints() {
     }
 }
 
-/// JSON holds no bytes that are not Unicode: reports name the scan all the same, and files that name
-/// it for other commands are refused.
+/// JSON holds no bytes that are not Unicode: reports name the scan all the same, and files that
+/// name it for other commands are refused.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_scan_may_lie_in_a_folder_whose_name_is_not_unicode() {

@@ -145,7 +145,7 @@ fn with_y_turned(mut pose: [f64; 16]) -> [f64; 16] {
     pose
 }
 
-/// What a few images hold, in counts.
+/// The values of a few images, in counts.
 struct Sample {
     /// Whether the images hold integers; also if none could be read.
     integers: bool,

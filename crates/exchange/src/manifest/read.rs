@@ -100,7 +100,7 @@ fn view(
     Ok(entry)
 }
 
-/// What a pose must be.
+/// The expected form of a pose.
 const POSE: &str = "16 numbers, or 4 rows of 4";
 
 /// A pose as files hold it; a null stands for a number that is not finite.

@@ -31,7 +31,8 @@
 //!    * Cover: longest chain first; what lies beside an accepted chain is cut away.
 //!    * Ends: joined where they meet and where the curve goes on, turned round thin tips, cut back
 //!      where they cross. Gaps are counted in samples of the coarsest view there. Short chains
-//!      that only one view measured are left out.
+//!      that only one view measured are left out, and open ones beside a closed chain (`spurs.rs`).
+//!      Nodes that run backwards within their noise are left out, too (`hooks.rs`).
 //! 4. `shape` → curves.
 //!    * Rings: closed chains that cannot be told from a circle become one.
 //!    * Corners: where two sides meet at an angle, the curve goes through the place at which they
@@ -41,9 +42,10 @@
 //! **Departures from the source.** Everything from the groups on replaces 5.5.2. The rule table of
 //! 5.4 holds for the result as an invariant instead of deciding each merge.
 //!
-//! **Cost.** Each step gathers neighbours from a grid. All steps work on groups or on nodes, whose
-//! number depends on the length of the result, not on the number of views. Every observation is
-//! only grouped and added to its cluster. Not for views whose poses are wrong by more than the
+//! **Cost.** Each step gathers neighbours from a grid. Measuring, aligning (some rounds), grouping,
+//! clustering and looking for witnesses of links visit every observation. All other steps visit
+//! groups or nodes, whose number depends on the length of the result, not on the number of views.
+//! Not for views whose poses are wrong by more than the
 //! overlap threshold: fusion cannot repair registration.
 
 mod connect;
@@ -65,7 +67,7 @@ use estimate::Estimate;
 use measure::{Measurements, Observations};
 use transect_geometry::Curve;
 
-/// What the views of a plane tell about their own errors, in the length unit.
+/// The errors of the views of a plane, as the views show them, in the length unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured {
     /// Standard deviation of one view's curve against the common one.

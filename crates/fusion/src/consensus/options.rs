@@ -1,8 +1,8 @@
-//! What can be set, and the switches of the steps beyond the core.
+//! Options, and the switches of the steps beyond the core.
 
 use serde::{Deserialize, Serialize};
 
-/// What can be set. No length is in the user's unit: all follow from measured spreads and
+/// Options. No length is in the user's unit: all follow from measured spreads and
 /// footprints.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]

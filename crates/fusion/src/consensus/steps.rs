@@ -1,11 +1,11 @@
-//! What the rooms of the consensus hand on, for pictures that explain the method.
+//! The results of each room of the consensus, for pictures that explain the method.
 
 use super::connect::Chain;
 use super::estimate::Estimate;
 use super::measure::{Measurements, NONE};
 use transect_geometry::{Point2, Vector2};
 
-/// What the first three rooms handed on.
+/// The results of the first three rooms.
 #[derive(Debug, Clone, Default)]
 pub struct ConsensusSteps {
     /// The observations of `measure`, in canonical order.

@@ -40,7 +40,7 @@ pub enum GrowthCase {
     Merged,
 }
 
-/// What happened while planes grew.
+/// Counts of the merges while planes grew.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct GrowthCounts {
     /// How often a view brought the first curves of a plane, curves that overlapped none, and
@@ -177,7 +177,7 @@ impl GrowingPlane {
         &self.envelopes
     }
 
-    /// What happened so far.
+    /// The counts so far.
     pub fn counts(&self) -> &GrowthCounts {
         &self.counts
     }

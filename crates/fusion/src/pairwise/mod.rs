@@ -14,7 +14,7 @@
 //!    can be ([`crate::pattern`]; 5.4).
 //! 4. Projection on curve units verifies the overlap and names basis and distant curve
 //!    (`verify.rs`; 5.5.1).
-//! 5. The overlap is averaged (`average.rs`; 5.5.2) and spliced in (`splice.rs`).
+//! 5. The overlap is averaged (`average/mod.rs`; 5.5.2) and spliced in (`splice.rs`).
 //! 6. The grown curve goes on to the next candidate (`grow.rs`; 5.2.2, 5.3.1).
 //! 7. Where two curves fork, the shorter part is cut off and the rest is merged (`fork.rs`).
 //! 8. Bridges over range jumps that another view saw are left out; units that no view measured are
@@ -55,7 +55,7 @@ use crate::planar::without_crossings;
 use serde::{Deserialize, Serialize};
 use transect_geometry::Curve;
 
-/// What can be set. Without a tolerance no length is in the user's unit.
+/// Options. Without a tolerance no length is in the user's unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 #[non_exhaustive]

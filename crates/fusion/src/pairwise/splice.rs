@@ -29,7 +29,7 @@ use crate::pattern::{
 };
 use transect_geometry::{Curve, EndReason, Node};
 
-/// What became of two curves.
+/// The outcome of a merge of two curves.
 #[derive(Debug, Clone)]
 pub(super) enum Outcome {
     /// They do not overlap.

@@ -7,14 +7,14 @@ use super::verify::{Limits, verify};
 use crate::pattern::{OverlapTolerance, Overlaps, classify};
 use transect_geometry::{Curve, CurveUnit, Node, Point2};
 
-/// What each step made of two curves.
+/// The result of each step on two curves.
 #[derive(Debug, Clone)]
 pub struct MergeSteps {
     /// Where the curves overlap, their parts, and what the rules say (5.4).
     pub overlaps: Overlaps,
     /// The verification of the first overlap (5.5.1); `None` if no unit holds a first point.
     pub verified: Option<VerifiedOverlap>,
-    /// What becomes of the curves.
+    /// The outcome for the curves.
     pub outcome: MergeOutcome,
 }
 
@@ -35,7 +35,7 @@ pub struct VerifiedOverlap {
     pub noise: Vec<Point2>,
 }
 
-/// What becomes of two curves.
+/// The outcome for two curves.
 #[derive(Debug, Clone)]
 pub enum MergeOutcome {
     /// They stay beside each other, because they do not overlap.

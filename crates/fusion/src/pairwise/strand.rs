@@ -23,7 +23,7 @@ pub(super) struct Strand {
     pub outside: [f64; 2],
     /// Whether the curve is closed.
     pub closed: bool,
-    /// Why the curve begins and ends, as far as anyone knows.
+    /// Why the curve begins and ends; `None` where it is not known.
     pub ends: [Option<EndReason>; 2],
 }
 

@@ -99,7 +99,7 @@ impl Fork {
     pub const ALL: [Self; 3] = [AtBeginning, AtEnd, AtBothEnds];
 }
 
-/// What the rules say about an overlap.
+/// The verdict of the rules on an overlap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Verdict {
     /// The overlap can be; the curves can be merged.
@@ -125,7 +125,7 @@ pub const TABLE_5_1: [[Verdict; 4]; 4] = [
     /* âbĉ */ [Yes(WholeAndMiddle),    Yes(WholeAndBeginning), Yes(WholeAndEnd),      Yes(BothWhole)],
 ];
 
-/// What Table 5.1 says about an overlap that leaves these parts of two curves.
+/// The verdict of Table 5.1 on an overlap that leaves these parts of two curves.
 pub const fn verdict(first: Parts, second: Parts) -> Verdict {
     TABLE_5_1[first.place()][second.place()]
 }

@@ -20,8 +20,9 @@
 //! Ends that merely touch are therefore an overlap, of length zero, from end to beginning. A closed
 //! curve has no ends: its parts are `abc` if some of it is unenclosed, `âbĉ` otherwise.
 //!
-//! Cost: O(n·m) for the n and m nodes and units in the common rectangle. Not for a curve that
-//! overlaps itself: each node is matched once, with the nearest place.
+//! Cost: n log m for the n nodes of one curve and the m units of the other in the common rectangle;
+//! each match is then compared with the chains that there are. Not for a curve that overlaps
+//! itself: each node is matched once, with the nearest place.
 
 use super::matches::{Match, Measured, NodePlaces, find};
 use super::{Parts, Verdict, verdict};
@@ -121,11 +122,11 @@ pub struct Overlap {
     pub on_a: CurveRange,
     /// The enclosed part of the second curve.
     pub on_b: CurveRange,
-    /// What the overlap leaves of the first curve.
+    /// The parts of the first curve outside the overlap.
     pub parts_a: Parts,
-    /// What the overlap leaves of the second curve.
+    /// The parts of the second curve outside the overlap.
     pub parts_b: Parts,
-    /// What the rules say.
+    /// The verdict of the rules.
     pub verdict: Verdict,
 }
 

@@ -4,11 +4,11 @@
 //! Every step below is necessary for an overlap, and none is sufficient;
 //! [`classify`](crate::pattern::classify) verifies the pairs that are left.
 //!
-//! 1. The envelopes of both planes' curves, grown by the tolerance, must meet (5.3.1).
-//! 2. So must the envelopes of the two curves; their common rectangle limits the search (5.3.2).
-//!    Both are the work of [`PlaneEnvelopes`](crate::envelopes::PlaneEnvelopes).
-//! 3. Both curves must have units in the common rectangle (the dashed envelopes of Figure 5.3).
-//! 4. Some of those units must run the same way: the opposite sides of a sheet and neighbouring
+//! 1. The envelopes of the two curves, grown by the tolerance, must meet; their common rectangle
+//!    limits the search (5.3.2). [`PlaneEnvelopes`](crate::envelopes::PlaneEnvelopes) finds them.
+//!    The test of whole planes (5.3.1) is left out: this search contains it.
+//! 2. Both curves must have units in the common rectangle (the dashed envelopes of Figure 5.3).
+//! 3. Some of those units must run the same way: the opposite sides of a sheet and neighbouring
 //!    surfaces that face each other do not (Figure 5.5).
 
 use transect_geometry::{Curve, CurveUnit, Envelope};

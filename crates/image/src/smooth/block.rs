@@ -105,7 +105,7 @@ impl Workspace {
     }
 }
 
-/// What a row of the windows is read from.
+/// The inputs of a row of the windows.
 struct Source<'a, S: Simd> {
     /// The image from the first pixel's place in the first column on.
     image: &'a [f32],
@@ -124,7 +124,7 @@ struct WindowRow<'a, S: Simd> {
     pairs: &'a mut [[Place; 2]],
 }
 
-/// What the windows of a block follow from, by lane; 0 for pixels that are not fitted.
+/// The scales of the windows of a block, by lane; 0 for pixels that are not fitted.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Scales {
     /// Distances between neighbouring rays of the row.

@@ -1,4 +1,4 @@
-//! What a store keeps of the image of a view: a coarse copy by which poses are compared.
+//! The coarse copy of a view's image that a store keeps, by which poses are compared.
 //!
 //! The store does not read it. It comes, is replaced and leaves with its view. Stores of programs
 //! that made no copies have no table of them.

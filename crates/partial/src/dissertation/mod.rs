@@ -261,7 +261,7 @@ impl<'a> Modeler<'a> {
         })
     }
 
-    /// What makes curves of the traces of a plane: steps 5 and 6.
+    /// The maker of curves from the traces of a plane: steps 5 and 6.
     fn maker<'b>(&'b self, traced: &'b Traced<'_>) -> Maker<'b> {
         let (samples, options) = (&self.samples, &self.options);
         let (surface, plane_image, level) = (traced.surface, traced.plane_image, traced.level);

@@ -8,7 +8,7 @@ use crate::PartialCurve;
 use transect_device::{Pixel, View};
 use transect_geometry::{EndReason, PlaneIndex, Point2, Vector2};
 
-/// What each step of the method made of one plane.
+/// The result of each step of the method on one plane.
 #[derive(Debug, Clone)]
 pub struct PlaneSteps {
     /// The plane.
@@ -25,7 +25,7 @@ pub struct PlaneSteps {
     pub curves: Vec<CurveSteps>,
 }
 
-/// What each step made of one curve.
+/// The result of each step on one curve.
 #[derive(Debug, Clone)]
 pub struct CurveSteps {
     /// The traced contour pixels in order, and whether missing pixels follow (3.5.1).

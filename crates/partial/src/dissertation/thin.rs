@@ -14,7 +14,7 @@
 //! 4. Again, until nothing changes.
 //!
 //! **Departures from the source.** Done on labels before tracing, instead of on pixels during it.
-//! What is left is then a border again: it has two sides and is traced like any other, up to its
+//! The rest is then a border again: it has two sides and is traced like any other, up to its
 //! ends. An even number of borders has the same label on both sides. It is a strip, whose two
 //! curves run in opposite directions. The printed rule would draw one line through it that has no
 //! inside. The printed choice between (i_v, j_v) and (i_h, j_h) takes the nearer to the current

@@ -57,13 +57,13 @@ pub(super) struct AlongGuide {
     /// The planes in that world.
     pub planes: PlaneFamily,
     pub off_guide: OffGuide,
-    /// What is wrong with the guide, if pairs are torn.
+    /// The problem of the guide, if pairs are torn.
     pub note: Option<String>,
     given: View,
     family: PlaneFamily,
 }
 
-/// What a view is along a guide.
+/// A view along a guide, if any of it has a station.
 #[derive(Debug)]
 pub(super) enum Straightening {
     Along(Box<AlongGuide>),

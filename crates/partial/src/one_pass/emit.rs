@@ -104,12 +104,12 @@ pub(super) fn emit_row<S: Simd>(
     std::mem::swap(&mut row.left.bases, left);
 }
 
-/// What is emitted of a row; of two, the pairs with the row above and with left neighbours.
+/// The output of a row; of two, the pairs with the row above and with left neighbours.
 struct Emission<'a> {
     /// The row above and the row.
     rows: (&'a Row, &'a Row),
     pairs: [&'a [u32]; 2],
-    /// What the pairs of column 0 are numbered.
+    /// The numbers of the pairs of column 0.
     edges: [u32; 2],
     bases: [&'a mut [u32]; 2],
     band: &'a mut Band,

@@ -157,7 +157,7 @@ impl Part {
     /// next band. `share` of the part's rows are done.
     #[inline(always)]
     fn finish_band<S: Simd>(&mut self, simd: S, row: &mut Row, first: bool, share: f64) {
-        /// What the estimate allows for rows that hold more than those before.
+        /// Factor by which later rows may hold more than those before.
         const MARGIN: f64 = 1.1;
         let expected = ((self.used + self.band.count) as f64 * MARGIN / share) as usize;
         let expected = expected.min(MAX_CROSSINGS + self.band.count);

@@ -7,7 +7,7 @@ use transect_device::View;
 use transect_image::BreakRule;
 use transect_image::Instructions;
 
-/// What the sweep compares: one entry per pixel, row-major.
+/// The inputs of the sweep: one entry per pixel, row-major.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Seen {
     /// Level from the base of the view's axes; NaN where missing.

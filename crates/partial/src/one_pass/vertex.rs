@@ -18,7 +18,7 @@ pub struct Vertex {
     pub y: f32,
 }
 
-/// What kind of pair of neighbours.
+/// The kind of a pair of neighbours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// A pixel and the one above, which is the first sample.

@@ -64,7 +64,7 @@ enum Lookup {
     Stored(Vec<Option<Ray>>, Lattice),
 }
 
-/// What a cell of pixels measured, as it is kept: a view has thousands of cells.
+/// The measurements of a cell of pixels, packed: a view has thousands of cells.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Cell {
     seen: Option<Seen>,

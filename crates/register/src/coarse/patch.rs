@@ -115,7 +115,7 @@ impl StoredPatch {
     }
 }
 
-/// What a cell's patch is fitted from.
+/// The inputs of the fit of a cell's patch.
 pub(super) struct Cell<'a> {
     /// The valid samples, in the sensor frame.
     pub samples: &'a [Point3],

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 use transect_device::Vector3;
 
-/// What all pairs of views say about each other at given places.
+/// The evidence of all pairs of views about each other at given places.
 pub(super) struct Evidence<'a> {
     pub views: &'a [&'a CoarseView],
     pub placings: Vec<Placing>,
@@ -67,7 +67,7 @@ impl<'a> Evidence<'a> {
     }
 
     /// The median over the views of what is usual for the pairs of each. A wrong view spoils all of
-    /// its own pairs and one pair of each other view; each of two equal camps keeps just less than
+    /// its own pairs and one pair of each other view; each of two equal groups keeps just less than
     /// half of its pairs.
     fn usual(&self) -> f64 {
         let n = self.views.len();

@@ -27,10 +27,10 @@ use rayon::prelude::*;
 use region::{Regions, regions};
 use tuning::{LEAST_SAMPLES, MENDED, REGION_SHARE};
 
-/// What is wrong with the poses of a scan.
+/// The findings about the poses of a scan.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Judgement {
-    /// What sticks out; nothing for sound poses.
+    /// The contradictions; empty for sound poses.
     pub findings: Vec<Finding>,
     /// One for each view, by name.
     pub views: Vec<Agreement>,
@@ -64,9 +64,9 @@ pub enum Finding {
         view: String,
     },
     /// Views agree within groups, and the groups contradict each other.
-    Camps {
+    Groups {
         /// The names of the views of each group, the largest group first.
-        camps: Vec<Vec<String>>,
+        groups: Vec<Vec<String>>,
         /// Share of the patches that contradict, among those compared between groups.
         contradicting: f64,
     },
@@ -204,7 +204,7 @@ fn is_regional(
     outside.bad_share() < table.least_share(blamed) && 2 * outside.good > all.all()
 }
 
-/// Blamed views: each by itself where most views are right, else as camps.
+/// Blamed views: each by itself where most views are right, else as groups.
 fn of_blamed(
     evidence: &Evidence<'_>,
     table: &Table,
@@ -212,24 +212,24 @@ fn of_blamed(
     right: &[usize],
 ) -> Vec<Finding> {
     let name = |k: &usize| evidence.views[*k].name().to_owned();
-    let mut camps = vec![right.to_vec()];
+    let mut groups = vec![right.to_vec()];
     for &view in blamed {
         let agrees = |other: &usize| {
             let counts = table.pair(view, *other);
             counts.all() >= LEAST_SAMPLES && counts.bad_share() < table.least_share(blamed)
         };
-        match camps.iter_mut().skip(1).find(|camp| camp.iter().any(agrees)) {
-            Some(camp) => camp.push(view),
-            None => camps.push(vec![view]),
+        match groups.iter_mut().skip(1).find(|group| group.iter().any(agrees)) {
+            Some(group) => group.push(view),
+            None => groups.push(vec![view]),
         }
     }
-    let alone = right.len() > 1 && camps.iter().skip(1).all(|camp| camp.len() == 1);
+    let alone = right.len() > 1 && groups.iter().skip(1).all(|group| group.len() == 1);
     if alone {
         let finding = |view: &usize| match table.only_opponent(*view, blamed) {
             Some(other) => {
-                let camps = [other, *view].map(|k| vec![name(&k)]).to_vec();
+                let groups = [other, *view].map(|k| vec![name(&k)]).to_vec();
                 let contradicting = table.pair(*view, other).bad_share();
-                Finding::Camps { camps, contradicting }
+                Finding::Groups { groups, contradicting }
             }
             None => of_view(evidence, table, *view, blamed, right),
         };
@@ -237,11 +237,11 @@ fn of_blamed(
     }
     let across = blamed.iter().map(|k| table.with_right(*k, blamed));
     let contradicting = across.fold(blame::Counts::default(), |a, b| a + b).bad_share();
-    let camps = camps.iter().map(|camp| camp.iter().map(name).collect()).collect();
-    vec![Finding::Camps { camps, contradicting }]
+    let groups = groups.iter().map(|group| group.iter().map(name).collect()).collect();
+    vec![Finding::Groups { groups, contradicting }]
 }
 
-/// What is wrong with one blamed view.
+/// The finding about one blamed view.
 fn of_view(
     evidence: &Evidence<'_>,
     table: &Table,

@@ -19,7 +19,7 @@ const RIDGE: f64 = 1e-3;
 /// 95 % efficiency, and a median is 0.674 of one. Doubled, outliers pull the motion.
 const WIDTH: f64 = 6.9;
 
-/// What may change about the view.
+/// The properties of the view that may change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Change {
     Motion,

@@ -1,4 +1,4 @@
-//! What one view says about the patches of another view.
+//! The evidence of one view about the patches of another view.
 
 use crate::coarse::{CoarseView, Sighting};
 use transect_device::{Isometry3, Point3, Vector3};

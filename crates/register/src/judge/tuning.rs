@@ -4,7 +4,7 @@
 /// then known to 3 %. Doubled, judging takes twice the time.
 pub const PROBES: usize = 240;
 
-/// Other views that a view is compared with at most. No unit. Chosen by hand: memory then grows
+/// Other views that a view is compared with at most. No unit. Chosen by hand: the time then grows
 /// with the number of views, not with its square. Doubled, 200 views take twice the memory.
 pub const PARTNERS: usize = 60;
 
@@ -16,8 +16,8 @@ pub const REACH: f64 = 1.0;
 /// hand: a median of twelve is off by less than half. Doubled, views of a chain have no pairs left.
 pub const LEAST_SAMPLES: usize = 12;
 
-/// Quantile of the pairs of a view that is usual for it. No unit. Theory: of two equal camps of two
-/// views or more, at least this share of pairs is within a camp. Doubled, the worst pairs are
+/// Quantile of the pairs of a view that is usual for it. No unit. Theory: of two equal groups of
+/// two views or more, at least this share of pairs is within a group. Doubled, the worst pairs are
 /// usual.
 pub const USUAL_PAIR: f64 = 0.4;
 

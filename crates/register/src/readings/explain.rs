@@ -46,7 +46,7 @@ pub struct Accord {
     pub contradicting: f64,
 }
 
-/// What may have been read wrongly. Its name is the one of the option that mends it.
+/// A part of a scan that may have been read wrongly. Its name is that of the option that mends it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(untagged)]
 pub enum Reading {
@@ -57,7 +57,7 @@ pub enum Reading {
 }
 
 impl Reading {
-    /// What the reading takes the scan for, as a sentence without a full stop.
+    /// The assumption of the reading about the scan, as a sentence without a full stop.
     pub fn meaning(self) -> &'static str {
         match self {
             Self::Pose(reading) => reading.meaning(),

@@ -34,7 +34,7 @@ pub enum PoseReading {
     Millimetres,
     /// The positions are metres in a scan whose unit is the millimetre.
     Metres,
-    /// The rotations are vectors along the axis in radians, and whoever wrote the poses took them
+    /// The rotations are vectors along the axis in radians, and the writer of the poses took them
     /// for degrees. The reverse cannot be read: full turns of 57 times the angle are lost.
     Radians,
 }
@@ -66,7 +66,7 @@ impl PoseReading {
         }
     }
 
-    /// What the reading takes the poses for, as a sentence without a full stop.
+    /// The assumption of the reading about the poses, as a sentence without a full stop.
     pub fn meaning(self) -> &'static str {
         match self {
             Self::Inverse => "the poses are sensor from world, not world from sensor",

@@ -37,7 +37,7 @@ pub struct Errors {
     covariance: DMatrix<f64>,
 }
 
-/// What errors tell about a variance: their squares, and how many of them are determined.
+/// The evidence of errors about a variance: their squares, and the number that is determined.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Evidence {
     pub squares: f64,
@@ -96,7 +96,7 @@ impl Drift {
         self.set((walk / (own + walk)).clamp(LEAST_SHARE, 1.0 - LEAST_SHARE));
     }
 
-    /// What the errors of some views tell about the size of all errors.
+    /// The evidence of the errors of some views about the size of all errors.
     pub fn size(&self, errors: &Errors, is_counted: impl Fn(usize) -> bool) -> Evidence {
         let of_errors = &self.precision * &errors.values;
         let rows = (0..errors.values.nrows()).filter(|row| is_counted(*row));
@@ -125,8 +125,8 @@ impl Errors {
         Self { values, covariance }
     }
 
-    /// What the errors tell about one part of their correlations; `shape` is the precision times
-    /// that part.
+    /// The evidence of the errors about one part of their correlations; `shape` is the precision
+    /// times that part.
     fn evidence(&self, shape: &DMatrix<f64>, precision: &DMatrix<f64>) -> Evidence {
         let part = shape * precision;
         let all = self.values.ncols() as f64 * shape.trace();

@@ -349,20 +349,20 @@ impl<'a> Rounds<'a> {
         self.last_change = change;
     }
 
-    /// What all pairs say; `None` of none.
+    /// The system of all pairs; `None` without pairs.
     fn whole_system(&self) -> Option<System> {
         let all: Vec<Portion<'_>> = self.pairs.iter().map(Portion::from).collect();
         let parts = all.par_chunks(all.len().div_ceil(SUMS).max(1));
         System::sum(&parts.map(|portions| self.system(portions, None)).collect::<Vec<_>>())
     }
 
-    /// What the pairs say, in the parts that judge each other.
+    /// The systems of the parts of the pairs that judge each other.
     fn systems(&self) -> Vec<System> {
         let parts = left_out::parts(&self.pairs, &self.scene.views);
         parts.par_iter().map(|portions| self.system(portions, None)).collect()
     }
 
-    /// What some pairs say; see [`Ground::doubted`].
+    /// The system of some pairs; see [`Ground::doubted`].
     fn system(&self, portions: &[Portion<'_>], doubted: Option<f64>) -> System {
         let sensors: Vec<Point3> =
             self.poses.iter().map(|p| Point3::from(p.translation.vector)).collect();

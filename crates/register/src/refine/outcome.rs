@@ -11,7 +11,7 @@ use crate::tuning::{FAR_OFF, GATE, MISPLACED, OBSERVATIONS, PROBES};
 use std::collections::BTreeSet;
 use transect_device::{DepthOffsets, Isometry3, Point3, Vector3};
 
-/// What became of the pose of a view.
+/// The outcome for the pose of a view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PoseOutcome {
@@ -35,14 +35,14 @@ pub struct RefinedPose {
     pub view: String,
     /// World coordinates from sensor coordinates; the given pose unless the view moved.
     pub world_from_sensor: Isometry3,
-    /// What became of it.
+    /// Its outcome.
     pub outcome: PoseOutcome,
     /// Angle between the given pose and the refined one, in radians.
     pub rotation: f64,
     /// Distance that the middle of the view's surface moved, in the model's length unit.
     pub translation: f64,
     /// Standard deviations of the refined pose after the rigid fit of all views to the given ones.
-    /// What no other view determines has that of the given pose.
+    /// Directions that no other view determines have that of the given pose.
     pub sigma: PosePrior,
     /// Median distance between the view's surface and those of the other views at the given poses,
     /// in the model's length unit; `None` without overlap. Patches behind a surface do not count.
@@ -70,7 +70,7 @@ pub struct Refinement {
     pub distance: f64,
 }
 
-/// What reports tell of a camera's error: the root mean square of its offsets, and its depths over
+/// The error of a camera in reports: the root mean square of its offsets, and its depths over
 /// the true ones if its scale is wrong. The scan that registration writes has all values.
 #[derive(serde::Serialize)]
 struct CameraError {

@@ -58,7 +58,7 @@ pub struct Observation {
     pub depths: [f64; 2],
     /// Variance of the distance from the noise of both patches.
     pub variance: f64,
-    /// What the other observations of the same surface leave to it: see [`Scene::share`].
+    /// Its weight beside the other observations of the same surface: see [`Scene::share`].
     pub share: f64,
 }
 

@@ -38,7 +38,7 @@ pub struct Ground<'a> {
 }
 
 impl System {
-    /// What pairs say.
+    /// The system of the observations of pairs.
     pub fn of(portions: &[Portion<'_>], ground: &Ground<'_>) -> Self {
         let n = 6 * ground.sensors.len() + ground.cameras.unknowns();
         let (matrix, right) = (DMatrix::zeros(n, n), DVector::zeros(n));
@@ -103,7 +103,7 @@ impl System {
         }
     }
 
-    /// What all parts say together; `None` of none.
+    /// The sum of all parts; `None` without parts.
     pub fn sum(parts: &[Self]) -> Option<Self> {
         let (first, others) = parts.split_first()?;
         let mut sum = first.clone();
@@ -115,7 +115,7 @@ impl System {
         Some(sum)
     }
 
-    /// What is left without a part.
+    /// The rest without a part.
     pub fn without(&self, part: &Self) -> Self {
         let (matrix, right) = (&self.matrix - &part.matrix, &self.right - &part.right);
         Self { matrix, right, square: self.square - part.square }
@@ -171,7 +171,7 @@ impl System {
     }
 }
 
-/// What is known before the pairs say anything: how far the poses and cameras may be wrong, which
+/// The prior knowledge: how far the poses and cameras may be wrong, which
 /// pulls each view back by what it has `moved` so far, and how much views err alike.
 pub struct Before<'a> {
     pub priors: &'a [PosePrior],

@@ -1,4 +1,4 @@
-//! What the rounds of a refinement find, before its result.
+//! Tests of the rounds of a refinement, before its result.
 
 use super::outcome::medians;
 use super::pairs::{Observation, scrambled};

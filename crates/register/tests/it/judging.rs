@@ -97,21 +97,21 @@ fn a_wrong_scale_of_the_ranges_is_named_with_its_factor() {
 }
 
 #[test]
-fn two_camps_are_named_as_such() {
+fn two_groups_are_named_as_such() {
     let mut views = simulated("room", "");
     let shift = Isometry3::translation(0.1, 0.05, 0.1);
     for k in [0, 3] {
         views[k] = views[k].with_pose(shift * views[k].world_from_sensor()).unwrap();
     }
     let found = findings(&views);
-    let [Finding::Camps { camps, contradicting }] = &found[..] else { panic!("{found:?}") };
+    let [Finding::Groups { groups, contradicting }] = &found[..] else { panic!("{found:?}") };
     let names = |all: [usize; 2]| all.map(|k| views[k].name().to_owned()).to_vec();
     let mut expected = [names([2, 1]), names([3, 0])];
-    let mut camps = camps.clone();
-    expected.iter_mut().for_each(|camp| camp.sort());
+    let mut groups = groups.clone();
+    expected.iter_mut().for_each(|group| group.sort());
     expected.sort();
-    camps.sort();
-    assert_eq!(camps, expected);
+    groups.sort();
+    assert_eq!(groups, expected);
     assert!(*contradicting > 0.3, "{contradicting}");
 }
 

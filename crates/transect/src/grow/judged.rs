@@ -16,7 +16,7 @@ use transect_register::{CoarseView, StoredCopy};
 /// take 30 MB. Doubled, adding one view to a large store takes twice the memory and time.
 const MOST_JUDGED: usize = 200;
 
-/// What the copies of a store tell about its poses.
+/// The judgement of a store's poses by its copies.
 pub(super) struct Judged {
     /// The poses; `None` of fewer than two views.
     pub poses: Option<PoseReport>,

@@ -1,4 +1,4 @@
-//! What a pose report tells in words: notes and warnings.
+//! The notes and warnings of a pose report, in words.
 
 use super::PoseReport;
 use crate::evaluate::digits;
@@ -50,7 +50,7 @@ impl PoseReport {
         })
     }
 
-    /// What the depth cameras err by, if they do.
+    /// The errors of the depth cameras; `None` of sound ones.
     fn camera_error(&self, refinement: &Refinement) -> Option<String> {
         let (distance, unit) = (refinement.distance, self.unit);
         let error_at = |offsets: &&DepthOffsets| offsets.error_at(distance);
@@ -166,7 +166,9 @@ impl PoseReport {
                  Check its pose, or {}",
                 self.leave_it_out()
             ),
-            Finding::Camps { camps, contradicting } => of_groups(camps, &percent(*contradicting)),
+            Finding::Groups { groups, contradicting } => {
+                of_groups(groups, &percent(*contradicting))
+            }
             Finding::Region(region) => self.region(region),
         }
     }
@@ -258,7 +260,7 @@ fn convention(explanation: &Explanation, unit: LengthUnit) -> String {
     )
 }
 
-/// What to do about a reading. Where the poses are in the scan's unit, the images are wrong.
+/// The advice for a reading. Where the poses are in the scan's unit, the images are wrong.
 fn advice(reading: Reading, unit: LengthUnit) -> String {
     let (factor, images) = match (reading, unit) {
         (Reading::Pose(PoseReading::Metres), LengthUnit::Metre) => (0.001, LengthUnit::Millimetre),
@@ -279,9 +281,9 @@ fn percent(share: f64) -> String {
 }
 
 /// Groups of views that contradict each other in a share of what they see in common.
-fn of_groups(camps: &[Vec<String>], share: &str) -> String {
-    let groups: Vec<String> = camps.iter().map(|camp| names(camp)).collect();
-    match (&groups[..], camps.iter().all(|camp| camp.len() == 1)) {
+fn of_groups(groups: &[Vec<String>], share: &str) -> String {
+    let texts: Vec<String> = groups.iter().map(|group| names(group)).collect();
+    match (&texts[..], groups.iter().all(|group| group.len() == 1)) {
         ([one, other], true) => format!(
             "views {one} and {other} contradict each other: {share} of the surface that they share \
              lies apart or where one of them saw free space. No other view tells which is wrong: \
@@ -291,15 +293,15 @@ fn of_groups(camps: &[Vec<String>], share: &str) -> String {
             "the views agree within {} groups that contradict each other: {}; {share} of the \
              surface that they share contradicts. Check that all poses are in one world",
             groups.len(),
-            groups.join(" | ")
+            texts.join(" | ")
         ),
     }
 }
 
 /// The first names of a group, and the number of the others.
-fn names(camp: &[String]) -> String {
-    let first = camp.iter().take(NAMES).map(String::as_str).collect::<Vec<_>>().join(", ");
-    match camp.len().saturating_sub(NAMES) {
+fn names(group: &[String]) -> String {
+    let first = group.iter().take(NAMES).map(String::as_str).collect::<Vec<_>>().join(", ");
+    match group.len().saturating_sub(NAMES) {
         0 => first,
         more => format!("{first} and {more} more"),
     }

@@ -1,4 +1,4 @@
-//! What the rooms of the consensus hand on, on one plane.
+//! The results of each room of the consensus, on one plane.
 
 use super::PlaneOfViews;
 use super::page::Builder;

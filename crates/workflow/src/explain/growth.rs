@@ -41,7 +41,8 @@ pub(super) fn draw(
     let states = states(of_views, &options, pages);
     let around = envelope_of(of_views.curves.iter().flatten());
     let (Some(around), Some(last)) = (around, states.last()) else {
-        let problem = format!("plane {} crosses what no view saw", of_views.plane);
+        let problem =
+            format!("no view has a curve on plane {}; give --plane another number", of_views.plane);
         return Err(WorkflowError::setting("plane", problem));
     };
     let map = PlaneMap::fit(&around, of_views.setup.unit);

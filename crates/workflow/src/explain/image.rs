@@ -16,7 +16,7 @@ const LARGEST_CELL: f64 = 30.0;
 /// Rows and columns of a window that shows codes.
 pub const WINDOW: [usize; 2] = [20, 34];
 
-/// What the commoner of two things counts for in the choice of a window.
+/// Weight of the commoner of two things in the choice of a window.
 const COMMON_SHARE: f64 = 0.1;
 
 /// A part of an image, drawn with cells of one size.

@@ -18,7 +18,7 @@ use transect_partial::{PartialError, SectionAxes};
 /// Rows and columns of the window that shows links.
 const CLOSE_UP: [usize; 2] = [10, 16];
 
-/// What the sweep has of a view, for one plane.
+/// The data of the sweep of a view, for one plane.
 struct Swept<'a> {
     view: &'a View,
     level: f64,

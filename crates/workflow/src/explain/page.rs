@@ -22,7 +22,7 @@ pub struct Step {
 /// Numbered figures under one heading.
 #[derive(Debug, Clone)]
 pub struct Explanation {
-    /// What all figures are of.
+    /// The subject of all figures.
     pub title: String,
     /// The figures in order.
     pub steps: Vec<Step>,

@@ -6,17 +6,17 @@ pub const HIGH: &str = "#f6d9a8";
 pub const LOW: &str = "#cfe3f2";
 /// A missing pixel.
 pub const MISSING: &str = "#bdbdbd";
-/// What a step found.
+/// Results of a step.
 pub const FOUND: &str = "#c2410c";
-/// What a step refused, or where something ends.
+/// Refusals of a step, and ends.
 pub const REFUSED: &str = "#b5179e";
 /// Lines of the drawing's own frame.
 pub const FRAME: &str = "#222222";
-/// What was there before.
+/// The state before a step.
 pub const FORMER: &str = "#8a8a8a";
 /// The first curve of a pair, and the second.
 pub const PAIR: [&str; 2] = ["#0072b2", "#d55e00"];
-/// What came out of a pair.
+/// The result of a pair.
 pub const RESULT: &str = "#00785a";
 /// Views, and curves that are to be told apart.
 pub const MANY: [&str; 8] =

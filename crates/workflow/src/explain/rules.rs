@@ -17,8 +17,8 @@ const OVERLAP: [f64; 2] = [-5.0, 5.0];
 /// Length of an unenclosed part.
 const OUTSIDE: f64 = 9.0;
 
-/// The figures by name: five patterns, three forks, one ring. `None` for curves that cannot be
-/// made, which does not happen.
+/// The figures by name: five patterns, three forks, one ring. `None` if the drawings are wrong: a
+/// curve of too few nodes, or a verdict without parts.
 pub fn rule_figures() -> Option<Vec<(String, Figure)>> {
     let tolerance = OverlapTolerance::within(3.0 * APART).ok()?;
     let valid = Pattern::ALL.map(|p| (Verdict::Valid(p), ["a", "b", "c", "d", "e"][p as usize]));

@@ -1,4 +1,4 @@
-//! What fusion does to circles of radius 1: how far it moves them, and how much noise it takes out.
+//! Fusion of circles of radius 1: how far it moves them, and how much noise it takes out.
 
 use super::lab::Lab;
 use super::poses::Normal;
@@ -46,7 +46,7 @@ pub fn run(lab: &Lab) -> Result<(), Failure> {
     lab.table("noise", "views | rms error, standard deviations of a sample", lines)
 }
 
-/// What one view saw of the circle: nodes at a phase of their own, with noise.
+/// One view's curve of the circle: nodes at a phase of their own, with noise.
 fn arc(seed: u64, from: f64, sweep: f64, sigma: f64) -> Vec<Curve> {
     let mut numbers = Normal(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
     let phase = numbers.uniform();

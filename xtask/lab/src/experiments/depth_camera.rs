@@ -1,5 +1,5 @@
-//! What each error of a depth camera costs: the kitchen with all errors, and without one of them.
-//! What refined poses and corrected images gain.
+//! The cost of each error of a depth camera: the kitchen with all errors, and without one of them.
+//! The gain of refined poses and corrected images.
 
 use super::lab::Lab;
 use super::trial::{self, Public};

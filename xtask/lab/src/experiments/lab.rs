@@ -1,4 +1,4 @@
-//! What an experiment works with: its folder for tables and pictures, the public scans, and a
+//! The surroundings of an experiment: its folder for tables and pictures, the public scans, and a
 //! Python with other programs.
 
 use super::python;

@@ -16,7 +16,7 @@ use crate::failure::Failure;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// What a mark stands before.
+/// The content behind a mark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Table,

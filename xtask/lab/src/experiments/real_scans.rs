@@ -52,7 +52,7 @@ fn without_options(data: &Path, lab: &Lab) -> Result<(), Failure> {
     lab.times(&format!("{place} | time"), times)
 }
 
-/// What to open of a folder: its only E57 file, its Stanford scan, else the folder.
+/// The path to open for a folder: its only E57 file, its Stanford scan, else the folder.
 fn path(folder: &Path) -> Result<PathBuf, Failure> {
     let entries = std::fs::read_dir(folder).map_err(|e| Failure::with_file(folder, e))?;
     let is_scan = |file: &PathBuf| file.extension().is_some_and(|e| e == "e57" || e == "conf");

@@ -67,7 +67,7 @@ pub struct ViewpointsEntry {
     pub receiver: [f64; 2],
 }
 
-/// What each of the two keys must be.
+/// The expected value of each of the two keys.
 const BOTH: &str = "[u, v], and stand with the other of \"projector\" and \"receiver\"";
 
 fn usual_window() -> usize {

@@ -1,11 +1,11 @@
-//! A node of the result, and what its observations tell about it.
+//! A node of the result, and the evidence of its observations.
 
 use super::super::tuning::node::*;
 use crate::ground::Ground;
 use nalgebra::Vector3;
 use transect_geometry::{CurveUnit, Node, Point2, Vector2};
 
-/// What the observations of a node tell together. It does not change when the node moves.
+/// The evidence of a node's observations together. It does not change when the node moves.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Evidence {
     pub footprint: f64,

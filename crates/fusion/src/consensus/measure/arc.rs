@@ -1,4 +1,4 @@
-//! What one view's curve tells along its length: arc lengths, directions, and how rough it is.
+//! One view's curve along its length: arc lengths, directions, and roughness.
 
 use crate::sequence::arc_lengths;
 use transect_geometry::{Curve, Node, Vector2};

@@ -20,8 +20,8 @@ use crate::grid::PointGrid;
 use std::iter::repeat_n;
 use transect_geometry::{Point2, Vector2};
 
-/// What a common course is made of. Lengths are those of a typical view; they go with the error of
-/// the view whose course is sought.
+/// The sizes of a common course and its windows. Lengths are those of a typical view; they go with
+/// the error of the view whose course is sought.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reach {
     /// Half-length of a course.

@@ -11,7 +11,7 @@ pub(super) struct Parabola {
     /// The straight course through the same samples.
     pub straight_offset: f64,
     pub straight_slope: f64,
-    /// Mean square of what of x² is not linear in x; 0 if too small to tell a bend.
+    /// Mean square of x² after its best line in x is subtracted; 0 if too small to tell a bend.
     pub bent: f64,
 }
 
@@ -56,7 +56,7 @@ impl Sums {
         }
     }
 
-    /// What a view counts as: the part of the window that it measured, over its variance.
+    /// The weight of a view: the part of the window that it measured, over its variance.
     pub fn share(&self) -> f64 {
         if self.length > 0.0 { self.length.min(1.0) / self.mean_variance() } else { 0.0 }
     }
@@ -82,7 +82,7 @@ impl Sums {
         if variance <= LEAST_VARIANCE {
             return Parabola { offset: y, straight_offset: y, ..Parabola::default() };
         }
-        // What of x² is not linear in x.
+        // x² after its best line in x is subtracted.
         let along = (mean(self.xxx) - x * xx) / variance;
         let bent = mean(self.xxxx) - xx * xx - along * along * variance;
         let straight_slope = (mean(self.xy) - x * y) / variance;

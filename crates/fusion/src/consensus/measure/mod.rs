@@ -1,4 +1,4 @@
-//! Room 1: what the views measured, how far off it is, and the lengths that follow from both.
+//! Room 1: the observations of all views, their errors, and the lengths that follow from both.
 //!
 //! Hands on the [`Observation`]s with their weights, and the plane's [`Scale`].
 

@@ -133,8 +133,9 @@ impl Observations {
         self.all.iter().all(|o| o.course_error == 0.0 && o.view_error == 0.0)
     }
 
-    /// Median standard deviation of a single pixel across a curve. A node whose error is shared
-    /// over n pixels is an average of n, so a pixel's error is n times as large.
+    /// Median standard deviation of a single pixel across a curve. A node that shares its error
+    /// over a width of w pixels is an average of w² pixels, so the error of one is w times as
+    /// large.
     pub fn pixel_noise(&self) -> f64 {
         let of_pixel = |o: &Observation| o.sigma * (o.correlation / o.footprint).max(1.0);
         median(self.all.iter().map(of_pixel))

@@ -47,7 +47,7 @@ impl OfView {
     }
 }
 
-/// What the search for other views needs.
+/// The inputs of the search for other views.
 pub(super) struct Search<'a> {
     observations: &'a Observations,
     views: Vec<OfView>,

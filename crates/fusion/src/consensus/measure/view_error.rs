@@ -43,7 +43,7 @@ pub(crate) struct Pair {
 }
 
 impl Pair {
-    /// What the parts of a [`ViewError`] count for in the variance of the distance.
+    /// The factors of the parts of a [`ViewError`] in the variance of the distance.
     fn counts(&self) -> Vector3<f64> {
         Vector3::new(2.0, self.variance, self.squared_tangents)
     }

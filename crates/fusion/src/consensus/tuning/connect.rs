@@ -96,9 +96,9 @@ pub mod ends {
 
     /// Cost of a node that is cut, in its footprints. By hand. Doubled: overshooting ends stay.
     pub const CUT_COST: f64 = 0.3;
-    /// Part of the shorter chain that is cut from an end at most: half of one of two chains, a third
-    /// of one that is closed, which is cut at both ends. By hand. Doubled: curves that overshoot by
-    /// more stay open.
+    /// Part of the shorter chain that is cut from an end at most: half of one of two chains, a
+    /// third of one that is closed, which is cut at both ends. By hand. Doubled: curves that
+    /// overshoot by more stay open.
     pub const CUT_PARTS: [usize; 2] = [2, 3];
     /// Fewest nodes of a chain that is closed. By hand: one more than a triangle, which noise makes
     /// of any scrap. Doubled: loops of few samples stay open.

@@ -81,7 +81,7 @@ pub(super) fn average(strands: [&Strand; 2], start: &Start, limits: &Limits) -> 
     walk.finish()
 }
 
-/// What the points over one unit add up to.
+/// The sums over the points of one unit.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sum {
     points: u32,
@@ -260,7 +260,7 @@ impl Walk<'_> {
             .with_correlation(0.5 * (a.correlation + b.correlation))
             .with_normal(normals.try_normalize(0.0));
         let passed = std::mem::take(&mut self.result.passed);
-        // Nodes that a strand keeps before the first new one are no concern of this chord.
+        // Nodes that a strand keeps before the first new one do not belong to this chord.
         let last = self.result.nodes.last().copied();
         if let Some(last) = last {
             let kept = lost_by(&last, &node, &passed, self.limits.threshold);

@@ -1,4 +1,4 @@
-//! What each step of smoothing and fusion is worth: every set is modelled with all steps, and again
+//! The worth of each step of smoothing and fusion: every set is modelled with all steps, and again
 //! without one of them.
 
 mod sets;

@@ -82,10 +82,10 @@ pub struct Set<'a> {
     pub finding_seconds: f64,
 }
 
-/// What is known of the real thing.
+/// The truth of a set.
 struct Reference {
     truth: Sections,
-    /// What the views could see of it; `None` if all of it counts.
+    /// The part of it that the views could see; `None` if all of it counts.
     visible: Option<Visibility>,
 }
 

@@ -1,4 +1,4 @@
-//! What a step is worth, from the figures with and without it.
+//! The worth of a step, from the figures with and without it.
 
 use super::super::lab::Lab;
 use crate::failure::Failure;
@@ -62,7 +62,7 @@ impl Figures {
     }
 }
 
-/// What all steps are worth on all sets.
+/// The worth of all steps on all sets.
 #[derive(Debug, Default)]
 pub struct Worth {
     full: BTreeMap<String, Figures>,

@@ -3,7 +3,7 @@
 use crate::statistics::quantile;
 use crate::table::digits;
 
-/// What is known of a node after the fact; lengths as shares of the solid's size.
+/// The errors of a node against the truth; lengths as shares of the solid's size.
 #[derive(Debug, Clone, Copy)]
 pub struct NodeError {
     /// Positive outside.

@@ -25,7 +25,7 @@ enum Truth {
     Face,
 }
 
-/// What is true at the place of the section that is nearest to a node.
+/// The truth at the place of the section that is nearest to a node.
 #[derive(Debug, Clone, Copy)]
 pub struct Nearest {
     /// Distance of the node in its plane, positive outside.
@@ -84,7 +84,7 @@ fn face() -> Result<Surface, Failure> {
 }
 
 impl Surface {
-    /// What a camera of 30° sees that looks at the solid from 3 sizes away, off its axes.
+    /// The view of a camera of 30° that looks at the solid from 3 sizes away, off its axes.
     pub fn view(&self, sigma: f64, size: usize) -> Result<View, Failure> {
         let centre = 0.5 * (size as f64 - 1.0);
         let focal = 0.5 * size as f64 / 15_f64.to_radians().tan();

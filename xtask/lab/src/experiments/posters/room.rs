@@ -75,7 +75,7 @@ pub fn draw() -> Result<Figure, Failure> {
     Ok(figure)
 }
 
-/// What one view saw.
+/// One view's curves.
 fn one_view(
     figure: &mut Figure,
     plan: &Plan,
