@@ -18,6 +18,7 @@
 //! averaging moves them afterwards (5.5.2).
 
 use crate::sequence::{arc_lengths, without_units};
+use std::collections::{BTreeMap, BTreeSet};
 use transect_geometry::{Curve, CurveUnit, Node, Point2, UnitPlace, crossings};
 
 /// Units on each side of a crossing whose evidence counts. By hand: a stray end has fewer units
@@ -66,11 +67,10 @@ fn without_repeats(curve: Curve) -> Option<Curve> {
 
 /// Cuts short loops off curves that cross themselves, as far as they do not overlap.
 fn cut_loops(curves: &mut [Curve], found: &[(UnitPlace, UnitPlace)], shortest_footprints: f64) {
-    for (k, curve) in curves.iter_mut().enumerate() {
-        let own: Vec<_> = found.iter().filter(|(a, b)| a.curve == k && b.curve == k).collect();
-        if own.is_empty() {
-            continue;
-        }
+    // Crossings come in the order of their first curves.
+    let own: Vec<_> = found.iter().filter(|(a, b)| a.curve == b.curve).collect();
+    for own in own.chunk_by(|(a, _), (b, _)| a.curve == b.curve) {
+        let Some(curve) = own.first().map(|(a, _)| &mut curves[a.curve]) else { continue };
         let arc = arc_lengths(curve.units().map(|unit| unit.vector().norm()));
         let loops = own.iter().map(|(a, b)| Loop::new(&arc, curve.is_closed(), a.unit, b.unit));
         let shortest = shortest_footprints * mean_footprint(curve.nodes());
@@ -172,26 +172,30 @@ fn opened(
     found: &[(UnitPlace, UnitPlace)],
     shortest_footprints: f64,
 ) -> Vec<Curve> {
-    let mut crossed: Vec<UnitPlace> = found.iter().flat_map(|(a, b)| [*a, *b]).collect();
-    crossed.sort_unstable();
-    crossed.dedup();
+    let mut crossed_by: BTreeMap<UnitPlace, Vec<UnitPlace>> = BTreeMap::new();
+    for (a, b) in found {
+        crossed_by.entry(*a).or_default().push(*b);
+        crossed_by.entry(*b).or_default().push(*a);
+    }
     let mut ranked: Vec<_> =
-        crossed.into_iter().map(|p| (evidence(&curves[p.curve], p.unit), p)).collect();
+        crossed_by.keys().map(|p| (evidence(&curves[p.curve], p.unit), *p)).collect();
     ranked.sort_by(|((seen_a, a), at_a), ((seen_b, b), at_b)| {
         seen_b.cmp(seen_a).then(b.total_cmp(a)).then(at_a.cmp(at_b))
     });
-    let (mut accepted, mut left_out) = (Vec::new(), Vec::new());
+    let (mut accepted, mut left_out) = (BTreeSet::new(), BTreeSet::new());
     for (_, place) in ranked {
-        let meets = |other: &UnitPlace| {
-            let pair = (place.min(*other), place.max(*other));
-            found.binary_search(&pair).is_ok()
+        let is_worse = crossed_by[&place].iter().any(|other| accepted.contains(other));
+        if is_worse {
+            left_out.insert(place)
+        } else {
+            accepted.insert(place)
         };
-        if accepted.iter().any(meets) { left_out.push(place) } else { accepted.push(place) }
     }
     let is_long =
         |part: &Curve| part.length() >= shortest_footprints * mean_footprint(part.nodes());
     let parts = |(curve, whole): (usize, Curve)| {
-        if !left_out.iter().any(|place| place.curve == curve) {
+        let all = UnitPlace { curve, unit: 0 }..=UnitPlace { curve, unit: usize::MAX };
+        if left_out.range(all).next().is_none() {
             return vec![whole];
         }
         let is_left_out = |unit| left_out.contains(&UnitPlace { curve, unit });
