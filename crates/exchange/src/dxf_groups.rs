@@ -62,20 +62,30 @@ impl Groups<'_> {
 /// The values that every drawing states about its length unit: its symbol, its `$INSUNITS`, and
 /// `$MEASUREMENT` (0 for inches, 1 for the metric system).
 pub(crate) fn unit_values(unit: LengthUnit) -> [(&'static str, String); 3] {
-    let (insertion_unit, metric) = match unit {
-        LengthUnit::Inch => (1, 0),
-        LengthUnit::Foot => (2, 0),
-        LengthUnit::Millimetre => (4, 1),
-        LengthUnit::Centimetre => (5, 1),
-        LengthUnit::Metre => (6, 1),
-        LengthUnit::Micrometre => (13, 1),
-        LengthUnit::Decimetre => (14, 1),
-    };
+    let metric = !matches!(unit, LengthUnit::Inch | LengthUnit::Foot);
     [
         ("unit", unit.to_string()),
-        ("insertion_unit", format!("{insertion_unit}")),
-        ("measurement", format!("{metric}")),
+        ("insertion_unit", insertion_unit(unit).to_string()),
+        ("measurement", u8::from(metric).to_string()),
     ]
+}
+
+/// The number of a unit in `$INSUNITS`.
+pub(crate) fn insertion_unit(unit: LengthUnit) -> u8 {
+    match unit {
+        LengthUnit::Inch => 1,
+        LengthUnit::Foot => 2,
+        LengthUnit::Millimetre => 4,
+        LengthUnit::Centimetre => 5,
+        LengthUnit::Metre => 6,
+        LengthUnit::Micrometre => 13,
+        LengthUnit::Decimetre => 14,
+    }
+}
+
+/// The unit of a number in `$INSUNITS`; `None` for units that no model has.
+pub(crate) fn unit_of_insertion(number: f64) -> Option<LengthUnit> {
+    LengthUnit::ALL.into_iter().find(|unit| f64::from(insertion_unit(*unit)) == number)
 }
 
 /// The layer of a plane: letters, digits and `_`, at most 31 characters, as release 12 allows.

@@ -1,4 +1,4 @@
-//! Structured scans of terrestrial scanners, as E57 and PTX files hold them.
+//! Structured scans of terrestrial scanners, as E57 and PTX files and organised clouds hold them.
 
 use crate::scan::FramedImage;
 use crate::{Place, ReadError, missing};
@@ -32,8 +32,10 @@ pub(crate) fn framed(
     let viewpoint = viewpoint(size, &points, stated, own);
     let unusable = |e| ReadError::unusable(path, at.clone(), "the grid", e);
     let (frame, image) = PointGrid::new(size, points, Viewpoint(viewpoint)).map_err(unusable)?;
-    // The file holds several scans, so the notes name this one.
-    notes.extend(own.iter().map(|note| format!("{}: {note}", words(at))));
+    // A file that holds several scans has a place for each, and the notes name it.
+    let words = words(at);
+    let named = |note: String| if words.is_empty() { note } else { format!("{words}: {note}") };
+    notes.extend(own.drain(..).map(named));
     Ok(FramedImage { frame: Arc::new(frame), image })
 }
 

@@ -183,7 +183,7 @@ impl GuideSettings {
                 return Err(WorkflowError::setting("guide_radius", problem));
             }
         };
-        let guide = read_guide(&self.path, kind)?;
+        let guide = read_guide(&self.path, kind, unit)?;
         if let Some(reach) = length("guide_reach", &self.reach)? {
             if reach <= 0.0 {
                 let problem = format!("the reach must be a positive length, got {reach}");

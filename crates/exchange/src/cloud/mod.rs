@@ -27,7 +27,7 @@ mod tests;
 use crate::input::read_bytes;
 use crate::point_table::Cloud;
 use crate::scan::{FramedImage, LoadView};
-use crate::{OpenOptions, Place, ReadError, Scan, ScanView, ply, points};
+use crate::{OpenOptions, Place, ReadError, Scan, ScanView, ply, points, survey};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use transect_device::ImageSize;
@@ -126,12 +126,16 @@ impl LoadView for CloudView {
     fn load(&self, notes: &mut Vec<String>) -> Result<FramedImage, ReadError> {
         let mut cloud = read(&self.path)?;
         notes.append(&mut cloud.notes);
-        let is_carried = cloud.is_carried;
+        let (is_carried, is_grid) = (cloud.is_carried, cloud.size.or(self.grid).is_some());
         let (size, points) = arrange::arrange(cloud, self.grid, self.rings, notes)
             .map_err(|p| p.in_file(&self.path))?;
         if is_carried {
             return points::framed_carried(&self.path, size, points, notes);
         }
+        if is_grid {
+            return survey::framed(&self.path, &Place::Whole, size, points, None, notes);
+        }
+        // The rays of a rotating lidar that moves, or whose lasers sit apart, are not even.
         points::framed(&self.path, size, points, notes)
     }
 }

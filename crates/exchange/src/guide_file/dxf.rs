@@ -5,8 +5,9 @@
 
 use super::Placed;
 use crate::Place;
+use crate::dxf_groups::{insertion_unit, unit_of_insertion};
 use crate::error::Problem;
-use transect_geometry::Point3;
+use transect_geometry::{LengthUnit, Point3};
 
 /// A group: its code, its value and the line of the value.
 #[derive(Debug, Clone, Copy)]
@@ -67,13 +68,21 @@ impl Entity<'_> {
     }
 }
 
-pub(super) fn points(text: &str) -> Result<Vec<Placed>, Problem> {
+/// A heavy polyline whose vertices are being read, and the height of all of them if it is flat.
+struct Heavy {
+    vertices: Vec<Placed>,
+    elevation: Option<f64>,
+}
+
+pub(super) fn points(text: &str, unit: LengthUnit) -> Result<Vec<Placed>, Problem> {
     if text.starts_with("AutoCAD Binary DXF") {
         return Err(Problem::damaged("a binary DXF; save it as text"));
     }
+    let groups = groups(text)?;
+    check_unit(&groups, unit)?;
     let mut curves: Vec<Vec<Placed>> = Vec::new();
-    let mut vertices: Option<Vec<Placed>> = None;
-    for entity in entities(&groups(text)?) {
+    let (mut heavy, mut blocks): (Option<Heavy>, _) = (None, 0);
+    for entity in entities(&groups) {
         match entity.name {
             "LWPOLYLINE" => {
                 entity.check()?;
@@ -81,34 +90,88 @@ pub(super) fn points(text: &str) -> Result<Vec<Placed>, Problem> {
             }
             "POLYLINE" => {
                 entity.check()?;
-                vertices = Some(Vec::new());
+                let is_flat = (entity.number(70)?.unwrap_or(0.0) as i64) & 8 == 0;
+                let elevation = entity.number(30)?.filter(|z| is_flat && *z != 0.0);
+                heavy = Some(Heavy { vertices: Vec::new(), elevation });
             }
             "VERTEX" => {
                 entity.check()?;
-                if let Some(vertices) = &mut vertices {
-                    vertices.push(entity.point([10, 20, 30])?);
+                if let Some(heavy) = &mut heavy {
+                    let mut vertex = entity.point([10, 20, 30])?;
+                    vertex.point.z = heavy.elevation.unwrap_or(vertex.point.z);
+                    heavy.vertices.push(vertex);
                 }
             }
-            "SEQEND" => curves.extend(vertices.take()),
+            "SEQEND" => curves.extend(heavy.take().map(|heavy| heavy.vertices)),
             "LINE" => {
-                let (start, end) = (entity.point([10, 20, 30])?, entity.point([11, 21, 31])?);
-                let joins = |c: &&mut Vec<Placed>| c.last().map(|p| p.point) == Some(start.point);
-                match curves.last_mut().filter(joins) {
-                    Some(chain) => chain.push(end),
-                    None => curves.push(vec![start, end]),
-                }
+                let ends = [entity.point([10, 20, 30])?, entity.point([11, 21, 31])?];
+                let separate = not_joined(curves.last_mut(), ends);
+                curves.extend(separate);
             }
+            "ARC" | "SPLINE" | "ELLIPSE" => {
+                let problem = format!(
+                    "{} is no guide, and may be a part of one; draw the guide as one polyline of \
+                     straight pieces, in a drawing of its own",
+                    entity.name
+                );
+                return Err(Problem::at(Place::Line(entity.line), problem));
+            }
+            "INSERT" => blocks += 1,
             _ => (),
         }
     }
-    if vertices.is_some() {
+    if heavy.is_some() {
         return Err(Problem::damaged("a POLYLINE has no SEQEND: the file is cut off"));
     }
     if curves.len() == 1 {
         return Ok(curves.pop().unwrap_or_default());
     }
-    let problem = format!("{} separate polylines or lines; a guide is one", curves.len());
+    let mut problem = format!("{} separate polylines or lines; a guide is one", curves.len());
+    if blocks > 0 {
+        problem += &format!(". {blocks} blocks (INSERT) are not read: explode them");
+    }
     Err(Problem::damaged(problem))
+}
+
+/// Refuses drawings in another unit than the model's.
+fn check_unit(groups: &[Group<'_>], unit: LengthUnit) -> Result<(), Problem> {
+    let header = groups.iter().position(|g| g.code == 9 && g.value == "$INSUNITS");
+    let Some(stated) = header.and_then(|at| groups.get(at + 1)) else { return Ok(()) };
+    let number = stated.number()?;
+    // 0 is a drawing without a unit.
+    if number == 0.0 || number == f64::from(insertion_unit(unit)) {
+        return Ok(());
+    }
+    let named = unit_of_insertion(number).map_or(String::new(), |unit| format!(" ({unit})"));
+    let problem = format!(
+        "the drawing's unit, $INSUNITS, is {number}{named}, but the scan's is {unit}; lengths are \
+         never converted on reading: scale the drawing, or set $INSUNITS to {} if its coordinates \
+         are in {unit}",
+        insertion_unit(unit)
+    );
+    Err(Problem::at(Place::Line(stated.line), problem))
+}
+
+/// Adds a line to a chain of lines that it touches; returns the line if it does not. The first line
+/// of a chain may run against it, and so may the new one.
+fn not_joined(chain: Option<&mut Vec<Placed>>, [start, end]: [Placed; 2]) -> Option<Vec<Placed>> {
+    let Some(chain) = chain else { return Some(vec![start, end]) };
+    let touches = |chain: &Vec<Placed>| {
+        let last = chain.last().map(|placed| placed.point);
+        [last == Some(start.point), last == Some(end.point)]
+    };
+    if touches(chain) == [false; 2] && chain.len() == 2 {
+        chain.reverse();
+        if touches(chain) == [false; 2] {
+            chain.reverse();
+        }
+    }
+    match touches(chain) {
+        [true, _] => chain.push(end),
+        [_, true] => chain.push(start),
+        _ => return Some(vec![start, end]),
+    }
+    None
 }
 
 /// The points of a light polyline, at its elevation.

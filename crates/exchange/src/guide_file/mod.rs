@@ -2,13 +2,14 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `.csv`, `.txt` | a point per line: `x,y,z`, also with `;` or spaces; `#` begins a comment; a first line may name x, y and z |
+//! | `.csv`, `.txt` | a point per line: `x,y,z`, also with `;` or spaces, and with decimal points; `#` begins a comment; a first line may name x, y and z |
 //! | `.geojson`, `.json` | one `LineString`, alone, in a `Feature` or in a `FeatureCollection`; three coordinates each |
-//! | `.dxf` | one `POLYLINE`, one `LWPOLYLINE` (at its elevation), or consecutive `LINE`s; text, not binary |
+//! | `.dxf` | one `POLYLINE`, one `LWPOLYLINE` (at its elevation), or `LINE`s that follow each other; text, not binary |
 //!
 //! Coordinates are in the model's unit and frame, so a GeoJSON of longitudes and latitudes cannot
-//! be used. Arcs (bulges), closed polylines and files with several curves are refused, because it
-//! is unclear which guide they mean.
+//! be used. A drawing that states another unit (`$INSUNITS`) is refused. Arcs (bulges, `ARC`),
+//! `SPLINE` and `ELLIPSE`, closed polylines and files with several curves are refused, because it is
+//! unclear which guide they mean.
 
 mod dxf;
 mod geojson;
@@ -16,10 +17,10 @@ mod geojson;
 mod tests;
 
 use crate::error::Problem;
-use crate::input::read_text;
+use crate::input::{read_bytes, read_text};
 use crate::{Place, ReadError};
 use std::path::Path;
-use transect_geometry::{CurvedGuide, GuideKind, MAX_GUIDE_POINTS, Point3};
+use transect_geometry::{CurvedGuide, GuideKind, LengthUnit, MAX_GUIDE_POINTS, Point3};
 
 /// Largest file that is read, in bytes. Chosen by hand: a hundred times the size of a file with
 /// [`MAX_GUIDE_POINTS`] points. Doubled, a wrong file may take twice the memory before it is
@@ -35,23 +36,28 @@ struct Placed {
 /// Reads a guide curve.
 ///
 /// # Units
-/// The model's length unit.
+/// `unit`, the model's length unit.
 ///
 /// # Errors
 /// [`ReadError`] naming the line if a number is missing or not finite, or a point repeats the one
-/// before it. Also if the file holds no curve, several curves, or a curve that cannot be a guide.
-pub fn read_guide(path: &Path, kind: GuideKind) -> Result<CurvedGuide, ReadError> {
+/// before it. Also if the file states another unit, or holds no curve, several curves, or a curve
+/// that cannot be a guide.
+pub fn read_guide(
+    path: &Path,
+    kind: GuideKind,
+    unit: LengthUnit,
+) -> Result<CurvedGuide, ReadError> {
     let length = std::fs::metadata(path).map_err(|e| ReadError::io(path, e))?.len();
     if length > MAX_FILE_SIZE {
         let problem = format!("{length} bytes; a guide has at most {MAX_FILE_SIZE}");
         return Err(ReadError::damaged(path, Place::Whole, problem));
     }
-    let text = read_text(path)?;
     let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     let points = match extension.as_deref() {
-        Some("csv" | "txt") => rows(&text),
-        Some("geojson" | "json") => geojson::points(&text),
-        Some("dxf") => dxf::points(&text),
+        Some("csv" | "txt") => rows(&read_text(path)?),
+        Some("geojson" | "json") => geojson::points(&read_text(path)?),
+        // Names may be in an encoding of their own; numbers are ASCII.
+        Some("dxf") => dxf::points(&String::from_utf8_lossy(&read_bytes(path)?), unit),
         _ => {
             Err(Problem::damaged("the name of a guide ends in .csv, .txt, .geojson, .json or .dxf"))
         }
@@ -105,12 +111,14 @@ fn rows(text: &str) -> Result<Vec<Placed>, Problem> {
             continue;
         }
         let at = Place::Line(number);
-        let fields = content.split([',', ';', ' ', '\t']).filter(|field| !field.is_empty());
-        let numbers: Result<Vec<f64>, _> = fields.map(str::parse).collect();
+        let fields = fields(content);
+        let numbers: Result<Vec<f64>, _> = fields.iter().map(|field| field.parse()).collect();
         match numbers.as_deref() {
             Ok(&[x, y, z]) => points.push(Placed { point: Point3::new(x, y, z), at }),
             Ok(other) => {
-                let problem = format!("{} numbers, not the three x, y and z", other.len());
+                let commas =
+                    if other.len() == 6 { "; write decimal points, not commas" } else { "" };
+                let problem = format!("{} numbers, not the three x, y and z{commas}", other.len());
                 return Err(Problem::at(at, problem));
             }
             Err(_) if points.is_empty() && !header && !content.contains(char::is_numeric) => {
@@ -118,10 +126,21 @@ fn rows(text: &str) -> Result<Vec<Placed>, Problem> {
                 header = true;
             }
             Err(_) => {
-                let problem = format!("{content:?} is not three numbers x, y and z");
+                let commas = fields.iter().any(|field| field.contains(','));
+                let commas = if commas { "; write decimal points, not commas" } else { "" };
+                let problem = format!("{content:?} is not three numbers x, y and z{commas}");
                 return Err(Problem::at(at, problem));
             }
         }
     }
     Ok(points)
+}
+
+/// The fields of a line: between semicolons, else between commas, else between spaces. A separator
+/// may end the line; any other empty field stays, since it holds a place.
+fn fields(line: &str) -> Vec<&str> {
+    let separator = [';', ','].into_iter().find(|separator| line.contains(*separator));
+    let Some(separator) = separator else { return line.split_whitespace().collect() };
+    let line = line.strip_suffix(separator).unwrap_or(line);
+    line.split(separator).map(str::trim).collect()
 }

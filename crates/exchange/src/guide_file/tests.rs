@@ -4,7 +4,8 @@ use proptest::prelude::*;
 
 fn read(name: &str, text: &str) -> Result<Vec<Point3>, ReadError> {
     let (_folder, path) = write_to_folder(name, text.as_bytes());
-    read_guide(&path, GuideKind::Polyline(None)).map(|guide| guide.points().to_vec())
+    read_guide(&path, GuideKind::Polyline(None), LengthUnit::Metre)
+        .map(|guide| guide.points().to_vec())
 }
 
 fn problem(name: &str, text: &str) -> String {
@@ -41,15 +42,27 @@ fn all_forms_give_the_same_points() {
     for text in [line, &feature, &collection] {
         assert_eq!(read("a.geojson", text).unwrap(), wanted());
     }
-    for entities in [light, heavy, lines] {
+    let turned = "0 LINE 10 4 20 5 30 3 11 1 21 2 31 3 0 LINE 10 4.5 20 9 30 3 11 4 21 5 31 3";
+    let flat = "0 POLYLINE 66 1 30 3.0 70 0 0 VERTEX 10 1 20 2 30 0 0 VERTEX 10 4 20 5 30 0 \
+                0 VERTEX 10 4.5 20 9 30 0 0 SEQEND";
+    for entities in [light, heavy, lines, turned, flat] {
         assert_eq!(read("a.dxf", &drawing(entities)).unwrap(), wanted(), "{entities}");
     }
+    for header in ["9\n$INSUNITS\n70\n6\n", "9\n$INSUNITS\n70\n0\n"] {
+        assert_eq!(read("a.dxf", &(header.to_owned() + &drawing(light))).unwrap(), wanted());
+    }
+    let latin = [b"999\nStra\xdfe\n", drawing(light).as_bytes()].concat();
+    let (_folder, path) = write_to_folder("a.dxf", &latin);
+    read_guide(&path, GuideKind::Spline, LengthUnit::Metre).unwrap();
 }
 
 #[test]
 fn what_is_wrong_is_named_with_its_line() {
     for (name, text, wanted) in [
         ("a.csv", "1,2,3\n4,5\n", "line 2: 2 numbers"),
+        ("a.csv", "1,2,3\n4,,5,6\n", "line 2: \"4,,5,6\" is not three numbers"),
+        ("a.csv", "1,5;2;3\n", "write decimal points, not commas"),
+        ("a.csv", "1,5,2,5,3,5\n", "6 numbers, not the three x, y and z; write decimal points"),
         ("a.csv", "1,2,3\n4,five,6\n", "line 2: \"4,five,6\" is not three numbers"),
         ("a.csv", "0,0,2O\n1,2,3\n4,5,6\n", "line 1: \"0,0,2O\" is not three numbers"),
         ("a.csv", "y,x,z\n1,2,3\n4,5,6\n", "line 1: \"y,x,z\" names no x, y and z in this order"),
@@ -73,11 +86,14 @@ fn what_is_wrong_is_named_with_its_line() {
     for (entities, wanted) in [
         ("0 LWPOLYLINE 70 1 10 1 20 2 10 3 20 4", "line 8: the LWPOLYLINE is closed"),
         ("0 LWPOLYLINE 10 1 20 2 42 0.5 10 3 20 4", "has arcs"),
-        ("0 LINE 10 1 20 2 11 3 21 4 0 LINE 10 9 20 2 11 3 21 4", "2 separate"),
+        ("0 LINE 10 1 20 2 11 3 21 4 0 LINE 10 9 20 2 11 8 21 4", "2 separate"),
         ("0 LINE 10 1 20 two 11 3 21 4", "line 12: \"two\" is no number"),
         ("0 LINE 10 1 11 3 21 4", "LINE has no group 20"),
         ("0 POLYLINE 0 VERTEX 10 1 20 2", "no SEQEND"),
         ("0 LWPOLYLINE 10 1 20 2 10 3", "not finite"),
+        ("0 LWPOLYLINE 10 1 20 2 10 3 20 4 0 ARC 10 1 20 2 40 3", "line 18: ARC is no guide"),
+        ("0 INSERT 2 axis", "0 separate polylines or lines; a guide is one. 1 blocks (INSERT)"),
+        ("0 ENDSEC 9 $INSUNITS 70 4", "$INSUNITS, is 4 (mm), but the scan's is m"),
         ("0 LWPOLYLINE 230 -1 10 1 20 2 10 3 20 4", "turned coordinate system"),
     ] {
         let found = problem("a.dxf", &drawing(entities));
@@ -100,6 +116,6 @@ proptest! {
             *byte = change;
         }
         let (_folder, path) = write_to_folder("a.dxf", &bytes);
-        let _ = read_guide(&path, GuideKind::Spline);
+        let _ = read_guide(&path, GuideKind::Spline, LengthUnit::Metre);
     }
 }

@@ -5,7 +5,7 @@ use transect_exchange::{
     Scan, read_calibration, read_contours, read_guide, read_mesh, read_range_grid, read_text,
     read_truth,
 };
-use transect_geometry::GuideKind;
+use transect_geometry::{GuideKind, LengthUnit};
 
 /// What every reader says about a file of one name.
 fn errors(folder: &Path, name: &str) -> Vec<String> {
@@ -21,7 +21,7 @@ fn errors(folder: &Path, name: &str) -> Vec<String> {
         read_mesh(&path("stl")).map(drop),
         read_mesh(&path("obj")).map(drop),
         read_range_grid(&path("ply")).map(drop),
-        read_guide(&path("csv"), GuideKind::Spline).map(drop),
+        read_guide(&path("csv"), GuideKind::Spline, LengthUnit::Metre).map(drop),
         read_calibration(&path("csv")).map(drop),
         read_contours(&path("json")).map(drop),
         read_truth(&path("npz")).map(drop),
@@ -80,7 +80,7 @@ fn byte_order_marks_are_skipped_in_every_text() {
         assert_eq!((mesh.vertices.len(), mesh.faces.len()), (3, 1), "{name}");
     }
     let guide = with_mark("guide.csv", "0 0 0\n1 0 0\n2 0.1 0\n3 0 0\n");
-    let guide = read_guide(&guide, GuideKind::Spline).unwrap();
+    let guide = read_guide(&guide, GuideKind::Spline, LengthUnit::Metre).unwrap();
     assert_eq!(guide.points().len(), 4, "the first point is no header");
     let table = "sweep,theta,p,u,v\n0,0,1,2,3\n1,0,4,5,6\n";
     assert!(read_calibration(&with_mark("table.csv", table)).is_ok());

@@ -11,7 +11,7 @@ use std::path::Path;
 use transect_exchange::{
     Scan, read_calibration, read_contours, read_guide, read_mesh, read_range_grid, read_truth,
 };
-use transect_geometry::GuideKind;
+use transect_geometry::{GuideKind, LengthUnit};
 use transect_model::{Model, store::Store};
 
 /// Reads bytes as one kind of file, in an existing folder.
@@ -97,7 +97,7 @@ pub const STORE_LINES: (&str, Target) = ("store_lines", |folder, bytes| {
 });
 
 fn spline(path: &Path) -> Result<transect_geometry::CurvedGuide, transect_exchange::ReadError> {
-    read_guide(path, GuideKind::Spline)
+    read_guide(path, GuideKind::Spline, LengthUnit::Metre)
 }
 
 fn write(folder: &Path, name: &str, bytes: &[u8]) {
