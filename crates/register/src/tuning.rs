@@ -192,12 +192,12 @@ pub const CAMERA_GRID: (usize, usize) = (7, 9);
 
 /// How far a depth camera may err at first, as a share of the median distance. No unit. Theory:
 /// makers state 1 to 2 % for depth cameras. Doubled, or halved, the rounds that follow
-/// estimate the same offsets. The odds of a wrong scale are halved, or doubled.
+/// estimate the same offsets. The odds of a wrong scale or focal length are halved, or doubled.
 pub const FIRST_CAMERA_ERROR: f64 = 0.01;
 
-/// Odds from which a depth camera's scale is taken for wrong. No unit. Theory: strong evidence
-/// (Kass and Raftery, 1995). In 26 simulated scans with right scales, and in the red kitchen, the
-/// first odds are 0.8 at most. Doubled, the limit grows by a fifth of a standard deviation.
+/// Odds from which a depth camera's scale, or its focal length, is taken for wrong. No unit.
+/// Theory: strong evidence (Kass and Raftery, 1995). In 19 simulated scans with right ones, and in
+/// the red kitchen, the first odds of both are 0.8 at most. Doubled, the limit grows by a fifth of a standard deviation.
 pub const SCALE_ODDS: f64 = 20.0;
 
 /// Most runs of [`ROUNDS`] with free scales, each from the given poses. No unit. Measured with

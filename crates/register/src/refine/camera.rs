@@ -11,6 +11,9 @@
 //! A wrong clock, or a wrong baseline, errs by a factor on all depths. Poses can hide it: they move
 //! apart, as if the scene were larger. How far they may be wrong tells whether they do.
 //!
+//! Wrong focal lengths make every image too wide or too narrow. Offsets and a scale bend to that,
+//! and poses with them, so they are looked for at the same time.
+//!
 //! **Steps.**
 //! 1. Views with the same rays share a camera.
 //! 2. The poses settle first. Then samples and patches are looked up with the offsets known so
@@ -18,9 +21,11 @@
 //! 3. The offsets have a prior: `own` holds them at zero, and `step` holds neighbouring nodes
 //!    together. Both follow from the evidence (MacKay, 1992), so the offsets of a sound camera
 //!    vanish.
-//! 4. After the rounds, scales that are wrong more probably than right become unknowns, and the
-//!    rounds are repeated from the given poses, which do not hide the scale. A scale whose odds do
-//!    not exceed `SCALE_ODDS` then is right.
+//! 4. After the rounds, scales and focal lengths of cameras that are wrong more probably than right
+//!    become unknowns, and the rounds are repeated from the given poses, which do not hide them. If
+//!    the odds of a focal length exceed `SCALE_ODDS` then, everything stays as it was given, and
+//!    the caller is told: images cannot be corrected for it here. Else the rounds are repeated with
+//!    free scales alone. A scale whose odds do not exceed `SCALE_ODDS` then is right.
 
 use crate::CoarseView;
 use crate::tuning::{CAMERA_GRID, EXACT, FIRST_CAMERA_ERROR};
@@ -36,22 +41,51 @@ const FREE_SCALE: f64 = 1.0 / (FIRST_CAMERA_ERROR * FIRST_CAMERA_ERROR);
 const SOUND_SCALE: f64 = FREE_SCALE / (EXACT * EXACT);
 /// Nodes of the grid of one camera.
 const NODES: usize = ROWS * COLS;
-/// Unknowns of one camera: the offsets at its nodes, and the relative change of 1 / depth.
-pub const UNKNOWNS: usize = NODES + 1;
+/// Unknowns of one camera: the offsets at its nodes, the relative change of 1 / depth, and by how
+/// much `fx` and `fy` are too large.
+pub const UNKNOWNS: usize = NODES + 3;
+/// The places of the last two.
+const FOCAL: [usize; 2] = [NODES + 1, NODES + 2];
 
 /// A depth camera with several views.
 #[derive(Debug, Clone)]
 pub struct Camera {
-    /// The offsets at the nodes, in 1 / length, and the relative change of 1 / depth.
+    /// The offsets at the nodes, in 1 / length, the relative change of 1 / depth, and the relative
+    /// errors of the focal lengths.
     pub errors: DVector<f64>,
     /// Precision of each offset, and of the steps between neighbouring nodes.
     own: f64,
     step: f64,
-    /// Precision of the relative change.
+    /// Precision of the relative change, and of the errors of the focal lengths.
     scale: f64,
+    focal: f64,
     /// The precision that offsets have at first, and the one above which they are none.
     first: f64,
     sound: f64,
+}
+
+/// The odds that parts of a camera are wrong; those of parts that are not free mean nothing.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Odds {
+    pub scale: f64,
+    /// The larger one of `fx` and `fy`.
+    pub focal: f64,
+}
+
+/// Parts of a camera that become unknowns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Freed {
+    Scale,
+    ScaleAndFocal,
+}
+
+/// The errors of a camera at a cell.
+struct CellErrors {
+    /// The relative change of 1 / depth, and what is added to it.
+    change: f64,
+    offset: f64,
+    /// By how much `fx` and `fy` are too large.
+    focal: [f64; 2],
 }
 
 /// The cameras of all views.
@@ -89,7 +123,8 @@ impl Cameras {
         let first = (distance / FIRST_CAMERA_ERROR).powi(2);
         let errors = DVector::zeros(UNKNOWNS);
         let sound = first / EXACT.powi(2);
-        let camera = Camera { errors, own: sound, step: sound, scale: SOUND_SCALE, first, sound };
+        let (scale, focal) = (SOUND_SCALE, SOUND_SCALE);
+        let camera = Camera { errors, own: sound, step: sound, scale, focal, first, sound };
         Self { of_view, around, list: vec![camera; shared.len()] }
     }
 
@@ -98,7 +133,7 @@ impl Cameras {
         let mut sound = self.clone();
         for camera in &mut sound.list {
             camera.errors = DVector::zeros(UNKNOWNS);
-            (camera.own, camera.scale) = (camera.sound, SOUND_SCALE);
+            (camera.own, camera.scale, camera.focal) = (camera.sound, SOUND_SCALE, SOUND_SCALE);
         }
         sound
     }
@@ -113,36 +148,55 @@ impl Cameras {
         self.around.get((*self.of_view.get(view)?)?)?.get(cell).copied()
     }
 
-    /// The number of the relative change of a camera, from the nodes around one of its cells.
-    fn scale_of(nodes: &Nodes) -> usize {
-        nodes[0].0 / UNKNOWNS * UNKNOWNS + NODES
+    /// The number of the first unknown of a camera, from the nodes around one of its cells.
+    fn first_of(nodes: &Nodes) -> usize {
+        nodes[0].0 / UNKNOWNS * UNKNOWNS
     }
 
-    /// The same if that scale is free.
+    /// The number of the relative change of a camera if its scale is free.
     pub fn free_scale(&self, nodes: &Nodes) -> Option<usize> {
-        let unknown = Self::scale_of(nodes);
-        self.list.get(unknown / UNKNOWNS).filter(|c| c.scale_is_free()).map(|_| unknown)
+        let first = Self::first_of(nodes);
+        self.list.get(first / UNKNOWNS).filter(|c| c.scale_is_free()).map(|_| first + NODES)
     }
 
-    /// A point of a view without the error of its camera.
+    /// The numbers of the errors of its focal lengths if they are free.
+    pub fn free_focal(&self, nodes: &Nodes) -> Option<[usize; 2]> {
+        let first = Self::first_of(nodes);
+        let camera = self.list.get(first / UNKNOWNS).filter(|c| c.focal_is_free());
+        camera.map(|_| FOCAL.map(|at| first + at))
+    }
+
+    /// A point of a view without the errors of its camera.
     pub fn corrected(&self, nodes: &Nodes, p: &Point3) -> Point3 {
-        let (change, offset) = self.error(nodes);
-        Point3::from(p.coords / (1.0 + change + offset * p.z))
+        let CellErrors { change, offset, focal: [x, y] } = self.errors(nodes);
+        let sound = p.coords / (1.0 + change + offset * p.z);
+        Point3::new(sound.x * (1.0 + x), sound.y * (1.0 + y), sound.z)
     }
 
-    /// A point as the camera would measure it.
+    /// A point where the camera of a view sees it, at its true depth.
+    pub fn projected(&self, view: usize, p: &Point3) -> Point3 {
+        let camera = self.of_view.get(view).copied().flatten().and_then(|k| self.list.get(k));
+        let [x, y] = camera.map_or([0.0; 2], |camera| FOCAL.map(|at| camera.errors[at]));
+        Point3::new(p.x / (1.0 + x), p.y / (1.0 + y), p.z)
+    }
+
+    /// A [`Cameras::projected`] point at the depth that the camera would measure.
     pub fn measured(&self, nodes: &Nodes, p: &Point3) -> Point3 {
-        let (change, offset) = self.error(nodes);
+        let CellErrors { change, offset, .. } = self.errors(nodes);
         Point3::from(p.coords * ((1.0 + change) / (1.0 - offset * p.z)))
     }
 
-    /// The relative change of 1 / depth, and what is added to it.
-    fn error(&self, nodes: &Nodes) -> (f64, f64) {
+    fn errors(&self, nodes: &Nodes) -> CellErrors {
         let at = |unknown: usize| {
             let camera = self.list.get(unknown / UNKNOWNS);
             camera.and_then(|c| c.errors.get(unknown % UNKNOWNS)).copied().unwrap_or(0.0)
         };
-        (at(Self::scale_of(nodes)), nodes.iter().map(|(node, weight)| at(*node) * weight).sum())
+        let first = Self::first_of(nodes);
+        CellErrors {
+            change: at(first + NODES),
+            offset: nodes.iter().map(|(node, weight)| at(*node) * weight).sum(),
+            focal: FOCAL.map(|focal| at(first + focal)),
+        }
     }
 
     /// Lets the cameras err, after the poses have settled.
@@ -152,41 +206,50 @@ impl Cameras {
         }
     }
 
-    /// The same cameras, with free scales of those that are chosen by number.
-    pub fn with_free_scales(&self, is_free: impl Fn(usize) -> bool) -> Self {
+    /// The same cameras, with free parts of those that are chosen by number.
+    pub fn freed(&self, parts: Freed, is_free: impl Fn(usize) -> bool) -> Self {
         let mut cameras = self.clone();
         for (_, camera) in cameras.list.iter_mut().enumerate().filter(|(k, _)| is_free(*k)) {
             camera.scale = FREE_SCALE;
+            if parts == Freed::ScaleAndFocal {
+                camera.focal = FREE_SCALE;
+            }
         }
         cameras
     }
 
-    /// The odds that each free scale is wrong, from the changes of all unknowns and their
+    /// `fx` and `fy` of a camera over the true ones.
+    pub fn focal_over_true(&self, camera: usize) -> Option<[f64; 2]> {
+        self.list.get(camera).map(|camera| FOCAL.map(|at| 1.0 + camera.errors[at]))
+    }
+
+    /// The odds that the free parts of each camera are wrong, from the changes of all unknowns and their
     /// [`Solution::root`](super::solve::Solution::root): the probability of the right scale before
     /// the images are seen over that after it (Dickey, 1971).
-    pub fn scale_odds(&self, changes: &DVector<f64>, root: &DMatrix<f64>) -> Vec<f64> {
+    pub fn odds(&self, changes: &DVector<f64>, root: &DMatrix<f64>) -> Vec<Odds> {
         let first = changes.len() - self.unknowns();
         let odds = |(k, camera): (usize, &Camera)| {
-            let at = first + UNKNOWNS * k + NODES;
-            let variance = root.column(at).norm_squared();
-            let error = camera.errors[NODES] + changes[at];
-            (FREE_SCALE * variance).sqrt() * (0.5 * error * error / variance).exp()
+            let of_part = |part: usize| {
+                let at = first + UNKNOWNS * k + part;
+                let variance = root.column(at).norm_squared();
+                let error = camera.errors[part] + changes[at];
+                (FREE_SCALE * variance).sqrt() * (0.5 * error * error / variance).exp()
+            };
+            let [x, y] = FOCAL.map(of_part);
+            Odds { scale: of_part(NODES), focal: x.max(y) }
         };
         self.list.iter().enumerate().map(odds).collect()
     }
 
-    /// The changes of free scales, in their standard deviations.
-    pub fn scale_steps(
-        &self,
-        changes: &DVector<f64>,
-        root: &DMatrix<f64>,
-    ) -> impl Iterator<Item = f64> {
+    /// The changes of free scales and focal lengths, in their standard deviations.
+    pub fn steps(&self, changes: &DVector<f64>, root: &DMatrix<f64>) -> impl Iterator<Item = f64> {
         let first = changes.len() - self.unknowns();
-        let free = self.list.iter().enumerate().filter(|(_, camera)| camera.scale_is_free());
-        free.map(move |(k, _)| {
-            let at = first + UNKNOWNS * k + NODES;
-            changes[at].abs() / root.column(at).norm()
-        })
+        let free = self.list.iter().enumerate().flat_map(move |(k, camera)| {
+            let scale = camera.scale_is_free().then_some(NODES);
+            let focal = camera.focal_is_free().then_some(FOCAL).into_iter().flatten();
+            scale.into_iter().chain(focal).map(move |part| first + UNKNOWNS * k + part)
+        });
+        free.map(|at| changes[at].abs() / root.column(at).norm())
     }
 
     /// Adds the changes of a round.
@@ -238,11 +301,16 @@ impl Camera {
         self.scale < SOUND_SCALE
     }
 
+    fn focal_is_free(&self) -> bool {
+        self.focal < SOUND_SCALE
+    }
+
     /// The precision of the errors before anything is seen.
     pub fn precision(&self) -> DMatrix<f64> {
         let mut precision = DMatrix::zeros(UNKNOWNS, UNKNOWNS);
         precision.view_mut((0, 0), (NODES, NODES)).copy_from(&self.of_offsets());
         precision[(NODES, NODES)] = self.scale;
+        FOCAL.into_iter().for_each(|at| precision[(at, at)] = self.focal);
         precision
     }
 
@@ -288,16 +356,20 @@ fn steps() -> DMatrix<f64> {
 mod tests {
     use super::*;
 
+    fn camera(errors: DVector<f64>, (scale, focal): (f64, f64)) -> Camera {
+        Camera { errors, own: 1.0, step: 1.0, scale, focal, first: 1.0, sound: 2.0 }
+    }
+
     #[test]
     fn what_a_camera_measures_is_corrected_to_what_was_there() {
         let errors =
             DVector::from_fn(UNKNOWNS, |k, _| if k < NODES { 1e-3 * k as f64 } else { 0.02 });
-        let camera = Camera { errors, own: 1.0, step: 1.0, scale: 1.0, first: 1.0, sound: 2.0 };
+        let camera = camera(errors, (1.0, 1.0));
         let cameras =
             Cameras { list: vec![camera], of_view: vec![Some(0)], around: Arc::new(Vec::new()) };
         let p = Point3::new(0.4, -0.7, 2.5);
         for nodes in around(0, ImageSize { rows: 5, cols: 7 }) {
-            let measured = cameras.measured(&nodes, &p);
+            let measured = cameras.measured(&nodes, &cameras.projected(0, &p));
             assert!((measured - p).norm() > 0.01);
             assert!((cameras.corrected(&nodes, &measured) - p).norm() < 1e-12);
         }
@@ -316,14 +388,13 @@ mod tests {
             let expected = step * wrong / std::f64::consts::TAU.sqrt() / normal(measured, sigma);
             let variance = 1.0 / (FREE_SCALE + sigma.powi(-2));
             let errors = DVector::zeros(UNKNOWNS);
-            let camera =
-                Camera { errors, own: 1.0, step: 1.0, scale: FREE_SCALE, first: 1.0, sound: 2.0 };
+            let camera = camera(errors, (FREE_SCALE, 1.0));
             let cameras = Cameras { list: vec![camera], of_view: vec![], around: Arc::default() };
             let (mut changes, mut root) =
                 (DVector::zeros(UNKNOWNS), DMatrix::identity(UNKNOWNS, UNKNOWNS));
             changes[NODES] = measured * variance / sigma.powi(2);
             root[(NODES, NODES)] = variance.sqrt();
-            let odds = cameras.scale_odds(&changes, &root)[0];
+            let odds = cameras.odds(&changes, &root)[0].scale;
             assert!((odds / expected - 1.0).abs() < 1e-3, "{odds} {expected}");
         }
     }

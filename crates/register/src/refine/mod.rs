@@ -38,7 +38,7 @@ use crate::tuning::{
     MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS, SCALE_ODDS, SCALE_RUNS, SETTLED,
     SETTLING, SUMS,
 };
-use camera::Cameras;
+use camera::{Cameras, Freed, Odds};
 use drift::{Drift, Errors, estimated_prior};
 use motion::{Motion, motion_between, moved};
 use nalgebra::{DMatrix, DVector};
@@ -122,6 +122,8 @@ struct Rounds<'a> {
     pairs: Vec<Pair>,
     independent: f64,
     last_change: DVector<f64>,
+    /// `fx` and `fy` of a camera over the true ones, if they were found wrong.
+    focal_over_true: Option<[f64; 2]>,
 }
 
 impl<'a> Rounds<'a> {
@@ -166,6 +168,7 @@ impl<'a> Rounds<'a> {
             pairs: Vec::new(),
             independent: 0.0,
             last_change,
+            focal_over_true: None,
         }
     }
 
@@ -188,29 +191,30 @@ impl<'a> Rounds<'a> {
         self.cameras.release();
         self.drift.release();
         self.run_rounds();
-        let suspected = self.suspected_scales();
-        self.free_scales(suspected);
+        let suspected = self.suspected_cameras();
+        self.free_cameras(suspected);
     }
 
-    /// Which depth cameras have a wrong scale more probably than a right one. Poses and offsets
-    /// have hidden such an error as far as they could.
-    fn suspected_scales(&mut self) -> Vec<bool> {
-        if self.cameras.list.is_empty() || self.images_stay {
+    /// Which depth cameras have a wrong scale or focal length more probably than right ones. Poses
+    /// and offsets have hidden such an error as far as they could.
+    fn suspected_cameras(&mut self) -> Vec<bool> {
+        if self.cameras.list.is_empty() {
             return Vec::new();
         }
-        let free = self.cameras.with_free_scales(|_| true);
+        let free = self.cameras.freed(Freed::ScaleAndFocal, |_| true);
         let cameras = std::mem::replace(&mut self.cameras, free);
-        let odds = self.scale_odds();
+        let odds = self.odds();
         self.cameras = cameras;
-        odds.into_iter().map(|odds| odds > 1.0).collect()
+        let largest =
+            |odds: Odds| if self.images_stay { odds.focal } else { odds.scale.max(odds.focal) };
+        odds.into_iter().map(|odds| largest(odds) > 1.0).collect()
     }
 
-    /// Repeats the rounds with free scales of the suspected cameras, which raises the odds of a
-    /// wrong scale. They begin at the given poses, since the refined ones hide the scale; views
-    /// that were far off stay where they were brought. Unless all odds exceed [`SCALE_ODDS`] then,
-    /// the rounds are repeated without the scales below it. If none is left, everything stays as it
-    /// was.
-    fn free_scales(&mut self, mut suspected: Vec<bool>) {
+    /// Repeats the rounds with free scales and focal lengths of the suspected cameras, which raises
+    /// the odds of wrong ones. They begin at the given poses, since the refined ones hide them;
+    /// views that were far off stay where they were brought. A wrong focal length is kept for the
+    /// result, and everything else stays as it was. Wrong scales are found in rounds of their own.
+    fn free_cameras(&mut self, suspected: Vec<bool>) {
         if !suspected.contains(&true) {
             return;
         }
@@ -218,24 +222,44 @@ impl<'a> Rounds<'a> {
         let far_off = self.far_off(self.whole_system().as_ref());
         let begin = self.given.iter().zip(&self.poses).zip(far_off);
         let begin: Vec<_> = begin.map(|((from, to), far)| if far { *to } else { *from }).collect();
-        while suspected.contains(&true) {
-            *self = sound.clone();
-            self.cameras = self.cameras.with_free_scales(|k| suspected.get(k) == Some(&true));
-            (0..SCALE_RUNS).any(|_| {
-                self.poses.clone_from(&begin);
-                self.last_change.fill(0.0);
-                self.run_rounds()
-            });
-            self.observe(self.prior, OBSERVATIONS, Spread::Narrow);
-            let odds = self.scale_odds();
-            let wrong = suspected.iter().zip(&odds).map(|(s, odds)| *s && *odds > SCALE_ODDS);
-            let wrong: Vec<bool> = wrong.collect();
-            if wrong == suspected {
+        let odds = self.rounds_with(&sound, Freed::ScaleAndFocal, &suspected, &begin);
+        let wrong = |odds: &[Odds], part: fn(&Odds) -> f64| -> Vec<bool> {
+            let both = suspected.iter().zip(odds);
+            both.map(|(suspected, odds)| *suspected && part(odds) > SCALE_ODDS).collect()
+        };
+        let focal = wrong(&odds, |odds| odds.focal).iter().position(|wrong| *wrong);
+        let focal = focal.and_then(|k| self.cameras.focal_over_true(k));
+        let mut scales = wrong(&odds, |odds| odds.scale);
+        while focal.is_none() && !sound.images_stay && scales.contains(&true) {
+            let odds = self.rounds_with(&sound, Freed::Scale, &scales, &begin);
+            let still: Vec<bool> =
+                scales.iter().zip(odds).map(|(s, odds)| *s && odds.scale > SCALE_ODDS).collect();
+            if still == scales {
                 return;
             }
-            suspected = wrong;
+            scales = still;
         }
-        *self = sound;
+        *self = Self { focal_over_true: focal, ..sound };
+    }
+
+    /// Repeats the rounds with free parts of some cameras, from some poses on. Returns the odds that
+    /// these parts are wrong.
+    fn rounds_with(
+        &mut self,
+        sound: &Self,
+        parts: Freed,
+        free: &[bool],
+        begin: &[Isometry3],
+    ) -> Vec<Odds> {
+        *self = sound.clone();
+        self.cameras = self.cameras.freed(parts, |k| free.get(k) == Some(&true));
+        (0..SCALE_RUNS).any(|_| {
+            self.poses.clone_from_slice(begin);
+            self.last_change.fill(0.0);
+            self.run_rounds()
+        });
+        self.observe(self.prior, OBSERVATIONS, Spread::Narrow);
+        self.odds()
     }
 
     /// Moves all views until they settle, and says whether they do.
@@ -250,15 +274,14 @@ impl<'a> Rounds<'a> {
         false
     }
 
-    /// The odds that the scale of each depth camera is wrong, from the pairs as they are; those of
-    /// scales that are not free mean nothing.
-    fn scale_odds(&self) -> Vec<f64> {
+    /// The odds that the free parts of each depth camera are wrong, from the pairs as they are.
+    fn odds(&self) -> Vec<Odds> {
         let (priors, moved) = (self.priors(), self.motions());
         let solution = self
             .whole_system()
             .and_then(|system| system.solve(self.independent, &self.known_before(&priors, &moved)));
-        let odds = solution.map(|s| self.cameras.scale_odds(&s.unknowns, &s.root()));
-        odds.unwrap_or_else(|| vec![0.0; self.cameras.list.len()])
+        let odds = solution.map(|s| self.cameras.odds(&s.unknowns, &s.root()));
+        odds.unwrap_or_else(|| vec![Odds::default(); self.cameras.list.len()])
     }
 
     /// How many patches lie on those of other views, within noise.
@@ -315,8 +338,8 @@ impl<'a> Rounds<'a> {
         let variances = variances(&root, so_far.len()).into_iter().enumerate();
         let sizes = variances.map(|(k, v)| solution.motion(k).component_div(&v.map(f64::sqrt)));
         let poses = sizes.map(|size| size.amax()).filter(|_| !self.are_exact());
-        let scales = self.cameras.scale_steps(&solution.unknowns, &root);
-        let largest = poses.chain(scales).fold(0.0, f64::max);
+        let cameras = self.cameras.steps(&solution.unknowns, &root);
+        let largest = poses.chain(cameras).fold(0.0, f64::max);
         self.change(solution.unknowns, momentum);
         Some(largest)
     }

@@ -68,6 +68,10 @@ pub struct Refinement {
     pub left_out_pairs: Option<f64>,
     /// Median distance of the patches from their sensors, in the model's length unit.
     pub distance: f64,
+    /// `fx` and `fy` of a depth camera over the true ones, if the images show that they are wrong.
+    /// The given poses and depths stay then.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub focal_over_true: Option<[f64; 2]>,
 }
 
 /// The error of a camera in reports: the root mean square of its offsets, and its depths over
@@ -119,10 +123,13 @@ impl Rounds<'_> {
         let far_off = self.far_off(system.as_ref());
         let covariances = self.covariances(weights.as_deref());
         let judged_worse = left_out_pairs.is_none_or(|change| change >= 0.0);
-        if judged_worse {
+        if judged_worse || self.focal_over_true.is_some() {
             self.cameras = self.cameras.without_errors();
         }
-        let keeps = judged_worse || covariances.as_ref().is_some_and(|c| self.is_settled(c));
+        // Poses and depths would bend to the wrong focal lengths.
+        let keeps = judged_worse
+            || self.focal_over_true.is_some()
+            || covariances.as_ref().is_some_and(|c| self.is_settled(c));
         if keeps {
             self.poses = self.given.clone();
         }
@@ -149,7 +156,13 @@ impl Rounds<'_> {
             }
         };
         let poses = (0..self.given.len()).map(pose).collect();
-        Refinement { poses, prior: self.prior, left_out_pairs, distance: self.distance }
+        Refinement {
+            poses,
+            prior: self.prior,
+            left_out_pairs,
+            distance: self.distance,
+            focal_over_true: self.focal_over_true,
+        }
     }
 
     /// Whether no view moves by more than it is uncertain by. Another refinement of refined poses

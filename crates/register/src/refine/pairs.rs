@@ -54,6 +54,8 @@ pub struct Observation {
     /// Change of the distance with a relative change of 1 / depth at the cell of `a`, and at that
     /// of `b`.
     pub slopes: [f64; 2],
+    /// Change of the distance with the relative errors of `fx` and `fy`, at both cells.
+    pub focal_slopes: [[f32; 2]; 2],
     /// The depths there. Times these, the slopes are those over an offset of 1 / depth.
     pub depths: [f64; 2],
     /// Variance of the distance from the noise of both patches.
@@ -237,15 +239,17 @@ impl Scene<'_> {
         let alike = ALIKE_DEGREES.to_radians().cos();
         let placed = samples.iter().filter_map(|sample| {
             let in_b = b_from_a * sample.in_sensor;
-            // The error of a camera moves a point along its ray, so the point stays in its cell.
-            Some(Placed { sample, in_b, cell: view.cell_of(&in_b)? })
+            let projected = cameras.projected(b, &in_b);
+            // Errors of depths move a point along its ray, so the point stays in its cell.
+            Some(Placed { sample, in_b, projected, cell: view.cell_of(&projected)? })
         });
         let placed: Vec<Placed<'_>> = placed.collect();
         // Cells lie far apart in memory. A pass that only copies them waits for several at once.
         let cells: Vec<_> = placed.iter().map(|placed| view.cell(placed.cell)).collect();
-        let observe = |(Placed { sample, in_b, cell }, copy): (&Placed<'_>, Option<_>)| {
+        let observe = |(placed, copy): (&Placed<'_>, Option<_>)| {
+            let Placed { sample, in_b, projected, cell } = placed;
             let nodes = cameras.nodes(b, *cell);
-            let measured = nodes.map_or(*in_b, |n| cameras.measured(&n, in_b));
+            let measured = nodes.map_or(*projected, |n| cameras.measured(&n, projected));
             let meeting = view.meeting_with(&copy?, *cell, &measured)?;
             let normal = b_from_a.rotation * sample.normal;
             let moved = reach.translation + reach.rotation * sample.in_sensor.coords.norm();
@@ -258,12 +262,27 @@ impl Scene<'_> {
             let ray = in_b.coords - b_from_a.translation.vector;
             let slopes = [-meeting.normal.dot(&ray), meeting.normal.dot(&in_b.coords)];
             let depths = [sample.in_sensor.z, in_b.z];
+            let at_a = b_from_a.rotation.inverse() * meeting.normal;
+            let focal_slopes = [
+                [at_a.x * sample.in_sensor.x, at_a.y * sample.in_sensor.y],
+                [-meeting.normal.x * in_b.x, -meeting.normal.y * in_b.y],
+            ];
+            let focal_slopes = focal_slopes.map(|both| both.map(|slope| slope as f32));
             let normal = world_from_b.rotation * meeting.normal;
             let arm = world_from_b * in_b - self.origin;
             let turn = arm.cross(&normal);
             let gradient = Vector6::new(normal.x, normal.y, normal.z, turn.x, turn.y, turn.z);
             let (cells, distance) = ([sample.cell, meeting.cell], meeting.distance);
-            Some(Observation { cells, gradient, distance, slopes, depths, variance, share: 1.0 })
+            Some(Observation {
+                cells,
+                gradient,
+                distance,
+                slopes,
+                focal_slopes,
+                depths,
+                variance,
+                share: 1.0,
+            })
         };
         placed.iter().zip(cells).filter_map(observe).collect()
     }
@@ -273,6 +292,8 @@ impl Scene<'_> {
 struct Placed<'a> {
     sample: &'a Sample,
     in_b: Point3,
+    /// Where the camera of `b` sees it.
+    projected: Point3,
     cell: usize,
 }
 
@@ -338,15 +359,17 @@ impl Pair {
 
     /// The slopes of an observation over the unknowns of the cameras that are free, and their
     /// number.
-    pub fn camera_terms(&self, o: &Observation, cameras: &Cameras) -> ([(usize, f64); 10], usize) {
-        let (mut terms, mut count) = ([(0, 0.0); 10], 0);
+    pub fn camera_terms(&self, o: &Observation, cameras: &Cameras) -> ([(usize, f64); 14], usize) {
+        let (mut terms, mut count) = ([(0, 0.0); 14], 0);
         for (side, view) in [self.a, self.b].into_iter().enumerate() {
             let Some(nodes) = cameras.nodes(view, o.cells[side]) else { continue };
             let slope = o.slopes[side];
             let offsets = nodes.map(|(node, share)| (node, share * slope * o.depths[side]));
             let scale = cameras.free_scale(&nodes).map(|unknown| (unknown, slope));
-            let both = offsets.into_iter().chain(scale).zip(&mut terms[count..]);
-            count += both.map(|(from, to)| *to = from).count();
+            let focal = cameras.free_focal(&nodes).into_iter().flatten();
+            let focal = focal.zip(o.focal_slopes[side].map(f64::from));
+            let all = offsets.into_iter().chain(scale).chain(focal).zip(&mut terms[count..]);
+            count += all.map(|(from, to)| *to = from).count();
         }
         (terms, count)
     }

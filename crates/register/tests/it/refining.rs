@@ -463,6 +463,45 @@ fn no_scale_is_found_where_images_stay() {
     assert!(scales.into_iter().all(|offsets| offsets.scale() == 1.0));
 }
 
+/// The views of cameras whose focal lengths are stated as these many times the true ones.
+fn with_focal_lengths_times(views: &[View], [x, y]: [f64; 2]) -> Vec<View> {
+    let misread = |view: &View| {
+        let size = view.image().size();
+        let place = |row, col| {
+            let direction = view.frame().ray(Pixel::new(row, col)).unwrap().direction;
+            direction / direction.z
+        };
+        let (first, last) = (place(0, 0), place(size.rows - 1, size.cols - 1));
+        let fx = (size.cols - 1) as f64 / (last.x - first.x);
+        let fy = (size.rows - 1) as f64 / (last.y - first.y);
+        let (cx, cy) = (-first.x * fx, -first.y * fy);
+        let frame = Pinhole::new(size, Intrinsics { fx: x * fx, fy: y * fy, cx, cy }).unwrap();
+        let (pose, sigma) = (*view.world_from_sensor(), view.sigma());
+        View::new(view.name(), view.image().clone(), Arc::new(frame), pose, sigma).unwrap()
+    };
+    views.iter().map(misread).collect()
+}
+
+/// Offsets, a scale and poses would bend to a wrong focal length.
+#[test]
+fn wrong_focal_lengths_of_a_depth_camera_are_told_and_nothing_moves() {
+    let sets = [simulated("machined_part", ""), simulated("kitchen", "")];
+    for (sound, degrees, length) in [(&sets[0], 0.0, 0.0), (&sets[1], 0.2, 0.004)] {
+        for (factors, images_stay) in [([0.98, 0.98], false), ([1.02, 1.0], true)] {
+            let views = shaken(&with_focal_lengths_times(sound, factors), degrees, length);
+            let options = RefineOptions { images_stay, ..RefineOptions::default() };
+            let refinement = refine(&coarse(&views), &options);
+            let found = refinement.focal_over_true.unwrap();
+            println!("{found:?} of {factors:?}");
+            let off = found.iter().zip(&factors).map(|(a, b)| (a - b).abs());
+            assert!(off.fold(0.0, f64::max) < 2e-3, "{found:?} of {factors:?}");
+            assert!(refinement.poses.iter().all(|pose| pose.depth_offsets.is_none()));
+            let poses: Vec<_> = refinement.poses.iter().map(|p| p.world_from_sensor).collect();
+            assert_eq!(poses, given(&views));
+        }
+    }
+}
+
 #[test]
 fn a_sound_camera_has_no_offsets() {
     let refinement = refine(&coarse(&simulated("machined_part", "")), &RefineOptions::default());

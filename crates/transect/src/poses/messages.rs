@@ -93,8 +93,15 @@ impl PoseReport {
         let refined = self.refinement.iter().flat_map(|refinement| &refinement.poses);
         let all = self.judgement.findings.iter();
         let findings = all.filter(|f| !matches!(f, Finding::Region(_))).map(|f| self.finding(f));
-        refined
-            .filter_map(|pose| self.outcome(pose))
+        let lens = self.refinement.iter().filter_map(|refinement| refinement.focal_over_true);
+        let lens = lens.map(|[fx, fy]| {
+            format!(
+                "the focal lengths of the depth camera are wrong: fx is {fx:.4} and fy {fy:.4} times \
+                 what the images ask for. The given poses stay, since they would bend to that. \
+                 Divide fx and fy by these numbers, or calibrate the camera, and refine again"
+            )
+        });
+        lens.chain(refined.filter_map(|pose| self.outcome(pose)))
             .chain(findings)
             .chain(self.regions())
             .collect()
