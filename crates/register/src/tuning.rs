@@ -197,7 +197,8 @@ pub const FIRST_CAMERA_ERROR: f64 = 0.01;
 
 /// Odds from which a depth camera's scale, or its focal length, is taken for wrong. No unit.
 /// Theory: strong evidence (Kass and Raftery, 1995). In 19 simulated scans with right ones, and in
-/// the red kitchen, the first odds of both are 0.8 at most. Doubled, the limit grows by a fifth of a standard deviation.
+/// the red kitchen, the first odds of both are 0.8 at most. Doubled, the limit grows by a fifth of
+/// a standard deviation.
 pub const SCALE_ODDS: f64 = 20.0;
 
 /// Most runs of [`ROUNDS`] with free scales, each from the given poses. No unit. Measured with

@@ -8,8 +8,8 @@
 //!
 //! Coordinates are in the model's unit and frame, so a GeoJSON of longitudes and latitudes cannot
 //! be used. A drawing that states another unit (`$INSUNITS`) is refused. Arcs (bulges, `ARC`),
-//! `SPLINE` and `ELLIPSE`, closed polylines and files with several curves are refused, because it is
-//! unclear which guide they mean.
+//! `SPLINE` and `ELLIPSE`, closed polylines and files with several curves are refused, because it
+//! is unclear which guide they mean.
 
 mod dxf;
 mod geojson;

@@ -223,9 +223,9 @@ impl Cameras {
         self.list.get(camera).map(|camera| FOCAL.map(|at| 1.0 + camera.errors[at]))
     }
 
-    /// The odds that the free parts of each camera are wrong, from the changes of all unknowns and their
-    /// [`Solution::root`](super::solve::Solution::root): the probability of the right scale before
-    /// the images are seen over that after it (Dickey, 1971).
+    /// The odds that the free parts of each camera are wrong, from the changes of all unknowns and
+    /// their [`Solution::root`](super::solve::Solution::root): the probability of the right scale
+    /// before the images are seen over that after it (Dickey, 1971).
     pub fn odds(&self, changes: &DVector<f64>, root: &DMatrix<f64>) -> Vec<Odds> {
         let first = changes.len() - self.unknowns();
         let odds = |(k, camera): (usize, &Camera)| {

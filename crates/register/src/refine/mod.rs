@@ -242,8 +242,8 @@ impl<'a> Rounds<'a> {
         *self = Self { focal_over_true: focal, ..sound };
     }
 
-    /// Repeats the rounds with free parts of some cameras, from some poses on. Returns the odds that
-    /// these parts are wrong.
+    /// Repeats the rounds with free parts of some cameras, from some poses on. Returns the odds
+    /// that these parts are wrong.
     fn rounds_with(
         &mut self,
         sound: &Self,
