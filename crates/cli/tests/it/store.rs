@@ -300,7 +300,7 @@ fn a_replaced_pose_is_checked_as_in_a_run() {
     let rounded = pose(|p| p[0] += 1e-4).succeeded();
     assert!(rounded.stderr.contains("nearest rotation is used"), "{}", rounded.stderr);
     let far = pose(|p| p[3] += 40.0).succeeded();
-    let told = "range_000.npy sees no surface that another view sees";
+    let told = "range_000.npy meets no surface of another view";
     assert!(far.stderr.contains(told), "{}", far.stderr);
     assert!(far.stderr.contains("transect remove-view"), "{}", far.stderr);
     let right = pose(|_| ()).succeeded();

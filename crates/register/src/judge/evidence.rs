@@ -107,7 +107,7 @@ pub(super) fn median(values: Vec<f64>) -> Option<f64> {
 }
 
 /// A quantile; between two values the lower one.
-fn quantile(mut values: Vec<f64>, q: f64) -> Option<f64> {
+pub(super) fn quantile(mut values: Vec<f64>, q: f64) -> Option<f64> {
     let at = (values.len().checked_sub(1)? as f64 * q) as usize;
     Some(*values.select_nth_unstable_by(at, f64::total_cmp).1)
 }

@@ -7,9 +7,13 @@
 //! **Idea.** The rigid motion of least squares (Kabsch, 1976). A view that stays farther away than
 //! most loses weight, more quickly than by Huber (1964), and stays to be seen.
 //!
-//! **Steps.** Fit; weigh every view by its distance; fit again.
+//! **Steps.**
+//! 1. Fit. Of few views, one that was far off draws the fit so much that no view stands out. So the
+//!    motions that put single views where they were given are tried, too. One of them is taken if
+//!    the roots of the distances of all views add up to clearly less: few views off rather than all.
+//! 2. Weigh every view by its distance; fit again.
 
-use crate::tuning::{COMMON_CUT, COMMON_ROUNDS};
+use crate::tuning::{CLEARLY_LESS, COMMON_CUT, COMMON_ROUNDS};
 use nalgebra::{Matrix3, UnitQuaternion};
 use transect_device::{Isometry3, Point3, Vector3};
 
@@ -34,7 +38,7 @@ impl OfView {
 /// the views.
 pub(super) fn common_motion(views: &[OfView]) -> (Isometry3, Vec<f64>) {
     let mut weights = vec![1.0; views.len()];
-    let mut motion = rigid_fit(views, &weights);
+    let mut motion = first_motion(views, rigid_fit(views, &weights));
     for _ in 0..COMMON_ROUNDS {
         let distances: Vec<f64> = views.iter().map(|view| view.distance(&motion)).collect();
         let mut sorted = distances.clone();
@@ -48,6 +52,20 @@ pub(super) fn common_motion(views: &[OfView]) -> (Isometry3, Vec<f64>) {
         motion = rigid_fit(views, &weights);
     }
     (motion, weights)
+}
+
+/// The motion of all views together, or one that puts a single view where it was given.
+fn first_motion(views: &[OfView], of_all: Isometry3) -> Isometry3 {
+    let sum =
+        |motion: &Isometry3| views.iter().map(|view| view.distance(motion).sqrt()).sum::<f64>();
+    let alone = |k: usize| {
+        let weights: Vec<f64> = (0..views.len()).map(|j| f64::from(u8::from(j == k))).collect();
+        rigid_fit(views, &weights)
+    };
+    let motions = (0..views.len()).map(alone).map(|motion| (sum(&motion), motion));
+    let best = motions.min_by(|(a, _), (b, _)| a.total_cmp(b));
+    best.filter(|(left, _)| *left < CLEARLY_LESS * sum(&of_all))
+        .map_or(of_all, |(_, motion)| motion)
 }
 
 /// The rigid motion of least squares.
@@ -105,5 +123,22 @@ mod tests {
         let left = common_motion(&views(&own, &common)).0 * common;
         assert!(left.translation.vector.norm() < 1e-3, "{left}");
         assert!(left.rotation.angle() < 1e-3, "{left}");
+    }
+
+    /// Three stations of a survey, of which one is off: the fit of all turns the whole.
+    #[test]
+    fn of_three_views_the_one_that_was_off_moves_alone() {
+        let common = Isometry3::new(Vector3::new(0.02, -0.01, 0.03), Vector3::new(0.0, 0.01, 0.02));
+        let small = |k: usize| Isometry3::translation(1e-4 * (k as f64).sin(), 1e-4, 0.0);
+        let off = Isometry3::translation(0.02, 0.0, 0.0);
+        let own = [small(1), off, small(2)];
+        let all = views(&own, &common);
+        let fit = rigid_fit(&all, &[1.0; 3]) * common;
+        let (motion, weights) = common_motion(&all);
+        let left = motion * common;
+        assert!(fit.translation.vector.norm() > 5e-3, "{fit}");
+        assert!(left.rotation.angle() < 1e-3, "{left}");
+        assert!(left.translation.vector.norm() < 5e-4, "{left}");
+        assert!(weights[1] < 0.01 && weights[0] == 1.0, "{weights:?}");
     }
 }

@@ -169,8 +169,8 @@ impl PoseReport {
                 )
             }
             Finding::Apart { view } => format!(
-                "view {view} sees no surface that another view sees, although the others overlap. \
-                 Check its pose, or {}",
+                "view {view} meets no surface of another view, although the others overlap. If it \
+                 should, check its pose, or {}",
                 self.leave_it_out()
             ),
             Finding::Groups { groups, contradicting } => {
