@@ -71,8 +71,35 @@ impl Lengths {
         digits(Quantity::new(value, self.own, power).in_unit(self.unit))
     }
 
+    /// A coordinate or a station as text without its unit: with four digits, and to a tenth of a
+    /// millimetre at least, since far from the origin four digits tell no places apart.
+    pub fn coordinate(&self, value: f64) -> String {
+        let least = (self.unit.in_metres() / 1e-4).log10().ceil().max(0.0) as usize;
+        let text = self.digits(value, 1);
+        let decimals = text.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+        if decimals >= least {
+            return text;
+        }
+        format!("{:.least$}", Quantity::new(value, self.own, 1).in_unit(self.unit))
+    }
+
     /// A place as text without its unit.
     pub fn place(&self, place: &transect_geometry::Point3) -> String {
-        <[f64; 3]>::from(place.coords).map(|c| self.digits(c, 1)).join(", ")
+        <[f64; 3]>::from(place.coords).map(|c| self.coordinate(c)).join(", ")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coordinates_far_from_the_origin_are_told_apart() {
+        let own = LengthUnit::Metre;
+        let shown = |unit, value| Lengths { own, unit }.coordinate(value);
+        assert_eq!(shown(LengthUnit::Metre, 2_600_001.25), "2600001.2500");
+        assert_eq!(shown(LengthUnit::Metre, 400.05), "400.0500");
+        assert_eq!(shown(LengthUnit::Metre, 0.012_345), "0.01234");
+        assert_eq!(shown(LengthUnit::Millimetre, 1.234_56), "1234.6");
     }
 }

@@ -63,6 +63,7 @@ mod align;
 mod costs;
 mod error;
 pub mod explain;
+mod faces;
 mod length;
 mod method_settings;
 mod model_file;

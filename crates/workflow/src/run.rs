@@ -1,5 +1,6 @@
 //! From a scan on disk to a model, and from there to a result folder.
 
+use crate::faces::in_faces;
 use crate::length::parse_length;
 use crate::outputs::remove_leftovers;
 use crate::score::{Reference, ScoreLimits, score};
@@ -60,7 +61,9 @@ impl OpenScan {
         let setup = settings.setup(self.scan())?;
         let splines = self.splines(settings)?;
         let views = self.views("", settings.plausibility(&setup))?;
-        let reconstruction = reconstruct(&views, &setup, watch)?;
+        let in_faces = in_faces(&views, &setup.planes);
+        let mut reconstruction = reconstruct(&views, &setup, watch)?;
+        reconstruction.report.notes.extend(in_faces);
         self.run(reconstruction, setup, (settings, splines), None, Vec::new())
     }
 
@@ -97,9 +100,10 @@ impl OpenScan {
         let (setup, note) = self.setup_for_store(store, settings)?;
         let splines = self.splines(settings)?;
         let views = self.views(prefix, settings.plausibility(&setup))?;
+        let in_faces = in_faces(&views, &setup.planes);
         let Grown { mut reconstruction, views_present, planes_fused } =
             grow(store, &views, &setup, watch)?;
-        reconstruction.report.notes.extend(note);
+        reconstruction.report.notes.extend(note.into_iter().chain(in_faces));
         let rows = vec![
             Row::plain("store", store.display()),
             Row::plain("views added", reconstruction.report.views.len()),

@@ -95,7 +95,8 @@ impl Missing {
             .map(|head| format!("{head}, {}", lengths.unit));
         let line = |&(plane, station, length, gaps, width): &UnseenPart| {
             let share = format!("{:.1}", percent(width, length));
-            let [station, length, width] = [station, length, width].map(|l| lengths.digits(l, 1));
+            let station = lengths.coordinate(station);
+            let [length, width] = [length, width].map(|l| lengths.digits(l, 1));
             vec![plane.to_string(), station, length, gaps.to_string(), width, share]
         };
         let lines: Vec<_> = self.by_plane.iter().map(line).collect();

@@ -80,7 +80,7 @@ fn line(
     let in_world = centroid.map(|c| family.frame(plane).world_from_plane(&c));
     let mut line = vec![
         plane.to_string(),
-        lengths.digits(family.station(plane), 1),
+        lengths.coordinate(family.station(plane)),
         bounds(&measures.solid, lengths, 2),
         bounds(&measures.clear, lengths, 2),
         lengths.digits(measures.perimeter, 1),

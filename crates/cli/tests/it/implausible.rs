@@ -99,6 +99,20 @@ fn coordinates_that_their_number_type_does_not_resolve_are_stopped() {
     folder.reconstruct("double.json").succeeded();
 }
 
+/// A floor at the height of plane 0.
+#[test]
+fn planes_in_faces_are_told() {
+    let folder = Folder::empty();
+    folder.run("simulate room --out scan").succeeded();
+    let run = |offset: &str| {
+        let options = format!("--normal 0,0,1 --interval 50cm --offset {offset} --no-score");
+        folder.reconstruct(&format!("scan {options}")).succeeded().stderr
+    };
+    let told = run("0");
+    assert!(told.contains("planes lie in faces") && told.contains("--offset 0.25"), "{told}");
+    assert_eq!(run("0.22"), "");
+}
+
 /// A header with its two numbers exchanged makes neighbours of points that are far apart.
 #[test]
 fn exchanged_rows_and_columns_are_told() {

@@ -10,7 +10,8 @@
 //! **Steps.**
 //! 1. Fit. Of few views, one that was far off draws the fit so much that no view stands out. So the
 //!    motions that put single views where they were given are tried, too. One of them is taken if
-//!    the roots of the distances of all views add up to clearly less: few views off rather than all.
+//!    the roots of the distances of all views add up to clearly less: few views off rather than
+//!    all.
 //! 2. Weigh every view by its distance; fit again.
 
 use crate::tuning::{CLEARLY_LESS, COMMON_CUT, COMMON_ROUNDS};
