@@ -99,7 +99,7 @@ mod tests {
         let shown = |unit, value| Lengths { own, unit }.coordinate(value);
         assert_eq!(shown(LengthUnit::Metre, 2_600_001.25), "2600001.2500");
         assert_eq!(shown(LengthUnit::Metre, 400.05), "400.0500");
-        assert_eq!(shown(LengthUnit::Metre, 0.012_345), "0.01234");
+        assert_eq!(shown(LengthUnit::Metre, 0.012_5), "0.01250");
         assert_eq!(shown(LengthUnit::Millimetre, 1.234_56), "1234.6");
     }
 }

@@ -29,6 +29,10 @@ pub(crate) fn framed(
         .map_err(|p| p.of(&words(at)).in_file(path))?;
     let origin = Point3::origin();
     points.iter_mut().filter(|p| **p == origin).for_each(|p| p.x = f64::NAN);
+    if points.iter().all(|p| p.coords.iter().any(|c| c.is_nan())) {
+        let problem = "no pixel has a point; leave this scan out, with --views or in the export";
+        return Err(ReadError::damaged(path, at.clone(), problem));
+    }
     let viewpoint = viewpoint(size, &points, stated, own);
     let unusable = |e| ReadError::unusable(path, at.clone(), "the grid", e);
     let (frame, image) = PointGrid::new(size, points, Viewpoint(viewpoint)).map_err(unusable)?;
@@ -118,6 +122,17 @@ mod tests {
             );
             assert!(notes[0].contains("but from (420000.000, 5300000.000, 310.000), which is"));
         }
+    }
+
+    #[test]
+    fn a_scan_without_points_is_told() {
+        let nowhere = vec![Point3::new(f64::NAN, 0.0, 0.0); SIZE.pixels()];
+        let (at, notes) = (Place::Whole, &mut Vec::new());
+        let error = framed(Path::new("a.ptx"), &at, SIZE, nowhere, None, notes).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "a.ptx: no pixel has a point; leave this scan out, with --views or in the export"
+        );
     }
 
     #[test]

