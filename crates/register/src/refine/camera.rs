@@ -176,8 +176,11 @@ impl Cameras {
     /// A point where the camera of a view sees it, at its true depth.
     pub fn projected(&self, view: usize, p: &Point3) -> Point3 {
         let camera = self.of_view.get(view).copied().flatten().and_then(|k| self.list.get(k));
-        let [x, y] = camera.map_or([0.0; 2], |camera| FOCAL.map(|at| camera.errors[at]));
-        Point3::new(p.x / (1.0 + x), p.y / (1.0 + y), p.z)
+        match camera.map(|camera| FOCAL.map(|at| camera.errors[at])) {
+            // So it is in nearly all rounds.
+            None | Some([0.0, 0.0]) => *p,
+            Some([x, y]) => Point3::new(p.x / (1.0 + x), p.y / (1.0 + y), p.z),
+        }
     }
 
     /// A [`Cameras::projected`] point at the depth that the camera would measure.

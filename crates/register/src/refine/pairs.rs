@@ -53,11 +53,12 @@ pub struct Observation {
     pub distance: f64,
     /// Change of the distance with a relative change of 1 / depth at the cell of `a`, and at that
     /// of `b`.
-    pub slopes: [f64; 2],
-    /// Change of the distance with the relative errors of `fx` and `fy`, at both cells.
+    pub slopes: [f32; 2],
+    /// Change of the distance with the relative errors of `fx` and `fy`, at both cells; 0 where no
+    /// view is of a depth camera.
     pub focal_slopes: [[f32; 2]; 2],
     /// The depths there. Times these, the slopes are those over an offset of 1 / depth.
-    pub depths: [f64; 2],
+    pub depths: [f32; 2],
     /// Variance of the distance from the noise of both patches.
     pub variance: f64,
     /// Its weight beside the other observations of the same surface: see [`Scene::share`].
@@ -237,19 +238,20 @@ impl Scene<'_> {
         };
         let b_from_a = world_from_b.inverse() * world_from_a;
         let alike = ALIKE_DEGREES.to_radians().cos();
+        let has_cameras = !cameras.list.is_empty();
         let placed = samples.iter().filter_map(|sample| {
             let in_b = b_from_a * sample.in_sensor;
-            let projected = cameras.projected(b, &in_b);
             // Errors of depths move a point along its ray, so the point stays in its cell.
-            Some(Placed { sample, in_b, projected, cell: view.cell_of(&projected)? })
+            let cell = view.cell_of(&cameras.projected(b, &in_b))?;
+            Some(Placed { sample, in_b, cell })
         });
         let placed: Vec<Placed<'_>> = placed.collect();
         // Cells lie far apart in memory. A pass that only copies them waits for several at once.
         let cells: Vec<_> = placed.iter().map(|placed| view.cell(placed.cell)).collect();
         let observe = |(placed, copy): (&Placed<'_>, Option<_>)| {
-            let Placed { sample, in_b, projected, cell } = placed;
-            let nodes = cameras.nodes(b, *cell);
-            let measured = nodes.map_or(*projected, |n| cameras.measured(&n, projected));
+            let Placed { sample, in_b, cell } = placed;
+            let (nodes, projected) = (cameras.nodes(b, *cell), cameras.projected(b, in_b));
+            let measured = nodes.map_or(projected, |n| cameras.measured(&n, &projected));
             let meeting = view.meeting_with(&copy?, *cell, &measured)?;
             let normal = b_from_a.rotation * sample.normal;
             let moved = reach.translation + reach.rotation * sample.in_sensor.coords.norm();
@@ -262,12 +264,15 @@ impl Scene<'_> {
             let ray = in_b.coords - b_from_a.translation.vector;
             let slopes = [-meeting.normal.dot(&ray), meeting.normal.dot(&in_b.coords)];
             let depths = [sample.in_sensor.z, in_b.z];
-            let at_a = b_from_a.rotation.inverse() * meeting.normal;
-            let focal_slopes = [
-                [at_a.x * sample.in_sensor.x, at_a.y * sample.in_sensor.y],
-                [-meeting.normal.x * in_b.x, -meeting.normal.y * in_b.y],
-            ];
-            let focal_slopes = focal_slopes.map(|both| both.map(|slope| slope as f32));
+            let mut focal_slopes = [[0.0; 2]; 2];
+            if has_cameras {
+                let at_a = b_from_a.rotation.inverse() * meeting.normal;
+                let slopes = [
+                    [at_a.x * sample.in_sensor.x, at_a.y * sample.in_sensor.y],
+                    [-meeting.normal.x * in_b.x, -meeting.normal.y * in_b.y],
+                ];
+                focal_slopes = slopes.map(|both| both.map(|slope| slope as f32));
+            }
             let normal = world_from_b.rotation * meeting.normal;
             let arm = world_from_b * in_b - self.origin;
             let turn = arm.cross(&normal);
@@ -277,9 +282,9 @@ impl Scene<'_> {
                 cells,
                 gradient,
                 distance,
-                slopes,
+                slopes: slopes.map(|slope| slope as f32),
                 focal_slopes,
-                depths,
+                depths: depths.map(|depth| depth as f32),
                 variance,
                 share: 1.0,
             })
@@ -292,8 +297,6 @@ impl Scene<'_> {
 struct Placed<'a> {
     sample: &'a Sample,
     in_b: Point3,
-    /// Where the camera of `b` sees it.
-    projected: Point3,
     cell: usize,
 }
 
@@ -363,8 +366,8 @@ impl Pair {
         let (mut terms, mut count) = ([(0, 0.0); 14], 0);
         for (side, view) in [self.a, self.b].into_iter().enumerate() {
             let Some(nodes) = cameras.nodes(view, o.cells[side]) else { continue };
-            let slope = o.slopes[side];
-            let offsets = nodes.map(|(node, share)| (node, share * slope * o.depths[side]));
+            let (slope, depth) = (f64::from(o.slopes[side]), f64::from(o.depths[side]));
+            let offsets = nodes.map(|(node, share)| (node, share * slope * depth));
             let scale = cameras.free_scale(&nodes).map(|unknown| (unknown, slope));
             let focal = cameras.free_focal(&nodes).into_iter().flatten();
             let focal = focal.zip(o.focal_slopes[side].map(f64::from));
