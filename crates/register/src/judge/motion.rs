@@ -4,8 +4,9 @@
 //! Medioni, 1992), with Tukey's biweight whose width shrinks with the median distance.
 //!
 //! A shift along the normal of one wall concerns the patches on that wall alone. Beside the median
-//! of all they are outliers. So the motion is sought a second time, with the width of the largest
-//! distances in the first half of the rounds, and the better motion is taken.
+//! of all they are outliers. So the motion is sought a second time. In the first half of the rounds
+//! the width follows from the distances that contradict. The motion that leaves fewer
+//! contradictions is taken.
 
 use super::blame::Counts;
 use super::evidence::{Evidence, median, quantile};
@@ -23,10 +24,8 @@ const RIDGE: f64 = 1e-3;
 /// 95 % efficiency, and a median is 0.674 of one. Doubled, outliers pull the motion.
 const WIDTH: f64 = 6.9;
 
-/// Shares of the distances within which the usual one lies, and the largest that count. Theory: of
-/// the walls, floor and ceiling of a room a third is across a shift. Chosen by hand for the latter.
+/// Share of the distances that is usual. Theory: the median.
 const MEDIAN: f64 = 0.5;
-const WIDE: f64 = 0.9;
 
 /// The properties of the view that may change.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,8 +46,12 @@ pub(super) struct Changed {
 
 /// The best change of a view against the views that `right` lists.
 pub(super) fn best(evidence: &Evidence<'_>, view: usize, right: &[usize], of: Change) -> Changed {
-    let [narrow, wide] = [MEDIAN, WIDE].map(|first| sought(evidence, view, right, of, first));
-    if wide.cost < narrow.cost { wide } else { narrow }
+    let given = compared(evidence, view, evidence.placings[view], right, REACH);
+    let contradicting = evidence.count(given.iter().map(|(sample, _)| sample)).bad_share();
+    // Half of the contradictions are within this share of the distances.
+    let most = 1.0 - 0.5 * contradicting;
+    let [narrow, wide] = [MEDIAN, most].map(|first| sought(evidence, view, right, of, first));
+    if wide.counts.bad_share() < narrow.counts.bad_share() { wide } else { narrow }
 }
 
 /// The change that rounds with a biweight of this quantile, and then of the median, find.

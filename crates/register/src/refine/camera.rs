@@ -21,11 +21,13 @@
 //! 3. The offsets have a prior: `own` holds them at zero, and `step` holds neighbouring nodes
 //!    together. Both follow from the evidence (MacKay, 1992), so the offsets of a sound camera
 //!    vanish.
-//! 4. After the rounds, scales and focal lengths of cameras that are wrong more probably than right
-//!    become unknowns, and the rounds are repeated from the given poses, which do not hide them. If
-//!    the odds of a focal length exceed `SCALE_ODDS` then, everything stays as it was given, and
-//!    the caller is told: images cannot be corrected for it here. Else the rounds are repeated with
-//!    free scales alone. A scale whose odds do not exceed `SCALE_ODDS` then is right.
+//! 4. After the rounds, each camera is tested. If its scale or focal length is wrong more probably
+//!    than right, both become unknowns. The rounds are repeated from the given poses, which do not
+//!    hide them.
+//! 5. If the odds of a focal length exceed `SCALE_ODDS` then, poses and images stay as given, and
+//!    the result states the focal lengths. The images cannot be corrected for them here.
+//! 6. Else the rounds are repeated with free scales alone. A scale whose odds do not exceed
+//!    `SCALE_ODDS` then is right.
 
 use crate::CoarseView;
 use crate::tuning::{CAMERA_GRID, EXACT, FIRST_CAMERA_ERROR};
@@ -35,8 +37,8 @@ use transect_device::{DepthOffsets, ImageSize, Nodes, Point3};
 
 const ROWS: usize = CAMERA_GRID.0;
 const COLS: usize = CAMERA_GRID.1;
-/// Precision of the relative change of 1 / depth of a camera whose scale may err, and of one whose
-/// scale is right.
+/// Precision of the relative change of 1 / depth, and of the errors of the focal lengths, of a
+/// camera that may err in them, and of one that is right.
 const FREE_SCALE: f64 = 1.0 / (FIRST_CAMERA_ERROR * FIRST_CAMERA_ERROR);
 const SOUND_SCALE: f64 = FREE_SCALE / (EXACT * EXACT);
 /// Nodes of the grid of one camera.
@@ -177,7 +179,7 @@ impl Cameras {
     pub fn projected(&self, view: usize, p: &Point3) -> Point3 {
         let camera = self.of_view.get(view).copied().flatten().and_then(|k| self.list.get(k));
         match camera.map(|camera| FOCAL.map(|at| camera.errors[at])) {
-            // So it is in nearly all rounds.
+            // No focal length is free in nearly all rounds.
             None | Some([0.0, 0.0]) => *p,
             Some([x, y]) => Point3::new(p.x / (1.0 + x), p.y / (1.0 + y), p.z),
         }

@@ -51,18 +51,38 @@ pub struct Observation {
     pub gradient: Vector6<f64>,
     /// Distance of the sample from the patch along the patch's normal.
     pub distance: f64,
-    /// Change of the distance with a relative change of 1 / depth at the cell of `a`, and at that
-    /// of `b`.
-    pub slopes: [f32; 2],
-    /// Change of the distance with the relative errors of `fx` and `fy`, at both cells; 0 where no
-    /// view is of a depth camera.
-    pub focal_slopes: [[f32; 2]; 2],
-    /// The depths there. Times these, the slopes are those over an offset of 1 / depth.
-    pub depths: [f32; 2],
+    /// Change of the distance with the errors of the cameras; 0 where there is no depth camera.
+    pub slopes: CameraSlopes,
     /// Variance of the distance from the noise of both patches.
     pub variance: f64,
     /// Its weight beside the other observations of the same surface: see [`Scene::share`].
     pub share: f64,
+}
+
+/// Change of a distance with the errors of cameras, at the cell of `a` and at that of `b`.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct CameraSlopes {
+    /// With a relative change of 1 / depth.
+    pub change: [f32; 2],
+    /// The depths. Times these, the slopes are those over an offset of 1 / depth.
+    pub depths: [f32; 2],
+    /// With the relative errors of `fx` and `fy`.
+    pub focal: [[f32; 2]; 2],
+}
+
+impl CameraSlopes {
+    /// Those of a sample over a patch with this normal in the sensor frame of `b`.
+    fn new(placed: &Placed<'_>, normal: &Vector3, b_from_a: &Isometry3) -> Self {
+        let (in_a, in_b) = (placed.sample.in_sensor, placed.in_b);
+        let ray = in_b.coords - b_from_a.translation.vector;
+        let at_a = b_from_a.rotation.inverse_transform_vector(normal);
+        let focal = [[at_a.x * in_a.x, at_a.y * in_a.y], [-normal.x * in_b.x, -normal.y * in_b.y]];
+        Self {
+            change: [-normal.dot(&ray), normal.dot(&in_b.coords)].map(|slope| slope as f32),
+            depths: [in_a.z, in_b.z].map(|depth| depth as f32),
+            focal: focal.map(|both| both.map(|slope| slope as f32)),
+        }
+    }
 }
 
 /// The observations of an ordered pair of views.
@@ -261,33 +281,14 @@ impl Scene<'_> {
             if meeting.distance.abs() > gate || normal.dot(&meeting.normal) < alike {
                 return None;
             }
-            let ray = in_b.coords - b_from_a.translation.vector;
-            let slopes = [-meeting.normal.dot(&ray), meeting.normal.dot(&in_b.coords)];
-            let depths = [sample.in_sensor.z, in_b.z];
-            let mut focal_slopes = [[0.0; 2]; 2];
-            if has_cameras {
-                let at_a = b_from_a.rotation.inverse() * meeting.normal;
-                let slopes = [
-                    [at_a.x * sample.in_sensor.x, at_a.y * sample.in_sensor.y],
-                    [-meeting.normal.x * in_b.x, -meeting.normal.y * in_b.y],
-                ];
-                focal_slopes = slopes.map(|both| both.map(|slope| slope as f32));
-            }
+            let slopes = has_cameras.then(|| CameraSlopes::new(placed, &meeting.normal, &b_from_a));
+            let slopes = slopes.unwrap_or_default();
             let normal = world_from_b.rotation * meeting.normal;
             let arm = world_from_b * in_b - self.origin;
             let turn = arm.cross(&normal);
             let gradient = Vector6::new(normal.x, normal.y, normal.z, turn.x, turn.y, turn.z);
             let (cells, distance) = ([sample.cell, meeting.cell], meeting.distance);
-            Some(Observation {
-                cells,
-                gradient,
-                distance,
-                slopes: slopes.map(|slope| slope as f32),
-                focal_slopes,
-                depths: depths.map(|depth| depth as f32),
-                variance,
-                share: 1.0,
-            })
+            Some(Observation { cells, gradient, distance, slopes, variance, share: 1.0 })
         };
         placed.iter().zip(cells).filter_map(observe).collect()
     }
@@ -366,11 +367,12 @@ impl Pair {
         let (mut terms, mut count) = ([(0, 0.0); 14], 0);
         for (side, view) in [self.a, self.b].into_iter().enumerate() {
             let Some(nodes) = cameras.nodes(view, o.cells[side]) else { continue };
-            let (slope, depth) = (f64::from(o.slopes[side]), f64::from(o.depths[side]));
+            let slope = f64::from(o.slopes.change[side]);
+            let depth = f64::from(o.slopes.depths[side]);
             let offsets = nodes.map(|(node, share)| (node, share * slope * depth));
             let scale = cameras.free_scale(&nodes).map(|unknown| (unknown, slope));
             let focal = cameras.free_focal(&nodes).into_iter().flatten();
-            let focal = focal.zip(o.focal_slopes[side].map(f64::from));
+            let focal = focal.zip(o.slopes.focal[side].map(f64::from));
             let all = offsets.into_iter().chain(scale).chain(focal).zip(&mut terms[count..]);
             count += all.map(|(from, to)| *to = from).count();
         }

@@ -1,7 +1,7 @@
 //! Tests of the rounds of a refinement, before its result.
 
 use super::outcome::medians;
-use super::pairs::{Observation, scrambled};
+use super::pairs::{CameraSlopes, Observation, scrambled};
 use super::*;
 use crate::tuning::PARTNERS;
 use transect_device::{RangeImage, View};
@@ -242,9 +242,7 @@ fn what_a_surface_hides_is_no_residual() {
         cells: [0, 0],
         gradient: Motion::zeros(),
         distance,
-        slopes: [0.0; 2],
-        focal_slopes: [[0.0; 2]; 2],
-        depths: [1.0; 2],
+        slopes: CameraSlopes::default(),
         variance: 1e-6,
         share: 1.0,
     };

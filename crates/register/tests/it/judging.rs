@@ -84,6 +84,19 @@ fn the_motion_back_is_stated() {
     assert!(found.contradicting > 0.2 && found.usual < 0.02 && found.against == 3, "{found:?}");
 }
 
+/// A shift across two walls concerns the patches on these walls alone.
+#[test]
+fn a_shift_along_one_wall_is_stated() {
+    let mut views = simulated("room", "");
+    let shift = Isometry3::translation(0.02, 0.0, 0.0);
+    views[2] = views[2].with_pose(shift * views[2].world_from_sensor()).unwrap();
+    let found = findings(&views);
+    let [Finding::Misplaced(found)] = &found[..] else { panic!("{found:?}") };
+    let motion = found.motion.unwrap();
+    assert!((motion.translation - 0.02).abs() < 0.002, "{motion:?}");
+    assert!(motion.rotation.to_degrees() < 0.02 && motion.contradicting < 0.02, "{motion:?}");
+}
+
 #[test]
 fn a_wrong_scale_of_the_ranges_is_named_with_its_factor() {
     for scene in ["room", "face_mask", "tunnel"] {

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "tests and their helpers may fail loudly")]
 
 mod common;
+mod depth_cameras;
 mod judging;
 mod readings;
 mod refining;
