@@ -41,8 +41,8 @@ const FEWEST_REPEATS: usize = 3;
 const FAR_OUTSIDE: f32 = 100.0;
 
 /// Share of the pixels with the largest value from which a note tells of it. No unit. Chosen by
-/// hand: 300 pixels of 640 × 480 measurements do not repeat to the last digit. Doubled, images with
-/// so few missing pixels keep them as a surface in silence.
+/// hand: 300 pixels of 640 × 480. Measured: no note on the red kitchen and on three simulated
+/// depth cameras. Doubled, twice as many missing pixels are a surface in silence.
 const BACKGROUND: f64 = 0.001;
 
 /// The next largest value over that one, at most. No unit. Chosen by hand: walls have neighbours

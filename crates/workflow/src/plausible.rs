@@ -53,6 +53,14 @@ const COMPARED: usize = 3;
 /// A view that was read, and the notes on its file.
 pub(crate) type ReadView = (View, Vec<String>);
 
+/// A look at a few views of a scan.
+pub(crate) struct Looked<T> {
+    /// The small views with their places in the scan, so that they are not read again.
+    pub kept: Vec<(usize, ReadView)>,
+    /// The findings of the caller in all of them.
+    pub found: Vec<T>,
+}
+
 /// A check of plausibility.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Check {
@@ -200,9 +208,13 @@ impl Plausibility {
     }
 
     /// Looks at a few views of a scan, with which every view is compared later. Checks that the
-    /// sensors are near enough to each other to see one surface. Returns the small ones with their
-    /// places in the scan, so that they are not read again.
-    pub(crate) fn look_at(&mut self, scan: &Scan) -> Result<Vec<(usize, ReadView)>, WorkflowError> {
+    /// sensors are near enough to each other to see one surface. `of_view` is the caller's own
+    /// look.
+    pub(crate) fn look_at<T: Send>(
+        &mut self,
+        scan: &Scan,
+        of_view: impl Fn(&View) -> T + Sync,
+    ) -> Result<Looked<T>, WorkflowError> {
         let last = scan.views.len().saturating_sub(1);
         let mut numbers = [0, last / 2, last].to_vec();
         numbers.dedup();
@@ -214,14 +226,17 @@ impl Plausibility {
                 let read = scan.views.get(k)?.load().ok()?;
                 let (spacing, reach) = (pixel_spacing(&read.0), reach(&read.0));
                 let is_small = read.0.image().size().pixels() <= KEPT_PIXELS;
-                Some((spacing, reach, is_small.then_some((k, read))))
+                let found = of_view(&read.0);
+                Some((spacing, reach, found, is_small.then_some((k, read))))
             })
             .collect();
         let spacings: Vec<f64> = seen.iter().filter_map(|(s, ..)| Some((*s)?[0])).collect();
         self.usual_spacing = if spacings.len() > 1 { median(spacings) } else { None };
-        let farthest = seen.iter().map(|(_, reach, _)| *reach).fold(0.0, f64::max);
+        let farthest = seen.iter().map(|(_, reach, ..)| *reach).fold(0.0, f64::max);
         self.check_distances(scan, farthest)?;
-        Ok(seen.into_iter().filter_map(|(.., kept)| kept).collect())
+        let (found, kept): (_, Vec<_>) =
+            seen.into_iter().map(|(.., found, kept)| (found, kept)).unzip();
+        Ok(Looked { kept: kept.into_iter().flatten().collect(), found })
     }
 
     /// Checks that two sensors of a scan are within each other's reach; that of some views is

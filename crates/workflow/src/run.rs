@@ -1,8 +1,9 @@
 //! From a scan on disk to a model, and from there to a result folder.
 
-use crate::faces::in_faces;
+use crate::faces::{InFaces, in_faces};
 use crate::length::parse_length;
 use crate::outputs::remove_leftovers;
+use crate::plausible::Looked;
 use crate::score::{Reference, ScoreLimits, score};
 use crate::selection::Limits;
 use crate::store_file::{Grown, grow, origin, setup_of};
@@ -14,6 +15,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use transect::register::Reading;
 use transect::{Reconstruction, RefinementReport, Report, Setup, ViewReport, Watch, reconstruct};
+use transect_device::View;
 use transect_exchange::{DxfFrame, Scan};
 use transect_geometry::LengthUnit;
 
@@ -60,10 +62,10 @@ impl OpenScan {
     ) -> Result<Run<'_>, WorkflowError> {
         let setup = settings.setup(self.scan())?;
         let splines = self.splines(settings)?;
-        let views = self.views("", settings.plausibility(&setup))?;
-        let in_faces = in_faces(&views, &setup.planes);
+        let faces = |view: &View| InFaces::of(view, &setup.planes);
+        let (views, faces) = self.looked_at("", settings.plausibility(&setup), faces)?;
         let mut reconstruction = reconstruct(&views, &setup, watch)?;
-        reconstruction.report.notes.extend(in_faces);
+        reconstruction.report.notes.extend(in_faces(&faces, &setup.planes));
         self.run(reconstruction, setup, (settings, splines), None, Vec::new())
     }
 
@@ -99,11 +101,11 @@ impl OpenScan {
         remove_leftovers(store);
         let (setup, note) = self.setup_for_store(store, settings)?;
         let splines = self.splines(settings)?;
-        let views = self.views(prefix, settings.plausibility(&setup))?;
-        let in_faces = in_faces(&views, &setup.planes);
+        let faces = |view: &View| InFaces::of(view, &setup.planes);
+        let (views, faces) = self.looked_at(prefix, settings.plausibility(&setup), faces)?;
         let Grown { mut reconstruction, views_present, planes_fused } =
             grow(store, &views, &setup, watch)?;
-        reconstruction.report.notes.extend(note.into_iter().chain(in_faces));
+        reconstruction.report.notes.extend(note.into_iter().chain(in_faces(&faces, &setup.planes)));
         let rows = vec![
             Row::plain("store", store.display()),
             Row::plain("views added", reconstruction.report.views.len()),
@@ -135,16 +137,27 @@ impl OpenScan {
     pub(crate) fn views(
         &self,
         prefix: &str,
-        mut plausibility: Plausibility,
+        plausibility: Plausibility,
     ) -> Result<Vec<FileView<'_>>, WorkflowError> {
-        let mut read: BTreeMap<_, _> = plausibility.look_at(self.scan())?.into_iter().collect();
+        Ok(self.looked_at(prefix, plausibility, |_| ())?.0)
+    }
+
+    /// The views, and what a function finds in the few that plausibility looks at.
+    fn looked_at<T: Send>(
+        &self,
+        prefix: &str,
+        mut plausibility: Plausibility,
+        of_view: impl Fn(&View) -> T + Sync,
+    ) -> Result<(Vec<FileView<'_>>, Vec<T>), WorkflowError> {
+        let Looked { kept, found } = plausibility.look_at(self.scan(), of_view)?;
+        let mut read: BTreeMap<_, _> = kept.into_iter().collect();
         let view = |(k, view)| {
             let view = origin(view, self.path(), plausibility.clone());
             let (id, read) =
                 (format!("{prefix}{}", view.id), Arc::new(Mutex::new(read.remove(&k))));
             FileView { id, read, limits: self.limits, ..view }
         };
-        Ok(self.scan().views.iter().enumerate().map(view).collect())
+        Ok((self.scan().views.iter().enumerate().map(view).collect(), found))
     }
 
     fn splines(&self, settings: &Settings) -> Result<Option<f64>, WorkflowError> {

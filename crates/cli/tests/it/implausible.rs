@@ -132,7 +132,7 @@ fn planes_in_faces_are_told() {
         folder.reconstruct(&format!("scan {options}")).succeeded().stderr
     };
     let told = run("0");
-    assert!(told.contains("planes lie in faces") && told.contains("--offset 0.25"), "{told}");
+    assert!(told.contains("plane 0 lies in a face") && told.contains("--offset 0.25"), "{told}");
     assert_eq!(run("0.22"), "");
 }
 

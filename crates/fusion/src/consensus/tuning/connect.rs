@@ -100,8 +100,8 @@ pub mod ends {
     /// third of one that is closed, which is cut at both ends. By hand. Doubled: curves that
     /// overshoot by more stay open.
     pub const CUT_PARTS: [usize; 2] = [2, 3];
-    /// Fewest nodes of a chain that is closed. By hand: one more than a triangle, which noise makes
-    /// of any scrap. Doubled: loops of few samples stay open.
+    /// Fewest nodes of a chain that is closed. By hand: one more than a triangle.
+    /// Doubled: loops of few samples stay open.
     pub const LEAST_CLOSED: usize = 4;
     /// Share of the overlap threshold by which gaps may be longer: ends of two views' curves may
     /// lie that far apart sideways. By hand. Doubled: ends of different surfaces are joined.
