@@ -287,6 +287,16 @@ mod tests {
     }
 
     #[test]
+    fn a_thousandth_of_the_pixels_is_told() {
+        let told = |count: usize| {
+            let mut values: Vec<f32> = (0..64 * 64).map(|k| 2.0 + 1e-4 * k as f32).collect();
+            values[..count].fill(8.0);
+            background(&RangeImage::from_values(ImageSize { rows: 64, cols: 64 }, values).unwrap())
+        };
+        assert!(told(5).is_some() && told(4).is_none());
+    }
+
+    #[test]
     fn a_stated_value_is_missing_without_a_note() {
         let (values, notes) = cleared(ranges(), Some(MissingValue::Number(2.5))).unwrap();
         assert!(notes.is_empty() && values[2].is_nan() && values[3] == 2.75);
