@@ -72,7 +72,7 @@ pub(crate) struct Sample {
     pub distance: f64,
     /// Standard deviation of the distance from noise alone.
     pub sigma: f64,
-    /// Half the side of the patch.
+    /// Half the side of the patch, in the world.
     pub radius: f64,
     /// Whether the patch meets a surface with a like normal; otherwise the other view looks through
     /// it.
@@ -108,18 +108,18 @@ fn sample(
         point,
         normal,
         distance: 0.0,
-        sigma: probe.sigma,
-        radius: probe.radius,
+        sigma: probe.sigma * own.scale,
+        radius: probe.radius * own.scale,
         met: false,
     };
     let met = other.meeting_in(other_cell, &at).and_then(|m| {
         let there_normal = there.world_from_sensor * m.normal;
         let alike = there_normal.dot(&normal) > ALIKE;
-        let near = m.distance.abs() * there.scale < reach * probe.radius;
+        let near = m.distance.abs() * there.scale < reach * found.radius;
         (alike && near).then_some(Sample {
             normal: there_normal,
             distance: m.distance * there.scale,
-            sigma: probe.sigma.hypot(m.sigma),
+            sigma: found.sigma.hypot(m.sigma * there.scale),
             met: true,
             ..found
         })

@@ -4,15 +4,12 @@
 //! few lie in front of what another view measured. Under a wrong one it is the other way round.
 
 use super::PoseReading;
+use super::accord::{Accord, accord, probes_of};
+use super::distances::best_factor;
 use crate::coarse::CoarseView;
-use crate::judge::pair::{Placing, Probe, probes, samples};
-use rayon::prelude::*;
+use crate::judge::pair::{Placing, Probe};
 use std::fmt;
 use transect_device::ImageOrder;
-
-/// Patches of all views together that are compared with the other views, and most of one view. No
-/// unit. Chosen by hand: shares are then known to 2 %. Doubled, explaining takes twice the time.
-const PROBES: [usize; 2] = [960, 80];
 
 /// Share of agreeing patches, and of contradicting ones, with which poses need no explanation. No
 /// unit. Measured on the bundled scenes and on real scans: sound poses have 0.6 and 0.05. Doubled,
@@ -37,41 +34,38 @@ const AGREES: f64 = 0.25;
 /// distance. Doubled, views of hand-held cameras that move little stay unexplained.
 const FAR_APART: f64 = 10.0;
 
-/// How far all views agree under one reading of their poses.
+/// A part of a scan that may have been read wrongly.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Accord {
-    /// Share of the patches that lie on a surface of another view.
-    pub agreeing: f64,
-    /// Share of the contradictions among all comparisons that agree or contradict.
-    pub contradicting: f64,
-}
-
-/// A part of a scan that may have been read wrongly. Its name is that of the option that mends it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(untagged)]
 pub enum Reading {
     /// The poses are written by another convention.
     Pose(PoseReading),
     /// The pixels of the images are stored in another order.
     Image(ImageOrder),
+    /// The distances of all images, times this factor, fit the positions of the poses.
+    Distances(f64),
 }
 
 impl Reading {
     /// The assumption of the reading about the scan, as a sentence without a full stop.
-    pub fn meaning(self) -> &'static str {
+    pub fn meaning(self) -> String {
         match self {
-            Self::Pose(reading) => reading.meaning(),
-            Self::Image(order) => order.meaning(),
+            Self::Pose(reading) => reading.meaning().to_owned(),
+            Self::Image(order) => order.meaning().to_owned(),
+            Self::Distances(factor) => {
+                format!("the distances in all images are {factor:.3} times as large")
+            }
         }
     }
 }
 
 impl fmt::Display for Reading {
-    /// The option that applies it.
+    /// The option that applies it, if there is one.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Pose(reading) => write!(f, "--pose-convention {reading}"),
             Self::Image(order) => write!(f, "--image-order {order}"),
+            Self::Distances(factor) => write!(f, "distances times {factor:.3}"),
         }
     }
 }
@@ -87,18 +81,12 @@ pub struct Explanation {
     pub read: Accord,
 }
 
-impl Accord {
-    fn score(&self) -> f64 {
-        self.agreeing * (1.0 - self.contradicting)
-    }
-}
-
 impl Explanation {
     /// Whether views that have been refined agree about as well as under the reading. If they do
     /// not, the refinement did not find what the reading explains.
     pub fn is_matched_by(&self, refined: &[CoarseView]) -> bool {
         let all: Vec<&CoarseView> = refined.iter().collect();
-        let found = accord(&all, &probes_of(&all), Placing::given);
+        let found = accord(&all, &probes_of(&all), 1.0, Placing::given);
         BETTER * found.score() >= self.read.score()
     }
 }
@@ -114,7 +102,7 @@ pub fn explain(
 ) -> Option<Explanation> {
     let all: Vec<&CoarseView> = views.iter().collect();
     let probes = probes_of(&all);
-    let given = accord(&all, &probes, Placing::given);
+    let given = accord(&all, &probes, 1.0, Placing::given);
     if given.agreeing >= SOUND[0] && given.contradicting <= SOUND[1] {
         return None;
     }
@@ -128,7 +116,7 @@ pub fn explain(
         _ => true,
     };
     let of_poses = PoseReading::ALL.into_iter().filter(of_all).map(|reading| {
-        let read = accord(&all, &probes, |view| Placing {
+        let read = accord(&all, &probes, 1.0, |view| Placing {
             world_from_sensor: reading.apply(view.world_from_sensor()),
             scale: 1.0,
         });
@@ -137,15 +125,18 @@ pub fn explain(
     let of_images = ImageOrder::ALL.into_iter().filter_map(|order| {
         let views = reread(order)?;
         let views: Vec<&CoarseView> = views.iter().collect();
-        Some((Reading::Image(order), accord(&views, &probes_of(&views), Placing::given)))
+        Some((Reading::Image(order), accord(&views, &probes_of(&views), 1.0, Placing::given)))
     });
+    let of_distances =
+        best_factor(&all, &probes, BETTER).map(|(factor, read)| (Reading::Distances(factor), read));
     let explains = |(_, read): &(Reading, Accord)| {
         let sound = read.agreeing >= AGREES && read.contradicting <= CONTRADICTS;
         sound && read.score() > BETTER * given.score()
     };
-    let all = of_poses.chain(of_images).filter(explains);
+    let readings = of_poses.chain(of_images).chain(of_distances).filter(explains);
     // Of equal ones the first.
-    let best = all.reduce(|best, next| if next.1.score() > best.1.score() { next } else { best });
+    let best =
+        readings.reduce(|best, next| if next.1.score() > best.1.score() { next } else { best });
     best.map(|(reading, read)| Explanation { reading, given, read })
 }
 
@@ -155,41 +146,4 @@ fn is_far_apart(views: &[&CoarseView], probes: &[Vec<Probe>]) -> bool {
     let reach = probes.iter().flatten().map(|probe| probe.point.coords.norm()).fold(0.0, f64::max);
     let places = || views.iter().map(|view| view.world_from_sensor().translation.vector);
     places().any(|a| places().any(|b| (a - b).norm() > FAR_APART * reach))
-}
-
-/// The patches of each view that are compared with the other views.
-fn probes_of(views: &[&CoarseView]) -> Vec<Vec<Probe>> {
-    let count = PROBES[0].div_ceil(views.len().max(1)).min(PROBES[1]);
-    views.par_iter().map(|view| probes(view, count)).collect()
-}
-
-/// How far views agree at the places that `of` gives.
-fn accord(
-    views: &[&CoarseView],
-    probes: &[Vec<Probe>],
-    of: impl Fn(&CoarseView) -> Placing,
-) -> Accord {
-    let placings: Vec<Placing> = views.iter().map(|view| of(view)).collect();
-    let counts = |a: usize| {
-        let (mut agree, mut good, mut bad) = (vec![false; probes[a].len()], 0, 0);
-        for b in (0..views.len()).filter(|b| *b != a) {
-            for sample in samples(&probes[a], placings[a], views[b], placings[b], 1.0) {
-                if sample.met {
-                    good += 1;
-                    let probe = probes[a].binary_search_by_key(&sample.cell, |p| p.cell);
-                    if let Some(agree) = probe.ok().and_then(|k| agree.get_mut(k)) {
-                        *agree = true;
-                    }
-                } else if sample.distance > sample.radius {
-                    bad += 1;
-                }
-            }
-        }
-        [agree.len(), agree.into_iter().filter(|a| *a).count(), good, bad]
-    };
-    let add = |a: [usize; 4], b: [usize; 4]| std::array::from_fn(|k| a[k] + b[k]);
-    let [all, agreeing, good, bad] =
-        (0..views.len()).into_par_iter().map(counts).reduce(|| [0; 4], add);
-    let share = |part: usize, of: usize| part as f64 / of.max(1) as f64;
-    Accord { agreeing: share(agreeing, all), contradicting: share(bad, good + bad) }
 }

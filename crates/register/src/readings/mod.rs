@@ -6,9 +6,12 @@
 //! **Idea.** Each reading turns a pose that was read by this program into the pose that the same
 //! numbers have under another convention.
 
+mod accord;
+mod distances;
 mod explain;
 
-pub use explain::{Accord, Explanation, Reading, explain};
+pub use accord::Accord;
+pub use explain::{Explanation, Reading, explain};
 
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use std::f64::consts::PI;

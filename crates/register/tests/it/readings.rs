@@ -108,6 +108,43 @@ fn inverse_poses_of_a_tunnel_are_named() {
     assert_eq!(reading, Some(Reading::Pose(PoseReading::Inverse)), "{found:?}");
 }
 
+/// What explains views whose positions are `factor` times too large: distances that are as much
+/// larger.
+fn explained_at(views: &[View], factor: f64) -> Option<Explanation> {
+    let spread = |v: &View| {
+        let mut pose = *v.world_from_sensor();
+        pose.translation.vector *= factor;
+        v.with_pose(pose).unwrap()
+    };
+    explained(&views.iter().map(spread).collect::<Vec<_>>())
+}
+
+#[test]
+fn wrong_distances_of_all_images_are_named() {
+    let of = |name| (name, simulated(name, ""));
+    let mut scans = ["face_mask", "kitchen"].map(of).to_vec();
+    scans.extend(real("rgbd_redkitchen").map(|views| ("rgbd_redkitchen", views)));
+    for (name, views) in &scans {
+        for factor in [0.1, 0.2, 0.8, 1.25, 5.0, 10.0] {
+            let found = explained_at(views, factor);
+            let Some(Reading::Distances(told)) = found.map(|found| found.reading) else {
+                panic!("{name}, {factor}: {found:?}");
+            };
+            assert!((told / factor - 1.0).abs() < 0.02, "{name}, {factor}: {told}");
+        }
+    }
+}
+
+/// Stations that stand close together in a room agree nearly as well at larger distances.
+#[test]
+fn distances_that_only_grow_better_are_not_named() {
+    let views = simulated("room", "");
+    for factor in [0.2, 1.25, 5.0] {
+        let found = explained_at(&views, factor).map(|found| found.reading);
+        assert!(!matches!(found, Some(Reading::Distances(_))), "{factor}: {found:?}");
+    }
+}
+
 #[test]
 fn one_wrong_view_is_no_convention() {
     for scene in ["room", "face_mask", "tunnel"] {

@@ -274,6 +274,12 @@ fn advice(reading: Reading, unit: LengthUnit) -> String {
         (Reading::Pose(PoseReading::Millimetres), LengthUnit::Millimetre) => {
             (1000.0, LengthUnit::Metre)
         }
+        (Reading::Distances(factor), _) => {
+            return format!(
+                "Multiply their \"scale\" in scan.json, or --depth-scale, by {factor:.3}; without a \
+                 scale, state {factor:.3}"
+            );
+        }
         _ => return format!("Pass {reading}"),
     };
     format!(

@@ -1,0 +1,64 @@
+//! How far all views of a scan agree at the places where they are taken to be.
+
+use crate::coarse::CoarseView;
+use crate::judge::pair::{Placing, Probe, probes, samples};
+use rayon::prelude::*;
+
+/// Patches of all views together that are compared with the other views, and most of one view. No
+/// unit. Chosen by hand: shares are then known to 2 %. Doubled, explaining takes twice the time.
+const PROBES: [usize; 2] = [960, 80];
+
+/// How far all views agree under one reading of their poses.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Accord {
+    /// Share of the patches that lie on a surface of another view.
+    pub agreeing: f64,
+    /// Share of the contradictions among all comparisons that agree or contradict.
+    pub contradicting: f64,
+}
+
+impl Accord {
+    /// How far the views agree, in one number: the agreeing share, less the contradictions.
+    pub(super) fn score(&self) -> f64 {
+        self.agreeing * (1.0 - self.contradicting)
+    }
+}
+
+/// The patches of each view that are compared with the other views.
+pub(super) fn probes_of(views: &[&CoarseView]) -> Vec<Vec<Probe>> {
+    let count = PROBES[0].div_ceil(views.len().max(1)).min(PROBES[1]);
+    views.par_iter().map(|view| probes(view, count)).collect()
+}
+
+/// How far views agree at the places that `of` gives. Surfaces meet within `reach` times the radius
+/// of a patch.
+pub(super) fn accord(
+    views: &[&CoarseView],
+    probes: &[Vec<Probe>],
+    reach: f64,
+    of: impl Fn(&CoarseView) -> Placing,
+) -> Accord {
+    let placings: Vec<Placing> = views.iter().map(|view| of(view)).collect();
+    let counts = |a: usize| {
+        let (mut agree, mut good, mut bad) = (vec![false; probes[a].len()], 0, 0);
+        for b in (0..views.len()).filter(|b| *b != a) {
+            for sample in samples(&probes[a], placings[a], views[b], placings[b], reach) {
+                if sample.met {
+                    good += 1;
+                    let probe = probes[a].binary_search_by_key(&sample.cell, |p| p.cell);
+                    if let Some(agree) = probe.ok().and_then(|k| agree.get_mut(k)) {
+                        *agree = true;
+                    }
+                } else if sample.distance > sample.radius {
+                    bad += 1;
+                }
+            }
+        }
+        [agree.len(), agree.into_iter().filter(|a| *a).count(), good, bad]
+    };
+    let add = |a: [usize; 4], b: [usize; 4]| std::array::from_fn(|k| a[k] + b[k]);
+    let [all, agreeing, good, bad] =
+        (0..views.len()).into_par_iter().map(counts).reduce(|| [0; 4], add);
+    let share = |part: usize, of: usize| part as f64 / of.max(1) as f64;
+    Accord { agreeing: share(agreeing, all), contradicting: share(bad, good + bad) }
+}
