@@ -12,6 +12,7 @@
 //! 4. The pipeline loads every view again and models it at its refined pose.
 
 mod messages;
+mod regions;
 
 use crate::timed_view::TimedView;
 use crate::{Posed, ReconstructError, Stage, ViewSource, Watch};

@@ -1,18 +1,12 @@
 //! The notes and warnings of a pose report, in words.
 
-use super::PoseReport;
+use super::{PoseReport, regions};
 use crate::evaluate::digits;
-use std::collections::BTreeSet;
-use transect_device::DepthOffsets;
+use transect_device::{DepthOffsets, ImageOrder};
 use transect_geometry::LengthUnit;
 use transect_register::{
     Explanation, Finding, Motion, PoseOutcome, PoseReading, Reading, RefinedPose, Refinement,
-    Region, RegionKind,
 };
-
-/// Most regions that are warned of one by one. Chosen by hand: sound scans have one at most, and a
-/// mirror in a room shows in every station. Doubled, a wrong camera fills the screen.
-const MOST_REGIONS: usize = 8;
 
 /// Most names of views that a warning lists of each group. Chosen by hand; doubled, the warning of
 /// a scan of hundreds of views fills a screen.
@@ -107,27 +101,12 @@ impl PoseReport {
             .collect()
     }
 
-    /// The regions, or what the views share if they are too many.
     fn regions(&self) -> Vec<String> {
-        let mut regions: Vec<&Region> = Vec::new();
-        for finding in &self.judgement.findings {
-            if let Finding::Region(region) = finding {
-                regions.push(region);
-            }
-        }
-        if regions.len() <= MOST_REGIONS {
-            return regions.into_iter().map(|region| self.region(region)).collect();
-        }
-        let concerned: BTreeSet<&str> = regions.iter().map(|r| r.view.as_str()).collect();
-        vec![format!(
-            "{} regions of {} of the {} views contradict other views, and no single pose or object \
-             explains so many. Check what the views share: the camera (fx, fy, cx, cy), the unit \
-             and the scale of the images and of the poses, ranges along the rays against depths \
-             along the axis, and that every image has its own pose",
-            regions.len(),
-            concerned.len(),
-            self.judgement.views.len()
-        )]
+        let regions = self.judgement.findings.iter().filter_map(|finding| match finding {
+            Finding::Region(region) => Some(region),
+            _ => None,
+        });
+        regions::texts(&regions.collect::<Vec<_>>(), self.judgement.views.len(), self.unit)
     }
 
     fn outcome(&self, pose: &RefinedPose) -> Option<String> {
@@ -176,7 +155,7 @@ impl PoseReport {
             Finding::Groups { groups, contradicting } => {
                 of_groups(groups, &percent(*contradicting))
             }
-            Finding::Region(region) => self.region(region),
+            Finding::Region(region) => regions::text(region, self.unit),
         }
     }
 
@@ -212,26 +191,6 @@ impl PoseReport {
             true => "take it out with transect remove-view",
             false => "leave it out with --views",
         }
-    }
-
-    fn region(&self, region: &Region) -> String {
-        let Region { view, rows, cols, views, .. } = region;
-        let (distance, unit) = (digits(region.distance), self.unit);
-        let problem = match region.kind {
-            RegionKind::InFront => format!(
-                "{views} other views saw free space there, up to {distance} {unit} behind it: \
-                 something that was not always there"
-            ),
-            RegionKind::SeenThrough => format!(
-                "{views} other views saw a surface {distance} {unit} before it: a mirror, a \
-                 window, or something that came later"
-            ),
-        };
-        format!(
-            "view {view}, rows {} to {}, columns {} to {}: {problem}. If the surface is wrong, make \
-             these pixels missing",
-            rows[0], rows[1], cols[0], cols[1]
-        )
     }
 
     /// An angle in radians and a length, in words.
@@ -278,6 +237,14 @@ fn advice(reading: Reading, unit: LengthUnit) -> String {
             return format!(
                 "Multiply their \"scale\" in scan.json, or --depth-scale, by {factor:.3}; without a \
                  scale, state {factor:.3}"
+            );
+        }
+        (Reading::Image(ImageOrder::UpsideDown), _) => {
+            return format!(
+                "Pass {reading} if a viewer shows the images on their heads. If it shows them \
+                 upright, y points up in the camera and in the poses (as in ICL-NUIM), and that \
+                 option would mirror the model: for a folder of depth images, state fy as a \
+                 negative number (--camera FX,-FY,CX,CY)"
             );
         }
         _ => return format!("Pass {reading}"),
