@@ -6,6 +6,7 @@
 
 mod commands;
 mod failure;
+mod notes;
 mod progress;
 mod table;
 

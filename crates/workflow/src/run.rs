@@ -17,7 +17,7 @@ use transect::register::Reading;
 use transect::{Reconstruction, RefinementReport, Report, Setup, ViewReport, Watch, reconstruct};
 use transect_device::View;
 use transect_exchange::{DxfFrame, Scan};
-use transect_geometry::LengthUnit;
+use transect_geometry::{Guide, GuideKind, LengthUnit};
 
 /// A model that was made of a scan, and what its results will say about it.
 #[derive(Debug)]
@@ -278,6 +278,7 @@ fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
         let left_out = left_out.into_iter().filter(|(_, pixels)| *pixels > 0);
         rows.extend(left_out.map(|(name, pixels)| Row::new(name, percent(pixels, read), "%")));
     }
+    rows.extend(rounding_row(result.model.planes().guide(), unit));
     let closed_only = percent(fusion.planes_closed_only, fusion.planes);
     rows.extend([
         Row::plain("planes with curves", fusion.planes),
@@ -305,6 +306,13 @@ fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
     }));
     rows.extend(report.refinement.iter().flat_map(|refinement| refinement_rows(refinement, unit)));
     rows
+}
+
+/// How far the arcs of a polyline's corners pass from its points.
+fn rounding_row(guide: &Guide, unit: LengthUnit) -> Option<Row> {
+    let guide = guide.curved().filter(|guide| matches!(guide.kind(), GuideKind::Polyline(_)))?;
+    let distance = guide.distance_from_points();
+    Some(Row::length("guide, largest distance from its points", distance, unit))
 }
 
 fn refinement_rows(refinement: &RefinementReport, unit: LengthUnit) -> [Row; 4] {

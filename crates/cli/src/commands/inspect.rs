@@ -3,6 +3,7 @@
 use super::inspect_model;
 use super::scan::ScanArguments;
 use crate::failure::Failure;
+use crate::notes;
 use crate::table::{Lengths, Row, digits, length, print, print_grid, say};
 use std::path::PathBuf;
 use transect::Unwatched;
@@ -34,8 +35,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             Err(error) => failures.push(with_causes(&error)),
         }
     }
-    let notes = views.iter().flat_map(|(_, view)| &view.notes);
-    notes.for_each(|note| eprintln!("note: {note}"));
+    let told: Vec<String> = views.iter().flat_map(|(_, view)| view.notes.clone()).collect();
+    notes::tell(&told);
     print(&scan_rows(&scan, &views));
     if failures.is_empty()
         && let Some(poses) = scan.judge(&Unwatched)?

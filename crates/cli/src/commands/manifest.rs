@@ -3,6 +3,7 @@
 use super::planes::parse_normal;
 use super::scan::DepthArguments;
 use crate::failure::Failure;
+use crate::notes;
 use crate::table::{Row, print};
 use std::path::PathBuf;
 use transect_exchange::{
@@ -40,7 +41,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let options = arguments.depth.options();
     let (mut manifest, notes) =
         depth_sequence_manifest(&arguments.folder, FileNames::Absolute, &options)?;
-    notes.iter().for_each(|n| eprintln!("note: {n}"));
+    notes::tell(&notes);
     if let (Some(normal), Some(interval)) = (&arguments.normal, &arguments.interval) {
         let metres = |name, text: &String| parse_length(LengthUnit::Metre, name, text);
         let interval = metres("interval", interval)?;

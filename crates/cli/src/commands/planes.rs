@@ -22,7 +22,7 @@ pub struct PlaneArguments {
     guide: Option<PathBuf>,
     /// What the guide's points are: corners, which are rounded by arcs, or points of a cubic
     /// spline.
-    #[arg(long, action = clap::ArgAction::Set, value_parser = named([("polyline", true), ("spline", false)]), default_value = "spline", value_name = "KIND")]
+    #[arg(long, action = clap::ArgAction::Set, value_parser = named([("polyline", true), ("spline", false)]), default_value = "spline", value_name = "KIND", requires = "guide")]
     guide_kind: bool,
     /// Largest radius of a polyline's corners [default: as large as there is room for].
     #[arg(long, value_name = "LENGTH", requires = "guide")]

@@ -5,6 +5,7 @@ use super::planes::{AcceptArguments, PlaneArguments};
 use super::scan::ScanArguments;
 use super::{DxfArguments, simulate};
 use crate::failure::Failure;
+use crate::notes;
 use crate::progress::Progress;
 use crate::table::{Row, print, say};
 use std::path::{Path, PathBuf};
@@ -152,7 +153,7 @@ fn bundled_scan(arguments: &Arguments) -> Result<PathBuf, Failure> {
 
 /// Prints the notes and warnings of a report.
 pub fn tell(report: &Report) {
-    report.notes.iter().for_each(|note| eprintln!("note: {note}"));
+    notes::tell(&report.notes);
     report.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
 }
 

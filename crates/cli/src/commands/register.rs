@@ -5,6 +5,7 @@ use super::planes::AcceptArguments;
 use super::reconstruct::tell;
 use super::scan::ScanArguments;
 use crate::failure::Failure;
+use crate::notes;
 use crate::progress::Progress;
 use crate::table::{Lengths, Row, print, print_grid, say};
 use std::path::{Path, PathBuf};
@@ -55,7 +56,7 @@ fn scan(arguments: &Arguments, out: &Path, progress: &Progress) -> Result<(), Fa
     progress.finish();
     let registered = registered?;
     let warnings = registered.write(out)?;
-    registered.notes.iter().for_each(|note| eprintln!("note: {note}"));
+    notes::tell(&registered.notes);
     warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     print_poses(&registered.poses);
     let file = out.join("scan.json");

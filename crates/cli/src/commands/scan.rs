@@ -2,6 +2,7 @@
 
 use super::named;
 use crate::failure::Failure;
+use crate::notes;
 use std::path::{Path, PathBuf};
 use transect::register::PoseReading;
 use transect_device::{ImageOrder, ImageSize};
@@ -94,7 +95,7 @@ impl ScanArguments {
         };
         let scan = scan.select(&self.selection())?;
         // Before anything can fail: a note may be the reason.
-        scan.scan().notes.iter().for_each(|note| eprintln!("note: {note}"));
+        notes::tell(&scan.scan().notes);
         Ok(scan)
     }
 

@@ -82,14 +82,14 @@ fn sequence(folder: &Path, names: FileNames, options: &OpenOptions) -> Result<Se
     let (scale, kind) = scale(folder, &layout, &sample, options)?;
     let absolute = std::path::absolute(folder).map_err(|e| ReadError::io(folder, e))?;
     let view = |(&file, (_, pose)): (&&str, &(usize, [f64; 16]))| {
-        let file = match names {
-            FileNames::Relative => file.to_owned(),
-            FileNames::Absolute => stated(absolute.join(file))?,
+        let (file, name) = match names {
+            FileNames::Relative => (file.to_owned(), None),
+            FileNames::Absolute => (stated(absolute.join(file))?, Some(file.to_owned())),
         };
         let pose = if turned { with_y_turned(*pose) } else { *pose };
         let rows = camera.rows.or(sample.size.map(|size| size.rows));
         let cols = camera.cols.or(sample.size.map(|size| size.cols));
-        Ok(ViewEntry { rows, cols, scale, ..ViewEntry::new(file, camera.sensor(), pose) })
+        Ok(ViewEntry { name, rows, cols, scale, ..ViewEntry::new(file, camera.sensor(), pose) })
     };
     let views = images.iter().zip(&association.poses).map(view);
     let views = views.collect::<Result<_, ReadError>>()?;

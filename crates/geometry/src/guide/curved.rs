@@ -169,6 +169,13 @@ impl CurvedGuide {
         self.reach
     }
 
+    /// The largest distance of its points from the guide, in the model's length unit. It rounds the
+    /// corners of a polyline off; a spline passes through its points.
+    pub fn distance_from_points(&self) -> f64 {
+        let distance = |p: &Point3| self.foot_near(p, self.nearest_sample(p)).1;
+        self.points.iter().map(distance).fold(0.0, f64::max)
+    }
+
     /// Checks that planes do not cross within a distance of the guide.
     ///
     /// # Errors

@@ -15,7 +15,7 @@ const NAMES: usize = 8;
 impl PoseReport {
     /// Notes: how many views moved, and views whose pose nothing tells.
     pub fn notes(&self) -> Vec<String> {
-        let Some(refinement) = &self.refinement else { return self.alone().collect() };
+        let Some(refinement) = &self.refinement else { return self.alone().into_iter().collect() };
         let poses = &refinement.poses;
         let moved = poses.iter().filter(|pose| pose.has_moved());
         let (count, all) = (moved.clone().count(), poses.len());
@@ -27,21 +27,38 @@ impl PoseReport {
         }];
         notes.extend(self.camera_error(refinement));
         let alone = poses.iter().filter(|pose| pose.outcome == PoseOutcome::Alone);
-        notes.extend(alone.map(|pose| {
-            let name = &pose.view;
-            format!("view {name} keeps its pose: no other view sees enough of the same surfaces")
-        }));
+        let alone: Vec<String> = alone.map(|pose| pose.view.clone()).collect();
+        notes.extend(match alone.as_slice() {
+            [] => None,
+            [name] => Some(format!(
+                "view {name} keeps its pose: no other view sees enough of the same surfaces"
+            )),
+            _ => Some(format!(
+                "{} views keep their poses, since no other view sees enough of the same surfaces: \
+                 {}",
+                alone.len(),
+                names(&alone)
+            )),
+        });
         notes
     }
 
     /// Views whose surfaces no other view meets, and of which no warning tells.
-    fn alone(&self) -> impl Iterator<Item = String> {
+    fn alone(&self) -> Option<String> {
         let told = self.is_doubtful();
-        let alone = self.judgement.views.iter().filter(move |v| v.compared == 0 && !told);
-        alone.map(|v| {
-            let name = &v.view;
-            format!("view {name} overlaps no other view: nothing tells whether its pose is right")
-        })
+        let alone = self.judgement.views.iter().filter(|v| v.compared == 0 && !told);
+        let alone: Vec<String> = alone.map(|v| v.view.clone()).collect();
+        match alone.as_slice() {
+            [] => None,
+            [name] => Some(format!(
+                "view {name} overlaps no other view: nothing tells whether its pose is right"
+            )),
+            _ => Some(format!(
+                "{} views overlap no other view, so nothing tells whether their poses are right: {}",
+                alone.len(),
+                names(&alone)
+            )),
+        }
     }
 
     /// The errors of the depth cameras; `None` of sound ones.

@@ -123,15 +123,16 @@ impl Sensor for PinholeSensor {
     fn load(&self, file: &ViewFile, notes: &mut Vec<String>) -> Result<FramedImage, ReadError> {
         let image = file.load_image(notes)?;
         let size = image.size();
-        let straight = |intrinsics| {
+        let swaps = file.order == Some(ImageOrder::SwappedCamera);
+        let mut straight = |intrinsics| {
+            notes.extend(beside(size, intrinsics));
             let camera = Pinhole::new(size, intrinsics).map_err(|e| file.bad_sensor(e))?;
             Ok(camera.with_scale(self.holds))
         };
         let frame: Arc<dyn DeviceFrame> = match &self.lens {
-            Lens::Straight(numbers) => Arc::new(straight(match file.order {
-                Some(ImageOrder::SwappedCamera) => swapped(*numbers),
-                _ => *numbers,
-            })?),
+            Lens::Straight(numbers) => {
+                Arc::new(straight(if swaps { swapped(*numbers) } else { *numbers })?)
+            }
             Lens::Distorted(intrinsics, distortion) => {
                 straight(*intrinsics)?;
                 let make = || self.distorted(file, size, *intrinsics, *distortion);
@@ -165,6 +166,18 @@ fn corrected(
         ));
     }
     Ok(corrected)
+}
+
+/// A note on a principal point outside the image.
+fn beside(size: ImageSize, Intrinsics { cx, cy, .. }: Intrinsics) -> Option<String> {
+    let within = |at: f64, count: usize| (-0.5..count as f64 - 0.5).contains(&at);
+    let inside = within(cx, size.cols) && within(cy, size.rows);
+    (!inside).then(|| {
+        format!(
+            "the principal point cx = {cx}, cy = {cy} lies outside the image of {size}. That is \
+             right for a part of a larger image only; cx counts columns and cy rows, from 0"
+        )
+    })
 }
 
 /// The numbers for columns in place of those for rows, and the reverse.

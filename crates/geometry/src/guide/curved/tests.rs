@@ -103,6 +103,18 @@ fn a_spline_passes_its_points_and_has_their_curves_length() {
 }
 
 #[test]
+fn corners_are_rounded_off_by_what_their_radius_asks_for() {
+    let corner = [(0.0, 0.0), (20.0, 0.0), (20.0, 20.0)].map(|(x, y)| Point3::new(x, y, 0.0));
+    for radius in [4.0, 20.0] {
+        let guide = CurvedGuide::polyline(corner.to_vec(), Some(radius)).unwrap();
+        let expected = radius * (2f64.sqrt() - 1.0);
+        assert!((guide.distance_from_points() - expected).abs() < 1e-9, "{radius}");
+    }
+    let spline = CurvedGuide::spline(corner.to_vec()).unwrap();
+    assert!(spline.distance_from_points() < 1e-9);
+}
+
+#[test]
 fn parts_that_come_close_limit_the_reach() {
     let points = [(0.0, 0.0), (20.0, 0.0), (20.0, 6.0), (0.0, 6.0)];
     let points = points.map(|(x, y)| Point3::new(x, y, 0.0)).to_vec();

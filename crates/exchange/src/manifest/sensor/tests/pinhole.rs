@@ -25,6 +25,19 @@ fn values_may_be_depths_or_ray_lengths() {
 }
 
 #[test]
+fn a_principal_point_outside_the_image_is_told() {
+    for (order, count) in [("", 1), (r#", "image_order": "swapped-camera""#, 0)] {
+        let beside = CAMERA.replace("3.5", "5").replace("2.5", "6.5");
+        let folder = folder(&format!("{beside}{order}"));
+        let (_, notes) = load(folder.path()).unwrap();
+        let told = notes.iter().filter(|note| note.contains("cx = 5, cy = 6.5 lies outside"));
+        assert_eq!(told.count(), count, "{notes:?}");
+    }
+    let folder = folder(CAMERA);
+    assert!(load(folder.path()).unwrap().1.is_empty());
+}
+
+#[test]
 fn distortion_bends_the_rays_of_points() {
     let more = r#", "distortion": [-0.1, 0.02, 0.001, -0.002, 0.003]"#;
     let folder = folder(&format!("{CAMERA}{more}"));
