@@ -4,7 +4,7 @@
 //! kept of a view are a few thousand points.
 
 use crate::samples::{Sample, coarse_samples, median, pixel_spacing, samples};
-use crate::{OpenScan, WorkflowError};
+use crate::{OpenScan, Plausibility, WorkflowError};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use transect::ReconstructError;
@@ -56,6 +56,8 @@ pub struct ViewSurvey {
     pub overlap: Option<f64>,
     /// The notes of its reader.
     pub notes: Vec<String>,
+    /// Why a run would refuse the view; `None` where it is plausible, or was not checked.
+    pub refusal: Option<String>,
     /// Direction in the world that is up for the view.
     pub(crate) up: Vector3,
     /// Evenly thinned points and surface normals in the world.
@@ -105,7 +107,11 @@ impl OpenScan {
         };
         let (loaded, notes) = view.load().map_err(|e| failed(e.into()))?;
         let loaded = self.limits.apply(loaded).map_err(|e| failed(e.into()))?;
-        Ok(ViewSurvey::of(&loaded, notes))
+        let scan = self.scan();
+        let mut checks = Plausibility::without_planes(scan.unit, &[]);
+        checks.interval = scan.planes.as_ref().map_or(f64::INFINITY, |planes| planes.interval);
+        let refusal = checks.check_view(&loaded).err().map(|error| error.to_string());
+        Ok(ViewSurvey { refusal, ..ViewSurvey::of(&loaded, notes) })
     }
 }
 
@@ -135,6 +141,7 @@ impl ViewSurvey {
             corners,
             overlap: None,
             notes,
+            refusal: None,
             up: pose * up(view, sensor),
             step: median(coarse.iter().map(|s| s.spacings()[1]).collect()),
             surface: coarse.iter().filter_map(place).collect(),

@@ -37,6 +37,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let told: Vec<String> = views.iter().flat_map(|(_, view)| view.notes.clone()).collect();
     notes::tell(&told);
+    refusals(&views).into_iter().for_each(|warning| eprintln!("warning: {warning}"));
     print(&scan_rows(&scan, &views));
     if failures.is_empty()
         && let Some(poses) = scan.judge(&Unwatched)?
@@ -53,6 +54,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     say(&format!("\nreconstruct it: {}", command(&scan, &views)?));
     Ok(())
+}
+
+/// The first view at which a run would stop, and the number of the others.
+fn refusals(views: &[(usize, ViewSurvey)]) -> Option<String> {
+    let refused = || views.iter().filter(|(_, view)| view.refusal.is_some());
+    let (_, first) = refused().next()?;
+    let others = match refused().count() - 1 {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let reason = first.refusal.as_deref().unwrap_or_default();
+    Some(format!("reconstruct stops at view {}{others}: {reason}", first.name))
 }
 
 fn scan_rows(opened: &OpenScan, views: &[(usize, ViewSurvey)]) -> Vec<Row> {

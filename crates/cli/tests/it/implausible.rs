@@ -55,6 +55,10 @@ fn implausible_scans_are_stopped_before_the_work_and_can_be_accepted() {
         let first = check.split(' ').next().unwrap();
         refused(&folder, "scan.json", &[&format!("pass --accept {first}")]);
         refused(&folder, "scan.json", texts);
+        // `inspect` looks at each view by itself.
+        let inspected = folder.run("inspect scan.json").succeeded();
+        let told = inspected.stderr.contains(&format!("pass --accept {first}"));
+        assert_eq!(told, first != "distance", "{}", inspected.stderr);
         let accepted = folder.reconstruct(&format!("scan.json --accept {check}"));
         assert!(!accepted.stderr.contains("--accept"), "{check}: {}", accepted.stderr);
     }
