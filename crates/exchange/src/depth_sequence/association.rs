@@ -133,6 +133,12 @@ impl Association {
         if let Some((count, first)) = &timed.refused {
             self.refused = Some(format!("lines without a pose: {count}; the first: {first}"));
         }
+        if let Some((count, first)) = timed.contradicting() {
+            self.notes.push(format!(
+                "{path}: times with two poses that differ: {count}, and the first pose in the file \
+                 counts; the first: {first}"
+            ));
+        }
         let span = timed.span().map_or_else(
             || "has no pose".to_owned(),
             |(first, last)| format!("has poses from {first} to {last}"),

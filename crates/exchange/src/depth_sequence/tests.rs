@@ -149,6 +149,14 @@ fn tum_images_get_the_pose_at_their_time_and_no_other() {
     // The usual tolerance leaves the image of the time of a pose.
     let scan = Scan::open(folder.path()).unwrap();
     assert_eq!(views(&scan), [("depth/d.png", 4.0, 2.0)]);
+    let contradicts = |scan: &Scan| scan.notes.iter().any(|note| note.contains("that differ: 1"));
+    assert!(!contradicts(&scan));
+    for (again, told) in [("40 4 0 0 0 0 0 1\n", false), ("40 5 0 0 0 0 0 1\n", true)] {
+        fs::write(folder.path().join("groundtruth.txt"), format!("{TUM}{again}")).unwrap();
+        let scan = Scan::open(folder.path()).unwrap();
+        assert_eq!(views(&scan), [("depth/d.png", 4.0, 2.0)]);
+        assert_eq!(contradicts(&scan), told, "{:?}", scan.notes);
+    }
 }
 
 #[test]

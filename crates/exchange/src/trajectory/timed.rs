@@ -47,7 +47,15 @@ impl Timed {
         Some((self.poses.first()?.0, self.poses.last()?.0))
     }
 
-    /// The pose at a time, interpolated between its neighbours.
+    /// The number of times with two poses that differ, and the first of them.
+    pub(crate) fn contradicting(&self) -> Option<(usize, f64)> {
+        let pairs = self.poses.iter().zip(self.poses.iter().skip(1));
+        let mut differ = pairs.filter(|(a, b)| a.0 == b.0 && a.1 != b.1).map(|(a, _)| a.0);
+        let first = differ.next()?;
+        Some((1 + differ.count(), first))
+    }
+
+    /// The pose at a time, the first of several there or interpolated between its neighbours.
     pub(crate) fn at(&self, time: f64, most_difference: f64) -> Result<Isometry3, NoPose> {
         let next = self.poses.partition_point(|(t, _)| *t < time);
         let (after, b) = self.poses.get(next).ok_or(NoPose::Outside)?;
