@@ -125,7 +125,8 @@ fn from_png(
 ) -> Result<Pixels, ReadError> {
     let GreyImage { size, samples } = png_file::decode(path, bytes)?;
     let Samples::Sixteen(counts) = samples else {
-        let problem = "the image has 8 bits; ranges are read from 16-bit grey";
+        let problem = "the image has 8 bits, too few for ranges: most likely it is a picture of \
+                       them; export the depths themselves as 16-bit grey";
         return Err(ReadError::unsupported(path, Place::Whole, problem));
     };
     from_counts(path, (size, counts), scale, notes)

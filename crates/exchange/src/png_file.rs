@@ -32,8 +32,11 @@ pub(crate) fn decode(path: &Path, bytes: &[u8]) -> Result<GreyImage, ReadError> 
         (png::ColorType::Grayscale, png::BitDepth::Eight) => false,
         (png::ColorType::Grayscale, png::BitDepth::Sixteen) => true,
         (colour, depth) => {
-            let problem =
-                format!("the image is {colour:?} {depth:?}; grey of 8 or 16 bits is read");
+            let problem = format!(
+                "the image is {colour:?} of {} bits and must be grey; a picture of ranges in \
+                 colours holds no ranges: export them as 16-bit grey",
+                depth as u8
+            );
             return Err(ReadError::unsupported(path, Place::Whole, problem));
         }
     };

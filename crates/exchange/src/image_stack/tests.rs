@@ -122,7 +122,7 @@ fn folders_that_are_no_stack_of_this_camera_are_refused() {
     encoder.set_color(png::ColorType::Rgb);
     encoder.write_header().unwrap().write_image_data(&[0; 18]).unwrap();
     let coloured = error(folder.path(), SIZE);
-    let wanted = "b.png: the image is Rgb Eight; grey of 8 or 16 bits is read";
+    let wanted = "b.png: the image is Rgb of 8 bits and must be grey";
     assert!(coloured.ends_with(wanted), "{coloured}");
 }
 
