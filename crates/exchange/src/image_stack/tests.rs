@@ -123,7 +123,7 @@ fn folders_that_are_no_stack_of_this_camera_are_refused() {
     encoder.write_header().unwrap().write_image_data(&[0; 18]).unwrap();
     let coloured = error(folder.path(), SIZE);
     let wanted = "b.png: the image is Rgb of 8 bits and must be grey";
-    assert!(coloured.ends_with(wanted), "{coloured}");
+    assert!(coloured.contains(wanted), "{coloured}");
 }
 
 #[test]
