@@ -133,6 +133,10 @@ impl Rounds<'_> {
         if keeps {
             self.poses = self.given.clone();
         }
+        // Views that err alike carry others with them, of which no observation tells.
+        for k in (0..self.given.len()).filter(|k| alone[*k]) {
+            self.poses[k] = self.given[k];
+        }
         let outcome = |k: usize| match () {
             () if misplaced.contains(&k) => PoseOutcome::Misplaced,
             () if alone[k] => PoseOutcome::Alone,

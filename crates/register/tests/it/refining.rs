@@ -107,6 +107,28 @@ fn a_view_of_another_place_stays_and_is_told() {
     assert!(refine(&[], &RefineOptions::default()).poses.is_empty());
 }
 
+/// From twenty views on, a view is taken to err as its neighbours do.
+#[test]
+fn a_view_of_another_place_stays_among_many_that_err_alike() {
+    let of_seed = |seed| {
+        let renamed = move |view: View| {
+            let (name, sigma) = (format!("{seed} {}", view.name()), view.sigma());
+            let (image, frame) = (view.image().clone(), view.shared_frame());
+            View::new(name, image, frame, *view.world_from_sensor(), sigma).unwrap()
+        };
+        simulated_with_seed("room", seed).into_iter().map(renamed)
+    };
+    let mut views: Vec<View> = (0..6).flat_map(of_seed).collect();
+    assert!(views.len() >= 20, "{}", views.len());
+    views = shaken(&views, 0.1, 0.005);
+    let away = Isometry3::translation(100.0, 0.0, 0.0) * views[9].world_from_sensor();
+    views[9] = views[9].with_pose(away).unwrap();
+    let refinement = refine(&coarse(&views), &RefineOptions::default());
+    assert!(refinement.poses[8].has_moved());
+    assert_eq!(refinement.poses[9].outcome, PoseOutcome::Alone);
+    assert_eq!(refinement.poses[9].world_from_sensor, away);
+}
+
 #[test]
 fn a_stated_prior_holds_the_poses() {
     let views = shaken(&simulated("room", ""), 0.3, 0.005);
