@@ -31,6 +31,12 @@ pub struct OpenOptions {
 }
 
 impl OpenOptions {
+    /// The first given option without which the scan would be read in another way; its unit and the
+    /// order of its pixels aside.
+    pub fn first_given(&self) -> Option<&'static str> {
+        self.unused(&[])
+    }
+
     /// The first given option that is not among the used ones.
     pub(crate) fn unused(&self, used: &[&str]) -> Option<&'static str> {
         let given = [

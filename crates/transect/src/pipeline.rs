@@ -21,6 +21,7 @@ use crate::{PoseReport, ReconstructError, Setup, ViewSource, Watch};
 use std::time::{Duration, Instant};
 use transect_geometry::PlaneIndex;
 use transect_model::{Model, ViewRecord};
+use transect_register::CoarseView;
 
 /// A model and the report of the run that made it.
 #[derive(Debug)]
@@ -80,7 +81,7 @@ pub fn reconstruct<S: ViewSource>(
     .into_iter()
     .unzip();
     let copies = copies.into_iter().collect::<Option<Vec<_>>>();
-    let again = |order| reread(sources, order);
+    let again = |order| reread(sources, order, CoarseView::quick);
     let judged = copies.map(|copies| PoseReport::of_given(copies, again, setup.unit));
     let views_done = Instant::now();
     let planes = by_plane(&mut views);

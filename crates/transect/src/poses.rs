@@ -18,7 +18,7 @@ use crate::timed_view::TimedView;
 use crate::{Posed, ReconstructError, Stage, ViewSource, Watch};
 use rayon::prelude::*;
 use serde::Serialize;
-use transect_device::ImageOrder;
+use transect_device::{ImageOrder, View};
 use transect_geometry::LengthUnit;
 use transect_register::{
     CoarseView, Explanation, Finding, Judgement, RefineOptions, RefinedPose, Refinement, explain,
@@ -71,9 +71,13 @@ fn coarse_views<S: ViewSource>(
 }
 
 /// Coarse copies of all views, their images read in another order of pixels; `None` if a view
-/// cannot be.
-pub(crate) fn reread<S: ViewSource>(sources: &[S], order: ImageOrder) -> Option<Vec<CoarseView>> {
-    let copy = |source: &S| Some(CoarseView::quick(&source.load_in(order)?.ok()?.view));
+/// cannot be. Copies that are compared with others are to be of the same kind.
+pub(crate) fn reread<S: ViewSource>(
+    sources: &[S],
+    order: ImageOrder,
+    of_view: fn(&View) -> CoarseView,
+) -> Option<Vec<CoarseView>> {
+    let copy = |source: &S| Some(of_view(&source.load_in(order)?.ok()?.view));
     sources.par_iter().map(copy).collect()
 }
 
@@ -89,7 +93,8 @@ impl PoseReport {
         watch: &dyn Watch,
     ) -> Result<Self, ReconstructError> {
         let mut copies = coarse_views(sources, watch)?;
-        let mut explanation = explain(&copies, |order| reread(sources, order));
+        let again = |order| reread(sources, order, CoarseView::new);
+        let mut explanation = explain(&copies, again);
         let mut refinement = options.map(|options| refine(&copies, options));
         if let Some(refinement) = &refinement {
             let poses = &refinement.poses;
@@ -107,7 +112,7 @@ impl PoseReport {
         if let (Some(_), Some(found)) = (&refinement, &explanation) {
             // Few views that are a little off may look misread: refined, they agree, and need no
             // other reading. Views that were misread are wrong by more than a refinement finds.
-            let again = explain(&copies, |order| reread(sources, order));
+            let again = explain(&copies, again);
             // An object that moved contradicts at right poses, too.
             let agree = judgement.findings.iter().all(|f| matches!(f, Finding::Region(_)));
             if again.is_none() && agree && found.is_matched_by(&copies) {

@@ -103,7 +103,7 @@ pub(crate) fn refine(
         selected.iter().copied().zip(selected.iter().copied().skip(1)).collect();
     let mut asked: Vec<PlaneIndex> = selected.iter().copied().collect();
     let (mut fused, mut gaps, coarse) = (BTreeMap::new(), Vec::new(), selected.len());
-    while !pairs.is_empty() {
+    while !asked.is_empty() {
         fused.extend(fuse(&asked)?.into_iter().map(|plane| (plane.index, plane)));
         let compare = |pair: &Pair| refinement.compare(*pair, &fused, observed);
         let differences: Vec<Option<Difference>> = pairs.par_iter().map(compare).collect();

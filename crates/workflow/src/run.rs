@@ -83,21 +83,7 @@ impl OpenScan {
         settings: &Settings,
         watch: &dyn Watch,
     ) -> Result<Run<'_>, WorkflowError> {
-        if self.limits != Limits::default() {
-            let setting = if self.selection.crop.is_some() { "crop" } else { "max_range" };
-            let problem = "a store takes whole views, because replace-view reads them again from \
-                           the scan; leave out the option, or --store";
-            return Err(WorkflowError::setting(setting, problem));
-        }
-        let readings =
-            [self.reading.map(Reading::Pose), self.options.image_order.map(Reading::Image)];
-        if let Some(reading) = readings.into_iter().flatten().next() {
-            let problem = format!(
-                "a store's commands read images and poses from the scan as it is; write the scan \
-                 anew first: transect register SCAN {reading} --out DIR"
-            );
-            return Err(WorkflowError::setting("store", problem));
-        }
+        self.is_read_alike()?;
         remove_leftovers(store);
         let (setup, note) = self.setup_for_store(store, settings)?;
         let splines = self.splines(settings)?;
@@ -113,6 +99,34 @@ impl OpenScan {
             Row::plain("planes fused", planes_fused),
         ];
         self.run(reconstruction, setup, (settings, splines), Some(store), rows)
+    }
+
+    /// Checks that a store's commands, which read the scan again without options, read the same.
+    fn is_read_alike(&self) -> Result<(), WorkflowError> {
+        if self.limits != Limits::default() {
+            let setting = if self.selection.crop.is_some() { "crop" } else { "max_range" };
+            let problem = "a store takes whole views, because replace-view reads them again from \
+                           the scan; leave out the option, or --store";
+            return Err(WorkflowError::setting(setting, problem));
+        }
+        let readings =
+            [self.reading.map(Reading::Pose), self.options.image_order.map(Reading::Image)];
+        if let Some(reading) = readings.into_iter().flatten().next() {
+            let problem = format!(
+                "a store's commands read images and poses from the scan as it is; write the scan \
+                 anew first: transect register SCAN {reading} --out DIR"
+            );
+            return Err(WorkflowError::setting("store", problem));
+        }
+        if let Some(option) = self.options.first_given() {
+            let problem = format!(
+                "a store's commands read the scan again, without {option}; write the scan anew \
+                 first: transect manifest SCAN {option} … --out scan.json for a folder of depth \
+                 images, else transect register SCAN {option} … --out DIR"
+            );
+            return Err(WorkflowError::setting("store", problem));
+        }
+        Ok(())
     }
 
     /// The settings, completed by those of the store if it exists, else by the scan's. A note tells

@@ -96,6 +96,12 @@ fn simulations_and_manifests_replace_their_own_files_only() {
     manifest("n.json --camera 9,8,3,2 --depth-scale 0.0002").succeeded();
     let view = &folder.json("n.json")["views"][0];
     assert_eq!((view["fy"].as_f64(), view["scale"].as_f64()), (Some(8.0), Some(0.0002)));
+    // The commands of a store would read the images without the option.
+    let store =
+        "reconstruct depth --depth-scale 0.0002 --normal 0,0,1 --interval 1m --store d.transect";
+    let advice = ["without --depth-scale", "transect manifest SCAN --depth-scale"];
+    folder.run(store).failed_with(2, &advice);
+    assert!(!folder.path("d.transect").exists());
     manifest("depth/a.depth.png --force").failed_with(1, &["a.depth.png", "input"]);
     assert_eq!(folder.text("notes.txt"), "mine");
     manifest("notes.txt --force").succeeded();

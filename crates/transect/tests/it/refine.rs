@@ -7,7 +7,7 @@ use transect::{
     GrowError, Grower, Reconstruction, Refinement, RefinementReport, Setup, Unwatched, reconstruct,
 };
 use transect_device::View;
-use transect_geometry::{Curve, PlaneIndex};
+use transect_geometry::{Curve, CurvedGuide, PlaneFamily, PlaneIndex, Point3};
 use transect_model::Model;
 use transect_model::store::Store;
 use transect_scene::{Description, Station};
@@ -69,6 +69,20 @@ fn a_store_says_that_it_has_one_interval() {
     let (folder, setup) = (tempfile::tempdir().unwrap(), refined_setup());
     let store = Store::create(folder.path().join("s.transect"), &setup.store_header()).unwrap();
     assert!(matches!(Grower::new(&store, &setup), Err(GrowError::Refinement)));
+}
+
+/// A plane without a neighbour on the guide is a section, too.
+#[test]
+fn a_guide_with_room_for_one_plane_has_that_plane() {
+    let mut setup = refined_setup();
+    let interval = setup.planes.interval();
+    let length = 1.5 * interval;
+    let ends = [0.2, 0.2 + length].map(|z| Point3::new(0.0, 0.0, z)).to_vec();
+    let guide = CurvedGuide::polyline(ends, None).unwrap();
+    setup.planes = PlaneFamily::new(guide, 0.7 * interval, interval).unwrap();
+    let refined = reconstruct(&noisy_views(), &setup, &Unwatched).unwrap();
+    assert_eq!(report(&refined).planes, 1);
+    assert!(refined.model.sections().any(|(_, section)| section.curves().len() > 0));
 }
 
 /// The bend tunnel, seen with a sixth of its rows and columns.
