@@ -1,4 +1,4 @@
-//! `report.json`: the table of a run with everything needed to repeat it.
+//! `report.json`: the table of a run, with its settings and the hashes of its inputs.
 
 use crate::Selection;
 use crate::views::OpenScan;
@@ -11,6 +11,7 @@ use std::path::Path;
 use std::sync::Arc;
 use transect::register::PoseReading;
 use transect::{Report, Setup};
+use transect_device::ImageOrder;
 use transect_geometry::CurvedGuide;
 use transect_model::open_regular;
 
@@ -28,6 +29,12 @@ pub struct ReportFile<'a> {
     /// The convention by which the poses were read, if it is not the scan's own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pose_convention: Option<PoseReading>,
+    /// The order in which the pixels were read, if it is not the scan's own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    image_order: Option<ImageOrder>,
+    /// Whether views without a file may have been left out.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    skip_missing: bool,
     settings: Settings,
     inputs: Vec<Input>,
     warnings: Vec<String>,
@@ -80,6 +87,8 @@ impl<'a> ReportFile<'a> {
             unit: scan.unit.symbol(),
             selection: &opened.selection,
             pose_convention: opened.reading,
+            image_order: opened.options.image_order,
+            skip_missing: opened.options.skip_missing,
             settings: Settings {
                 normal: setup.planes.guide().direction(0.0).into(),
                 guide: setup.planes.guide().curved().cloned(),

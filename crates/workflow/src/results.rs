@@ -5,6 +5,7 @@ use crate::table::Row;
 use crate::{Costs, ReportFile, WorkflowError};
 use rayon::prelude::*;
 use serde::Serialize;
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 use transect_exchange::svg::{OverviewOptions, Sheets, write_overview};
 use transect_exchange::{DxfFrame, ModelSplines, read_text, write_contours, write_dxf, write_file};
@@ -198,14 +199,23 @@ impl ResultFolder {
         Ok(write_file(&self.0.join(REPORT), write)?)
     }
 
-    /// The path of the scan that the folder's model was made of, as its report has it.
-    pub(crate) fn scan(&self) -> Option<PathBuf> {
+    /// The path of the scan that the folder's model was made of, as its report has it; `None` if
+    /// only a part of the scan was read, or in another way than the scan states.
+    pub(crate) fn whole_scan(&self) -> Option<PathBuf> {
         #[derive(serde::Deserialize)]
         struct Written {
             scan: PathBuf,
+            selection: Option<Value>,
+            pose_convention: Option<Value>,
+            image_order: Option<Value>,
+            #[serde(default)]
+            skip_missing: bool,
         }
         let text = read_text(&self.0.join(REPORT)).ok()?;
-        serde_json::from_str(&text).ok().map(|written: Written| written.scan)
+        let written: Written = serde_json::from_str(&text).ok()?;
+        let otherwise = [written.selection, written.pose_convention, written.image_order];
+        let as_stated = otherwise.iter().all(Option::is_none) && !written.skip_missing;
+        as_stated.then_some(written.scan)
     }
 }
 

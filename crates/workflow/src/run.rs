@@ -227,8 +227,9 @@ impl Run<'_> {
             rows.extend(costs.stage("fitting splines", write)?);
         }
         // The truth counts what all views could see, so a part of them is not scored.
-        let as_stated = self.scan.reading.is_none() && self.scan.options.image_order.is_none();
-        let is_whole = self.scan.selection.is_whole() && as_stated;
+        let options = &self.scan.options;
+        let as_stated = self.scan.reading.is_none() && options.image_order.is_none();
+        let is_whole = self.scan.selection.is_whole() && as_stated && !options.skip_missing;
         if is_whole && !matches!(self.truth, Reference::Nothing) {
             let score = || score(model, &self.truth, &ScoreLimits::default());
             rows.extend(costs.stage("scoring", score)?.agreement);

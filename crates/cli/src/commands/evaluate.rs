@@ -32,7 +32,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         None => Reference::of_results(&ResultFolder::new(file.parent().unwrap_or(Path::new("")))),
     };
     if matches!(reference, Reference::Nothing) {
-        eprintln!("note: no reference mesh and no truth beside the scan: duplication only");
+        eprintln!(
+            "note: no reference mesh, and no truth beside a scan of which all views were read as it \
+             states them: duplication only"
+        );
     }
     let limits =
         ScoreLimits { from: arguments.from.clone(), tolerance: arguments.tolerance.clone() };

@@ -140,7 +140,8 @@ fn print_views(views: &[(usize, ViewSurvey)], unit: LengthUnit) {
 /// The command that reconstructs the scan as it was inspected, with suggested planes if the scan
 /// states none. The reason for them is printed before.
 fn command(scan: &OpenScan, views: &[(usize, ViewSurvey)]) -> Result<String, Failure> {
-    let mut words: Vec<String> = std::env::args().skip(1).collect();
+    let mut words: Vec<String> =
+        std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
     if let Some(command) = words.iter_mut().find(|word| *word == "inspect") {
         *command = "reconstruct".to_owned();
     }

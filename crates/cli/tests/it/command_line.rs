@@ -161,7 +161,7 @@ fn check_polyline(polyline: &Value, station: f64) -> Option<f64> {
 }
 
 #[test]
-fn the_report_has_everything_to_repeat_the_run() {
+fn the_report_has_the_settings_and_the_hashes_of_inputs() {
     let folder = Folder::simulated("objects.scene.toml");
     let run = folder.reconstruct("scan --output-unit m").succeeded();
     let report = folder.json("out/report.json");
@@ -305,6 +305,14 @@ fn evaluation_finds_the_truth_that_simulation_left() {
     assert_eq!(upper.number("planes with truth"), 5.0);
     let strict = folder.run("evaluate out --tolerance 1mm").succeeded();
     assert!(strict.number("length off the truth") > 5.0);
+    // The truth counts what all views could see.
+    for (out, options, scored) in [("some", "--views 0", false), ("all", "", true)] {
+        folder.run(&format!("reconstruct scan --quiet --out {out} {options}")).succeeded();
+        let run = folder.run(&format!("evaluate {out}")).succeeded();
+        assert_eq!(run.stderr.contains("duplication only"), !scored, "{out}: {}", run.stderr);
+    }
+    let run = folder.run("reconstruct scan --quiet --skip-missing --out rest");
+    assert!(!run.succeeded().stdout.contains("median distance from truth"));
 }
 
 #[test]
