@@ -90,6 +90,11 @@ impl View {
         Self::new(name, self.image.clone(), frame, world_from_sensor, self.sigma)
     }
 
+    /// The view under another name.
+    pub fn with_name(self, name: impl Into<String>) -> Self {
+        Self { name: name.into(), ..self }
+    }
+
     /// The name that reports show.
     pub fn name(&self) -> &str {
         &self.name

@@ -38,12 +38,12 @@ use judged::{Judged, copy_of, judged};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
-use transect_device::View;
+use transect_device::{ImageOrder, View};
 use transect_geometry::{Curve, PlaneIndex};
 use transect_model::store::{
     Snapshot, Store, StoreError, StoredView, ViewCopy, ViewEntry, ViewId, ViewReplacement,
 };
-use transect_register::RefineOptions;
+use transect_register::{PosePrior, RefineOptions};
 
 /// The result of adding views.
 #[derive(Debug)]
@@ -451,7 +451,23 @@ impl<S: ViewSource> ViewSource for Stored<'_, S> {
             )
             .into());
         }
-        Ok(LoadedView { view: view.with_pose(self.entry.world_from_sensor)?, notes })
+        self.as_stored(LoadedView { view, notes })
+    }
+
+    fn pose_prior(&self) -> Option<PosePrior> {
+        self.source.pose_prior()
+    }
+
+    fn load_in(&self, order: ImageOrder) -> Option<Result<LoadedView, SourceError>> {
+        Some(self.source.load_in(order)?.and_then(|loaded| self.as_stored(loaded)))
+    }
+}
+
+impl<S> Stored<'_, S> {
+    /// A loaded view under its name and at its pose in the store.
+    fn as_stored(&self, LoadedView { view, notes }: LoadedView) -> Result<LoadedView, SourceError> {
+        let view = view.with_pose(self.entry.world_from_sensor)?.with_name(&self.entry.id.0);
+        Ok(LoadedView { view, notes })
     }
 }
 

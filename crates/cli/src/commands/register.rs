@@ -71,6 +71,9 @@ fn store(arguments: &Arguments, progress: &Progress) -> Result<(), Failure> {
     progress.finish();
     let replaced = replaced?;
     store.close()?;
+    if let Some(problem) = replaced.report.poses.as_ref().and_then(PoseReport::misread) {
+        return Err(Failure::Failed(format!("{}: {problem}", arguments.path.display()).into()));
+    }
     tell(&replaced.report);
     replaced.report.poses.iter().for_each(print_poses);
     say("");

@@ -147,6 +147,15 @@ fn inspect_names_a_wrong_view_and_the_convention_that_mends_all() {
     let line = format!("reconstruct {line} --refine-poses --no-score --out misread");
     assert!(folder.run(&line).succeeded().stderr.contains("Pass --pose-convention inverse"));
     assert!(folder.json("misread/report.json")["poses"]["left_out_pairs"].is_null());
+    // A store of them, whose commands name views as the store does.
+    let line = "reconstruct scan/inverse.json --no-score --prefix day1/ --store s.transect";
+    folder.run(&format!("{line} --out grown --quiet")).succeeded();
+    let advice = ["read another way", "transect register SCAN --pose-convention inverse --out DIR"];
+    folder.run("register s.transect --quiet").failed_with(1, &advice);
+    let line = "reconstruct scan --no-score --prefix day1/ --store right.transect";
+    folder.run(&format!("{line} --out grown --quiet")).succeeded();
+    let run = folder.run("register right.transect --quiet").succeeded();
+    assert!(run.stdout.contains("| day1/range_001.npy | "), "{}", run.stdout);
     // The poses are in millimetres, as the scan states, and the images in metres.
     folder.edit_json("scan/scan.json", "scan/images.json", |m| {
         m["views"].as_array_mut().unwrap().iter_mut().for_each(|view| view["scale"] = 0.001.into());
@@ -194,6 +203,9 @@ fn images_in_another_order_are_named_and_read_as_asked_for() {
     );
     let refused = ["transect register SCAN --image-order upside-down --out DIR"];
     folder.run(&format!("reconstruct {line} --store s.transect")).failed_with(2, &refused);
+    // The images of a store that was made of it are read again, too.
+    folder.run("reconstruct scan --store s.transect --no-score --out grown --quiet").succeeded();
+    folder.run("register s.transect --quiet").failed_with(1, &["--image-order upside-down --out"]);
     folder.run(&format!("register {line} --out new --quiet")).succeeded();
     assert_eq!(folder.json("new/scan.json")["views"][0]["image_order"], "upside-down");
     let points = folder.run("inspect new").succeeded();

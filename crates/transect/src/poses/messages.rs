@@ -91,7 +91,26 @@ impl PoseReport {
 
     /// The warning that another convention explains the contradictions.
     pub fn misread(&self) -> Option<String> {
-        self.explanation.as_ref().map(|explanation| convention(explanation, self.unit))
+        self.explanation.as_ref().map(|explanation| self.convention(explanation))
+    }
+
+    fn convention(&self, explanation: &Explanation) -> String {
+        let Explanation { reading, given, read } = explanation;
+        let shares = [given.agreeing, given.contradicting, read.agreeing, read.contradicting];
+        let [agree, contradict, agree_read, contradict_read] = shares.map(percent);
+        let advice = match (self.in_store, reading) {
+            (true, Reading::Pose(_) | Reading::Image(_)) => format!(
+                "A store reads its scans as they are: write each scan anew, transect register SCAN \
+                 {reading} --out DIR, and make the store of those"
+            ),
+            _ => advice(*reading, self.unit),
+        };
+        format!(
+            "the poses contradict each other, and agree if they are read another way: {}. Of the \
+             surfaces that views share, {agree} agree and {contradict} contradict as given, \
+             {agree_read} and {contradict_read} when read that way. {advice}",
+            reading.meaning()
+        )
     }
 
     /// Warnings: what contradicts, and views that were far off before they were refined.
@@ -228,19 +247,6 @@ fn reason(refinement: &Refinement) -> &'static str {
         }
         _ => "",
     }
-}
-
-fn convention(explanation: &Explanation, unit: LengthUnit) -> String {
-    let Explanation { reading, given, read } = explanation;
-    let shares = [given.agreeing, given.contradicting, read.agreeing, read.contradicting];
-    let [agree, contradict, agree_read, contradict_read] = shares.map(percent);
-    format!(
-        "the poses contradict each other, and agree if they are read another way: {}. Of the surfaces \
-         that views share, {agree} agree and {contradict} contradict as given, {agree_read} and \
-         {contradict_read} when read that way. {}",
-        reading.meaning(),
-        advice(*reading, unit)
-    )
 }
 
 /// The advice for a reading. Where the poses are in the scan's unit, the images are wrong.
