@@ -30,19 +30,17 @@ pub(super) fn probes_of(views: &[&CoarseView]) -> Vec<Vec<Probe>> {
     views.par_iter().map(|view| probes(view, count)).collect()
 }
 
-/// How far views agree at the places that `of` gives. Surfaces meet within `reach` times the radius
-/// of a patch.
+/// How far views agree at the places that `of` gives.
 pub(super) fn accord(
     views: &[&CoarseView],
     probes: &[Vec<Probe>],
-    reach: f64,
     of: impl Fn(&CoarseView) -> Placing,
 ) -> Accord {
     let placings: Vec<Placing> = views.iter().map(|view| of(view)).collect();
     let counts = |a: usize| {
         let (mut agree, mut good, mut bad) = (vec![false; probes[a].len()], 0, 0);
         for b in (0..views.len()).filter(|b| *b != a) {
-            for sample in samples(&probes[a], placings[a], views[b], placings[b], reach) {
+            for sample in samples(&probes[a], placings[a], views[b], placings[b], 1.0) {
                 if sample.met {
                     good += 1;
                     let probe = probes[a].binary_search_by_key(&sample.cell, |p| p.cell);
@@ -61,4 +59,24 @@ pub(super) fn accord(
         (0..views.len()).into_par_iter().map(counts).reduce(|| [0; 4], add);
     let share = |part: usize, of: usize| part as f64 / of.max(1) as f64;
     Accord { agreeing: share(agreeing, all), contradicting: share(bad, good + bad) }
+}
+
+/// The mean square of the distances of views from each other's surfaces, in radii of a patch.
+/// Larger ones, and contradictions, count as 1.
+pub(super) fn misfit(
+    views: &[&CoarseView],
+    probes: &[Vec<Probe>],
+    of: impl Fn(&CoarseView) -> Placing,
+) -> f64 {
+    let placings: Vec<Placing> = views.iter().map(|view| of(view)).collect();
+    let of_view = |a: usize| {
+        let others = (0..views.len()).filter(|b| *b != a);
+        let found =
+            others.flat_map(|b| samples(&probes[a], placings[a], views[b], placings[b], 1.0));
+        let squares = found.map(|sample| (sample.distance / sample.radius).powi(2).min(1.0));
+        squares.fold((0.0, 0_usize), |(sum, count), square| (sum + square, count + 1))
+    };
+    let of_views: Vec<(f64, usize)> = (0..views.len()).into_par_iter().map(of_view).collect();
+    let (sum, count) = of_views.into_iter().fold((0.0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+    sum / count.max(1) as f64
 }

@@ -53,7 +53,7 @@ impl Reading {
             Self::Pose(reading) => reading.meaning().to_owned(),
             Self::Image(order) => order.meaning().to_owned(),
             Self::Distances(factor) => {
-                format!("the distances in all images are {factor:.3} times as large")
+                format!("the distances in all images are {factor:.4} times as large")
             }
         }
     }
@@ -65,7 +65,7 @@ impl fmt::Display for Reading {
         match self {
             Self::Pose(reading) => write!(f, "--pose-convention {reading}"),
             Self::Image(order) => write!(f, "--image-order {order}"),
-            Self::Distances(factor) => write!(f, "distances times {factor:.3}"),
+            Self::Distances(factor) => write!(f, "distances times {factor:.4}"),
         }
     }
 }
@@ -86,7 +86,7 @@ impl Explanation {
     /// not, the refinement did not find what the reading explains.
     pub fn is_matched_by(&self, refined: &[CoarseView]) -> bool {
         let all: Vec<&CoarseView> = refined.iter().collect();
-        let found = accord(&all, &probes_of(&all), 1.0, Placing::given);
+        let found = accord(&all, &probes_of(&all), Placing::given);
         BETTER * found.score() >= self.read.score()
     }
 }
@@ -102,7 +102,7 @@ pub fn explain(
 ) -> Option<Explanation> {
     let all: Vec<&CoarseView> = views.iter().collect();
     let probes = probes_of(&all);
-    let given = accord(&all, &probes, 1.0, Placing::given);
+    let given = accord(&all, &probes, Placing::given);
     if given.agreeing >= SOUND[0] && given.contradicting <= SOUND[1] {
         return None;
     }
@@ -116,7 +116,7 @@ pub fn explain(
         _ => true,
     };
     let of_poses = PoseReading::ALL.into_iter().filter(of_all).map(|reading| {
-        let read = accord(&all, &probes, 1.0, |view| Placing {
+        let read = accord(&all, &probes, |view| Placing {
             world_from_sensor: reading.apply(view.world_from_sensor()),
             scale: 1.0,
         });
@@ -125,7 +125,7 @@ pub fn explain(
     let of_images = ImageOrder::ALL.into_iter().filter_map(|order| {
         let views = reread(order)?;
         let views: Vec<&CoarseView> = views.iter().collect();
-        Some((Reading::Image(order), accord(&views, &probes_of(&views), 1.0, Placing::given)))
+        Some((Reading::Image(order), accord(&views, &probes_of(&views), Placing::given)))
     });
     let of_distances =
         best_factor(&all, &probes, BETTER).map(|(factor, read)| (Reading::Distances(factor), read));

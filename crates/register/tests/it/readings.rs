@@ -125,7 +125,7 @@ fn wrong_distances_of_all_images_are_named() {
     let mut scans = ["face_mask", "kitchen"].map(of).to_vec();
     scans.extend(real("rgbd_redkitchen").map(|views| ("rgbd_redkitchen", views)));
     for (name, views) in &scans {
-        for factor in [0.1, 0.2, 0.8, 1.25, 5.0, 10.0] {
+        for factor in [0.01, 1.0 / 25.4, 0.2, 0.8, 1.25, 5.0, 10.0, 304.8] {
             let found = explained_at(views, factor);
             let Some(Reading::Distances(told)) = found.map(|found| found.reading) else {
                 panic!("{name}, {factor}: {found:?}");

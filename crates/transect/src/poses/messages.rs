@@ -258,8 +258,8 @@ fn advice(reading: Reading, unit: LengthUnit) -> String {
         }
         (Reading::Distances(factor), _) => {
             return format!(
-                "Multiply their \"scale\" in scan.json, or --depth-scale, by {factor:.3}; without a \
-                 scale, state {factor:.3}"
+                "Multiply their \"scale\" in scan.json, or --depth-scale, by {factor:.4}; without a \
+                 scale, state {factor:.4}"
             );
         }
         (Reading::Image(ImageOrder::UpsideDown), _) => {
