@@ -22,6 +22,15 @@ pub enum SensorError {
     /// A grid of points that does not show from which side it is seen.
     #[error("no three neighbouring points show from which side the grid is seen")]
     NoSurface,
+    /// Scanned points that do not lie on the surfaces as they were stated.
+    #[error(
+        "{problem}; check the stated places, the radii (not diameters), and which file belongs to \
+         which surface"
+    )]
+    Contradicted {
+        /// The surfaces with what was stated and what was found.
+        problem: String,
+    },
     /// Measurements that do not determine all unknowns.
     #[error("the measurements leave the pose undetermined; needed are {wanted}")]
     Undetermined {

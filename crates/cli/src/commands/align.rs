@@ -32,6 +32,11 @@ pub struct Arguments {
     unit: LengthUnit,
 }
 
+/// Largest residual of a sound alignment, in the noise of the spheres by themselves. No unit. Chosen
+/// by hand: sound scans have 1, and what the table does under load adds to it. Doubled, places that
+/// err by three times the noise pass.
+const MOST_RESIDUAL: f64 = 2.0;
+
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let vector = |option: &str, text: &str| numbers::<3>(option, text).map(Vector3::from);
@@ -46,6 +51,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         axis: axis.map(|[a, b, c, d, e, f]| [Vector3::new(a, b, c), Vector3::new(d, e, f)]),
     };
     let found = scans.align()?;
+    if found.residual_rms > MOST_RESIDUAL * found.sphere_noise {
+        eprintln!(
+            "warning: the residual is {:.1} times the noise of the spheres by themselves: the stated \
+             places of table and spheres contradict each other, or the scanner errs. Check the \
+             places, the radii (not diameters), and which file belongs to which surface",
+            found.residual_rms / found.sphere_noise
+        );
+    }
     let pose = found.world_from_sensor.to_homogeneous();
     let rows = pose.row_iter().map(|row| {
         let numbers: Vec<String> = row.iter().map(|number| format!("{number:.9}")).collect();
@@ -54,6 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let rows: Vec<String> = rows.collect();
     print(&[
         Row::length("residual, root mean square", found.residual_rms, arguments.unit),
+        Row::length("noise of the spheres by themselves", found.sphere_noise, arguments.unit),
         Row::plain("points used", found.used),
         Row::plain("outliers", found.rejected),
         Row::plain("pose", format!("[{}]", rows.join(", "))),

@@ -107,6 +107,7 @@ fn a_table_and_a_sphere_give_the_pose() {
             println!("off by {length:.4} mm, {angle:.4}°, residual {:.4} mm", found.residual_rms);
             assert!(length < 0.5 * SIGMA && angle < 0.01, "{length} {angle}");
             assert!((found.residual_rms / SIGMA - 1.0).abs() < 0.1, "{}", found.residual_rms);
+            assert!((found.sphere_noise / SIGMA - 1.0).abs() < 0.2, "{}", found.sphere_noise);
             let axis = found.world_from_sensor * Vector3::y();
             assert!((axis - Vector3::y()).norm() < 1e-12, "the linear axis stays");
             let gross = scans.table.len() / 25;
@@ -162,6 +163,35 @@ fn scans_that_leave_a_motion_free_are_refused() {
     let scans = Scans::new(&pose(), 25, &stacked, 1, 0);
     let error = scans.align(Turning::Free).unwrap_err().to_string();
     assert!(error.contains("undetermined"), "{error}");
+}
+
+#[test]
+fn wrong_places_and_radii_are_named() {
+    let sound = Scans::new(&pose(), 25, &TWO, 3, 30);
+    let moved = |by: Vector3| {
+        let mut scans = Scans::new(&pose(), 25, &TWO, 3, 30);
+        scans.spheres[1].0 += by;
+        scans.align(Turning::Free).unwrap_err().to_string()
+    };
+    assert!(sound.align(Turning::Free).is_ok());
+    let apart = moved(Vector3::new(1.0, 0.0, 0.0));
+    assert!(apart.contains("spheres 1 and 2 are 39.") && apart.contains("stated ones 39."));
+    // The same distance between the spheres, and another one from the table.
+    let mut lifted = Scans::new(&pose(), 25, &TWO, 3, 30);
+    for (turning, lift) in [(Turning::Free, 1.0), (LINEAR, 1.0), (LINEAR, 9.0)] {
+        lifted.spheres.iter_mut().zip(TWO).for_each(|((center, _), true_)| {
+            center.z = true_.z + lift;
+        });
+        match lifted.align(turning) {
+            Ok(found) => assert!(found.residual_rms > 10.0 * found.sphere_noise, "{found:?}"),
+            Err(error) => assert!(error.to_string().contains("half of the points of"), "{error}"),
+        }
+    }
+    let mut swapped = Scans::new(&pose(), 25, &TWO, 3, 30);
+    let first = swapped.spheres[0].0;
+    swapped.spheres[0].0 = std::mem::replace(&mut swapped.spheres[1].0, first);
+    let error = swapped.align(Turning::Free).unwrap_err().to_string();
+    assert!(error.contains("which file belongs to which"), "{error}");
 }
 
 #[test]

@@ -10,11 +10,12 @@
 //! ([`Turning::Free`]).
 //!
 //! 1. Each sphere's centre in the sensor frame: the best of many four-point spheres, then robust
-//!    least squares with the radius known.
+//!    least squares with the radius known. Distances between the centres must be those stated.
 //! 2. The turn about the known direction (the axis, or the line of two centres) which lays the
 //!    table best, by trial in 2.5° and then 0.1° steps. The spheres' centres give the shift.
 //! 3. All points together: Gauss–Newton on the signed distances from table and spheres, with
 //!    Tukey's biweight at the residuals' own median spread.
+//! 4. Most points of each surface must lie on it.
 //!
 //! Under-determined poses show in the smallest eigenvalue of step 3's normal matrix, rotations
 //! weighed by the points' own extent. Only places come out: what the table or the sphere's holder
@@ -26,9 +27,13 @@ mod sphere;
 use super::filter::median;
 use crate::SensorError;
 use nalgebra::{Translation3, Unit, UnitQuaternion};
-use solve::Surface;
+use solve::{BIWEIGHT_CUT, Surface, spread};
 use std::f64::consts::TAU;
 use transect_device::{Isometry3, Point3, Vector3};
+
+/// Relative rounding error of centres. Chosen by hand, far above rounding and below any scan.
+/// Doubled, nothing changes.
+const ROUNDING: f64 = 1e-9;
 
 /// A scan of the machine table.
 #[derive(Debug, Clone, Copy)]
@@ -75,6 +80,9 @@ pub struct Alignment {
     /// Root mean square distance of the points used from their surface, a length. The pose's
     /// degrees of freedom are taken off. If all is well, it is about the noise across the surfaces.
     pub residual_rms: f64,
+    /// The noise of the points on the spheres, each taken by itself: the largest. A residual far
+    /// above it shows that the stated places contradict each other, or that the scanner errs.
+    pub sphere_noise: f64,
     /// How many points were used.
     pub used: usize,
     /// How many were outliers.
@@ -86,7 +94,8 @@ pub struct Alignment {
 /// # Errors
 /// [`SensorError::BadParameter`] naming `table`, `spheres`, `radius`, `normal` or `axis` for too
 /// few points, no sphere, or values that are not finite or zero; [`SensorError::Undetermined`] if
-/// the points leave a motion free.
+/// the points leave a motion free; [`SensorError::Contradicted`] if they do not lie on the table or
+/// a sphere as stated.
 pub fn align(
     table: &PlaneScan<'_>,
     spheres: &[SphereScan<'_>],
@@ -94,13 +103,51 @@ pub fn align(
 ) -> Result<Alignment, SensorError> {
     let surfaces = surfaces(table, spheres)?;
     let centers: Vec<Point3> = spheres.iter().map(sphere::center).collect::<Result<_, _>>()?;
+    let noises = noises(spheres, &centers);
+    check_distances(spheres, &centers, &noises)?;
     let (in_sensor, in_world) = known_direction(turning, spheres, &centers)?;
     let start = start(table, &surfaces, spheres, &centers, &(in_sensor, in_world));
     let axis = match turning {
         Turning::AboutAxis { .. } => Some(in_world),
         Turning::Free => None,
     };
-    solve::refine(&surfaces, start, axis)
+    let sphere_noise = noises.into_iter().fold(0.0, f64::max);
+    Ok(Alignment { sphere_noise, ..solve::refine(&surfaces, start, axis)? })
+}
+
+/// Standard deviations of the points on each sphere about its own centre.
+fn noises(spheres: &[SphereScan<'_>], centers: &[Point3]) -> Vec<f64> {
+    let noise = |(sphere, center): (&SphereScan<'_>, &Point3)| {
+        let residuals = sphere.points_in_sensor.iter().map(|p| (p - center).norm() - sphere.radius);
+        spread(&residuals.collect::<Vec<_>>()).max(ROUNDING * sphere.radius)
+    };
+    spheres.iter().zip(centers).map(noise).collect()
+}
+
+/// Checks the distances between the spheres' centres, which do not depend on the pose. They are
+/// known better than single points are.
+fn check_distances(
+    spheres: &[SphereScan<'_>],
+    centers: &[Point3],
+    noises: &[f64],
+) -> Result<(), SensorError> {
+    for i in 0..spheres.len() {
+        for j in 0..i {
+            let stated = (spheres[i].center_in_world - spheres[j].center_in_world).norm();
+            let scanned = (centers[i] - centers[j]).norm();
+            let noise = BIWEIGHT_CUT * (noises[i] + noises[j]);
+            if (stated - scanned).abs() > noise + ROUNDING * scanned {
+                let problem = format!(
+                    "the scanned centres of spheres {} and {} are {scanned:.6} apart, the stated \
+                     ones {stated:.6}",
+                    j + 1,
+                    i + 1
+                );
+                return Err(SensorError::Contradicted { problem });
+            }
+        }
+    }
+    Ok(())
 }
 
 fn surfaces<'a>(

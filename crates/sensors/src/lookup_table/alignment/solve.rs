@@ -10,7 +10,7 @@ const ROUNDS: usize = 50;
 
 /// Residuals beyond this many spreads get weight 0. Theory: 95 % efficiency for Gaussian noise
 /// (Tukey's biweight). Doubled, outliers of up to nine spreads keep some weight.
-const BIWEIGHT_CUT: f64 = 4.685;
+pub(super) const BIWEIGHT_CUT: f64 = 4.685;
 
 /// Weakest motion against the strongest, as eigenvalues: a thousandth of the certainty.
 const WEAKEST: f64 = 1e-6;
@@ -101,16 +101,49 @@ pub(super) fn refine(
         let (normal, right) = normal_equations(surfaces, &pose, &cloud);
         let normal = free.transpose() * normal * &free;
         let right = free.transpose() * right;
-        check_determined(&normal)?;
-        let solved = normal.cholesky().map(|c| c.solve(&right));
-        let wanted = "scans that fit the table and the spheres";
-        let step = solved.ok_or(SensorError::Undetermined { wanted })?;
+        let solved = check_determined(&normal).and_then(|()| {
+            let wanted = "scans that fit the table and the spheres";
+            let solved = normal.cholesky().map(|c| c.solve(&right));
+            solved.ok_or(SensorError::Undetermined { wanted })
+        });
+        // Outliers determine nothing: what is wrong with them comes first.
+        let step = solved.or_else(|undetermined| {
+            check_fit(surfaces, &pose, &cloud)?;
+            Err(undetermined)
+        })?;
         pose = moved(&pose, &(&free * &step), &cloud);
         if step.norm() < 1e-13 * cloud.arm {
             break;
         }
     }
-    Ok(report(surfaces, pose, free.ncols(), &cloud))
+    let alignment = report(surfaces, pose, free.ncols(), &cloud);
+    check_fit(surfaces, &pose, &cloud)?;
+    Ok(alignment)
+}
+
+/// Checks that most points of every surface lie on it. A wrong place or radius makes outliers of a
+/// whole surface, and the others alone leave a small residual.
+fn check_fit(surfaces: &[Surface<'_>], pose: &Isometry3, cloud: &Cloud) -> Result<(), SensorError> {
+    let within = BIWEIGHT_CUT * cloud.scale(&residuals(surfaces, pose));
+    for (number, surface) in surfaces.iter().enumerate() {
+        let distances =
+            surface.points_in_sensor.iter().map(|p| surface.distance(&(pose * p)).abs());
+        let distance = median(distances.collect());
+        if distance > within {
+            let surface = match &surface.shape {
+                Shape::Plane { .. } => "the table".to_owned(),
+                Shape::Sphere { center: c, radius } => {
+                    format!("sphere {number} (centre {}, {}, {}, radius {radius})", c.x, c.y, c.z)
+                }
+            };
+            let problem = format!(
+                "half of the points of {surface} lie {distance:.6} and more off it, where {within:.6} \
+                 counts as noise"
+            );
+            return Err(SensorError::Contradicted { problem });
+        }
+    }
+    Ok(())
 }
 
 /// Columns: the motions left free, as rotation (times the arm) over shift.
@@ -180,6 +213,7 @@ fn report(surfaces: &[Surface<'_>], pose: Isometry3, freedoms: usize, cloud: &Cl
     let degrees = squares.len().saturating_sub(freedoms).max(1);
     Alignment {
         world_from_sensor: pose,
+        sphere_noise: 0.0,
         residual_rms: (squares.iter().sum::<f64>() / degrees as f64).sqrt(),
         used: squares.len(),
         rejected: all.len() - squares.len(),
