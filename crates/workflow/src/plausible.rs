@@ -252,7 +252,11 @@ impl Plausibility {
         }
         // Views share a surface only if both sensors reach it. One view is enough to pass, so the
         // others are rarely loaded. A view that cannot be loaded is reported later.
+        // Views without neighbouring pixels have no known reach.
         let mut farthest = known;
+        if farthest == 0.0 {
+            return Ok(());
+        }
         let mut others = scan.views.iter();
         while nearest > 2.0 * farthest {
             let Some(view) = others.next() else { break };

@@ -2,7 +2,7 @@
 
 use crate::outputs::{Staging, check_output, claim_output};
 use crate::table::Row;
-use crate::{Costs, ReportFile, WorkflowError};
+use crate::{Costs, ReportFile, WorkflowError, is_model};
 use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::Value;
@@ -96,8 +96,21 @@ impl ResultFolder {
             }
         }
         let files = [MODEL, REPORT].into_iter().chain(SPLINES).chain(OTHERS);
-        files.into_iter().try_for_each(|name| claim_output(&self.0.join(name), inputs))?;
-        self.old_sheets().iter().try_for_each(|sheet| check_output(sheet, inputs))
+        files.clone().try_for_each(|name| claim_output(&self.0.join(name), inputs))?;
+        self.old_sheets().iter().try_for_each(|sheet| check_output(sheet, inputs))?;
+        self.check_origin(files.map(|name| self.0.join(name)).chain(self.old_sheets()))
+    }
+
+    /// Refuses to replace files of other programs: those of this one have their model beside them.
+    fn check_origin(&self, mut named: impl Iterator<Item = PathBuf>) -> Result<(), WorkflowError> {
+        if is_model(&self.0.join(MODEL)) {
+            return Ok(());
+        }
+        named.find(|file| file.exists()).map_or(Ok(()), |file| {
+            let problem = "the file exists, and no model.transect beside it tells that this program \
+                           wrote it; choose another folder, or move the file away";
+            Err(WorkflowError::file(&file, problem))
+        })
     }
 
     /// Writes the model, its contours, the drawing, the overview and one sheet per plane. All files

@@ -135,6 +135,13 @@ impl ScoreLimits {
             return Err(WorkflowError::setting("tolerance", problem));
         }
         let from = self.from.as_ref().map(|t| parse_length(unit, "from", t)).transpose()?;
+        let last =
+            model.sections().map(|(k, _)| model.planes().station(k)).fold(f64::MIN, f64::max);
+        if let Some(from) = from.filter(|from| *from > last) {
+            let problem =
+                format!("no plane is at {from} {unit} or beyond; the last one is at {last}");
+            return Err(WorkflowError::setting("from", problem));
+        }
         let options = EvaluateOptions::new(tolerance);
         Ok(from.map_or(options, |station| options.from_station(station)))
     }

@@ -3,13 +3,12 @@
 use crate::failure::Failure;
 use crate::table::print;
 use std::path::{Path, PathBuf};
-use transect_model::Model;
-use transect_workflow::{Reference, ResultFolder, ScoreLimits, find_model, score};
+use transect_workflow::{ModelFile, Reference, ResultFolder, ScoreLimits, find_model, score};
 
 /// Options of `evaluate`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Folder that `reconstruct` wrote, or the model file in it.
+    /// Folder that `reconstruct` wrote, the model file in it, or a model store.
     model: PathBuf,
     /// Mesh to compare with (.ply, .stl or .obj) [default: the truth of a simulated scan; without
     /// one, only duplication is measured].
@@ -39,7 +38,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let limits =
         ScoreLimits { from: arguments.from.clone(), tolerance: arguments.tolerance.clone() };
-    let score = score(&Model::load(file)?, &reference, &limits)?;
+    let model = ModelFile::open(&file)?.into_model()?;
+    let score = score(&model, &reference, &limits)?;
     print(&[score.agreement, score.counts].concat());
     Ok(())
 }

@@ -15,10 +15,10 @@ pub struct Arguments {
     file: PathBuf,
     /// File for the whole content of a store as JSON lines: planes, views and the views' own
     /// curves.
-    #[arg(long, value_name = "FILE", required_unless_present = "out")]
+    #[arg(long, value_name = "FILE")]
     lines: Option<PathBuf>,
     /// Folder for model.transect, contours.json, model.dxf and the pictures.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", required_unless_present = "lines")]
     out: Option<PathBuf>,
     #[command(flatten)]
     dxf: DxfArguments,

@@ -305,6 +305,11 @@ fn evaluation_finds_the_truth_that_simulation_left() {
     assert_eq!(upper.number("planes with truth"), 5.0);
     let strict = folder.run("evaluate out --tolerance 1mm").succeeded();
     assert!(strict.number("length off the truth") > 5.0);
+    folder.run("evaluate out --from 100").failed_with(2, &["--from: no plane is at 100 m", "last"]);
+    // A store is scored as the plain model is, against a mesh.
+    folder.run("reconstruct scan --quiet --store s.transect --out grown").succeeded();
+    let counts = |model: &str| folder.run(&format!("evaluate {model}")).succeeded().stdout;
+    assert!(counts("s.transect").contains("\ncurves "), "{}", counts("s.transect"));
     // The truth counts what all views could see.
     for (out, options, scored) in [("some", "--views 0", false), ("all", "", true)] {
         folder.run(&format!("reconstruct scan --quiet --out {out} {options}")).succeeded();

@@ -108,6 +108,23 @@ fn simulations_and_manifests_replace_their_own_files_only() {
 }
 
 #[test]
+fn files_of_other_programs_are_not_replaced() {
+    let folder = Folder::simulated("objects.scene.toml");
+    let run = || folder.run("reconstruct scan --out project --quiet --no-score");
+    fs::create_dir_all(folder.path("project/planes")).unwrap();
+    folder.write("project/notes.txt", "mine");
+    for name in ["model.dxf", "splines.dxf", "report.json", "planes/plane_+0012.svg"] {
+        folder.write(&format!("project/{name}"), "mine");
+        run().failed_with(1, &[name, "the file exists", "choose another folder"]);
+        assert_eq!(folder.text(&format!("project/{name}")), "mine");
+        fs::remove_file(folder.path(&format!("project/{name}"))).unwrap();
+    }
+    run().succeeded();
+    run().succeeded();
+    assert_eq!(folder.text("project/notes.txt"), "mine");
+}
+
+#[test]
 fn a_run_that_fails_midway_leaves_the_old_results() {
     let folder = Folder::simulated("objects.scene.toml");
     folder.reconstruct("scan --interval 16cm --splines 1mm").succeeded();

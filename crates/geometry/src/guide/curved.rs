@@ -26,7 +26,7 @@
 use super::GuideError;
 use super::path::Path;
 use super::reach::reach;
-use super::rounded::Rounded;
+use super::rounded::{Rounded, turns_back};
 use super::spline::Spline;
 use super::transport::carry;
 use crate::{PlaneFrame, Point3, Vector3};
@@ -115,7 +115,7 @@ impl CurvedGuide {
     ///
     /// # Errors
     /// [`GuideError`] if there are too few or too many points, a point is not finite or repeats the
-    /// one before it, or a polyline turns back on itself.
+    /// one before it, or the guide turns back on itself.
     pub fn new(kind: GuideKind, points: Vec<Point3>) -> Result<Self, GuideError> {
         check(&points)?;
         let path = match kind {
@@ -123,7 +123,10 @@ impl CurvedGuide {
                 return Err(GuideError::BadRadius(radius));
             }
             GuideKind::Polyline(radius) => Path::Rounded(Rounded::new(&points, radius)?),
-            GuideKind::Spline => Path::Spline(Spline::new(&points)),
+            GuideKind::Spline => match turns_back(&points) {
+                Some(point) => return Err(GuideError::TurnsBack(point)),
+                None => Path::Spline(Spline::new(&points)),
+            },
         };
         let tightest = reach(&path, BEYOND * path.length());
         let (axes, samples) = (carried_axes(&path), samples(&path));

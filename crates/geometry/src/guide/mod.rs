@@ -38,7 +38,7 @@ pub enum GuideError {
     /// A point of a guide is at the place of the one before it, to within rounding.
     #[error("point {0} of the guide repeats the one before it")]
     Repeated(usize),
-    /// A polyline turns back on itself, so that no arc rounds its corner.
+    /// The guide turns back on itself, so that its points have two stations.
     #[error("the guide turns back on itself at point {0}")]
     TurnsBack(usize),
     /// The radius for a polyline's corners is not positive.

@@ -122,6 +122,22 @@ impl Rounded {
     }
 }
 
+/// The angle between two unit vectors, exact near 0 and a half-turn.
+fn angle(a: &Vector3, b: &Vector3) -> f64 {
+    2.0 * (b - a).norm().atan2((a + b).norm())
+}
+
+fn is_half_turn(turn: f64) -> bool {
+    turn > std::f64::consts::PI - HALF_TURN
+}
+
+/// The first point at which the guide goes back over itself. Neighbouring points must differ.
+pub(super) fn turns_back(points: &[Point3]) -> Option<usize> {
+    let sides: Vec<Vector3> = points.windows(2).map(|p| (p[1] - p[0]).normalize()).collect();
+    let at = sides.windows(2).position(|both| is_half_turn(angle(&both[0], &both[1])))?;
+    Some(at + 1)
+}
+
 /// Two sides that no arc can join.
 struct TurnsBack;
 
@@ -134,11 +150,11 @@ fn corner(
     radius: Option<f64>,
 ) -> Result<Option<Corner>, TurnsBack> {
     let (a, b) = (before.normalize(), after.normalize());
-    let turn = 2.0 * (b - a).norm().atan2((a + b).norm());
+    let turn = angle(&a, &b);
     if turn < STRAIGHT {
         return Ok(None);
     }
-    if turn > std::f64::consts::PI - HALF_TURN {
+    if is_half_turn(turn) {
         return Err(TurnsBack);
     }
     let half_tan = (0.5 * turn).tan();

@@ -134,6 +134,8 @@ fn bad_points_are_named() {
     assert_eq!(error(vec![p(1.0), p(f64::NAN), p(2.0)]), GuideError::NotFinite(1));
     assert_eq!(error(vec![p(1.0), p(2.0), p(2.0)]), GuideError::Repeated(2));
     assert_eq!(error(vec![p(1.0), p(2.0), p(0.5)]), GuideError::TurnsBack(1));
+    let back = CurvedGuide::spline(vec![p(0.0), p(1.0), p(2.0), p(0.5)]).unwrap_err();
+    assert_eq!(back, GuideError::TurnsBack(2));
     assert_eq!(
         CurvedGuide::polyline(vec![p(1.0), p(2.0)], Some(0.0)).unwrap_err(),
         GuideError::BadRadius(0.0)
