@@ -99,8 +99,8 @@ impl Faces {
 impl Section {
     /// Measures the curves of the plane.
     ///
-    /// Exact for the polylines, up to rounding. A surface bends away from a chord by about `h² /
-    /// 8R` for nodes `h` apart on a radius `R`, and the area lacks that times the perimeter.
+    /// Exact for the polylines, up to rounding. The brackets hold what chords leave out where a
+    /// curve bends.
     pub fn measures(&self) -> SectionMeasures {
         let loops = self.loops();
         let (mut solid, mut clear) = (Faces::NONE, Faces::NONE);
