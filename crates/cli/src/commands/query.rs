@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use transect_geometry::Point3;
 use transect_model::store::SpaceQuery;
 use transect_model::{Location, SpaceAnswer};
-use transect_workflow::ModelFile;
+use transect_workflow::{ModelFile, parse_length};
 
 /// Options of `query`.
 #[derive(Debug, clap::Args)]
@@ -18,6 +18,10 @@ pub struct Arguments {
     /// Points in the world, in the model's unit.
     #[arg(required = true, value_name = "X,Y,Z", allow_hyphen_values = true)]
     points: Vec<String>,
+    /// Largest distance of the nearest curve that decides; farther points are unknown. The ground
+    /// between a point and a far curve may hide a surface that no view saw [default: any distance].
+    #[arg(long, value_name = "LENGTH")]
+    within: Option<String>,
 }
 
 /// Runs the command.
@@ -26,7 +30,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let points = points?;
     let file = open_model(&arguments.file)?;
     let unit = file.unit();
-    let answers = answers(file, &points)?;
+    let within = arguments.within.as_deref();
+    let within = within.map(|text| parse_length(unit, "within", text)).transpose()?;
+    let mut answers = answers(file, &points)?;
+    answers.iter_mut().for_each(|answer| limit(answer, within.unwrap_or(f64::INFINITY)));
     let distances = answers.iter().filter_map(|a| a.distance_to_nearest_curve);
     let lengths = Lengths::new(unit, distances.fold(0.0, f64::max));
     let heads = ["point", "location", &format!("nearest curve, {}", lengths.unit), "by plane"];
@@ -42,6 +49,13 @@ fn answers(file: ModelFile, points: &[Point3]) -> Result<Vec<SpaceAnswer>, Failu
             let mut query = SpaceQuery::new(*store.snapshot, SpaceQuery::DEFAULT_CAPACITY);
             points.iter().map(|p| Ok(query.locate(p)?)).collect()
         }
+    }
+}
+
+/// Makes an answer unknown if its curve is farther away than wanted.
+fn limit(answer: &mut SpaceAnswer, within: f64) {
+    if answer.distance_to_nearest_curve.is_some_and(|distance| distance > within) {
+        answer.location = Location::Unknown;
     }
 }
 

@@ -180,6 +180,13 @@ fn what_is_refused_says_why_and_changes_nothing() {
     folder
         .edit_json("scan/scan.json", "scan/moved.json", |m| m["views"][1]["pose"][3] = 9.0.into());
     grow(&folder, "scan/moved.json").failed_with(1, &["range_001.npy", "another pose"]);
+    let far = |options: &str| {
+        let run = folder.run(&format!("query s.transect {options} 2,2,0.4")).succeeded();
+        run.stdout.lines().last().unwrap().split('|').nth(2).unwrap().trim().to_owned()
+    };
+    let answers = ["", "--within 10m", "--within 1mm"].map(far);
+    assert!(answers[0] != "unknown" && answers[0] == answers[1], "{answers:?}");
+    assert_eq!(answers[2], "unknown");
     folder.run("query s.transect 1,2").failed_with(2, &["1,2", "three numbers"]);
     assert!(exported(&folder) == before);
 }
