@@ -1,6 +1,6 @@
 //! The numbers that this crate does not derive from the data.
 
-/// Most cells of a view. No unit. Chosen by hand: patches of a scan of half a million pixels then
+/// Cells of a view, about. No unit. Chosen by hand: patches of a scan of half a million pixels then
 /// have 8 by 8 pixels. Doubled, a coarse copy takes twice the memory, and curved surfaces are
 /// followed more closely.
 pub const CELLS: usize = 8192;
@@ -23,8 +23,8 @@ pub const LEAST_FILLED: f64 = 0.5;
 /// such scanners have no free space; at half of it, thin objects hide in missing pixels.
 pub const LEAST_WHOLE: f64 = 0.9;
 
-/// Largest angle of incidence of a patch, in degrees. Chosen by hand: the limit of range jumps, see
-/// `partial`. At 89 degrees, steps between two surfaces pass for patches.
+/// Largest angle of incidence of a patch, in degrees. Chosen by hand: a little below
+/// the 78 degrees of range jumps in `partial`. At 89 degrees, steps between two surfaces pass for patches.
 pub const MAX_INCIDENCE_DEGREES: f64 = 75.0;
 
 /// Departure of the samples of a patch from it, over their noise, from which it is no patch.
@@ -142,7 +142,7 @@ pub const LEAST_SHARE: f64 = 1e-3;
 /// 400. Doubled, normals are rounded across creases.
 pub const SAME_SURFACE: f64 = 3.0;
 
-/// Most rounds before the size of the errors is estimated. No unit. Measured: poses 20 mm off are
+/// Rounds before the size of the errors is estimated. No unit. Measured: poses 20 mm off are
 /// within noise after two to four. Doubled, a refinement takes a third longer.
 pub const SETTLING: usize = 8;
 

@@ -104,11 +104,6 @@ pub enum WorkflowError {
 }
 
 impl WorkflowError {
-    /// Whether the settings are to blame, rather than files or the system.
-    pub fn is_setting(&self) -> bool {
-        matches!(self, Self::Setting { .. } | Self::NoInterval | Self::Planes(_))
-    }
-
     /// A setting with an unusable value.
     pub(crate) fn setting(setting: &'static str, problem: impl std::fmt::Display) -> Self {
         Self::Setting { setting, problem: problem.to_string() }

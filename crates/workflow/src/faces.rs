@@ -22,7 +22,7 @@ const THICKNESS: f64 = 0.1;
 const DEVIATIONS: f64 = 3.0;
 
 /// Least distance of planes, over half the thickness of a face. Chosen by hand: denser planes meet
-/// every face that is parallel to them, wherever they begin. Doubled, planes 5 mm apart in a scan
+/// every face that is parallel to them, wherever they begin. Doubled, planes 5 cm apart in a scan
 /// with 1 mm of noise are not looked at.
 const LEAST_INTERVAL: f64 = 10.0;
 

@@ -90,7 +90,7 @@ pub use error::{WorkflowError, with_causes};
 pub use length::parse_length;
 pub use method_settings::MethodSettings;
 pub use model_file::{ModelFile, OpenStore, is_model};
-pub use outputs::{claim_lines, claim_manifest, claim_output};
+pub use outputs::{claim_lines, claim_manifest};
 pub use plausible::{Check, Plausibility};
 pub use register::Registration;
 use report_file::ReportFile;

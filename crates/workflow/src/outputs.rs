@@ -27,7 +27,7 @@ const ELSEWHERE: &str = "choose another place for the output";
 ///
 /// # Errors
 /// [`WorkflowError::File`] if the output is a folder, one of the inputs, or a model store.
-pub fn claim_output(output: &Path, inputs: &[PathBuf]) -> Result<(), WorkflowError> {
+pub(crate) fn claim_output(output: &Path, inputs: &[PathBuf]) -> Result<(), WorkflowError> {
     check_output(output, inputs)?;
     remove_leftovers(output);
     Ok(())

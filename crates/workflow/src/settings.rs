@@ -5,6 +5,7 @@
 
 use crate::length::parse_length;
 use crate::{Check, MethodSettings, Plausibility, WorkflowError};
+use std::mem::discriminant;
 use std::path::PathBuf;
 use transect::register::{PosePrior, RefineOptions};
 use transect::{Refinement, Setup};
@@ -98,8 +99,11 @@ impl Settings {
     }
 
     fn complete(&self, mut setup: Setup) -> Result<Setup, WorkflowError> {
-        setup.partial = self.partial.unwrap_or(setup.partial);
-        setup.fusion = self.fusion.unwrap_or(setup.fusion);
+        // The name of a method that the store has keeps the store's options.
+        let is_other = |partial: &Method| discriminant(partial) != discriminant(&setup.partial);
+        setup.partial = self.partial.filter(is_other).unwrap_or(setup.partial);
+        let is_other = |fusion: &FusionMethod| discriminant(fusion) != discriminant(&setup.fusion);
+        setup.fusion = self.fusion.filter(is_other).unwrap_or(setup.fusion);
         self.methods.apply(&mut setup)?;
         let refine = self.refine.as_ref();
         setup.refinement = refine.map(|text| parse_refinement(&setup, text)).transpose()?;

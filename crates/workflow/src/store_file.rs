@@ -76,7 +76,7 @@ impl StoreFile {
     ///
     /// # Errors
     /// [`WorkflowError::File`] with the names most like it if no view has the name.
-    pub fn view_named(&self, name: &str) -> Result<ViewId, WorkflowError> {
+    fn view_named(&self, name: &str) -> Result<ViewId, WorkflowError> {
         let mut names: Vec<String> =
             self.store.views()?.into_iter().map(|view| view.entry.id.0).collect();
         if names.iter().any(|there| there == name) {

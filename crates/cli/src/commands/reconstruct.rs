@@ -146,6 +146,7 @@ impl Arguments {
 fn bundled_scan(arguments: &Arguments) -> Result<PathBuf, Failure> {
     let description = simulation::describe(Path::new(BUNDLED_SCENE))?;
     let out = arguments.out.clone().unwrap_or_else(|| default_folder(&description.name));
+    ResultFolder::new(out.clone()).claim(&[])?;
     let folder = out.join("scan");
     simulate::simulate(description, &folder)?;
     Ok(folder)

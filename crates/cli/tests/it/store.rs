@@ -193,6 +193,16 @@ fn what_is_refused_says_why_and_changes_nothing() {
 
 /// Every method and kind of planes: a store is continued, changed and verified without its options.
 #[test]
+fn the_name_of_its_method_keeps_the_options_of_a_store() {
+    let folder = Folder::simulated("objects.scene.toml");
+    let options = "--interval 0.1 --method dissertation --gap 2 --fusion pairwise --threshold 5mm";
+    grow(&folder, &format!("scan {options}")).succeeded();
+    grow(&folder, "scan --method dissertation --fusion pairwise").succeeded();
+    let other = "scan --method dissertation --gap 3";
+    grow(&folder, other).failed_with(1, &["gap", "the store has 2, this run 3"]);
+}
+
+#[test]
 fn stores_of_any_options_can_be_continued_and_changed() {
     let folder = Folder::simulated("objects.scene.toml");
     folder.write("axis.csv", "x,y,z\n-1,-1,-1\n-0.3,-0.2,0\n0,0.1,3\n");

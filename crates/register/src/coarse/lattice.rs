@@ -113,7 +113,10 @@ impl Lattice {
             Starts::One(_) => count,
             Starts::Each(starts) => starts.len(),
         };
-        fits(&self.rows, image.rows)
+        let finite = self.directions.iter().flatten().all(|c| c.is_finite());
+        finite
+            && self.starts.is_finite()
+            && fits(&self.rows, image.rows)
             && fits(&self.cols, image.cols)
             && (self.directions.len(), starts) == (count, count)
     }

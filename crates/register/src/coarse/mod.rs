@@ -125,12 +125,12 @@ impl CoarseView {
     }
 
     /// A copy that is enough to judge poses, and not to refine them. It is far cheaper: a quarter
-    /// of the cells, each with 4 by 4 of its pixels.
+    /// of the cells, each with 4 to 6 of its pixels a side.
     pub fn quick(view: &View) -> Self {
         Self::with_cells(view, QUICK_CELLS, |step| (step - 1) / (LEAST_STEP - 1))
     }
 
-    /// A copy of at most so many cells, which take every `stride`th pixel.
+    /// A copy of about so many cells, which take every `stride`th pixel.
     fn with_cells(view: &View, cells: usize, stride: impl Fn(usize) -> usize) -> Self {
         let image = view.image().size();
         let step_of = |cells: usize| {
@@ -305,15 +305,10 @@ impl CoarseView {
         self.cells.get(cell).copied()
     }
 
-    /// Where a sensor-frame point lies along the view's rays.
+    /// Where a sensor-frame point, whose ray passes the cell, lies along that ray.
     ///
     /// A point is in front only if all nine cells around it are whole and farther away: rays
     /// between surfaces say nothing.
-    pub fn sighting(&self, in_sensor: &Point3) -> Sighting {
-        self.cell_of(in_sensor).map_or(Sighting::Unseen, |cell| self.sighting_in(cell, in_sensor))
-    }
-
-    /// The same for a point whose ray passes the cell.
     pub(crate) fn sighting_in(&self, cell: usize, in_sensor: &Point3) -> Sighting {
         let Some(seen) = self.cells.get(cell).and_then(|c| c.seen) else { return Sighting::Unseen };
         let Some(ray) = self.ray(cell) else { return Sighting::Unseen };

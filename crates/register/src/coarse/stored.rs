@@ -70,7 +70,9 @@ impl StoredCopy {
         let size = ImageSize { rows: cells_of(image.rows)?, cols: cells_of(image.cols)? };
         let finite =
             self.cells.iter().flatten().all(StoredCell::is_finite) && self.starts.is_finite();
+        let shares = (0.0..=1.0).contains(&self.share) && self.sigma.is_finite();
         let fits = finite
+            && shares
             && size.rows.checked_mul(size.cols)? == self.cells.len()
             && self.lattice.as_ref().is_none_or(|lattice| lattice.is_of(image));
         if !fits {

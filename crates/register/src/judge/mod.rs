@@ -25,6 +25,7 @@ use evidence::Evidence;
 use motion::{Change, Changed, best};
 use rayon::prelude::*;
 use region::{Regions, regions};
+use std::cmp::Reverse;
 use tuning::{LEAST_SAMPLES, MENDED, REGION_SHARE};
 
 /// The findings about the poses of a scan.
@@ -212,17 +213,12 @@ fn of_blamed(
     right: &[usize],
 ) -> Vec<Finding> {
     let name = |k: &usize| evidence.views[*k].name().to_owned();
+    let agree = |view: usize, other: usize| {
+        let counts = table.pair(view, other);
+        counts.all() >= LEAST_SAMPLES && counts.bad_share() < table.least_share(blamed)
+    };
     let mut groups = vec![right.to_vec()];
-    for &view in blamed {
-        let agrees = |other: &usize| {
-            let counts = table.pair(view, *other);
-            counts.all() >= LEAST_SAMPLES && counts.bad_share() < table.least_share(blamed)
-        };
-        match groups.iter_mut().skip(1).find(|group| group.iter().any(agrees)) {
-            Some(group) => group.push(view),
-            None => groups.push(vec![view]),
-        }
-    }
+    groups.extend(agreeing(blamed, agree));
     let alone = right.len() > 1 && groups.iter().skip(1).all(|group| group.len() == 1);
     if alone {
         let finding = |view: &usize| match table.only_opponent(*view, blamed) {
@@ -239,6 +235,20 @@ fn of_blamed(
     let contradicting = across.fold(blame::Counts::default(), |a, b| a + b).bad_share();
     let groups = groups.iter().map(|group| group.iter().map(name).collect()).collect();
     vec![Finding::Groups { groups, contradicting }]
+}
+
+/// Groups of views that agree with each other, the largest first. A view that agrees with several
+/// groups joins them.
+fn agreeing(views: &[usize], agree: impl Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for &view in views {
+        let (joined, mut apart): (Vec<_>, Vec<_>) =
+            groups.into_iter().partition(|group| group.iter().any(|other| agree(view, *other)));
+        apart.push(joined.into_iter().flatten().chain([view]).collect());
+        groups = apart;
+    }
+    groups.sort_by_key(|group| Reverse(group.len()));
+    groups
 }
 
 /// The finding about one blamed view.
@@ -284,4 +294,17 @@ fn apart(evidence: &Evidence<'_>, table: &Table, blamed: &[usize]) -> Vec<Findin
     }
     let name = |k: &usize| evidence.views[*k].name().to_owned();
     lonely.iter().map(|k| Finding::Apart { view: name(k) }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::agreeing;
+
+    #[test]
+    fn a_view_that_agrees_with_two_groups_joins_them() {
+        let pairs = [(1, 3), (2, 3), (5, 6)];
+        let agree = |a: usize, b: usize| pairs.contains(&(a.min(b), a.max(b)));
+        assert_eq!(agreeing(&[5, 1, 2, 6, 3], agree), [vec![1, 2, 3], vec![5, 6]]);
+        assert_eq!(agreeing(&[1, 2], agree), [[1], [2]]);
+    }
 }

@@ -53,7 +53,7 @@ pub const STANDS_OUT: [f64; 2] = [0.05, 3.0];
 pub const EVIDENCE_OF_A_PAIR: f64 = 240.0;
 
 /// Logarithm of the odds that a view is right before anything is compared. No unit. Chosen by hand:
-/// two contradictions without any agreement outweigh it. Doubled, four are needed.
+/// three contradictions without any agreement outweigh it. Doubled, five are needed.
 pub const BLAME_COST: f64 = 8.0;
 
 /// Rounds of the estimate of a motion. No unit. Measured on turns of 3 degrees: five suffice.

@@ -1,7 +1,8 @@
 //! Figures in their order, and the page that shows them.
 
+use crate::WorkflowError;
 use crate::outputs::Staging;
-use crate::{WorkflowError, claim_output};
+use crate::outputs::claim_output;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use transect_exchange::svg::Figure;
