@@ -92,11 +92,6 @@ pub const ROUNDS: usize = 16;
 /// stop halfway.
 pub const SETTLED: f64 = 0.05;
 
-/// Angle by which the normals of patches err, in radians. Chosen by hand: noise of 1 mm over
-/// patches 50 mm wide. A direction of motion that normals show by less than this is not determined.
-/// Doubled, the turn of a round part with a few holes counts as unknown.
-pub const NORMAL_ERROR: f64 = 0.02;
-
 /// Share of the last change that each round goes on by. No unit. Theory: where rounds leave 95 % of
 /// an error, this share shrinks it fastest (Polyak, 1964). Doubled, rounds run away.
 pub const MOMENTUM: f64 = 0.6;

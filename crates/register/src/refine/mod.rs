@@ -376,25 +376,21 @@ impl<'a> Rounds<'a> {
     fn whole_system(&self) -> Option<System> {
         let all: Vec<Portion<'_>> = self.pairs.iter().map(Portion::from).collect();
         let parts = all.par_chunks(all.len().div_ceil(SUMS).max(1));
-        System::sum(&parts.map(|portions| self.system(portions, None)).collect::<Vec<_>>())
+        System::sum(&parts.map(|portions| self.system(portions)).collect::<Vec<_>>())
     }
 
     /// The systems of the parts of the pairs that judge each other.
     fn systems(&self) -> Vec<System> {
         let parts = left_out::parts(&self.pairs, &self.scene.views);
-        parts.par_iter().map(|portions| self.system(portions, None)).collect()
+        parts.par_iter().map(|portions| self.system(portions)).collect()
     }
 
-    /// The system of some pairs; see [`Ground::doubted`].
-    fn system(&self, portions: &[Portion<'_>], doubted: Option<f64>) -> System {
+    /// The system of some pairs.
+    fn system(&self, portions: &[Portion<'_>]) -> System {
         let sensors: Vec<Point3> =
             self.poses.iter().map(|p| Point3::from(p.translation.vector)).collect();
-        let ground = Ground {
-            sensors: &sensors,
-            origin: self.scene.origin,
-            cameras: &self.cameras,
-            doubted,
-        };
+        let ground =
+            Ground { sensors: &sensors, origin: self.scene.origin, cameras: &self.cameras };
         System::of(portions, &ground)
     }
 

@@ -57,6 +57,10 @@ pub struct Observation {
     pub variance: f64,
     /// Its weight beside the other observations of the same surface: see [`Scene::share`].
     pub share: f64,
+    /// Squared difference of the normals of both patches.
+    pub turned: f32,
+    /// The sample, from the origin of the rotations.
+    pub arm: [f32; 3],
 }
 
 /// Change of a distance with the errors of cameras, at the cell of `a` and at that of `b`.
@@ -93,6 +97,8 @@ pub struct Pair {
     pub observations: Vec<Observation>,
     /// Variance that the noise does not explain.
     pub excess: f64,
+    /// Variance of the direction of a patch's normal about each axis across it, in rad².
+    pub turned: f64,
 }
 
 /// The observations of a pair, or half of them.
@@ -188,8 +194,8 @@ impl Scene<'_> {
         let observe = |&(a, b): &(usize, usize)| {
             let samples = samples.get(a).map_or(&[][..], Vec::as_slice);
             let observations = self.observe(samples, (a, b), state, reach);
-            let excess = excess(&observations, spread);
-            Pair { a, b, observations, excess }
+            let (excess, turned) = (excess(&observations, spread), turned(&observations));
+            Pair { a, b, observations, excess, turned }
         };
         let pairs: Vec<Pair> = pairs.par_iter().map(observe).collect();
         let met = pairs.into_iter().filter(|p| p.observations.len() >= LEAST_MEETINGS);
@@ -283,12 +289,15 @@ impl Scene<'_> {
             }
             let slopes = has_cameras.then(|| CameraSlopes::new(placed, &meeting.normal, &b_from_a));
             let slopes = slopes.unwrap_or_default();
+            let turned = (normal - meeting.normal).norm_squared() as f32;
             let normal = world_from_b.rotation * meeting.normal;
             let arm = world_from_b * in_b - self.origin;
             let turn = arm.cross(&normal);
             let gradient = Vector6::new(normal.x, normal.y, normal.z, turn.x, turn.y, turn.z);
             let (cells, distance) = ([sample.cell, meeting.cell], meeting.distance);
-            Some(Observation { cells, gradient, distance, slopes, variance, share: 1.0 })
+            let share = 1.0;
+            let arm = arm.map(|c| c as f32).into();
+            Some(Observation { cells, gradient, distance, slopes, variance, share, turned, arm })
         };
         placed.iter().zip(cells).filter_map(observe).collect()
     }
@@ -348,6 +357,20 @@ fn excess(observations: &[Observation], spread: Spread) -> f64 {
         if quantile(middle) > normal { low = middle } else { high = middle }
     }
     high
+}
+
+/// The variance of normals about each of two axes, from the median square of the differences of
+/// both views' normals. That of two normal variables is 2 ln 2 times the variance of each, which is
+/// twice that of one normal. A median leaves creases and other surfaces out.
+fn turned(observations: &[Observation]) -> f64 {
+    let step = observations.len().div_ceil(PROBES).max(1);
+    let mut squares: Vec<f32> = observations.iter().step_by(step).map(|o| o.turned).collect();
+    let middle = squares.len() / 2;
+    if squares.is_empty() {
+        return 0.0;
+    }
+    let (_, median, _) = squares.select_nth_unstable_by(middle, f32::total_cmp);
+    f64::from(*median) / (4.0 * std::f64::consts::LN_2)
 }
 
 /// Tukey's constant, for 95 % efficiency with normal errors. Theory.

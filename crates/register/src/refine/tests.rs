@@ -245,12 +245,15 @@ fn what_a_surface_hides_is_no_residual() {
         slopes: CameraSlopes::default(),
         variance: 1e-6,
         share: 1.0,
+        turned: 0.0,
+        arm: [0.0; 3],
     };
     let pair = |distances: &[f64]| Pair {
         a: 0,
         b: 1,
         observations: distances.iter().map(|d| observation(*d)).collect(),
         excess: 0.0,
+        turned: 0.0,
     };
     let hidden = [-0.2, -0.2, -0.2, -0.2, 0.001, -0.001, 0.002];
     assert_eq!(medians(&[pair(&hidden)], 2), [Some(0.002); 2]);

@@ -3,21 +3,18 @@
 //! **Problem.** The covariance of the estimate says too much and too little. It holds the motion
 //! that all views share, which is taken out of the poses. It shrinks with the prior, which is an
 //! estimate itself: of good poses the prior falls towards zero. And a view that was far off is
-//! brought back only in the directions that its surfaces determine; along a wall, errors of normals
-//! pass for knowledge.
+//! brought back only in the directions that its surfaces determine.
 //!
 //! **Steps.**
-//! 1. Directions that a pair determines by no more than the errors of its normals do not count.
-//! 2. The prior is increased by its own standard deviation (from Fisher's information, with the
+//! 1. The prior is increased by its own standard deviation (from Fisher's information, with the
 //!    variances that the observations alone give).
-//! 3. The prior of a view is as large as its own motion at least: a view that was far off may be as
+//! 2. The prior of a view is as large as its own motion at least: a view that was far off may be as
 //!    far off in the directions that no surface determines.
-//! 4. The covariance is that of the motions after the rigid fit to the given poses, which is linear
+//! 3. The covariance is that of the motions after the rigid fit to the given poses, which is linear
 //!    in them.
 
 use super::Rounds;
 use super::motion::Motion;
-use super::pairs::Portion;
 use super::solve::{System, about};
 use crate::coarse::PosePrior;
 use crate::tuning::PROBES;
@@ -31,8 +28,7 @@ impl Rounds<'_> {
     /// The covariances. `weights` are those of the views in their rigid fit to the given poses;
     /// `None` where the priors alone hold the whole.
     pub(super) fn covariances(&self, weights: Option<&[f64]>) -> Option<Covariances> {
-        let portions: Vec<Portion<'_>> = self.pairs.iter().map(Portion::from).collect();
-        let system = &self.system(&portions, Some(self.distance));
+        let system = &self.whole_system()?;
         let fit = weights.map(|weights| self.fit(weights));
         let mut prior = self.prior;
         if !self.stated {
