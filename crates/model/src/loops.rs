@@ -12,8 +12,8 @@
 //!    from the chord, and encloses nothing wider than the gap.
 //! 2. A measured unit counts its length times [`SIGMAS`] standard deviations.
 //! 3. Where a curve bends, its units are chords, and its nodes lie on chords between pixels. For
-//!    units of length h that turn by θ, the first leaves out h² θ / 12 of the area, the second moves
-//!    a unit by h θ / 8 at most. Bends to the left and to the right take from each other.
+//!    units of length h that turn by θ, the first leaves out h² θ / 12 of the area, the second
+//!    moves a unit by h θ / 8 at most. Bends to the left and to the right take from each other.
 //! 4. The parent of a loop is the smallest loop around it, by the even-odd rule, which ignores
 //!    directions. Loop and parent run opposite ways round. Otherwise a direction is wrong, curves
 //!    cross, or a surface between them was not seen. The loop's area is then in doubt for its

@@ -23,8 +23,8 @@ pub const LEAST_FILLED: f64 = 0.5;
 /// such scanners have no free space; at half of it, thin objects hide in missing pixels.
 pub const LEAST_WHOLE: f64 = 0.9;
 
-/// Largest angle of incidence of a patch, in degrees. Chosen by hand: a little below
-/// the 78 degrees of range jumps in `partial`. At 89 degrees, steps between two surfaces pass for patches.
+/// Largest angle of incidence of a patch, in degrees. Chosen by hand: a little below the 78 degrees
+/// of range jumps in `partial`. At 89 degrees, steps between two surfaces pass for patches.
 pub const MAX_INCIDENCE_DEGREES: f64 = 75.0;
 
 /// Departure of the samples of a patch from it, over their noise, from which it is no patch.

@@ -20,8 +20,8 @@ pub trait Watch: Sync {
     /// One more step is done.
     fn step(&self, stage: Stage);
     /// Whether the run should stop. Called before each view, and before each plane. With a model
-    /// store it is called before each group of as many views as there are threads, since the store's
-    /// transactions run to their end.
+    /// store it is called before each group of as many views as there are threads, since the
+    /// store's transactions run to their end.
     fn cancelled(&self) -> bool {
         false
     }

@@ -3,24 +3,10 @@
 use crate::WorkflowError;
 use crate::results::find_model;
 use crate::store_file::{finish, read_store};
-use std::io::Read;
 use std::path::Path;
 use transect_geometry::{LengthUnit, PlaneFamily, PlaneIndex};
 use transect_model::store::{Snapshot, Store, StoreError};
-use transect_model::{CodecError, FileError, Model, ModelVolume, Section, open_regular};
-
-/// Whether a path is a model file, a model store, or a result folder.
-///
-/// A folder that is a scan as well counts as a scan.
-pub fn is_model(path: &Path) -> bool {
-    if path.join("scan.json").is_file() {
-        return false;
-    }
-    let Ok(file) = find_model(path) else { return false };
-    let mut magic = [0; 8];
-    let read = open_regular(&file).and_then(|mut file| file.read_exact(&mut magic));
-    read.is_ok() && magic == *b"TRANSECT"
-}
+use transect_model::{CodecError, FileError, Model, ModelVolume, Section};
 
 /// A model on disk.
 #[derive(Debug)]

@@ -2,15 +2,16 @@
 
 use crate::outputs::{Staging, check_output, claim_output};
 use crate::table::Row;
-use crate::{Costs, ReportFile, WorkflowError, is_model};
+use crate::{Costs, ReportFile, WorkflowError};
 use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::Value;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use transect_exchange::svg::{OverviewOptions, Sheets, write_overview};
 use transect_exchange::{DxfFrame, ModelSplines, read_text, write_contours, write_dxf, write_file};
 use transect_geometry::PlaneIndex;
-use transect_model::Model;
+use transect_model::{Model, open_regular};
 
 /// The model's file in a result folder.
 const MODEL: &str = "model.transect";
@@ -38,6 +39,19 @@ pub fn default_folder(name: &str) -> PathBuf {
     let named = name.chars().any(char::is_alphanumeric);
     let name = if named { name } else { "scan" };
     Path::new(DEFAULT_PARENT).join(name.chars().map(safe).collect::<String>())
+}
+
+/// Whether a path is a model file, a model store, or a result folder.
+///
+/// A folder that is a scan as well counts as a scan.
+pub fn is_model(path: &Path) -> bool {
+    if path.join("scan.json").is_file() {
+        return false;
+    }
+    let Ok(file) = find_model(path) else { return false };
+    let mut magic = [0; 8];
+    let read = open_regular(&file).and_then(|mut file| file.read_exact(&mut magic));
+    read.is_ok() && magic == *b"TRANSECT"
 }
 
 /// The model file that a path stands for: the file itself, or the one in a result folder.

@@ -51,8 +51,8 @@ impl Reference {
         truth.map_or(Self::Nothing, |truth| Self::Simulated { truth, scan: scan.to_owned() })
     }
 
-    /// The truth beside the scan that a folder's model was made of, if any. It counts what all views
-    /// could see, so a model of a part of the scan has none.
+    /// The truth beside the scan that a folder's model was made of, if any. It counts what all
+    /// views could see, so a model of a part of the scan has none.
     pub fn of_results(folder: &ResultFolder) -> Self {
         folder.whole_scan().map_or(Self::Nothing, |scan| Self::beside(&scan))
     }

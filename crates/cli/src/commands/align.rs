@@ -32,9 +32,9 @@ pub struct Arguments {
     unit: LengthUnit,
 }
 
-/// Largest residual of a sound alignment, in the noise of the spheres by themselves. No unit. Chosen
-/// by hand: sound scans have 1, and what the table does under load adds to it. Doubled, places that
-/// err by three times the noise pass.
+/// Largest residual of a sound alignment, in the noise of the spheres by themselves. No unit.
+/// Chosen by hand: sound scans have 1, and what the table does under load adds to it. Doubled,
+/// places that err by three times the noise pass.
 const MOST_RESIDUAL: f64 = 2.0;
 
 /// Runs the command.

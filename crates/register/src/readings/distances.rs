@@ -5,9 +5,9 @@
 //! unit, every view is sound in itself, and no two agree.
 //!
 //! **Idea.** Try factors on the distances while the positions stay. At the right one the views
-//! agree, and on both sides of it they do not. The second half matters: at distances without end all
-//! sensors stand in one place, where the views of a room agree whatever their positions are. Stations
-//! that stand close together in a room are therefore not explained.
+//! agree, and on both sides of it they do not. The second half matters: at distances without end
+//! all sensors stand in one place, where the views of a room agree whatever their positions are.
+//! Stations that stand close together in a room are therefore not explained.
 
 use super::accord::{Accord, accord, misfit};
 use crate::coarse::CoarseView;
