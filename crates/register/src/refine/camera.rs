@@ -230,13 +230,14 @@ impl Cameras {
 
     /// The odds that the free parts of each camera are wrong, from the changes of all unknowns and
     /// their [`Solution::root`](super::solve::Solution::root): the probability of the right scale
-    /// before the images are seen over that after it (Dickey, 1971).
-    pub fn odds(&self, changes: &DVector<f64>, root: &DMatrix<f64>) -> Vec<Odds> {
+    /// before the images are seen over that after it (Dickey, 1971). `sigmas` is how many times as
+    /// large as stated the standard deviations are taken.
+    pub fn odds(&self, changes: &DVector<f64>, root: &DMatrix<f64>, sigmas: f64) -> Vec<Odds> {
         let first = changes.len() - self.unknowns();
         let odds = |(k, camera): (usize, &Camera)| {
             let of_part = |part: usize| {
                 let at = first + UNKNOWNS * k + part;
-                let variance = root.column(at).norm_squared();
+                let variance = sigmas.powi(2) * root.column(at).norm_squared();
                 let error = camera.errors[part] + changes[at];
                 (FREE_SCALE * variance).sqrt() * (0.5 * error * error / variance).exp()
             };
@@ -399,7 +400,7 @@ mod tests {
                 (DVector::zeros(UNKNOWNS), DMatrix::identity(UNKNOWNS, UNKNOWNS));
             changes[NODES] = measured * variance / sigma.powi(2);
             root[(NODES, NODES)] = variance.sqrt();
-            let odds = cameras.odds(&changes, &root)[0].scale;
+            let odds = cameras.odds(&changes, &root, 1.0)[0].scale;
             assert!((odds / expected - 1.0).abs() < 1e-3, "{odds} {expected}");
         }
     }

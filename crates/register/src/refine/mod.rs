@@ -35,8 +35,8 @@ mod uncertainty;
 use crate::coarse::{CoarseView, PosePrior};
 use crate::tuning::{
     BEFORE_MOMENTUM, BLOCKS, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, GATE, LEAST_SAMPLES,
-    MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS, SCALE_ODDS, SCALE_RUNS, SETTLED,
-    SETTLING, SUMS,
+    MOMENTUM, MOST_MISPLACED, OBSERVATIONS, ODDS_SIGMAS, PRIOR_ROUNDS, ROUNDS, SCALE_ODDS,
+    SCALE_RUNS, SETTLED, SETTLING, SUMS,
 };
 use camera::{Cameras, Freed, Odds};
 use drift::{Drift, Errors, estimated_prior};
@@ -203,7 +203,7 @@ impl<'a> Rounds<'a> {
         }
         let free = self.cameras.freed(Freed::ScaleAndFocal, |_| true);
         let cameras = std::mem::replace(&mut self.cameras, free);
-        let odds = self.odds();
+        let odds = self.odds(1.0);
         self.cameras = cameras;
         let largest =
             |odds: Odds| if self.images_stay { odds.focal } else { odds.scale.max(odds.focal) };
@@ -259,7 +259,7 @@ impl<'a> Rounds<'a> {
             self.run_rounds()
         });
         self.observe(self.prior, OBSERVATIONS, Spread::Narrow);
-        self.odds()
+        self.odds(ODDS_SIGMAS)
     }
 
     /// Moves all views until they settle, and says whether they do.
@@ -275,12 +275,12 @@ impl<'a> Rounds<'a> {
     }
 
     /// The odds that the free parts of each depth camera are wrong, from the pairs as they are.
-    fn odds(&self) -> Vec<Odds> {
+    fn odds(&self, sigmas: f64) -> Vec<Odds> {
         let (priors, moved) = (self.priors(), self.motions());
         let solution = self
             .whole_system()
             .and_then(|system| system.solve(self.independent, &self.known_before(&priors, &moved)));
-        let odds = solution.map(|s| self.cameras.odds(&s.unknowns, &s.root()));
+        let odds = solution.map(|s| self.cameras.odds(&s.unknowns, &s.root(), sigmas));
         odds.unwrap_or_else(|| vec![Odds::default(); self.cameras.list.len()])
     }
 
