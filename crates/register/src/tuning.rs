@@ -197,11 +197,11 @@ pub const CAMERA_GRID: (usize, usize) = (7, 9);
 /// estimate the same offsets. The odds of a wrong scale or focal length are halved, or doubled.
 pub const FIRST_CAMERA_ERROR: f64 = 0.01;
 
-/// Standard deviations of a scale or a focal length, in those that are stated, that its odds are
-/// computed with. No unit. Measured: with noise that neighbouring pixels share, positions err by 1.3
-/// to 1.6 of what is stated, so 2 leaves a margin. At 1, a half of the red kitchen and a kitchen with
-/// four times the usual noise have false focal lengths. Doubled, 1 % is not found in a kitchen.
-pub const ODDS_SIGMAS: f64 = 2.0;
+/// Standard deviation of a focal length that is to be told, over the stated one. No unit. Measured:
+/// with noise that neighbouring pixels share, positions err by 1.3 to 1.6 times of what is stated.
+/// At 1, a half of the red kitchen and a kitchen with four times the usual noise have false focal
+/// lengths, which stop their refinement. Doubled, 1 % is not told in a kitchen.
+pub const FOCAL_SIGMAS: f64 = 2.0;
 
 /// Odds from which a depth camera's scale, or its focal length, is taken for wrong. No unit.
 /// Theory: strong evidence (Kass and Raftery, 1995). In 19 simulated scans with right ones, and in

@@ -231,18 +231,18 @@ impl Cameras {
     /// The odds that the free parts of each camera are wrong, from the changes of all unknowns and
     /// their [`Solution::root`](super::solve::Solution::root): the probability of the right scale
     /// before the images are seen over that after it (Dickey, 1971). `sigmas` is how many times as
-    /// large as stated the standard deviations are taken.
+    /// large as stated the standard deviations of focal lengths are taken.
     pub fn odds(&self, changes: &DVector<f64>, root: &DMatrix<f64>, sigmas: f64) -> Vec<Odds> {
         let first = changes.len() - self.unknowns();
         let odds = |(k, camera): (usize, &Camera)| {
-            let of_part = |part: usize| {
+            let of_part = |part: usize, sigmas: f64| {
                 let at = first + UNKNOWNS * k + part;
                 let variance = sigmas.powi(2) * root.column(at).norm_squared();
                 let error = camera.errors[part] + changes[at];
                 (FREE_SCALE * variance).sqrt() * (0.5 * error * error / variance).exp()
             };
-            let [x, y] = FOCAL.map(of_part);
-            Odds { scale: of_part(NODES), focal: x.max(y) }
+            let [x, y] = FOCAL.map(|part| of_part(part, sigmas));
+            Odds { scale: of_part(NODES, 1.0), focal: x.max(y) }
         };
         self.list.iter().enumerate().map(odds).collect()
     }

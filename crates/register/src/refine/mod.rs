@@ -34,8 +34,8 @@ mod uncertainty;
 
 use crate::coarse::{CoarseView, PosePrior};
 use crate::tuning::{
-    BEFORE_MOMENTUM, BLOCKS, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, GATE, LEAST_SAMPLES,
-    MOMENTUM, MOST_MISPLACED, OBSERVATIONS, ODDS_SIGMAS, PRIOR_ROUNDS, ROUNDS, SCALE_ODDS,
+    BEFORE_MOMENTUM, BLOCKS, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, FOCAL_SIGMAS, GATE,
+    LEAST_SAMPLES, MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS, SCALE_ODDS,
     SCALE_RUNS, SETTLED, SETTLING, SUMS,
 };
 use camera::{Cameras, Freed, Odds};
@@ -259,7 +259,7 @@ impl<'a> Rounds<'a> {
             self.run_rounds()
         });
         self.observe(self.prior, OBSERVATIONS, Spread::Narrow);
-        self.odds(ODDS_SIGMAS)
+        self.odds(FOCAL_SIGMAS)
     }
 
     /// Moves all views until they settle, and says whether they do.
