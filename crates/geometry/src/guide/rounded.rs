@@ -22,6 +22,11 @@ const STRAIGHT: f64 = 1e-9;
 /// their arcs would be shorter than a thousandth of a side.
 const HALF_TURN: f64 = 1e-3;
 
+/// Turns within this many radians of a half-turn lead back over the same points. Chosen by hand, far
+/// above rounding: a spline that passes beside itself has a reach that leaves points out. Doubled,
+/// nothing changes.
+const ON_ITSELF: f64 = 1e-6;
+
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Rounded {
     /// Stations where pieces begin, and the end of the last one.
@@ -127,14 +132,11 @@ fn angle(a: &Vector3, b: &Vector3) -> f64 {
     2.0 * (b - a).norm().atan2((a + b).norm())
 }
 
-fn is_half_turn(turn: f64) -> bool {
-    turn > std::f64::consts::PI - HALF_TURN
-}
-
 /// The first point at which the guide goes back over itself. Neighbouring points must differ.
 pub(super) fn turns_back(points: &[Point3]) -> Option<usize> {
     let sides: Vec<Vector3> = points.windows(2).map(|p| (p[1] - p[0]).normalize()).collect();
-    let at = sides.windows(2).position(|both| is_half_turn(angle(&both[0], &both[1])))?;
+    let is_back = |both: &[Vector3]| angle(&both[0], &both[1]) > std::f64::consts::PI - ON_ITSELF;
+    let at = sides.windows(2).position(is_back)?;
     Some(at + 1)
 }
 
@@ -154,7 +156,7 @@ fn corner(
     if turn < STRAIGHT {
         return Ok(None);
     }
-    if is_half_turn(turn) {
+    if turn > std::f64::consts::PI - HALF_TURN {
         return Err(TurnsBack);
     }
     let half_tan = (0.5 * turn).tan();
