@@ -22,9 +22,9 @@ const STRAIGHT: f64 = 1e-9;
 /// their arcs would be shorter than a thousandth of a side.
 const HALF_TURN: f64 = 1e-3;
 
-/// Turns within this many radians of a half-turn lead back over the same points. Chosen by hand, far
-/// above rounding: a spline that passes beside itself has a reach that leaves points out. Doubled,
-/// nothing changes.
+/// Turns within this many radians of a half-turn lead back over the same points. Chosen by hand,
+/// far above rounding: a spline that passes beside itself has a reach that leaves points out.
+/// Doubled, nothing changes.
 const ON_ITSELF: f64 = 1e-6;
 
 #[derive(Debug, Clone, PartialEq)]
