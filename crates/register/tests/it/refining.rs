@@ -1,11 +1,14 @@
 //! Poses refined together.
 
-use super::common::{changed, coarse, real, simulated, simulated_with_seed, turned};
+use super::common::{
+    changed, coarse, real, simulated, simulated_with_noise, simulated_with_seed, turned,
+};
 use proptest::prelude::*;
 use std::sync::Arc;
 use transect_device::{DeviceFrame, ImageSize, Isometry3, Pixel, Point3};
 use transect_device::{RangeImage, SensorPlane, Vector3, View};
 use transect_register::{CoarseView, PoseOutcome, PosePrior, RefineOptions, Refinement, refine};
+use transect_scene::Noise;
 use transect_sensors::{Intrinsics, Pinhole};
 
 /// Small errors of a few poses, the same in every run: degrees and lengths up to the given ones.
@@ -105,6 +108,14 @@ fn a_view_of_another_place_stays_and_is_told() {
     assert_eq!(refinement.poses[2].outcome, PoseOutcome::Alone);
     assert_eq!(refinement.poses[2].world_from_sensor, away);
     assert!(refine(&[], &RefineOptions::default()).poses.is_empty());
+}
+
+/// Exact images leave errors of nothing but rounding, which must not spoil the equations.
+#[test]
+fn errors_of_poses_shrink_without_noise() {
+    let views = simulated_with_noise("machined_part", |noise| *noise = Noise::default());
+    let refinement = refine(&coarse(&shaken(&views, 0.1, 0.1)), &RefineOptions::default());
+    assert!(refinement.poses.iter().all(|pose| pose.has_moved()), "{:?}", refinement.poses[0]);
 }
 
 /// From twenty views on, a view is taken to err as its neighbours do.
