@@ -19,9 +19,9 @@ pub trait Watch: Sync {
     fn begin(&self, stage: Stage, total: usize);
     /// One more step is done.
     fn step(&self, stage: Stage);
-    /// Whether the run should stop. Called before each view, and before each plane. With a model
-    /// store it is called before each group of as many views as there are threads, since the
-    /// store's transactions run to their end.
+    /// Whether the run should stop. Called before each view, and before each plane. A run into a
+    /// model store asks before each group of as many views as there are threads, and before no
+    /// plane, since the store's transactions run to their end.
     fn cancelled(&self) -> bool {
         false
     }

@@ -9,7 +9,7 @@ use transect_model::Model;
 const REPRODUCIBLE: [&str; 4] = ["contours.json", "model.transect", "model.dxf", "overview.svg"];
 
 /// The scan `scan` and its reconstruction `out`.
-fn reconstructed() -> (Folder, super::common::Run) {
+pub fn reconstructed() -> (Folder, super::common::Run) {
     let folder = Folder::simulated("objects.scene.toml");
     let run = folder.reconstruct("scan --threads 2").succeeded();
     (folder, run)
@@ -287,37 +287,6 @@ fn simulation_depends_on_its_seed_alone() {
     assert!(image("again") == image("scan"), "the scene's own seed is 7");
     assert!(image("other") != image("scan"));
     assert!(folder.bytes("again/truth.npz") == folder.bytes("scan/truth.npz"));
-}
-
-#[test]
-fn evaluation_finds_the_truth_that_simulation_left() {
-    let (folder, _) = reconstructed();
-    let run = folder.run("evaluate out --tolerance 15mm").succeeded();
-    // One millimetre of noise, seen by up to three views, and pixels of three centimetres.
-    assert!(run.number("median distance from truth") < 0.001);
-    assert!(run.number("95 % of distances below") < 0.005);
-    assert!(run.number("oriented like the truth") > 99.9);
-    assert!(run.number("length off the truth") < 0.5);
-    assert_eq!(run.number("duplicated length"), 0.0);
-    assert_eq!(run.number("planes with truth"), 12.0);
-    // The station leaves planes out, and the tolerance is what counts as off.
-    let upper = folder.run("evaluate out --from 0.5 --tolerance 15mm").succeeded();
-    assert_eq!(upper.number("planes with truth"), 5.0);
-    let strict = folder.run("evaluate out --tolerance 1mm").succeeded();
-    assert!(strict.number("length off the truth") > 5.0);
-    folder.run("evaluate out --from 100").failed_with(2, &["--from: no plane is at 100 m", "last"]);
-    // A store is scored as the plain model is, against a mesh.
-    folder.run("reconstruct scan --quiet --store s.transect --out grown").succeeded();
-    let counts = |model: &str| folder.run(&format!("evaluate {model}")).succeeded().stdout;
-    assert!(counts("s.transect").contains("\ncurves "), "{}", counts("s.transect"));
-    // The truth counts what all views could see.
-    for (out, options, scored) in [("some", "--views 0", false), ("all", "", true)] {
-        folder.run(&format!("reconstruct scan --quiet --out {out} {options}")).succeeded();
-        let run = folder.run(&format!("evaluate {out}")).succeeded();
-        assert_eq!(run.stderr.contains("duplication only"), !scored, "{out}: {}", run.stderr);
-    }
-    let run = folder.run("reconstruct scan --quiet --skip-missing --out rest");
-    assert!(!run.succeeded().stdout.contains("median distance from truth"));
 }
 
 #[test]

@@ -13,6 +13,7 @@ mod bridges;
 mod command_line;
 mod common;
 mod dissertation;
+mod evaluate;
 mod explain;
 mod full_disk;
 mod implausible;

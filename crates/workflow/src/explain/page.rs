@@ -1,8 +1,7 @@
 //! Figures in their order, and the page that shows them.
 
 use crate::WorkflowError;
-use crate::outputs::Staging;
-use crate::outputs::claim_output;
+use crate::outputs::{Staging, claim_output};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use transect_exchange::svg::Figure;
