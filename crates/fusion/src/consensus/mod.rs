@@ -15,7 +15,7 @@
 //!      error and weight. Weights fall towards open ends, where real scanners overshoot.
 //!    * The spread between views sets the overlap threshold. The views' systematic errors, which
 //!      grow with the incidence, are part of all weights.
-//!    * Where these errors exceed half a footprint, the views' curves move onto a common course. A
+//!    * Where these errors exceed a third of a footprint, the views' curves move onto a common course. A
 //!      view counts in it by its errors there, which may go with its noise.
 //! 2. `estimate` → `PlacedNode`s.
 //!    * Groups of observations beside each other; rough fits treat a group as one.

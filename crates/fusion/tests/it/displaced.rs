@@ -187,6 +187,41 @@ fn errors_that_change_along_a_wall_average_out_and_corners_stay() {
     assert!(wide < 0.9 * narrow && wide_corner < 1.1 * narrow_corner);
 }
 
+/// Every so many nodes of a view, whose footprints are as much longer.
+fn sampled(view: &[Curve], every: usize) -> Vec<Curve> {
+    let coarser = |curve: &Curve| {
+        let nodes = curve.nodes().iter().step_by(every);
+        let nodes = nodes.map(|n| n.with_footprint(SPACING as f32 * every as f32));
+        Curve::new(nodes.collect(), false).unwrap()
+    };
+    view.iter().map(coarser).collect()
+}
+
+#[test]
+fn errors_are_averaged_down_to_what_sampling_makes_of_a_curve() {
+    // Views err by 0.4 footprints, then by 0.2.
+    let ratio = |every: usize| {
+        let mut ratios: Vec<f64> = (1..16)
+            .map(|seed| {
+                let mut noise = Noise(100 + seed);
+                let views = scene(seed);
+                let views = views.iter().map(|v| sampled(&with_waves(v, &mut noise), every));
+                let views: Vec<_> = views.collect();
+                let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+                let mut options = ConsensusOptions::default();
+                let averaged = median_off(&consensus(&slices, &options), |_| true);
+                options.steps.settle = false;
+                averaged / median_off(&consensus(&slices, &options), |_| true)
+            })
+            .collect();
+        ratios.sort_by(f64::total_cmp);
+        ratios[7]
+    };
+    let ratios = [ratio(6), ratio(12)];
+    println!("median error with averaging over without: {ratios:.3?}");
+    assert!(ratios[0] < 0.9 && ratios[1] == 1.0, "{ratios:?}");
+}
+
 #[test]
 fn a_curve_of_one_view_is_left_out_if_it_is_shorter_than_a_common_course() {
     let mut views = scene(1);
