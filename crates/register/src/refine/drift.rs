@@ -12,7 +12,8 @@
 //! is taken out in the end. A prior that holds it at zero bends the scan where the walk started at
 //! the first view.
 
-use super::motion::{Motion, sizes};
+use super::motion::Motion;
+use super::solve::Before;
 use crate::coarse::PosePrior;
 use crate::tuning::{FIRST_SHARE, LEAST_DRIFTING, LEAST_SHARE, SHARED};
 use nalgebra::DMatrix;
@@ -28,7 +29,8 @@ pub struct Drift {
     precision: DMatrix<f64>,
 }
 
-/// Errors of poses as the observations tell them, in units of the prior's standard deviations.
+/// Errors of poses about their pivots, as the observations tell them, in units of the prior's
+/// standard deviations.
 #[derive(Debug, Clone)]
 pub struct Errors {
     /// A row for each view, a column for each component of its motion.
@@ -112,13 +114,16 @@ impl Drift {
 
 impl Errors {
     /// From the motions of all views, and the [`Solution::root`](super::solve::Solution::root).
-    pub fn new(motions: &[Motion], root: &DMatrix<f64>, priors: &[PosePrior]) -> Self {
+    pub fn new(motions: &[Motion], root: &DMatrix<f64>, before: &Before<'_>) -> Self {
         let n = motions.len();
-        let units: Vec<Motion> = priors.iter().map(|prior| Motion::from(sizes(prior))).collect();
-        let values = DMatrix::from_fn(n, 6, |k, c| motions[k][c] / units[k][c]);
+        let in_units: Vec<_> = (0..n).map(|k| before.in_units(k)).collect();
+        let values: Vec<Motion> = in_units.iter().zip(motions).map(|(to, m)| to * m).collect();
+        let values = DMatrix::from_fn(n, 6, |k, c| values[k][c]);
+        let roots = in_units.iter().enumerate();
+        let roots = roots.map(|(k, to)| root.fixed_columns::<6>(6 * k) * to.transpose());
+        let roots: Vec<_> = roots.collect();
         let of_component = |c: usize| {
-            let roots =
-                DMatrix::from_fn(root.nrows(), n, |row, k| root[(row, 6 * k + c)] / units[k][c]);
+            let roots = DMatrix::from_fn(root.nrows(), n, |row, k| roots[k][(row, c)]);
             roots.tr_mul(&roots)
         };
         let covariance = (0..6).map(of_component).fold(DMatrix::zeros(n, n), |sum, of| sum + of);

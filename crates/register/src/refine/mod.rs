@@ -15,6 +15,8 @@
 //!    agree then.
 //! 3. Rounds: every patch is looked up in the other views; the most probable small motions of all
 //!    views together (`solve.rs`); how far poses are wrong.
+//!    The evidence also tells about which point poses err (`pivot.rs`), and whether they drift from
+//!    view to view (`drift.rs`).
 //! 4. The error that a depth camera makes alike in all its images is found beside the motions:
 //!    `camera.rs`.
 //! 5. The motion that all views share is taken out.
@@ -27,6 +29,7 @@ mod left_out;
 mod motion;
 mod outcome;
 mod pairs;
+mod pivot;
 mod solve;
 #[cfg(test)]
 mod tests;
@@ -43,6 +46,7 @@ use drift::{Drift, Errors, estimated_prior};
 use motion::{Motion, motion_between, moved};
 use nalgebra::{DMatrix, DVector};
 use pairs::{Observation, Pair, Portion, Reach, Scene, Spread, State, samples};
+use pivot::Pivots;
 use rayon::prelude::*;
 use solve::{Before, Ground, Solution, System, variances};
 use transect_device::{Isometry3, Point3, Vector3};
@@ -118,6 +122,7 @@ struct Rounds<'a> {
     images_stay: bool,
     cameras: Cameras,
     drift: Drift,
+    pivots: Pivots,
     candidates: Vec<(usize, usize)>,
     pairs: Vec<Pair>,
     independent: f64,
@@ -152,6 +157,7 @@ impl<'a> Rounds<'a> {
         let cameras = Cameras::of(&scene.views, distance);
         let mut candidates = scene.pairs(State { poses: &given, cameras: &cameras }, reach);
         candidates.retain(|(a, b)| !misplaced.contains(a) && !misplaced.contains(b));
+        let pivots = Pivots::at_sensors(scene, &given);
         let last_change = DVector::zeros(6 * given.len() + cameras.unknowns());
         Self {
             scene,
@@ -164,6 +170,7 @@ impl<'a> Rounds<'a> {
             images_stay: options.images_stay,
             cameras,
             drift: Drift::of(scene.views.len()),
+            pivots,
             candidates,
             pairs: Vec::new(),
             independent: 0.0,
@@ -354,7 +361,13 @@ impl<'a> Rounds<'a> {
     fn learn(&mut self, so_far: &[Motion], solution: &Solution, root: &DMatrix<f64>) {
         self.cameras.learn(&solution.unknowns, root);
         let total = so_far.iter().enumerate().map(|(k, moved)| moved + solution.motion(k));
-        let errors = Errors::new(&total.collect::<Vec<_>>(), root, &self.priors());
+        let motions: Vec<Motion> = total.collect();
+        if !self.stated {
+            let lever = self.pivots.lever();
+            self.pivots.learn(&motions, root, &self.priors(), self.drift.precision());
+            self.prior.translation *= self.pivots.lever() / lever;
+        }
+        let errors = Errors::new(&motions, root, &self.known_before(&self.priors(), so_far));
         if !self.stated {
             let is_unstated = |k: usize| self.scene.views[k].prior().is_none();
             self.prior = estimated_prior(&self.prior, &self.drift.size(&errors, is_unstated));
@@ -395,7 +408,7 @@ impl<'a> Rounds<'a> {
     }
 
     fn known_before<'b>(&'b self, priors: &'b [PosePrior], moved: &'b [Motion]) -> Before<'b> {
-        Before { priors, moved, drift: &self.drift, cameras: &self.cameras }
+        Before { priors, moved, drift: &self.drift, pivots: &self.pivots, cameras: &self.cameras }
     }
 
     /// How far each view's pose may be wrong.

@@ -184,8 +184,10 @@ impl Rounds<'_> {
         let apart = median(medians(&self.pairs, self.given.len()).into_iter().flatten());
         let apart = apart.unwrap_or(0.0);
         let priors = self.priors();
+        let known_before = self.known_before(&priors, &motions);
         let is_far_off = |(k, motion): (usize, &Motion)| {
-            let alone = |system: &System| system.variances_alone(k, self.independent, &priors[k]);
+            let alone =
+                |system: &System| system.variances_alone(k, self.independent, &known_before);
             let variances = system.map_or_else(Motion::zeros, alone);
             let uncertain = self.surface_moves(&variances.map(f64::sqrt)).hypot(self.noise(k));
             let allowed = GATE * apart.hypot(uncertain);

@@ -13,6 +13,7 @@ use super::camera::{Cameras, UNKNOWNS};
 use super::drift::Drift;
 use super::motion::{Motion, sizes};
 use super::pairs::Portion;
+use super::pivot::Pivots;
 use crate::coarse::PosePrior;
 use nalgebra::{
     Cholesky, DMatrix, DVector, DVectorViewMut, Dyn, Matrix3, Matrix6, Matrix6xX, Vector6,
@@ -145,10 +146,9 @@ impl System {
 
     /// Variances of the motion of a view if everything else stays where it is. They leave out the
     /// motion that all views share.
-    pub fn variances_alone(&self, view: usize, independent: f64, prior: &PosePrior) -> Motion {
+    pub fn variances_alone(&self, view: usize, independent: f64, before: &Before<'_>) -> Motion {
         let own = self.matrix.fixed_view::<6, 6>(6 * view, 6 * view) * independent;
-        let information =
-            own + Matrix6::from_diagonal(&Motion::from(sizes(prior).map(|size| size.powi(-2))));
+        let information = own + before.in_units(view).tr_mul(&before.in_units(view));
         information.try_inverse().map_or_else(Motion::zeros, |inverse| inverse.diagonal())
     }
 
@@ -156,14 +156,14 @@ impl System {
     /// was known before. `None` if the numbers are not finite.
     pub fn solve(&self, independent: f64, before: &Before<'_>) -> Option<Solution> {
         let (mut matrix, mut right) = (&self.matrix * independent, &self.right * independent);
-        let sizes: Vec<_> = before.priors.iter().map(sizes).collect();
-        for (i, of_i) in sizes.iter().enumerate() {
-            for (j, (of_j, moved)) in sizes.iter().zip(before.moved).enumerate() {
-                for c in 0..6 {
-                    let strength = before.drift.precision()[(i, j)] / (of_i[c] * of_j[c]);
-                    matrix[(6 * i + c, 6 * j + c)] += strength;
-                    right[6 * i + c] -= strength * moved[c];
-                }
+        let pivoted: Vec<_> = (0..before.moved.len()).map(|k| before.in_units(k)).collect();
+        for (i, of_i) in pivoted.iter().enumerate() {
+            for (j, (of_j, moved)) in pivoted.iter().zip(before.moved).enumerate() {
+                let precision = of_i.tr_mul(of_j) * before.drift.precision()[(i, j)];
+                let mut to = matrix.fixed_view_mut::<6, 6>(6 * i, 6 * j);
+                to += precision;
+                let mut to = right.fixed_rows_mut::<6>(6 * i);
+                to -= precision * moved;
             }
         }
         for (k, camera) in before.cameras.list.iter().enumerate() {
@@ -190,10 +190,17 @@ pub struct Before<'a> {
     pub priors: &'a [PosePrior],
     pub moved: &'a [Motion],
     pub drift: &'a Drift,
+    pub pivots: &'a Pivots,
     pub cameras: &'a Cameras,
 }
 
 impl Before<'_> {
+    /// Takes the motion of a view to that about its pivot, in standard deviations.
+    pub fn in_units(&self, view: usize) -> Matrix6<f64> {
+        let units = Motion::from(sizes(&self.priors[view]).map(f64::recip));
+        Matrix6::from_diagonal(&units) * self.pivots.from_sensor(view)
+    }
+
     /// The unknowns that take everything back to where it was given.
     pub fn back(&self) -> DVector<f64> {
         let motions = self.moved.iter().flat_map(|m| m.iter());
@@ -381,6 +388,7 @@ mod tests {
             priors: &vec![PosePrior { rotation: 0.05, translation: 0.2 }; views],
             moved: &vec![Motion::zeros(); views],
             drift: &Drift::of(views),
+            pivots: &Pivots::of_arms(&[]),
             cameras: &Cameras::of(&[], 1.0),
         };
         let solution = system.solve(1.0, &before).expect("a solution");

@@ -211,7 +211,14 @@ fn errors_tell_whether_poses_drift() {
         drift.release();
         let mut prior = PosePrior { rotation: 1.0, translation: 1.0 };
         for _ in 0..100 {
-            let errors = Errors::new(errors, &exact, &[prior; VIEWS]);
+            let before = Before {
+                priors: &[prior; VIEWS],
+                moved: errors,
+                drift: &drift,
+                pivots: &Pivots::of_arms(&[]),
+                cameras: &Cameras::of(&[], 1.0),
+            };
+            let errors = Errors::new(errors, &exact, &before);
             prior = estimated_prior(&prior, &drift.size(&errors, |_| true));
             drift.learn(&errors);
         }
@@ -232,6 +239,33 @@ fn errors_tell_whether_poses_drift() {
             alone < 0.2 && walk > 0.8,
             "seed {seed}: {alone} of single errors, {walk} of a walk"
         );
+    }
+}
+
+#[test]
+fn errors_tell_about_which_point_they_are() {
+    const VIEWS: usize = 12;
+    let exact = DMatrix::identity(6 * VIEWS, 6 * VIEWS) * 1e-9;
+    let drift = Drift::of(VIEWS);
+    for seed in 0..10 {
+        for at in [0.0, 0.5, 1.0] {
+            let mut numbers = draws(seed);
+            let arms =
+                [(); VIEWS].map(|()| 40.0 * Vector3::from_fn(|_, _| numbers.next().unwrap()));
+            let motions: Vec<Motion> = arms
+                .iter()
+                .map(|arm| {
+                    let shift = Vector3::from_fn(|_, _| numbers.next().unwrap());
+                    let turn = 0.1 * Vector3::from_fn(|_, _| numbers.next().unwrap());
+                    let at_sensor = shift - turn.cross(&(at * arm));
+                    Motion::from_fn(|c, _| if c < 3 { at_sensor[c] } else { turn[c - 3] })
+                })
+                .collect();
+            let mut pivots = Pivots::of_arms(&arms);
+            let prior = PosePrior { rotation: 0.1, translation: 1.0 };
+            pivots.learn(&motions, &exact, &[prior; VIEWS], drift.precision());
+            assert!((pivots.share - at).abs() < 0.1, "seed {seed}: {}, not {at}", pivots.share);
+        }
     }
 }
 

@@ -8,8 +8,8 @@
 //! **Steps.**
 //! 1. The prior is increased by its own standard deviation (from Fisher's information, with the
 //!    variances that the observations alone give).
-//! 2. The prior of a view is as large as its own motion at least: a view that was far off may be as
-//!    far off in the directions that no surface determines.
+//! 2. The prior of a view is as large as its own motion about its pivot at least: a view that was
+//!    far off may be as far off in the directions that no surface determines.
 //! 3. The covariance is that of the motions after the rigid fit to the given poses, which is linear
 //!    in them.
 
@@ -41,17 +41,21 @@ impl Rounds<'_> {
                     |k, c| {
                         let known = self.scene.views.get(k)?.prior().is_some();
                         let unit = if c < 3 { loose.translation } else { loose.rotation };
-                        Some(covariances.get(k)?[(c, c)] / unit.powi(2)).filter(|_| !known)
+                        let at_pivot = self.pivots.from_sensor(k).row(c).transpose();
+                        let variance = at_pivot.dot(&(covariances.get(k)? * at_pivot));
+                        (!known).then(|| variance / unit.powi(2))
                     },
                     covariances.len(),
                 ),
             );
         }
         let mut priors = self.own_or(prior);
-        for (prior, motion) in priors.iter_mut().zip(self.motions()) {
+        for (k, (prior, motion)) in priors.iter_mut().zip(self.motions()).enumerate() {
+            let motion = self.pivots.from_sensor(k) * motion;
             let [shift, turn] = [0, 3].map(|first| motion.fixed_rows::<3>(first).norm());
-            prior.translation = prior.translation.max(shift).max(turn * self.distance);
-            prior.rotation = prior.rotation.max(turn).max(shift / self.distance);
+            let lever = self.distance * self.pivots.lever();
+            prior.translation = prior.translation.max(shift).max(turn * lever);
+            prior.rotation = prior.rotation.max(turn).max(shift / lever);
         }
         self.covariances_with(system, &priors, fit.as_deref())
     }
