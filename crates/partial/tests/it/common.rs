@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use std::sync::Arc;
 use transect_device::{
-    DeviceFrame, ImageSize, Isometry3, Pixel, Point3, RangeImage, Vector3, View,
+    DeviceFrame, ImageSize, Isometry3, MISSING_POINT, Pixel, Point3, RangeImage, Vector3, View,
 };
 use transect_sensors::{
     AngularScan, ImagingRadar, Intrinsics, Pinhole, PinholeScale, PointGrid, RayStarts,
@@ -56,9 +56,8 @@ pub fn look(
 /// The same view as a grid of points.
 pub fn as_point_grid(view: &View) -> Option<View> {
     let size = view.image().size();
-    let pixels = (0..size.pixels()).map(|k| Pixel::new(k / size.cols, k % size.cols));
-    let missing = Point3::new(f64::NAN, f64::NAN, f64::NAN);
-    let points = pixels.map(|p| view.point_in_sensor(p).unwrap_or(missing)).collect();
+    let pixels = size.all_pixels();
+    let points = pixels.map(|p| view.point_in_sensor(p).unwrap_or(MISSING_POINT)).collect();
     let starts = RayStarts::Viewpoint(Point3::origin());
     let (grid, image) = PointGrid::new(size, points, starts).ok()?;
     View::new("grid", image, Arc::new(grid), *view.world_from_sensor(), Some(0.0)).ok()

@@ -108,7 +108,7 @@ impl Scene {
 
 fn mean_range(frame: &dyn DeviceFrame, image: &RangeImage) -> f64 {
     let size = image.size();
-    let pixels = (0..size.pixels()).map(|k| Pixel::new(k / size.cols, k % size.cols));
+    let pixels = size.all_pixels();
     let range = |pixel| {
         let point = frame.point(pixel, f64::from(image.get(pixel)?))?;
         Some((point - frame.ray(pixel)?.start).norm())
