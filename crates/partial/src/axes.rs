@@ -95,11 +95,6 @@ impl SectionAxes {
         Point2::new(self.x.at(p), self.y.at(p))
     }
 
-    /// Change of the plane coordinates per length unit along each sensor axis.
-    pub(crate) fn in_plane_gradients(&self) -> [Vector3; 2] {
-        [self.x.gradient, self.y.gradient]
-    }
-
     /// A sensor-frame direction in plane coordinates, its height third, all in the length unit.
     pub fn turn(&self, v: &Vector3) -> Vector3 {
         let (x, y) = (self.x.gradient.dot(v), self.y.gradient.dot(v));
