@@ -54,7 +54,7 @@ impl SectionAxes {
     }
 
     /// Smallest and largest level, from the base, that the view's sensing volume can hold.
-    pub fn involved_levels(&self, view: &View) -> (f64, f64) {
+    fn involved_levels(&self, view: &View) -> (f64, f64) {
         let Some((near, far)) = view.image().extremes() else { return (0.0, 0.0) };
         let (near, far) = (f64::from(near), f64::from(far));
         let (low, high) = view.frame().extent(&self.level.gradient, near, far);

@@ -156,14 +156,6 @@ impl RangeNoise {
         self.length
     }
 
-    /// The noise as a length along the ray, where that is the same at every pixel.
-    pub fn stated_length(&self) -> Option<f64> {
-        match self.known {
-            Known::Length(sigma) => Some(sigma),
-            Known::Value(..) => None,
-        }
-    }
-
     /// Standard deviation of the noise that neighbouring pixels share, over that of the noise that
     /// each pixel has of its own; 0 for a stated noise.
     ///

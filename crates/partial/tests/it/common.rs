@@ -191,3 +191,10 @@ pub fn random_views() -> impl Strategy<Value = View> {
         if grid > 0 { Some(view) } else { as_point_grid(&view) }
     })
 }
+
+/// Orders of convergence between each spacing and the next: `ln(e₁/e₂) / ln(h₁/h₂)`. An error that
+/// falls with the square of the spacing gives 2.
+pub fn observed_orders(spacings: &[f64], errors: &[f64]) -> Vec<f64> {
+    let pairs = spacings.windows(2).zip(errors.windows(2));
+    pairs.map(|(h, e)| (e[0] / e[1]).ln() / (h[0] / h[1]).ln()).collect()
+}

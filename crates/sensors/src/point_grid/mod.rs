@@ -153,11 +153,6 @@ impl PointGrid {
         Self::new(size, points, fitted.unwrap_or(RayStarts::Parallel(-Vector3::z())))
     }
 
-    /// The starts of the rays.
-    pub fn ray_starts(&self) -> &RayStarts {
-        &self.starts
-    }
-
     fn stored(&self, pixel: Pixel) -> Option<&Point3> {
         self.points.get(self.size.index(pixel)?).filter(|p| !p.x.is_nan())
     }
