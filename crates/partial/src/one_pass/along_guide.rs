@@ -19,8 +19,8 @@
 //!
 //! **Limits.** Within the guide's reach, stations of neighbouring samples are on the sides of a
 //! plane on which the samples are. Heights over a plane, for noise that is nearly tangent to it,
-//! are differences of stations. They are too large by the stretch of the planes there: at most ten
-//! times at the limit of the reach and 1 on the guide. Crossings are solved linearly, whatever
+//! are differences of stations. Near the reach such a height is too large by up to ten times; on
+//! the guide it is exact. Crossings are solved linearly, whatever
 //! [`Subpixel`] says. Samples a little beyond an end of the guide keep their neighbours joined, as
 //! on any other plane.
 //!
