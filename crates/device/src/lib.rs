@@ -4,7 +4,7 @@
 //! each** (dissertation, section 3.3). [`DeviceFrame`] defines the rays and the scale,
 //! [`RangeImage`] holds one value per ray, and [`View`] puts both into the world.
 //!
-//! [`DepthOffsets`] and [`ImageOrder`] correct whole images, and [`median()`] and [`quantile()`] are
+//! [`DepthOffsets`] and [`ImageOrder`] correct whole images. [`median()`] and [`quantile()`] are
 //! here because nearly all crates need them. The crate holds the equations of no sensor, reads no
 //! file and does not use the images. To add a sensor, implement [`DeviceFrame`]; see
 //! `transect-sensors` for examples.
