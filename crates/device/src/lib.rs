@@ -4,8 +4,10 @@
 //! each** (dissertation, section 3.3). [`DeviceFrame`] defines the rays and the scale,
 //! [`RangeImage`] holds one value per ray, and [`View`] puts both into the world.
 //!
-//! The crate knows no particular sensor, no file format and no use of the images. To add a sensor,
-//! implement [`DeviceFrame`]; see `transect-sensors` for examples.
+//! [`DepthOffsets`] and [`ImageOrder`] correct whole images. [`median()`] and [`quantile()`] are
+//! here because nearly all crates need them. The crate holds the equations of no sensor, reads no
+//! file and does not use the images. To add a sensor, implement [`DeviceFrame`]; see
+//! `transect-sensors` for examples.
 //!
 //! Conventions that hold for every sensor: row `i` and column `j` count from 0. A pixel's sample
 //! belongs to the pixel's *centre*. Sensor frames are right-handed Cartesian. Lengths are in the
@@ -14,6 +16,7 @@
 mod depth_offsets;
 mod frame;
 mod image_order;
+mod quantile;
 mod range_image;
 mod separable;
 mod view;
@@ -23,12 +26,15 @@ pub use frame::{
     DeviceFrame, DevicePoint, Handedness, LinearForm, Neighbour, PairGeometry, Ray, SensorPlane,
 };
 pub use image_order::ImageOrder;
+pub use quantile::{median, quantile};
 pub use range_image::{ImageError, ImageSize, MAX_PIXELS, Pixel, RangeImage};
 pub use separable::{RayProduct, RayProducts, SeparableForm};
 pub use view::{View, ViewError};
 
 /// A point in a sensor frame or in the world, in the model's length unit.
 pub type Point3 = nalgebra::Point3<f64>;
+/// The point of a missing sample in a list of points: NaN.
+pub const MISSING_POINT: Point3 = Point3::new(f64::NAN, f64::NAN, f64::NAN);
 /// A direction or displacement in space.
 pub type Vector3 = nalgebra::Vector3<f64>;
 /// A rigid motion; variables name it target-from-source, as in `world_from_sensor`.

@@ -48,6 +48,13 @@ impl ImageSize {
         (0..self.rows).flat_map(move |row| (0..self.cols).map(move |col| Pixel::new(row, col)))
     }
 
+    /// The pixel at a place in row-major order.
+    #[inline]
+    pub fn pixel(&self, place: usize) -> Pixel {
+        let cols = self.cols.max(1);
+        Pixel::new(place / cols, place % cols)
+    }
+
     /// Place of a pixel in row-major order; `None` outside the image.
     #[inline]
     pub fn index(&self, pixel: Pixel) -> Option<usize> {

@@ -39,15 +39,6 @@ pub enum Place {
         /// The line it stands on, in text files.
         line: Option<usize>,
     },
-    /// A plane of a contour file, by its index.
-    Plane(i64),
-    /// A polyline of a contour file.
-    Polyline {
-        /// The plane's index.
-        plane: i64,
-        /// The polyline's place in the plane.
-        number: usize,
-    },
 }
 
 impl fmt::Display for Place {
@@ -63,8 +54,6 @@ impl fmt::Display for Place {
             Self::Element { kind, number, line: Some(line) } => {
                 write!(f, ", line {line}, {kind} {number}")
             }
-            Self::Plane(index) => write!(f, ", plane {index}"),
-            Self::Polyline { plane, number } => write!(f, ", plane {plane}, polyline {number}"),
         }
     }
 }

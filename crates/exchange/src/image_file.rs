@@ -7,7 +7,7 @@ use crate::png_file::{self, GreyImage, Samples};
 use crate::tiff_file::{self, TiffSamples};
 use crate::{Place, ReadError, pgm_file};
 use std::path::Path;
-use transect_device::{ImageSize, Pixel, Point3};
+use transect_device::{ImageSize, Point3};
 
 /// Row-major values in the unit of the sensor's scale. `RangeImage` decides which are missing.
 pub(crate) struct Pixels {
@@ -151,7 +151,7 @@ fn from_counts(
     };
     let values: Vec<f32> = counts.map(value).collect();
     if let Some(at) = values.iter().position(|v| v.is_infinite()) {
-        let pixel = Pixel::new(at / size.cols, at % size.cols);
+        let pixel = size.pixel(at);
         let problem = format!("the scale {scale} makes the value infinite");
         return Err(ReadError::damaged(path, Place::Pixel(pixel), problem));
     }

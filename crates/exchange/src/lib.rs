@@ -32,7 +32,7 @@
 //! | guide curve (CSV, GeoJSON, DXF) | [`read_guide`] |
 //! | mesh (PLY, STL, OBJ), range grid (PLY) | [`read_mesh`], [`read_range_grid`] |
 //! | true surface of a simulation (`.npz`) | [`read_truth`], [`write_truth`] |
-//! | sections (`contours.json`, DXF) | [`read_contours`], [`write_contours`], [`write_dxf`] |
+//! | sections (`contours.json`, DXF) | [`write_contours`], [`write_dxf`] |
 //! | splines (DXF, JSON) | [`ModelSplines`] |
 //! | pictures | [`svg`] |
 //! | any text file | [`read_text`] |
@@ -83,7 +83,7 @@ mod view_file;
 mod write_file;
 
 pub use calibration::{read_calibration, write_calibration};
-pub use contours::{ContourPlane, Contours, read_contours, write_contours};
+pub use contours::write_contours;
 pub use depth_sequence::{FileNames, depth_sequence_manifest};
 pub use dxf::{DxfFrame, write_dxf};
 pub use error::{Place, ReadError, Unusable, WriteError};

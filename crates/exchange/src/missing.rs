@@ -8,7 +8,7 @@
 use crate::Place;
 use crate::error::Problem;
 use serde::{Deserialize, Serialize};
-use transect_device::{ImageSize, Pixel, Point3, RangeImage};
+use transect_device::{ImageSize, MISSING_POINT, Point3, RangeImage, median};
 
 /// The value that an image's file holds where there was no return, before any scale.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -165,7 +165,7 @@ fn clear_point(points: &mut [Point3], mark: &Point3) {
 }
 
 fn clear(point: &mut Point3) {
-    *point = Point3::new(f64::NAN, f64::NAN, f64::NAN);
+    *point = MISSING_POINT;
 }
 
 /// The most frequent point and its count, if the other points do not explain the count.
@@ -207,20 +207,17 @@ fn refuse_absurd<I: Iterator<Item = f64>>(
     if largest <= ABSURD * least {
         return Ok(());
     }
-    let mut sorted: Vec<f64> = valid().collect();
-    let middle = sorted.len() / 2;
-    let (_, median, _) = sorted.select_nth_unstable_by(middle, f64::total_cmp);
-    let at = distances().position(|v| v == largest).unwrap_or_default();
-    if largest <= ABSURD * *median {
+    let Some(median) = median(valid()).filter(|median| largest > ABSURD * median) else {
         return Ok(());
-    }
+    };
+    let at = distances().position(|v| v == largest).unwrap_or_default();
     let value = text(at);
     let problem = format!(
-        "the pixel holds {value}; values over 1e6 times the median, {median:e}, are refused. If it \
-         means \"no return\", add \"missing\": {value} to the view (divided by its scale, if it has \
-         one); otherwise correct the pixel"
+        "the pixel holds {value}; values over {ABSURD:e} times the median, {median:e}, are \
+         refused. If it means \"no return\", add \"missing\": {value} to the view (divided by its \
+         scale, if it has one); otherwise correct the pixel"
     );
-    Err(Problem::at(Place::Pixel(Pixel::new(at / size.cols, at % size.cols)), problem))
+    Err(Problem::at(Place::Pixel(size.pixel(at)), problem))
 }
 
 fn note(count: usize, value: &str) -> String {

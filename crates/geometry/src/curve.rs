@@ -14,9 +14,11 @@ use std::num::NonZeroU32;
 pub struct Node {
     /// Where it is, in plane coordinates and the model's length unit.
     pub position: Point2,
-    /// Standard deviation of the position across the curve, in the model's length unit.
+    /// Standard deviation of the position across the curve, in the model's length unit; 0 if
+    /// unknown.
     pub sigma: f32,
-    /// Spacing of the samples along the curve here (one pixel's footprint), in the length unit.
+    /// Spacing of the samples along the curve here (one pixel's footprint), in the length unit; 0
+    /// if unknown.
     pub footprint: f32,
     /// How much it counts in an average: 1 for one observation; a fused node has the sum of its
     /// observations, of which those near open ends count less. No unit.
@@ -119,25 +121,34 @@ impl Node {
     }
 }
 
-/// A node in a file, in the order of the first layout; zeros stand for unknown values.
-#[derive(Serialize, Deserialize)]
-struct StoredNode {
-    position: Point2,
-    sigma: f32,
-    footprint: f32,
-    weight: f32,
-    views: u32,
-    correlation: f32,
-    tan_incidence: f32,
-    normal: Vector3<f32>,
-    bridged: bool,
+/// A node as files hold it, in the order of the first layout.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct StoredNode {
+    /// [`Node::position`].
+    pub position: Point2,
+    /// [`Node::sigma`].
+    pub sigma: f32,
+    /// [`Node::footprint`].
+    pub footprint: f32,
+    /// [`Node::weight`].
+    pub weight: f32,
+    /// [`Node::views`]; 0 if no view measured the node.
+    pub views: u32,
+    /// [`Node::correlation`].
+    pub correlation: f32,
+    /// [`Node::tan_incidence`]; 0 if unknown, and the smallest positive number for a ray along the
+    /// normal.
+    pub tan_incidence: f32,
+    /// [`Node::normal`]; 0 if unknown.
+    pub normal: Vector3<f32>,
+    /// [`Node::bridged`].
+    pub bridged: bool,
 }
 
 impl From<Node> for StoredNode {
     fn from(node: Node) -> Self {
         let Node { position, sigma, footprint, weight, correlation, bridged, .. } = node;
         let views = node.view_count();
-        // Head-on is stored as the smallest positive number, since 0 stands for unknown.
         let tan_incidence = node.tan_incidence.map_or(0.0, |tan| tan.max(f32::MIN_POSITIVE));
         let normal = node.normal.unwrap_or_default();
         Self {

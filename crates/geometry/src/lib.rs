@@ -26,7 +26,7 @@ mod splines;
 mod unit;
 
 pub use crossings::{UnitPlace, crossings};
-pub use curve::{Curve, CurveError, Node};
+pub use curve::{Curve, CurveError, Node, StoredNode};
 pub use end_reason::EndReason;
 pub use envelope::Envelope;
 pub use guide::{

@@ -1,6 +1,6 @@
 //! Where neighbouring pixels do not belong to one surface (dissertation, section 3.4.2).
 
-use transect_device::{Neighbour, PairGeometry, View};
+use transect_device::{Neighbour, PairGeometry, View, quantile};
 
 /// Most rows whose pairs are measured. No unit. Chosen by hand: they hold some thousand pairs.
 /// Doubled, measuring takes twice the time.
@@ -54,12 +54,10 @@ impl BreakRule {
             let mut laterals = Vec::new();
             for row in (0..size.rows).step_by(size.rows.div_ceil(LINES).max(1)) {
                 frame.pair_row(view.image(), row, neighbour, &mut pairs);
-                laterals.extend(pairs.iter().map(|p| p.lateral).filter(|l| !l.is_nan()));
+                laterals.extend(pairs.iter().map(|p| f64::from(p.lateral)).filter(|l| !l.is_nan()));
             }
-            let at = (laterals.len() as f64 * PLAUSIBLE) as usize;
-            if at < laterals.len() {
-                let (_, lateral, _) = laterals.select_nth_unstable_by(at, f32::total_cmp);
-                largest_lateral = largest_lateral.max(OFF_RAY * *lateral);
+            if let Some(lateral) = quantile(laterals, PLAUSIBLE) {
+                largest_lateral = largest_lateral.max(OFF_RAY * lateral as f32);
             }
         }
         Self { largest_lateral, ..self }

@@ -5,7 +5,7 @@
 
 /// Half the width of the largest window, in pixels. A window then has 21 × 21 pixels.
 ///
-/// Chosen by hand: the largest that leaves room for eight windows side by side in 32 bits, see
+/// Chosen by hand: eight windows side by side then have 28 columns, which fit 32 bits, see
 /// `links.rs`. It limits [`WIDEST_RADIUS`]; doubled, windows no longer fit their bit masks.
 pub(crate) const HALF_WINDOW: usize = 10;
 
@@ -80,8 +80,9 @@ pub(crate) const DOUBT: f32 = 0.7;
 
 /// Largest squared difference that counts so, in variances of a sample.
 ///
-/// Theory: a result is never worse than a sample of noise 1. Doubled, nothing changes where
-/// [`AGREEMENT`] holds.
+/// Theory: a result is never worse than a sample, whose variance is 1. Doubled, a pixel keeps its
+/// sample where the two windows differ by more than 1.2 standard deviations of a sample, because
+/// the stated variance then exceeds 1.
 pub(crate) const MOST_DOUBT: f32 = 1.0;
 
 /// Pivot of the normal equations, as a share of its diagonal, below which a term is left out.

@@ -2,7 +2,7 @@
 
 use crate::section::around;
 use crate::{CurveIndex, CurveRecord, InvariantError, Model, Section, ViewRecord};
-use transect_geometry::{Curve, Guide, Isometry3, PlaneFamily, PlaneIndex, StraightGuide};
+use transect_geometry::{Guide, Isometry3, PlaneFamily, PlaneIndex, StraightGuide};
 
 /// Largest deviation of the length of a unit vector or unit quaternion from 1. Chosen by hand:
 /// rounding stays below 1e-15, and vectors that were never normalised deviate by far more. Doubled
@@ -10,11 +10,11 @@ use transect_geometry::{Curve, Guide, Isometry3, PlaneFamily, PlaneIndex, Straig
 const UNIT_TOLERANCE: f64 = 1e-9;
 
 impl Model {
-    /// Checks the promises that every model keeps: usable planes, curves that [`Curve::new`]
-    /// accepts, exact envelopes, rigid poses.
+    /// Checks the promises that every model keeps: usable planes, exact envelopes, rigid poses.
+    /// Curves keep their own: reading one from a file or a store calls
+    /// [`Curve::new`](transect_geometry::Curve::new).
     ///
-    /// Saving and loading call it. Cost: one pass over all nodes, with a copy of one curve at a
-    /// time.
+    /// Saving and loading call it. Cost: one pass over all nodes.
     ///
     /// # Errors
     /// The first [`InvariantError`] in order of views, planes and curves.
@@ -82,11 +82,7 @@ fn check_curve(
     curve: CurveIndex,
     record: &CurveRecord,
 ) -> Result<(), InvariantError> {
-    let stored = record.curve();
-    // The stored curve may have no nodes, so the constructor must check it before other calls.
-    let remade = Curve::new(stored.nodes().to_vec(), stored.is_closed())
-        .map_err(|source| InvariantError::Curve { plane, curve, source })?;
-    let right = remade.envelope() == record.envelope();
+    let right = record.curve().envelope() == record.envelope();
     right.then_some(()).ok_or(InvariantError::CurveEnvelope { plane, curve })
 }
 

@@ -1,7 +1,7 @@
 //! The promises that every model keeps, as errors that say where one is broken.
 
 use crate::CurveIndex;
-use transect_geometry::{CurveError, GuideError, PlaneIndex};
+use transect_geometry::{GuideError, PlaneIndex};
 
 /// An invariant that a model breaks, with the place.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -25,17 +25,6 @@ pub enum InvariantError {
     /// A section without curves is stored.
     #[error("plane {0} has no curves")]
     EmptySection(PlaneIndex),
-    /// A curve's nodes make no curve.
-    #[error("curve {curve} on plane {plane} is malformed")]
-    Curve {
-        /// The plane it is on.
-        plane: PlaneIndex,
-        /// Its place among the plane's curves.
-        curve: CurveIndex,
-        /// The error.
-        #[source]
-        source: CurveError,
-    },
     /// The envelope recorded with a curve is not the one around its nodes.
     #[error("the envelope of curve {curve} on plane {plane} is not the one around its nodes")]
     CurveEnvelope {

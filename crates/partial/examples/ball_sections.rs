@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let camera = Pinhole::new(size, Intrinsics { fx: 180.0, fy: 180.0, cx: 79.5, cy: 59.5 })?;
 
     // The image: one value per pixel, NaN where the ray misses the ball.
-    let pixels = (0..size.pixels()).map(|k| Pixel::new(k / size.cols, k % size.cols));
+    let pixels = size.all_pixels();
     let values = pixels.map(|pixel| depth(&camera, pixel).unwrap_or(f64::NAN) as f32).collect();
     let image = RangeImage::from_values(size, values)?;
 

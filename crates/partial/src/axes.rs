@@ -54,7 +54,7 @@ impl SectionAxes {
     }
 
     /// Smallest and largest level, from the base, that the view's sensing volume can hold.
-    pub fn involved_levels(&self, view: &View) -> (f64, f64) {
+    fn involved_levels(&self, view: &View) -> (f64, f64) {
         let Some((near, far)) = view.image().extremes() else { return (0.0, 0.0) };
         let (near, far) = (f64::from(near), f64::from(far));
         let (low, high) = view.frame().extent(&self.level.gradient, near, far);
@@ -93,11 +93,6 @@ impl SectionAxes {
     /// Plane coordinates of a sensor-frame point.
     pub fn in_plane(&self, p: &Point3) -> Point2 {
         Point2::new(self.x.at(p), self.y.at(p))
-    }
-
-    /// Change of the plane coordinates per length unit along each sensor axis.
-    pub(crate) fn in_plane_gradients(&self) -> [Vector3; 2] {
-        [self.x.gradient, self.y.gradient]
     }
 
     /// A sensor-frame direction in plane coordinates, its height third, all in the length unit.

@@ -8,7 +8,7 @@ use transect_image::PreparedView;
 pub struct PartialModel {
     /// The planes the view crosses, sorted, each with its curves in a fixed order.
     pub planes: Vec<PlaneCurves>,
-    /// Counts of pixels, pairs and lines, and the noise.
+    /// Counts of pixels and pairs, and the noise.
     pub counts: PartialCounts,
     /// Notes for the report, in whole sentences that name the view.
     pub notes: Vec<String>,
@@ -25,17 +25,8 @@ pub struct PartialCounts {
     /// Pairs of neighbouring valid pixels that do not belong to one surface. Pixels far from every
     /// plane are not smoothed and count as they were read.
     pub jumps: usize,
-    /// Chains of crossings too short to be a curve, which are left out: most are single crossings.
-    pub lone: usize,
-    /// Lines left out because noise explains them: the surface is nearly tangent to the plane.
-    pub noise_lines: usize,
-    /// Units that bridge missing pixels.
-    pub bridged: usize,
     /// Range noise that was given or estimated, in the model's length unit.
     pub sigma: f64,
-    /// Range noise that is left at the median of the pixels that were to be smoothed, in the
-    /// model's length unit.
-    pub sigma_after: f64,
     /// Pixels that smoothing changed. Pixels far from every plane are not smoothed.
     pub smoothed: usize,
     /// Pixels between the two surfaces of a range jump, which smoothing left out.
@@ -44,9 +35,6 @@ pub struct PartialCounts {
     pub beyond_ends: usize,
     /// Pixels where planes along a curved guide may cross; they count as missing.
     pub beyond_reach: usize,
-    /// Diameter of the smoothing window at the median smoothed pixel, in pixels of those that were
-    /// read; 0 if none was smoothed.
-    pub window: f64,
 }
 
 impl PartialModel {
@@ -55,12 +43,9 @@ impl PartialModel {
         let counts = &mut self.counts;
         counts.read = prepared.given().image().valid_count();
         counts.sigma = prepared.sigma();
-        counts.sigma_after = counts.sigma;
         if let Some(smoothed) = prepared.smoothed() {
-            counts.sigma_after *= smoothed.median_factor;
             counts.smoothed = smoothed.changed;
             counts.flying = smoothed.flying;
-            counts.window = smoothed.window;
         }
         if let Some(estimate) = prepared.contradicting_sigma() {
             self.notes.push(format!(

@@ -5,6 +5,7 @@ use crate::fused::Fused;
 use crate::{PoseReport, RefinementReport};
 use serde::Serialize;
 use std::time::Duration;
+use transect_device::median;
 use transect_fusion::FusedPlane;
 use transect_fusion::pairwise::GrowthCounts;
 use transect_geometry::{Curve, LengthUnit};
@@ -167,6 +168,9 @@ impl FusionReport {
     }
 
     pub(crate) fn of(planes: &[PlaneSummary]) -> Self {
+        let median = |of: fn(&PlaneSummary) -> Option<f64>| {
+            median(planes.iter().filter_map(of)).unwrap_or(0.0)
+        };
         let used = || planes.iter().filter(|p| p.curves > 0);
         Self {
             planes: used().count(),
@@ -178,12 +182,12 @@ impl FusionReport {
             observations: planes.iter().map(|p| p.observations).sum(),
             dropped: planes.iter().map(|p| p.dropped).sum(),
             crossings_resolved: planes.iter().map(|p| p.crossings_resolved).sum(),
-            spread: median(planes.iter().filter_map(|p| p.spread)),
-            view_error: median(planes.iter().filter_map(|p| p.view_error)),
-            noise: median(planes.iter().filter_map(|p| p.noise)),
+            spread: median(|p| p.spread),
+            view_error: median(|p| p.view_error),
+            noise: median(|p| p.noise),
             planes_fused: used().filter(|p| p.sigma_is_noise_alone.is_some()).count(),
             planes_noise_alone: used().filter(|p| p.sigma_is_noise_alone == Some(true)).count(),
-            threshold: median(planes.iter().filter_map(|p| p.threshold)),
+            threshold: median(|p| p.threshold),
             growth: planes.iter().filter_map(|p| p.growth).reduce(|mut sum, plane| {
                 sum.add(&plane);
                 sum
@@ -264,12 +268,6 @@ impl PlaneSummary {
             ..sum
         })
     }
-}
-
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// Times of the stages.

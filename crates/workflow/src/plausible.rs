@@ -4,10 +4,10 @@
 //! with which a user can accept the input after all.
 
 use crate::WorkflowError;
-use crate::samples::{median, pixel_spacing, reach, samples};
+use crate::samples::{pixel_spacing, reach, samples};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
-use transect_device::{Pixel, View};
+use transect_device::{Pixel, View, median};
 use transect_exchange::Scan;
 use transect_geometry::LengthUnit;
 

@@ -1,6 +1,6 @@
 //! Evenly thinned pixels of a view, for checks and estimates that need no more.
 
-use transect_device::{Pixel, Point3, Vector3, View};
+use transect_device::{Pixel, Point3, Vector3, View, median};
 
 /// Rows and columns of a view that are looked at. A median of 4000 samples is certain to 2 %.
 /// Doubled, checking takes four times as long.
@@ -60,21 +60,8 @@ fn spread(view: &View, [down, along]: [usize; 2]) -> impl Iterator<Item = Sample
 /// other one. `None` without three valid neighbours.
 pub(crate) fn pixel_spacing(view: &View) -> Option<[f64; 2]> {
     let spacings: Vec<[f64; 2]> = samples(view).map(|sample| sample.spacings()).collect();
-    let of = |k: usize| median(spacings.iter().map(|both| both[k]).collect());
+    let of = |k: usize| median(spacings.iter().map(|both| both[k]));
     Some([of(0)?, of(1)?])
-}
-
-/// The median; `None` without values.
-pub(crate) fn median(values: Vec<f64>) -> Option<f64> {
-    quantile(values, 0.5)
-}
-
-/// The value that a share of all values does not exceed; `None` without values.
-pub(crate) fn quantile(mut values: Vec<f64>, share: f64) -> Option<f64> {
-    let place = (share * values.len() as f64) as usize;
-    let last = values.len().checked_sub(1)?;
-    let (_, value, _) = values.select_nth_unstable_by(place.min(last), f64::total_cmp);
-    Some(*value)
 }
 
 /// Largest distance of a sample from the sensor's origin.

@@ -9,10 +9,10 @@
 //!    [`MOST_PLANES`]th of the extent along the normal.
 //! 3. The **offset** keeps the planes away from faces that are parallel to them.
 
-use crate::samples::{median, quantile};
 use crate::survey::{SensorClass, ViewSurvey};
 use crate::table::Quantity;
 use crate::{OpenScan, PlaneSettings, Settings, WorkflowError};
+use transect_device::{median, quantile};
 use transect_exchange::PlanesEntry;
 use transect_geometry::{Guide, LengthUnit, Point3, Vector3};
 
@@ -137,7 +137,7 @@ impl OpenScan {
         let [given, interval] = settings.lengths(unit)?;
         let interval = interval.unwrap_or_else(|| {
             let extent = curved.as_ref().map_or_else(|| extent(views, &along), |g| g.length());
-            let spacing = median(views.iter().filter_map(|v| Some(v.spacing?[1])).collect());
+            let spacing = median(views.iter().filter_map(|v| Some(v.spacing?[1])));
             let resolved = PIXELS_PER_INTERVAL * spacing.unwrap_or(0.0);
             round_up(resolved.max(extent / MOST_PLANES))
         });

@@ -3,12 +3,12 @@
 //! Every view is loaded, measured and dropped, so that memory does not grow with the scan. What is
 //! kept of a view are a few thousand points.
 
-use crate::samples::{Sample, coarse_samples, median, pixel_spacing, samples};
+use crate::samples::{Sample, coarse_samples, pixel_spacing, samples};
 use crate::{OpenScan, Plausibility, WorkflowError};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use transect::ReconstructError;
-use transect_device::{ImageSize, Isometry3, Pixel, Point3, Vector3, View};
+use transect_device::{ImageSize, Isometry3, Pixel, Point3, Vector3, View, median};
 use transect_exchange::ScanView;
 use transect_image::estimate_sigma;
 
@@ -143,7 +143,7 @@ impl ViewSurvey {
             notes,
             refusal: None,
             up: pose * up(view, sensor),
-            step: median(coarse.iter().map(|s| s.spacings()[1]).collect()),
+            step: median(coarse.iter().map(|s| s.spacings()[1])),
             surface: coarse.iter().filter_map(place).collect(),
         }
     }
@@ -202,14 +202,14 @@ fn extremes(view: &View) -> ([f64; 3], (Point3, Point3)) {
         let (low, high) = corners.unwrap_or((point, point));
         corners = Some((low.inf(&point), high.sup(&point)));
     }
-    let middle = median(samples(view).map(|s| distance(s.pixel, &s.point)).collect());
+    let middle = median(samples(view).map(|s| distance(s.pixel, &s.point)));
     let corners = corners.unwrap_or((Point3::origin(), Point3::origin()));
     ([near, middle.unwrap_or(f64::NAN), far], corners)
 }
 
 /// States for each view the share of its points that others have, too.
 fn overlap(views: &mut [&mut ViewSurvey]) {
-    let side = CELL * median(views.iter().filter_map(|v| v.step).collect()).unwrap_or(0.0);
+    let side = CELL * median(views.iter().filter_map(|v| v.step)).unwrap_or(0.0);
     if views.len() < 2 || side <= 0.0 {
         return;
     }

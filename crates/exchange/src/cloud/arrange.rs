@@ -1,10 +1,10 @@
 //! Rows and columns of a cloud: which point belongs to which cell of the grid.
 
-use super::cells::{Cells, Rings, elevation, is_valid, median};
+use super::cells::{Cells, Rings, elevation, is_valid};
 use super::{azimuth, firings, rings};
 use crate::error::Problem;
 use crate::point_table::Cloud;
-use transect_device::ImageSize;
+use transect_device::{ImageSize, MISSING_POINT, median};
 use transect_geometry::Point3;
 
 /// Row-major points of a grid. Cells without a point are missing.
@@ -87,7 +87,7 @@ fn place(points: &[Point3], cells: &Cells, notes: &mut Vec<String>) -> (ImageSiz
             list.push(elevation(point));
         }
     }
-    let medians = elevations.iter_mut().enumerate();
+    let medians = elevations.into_iter().enumerate();
     let mut order: Vec<(f64, usize)> =
         medians.filter_map(|(laser, list)| Some((median(list)?, laser))).collect();
     order.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
@@ -103,7 +103,7 @@ fn place(points: &[Point3], cells: &Cells, notes: &mut Vec<String>) -> (ImageSiz
             *place = Some(row);
         }
     }
-    let mut placed = vec![Point3::new(f64::NAN, f64::NAN, f64::NAN); size.pixels()];
+    let mut placed = vec![MISSING_POINT; size.pixels()];
     for (point, cell) in points.iter().zip(&cells.cell) {
         let Some((laser, col)) = cell else { continue };
         let row = row_of.get(usize::from(*laser)).copied().flatten();

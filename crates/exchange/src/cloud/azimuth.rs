@@ -7,9 +7,10 @@
 //!
 //! Cost: one sort of the points.
 
-use super::cells::{Cells, Rings, is_valid, median};
+use super::cells::{Cells, Rings, is_valid};
 use crate::error::Problem;
 use std::f64::consts::TAU;
+use transect_device::median;
 use transect_geometry::Point3;
 
 /// Two points of a ring within this share of the usual step are two returns of one pulse. Chosen by
@@ -173,7 +174,6 @@ fn usual_step(order: &[(f64, u32)], rings: &Rings) -> Result<f64, Problem> {
         steps.extend((step > ROUNDING).then_some(step));
     }
     let problem = || Problem::damaged("no ring has two points at different azimuths");
-    let first = median(&mut steps).ok_or_else(problem)?;
-    steps.retain(|step| *step < 1.5 * first);
-    median(&mut steps).ok_or_else(problem)
+    let first = median(steps.iter().copied()).ok_or_else(problem)?;
+    median(steps.into_iter().filter(|step| *step < 1.5 * first)).ok_or_else(problem)
 }

@@ -52,9 +52,3 @@ pub(super) fn is_valid(point: &Point3) -> bool {
 pub(super) fn elevation(point: &Point3) -> f64 {
     point.z.atan2(point.x.hypot(point.y))
 }
-
-pub(super) fn median(values: &mut [f64]) -> Option<f64> {
-    let middle = values.len() / 2;
-    values.sort_by(f64::total_cmp);
-    values.get(middle).copied()
-}

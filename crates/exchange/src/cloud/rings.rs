@@ -4,9 +4,10 @@
 //! ring. Other files have any order, and the elevations of the rings are separated by gaps. Both
 //! are checked against the stated number of rings; files that pass neither check are refused.
 
-use super::cells::{MOST_RINGS, Rings, elevation, is_valid, median};
+use super::cells::{MOST_RINGS, Rings, elevation, is_valid};
 use crate::error::Problem;
 use std::f64::consts::{PI, TAU};
+use transect_device::median;
 use transect_geometry::Point3;
 
 /// The least gap between rings over the largest gap within rings. Chosen by hand: the ratio of a
@@ -85,7 +86,7 @@ fn by_laps(points: &[Point3], count: usize) -> Option<Rings> {
     for (number, point) in numbers.iter().zip(points).filter(|(_, p)| is_valid(p)) {
         elevations.get_mut(usize::from(*number))?.push(elevation(point));
     }
-    let medians: Vec<f64> = elevations.iter_mut().filter_map(|e| median(e)).collect();
+    let medians: Vec<f64> = elevations.into_iter().filter_map(median).collect();
     let is_sorted = medians.is_sorted_by(|a, b| a < b) || medians.is_sorted_by(|a, b| a > b);
     (medians.len() == count && is_sorted).then_some(Rings { count, numbers })
 }

@@ -28,7 +28,7 @@ use association::associate;
 use camera::Camera;
 use layouts::Layout;
 use std::path::{Path, PathBuf};
-use transect_device::ImageSize;
+use transect_device::{ImageSize, median};
 use transect_geometry::LengthUnit;
 
 /// Images that are read when a sequence is opened, for their kind of numbers and their depths.
@@ -153,7 +153,7 @@ struct Sample {
     /// images, so an image of another size is not its own.
     size: Option<ImageSize>,
     /// Least, median and largest depth of each image.
-    depths: Vec<[f32; 3]>,
+    depths: Vec<[f64; 3]>,
 }
 
 impl Sample {
@@ -171,10 +171,10 @@ impl Sample {
             sample.integers = integers;
             sizes.push(size);
             values.retain(|v| *v > 0.0 && v.is_finite());
-            values.sort_unstable_by(f32::total_cmp);
-            if let (Some(least), Some(largest)) = (values.first(), values.last()) {
-                let median = values.get(values.len() / 2).unwrap_or(least);
-                sample.depths.push([*least, *median, *largest]);
+            let depths = || values.iter().map(|depth| f64::from(*depth));
+            let extremes = depths().reduce(f64::min).zip(depths().reduce(f64::max));
+            if let (Some((least, largest)), Some(median)) = (extremes, median(depths())) {
+                sample.depths.push([least, median, largest]);
             }
         }
         let count = |size: &ImageSize| sizes.iter().filter(|other| *other == size).count();
@@ -185,18 +185,16 @@ impl Sample {
 
     /// Words for the note: least and largest depth, and the median of the image between others.
     fn depths(&self, scale: Option<f64>) -> String {
-        let sorted = |which: usize| {
-            let depths = self.depths.iter().filter_map(|depths| depths.get(which));
-            let mut metres: Vec<f64> =
-                depths.map(|depth| f64::from(*depth) * scale.unwrap_or(1.0)).collect();
-            metres.sort_unstable_by(f64::total_cmp);
-            metres
+        let metres = |of: fn(&[f64; 3]) -> f64| {
+            self.depths.iter().map(move |depths| of(depths) * scale.unwrap_or(1.0))
         };
-        let (least, medians, largest) = (sorted(0), sorted(1), sorted(2));
-        match (least.first(), medians.get(medians.len() / 2), largest.last()) {
+        let least = metres(|[least, ..]| *least).reduce(f64::min);
+        let middle = median(metres(|[_, median, _]| *median));
+        let largest = metres(|[.., largest]| *largest).reduce(f64::max);
+        match (least, middle, largest) {
             (Some(least), Some(median), Some(largest)) => format!(
                 "; depths {least:.3} to {largest:.3} m, median {median:.3} m, in a sample of {}",
-                medians.len()
+                self.depths.len()
             ),
             _ => String::new(),
         }

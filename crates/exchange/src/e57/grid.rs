@@ -3,7 +3,7 @@
 use super::EXPORT;
 use super::records::Cell;
 use e57::IndexBounds;
-use transect_device::ImageSize;
+use transect_device::{ImageSize, MISSING_POINT};
 use transect_geometry::Point3;
 
 /// Most cells of a grid per record. Chosen by hand: a grid that is 99 % empty is an object cut out
@@ -24,7 +24,7 @@ pub(super) fn of(
     let rows = settle("rows", rows, bounds(|b| b.row_min, |b| b.row_max), notes);
     let cols = settle("columns", cols, bounds(|b| b.column_min, |b| b.column_max), notes);
     let size = size_of(rows, cols, cells.len())?;
-    let mut points = vec![Point3::new(f64::NAN, f64::NAN, f64::NAN); size.pixels()];
+    let mut points = vec![MISSING_POINT; size.pixels()];
     let mut repeated = 0;
     for Cell { row, col, point } in &cells {
         let (row, col) = (i64::from(*row) - rows.0, i64::from(*col) - cols.0);

@@ -3,6 +3,7 @@
 use e57::{PointCloud, PointCloudReaderRaw, RawValues, RecordDataType, RecordName};
 use std::f64::consts::FRAC_PI_2;
 use std::io::{Read, Seek};
+use transect_device::MISSING_POINT;
 use transect_geometry::Point3;
 
 /// Largest elevation in excess of a right angle that is rounding, in radians. Chosen by hand:
@@ -17,9 +18,6 @@ pub(super) struct Cell {
     /// NaN if the record is invalid.
     pub(super) point: Point3,
 }
-
-/// The point of a record without a valid one.
-const MISSING: Point3 = Point3::new(f64::NAN, f64::NAN, f64::NAN);
 
 /// All records of a structured scan. An error is a sentence that names the record.
 pub(super) fn read<R: Read + Seek>(
@@ -94,7 +92,7 @@ impl Fields {
             Some(1.0 | 2.0) => false,
             Some(other) => return Err(format!("the invalid state is {other}; expected 0, 1 or 2")),
         };
-        let point = if valid { self.point(values)? } else { MISSING };
+        let point = if valid { self.point(values)? } else { MISSING_POINT };
         Ok(Cell { row, col, point })
     }
 

@@ -103,12 +103,15 @@ fn what_is_wrong_is_named_with_its_line() {
 
 proptest! {
     #[test]
-    fn random_files_are_a_guide_or_an_error(
+    fn random_files_are_a_finite_guide_or_an_error(
         text in "[-0-9a-zA-Z,;:.{}\\[\\]\" \n]{0,200}", name in 0..3_usize,
         cut in 0..400_usize, change in any::<u8>(),
     ) {
         let name = ["a.csv", "a.json", "a.dxf"][name];
-        let _ = read(name, &text);
+        let is_guide = |points: &[Point3]| {
+            points.len() > 1 && points.iter().all(|p| p.coords.iter().all(|c| c.is_finite()))
+        };
+        prop_assert!(read(name, &text).map_or(true, |points| is_guide(&points)));
         let light = drawing("0 LWPOLYLINE 90 3 38 3.0 10 1 20 2 10 4 20 5 10 4.5 20 9");
         let mut bytes = light.into_bytes();
         bytes.truncate(cut);
@@ -116,6 +119,7 @@ proptest! {
             *byte = change;
         }
         let (_folder, path) = write_to_folder("a.dxf", &bytes);
-        let _ = read_guide(&path, GuideKind::Spline, LengthUnit::Metre);
+        let guide = read_guide(&path, GuideKind::Spline, LengthUnit::Metre);
+        prop_assert!(guide.map_or(true, |guide| is_guide(guide.points())));
     }
 }

@@ -4,7 +4,7 @@ use super::{Element, Ply};
 use crate::input::read_bytes;
 use crate::{Place, ReadError};
 use std::path::Path;
-use transect_device::{ImageSize, MAX_PIXELS, Pixel};
+use transect_device::{ImageSize, MAX_PIXELS, MISSING_POINT};
 use transect_geometry::Point3;
 
 /// An organised grid of points in the scanner's frame.
@@ -92,12 +92,11 @@ fn place(
     vertices: &[Point3],
     cells: &[Cell],
 ) -> Result<Vec<Point3>, ReadError> {
-    let missing = Point3::new(f64::NAN, f64::NAN, f64::NAN);
     let point = |(number, cell): (usize, &Cell)| match cell {
-        None => Ok(missing),
+        None => Ok(MISSING_POINT),
         Some(index) => {
             usize::try_from(*index).ok().and_then(|i| vertices.get(i)).copied().ok_or_else(|| {
-                let pixel = Pixel::new(number / size.cols, number % size.cols);
+                let pixel = size.pixel(number);
                 let problem =
                     format!("vertex {index} does not exist; there are {}", vertices.len());
                 ReadError::damaged(path, Place::Pixel(pixel), problem)

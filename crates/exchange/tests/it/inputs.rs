@@ -2,8 +2,7 @@
 
 use std::path::Path;
 use transect_exchange::{
-    Scan, read_calibration, read_contours, read_guide, read_mesh, read_range_grid, read_text,
-    read_truth,
+    Scan, read_calibration, read_guide, read_mesh, read_range_grid, read_text, read_truth,
 };
 use transect_geometry::{GuideKind, LengthUnit};
 
@@ -23,7 +22,6 @@ fn errors(folder: &Path, name: &str) -> Vec<String> {
         read_range_grid(&path("ply")).map(drop),
         read_guide(&path("csv"), GuideKind::Spline, LengthUnit::Metre).map(drop),
         read_calibration(&path("csv")).map(drop),
-        read_contours(&path("json")).map(drop),
         read_truth(&path("npz")).map(drop),
         read_text(&path("txt")).map(drop),
     ]
@@ -84,5 +82,4 @@ fn byte_order_marks_are_skipped_in_every_text() {
     assert_eq!(guide.points().len(), 4, "the first point is no header");
     let table = "sweep,theta,p,u,v\n0,0,1,2,3\n1,0,4,5,6\n";
     assert!(read_calibration(&with_mark("table.csv", table)).is_ok());
-    assert!(read_contours(&with_mark("c.json", r#"{"unit":"m","planes":[]}"#)).is_ok());
 }

@@ -15,8 +15,8 @@
 //!      error and weight. Weights fall towards open ends, where real scanners overshoot.
 //!    * The spread between views sets the overlap threshold. The views' systematic errors, which
 //!      grow with the incidence, are part of all weights.
-//!    * Where these errors exceed a third of a footprint, the views' curves move onto a common course. A
-//!      view counts in it by its errors there, which may go with its noise.
+//!    * Where these errors exceed a third of a footprint, the views' curves move onto a common
+//!      course. A view counts in it by its errors there, which may go with its noise.
 //! 2. `estimate` → `PlacedNode`s.
 //!    * Groups of observations beside each other; rough fits treat a group as one.
 //!    * Thinning: best supported first, a group moves across the curve onto a robust line through
@@ -37,7 +37,8 @@
 //!    * Rings: closed chains that cannot be told from a circle become one.
 //!    * Corners: where two sides meet at an angle, the curve goes through the place at which they
 //!      do.
-//!    * Crossings: units that cross better ones are left out (`planar.rs`).
+//!
+//! Last, [`consensus`] leaves out units that cross better ones (`planar.rs`).
 //!
 //! **Departures from the source.** Everything from the groups on replaces 5.5.2. The rule table of
 //! 5.4 holds for the result as an invariant instead of deciding each merge.
@@ -45,8 +46,8 @@
 //! **Cost.** Each step gathers neighbours from a grid. Measuring, aligning (some rounds), grouping,
 //! clustering and looking for witnesses of links visit every observation. All other steps visit
 //! groups or nodes, whose number depends on the length of the result, not on the number of views.
-//! Not for views whose poses are wrong by more than the
-//! overlap threshold: fusion cannot repair registration.
+//!
+//! **Limits.** Poses must be right within the overlap threshold: fusion cannot repair registration.
 
 mod connect;
 mod estimate;

@@ -74,7 +74,8 @@ steps! {
     incidence_error,
     /// A first search for other views nearby, before the full search distance.
     nearby_spread,
-    /// Views' curves moved onto their common course where their errors exceed a third of a footprint.
+    /// Views' curves moved onto their common course where their errors exceed a third of a
+    /// footprint.
     settle,
     /// Views shifted and turned as a whole before.
     align,

@@ -161,12 +161,6 @@ impl Overlaps {
     pub fn relation(&self) -> Relation {
         self.relation
     }
-
-    /// Whether the rules allow to merge the two curves: one valid overlap, or a ring.
-    pub fn can_be_merged(&self) -> bool {
-        let counted_right = matches!(self.relation, Relation::Single | Relation::Ring);
-        counted_right && self.overlaps.iter().all(|o| o.verdict.is_valid())
-    }
 }
 
 /// Finds where two curves overlap, and judges it by the rules.

@@ -77,14 +77,9 @@ impl CubicSpline {
         &self.controls
     }
 
-    /// First and last parameter.
-    pub fn domain(&self) -> (f64, f64) {
-        (self.knots[3], self.knots[self.knots.len() - 4])
-    }
-
-    /// The point at a parameter, which is clamped to the domain.
+    /// The point at a parameter, which is clamped to those of the spline's ends.
     pub fn point(&self, u: f64) -> Point2 {
-        let (first, last) = self.domain();
+        let (first, last) = (self.knots[3], self.knots[self.knots.len() - 4]);
         let u = u.clamp(first, last);
         basis::blossom(&self.knots, &self.controls, basis::span(&self.knots, u), [u; 3])
     }

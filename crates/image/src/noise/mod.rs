@@ -6,7 +6,7 @@ mod growth;
 use crate::tuning::MOSTLY_SHARED;
 use differences::{Values, count, differences, smaller_spread};
 use growth::Growth;
-use transect_device::{DeviceFrame, Pixel, RangeImage, View};
+use transect_device::{DeviceFrame, Pixel, RangeImage, View, median};
 
 /// Most rows, and rows of groups down the columns, in an estimate. No unit.
 ///
@@ -156,14 +156,6 @@ impl RangeNoise {
         self.length
     }
 
-    /// The noise as a length along the ray, where that is the same at every pixel.
-    pub fn stated_length(&self) -> Option<f64> {
-        match self.known {
-            Known::Length(sigma) => Some(sigma),
-            Known::Value(..) => None,
-        }
-    }
-
     /// Standard deviation of the noise that neighbouring pixels share, over that of the noise that
     /// each pixel has of its own; 0 for a stated noise.
     ///
@@ -293,20 +285,12 @@ fn length_per_even_value(
 
 /// The median over a lattice of the view's pixels; 1 if no pixel has such a length.
 fn median_length(view: &View, growth: Growth) -> f64 {
-    let rates_of = |count: usize| -> Vec<f64> {
+    let of = |count: usize| {
         let pixels = lattice(view.image(), count);
-        pixels.filter_map(|pixel| length_per_even_value(view.frame(), pixel, growth)).collect()
+        median(pixels.filter_map(|pixel| length_per_even_value(view.frame(), pixel, growth)))
     };
-    let mut rates = rates_of(LATTICE);
-    if rates.is_empty() {
-        // So few valid pixels that the lattice missed them all.
-        rates = rates_of(usize::MAX);
-    }
-    if rates.is_empty() {
-        return 1.0;
-    }
-    let middle = rates.len() / 2;
-    *rates.select_nth_unstable_by(middle, f64::total_cmp).1
+    // The lattice can miss all valid pixels if they are few.
+    of(LATTICE).or_else(|| of(usize::MAX)).unwrap_or(1.0)
 }
 
 /// Valid pixels and their values, about `count` by `count` evenly over the image.

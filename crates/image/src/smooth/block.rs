@@ -27,7 +27,6 @@ pub(super) struct Block {
     inverse_cut: [f32; MOST],
     /// Largest radius of any pixel, in rows and in columns.
     largest: [f32; 2],
-    radii: [f32; MOST],
 }
 
 /// A number for each pixel of a block, where vectors are read at once.
@@ -162,18 +161,11 @@ impl Block {
             wider: wide.map(|radius| stored(one / (radius * radius))),
             inverse_cut: stored(inverse_sigma * (1.0 / CUT)),
             largest: radii.map(|radii| stored(radii).into_iter().fold(0.0, f32::max)),
-            radii: stored((radii[0] * radii[1]).sqrt()),
         }
     }
 
     pub fn is_empty(&self) -> bool {
         self.largest[0] == 0.0
-    }
-
-    /// Radii of the windows that the results come from.
-    #[inline(always)]
-    pub fn radii(&self, shares: &[f32; MOST]) -> [f32; MOST] {
-        std::array::from_fn(|lane| window::between(self.radii[lane], shares[lane]))
     }
 
     /// Fits all pixels. The unit of values is the cut, so that single precision is enough.

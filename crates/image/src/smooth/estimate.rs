@@ -22,8 +22,6 @@ pub(super) struct Fitted {
     pub changes: [f32; MOST],
     /// Factors of their standard deviations.
     pub factors: [f32; MOST],
-    /// Share of the wider window in each.
-    pub shares: [f32; MOST],
     /// Which pixels change at all, one bit each.
     pub holds: u64,
 }
@@ -37,13 +35,11 @@ impl<S: Simd> Estimates<S> {
     /// each pixel's quantity, 0 where the pixel stays as it is.
     #[inline(always)]
     pub fn fitted(&self, wide: &Self, inverse_cut: Native<S>) -> Fitted {
-        let mut fitted =
-            Fitted { changes: [0.0; MOST], factors: [1.0; MOST], shares: [0.0; MOST], holds: 0 };
-        let (best, share) = self.or_wider(wide);
+        let mut fitted = Fitted { changes: [0.0; MOST], factors: [1.0; MOST], holds: 0 };
+        let best = self.or_wider(wide);
         let lanes = ..Native::<S>::LEN;
         (best.change / inverse_cut).store_slice(&mut fitted.changes[lanes]);
         best.variance.sqrt().store_slice(&mut fitted.factors[lanes]);
-        share.store_slice(&mut fitted.shares[lanes]);
         let stays = inverse_cut.simd_eq(all(self.simd, 0.0)).to_bitmask();
         fitted.holds = self.hold() & best.hold() & !stays;
         fitted
@@ -61,13 +57,13 @@ impl<S: Simd> Estimates<S> {
             & self.change.abs().simd_lt(largest).to_bitmask()
     }
 
-    /// The better of these estimates and those of the wider windows, and the wider ones' shares.
+    /// The better of these estimates and those of the wider windows.
     ///
     /// The wider window counts where noise explains the difference, the narrow one where it does
     /// not, and a mean of both in between. A share that falls smoothly keeps neighbouring pixels
     /// from taking different sides.
     #[inline(always)]
-    fn or_wider(&self, wide: &Self) -> (Self, Native<S>) {
+    fn or_wider(&self, wide: &Self) -> Self {
         let simd = self.simd;
         let [zero, one, largest] = [0.0, 1.0, LARGEST_CHANGE / CUT].map(|number| all(simd, number));
         // Of nested windows, the variance of the difference is the difference of the variances.
@@ -83,6 +79,6 @@ impl<S: Simd> Estimates<S> {
         let mix = |this: Native<S>, wide: Native<S>| this + share * (wide - this);
         let doubt = counts.select(squared.min(all(simd, MOST_DOUBT)) * DOUBT, zero);
         let (change, variance) = (mix(self.change, wide.change), mix(self.variance, wide.variance));
-        (Self { simd, change, variance: variance + doubt }, share)
+        Self { simd, change, variance: variance + doubt }
     }
 }

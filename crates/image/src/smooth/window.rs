@@ -53,12 +53,6 @@ pub(super) fn wider(radius: f32) -> f32 {
     (WIDER * radius).min(WIDEST_RADIUS)
 }
 
-/// Radius of a window of which the wider one has a share.
-#[inline(always)]
-pub(super) fn between(radius: f32, share: f32) -> f32 {
-    radius + share * (wider(radius) - radius)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

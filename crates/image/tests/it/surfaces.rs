@@ -78,7 +78,7 @@ pub fn look(
     let mut normal = Normal(7);
     let size = frame.size();
     let value = |k: usize| {
-        let pixel = Pixel::new(k / size.cols, k % size.cols);
+        let pixel = size.pixel(k);
         let noise = sigma * normal.sample();
         let along = range(frame.as_ref(), pixel, distance)? + noise;
         let ray = frame.ray(pixel)?;
@@ -97,7 +97,7 @@ pub fn error_at(view: &View, truth: &View, pixel: Pixel) -> f64 {
 }
 
 pub fn pixels(size: ImageSize) -> impl Iterator<Item = Pixel> {
-    (0..size.pixels()).map(move |k| Pixel::new(k / size.cols, k % size.cols))
+    size.all_pixels()
 }
 
 /// The value below which a share of the sizes lies; NaN are left out.

@@ -32,9 +32,10 @@
 use super::copy::ViewCopy;
 use super::view::{StoreHeader, ViewEntry};
 use super::view_id::ViewId;
-use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
-use transect_geometry::{Curve, CurveError, EndReason, LengthUnit, Node, PlaneFamily, Point2};
+use transect_geometry::{
+    Curve, CurveError, EndReason, LengthUnit, Node, PlaneFamily, Point2, StoredNode,
+};
 
 /// Value of the key `format` in the first line.
 pub(super) const FORMAT: &str = "transect-model";
@@ -148,12 +149,10 @@ impl From<StoreLine> for StoreHeader {
 impl From<&Curve> for CurveText {
     fn from(curve: &Curve) -> Self {
         let node = |n: &Node| {
-            let Node { position, sigma, footprint, weight, correlation, .. } = *n;
-            let (x, y, normal) = (position.x, position.y, n.normal.unwrap_or_default().into());
-            // As in the values of a store: 0 stands for unknown, so head-on is the smallest
-            // positive number.
-            let tan_incidence = n.tan_incidence.map_or(0.0, |tan| tan.max(f32::MIN_POSITIVE));
-            (x, y, sigma, footprint, weight, n.view_count(), correlation, tan_incidence, normal)
+            let StoredNode { position, sigma, footprint, weight, views, .. } = (*n).into();
+            let StoredNode { correlation, tan_incidence, normal, .. } = (*n).into();
+            let (x, y, normal) = (position.x, position.y, normal.into());
+            (x, y, sigma, footprint, weight, views, correlation, tan_incidence, normal)
         };
         let numbered = (0_u32..).zip(curve.nodes());
         Self {
@@ -171,15 +170,18 @@ impl TryFrom<CurveText> for Curve {
     fn try_from(text: CurveText) -> Result<Self, CurveError> {
         let node = |text: NodeText| {
             let (x, y, sigma, footprint, weight, views, correlation, tan_incidence, normal) = text;
-            let normal: Vector3<f32> = normal.into();
-            Node::at(Point2::new(x, y))
-                .with_sigma(sigma)
-                .with_footprint(footprint)
-                .with_weight(weight)
-                .with_views(views)
-                .with_correlation(correlation)
-                .with_tan_incidence(Some(tan_incidence).filter(|tan| *tan != 0.0))
-                .with_normal(Some(normal).filter(|normal| *normal != Vector3::zeros()))
+            let (position, normal, bridged) = (Point2::new(x, y), normal.into(), false);
+            Node::from(StoredNode {
+                position,
+                sigma,
+                footprint,
+                weight,
+                views,
+                correlation,
+                tan_incidence,
+                normal,
+                bridged,
+            })
         };
         let mut nodes: Vec<Node> = text.nodes.into_iter().map(node).collect();
         for k in text.bridged {

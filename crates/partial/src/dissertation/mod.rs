@@ -255,9 +255,7 @@ impl<'a> Modeler<'a> {
                 });
             }
             let maker = self.maker(&traced);
-            let curves: Vec<_> = traced.traces.iter().filter_map(|t| maker.curve(t)).collect();
-            counts.lone += traced.traces.len() - curves.len();
-            Ok(curves)
+            Ok(traced.traces.iter().filter_map(|t| maker.curve(t)).collect())
         })
     }
 

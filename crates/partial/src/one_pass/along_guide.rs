@@ -19,8 +19,8 @@
 //!
 //! **Limits.** Within the guide's reach, stations of neighbouring samples are on the sides of a
 //! plane on which the samples are. Heights over a plane, for noise that is nearly tangent to it,
-//! are differences of stations. They are too large by the stretch of the planes there: at most ten
-//! times at the limit of the reach and 1 on the guide. Crossings are solved linearly, whatever
+//! are differences of stations. Near the reach such a height is too large by up to ten times; on
+//! the guide it is exact. Crossings are solved linearly, whatever
 //! [`Subpixel`] says. Samples a little beyond an end of the guide keep their neighbours joined, as
 //! on any other plane.
 //!
@@ -35,8 +35,9 @@ use crate::pixel_grid::Grid;
 use crate::subpixel::parameter;
 use std::sync::Arc;
 use transect_device::{
-    DeviceFrame, DevicePoint, Handedness, ImageSize, Isometry3, LinearForm, Neighbour,
-    PairGeometry, Pixel, Point3, RangeImage, Ray, RayProducts, SensorPlane, Vector3, View,
+    DeviceFrame, DevicePoint, Handedness, ImageSize, Isometry3, LinearForm, MISSING_POINT,
+    Neighbour, PairGeometry, Pixel, Point3, RangeImage, Ray, RayProducts, SensorPlane, Vector3,
+    View,
 };
 use transect_geometry::{
     CurvedGuide, NoStation, PlaneFamily, PlaneFrame, PlaneIndex, StraightGuide,
@@ -136,9 +137,8 @@ fn in_plane(plane: &PlaneFrame, v: &Vector3) -> Vector3 {
 
 /// Guide coordinates of every sample, row by row; NaN where there is no sample or no station.
 fn points_along(view: &View, family: &PlaneFamily, guide: &CurvedGuide) -> (Vec<Point3>, OffGuide) {
-    let ImageSize { rows, cols } = view.image().size();
-    let nowhere = Point3::new(f64::NAN, f64::NAN, f64::NAN);
-    let mut points = vec![nowhere; rows * cols];
+    let size = view.image().size();
+    let mut points = vec![MISSING_POINT; size.pixels()];
     let mut off_guide = OffGuide::default();
     // Half an interval beyond the last plane there is no plane, however far beyond the end a sample
     // is.
@@ -148,9 +148,8 @@ fn points_along(view: &View, family: &PlaneFamily, guide: &CurvedGuide) -> (Vec<
     }
     let half = 0.5 * family.interval();
     let (low, high) = (family.station(first) - half, family.station(last) + half);
-    let pixels = (0..rows).flat_map(|row| (0..cols).map(move |col| Pixel::new(row, col)));
     let mut hint = None;
-    for (pixel, out) in pixels.zip(&mut points) {
+    for (pixel, out) in size.all_pixels().zip(&mut points) {
         let Some(in_sensor) = view.point_in_sensor(pixel) else { continue };
         let p = view.world_from_sensor() * in_sensor;
         match guide.extended_station(&p, hint) {

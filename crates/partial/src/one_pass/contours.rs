@@ -13,7 +13,7 @@ use transect_geometry::PlaneIndex;
 use transect_image::BreakRule;
 use transect_image::Instructions;
 
-/// Crossings per band: with 25 bytes for each, a band fits a processor's second cache level.
+/// Crossings per band: with 17 bytes for each, a band fits a processor's second cache level.
 const BAND_SIZE: usize = 1 << 14;
 
 /// How the work is done; nothing here changes the curves.
@@ -117,11 +117,6 @@ impl<'a> Contours<'a> {
     /// The pixel that a vertex's pair is numbered by: the lower right one of its cell.
     pub(super) fn pixel(&self, vertex: &Vertex) -> Pixel {
         decode(vertex.edge, self.cols).1
-    }
-
-    /// In-plane place of the sensor, from which the vertices' coordinates count.
-    pub fn origin(&self) -> transect_geometry::Point2 {
-        self.axes.in_plane(&transect_device::Point3::origin())
     }
 }
 

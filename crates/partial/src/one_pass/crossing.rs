@@ -5,7 +5,7 @@ use super::vertex::Kind;
 use crate::SectionAxes;
 use crate::repeats::OnCurve;
 use crate::subpixel::parameter;
-use transect_device::{Pixel, Point3, Vector3, View};
+use transect_device::{MISSING_POINT, Pixel, Point3, Vector3, View};
 use transect_geometry::Point2;
 
 /// One plane crossing one pair of pixels.
@@ -105,7 +105,7 @@ pub(super) fn solve(
 /// A joined pair has both points. Should a backend disagree with itself, the crossing becomes NaN
 /// and is refused as a curve's node.
 pub(super) fn sample(view: &View, pixel: Pixel) -> Point3 {
-    view.point_in_sensor(pixel).unwrap_or(Point3::new(f64::NAN, f64::NAN, f64::NAN))
+    view.point_in_sensor(pixel).unwrap_or(MISSING_POINT)
 }
 
 /// Direction of a pixel's ray in the sensor frame.

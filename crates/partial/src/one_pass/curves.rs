@@ -60,15 +60,9 @@ impl Lines<'_> {
             self.solve(lines, &pairs, refinement.as_ref(), &mut crossings);
             let mut solved = with_crossings(lines, &crossings);
             solved.retain(|line| !near_tangent.is_noise(line, contours));
-            model.counts.noise_lines += lines.len() - solved.len();
-            let mut curves = Vec::new();
-            for strand in gaps.bridge(&solved) {
-                match curve(&gaps, &strand, &solved, &mut nodes) {
-                    Some(curve) => curves.push(curve),
-                    None => model.counts.lone += 1,
-                }
-            }
-            model.counts.bridged += curves.iter().map(|c| c.bridged.len()).sum::<usize>();
+            let strands = gaps.bridge(&solved);
+            let found = strands.iter().filter_map(|s| curve(&gaps, s, &solved, &mut nodes));
+            let curves: Vec<PartialCurve> = found.collect();
             if let (Some(line), false) = (lines.first(), curves.is_empty()) {
                 model.planes.push(PlaneCurves { plane: line.plane, curves });
             }

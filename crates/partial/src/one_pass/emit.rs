@@ -4,7 +4,6 @@
 
 use super::apart::apart;
 use super::band::Band;
-use super::places::{PlaceAt, Places};
 use super::rows::{PAD, Row};
 use super::source::Source;
 use super::vertex::{Kind, Vertex, edge_code};
@@ -19,45 +18,35 @@ const AT_ONCE: usize = 2;
 pub(super) struct Sample {
     pub level: f32,
     pub ceiling: i32,
-    pub place: [f32; 2],
 }
 
-/// The samples of a row by column. All slices are of one length, so that the processor tests an
+/// The samples of a row by column. Both slices are of one length, so that the processor tests an
 /// index once and not for each of them.
 #[derive(Clone, Copy)]
-pub(super) struct Samples<'a, P> {
+pub(super) struct Samples<'a> {
     levels: &'a [f32],
     ceilings: &'a [i32],
-    places: P,
 }
 
-impl<'a, P: PlaceAt> Samples<'a, P> {
-    /// The samples of a row, or those one column before, with their places.
+impl<'a> Samples<'a> {
+    /// The samples of a row, or those one column before.
     #[inline(always)]
-    pub fn new(row: &'a Row, before: usize, len: usize, places: P) -> Option<Self> {
+    pub fn new(row: &'a Row, before: usize, len: usize) -> Option<Self> {
         let first = PAD - before;
         let levels = row.levels.get(first..first + len)?;
-        Some(Self { levels, ceilings: row.ceilings.get(first..first + len)?, places })
+        Some(Self { levels, ceilings: row.ceilings.get(first..first + len)? })
     }
 
     #[inline(always)]
     pub fn at(&self, col: usize) -> Option<Sample> {
-        let level = *self.levels.get(col)?;
-        let ceiling = *self.ceilings.get(col)?;
-        Some(Sample { level, ceiling, place: self.places.at(col)? })
+        Some(Sample { level: *self.levels.get(col)?, ceiling: *self.ceilings.get(col)? })
     }
 }
 
-/// The sample of row `i` in column `j`, or some columns before, none or one.
-pub(super) fn sample(
-    source: &Source<'_>,
-    i: usize,
-    row: &Row,
-    (j, before): (usize, usize),
-) -> Option<Sample> {
+/// The sample of a row in column `j`, or some columns before, none or one.
+pub(super) fn sample(row: &Row, (j, before): (usize, usize)) -> Option<Sample> {
     let at = PAD - before + j;
-    let (level, ceiling) = (*row.levels.get(at)?, *row.ceilings.get(at)?);
-    Some(Sample { level, ceiling, place: source.place_at(i, row, (j, before))? })
+    Some(Sample { level: *row.levels.get(at)?, ceiling: *row.ceilings.get(at)? })
 }
 
 /// The crossings of row `i`: of the pairs with the row above it, then of those with left
@@ -74,29 +63,8 @@ pub(super) fn emit_row<S: Simd>(
     let edges = [Kind::Up, Kind::Left].map(|kind| edge_code(i, kind, 0, source.cols));
     let len = source.padded_cols();
     let mut lists = [std::mem::take(&mut row.up.bases), std::mem::take(&mut row.left.bases)];
-    let places = (
-        source.places(i.wrapping_sub(1), above, 0, len),
-        source.places(i, row, 1, len),
-        source.places(i, row, 0, len),
-    );
     if let [Some(up), Some(left)] = lists.each_mut().map(|bases| bases.get_mut(PAD..PAD + len)) {
-        let mut emission = Emission { rows: (above, row), pairs, edges, bases: [up, left], band };
-        match places {
-            (
-                Some(Places::Tables(over)),
-                Some(Places::Tables(before)),
-                Some(Places::Tables(here)),
-            ) => emission.all(simd, over, before, here),
-            (
-                Some(Places::Stored(over)),
-                Some(Places::Stored(before)),
-                Some(Places::Stored(here)),
-            ) => emission.all(simd, over, before, here),
-            (over, Some(before), Some(here)) => {
-                emission.all(simd, over.unwrap_or(here), before, here);
-            }
-            _ => {}
-        }
+        Emission { rows: (above, row), pairs, edges, bases: [up, left], band }.all(simd);
     }
     let [up, left] = &mut lists;
     up[PAD - 1] = up[PAD + source.cols - 1];
@@ -116,20 +84,19 @@ struct Emission<'a> {
 }
 
 impl Emission<'_> {
-    /// Emits all pairs, from the places of the row above, of the columns before, and of the row.
     #[inline(always)]
-    fn all<S: Simd, P: PlaceAt>(&mut self, simd: S, over: P, before: P, here: P) {
+    fn all<S: Simd>(self, simd: S) {
         let Self { rows: (above, row), pairs, edges, bases: [up, left], band } = self;
         let len = up.len();
-        let b = Samples::new(row, 0, len, here);
+        let b = Samples::new(row, 0, len);
         apart(
             simd,
             #[inline(always)]
             || {
-                let a = Samples::new(above, 0, len, over);
+                let a = Samples::new(above, 0, len);
                 emit_pairs(pairs[0], edges[0], a.zip(b), up, band);
                 let first = band.count;
-                let a = Samples::new(row, 1, len, before);
+                let a = Samples::new(row, 1, len);
                 emit_pairs(pairs[1], edges[1], a.zip(b), left, band);
                 band.last_row = first..band.count;
             },
@@ -138,10 +105,10 @@ impl Emission<'_> {
 }
 
 #[inline(always)]
-fn emit_pairs<P: PlaceAt>(
+fn emit_pairs(
     pairs: &[u32],
     edge: u32,
-    samples: Option<(Samples<'_, P>, Samples<'_, P>)>,
+    samples: Option<(Samples<'_>, Samples<'_>)>,
     bases: &mut [u32],
     band: &mut Band,
 ) {
@@ -163,10 +130,10 @@ fn emit_pairs<P: PlaceAt>(
 
 /// The crossings of pairs for which there is room; returns how many pairs these are.
 #[inline(always)]
-fn emit_run<P: PlaceAt>(
+fn emit_run(
     pairs: &[u32],
     edge: u32,
-    (a, b): (&Samples<'_, P>, &Samples<'_, P>),
+    (a, b): (&Samples<'_>, &Samples<'_>),
     bases: &mut [u32],
     band: &mut Band,
 ) -> usize {
@@ -208,7 +175,6 @@ fn cross(out: &mut Out<'_>, at: &mut usize, edge: u32, a: Sample, b: Sample) -> 
     }
     *at = end;
     let per_level = 1.0 / (a.level - b.level);
-    let [dx, dy] = [b.place[0] - a.place[0], b.place[1] - a.place[1]];
     let mut level = low;
     let mut next = first;
     while let (Some(vertices), Some(levels)) =
@@ -216,7 +182,7 @@ fn cross(out: &mut Out<'_>, at: &mut usize, edge: u32, a: Sample, b: Sample) -> 
     {
         for (k, (vertex, place)) in (level..).zip(vertices.iter_mut().zip(levels)) {
             let t = ((a.level - k as f32) * per_level).min(1.0);
-            *vertex = Vertex { edge, t, x: a.place[0] + t * dx, y: a.place[1] + t * dy };
+            *vertex = Vertex { edge, t };
             *place = k;
         }
         level += AT_ONCE as i32;

@@ -199,7 +199,7 @@ pub(super) fn link_row<S: Simd>(
     );
     if broken {
         let edge = edge_code(i, Kind::Rising, 0, source.cols) as usize;
-        let corners = Corners { source, i, above, row, rows: &rows, edge };
+        let corners = Corners { above, row, rows: &rows, edge };
         link_broken(&corners, &masks, band, cells);
     }
 }
@@ -295,10 +295,8 @@ fn connect(cell: &Cell, joined: &[bool; 4], level: i32, [from, to]: [u8; 2], ban
     }
 }
 
-/// Where the samples at the corners of cells are, for those that become triangles.
+/// The samples at the corners of cells, for those that become triangles.
 struct Corners<'a> {
-    source: &'a Source<'a>,
-    i: usize,
     above: &'a Row,
     row: &'a Row,
     rows: &'a Rows<'a>,
@@ -309,12 +307,12 @@ struct Corners<'a> {
 impl Corners<'_> {
     /// The sample of the row above, in column `j` or some columns before.
     fn above(&self, j: usize, before: usize) -> Option<Sample> {
-        sample(self.source, self.i.checked_sub(1)?, self.above, (j, before))
+        sample(self.above, (j, before))
     }
 
     /// That of the row.
     fn row(&self, j: usize, before: usize) -> Option<Sample> {
-        sample(self.source, self.i, self.row, (j, before))
+        sample(self.row, (j, before))
     }
 }
 

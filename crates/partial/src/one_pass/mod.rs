@@ -50,7 +50,7 @@
 //! **Departures from the source.** No thinning: curves of a scalar image are one crossing wide.
 //!
 //! **Cost.** One visit per pixel, one per crossing. Memory, kept in a [`Workspace`]: some rows, one
-//! band, and about 42 bytes per crossing where planes are dense ([`Workspace::bytes`]), 16 of which
+//! band, and about 25 bytes per crossing where planes are dense ([`Workspace::bytes`]), 8 of which
 //! are the lines.
 //!
 //! **Curved guides.** Levels along them are not an affine function of the point; `along_guide.rs`
@@ -72,7 +72,6 @@ mod near_tangent;
 mod nodes;
 mod pair_line;
 mod part;
-mod places;
 mod refine;
 mod rows;
 mod seen;

@@ -17,10 +17,6 @@ use fearless_simd::{Simd, dispatch};
 use std::ops::Range;
 use transect_image::Instructions;
 
-/// One crossed pair in so many pixels makes it worth while to find the places of all of them at
-/// once.
-const MANY: usize = 16;
-
 /// Work space and result of one part.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Part {
@@ -135,11 +131,6 @@ impl Part {
         let crossed = ups.len() + lefts.len();
         let above_crossed = crossed > 0 || !self.band.last_row.is_empty();
         self.band.last_row = self.band.count..self.band.count;
-        if above_crossed {
-            let many = crossed > source.cols / MANY;
-            source.place(simd, i, row, many);
-            source.place(simd, i.wrapping_sub(1), above, many);
-        }
         if crossed > 0 {
             emit_row(simd, source, i, (above, row), &mut self.band, [ups, lefts]);
         }

@@ -8,7 +8,7 @@
 //! gives the same bits.
 
 use super::band::capacity_bytes;
-use super::source::{Source, Tables};
+use super::source::Source;
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use transect_device::{Neighbour, PairGeometry};
@@ -47,9 +47,6 @@ pub(super) struct Row {
     pub up: Pairs,
     /// Which pixels are valid.
     valid: Vec<u64>,
-    /// In-plane coordinates of the pixel before column 0 and of all others, if `placed` is set.
-    pub places: [Vec<f32>; 2],
-    pub placed: bool,
     /// Pairs of valid pixels in this row that are not joined.
     pub jumps: usize,
     geometry: Vec<PairGeometry>,
@@ -76,12 +73,11 @@ impl Row {
             pairs.bases.clear();
             pairs.bases.resize(places, 0);
         }
-        self.placed = false;
     }
 
     /// Memory it holds, in bytes.
     pub fn bytes(&self) -> usize {
-        let floats = [&self.values, &self.levels].into_iter().chain(&self.places);
+        let floats = [&self.values, &self.levels].into_iter();
         let masks = [&self.left, &self.up].into_iter().flat_map(|p| [&p.joined, &p.crossed]);
         let bases = capacity_bytes(&self.left.bases) + capacity_bytes(&self.up.bases);
         floats.map(capacity_bytes).sum::<usize>()
@@ -94,7 +90,6 @@ impl Row {
     /// Reads row `i` of the image; `above` is the row before it, or one without values.
     #[inline(always)]
     pub fn read<S: Simd>(&mut self, simd: S, source: &Source<'_>, i: usize, above: &Self) {
-        self.placed = false;
         let values = source.view.image().row(i);
         if let Some(places) = self.values.get_mut(PAD..PAD + values.len()) {
             places.copy_from_slice(values);
@@ -102,7 +97,7 @@ impl Row {
         if let (true, Some(last)) = (source.wraps, values.last()) {
             self.values[PAD - 1] = *last;
         }
-        if source.tables.is_none() {
+        if source.level.is_none() {
             let levels = &mut self.levels[PAD..PAD + source.cols];
             source.view.frame().form_row(source.view.image(), i, source.axes.level(), levels);
         }
@@ -127,34 +122,10 @@ impl Row {
         }
     }
 
-    /// In-plane coordinates of the whole row, by the same operations as one by one.
-    #[inline(always)]
-    pub fn place<S: Simd>(&mut self, simd: S, tables: &Tables, i: usize) {
-        let lanes = S::f32s::LEN;
-        let values = &self.values[PAD..];
-        for (form, places) in tables.places.iter().zip(&mut self.places) {
-            let [factor, addend] = form.rows.get(i).copied().unwrap_or_default();
-            places.resize(values.len() + 1, f32::NAN);
-            let (Some((first, out)), Some((before, columns))) =
-                (places.split_first_mut(), form.columns.split_first())
-            else {
-                continue;
-            };
-            *first = self.values[PAD - 1] * (factor * before + addend);
-            let out = values.chunks_exact(lanes).zip(out.chunks_exact_mut(lanes));
-            for ((value, place), column) in out.zip(columns.chunks_exact(lanes)) {
-                let per_value = S::f32s::from_slice(simd, column) * factor + addend;
-                (S::f32s::from_slice(simd, value) * per_value).store_slice(place);
-            }
-        }
-        self.placed = true;
-    }
-
     #[inline(always)]
     fn detect<S: Simd>(&mut self, simd: S, source: &Source<'_>, i: usize, above: &Self) {
         let lanes = S::f32s::LEN;
-        if let Some(tables) = &source.tables {
-            let form = &tables.level;
+        if let Some(form) = &source.level {
             let [factor, addend] = form.rows.get(i).copied().unwrap_or_default();
             let samples =
                 self.values[PAD..].chunks_exact(lanes).zip(form.columns.chunks_exact(lanes));

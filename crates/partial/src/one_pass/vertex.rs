@@ -10,12 +10,6 @@ pub struct Vertex {
     pub edge: u32,
     /// Where between the pair's first sample (0) and its second (1).
     pub t: f32,
-    /// In-plane coordinate along the plane frame's x axis, from
-    /// [`Contours::origin`](super::Contours::origin).
-    pub x: f32,
-    /// In-plane coordinate along the plane frame's y axis, from
-    /// [`Contours::origin`](super::Contours::origin).
-    pub y: f32,
 }
 
 /// The kind of a pair of neighbours.

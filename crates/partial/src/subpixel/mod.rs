@@ -15,7 +15,7 @@
 //! | `FourPoint` | cubic through four samples in space | exact | all |
 //!
 //! On smooth surfaces without noise the error of the linear ways falls with the square of the
-//! spacing of the samples, that of four points with its fourth power: [`observed_orders`].
+//! spacing of the samples, that of four points with its fourth power.
 //!
 //! **Departures from the source**, after its errata. The Cartesian solution has no special cases
 //! and is clamped to the pair. The linearised plane of 3.6 has `b cos φ₀ cos θ₀ − a cos φ₀ sin θ₀`.
@@ -29,12 +29,10 @@ mod cartesian;
 mod device_curves;
 mod device_plane;
 mod four_point;
-mod order;
 mod root;
 
 pub use angular_grid::AngularGrid;
 pub(crate) use cartesian::parameter;
-pub use order::observed_orders;
 
 use serde::{Deserialize, Serialize};
 use transect_device::{Pixel, Point3, SensorPlane, View};

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use std::sync::Arc;
 use transect_device::{
-    DeviceFrame, ImageSize, Isometry3, Pixel, Point3, RangeImage, Vector3, View,
+    DeviceFrame, ImageSize, Isometry3, MISSING_POINT, Pixel, Point3, RangeImage, Vector3, View,
 };
 use transect_sensors::{
     AngularScan, ImagingRadar, Intrinsics, Pinhole, PinholeScale, PointGrid, RayStarts,
@@ -56,9 +56,8 @@ pub fn look(
 /// The same view as a grid of points.
 pub fn as_point_grid(view: &View) -> Option<View> {
     let size = view.image().size();
-    let pixels = (0..size.pixels()).map(|k| Pixel::new(k / size.cols, k % size.cols));
-    let missing = Point3::new(f64::NAN, f64::NAN, f64::NAN);
-    let points = pixels.map(|p| view.point_in_sensor(p).unwrap_or(missing)).collect();
+    let pixels = size.all_pixels();
+    let points = pixels.map(|p| view.point_in_sensor(p).unwrap_or(MISSING_POINT)).collect();
     let starts = RayStarts::Viewpoint(Point3::origin());
     let (grid, image) = PointGrid::new(size, points, starts).ok()?;
     View::new("grid", image, Arc::new(grid), *view.world_from_sensor(), Some(0.0)).ok()
@@ -191,4 +190,11 @@ pub fn random_views() -> impl Strategy<Value = View> {
         let view = View::new("random", image, frame, pose, Some(0.0)).ok()?;
         if grid > 0 { Some(view) } else { as_point_grid(&view) }
     })
+}
+
+/// Orders of convergence between each spacing and the next: `ln(e₁/e₂) / ln(h₁/h₂)`. An error that
+/// falls with the square of the spacing gives 2.
+pub fn observed_orders(spacings: &[f64], errors: &[f64]) -> Vec<f64> {
+    let pairs = spacings.windows(2).zip(errors.windows(2));
+    pairs.map(|(h, e)| (e[0] / e[1]).ln() / (h[0] / h[1]).ln()).collect()
 }

@@ -37,7 +37,7 @@ fn is_clear(level: f32, k: i32) -> bool {
 }
 
 fn pixels(size: ImageSize) -> impl Iterator<Item = Pixel> {
-    (0..size.pixels()).map(move |k| Pixel::new(k / size.cols, k % size.cols))
+    size.all_pixels()
 }
 
 /// Levels of the planes that a view crosses, from the axes' base: at most five of them.

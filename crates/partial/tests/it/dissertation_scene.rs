@@ -122,7 +122,7 @@ pub fn look_with_noise(
         Some(frame.device_point(&(ray.start + ray.direction * range))?.d3 as f32)
     };
     let size = frame.size();
-    let pixels = (0..size.pixels()).map(|k| Pixel::new(k / size.cols, k % size.cols));
+    let pixels = size.all_pixels();
     let values = pixels.map(|p| value(p).unwrap_or(f32::NAN)).collect();
     let image = RangeImage::from_values(size, values).unwrap();
     View::new("solids", image, frame, world_from_sensor, Some(0.0)).ok()

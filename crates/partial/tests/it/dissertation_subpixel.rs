@@ -1,11 +1,12 @@
 //! How fast the error of each subpixel solution falls with the spacing of the samples.
 
+use crate::common::observed_orders;
 use crate::dissertation_scene::*;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 use transect_device::{DeviceFrame, ImageSize, Isometry3, Pixel, Point3, Vector3};
 use transect_partial::dissertation::{DissertationOptions, partial_model};
-use transect_partial::subpixel::{Subpixel, observed_orders};
+use transect_partial::subpixel::Subpixel;
 use transect_sensors::{AngularScan, ImagingRadar, Intrinsics, Pinhole, RayTable};
 
 /// Samples per side of the images, coarse to fine.

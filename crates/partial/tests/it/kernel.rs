@@ -5,6 +5,7 @@ use crate::oracle::{Chain, Crossing};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use transect_device::{Neighbour, PairGeometry, Pixel, Point3, Vector3, View};
+use transect_geometry::Point2;
 use transect_partial::one_pass::{
     Contours, Effort, Instructions, Kind, Polyline, Vertex, Workspace, contours, seen,
 };
@@ -19,7 +20,7 @@ fn pair(contours: &Contours<'_>, vertex: &Vertex) -> [Pixel; 2] {
 /// How far the fast vertex of a crossing may be from its place.
 ///
 /// Levels in `f32` are wrong by a few units in the last place of what they are made of. This moves
-/// the crossing by that over the pair's difference in level. So may places.
+/// the crossing by that over the pair's difference in level. Rounding of `t` may, too.
 fn tolerance(crossing: &Crossing, view: &View, axes: &SectionAxes) -> f64 {
     let p = view.point_in_sensor(crossing.pair[0]).unwrap();
     let [a, b] = crossing.levels;
@@ -28,6 +29,13 @@ fn tolerance(crossing: &Crossing, view: &View, axes: &SectionAxes) -> f64 {
     let level = rounding * (gradient * p.coords.norm() + constant);
     let share = (2.0 * level / (a - b).abs()).min(1.0);
     share * crossing.length + rounding * (p.coords.norm() + crossing.length) + 1e-9
+}
+
+/// The in-plane place of a vertex, between the samples of its pair.
+fn place(contours: &Contours<'_>, vertex: &Vertex, view: &View, axes: &SectionAxes) -> Point2 {
+    let (_, pair) = contours.pair(vertex);
+    let [a, b] = pair.map(|pixel| axes.in_plane(&view.point_in_sensor(pixel).unwrap()));
+    a + f64::from(vertex.t) * (b - a)
 }
 
 fn same_line(
@@ -45,8 +53,7 @@ fn same_line(
     (line.closed || turn == 0)
         && line.vertices.iter().enumerate().all(|(k, v)| {
             let crossing = &chain.crossings[(k + turn) % n];
-            let place = contours.origin() + nalgebra::Vector2::new(v.x, v.y).cast();
-            let apart = (place - crossing.position).norm();
+            let apart = (place(contours, v, view, axes) - crossing.position).norm();
             pair(contours, v) == crossing.pair && apart <= tolerance(crossing, view, axes)
         })
 }
@@ -56,7 +63,7 @@ fn key(level: i32, pairs: impl Iterator<Item = [Pixel; 2]>) -> (i32, Option<[(us
     (level, pairs.map(|pair| pair.map(|p| (p.row, p.col))).min())
 }
 
-type Lines = (Vec<(i32, bool, usize)>, Vec<[u32; 4]>);
+type Lines = (Vec<(i32, bool, usize)>, Vec<[u32; 2]>);
 
 /// All bits of a result.
 fn bits(
@@ -69,7 +76,7 @@ fn bits(
     let found = contours(view, axes, rule, effort, work).unwrap();
     let lines = found.polylines().map(|l| (l.level, l.closed, l.vertices.len())).collect();
     let vertices = found.polylines().flat_map(|l| l.vertices.to_vec());
-    (lines, vertices.map(|v| [v.edge, v.t.to_bits(), v.x.to_bits(), v.y.to_bits()]).collect())
+    (lines, vertices.map(|v| [v.edge, v.t.to_bits()]).collect())
 }
 
 fn rules() -> impl Strategy<Value = BreakRule> {

@@ -178,7 +178,9 @@ proptest! {
         let model = partial_model(&view, &planes, &options).unwrap();
         let axes = SectionAxes::new(&view, &planes).unwrap();
         let rule = BreakRule::new(options.max_incidence_rad, 0.0);
-        let (low, high) = axes.involved_levels(&view);
+        let points = view.image().size().all_pixels().filter_map(|p| view.point_in_sensor(p));
+        let levels = points.map(|p| axes.level().at(&p));
+        let (low, high) = levels.fold((0.0_f64, 0.0_f64), |(a, b), l| (a.min(l), b.max(l)));
         let slow = PerPlane { view: &view, axes, rule };
         let expected = slow.segments(low.floor() as i32..high.ceil() as i32 + 1);
         prop_assert_eq!(segments_of(&model), expected);

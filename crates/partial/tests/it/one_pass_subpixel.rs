@@ -1,11 +1,12 @@
 //! Subpixel solutions through the one-pass method: orders without noise, accuracy with it.
 
+use crate::common::observed_orders;
 use crate::surfaces::{Distance, camera, look, quantile};
 use std::sync::Arc;
 use transect_device::{DeviceFrame, ImageSize, Vector3, View};
 use transect_geometry::{PlaneFamily, StraightGuide};
 use transect_partial::one_pass::{OnePassOptions, partial_model};
-use transect_partial::subpixel::{Subpixel, observed_orders};
+use transect_partial::subpixel::Subpixel;
 use transect_sensors::{AngularScan, ImagingRadar};
 
 /// A round room, seen from inside off its middle: smooth all over, and no rims.

@@ -5,7 +5,7 @@
 //! guess. It no longer changes after a few steps.
 
 use rstar::{RTree, primitives::GeomWithData};
-use transect_device::{Point3, Ray};
+use transect_device::{Point3, Ray, median};
 
 /// Most guesses. No unit. Chosen by hand: the guesses stop as soon as they settle. Doubled, points
 /// between two cells are looked up for longer.
@@ -81,8 +81,6 @@ fn openings(rays: &[Option<Ray>], cols: usize) -> Vec<f64> {
         angles.map(|other| (other.direction - here.direction).norm()).reduce(f64::max)
     };
     let openings: Vec<Option<f64>> = (0..rays.len()).map(of_cell).collect();
-    let mut sorted: Vec<f64> = openings.iter().flatten().copied().collect();
-    sorted.sort_by(f64::total_cmp);
-    let usual = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+    let usual = median(openings.iter().flatten().copied()).unwrap_or(0.0);
     openings.into_iter().map(|opening| opening.unwrap_or(usual)).collect()
 }

@@ -177,7 +177,7 @@ impl CoarseView {
         let size = self.size;
         let correct = |(k, cell): (usize, &Cell)| -> Option<Cell> {
             let along_z = self.ray(k)?.direction.z;
-            let of_cell = offsets.at(size, Pixel::new(k / size.cols, k % size.cols)) * along_z;
+            let of_cell = offsets.at(size, size.pixel(k)) * along_z;
             let (scale, offset) = (offsets.scale() as f32, of_cell as f32);
             let shifted = |depth: f32| depth / (scale.recip() + offset * depth);
             let seen = cell.seen.map(|seen| Seen {

@@ -9,7 +9,7 @@ use super::tuning::{
 use crate::coarse::CoarseView;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
-use transect_device::Vector3;
+use transect_device::{Vector3, median, quantile};
 
 /// The evidence of all pairs of views about each other at given places.
 pub(super) struct Evidence<'a> {
@@ -76,10 +76,9 @@ impl<'a> Evidence<'a> {
             let met: Vec<f64> = both.filter(|s| s.met).map(|s| s.distance.abs()).collect();
             (met.len() >= LEAST_SAMPLES).then(|| median(met)).flatten()
         };
-        let of_view =
-            |a: usize| quantile((0..n).filter_map(|b| of_pair(a, b)).collect(), USUAL_PAIR);
-        let usual = median((0..n).filter_map(of_view).collect()).unwrap_or(0.0);
-        let radii = self.probes.iter().flatten().map(|probe| probe.radius).collect();
+        let of_view = |a: usize| quantile((0..n).filter_map(|b| of_pair(a, b)), USUAL_PAIR);
+        let usual = median((0..n).filter_map(of_view)).unwrap_or(0.0);
+        let radii = self.probes.iter().flatten().map(|probe| probe.radius);
         usual.min(LARGEST_USUAL * median(radii).unwrap_or(0.0))
     }
 }
@@ -99,17 +98,6 @@ fn partners(placings: &[Placing], probes: &[Vec<Probe>]) -> Vec<BTreeSet<usize>>
         others.into_iter().take(PARTNERS).collect()
     };
     (0..middles.len()).map(of_view).collect()
-}
-
-/// The median; of an even number the lower one.
-pub(super) fn median(values: Vec<f64>) -> Option<f64> {
-    quantile(values, 0.5)
-}
-
-/// A quantile; between two values the lower one.
-pub(super) fn quantile(mut values: Vec<f64>, q: f64) -> Option<f64> {
-    let at = (values.len().checked_sub(1)? as f64 * q) as usize;
-    Some(*values.select_nth_unstable_by(at, f64::total_cmp).1)
 }
 
 #[cfg(test)]

@@ -9,11 +9,11 @@
 //! contradictions is taken.
 
 use super::blame::Counts;
-use super::evidence::{Evidence, median, quantile};
+use super::evidence::Evidence;
 use super::pair::{Placing, Sample, samples};
 use super::tuning::{MOTION_REACH, REACH, ROUNDS};
 use nalgebra::{SMatrix, SVector, Translation3, UnitQuaternion};
-use transect_device::{Isometry3, Vector3};
+use transect_device::{Isometry3, Vector3, median, quantile};
 
 /// Weight that holds each direction in place, as a share of all weights. No unit. Chosen by hand:
 /// far below the weight of any direction that surfaces determine. Doubled, one more round is
@@ -71,7 +71,7 @@ fn sought(
     }
     let rows = compared(evidence, view, placing, right, REACH);
     let met = rows.iter().map(|(s, _)| s).filter(|s| s.met).map(|s| s.distance.abs());
-    let usual = median(met.collect()).unwrap_or(f64::INFINITY);
+    let usual = median(met).unwrap_or(f64::INFINITY);
     let counts = evidence.count(rows.iter().map(|(sample, _)| sample));
     Changed { placing, counts, cost: usual * (1.0 + counts.bad_share()) }
 }
@@ -100,8 +100,8 @@ fn compared(
 fn step(rows: &[(Sample, f64)], placing: Placing, of: Change, share: f64) -> Option<Placing> {
     let met = || rows.iter().filter(|(sample, _)| sample.met);
     let center = placing.world_from_sensor.translation.vector;
-    let width = WIDTH * quantile(met().map(|(s, _)| s.distance.abs()).collect(), share)?;
-    let size = median(met().map(|(s, _)| (s.point.coords - center).norm()).collect())?;
+    let width = WIDTH * quantile(met().map(|(s, _)| s.distance.abs()), share)?;
+    let size = median(met().map(|(s, _)| (s.point.coords - center).norm()))?;
     let (mut normal, mut right) = (SMatrix::<f64, 7, 7>::zeros(), SVector::<f64, 7>::zeros());
     let mut weights = 0.0;
     for (sample, sign) in met() {

@@ -128,13 +128,13 @@ fn region(
     let image = coarse.image_size();
     let within = |[low, high]: [usize; 2], size: usize| [low, high.min(size.saturating_sub(1))];
     let by = || cells.iter().filter_map(|cell| accused.get(cell)).flatten();
-    let distances = by().map(|(_, distance)| *distance).collect();
+    let distances = by().map(|(_, distance)| *distance);
     Region {
         view: coarse.name().to_owned(),
         kind,
         rows: within(around(|cell, cols| cell / cols), image.rows),
         cols: within(around(|cell, cols| cell % cols), image.cols),
-        distance: super::evidence::median(distances).unwrap_or(0.0),
+        distance: transect_device::median(distances).unwrap_or(0.0),
         views: by().map(|(other, _)| other).collect::<BTreeSet<_>>().len(),
         cells: cells.len(),
     }

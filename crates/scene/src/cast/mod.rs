@@ -108,7 +108,7 @@ impl Scene {
 
 fn mean_range(frame: &dyn DeviceFrame, image: &RangeImage) -> f64 {
     let size = image.size();
-    let pixels = (0..size.pixels()).map(|k| Pixel::new(k / size.cols, k % size.cols));
+    let pixels = size.all_pixels();
     let range = |pixel| {
         let point = frame.point(pixel, f64::from(image.get(pixel)?))?;
         Some((point - frame.ray(pixel)?.start).norm())
@@ -148,7 +148,7 @@ const JUMP_SLOPE: f32 = 11.430_052;
 
 /// Tolerance of a free path at its end, relative to its length. Chosen by hand: far above rounding,
 /// far below any thickness. Doubling it changes nothing visible.
-const REACHED: f64 = 1e-7;
+const END_TOLERANCE: f64 = 1e-7;
 
 /// Data that all pixels of a view share.
 pub(crate) struct Caster<'a> {
@@ -231,7 +231,9 @@ impl<'a> Caster<'a> {
         let way = spot - viewpoint;
         // From the viewpoint to the spot, so that the spot's own surface is met last.
         let Some(direction) = way.try_normalize() else { return true };
-        !self.scene.blocks(&WorldRay::new(viewpoint, direction), way.length() * (1.0 - REACHED))
+        !self
+            .scene
+            .blocks(&WorldRay::new(viewpoint, direction), way.length() * (1.0 - END_TOLERANCE))
     }
 
     /// The value of a pixel whose surface is at a distance along its ray.

@@ -85,7 +85,10 @@ impl StationEntry {
         };
         let rows = place.needed("rows", self.rows.or(rows), "station")?;
         let cols = place.needed("cols", self.cols.or(cols), "station")?;
-        let reason = "an image has at least one row and column and at most 2^30 pixels";
+        let reason = format!(
+            "an image has at least one row and column and at most 2^{} pixels",
+            MAX_PIXELS.ilog2()
+        );
         if cols == 0 {
             return Err(place.problem("cols", reason));
         }

@@ -48,7 +48,7 @@ pub enum SolidError {
         /// The polygon, by its name in scene descriptions.
         key: &'static str,
         /// The problem with it.
-        reason: &'static str,
+        reason: String,
     },
     /// A reflectivity is not above 0 and at most 1.
     #[error("reflectivity = {0}: a share above 0, up to 1, is wanted")]

@@ -30,11 +30,11 @@ pub fn prism(bottom: &[Point2], top: &[Point2], height: f64) -> Result<Mesh, Sol
     let runs_left = checked_area("bottom", bottom)? > 0.0;
     if top.len() != bottom.len() {
         let reason = "it must have as many corners as the bottom";
-        return Err(SolidError::BadPolygon { key: "top", reason });
+        return Err(bad("top", reason));
     }
     if (checked_area("top", top)? > 0.0) != runs_left {
         let reason = "it must run the same way round as the bottom";
-        return Err(SolidError::BadPolygon { key: "top", reason });
+        return Err(bad("top", reason));
     }
     let end = |polygon: &[Point2], z: f64| {
         let mut corners: Vec<_> = polygon.iter().map(|p| Point3::new(p.x, p.y, z)).collect();
@@ -56,16 +56,20 @@ pub fn prism(bottom: &[Point2], top: &[Point2], height: f64) -> Result<Mesh, Sol
     Ok(Mesh { vertices: low.into_iter().chain(high).collect(), faces })
 }
 
+fn bad(key: &'static str, reason: impl Into<String>) -> SolidError {
+    SolidError::BadPolygon { key, reason: reason.into() }
+}
+
 /// Signed area of a polygon, positive if it runs counter-clockwise. A polygon that crosses or
 /// touches itself is an error.
 fn checked_area(key: &'static str, polygon: &[Point2]) -> Result<f64, SolidError> {
-    let bad = |reason| Err(SolidError::BadPolygon { key, reason });
     let count = polygon.len();
     if !(3..=MOST_CORNERS).contains(&count) {
-        return bad("a polygon has at least 3 and at most 2048 corners");
+        let reason = format!("a polygon has at least 3 and at most {MOST_CORNERS} corners");
+        return Err(bad(key, reason));
     }
     if !polygon.iter().all(|p| p.coords.iter().all(|c| c.abs() <= LARGEST)) {
-        return bad("a corner is not finite, or beyond 1e13");
+        return Err(bad(key, format!("a corner is not finite, or beyond {LARGEST:e}")));
     }
     let edge = |i: usize| (polygon[i % count], polygon[(i + 1) % count]);
     // Neighbours share a corner; they must not run back over each other.
@@ -74,11 +78,11 @@ fn checked_area(key: &'static str, polygon: &[Point2]) -> Result<f64, SolidError
         a == b || (turn(a, b, c) == 0.0 && (b - a).dot(&(c - b)) < 0.0)
     };
     if (0..count).any(runs_back) {
-        return bad("two corners coincide or an edge runs back over its neighbour");
+        return Err(bad(key, "two corners coincide or an edge runs back over its neighbour"));
     }
     let apart = |i: usize| i + 2..if i == 0 { count - 1 } else { count };
     if (0..count).any(|i| apart(i).any(|j| meet(edge(i), edge(j)))) {
-        return bad("it crosses or touches itself");
+        return Err(bad(key, "it crosses or touches itself"));
     }
     Ok((1..count - 1).map(|i| 0.5 * turn(polygon[0], polygon[i], polygon[i + 1])).sum())
 }
@@ -104,7 +108,7 @@ fn triangles(key: &'static str, corners: &[Point3]) -> Result<Vec<[u32; 3]>, Sol
         let ear = (0..left.len()).find(|&i| is_ear(corners, &left, i));
         // Every simple polygon has an ear; rounding may hide it in a nearly flat one.
         let Some(i) = ear else {
-            return Err(SolidError::BadPolygon { key, reason: "it is too thin to be cut up" });
+            return Err(bad(key, "it is too thin to be cut up"));
         };
         faces.push(around(&left, i).map(|corner| corner as u32));
         left.remove(i);

@@ -1,7 +1,6 @@
 //! The bundled scenes: what their stations see, and their sections against their solids.
 
 use crate::common::{views, winding};
-use transect_device::Pixel;
 use transect_geometry::{Curve, Envelope, Point3, Vector2};
 use transect_scene::{BUNDLED_SCENES, Description, Noise};
 
@@ -25,7 +24,7 @@ fn every_station_stands_free_and_sees_the_scene() {
             let share = view.image().valid_count() as f64 / size.pixels() as f64;
             assert!(share > 0.12, "{name}: {} sees {share}", view.name());
             for k in (0..size.pixels()).step_by(61) {
-                let pixel = Pixel::new(k / size.cols, k % size.cols);
+                let pixel = size.pixel(k);
                 let Some(point) = view.point_in_sensor(pixel) else { continue };
                 let mut ray = view.frame().ray(pixel).unwrap();
                 let range = (point - ray.start).norm();

@@ -2,7 +2,6 @@
 
 use crate::common::{views, winding};
 use std::time::Instant;
-use transect_device::Pixel;
 use transect_geometry::{Curve, Point2, Point3};
 use transect_scene::{BUNDLED_ROOM, Description, Noise};
 
@@ -22,7 +21,7 @@ fn every_clean_ray_ends_on_the_surface_of_the_room() {
             view.name()
         );
         for k in (0..size.pixels()).step_by(7) {
-            let pixel = Pixel::new(k / size.cols, k % size.cols);
+            let pixel = size.pixel(k);
             let mut ray = view.frame().ray(pixel).unwrap();
             ray.start = view.world_from_sensor() * ray.start;
             ray.direction = view.world_from_sensor() * ray.direction;

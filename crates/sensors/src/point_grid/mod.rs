@@ -19,8 +19,8 @@ pub use rotating_scan::{fit_viewpoint, uneven_rays};
 use crate::error::{SensorError, require};
 use std::sync::Arc;
 use transect_device::{
-    DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, Neighbour, PairGeometry, Pixel,
-    Point3, RangeImage, Ray, SensorPlane, Vector3,
+    DeviceFrame, DevicePoint, Handedness, ImageSize, LinearForm, MISSING_POINT, Neighbour,
+    PairGeometry, Pixel, Point3, RangeImage, Ray, SensorPlane, Vector3, median,
 };
 
 /// The starts of a point grid's rays.
@@ -54,9 +54,6 @@ impl RayStarts {
         }
     }
 }
-
-/// The point of a missing pixel.
-const MISSING: Point3 = Point3::new(f64::NAN, f64::NAN, f64::NAN);
 
 /// Widest step from the last column to the first, over the usual step. Theory: a rotating lidar
 /// ends its turn anywhere between two firings, so up to one may be missing (2 steps), and it moves
@@ -111,7 +108,7 @@ impl PointGrid {
         for p in &mut points {
             let missing = *p == Point3::origin() || !p.coords.iter().all(|c| c.is_finite());
             if missing {
-                *p = MISSING;
+                *p = MISSING_POINT;
             }
         }
         let parallel_start = parallel_start(&points, &starts);
@@ -120,7 +117,7 @@ impl PointGrid {
         for (p, pixel) in points.iter_mut().zip(size.all_pixels()) {
             // A point too far for the image's numbers is missing there, so it is missing here.
             if image.get(pixel).is_none() {
-                *p = MISSING;
+                *p = MISSING_POINT;
             }
         }
         let handedness = Handedness::ColumnsRight;
@@ -156,11 +153,6 @@ impl PointGrid {
         Self::new(size, points, fitted.unwrap_or(RayStarts::Parallel(-Vector3::z())))
     }
 
-    /// The starts of the rays.
-    pub fn ray_starts(&self) -> &RayStarts {
-        &self.starts
-    }
-
     fn stored(&self, pixel: Pixel) -> Option<&Point3> {
         self.points.get(self.size.index(pixel)?).filter(|p| !p.x.is_nan())
     }
@@ -188,7 +180,7 @@ impl PointGrid {
         let samples = stored.iter().zip(distances).zip(image.row(row));
         samples.map(|((p, distance), d3)| {
             let missing = d3.is_nan() || p.x.is_nan();
-            (p, if missing { MISSING } else { self.moved(p, *distance, f64::from(*d3)) })
+            (p, if missing { MISSING_POINT } else { self.moved(p, *distance, f64::from(*d3)) })
         })
     }
 
@@ -207,14 +199,13 @@ impl PointGrid {
             Some((self.stored(Pixel::new(row, a))? - self.stored(Pixel::new(row, b))?).norm())
         };
         let rows = 0..self.size.rows;
-        let mut seams: Vec<f64> = rows.clone().filter_map(|r| step(r, last, 0)).collect();
+        let seams: Vec<f64> = rows.clone().filter_map(|r| step(r, last, 0)).collect();
         let beside = rows.flat_map(|r| [step(r, 0, 1), step(r, last - last.min(1), last)]);
-        let mut steps: Vec<f64> = beside.flatten().collect();
-        // With fewer than three columns, a seam looks like the columns' own steps.
+        // With fewer than four columns, a seam looks like the columns' own steps.
         last >= 3
             && seams.len() >= 3
-            && median(&mut seams)
-                .zip(median(&mut steps))
+            && median(seams)
+                .zip(median(beside.flatten()))
                 .is_some_and(|(seam, step)| seam <= WIDEST_SEAM * step)
     }
 
@@ -226,12 +217,6 @@ impl PointGrid {
         let ray = here - self.starts.start(here, self.parallel_start);
         Some(along_columns.cross(&along_rows).dot(&ray))
     }
-}
-
-fn median(values: &mut [f64]) -> Option<f64> {
-    let middle = values.len() / 2;
-    values.sort_by(f64::total_cmp);
-    values.get(middle).copied()
 }
 
 /// Smallest and largest of some numbers, without NaN.
@@ -321,7 +306,7 @@ impl DeviceFrame for PointGrid {
         let others: Vec<Point3> = match neighbour {
             Neighbour::Up => row.checked_sub(1).into_iter().flat_map(points).collect(),
             Neighbour::Left => {
-                let mut before = MISSING;
+                let mut before = MISSING_POINT;
                 let mut others: Vec<Point3> =
                     points(row).map(|p| std::mem::replace(&mut before, p)).collect();
                 if let (true, Some(first)) = (self.wraps, others.first_mut()) {

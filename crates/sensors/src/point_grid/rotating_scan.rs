@@ -14,7 +14,7 @@
 //! Cost: two passes over the points.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
-use transect_device::{ImageSize, Point3};
+use transect_device::{ImageSize, Point3, median};
 
 /// Fewest points of a column or row that counts. Chosen by hand: fewer determine no plane. Doubled,
 /// nothing changes but for very small grids.
@@ -42,12 +42,9 @@ pub fn uneven_rays(size: ImageSize, points: &[Point3], viewpoint: &Point3) -> f6
     let every = (size.pixels() / COMPARED).max(1);
     let (mut uneven, mut all) = (0, 0);
     for step in [1, size.cols] {
-        let mut steps = angles(size, points, viewpoint, every, step);
-        let middle = steps.len() / 2;
-        if steps.is_empty() {
-            continue;
-        }
-        let limit = UNEVEN * *steps.select_nth_unstable_by(middle, f32::total_cmp).1;
+        let steps = angles(size, points, viewpoint, every, step);
+        let Some(usual) = median(steps.iter().map(|angle| f64::from(*angle))) else { continue };
+        let limit = UNEVEN * usual as f32;
         uneven += steps.iter().filter(|angle| **angle > limit).count();
         all += steps.len();
     }

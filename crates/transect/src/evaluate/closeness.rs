@@ -4,6 +4,7 @@ use super::index::{Nearby, UnitIndex};
 use super::sample::{GROUP, Sample, runs};
 use super::stretches::seen_stretches;
 use super::{Ruler, SAMPLES_PER_TOLERANCE};
+use transect_device::median;
 use transect_geometry::{Curve, Point2};
 
 /// Sums of the comparison of curves with the truth; lengths in the model's unit.
@@ -71,12 +72,7 @@ fn seen_of(run: &[Sample], seen: impl Fn(&[Point2]) -> Vec<bool>) -> Vec<bool> {
 /// Median sample spacing of the nodes that a view measured; 0 without such nodes.
 fn footprint(curves: &[Curve]) -> f64 {
     let seen = curves.iter().flat_map(Curve::nodes).filter(|n| n.views.is_some());
-    let mut footprints: Vec<f32> = seen.map(|n| n.footprint).collect();
-    let middle = footprints.len() / 2;
-    if footprints.is_empty() {
-        return 0.0;
-    }
-    f64::from(*footprints.select_nth_unstable_by(middle, f32::total_cmp).1)
+    median(seen.map(|n| f64::from(n.footprint))).unwrap_or(0.0)
 }
 
 impl Closeness {

@@ -249,8 +249,10 @@ fn findings(seed: u64) -> Findings {
     for view in &views {
         let samples = samples(view);
         let partial = partial_model(view, &setup.planes, &setup.partial).unwrap();
-        marked += partial.counts.bridged;
-        curves_of_views += partial.planes.iter().map(|found| found.curves.len()).sum::<usize>();
+        for curve in partial.planes.iter().flat_map(|found| &found.curves) {
+            curves_of_views += 1;
+            marked += curve.bridged.len();
+        }
         for found in partial.planes {
             let curves: Vec<Curve> = found.curves.into_iter().map(|c| c.curve).collect();
             let frame = setup.planes.frame(found.plane);

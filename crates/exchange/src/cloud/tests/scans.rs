@@ -119,8 +119,7 @@ fn the_real_pair_opens_without_arguments_and_lies_on_itself() {
         let nearest = |p: &Point3| {
             target.iter().map(|q| (p - q).norm_squared()).fold(f64::INFINITY, f64::min).sqrt()
         };
-        let mut distances: Vec<f64> = source.iter().step_by(50).map(nearest).collect();
-        cells::median(&mut distances).unwrap()
+        transect_device::median(source.iter().step_by(50).map(nearest)).unwrap()
     };
     // The data's own page states 0.047 m, 0.068 m without the pose and 0.162 m with its inverse.
     let (placed, unmoved) =

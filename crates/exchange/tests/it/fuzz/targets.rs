@@ -9,7 +9,7 @@ use std::fs;
 use std::io::BufReader;
 use std::path::Path;
 use transect_exchange::{
-    Scan, read_calibration, read_contours, read_guide, read_mesh, read_range_grid, read_truth,
+    Scan, read_calibration, read_guide, read_mesh, read_range_grid, read_truth,
 };
 use transect_geometry::{GuideKind, LengthUnit};
 use transect_model::{Model, store::Store};
@@ -18,7 +18,7 @@ use transect_model::{Model, store::Store};
 pub type Target = fn(&Path, &[u8]) -> Result<(), String>;
 
 /// Every reader with the name of its folder in the corpus.
-pub const TARGETS: [(&str, Target); 31] = [
+pub const TARGETS: [(&str, Target); 30] = [
     ("calibration", |folder, bytes| read(folder, "a.csv", bytes, read_calibration)),
     ("cloud_poses", |folder, bytes| {
         let clouds = folder.join("clouds");
@@ -33,7 +33,6 @@ pub const TARGETS: [(&str, Target); 31] = [
         write(folder, "a.conf", bytes);
         load(folder, &folder.join("a.conf"))
     }),
-    ("contours", |folder, bytes| read(folder, "a.json", bytes, read_contours)),
     ("depth_camera", |folder, bytes| sequence(folder, "camera.json", bytes)),
     ("depth_list", |folder, bytes| sequence(folder, "depth.txt", bytes)),
     ("depth_pgm", |folder, bytes| scan(folder, &DEPTH.replace("a.png", "a.pgm"), "a.pgm", bytes)),

@@ -122,12 +122,12 @@ impl Candidates<'_> {
                 let there = &nodes[j];
                 // Each pair once, from the node with the larger footprint, which looks farther.
                 let mine = (there.evidence.footprint, k) < (footprint, j);
-                if !mine || here.tangent.dot(&there.tangent) < SMALLEST_TURN_COSINE {
+                if !mine || here.tangent.dot(&there.tangent) < LEAST_COSINE {
                     return;
                 }
                 let (from, to) = if d.dot(&here.tangent) > 0.0 { (k, j) } else { (j, k) };
                 let step = Step::between(&nodes[from], &nodes[to]);
-                if step.length > 0.0 && step.leave.min(step.arrive) > SMALLEST_TURN_COSINE {
+                if step.length > 0.0 && step.leave.min(step.arrive) > LEAST_COSINE {
                     self.add(from, to, self.cost(&nodes[from], &nodes[to], &step), false);
                 }
             });
@@ -144,7 +144,7 @@ impl Candidates<'_> {
             let (a, b) = (&self.nodes[from as usize], &self.nodes[to as usize]);
             let step = Step::between(a, b);
             // Between nodes of one direction, a step to the side is a change of layer, not a bend.
-            let straight = a.tangent.dot(&b.tangent) >= SMALLEST_TURN_COSINE;
+            let straight = a.tangent.dot(&b.tangent) >= LEAST_COSINE;
             let least = if straight { SIDEWAYS } else { BACKWARD };
             if step.leave >= least && step.arrive >= least {
                 let cost = WITNESSED * self.cost(a, b, &step);

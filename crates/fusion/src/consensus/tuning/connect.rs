@@ -7,7 +7,7 @@ pub mod link {
     pub const REACH_FOOTPRINTS: f64 = 3.0;
     /// Least cosine between linked nodes, and between them and the step (60°). By hand. Doubled: no
     /// bend is linked.
-    pub const SMALLEST_TURN_COSINE: f64 = 0.5;
+    pub const LEAST_COSINE: f64 = 0.5;
     /// The same for units of the views' curves, which also lead round thin tips. By hand.
     pub const BACKWARD: f64 = -0.2;
     /// The same for such units between nodes of one direction. By hand: a step to the side is a

@@ -46,10 +46,10 @@ pub mod spread {
     /// Factor from one search distance to the next. By hand. Doubled: the spread of depth cameras
     /// is taken from distances at which other surfaces lie.
     pub const SHARE_GROWTH: f64 = 1.5;
-    /// Share of the search distance from which no wider one is tried. By hand: depth cameras with
-    /// poses of their own differ by up to 4 footprints, which 4.5 times this share holds. Doubled:
-    /// other surfaces widen the spread of the red kitchen, and the share of its halves within 2 cm
-    /// falls by 0.5 %.
+    /// Share of the search distance from which no wider one is tried. By hand: the search ends at 5
+    /// × [`SEARCH_FOOTPRINTS`] = 20 footprints, which holds [`NEARBY_SPREADS`] (4.5) times the
+    /// largest spread seen, 4 footprints. Doubled: other surfaces widen the spread of the red
+    /// kitchen, and the share of its halves within 2 cm falls by 0.5 %.
     pub const WIDEST_SHARE: f64 = 5.0;
     /// Growth of the spread over that of the search from which other surfaces make it. Theory:
     /// evenly distributed distances have 1. Measured: 0.5 at most on depth cameras. Doubled: it

@@ -129,7 +129,7 @@ fn stacks_of_both_depths_and_kinds_show_where_the_stripe_was() {
 }
 
 #[test]
-fn a_median_over_more_rows_than_there_are_takes_no_more_memory() {
+fn a_median_over_more_rows_than_there_are_is_over_all_rows() {
     let all = keys("stack.npy", r#", "stripe": { "height": 120, "median_rows": 1000000000001 }"#);
     let folder = scan_folder(&[&all]);
     write_stack(folder.path(), Counts::Eight(&eight_bits()));
