@@ -4,13 +4,13 @@ use crate::common::{SIZE, normals, planes_along, random_views, views};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use std::sync::Arc;
-use transect_device::{ImageSize, Isometry3, Pixel, RangeImage, Vector3, View};
+use transect_device::{DeviceFrame, ImageSize, Isometry3, Pixel, RangeImage, Vector3, View};
 use transect_geometry::PlaneFamily;
 use transect_partial::one_pass::{
     Effort, OnePassOptions, Workspace, partial_model, partial_model_with,
 };
 use transect_partial::{EndReason, PartialCurve, PartialModel};
-use transect_sensors::{Intrinsics, Pinhole};
+use transect_sensors::{Intrinsics, LightStripe, Pinhole};
 
 fn curves(model: &PartialModel) -> impl Iterator<Item = &PartialCurve> {
     model.planes.iter().flat_map(|p| &p.curves)
@@ -37,6 +37,21 @@ fn ends_at_the_images_border_say_so() {
     let ends: Vec<_> = curves(&model).map(|c| c.ends).collect();
     assert!(ends.len() > 10);
     assert!(ends.iter().all(|e| *e == Some([EndReason::ImageBorder; 2])), "{ends:?}");
+}
+
+/// A laser sheet whose stripe is behind the farthest distance at which the sensor sees it.
+#[test]
+fn values_without_a_point_are_an_error_that_states_them() {
+    let frame = LightStripe::smart_eye().unwrap();
+    let size = frame.size();
+    // The last cell of the camera's row: the sheet and the camera's line meet behind the sensor,
+    // or nowhere.
+    let image = RangeImage::from_values(size, vec![9e8; size.pixels()]).unwrap();
+    let view = View::new("far", image, Arc::new(frame), Isometry3::identity(), Some(0.0)).unwrap();
+    let planes = planes_along(Vector3::x(), 0.11);
+    let error = partial_model(&view, &planes, &OnePassOptions::default()).unwrap_err();
+    let wanted = "the values of the image run from 900000000 to 900000000, and the sensor has no";
+    assert!(error.to_string().starts_with(wanted), "{error}");
 }
 
 #[test]
