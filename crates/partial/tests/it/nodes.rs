@@ -39,6 +39,18 @@ fn ends_at_the_images_border_say_so() {
     assert!(ends.iter().all(|e| *e == Some([EndReason::ImageBorder; 2])), "{ends:?}");
 }
 
+/// The largest number of 32 bits and beyond.
+#[test]
+fn gaps_wider_than_the_image_are_as_wide_as_the_image() {
+    let ends = |gap| {
+        let model = wall(gap, 40, |row, _| if row == 6 { f32::NAN } else { 2.0 });
+        curves(&model).map(|c| c.ends).collect::<Vec<_>>()
+    };
+    for gap in [i32::MAX as usize, usize::MAX >> 1] {
+        assert_eq!(ends(gap), ends(12));
+    }
+}
+
 /// A laser sheet whose stripe is behind the farthest distance at which the sensor sees it.
 #[test]
 fn values_without_a_point_are_an_error_that_states_them() {
