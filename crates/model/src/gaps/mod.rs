@@ -18,10 +18,10 @@
 //!
 //! Departures from the source: 6.4 names the selection of views as future work; the method is ours.
 //!
-//! Cost: memory O(n) for n open curves of a plane. Each end looks at the free beginnings within its
-//! cheapest cost. That is O(n log n) where few ends are so near, and O(n²) if all costs are alike.
-//! The chord of a gap is not a surface: the boundary between its ends can be anywhere in the unseen
-//! space.
+//! Cost: memory O(n) for n open curves of a plane, and 64 MiB at most. Each end looks at the free
+//! beginnings within its cheapest cost: O(n log n) in all where few are so near. If all beginnings
+//! are equally far from all ends, it is O(n²) and more. The chord of a gap is not a surface: the
+//! boundary between its ends can be anywhere in the unseen space.
 //!
 //! ```
 //! use transect_geometry::{Curve, Node, PlaneFrame, Point2, Point3, Vector3};
@@ -167,23 +167,28 @@ impl Section {
 /// Pairs of an end and a beginning, by the numbers of their curves: the cheapest of all first, then
 /// the cheapest of those that are left. Of equal costs, the first end and the first beginning.
 ///
-/// Each end waits in a queue with the cheapest beginning that was free when it was queued. Costs
-/// only rise as beginnings are taken, so an end whose beginning is taken is queued again.
+/// Each end waits in a queue with a beginning that was its cheapest when it was queued. Costs only
+/// rise as beginnings are taken, so an end whose beginning is taken is queued again.
 fn cheapest_pairs(ends: &[[OpenEnd; 2]]) -> Vec<(usize, usize)> {
     let begin = |(b, [begin, _]): (usize, &[OpenEnd; 2])| begin.numbered(b);
     let mut free = RTree::bulk_load(ends.iter().enumerate().map(begin).collect());
-    let entry = |a: usize, free: &Beginnings| {
-        let [_, end] = ends.get(a)?;
-        Some(Reverse(cheapest(end, ends, free)?.queued(a)))
-    };
-    let mut queue: BinaryHeap<_> = (0..ends.len()).filter_map(|a| entry(a, &free)).collect();
+    let mut is_taken = vec![false; ends.len()];
+    let mut waiting: Vec<_> = ends.iter().map(|[_, end]| Waiting::new(end)).collect();
+    let mut queue = BinaryHeap::with_capacity(ends.len());
+    for (a, end) in waiting.iter_mut().enumerate() {
+        queue.extend(end.next(ends, &free, &is_taken).map(|next| Reverse(next.queued(a))));
+    }
     let mut pairs = Vec::with_capacity(ends.len());
     while let Some(Reverse((_, a, b))) = queue.pop() {
-        if ends.get(b).is_some_and(|[begin, _]| free.remove(&begin.numbered(b)).is_some()) {
-            pairs.push((a, b));
-        } else {
-            queue.extend(entry(a, &free));
+        if is_taken[b] {
+            let next = waiting[a].next(ends, &free, &is_taken);
+            queue.extend(next.map(|next| Reverse(next.queued(a))));
+            continue;
         }
+        is_taken[b] = true;
+        free.remove(&begin((b, &ends[b])));
+        waiting[a].cheapest = Vec::new();
+        pairs.push((a, b));
     }
     pairs
 }
@@ -191,38 +196,96 @@ fn cheapest_pairs(ends: &[[OpenEnd; 2]]) -> Vec<(usize, usize)> {
 /// Beginnings of curves, with the numbers of the curves.
 type Beginnings = RTree<GeomWithData<[f64; 2], usize>>;
 
-/// A beginning and what it costs.
-#[derive(Clone, Copy)]
+/// Most beginnings that all ends together keep in mind: 64 MiB. Chosen by hand. Doubled, ends far
+/// from all beginnings search half as often, and take twice the memory.
+const KEPT: usize = 1 << 22;
+
+/// A beginning and what it costs. The order is that of costs, then of numbers.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Candidate {
-    cost: f64,
+    /// The bits of the cost. Those of numbers that are not negative have their order.
+    cost: u64,
     begin: usize,
 }
 
 impl Candidate {
-    /// The entry of an end's queue. The bits of numbers that are not negative have their order.
+    /// The entry of an end in the queue.
     fn queued(self, end: usize) -> (u64, usize, usize) {
-        (self.cost.to_bits(), end, self.begin)
+        (self.cost, end, self.begin)
     }
 }
 
-/// The cheapest of the free beginnings for an end, and the first of several. The nearest ones come
-/// first. No cost is below the distance, so the search ends where the distance exceeds the cost.
-fn cheapest(end: &OpenEnd, ends: &[[OpenEnd; 2]], free: &Beginnings) -> Option<Candidate> {
-    let place = [end.position.x, end.position.y];
-    let mut best: Option<Candidate> = None;
-    for (begin, squared) in free.nearest_neighbor_iter_with_distance_2(place) {
-        if best.is_some_and(|best| squared.sqrt() * (1.0 - ROUNDING) > best.cost) {
-            break;
+/// An end that has no beginning yet.
+struct Waiting<'a> {
+    end: &'a OpenEnd,
+    /// The cheapest beginnings that were free at the last search; the very cheapest is last.
+    cheapest: Vec<Candidate>,
+    /// How many of them the next search looks for.
+    wanted: usize,
+    /// Whether the last search met all free beginnings. The order of the tree only costs time then.
+    is_far: bool,
+}
+
+impl<'a> Waiting<'a> {
+    fn new(end: &'a OpenEnd) -> Self {
+        Self { end, cheapest: Vec::new(), wanted: 1, is_far: false }
+    }
+
+    /// The cheapest free beginning. Searches again if all that it knows are taken.
+    fn next(
+        &mut self,
+        ends: &[[OpenEnd; 2]],
+        free: &Beginnings,
+        is_taken: &[bool],
+    ) -> Option<Candidate> {
+        while self.cheapest.last().is_some_and(|last| is_taken[last.begin]) {
+            self.cheapest.pop();
         }
-        let begin = begin.data;
-        let Some(cost) = ends.get(begin).map(|[begin, _]| cost(end, begin)) else { continue };
-        let is_better = |best: Candidate| (cost, begin) < (best.cost, best.begin);
-        if best.is_none_or(is_better) {
-            best = Some(Candidate { cost, begin });
+        if self.cheapest.is_empty() {
+            self.search(ends, free);
+        }
+        self.cheapest.last().copied()
+    }
+
+    /// Finds the cheapest of the free beginnings, the nearest ones first. No cost is below the
+    /// distance, so the search ends where the distance exceeds the largest cost.
+    fn search(&mut self, ends: &[[OpenEnd; 2]], free: &Beginnings) {
+        let mut found = BinaryHeap::with_capacity(self.wanted + 1);
+        if self.is_far {
+            free.iter().for_each(|begin| self.keep(begin.data, ends, &mut found));
+        } else {
+            let place = [self.end.position.x, self.end.position.y];
+            let mut seen = 0;
+            for (begin, squared) in free.nearest_neighbor_iter_with_distance_2(place) {
+                let least = squared.sqrt() * (1.0 - ROUNDING);
+                let most = found.peek().filter(|_| found.len() == self.wanted);
+                if most.is_some_and(|most: &Candidate| least > f64::from_bits(most.cost)) {
+                    break;
+                }
+                self.keep(begin.data, ends, &mut found);
+                seen += 1;
+            }
+            self.is_far = seen == free.size();
+        }
+        self.cheapest = found.into_sorted_vec();
+        self.cheapest.reverse();
+        // More each time, as far as all ends together have room.
+        self.wanted = (MORE * self.wanted).min((KEPT / free.size().max(1)).max(1));
+    }
+
+    /// Adds a beginning to the cheapest ones, and takes the dearest away if they are too many.
+    fn keep(&self, begin: usize, ends: &[[OpenEnd; 2]], found: &mut BinaryHeap<Candidate>) {
+        let cost = cost(self.end, &ends[begin][0]).to_bits();
+        found.push(Candidate { cost, begin });
+        if found.len() > self.wanted {
+            found.pop();
         }
     }
-    best
 }
+
+/// How many times more beginnings an end looks for at its next search. Measured: an end far from
+/// all beginnings searches a few times. Doubled, ends near their beginnings look too far.
+const MORE: usize = 8;
 
 /// By how much a cost may be less than the distance. Theory: some ten roundings of 2⁻⁵³. Doubled,
 /// nothing changes.
