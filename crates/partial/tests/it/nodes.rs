@@ -39,15 +39,18 @@ fn ends_at_the_images_border_say_so() {
     assert!(ends.iter().all(|e| *e == Some([EndReason::ImageBorder; 2])), "{ends:?}");
 }
 
-/// The largest number of 32 bits and beyond.
+/// The largest number of 32 bits and beyond. Another surface begins behind the missing row.
 #[test]
 fn gaps_wider_than_the_image_are_as_wide_as_the_image() {
     let ends = |gap| {
-        let model = wall(gap, 40, |row, _| if row == 6 { f32::NAN } else { 2.0 });
+        let depths = |row: usize| [2.0, f32::NAN, 5.0][row.min(7).saturating_sub(5)];
+        let model = wall(gap, 40, |row, _| depths(row));
         curves(&model).map(|c| c.ends).collect::<Vec<_>>()
     };
+    let is_jump = |ends: &Option<[EndReason; 2]>| ends.unwrap().contains(&EndReason::RangeJump);
     for gap in [i32::MAX as usize, usize::MAX >> 1] {
         assert_eq!(ends(gap), ends(12));
+        assert!(ends(gap).iter().any(is_jump));
     }
 }
 
