@@ -21,6 +21,15 @@ pub enum MissingValue {
 }
 
 impl MissingValue {
+    /// The value as a file of 32-bit numbers holds it.
+    pub(crate) fn single(self) -> Self {
+        let single = |value: f64| f64::from(narrowed(value));
+        match self {
+            Self::Number(value) => Self::Number(single(value)),
+            Self::Point(point) => Self::Point(point.map(single)),
+        }
+    }
+
     /// The value after the scale of the file.
     pub(crate) fn scaled(self, scale: f64) -> Self {
         match self {
@@ -66,17 +75,16 @@ pub(crate) fn narrowed(value: f64) -> f32 {
     if value.is_finite() { value.clamp(-largest, largest) as f32 } else { value as f32 }
 }
 
-/// Makes the stated value NaN.
+/// Makes the stated value NaN. `stated` holds the forms that the value may have in the image.
 pub(crate) fn clear_stated(
     values: &mut [f32],
-    stated: Option<MissingValue>,
+    stated: Option<[MissingValue; 2]>,
 ) -> Result<(), Problem> {
-    match stated {
-        Some(MissingValue::Number(mark)) => clear_value(values, narrowed(mark)),
-        Some(MissingValue::Point(_)) => {
+    for form in stated.into_iter().flatten() {
+        let MissingValue::Number(mark) = form else {
             return Err(Problem::damaged("\"missing\" is a point; a range image needs a number"));
-        }
-        None => {}
+        };
+        clear_value(values, narrowed(mark));
     }
     Ok(())
 }
@@ -135,20 +143,19 @@ fn far_mark(values: &[f32]) -> Option<(f32, usize)> {
     far.then_some((largest, count))
 }
 
-/// Makes the stated point, and points that occur far more often than the others, NaN. Refuses
-/// absurd points.
+/// Makes the stated point, and points that occur far more often than the others, NaN. `stated`
+/// holds the forms that the point may have in the grid. Refuses absurd points.
 pub(crate) fn clear_points(
     size: ImageSize,
     points: &mut [Point3],
-    stated: Option<MissingValue>,
+    stated: Option<[MissingValue; 2]>,
     notes: &mut Vec<String>,
 ) -> Result<(), Problem> {
-    match stated {
-        Some(MissingValue::Point(mark)) => clear_point(points, &Point3::from(mark)),
-        Some(MissingValue::Number(_)) => {
+    for form in stated.into_iter().flatten() {
+        let MissingValue::Point(mark) = form else {
             return Err(Problem::damaged("\"missing\" is a number; a grid needs [x, y, z]"));
-        }
-        None => {}
+        };
+        clear_point(points, &Point3::from(mark));
     }
     while let Some((mark, count)) = repeated_mark(points) {
         clear_point(points, &mark);
@@ -244,7 +251,7 @@ mod tests {
         stated: Option<MissingValue>,
     ) -> Result<(Vec<f32>, Vec<String>), String> {
         let text = |p: Problem| format!("{}: {}", p.at, p.text);
-        clear_stated(&mut values, stated).map_err(text)?;
+        clear_stated(&mut values, stated.map(|stated| [stated; 2])).map_err(text)?;
         let mut notes = Vec::new();
         let image = RangeImage::from_values(SIZE, values).unwrap();
         let image = without_marks(image, &mut notes).map_err(text)?;
@@ -335,7 +342,7 @@ mod tests {
             );
         }
         let mut points = surface();
-        let stated = Some(MissingValue::Point([1.0, 2.0, 3.0]));
+        let stated = Some([MissingValue::Point([1.0, 2.0, 3.0]); 2]);
         assert!(clear_points(SIZE, &mut points, stated, &mut Vec::new()).is_ok());
         assert_eq!(points.iter().position(|p| p.x.is_nan()), Some(17));
     }

@@ -201,7 +201,7 @@ impl Scan {
     ///
     /// # Errors
     /// [`ReadError`] if the scan's own files cannot be read any more, or have names that are not
-    /// Unicode.
+    /// Unicode. A pose whose name does not tell its view is an error, too.
     pub fn posed(
         &self,
         path: &Path,
@@ -215,6 +215,9 @@ impl Scan {
         }
         let format = FORMATS.iter().find(|format| (format.recognise)(path));
         let Some(manifest) = format.and_then(|format| format.manifest) else {
+            let names: Vec<&str> = self.views.iter().map(ScanView::name).collect();
+            let listed: Vec<&str> = poses.iter().map(|pose| pose.view.as_str()).collect();
+            posed_scan::meant(path, &names, &listed)?;
             let list = PoseList::new((path, &self.name), options, poses, folder)?;
             return Ok(PosedScan::Poses(list));
         };

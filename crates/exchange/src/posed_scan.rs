@@ -19,8 +19,8 @@
 use crate::input::read_text;
 use crate::manifest::{write_key, write_list};
 use crate::{
-    LensEntry, Manifest, OpenOptions, Place, ReadError, Scan, SensorEntry, ViewEntry, pose,
-    row_major, write_manifest,
+    LensEntry, Manifest, OpenOptions, Place, ReadError, Scan, ScanView, SensorEntry, ViewEntry,
+    pose, row_major, write_manifest,
 };
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
@@ -176,16 +176,20 @@ impl PoseList {
     /// The views of the list, at its poses.
     pub(crate) fn applied(&self, path: &Path, mut scan: Scan) -> Result<Scan, ReadError> {
         let file = file_of(path);
-        let mut views = std::mem::take(&mut scan.views).into_iter();
-        for (number, NamedPose { view, pose }) in self.poses.iter().enumerate() {
-            let at = || Place::View { number, name: view.clone() };
-            let found = views.find(|there| there.name() == view).ok_or_else(|| {
-                let problem = "\"scan\" has no view of this name behind the views listed before \
-                               it; list its views by name, in the order of the scan";
-                ReadError::damaged(&file, at(), problem)
-            })?;
+        let views = std::mem::take(&mut scan.views);
+        let names: Vec<&str> = views.iter().map(ScanView::name).collect();
+        let listed: Vec<&str> = self.poses.iter().map(|pose| pose.view.as_str()).collect();
+        let meant = meant(&file, &names, &listed)?;
+        let mut posed = meant.into_iter().zip(self.poses.iter().enumerate()).peekable();
+        for (number, found) in views.into_iter().enumerate() {
+            let Some((_, (listed, NamedPose { view, pose }))) =
+                posed.next_if(|(meant, _)| *meant == number)
+            else {
+                continue;
+            };
+            let at = Place::View { number: listed, name: view.clone() };
             let pose = pose::from_row_major(pose);
-            let pose = pose.map_err(|problem| ReadError::damaged(&file, at(), problem))?;
+            let pose = pose.map_err(|problem| ReadError::damaged(&file, at, problem))?;
             scan.views.push(found.with_pose(pose.world_from_sensor));
         }
         if scan.views.is_empty() {
@@ -197,23 +201,56 @@ impl PoseList {
     }
 }
 
+/// The numbers of the views that a list of names means. The list has the order of the scan. Refuses
+/// a list that means several selections: the first views that fit it must be the last ones, too.
+pub(crate) fn meant(file: &Path, views: &[&str], listed: &[&str]) -> Result<Vec<usize>, ReadError> {
+    let (mut forward, mut backward) = (0..views.len(), 0..views.len());
+    let is = |view: usize, name: &str| views.get(view).is_some_and(|there| *there == name);
+    let wrong = |number: usize, problem: &str| {
+        let name = listed.get(number).copied().unwrap_or_default().to_owned();
+        ReadError::damaged(file, Place::View { number, name }, problem)
+    };
+    let mut meant = Vec::with_capacity(listed.len());
+    for (number, name) in listed.iter().enumerate() {
+        meant.push(forward.find(|k| is(*k, name)).ok_or_else(|| {
+            let problem = "the scan has no view of this name behind the views listed before it; \
+                           list its views by name, in the order of the scan";
+            wrong(number, problem)
+        })?);
+    }
+    for (number, name) in listed.iter().enumerate().rev() {
+        if backward.rfind(|k| is(*k, name)).as_ref() != meant.get(number) {
+            let problem = "several views of the scan have this name, and the list does not name \
+                           all of them; give every view of the scan a name of its own";
+            return Err(wrong(number, problem));
+        }
+    }
+    Ok(meant)
+}
+
 impl Manifest {
     /// The manifest with other poses, for a file in another folder that exists. Views without a
     /// pose are left out; the others keep their names.
     ///
     /// # Errors
-    /// [`ReadError`] naming a file whose name is not Unicode.
+    /// [`ReadError`] naming a file whose name is not Unicode, or a pose without a view of its own.
     pub(crate) fn posed(
         mut self,
         from: &Path,
         poses: &[ViewPose],
         folder: &Path,
     ) -> Result<Self, ReadError> {
-        let mut poses = poses.iter().peekable();
-        let mut views = Vec::with_capacity(self.views.len());
-        for view in self.views {
-            let name = view.name.as_ref().unwrap_or(&view.file);
-            if let Some(pose) = poses.next_if(|posed| posed.view == *name) {
+        // Views without a file have no pose.
+        self.views.retain(|view| from.join(&view.file).exists());
+        let name = |view: &ViewEntry| view.name.as_ref().unwrap_or(&view.file).clone();
+        let names: Vec<String> = self.views.iter().map(name).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let listed: Vec<&str> = poses.iter().map(|pose| pose.view.as_str()).collect();
+        let meant = meant(from, &names, &listed)?;
+        let mut posed = meant.into_iter().zip(poses).peekable();
+        let mut views = Vec::with_capacity(poses.len());
+        for (number, view) in self.views.into_iter().enumerate() {
+            if let Some((_, pose)) = posed.next_if(|(meant, _)| *meant == number) {
                 views.push(view.posed(from, pose, folder)?);
             }
         }
@@ -355,6 +392,43 @@ mod tests {
         assert_eq!(files, [old.join("b.npy"), old.join("r.npy")]);
     }
 
+    /// The first view and the last one have one name; only the last one has a pose.
+    #[test]
+    fn a_pose_of_one_of_two_views_of_a_name_is_refused() {
+        let views = ["a", "b", "a"];
+        let meant = |listed: &[&str]| meant(Path::new("scan.json"), &views, listed);
+        assert_eq!(meant(&["a", "b"]).unwrap(), [0, 1]);
+        assert_eq!(meant(&["b", "a"]).unwrap(), [1, 2]);
+        assert_eq!(meant(&["a", "a"]).unwrap(), [0, 2]);
+        let error = meant(&["a"]).unwrap_err().to_string();
+        let wanted = "scan.json, view 0 (a): several views of the scan have this name, and the";
+        assert!(error.starts_with(wanted), "{error}");
+        let error = meant(&["a", "b", "b"]).unwrap_err().to_string();
+        let wanted = "scan.json, view 2 (b): the scan has no view of this name behind";
+        assert!(error.starts_with(wanted), "{error}");
+        let posed = |list: &str| {
+            let folder = tempfile::tempdir().unwrap();
+            let view = r#"{"file": "a.npy", "name": "a", "sensor": "grid", "viewpoint": [0,0,0],
+                "pose": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}"#;
+            let path = folder.path().join("scan.json");
+            fs::write(&path, format!(r#"{{"unit": "m", "views": [{view}, {view}]}}"#)).unwrap();
+            fs::write(folder.path().join("a.npy"), "").unwrap();
+            let scan = Scan::open(&path).unwrap();
+            let world_from_sensor = Isometry3::identity();
+            let pose = |name: &str| ViewPose {
+                view: name.to_owned(),
+                world_from_sensor,
+                depth_offsets: None,
+            };
+            let poses: Vec<_> = list.split(' ').map(pose).collect();
+            let posed = scan.posed(&path, &OpenOptions::default(), &poses, folder.path());
+            posed.map(drop).map_err(|error| error.to_string())
+        };
+        assert_eq!(posed("a a"), Ok(()));
+        assert!(posed("a").unwrap_err().contains("several views"));
+        assert!(posed("a c").unwrap_err().contains("the scan has no view of this name"));
+    }
+
     #[test]
     fn what_a_list_cannot_mean_is_refused() {
         let folder = tempfile::tempdir().unwrap();
@@ -371,7 +445,7 @@ mod tests {
             format!(r#"{{"name": "n", "scan": "{scan}", "poses": [{poses}]}}"#)
         };
         for (text, wanted) in [
-            (list("a.conf", &posed("b.ply")), "view 0 (b.ply): \"scan\" has no view of this name"),
+            (list("a.conf", &posed("b.ply")), "view 0 (b.ply): the scan has no view of this"),
             (list("a.conf", ""), "\"poses\" lists no view"),
             (list("scan.json", &posed("a.ply")), "names another list of poses"),
             (list("b.conf", &posed("a.ply")), "b.conf: cannot be read"),

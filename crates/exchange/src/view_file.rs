@@ -28,7 +28,7 @@ impl ViewFile {
     pub(crate) fn load_image(&self, notes: &mut Vec<String>) -> Result<RangeImage, ReadError> {
         let Pixels { size, mut values, .. } = image_file::read(&self.path, self.scale, notes)?;
         self.check_size(size)?;
-        missing::clear_stated(&mut values, self.mark()).map_err(|p| p.in_file(&self.path))?;
+        missing::clear_stated(&mut values, self.marks()).map_err(|p| p.in_file(&self.path))?;
         let image = RangeImage::from_values(size, values);
         let image = match self.order {
             Some(order) => image.and_then(|image| order.apply(image)),
@@ -45,14 +45,16 @@ impl ViewFile {
     ) -> Result<(ImageSize, Vec<Point3>), ReadError> {
         let (size, mut points) = image_file::read_points(&self.path, self.scale)?;
         self.check_size(size)?;
-        missing::clear_points(size, &mut points, self.mark(), notes)
+        missing::clear_points(size, &mut points, self.marks(), notes)
             .map_err(|p| p.in_file(&self.path))?;
         Ok((size, points))
     }
 
-    /// The value of missing pixels after the file's scale.
-    fn mark(&self) -> Option<MissingValue> {
-        Some(self.missing?.scaled(self.scale.unwrap_or(1.0)))
+    /// The values of missing pixels after the file's scale. A file of 32-bit numbers holds the
+    /// stated value rounded to 32 bits, and its pixels are scaled after that.
+    fn marks(&self) -> Option<[MissingValue; 2]> {
+        let scale = self.scale.unwrap_or(1.0);
+        self.missing.map(|stated| [stated, stated.single()].map(|mark| mark.scaled(scale)))
     }
 
     pub(crate) fn damaged(&self, problem: impl Into<String>) -> ReadError {
@@ -81,5 +83,41 @@ impl ViewFile {
              images have them"
         );
         Err(self.damaged(problem))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_data::{write_npy, write_to_folder};
+
+    fn file(path: PathBuf, scale: Option<f64>, missing: MissingValue) -> ViewFile {
+        let missing = Some(missing);
+        ViewFile { path, stated_rows: None, stated_cols: None, scale, missing, order: None }
+    }
+
+    /// 9999.9 is no 32-bit number: the file holds the nearest one.
+    #[test]
+    fn a_stated_value_is_found_in_files_of_32_bit_numbers() {
+        let (_folder, path) = write_to_folder("a.npy", b"");
+        for scale in [None, Some(0.001)] {
+            write_npy(&path, &[2, 2], &[9999.9, 500.0, 510.0, 520.0]);
+            let range = file(path.clone(), scale, MissingValue::Number(9999.9));
+            assert_eq!(range.load_image(&mut Vec::new()).unwrap().valid_count(), 3, "{scale:?}");
+            write_npy(&path, &[1, 2, 3], &[9999.9, 0.1, 1.0, 500.0, 2.0, 3.0]);
+            let grid = file(path.clone(), scale, MissingValue::Point([9999.9, 0.1, 1.0]));
+            let (_, points) = grid.load_points(&mut Vec::new()).unwrap();
+            assert!(points[0].x.is_nan() && points[1].x > 0.0, "{scale:?}: {points:?}");
+        }
+    }
+
+    #[test]
+    fn a_stated_value_is_found_in_files_of_64_bit_numbers() {
+        let mut bytes = Vec::new();
+        crate::npy::write_header(&mut bytes, "<f8", &[1, 2]).unwrap();
+        bytes.extend([9999.9_f64, 500.0].iter().flat_map(|v| v.to_le_bytes()));
+        let (_folder, path) = write_to_folder("a.npy", &bytes);
+        let range = file(path, Some(0.001), MissingValue::Number(9999.9));
+        assert_eq!(range.load_image(&mut Vec::new()).unwrap().valid_count(), 1);
     }
 }

@@ -35,8 +35,8 @@ pub struct FusionCounts {
     /// Nodes of all views. Of `consensus`: those beside a measured unit; views that are the same
     /// count once. Of `pairwise`: all.
     pub observations: usize,
-    /// Nodes left out. Of `consensus`: placed nodes beside a better curve or on a curve that is too
-    /// short. Of `pairwise`: observations farther than the threshold from every fused curve.
+    /// Nodes left out. Of `consensus`: placed nodes beside a better curve, on a curve that is too
+    /// short, or on a chain that is no curve. Of `pairwise`: observations farther than the threshold from every fused curve.
     pub dropped: usize,
     /// Crossings of the curves that the last step resolved.
     pub crossings: usize,

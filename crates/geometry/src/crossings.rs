@@ -26,7 +26,7 @@ pub struct UnitPlace {
 }
 
 /// The pairs of units that cross or touch, each once, in the order of the curves. Units of one
-/// curve that share a node do not count.
+/// curve that share a node do not count. Nodes that follow each other in one place count as one.
 ///
 /// ```
 /// use transect_geometry::{Curve, Node, Point2, crossings};
@@ -56,13 +56,17 @@ pub fn crossings<'a>(curves: impl IntoIterator<Item = &'a Curve>) -> Vec<(UnitPl
     let tree: RTree<GeomWithData<Rectangle<[f64; 2]>, usize>> =
         RTree::bulk_load(boxes.chunks(RUN).enumerate().map(entry).collect());
     let runs = tree.intersection_candidates_with_other_tree(&tree);
+    let steps: Vec<Vec<usize>> = curves.iter().map(|curve| steps(curve)).collect();
+    let are_neighbours = |a: UnitPlace, b: UnitPlace| {
+        a.curve == b.curve && are_neighbours(&steps[a.curve], curves[a.curve].is_closed(), a, b)
+    };
     let mut found = Vec::new();
     for (a, b) in runs.map(|(a, b)| (a.data, b.data)).filter(|(a, b)| a <= b) {
         for a in a..(a + RUN).min(units.len()) {
             for b in b.max(a + 1)..(b + RUN).min(units.len()) {
                 let ((at_a, unit_a), (at_b, unit_b)) = (&units[a], &units[b]);
                 let may_meet = boxes[a].intersects(&boxes[b]);
-                if may_meet && !are_neighbours(&curves, *at_a, *at_b) && meet(unit_a, unit_b) {
+                if may_meet && !are_neighbours(*at_a, *at_b) && meet(unit_a, unit_b) {
                     found.push((*at_a, *at_b));
                 }
             }
@@ -72,11 +76,22 @@ pub fn crossings<'a>(curves: impl IntoIterator<Item = &'a Curve>) -> Vec<(UnitPl
     found
 }
 
-/// Whether two units follow each other on one curve.
-fn are_neighbours(curves: &[&Curve], a: UnitPlace, b: UnitPlace) -> bool {
-    let last = curves[a.curve].units().len() - 1;
-    let wraps = curves[a.curve].is_closed() && a.unit == 0 && b.unit == last;
-    a.curve == b.curve && (a.unit.abs_diff(b.unit) <= 1 || wraps)
+/// For each unit of a curve the number of units before it that have a length, and that of all.
+fn steps(curve: &Curve) -> Vec<usize> {
+    let lengths = curve.units().map(|unit| usize::from(unit.start != unit.end));
+    let mut sum = 0;
+    let ends = lengths.map(|step| {
+        sum += step;
+        sum
+    });
+    std::iter::once(0).chain(ends).collect()
+}
+
+/// Whether two units of a curve, `a` before `b`, follow each other, apart from units without length
+/// between them.
+fn are_neighbours(steps: &[usize], closed: bool, a: UnitPlace, b: UnitPlace) -> bool {
+    let wraps = closed && steps[a.unit] == 0 && steps.last() == Some(&steps[b.unit + 1]);
+    steps[b.unit] == steps[a.unit + 1] || wraps
 }
 
 /// Whether two units whose boxes overlap have a common point.
@@ -109,15 +124,36 @@ mod tests {
                     low_a <= high_b && low_b <= high_a
                 };
                 let boxes = ranges(|p| p.x) && ranges(|p| p.y);
-                if boxes
-                    && !are_neighbours(&curves.iter().collect::<Vec<_>>(), *at_a, *at_b)
-                    && meet(a, b)
-                {
+                let of_one = at_a.curve == at_b.curve;
+                if boxes && !(of_one && follow(&curves[at_a.curve], *at_a, *at_b)) && meet(a, b) {
                     found.push((*at_a, *at_b));
                 }
             }
         }
         found
+    }
+
+    /// Whether all units between two of a curve are without length, on either way round.
+    fn follow(curve: &Curve, a: UnitPlace, b: UnitPlace) -> bool {
+        let is_point: Vec<bool> = curve.units().map(|unit| unit.start == unit.end).collect();
+        let between = is_point[a.unit + 1..b.unit].iter().all(|is_point| *is_point);
+        let outside = [&is_point[..a.unit], &is_point[b.unit + 1..]].concat();
+        between || curve.is_closed() && outside.iter().all(|is_point| *is_point)
+    }
+
+    #[test]
+    fn units_on_either_side_of_a_repeated_node_are_neighbours() {
+        let curve = |places: &[(f64, f64)], closed| {
+            let nodes = places.iter().map(|&(x, y)| Node::at(Point2::new(x, y))).collect();
+            Curve::new(nodes, closed).unwrap()
+        };
+        let line = curve(&[(0.0, 0.0), (1.0, 0.0), (1.0, 0.0), (1.0, 0.0), (2.0, 0.0)], false);
+        assert_eq!(crossings(&[line]), []);
+        let ring = [(0.0, 0.0), (0.0, 0.0), (3.0, 0.0), (3.0, 3.0), (0.0, 3.0), (0.0, 0.0)];
+        assert_eq!(crossings(&[curve(&ring, true)]), []);
+        // The place of the repeated node is met again.
+        let back = [(0.0, 0.0), (1.0, 0.0), (1.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 0.0)];
+        assert!(!crossings(&[curve(&back, false)]).is_empty());
     }
 
     proptest! {

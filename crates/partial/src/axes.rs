@@ -22,6 +22,7 @@ impl SectionAxes {
     ///
     /// # Errors
     /// [`PartialError::CurvedGuide`] if the planes are not parallel,
+    /// [`PartialError::NoPoints`] if no value of the view has a point,
     /// [`PartialError::TooManyPlanes`] if the view's sensing volume spans more than [`MAX_LEVELS`],
     /// [`PartialError::TooFar`] if the view is too far from plane 0.
     pub fn new(view: &View, planes: &PlaneFamily) -> Result<Self, PartialError> {
@@ -40,6 +41,10 @@ impl SectionAxes {
             interval,
         };
         let (low, high) = axes.involved_levels(view);
+        if low > high {
+            let (nearest, farthest) = view.image().extremes().unwrap_or_default();
+            return Err(PartialError::NoPoints { nearest, farthest });
+        }
         let middle = (0.5 * (low + high)).floor();
         let planes = high - low;
         if planes.is_nan() || planes >= MAX_LEVELS as f64 {

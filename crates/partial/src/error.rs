@@ -19,6 +19,17 @@ pub const MAX_CROSSINGS: usize = 1 << 23;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PartialError {
+    /// The sensor has no point for any value of the image.
+    #[error(
+        "the values of the image run from {nearest} to {farthest}, and the sensor has no point for \
+         any of them: check the image's scale, and the keys of the sensor"
+    )]
+    NoPoints {
+        /// The smallest value.
+        nearest: f32,
+        /// The largest value.
+        farthest: f32,
+    },
     /// The planes lie so densely that a level no longer has a usable resolution.
     #[error(
         "the view spans {planes:.3e} planes of interval {interval}; at most {MAX_LEVELS} are possible: \

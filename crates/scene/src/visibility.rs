@@ -17,9 +17,11 @@ use transect_geometry::Point3;
 /// surface counts as seen, however oblique.
 const MAX_INCIDENCE_DEG: f64 = 80.0;
 
-/// Tolerance of a free path at its end, relative to its length. Chosen by hand: above rounding,
-/// below any thickness. Doubling it changes nothing visible.
-const REACHED: f64 = 1e-3;
+/// Tolerance of a free path at its end, relative to the surface's largest side. Chosen by hand:
+/// far above rounding of the points (2⁻³¹ after [`merge_overlaps`](crate::merge_overlaps), six
+/// times as much along an oblique path) and below any thickness: 20 µm in a scene of 20 m. Doubled,
+/// the hidden sides of sheets up to twice as thick count as seen.
+const REACHED: f64 = 1e-6;
 
 /// Finds the points of a surface that some view sees.
 ///
@@ -30,6 +32,8 @@ const REACHED: f64 = 1e-3;
 #[derive(Debug)]
 pub struct Visibility {
     surface: TriMesh,
+    /// How far from a point a path may end that reaches it.
+    reached: f64,
     eyes: Vec<Eye>,
     least_cosine: f64,
 }
@@ -93,8 +97,11 @@ impl Visibility {
         let flags = TriMeshFlags::empty();
         let surface = TriMesh::with_flags(vertices, surface.faces.clone(), flags);
         let surface = surface.map_err(|_| MeshError::Empty)?;
+        let sides = surface.local_aabb().extents();
+        let reached = REACHED * sides.x.max(sides.y).max(sides.z);
         let eyes = views.into_iter().map(Eye::new).collect();
-        Ok(Self { surface, eyes, least_cosine: MAX_INCIDENCE_DEG.to_radians().cos() })
+        let least_cosine = MAX_INCIDENCE_DEG.to_radians().cos();
+        Ok(Self { surface, reached, eyes, least_cosine })
     }
 
     /// Whether some view sees each of some points of the surface, in the order of a curve.
@@ -117,7 +124,7 @@ impl Visibility {
     /// Whether a view sees a point. `blocker` is the triangle that last hid a point from it.
     fn sees_point(&self, eye: &Eye, in_world: &Point3, blocker: &mut Option<Triangle>) -> bool {
         let hidden = eye.centre.zip(blocker.as_ref());
-        if hidden.is_some_and(|(centre, triangle)| blocks(triangle, &way(&centre, in_world))) {
+        if hidden.is_some_and(|(centre, triangle)| self.blocks(triangle, &way(&centre, in_world))) {
             return false;
         }
         let Some((way, second)) = eye.sight(in_world) else { return false };
@@ -137,29 +144,37 @@ impl Visibility {
     /// Follows a way to a point of the surface.
     fn end(&self, way: &Ray) -> End {
         let ray = WorldRay::new(way.origin, way.dir);
+        let tolerance = self.tolerance(way);
         // Room for rounding in boxes without thickness.
-        let thick = Vector::splat(REACHED * 1e-3 * way.dir.length());
+        let thick = Vector::splat(self.reached);
         let leaves = self.surface.bvh().leaves(|node| {
-            ray.box_entry(node.mins() - thick, node.maxs() + thick) <= 1.0 + REACHED
+            ray.box_entry(node.mins() - thick, node.maxs() + thick) <= 1.0 + tolerance
         });
         let (mut nearest, mut cosine) = (f64::INFINITY, None);
         for leaf in leaves {
             let triangle = self.surface.triangle(leaf);
-            let hit = triangle.cast_local_ray_and_get_normal(way, 1.0 + REACHED, false);
+            let hit = triangle.cast_local_ray_and_get_normal(way, 1.0 + tolerance, false);
             let Some(hit) = hit.filter(|hit| hit.time_of_impact < nearest) else { continue };
-            if hit.time_of_impact <= 1.0 - REACHED {
+            if hit.time_of_impact <= 1.0 - tolerance {
                 return End::Blocked(triangle);
             }
             nearest = hit.time_of_impact;
+            // Either side counts: an open sheet has no outside, and the front of a closed surface
+            // blocks the way to its back.
             cosine = Some(hit.normal.dot(way.dir.normalize()).abs());
         }
         End::AtPoint(cosine)
     }
-}
 
-/// Whether a triangle lies across a way before its end.
-fn blocks(triangle: &Triangle, way: &Ray) -> bool {
-    triangle.cast_local_ray(way, 1.0 - REACHED, false).is_some()
+    /// Whether a triangle lies across a way before its end.
+    fn blocks(&self, triangle: &Triangle, way: &Ray) -> bool {
+        triangle.cast_local_ray(way, 1.0 - self.tolerance(way), false).is_some()
+    }
+
+    /// The tolerance at the end of a way, as a share of its length.
+    fn tolerance(&self, way: &Ray) -> f64 {
+        (self.reached / way.dir.length()).min(1.0)
+    }
 }
 
 /// The pixel of the image that a point projects to.
@@ -204,6 +219,21 @@ mod tests {
         assert!(!sees(3.5, 10.0), "shadow of the laser");
     }
 
+    /// A board of 15 mm, 20 m before a camera that looks along z.
+    #[test]
+    fn the_hidden_side_of_a_thin_board_is_not_seen() {
+        let shape = Shape::cuboid([4.0, 4.0, 0.015].into()).unwrap();
+        let pose = Isometry3::translation(0.0, 0.0, 20.0);
+        let scene = Scene::new(vec![Solid::new(shape, pose).unwrap()]);
+        let lens = Intrinsics { fx: 200.0, fy: 200.0, cx: 49.5, cy: 49.5 };
+        let frame = Pinhole::new(ImageSize { rows: 100, cols: 100 }, lens).unwrap();
+        let view = scene.view("board", Arc::new(frame), Isometry3::identity(), &Noise::NONE, 0);
+        let seen = Visibility::new(&scene.mesh(0.01).unwrap(), vec![view.unwrap()]).unwrap();
+        let side = |z: f64| [Point3::new(0.3, 0.4, z), Point3::new(-1.1, 0.7, z)];
+        assert_eq!(seen.sees(&side(20.0 - 0.0075)), [true, true]);
+        assert_eq!(seen.sees(&side(20.0 + 0.0075)), [false, false]);
+    }
+
     #[test]
     fn points_are_seen_as_a_search_of_all_triangles_for_each_point_finds() {
         let block = |size: [f64; 3], x: f64, y: f64, z: f64| {
@@ -226,13 +256,14 @@ mod tests {
         let seen = Visibility::new(&mesh, poses.iter().map(view).collect()).unwrap();
         let all: Vec<Triangle> = seen.surface.triangles().collect();
         let cosine = |way: &Ray| {
-            let hit = |t: &Triangle| t.cast_local_ray_and_get_normal(way, 1.0 + REACHED, false);
+            let end = seen.tolerance(way);
+            let hit = |t: &Triangle| t.cast_local_ray_and_get_normal(way, 1.0 + end, false);
             let nearer = |a: &RayIntersection, b: &RayIntersection| {
                 a.time_of_impact.total_cmp(&b.time_of_impact)
             };
             let first = all.iter().filter_map(hit).min_by(nearer)?;
             let cosine = first.normal.dot(way.dir.normalize()).abs();
-            (first.time_of_impact > 1.0 - REACHED).then_some(cosine)
+            (first.time_of_impact > 1.0 - end).then_some(cosine)
         };
         let mut alone = |point: &Point3| {
             seen.eyes.iter().any(|eye| {

@@ -37,6 +37,16 @@ impl Field {
     fn bytes(&self) -> usize {
         self.scalar.size().saturating_mul(self.count)
     }
+
+    /// The field, if it holds one number: the reader takes the first one.
+    fn single(&self) -> Result<&Self, Problem> {
+        if self.count == 1 {
+            return Ok(self);
+        }
+        let (name, count) = (&self.name, self.count);
+        let problem = format!("field {name} has COUNT {count}; expected 1 number for each point");
+        Err(Problem::damaged(problem))
+    }
 }
 
 /// The text at the head of a file.
@@ -87,7 +97,8 @@ impl Header {
 
     fn field(&self, name: &str) -> Result<&Field, Problem> {
         let found = self.fields.iter().find(|f| f.name == name);
-        found.ok_or_else(|| Problem::damaged(format!("FIELDS has no {name}; expected x, y and z")))
+        let missing = || Problem::damaged(format!("FIELDS has no {name}; expected x, y and z"));
+        found.ok_or_else(missing)?.single()
     }
 }
 
@@ -227,6 +238,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Cloud, Problem> {
     let body = unpacked.as_deref().unwrap_or(body);
     let axes = [header.field("x")?, header.field("y")?, header.field("z")?];
     let ring_field = header.fields.iter().find(|f| is_ring_name(&f.name));
+    let ring_field = ring_field.map(Field::single).transpose()?;
     // Fewest bytes of a point: in a text, a digit and a separator for each word.
     let least =
         if header.encoding == Encoding::Text { 2 * header.words() } else { header.record() };

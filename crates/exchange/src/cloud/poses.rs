@@ -17,6 +17,7 @@ use crate::input::{read_head, read_text};
 use crate::pose::{from_row_major, repairs_note};
 use crate::trajectory::{Trajectory, matrix, read_one};
 use crate::{Place, ReadError};
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use transect_geometry::Isometry3;
 
@@ -156,8 +157,14 @@ fn beside(clouds: &[PathBuf]) -> Result<Option<Poses>, ReadError> {
 fn of_pairs(folder: &Path, clouds: &[PathBuf]) -> Result<Option<Poses>, ReadError> {
     let stem = |path: &PathBuf| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let stems: Vec<String> = clouds.iter().map(stem).collect();
-    let pair = |a: &String, b: &String| folder.join(format!("T_{a}_{b}.txt"));
-    let Some(world) = stems.iter().find(|a| stems.iter().any(|b| pair(a, b).is_file())) else {
+    let pairs = pairs(folder)?;
+    let known: HashSet<&str> = stems.iter().map(String::as_str).collect();
+    // Names may hold underscores, so a pair can be read in several ways.
+    let is_world = |a: &str, pair: &str| {
+        let b = pair.strip_prefix(a).and_then(|rest| rest.strip_prefix('_'));
+        b.is_some_and(|b| known.contains(b))
+    };
+    let Some(world) = stems.iter().find(|a| pairs.iter().any(|pair| is_world(a, pair))) else {
         return Ok(None);
     };
     let mut found = Poses::default();
@@ -167,9 +174,21 @@ fn of_pairs(folder: &Path, clouds: &[PathBuf]) -> Result<Option<Poses>, ReadErro
             found.poses.push(Isometry3::identity());
             continue;
         }
-        found.add(&pair(world, stem))?;
+        found.add(&folder.join(format!("T_{world}_{stem}.txt")))?;
     }
     Ok(Some(found))
+}
+
+/// `A_B` of every file `T_A_B.txt` in a folder.
+fn pairs(folder: &Path) -> Result<Vec<String>, ReadError> {
+    let mut pairs = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(|e| ReadError::io(folder, e))? {
+        let path = entry.map_err(|e| ReadError::io(folder, e))?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let pair = name.strip_prefix("T_").and_then(|name| name.strip_suffix(".txt"));
+        pairs.extend(pair.filter(|_| path.is_file()).map(str::to_owned));
+    }
+    Ok(pairs)
 }
 
 /// The viewpoints of PCD files.

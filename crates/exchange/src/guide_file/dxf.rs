@@ -9,6 +9,14 @@ use crate::dxf_groups::{insertion_unit, unit_of_insertion};
 use crate::error::Problem;
 use transect_geometry::{LengthUnit, Point3};
 
+// Bits of group 70 of a polyline, by the DXF reference.
+const CLOSED: i64 = 1;
+const SPLINE_FIT: i64 = 4;
+/// Vertices have heights of their own.
+const SPATIAL: i64 = 8;
+/// A mesh of rows and columns, or of faces.
+const MESH: i64 = 16 | 64;
+
 /// A group: its code, its value and the line of the value.
 #[derive(Debug, Clone, Copy)]
 struct Group<'a> {
@@ -37,6 +45,11 @@ impl Entity<'_> {
         self.groups.iter().find(|g| g.code == code).map(Group::number).transpose()
     }
 
+    /// The bits of group 70.
+    fn flags(&self) -> Result<i64, Problem> {
+        Ok(self.number(70)?.unwrap_or(0.0) as i64)
+    }
+
     /// The point whose coordinates have these codes; a missing third one is 0.
     fn point(&self, [x, y, z]: [i32; 3]) -> Result<Placed, Problem> {
         let at = Place::Line(self.line);
@@ -52,8 +65,17 @@ impl Entity<'_> {
         let refuse = |what: &str| {
             Err(Problem::at(Place::Line(self.line), format!("the {} {what}", self.name)))
         };
-        if self.name != "VERTEX" && (self.number(70)?.unwrap_or(0.0) as i64) & 1 == 1 {
+        if self.name != "VERTEX" && self.flags()? & CLOSED != 0 {
             return refuse("is closed; a guide has two ends");
+        }
+        if self.name == "POLYLINE" && self.flags()? & SPLINE_FIT != 0 {
+            return refuse(
+                "is fitted by a spline: it lists control points and fitted points in one; draw it \
+                 as straight pieces, or undo the fit (PEDIT, Decurve)",
+            );
+        }
+        if self.name == "POLYLINE" && self.flags()? & MESH != 0 {
+            return refuse("is a mesh; draw the guide as one polyline of straight pieces");
         }
         for group in self.groups.iter().filter(|g| g.code == 42) {
             if group.number()? != 0.0 {
@@ -90,7 +112,7 @@ pub(super) fn points(text: &str, unit: LengthUnit) -> Result<Vec<Placed>, Proble
             }
             "POLYLINE" => {
                 entity.check()?;
-                let is_flat = (entity.number(70)?.unwrap_or(0.0) as i64) & 8 == 0;
+                let is_flat = entity.flags()? & SPATIAL == 0;
                 let elevation = entity.number(30)?.filter(|z| is_flat && *z != 0.0);
                 heavy = Some(Heavy { vertices: Vec::new(), elevation });
             }

@@ -94,6 +94,13 @@ fn what_is_wrong_is_named_with_its_line() {
         ("0 LWPOLYLINE 10 1 20 2 10 3 20 4 0 ARC 10 1 20 2 40 3", "line 18: ARC is no guide"),
         ("0 INSERT 2 axis", "0 separate polylines or lines; a guide is one. 1 blocks (INSERT)"),
         ("0 ENDSEC 9 $INSUNITS 70 4", "$INSUNITS, is 4 (mm), but the scan's is m"),
+        (
+            "0 POLYLINE 66 1 70 12 0 VERTEX 70 48 10 1 20 2 30 3 0 VERTEX 70 40 10 4 20 5 30 3 \
+             0 VERTEX 70 40 10 4.5 20 9 30 3 0 SEQEND",
+            "line 8: the POLYLINE is fitted by a spline",
+        ),
+        ("0 POLYLINE 70 16 0 VERTEX 10 1 20 2 0 SEQEND", "the POLYLINE is a mesh; draw"),
+        ("0 POLYLINE 70 64 0 VERTEX 10 1 20 2 0 SEQEND", "the POLYLINE is a mesh; draw"),
         ("0 LWPOLYLINE 230 -1 10 1 20 2 10 3 20 4", "turned coordinate system"),
     ] {
         let found = problem("a.dxf", &drawing(entities));

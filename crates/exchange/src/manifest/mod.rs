@@ -40,8 +40,9 @@
 //! Other values that mean "no return" are stated by `missing`, or found; see `missing.rs`. Files
 //! that keys name are relative to the manifest. Notes by other programs (`scene`, `size`, `truth`,
 //! `seed`, `comment`, `description`, `tool`) are accepted. Any other key becomes a note, also one
-//! of another sensor. `NaN` and `Infinity`, which some programs write though JSON has no
-//! such numbers, are read as "not a number".
+//! of another sensor. JSON has no `NaN` and `Infinity`, but some programs write them. They are
+//! accepted for `missing`, where they state nothing, and for `pose_true`. Elsewhere they are errors
+//! that name the key.
 
 mod entry;
 mod keys;

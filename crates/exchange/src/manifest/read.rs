@@ -16,14 +16,14 @@ const FOREIGN_KEYS: [&str; 8] =
     ["scene", "size", "truth", "seed", "comment", "pose_true", "description", "tool"];
 
 pub(super) fn manifest(path: &Path, text: &str) -> Result<(Manifest, Vec<String>), ReadError> {
-    let Unique(value) = serde_json::from_str(&without_nan(text))
+    let Unique(value) = serde_json::from_str(&with_quoted_nan(text))
         .map_err(|source| ReadError::Json { path: path.to_owned(), source })?;
     let keys = Keys::of(path, Place::Whole, "", &value)?;
     keys.informational(&FOREIGN_KEYS);
     let mut unknown = Vec::new();
     let mut views = Vec::new();
     let entries = keys.get("views").and_then(Value::as_array);
-    let missing = keys.optional("missing")?;
+    let missing = missing(&keys)?;
     for (number, entry) in entries.ok_or_else(|| keys.wrong("views", "a list"))?.iter().enumerate()
     {
         views.push(view(path, (number, entry), missing, &mut unknown)?);
@@ -90,7 +90,7 @@ fn view(
         rows: keys.optional("rows")?,
         cols: keys.optional("cols")?,
         scale,
-        missing: keys.optional("missing")?.or(missing),
+        missing: self::missing(&keys)?.or(missing),
         image_order: keys.optional("image_order")?,
         pose: keys.required::<PoseText>("pose", POSE)?.matrix(&keys, "pose")?,
         pose_sigma: pose_sigma(&keys)?,
@@ -100,15 +100,40 @@ fn view(
     Ok(entry)
 }
 
+/// The stated value of missing pixels. A number that is not finite is missing in every image, so
+/// there is nothing to state.
+fn missing(keys: &Keys<'_>) -> Result<Option<MissingValue>, ReadError> {
+    let stated = keys.get("missing");
+    if stated.is_some_and(|value| NotFinite::deserialize(value).is_ok()) {
+        return Ok(None);
+    }
+    keys.optional("missing")
+}
+
 /// The expected form of a pose.
 const POSE: &str = "16 numbers, or 4 rows of 4";
 
-/// A pose as files hold it; a null stands for a number that is not finite.
+/// A pose as files hold it.
 #[derive(Deserialize)]
 #[serde(untagged, expecting = "16 numbers, or 4 rows of 4")]
 enum PoseText {
-    Flat(Vec<Option<f64>>),
-    Rows(Vec<[Option<f64>; 4]>),
+    Flat(Vec<PoseNumber>),
+    Rows(Vec<[PoseNumber; 4]>),
+}
+
+/// A number of a pose. A null stands for one that is not finite.
+#[derive(Deserialize, Clone, Copy)]
+#[serde(untagged)]
+enum PoseNumber {
+    Finite(f64),
+    Other(Option<NotFinite>),
+}
+
+/// The names of numbers that are not finite, as [`with_quoted_nan`] leaves them.
+#[derive(Deserialize, Clone, Copy)]
+enum NotFinite {
+    #[serde(alias = "Infinity", alias = "-Infinity")]
+    NaN,
 }
 
 impl PoseText {
@@ -117,7 +142,11 @@ impl PoseText {
             Self::Flat(numbers) => numbers,
             Self::Rows(rows) => rows.concat(),
         };
-        let numbers: Vec<f64> = numbers.into_iter().map(|n| n.unwrap_or(f64::NAN)).collect();
+        let number = |number| match number {
+            PoseNumber::Finite(number) => number,
+            PoseNumber::Other(None | Some(NotFinite::NaN)) => f64::NAN,
+        };
+        let numbers: Vec<f64> = numbers.into_iter().map(number).collect();
         let found = numbers.len();
         let wrong = |_| keys.wrong(key, &format!("{POSE}; it has {found} numbers"));
         numbers.try_into().map_err(wrong)
@@ -142,16 +171,16 @@ fn pose_true(keys: &Keys<'_>) -> Result<Option<[f64; 16]>, ReadError> {
     text.map(|text| text.matrix(keys, key)).transpose()
 }
 
-/// The text with `NaN`, `Infinity` and `-Infinity` outside strings replaced by nulls of the same
-/// length. The error can then name the view and the key instead of a place in the text.
-fn without_nan(text: &str) -> String {
+/// The text with `NaN`, `Infinity` and `-Infinity` in quotes. The error can then name the view and
+/// the key instead of a place in the text, and a key with such a value differs from an absent one.
+fn with_quoted_nan(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let (mut rest, mut in_string) = (text, false);
     while let Some(c) = rest.chars().next() {
         let word = ["NaN", "-Infinity", "Infinity"].into_iter().find(|w| rest.starts_with(w));
         let (taken, kept) = match word.filter(|_| !in_string) {
-            // "null" is one letter longer than "NaN", so later columns in messages shift by one.
-            Some(word) => (word.len(), format!("{:<1$}", "null", word.len())),
+            // Later columns in messages shift by two.
+            Some(word) => (word.len(), format!("\"{word}\"")),
             None if in_string && c == '\\' => {
                 let escaped = rest.chars().nth(1).map_or(0, char::len_utf8);
                 (1 + escaped, rest.get(..1 + escaped).unwrap_or(rest).to_owned())
@@ -167,4 +196,43 @@ fn without_nan(text: &str) -> String {
         rest = rest.get(taken..).unwrap_or_default();
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What the reader says of a manifest with a view and a sigma.
+    fn read(sigma: &str, view: &str) -> Result<Manifest, String> {
+        let text = format!(
+            r#"{{"unit": "m", {sigma} "views": [{{"file": "a.npy", "sensor": "spherical",
+                "theta0": 0, "dtheta": 1, "phi0": 0, "dphi": 1, {view}
+                "pose": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}}]}}"#
+        );
+        let read = manifest(Path::new("scan.json"), &text);
+        read.map(|(manifest, _)| manifest).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn a_number_that_is_not_finite_differs_from_an_absent_key() {
+        for word in ["NaN", "Infinity", "-Infinity"] {
+            let error = read(&format!(r#""sigma": {word},"#), "").unwrap_err();
+            let found = format!("invalid type: string \"{word}\", expected f64");
+            assert_eq!(error, format!("scan.json: \"sigma\": {found}"));
+            let error = read("", &format!(r#""scale": {word},"#)).unwrap_err();
+            assert_eq!(error, format!("scan.json, view 0 (a.npy): \"scale\": {found}"));
+        }
+        assert_eq!(read(r#""sigma": null,"#, "").unwrap().sigma, None);
+    }
+
+    /// Such pixels are missing in any case. Poses of other programs are notes.
+    #[test]
+    fn missing_pixels_and_true_poses_may_be_no_numbers() {
+        let read = read(r#""missing": NaN, "size": NaN,"#, r#""missing": 9, "pose_true": NaN,"#);
+        let view = &read.unwrap().views[0];
+        assert_eq!((view.missing, view.pose_true), (Some(MissingValue::Number(9.0)), None));
+        let flat = vec!["NaN"; 16].join(",");
+        let view = &self::read("", &format!("\"pose_true\": [{flat}],")).unwrap().views[0];
+        assert!(view.pose_true.unwrap()[0].is_nan());
+    }
 }

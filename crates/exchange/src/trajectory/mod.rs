@@ -97,18 +97,19 @@ impl Ordered {
 
     /// Pose `k` as a row-major matrix; `None` beyond the last one.
     pub(crate) fn get(&self, k: usize) -> Option<Result<[f64; 16], ReadError>> {
-        let (matrix, at) = match &self.poses {
+        let matrix = match &self.poses {
             Poses::Text { text, starts, heads, rows } => {
                 let start = *starts.get(k)?;
                 let numbered = lines(text, start).skip(*heads).take(*rows);
-                (matrix(numbered.map(|(_, line)| line)), Place::Line(line_number(text, start)))
+                let matrix = matrix(numbered.map(|(_, line)| line));
+                // The number of the line takes a walk through the file, so only errors need it.
+                matrix.map_err(|problem| (problem, Place::Line(line_number(text, start))))
             }
-            Poses::Json(views) => {
-                let name = "of \"parameters\"".to_owned();
-                (world_from_sensor(views.get(k)?), Place::View { number: k, name })
-            }
+            Poses::Json(views) => world_from_sensor(views.get(k)?).map_err(|problem| {
+                (problem, Place::View { number: k, name: "of \"parameters\"".to_owned() })
+            }),
         };
-        Some(matrix.map_err(|problem| ReadError::damaged(&self.path, at, problem)))
+        Some(matrix.map_err(|(problem, at)| ReadError::damaged(&self.path, at, problem)))
     }
 }
 

@@ -135,7 +135,8 @@ fn fuse(
     let mut estimate = Estimate::new(&measured);
     let Chains { chains, dropped } = connect::connect(&mut estimate, &measured);
     watch(&measured, &estimate, &chains);
-    let curves = shape::shape(estimate, chains, &measured);
+    let (curves, refused) = shape::shape(estimate, chains, &measured);
+    let dropped = dropped + refused;
     let (mut curves, crossings) = without_crossings(curves, options.shortest_footprints);
     curves.sort_by(longest_first);
     FusedPlane {

@@ -94,6 +94,19 @@ fn displaced_views_become_one_curve_that_does_not_cross_itself() {
     assert!(sharp_turns <= 7, "{sharp_turns}");
 }
 
+/// Nodes of weight 0 are part of the view's curve, but no bead of theirs has a length.
+#[test]
+fn a_stretch_without_weight_takes_no_curve_away() {
+    let mut views = scene(1);
+    let nodes = views[3][0].nodes().iter().enumerate();
+    let light = |(k, n): (usize, &Node)| n.with_weight(if k < 600 { 0.0 } else { 1.0 });
+    views[3] = vec![Curve::new(nodes.map(light).collect(), false).unwrap()];
+    let slices: Vec<&[Curve]> = views.iter().map(Vec::as_slice).collect();
+    let plane = consensus(&slices, &ConsensusOptions::default());
+    let length: f64 = plane.curves.iter().map(Curve::length).sum();
+    assert!((length / (3.7 * SIDE) - 1.0).abs() < 0.03, "{length}");
+}
+
 #[test]
 fn the_spread_is_that_of_the_views_though_it_exceeds_the_first_search() {
     let ratio = |seed: u64| {

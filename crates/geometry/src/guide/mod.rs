@@ -63,6 +63,10 @@ pub enum GuideError {
 /// Theory: six roundings of half a unit each.
 const ROUNDING: f64 = 3.0 * f64::EPSILON;
 
+/// Length below which a direction is scaled before its squares are added up, and above whose inverse
+/// too. Theory: squares keep all their digits down to 1e-146. Doubled, nothing changes.
+const SHORT: f64 = 1e-100;
+
 /// A straight guide: the line through the origin of the world along a unit direction.
 ///
 /// The station of a point is its signed distance along that line, so the plane at station `s` is
@@ -81,9 +85,14 @@ impl StraightGuide {
     pub fn along(direction: Vector3) -> Result<Self, GuideError> {
         let length = direction.norm();
         if (length - 1.0).abs() <= ROUNDING {
-            Ok(Self { direction })
-        } else if length.is_finite() && length > 0.0 {
-            Ok(Self { direction: direction / length })
+            return Ok(Self { direction });
+        }
+        // The squares of very short and of very long directions are no numbers.
+        let is_usual = (SHORT..SHORT.recip()).contains(&length);
+        let scaled = if is_usual { direction } else { direction / direction.amax() };
+        let length = scaled.norm();
+        if length.is_finite() && length > 0.0 {
+            Ok(Self { direction: scaled / length })
         } else {
             Err(GuideError::NoDirection(direction.x, direction.y, direction.z))
         }
@@ -173,6 +182,19 @@ impl From<Arc<CurvedGuide>> for Guide {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn directions_of_any_length_are_directions() {
+        for length in [5e-324, 1e-200, 1e-3, 1e200, f64::MAX] {
+            let guide = StraightGuide::along(Vector3::new(0.0, -length, 0.0)).unwrap();
+            assert_eq!(guide.direction(), -Vector3::y(), "{length}");
+        }
+        let guide = StraightGuide::along(Vector3::new(3e-200, 0.0, 4e-200)).unwrap();
+        assert!((guide.direction() - Vector3::new(0.6, 0.0, 0.8)).norm() < 1e-15);
+        for wrong in [f64::NAN, f64::INFINITY, 0.0] {
+            assert!(StraightGuide::along(Vector3::new(wrong, 0.0, 0.0)).is_err(), "{wrong}");
+        }
+    }
 
     proptest! {
         #[test]

@@ -24,12 +24,16 @@ pub(super) struct Piece {
 
 /// The pieces of a curve between its corners.
 pub(super) fn pieces(points: &[Point2], closed: bool, tolerance: f64) -> Vec<Piece> {
-    let corners = corners(points, closed, tolerance);
     let n = points.len();
     let whole = |first: usize, last: usize, periodic: bool| Piece {
         points: (first..=last).map(|k| points[k % n]).collect(),
         periodic,
     };
+    if closed && n == 2 {
+        // There and back: both points are corners, however near they are.
+        return vec![whole(0, 1, false), whole(1, 2, false)];
+    }
+    let corners = corners(points, closed, tolerance);
     match (closed && n > 2, corners.as_slice()) {
         (false, []) => vec![whole(0, n - 1, false)],
         (true, []) => vec![whole(0, n, true)],

@@ -109,6 +109,24 @@ fn tolerances_that_are_none_are_refused() {
     }
 }
 
+/// A closed curve of two places runs there and back.
+#[test]
+fn a_closed_curve_with_a_repeated_node_stays_closed() {
+    for apart in [2.0, 0.01] {
+        let (a, b) = (Point2::origin(), Point2::new(apart, 0.0));
+        for points in [[a, b, b], [a, a, b], [a, b, a]] {
+            let splines = fit_splines(&curve(points.to_vec(), true), 0.1).unwrap();
+            let ends = |piece: &CubicSpline| {
+                let (first, last) = piece.domain();
+                [piece.point(first), piece.point(last)]
+            };
+            let ends: Vec<_> = splines.pieces.iter().map(ends).collect();
+            assert!(splines.closed);
+            assert_eq!(ends, [[a, b], [b, a]], "{points:?}");
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(16))]
 

@@ -97,7 +97,9 @@ impl Workspace {
             // Room for rounding, so that a pixel's fit does not depend on the others of its block.
             let share = (1.0 - (y / rows).powi(2)).max(0.0) + 1e-5;
             let half = ((share.sqrt() * cols) as usize).min(HALF_WINDOW);
-            let (first, last) = (any.trailing_zeros() as usize, any.ilog2() as usize);
+            // Even the centre's row has no connected pixel if all weights of the block are 0.
+            let last = any.checked_ilog2().unwrap_or(0) as usize;
+            let first = any.trailing_zeros() as usize;
             let farthest = HALF_WINDOW.saturating_sub(first).max(last.saturating_sub(HALF_WINDOW));
             self.halves[k] = half.min(farthest);
         }

@@ -165,6 +165,15 @@ fn edges_and_rods_are_not_blurred() {
     }
 }
 
+/// 1 over such a standard deviation is the smallest 32-bit number, and a part of it is 0.
+#[test]
+fn a_noise_near_the_largest_number_is_no_panic() {
+    for sigma in [1e38, 7e44, 1e45, 1e300] {
+        let view = look(&camera(), |p| 0.9 - p.z, 0.0, Some(sigma));
+        assert_eq!(smoothed(&view).view.image().valid_count(), view.image().valid_count());
+    }
+}
+
 #[test]
 fn missing_pixels_stay_missing_and_lone_ones_stay_as_they_are() {
     let frame = camera();

@@ -18,8 +18,10 @@
 //!
 //! Departures from the source: 6.4 names the selection of views as future work; the method is ours.
 //!
-//! Cost: per plane O(n² log n) for n open curves. The chord of a gap is not a surface: the boundary
-//! between its ends can be anywhere in the unseen space.
+//! Cost: memory O(n) for n open curves of a plane, and 64 MiB at most. Each end looks at the free
+//! beginnings within its cheapest cost: O(n log n) in all where few are so near. If all beginnings
+//! are equally far from all ends, it is O(n²) and more. The chord of a gap is not a surface: the
+//! boundary between its ends can be anywhere in the unseen space.
 //!
 //! ```
 //! use transect_geometry::{Curve, Node, PlaneFrame, Point2, Point3, Vector3};
@@ -54,6 +56,10 @@ pub use free_space::{Cell, FreeSpace};
 pub use next_view::{NextView, NextViewOptions, UnseenPatch, next_views};
 
 use crate::{CurveIndex, Section};
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 use transect_geometry::{Curve, EndReason, PlaneFrame, Point2, Vector2};
 
 /// Largest number of pieces of one gap. Chosen by hand; doubled, the search for views takes longer.
@@ -124,6 +130,11 @@ struct OpenEnd {
 }
 
 impl OpenEnd {
+    /// Its place with the number of its curve.
+    fn numbered(&self, number: usize) -> GeomWithData<[f64; 2], usize> {
+        GeomWithData::new([self.position.x, self.position.y], number)
+    }
+
     fn of(curve: &Curve, index: usize) -> Option<[Self; 2]> {
         let (first, last) = (curve.units().next()?, curve.units().last()?);
         let [begin_reason, end_reason] = curve.ends();
@@ -146,23 +157,139 @@ impl Section {
         let open = self.curves().enumerate().filter(|(_, curve)| !curve.is_closed());
         let ends: Vec<[OpenEnd; 2]> =
             open.filter_map(|(index, curve)| OpenEnd::of(curve, index)).collect();
-        let mut pairs = Vec::with_capacity(ends.len() * ends.len());
-        for (a, [_, end]) in ends.iter().enumerate() {
-            pairs.extend(ends.iter().enumerate().map(|(b, [begin, _])| (cost(end, begin), a, b)));
-        }
-        pairs.sort_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2))));
-        let (mut ended, mut begun) = (vec![false; ends.len()], vec![false; ends.len()]);
-        let mut gaps = Vec::with_capacity(ends.len());
-        for (_, a, b) in pairs {
-            if !ended[a] && !begun[b] {
-                (ended[a], begun[b]) = (true, true);
-                gaps.push(Gap::between(&ends[a][1], &ends[b][0]));
-            }
-        }
+        let between = |(a, b): (usize, usize)| Gap::between(&ends[a][1], &ends[b][0]);
+        let mut gaps: Vec<Gap> = cheapest_pairs(&ends).into_iter().map(between).collect();
         gaps.sort_by(|x, y| y.width().total_cmp(&x.width()).then(x.after.cmp(&y.after)));
         gaps
     }
 }
+
+/// Pairs of an end and a beginning, by the numbers of their curves: the cheapest of all first, then
+/// the cheapest of those that are left. Of equal costs, the first end and the first beginning.
+///
+/// Each end waits in a queue with a beginning that was its cheapest when it was queued. Costs only
+/// rise as beginnings are taken, so an end whose beginning is taken is queued again.
+fn cheapest_pairs(ends: &[[OpenEnd; 2]]) -> Vec<(usize, usize)> {
+    let begin = |(b, [begin, _]): (usize, &[OpenEnd; 2])| begin.numbered(b);
+    let mut free = RTree::bulk_load(ends.iter().enumerate().map(begin).collect());
+    let mut is_taken = vec![false; ends.len()];
+    let mut waiting: Vec<_> = ends.iter().map(|[_, end]| Waiting::new(end)).collect();
+    let mut queue = BinaryHeap::with_capacity(ends.len());
+    for (a, end) in waiting.iter_mut().enumerate() {
+        queue.extend(end.next(ends, &free, &is_taken).map(|next| Reverse(next.queued(a))));
+    }
+    let mut pairs = Vec::with_capacity(ends.len());
+    while let Some(Reverse((_, a, b))) = queue.pop() {
+        if is_taken[b] {
+            let next = waiting[a].next(ends, &free, &is_taken);
+            queue.extend(next.map(|next| Reverse(next.queued(a))));
+            continue;
+        }
+        is_taken[b] = true;
+        free.remove(&begin((b, &ends[b])));
+        waiting[a].cheapest = Vec::new();
+        pairs.push((a, b));
+    }
+    pairs
+}
+
+/// Beginnings of curves, with the numbers of the curves.
+type Beginnings = RTree<GeomWithData<[f64; 2], usize>>;
+
+/// Most beginnings that all ends together keep in mind: 64 MiB. Chosen by hand. Doubled, ends far
+/// from all beginnings search half as often, and take twice the memory.
+const KEPT: usize = 1 << 22;
+
+/// A beginning and what it costs. The order is that of costs, then of numbers.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Candidate {
+    /// The bits of the cost. Those of numbers that are not negative have their order.
+    cost: u64,
+    begin: usize,
+}
+
+impl Candidate {
+    /// The entry of an end in the queue.
+    fn queued(self, end: usize) -> (u64, usize, usize) {
+        (self.cost, end, self.begin)
+    }
+}
+
+/// An end that has no beginning yet.
+struct Waiting<'a> {
+    end: &'a OpenEnd,
+    /// The cheapest beginnings that were free at the last search; the very cheapest is last.
+    cheapest: Vec<Candidate>,
+    /// How many of them the next search looks for.
+    wanted: usize,
+    /// Whether the last search met all free beginnings. The order of the tree only costs time then.
+    is_far: bool,
+}
+
+impl<'a> Waiting<'a> {
+    fn new(end: &'a OpenEnd) -> Self {
+        Self { end, cheapest: Vec::new(), wanted: 1, is_far: false }
+    }
+
+    /// The cheapest free beginning. Searches again if all that it knows are taken.
+    fn next(
+        &mut self,
+        ends: &[[OpenEnd; 2]],
+        free: &Beginnings,
+        is_taken: &[bool],
+    ) -> Option<Candidate> {
+        while self.cheapest.last().is_some_and(|last| is_taken[last.begin]) {
+            self.cheapest.pop();
+        }
+        if self.cheapest.is_empty() {
+            self.search(ends, free);
+        }
+        self.cheapest.last().copied()
+    }
+
+    /// Finds the cheapest of the free beginnings, the nearest ones first. No cost is below the
+    /// distance, so the search ends where the distance exceeds the largest cost.
+    fn search(&mut self, ends: &[[OpenEnd; 2]], free: &Beginnings) {
+        let mut found = BinaryHeap::with_capacity(self.wanted + 1);
+        if self.is_far {
+            free.iter().for_each(|begin| self.keep(begin.data, ends, &mut found));
+        } else {
+            let place = [self.end.position.x, self.end.position.y];
+            let mut seen = 0;
+            for (begin, squared) in free.nearest_neighbor_iter_with_distance_2(place) {
+                let least = squared.sqrt() * (1.0 - ROUNDING);
+                let most = found.peek().filter(|_| found.len() == self.wanted);
+                if most.is_some_and(|most: &Candidate| least > f64::from_bits(most.cost)) {
+                    break;
+                }
+                self.keep(begin.data, ends, &mut found);
+                seen += 1;
+            }
+            self.is_far = seen == free.size();
+        }
+        self.cheapest = found.into_sorted_vec();
+        self.cheapest.reverse();
+        // More each time, as far as all ends together have room.
+        self.wanted = (MORE * self.wanted).min((KEPT / free.size().max(1)).max(1));
+    }
+
+    /// Adds a beginning to the cheapest ones, and takes the dearest away if they are too many.
+    fn keep(&self, begin: usize, ends: &[[OpenEnd; 2]], found: &mut BinaryHeap<Candidate>) {
+        let cost = cost(self.end, &ends[begin][0]).to_bits();
+        found.push(Candidate { cost, begin });
+        if found.len() > self.wanted {
+            found.pop();
+        }
+    }
+}
+
+/// How many times more beginnings an end looks for at its next search. Measured: an end far from
+/// all beginnings searches a few times. Doubled, ends near their beginnings look too far.
+const MORE: usize = 8;
+
+/// By how much a cost may be less than the distance. Theory: some ten roundings of 2⁻⁵³. Doubled,
+/// nothing changes.
+const ROUNDING: f64 = 1e-12;
 
 /// The straight distance from an end to a beginning, with a larger factor the more the way must
 /// turn.
@@ -231,7 +358,40 @@ mod tests {
         assert_eq!(Section::new(vec![ring]).unwrap().gaps(), []);
     }
 
+    /// The slow twin: all pairs, sorted by cost.
+    fn all_pairs(ends: &[[OpenEnd; 2]]) -> Vec<(usize, usize)> {
+        let mut pairs = Vec::new();
+        for (a, [_, end]) in ends.iter().enumerate() {
+            pairs.extend(ends.iter().enumerate().map(|(b, [begin, _])| (cost(end, begin), a, b)));
+        }
+        pairs.sort_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2))));
+        let (mut ended, mut begun) = (vec![false; ends.len()], vec![false; ends.len()]);
+        let mut found = Vec::new();
+        for (_, a, b) in pairs {
+            if !ended[a] && !begun[b] {
+                (ended[a], begun[b]) = (true, true);
+                found.push((a, b));
+            }
+        }
+        found
+    }
+
     proptest! {
+        /// Whole coordinates make many costs equal, and some curves begin where others end.
+        #[test]
+        fn the_queue_pairs_ends_as_a_list_of_all_pairs_does(
+            curves in prop::collection::vec(
+                prop::collection::vec((-9_i8..9, -9_i8..9), 2..4), 0..40),
+            scale in prop::sample::select(vec![1.0, 0.1, 1e-9, 1e9]),
+        ) {
+            let place = |(x, y): (i8, i8)| (scale * f64::from(x), scale * f64::from(y));
+            let ends: Vec<[OpenEnd; 2]> = curves.into_iter().enumerate().filter_map(|(k, places)| {
+                let places: Vec<_> = places.into_iter().map(place).collect();
+                OpenEnd::of(&curve(&places, false), k)
+            }).collect();
+            prop_assert_eq!(cheapest_pairs(&ends), all_pairs(&ends));
+        }
+
         /// A ring cut into pieces is mended where it was cut, whatever the order of the pieces.
         #[test]
         fn a_cut_ring_is_mended_where_it_was_cut(

@@ -101,7 +101,7 @@ pub use verify::Verification;
 pub use view::{StoreHeader, StoredView, ViewEntry};
 pub use view_id::ViewId;
 
-use crate::regular_file::require_regular;
+use crate::regular_file::{open_regular, require_regular};
 use blocks::Blocks;
 use in_memory::InMemory;
 use medium::Medium;
@@ -165,7 +165,7 @@ impl Store {
     pub fn open_read_only(path: impl AsRef<Path>) -> Result<Self, StoreError> {
         let path = path.as_ref();
         let open = || {
-            let file = File::open(path)?;
+            let file = open_regular(path)?;
             file.try_lock_shared().map_err(|error| locked(error, StoreProblem::InUse))?;
             Self::open_on(path, InMemory::over(Blocks::open(file)?)?)
         };

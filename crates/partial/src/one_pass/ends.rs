@@ -42,7 +42,10 @@ fn hides_jump(gaps: &Gaps<'_>, pair: [Pixel; 2], corners: &[Pixel]) -> bool {
     let beyond = |sample: Pixel, missing: &Pixel| {
         let (rows, cols) = gaps.grid.offset(sample, *missing);
         let step = |k: i32| gaps.grid.step(sample, k * rows as i32, k * cols as i32);
-        let next = (1..=gaps.gap as i32 + 1).map_while(step).find(valid)?;
+        // No gap is wider than the image.
+        let size = gaps.grid.size();
+        let widest = gaps.gap.min(size.rows.max(size.cols)) as i32;
+        let next = (1..=widest + 1).map_while(step).find(valid)?;
         Some(!alike(gaps.view, gaps.rule, sample, next))
     };
     let missing = corners.iter().filter(|p| !valid(p));

@@ -4,13 +4,13 @@ use crate::common::{SIZE, normals, planes_along, random_views, views};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use std::sync::Arc;
-use transect_device::{ImageSize, Isometry3, Pixel, RangeImage, Vector3, View};
+use transect_device::{DeviceFrame, ImageSize, Isometry3, Pixel, RangeImage, Vector3, View};
 use transect_geometry::PlaneFamily;
 use transect_partial::one_pass::{
     Effort, OnePassOptions, Workspace, partial_model, partial_model_with,
 };
 use transect_partial::{EndReason, PartialCurve, PartialModel};
-use transect_sensors::{Intrinsics, Pinhole};
+use transect_sensors::{Intrinsics, LightStripe, Pinhole};
 
 fn curves(model: &PartialModel) -> impl Iterator<Item = &PartialCurve> {
     model.planes.iter().flat_map(|p| &p.curves)
@@ -37,6 +37,36 @@ fn ends_at_the_images_border_say_so() {
     let ends: Vec<_> = curves(&model).map(|c| c.ends).collect();
     assert!(ends.len() > 10);
     assert!(ends.iter().all(|e| *e == Some([EndReason::ImageBorder; 2])), "{ends:?}");
+}
+
+/// The largest number of 32 bits and beyond. Another surface begins behind the missing row.
+#[test]
+fn gaps_wider_than_the_image_are_as_wide_as_the_image() {
+    let ends = |gap| {
+        let depths = |row: usize| [2.0, f32::NAN, 5.0][row.min(7).saturating_sub(5)];
+        let model = wall(gap, 40, |row, _| depths(row));
+        curves(&model).map(|c| c.ends).collect::<Vec<_>>()
+    };
+    let is_jump = |ends: &Option<[EndReason; 2]>| ends.unwrap().contains(&EndReason::RangeJump);
+    for gap in [i32::MAX as usize, usize::MAX >> 1] {
+        assert_eq!(ends(gap), ends(12));
+        assert!(ends(gap).iter().any(is_jump));
+    }
+}
+
+/// A laser sheet whose stripe is behind the farthest distance at which the sensor sees it.
+#[test]
+fn values_without_a_point_are_an_error_that_states_them() {
+    let frame = LightStripe::smart_eye().unwrap();
+    let size = frame.size();
+    // The last cell of the camera's row: the sheet and the camera's line meet behind the sensor,
+    // or nowhere.
+    let image = RangeImage::from_values(size, vec![9e8; size.pixels()]).unwrap();
+    let view = View::new("far", image, Arc::new(frame), Isometry3::identity(), Some(0.0)).unwrap();
+    let planes = planes_along(Vector3::x(), 0.11);
+    let error = partial_model(&view, &planes, &OnePassOptions::default()).unwrap_err();
+    let wanted = "the values of the image run from 900000000 to 900000000, and the sensor has no";
+    assert!(error.to_string().starts_with(wanted), "{error}");
 }
 
 #[test]

@@ -385,6 +385,24 @@ fn shuffled_pixels_measure_places_beside_their_own() {
     assert_eq!(depths(&frontal, &noise, 0), depths(&frontal, &Noise::NONE, 0));
 }
 
+/// An image of one row or one column has the errors of a larger one with its focal lengths.
+#[test]
+fn images_of_one_row_or_column_have_the_errors_of_depth_cameras() {
+    let camera = DepthCamera { base_line: 0.1, disparity_step: 0.25, ..DepthCamera::default() };
+    let noise = with_camera(DepthCamera { shuffle: 0.6, ..camera });
+    for (rows, cols) in [(1, 400), (400, 1), (1, 1)] {
+        let (cx, cy) = (0.5 * cols as f64, 0.5 * rows as f64);
+        let lens = Intrinsics { fx: 150.0, fy: 150.0, cx, cy };
+        let frame = Pinhole::new(ImageSize { rows, cols }, lens).unwrap();
+        let scene = slanted_wall(0.5);
+        let image = scene.scan(&frame, &Isometry3::identity(), &noise, 0).unwrap();
+        let depths = frame.size().all_pixels().filter_map(|pixel| image.get(pixel));
+        let steps: Vec<f64> = depths.map(|depth| 0.1 * 150.0 / f64::from(depth) / 0.25).collect();
+        assert_eq!(steps.len(), rows * cols);
+        assert!(steps.iter().all(|step| (step - step.round()).abs() < 1e-4), "{steps:?}");
+    }
+}
+
 #[test]
 fn a_projector_throws_shadows_beside_jumps() {
     let noise = with_camera(DepthCamera { base_line: 4.0, ..DepthCamera::default() });

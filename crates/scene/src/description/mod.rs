@@ -246,7 +246,7 @@ struct File {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PlanesEntry {
-    /// Needed unless there is a guide.
+    /// Either the normal or a guide is needed.
     normal: Option<[f64; 3]>,
     guide: Option<CurvedGuide>,
     offset: f64,
@@ -257,7 +257,11 @@ impl PlanesEntry {
     fn build(self) -> Result<PlaneFamily, Problem> {
         let place = Place::new("planes");
         let guide = match (self.guide, self.normal) {
-            (Some(guide), _) => Ok(guide.into()),
+            (Some(_), Some(_)) => {
+                let problem = "it means nothing beside a guide; leave out one of the two";
+                return Err(place.problem("normal", problem));
+            }
+            (Some(guide), None) => Ok(guide.into()),
             (None, Some(normal)) => StraightGuide::along(Vector3::from(normal)).map(Guide::from),
             (None, None) => return Err(place.problem("normal", "it is missing, and so is a guide")),
         };

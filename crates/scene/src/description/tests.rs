@@ -74,6 +74,12 @@ fn bad_values_name_entry_and_key() {
         let found = problem(text);
         assert!(found.contains(expected), "{found}\nshould contain {expected}");
     }
+    let guide = "guide = { kind = 'spline', points = [[0, 0, 0], [1, 0, 0]] }\nnormal =";
+    let both = Description::parse(&HEAD.replace("normal =", guide)).unwrap_err().to_string();
+    assert_eq!(
+        both,
+        "planes, key normal: it means nothing beside a guide; leave out one of the two"
+    );
     let planes = Description::parse(&HEAD.replace("interval = 1", "interval = 0")).unwrap_err();
     assert_eq!(
         planes.to_string(),

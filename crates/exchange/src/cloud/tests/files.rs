@@ -88,6 +88,8 @@ fn damaged_pcd_files_name_the_place() {
     assert!(with("y z", "y w").contains("FIELDS has no z"));
     assert!(with("SIZE 4 4 4 4", "SIZE 4 4 4").contains("line 3: FIELDS has 4 names, SIZE 3,"));
     assert!(with("SIZE 4 4", "SIZE 4 3").contains("field intensity has TYPE F, SIZE 3, COUNT 1"));
+    let none = with("COUNT 1 1 1 1", "COUNT 0 1 1 1");
+    assert!(none.contains("field x has COUNT 0; expected 1 number for each point"), "{none}");
     assert!(with("WIDTH 3", "WIDTH x").contains("line 7: WIDTH: \"x\" is no number"));
     assert!(with("POINTS 6", "POINTS 7").contains("POINTS is 7, but WIDTH 3 × HEIGHT 2 is 6"));
     let huge = with("WIDTH 3", "WIDTH 4000000000");

@@ -47,6 +47,9 @@ fn poses_come_from_a_trajectory_from_files_or_from_pairs() {
     let beside = [("a.pose.txt", &*a), ("b.pose.txt", &*b), ("c.pose.txt", &*c)];
     assert_eq!(open(&beside), Ok(vec![7.0, 8.0, 9.0]));
     assert_eq!(open(&[("T_b_a.txt", &a), ("T_b_c.txt", &c)]), Ok(vec![7.0, 0.0, 9.0]));
+    // Files of other clouds state nothing.
+    let others = [("T_a_d.txt", "no pose"), ("T_b_a.txt", &*a), ("T_b_c.txt", &*c)];
+    assert_eq!(open(&others), Ok(vec![7.0, 0.0, 9.0]));
 }
 
 #[test]

@@ -131,7 +131,7 @@ impl Bead {
     fn on_course_of(&self, views: impl Iterator<Item = Sums>, own: &Sums, window: &Window) -> Self {
         let (mut common, mut variance) = (Sums::default(), 0.0);
         for view in views {
-            variance += view.share().powi(2) * view.mean_variance();
+            variance += view.added_variance();
             common.add_view(&view);
         }
         let has_length = common.length > 0.0;

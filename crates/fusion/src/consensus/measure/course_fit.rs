@@ -61,6 +61,12 @@ impl Sums {
         if self.length > 0.0 { self.length.min(1.0) / self.mean_variance() } else { 0.0 }
     }
 
+    /// The view's part in the variance of a sum of all views by their weights. 0 where no bead of
+    /// the view has a length in the window: such a view has no mean variance, and no weight.
+    pub fn added_variance(&self) -> f64 {
+        if self.length > 0.0 { self.share().powi(2) * self.mean_variance() } else { 0.0 }
+    }
+
     /// Variance of the view's error, averaged over the window.
     pub fn mean_variance(&self) -> f64 {
         self.variance / self.length
@@ -161,5 +167,6 @@ mod tests {
         assert_eq!((found.slope, found.bend, found.bent), (0.0, 0.0, 0.0));
         assert!((found.offset - 0.25).abs() < 1e-12);
         assert_eq!(Sums::default().parabola().offset, 0.0);
+        assert_eq!(Sums::default().added_variance(), 0.0);
     }
 }

@@ -176,7 +176,7 @@ impl Observations {
 /// A node of a curve with its direction and errors, not yet linked to others.
 fn observation(arc: &Arc<'_>, k: usize, steps: &Steps) -> Observation {
     let node = &arc.curve.nodes()[k];
-    let mean_step = arc.length / arc.curve.nodes().len() as f64;
+    let mean_step = arc.length / arc.curve.units().len() as f64;
     // Without a stated sample spacing, the distance between nodes stands for it.
     let known = f64::from(node.footprint) > LEAST_FOOTPRINT * mean_step;
     let footprint = if known { f64::from(node.footprint) } else { mean_step };
@@ -255,4 +255,20 @@ pub(crate) fn median(values: impl Iterator<Item = f64>) -> f64 {
     }
     let middle = values.len() / 2;
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_distance_between_nodes_stands_for_an_unknown_footprint() {
+        let places = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+        for closed in [false, true] {
+            let nodes = places.map(|(x, y)| Node::at(Point2::new(x, y))).to_vec();
+            let curves = [Curve::new(nodes, closed).unwrap()];
+            let observations = Observations::collect(&[&curves], &Steps::default());
+            assert!(observations.all.iter().all(|o| o.footprint == 1.0), "{closed}");
+        }
+    }
 }

@@ -12,12 +12,12 @@ use super::estimate::Estimate;
 use super::measure::Measurements;
 use transect_geometry::Curve;
 
-/// The curves of the chains, longest first.
+/// The curves of the chains, longest first, and the number of nodes of chains that are no curve.
 pub(super) fn shape(
     estimate: Estimate,
     mut chains: Vec<Chain>,
     measured: &Measurements,
-) -> Vec<Curve> {
+) -> (Vec<Curve>, usize) {
     let Measurements { observations, scale, .. } = measured;
     let Estimate { mut nodes, absorbed_by, .. } = estimate;
     if scale.steps().rings {

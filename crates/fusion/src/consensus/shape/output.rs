@@ -9,19 +9,23 @@ use crate::grid::PointGrid;
 use crate::ground::Ground;
 use transect_geometry::{Curve, EndReason, Node, Point2};
 
-/// The curves of the chains, longest first.
+/// The curves of the chains, longest first, and the number of nodes of chains that are no curve.
 pub(super) fn curves(
     nodes: &[PlacedNode],
     chains: Vec<Chain>,
     measured: &Measurements,
     ends: &Ends<'_>,
-) -> Vec<Curve> {
+) -> (Vec<Curve>, usize) {
     let ground = Ground::new(&measured.observations, &measured.grid);
-    let curve = |c: &Chain| {
-        let curve = Curve::new(curve_nodes(nodes, c, &ground, &measured.scale), c.closed).ok()?;
-        Some(curve.with_ends(ends.of(c)))
-    };
-    by_length(nodes, chains).iter().filter_map(curve).collect()
+    let (mut curves, mut refused) = (Vec::new(), 0);
+    for chain in &by_length(nodes, chains) {
+        let nodes = curve_nodes(nodes, chain, &ground, &measured.scale);
+        match Curve::new(nodes, chain.closed) {
+            Ok(curve) => curves.push(curve.with_ends(ends.of(chain))),
+            Err(_) => refused += chain.nodes.len(),
+        }
+    }
+    (curves, refused)
 }
 
 /// The nodes of a chain, with those that belong between them.

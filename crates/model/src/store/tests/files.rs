@@ -17,6 +17,12 @@ fn files_are_created_locked_and_opened_again() {
     assert_eq!(export(&store), before);
     let exists = Store::create(&path, &header()).unwrap_err();
     assert!(matches!(exists.problem, StoreProblem::Exists));
+    for open in [Store::open, Store::open_read_only] {
+        let refused = open(folder.path().to_owned()).unwrap_err();
+        let StoreProblem::Io(refused) = refused.problem else { panic!("{refused:?}") };
+        let refused = refused.to_string();
+        assert!(refused.contains("a folder, where a regular file was expected"), "{refused}");
+    }
     let missing = Store::open(folder.path().join("missing")).unwrap_err();
     assert!(matches!(missing.problem, StoreProblem::Io(_)));
     let names: Vec<_> = std::fs::read_dir(folder.path()).unwrap().collect();
