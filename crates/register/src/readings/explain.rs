@@ -9,7 +9,7 @@ use super::distances::best_factor;
 use crate::coarse::CoarseView;
 use crate::judge::pair::{Placing, Probe};
 use std::fmt;
-use transect_device::ImageOrder;
+use transect_device::{ImageOrder, Isometry3, Vector3};
 
 /// Share of agreeing patches, and of contradicting ones, with which poses need no explanation. No
 /// unit. Measured on the bundled scenes and on real scans: sound poses have 0.6 and 0.05. Doubled,
@@ -33,6 +33,13 @@ const AGREES: f64 = 0.25;
 /// over the longest distance of a patch. No unit. Theory: stations share surface within twice that
 /// distance. Doubled, views of hand-held cameras that move little stay unexplained.
 const FAR_APART: f64 = 10.0;
+
+/// Share of the distances between sensors that a reading leaves, below which it brings them
+/// together. No unit. Theory: views from around a thing that look at its middle all stand in one
+/// place where their poses are inverted, up to how their distances from it differ. Round things
+/// agree there. Doubled, readings of views that stand close together are no longer tried where
+/// nothing contradicts.
+const TOGETHER: f64 = 0.2;
 
 /// A part of a scan that may have been read wrongly.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -113,7 +120,7 @@ pub fn explain(
     let of_all = |reading: &PoseReading| match reading {
         PoseReading::CameraYUp => cameras,
         PoseReading::Millimetres => far_apart,
-        _ => true,
+        reading => far_apart || given.contradicting > SOUND[1] || !brings_together(*reading, &all),
     };
     let of_poses = PoseReading::ALL.into_iter().filter(of_all).map(|reading| {
         let read = accord(&all, &probes, |view| Placing {
@@ -138,6 +145,17 @@ pub fn explain(
     let best =
         readings.reduce(|best, next| if next.1.score() > best.1.score() { next } else { best });
     best.map(|(reading, read)| Explanation { reading, given, read })
+}
+
+/// Whether a reading brings the sensors [`TOGETHER`].
+fn brings_together(reading: PoseReading, views: &[&CoarseView]) -> bool {
+    let size = |of: &dyn Fn(&Isometry3) -> Isometry3| {
+        let places = views.iter().map(|view| of(view.world_from_sensor()).translation.vector);
+        let places: Vec<Vector3> = places.collect();
+        let middle = places.iter().sum::<Vector3>() / places.len().max(1) as f64;
+        places.iter().map(|place| (place - middle).norm_squared()).sum::<f64>().sqrt()
+    };
+    size(&|pose| reading.apply(pose)) < TOGETHER * size(&|pose| *pose)
 }
 
 /// Whether any two sensors are [`FAR_APART`]. If not, positions a thousand times smaller put all

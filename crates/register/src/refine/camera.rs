@@ -140,6 +140,19 @@ impl Cameras {
         sound
     }
 
+    /// The cameras, as if those did not err whose errors move a point at a `distance` by less than
+    /// `least`.
+    pub fn with_errors_from(&self, least: f64, distance: f64) -> Self {
+        let (mut cameras, sound) = (self.clone(), self.without_errors());
+        for (camera, sound) in cameras.list.iter_mut().zip(sound.list) {
+            let square = camera.errors.rows(0, NODES).norm_squared() / NODES as f64;
+            if !camera.scale_is_free() && square.sqrt() * distance * distance < least {
+                *camera = sound;
+            }
+        }
+        cameras
+    }
+
     /// The number of unknowns.
     pub fn unknowns(&self) -> usize {
         UNKNOWNS * self.list.len()

@@ -7,7 +7,7 @@ use super::pairs::{Pair, Sample, Spread, State};
 use super::solve::System;
 use super::uncertainty::{Covariances, is_within, sigma};
 use crate::coarse::PosePrior;
-use crate::tuning::{FAR_OFF, GATE, MISPLACED, OBSERVATIONS, PROBES};
+use crate::tuning::{FAR_OFF, GATE, MISPLACED, NEGLIGIBLE, OBSERVATIONS, PROBES};
 use std::collections::BTreeSet;
 use transect_device::{DepthOffsets, Isometry3, Point3, Vector3};
 
@@ -126,6 +126,8 @@ impl Rounds<'_> {
         if judged_worse || self.focal_over_true.is_some() {
             self.cameras = self.cameras.without_errors();
         }
+        let noise = median((0..self.given.len()).map(|k| self.noise(k))).unwrap_or(0.0);
+        self.cameras = self.cameras.with_errors_from(NEGLIGIBLE * noise, self.distance);
         // Poses and depths would bend to the wrong focal lengths.
         let keeps = judged_worse
             || self.focal_over_true.is_some()

@@ -32,6 +32,11 @@ pub fn simulated_with_noise(name: &str, change: impl Fn(&mut Noise)) -> Vec<View
     views_of(&description, 0)
 }
 
+/// The views of a scene that is described here.
+pub fn described(text: &str) -> Vec<View> {
+    views_of(&Description::parse(text).unwrap(), 0)
+}
+
 fn views_of(description: &Description, seed: u64) -> Vec<View> {
     let scene = description.scene();
     let view = |(k, s): (usize, &Station)| {

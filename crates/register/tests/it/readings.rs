@@ -1,7 +1,9 @@
 //! Poses and images that were written by another convention are explained by it; sound ones are
 //! not.
 
-use crate::common::{Stored, coarse, real, real_files, simulated, simulated_files, turned};
+use crate::common::{
+    Stored, coarse, described, real, real_files, simulated, simulated_files, turned,
+};
 use proptest::prelude::*;
 use transect_device::{ImageOrder, Isometry3, Vector3, View};
 use transect_register::{CoarseView, Explanation, PoseReading, Reading, explain};
@@ -106,6 +108,28 @@ fn inverse_poses_of_a_tunnel_are_named() {
     let found = explained(&views.iter().map(inverse).collect::<Vec<_>>());
     let reading = found.map(|found| found.reading);
     assert_eq!(reading, Some(Reading::Pose(PoseReading::Inverse)), "{found:?}");
+}
+
+/// Read as inverse, all cameras stand in one place, where a ball agrees with itself.
+#[test]
+fn few_views_of_a_ball_need_no_other_reading() {
+    for count in [4, 5, 6] {
+        let station = |k: usize| {
+            let angle = std::f64::consts::TAU * k as f64 / count as f64;
+            let at = [4.0 * angle.cos(), 4.0 * angle.sin(), [-0.8, 0.4, 1.2][k % 3]];
+            format!(
+                "[[station]]\nname = 'view {k}'\nsensor = 'pinhole'\nrows = 120\ncols = 160\n\
+                 field_of_view = 44\nat = {at:?}\nlook_at = [0, 0, 0]\n"
+            )
+        };
+        let stations: String = (0..count).map(station).collect();
+        let views = described(&format!(
+            "name = 'ball'\nunit = 'm'\n[planes]\nnormal = [0, 0, 1]\noffset = 0\ninterval = 0.1\n\
+             [noise]\nsigma = 0.001\n[[solid]]\nname = 'ball'\nshape = 'ball'\nradius = 1\n\
+             at = [0, 0, 0]\n{stations}"
+        ));
+        assert_eq!(explained(&views), None, "{count} views");
+    }
 }
 
 /// What explains views whose positions are `factor` times too large: distances that are as much
