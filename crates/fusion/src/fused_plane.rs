@@ -36,7 +36,8 @@ pub struct FusionCounts {
     /// count once. Of `pairwise`: all.
     pub observations: usize,
     /// Nodes left out. Of `consensus`: placed nodes beside a better curve, on a curve that is too
-    /// short, or on a chain that is no curve. Of `pairwise`: observations farther than the threshold from every fused curve.
+    /// short, or on a chain that is no curve. Of `pairwise`: observations farther than the
+    /// threshold from every fused curve.
     pub dropped: usize,
     /// Crossings of the curves that the last step resolved.
     pub crossings: usize,

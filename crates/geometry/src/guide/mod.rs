@@ -63,8 +63,8 @@ pub enum GuideError {
 /// Theory: six roundings of half a unit each.
 const ROUNDING: f64 = 3.0 * f64::EPSILON;
 
-/// Length below which a direction is scaled before its squares are added up, and above whose inverse
-/// too. Theory: squares keep all their digits down to 1e-146. Doubled, nothing changes.
+/// Length below which a direction is scaled before its squares are added up, and above whose
+/// inverse too. Theory: squares keep all their digits down to 1e-146. Doubled, nothing changes.
 const SHORT: f64 = 1e-100;
 
 /// A straight guide: the line through the origin of the world along a unit direction.

@@ -13,10 +13,9 @@
 //! the first view.
 
 use super::motion::Motion;
-use super::solve::Before;
 use crate::coarse::PosePrior;
 use crate::tuning::{FIRST_SHARE, LEAST_DRIFTING, LEAST_SHARE, SHARED};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Matrix6};
 
 /// The correlations of the errors of all views.
 #[derive(Debug, Clone)]
@@ -114,9 +113,14 @@ impl Drift {
 
 impl Errors {
     /// From the motions of all views, and the [`Solution::root`](super::solve::Solution::root).
-    pub fn new(motions: &[Motion], root: &DMatrix<f64>, before: &Before<'_>) -> Self {
+    /// `in_units` takes the motion of a view to that about its pivot, in standard deviations.
+    pub fn new(
+        motions: &[Motion],
+        root: &DMatrix<f64>,
+        in_units: impl Fn(usize) -> Matrix6<f64>,
+    ) -> Self {
         let n = motions.len();
-        let in_units: Vec<_> = (0..n).map(|k| before.in_units(k)).collect();
+        let in_units: Vec<_> = (0..n).map(in_units).collect();
         let values: Vec<Motion> = in_units.iter().zip(motions).map(|(to, m)| to * m).collect();
         let values = DMatrix::from_fn(n, 6, |k, c| values[k][c]);
         let roots = in_units.iter().enumerate();

@@ -367,7 +367,9 @@ impl<'a> Rounds<'a> {
             self.pivots.learn(&motions, root, &self.priors(), self.drift.precision());
             self.prior.translation *= self.pivots.lever() / lever;
         }
-        let errors = Errors::new(&motions, root, &self.known_before(&self.priors(), so_far));
+        let priors = self.priors();
+        let before = self.known_before(&priors, so_far);
+        let errors = Errors::new(&motions, root, |k| before.in_units(k));
         if !self.stated {
             let is_unstated = |k: usize| self.scene.views[k].prior().is_none();
             self.prior = estimated_prior(&self.prior, &self.drift.size(&errors, is_unstated));

@@ -52,14 +52,14 @@ impl Pivots {
         Self { arms: arms.to_vec(), share: 0.0, far: 0.0 }
     }
 
-    /// Root mean square of the distances of the surfaces from the pivots, in that of their distances
-    /// from the sensors.
+    /// Root mean square of the distances of the surfaces from the pivots, in that of their
+    /// distances from the sensors.
     pub fn lever(&self) -> f64 {
         (1.0 - self.far * self.share * (2.0 - self.share)).max(f64::EPSILON).sqrt()
     }
 
     /// Takes the motion of a view, which is one about its sensor, to that about its pivot.
-    pub fn from_sensor(&self, view: usize) -> Matrix6<f64> {
+    pub fn pivot_from_sensor(&self, view: usize) -> Matrix6<f64> {
         let arm = self.arms.get(view).copied().unwrap_or_default() * self.share;
         let mut matrix = Matrix6::identity();
         matrix.fixed_view_mut::<3, 3>(0, 3).copy_from(&-arm.cross_matrix());

@@ -198,7 +198,7 @@ impl Before<'_> {
     /// Takes the motion of a view to that about its pivot, in standard deviations.
     pub fn in_units(&self, view: usize) -> Matrix6<f64> {
         let units = Motion::from(sizes(&self.priors[view]).map(f64::recip));
-        Matrix6::from_diagonal(&units) * self.pivots.from_sensor(view)
+        Matrix6::from_diagonal(&units) * self.pivots.pivot_from_sensor(view)
     }
 
     /// The unknowns that take everything back to where it was given.

@@ -218,7 +218,7 @@ fn errors_tell_whether_poses_drift() {
                 pivots: &Pivots::of_arms(&[]),
                 cameras: &Cameras::of(&[], 1.0),
             };
-            let errors = Errors::new(errors, &exact, &before);
+            let errors = Errors::new(errors, &exact, |k| before.in_units(k));
             prior = estimated_prior(&prior, &drift.size(&errors, |_| true));
             drift.learn(&errors);
         }

@@ -41,7 +41,7 @@ impl Rounds<'_> {
                     |k, c| {
                         let known = self.scene.views.get(k)?.prior().is_some();
                         let unit = if c < 3 { loose.translation } else { loose.rotation };
-                        let at_pivot = self.pivots.from_sensor(k).row(c).transpose();
+                        let at_pivot = self.pivots.pivot_from_sensor(k).row(c).transpose();
                         let variance = at_pivot.dot(&(covariances.get(k)? * at_pivot));
                         (!known).then(|| variance / unit.powi(2))
                     },
@@ -51,7 +51,7 @@ impl Rounds<'_> {
         }
         let mut priors = self.own_or(prior);
         for (k, (prior, motion)) in priors.iter_mut().zip(self.motions()).enumerate() {
-            let motion = self.pivots.from_sensor(k) * motion;
+            let motion = self.pivots.pivot_from_sensor(k) * motion;
             let [shift, turn] = [0, 3].map(|first| motion.fixed_rows::<3>(first).norm());
             let lever = self.distance * self.pivots.lever();
             prior.translation = prior.translation.max(shift).max(turn * lever);
