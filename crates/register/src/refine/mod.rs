@@ -260,12 +260,18 @@ impl<'a> Rounds<'a> {
     ) -> Vec<Odds> {
         *self = sound.clone();
         self.cameras = self.cameras.freed(parts, |k| free.get(k) == Some(&true));
-        (0..SCALE_RUNS).any(|_| {
+        for _ in 0..SCALE_RUNS {
             self.poses.clone_from_slice(begin);
             self.last_change.fill(0.0);
-            self.run_rounds()
-        });
-        self.observe(self.prior, OBSERVATIONS, Spread::Narrow);
+            let settled = self.run_rounds();
+            self.observe(self.prior, OBSERVATIONS, Spread::Narrow);
+            // Odds that one run leaves small do not rise in the next ones.
+            let odds = self.odds(FOCAL_SIGMAS);
+            let wrong = |odds: &Odds| odds.scale.max(odds.focal) > SCALE_ODDS;
+            if settled || !odds.iter().any(wrong) {
+                return odds;
+            }
+        }
         self.odds(FOCAL_SIGMAS)
     }
 
