@@ -193,16 +193,17 @@ fn extremes(view: &View) -> ([f64; 3], (Point3, Point3)) {
     let distance = |pixel: Pixel, point: &Point3| {
         view.frame().ray(pixel).map_or(f64::NAN, |ray| (point - ray.start).norm())
     };
-    let (mut near, mut far, mut corners) = (f64::INFINITY, f64::NEG_INFINITY, None);
+    let (mut ranges, mut corners) = (Vec::new(), None);
     for pixel in view.image().size().all_pixels() {
         let Some(point) = view.point_in_sensor(pixel) else { continue };
-        let range = distance(pixel, &point);
-        (near, far) = (near.min(range), far.max(range));
+        ranges.push(distance(pixel, &point));
         let point = view.world_from_sensor() * point;
         let (low, high) = corners.unwrap_or((point, point));
         corners = Some((low.inf(&point), high.sup(&point)));
     }
-    let middle = median(samples(view).map(|s| distance(s.pixel, &s.point)));
+    let near = ranges.iter().copied().fold(f64::INFINITY, f64::min);
+    let far = ranges.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let middle = median(ranges);
     let corners = corners.unwrap_or((Point3::origin(), Point3::origin()));
     ([near, middle.unwrap_or(f64::NAN), far], corners)
 }
@@ -240,7 +241,7 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
     use std::sync::{Arc, Mutex, Weak};
     use transect::Unwatched;
-    use transect_device::{ImageSize, Isometry3, RangeImage};
+    use transect_device::{ImageSize, Isometry3, RangeImage, View};
     use transect_exchange::{
         FramedImage, LoadView, OpenOptions, ReadError, ScanView, write_file, write_npy_image,
     };
@@ -284,6 +285,17 @@ mod tests {
         };
         scan.scan.views = (0..30).map(view).collect();
         scan
+    }
+
+    #[test]
+    fn an_image_of_one_row_has_a_median_distance() {
+        let size = ImageSize { rows: 1, cols: 50 };
+        let values = (0..50).map(|k| 2.0 + 0.01 * k as f32).collect();
+        let image = RangeImage::from_values(size, values).unwrap();
+        let frame = Arc::new(Pinhole::new(size, CAMERA).unwrap());
+        let view = View::new("row", image, frame, Isometry3::identity(), None).unwrap();
+        let ([near, middle, far], _) = super::extremes(&view);
+        assert!(near < middle && middle < far, "{near}, {middle}, {far}");
     }
 
     #[test]
