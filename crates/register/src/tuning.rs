@@ -216,6 +216,7 @@ pub const SCALE_ODDS: f64 = 20.0;
 
 /// Most runs of [`ROUNDS`] with free scales, each from the given poses. No unit. Measured with
 /// eleven views around a part, at their true poses, whose depths are 3.5 % too large: 2.1 % are
-/// found after one run, 3.2 % after two, and 3.50 % after three. Doubled, such scans take up to
-/// twice the time.
+/// found after one run, 3.2 % after two, and 3.50 % after three. No run follows one that leaves all
+/// odds below [`SCALE_ODDS`]: in the red kitchen it would end at 3, and `register` would take twice
+/// the time. Doubled, scans with wrong scales take up to twice the time.
 pub const SCALE_RUNS: usize = 4;

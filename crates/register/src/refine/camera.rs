@@ -140,8 +140,8 @@ impl Cameras {
         sound
     }
 
-    /// The cameras, as if those did not err whose errors move a point at a `distance` by less than
-    /// `least`.
+    /// The cameras, without offsets that move a point at this distance by less than `least` (root
+    /// mean square).
     pub fn with_errors_from(&self, least: f64, distance: f64) -> Self {
         let (mut cameras, sound) = (self.clone(), self.without_errors());
         for (camera, sound) in cameras.list.iter_mut().zip(sound.list) {
@@ -391,6 +391,19 @@ mod tests {
             let measured = cameras.measured(&nodes, &cameras.projected(0, &p));
             assert!((measured - p).norm() > 0.01);
             assert!((cameras.corrected(&nodes, &measured) - p).norm() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn offsets_that_move_points_by_next_to_nothing_are_none() {
+        let errors = DVector::from_fn(UNKNOWNS, |k, _| if k < NODES { 1e-3 } else { 0.0 });
+        let list = [SOUND_SCALE, FREE_SCALE].map(|scale| camera(errors.clone(), (scale, 1.0)));
+        let list = list.to_vec();
+        let cameras = Cameras { list, of_view: vec![], around: Arc::default() };
+        // At a distance of 2 the offsets move a point by 4e-3.
+        for (least, kept) in [(3.9e-3, [true, true]), (4.1e-3, [false, true])] {
+            let left = cameras.with_errors_from(least, 2.0).list;
+            assert_eq!([0, 1].map(|k| left[k].errors[0] != 0.0), kept, "{least}");
         }
     }
 

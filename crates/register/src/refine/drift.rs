@@ -157,8 +157,9 @@ impl Evidence {
 /// How far poses are wrong, from how far they moved (MacKay, 1992: the evidence for a prior).
 ///
 /// A direction that the observations determine well shows the error of its pose. One that they do
-/// not determine stays at 0 and shows nothing. The ratio of rotation to translation stays: along a
-/// tunnel no observation limits the translation, but the rotations show that the poses are exact.
+/// not determine stays at 0 and shows nothing. The ratio of rotation to translation is that of the
+/// pivots' lever and is not learned: along a tunnel no observation limits the translation, but the
+/// rotations show that the poses are exact.
 pub fn estimated_prior(prior: &PosePrior, evidence: &Evidence) -> PosePrior {
     let factor = evidence.factor().sqrt();
     PosePrior { rotation: factor * prior.rotation, translation: factor * prior.translation }

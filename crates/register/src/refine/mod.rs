@@ -260,19 +260,19 @@ impl<'a> Rounds<'a> {
     ) -> Vec<Odds> {
         *self = sound.clone();
         self.cameras = self.cameras.freed(parts, |k| free.get(k) == Some(&true));
+        let mut odds = Vec::new();
         for _ in 0..SCALE_RUNS {
             self.poses.clone_from_slice(begin);
             self.last_change.fill(0.0);
             let settled = self.run_rounds();
             self.observe(self.prior, OBSERVATIONS, Spread::Narrow);
-            // Odds that one run leaves small do not rise in the next ones.
-            let odds = self.odds(FOCAL_SIGMAS);
-            let wrong = |odds: &Odds| odds.scale.max(odds.focal) > SCALE_ODDS;
-            if settled || !odds.iter().any(wrong) {
-                return odds;
+            odds = self.odds(FOCAL_SIGMAS);
+            let is_wrong = |odds: &Odds| odds.scale.max(odds.focal) > SCALE_ODDS;
+            if settled || !odds.iter().any(is_wrong) {
+                break;
             }
         }
-        self.odds(FOCAL_SIGMAS)
+        odds
     }
 
     /// Moves all views until they settle, and says whether they do.

@@ -1,16 +1,21 @@
 //! The point about which the pose of a view errs.
 //!
-//! **Problem.** A tracked camera errs at its sensor: its place and its rotation are wrong
-//! independently. A pose from a turntable, or from the images themselves, errs at the surface: the
-//! sensor stands far away on a long lever. A prior at the sensor takes such an error for a large
-//! displacement of every view. Views that nothing holds to each other along a direction are then
-//! displaced along it: those from above a prism and those from below it, for instance.
+//! **Problem.** The pose of a measuring arm errs at the sensor: its place and its rotation are
+//! wrong independently. A pose from a turntable, or from the images themselves, errs at the
+//! surface: the sensor stands far away on a long lever. A prior at the sensor takes such an error
+//! for a large displacement of every view. Views that nothing holds to each other along a direction
+//! are then displaced along it: those from above a prism and those from below it, for instance.
 //!
 //! **Idea.** On the line from the sensor to the middle of the surface that the view sees, there is
 //! a point, the pivot, where place and rotation err independently. The evidence tells which share
 //! of that line it is at, as it tells the size of the errors (Dempster, Laird and Rubin, 1977). An
 //! error of the place displaces the surface as far as one of the rotation does: the closer the
 //! pivot is to the surface, the smaller the former.
+//!
+//! **Worth.** Measured against pivots at the sensors. Six views around a part, poses wrong by
+//! 0.02°: the 95 % distance falls from 0.156 to 0.014 mm. Halves of the red kitchen, each refined by
+//! itself: from 53 to 46 mm, at a share of one half. Simulated poses that err at the sensor have
+//! shares around 0, and figures of 12 kitchens and rooms change by 1 % on average.
 
 use super::motion::Motion;
 use super::pairs::Scene;

@@ -98,7 +98,7 @@ pub mod scale {
 pub mod settle {
     /// Least error of the views, in footprints. Theory: curves of one surface differ by as much
     /// through sampling alone, as for the least overlap threshold. Measured: a depth camera at half
-    /// its noise errs by 0.66 mm in the median, and by 1.16 with 0.5; with 0.1 the 95 % distance of
+    /// its noise errs by 0.66 mm in the median, and by 1.16 with 0.5; with 0 the 95 % distance of
     /// the bunny is 13 % larger. Doubled: the former, and depth cameras at close range zigzag.
     pub const LEAST_FOOTPRINTS: f64 = super::scale::LEAST_FOOTPRINTS;
     /// Least ratio of the views' errors to the nodes' own. By hand: on one plane of a noisy room
