@@ -97,6 +97,11 @@ impl<'a> PreparedView<'a> {
         self.noise.length_at(self.given(), pixel) * self.factor(pixel).hypot(self.noise.shared())
     }
 
+    /// The same before smoothing.
+    pub fn given_sigma_of_group(&self, pixel: Pixel) -> f64 {
+        self.noise.length_at(self.given(), pixel) * 1_f64.hypot(self.noise.shared())
+    }
+
     /// How many pixels across share their noise with a pixel; 0 if each has its own.
     ///
     /// A mean of n samples has 1/√n of their noise, and n samples fill a square √n wide.

@@ -16,7 +16,7 @@ fn evaluation_finds_the_truth_that_simulation_left() {
     // The station leaves planes out, and the tolerance is what counts as off.
     let upper = folder.run("evaluate out --from 0.5 --tolerance 15mm").succeeded();
     assert_eq!(upper.number("planes with truth"), 5.0);
-    let strict = folder.run("evaluate out --tolerance 1mm").succeeded();
+    let strict = folder.run("evaluate out --tolerance 0.5mm").succeeded();
     assert!(strict.number("length off the truth") > 5.0);
     folder.run("evaluate out --from 100").failed_with(2, &["--from: no plane is at 100 m", "last"]);
 }

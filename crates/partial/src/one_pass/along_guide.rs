@@ -120,13 +120,9 @@ impl AlongGuide {
         Crossing::new(kind, samples, parameter(a, b), direction, turn, place)
     }
 
-    /// From one sample to another, in plane coordinates with the height third.
-    pub fn step(&self, [a, b]: [Pixel; 2], plane: &PlaneFrame) -> Option<Vector3> {
-        Some(in_plane(plane, &(self.in_world(b)? - self.in_world(a)?)))
-    }
-
-    fn in_world(&self, pixel: Pixel) -> Option<Point3> {
-        Some(self.given.world_from_sensor() * self.given.point_in_sensor(pixel)?)
+    /// A direction of the sensor's frame in a plane's coordinates, with the height third.
+    pub fn turn(&self, in_sensor: &Vector3, plane: &PlaneFrame) -> Vector3 {
+        in_plane(plane, &(self.given.world_from_sensor().rotation * in_sensor))
     }
 }
 

@@ -1,6 +1,7 @@
 //! Crossings of planes with pixel pairs, and their linear subpixel solution (section 3.6), in
 //! `f64`.
 
+use super::bend::Bend;
 use super::vertex::Kind;
 use crate::SectionAxes;
 use crate::repeats::OnCurve;
@@ -24,6 +25,8 @@ pub(super) struct Crossing {
     pub pair: Vector3,
     /// A step on the surface across the curve, in the same coordinates: the pair, or a better one.
     pub across: Vector3,
+    /// How far the surface may lie off the pair's chord.
+    pub bend: Bend,
     /// Distance between the two rays at the surface, in the length unit.
     pub spacing: f32,
     /// Share of the way from the first sample to the second, by their heights.
@@ -70,6 +73,7 @@ impl Crossing {
             across_rows: kind != Kind::Left,
             pair,
             across: pair,
+            bend: Bend::default(),
             spacing: (d - ray * d.dot(&ray)).norm() as f32,
             share: share as f32,
             bridged_after: false,

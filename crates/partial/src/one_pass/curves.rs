@@ -2,6 +2,7 @@
 
 use super::OnePassOptions;
 use super::along_guide::AlongGuide;
+use super::bend::Bend;
 use super::bridge::{Gaps, Solved, Strand};
 use super::contours::{Contours, Polyline};
 use super::crossing::{Crossing, solve};
@@ -94,6 +95,12 @@ impl Lines<'_> {
                 refinement.refine(solver, kind, pair, &mut crossing);
             }
             let along = along.as_ref().map(|(along, plane)| (*along, plane));
+            if let Some(line) = given.untested(kind, pair) {
+                let views = [given.view, self.prepared.view()];
+                let step = |beyond, near| self.step(views, [beyond, near], along);
+                let (share, chord) = (f64::from(crossing.share), [&crossing.pair, &crossing.ray]);
+                crossing.bend = Bend::at(share, chord, &line, (self.prepared, self.rule), step);
+            }
             if let Some(wide) = self.wide(&crossing, (kind, pair), &given, along) {
                 crossing.across = wide;
             }
@@ -123,12 +130,21 @@ impl Lines<'_> {
             return None;
         }
         let line = pairs.of(kind, pair)?;
-        let (before, after) = (line.before?, line.after?);
-        if let Some((along, plane)) = along {
-            return Some(along.step([before, after], plane)? / 3.0);
-        }
-        let wide = pairs.view.point_in_sensor(after)? - pairs.view.point_in_sensor(before)?;
-        Some(self.axes.turn(&wide) / 3.0)
+        let pair = [line.before?, line.after?];
+        Some(self.step([pairs.view; 2], pair, along)? / 3.0)
+    }
+
+    /// From a sample of one view to a sample of another, in plane coordinates with the height
+    /// third.
+    fn step(
+        &self,
+        views: [&View; 2],
+        pixels: [Pixel; 2],
+        along: Option<(&AlongGuide, &PlaneFrame)>,
+    ) -> Option<Vector3> {
+        let ([a, b], [from, to]) = (views, pixels);
+        let step = b.point_in_sensor(to)? - a.point_in_sensor(from)?;
+        Some(along.map_or_else(|| self.axes.turn(&step), |(along, plane)| along.turn(&step, plane)))
     }
 }
 

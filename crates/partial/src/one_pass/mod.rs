@@ -33,8 +33,8 @@
 //!    see `near_tangent.rs`. If asked, lines cut by a few missing pixels are joined, and the unit
 //!    between is marked (3.5.1); see `bridge.rs`.
 //! 8. Lines become curves (`curves.rs`): places again in `f64`, by any of the ways of
-//!    [`mod@crate::subpixel`], what is known of every node (`nodes.rs`), and why open curves end
-//!    (`ends.rs`).
+//!    [`mod@crate::subpixel`], what is known of every node (`nodes.rs`), how far its chord may lie
+//!    off the surface (`bend.rs`), and why open curves end (`ends.rs`).
 //!
 //! Steps 1 to 5 are [`contours`], for those who want lines and nothing else.
 //!
@@ -59,6 +59,7 @@
 mod along_guide;
 mod apart;
 mod band;
+mod bend;
 mod bridge;
 mod cell;
 mod chains;

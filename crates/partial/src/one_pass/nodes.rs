@@ -41,7 +41,8 @@ impl NodeMaker<'_> {
         let ray = crossing.ray;
         let footprint = self.footprint(k, closed, &tangent, &ray);
         let factor = sigma_factor(&tangent, &across, &ray).max(self.least_sigma_factor);
-        let sigma = self.sigma_between(crossing) * factor;
+        let sigma =
+            (self.sigma_between(crossing) * factor).hypot(off_chord(crossing, &tangent, &across));
         let normal = surface_normal(&tangent, &across, &ray);
         let shared = self.prepared.shared_pixels(crossing.pixel);
         Node::at(crossing.position)
@@ -140,6 +141,15 @@ fn sigma_factor(tangent: &Vector2, across: &Vector3, ray: &Vector3) -> f64 {
     let normal = Vector3::new(tangent.x, tangent.y, 0.0).cross(across);
     let factor = (ray.dot(&normal) / across.z).abs();
     if factor.is_nan() { LARGEST_SIGMA_FACTOR } else { factor.min(LARGEST_SIGMA_FACTOR) }
+}
+
+/// Error across the curve because the surface may lie off the pair's chord.
+///
+/// The same angles as for noise; no crossing is off by more than its pair is long.
+fn off_chord(crossing: &Crossing, tangent: &Vector2, across: &Vector3) -> f64 {
+    let normal = Vector3::new(tangent.x, tangent.y, 0.0).cross(across);
+    let off = crossing.bend.along(&normal, &crossing.ray) / across.z.abs();
+    if off.is_nan() { 0.0 } else { off.min(crossing.pair.norm()) }
 }
 
 /// Unit normal of the surface that holds the curve's direction and a step across it, on the

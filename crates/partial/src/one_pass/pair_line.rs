@@ -17,15 +17,21 @@ pub(super) struct PairLines<'a> {
 impl PairLines<'_> {
     /// The pair with the pixels next to it; `None` for a diagonal, which is no line of the scan.
     pub fn of(&self, kind: Kind, pair: [Pixel; 2]) -> Option<PairLine> {
+        let line = self.untested(kind, pair)?;
+        Some(PairLine {
+            before: line.before.filter(|before| self.joined(line.first, *before)),
+            after: line.after.filter(|after| self.joined(*after, line.second)),
+            ..line
+        })
+    }
+
+    /// The same, whether the next pixels are on the pair's surface or not.
+    pub fn untested(&self, kind: Kind, pair: [Pixel; 2]) -> Option<PairLine> {
         let (rows, cols) = if kind == Kind::Up { (1, 0) } else { (0, 1) };
         let line = Self::bare(kind, pair)?;
         let before = self.grid.step(line.first, -rows, -cols);
         let after = self.grid.step(line.second, rows, cols);
-        Some(PairLine {
-            before: before.filter(|before| self.joined(line.first, *before)),
-            after: after.filter(|after| self.joined(*after, line.second)),
-            ..line
-        })
+        Some(PairLine { before, after, ..line })
     }
 
     /// The pair alone; `None` for a diagonal.

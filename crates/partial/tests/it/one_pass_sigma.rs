@@ -112,3 +112,26 @@ fn a_wrong_sigma_is_a_note_that_names_both_values() {
         }
     }
 }
+
+#[test]
+fn chords_that_cut_edges_state_a_larger_error() {
+    // Two walls with an edge between them, towards the camera and away from it, along neither rows
+    // nor columns.
+    let roofs: [(&str, Distance, f64); 3] = [
+        ("ridge", |p| (3.0 - p.z + 0.8 * (p.x + 0.2 * p.y)).min(3.0 - p.z - 0.6 * p.x) / 1.4, 0.0),
+        ("valley", |p| (3.0 - p.z + 0.8 * (p.x + 0.2 * p.y)).max(3.0 - p.z - 0.6 * p.x) / 1.4, 0.0),
+        ("noisy ridge", |p| (3.0 - p.z + 0.8 * p.x).min(3.0 - p.z - 0.6 * p.x) / 1.4, 1e-4),
+    ];
+    for (name, surface, noise) in roofs {
+        let view = look(&camera(), surface, noise, Some(noise.max(1e-9)));
+        let all = checked(&view, surface, false);
+        // A pixel is 0.025 wide there. An edge close to one of its samples may be off by more.
+        let off: Vec<&Checked> = all.iter().filter(|c| c.error.abs() > 5e-4).collect();
+        let beyond = off.iter().filter(|c| c.error.abs() > 4.0 * c.sigma).count();
+        let sure = all.iter().filter(|c| c.sigma < 1e-6).count();
+        println!("{name}: {} of {} off, {beyond} by more than 4 sigma", off.len(), all.len());
+        assert!(off.len() > 50 && beyond * 5 < off.len(), "{name}: {beyond} of {}", off.len());
+        // On the walls, and without noise, chords state no error.
+        assert!(noise > 0.0 || sure * 10 > all.len() * 9, "{name}: {sure} of {}", all.len());
+    }
+}

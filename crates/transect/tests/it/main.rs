@@ -9,6 +9,7 @@
 
 mod bend_tunnel;
 mod brackets;
+mod far_views;
 mod grow;
 mod next_view;
 mod objects;
