@@ -249,6 +249,11 @@ impl CoarseView {
         (0..self.cells.len()).filter_map(|k| Some((k, self.patch(k)?)))
     }
 
+    /// Whether nearly every pixel of a cell has a sample.
+    pub(crate) fn is_whole(&self, cell: usize) -> bool {
+        self.cell(cell).and_then(|cell| cell.seen).is_some_and(|seen| seen.whole)
+    }
+
     fn patch(&self, cell: usize) -> Option<Patch> {
         self.patch_of(&self.cell(cell)?, cell)
     }

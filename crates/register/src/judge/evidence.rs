@@ -47,9 +47,14 @@ impl<'a> Evidence<'a> {
     }
 
     /// Whether a patch contradicts what the other view measured.
+    ///
+    /// Where a cell lacks samples, its patch goes beyond them, and what it misses there is no
+    /// contradiction: rods and rims have such cells alone. Of 57 scans of thin things with exact
+    /// poses, a view was blamed in ten when such patches counted, and in none without them.
     pub fn contradicts(&self, sample: &Sample) -> bool {
         let allowed = NOISE_FACTOR * sample.sigma + CONTRADICTION * self.usual;
-        sample.distance.abs() > allowed + HARMLESS * sample.radius
+        let far = sample.distance.abs() > allowed + HARMLESS * sample.radius;
+        far && (sample.whole || !sample.met)
     }
 
     /// How many of some samples agree and contradict. A patch a little in front of a surface that
@@ -116,6 +121,7 @@ mod tests {
             normal: Vector3::z(),
             sigma: 1.0,
             radius: 1.0,
+            whole: true,
         };
         let found = partners(&placings, &vec![vec![probe]; 200]);
         assert!(found.iter().all(|partners| partners.len() == PARTNERS));

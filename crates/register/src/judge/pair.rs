@@ -1,6 +1,7 @@
 //! The evidence of one view about the patches of another view.
 
 use crate::coarse::{CoarseView, Sighting};
+use crate::tuning::MAX_INCIDENCE_DEGREES;
 use transect_device::{Isometry3, Point3, Vector3};
 
 /// Cosine of the largest angle between the normals of two patches of one surface. No unit. Chosen
@@ -39,6 +40,8 @@ pub(crate) struct Probe {
     pub normal: Vector3,
     pub sigma: f64,
     pub radius: f64,
+    /// Whether nearly every pixel of its cell has a sample.
+    pub whole: bool,
 }
 
 /// Patches of a view, at most `count`, evenly over its image.
@@ -51,6 +54,7 @@ pub(crate) fn probes(view: &CoarseView, count: usize) -> Vec<Probe> {
             normal: patch.normal(),
             sigma: patch.sigma(),
             radius: patch.radius(),
+            whole: view.is_whole(cell),
         })
         .collect();
     let count = count.min(all.len());
@@ -77,6 +81,8 @@ pub(crate) struct Sample {
     /// Whether the patch meets a surface with a like normal; otherwise the other view looks through
     /// it.
     pub met: bool,
+    /// Whether both cells have a sample in nearly every pixel.
+    pub whole: bool,
 }
 
 /// The patches about which a view says anything: they meet its surface within `reach` times their
@@ -111,6 +117,7 @@ fn sample(
         sigma: probe.sigma * own.scale,
         radius: probe.radius * own.scale,
         met: false,
+        whole: probe.whole && other.is_whole(other_cell),
     };
     let met = other.meeting_in(other_cell, &at).and_then(|m| {
         let there_normal = there.world_from_sensor * m.normal;
@@ -128,7 +135,11 @@ fn sample(
         let Sighting::InFront(depth) = other.sighting_in(other_cell, &at) else { return None };
         // Rays need not start in the origin of the sensor frame.
         let ray = there.world_from_sensor * other.ray(other_cell)?.direction;
-        Some(Sample { distance: depth * there.scale * ray.dot(&normal).abs(), ..found })
+        // A surface that is seen along itself ends anywhere between two pixels. As it makes no
+        // patch, it is not looked through, either.
+        let incidence = ray.dot(&normal).abs();
+        let seen = incidence >= MAX_INCIDENCE_DEGREES.to_radians().cos();
+        seen.then_some(Sample { distance: depth * there.scale * incidence, ..found })
     })
 }
 
@@ -190,6 +201,7 @@ mod tests {
             normal: -Vector3::z(),
             sigma: 1e-4,
             radius: 0.02,
+            whole: true,
         };
         let there = Placing::given(&view);
         let found = sample(&probe, there, &view, there, 1.0).unwrap();

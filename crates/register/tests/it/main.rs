@@ -6,3 +6,4 @@ mod depth_cameras;
 mod judging;
 mod readings;
 mod refining;
+mod thin_things;
