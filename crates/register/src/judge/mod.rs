@@ -265,7 +265,9 @@ fn of_view(
         c.counts.all() >= LEAST_SAMPLES && c.counts.bad_share() < (1.0 - MENDED) * contradicting
     };
     let moved = Some(best(evidence, view, right, Change::Motion)).filter(mends);
-    let scaled = Some(best(evidence, view, right, Change::Scale)).filter(mends);
+    // One factor explains all, or it is not the reason.
+    let explains = |c: &Changed| c.counts.bad_share() < table.least_share(blamed);
+    let scaled = Some(best(evidence, view, right, Change::Scale)).filter(mends).filter(explains);
     if let Some(scaled) = scaled.filter(|s| moved.is_none_or(|m| s.cost < m.cost)) {
         let (factor, corrected) = (1.0 / scaled.placing.scale, scaled.counts.bad_share());
         return Finding::Scaled(Scaled { view: name, factor, contradicting, corrected });
