@@ -94,12 +94,16 @@ impl<'a> PreparedView<'a> {
     /// Standard deviation of the range of a group of neighbouring pixels, along the ray, as a
     /// length: a pixel's own noise after smoothing, and the noise that the group shares.
     pub fn sigma_of_group(&self, pixel: Pixel) -> f64 {
-        self.noise.length_at(self.given(), pixel) * self.factor(pixel).hypot(self.noise.shared())
+        self.of_group(pixel, self.factor(pixel))
     }
 
     /// The same before smoothing.
     pub fn given_sigma_of_group(&self, pixel: Pixel) -> f64 {
-        self.noise.length_at(self.given(), pixel) * 1_f64.hypot(self.noise.shared())
+        self.of_group(pixel, 1.0)
+    }
+
+    fn of_group(&self, pixel: Pixel, factor: f64) -> f64 {
+        self.noise.length_at(self.given(), pixel) * factor.hypot(self.noise.shared())
     }
 
     /// How many pixels across share their noise with a pixel; 0 if each has its own.
