@@ -21,10 +21,11 @@ impl SectionAxes {
     /// The axes of a plane family, seen from a view.
     ///
     /// # Errors
-    /// [`PartialError::CurvedGuide`] if the planes are not parallel,
-    /// [`PartialError::NoPoints`] if no value of the view has a point,
-    /// [`PartialError::TooManyPlanes`] if the view's sensing volume spans more than [`MAX_LEVELS`],
-    /// [`PartialError::TooFar`] if the view is too far from plane 0.
+    /// * [`PartialError::CurvedGuide`] if the planes are not parallel.
+    /// * [`PartialError::NoPoints`] if no value of the view has a point.
+    /// * [`PartialError::TooManyPlanes`] if the view's sensing volume spans more than
+    ///   [`MAX_LEVELS`].
+    /// * [`PartialError::TooFar`] if the view is too far from plane 0.
     pub fn new(view: &View, planes: &PlaneFamily) -> Result<Self, PartialError> {
         if planes.guide().straight().is_none() {
             return Err(PartialError::CurvedGuide);

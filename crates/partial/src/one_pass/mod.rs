@@ -33,8 +33,8 @@
 //!    see `near_tangent.rs`. If asked, lines cut by a few missing pixels are joined, and the unit
 //!    between is marked (3.5.1); see `bridge.rs`.
 //! 8. Lines become curves (`curves.rs`): places again in `f64`, by any of the ways of
-//!    [`mod@crate::subpixel`], what is known of every node (`nodes.rs`), how far its chord may lie
-//!    off the surface (`bend.rs`), and why open curves end (`ends.rs`).
+//!    [`mod@crate::subpixel`]. Nodes state what is known of them (`nodes.rs`), and how far their
+//!    chords may lie off the surface (`bend.rs`). Open curves state why they end (`ends.rs`).
 //!
 //! Steps 1 to 5 are [`contours`], for those who want lines and nothing else.
 //!

@@ -49,8 +49,8 @@ impl<'a> Evidence<'a> {
     /// Whether a patch contradicts what the other view measured.
     ///
     /// Where a cell lacks samples, its patch goes beyond them, and what it misses there is no
-    /// contradiction: rods and rims have such cells alone. Of 57 scans of thin things with exact
-    /// poses, a view was blamed in ten when such patches counted, and in none without them.
+    /// contradiction: rods and rims have such cells alone. While such patches counted, the quick
+    /// copies of ten scans of 57 with exact poses blamed a view. Now none do.
     pub fn contradicts(&self, sample: &Sample) -> bool {
         let allowed = NOISE_FACTOR * sample.sigma + CONTRADICTION * self.usual;
         let far = sample.distance.abs() > allowed + HARMLESS * sample.radius;

@@ -135,8 +135,8 @@ fn sample(
         let Sighting::InFront(depth) = other.sighting_in(other_cell, &at) else { return None };
         // Rays need not start in the origin of the sensor frame.
         let ray = there.world_from_sensor * other.ray(other_cell)?.direction;
-        // A surface that is seen along itself ends anywhere between two pixels. As it makes no
-        // patch, it is not looked through, either.
+        // A surface that is seen at a grazing angle ends anywhere between two pixels, so a point
+        // beside its last sample contradicts nothing. Such surfaces make no patches, either.
         let incidence = ray.dot(&normal).abs();
         let seen = incidence >= MAX_INCIDENCE_DEGREES.to_radians().cos();
         seen.then_some(Sample { distance: depth * there.scale * incidence, ..found })

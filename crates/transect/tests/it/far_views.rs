@@ -48,13 +48,14 @@ fn walls_of_a_hall_have_no_chords_before_them() {
     let views: Vec<View> = places.iter().enumerate().map(view).collect();
     let guide = StraightGuide::along(Vector3::z()).unwrap();
     let planes = PlaneFamily::new(guide, 0.237, 1.0).unwrap();
-    let model = reconstruct(&views, &Setup::new(LengthUnit::Metre, planes), &Unwatched);
+    let setup = Setup::new(LengthUnit::Metre, planes);
+    let model = reconstruct(&views, &setup, &Unwatched).unwrap().model;
     let off_wall = |p: &Point2| {
         let (x, y) = (p.x.abs().min((p.x - LENGTH).abs()), p.y.abs().min((p.y - WIDTH).abs()));
         x.min(y)
     };
     let (mut length, mut off) = (0.0, 0.0);
-    for (_, section) in model.unwrap().model.sections() {
+    for (_, section) in model.sections() {
         for unit in section.curves().flat_map(|curve| curve.units().collect::<Vec<_>>()) {
             let middle = nalgebra::center(&unit.start, &unit.end);
             length += unit.vector().norm();
