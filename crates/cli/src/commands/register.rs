@@ -103,17 +103,18 @@ fn print_poses(report: &PoseReport) {
         &format!("residual before, {unit}"),
         &format!("after, {unit}"),
     ];
-    let residual = |r: Option<f64>| r.map_or(String::new(), |r| lengths.digits(r, 1));
+    let length = |l: Option<f64>| l.map_or(String::new(), |l| lengths.digits(l, 1));
+    let degrees = |radians: f64| format!("{:.4}", radians.to_degrees());
     let line = |pose: &&RefinedPose| {
         vec![
             pose.view.clone(),
             outcome(pose.outcome).to_owned(),
-            format!("{:.4}", pose.rotation.to_degrees()),
-            format!("{:.4}", pose.sigma.rotation.to_degrees()),
-            lengths.digits(pose.translation, 1),
-            lengths.digits(pose.sigma.translation, 1),
-            residual(pose.residual_before),
-            residual(pose.residual_after),
+            degrees(pose.rotation),
+            pose.sigma.map_or(String::new(), |sigma| degrees(sigma.rotation)),
+            length(Some(pose.translation)),
+            length(pose.sigma.map(|sigma| sigma.translation)),
+            length(pose.residual_before),
+            length(pose.residual_after),
         ]
     };
     print_grid(&heads, &poses.iter().map(line).collect::<Vec<_>>());

@@ -42,8 +42,9 @@ pub struct RefinedPose {
     /// Distance that the middle of the view's surface moved, in the model's length unit.
     pub translation: f64,
     /// Standard deviations of the refined pose after the rigid fit of all views to the given ones.
-    /// Directions that no other view determines have that of the given pose.
-    pub sigma: PosePrior,
+    /// Directions that no other view determines have that of the given pose. `None` for a view that
+    /// is alone or misplaced, unless it was stated how far its pose may be wrong.
+    pub sigma: Option<PosePrior>,
     /// Median distance between the view's surface and those of the other views at the given poses,
     /// in the model's length unit; `None` without overlap. Patches behind a surface do not count.
     pub residual_before: Option<f64>,
@@ -155,7 +156,10 @@ impl Rounds<'_> {
                 outcome: outcome(k),
                 rotation,
                 translation,
-                sigma: covariances.as_ref().map_or(self.priors()[k], |c| sigma(&c[k])),
+                sigma: match outcome(k) {
+                    PoseOutcome::Alone | PoseOutcome::Misplaced => self.stated_prior(k),
+                    _ => Some(covariances.as_ref().map_or(self.priors()[k], |c| sigma(&c[k]))),
+                },
                 residual_before: before[k],
                 residual_after: after[k],
                 depth_offsets: self.cameras.of_view(k),
@@ -169,6 +173,12 @@ impl Rounds<'_> {
             distance: self.distance,
             focal_over_true: self.focal_over_true,
         }
+    }
+
+    /// How far it was stated that a view's pose may be wrong. What other views tell of their poses
+    /// says nothing about a view that they do not meet.
+    fn stated_prior(&self, k: usize) -> Option<PosePrior> {
+        self.scene.views[k].prior().or(self.stated.then_some(self.prior))
     }
 
     /// Whether no view moves by more than it is uncertain by. Another refinement of refined poses

@@ -141,6 +141,12 @@ fn a_view_of_another_place_stays_and_is_told() {
     let refinement = refine(&coarse(&views), &RefineOptions::default());
     assert_eq!(refinement.poses[2].outcome, PoseOutcome::Alone);
     assert_eq!(refinement.poses[2].world_from_sensor, away);
+    // The other views' small errors say nothing about it. What was stated of all does.
+    assert_eq!(refinement.poses[2].sigma, None);
+    assert!(refinement.poses[1].sigma.is_some());
+    let prior = Some(PosePrior { rotation: 0.01, translation: 0.05 });
+    let stated = refine(&coarse(&views), &RefineOptions { prior, ..RefineOptions::default() });
+    assert_eq!((stated.poses[2].outcome, stated.poses[2].sigma), (PoseOutcome::Alone, prior));
     assert!(refine(&[], &RefineOptions::default()).poses.is_empty());
 }
 
@@ -213,7 +219,7 @@ fn errors_over_sigma(exact: &[View], refinement: &Refinement) -> [Vec<f64>; 2] {
         let (there, exact) = (fit * pose.world_from_sensor, view.world_from_sensor());
         let shift = (there.translation.vector - exact.translation.vector).norm();
         let turn = there.rotation.angle_to(&exact.rotation);
-        let (of_place, of_angle) = (pose.sigma.translation, pose.sigma.rotation);
+        let PosePrior { rotation: of_angle, translation: of_place } = pose.sigma.unwrap();
         ratios[0].push(shift / of_place / 3.0_f64.sqrt());
         ratios[1].push(turn / of_angle / 3.0_f64.sqrt());
     }
@@ -280,8 +286,9 @@ fn a_view_brought_back_in_part_says_how_far_it_may_be_off() {
     assert!(pose.has_moved() && pose.residual_after < pose.residual_before, "{pose:?}");
     let left = pose.world_from_sensor.translation.x - exact[1].world_from_sensor().translation.x;
     // Nothing along the corridor tells its place.
-    assert!(left.abs() > 0.05 && left.abs() < 5.0 * pose.sigma.translation, "{left}: {pose:?}");
-    assert!(pose.sigma.translation > refinement.poses[2].sigma.translation, "{refinement:?}");
+    let sigma = |k: usize| refinement.poses[k].sigma.unwrap().translation;
+    assert!(left.abs() > 0.05 && left.abs() < 5.0 * sigma(1), "{left}: {pose:?}");
+    assert!(sigma(1) > sigma(2), "{refinement:?}");
 }
 
 #[test]

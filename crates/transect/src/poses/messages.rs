@@ -27,6 +27,7 @@ impl PoseReport {
         }];
         notes.extend(self.camera_error(refinement));
         let alone = poses.iter().filter(|pose| pose.outcome == PoseOutcome::Alone);
+        let alone = alone.filter(|pose| !self.is_named(&pose.view));
         let alone: Vec<String> = alone.map(|pose| pose.view.clone()).collect();
         notes.extend(match alone.as_slice() {
             [] => None,
@@ -41,6 +42,16 @@ impl PoseReport {
             )),
         });
         notes
+    }
+
+    /// Whether a warning names a view.
+    fn is_named(&self, name: &str) -> bool {
+        self.judgement.findings.iter().any(|finding| match finding {
+            Finding::Misplaced(found) => found.view == name,
+            Finding::Scaled(found) => found.view == name,
+            Finding::Apart { view } => view == name,
+            Finding::Groups { .. } | Finding::Region(_) => false,
+        })
     }
 
     /// Views whose surfaces no other view meets, and of which no warning tells.

@@ -8,6 +8,7 @@ use transect::evaluate::{EvaluateOptions, evaluate};
 use transect::{Reconstruction, Setup, Unwatched, reconstruct};
 use transect_device::{Isometry3, Vector3, View};
 use transect_geometry::{Curve, PlaneFamily, PlaneIndex};
+use transect_register::PoseOutcome;
 use transect_scene::Description;
 
 /// The setup of the scene with every sixth plane, its views, and its exact sections.
@@ -74,6 +75,20 @@ fn exact_poses_stay_and_perturbed_ones_come_back() {
     }
     // What all views have in common cannot be found: its error falls with the root of their number.
     assert!(mended[0] < 0.6 * bad[0] && mended[1] < 0.5 * bad[1], "{bad:?} became {mended:?} mm");
+}
+
+/// A view in the middle of what others see through is not one of which nothing is known.
+#[test]
+fn a_view_that_a_warning_names_is_not_told_to_be_alone() {
+    let part = part();
+    let mut views = part.views.clone();
+    let away = Isometry3::translation(0.0, 0.0, 200.0) * views[5].world_from_sensor();
+    views[5] = views[5].with_pose(away).unwrap();
+    let report = part.run(&views, true).report;
+    let pose = &report.poses.as_ref().unwrap().refinement.as_ref().unwrap().poses[5];
+    assert_eq!((pose.outcome, pose.sigma), (PoseOutcome::Alone, None));
+    let named = |texts: &[String]| texts.iter().filter(|t| t.contains(views[5].name())).count();
+    assert_eq!((named(&report.notes), named(&report.warnings())), (0, 1), "{report:?}");
 }
 
 #[test]
