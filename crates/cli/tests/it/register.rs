@@ -260,8 +260,11 @@ fn the_views_of_a_store_are_registered_as_those_of_their_scan() {
     // Refined poses are not refined again.
     let again = folder.run("register s.transect --quiet").succeeded();
     assert!(again.stdout.contains("\nviews replaced         0\n"), "{}", again.stdout);
-    let reason = "the poses of all 11 views stay as given: ";
+    let reason = "the store has the refined poses already";
     assert!(again.stderr.contains(reason), "{}", again.stderr);
+    // The scan still has the poses that it was added with.
+    let added = folder.run("reconstruct scan/off.json --store s.transect --out grown --quiet");
+    added.succeeded();
     // An image that is not the store's is refused, and nothing changes.
     let other = folder.bytes("scan/range_000.npy");
     folder.write("scan/range_001.npy", other);

@@ -5,12 +5,13 @@
 //! have in the store, as in a run over all of them.
 
 use super::GrowError;
+use super::registration::read_copy;
 use crate::poses::{PoseReport, reread};
 use crate::{Setup, ViewSource};
 use std::collections::BTreeSet;
-use transect_device::{Vector3, View};
-use transect_model::store::{Snapshot, StoredView, ViewCopy, ViewId};
-use transect_register::{CoarseView, StoredCopy};
+use transect_device::Vector3;
+use transect_model::store::{Snapshot, StoredView, ViewId};
+use transect_register::CoarseView;
 
 /// Most views that are judged at once, unless more are new. No unit. Chosen by hand: their copies
 /// take 30 MB. Doubled, adding one view to a large store takes twice the memory and time.
@@ -24,11 +25,6 @@ pub(super) struct Judged {
     pub note: Option<String>,
 }
 
-/// The copy of a view that a store keeps; `None` if it cannot be written.
-pub(super) fn copy_of(view: &View) -> Option<ViewCopy> {
-    ViewCopy::of(&CoarseView::quick(view).stored()).ok()
-}
-
 /// Judges the poses of a store: of all views, or if there are many, of `new` ones and those around
 /// them. Images are read in another order only if all of these views are among the sources.
 pub(super) fn judged<S: ViewSource>(
@@ -40,8 +36,8 @@ pub(super) fn judged<S: ViewSource>(
     let views = nearest(snapshot.views()?, new);
     let mut copies = Vec::with_capacity(views.len());
     for StoredView { entry, .. } in &views {
-        let stored: Option<StoredCopy> = snapshot.copy(entry)?.and_then(|copy| copy.value());
-        copies.extend(stored.and_then(|c| c.restore(&entry.id.0, entry.world_from_sensor)));
+        let stored = read_copy(snapshot, entry)?;
+        copies.extend(stored.and_then(|(c, _)| c.restore(&entry.id.0, entry.world_from_sensor)));
     }
     let (count, without) = (views.len(), views.len() - copies.len());
     let note = (without > 0 && count > 1).then(|| {

@@ -12,7 +12,8 @@
 //! 2. Its curves are stored in one transaction, with a coarse copy of its image.
 //! 3. Its planes are fused: in the same transaction for a single view, after the last view if
 //!    several are added at once. Planes run in parallel.
-//! 4. The poses of the store are judged by the copies; see `judged.rs`.
+//! 4. The poses of the store are judged by the copies; see `judged.rs`. They are refined on demand;
+//!    see `registration.rs`.
 //!
 //! Views are fused in order of their ids. The result of `consensus` does not depend on that order.
 //! The result of `pairwise` is that of one run over the views in that order.
@@ -22,6 +23,7 @@
 mod error;
 mod fuser;
 mod judged;
+mod registration;
 
 pub use error::GrowError;
 
@@ -30,20 +32,20 @@ use crate::modelled_view::{ModelledView, no_curves};
 use crate::report::{PlaneSummary, Report, Timings, ViewReport};
 use crate::timed_view::TimedView;
 use crate::{
-    FusionReport, LoadedView, PoseReport, Posed, ReconstructError, Setup, SourceError, Stage,
-    Unwatched, ViewSource, Watch,
+    FusionReport, LoadedView, PoseReport, ReconstructError, Setup, Stage, Unwatched, ViewSource,
+    Watch,
 };
 use fuser::Fuser;
-use judged::{Judged, copy_of, judged};
+use judged::{Judged, judged};
 use rayon::prelude::*;
+use registration::{copy_of, given_pose};
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
-use transect_device::{ImageOrder, View};
+use transect_device::{Isometry3, View};
 use transect_geometry::{Curve, PlaneIndex};
 use transect_model::store::{
     Snapshot, Store, StoreError, StoredView, ViewCopy, ViewEntry, ViewId, ViewReplacement,
 };
-use transect_register::{PosePrior, RefineOptions};
 
 /// The result of adding views.
 #[derive(Debug)]
@@ -119,6 +121,14 @@ struct NewView {
     /// By which its pose is compared with those of other views.
     copy: Option<ViewCopy>,
     view: ModelledView<Vec<Curve>>,
+}
+
+/// A source of which the view takes the place of a stored one.
+struct InPlace<'a, S> {
+    id: ViewId,
+    source: &'a S,
+    /// The pose that the view was given, if registration found another one.
+    given: Option<Isometry3>,
 }
 
 /// The views that were added so far.
@@ -236,7 +246,10 @@ impl<'a> Grower<'a> {
         replacements: &[(ViewId, S)],
         watch: &dyn Watch,
     ) -> Result<(Vec<StoredView>, Report), GrowError> {
-        let (stored, mut report) = self.put_in_place(replacements, watch)?;
+        let in_place = replacements.iter();
+        let in_place = in_place.map(|(id, source)| InPlace { id: id.clone(), source, given: None });
+        let in_place: Vec<_> = in_place.collect();
+        let (stored, mut report) = self.put_in_place(&in_place, watch)?;
         let new = stored.iter().map(|view| view.entry.id.clone()).collect();
         let no_sources: [S; 0] = [];
         let Judged { poses, note } = judged(&self.store.read()?, &new, &no_sources, self.setup)?;
@@ -260,15 +273,15 @@ impl<'a> Grower<'a> {
 
     fn put_in_place<S: ViewSource>(
         &self,
-        replacements: &[(ViewId, S)],
+        replacements: &[InPlace<'_, S>],
         watch: &dyn Watch,
     ) -> Result<(Vec<StoredView>, Report), GrowError> {
         watch.begin(Stage::Views, replacements.len());
-        let model = |(id, source): &(ViewId, S)| {
+        let model = |InPlace { id, source, given }: &InPlace<'_, S>| {
             if watch.cancelled() {
                 return Err(ReconstructError::Cancelled.into());
             }
-            let new = self.model(source, TimedView::load(source)?)?;
+            let new = self.model(*source, TimedView::load(*source)?, given.as_ref())?;
             watch.step(Stage::Views);
             Ok((id.clone(), new))
         };
@@ -284,40 +297,6 @@ impl<'a> Grower<'a> {
         let stored = self.store.replace_views(new, &fuser)?;
         let (fusion, timings) = (FusionReport::default(), Timings::default());
         Ok((stored, Report { views, fusion, poses: None, refinement: None, notes, timings }))
-    }
-
-    /// Refines the poses of stored views together, and replaces all views that move in one
-    /// transaction. `sources` are the sources of those views; the poses are those of the store.
-    ///
-    /// # Errors
-    /// If a source has no view in the store, or its image is another one than the store's. Also if
-    /// the store cannot be read or written. The store is then unchanged.
-    pub fn refine_poses<S: ViewSource>(
-        &self,
-        sources: &[S],
-        options: &RefineOptions,
-        watch: &dyn Watch,
-    ) -> Result<(Vec<StoredView>, Report), GrowError> {
-        let snapshot = self.store.read()?;
-        let mut stored = Vec::with_capacity(sources.len());
-        for source in sources {
-            let there = snapshot.view(&source.id().into())?;
-            let no_view = || GrowError::NotThere(source.id().to_owned());
-            stored.push(Stored { source, entry: there.ok_or_else(no_view)?.entry });
-        }
-        let options = RefineOptions { images_stay: true, ..*options };
-        let mut poses = PoseReport::new(&stored, Some(&options), self.setup.unit, watch)?;
-        poses.in_store = true;
-        let refined = poses.refinement.iter().flat_map(|refinement| &refinement.poses);
-        let moved = poses.posed(&stored).into_iter().zip(refined);
-        let moved = moved.filter(|(_, pose)| pose.has_moved());
-        // A store keeps the images as they are: views that come later would differ from these.
-        let as_stored = |view| Posed { depth_offsets: None, ..view };
-        let moved: Vec<_> =
-            moved.map(|(view, _)| (view.source.entry.id.clone(), as_stored(view))).collect();
-        let (views, mut report) = self.put_in_place(&moved, watch)?;
-        report.set_poses(Some(poses), self.setup.unit);
-        Ok((views, report))
     }
 
     /// Stores views, as many at a time as there are threads, without fusing their planes.
@@ -346,16 +325,23 @@ impl<'a> Grower<'a> {
 
     fn look_at<S: ViewSource>(&self, source: &S) -> Result<Looked, GrowError> {
         let timed = TimedView::load(source)?;
-        if let Some(there) = self.store.read()?.view(&source.id().into())? {
-            return match difference(&there.entry, &timed.loaded) {
+        let snapshot = self.store.read()?;
+        if let Some(there) = snapshot.view(&source.id().into())? {
+            return match difference(&snapshot, &there.entry, &timed.loaded)? {
                 None => Ok(Looked::Present),
                 Some(what) => Err(GrowError::OtherView { id: source.id().to_owned(), what }),
             };
         }
-        Ok(Looked::New(Box::new(self.model(source, timed)?)))
+        Ok(Looked::New(Box::new(self.model(source, timed, None)?)))
     }
 
-    fn model<S: ViewSource>(&self, source: &S, timed: TimedView) -> Result<NewView, GrowError> {
+    /// Finds the curves of a view. `given` is the pose that it was given, if it has another one.
+    fn model<S: ViewSource>(
+        &self,
+        source: &S,
+        timed: TimedView,
+        given: Option<&Isometry3>,
+    ) -> Result<NewView, GrowError> {
         let loaded = &timed.loaded;
         let entry = ViewEntry {
             id: source.id().into(),
@@ -366,7 +352,7 @@ impl<'a> Grower<'a> {
             world_from_sensor: *loaded.view.world_from_sensor(),
             sigma: loaded.view.sigma(),
         };
-        let copy = copy_of(&loaded.view);
+        let copy = copy_of(&loaded.view, given.unwrap_or(&entry.world_from_sensor));
         let view = timed.model(source.name(), self.setup)?;
         Ok(NewView { entry, copy, view })
     }
@@ -422,55 +408,6 @@ impl<'a> Grower<'a> {
     }
 }
 
-/// The source of a stored view, which must still have the image of the store.
-struct Stored<'a, S> {
-    source: &'a S,
-    entry: ViewEntry,
-}
-
-impl<S: ViewSource> ViewSource for Stored<'_, S> {
-    fn name(&self) -> &str {
-        self.source.name()
-    }
-
-    fn id(&self) -> &str {
-        &self.entry.id.0
-    }
-
-    fn origin(&self) -> String {
-        self.entry.source.clone()
-    }
-
-    fn load(&self) -> Result<LoadedView, SourceError> {
-        let LoadedView { view, notes } = self.source.load()?;
-        if fingerprint(&view) != self.entry.source_hash {
-            let from = &self.entry.source;
-            return Err(format!(
-                "{from} has another image, sensor or noise than the store; put back the files that \
-                 the view was added from, or replace the view first: transect replace-view"
-            )
-            .into());
-        }
-        self.as_stored(LoadedView { view, notes })
-    }
-
-    fn pose_prior(&self) -> Option<PosePrior> {
-        self.source.pose_prior()
-    }
-
-    fn load_in(&self, order: ImageOrder) -> Option<Result<LoadedView, SourceError>> {
-        Some(self.source.load_in(order)?.and_then(|loaded| self.as_stored(loaded)))
-    }
-}
-
-impl<S> Stored<'_, S> {
-    /// A loaded view under its name and at its pose in the store.
-    fn as_stored(&self, LoadedView { view, notes }: LoadedView) -> Result<LoadedView, SourceError> {
-        let view = view.with_pose(self.entry.world_from_sensor)?.with_name(&self.entry.id.0);
-        Ok(LoadedView { view, notes })
-    }
-}
-
 /// The fusion report of all planes, including those that were fused earlier.
 fn whole_fusion(snapshot: &Snapshot, fuser: &Fuser<'_>) -> Result<FusionReport, StoreError> {
     let mut summaries = fuser.summaries();
@@ -483,12 +420,19 @@ fn whole_fusion(snapshot: &Snapshot, fuser: &Fuser<'_>) -> Result<FusionReport, 
     Ok(FusionReport { observations, ..FusionReport::of(&summaries) })
 }
 
-/// The difference between a stored view and a loaded one of the same id.
-fn difference(there: &ViewEntry, here: &LoadedView) -> Option<&'static str> {
+/// The difference between a stored view and a loaded one of the same id. Registration of the store
+/// makes none.
+fn difference(
+    snapshot: &Snapshot,
+    there: &ViewEntry,
+    here: &LoadedView,
+) -> Result<Option<&'static str>, GrowError> {
     if there.source_hash != fingerprint(&here.view) {
-        return Some("another image, sensor or noise");
+        return Ok(Some("another image, sensor or noise"));
     }
-    (there.world_from_sensor != *here.view.world_from_sensor()).then_some("another pose")
+    let pose = *here.view.world_from_sensor();
+    let same = there.world_from_sensor == pose || given_pose(snapshot, there)? == pose;
+    Ok((!same).then_some("another pose"))
 }
 
 fn check_ids<S: ViewSource>(sources: &[S]) -> Result<(), GrowError> {

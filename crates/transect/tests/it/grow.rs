@@ -366,7 +366,7 @@ fn views_that_no_plane_crosses_and_unknown_ones_are_told() {
 }
 
 /// The views of the bundled room.
-fn room() -> (Setup, Vec<View>) {
+pub fn room() -> (Setup, Vec<View>) {
     let (_, text) =
         transect_scene::BUNDLED_SCENES.iter().find(|(name, _)| *name == "room").unwrap();
     let description = Description::parse(text).unwrap();

@@ -16,5 +16,6 @@ mod objects;
 mod pipeline;
 mod poses;
 mod refine;
+mod registered_store;
 mod unseen;
 mod version_7;

@@ -1,0 +1,158 @@
+//! Registration of a store: the poses of its views, refined together.
+//!
+//! **Problem.** A map grows, and is registered every now and then. Poses that began where the last
+//! registration left them would take its errors for given: 40 frames of a kitchen that come in four
+//! batches would err by 9.9 mm in the end, in place of 6.3.
+//!
+//! **Idea.** The store keeps the pose that every view was given. Registration begins at these,
+//! whatever it found before. So the poses depend on the views and on what was given with them, and
+//! not on when they were registered. The given pose follows the view's coarse copy in the store.
+
+use super::{GrowError, Grower, InPlace};
+use crate::fingerprint::fingerprint;
+use crate::{LoadedView, PoseReport, Posed, Report, SourceError, ViewSource, Watch};
+use serde::{Deserialize, Serialize};
+use transect_device::{ImageOrder, Isometry3, View};
+use transect_model::store::{Snapshot, StoredView, ViewCopy, ViewEntry};
+use transect_register::{CoarseView, PosePrior, RefineOptions, RefinedPose, StoredCopy};
+
+/// The pose that registration put in place of a given one. The order of the fields is the layout in
+/// the store.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct GivenPose {
+    given: Isometry3,
+    refined: Isometry3,
+}
+
+/// The copy of a view that a store keeps; `None` if it cannot be written. The pose that the view
+/// was given follows the copy, if it has another one now.
+pub(super) fn copy_of(view: &View, given: &Isometry3) -> Option<ViewCopy> {
+    let (copy, refined) = (CoarseView::quick(view).stored(), *view.world_from_sensor());
+    let copy = match *given == refined {
+        true => ViewCopy::of(&copy),
+        false => ViewCopy::of(&(copy, GivenPose { given: *given, refined })),
+    };
+    copy.ok()
+}
+
+/// A stored copy, and the pose that its view was given if another program has not moved it since.
+pub(super) fn read_copy(
+    snapshot: &Snapshot,
+    entry: &ViewEntry,
+) -> Result<Option<(StoredCopy, Isometry3)>, GrowError> {
+    let (Some(copy), pose) = (snapshot.copy(entry)?, entry.world_from_sensor) else {
+        return Ok(None);
+    };
+    if let Some(copy) = copy.value() {
+        return Ok(Some((copy, pose)));
+    }
+    let moved: Option<(StoredCopy, GivenPose)> = copy.value();
+    Ok(moved.map(|(copy, moved)| (copy, if moved.refined == pose { moved.given } else { pose })))
+}
+
+/// The pose that a view was given, which registration may have changed.
+pub(super) fn given_pose(snapshot: &Snapshot, entry: &ViewEntry) -> Result<Isometry3, GrowError> {
+    Ok(read_copy(snapshot, entry)?.map_or(entry.world_from_sensor, |(_, given)| given))
+}
+
+impl Grower<'_> {
+    /// Refines the poses of stored views together, and replaces all views that move in one
+    /// transaction. `sources` are the sources of those views.
+    ///
+    /// The poses are those that the views were given, in whatever steps the store grew and was
+    /// registered: its own results are no new evidence. The result is that of one registration of
+    /// all views. A pose that [`Grower::replace_views`] put in place is a given one.
+    ///
+    /// # Errors
+    /// If a source has no view in the store, or its image is another one than the store's. Also if
+    /// the store cannot be read or written. The store is then unchanged.
+    pub fn refine_poses<S: ViewSource>(
+        &self,
+        sources: &[S],
+        options: &RefineOptions,
+        watch: &dyn Watch,
+    ) -> Result<(Vec<StoredView>, Report), GrowError> {
+        let snapshot = self.store.read()?;
+        let mut stored = Vec::with_capacity(sources.len());
+        for source in sources {
+            let there = snapshot.view(&source.id().into())?;
+            let no_view = || GrowError::NotThere(source.id().to_owned());
+            let entry = there.ok_or_else(no_view)?.entry;
+            let given = given_pose(&snapshot, &entry)?;
+            stored.push(Stored { source, entry, given });
+        }
+        let options = RefineOptions { images_stay: true, ..*options };
+        let mut poses = PoseReport::new(&stored, Some(&options), self.setup.unit, watch)?;
+        poses.in_store = true;
+        let refined: Vec<_> = poses.refinement.iter().flat_map(|r| &r.poses).collect();
+        let is_new = |(pose, view): (&&RefinedPose, &Stored<'_, S>)| {
+            pose.world_from_sensor != view.entry.world_from_sensor
+        };
+        let new: Vec<bool> = refined.iter().zip(&stored).map(is_new).collect();
+        let known = refined.iter().any(|pose| pose.has_moved()) && !new.contains(&true);
+        // A store keeps the images as they are: views that come later would differ from these.
+        let as_stored = |view| Posed { depth_offsets: None, ..view };
+        let posed: Vec<_> = poses.posed(&stored).into_iter().map(as_stored).collect();
+        let moved = posed.iter().zip(new).filter(|(_, new)| *new).map(|(source, _)| {
+            let Stored { entry, given, .. } = source.source;
+            InPlace { id: entry.id.clone(), source, given: Some(*given) }
+        });
+        let (views, mut report) = self.put_in_place(&moved.collect::<Vec<_>>(), watch)?;
+        report.set_poses(Some(poses), self.setup.unit);
+        if known {
+            report.notes.push("the store has the refined poses already".to_owned());
+        }
+        Ok((views, report))
+    }
+}
+
+/// The source of a stored view, which must still have the image of the store.
+struct Stored<'a, S> {
+    source: &'a S,
+    entry: ViewEntry,
+    /// The pose that the view was given.
+    given: Isometry3,
+}
+
+impl<S: ViewSource> ViewSource for Stored<'_, S> {
+    fn name(&self) -> &str {
+        self.source.name()
+    }
+
+    fn id(&self) -> &str {
+        &self.entry.id.0
+    }
+
+    fn origin(&self) -> String {
+        self.entry.source.clone()
+    }
+
+    fn load(&self) -> Result<LoadedView, SourceError> {
+        let LoadedView { view, notes } = self.source.load()?;
+        if fingerprint(&view) != self.entry.source_hash {
+            let from = &self.entry.source;
+            return Err(format!(
+                "{from} has another image, sensor or noise than the store; put back the files that \
+                 the view was added from, or replace the view first: transect replace-view"
+            )
+            .into());
+        }
+        self.as_stored(LoadedView { view, notes })
+    }
+
+    fn pose_prior(&self) -> Option<PosePrior> {
+        self.source.pose_prior()
+    }
+
+    fn load_in(&self, order: ImageOrder) -> Option<Result<LoadedView, SourceError>> {
+        Some(self.source.load_in(order)?.and_then(|loaded| self.as_stored(loaded)))
+    }
+}
+
+impl<S> Stored<'_, S> {
+    /// A loaded view under its name in the store, and at the pose that it was given.
+    fn as_stored(&self, LoadedView { view, notes }: LoadedView) -> Result<LoadedView, SourceError> {
+        let view = view.with_pose(self.given)?.with_name(&self.entry.id.0);
+        Ok(LoadedView { view, notes })
+    }
+}

@@ -1,0 +1,110 @@
+//! A store that grew and was registered in steps, against one that was registered once.
+
+use crate::grow::room;
+use transect::{Grower, PoseReport, Setup, Unwatched};
+use transect_device::{Isometry3, Vector3, View};
+use transect_model::store::{Store, StoredView, ViewId};
+use transect_register::RefineOptions;
+
+/// Small errors of the poses, others for every view.
+fn shaken(views: &[View]) -> Vec<View> {
+    let shake = |(k, view): (usize, &View)| {
+        let wave = |n: usize| (2.4 * (7 * k + n) as f64).sin();
+        let turn = 0.003 * Vector3::new(wave(1), wave(2), wave(3));
+        let shift = 0.005 * Vector3::new(wave(4), wave(5), wave(6));
+        view.with_pose(view.world_from_sensor() * Isometry3::new(shift, turn)).unwrap()
+    };
+    views.iter().enumerate().map(shake).collect()
+}
+
+/// A store and what registers it.
+struct Map {
+    store: Store,
+    setup: Setup,
+    _folder: tempfile::TempDir,
+}
+
+impl Map {
+    fn new(setup: &Setup) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::create(folder.path().join("map.transect"), &setup.store_header());
+        Self { store: store.unwrap(), setup: setup.clone(), _folder: folder }
+    }
+
+    fn grower(&self) -> Grower<'_> {
+        Grower::new(&self.store, &self.setup).unwrap()
+    }
+
+    /// Adds views, and tells how many were there already.
+    fn add(&self, views: &[View]) -> usize {
+        self.grower().add_views(views, &Unwatched).unwrap().present.len()
+    }
+
+    /// The views that registration replaces, and its report.
+    fn register(&self, views: &[View]) -> (usize, PoseReport) {
+        let options = RefineOptions::default();
+        let (replaced, report) = self.grower().refine_poses(views, &options, &Unwatched).unwrap();
+        (replaced.len(), report.poses.unwrap())
+    }
+
+    fn views(&self) -> Vec<StoredView> {
+        self.store.views().unwrap()
+    }
+
+    fn lines(&self) -> Vec<u8> {
+        let mut lines = Vec::new();
+        self.store.read().unwrap().export(&mut lines).unwrap();
+        lines
+    }
+}
+
+#[test]
+fn steps_of_growth_and_registration_end_where_one_registration_does() {
+    let (setup, exact) = room();
+    let views = shaken(&exact);
+    let (whole, mut grown) = (Map::new(&setup), Map::new(&setup));
+    whole.add(&views);
+    assert_eq!(whole.register(&views).0, views.len());
+    for end in 2..=views.len() {
+        grown.add(&views[end - 2..end]);
+        grown.register(&views[..end]);
+    }
+    assert_eq!(grown.views(), whole.views());
+    assert!(grown.lines() == whole.lines());
+    grown.store.verify().unwrap();
+}
+
+#[test]
+fn a_registered_store_is_not_registered_again() {
+    let (setup, exact) = room();
+    let views = shaken(&exact);
+    let map = Map::new(&setup);
+    map.add(&views);
+    let (replaced, first) = map.register(&views);
+    let there = map.views();
+    let (again, second) = map.register(&views);
+    assert_eq!((replaced, again), (views.len(), 0));
+    assert_eq!(second.notes(), first.notes());
+    assert_eq!(map.views(), there);
+    // A scan can be added again: its poses are those that the views were given.
+    assert_eq!(map.add(&views), views.len());
+    assert_eq!(map.views(), there);
+}
+
+#[test]
+fn a_pose_that_takes_the_place_of_another_is_a_given_one() {
+    let (setup, exact) = room();
+    let views = shaken(&exact);
+    let map = Map::new(&setup);
+    map.add(&views);
+    map.register(&views);
+    let replacements: Vec<_> =
+        exact.iter().map(|view| (ViewId(view.name().to_owned()), view.clone())).collect();
+    map.grower().replace_views(&replacements, &Unwatched).unwrap();
+    let (replaced, report) = map.register(&views);
+    assert_eq!(replaced, 0, "{:?}", report.notes());
+    for there in map.views() {
+        let exact = exact.iter().find(|view| view.name() == there.entry.name).unwrap();
+        assert_eq!(there.entry.world_from_sensor, *exact.world_from_sensor());
+    }
+}
