@@ -19,8 +19,8 @@ use rstar::{AABB, RTree};
 use std::collections::BTreeMap;
 use transect_geometry::{Curve, CurveUnit, Envelope, Point2};
 
-/// Largest coordinate the tree sees: the square of a length beyond it would overflow. What lies
-/// farther out meets more envelopes than it should, never fewer.
+/// Largest coordinate the tree sees: the square of an envelope's area would overflow beyond it.
+/// What lies farther out meets more envelopes than it should, never fewer.
 const LARGEST_COORDINATE: f64 = 1e75;
 
 /// The envelopes of the curves of a plane, by the curves' numbers.

@@ -32,8 +32,7 @@ pub struct FusedPlane {
 /// Counts of one plane's fusion.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct FusionCounts {
-    /// Nodes of all views. Of `consensus`: those beside a measured unit; views that are the same
-    /// count once. Of `pairwise`: all.
+    /// Nodes of all views.
     pub observations: usize,
     /// Nodes left out. Of `consensus`: placed nodes beside a better curve, on a curve that is too
     /// short, or on a chain that is no curve. Of `pairwise`: observations farther than the

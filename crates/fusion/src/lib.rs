@@ -31,7 +31,6 @@ use transect_geometry::Curve;
 /// How the curves of a plane are fused.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[non_exhaustive]
 pub enum FusionMethod {
     /// All views at once: the default. The order of views changes nothing.
     Consensus(ConsensusOptions),

@@ -10,7 +10,6 @@ use transect_geometry::PlaneFamily;
 /// How a view's curves are found.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[non_exhaustive]
 pub enum Method {
     /// All planes in one sweep over the image: the default, and faster by an order or two.
     OnePass(OnePassOptions),
@@ -50,7 +49,8 @@ impl Default for Method {
 /// ```
 ///
 /// # Errors
-/// [`PartialError`] if the planes are too dense for the view, or the method is not for its sensor.
+/// [`PartialError`] if the planes are too dense or too far for the view, cross it too often, or the
+/// sensor has no point for any value of the image.
 pub fn partial_model(
     view: &View,
     planes: &PlaneFamily,

@@ -274,7 +274,7 @@ impl PlaneSummary {
 #[derive(Debug, Clone, Copy, Default)]
 #[non_exhaustive]
 pub struct Timings {
-    /// Reading all views and refining their poses, in elapsed time.
+    /// Reading all views and refining their poses, or judging those of a store, in elapsed time.
     pub poses: Duration,
     /// Reading and modelling all views, in elapsed time.
     pub views: Duration,

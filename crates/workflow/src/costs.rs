@@ -47,7 +47,7 @@ impl Costs {
             }
         };
         if !timings.poses.is_zero() {
-            self.push("refining poses", timings.poses, None);
+            self.push("judging and refining poses", timings.poses, None);
         }
         self.push("reading", share(timings.reading), None);
         self.push("finding curves", share(timings.modelling), None);

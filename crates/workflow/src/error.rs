@@ -83,6 +83,20 @@ pub enum WorkflowError {
     /// The views make no model.
     #[error(transparent)]
     Reconstruct(#[from] ReconstructError),
+    /// A run into a store failed after it had stored views.
+    #[error(
+        "{stored} of {all} views are in the store, and stay there; the run stopped at the next one. \
+         Mend it, or leave it out with --views, and run again"
+    )]
+    Stopped {
+        /// Views of the run that are in the store.
+        stored: usize,
+        /// Views of the run.
+        all: usize,
+        /// Why the run stopped.
+        #[source]
+        source: Box<WorkflowError>,
+    },
     /// The views cannot be added to the store.
     #[error(transparent)]
     Grow(#[from] GrowError),

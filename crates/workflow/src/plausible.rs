@@ -46,10 +46,6 @@ const FARTHEST_RAYS: f64 = 0.5;
 /// of the look. Doubled, runs of large views take more memory.
 const KEPT_PIXELS: usize = 1 << 20;
 
-/// Views of a scan with which every view is compared. Theory: of three, the median survives one
-/// wrong view. Doubled, the start of a run takes twice the time.
-const COMPARED: usize = 3;
-
 /// A view that was read, and the notes on its file.
 pub(crate) type ReadView = (View, Vec<String>);
 
@@ -215,10 +211,10 @@ impl Plausibility {
         scan: &Scan,
         of_view: impl Fn(&View) -> T + Sync,
     ) -> Result<Looked<T>, WorkflowError> {
+        // The first, the middle and the last one: the median of three survives a wrong view.
         let last = scan.views.len().saturating_sub(1);
-        let mut numbers = [0, last / 2, last].to_vec();
+        let mut numbers = vec![0, last / 2, last];
         numbers.dedup();
-        numbers.truncate(COMPARED);
         // A view that cannot be loaded is reported later.
         let seen: Vec<_> = numbers
             .par_iter()

@@ -1,7 +1,7 @@
 //! `report.json`: the table of a run, with its settings and the hashes of its inputs.
 
-use crate::Selection;
 use crate::views::OpenScan;
+use crate::{Check, Selection};
 use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -12,8 +12,10 @@ use std::sync::Arc;
 use transect::register::PoseReading;
 use transect::{Report, Setup};
 use transect_device::ImageOrder;
+use transect_exchange::{CameraOption, OpenOptions};
 use transect_geometry::CurvedGuide;
 use transect_model::open_regular;
+use transect_sensors::Intrinsics;
 
 /// The content of `report.json` without the table and the costs.
 #[derive(Debug, Serialize)]
@@ -35,12 +37,62 @@ pub struct ReportFile<'a> {
     /// Whether views without a file may have been left out.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     skip_missing: bool,
+    /// What the user stated about the scan's files.
+    #[serde(skip_serializing_if = "Stated::is_nothing")]
+    stated: Stated,
+    /// Checks of plausibility that were turned off.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    accepted: Vec<&'static str>,
     settings: Settings,
     inputs: Vec<Input>,
     warnings: Vec<String>,
     reader_notes: &'a [String],
     #[serde(flatten)]
     report: &'a Report,
+}
+
+/// Options of a scan that its files leave open, as far as they were given.
+#[derive(Debug, Default, PartialEq, Serialize)]
+struct Stated {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unit: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    poses: Option<String>,
+    /// A file, or `fx`, `fy`, `cx` and `cy` in pixels.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    camera: Option<Value>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    depth_scale: Option<f64>,
+    /// In seconds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    max_time_difference: Option<f64>,
+    /// Rows and columns.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    grid: Option<[usize; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rings: Option<usize>,
+}
+
+impl Stated {
+    fn new(options: &OpenOptions) -> Self {
+        let camera = options.camera.as_ref().map(|camera| match camera {
+            CameraOption::File(path) => readable(path).into(),
+            CameraOption::Numbers(Intrinsics { fx, fy, cx, cy }) => vec![*fx, *fy, *cx, *cy].into(),
+        });
+        Self {
+            unit: options.unit.map(|unit| unit.symbol()),
+            poses: options.poses.as_deref().map(readable),
+            camera,
+            depth_scale: options.depth_scale,
+            max_time_difference: options.max_time_difference,
+            grid: options.grid.map(|size| [size.rows, size.cols]),
+            rings: options.rings,
+        }
+    }
+
+    fn is_nothing(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -78,7 +130,14 @@ struct Input {
 
 impl<'a> ReportFile<'a> {
     /// The report of a run.
-    pub fn new(opened: &'a OpenScan, setup: &Setup, report: &'a Report) -> Self {
+    ///
+    /// `accepted` are the checks of plausibility that were turned off.
+    pub fn new(
+        opened: &'a OpenScan,
+        setup: &Setup,
+        report: &'a Report,
+        accepted: &[Check],
+    ) -> Self {
         let (scan, path) = (opened.scan(), opened.path());
         Self {
             tool: "transect",
@@ -89,6 +148,8 @@ impl<'a> ReportFile<'a> {
             pose_convention: opened.reading,
             image_order: opened.options.image_order,
             skip_missing: opened.options.skip_missing,
+            stated: Stated::new(&opened.options),
+            accepted: accepted.iter().map(|check| check.name()).collect(),
             settings: Settings {
                 normal: setup.planes.guide().direction(0.0).into(),
                 guide: setup.planes.guide().curved().cloned(),
@@ -128,4 +189,24 @@ fn input(path: &Path) -> Option<Input> {
     }
     let sha256 = hash.finalize().iter().map(|b| format!("{b:02x}")).collect();
     Some(Input { path: readable(path), bytes, sha256 })
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests may fail loudly")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_stated_is_reported_and_nothing_else() {
+        let mut options = OpenOptions::default();
+        assert!(Stated::new(&options).is_nothing());
+        options.camera = Some("500,501,320,240".parse().unwrap());
+        options.depth_scale = Some(0.001);
+        options.grid = Some(transect_device::ImageSize { rows: 2, cols: 3 });
+        let stated = serde_json::to_value(Stated::new(&options)).unwrap();
+        let expected = serde_json::json!({
+            "camera": [500.0, 501.0, 320.0, 240.0], "depth_scale": 0.001, "grid": [2, 3]
+        });
+        assert_eq!(stated, expected);
+    }
 }

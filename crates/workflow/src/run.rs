@@ -9,7 +9,7 @@ use crate::selection::Limits;
 use crate::store_file::{Grown, grow, origin, setup_of};
 use crate::table::{Row, digits};
 use crate::views::{FileView, OpenScan};
-use crate::{Costs, Plausibility, ReportFile, ResultFolder, Settings, WorkflowError};
+use crate::{Check, Costs, Plausibility, ReportFile, ResultFolder, Settings, WorkflowError};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
@@ -28,6 +28,8 @@ pub struct Run<'a> {
     pub costs: Costs,
     scan: &'a OpenScan,
     setup: Setup,
+    /// Checks of plausibility that were turned off.
+    accepted: Vec<Check>,
     /// Rows on the store, if one was grown.
     store: Vec<Row>,
     /// Files that results must not replace.
@@ -199,7 +201,19 @@ impl OpenScan {
         let (inputs, dxf) = (self.inputs(settings, store_path), settings.dxf);
         let truth =
             if settings.no_score { Reference::Nothing } else { Reference::beside(self.path()) };
-        Ok(Run { reconstruction, costs, scan: self, setup, store, inputs, dxf, splines, truth })
+        let accepted = settings.accept.clone();
+        Ok(Run {
+            reconstruction,
+            costs,
+            scan: self,
+            setup,
+            accepted,
+            store,
+            inputs,
+            dxf,
+            splines,
+            truth,
+        })
     }
 }
 
@@ -235,7 +249,8 @@ impl Run<'_> {
             rows.extend(costs.stage("scoring", score)?.agreement);
         }
         rows.extend(costs.rows());
-        let report = ReportFile::new(self.scan, &self.setup, &self.reconstruction.report);
+        let report = &self.reconstruction.report;
+        let report = ReportFile::new(self.scan, &self.setup, report, &self.accepted);
         folder.write_report(&report, &rows, costs)?;
         Ok(rows)
     }
@@ -274,11 +289,15 @@ fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
         Row::new("scan", scan.name.clone(), ""),
         Row::plain("views", result.model.views().len()),
     ];
-    // A store that had all views already is not read again to count pixels.
+    // A store knows what earlier runs added and fused, and not how many pixels and how far apart.
+    let (added, fused_now) = match report.views.len() < result.model.views().len() {
+        true => (", added views", ", planes fused now"),
+        false => ("", ""),
+    };
     if !report.views.is_empty() {
         let valid: usize = report.views.iter().map(|v| v.valid_pixels).sum();
         let pixels: usize = report.views.iter().map(|v| v.pixels).sum();
-        rows.push(Row::new("valid pixels", percent(valid, pixels), "%"));
+        rows.push(Row::new(format!("valid pixels{added}"), percent(valid, pixels), "%"));
         let halved = report.views.iter().filter(|v| v.read_pixels < v.valid_pixels).count();
         if halved > 0 {
             rows.push(Row::plain("views at half their resolution", halved));
@@ -310,7 +329,8 @@ fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
         [("spread between views", fusion.spread), ("overlap threshold", fusion.threshold)];
     let several = result.model.views().len() > 1;
     let compared = compared.into_iter().filter(|(_, length)| several && *length > 0.0);
-    rows.extend(compared.map(|(metric, length)| Row::length(metric, length, unit)));
+    let row = |(name, length)| Row::length(format!("{name}{fused_now}"), length, unit);
+    rows.extend(compared.map(row));
     rows.extend(fusion.growth.iter().flat_map(|growth| {
         [
             Row::plain("curves merged", growth.merged),

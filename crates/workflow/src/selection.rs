@@ -125,7 +125,7 @@ impl Selection {
     }
 }
 
-/// The numbers of the views of a name. Where none has it, texts that are numbers choose by number.
+/// The numbers of the views of a name.
 pub(crate) fn numbers_of_name<'a>(views: impl Iterator<Item = &'a str>, name: &str) -> Vec<usize> {
     views.enumerate().filter(|(_, view)| *view == name).map(|(number, _)| number).collect()
 }

@@ -15,6 +15,9 @@ use transect_geometry::Isometry3;
 use transect_model::store::{Store, StoreError, StoreHeader, StoreProblem, StoredView, ViewId};
 use transect_model::{CodecError, SCHEMA_VERSION};
 
+/// Names of a scan's views in a message. By hand: they fill two lines.
+const NAMES: usize = 20;
+
 /// A store with the settings that it was made with; every plane of it is fused.
 #[derive(Debug)]
 pub struct StoreFile {
@@ -118,7 +121,7 @@ impl StoreFile {
         let scan_path = replacement.scan.clone().unwrap_or_else(|| old.entry.source.clone().into());
         let scan = self.scan_of(&scan_path)?;
         let in_scan = replacement.view.as_deref().unwrap_or(&old.entry.name);
-        let view = view_of_scan(&scan, &scan_path, in_scan)?;
+        let view = self.view_of_scan(&scan, &scan_path, in_scan)?;
         let accepted = replacement.accept.clone();
         let interval = self.setup.planes.interval();
         let unit = self.setup.unit;
@@ -156,7 +159,7 @@ impl StoreFile {
         let scans = scans?;
         let source = |StoredView { entry, .. }: &StoredView| {
             let path = Path::new(&entry.source);
-            let view = view_of_scan(&scans[entry.source.as_str()], path, &entry.name)?;
+            let view = self.view_of_scan(&scans[entry.source.as_str()], path, &entry.name)?;
             let plausibility = Plausibility::without_planes(unit, accept);
             Ok(FileView { id: entry.id.0.clone(), ..origin(view, path, plausibility) })
         };
@@ -176,6 +179,29 @@ impl StoreFile {
         let mut options = OpenOptions::default();
         (options.unit, options.skip_missing) = (Some(self.setup.unit), true);
         Ok(Scan::open_with(path, &options)?)
+    }
+
+    /// The view of a name in a scan of [`Self::scan_of`].
+    fn view_of_scan<'s>(
+        &self,
+        scan: &'s Scan,
+        path: &Path,
+        name: &str,
+    ) -> Result<&'s ScanView, WorkflowError> {
+        if let Some(view) = scan.views.iter().find(|view| view.name() == name) {
+            return Ok(view);
+        }
+        // The view may have been left out because its file is missing. This error says so.
+        let mut options = OpenOptions::default();
+        options.unit = Some(self.setup.unit);
+        Scan::open_with(path, &options)?;
+        let names: Vec<&str> = scan.views.iter().take(NAMES).map(ScanView::name).collect();
+        let others = match scan.views.len() - names.len() {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let problem = format!("no view {name:?}; it has {}{others}", names.join(", "));
+        Err(WorkflowError::file(path, problem))
     }
 
     /// Closes the store; what was changed is on disk then.
@@ -254,21 +280,47 @@ pub(crate) fn grow(
     let Growth { present, report, fused, .. } = match grown {
         Ok(grown) => grown,
         Err(error) => {
-            if is_new && is_useless(&store, &error) {
-                drop(store);
+            let useless = is_new && is_useless(&store, &error);
+            let error = grow_error(path, &store, views, error);
+            drop(store);
+            if useless {
                 std::fs::remove_file(path).map_err(WorkflowError::io(path))?;
             }
-            return Err(match error {
-                GrowError::View(error) => error.into(),
-                error @ GrowError::OtherSettings(_) => WorkflowError::file(path, error),
-                error => error.into(),
-            });
+            return Err(error);
         }
     };
     let model = store.read()?.model()?;
     store.close()?;
     let reconstruction = Reconstruction { model, report };
     Ok(Grown { reconstruction, views_present: present.len(), planes_fused: fused })
+}
+
+/// The error of a run into a store. Views before the one that failed are in the store.
+fn grow_error(
+    path: &Path,
+    store: &Store,
+    views: &[FileView<'_>],
+    error: GrowError,
+) -> WorkflowError {
+    match error {
+        GrowError::View(
+            error @ (ReconstructError::Load { .. } | ReconstructError::Partial { .. }),
+        ) => stopped(store, views, error.into()),
+        GrowError::View(error) => error.into(),
+        GrowError::Store(error) => stopped(store, views, error.into()),
+        error @ GrowError::OtherSettings(_) => WorkflowError::file(path, error),
+        error => error.into(),
+    }
+}
+
+/// The error, with the number of the run's views that are in the store.
+fn stopped(store: &Store, views: &[FileView<'_>], source: WorkflowError) -> WorkflowError {
+    let there = store.views().unwrap_or_default();
+    let ids: BTreeSet<&str> = there.iter().map(|view| view.entry.id.0.as_str()).collect();
+    match views.iter().filter(|view| ids.contains(view.id.as_str())).count() {
+        0 => source,
+        stored => WorkflowError::Stopped { stored, all: views.len(), source: Box::new(source) },
+    }
 }
 
 /// Whether a new store stands in the way of the next attempt: it has no views, or its planes, which
@@ -297,22 +349,4 @@ pub(crate) fn origin<'a>(
     let origin = absolute.display().to_string();
     let (id, limits) = (view.name().to_owned(), Limits::default());
     FileView { view, id, origin, pose: None, read: Arc::default(), limits, plausibility }
-}
-
-/// Names of a scan's views in a message. By hand: they fill two lines.
-const NAMES: usize = 20;
-
-fn view_of_scan<'a>(
-    scan: &'a Scan,
-    path: &Path,
-    name: &str,
-) -> Result<&'a ScanView, WorkflowError> {
-    scan.views.iter().find(|view| view.name() == name).ok_or_else(|| {
-        let names: Vec<&str> = scan.views.iter().take(NAMES).map(ScanView::name).collect();
-        let others = match scan.views.len() - names.len() {
-            0 => String::new(),
-            more => format!(" and {more} more"),
-        };
-        WorkflowError::file(path, format!("no view {name:?}; it has {}{others}", names.join(", ")))
-    })
 }

@@ -32,8 +32,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     if matches!(reference, Reference::Nothing) {
         eprintln!(
-            "note: no reference mesh, and no truth beside a scan of which all views were read as it \
-             states them: duplication only"
+            "note: only duplicated length is measured. There is no --reference MESH, and the scan has \
+             no truth beside it, or was read in part or by another convention"
         );
     }
     let limits =

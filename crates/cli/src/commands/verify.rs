@@ -35,6 +35,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             let found = store.verify()?;
             let fused = if arguments.fusion { fuse_again(path, &store)? } else { None };
             print(&rows(&found).into_iter().chain(fused).collect::<Vec<_>>());
+            if found.pending > 0 {
+                eprintln!(
+                    "note: an interrupted run left {} planes to be fused, whose curves are not counted. \
+                     The next change of the store fuses them; other commands fuse them in memory",
+                    found.pending
+                );
+            }
         }
     }
     Ok(())

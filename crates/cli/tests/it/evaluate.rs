@@ -35,7 +35,7 @@ fn a_model_of_a_part_of_a_scan_is_not_scored_against_the_whole() {
     for (out, options, scored) in [("some", "--views 0", false), ("all", "", true)] {
         folder.run(&format!("reconstruct scan --quiet --out {out} {options}")).succeeded();
         let run = folder.run(&format!("evaluate {out}")).succeeded();
-        assert_eq!(run.stderr.contains("duplication only"), !scored, "{out}: {}", run.stderr);
+        assert_eq!(run.stderr.contains("only duplicated length"), !scored, "{out}: {}", run.stderr);
     }
     let run = folder.run("reconstruct scan --quiet --skip-missing --out rest");
     assert!(!run.succeeded().stdout.contains("median distance from truth"));

@@ -54,6 +54,7 @@ fn a_quota_on_files_loses_nothing() {
         }
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(said.contains("File too large") && !said.contains("panicked"), "{said}");
+        assert!(said.contains("it keeps what it had. Free space"), "{said}");
         if store.exists() {
             left.push(views_left(&folder, &store));
         }

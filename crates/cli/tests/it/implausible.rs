@@ -43,6 +43,7 @@ fn implausible_scans_are_stopped_before_the_work_and_can_be_accepted() {
             &["nearest of the 2 sensors are 900.0000 m apart", "same unit"],
         ),
     ];
+    let mut reported = 0;
     for (spoil, check, texts) in cases {
         let mut manifest = manifest();
         spoil(&mut manifest);
@@ -61,7 +62,15 @@ fn implausible_scans_are_stopped_before_the_work_and_can_be_accepted() {
         assert_eq!(told, first != "distance", "{}", inspected.stderr);
         let accepted = folder.reconstruct(&format!("scan.json --accept {check}"));
         assert!(!accepted.stderr.contains("--accept"), "{check}: {}", accepted.stderr);
+        // The report keeps what was turned off, in a run that has results.
+        if folder.path("out/report.json").exists() {
+            let report = folder.json("out/report.json");
+            let names: Vec<&str> = check.split(' ').filter(|word| *word != "--accept").collect();
+            assert_eq!(report["accepted"], json!(names), "{report}");
+            reported += 1;
+        }
     }
+    assert!(reported > 0);
     let unknown = scan_of(&manifest()).reconstruct("scan.json --accept everything");
     unknown.failed_with(2, &["--accept", "valid-pixels"]);
 }

@@ -188,6 +188,8 @@ fn what_is_refused_says_why_and_changes_nothing() {
     assert!(answers[0] != "unknown" && answers[0] == answers[1], "{answers:?}");
     assert_eq!(answers[2], "unknown");
     folder.run("query s.transect 1,2").failed_with(2, &["1,2", "three numbers"]);
+    let late = folder.run("query s.transect 2,2,0.4 --within 1mm");
+    late.failed_with(2, &["--within", "options stand before"]);
     assert!(exported(&folder) == before);
 }
 
@@ -357,4 +359,26 @@ fn a_scan_can_come_under_other_names() {
     assert_eq!((run.number("views added"), run.number("views")), (4.0, 8.0));
     let listed = folder.run("list-views s.transect").stdout;
     assert!(listed.contains("again-range_000.npy"), "{listed}");
+}
+
+/// Views before the one that fails are stored, and the message counts them.
+#[test]
+fn a_run_that_stops_at_a_view_says_how_many_are_stored() {
+    let folder = Folder::simulated("objects.scene.toml");
+    let image = folder.bytes("scan/range_002.npy");
+    folder.write("scan/range_002.npy", &image[..200]);
+    let told = ["2 of 4 views are in the store", "--views", "range_002.npy"];
+    grow(&folder, "scan").failed_with(1, &told);
+    folder.write("scan/range_002.npy", image);
+    grow(&folder, "scan").succeeded();
+    assert_eq!(folder.run("verify s.transect").succeeded().number("views"), 4.0);
+}
+
+#[test]
+fn an_image_that_is_gone_is_told_by_its_path() {
+    let folder = stored();
+    std::fs::remove_file(folder.path("scan/range_001.npy")).unwrap();
+    let missing = ["1 of 4 views have no file", "range_001.npy"];
+    folder.run("replace-view s.transect range_001.npy").failed_with(1, &missing);
+    folder.run("register s.transect").failed_with(1, &missing);
 }

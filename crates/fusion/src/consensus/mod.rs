@@ -106,7 +106,7 @@ pub fn measure(views: &[&[Curve]], options: &ConsensusOptions) -> Option<Measure
 /// # Ok::<(), transect_geometry::CurveError>(())
 /// ```
 pub fn consensus(views: &[&[Curve]], options: &ConsensusOptions) -> FusedPlane {
-    fuse(Observations::collect(views, &options.steps), options, |_, _, _| ())
+    fuse(views, options, |_, _, _| ())
 }
 
 /// The same, and what each room handed on.
@@ -115,22 +115,23 @@ pub fn consensus_steps(
     options: &ConsensusOptions,
 ) -> (FusedPlane, ConsensusSteps) {
     let mut steps = ConsensusSteps::default();
-    let observations = Observations::collect(views, &options.steps);
-    let plane = fuse(observations, options, |measured, estimate, chains| {
+    let plane = fuse(views, options, |measured, estimate, chains| {
         steps = ConsensusSteps::new(measured, estimate, chains);
     });
     (plane, steps)
 }
 
-/// Fuses observations; `watch` gets what the first three rooms handed on.
+/// Fuses the curves of all views; `watch` gets what the first three rooms handed on.
 fn fuse(
-    observations: Observations,
+    views: &[&[Curve]],
     options: &ConsensusOptions,
     watch: impl FnOnce(&Measurements, &Estimate, &[connect::Chain]),
 ) -> FusedPlane {
-    let count = observations.all.len();
+    let nodes = views.iter().copied().flatten().map(|curve| curve.nodes().len()).sum();
+    let observations = Observations::collect(views, &options.steps);
     let Some(measured) = Measurements::new(observations, options) else {
-        return FusedPlane::default();
+        let counts = FusionCounts { observations: nodes, ..FusionCounts::default() };
+        return FusedPlane { counts, ..FusedPlane::default() };
     };
     let mut estimate = Estimate::new(&measured);
     let Chains { chains, dropped } = connect::connect(&mut estimate, &measured);
@@ -146,7 +147,7 @@ fn fuse(
         sigma_is_noise_alone: measured.observations.err_by_noise_alone(),
         noise: measured.noise,
         threshold: measured.scale.threshold,
-        counts: FusionCounts { observations: count, dropped, crossings },
+        counts: FusionCounts { observations: nodes, dropped, crossings },
         growth: None,
     }
 }

@@ -43,7 +43,7 @@ pub enum StoreProblem {
     #[error("cannot be read")]
     Damaged(#[source] CodecError),
     /// Reading or writing the file failed. Committed views are not lost.
-    #[error("could not be read or written")]
+    #[error("could not be read or written{}", advice(.0))]
     Io(#[source] io::Error),
     /// The database found itself inconsistent.
     #[error("is inconsistent: {0}")]
@@ -76,7 +76,7 @@ pub enum StoreProblem {
     #[error("was given plane {0} twice by one view")]
     PlaneTwice(PlaneIndex),
     /// Planes are still to be fused, and the call needs their fused curves.
-    #[error("has {0} planes that are still to be fused; finish the interrupted run first")]
+    #[error("has {0} planes that are still to be fused; repeat the run that was interrupted")]
     Pending(u64),
     /// The lines of an export could not be written.
     #[error("could not be exported")]
@@ -89,6 +89,17 @@ pub enum StoreProblem {
         /// The problem.
         problem: String,
     },
+}
+
+/// What to do about a disk without space.
+fn advice(error: &io::Error) -> &'static str {
+    use io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull};
+    match error.kind() {
+        StorageFull | FileTooLarge | QuotaExceeded => {
+            "; it keeps what it had. Free space on its disk, which every change needs"
+        }
+        _ => "",
+    }
 }
 
 impl StoreProblem {

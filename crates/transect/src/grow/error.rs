@@ -49,6 +49,15 @@ pub enum GrowError {
     #[error("the store has no view {0}")]
     NotThere(String),
     /// Two of the given views have the same id.
-    #[error("two of the views have the name {0}; ids must differ")]
-    SameId(String),
+    #[error(
+        "views {first} and {second} (from 0) are both named {id}; give one of them another name"
+    )]
+    SameId {
+        /// The name.
+        id: String,
+        /// The number of the first view of that name.
+        first: usize,
+        /// The number of the next one.
+        second: usize,
+    },
 }

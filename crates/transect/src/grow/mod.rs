@@ -39,7 +39,7 @@ use fuser::Fuser;
 use judged::{Judged, judged};
 use rayon::prelude::*;
 use registration::{copy_of, given_pose};
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 use transect_device::{Isometry3, View};
 use transect_geometry::{Curve, PlaneIndex};
@@ -259,7 +259,7 @@ impl<'a> Grower<'a> {
     }
 
     /// Judges the poses of the views in the store by coarse copies of their images; `None` if
-    /// nothing contradicts. Of more than 200 views, these are the `new` ones and those nearest to
+    /// nothing contradicts. Of more than 60 views, these are the `new` ones and those nearest to
     /// them. For each it reads some 100 kB and takes a few milliseconds. [`Grower::add_views`] and
     /// [`Grower::replace_views`] judge, too.
     ///
@@ -385,7 +385,7 @@ impl<'a> Grower<'a> {
         sources: &[S],
         added: Added,
         fuser: Fuser<'_>,
-        timings: Timings,
+        mut timings: Timings,
     ) -> Result<Growth, GrowError> {
         let snapshot = self.store.read()?;
         if snapshot.plane_count()? == 0 && !added.reports.is_empty() {
@@ -393,8 +393,10 @@ impl<'a> Grower<'a> {
         }
         let Added { present, reports, ids, mut notes, .. } = added;
         let several = snapshot.views()?.len() > 1;
+        let started = Instant::now();
         let Judged { poses, note } =
             judged(&snapshot, &ids.iter().cloned().collect(), sources, self.setup)?;
+        timings.poses = if poses.is_some() { started.elapsed() } else { Duration::ZERO };
         notes.extend(note);
         let mut fusion = whole_fusion(&snapshot, &fuser)?;
         if !several {
@@ -436,7 +438,11 @@ fn difference(
 }
 
 fn check_ids<S: ViewSource>(sources: &[S]) -> Result<(), GrowError> {
-    let mut seen = BTreeSet::new();
-    let twice = sources.iter().find(|source| !seen.insert(source.id()));
-    twice.map_or(Ok(()), |source| Err(GrowError::SameId(source.id().to_owned())))
+    let mut numbers = BTreeMap::new();
+    for (second, source) in sources.iter().enumerate() {
+        if let Some(first) = numbers.insert(source.id(), second) {
+            return Err(GrowError::SameId { id: source.id().to_owned(), first, second });
+        }
+    }
+    Ok(())
 }

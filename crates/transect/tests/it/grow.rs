@@ -256,7 +256,8 @@ fn another_view_under_a_known_name_is_refused() {
     with_store(&setup, |store| {
         let grower = Grower::new(store, &setup).unwrap();
         let error = grower.add_views(&[views[0].clone(), pose.clone()], &Unwatched).unwrap_err();
-        assert_eq!(error.to_string(), "two of the views have the name east; ids must differ");
+        let expected = "views 0 and 1 (from 0) are both named east; give one of them another name";
+        assert_eq!(error.to_string(), expected);
         assert_eq!(names(store), [""; 0]);
     });
 }

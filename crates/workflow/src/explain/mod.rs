@@ -96,7 +96,6 @@ impl OpenScan {
                 let drawn = one_pass::Drawn { view, setup, plane, options };
                 one_pass::draw(&drawn, &mut pages).map_err(failed(&views[number]))?;
             }
-            _ => (),
         }
         let of_views = PlaneOfViews::collect(&views, &setup, plane)?;
         match &setup.fusion {
@@ -104,7 +103,6 @@ impl OpenScan {
                 pairwise::draw(&of_views, number, options, &mut pages);
             }
             FusionMethod::Consensus(options) => consensus::draw(&of_views, options, &mut pages),
-            _ => (),
         }
         Ok(pages.finish())
     }
@@ -173,7 +171,6 @@ fn curves_on(view: &View, setup: &Setup, plane: PlaneIndex) -> Result<Vec<Curve>
             let found = model.planes.into_iter().find(|p| p.plane == plane);
             found.into_iter().flat_map(|p| p.curves).map(|c| c.curve).collect()
         }
-        _ => Vec::new(),
     })
 }
 

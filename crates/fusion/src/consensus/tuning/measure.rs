@@ -27,10 +27,10 @@ pub mod spread {
     /// Every such node is compared with another view: neighbours are correlated. By hand. Doubled:
     /// half the samples, which matters on small planes.
     pub const SAMPLE_EVERY: usize = 20;
-    /// Samples of a plane at least: with fewer, the median is uncertain by more than 10 %. Theory:
-    /// the median of n normal errors has a relative error of about 1.25 / √n. Doubled: more time.
+    /// Samples of a plane at least. Theory: the median of n absolute normal errors has a relative
+    /// standard deviation of 1.17 / √n, which is 7 % here. Doubled: more time.
     pub const MIN_SAMPLES: usize = 300;
-    /// Samples of a large plane: the median is then good to a few per cent. Theory as above.
+    /// Samples of a large plane: the median is then good to 5 %. Theory as above.
     /// Doubled: the spread takes twice its 5 % of the time.
     pub const WANTED_SAMPLES: usize = 500;
     /// Pairs that make a spread at least. By hand. Doubled: views that barely overlap count as one.
@@ -55,12 +55,14 @@ pub mod spread {
     /// evenly distributed distances have 1. Measured: 0.5 at most on depth cameras. Doubled: it
     /// never counts as made by other surfaces.
     pub const EVEN_GROWTH: f64 = 0.75;
-    /// Spreads that a search must hold to count. Theory: the cut at four spreads must lie inside,
-    /// and evenly distributed distances give 2.3 times the distance searched. Doubled: the whole
-    /// distance is searched on most planes.
+    /// Spreads that a search must hold to count. Theory: they are 3.2 standard deviations of the
+    /// distance between two views, which one distance in 700 exceeds. Of evenly distributed
+    /// distances they are 2.4 times the distance searched. Doubled: the whole distance is searched
+    /// on most planes.
     pub const NEARBY_SPREADS: f64 = 4.5;
-    /// Pairs farther apart than this many spreads are of different surfaces. Theory: one normal
-    /// error in 16 000 is larger. Doubled: neighbouring surfaces widen the spread.
+    /// Pairs farther apart than this many standard deviations of their distance are of different
+    /// surfaces. Theory: one normal error in 16 000 is larger. Doubled: neighbouring surfaces widen
+    /// the spread.
     pub const CUT_SPREADS: f64 = 4.0;
     /// Median of |x| of a normal x of standard deviation 1. Theory.
     pub const MEDIAN_OF_NORMAL: f64 = 0.6745;
