@@ -11,7 +11,7 @@
 //!    Of two sets of blamed views that make peace, the smaller one counts if the larger one leaves
 //!    views that do not meet.
 
-use super::tuning::{BAD_IF_RIGHT, BLAME_COST, EVIDENCE_OF_A_PAIR, LEAST_SAMPLES, STANDS_OUT};
+use super::tuning::{BAD_IF_RIGHT, BLAME_COST, EVIDENCE_OF_A_PAIR, LEAST_COMPARED, STANDS_OUT};
 
 /// How many patches of some views agree and contradict.
 #[derive(Debug, Clone, Copy, Default)]
@@ -67,7 +67,7 @@ impl Table {
     pub fn only_opponent(&self, view: usize, blamed: &[usize]) -> Option<usize> {
         let met = |view: usize| {
             let right = (0..self.views).filter(move |k| *k != view && !blamed.contains(k));
-            right.filter(move |k| self.pair(view, *k).all() >= LEAST_SAMPLES)
+            right.filter(move |k| self.pair(view, *k).all() >= LEAST_COMPARED)
         };
         let mut opponents = met(view);
         let opponent = opponents.next().filter(|_| opponents.next().is_none())?;
@@ -79,7 +79,7 @@ impl Table {
     pub fn usual_share(&self, blamed: &[usize]) -> Option<f64> {
         let right = (0..self.views).filter(|k| !blamed.contains(k));
         let counts = right.map(|k| self.with_right(k, blamed));
-        let known = counts.filter(|c| c.all() >= LEAST_SAMPLES);
+        let known = counts.filter(|c| c.all() >= LEAST_COMPARED);
         known.map(Counts::bad_share).max_by(f64::total_cmp)
     }
 
@@ -114,7 +114,7 @@ impl Table {
     /// Whether any two of the views that are not blamed meet.
     fn others_meet(&self, blamed: &[usize]) -> bool {
         let mut right = (0..self.views).filter(|k| !blamed.contains(k));
-        right.any(|k| self.with_right(k, blamed).all() >= LEAST_SAMPLES)
+        right.any(|k| self.with_right(k, blamed).all() >= LEAST_COMPARED)
     }
 
     fn makes_peace(&self, blamed: &[usize]) -> bool {

@@ -3,8 +3,8 @@
 use super::blame::{Counts, Table};
 use super::pair::{Placing, Probe, Sample, probes, samples};
 use super::tuning::{
-    CONTRADICTION, HARMLESS, LARGEST_USUAL, LEAST_SAMPLES, NOISE_FACTOR, PARTNERS, PROBES, REACH,
-    USUAL_PAIR,
+    COMPARED_PATCHES, CONTRADICTION, HARMLESS, LARGEST_USUAL, LEAST_COMPARED, MOST_COMPARED_VIEWS,
+    NOISE_FACTOR, REACH, USUAL_PAIR,
 };
 use crate::coarse::CoarseView;
 use rayon::prelude::*;
@@ -25,7 +25,8 @@ pub(super) struct Evidence<'a> {
 impl<'a> Evidence<'a> {
     pub fn new(views: &'a [&'a CoarseView]) -> Self {
         let placings: Vec<Placing> = views.iter().map(|view| Placing::given(view)).collect();
-        let probes: Vec<Vec<Probe>> = views.par_iter().map(|view| probes(view, PROBES)).collect();
+        let probes: Vec<Vec<Probe>> =
+            views.par_iter().map(|view| probes(view, COMPARED_PATCHES)).collect();
         let n = views.len();
         let partners = partners(&placings, &probes);
         let of = |k: usize| {
@@ -79,7 +80,7 @@ impl<'a> Evidence<'a> {
         let of_pair = |a: usize, b: usize| {
             let both = self.between(a, b).iter().chain(self.between(b, a));
             let met: Vec<f64> = both.filter(|s| s.met).map(|s| s.distance.abs()).collect();
-            (met.len() >= LEAST_SAMPLES).then(|| median(met)).flatten()
+            (met.len() >= LEAST_COMPARED).then(|| median(met)).flatten()
         };
         let of_view = |a: usize| quantile((0..n).filter_map(|b| of_pair(a, b)), USUAL_PAIR);
         let usual = median((0..n).filter_map(of_view)).unwrap_or(0.0);
@@ -100,7 +101,7 @@ fn partners(placings: &[Placing], probes: &[Vec<Probe>]) -> Vec<BTreeSet<usize>>
         let far = |b: &usize| (middles[a] - middles[*b]).norm();
         let mut others: Vec<usize> = (0..middles.len()).filter(|b| *b != a).collect();
         others.sort_by(|x, y| far(x).total_cmp(&far(y)).then(x.cmp(y)));
-        others.into_iter().take(PARTNERS).collect()
+        others.into_iter().take(MOST_COMPARED_VIEWS).collect()
     };
     (0..middles.len()).map(of_view).collect()
 }
@@ -124,8 +125,8 @@ mod tests {
             whole: true,
         };
         let found = partners(&placings, &vec![vec![probe]; 200]);
-        assert!(found.iter().all(|partners| partners.len() == PARTNERS));
-        assert_eq!(found[0], (1..=PARTNERS).collect());
+        assert!(found.iter().all(|partners| partners.len() == MOST_COMPARED_VIEWS));
+        assert_eq!(found[0], (1..=MOST_COMPARED_VIEWS).collect());
         let few = partners(&placings[..4], &vec![vec![probe]; 4]);
         assert_eq!(few[2], BTreeSet::from([0, 1, 3]));
     }

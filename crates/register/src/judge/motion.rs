@@ -11,7 +11,7 @@
 use super::blame::Counts;
 use super::evidence::Evidence;
 use super::pair::{Placing, Sample, samples};
-use super::tuning::{MOTION_REACH, REACH, ROUNDS};
+use super::tuning::{MOTION_REACH, MOTION_ROUNDS, REACH};
 use nalgebra::{SMatrix, SVector, Translation3, UnitQuaternion};
 use transect_device::{Isometry3, Vector3, median, quantile};
 
@@ -63,9 +63,9 @@ fn sought(
     first: f64,
 ) -> Changed {
     let mut placing = evidence.placings[view];
-    for round in 0..ROUNDS {
+    for round in 0..MOTION_ROUNDS {
         let rows = compared(evidence, view, placing, right, MOTION_REACH);
-        let share = if round < ROUNDS / 2 { first } else { MEDIAN };
+        let share = if round < MOTION_ROUNDS / 2 { first } else { MEDIAN };
         let Some(next) = step(&rows, placing, of, share) else { break };
         placing = next;
     }

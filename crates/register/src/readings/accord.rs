@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 /// Patches of all views together that are compared with the other views, and most of one view. No
 /// unit. Chosen by hand: shares are then known to 2 %. Doubled, explaining takes twice the time.
-const PROBES: [usize; 2] = [960, 80];
+const COMPARED_PATCHES: [usize; 2] = [960, 80];
 
 /// How far all views agree under one reading of their poses.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -26,7 +26,7 @@ impl Accord {
 
 /// The patches of each view that are compared with the other views.
 pub(super) fn probes_of(views: &[&CoarseView]) -> Vec<Vec<Probe>> {
-    let count = PROBES[0].div_ceil(views.len().max(1)).min(PROBES[1]);
+    let count = COMPARED_PATCHES[0].div_ceil(views.len().max(1)).min(COMPARED_PATCHES[1]);
     views.par_iter().map(|view| probes(view, count)).collect()
 }
 

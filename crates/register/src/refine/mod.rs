@@ -38,7 +38,7 @@ mod uncertainty;
 use crate::coarse::{CoarseView, PosePrior};
 use crate::tuning::{
     BEFORE_MOMENTUM, BLOCKS, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, FOCAL_SIGMAS, GATE,
-    LEAST_SAMPLES, MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS, SCALE_ODDS,
+    LEAST_LOOKED_UP, MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS, SCALE_ODDS,
     SCALE_RUNS, SETTLED, SETTLING, SUMS,
 };
 use camera::{Cameras, Freed, Odds};
@@ -325,7 +325,7 @@ impl<'a> Rounds<'a> {
         let PosePrior { rotation, translation } = reach;
         let reach = Reach { rotation, translation, unexplained };
         // Views of one scene share about half of what they see.
-        let most = (2 * wanted / self.candidates.len().max(1)).max(LEAST_SAMPLES);
+        let most = (2 * wanted / self.candidates.len().max(1)).max(LEAST_LOOKED_UP);
         self.scene.observe_all(&self.candidates, state, reach, most, spread)
     }
 

@@ -7,7 +7,7 @@ use super::pairs::{Pair, Sample, Spread, State};
 use super::solve::System;
 use super::uncertainty::{Covariances, is_within, sigma};
 use crate::coarse::PosePrior;
-use crate::tuning::{FAR_OFF, GATE, MISPLACED, NEGLIGIBLE, OBSERVATIONS, PROBES};
+use crate::tuning::{FAR_OFF, GATE, MISPLACED, MOTION_POINTS, NEGLIGIBLE, OBSERVATIONS};
 use std::collections::BTreeSet;
 use transect_device::{DepthOffsets, Isometry3, Point3, Vector3};
 
@@ -228,7 +228,7 @@ impl Rounds<'_> {
     /// the weights of the views.
     fn take_out_common_motion(&mut self, alone: &[bool]) -> Vec<f64> {
         let places = |k: usize, pose: &Isometry3| -> Vec<Point3> {
-            self.scene.samples[k].iter().take(PROBES).map(|s| pose * s.in_sensor).collect()
+            self.scene.samples[k].iter().take(MOTION_POINTS).map(|s| pose * s.in_sensor).collect()
         };
         let paired = (0..alone.len()).filter(|&k| !alone[k]);
         let views: Vec<OfView> = paired

@@ -3,7 +3,8 @@
 use super::camera::Cameras;
 use crate::CoarseView;
 use crate::tuning::{
-    ALIKE_DEGREES, BLOCKS, GATE, LEAST_MEETINGS, MOST_REPRESENTED, PARTNERS, PROBES,
+    ALIKE_DEGREES, BLOCKS, GATE, LEAST_MEETINGS, MOST_REPRESENTED, OVERLAP_SAMPLES, PARTNERS,
+    QUANTILE_SAMPLES,
 };
 use nalgebra::Vector6;
 use rayon::prelude::*;
@@ -160,8 +161,10 @@ impl Scene<'_> {
     /// common.
     pub fn pairs(&self, state: State<'_>, reach: Reach) -> Vec<(usize, usize)> {
         let n = self.views.len();
-        let probes: Vec<Vec<Sample>> =
-            (0..n).into_par_iter().map(|a| self.first_samples(a, PROBES, state.cameras)).collect();
+        let probes: Vec<Vec<Sample>> = (0..n)
+            .into_par_iter()
+            .map(|a| self.first_samples(a, OVERLAP_SAMPLES, state.cameras))
+            .collect();
         let common = |k: usize| {
             let (a, b) = (k % n, k / n);
             let Some(probes) = probes.get(a).filter(|_| a != b) else { return 0 };
@@ -337,7 +340,7 @@ impl Spread {
 /// over their variances is that of a normal variable.
 fn excess(observations: &[Observation], spread: Spread) -> f64 {
     // As many as tell a quantile to a few per cent.
-    let step = observations.len().div_ceil(PROBES).max(1);
+    let step = observations.len().div_ceil(QUANTILE_SAMPLES).max(1);
     let observations: Vec<_> = observations.iter().step_by(step).collect();
     let (share, normal) = spread.quantile();
     let mut ratios: Vec<f64> = Vec::with_capacity(observations.len());
@@ -363,7 +366,7 @@ fn excess(observations: &[Observation], spread: Spread) -> f64 {
 /// both views' normals. That of two normal variables is 2 ln 2 times the variance of each, which is
 /// twice that of one normal. A median leaves creases and other surfaces out.
 fn turned(observations: &[Observation]) -> f64 {
-    let step = observations.len().div_ceil(PROBES).max(1);
+    let step = observations.len().div_ceil(QUANTILE_SAMPLES).max(1);
     let mut squares: Vec<f32> = observations.iter().step_by(step).map(|o| o.turned).collect();
     let middle = squares.len() / 2;
     if squares.is_empty() {

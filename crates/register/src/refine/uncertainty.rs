@@ -17,7 +17,7 @@ use super::Rounds;
 use super::motion::Motion;
 use super::solve::{System, about};
 use crate::coarse::PosePrior;
-use crate::tuning::PROBES;
+use crate::tuning::MOTION_POINTS;
 use nalgebra::{Matrix3x6, Matrix6};
 use transect_device::{Point3, Vector3};
 
@@ -67,7 +67,7 @@ impl Rounds<'_> {
             let (Some(pose), Some(samples)) = (self.poses.get(k), self.scene.samples.get(k)) else {
                 return Matrix6::zeros();
             };
-            let moves = samples.iter().take(PROBES).map(|sample| {
+            let moves = samples.iter().take(MOTION_POINTS).map(|sample| {
                 let mut moves = Matrix3x6::identity();
                 let arm: Vector3 = pose.rotation * sample.in_sensor.coords;
                 moves.fixed_view_mut::<3, 3>(0, 3).copy_from(&-arm.cross_matrix());

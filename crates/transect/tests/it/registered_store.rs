@@ -35,6 +35,14 @@ impl Map {
         Grower::new(&self.store, &self.setup).unwrap()
     }
 
+    /// Of a room whose poses err, these views, and the views at their exact poses.
+    fn of_room() -> (Self, Vec<View>, Vec<View>) {
+        let (setup, exact) = room();
+        let (map, views) = (Self::new(&setup), shaken(&exact));
+        map.add(&views);
+        (map, views, exact)
+    }
+
     /// Adds views, and tells how many were there already.
     fn add(&self, views: &[View]) -> usize {
         self.grower().add_views(views, &Unwatched).unwrap().present.len()
@@ -76,10 +84,7 @@ fn steps_of_growth_and_registration_end_where_one_registration_does() {
 
 #[test]
 fn a_registered_store_is_not_registered_again() {
-    let (setup, exact) = room();
-    let views = shaken(&exact);
-    let map = Map::new(&setup);
-    map.add(&views);
+    let (map, views, _) = Map::of_room();
     let (replaced, first) = map.register(&views);
     let there = map.views();
     let (again, second) = map.register(&views);
@@ -93,10 +98,7 @@ fn a_registered_store_is_not_registered_again() {
 
 #[test]
 fn a_pose_that_takes_the_place_of_another_is_a_given_one() {
-    let (setup, exact) = room();
-    let views = shaken(&exact);
-    let map = Map::new(&setup);
-    map.add(&views);
+    let (map, views, exact) = Map::of_room();
     map.register(&views);
     let replacements: Vec<_> =
         exact.iter().map(|view| (ViewId(view.name().to_owned()), view.clone())).collect();
