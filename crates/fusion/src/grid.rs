@@ -1,11 +1,16 @@
-//! A uniform grid over points of a plane, for gathering neighbours.
+//! Points of a plane, hashed into square cells, for gathering neighbours.
 //!
-//! Cells have one of about twice as many slots as there are points, whatever the extent of the
-//! plane. A long thin curve, or one node far from all others, costs nothing. The slots of a row
-//! follow each other round a circle, so that a row of a neighbourhood is one run of points. Each
-//! row begins a golden section of the circle behind the one before. So h rows lie at least 0.38 / h
-//! of it from each other, and no neighbourhood with fewer cells than that meets a point twice.
-//! Cells that share a slot are far apart; who gathers looks at places anyway.
+//! **Problem.** Sections are long and thin, and a node may lie far from all others. A table of all
+//! cells of their extent would be nearly empty, and as large as that extent.
+//!
+//! **Idea.** Column `c` of row `r` has slot `(c + r stride) mod n`. There are two to four slots per
+//! point, whatever the extent. The cells of a row lie side by side, so the points of a row are one
+//! run. Different cells may share a slot: callers test distances.
+//!
+//! **No point is met twice.** The stride is the golden section of `n`, rounded. So any `h`
+//! successive rows begin at least `0.38 n / h` slots from each other, less half a slot for each
+//! (Swierczkowski, 1958). Rows of `w` cells overlap only if `w > 0.38 n / h - h / 2`. A query of so
+//! many cells visits all points once.
 
 use transect_geometry::{Envelope, Point2, Vector2};
 
@@ -124,7 +129,7 @@ impl PointGrid {
         let d = centre - self.origin;
         let (first, last) = (self.cell(&(d - half)), self.cell(&(d + half)));
         let (columns, rows) = (u64::from(last.0 - first.0) + 1, u64::from(last.1 - first.1) + 1);
-        // Rows begin at least 0.38 / rows of the circle from each other, less half a slot each.
+        // With 3/8 for 0.38, and both sides times 2 h.
         if rows.saturating_mul(rows + 2 * columns).saturating_mul(4) > 3 * u64::from(self.mask()) {
             return visit(&self.items);
         }
