@@ -129,7 +129,7 @@ impl PointGrid {
         let d = centre - self.origin;
         let (first, last) = (self.cell(&(d - half)), self.cell(&(d + half)));
         let (columns, rows) = (u64::from(last.0 - first.0) + 1, u64::from(last.1 - first.1) + 1);
-        // With 3/8 for 0.38, and both sides times 2 h.
+        // With 3/8 for 0.38, and both sides times 8 h.
         if rows.saturating_mul(rows + 2 * columns).saturating_mul(4) > 3 * u64::from(self.mask()) {
             return visit(&self.items);
         }

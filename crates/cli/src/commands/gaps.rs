@@ -171,6 +171,14 @@ fn propose(
     let max_incidence_rad = arguments.incidence.to_radians();
     let options = NextViewOptions::new(arguments.views, max_incidence_rad, reach);
     let unseen: f64 = patches.iter().map(|p| p.area).sum();
+    let found = next_views(&patches, &space, &options);
+    if found.is_empty() {
+        say(
+            "\nNo place in the free space that the views looked through would see more of that. A \
+             view far from all others makes that space too coarse: check its pose, or remove it.",
+        );
+        return Ok(());
+    }
     say("\nNext views that would see most of that, if no hidden surface stands in their way:\n");
     let lengths = Lengths::new(snapshot.header().unit, reach);
     let line = |view: &NextView| {
@@ -178,7 +186,7 @@ fn propose(
         let [position, target] = [view.position, view.target].map(|p| lengths.place(&p));
         vec![position, target, lengths.digits(view.area, 2), share]
     };
-    let lines: Vec<_> = next_views(&patches, &space, &options).iter().map(line).collect();
+    let lines: Vec<_> = found.iter().map(line).collect();
     let [at, to] = ["sensor at", "looking at"].map(|head| format!("{head}, {}", lengths.unit));
     let area = format!("area, {}²", lengths.unit);
     print_grid(&[&at, &to, &area, "of the unseen, %"], &lines);

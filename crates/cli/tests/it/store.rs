@@ -382,3 +382,17 @@ fn an_image_that_is_gone_is_told_by_its_path() {
     folder.run("replace-view s.transect range_001.npy").failed_with(1, &missing);
     folder.run("register s.transect").failed_with(1, &missing);
 }
+
+/// A view far from all others makes free space too coarse to stand in.
+#[test]
+fn gaps_without_a_place_to_see_them_from_say_so() {
+    let folder = stored();
+    let places = folder.run("gaps s.transect").succeeded();
+    assert!(places.stdout.contains("Next views that would see most"), "{}", places.stdout);
+    let away = |m: &mut serde_json::Value| m["views"][1]["pose"][3] = 1000.0.into();
+    folder.edit_json("scan/scan.json", "scan/far.json", away);
+    let options = "--store far.transect --out far --quiet --accept distance --accept extent";
+    folder.run(&format!("reconstruct scan/far.json {options}")).succeeded();
+    let places = folder.run("gaps far.transect").succeeded();
+    assert!(places.stdout.contains("check its pose, or remove it"), "{}", places.stdout);
+}
