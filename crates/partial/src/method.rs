@@ -48,9 +48,8 @@ impl Default for Method {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// # Errors
-/// [`PartialError`] if the planes are too dense or too far for the view, cross it too often, or the
-/// sensor has no point for any value of the image.
+/// # Errors [`PartialError`] if the planes are too dense or too far for the view, or cross it too
+/// often. Also if the sensor has no point for any value of the image.
 pub fn partial_model(
     view: &View,
     planes: &PlaneFamily,

@@ -85,8 +85,8 @@ pub enum WorkflowError {
     Reconstruct(#[from] ReconstructError),
     /// A run into a store failed after it had stored views.
     #[error(
-        "{stored} of {all} views are in the store, and stay there; the run stopped at the next one. \
-         Mend it, or leave it out with --views, and run again"
+        "{stored} of {all} views are in the store, and stay there. The same command goes on once the \
+         cause is mended; --views leaves views out"
     )]
     Stopped {
         /// Views of the run that are in the store.

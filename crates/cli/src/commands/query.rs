@@ -82,11 +82,9 @@ fn word(location: Location) -> &'static str {
 
 fn point(text: &str) -> Result<Point3, Failure> {
     let numbers = parse_numbers(text).filter(|p: &[f64; 3]| p.iter().all(|c| c.is_finite()));
-    let wrong = || match text.starts_with("--") {
-        true => Failure::Usage(format!("{text} stands after a point; options stand before them")),
-        false => {
-            Failure::Usage(format!("{text}: write a point as three numbers, such as 0,1.5,-2"))
-        }
+    let wrong = match text.starts_with("--") {
+        true => "an option stands before the points",
+        false => "write a point as three numbers, such as 0,1.5,-2",
     };
-    numbers.map(Point3::from).ok_or_else(wrong)
+    numbers.map(Point3::from).ok_or_else(|| Failure::Usage(format!("{text}: {wrong}")))
 }

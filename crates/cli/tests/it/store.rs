@@ -189,7 +189,7 @@ fn what_is_refused_says_why_and_changes_nothing() {
     assert_eq!(answers[2], "unknown");
     folder.run("query s.transect 1,2").failed_with(2, &["1,2", "three numbers"]);
     let late = folder.run("query s.transect 2,2,0.4 --within 1mm");
-    late.failed_with(2, &["--within", "options stand before"]);
+    late.failed_with(2, &["--within", "stands before the points"]);
     assert!(exported(&folder) == before);
 }
 

@@ -127,8 +127,7 @@ impl Rounds<'_> {
         if judged_worse || self.focal_over_true.is_some() {
             self.cameras = self.cameras.without_errors();
         }
-        let noise = median((0..self.given.len()).map(|k| self.noise(k))).unwrap_or(0.0);
-        self.cameras = self.cameras.with_errors_from(NEGLIGIBLE * noise, self.distance);
+        self.drop_negligible_errors();
         // Poses and depths would bend to the wrong focal lengths.
         let keeps = judged_worse
             || self.focal_over_true.is_some()
@@ -156,10 +155,7 @@ impl Rounds<'_> {
                 outcome: outcome(k),
                 rotation,
                 translation,
-                sigma: match outcome(k) {
-                    PoseOutcome::Alone | PoseOutcome::Misplaced => self.stated_prior(k),
-                    _ => Some(covariances.as_ref().map_or(self.priors()[k], |c| sigma(&c[k]))),
-                },
+                sigma: self.sigma(k, outcome(k), covariances.as_ref()),
                 residual_before: before[k],
                 residual_after: after[k],
                 depth_offsets: self.cameras.of_view(k),
@@ -175,10 +171,26 @@ impl Rounds<'_> {
         }
     }
 
-    /// How far it was stated that a view's pose may be wrong. What other views tell of their poses
-    /// says nothing about a view that they do not meet.
-    fn stated_prior(&self, k: usize) -> Option<PosePrior> {
-        self.scene.views[k].prior().or(self.stated.then_some(self.prior))
+    /// Drops the errors of cameras that stay far below the noise.
+    fn drop_negligible_errors(&mut self) {
+        let noise = median((0..self.given.len()).map(|k| self.noise(k))).unwrap_or(0.0);
+        self.cameras = self.cameras.with_errors_from(NEGLIGIBLE * noise, self.distance);
+    }
+
+    /// How far the pose of a view may be wrong. What other views tell of their poses says nothing
+    /// about a view that does not meet them: it has what was stated.
+    fn sigma(
+        &self,
+        k: usize,
+        outcome: PoseOutcome,
+        covariances: Option<&Covariances>,
+    ) -> Option<PosePrior> {
+        match outcome {
+            PoseOutcome::Alone | PoseOutcome::Misplaced => {
+                self.scene.views[k].prior().or(self.stated.then_some(self.prior))
+            }
+            _ => Some(covariances.map_or(self.priors()[k], |c| sigma(&c[k]))),
+        }
     }
 
     /// Whether no view moves by more than it is uncertain by. Another refinement of refined poses

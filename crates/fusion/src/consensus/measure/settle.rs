@@ -19,10 +19,9 @@
 //! 3. Each observation moves onto the course of its bead, as far as errors of views exceed its own
 //!    noise.
 //! 4. The distances of the views from the first courses tell how far a view is off *after averaging
-//!    along the window*. This, over the views that share a course, is the course's own error. It is
-//!    never taken smaller than the error of a typical view: what views share does not show in their
-//!    distances. Views that were shifted agree better afterwards, but their mean is as far from the
-//!    truth as before.
+//!    along the window*. This, or the error of a typical view if that is larger, over the views
+//!    that share a course, is the course's own error. Views that were shifted agree better
+//!    afterwards, but their mean is as far from the truth as before.
 //!
 //! **Source.** Not in the dissertation, whose averages move two curves at a time (5.5.2).
 
