@@ -48,8 +48,9 @@ impl Default for Method {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// # Errors [`PartialError`] if the planes are too dense or too far for the view, or cross it too
-/// often. Also if the sensor has no point for any value of the image.
+/// # Errors
+/// [`PartialError`] if the planes are too dense or too far for the view, or cross it too often.
+/// Also if the sensor has no point for any value of the image.
 pub fn partial_model(
     view: &View,
     planes: &PlaneFamily,

@@ -141,9 +141,10 @@ impl StoreFile {
     /// Refines the poses of all views together. The views that move are replaced in one
     /// transaction, and the planes that they touch are fused anew.
     ///
-    /// # Errors [`WorkflowError`] if the prior is none, or the store cannot be written. Also if a
-    /// view cannot be read from its scan, or has another image than in the store. The store is
-    /// unchanged then.
+    /// # Errors
+    /// [`WorkflowError`] if the prior is none, or the store cannot be written. Also if a view
+    /// cannot be read from its scan, or has another image than the store. The store is unchanged
+    /// then.
     pub fn register(
         &self,
         prior: Option<&str>,
