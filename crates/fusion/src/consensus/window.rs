@@ -31,20 +31,21 @@ impl Window {
     pub fn visit(&self, grid: &PointGrid, mut visit: impl FnMut(usize, f64, f64)) {
         grid.runs_around(&self.centre, &self.half(), |points| {
             let all = |_: &Numbered| true;
-            self.visit_run(points, |p| p.place, all, |p, x, y| visit(p.number as usize, x, y));
+            self.visit_run(points, |p| p.place, all, |_, p, x, y| visit(p.number as usize, x, y));
         });
     }
 
-    /// Visits the points of a run that lie inside and pass `suits`: point, place along and across.
+    /// Visits the points of a run that lie inside and pass `suits`: number in the run, point, place
+    /// along and across.
     #[inline]
     pub fn visit_run<T>(
         &self,
         points: &[T],
         place: impl Fn(&T) -> Point2,
         suits: impl Fn(&T) -> bool,
-        mut visit: impl FnMut(&T, f64, f64),
+        mut visit: impl FnMut(usize, &T, f64, f64),
     ) {
-        for points in points.chunks(CHUNK) {
+        for (chunk, points) in points.chunks(CHUNK).enumerate() {
             // Whether a point is inside cannot be guessed, so nothing branches on it.
             let (mut inside, mut count) = ([0; CHUNK], 0);
             for (i, point) in points.iter().enumerate() {
@@ -53,9 +54,9 @@ impl Window {
                 let is_inside = (x.abs() <= self.reach) & (y.abs() <= self.across);
                 count += usize::from(is_inside & suits(point));
             }
-            for point in inside[..count].iter().map(|i| &points[usize::from(*i)]) {
-                let (x, y) = self.place(&place(point));
-                visit(point, x, y);
+            for i in inside[..count].iter().map(|i| usize::from(*i)) {
+                let (x, y) = self.place(&place(&points[i]));
+                visit(chunk * CHUNK + i, &points[i], x, y);
             }
         }
     }

@@ -17,8 +17,10 @@
 
 use super::super::tuning::settle::*;
 use super::super::window::left_of;
-use super::common_course::{Bead, Reach, averaged_view_error, beads, joined, on_common_courses};
+use super::bead::{Bead, beads, joined};
+use super::common_course::{averaged_view_error, on_common_courses};
 use super::observations::Observations;
+use super::reach::Reach;
 use nalgebra::{Matrix3, Vector3};
 use transect_geometry::{Point2, Vector2};
 

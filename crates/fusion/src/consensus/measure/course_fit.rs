@@ -15,6 +15,23 @@ pub(super) struct Parabola {
     pub bent: f64,
 }
 
+impl Parabola {
+    /// y of the course at x.
+    pub fn at(&self, x: f64) -> f64 {
+        self.offset + (self.slope + self.bend * x) * x
+    }
+
+    /// Its slope at x, in lengths across for a half-length along.
+    pub fn slope_at(&self, x: f64) -> f64 {
+        self.slope + 2.0 * self.bend * x
+    }
+
+    /// y of the straight course at x.
+    pub fn straight_at(&self, x: f64) -> f64 {
+        self.straight_offset + self.straight_slope * x
+    }
+}
+
 /// Weighted sums for a parabola y(x) through beads, with x in half-lengths of the window. The
 /// weights are lengths, in half-lengths too.
 #[derive(Debug, Clone, Copy, Default)]

@@ -4,16 +4,18 @@
 
 mod align;
 mod arc;
+mod bead;
 mod common_course;
 mod course_fit;
 mod observations;
+mod reach;
 mod scale;
 mod settle;
 mod spread;
 mod view_error;
 
-pub(crate) use common_course::course_length;
 pub(crate) use observations::{NONE, Observation, Observations, ViewEnd, canonical};
+pub(crate) use reach::course_length;
 pub(crate) use scale::Scale;
 
 use super::options::ConsensusOptions;

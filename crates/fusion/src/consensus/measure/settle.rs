@@ -29,8 +29,10 @@ use super::super::options::Steps;
 use super::super::tuning::settle::*;
 use super::super::window::left_of;
 use super::align::align;
-use super::common_course::{Reach, ViewErrors, averaged_view_error, beads, on_widest_courses};
+use super::bead::beads;
+use super::common_course::{OnCourse, ViewErrors, averaged_view_error, on_widest_courses};
 use super::observations::{Observations, median};
+use super::reach::Reach;
 use super::scale::Scale;
 use super::spread::Spread;
 use super::view_error::ViewError;
@@ -55,14 +57,15 @@ pub(super) fn settle(
     let reach = Reach::new(of_view, typical, scale);
     let mut averaged = scale.steps().align.then(|| align(observations, &reach));
     let (mut beads, bead_of) = beads(observations, &reach);
-    let mut errors = ViewErrors::default();
+    let (mut courses, mut errors) = (Vec::new(), ViewErrors::default());
     for _ in 0..ROUNDS {
-        beads = on_widest_courses(&beads, observations.sources.len(), &reach, &mut errors);
-        averaged = averaged.or_else(|| Some(averaged_view_error(&beads)));
+        courses = on_widest_courses(&beads, observations.sources.len(), &reach, &mut errors);
+        averaged = averaged.or_else(|| Some(averaged_view_error(&courses)));
+        beads = courses.iter().map(|course| course.bead).collect();
     }
     for (o, &k) in observations.all.iter_mut().zip(&bead_of) {
-        let bead = &beads[k as usize];
-        o.course_error = averaged.unwrap_or(typical).max(typical) / bead.views.sqrt();
+        let OnCourse { bead, views, .. } = &courses[k as usize];
+        o.course_error = averaged.unwrap_or(typical).max(typical) / views.sqrt();
         let variance = o.view_variance(&of_view);
         let trust = variance / (variance + o.sigma * o.sigma);
         let normal = left_of(&bead.tangent);
