@@ -194,7 +194,13 @@ pub fn classify(a: &Curve, b: &Curve, tolerance: &OverlapTolerance) -> Overlaps 
     let overlap = |chain: &Chain| overlap_of(chain, &a, &b, tolerance);
     let mut overlaps: Vec<_> = chains.iter().filter(|c| c.len() > 1).map(overlap).collect();
     overlaps.sort_by(|p, q| p.on_a.from.total_cmp(&q.on_a.from));
-    let relation = relation_of(&overlaps, a.curve.is_closed() || b.curve.is_closed());
+    let closed = a.curve.is_closed() || b.curve.is_closed();
+    let mut relation = relation_of(&overlaps, closed);
+    if relation == Relation::Several {
+        // Ends that touch where the curves overlap elsewhere are the ends of a gap in one of them.
+        overlaps.retain(|o| o.on_a.length() > 0.0 && o.on_b.length() > 0.0);
+        relation = relation_of(&overlaps, closed);
+    }
     Overlaps { overlaps, relation }
 }
 

@@ -92,6 +92,15 @@ fn a_plane_grows_by_the_three_cases() {
 }
 
 #[test]
+fn ends_that_touch_in_a_gap_are_no_second_overlap() {
+    // All the way round but for a gap, and an arc that begins in it.
+    for from in [0.0, 0.01, 0.02, 0.03] {
+        let (curves, counts) = grown(&[vec![arc(1.0, 0.03, TAU)], vec![arc(1.0, from, 1.0)]]);
+        assert_eq!((curves.len(), counts.merged, forks(&counts)), (1, 1, 0), "from {from}");
+    }
+}
+
+#[test]
 fn two_arcs_of_one_circle_become_one_curve() {
     let (curves, counts) = grown(&[vec![arc(1.0, 0.0, 2.0)], vec![arc(1.02, 1.0, 3.0)]]);
     assert_eq!((curves.len(), counts.merged, counts.dropped), (1, 1, 0));
