@@ -112,7 +112,7 @@ fn print_poses(report: &PoseReport) {
             degrees(pose.rotation),
             pose.sigma.map_or(String::new(), |sigma| degrees(sigma.rotation)),
             length(Some(pose.translation)),
-            length(pose.sigma.map(|sigma| sigma.translation)),
+            length(pose.surface_sigma),
             length(pose.residual_before),
             length(pose.residual_after),
         ]

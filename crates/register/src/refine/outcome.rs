@@ -5,9 +5,10 @@ use super::common_motion::{OfView, common_motion};
 use super::motion::{Motion, motion_between};
 use super::pairs::{Pair, Sample, Spread, State};
 use super::solve::System;
-use super::uncertainty::{Covariances, is_within, sigma};
+use super::uncertainty::{Covariances, independent, is_within, sigma, sigma_at};
 use crate::coarse::PosePrior;
 use crate::tuning::{FAR_OFF, GATE, MISPLACED, MOTION_POINTS, NEGLIGIBLE, OBSERVATIONS};
+use nalgebra::Matrix6;
 use std::collections::BTreeSet;
 use transect_device::{DepthOffsets, Isometry3, Point3, Vector3};
 
@@ -45,6 +46,10 @@ pub struct RefinedPose {
     /// Directions that no other view determines have that of the given pose. `None` for a view that
     /// is alone or misplaced, unless it was stated how far its pose may be wrong.
     pub sigma: Option<PosePrior>,
+    /// By how much the view's surface may be off with this pose: root mean square over the surface
+    /// of the standard deviation along each axis, in the model's length unit. The standard
+    /// deviations of fused nodes do not hold it. `None` where `sigma` is.
+    pub surface_sigma: Option<f64>,
     /// Median distance between the view's surface and those of the other views at the given poses,
     /// in the model's length unit; `None` without overlap. Patches behind a surface do not count.
     pub residual_before: Option<f64>,
@@ -149,13 +154,15 @@ impl Rounds<'_> {
         let [before, after] = self.residuals();
         let pose = |k: usize| {
             let (rotation, translation) = self.moved_by(k);
+            let error = self.covariance(k, outcome(k), covariances.as_ref());
             RefinedPose {
                 view: self.scene.views[k].name().to_owned(),
                 world_from_sensor: self.poses[k],
                 outcome: outcome(k),
                 rotation,
                 translation,
-                sigma: self.sigma(k, outcome(k), covariances.as_ref()),
+                sigma: error.as_ref().map(sigma),
+                surface_sigma: error.and_then(|error| self.surface_sigma(k, &error)),
                 residual_before: before[k],
                 residual_after: after[k],
                 depth_offsets: self.cameras.of_view(k),
@@ -179,18 +186,26 @@ impl Rounds<'_> {
 
     /// How far the pose of a view may be wrong. What other views tell of their poses says nothing
     /// about a view that does not meet them: it has what was stated.
-    fn sigma(
+    fn covariance(
         &self,
         k: usize,
         outcome: PoseOutcome,
         covariances: Option<&Covariances>,
-    ) -> Option<PosePrior> {
-        match outcome {
+    ) -> Option<Matrix6<f64>> {
+        let by_prior = match outcome {
             PoseOutcome::Alone | PoseOutcome::Misplaced => {
                 self.scene.views[k].prior().or(self.stated.then_some(self.prior))
             }
-            _ => Some(covariances.map_or(self.priors()[k], |c| sigma(&c[k]))),
-        }
+            _ => match covariances {
+                Some(covariances) => return Some(covariances[k]),
+                None => Some(self.priors()[k]),
+            },
+        };
+        by_prior.as_ref().map(independent)
+    }
+
+    fn surface_sigma(&self, k: usize, covariance: &Matrix6<f64>) -> Option<f64> {
+        sigma_at(&self.scene.samples[k], &self.poses[k], covariance)
     }
 
     /// Whether no view moves by more than it is uncertain by. Another refinement of refined poses

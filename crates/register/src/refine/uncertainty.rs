@@ -15,11 +15,12 @@
 
 use super::Rounds;
 use super::motion::Motion;
+use super::pairs::Sample;
 use super::solve::{System, about};
 use crate::coarse::PosePrior;
 use crate::tuning::MOTION_POINTS;
 use nalgebra::{Matrix3x6, Matrix6};
-use transect_device::{Point3, Vector3};
+use transect_device::{Isometry3, Point3, Vector3};
 
 /// The covariance of each view's motion: of its sensor's place, then of its rotation.
 pub(super) type Covariances = Vec<Matrix6<f64>>;
@@ -68,9 +69,7 @@ impl Rounds<'_> {
                 return Matrix6::zeros();
             };
             let moves = samples.iter().take(MOTION_POINTS).map(|sample| {
-                let mut moves = Matrix3x6::identity();
-                let arm: Vector3 = pose.rotation * sample.in_sensor.coords;
-                moves.fixed_view_mut::<3, 3>(0, 3).copy_from(&-arm.cross_matrix());
+                let moves = place_from_motion(&(pose.rotation * sample.in_sensor.coords));
                 moves.tr_mul(&moves) * *weight
             });
             moves.sum()
@@ -138,6 +137,35 @@ fn scaled(prior: &PosePrior, by: f64) -> PosePrior {
 pub(super) fn is_within(motion: &Motion, covariance: &Matrix6<f64>) -> bool {
     let square = covariance.cholesky().map(|factor| motion.dot(&factor.solve(motion)));
     square.is_some_and(|square| square <= 6.0)
+}
+
+/// The covariance of a motion whose errors of place and rotation are independent.
+pub(super) fn independent(sigma: &PosePrior) -> Matrix6<f64> {
+    let variance = |c: usize| if c < 3 { sigma.translation } else { sigma.rotation }.powi(2);
+    Matrix6::from_diagonal(&Motion::from_fn(|c, _| variance(c)))
+}
+
+/// Root mean square, over these samples of a view and the axes, of the standard deviation of a
+/// sample's place in the world.
+pub(super) fn sigma_at(
+    samples: &[Sample],
+    pose: &Isometry3,
+    covariance: &Matrix6<f64>,
+) -> Option<f64> {
+    let variance = |sample: &Sample| {
+        let moves = place_from_motion(&(pose.rotation * sample.in_sensor.coords));
+        (moves * covariance * moves.transpose()).trace() / 3.0
+    };
+    let variances = samples.iter().take(MOTION_POINTS).map(variance);
+    let count = variances.len();
+    (count > 0).then(|| (variances.sum::<f64>() / count as f64).sqrt())
+}
+
+/// How a motion of a sensor moves the place at the end of an arm from it.
+fn place_from_motion(arm: &Vector3) -> Matrix3x6<f64> {
+    let mut moves = Matrix3x6::identity();
+    moves.fixed_view_mut::<3, 3>(0, 3).copy_from(&-arm.cross_matrix());
+    moves
 }
 
 /// Root mean square over the axes of the standard deviations of rotation and translation.

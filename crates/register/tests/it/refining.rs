@@ -204,17 +204,25 @@ fn rigid_fit(from: &[Point3], to: &[Point3]) -> Isometry3 {
 }
 
 /// The errors of refined poses over their standard deviations, after the rigid fit to the exact
-/// ones: of places, and of angles. Root mean squares over the axes.
-fn errors_over_sigma(exact: &[View], refinement: &Refinement) -> [Vec<f64>; 2] {
-    let (mut from, mut to) = (Vec::new(), Vec::new());
+/// ones: of the sensors' places, of angles, and of the views' surfaces. Root mean squares over the
+/// axes.
+fn errors_over_sigma(exact: &[View], refinement: &Refinement) -> [Vec<f64>; 3] {
+    let (mut from, mut to, mut of_view) = (Vec::new(), Vec::new(), Vec::new());
     for (view, pose) in exact.iter().zip(&refinement.poses) {
+        let first = from.len();
         for (_, patch) in coarse(std::slice::from_ref(view))[0].patches().step_by(40) {
             from.push(pose.world_from_sensor * patch.point());
             to.push(view.world_from_sensor() * patch.point());
         }
+        of_view.push(first..from.len());
     }
     let fit = rigid_fit(&from, &to);
-    let mut ratios = [Vec::new(), Vec::new()];
+    let mut ratios = [Vec::new(), Vec::new(), Vec::new()];
+    for (points, pose) in of_view.into_iter().zip(&refinement.poses) {
+        let count = points.len() as f64;
+        let squares: f64 = points.map(|k| (fit * from[k] - to[k]).norm_squared()).sum();
+        ratios[2].push((squares / count / 3.0).sqrt() / pose.surface_sigma.unwrap());
+    }
     for (view, pose) in exact.iter().zip(&refinement.poses) {
         let (there, exact) = (fit * pose.world_from_sensor, view.world_from_sensor());
         let shift = (there.translation.vector - exact.translation.vector).norm();
@@ -231,7 +239,7 @@ fn errors_over_sigma(exact: &[View], refinement: &Refinement) -> [Vec<f64>; 2] {
 #[test]
 fn errors_are_as_large_as_their_standard_deviations() {
     for (scene, unit) in [("room", 0.02), ("face_mask", 1.0), ("machined_part", 1.0)] {
-        let mut ratios = [Vec::new(), Vec::new()];
+        let mut ratios = [Vec::new(), Vec::new(), Vec::new()];
         for (seed, degrees) in [(0, 0.02), (100, 0.1), (200, -0.3), (300, 0.1), (400, -0.02)] {
             let views = simulated_with_seed(scene, seed);
             let wrong = shaken(&views, degrees, unit * degrees);
@@ -239,7 +247,7 @@ fn errors_are_as_large_as_their_standard_deviations() {
             let found = errors_over_sigma(&views, &refinement);
             ratios.iter_mut().zip(found).for_each(|(all, found)| all.extend(found));
         }
-        for (mut of, what) in ratios.into_iter().zip(["places", "angles"]) {
+        for (mut of, what) in ratios.into_iter().zip(["places", "angles", "surfaces"]) {
             of.sort_by(f64::total_cmp);
             let median = of[of.len() / 2];
             println!("{scene}: errors of {what} over their standard deviations: {median}");
