@@ -63,7 +63,27 @@ pub fn pose_of_row_major(numbers: &[f64; 16]) -> Result<(Isometry3, Option<f64>)
     from_row_major(numbers).map(|pose| (pose.world_from_sensor, pose.repaired))
 }
 
-/// The pose of a translation and a quaternion, with a note if the quaternion was normalised.
+/// Largest deviation of a quaternion's length from 1 in formats of unit quaternions. Chosen by
+/// hand: TUM prints four digits. Doubled, a damaged quaternion passes for a rotation.
+const UNIT_QUATERNION: f64 = 0.01;
+
+/// The pose of a translation and a quaternion of length 1.
+///
+/// # Errors
+/// A sentence for the caller to put after the place.
+pub(crate) fn from_unit_quaternion(
+    translation: [f64; 3],
+    q: Quaternion<f64>,
+) -> Result<Isometry3, String> {
+    let (pose, _) = from_quaternion(translation, q)?;
+    let length = q.norm();
+    if (length - 1.0).abs() > UNIT_QUATERNION {
+        return Err(format!("the quaternion has length {length}; a rotation has length 1"));
+    }
+    Ok(pose)
+}
+
+/// The pose of a translation and a quaternion of any length, with a note if it was normalised.
 ///
 /// # Errors
 /// A sentence for the caller to put after the place.

@@ -12,6 +12,7 @@
 //!
 //! | key | meaning |
 //! |---|---|
+//! | `name`, `tool` | the name of the scan, and the program that wrote the list; `tool` is optional |
 //! | `scan` | the scan, relative to this file or absolute; any format but this one |
 //! | `unit`, `grid`, `rings`, `poses_from` | the options `--unit`, `--grid` ([rows, columns]), `--rings` and `--poses` that the scan is opened with; optional |
 //! | `poses` | the views that are used, in the order of the scan: `view` is the name in the scan, `pose` is 16 numbers, row-major, sensor to world |
@@ -160,6 +161,11 @@ impl PoseList {
         if is_one(&scan) {
             let problem = "\"scan\" names another list of poses; name the scan of that list";
             return Err(ReadError::unsupported(&file, Place::Whole, problem));
+        }
+        if let (Some(stated), Some(asked)) = (self.unit, asked)
+            && stated != asked
+        {
+            return Err(ReadError::UnitConflict { path: file, stated, asked });
         }
         let options = OpenOptions {
             unit: self.unit.or(asked),
@@ -360,6 +366,9 @@ mod tests {
         assert_eq!((names, new.unit), (vec!["b.ply", "a.ply"], own.unit));
         assert_eq!(new.views[1].world_from_sensor().translation.x, 2.1);
         assert_eq!(new.name, "part");
+        let asked = OpenOptions { unit: Some(LengthUnit::Metre), ..OpenOptions::default() };
+        let error = Scan::open_with(&folder.path().join("new"), &asked).unwrap_err();
+        assert!(matches!(error, ReadError::UnitConflict { .. }), "{error}");
         // A list of a list names the scan itself.
         let again = folder.path().join("again");
         fs::create_dir(&again).unwrap();

@@ -28,8 +28,8 @@ pub(crate) fn decode(path: &Path, bytes: &[u8]) -> Result<(ImageSize, TiffSample
     let color = decoder.colortype().map_err(undecodable)?;
     let unsupported = || {
         let problem = format!(
-            "the image is {color:?}; grey of 16-bit integers, or of floating-point numbers of 32 \
-             or 64 bits is read"
+            "the image is {color:?}; expected one channel of unsigned 16-bit integers, or of \
+             floating-point numbers of 32 or 64 bits; convert it"
         );
         ReadError::unsupported(path, Place::Whole, problem)
     };
@@ -138,7 +138,12 @@ mod tests {
     fn other_images_and_announced_sizes_beyond_the_file_are_refused() {
         let error = |bytes: &[u8]| decode(Path::new("a.tif"), bytes).unwrap_err().to_string();
         let bytes = error(&image::<Gray8>(&[1, 2, 3, 4], Compression::Uncompressed));
-        assert!(bytes.starts_with("a.tif: the image is Gray(8); grey of 16-bit"), "{bytes}");
+        assert!(
+            bytes.starts_with(
+                "a.tif: the image is Gray(8); expected one channel of unsigned 16-bit"
+            ),
+            "{bytes}"
+        );
         let mut huge = image::<Gray16>(&[7; 4], Compression::Uncompressed);
         // The entries of the width (256) and the height (257), with a value of 32 bits each.
         for tag in [256_u16, 257] {

@@ -29,13 +29,14 @@ impl ViewFile {
         let Pixels { size, mut values, .. } = image_file::read(&self.path, self.scale, notes)?;
         self.check_size(size)?;
         missing::clear_stated(&mut values, self.marks()).map_err(|p| p.in_file(&self.path))?;
-        let image = RangeImage::from_values(size, values);
-        let image = match self.order {
-            Some(order) => image.and_then(|image| order.apply(image)),
-            None => image,
-        };
-        let image = image.map_err(|e| self.unusable("the image", e))?;
-        missing::without_marks(image, notes).map_err(|p| p.in_file(&self.path))
+        let unusable = |e| self.unusable("the image", e);
+        let image = RangeImage::from_values(size, values).map_err(unusable)?;
+        // In the file's own order, since errors name its rows and columns.
+        let image = missing::without_marks(image, notes).map_err(|p| p.in_file(&self.path))?;
+        match self.order {
+            Some(order) => order.apply(image).map_err(unusable),
+            None => Ok(image),
+        }
     }
 
     /// The grid of points in the file. Its size must be the stated one.

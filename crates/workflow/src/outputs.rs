@@ -44,7 +44,9 @@ pub(crate) fn check_output(output: &Path, inputs: &[PathBuf]) -> Result<(), Work
         return refuse(format!("the output would replace the input {input}; {ELSEWHERE}"));
     }
     if is_store(output) {
-        return refuse(format!("the output would replace a model store; {ELSEWHERE}"));
+        return refuse(format!(
+            "the output would replace a model store, or a model of another version; {ELSEWHERE}"
+        ));
     }
     Ok(())
 }
@@ -109,7 +111,8 @@ fn resolved(path: &Path) -> PathBuf {
     })
 }
 
-/// Whether a file starts like a model store of any version, or like the database inside it.
+/// Whether a file starts like a model store of any version, like the database inside it, or like a
+/// model of another version.
 fn is_store(path: &Path) -> bool {
     let mut start = [0; 12];
     let read = File::open(path).and_then(|mut file| file.read_exact(&mut start));

@@ -77,6 +77,10 @@ impl Selection {
         let mut limits = Limits::default();
         if let Some(text) = &self.max_range {
             limits.max_range = parse_length(unit, "max_range", text)?;
+            if limits.max_range <= 0.0 {
+                let problem = format!("{text:?} leaves no pixel; write a length over 0");
+                return Err(WorkflowError::setting("max_range", problem));
+            }
         }
         let Some(text) = &self.crop else { return Ok(limits) };
         let sides: Vec<&str> = text.split(',').map(str::trim).collect();

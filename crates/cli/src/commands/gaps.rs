@@ -53,7 +53,9 @@ type UnseenPart = (PlaneIndex, f64, f64, usize, f64);
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if !(0.0..90.0).contains(&arguments.incidence) {
-        return Err(Failure::Usage("--incidence: degrees from 0 to below 90".to_owned()));
+        let found = arguments.incidence;
+        let problem = format!("--incidence is {found}; expected degrees, from 0 to below 90");
+        return Err(Failure::Usage(problem));
     }
     let file = open_model(&arguments.file)?;
     let mut missing = Missing::default();
@@ -162,7 +164,10 @@ fn propose(
     }
     let rays = rays(snapshot)?;
     let reach = rays.iter().map(|(sensor, seen)| (seen - sensor).norm()).fold(0.0, f64::max);
-    let Some(space) = FreeSpace::from_rays(&rays) else { return Ok(()) };
+    let Some(space) = FreeSpace::from_rays(&rays) else {
+        say("\nNo next views: the store has no ray of a view, so no space is known to be free.");
+        return Ok(());
+    };
     let spacing = planes.interval() / PIECES_PER_INTERVAL;
     let patches = |(plane, gap): &(PlaneIndex, Gap)| {
         gap.patches(&planes.frame(*plane), spacing, planes.interval())

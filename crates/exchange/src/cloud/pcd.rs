@@ -9,8 +9,9 @@ use super::lzf;
 use crate::Place;
 use crate::error::Problem;
 use crate::point_table::{Cloud, is_ring_name, ring};
+use crate::pose::from_unit_quaternion;
 use crate::scalar::Scalar;
-use nalgebra::{Quaternion, Translation3, UnitQuaternion};
+use nalgebra::Quaternion;
 use transect_device::{ImageSize, MAX_PIXELS};
 use transect_geometry::{Isometry3, Point3};
 
@@ -132,16 +133,24 @@ impl Entries {
 
     fn header(&self, lines: usize, length: usize) -> Result<Header, Problem> {
         let damaged = |problem: String| Problem::at(Place::Line(lines), problem);
+        let at = |name: &str, problem: String| {
+            Problem::at(Place::Line(self.find(name).map_or(lines, |(line, _)| line)), problem)
+        };
         let fields = self.fields()?;
         let missing = |name: &str| damaged(format!("the header has no line {name}"));
         let cols = self.number("WIDTH")?.ok_or_else(|| missing("WIDTH"))?;
         let rows = self.number("HEIGHT")?.unwrap_or(1);
         let points = rows.checked_mul(cols).filter(|n| *n > 0 && *n <= MAX_PIXELS);
-        let points = points
-            .ok_or_else(|| damaged(format!("WIDTH {cols} × HEIGHT {rows} is empty or absurd")))?;
+        let no_size = || {
+            let problem = format!(
+                "WIDTH {cols} × HEIGHT {rows} is empty or absurd; expected 1 to {MAX_PIXELS} points"
+            );
+            at("WIDTH", problem)
+        };
+        let points = points.ok_or_else(no_size)?;
         if let Some(stated) = self.number("POINTS")?.filter(|n| *n != points) {
             let text = format!("POINTS is {stated}, but WIDTH {cols} × HEIGHT {rows} is {points}");
-            return Err(damaged(text));
+            return Err(at("POINTS", text));
         }
         let encoding = match self.find("DATA").and_then(|(_, words)| words.first()) {
             Some(word) if word == "ascii" => Encoding::Text,
@@ -198,15 +207,8 @@ impl Entries {
         let &[x, y, z, w, i, j, k] = numbers.as_slice() else {
             return Err(problem("needs 7 numbers: tx ty tz qw qx qy qz"));
         };
-        let turn = Quaternion::new(w, i, j, k);
-        let is_pose = [x, y, z].iter().all(|n| n.is_finite()) && (turn.norm() - 1.0).abs() < 0.01;
-        if !is_pose {
-            return Err(problem(
-                "is no pose: expected finite numbers and a quaternion of length 1",
-            ));
-        }
-        let turn = UnitQuaternion::new_normalize(turn);
-        let pose = Isometry3::from_parts(Translation3::new(x, y, z), turn);
+        let pose = from_unit_quaternion([x, y, z], Quaternion::new(w, i, j, k))
+            .map_err(|why| problem(&format!("is no pose: {why}")))?;
         Ok((numbers != [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]).then_some(pose))
     }
 }

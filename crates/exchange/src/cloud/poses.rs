@@ -76,15 +76,25 @@ pub(super) fn find(
         );
         return Err(ReadError::damaged(path, Place::Whole, problem));
     }
+    if known == 0 {
+        return Ok(Poses { poses: vec![Isometry3::identity(); files.len()], ..Poses::default() });
+    }
+    let without = files.iter().zip(&viewpoints).find(|(_, viewpoint)| viewpoint.is_none());
+    if let Some((file, _)) = without {
+        let problem = format!(
+            "no VIEWPOINT line, which {known} of {} clouds of the folder have; add one, or pass \
+             --poses FILE with the poses of all",
+            files.len()
+        );
+        return Err(ReadError::damaged(file, Place::Whole, problem));
+    }
     let note = format!(
-        "{}: {known} of {} poses from VIEWPOINT lines: the points are taken to be in the frame of \
-         the sensor",
+        "{}: {known} poses from VIEWPOINT lines: the points are taken to be in the frame of the \
+         sensor",
         path.display(),
-        files.len()
     );
-    let notes = if known > 0 { vec![note] } else { Vec::new() };
-    let poses = viewpoints.into_iter().map(Option::unwrap_or_default).collect();
-    Ok(Poses { poses, notes, files: Vec::new() })
+    let poses = viewpoints.into_iter().flatten().collect();
+    Ok(Poses { poses, notes: vec![note], files: Vec::new() })
 }
 
 /// Poses of one file for all clouds.
@@ -105,8 +115,9 @@ fn of_trajectory(folder: &Path, file: &Path, clouds: &[PathBuf]) -> Result<Poses
     }
     let matrices: Result<Vec<_>, _> = (0..clouds.len()).filter_map(|k| ordered.get(k)).collect();
     let mut found = isometries(file, &matrices?)?;
-    if let Some((path, camera_from_lidar)) = calibration(folder)? {
+    if let Some((path, camera_from_lidar, repaired)) = calibration(folder)? {
         found.poses.iter_mut().for_each(|pose| *pose *= camera_from_lidar);
+        found.notes.extend(repairs_note(&path, repaired.as_slice(), 1));
         let path_text = path.display();
         found.notes.push(format!("{path_text}: \"Tr:\" turns camera 0's poses into the lidar's"));
         found.files.push(path);
@@ -114,8 +125,11 @@ fn of_trajectory(folder: &Path, file: &Path, clouds: &[PathBuf]) -> Result<Poses
     Ok(found)
 }
 
+/// A calibration's file, its pose, and the deviation of its matrix from a rotation.
+type Calibration = (PathBuf, Isometry3, Option<(f64, Place)>);
+
 /// KITTI's camera-from-lidar, from the folder of the clouds or the one above.
-fn calibration(folder: &Path) -> Result<Option<(PathBuf, Isometry3)>, ReadError> {
+fn calibration(folder: &Path) -> Result<Option<Calibration>, ReadError> {
     let above = folder.parent().map(|above| above.join(CALIBRATION));
     let places = [Some(folder.join(CALIBRATION)), above];
     let Some(path) = places.into_iter().flatten().find(|path| path.is_file()) else {
@@ -126,7 +140,8 @@ fn calibration(folder: &Path) -> Result<Option<(PathBuf, Isometry3)>, ReadError>
         let Some(numbers) = text.strip_prefix("Tr:") else { continue };
         let pose = matrix(std::iter::once(numbers)).and_then(|matrix| from_row_major(&matrix));
         let pose = pose.map_err(|p| ReadError::damaged(&path, Place::Line(line), p))?;
-        return Ok(Some((path, pose.world_from_sensor)));
+        let repaired = pose.repaired.map(|deviation| (deviation, Place::Line(line)));
+        return Ok(Some((path, pose.world_from_sensor, repaired)));
     }
     Ok(None)
 }

@@ -40,6 +40,10 @@ struct Loss(String, String);
 /// Finds the poses of a layout's images.
 pub(super) fn associate(layout: &Layout, options: &OpenOptions) -> Result<Association, ReadError> {
     let mut found = Association::default();
+    if let Some(most) = options.max_time_difference.filter(|s| !(s.is_finite() && *s >= 0.0)) {
+        let problem = format!("--max-time-difference is {most}; expected seconds, 0 or more");
+        return Err(ReadError::unsupported(&layout.poses, Place::Whole, problem));
+    }
     if layout.poses.is_dir() {
         for (index, image) in layout.images.iter().enumerate() {
             let file = pose_file(&layout.poses, &image.file);

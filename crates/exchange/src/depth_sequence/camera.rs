@@ -5,6 +5,8 @@ use crate::manifest::{LensEntry, PinholeEntry, SensorEntry};
 use crate::trajectory::{lines, numbers};
 use crate::{CameraOption, Place, ReadError};
 use serde::Deserialize;
+use serde_json::Value;
+use std::collections::BTreeMap;
 use std::path::Path;
 use transect_sensors::{Intrinsics, PinholeScale};
 
@@ -100,6 +102,25 @@ struct JsonCamera {
     /// Open3D's parameters of one view, and of a trajectory.
     intrinsic: Option<Box<JsonCamera>>,
     parameters: Option<Vec<JsonCamera>>,
+    /// Keys of other programs.
+    #[serde(flatten)]
+    others: BTreeMap<String, Value>,
+}
+
+/// Beginnings of the keys under which other programs state a lens distortion, in small letters.
+const DISTORTIONS: [&str; 4] = ["dist", "coef", "lens", "radial"];
+
+/// Such keys of one letter or of a letter and a number.
+const COEFFICIENTS: [&str; 9] = ["d", "k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"];
+
+/// Whether a value holds a number other than 0.
+fn holds_number(value: &Value) -> bool {
+    match value {
+        Value::Number(number) => number.as_f64() != Some(0.0),
+        Value::Array(values) => values.iter().any(holds_number),
+        Value::Object(values) => values.values().any(holds_number),
+        _ => false,
+    }
 }
 
 impl JsonCamera {
@@ -112,7 +133,27 @@ impl JsonCamera {
         }
     }
 
+    /// Refuses a distortion under a key that is not read: depths would be taken for those of a
+    /// camera without one.
+    fn check_others(&self, path: &Path) -> Result<(), ReadError> {
+        let is_distortion = |key: &str| {
+            let key = key.to_ascii_lowercase();
+            let begins = |start: &&str| key.starts_with(*start);
+            DISTORTIONS.iter().any(|start| begins(&start)) || COEFFICIENTS.contains(&key.as_str())
+        };
+        let found =
+            self.others.iter().find(|(key, value)| is_distortion(key) && holds_number(value));
+        let Some((key, value)) = found else { return Ok(()) };
+        let problem = format!(
+            "{key:?} is {value}, and a lens distortion is not read under this key; write it as \
+             \"model\": \"brown_conrady\", \"coeffs\": [k1, k2, p1, p2, k3], or write undistorted \
+             depth images"
+        );
+        Err(ReadError::unsupported(path, Place::Whole, problem))
+    }
+
     fn camera(&self, path: &Path) -> Result<Camera, ReadError> {
+        self.check_others(path)?;
         let read = match (self.intrinsic_matrix, self.fx, self.fy, self.cx, self.cy) {
             (Some([a, b, c, d, e, f, g, h, i]), ..) => {
                 from_matrix(path, [a, d, g, b, e, h, c, f, i])?

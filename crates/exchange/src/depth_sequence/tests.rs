@@ -123,6 +123,11 @@ fn tum_images_get_the_pose_at_their_time_and_no_other() {
         ("depth/c.png", "5000"),
         ("depth/d.png", "10000"),
     ]);
+    for wrong in [-0.1, f64::NAN, f64::INFINITY] {
+        let options = OpenOptions { max_time_difference: Some(wrong), ..OpenOptions::default() };
+        let error = error(&folder, &options);
+        assert!(error.contains(&format!("--max-time-difference is {wrong}; expected")), "{error}");
+    }
     let options = OpenOptions { max_time_difference: Some(0.5), ..OpenOptions::default() };
     let scan = Scan::open_with(folder.path(), &options).unwrap();
     assert_eq!(views(&scan), [("depth/a.png", 0.5, 1.0), ("depth/d.png", 4.0, 2.0)]);
@@ -143,7 +148,7 @@ fn tum_images_get_the_pose_at_their_time_and_no_other() {
     fs::write(folder.path().join("groundtruth.txt"), zero).unwrap();
     let none = error(&folder, &options);
     let line = "no image has a pose: lines without a pose: 4; the first: line 2: the quaternion has \
-                length 0; a rotation has length 1; 4 of 4 images";
+                length 0, which is no rotation; 4 of 4 images";
     assert!(none.contains(line), "{none}");
     fs::write(folder.path().join("groundtruth.txt"), TUM).unwrap();
     // The usual tolerance leaves the image of the time of a pose.
@@ -232,6 +237,11 @@ fn cameras_are_read_from_open3d_realsense_and_text() {
             bent.replace("Brown", "Inverse Brown").as_str(),
             "the lens model is \"inverse brown conrady\"",
         ),
+        (
+            realsense.replace("coeffs", "dist_coeffs").replace("[0.0,", "[0.1,").as_str(),
+            "\"dist_coeffs\" is [0.1,0.0,0.0,0.0,0.0], and a lens distortion is not read under this",
+        ),
+        (r#"{ "fx": 2, "fy": 2, "cx": 0.5, "cy": 0.5, "k1": -0.2 }"#, "\"k1\" is -0.2, and a lens"),
         ("2 2 0.5", "not a camera; expected a matrix of 3 × 3"),
         ("2 1 0.5 0 2 0.5 0 0 1", "not a camera matrix"),
         (r#"{ "fx": 2 }"#, "no camera; expected \"intrinsic_matrix\""),
@@ -273,7 +283,14 @@ fn trajectories_of_all_formats_place_the_same_images() {
     for name in ["a.txt", "b.txt", "c.txt", "d.log", "e.json", "f.tum", "g"] {
         let scan = Scan::open_with(folder.path(), &with_poses(&folder, name)).unwrap();
         assert_eq!(views(&scan), [("depth/0.png", 5.0, 1.0), ("depth/1.png", 6.0, 2.0)], "{name}");
+        assert!(!scan.notes.iter().any(|note| note.contains("nearest rotation")), "{name}");
     }
+    let rounded =
+        fs::read_to_string(folder.path().join("e.json")).unwrap().replace("[1,", "[1.001,");
+    fs::write(folder.path().join("e.json"), rounded).unwrap();
+    let scan = Scan::open_with(folder.path(), &with_poses(&folder, "e.json")).unwrap();
+    let note = "2 of 2 poses replaced by the nearest rotation; largest deviation";
+    assert!(scan.notes.iter().any(|found| found.contains(note)), "{:?}", scan.notes);
 }
 
 #[test]

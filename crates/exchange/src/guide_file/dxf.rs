@@ -112,6 +112,13 @@ pub(super) fn points(text: &str, unit: LengthUnit) -> Result<Vec<Placed>, Proble
             }
             "POLYLINE" => {
                 entity.check()?;
+                if heavy.is_some() {
+                    return Err(Problem::at(
+                        Place::Line(entity.line),
+                        "a POLYLINE begins before the one before it has ended; save the drawing \
+                         again",
+                    ));
+                }
                 let is_flat = entity.flags()? & SPATIAL == 0;
                 let elevation = entity.number(30)?.filter(|z| is_flat && *z != 0.0);
                 heavy = Some(Heavy { vertices: Vec::new(), elevation });

@@ -90,6 +90,10 @@ fn what_is_wrong_is_named_with_its_line() {
         ("0 LINE 10 1 20 two 11 3 21 4", "line 12: \"two\" is no number"),
         ("0 LINE 10 1 11 3 21 4", "LINE has no group 20"),
         ("0 POLYLINE 0 VERTEX 10 1 20 2", "no SEQEND"),
+        (
+            "0 POLYLINE 0 VERTEX 10 1 20 2 0 POLYLINE 0 VERTEX 10 3 20 4 0 SEQEND",
+            "line 16: a POLYLINE begins before the one before it has ended",
+        ),
         ("0 LWPOLYLINE 10 1 20 2 10 3", "not finite"),
         ("0 LWPOLYLINE 10 1 20 2 10 3 20 4 0 ARC 10 1 20 2 40 3", "line 18: ARC is no guide"),
         ("0 INSERT 2 axis", "0 separate polylines or lines; a guide is one. 1 blocks (INSERT)"),

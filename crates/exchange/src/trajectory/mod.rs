@@ -14,7 +14,8 @@
 mod timed;
 
 use crate::input::read_text;
-use crate::{Place, ReadError, pose, row_major};
+use crate::{Place, ReadError, pose};
+use nalgebra::Matrix4;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 pub(crate) use timed::{NoPose, Timed};
@@ -169,7 +170,13 @@ fn line_number(text: &str, start: usize) -> usize {
 
 fn world_from_sensor(view: &Open3dView) -> Result<[f64; 16], String> {
     let [a, d, g, k, b, e, h, l, c, f, i, m, x, y, z, n] = view.extrinsic;
-    let sensor_from_world =
-        pose::from_row_major(&[a, b, c, x, d, e, f, y, g, h, i, z, k, l, m, n])?;
-    Ok(row_major(&sensor_from_world.world_from_sensor.inverse()))
+    let sensor_from_world = [a, b, c, x, d, e, f, y, g, h, i, z, k, l, m, n];
+    let pose = pose::from_row_major(&sensor_from_world)?;
+    // The inverse of the matrix as it is shows later by how much it is no rotation.
+    let inverse = Matrix4::from_row_slice(&sensor_from_world).try_inverse();
+    let columns = inverse.map_or_else(
+        || pose.world_from_sensor.inverse().to_homogeneous().data.0,
+        |inverse| inverse.data.0,
+    );
+    Ok(std::array::from_fn(|n| columns[n % 4][n / 4]))
 }

@@ -1,12 +1,9 @@
 //! Poses with times: TUM's text, and a pose between two of them.
 
 use super::{line_number, lines, numbers};
-use nalgebra::{Quaternion, Translation3, UnitQuaternion};
+use crate::pose::from_unit_quaternion;
+use nalgebra::Quaternion;
 use transect_geometry::Isometry3;
-
-/// Largest deviation of a quaternion's length from 1 that counts as rounding. Chosen by hand: TUM
-/// prints four digits. Doubled, a damaged quaternion passes for a rotation.
-const QUATERNION_ROUNDING: f64 = 0.01;
 
 /// Poses with their times in seconds.
 pub(crate) struct Timed {
@@ -82,15 +79,8 @@ fn timed_pose(line: &str) -> Result<(f64, Isometry3), String> {
     let &[time, x, y, z, i, j, k, w] = numbers.as_slice() else {
         return Err(format!("{} numbers; {wanted}", numbers.len()));
     };
-    if ![time, x, y, z].iter().all(|n| n.is_finite()) {
-        return Err("the pose has a number that is not finite".to_owned());
+    if !time.is_finite() {
+        return Err("the time is not finite".to_owned());
     }
-    let quaternion = Quaternion::new(w, i, j, k);
-    let length = quaternion.norm();
-    let deviation = (length - 1.0).abs();
-    if deviation.is_nan() || deviation > QUATERNION_ROUNDING {
-        return Err(format!("the quaternion has length {length}; a rotation has length 1"));
-    }
-    let rotation = UnitQuaternion::new_normalize(quaternion);
-    Ok((time, Isometry3::from_parts(Translation3::new(x, y, z), rotation)))
+    Ok((time, from_unit_quaternion([x, y, z], Quaternion::new(w, i, j, k))?))
 }

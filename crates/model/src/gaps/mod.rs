@@ -95,8 +95,9 @@ impl Gap {
         (self.ends[1] - self.ends[0]).norm()
     }
 
-    /// The gap as pieces of unseen surface in space, each at most `spacing` wide, if its plane
-    /// stands for `height` along the guide; all in the length unit.
+    /// The gap as pieces of unseen surface in space, if its plane stands for `height` along the
+    /// guide; all in the length unit. Each is at most `spacing` wide, unless that takes more than
+    /// 256 pieces.
     pub fn patches(&self, frame: &PlaneFrame, spacing: f64, height: f64) -> Vec<UnseenPatch> {
         let (width, most) = (self.width(), MOST_PATCHES as f64);
         let Some(outward) = self.outward().filter(|_| spacing > 0.0) else {

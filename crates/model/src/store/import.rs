@@ -240,9 +240,8 @@ impl Contents {
     }
 
     fn curves_of(&self, texts: Vec<CurveText>) -> Result<Vec<Curve>, StoreProblem> {
-        let curve = |(number, text)| {
-            Curve::try_from(text)
-                .or_else(|error| self.refuse(format_args!("curve {number}: {error}")))
+        let curve = |(number, text): (usize, CurveText)| {
+            text.curve().or_else(|error| self.refuse(format_args!("curve {number}: {error}")))
         };
         texts.into_iter().enumerate().map(curve).collect()
     }

@@ -6,7 +6,7 @@
 //! {"view":{"id":"front","name":"front","sensor":"…","source":"front.npy","source_hash":"…",
 //!     "world_from_sensor":{"rotation":[0.0,0.0,0.0,1.0],"translation":[0.0,0.0,0.0]},"sigma":0.001}}
 //! {"copy":{"view":"front","bytes":"05a0…"}}
-//! {"partial":{"plane":3,"view":"front","curves":[{"closed":true,"nodes":[[0.0,0.0,0.001,0.01,1.0,1,0.03,[1.0,0.0,0.0]],…]}]}}
+//! {"partial":{"plane":3,"view":"front","curves":[{"closed":true,"nodes":[[0.0,0.0,0.001,0.01,1.0,1,0.03,0.2,[1.0,0.0,0.0]],…]}]}}
 //! {"fused":{"plane":3,"curves":[…]}}
 //! {"end":{"views":1,"planes":1,"hash":"…"}}
 //! ```
@@ -33,9 +33,7 @@ use super::copy::ViewCopy;
 use super::view::{StoreHeader, ViewEntry};
 use super::view_id::ViewId;
 use serde::{Deserialize, Serialize};
-use transect_geometry::{
-    Curve, CurveError, EndReason, LengthUnit, Node, PlaneFamily, Point2, StoredNode,
-};
+use transect_geometry::{Curve, EndReason, LengthUnit, Node, PlaneFamily, Point2, StoredNode};
 
 /// Value of the key `format` in the first line.
 pub(super) const FORMAT: &str = "transect-model";
@@ -164,10 +162,9 @@ impl From<&Curve> for CurveText {
     }
 }
 
-impl TryFrom<CurveText> for Curve {
-    type Error = CurveError;
-
-    fn try_from(text: CurveText) -> Result<Self, CurveError> {
+impl CurveText {
+    /// The curve, or a sentence about its problem.
+    pub(super) fn curve(self) -> Result<Curve, String> {
         let node = |text: NodeText| {
             let (x, y, sigma, footprint, weight, views, correlation, tan_incidence, normal) = text;
             let (position, normal, bridged) = (Point2::new(x, y), normal.into(), false);
@@ -183,13 +180,14 @@ impl TryFrom<CurveText> for Curve {
                 bridged,
             })
         };
-        let mut nodes: Vec<Node> = text.nodes.into_iter().map(node).collect();
-        for k in text.bridged {
-            // Numbers past the end are ignored.
-            if let Some(node) = nodes.get_mut(k as usize) {
-                node.bridged = true;
-            }
+        let mut nodes: Vec<Node> = self.nodes.into_iter().map(node).collect();
+        for k in self.bridged {
+            let count = nodes.len();
+            let node = nodes.get_mut(k as usize);
+            let missing = || format!("\"bridged\" names node {k}, but the curve has {count} nodes");
+            node.ok_or_else(missing)?.bridged = true;
         }
-        Ok(Self::new(nodes, text.closed)?.with_ends(text.ends))
+        let curve = Curve::new(nodes, self.closed).map_err(|error| error.to_string())?;
+        Ok(curve.with_ends(self.ends))
     }
 }

@@ -41,7 +41,8 @@ pub(super) fn draw(
     let (pairs, fused) = merged_pairs(of_views, options);
     count_growth(&fused, pages);
     // The view itself, else the first one after it, else any; of its pairs the longest.
-    let by_view = |p: &&Pair| (p.view + pairs.len() * usize::from(p.view < view)).abs_diff(view);
+    let views = of_views.names.len();
+    let by_view = |p: &&Pair| (p.view + views * usize::from(p.view < view)).abs_diff(view);
     // Two curves that both go on tell more than one that lies on another.
     let lies_on_other = |p: &Pair| {
         let mut parts = p.steps.overlaps.as_slice().iter().flat_map(|o| [o.parts_a, o.parts_b]);

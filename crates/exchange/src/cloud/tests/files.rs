@@ -76,7 +76,16 @@ fn the_viewpoint_is_the_pose() {
     // Half a turn about z.
     let wanted = [-1.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0, 2.0, 0.0, 0.0, 1.0, 3.0, 0.0, 0.0, 0.0, 1.0];
     assert_eq!(pose::row_major(scan.views[0].world_from_sensor()), wanted);
-    assert!(scan.notes[1].contains("1 of 1 poses from VIEWPOINT lines"), "{:?}", scan.notes);
+    assert!(scan.notes[1].contains("1 poses from VIEWPOINT lines"), "{:?}", scan.notes);
+}
+
+#[test]
+fn a_cloud_without_the_viewpoint_that_others_have_is_refused() {
+    let (folder, _) = write_to_folder("a.pcd", text_file().as_bytes());
+    let without = text_file().replace("VIEWPOINT 1 2 3 0 0 0 1\n", "");
+    std::fs::write(folder.path().join("b.pcd"), without).unwrap();
+    let error = Scan::open(folder.path()).unwrap_err().to_string();
+    assert!(error.contains("b.pcd: no VIEWPOINT line, which 1 of 2 clouds of the"), "{error}");
 }
 
 #[test]

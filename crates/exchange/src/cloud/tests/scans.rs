@@ -94,6 +94,11 @@ fn kittis_calibration_turns_poses_of_the_camera_into_those_of_the_lidar() {
     let ahead = scan.views[0].world_from_sensor() * Vector3::x();
     assert!((ahead - Vector3::z()).norm() < 1e-12, "the lidar's x is the camera's z: {ahead}");
     assert!(scan.notes[1].contains("calib.txt: \"Tr:\" turns"), "{:?}", scan.notes);
+    std::fs::write(folder.path().join("calib.txt"), calib.replace("0 -1 0 0.5", "0 -1.001 0 0.5"))
+        .unwrap();
+    let scan = Scan::open(folder.path()).unwrap();
+    let note = "calib.txt: 1 of 1 poses replaced by the nearest rotation";
+    assert!(scan.notes.iter().any(|found| found.contains(note)), "{:?}", scan.notes);
 }
 
 #[test]

@@ -149,6 +149,9 @@ fn damaged_lines_are_named() {
     assert_eq!(refusal("").0, 1);
     let short = text.replace(",[0.0,0.1,0.0,0.0,1.0,1,0.0,0.0,[0.0,0.0,0.0]]", "");
     assert_eq!(refusal(&short).1, "curve 0: 2 nodes cannot make a closed curve");
+    let past_the_end = text.replacen("\"closed\":true", "\"closed\":true,\"bridged\":[1,3]", 1);
+    let wanted = "curve 0: \"bridged\" names node 3, but the curve has 3 nodes";
+    assert_eq!(refusal(&past_the_end).1, wanted);
 }
 
 #[test]
