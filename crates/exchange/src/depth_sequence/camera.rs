@@ -138,8 +138,8 @@ impl JsonCamera {
     fn check_others(&self, path: &Path) -> Result<(), ReadError> {
         let is_distortion = |key: &str| {
             let key = key.to_ascii_lowercase();
-            let begins = |start: &&str| key.starts_with(*start);
-            DISTORTIONS.iter().any(|start| begins(&start)) || COEFFICIENTS.contains(&key.as_str())
+            DISTORTIONS.iter().any(|start| key.starts_with(start))
+                || COEFFICIENTS.contains(&key.as_str())
         };
         let found =
             self.others.iter().find(|(key, value)| is_distortion(key) && holds_number(value));

@@ -174,9 +174,8 @@ fn world_from_sensor(view: &Open3dView) -> Result<[f64; 16], String> {
     let pose = pose::from_row_major(&sensor_from_world)?;
     // The inverse of the matrix as it is shows later by how much it is no rotation.
     let inverse = Matrix4::from_row_slice(&sensor_from_world).try_inverse();
-    let columns = inverse.map_or_else(
-        || pose.world_from_sensor.inverse().to_homogeneous().data.0,
-        |inverse| inverse.data.0,
-    );
-    Ok(std::array::from_fn(|n| columns[n % 4][n / 4]))
+    let inverse = inverse.unwrap_or_else(|| pose.world_from_sensor.inverse().to_homogeneous());
+    let mut rows = [0.0; 16];
+    rows.iter_mut().zip(inverse.transpose().iter()).for_each(|(row, n)| *row = *n);
+    Ok(rows)
 }
