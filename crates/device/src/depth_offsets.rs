@@ -87,11 +87,11 @@ impl DepthOffsets {
     }
 
     /// The nodes around a place in an image, with their weights. `row` and `col` are shares of the
-    /// image's height and width.
+    /// image's height and width. A grid has two rows and columns at least.
     pub fn nodes(rows: usize, cols: usize, row: f64, col: f64) -> Nodes {
         let along = |share: f64, nodes: usize| {
-            let at = share.clamp(0.0, 1.0) * (nodes - 1) as f64;
-            let low = (at as usize).min(nodes - 2);
+            let at = share.clamp(0.0, 1.0) * nodes.saturating_sub(1) as f64;
+            let low = (at as usize).min(nodes.saturating_sub(2));
             (low, at - low as f64)
         };
         let ((row, down), (col, right)) = (along(row, rows), along(col, cols));
@@ -118,13 +118,16 @@ impl DepthOffsets {
     /// frame, and the depth runs along its z axis.
     ///
     /// # Errors
-    /// None in practice: the size of the image stays.
+    /// [`ImageError::WrongCount`] if the frame has another size than the image.
     pub fn correct(
         &self,
         frame: &dyn DeviceFrame,
         image: &RangeImage,
     ) -> Result<RangeImage, ImageError> {
         let size = image.size();
+        if frame.size() != size {
+            return Err(ImageError::WrongCount { size: frame.size(), found: size.pixels() });
+        }
         let corrected = |pixel: Pixel| {
             let value = image.get(pixel)?;
             let depth = frame.point(pixel, f64::from(value))?.z;

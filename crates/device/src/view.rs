@@ -21,10 +21,21 @@ pub enum ViewError {
     /// The pose has a component that is NaN or infinite.
     #[error("the pose is not finite")]
     PoseNotFinite,
+    /// The rotation of the pose is none: its quaternion has another length than 1, as that of a
+    /// matrix with few digits. `UnitQuaternion::new_normalize` mends small deviations.
+    #[error(
+        "the pose is no rigid motion: its quaternion has length {0}, not 1; normalise it, or take \
+         the nearest rotation of its matrix"
+    )]
+    PoseNotRigid(f64),
     /// The noise is negative, NaN or infinite.
     #[error("the range noise must be a length of at least 0, got {0}")]
     BadSigma(f64),
 }
+
+/// Largest deviation of a quaternion's length from 1. No unit. Chosen by hand: as models allow, far
+/// above rounding, and below what moves a surface. Doubled, nothing changes.
+const RIGID: f64 = 1e-9;
 
 /// One range image, placed in the world.
 #[derive(Debug, Clone)]
@@ -41,7 +52,8 @@ impl View {
     /// deviation of a range along its ray, in the model's length unit, if known.
     ///
     /// # Errors
-    /// [`ViewError`] if the sizes differ, no pixel is valid, or pose or noise are not finite.
+    /// [`ViewError`] if the sizes differ, no pixel is valid, the pose is no rigid motion, or pose
+    /// or noise are not finite.
     pub fn new(
         name: impl Into<String>,
         image: RangeImage,
@@ -58,6 +70,10 @@ impl View {
         let pose = world_from_sensor.to_homogeneous();
         if !pose.iter().all(|c| c.is_finite()) {
             return Err(ViewError::PoseNotFinite);
+        }
+        let length = world_from_sensor.rotation.norm();
+        if (length - 1.0).abs() > RIGID {
+            return Err(ViewError::PoseNotRigid(length));
         }
         if let Some(bad) = sigma.filter(|s| !(s.is_finite() && *s >= 0.0)) {
             return Err(ViewError::BadSigma(bad));
@@ -84,7 +100,7 @@ impl View {
     /// The same view with another pose, for example from a better registration.
     ///
     /// # Errors
-    /// [`ViewError::PoseNotFinite`].
+    /// [`ViewError::PoseNotFinite`] or [`ViewError::PoseNotRigid`].
     pub fn with_pose(&self, world_from_sensor: Isometry3) -> Result<Self, ViewError> {
         let (name, frame) = (self.name.clone(), Arc::clone(&self.frame));
         Self::new(name, self.image.clone(), frame, world_from_sensor, self.sigma)
@@ -129,5 +145,71 @@ impl View {
     #[inline]
     pub fn point_in_sensor(&self, pixel: Pixel) -> Option<Point3> {
         self.frame.point(pixel, f64::from(self.image.get(pixel)?))
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests may fail loudly")]
+mod tests {
+    use super::*;
+    use crate::{DevicePoint, Handedness, Ray, SensorPlane, Vector3};
+    use nalgebra::{Matrix3, Rotation3, Translation3, UnitQuaternion};
+
+    /// Parallel rays, a unit apart.
+    #[derive(Debug)]
+    struct Parallel;
+
+    impl DeviceFrame for Parallel {
+        fn size(&self) -> ImageSize {
+            ImageSize { rows: 1, cols: 2 }
+        }
+
+        fn ray(&self, pixel: Pixel) -> Option<Ray> {
+            let start = Point3::new(pixel.col as f64, 0.0, 0.0);
+            Some(Ray { start, direction: Vector3::z() })
+        }
+
+        fn point(&self, pixel: Pixel, d3: f64) -> Option<Point3> {
+            Some(Point3::new(pixel.col as f64, 0.0, d3))
+        }
+
+        fn handedness(&self) -> Handedness {
+            Handedness::ColumnsRight
+        }
+
+        fn device_point(&self, _: &Point3) -> Option<DevicePoint> {
+            None
+        }
+
+        fn plane_value(&self, _: Pixel, _: &SensorPlane) -> Option<f64> {
+            None
+        }
+
+        fn extent(&self, _: &Vector3, nearest: f64, farthest: f64) -> (f64, f64) {
+            (nearest, farthest)
+        }
+    }
+
+    fn at(rotation: Matrix3<f64>) -> Result<View, ViewError> {
+        let image = RangeImage::from_values(Parallel.size(), vec![1.0; 2]).unwrap();
+        let rotation = Rotation3::from_matrix_unchecked(rotation);
+        let rotation = UnitQuaternion::from_rotation_matrix(&rotation);
+        let pose = Isometry3::from_parts(Translation3::identity(), rotation);
+        View::new("a", image, Arc::new(Parallel), pose, None)
+    }
+
+    #[test]
+    fn a_pose_that_is_no_rigid_motion_is_refused() {
+        assert!(at(Matrix3::identity()).is_ok());
+        let c = 0.5_f64.sqrt();
+        assert!(at(Matrix3::new(c, -c, 0.0, c, c, 0.0, 0.0, 0.0, 1.0)).is_ok());
+        // Twice as large, and a rotation with four digits.
+        for wrong in [
+            Matrix3::identity() * 2.0,
+            Matrix3::new(0.7071, -0.7071, 0.0, 0.7071, 0.7071, 0.0, 0.0, 0.0, 1.0),
+        ] {
+            let error = at(wrong).unwrap_err();
+            assert!(matches!(error, ViewError::PoseNotRigid(_)), "{error}");
+        }
     }
 }

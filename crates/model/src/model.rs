@@ -130,7 +130,8 @@ impl Model {
 
     /// Length of all curves, in the model's length unit.
     pub fn length(&self) -> f64 {
-        self.sections.values().map(Section::length).sum()
+        // A sum of nothing is -0.
+        0.0 + self.sections.values().map(Section::length).sum::<f64>()
     }
 
     /// The rectangle around the curves of all planes, in plane coordinates; `None` without curves.

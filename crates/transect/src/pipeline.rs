@@ -111,6 +111,13 @@ pub fn reconstruct<S: ViewSource>(
     let mut report = Report::new(reports, notes, &fused, timings);
     report.set_poses(poses.or(judged), setup.unit);
     let mut model = assemble(setup, views, fused);
+    if model.sections().next().is_none() {
+        let nodes = report.fusion.observations;
+        report.notes.push(format!(
+            "the model has no curve: fusion left out all {nodes} nodes of the views, whose curves \
+             are too short"
+        ));
+    }
     if let Some((selected, refinement)) = refined {
         model = model.with_selection(selected);
         report.refinement = Some(refinement);

@@ -72,14 +72,60 @@ impl<S: ViewSource> ViewSource for Posed<'_, S> {
         self.source.origin()
     }
 
+    fn pose_prior(&self) -> Option<PosePrior> {
+        self.source.pose_prior()
+    }
+
     fn load(&self) -> Result<LoadedView, SourceError> {
-        let LoadedView { view, notes } = self.source.load()?;
+        self.posed(self.source.load()?)
+    }
+
+    fn load_in(&self, order: ImageOrder) -> Option<Result<LoadedView, SourceError>> {
+        Some(self.source.load_in(order)?.and_then(|loaded| self.posed(loaded)))
+    }
+}
+
+impl<S> Posed<'_, S> {
+    fn posed(&self, LoadedView { view, notes }: LoadedView) -> Result<LoadedView, SourceError> {
         let view = view.with_pose(self.pose)?;
         let Some(offsets) = &self.depth_offsets else { return Ok(LoadedView { view, notes }) };
         let image = offsets.correct(view.frame(), view.image())?;
         Ok(LoadedView { view: view.with_image(image)?, notes })
     }
 }
+
+/// A source that stands elsewhere, so that a run can take some views of many, or of several kinds.
+macro_rules! same_source {
+    ($($of:ty),*) => {$(
+        impl<S: ViewSource + ?Sized> ViewSource for $of {
+            fn name(&self) -> &str {
+                (**self).name()
+            }
+
+            fn id(&self) -> &str {
+                (**self).id()
+            }
+
+            fn origin(&self) -> String {
+                (**self).origin()
+            }
+
+            fn pose_prior(&self) -> Option<PosePrior> {
+                (**self).pose_prior()
+            }
+
+            fn load(&self) -> Result<LoadedView, SourceError> {
+                (**self).load()
+            }
+
+            fn load_in(&self, order: ImageOrder) -> Option<Result<LoadedView, SourceError>> {
+                (**self).load_in(order)
+            }
+        }
+    )*};
+}
+
+same_source!(&S, Box<S>);
 
 impl ViewSource for View {
     fn name(&self) -> &str {

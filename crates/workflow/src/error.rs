@@ -24,7 +24,10 @@ pub enum WorkflowError {
         problem: String,
     },
     /// Neither the settings nor the scan state the distance between the planes.
-    #[error("the scan does not say how far apart the planes are")]
+    #[error(
+        "the scan does not say how far apart the planes are; state their interval in the settings, or \
+         take suggested planes"
+    )]
     NoInterval,
     /// The settings describe no family of planes.
     #[error(transparent)]

@@ -146,7 +146,7 @@ fn reading_commands_leave_the_store_as_it_is() {
         Store::open(folder.path("s.transect")).ok()
     };
     let writer = (0..500).find_map(|_| opened()).unwrap();
-    let refused = ["s.transect", "being changed by another process"];
+    let refused = ["s.transect", "is open for changes already"];
     folder.run("list-views s.transect").failed_with(1, &refused);
     drop(writer);
 }
@@ -344,7 +344,7 @@ fn what_is_no_store_is_told_what_it_is() {
     folder.write("half.transect", &bytes);
     folder.run("verify half.transect").failed_with(1, &["half.transect", "truncated"]);
     let held = Store::open(folder.path("s.transect")).unwrap();
-    grow(&folder, "scan").failed_with(1, &["s.transect", "being changed by another process"]);
+    grow(&folder, "scan").failed_with(1, &["s.transect", "is open for changes already"]);
     drop(held);
     let nothing = "reconstruct scan --store new.transect --offset 500 --interval 1 --out o --quiet";
     folder.run(nothing).failed_with(1, &["no section plane crosses"]);

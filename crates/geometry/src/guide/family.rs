@@ -34,12 +34,30 @@ impl std::fmt::Display for PlaneIndex {
 /// # Ok::<(), transect_geometry::GuideError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Unchecked")]
 pub struct PlaneFamily {
     guide: Guide,
     /// Station of plane 0, in the model's length unit.
     offset: f64,
     /// Distance from each plane to the next along the guide, in the model's length unit.
     interval: f64,
+}
+
+/// A family as a file states it.
+#[derive(Deserialize)]
+#[serde(rename = "PlaneFamily")]
+struct Unchecked {
+    guide: Guide,
+    offset: f64,
+    interval: f64,
+}
+
+impl TryFrom<Unchecked> for PlaneFamily {
+    type Error = GuideError;
+
+    fn try_from(Unchecked { guide, offset, interval }: Unchecked) -> Result<Self, GuideError> {
+        Self::new(guide, offset, interval)
+    }
 }
 
 impl PlaneFamily {

@@ -72,8 +72,24 @@ const SHORT: f64 = 1e-100;
 /// The station of a point is its signed distance along that line, so the plane at station `s` is
 /// `direction · p = s`, as in scan manifests.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Unchecked")]
 pub struct StraightGuide {
     direction: Vector3,
+}
+
+/// A straight guide as a file states it.
+#[derive(Deserialize)]
+#[serde(rename = "StraightGuide")]
+struct Unchecked {
+    direction: Vector3,
+}
+
+impl TryFrom<Unchecked> for StraightGuide {
+    type Error = GuideError;
+
+    fn try_from(Unchecked { direction }: Unchecked) -> Result<Self, GuideError> {
+        Self::along(direction)
+    }
 }
 
 impl StraightGuide {

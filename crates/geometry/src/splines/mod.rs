@@ -85,7 +85,8 @@ impl CubicSpline {
     }
 }
 
-/// Fits splines that are nowhere farther than `tolerance` from a curve's polyline.
+/// Fits splines that are nowhere farther than `tolerance` from a curve's polyline. A curve whose
+/// nodes are all in one place has no pieces.
 ///
 /// # Errors
 /// [`SplineError::BadTolerance`] unless the tolerance is positive and finite.
@@ -111,6 +112,10 @@ pub fn fit_splines(curve: &Curve, tolerance: f64) -> Result<CurveSplines, Spline
     points.dedup();
     if closed && points.len() > 1 && points.first() == points.last() {
         points.pop();
+    }
+    if points.len() < 2 {
+        // All nodes are in one place, which is no spline.
+        return Ok(CurveSplines { pieces: Vec::new(), closed, deviation: 0.0 });
     }
     let (pieces, deviations): (Vec<_>, Vec<_>) = corners::pieces(&points, closed, tolerance)
         .iter()

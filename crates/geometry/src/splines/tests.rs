@@ -127,6 +127,15 @@ fn a_closed_curve_with_a_repeated_node_stays_closed() {
     }
 }
 
+#[test]
+fn a_curve_in_one_place_has_no_spline() {
+    let place = vec![Point2::new(1.0, 2.0); 3];
+    for closed in [false, true] {
+        let splines = fit_splines(&curve(place.clone(), closed), 0.1).unwrap();
+        assert!(splines.pieces.is_empty() && splines.deviation == 0.0);
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(16))]
 

@@ -102,7 +102,7 @@ impl RangeNoise {
     }
 
     /// The same from half the rows, in half the time.
-    pub(crate) fn of_fewer_rows(view: &View) -> Self {
+    pub fn of_fewer_rows(view: &View) -> Self {
         Self::of_lines(view, CHECKED_LINES)
     }
 

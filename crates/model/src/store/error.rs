@@ -22,7 +22,10 @@ pub struct StoreError {
 #[non_exhaustive]
 pub enum StoreProblem {
     /// Another process, or another handle of this one, has the file open for writing.
-    #[error("is being changed by another process; wait until that process has finished")]
+    #[error(
+        "is open for changes already, here or in another process; close it, or wait until that process \
+         has finished"
+    )]
     InUse,
     /// Another process, or another handle of this one, reads the file, and the call must write.
     #[error("is being read by another process; wait until that process has finished")]

@@ -47,13 +47,20 @@ pub struct CoarseView {
     prior: Option<PosePrior>,
 }
 
-/// How far poses may be wrong, as standard deviations.
+/// How far poses may be wrong, as standard deviations: finite numbers, 0 or more. A prior with
+/// others counts as not stated.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct PosePrior {
     /// Of the rotation about each axis, in radians.
     pub rotation: f64,
     /// Of the translation along each axis, in the model's length unit.
     pub translation: f64,
+}
+
+impl PosePrior {
+    pub(crate) fn is_sound(&self) -> bool {
+        [self.rotation, self.translation].iter().all(|sigma| sigma.is_finite() && *sigma >= 0.0)
+    }
 }
 
 #[derive(Debug, Clone)]
@@ -141,9 +148,10 @@ impl CoarseView {
         let stride = stride(step);
         let size = ImageSize { rows: image.rows.div_ceil(step), cols: image.cols.div_ceil(step) };
         let noise = RangeNoise::of_pixels(view);
+        let shares_noise = RangeNoise::of_fewer_rows(view).is_mostly_shared();
         let cell = |k: usize| {
             let corner = Pixel::new(k / size.cols * step, k % size.cols * step);
-            Sampled::new(view, &noise, corner, (step, stride))
+            Sampled::new(view, (&noise, shares_noise), corner, (step, stride))
         };
         // On one thread: views are copied side by side, and a thread that waits for a part of its
         // view would begin another one.
@@ -194,7 +202,7 @@ impl CoarseView {
 
     /// The same copy of a view whose scan states how far its pose may be wrong.
     pub fn with_prior(self, prior: Option<PosePrior>) -> Self {
-        Self { prior, ..self }
+        Self { prior: prior.filter(PosePrior::is_sound), ..self }
     }
 
     /// How far the view's own pose may be wrong, if its scan states it.
@@ -396,7 +404,7 @@ impl Sampled {
     /// The cell from a corner on, of a side and a distance between pixels that are taken.
     fn new(
         view: &View,
-        noise: &RangeNoise,
+        (noise, shares_noise): (&RangeNoise, bool),
         corner: Pixel,
         (step, stride): (usize, usize),
     ) -> Option<Self> {
@@ -431,7 +439,8 @@ impl Sampled {
         };
         let sigma = noise.length_at(view, pixel);
         let median_sigma = noise.length();
-        let cell = patch::Cell { samples: &samples, pixels, ray, rim, sigma, median_sigma };
+        let samples = &samples;
+        let cell = patch::Cell { samples, pixels, ray, rim, sigma, median_sigma, shares_noise };
         Some(Self { seen, ray, patch: Patch::fit(&cell) })
     }
 }

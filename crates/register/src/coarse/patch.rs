@@ -15,7 +15,7 @@
 //! 2. Least squares of `w = c0 + c1 a + c2 b + c3 a² + c4 a b + c5 b²` over the samples, and of its
 //!    linear part where noise explains the rest.
 //! 3. What the samples depart from it is compared with their noise; a crease, a jump or texture is
-//!    no patch.
+//!    no patch. What noise hardly explains is an error of the patch, which does not average out.
 //!
 //! **Known bias.** Where noise hides a bend, the patch is a plane, and its point lies behind the
 //! surface. Refined views around a part move apart by some hundredths of a sample's noise. Bends
@@ -23,7 +23,7 @@
 //! around thin plates got more false pieces, since the normals of flat surfaces became noisier.
 
 use crate::tuning::{
-    FLAT, LEAST_FILLED, MAX_INCIDENCE_DEGREES, ROUGH, SAME_SURFACE, SAMPLING_ROUGH,
+    FLAT, FOLDED, LEAST_FILLED, MAX_INCIDENCE_DEGREES, ROUGH, SAME_SURFACE, SAMPLING_ROUGH,
 };
 use nalgebra::{Matrix3, Matrix6, Vector6};
 use transect_device::{Point3, Ray, Vector3};
@@ -115,6 +115,13 @@ impl StoredPatch {
     }
 }
 
+/// Root mean square of the departures of samples from a patch, over their noise, up to which noise
+/// explains them, with so many samples to spare: the quantile of χ² (Wilson and Hilferty, 1931).
+fn largest_rough(spare: f64) -> f64 {
+    let variance = 2.0 / (9.0 * spare);
+    (1.0 - variance + FOLDED * variance.sqrt()).powi(3).sqrt()
+}
+
 /// The inputs of the fit of a cell's patch.
 pub(super) struct Cell<'a> {
     /// The valid samples, in the sensor frame.
@@ -129,6 +136,8 @@ pub(super) struct Cell<'a> {
     pub sigma: f64,
     /// The same at the view's median pixel.
     pub median_sigma: f64,
+    /// Whether neighbouring pixels share most of the noise.
+    pub shares_noise: bool,
 }
 
 impl Patch {
@@ -160,7 +169,10 @@ impl Patch {
         let flat = sums.first_order()?;
         patch.flat = squares(&points, &flat) - squares_bent < FLAT * variance;
         patch.depth = if patch.flat { flat } else { bent };
-        patch.sigma = (variance / n as f64).sqrt();
+        // What noise does not explain is no noise, and does not average out.
+        let explained = largest_rough(spare) * noise + SAMPLING_ROUGH * spacing;
+        let folded = if cell.shares_noise { 0.0 } else { rough.powi(2) - explained.powi(2) };
+        patch.sigma = (variance / n as f64 + folded.max(0.0)).sqrt();
         let incidence = -patch.normal().dot(&cell.ray.direction);
         patch.steady_slopes = patch.slopes();
         let seen = incidence >= MAX_INCIDENCE_DEGREES.to_radians().cos();
@@ -421,6 +433,7 @@ mod tests {
             rim,
             sigma: 1e-4,
             median_sigma: 1e-4,
+            shares_noise: false,
         };
         let fitted = Patch::fit(&cell).unwrap();
         let kept = StoredPatch::new(&fitted, &middle).patch(&middle).unwrap();
@@ -463,6 +476,7 @@ mod tests {
                 rim,
                 sigma: 0.01,
                 median_sigma: 0.01,
+                shares_noise: false,
             };
             Patch::fit(&cell).unwrap()
         };

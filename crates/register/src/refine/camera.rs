@@ -24,13 +24,13 @@
 //! 4. After the rounds, each camera is tested. If its scale or focal length is wrong more probably
 //!    than right, both become unknowns. The rounds are repeated from the given poses, which do not
 //!    hide them.
-//! 5. If the odds of a focal length exceed `SCALE_ODDS` then, poses and images stay as given, and
+//! 5. If the odds of a focal length exceed `FOCAL_ODDS` then, poses and images stay as given, and
 //!    the result states the focal lengths. The images cannot be corrected for them here.
 //! 6. Else the rounds are repeated with free scales alone. A scale whose odds do not exceed
 //!    `SCALE_ODDS` then is right.
 
 use crate::CoarseView;
-use crate::tuning::{CAMERA_GRID, EXACT, FIRST_CAMERA_ERROR};
+use crate::tuning::{CAMERA_GRID, EXACT, FIRST_CAMERA_ERROR, FOCAL_ODDS, SCALE_ODDS};
 use nalgebra::{DMatrix, DVector, DVectorView};
 use std::sync::Arc;
 use transect_device::{DepthOffsets, ImageSize, Nodes, Point3};
@@ -72,6 +72,18 @@ pub struct Odds {
     pub scale: f64,
     /// The larger one of `fx` and `fy`.
     pub focal: f64,
+}
+
+impl Odds {
+    /// Whether the scale is wrong by these odds.
+    pub fn scale_is_wrong(&self) -> bool {
+        self.scale > SCALE_ODDS
+    }
+
+    /// Whether a focal length is.
+    pub fn focal_is_wrong(&self) -> bool {
+        self.focal > FOCAL_ODDS
+    }
 }
 
 /// Parts of a camera that become unknowns.

@@ -38,7 +38,7 @@ mod uncertainty;
 use crate::coarse::{CoarseView, PosePrior};
 use crate::tuning::{
     BEFORE_MOMENTUM, BLOCKS, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, FOCAL_SIGMAS, GATE,
-    LEAST_LOOKED_UP, MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS, SCALE_ODDS,
+    LEAST_FOR_SCALE, LEAST_LOOKED_UP, MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS,
     SCALE_RUNS, SETTLED, SETTLING, SUMS,
 };
 use camera::{Cameras, Freed, Odds};
@@ -119,7 +119,8 @@ struct Rounds<'a> {
     first: PosePrior,
     prior: PosePrior,
     stated: bool,
-    images_stay: bool,
+    /// Whether scales of cameras are not looked for.
+    scales_stay: bool,
     cameras: Cameras,
     drift: Drift,
     pivots: Pivots,
@@ -146,7 +147,7 @@ impl<'a> Rounds<'a> {
         };
         let own: Vec<PosePrior> = scene.views.iter().filter_map(|view| view.prior()).collect();
         let all_own = own.first().filter(|_| own.len() == given.len()).copied();
-        let stated = options.prior.or(all_own);
+        let stated = options.prior.filter(PosePrior::is_sound).or(all_own);
         let prior = stated.unwrap_or(first);
         let first = own.iter().fold(prior, |a, b| PosePrior {
             rotation: a.rotation.max(b.rotation),
@@ -167,7 +168,7 @@ impl<'a> Rounds<'a> {
             first,
             prior,
             stated: stated.is_some(),
-            images_stay: options.images_stay,
+            scales_stay: options.images_stay || scene.views.len() < LEAST_FOR_SCALE,
             cameras,
             drift: Drift::of(scene.views.len()),
             pivots,
@@ -213,7 +214,7 @@ impl<'a> Rounds<'a> {
         let odds = self.odds(1.0);
         self.cameras = cameras;
         let largest =
-            |odds: Odds| if self.images_stay { odds.focal } else { odds.scale.max(odds.focal) };
+            |odds: Odds| if self.scales_stay { odds.focal } else { odds.scale.max(odds.focal) };
         odds.into_iter().map(|odds| largest(odds) > 1.0).collect()
     }
 
@@ -230,17 +231,20 @@ impl<'a> Rounds<'a> {
         let begin = self.given.iter().zip(&self.poses).zip(far_off);
         let begin: Vec<_> = begin.map(|((from, to), far)| if far { *to } else { *from }).collect();
         let odds = self.rounds_with(&sound, Freed::ScaleAndFocal, &suspected, &begin);
-        let wrong = |odds: &[Odds], part: fn(&Odds) -> f64| -> Vec<bool> {
-            let both = suspected.iter().zip(odds);
-            both.map(|(suspected, odds)| *suspected && part(odds) > SCALE_ODDS).collect()
+        let wrong = |is_wrong: fn(&Odds) -> bool| -> Vec<bool> {
+            suspected
+                .iter()
+                .zip(&odds)
+                .map(|(suspected, odds)| *suspected && is_wrong(odds))
+                .collect()
         };
-        let focal = wrong(&odds, |odds| odds.focal).iter().position(|wrong| *wrong);
+        let focal = wrong(Odds::focal_is_wrong).iter().position(|wrong| *wrong);
         let focal = focal.and_then(|k| self.cameras.focal_over_true(k));
-        let mut scales = wrong(&odds, |odds| odds.scale);
-        while focal.is_none() && !sound.images_stay && scales.contains(&true) {
+        let mut scales = wrong(Odds::scale_is_wrong);
+        while focal.is_none() && !sound.scales_stay && scales.contains(&true) {
             let odds = self.rounds_with(&sound, Freed::Scale, &scales, &begin);
             let still: Vec<bool> =
-                scales.iter().zip(odds).map(|(s, odds)| *s && odds.scale > SCALE_ODDS).collect();
+                scales.iter().zip(odds).map(|(s, odds)| *s && odds.scale_is_wrong()).collect();
             if still == scales {
                 return;
             }
@@ -267,7 +271,7 @@ impl<'a> Rounds<'a> {
             let settled = self.run_rounds();
             self.observe(self.prior, OBSERVATIONS, Spread::Narrow);
             odds = self.odds(FOCAL_SIGMAS);
-            let is_wrong = |odds: &Odds| odds.scale.max(odds.focal) > SCALE_ODDS;
+            let is_wrong = |odds: &Odds| odds.scale_is_wrong() || odds.focal_is_wrong();
             if settled || !odds.iter().any(is_wrong) {
                 break;
             }
@@ -353,7 +357,10 @@ impl<'a> Rounds<'a> {
         let poses = sizes.map(|size| size.amax()).filter(|_| !self.are_exact());
         let cameras = self.cameras.steps(&solution.unknowns, &root);
         let largest = poses.chain(cameras).fold(0.0, f64::max);
-        self.change(solution.unknowns, momentum);
+        // Momentum would carry settled views on.
+        let settled = largest <= SETTLED;
+        let settled = largest <= SETTLED;
+        self.change(solution.unknowns, if settled { 0.0 } else { momentum });
         Some(largest)
     }
 

@@ -3,9 +3,13 @@
 use super::common::{coarse, simulated, simulated_with_noise};
 use super::refining::{apart, given, shaken};
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 use std::sync::Arc;
-use transect_device::{DepthOffsets, Pixel, RangeImage, Vector3, View};
+use transect_device::{
+    DepthOffsets, DeviceFrame, ImageSize, Isometry3, Pixel, Point3, RangeImage, Vector3, View,
+};
 use transect_register::{CoarseView, RefineOptions, refine};
+use transect_scene::{Noise, Scene, Shape, Solid};
 use transect_sensors::{Intrinsics, Pinhole};
 
 /// What is left of offsets over an image after the best `a + b row + c col`, as a root mean square.
@@ -154,4 +158,101 @@ fn a_corrected_copy_is_that_of_the_corrected_image() {
     let (before, after) = (largest_off(&given), largest_off(&quick));
     println!("largest distance: {before} without a correction, {after} with it");
     assert!(before > 0.02 && after < 0.1 * before, "{before}, {after}");
+}
+
+/// Views of folded sheet metal, 1.5 mm thick: a base with three walls and a lip, in millimetres.
+/// Noise hides the folds and rims of patches that it does not hide in each sample.
+fn folded_sheet() -> Vec<View> {
+    let sheets = [
+        ([300.0, 200.0, 1.5], [0.0, 0.0, 0.75]),
+        ([1.5, 200.0, 100.0], [-149.25, 0.0, 50.0]),
+        ([1.5, 200.0, 60.0], [149.25, 0.0, 30.0]),
+        ([300.0, 1.5, 80.0], [0.0, 99.25, 40.0]),
+        ([300.0, 40.0, 1.5], [0.0, 80.0, 79.25]),
+    ];
+    let k = Intrinsics { fx: 879.0, fy: 879.0, cx: 319.5, cy: 239.5 };
+    let camera = Arc::new(Pinhole::new(ImageSize { rows: 480, cols: 640 }, k).unwrap());
+    let noise = Noise { sigma: 0.1, max_incidence: 81.0, ..Noise::NONE };
+    let middle = Point3::new(0.0, 0.0, 35.0);
+    let place = |k: u32| {
+        let around = TAU * f64::from(3 * k) / 16.0 + 0.1;
+        let up: f64 = [-0.5, 0.3, 0.6, 1.0][k as usize % 4];
+        let (sin, cos) = up.sin_cos();
+        let away = Vector3::new(around.cos() * cos, around.sin() * cos, sin) * 520.0;
+        (middle + away, middle)
+    };
+    let scene = Scene::new(sheets.iter().map(cuboid).collect());
+    seen_by(camera, &scene, (0..16).map(place), &noise)
+}
+
+/// A box, given as its size and its middle.
+fn cuboid((size, [x, y, z]): &([f64; 3], [f64; 3])) -> Solid {
+    let shape = Shape::cuboid(Vector3::from(*size)).unwrap();
+    Solid::new(shape, Isometry3::translation(*x, *y, *z)).unwrap()
+}
+
+/// What a camera sees of a scene from places towards others.
+fn seen_by(
+    camera: Arc<dyn DeviceFrame>,
+    scene: &Scene,
+    places: impl Iterator<Item = (Point3, Point3)>,
+    noise: &Noise,
+) -> Vec<View> {
+    let view = |(k, (at, to)): (usize, (Point3, Point3))| {
+        let pose = Isometry3::face_towards(&at, &to, &-Vector3::z());
+        scene.view(format!("{k}"), Arc::clone(&camera), pose, noise, k as u64).unwrap()
+    };
+    places.enumerate().map(view).collect()
+}
+
+#[test]
+fn folds_that_noise_hides_tell_no_scale() {
+    let views = folded_sheet();
+    for (degrees, length) in [(0.0, 0.0), (0.05, 0.15), (-0.05, 0.15)] {
+        let wrong = shaken(&views, degrees, length);
+        let refinement = refine(&coarse(&wrong), &RefineOptions::default());
+        let poses: Vec<_> = refinement.poses.iter().map(|p| p.world_from_sensor).collect();
+        let (before, after) = (apart(&views, &given(&wrong)), apart(&views, &poses));
+        println!("{before} to {after} mm");
+        assert!(refinement.poses.iter().all(|pose| pose.depth_offsets.is_none()), "{before}");
+        assert!(after <= (0.9 * before).max(1e-6), "{before} to {after}");
+    }
+}
+
+/// Cameras in a room with a pillar, the first two of which face each other, in metres.
+fn in_a_room(count: usize) -> Vec<View> {
+    let boxes = [
+        ([6.0, 5.0, 0.2], [0.0, 0.0, -0.1]),
+        ([0.2, 5.0, 3.0], [3.0, 0.0, 1.5]),
+        ([0.2, 5.0, 3.0], [-3.0, 0.0, 1.5]),
+        ([6.2, 0.2, 3.0], [0.0, 2.5, 1.5]),
+        ([6.2, 0.2, 3.0], [0.0, -2.5, 1.5]),
+    ];
+    let pillar = Shape::cylinder(0.3, 3.0).unwrap();
+    let pillar = Solid::new(pillar, Isometry3::translation(1.0, 0.6, 1.5)).unwrap();
+    let scene = Scene::new(boxes.iter().map(cuboid).chain([pillar]).collect());
+    let k = Intrinsics { fx: 250.0, fy: 250.0, cx: 159.5, cy: 119.5 };
+    let camera = Arc::new(Pinhole::new(ImageSize { rows: 240, cols: 320 }, k).unwrap());
+    let places = [
+        ([-2.0, -1.5, 1.2], [1.0, 0.6, 1.2]),
+        ([2.2, -1.6, 1.4], [-1.0, 1.0, 1.2]),
+        ([0.5, 2.0, 1.2], [0.2, -1.0, 1.2]),
+    ];
+    let noise = Noise { sigma: 0.004, ..Noise::NONE };
+    let places = places.into_iter().take(count);
+    let placed = places.map(|(at, to)| (Point3::from(at), Point3::from(to)));
+    seen_by(camera, &scene, placed, &noise)
+}
+
+/// Where two cameras face each other, one that stands too far away looks like small depths.
+#[test]
+fn one_wrong_view_of_few_is_no_wrong_scale() {
+    for count in [2, 3] {
+        let mut wrong = in_a_room(count);
+        let off = Isometry3::translation(0.02, 0.0, 0.0) * wrong[1].world_from_sensor();
+        wrong[1] = wrong[1].with_pose(off).unwrap();
+        let refinement = refine(&coarse(&wrong), &RefineOptions::default());
+        let scales = refinement.poses.iter().filter_map(|pose| pose.depth_offsets.as_ref());
+        assert!(scales.map(DepthOffsets::scale).all(|scale| scale == 1.0), "{refinement:?}");
+    }
 }

@@ -189,6 +189,12 @@ fn a_stated_prior_holds_the_poses() {
     };
     let refinement = refine(&coarse(&views), &options);
     assert!(refinement.poses.iter().all(|p| p.translation < 1e-4), "{refinement:?}");
+    let estimated = refine(&coarse(&views), &RefineOptions::default());
+    for wrong in [f64::NAN, f64::INFINITY, -0.1] {
+        let prior = Some(PosePrior { rotation: 0.01, translation: wrong });
+        let options = RefineOptions { prior, ..RefineOptions::default() };
+        assert_eq!(refine(&coarse(&views), &options).prior, estimated.prior, "{wrong}");
+    }
 }
 
 /// The rigid motion that takes points to others best (Kabsch, 1976).

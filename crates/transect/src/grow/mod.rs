@@ -162,7 +162,9 @@ impl<'a> Grower<'a> {
         }
     }
 
-    /// Adds one view and fuses the planes it touches, in one transaction.
+    /// Adds one view and fuses the planes it touches, in one transaction. `None` if the store has
+    /// the view already. A view that crosses no plane is stored, too, with 0 nodes. Its notes and
+    /// the judgement of its pose are left out; [`Grower::add_views`] reports both.
     ///
     /// # Errors
     /// [`GrowError`]; the store is then unchanged.
@@ -179,7 +181,8 @@ impl<'a> Grower<'a> {
     ///
     /// # Errors
     /// [`GrowError`] with the first view, in the given order, that fails. The views before it are
-    /// then in the store; that view and the later ones are not.
+    /// then in the store; that view and the later ones are not. The exception is
+    /// [`ReconstructError::Nothing`], if the store has no curve in the end: all views are in it.
     pub fn add_views<S: ViewSource>(
         &self,
         sources: &[S],
@@ -249,6 +252,7 @@ impl<'a> Grower<'a> {
         let in_place = replacements.iter();
         let in_place = in_place.map(|(id, source)| InPlace { id: id.clone(), source, given: None });
         let in_place: Vec<_> = in_place.collect();
+        differ(in_place.iter().map(|view| view.id.0.as_str()))?;
         let (stored, mut report) = self.put_in_place(&in_place, watch)?;
         let new = stored.iter().map(|view| view.entry.id.clone()).collect();
         let no_sources: [S; 0] = [];
@@ -438,10 +442,14 @@ fn difference(
 }
 
 fn check_ids<S: ViewSource>(sources: &[S]) -> Result<(), GrowError> {
+    differ(sources.iter().map(ViewSource::id))
+}
+
+fn differ<'s>(ids: impl Iterator<Item = &'s str>) -> Result<(), GrowError> {
     let mut numbers = BTreeMap::new();
-    for (second, source) in sources.iter().enumerate() {
-        if let Some(first) = numbers.insert(source.id(), second) {
-            return Err(GrowError::SameId { id: source.id().to_owned(), first, second });
+    for (second, id) in ids.enumerate() {
+        if let Some(first) = numbers.insert(id, second) {
+            return Err(GrowError::SameId { id: id.to_owned(), first, second });
         }
     }
     Ok(())

@@ -72,6 +72,7 @@ impl Grower<'_> {
         options: &RefineOptions,
         watch: &dyn Watch,
     ) -> Result<(Vec<StoredView>, Report), GrowError> {
+        super::check_ids(sources)?;
         let snapshot = self.store.read()?;
         let mut stored = Vec::with_capacity(sources.len());
         for source in sources {

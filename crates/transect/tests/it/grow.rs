@@ -16,6 +16,7 @@ use transect_fusion::FusionMethod;
 use transect_geometry::{LengthUnit, PlaneFamily, PlaneIndex, StraightGuide, Vector3};
 use transect_model::Model;
 use transect_model::store::{Store, StoreProblem, ViewId, ViewReplacement};
+use transect_register::RefineOptions;
 use transect_scene::{Description, Noise, Station};
 use transect_sensors::{AngularScan, ImagingRadar};
 
@@ -363,6 +364,22 @@ fn views_that_no_plane_crosses_and_unknown_ones_are_told() {
         let unknown = grower.remove_view(&ViewId::from("attic")).unwrap_err();
         let GrowError::Store(unknown) = unknown else { panic!("{unknown}") };
         assert_eq!(unknown.problem.to_string(), "has no view \"attic\"");
+    });
+}
+
+#[test]
+fn a_view_that_is_replaced_twice_at_once_is_told() {
+    let (setup, views) = (setup(), noisy_views());
+    with_store(&setup, |store| {
+        let grower = Grower::new(store, &setup).unwrap();
+        grower.add_views(&views, &Unwatched).unwrap();
+        let id = ViewId::from(views[0].name());
+        let twice = [(id.clone(), &views[0]), (id, &views[0])];
+        let error = grower.replace_views(&twice, &Unwatched).unwrap_err();
+        assert!(matches!(error, GrowError::SameId { first: 0, second: 1, .. }), "{error}");
+        let again = [&views[0], &views[1], &views[0]];
+        let error = grower.refine_poses(&again, &RefineOptions::default(), &Unwatched).unwrap_err();
+        assert!(matches!(error, GrowError::SameId { first: 0, second: 2, .. }), "{error}");
     });
 }
 

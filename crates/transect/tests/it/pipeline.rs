@@ -8,15 +8,17 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use transect::evaluate::{EvaluateOptions, evaluate};
 use transect::{
-    LoadedView, ReconstructError, Reconstruction, Setup, SourceError, Stage, Unwatched, ViewSource,
-    Watch, reconstruct,
+    LoadedView, Posed, ReconstructError, Reconstruction, Setup, SourceError, Stage, Unwatched,
+    ViewSource, Watch, reconstruct,
 };
-use transect_device::{Isometry3, View};
+use transect_device::{ImageSize, Isometry3, RangeImage, View};
 use transect_geometry::{
     Curve, CurveUnit, LengthUnit, Node, PlaneFamily, PlaneIndex, Point2, Point3, StraightGuide,
     Vector2, Vector3,
 };
+use transect_register::PosePrior;
 use transect_scene::Noise;
+use transect_sensors::{Intrinsics, Pinhole};
 
 /// Two thirds of a pixel's footprint at the far side of the scene, 0.5° at 3.5 m, in metres.
 ///
@@ -258,6 +260,54 @@ fn a_failing_source_is_named_with_its_reason() {
     let nothing: [View; 0] = [];
     let error = reconstruct(&nothing, &setup(), &Unwatched).map(drop).unwrap_err();
     assert_eq!(error.to_string(), "the scan has no views");
+}
+
+/// A view whose pose is known.
+struct Known(View);
+
+impl ViewSource for Known {
+    fn name(&self) -> &str {
+        self.0.name()
+    }
+
+    fn pose_prior(&self) -> Option<PosePrior> {
+        Some(PosePrior { rotation: 1e-9, translation: 1e-9 })
+    }
+
+    fn load(&self) -> Result<LoadedView, SourceError> {
+        self.0.load()
+    }
+}
+
+#[test]
+fn sources_that_stand_elsewhere_and_at_other_poses_stay_what_they_are() {
+    let views = noisy_views();
+    let model = curves(&run(&views));
+    let some: Vec<&View> = views.iter().collect();
+    let of_all_kinds: Vec<Box<dyn ViewSource>> =
+        views.iter().map(|view| Box::new(view.clone()) as Box<dyn ViewSource>).collect();
+    assert!(curves(&reconstruct(&some, &setup(), &Unwatched).unwrap()) == model);
+    assert!(curves(&reconstruct(&of_all_kinds, &setup(), &Unwatched).unwrap()) == model);
+    let known = Known(views[0].clone());
+    let pose = Isometry3::translation(1.0, 0.0, 0.0);
+    let posed = Posed { source: &known, pose, depth_offsets: None };
+    assert_eq!(posed.pose_prior(), known.pose_prior());
+    assert_eq!(*posed.load().unwrap().view.world_from_sensor(), pose);
+}
+
+#[test]
+fn a_model_without_curves_is_told() {
+    let small = ImageSize { rows: 2, cols: 2 };
+    let k = Intrinsics { fx: 20.0, fy: 20.0, cx: 0.5, cy: 0.5 };
+    let camera = Arc::new(Pinhole::new(small, k).unwrap());
+    let image = RangeImage::from_values(small, vec![1.0; 4]).unwrap();
+    let view = View::new("small", image, camera, Isometry3::identity(), Some(0.001)).unwrap();
+    let planes = PlaneFamily::new(StraightGuide::along(Vector3::y()).unwrap(), 0.005, 0.02);
+    let setup = Setup::new(LengthUnit::Metre, planes.unwrap());
+    let Reconstruction { model, report } = reconstruct(&[view], &setup, &Unwatched).unwrap();
+    assert_eq!((model.sections().count(), model.length().is_sign_negative()), (0, false));
+    let told = report.notes.iter().any(|note| note.starts_with("the model has no curve: fusion"));
+    assert!(told, "{:?}", report.notes);
 }
 
 #[test]

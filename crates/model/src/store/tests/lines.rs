@@ -147,6 +147,11 @@ fn damaged_lines_are_named() {
     assert_eq!(refusal(&text.replace("\"sigma\":0.1", "\"sigma\":-0.1")).0, 2);
     assert_eq!(refusal(&text.replace("\"closed\"", "\"shut\"")).0, 4);
     assert_eq!(refusal("").0, 1);
+    for (stated, wrong) in
+        [("\"interval\":", "\"interval\":-"), ("\"direction\":[", "\"direction\":[1e999,")]
+    {
+        assert_eq!(refusal(&text.replacen(stated, wrong, 1)).0, 1, "{wrong}");
+    }
     let short = text.replace(",[0.0,0.1,0.0,0.0,1.0,1,0.0,0.0,[0.0,0.0,0.0]]", "");
     assert_eq!(refusal(&short).1, "curve 0: 2 nodes cannot make a closed curve");
     let past_the_end = text.replacen("\"closed\":true", "\"closed\":true,\"bridged\":[1,3]", 1);
