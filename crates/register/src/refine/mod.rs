@@ -359,7 +359,6 @@ impl<'a> Rounds<'a> {
         let largest = poses.chain(cameras).fold(0.0, f64::max);
         // Momentum would carry settled views on.
         let settled = largest <= SETTLED;
-        let settled = largest <= SETTLED;
         self.change(solution.unknowns, if settled { 0.0 } else { momentum });
         Some(largest)
     }
