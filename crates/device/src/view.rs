@@ -203,10 +203,10 @@ mod tests {
         assert!(at(Matrix3::identity()).is_ok());
         let c = 0.5_f64.sqrt();
         assert!(at(Matrix3::new(c, -c, 0.0, c, c, 0.0, 0.0, 0.0, 1.0)).is_ok());
-        // Twice as large, and a rotation with four digits.
+        // Twice as large, and a rotation with three digits.
         for wrong in [
             Matrix3::identity() * 2.0,
-            Matrix3::new(0.7071, -0.7071, 0.0, 0.7071, 0.7071, 0.0, 0.0, 0.0, 1.0),
+            Matrix3::new(0.866, -0.5, 0.0, 0.5, 0.866, 0.0, 0.0, 0.0, 1.0),
         ] {
             let error = at(wrong).unwrap_err();
             assert!(matches!(error, ViewError::PoseNotRigid(_)), "{error}");
