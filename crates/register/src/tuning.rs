@@ -234,7 +234,8 @@ pub const FOCAL_ODDS: f64 = 20.0;
 /// unit. Theory: very strong evidence (Kass and Raftery, 1995), since a false scale displaces all
 /// surfaces. Measured: a drifting camera with the right scale has odds of 20 to 38 for one that is
 /// 0.8 % off, and its sections would err by 18 mm in place of 1.5. Of nine wrong scales of 2 to 16
-/// per cent the least odds are 150. Doubled, the limit grows by a fifth of a standard deviation.
+/// per cent one is no longer found, of 2 % in a kitchen at wrong poses. Doubled, the limit grows by
+/// a fifth of a standard deviation.
 pub const SCALE_ODDS: f64 = 150.0;
 
 /// Fewest views for which a wrong scale is looked for. No unit. Theory: of two cameras that face
