@@ -7,11 +7,12 @@
 //!                      "sigma": [0.001, 0.001, 0.001], "views": [4, 4, 3] } ] } ] }
 //! ```
 //!
-//! Points and all lengths are in the world, in the model's length unit. A plane has its number
-//! `index`, its distance `station` along the guide, the point `origin` of its frame, its unit
-//! `normal`, along the guide, and the unit vector `x_axis` of its frame; the y axis is normal ×
-//! x_axis. A closed polyline does not repeat its first point. The solid is on the left, seen
-//! against the normal.
+//! Points and all lengths are in the world, in the model's length unit. A closed polyline does not
+//! repeat its first point. The solid is on the left, seen against the normal.
+//!
+//! A plane has its number `index` and its distance `station` along the guide. Its frame has the
+//! point `origin`, the unit vector `normal` along the guide, and the unit vector `x_axis`. The y
+//! axis is normal × x_axis.
 //!
 //! `sigma` is a node's standard deviation across the curve (0: unknown). `views` is the number of
 //! views that observed it (0: bridged). Two keys are optional. `bridged` lists the segments that no

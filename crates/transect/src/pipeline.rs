@@ -111,18 +111,23 @@ pub fn reconstruct<S: ViewSource>(
     let mut report = Report::new(reports, notes, &fused, timings);
     report.set_poses(poses.or(judged), setup.unit);
     let mut model = assemble(setup, views, fused);
-    if model.sections().next().is_none() {
-        let nodes = report.fusion.observations;
-        report.notes.push(format!(
-            "the model has no curve: fusion left out all {nodes} nodes of the views, whose curves \
-             are too short"
-        ));
-    }
+    report.notes.extend(nothing_left(&model, &report));
     if let Some((selected, refinement)) = refined {
         model = model.with_selection(selected);
         report.refinement = Some(refinement);
     }
     Ok(Reconstruction { model, report })
+}
+
+/// The note on a model of which fusion has left nothing.
+fn nothing_left(model: &Model, report: &Report) -> Option<String> {
+    let nodes = report.fusion.observations;
+    model.sections().next().is_none().then(|| {
+        format!(
+            "the model has no curve: fusion left out all {nodes} nodes of the views, whose curves \
+             are too short"
+        )
+    })
 }
 
 /// The curves that each plane has from each view, taken from the views; empty where a view has

@@ -96,6 +96,15 @@ struct Heavy {
     elevation: Option<f64>,
 }
 
+impl Heavy {
+    /// The polyline that an entity begins, without vertices.
+    fn begin(entity: &Entity<'_>) -> Result<Self, Problem> {
+        let is_flat = entity.flags()? & SPATIAL == 0;
+        let elevation = entity.number(30)?.filter(|z| is_flat && *z != 0.0);
+        Ok(Self { vertices: Vec::new(), elevation })
+    }
+}
+
 pub(super) fn points(text: &str, unit: LengthUnit) -> Result<Vec<Placed>, Problem> {
     if text.starts_with("AutoCAD Binary DXF") {
         return Err(Problem::damaged("a binary DXF; save it as text"));
@@ -113,15 +122,11 @@ pub(super) fn points(text: &str, unit: LengthUnit) -> Result<Vec<Placed>, Proble
             "POLYLINE" => {
                 entity.check()?;
                 if heavy.is_some() {
-                    return Err(Problem::at(
-                        Place::Line(entity.line),
-                        "a POLYLINE begins before the one before it has ended; save the drawing \
-                         again",
-                    ));
+                    let problem = "a POLYLINE begins before the one before it has ended; save the \
+                                   drawing again";
+                    return Err(Problem::at(Place::Line(entity.line), problem));
                 }
-                let is_flat = entity.flags()? & SPATIAL == 0;
-                let elevation = entity.number(30)?.filter(|z| is_flat && *z != 0.0);
-                heavy = Some(Heavy { vertices: Vec::new(), elevation });
+                heavy = Some(Heavy::begin(&entity)?);
             }
             "VERTEX" => {
                 entity.check()?;
