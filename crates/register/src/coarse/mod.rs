@@ -128,17 +128,20 @@ pub struct Meeting {
 impl CoarseView {
     /// The coarse copy of a view.
     pub fn new(view: &View) -> Self {
-        Self::with_cells(view, CELLS, |_| 1)
+        let shares_noise = RangeNoise::of_fewer_rows(view).is_mostly_shared();
+        Self::with_cells(view, CELLS, |_| 1, !shares_noise)
     }
 
     /// A copy that is enough to judge poses, and not to refine them. It is far cheaper: a quarter
     /// of the cells, each with 4 to 6 of its pixels a side.
     pub fn quick(view: &View) -> Self {
-        Self::with_cells(view, QUICK_CELLS, |step| (step - 1) / (LEAST_STEP - 1))
+        // Few samples show no fold, and shared noise takes time to find.
+        Self::with_cells(view, QUICK_CELLS, |step| (step - 1) / (LEAST_STEP - 1), false)
     }
 
-    /// A copy of about so many cells, which take every `stride`th pixel.
-    fn with_cells(view: &View, cells: usize, stride: impl Fn(usize) -> usize) -> Self {
+    /// A copy of about so many cells, which take every `stride`th pixel. `folds`: whether patches
+    /// state what noise does not explain of their samples.
+    fn with_cells(view: &View, cells: usize, stride: impl Fn(usize) -> usize, folds: bool) -> Self {
         let image = view.image().size();
         let step_of = |cells: usize| {
             let step = (image.pixels() as f64 / cells as f64).sqrt().ceil() as usize;
@@ -148,10 +151,9 @@ impl CoarseView {
         let stride = stride(step);
         let size = ImageSize { rows: image.rows.div_ceil(step), cols: image.cols.div_ceil(step) };
         let noise = RangeNoise::of_pixels(view);
-        let shares_noise = RangeNoise::of_fewer_rows(view).is_mostly_shared();
         let cell = |k: usize| {
             let corner = Pixel::new(k / size.cols * step, k % size.cols * step);
-            Sampled::new(view, (&noise, shares_noise), corner, (step, stride))
+            Sampled::new(view, (&noise, folds), corner, (step, stride))
         };
         // On one thread: views are copied side by side, and a thread that waits for a part of its
         // view would begin another one.
@@ -404,7 +406,7 @@ impl Sampled {
     /// The cell from a corner on, of a side and a distance between pixels that are taken.
     fn new(
         view: &View,
-        (noise, shares_noise): (&RangeNoise, bool),
+        (noise, folds): (&RangeNoise, bool),
         corner: Pixel,
         (step, stride): (usize, usize),
     ) -> Option<Self> {
@@ -440,7 +442,7 @@ impl Sampled {
         let sigma = noise.length_at(view, pixel);
         let median_sigma = noise.length();
         let samples = &samples;
-        let cell = patch::Cell { samples, pixels, ray, rim, sigma, median_sigma, shares_noise };
+        let cell = patch::Cell { samples, pixels, ray, rim, sigma, median_sigma, folds };
         Some(Self { seen, ray, patch: Patch::fit(&cell) })
     }
 }

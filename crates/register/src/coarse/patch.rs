@@ -136,8 +136,9 @@ pub(super) struct Cell<'a> {
     pub sigma: f64,
     /// The same at the view's median pixel.
     pub median_sigma: f64,
-    /// Whether neighbouring pixels share most of the noise.
-    pub shares_noise: bool,
+    /// Whether what noise does not explain of the samples is an error of the patch. Where
+    /// neighbours share most of the noise, it is a part of the noise.
+    pub folds: bool,
 }
 
 impl Patch {
@@ -171,7 +172,7 @@ impl Patch {
         patch.depth = if patch.flat { flat } else { bent };
         // What noise does not explain is no noise, and does not average out.
         let explained = largest_rough(spare) * noise + SAMPLING_ROUGH * spacing;
-        let folded = if cell.shares_noise { 0.0 } else { rough.powi(2) - explained.powi(2) };
+        let folded = if cell.folds { rough.powi(2) - explained.powi(2) } else { 0.0 };
         patch.sigma = (variance / n as f64 + folded.max(0.0)).sqrt();
         let incidence = -patch.normal().dot(&cell.ray.direction);
         patch.steady_slopes = patch.slopes();
@@ -433,7 +434,7 @@ mod tests {
             rim,
             sigma: 1e-4,
             median_sigma: 1e-4,
-            shares_noise: false,
+            folds: true,
         };
         let fitted = Patch::fit(&cell).unwrap();
         let kept = StoredPatch::new(&fitted, &middle).patch(&middle).unwrap();
@@ -476,7 +477,7 @@ mod tests {
                 rim,
                 sigma: 0.01,
                 median_sigma: 0.01,
-                shares_noise: false,
+                folds: true,
             };
             Patch::fit(&cell).unwrap()
         };
