@@ -75,6 +75,7 @@ mod quantity;
 mod window;
 
 pub use bounds::ValueBounds;
+pub(crate) use quantity::Quantity;
 
 use crate::tuning::HALF_WINDOW;
 use crate::{BreakRule, Instructions, RangeNoise};
@@ -86,7 +87,6 @@ use grid::Grid;
 use lanes::Native;
 use output::Output;
 use pairs::is_set;
-use quantity::Quantity;
 use transect_device::{Pixel, View, ViewError};
 
 /// A view after smoothing.

@@ -18,7 +18,7 @@ const STEP: usize = 6;
 /// not, least of all on planes seen obliquely. The values of triangulation sensors and of parallel
 /// rays are affine as they are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Quantity {
+pub(crate) enum Quantity {
     Value,
     Inverse,
 }

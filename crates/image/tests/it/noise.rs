@@ -184,7 +184,8 @@ fn views_are_halved_where_neighbours_share_most_of_their_noise() {
     let groups = own.with_image(image.clone()).unwrap();
     let stated = View::new("stated", image, frame, *own.world_from_sensor(), Some(sigma)).unwrap();
     for (view, step) in [(&groups, 2), (&own, 1), (&stated, 1)] {
-        let noisy = NoisyView::resolved(view);
+        let rule = |noise: &RangeNoise| BreakRule::new(78_f64.to_radians(), 4.0 * noise.length());
+        let noisy = NoisyView::resolved(view, rule);
         assert_eq!(noisy.step(), step);
         for pixel in pixels(noisy.view().image().size()) {
             let whole = Pixel::new(step * pixel.row, step * pixel.col);

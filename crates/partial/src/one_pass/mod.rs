@@ -154,7 +154,7 @@ impl OnePassOptions {
     pub fn resolved<'a>(&self, view: &'a View) -> NoisyView<'a> {
         let SmoothingSteps { shared_noise, half_resolution, .. } = self.smoothing;
         if self.smooth && shared_noise && half_resolution {
-            NoisyView::resolved(view)
+            NoisyView::resolved(view, |noise| self.break_rule(view, noise))
         } else {
             NoisyView::whole(view)
         }
