@@ -11,7 +11,7 @@
 //! * [`PreparedView`]: the same view with its image smoothed.
 
 mod breaks;
-mod half;
+mod fill;
 mod instructions;
 mod noise;
 mod noisy_view;

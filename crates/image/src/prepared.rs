@@ -48,6 +48,11 @@ impl<'a> PreparedView<'a> {
         self.given.view()
     }
 
+    /// Missing pixels that were filled before; see [`NoisyView::filled`].
+    pub fn filled_pixels(&self) -> usize {
+        self.given.filled_pixels()
+    }
+
     /// Distance between neighbouring pixels in the image that was given; see [`NoisyView::step`].
     pub fn step(&self) -> usize {
         self.given.step()

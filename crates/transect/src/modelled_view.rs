@@ -116,6 +116,7 @@ fn view_report(
         crossings: counts.crossings,
         range_jumps: counts.jumps,
         flying_pixels: counts.flying,
+        filled_pixels: counts.filled,
     }
 }
 

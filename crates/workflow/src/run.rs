@@ -304,13 +304,15 @@ fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
         }
         let flying = report.views.iter().map(|v| v.flying_pixels).sum::<usize>();
         let read = report.views.iter().map(|v| v.read_pixels).sum();
-        let left_out = [
+        let filled = report.views.iter().map(|v| v.filled_pixels).sum();
+        let changed = [
+            ("missing pixels, filled", filled),
             ("flying pixels, left out", flying),
             ("beyond the guide's ends, left out", beyond(report, |v| v.beyond_guide_ends)),
             ("beyond the guide's reach, left out", beyond(report, |v| v.beyond_guide_reach)),
         ];
-        let left_out = left_out.into_iter().filter(|(_, pixels)| *pixels > 0);
-        rows.extend(left_out.map(|(name, pixels)| Row::new(name, percent(pixels, read), "%")));
+        let changed = changed.into_iter().filter(|(_, pixels)| *pixels > 0);
+        rows.extend(changed.map(|(name, pixels)| Row::new(name, percent(pixels, read), "%")));
     }
     rows.extend(rounding_row(result.model.planes().guide(), unit));
     let closed_only = percent(fusion.planes_closed_only, fusion.planes);

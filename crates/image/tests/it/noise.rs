@@ -184,8 +184,7 @@ fn views_are_halved_where_neighbours_share_most_of_their_noise() {
     let groups = own.with_image(image.clone()).unwrap();
     let stated = View::new("stated", image, frame, *own.world_from_sensor(), Some(sigma)).unwrap();
     for (view, step) in [(&groups, 2), (&own, 1), (&stated, 1)] {
-        let rule = |noise: &RangeNoise| BreakRule::new(78_f64.to_radians(), 4.0 * noise.length());
-        let noisy = NoisyView::resolved(view, rule);
+        let noisy = NoisyView::resolved(view);
         assert_eq!(noisy.step(), step);
         for pixel in pixels(noisy.view().image().size()) {
             let whole = Pixel::new(step * pixel.row, step * pixel.col);
@@ -194,6 +193,27 @@ fn views_are_halved_where_neighbours_share_most_of_their_noise() {
             let apart = found.zip(expected).map_or(0.0, |(a, b)| (a - b).norm());
             assert!(found.is_some() == expected.is_some() && apart < 1e-9, "{pixel}");
         }
+    }
+}
+
+#[test]
+fn missing_pixels_are_filled_where_the_image_is_noisy() {
+    let (_, frame, plane, sigma) = cases().remove(0);
+    let whole = wall(&frame, plane, |_, _| sigma);
+    let mut count = 0..;
+    let image = changed(&whole, |v| if count.next().unwrap() % 7 == 0 { f32::NAN } else { v });
+    for (stated, filled) in [(None, true), (Some(sigma), true), (Some(0.0), false)] {
+        let (image, pose) = (image.clone(), *whole.world_from_sensor());
+        let view = View::new("holes", image, Arc::clone(&frame), pose, stated).unwrap();
+        let noisy = NoisyView::whole(&view);
+        let rule = BreakRule::new(78_f64.to_radians(), 4.0 * noisy.noise().length());
+        let missing = view.image().size().pixels() - view.image().valid_count();
+        let noisy = noisy.filled(&rule);
+        let found = noisy.view().image().valid_count() - view.image().valid_count();
+        assert_eq!(found, noisy.filled_pixels());
+        // Those at the border stay.
+        assert_eq!(found > missing * 9 / 10, filled, "{found} of {missing}");
+        assert_eq!(found == 0, !filled);
     }
 }
 

@@ -152,12 +152,16 @@ impl Default for OnePassOptions {
 impl OnePassOptions {
     /// A view with its noise, at the resolution in which curves are found.
     pub fn resolved<'a>(&self, view: &'a View) -> NoisyView<'a> {
-        let SmoothingSteps { shared_noise, half_resolution, .. } = self.smoothing;
-        if self.smooth && shared_noise && half_resolution {
-            NoisyView::resolved(view, |noise| self.break_rule(view, noise))
-        } else {
-            NoisyView::whole(view)
+        let steps = self.smoothing;
+        let noisy = match self.smooth && steps.shared_noise && steps.half_resolution {
+            true => NoisyView::resolved(view),
+            false => NoisyView::whole(view),
+        };
+        if !(self.smooth && steps.missing_pixels) {
+            return noisy;
         }
+        let rule = self.break_rule(noisy.view(), noisy.noise());
+        noisy.filled(&rule)
     }
 
     /// The rule for range jumps in a view with this noise.

@@ -73,7 +73,7 @@ fn measure(set: &str, raw: &Raw, arguments: &Arguments, worth: &mut Worth) -> Re
 }
 
 /// The default way to find curves without smoothing, and without each step of it.
-fn methods_left_out() -> [(&'static str, Method); 7] {
+fn methods_left_out() -> [(&'static str, Method); 8] {
     let without = |leave_out: fn(&mut OnePassOptions)| {
         let mut options = OnePassOptions::default();
         leave_out(&mut options);
@@ -87,5 +87,6 @@ fn methods_left_out() -> [(&'static str, Method); 7] {
         ("smoothing: wider_window", without(|o| o.smoothing.wider_window = false)),
         ("smoothing: robust_weights", without(|o| o.smoothing.robust_weights = false)),
         ("smoothing: flying_pixels", without(|o| o.smoothing.flying_pixels = false)),
+        ("smoothing: missing_pixels", without(|o| o.smoothing.missing_pixels = false)),
     ]
 }

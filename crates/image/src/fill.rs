@@ -1,0 +1,156 @@
+//! Missing pixels whose neighbours tell what they would have measured.
+//!
+//! **Problem.** Where a sensor misses single pixels, curves end. In a halved image this happens as
+//! often, although the pixels that the half leaves out tell where the surface is.
+//!
+//! **Idea.** A missing pixel takes the mean of neighbours on opposite sides of it.
+//!
+//! **Steps**, for each missing pixel that has a ray. Of the four lines through it, those count on
+//! which
+//! 1. both neighbours have a sample,
+//! 2. their ranges differ by no more than those of neighbours on one surface, and
+//! 3. at least one neighbour on either side of the line has a sample. So the rims of holes stay,
+//!    where depth cameras err most.
+//!
+//! A line gives the mean of its neighbours, in the quantity in which planes are flat. The pixel
+//! takes the mean of its lines. Pixels at the border of the image stay missing, and so do those at
+//! the seam of a full circle.
+//!
+//! Images without noise stay as they are, since a mean cannot gain there. Curves are bridged across
+//! their missing pixels, and marked.
+//!
+//! **Worth.** `cargo xtask experiments ablation` has the row `smoothing: missing_pixels`. Measured on
+//! simulated scans at true poses: where laser scanners miss 2 % of their pixels at random, medians
+//! fall by 1 to 6 %, and 95 % distances change by −4 to 4 %. Where scanners and depth cameras miss
+//! 40 %, medians fall by 21 to 44 %, and 93 to 99 % of the surface is found within 0.2 % of the size
+//! where it was 77 to 96 %. Two depth cameras that miss the rims of things alone keep their figures
+//! within 3 %. Without rule 3, the halves of the red kitchen lose 3 % in their median.
+
+use crate::BreakRule;
+use crate::smooth::Quantity;
+use transect_device::{PairGeometry, Pixel, RangeImage, View};
+
+/// Rows and columns from a pixel to the eight around it, in order.
+const AROUND: [(isize, isize); 8] =
+    [(0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1)];
+
+/// A missing pixel and its value.
+pub(crate) type Filled = (Pixel, f32);
+
+/// The missing pixels of every `step`-th row and column whose neighbours tell their values.
+pub(crate) fn fillable(view: &View, step: usize, rule: &BreakRule) -> Vec<Filled> {
+    let (image, quantity) = (view.image(), Quantity::of(view));
+    let size = image.size();
+    let rows = (step..size.rows.saturating_sub(1)).step_by(step);
+    let missing = rows.flat_map(|row| {
+        let [above, here, below] = [row - 1, row, row + 1].map(|row| image.row(row).windows(3));
+        let threes = above.zip(here).zip(below).enumerate().skip(step - 1).step_by(step);
+        let missing = threes.filter(|(_, ((above, here), below))| is_between(above, here, below));
+        missing.map(move |(before, _)| Pixel::new(row, before + 1))
+    });
+    missing.filter_map(|pixel| Some((pixel, value_at(view, pixel, quantity, rule)?))).collect()
+}
+
+/// Whether the middle one of nine pixels is missing, and two opposite ones are not.
+fn is_between(above: &[f32], here: &[f32], below: &[f32]) -> bool {
+    let both = |a: &[f32], b: &[f32], k: usize| !(a[k].is_nan() | b[2 - k].is_nan());
+    let across = both(above, below, 0) | both(above, below, 1) | both(above, below, 2);
+    here[1].is_nan() & (across | both(here, here, 0))
+}
+
+/// The value of a missing pixel from the eight around it, if they tell it.
+fn value_at(view: &View, pixel: Pixel, quantity: Quantity, rule: &BreakRule) -> Option<f32> {
+    view.frame().ray(pixel)?;
+    let around = AROUND.map(|(rows, cols)| {
+        let row = pixel.row.checked_add_signed(rows)?;
+        let pixel = Pixel::new(row, pixel.col.checked_add_signed(cols)?);
+        let value = view.image().get(pixel)?;
+        Some((pixel, quantity.of_value(f64::from(value))))
+    });
+    let any_of_three = |before: usize| (1..4).any(|k| around[(before + k) % 8].is_some());
+    let means = (0..4).filter_map(|k| {
+        let ((a, value_a), (b, value_b)) = around[k].zip(around[k + 4])?;
+        let pair = view.frame().pair(view.image(), a, b)?;
+        // The surface between two neighbours spans half the distance of these.
+        let pair = PairGeometry { lateral: 0.5 * pair.lateral, ..pair };
+        let counts = any_of_three(k) && any_of_three(k + 4) && rule.allows_step(&pair);
+        counts.then_some(0.5 * (value_a + value_b))
+    });
+    let (sum, count) = means.fold((0.0, 0_u8), |(sum, count), mean| (sum + mean, count + 1));
+    (count > 0).then(|| quantity.value(sum / f64::from(count)) as f32)
+}
+
+/// Every `step`-th row and column of a view, `kept`, with some of its missing pixels filled.
+pub(crate) fn with_filled(kept: &View, step: usize, filled: &[Filled]) -> Option<View> {
+    let size = kept.image().size();
+    let mut values = kept.image().values().to_vec();
+    for (pixel, value) in filled {
+        values[size.index(Pixel::new(pixel.row / step, pixel.col / step))?] = *value;
+    }
+    kept.with_image(RangeImage::from_values(size, values).ok()?).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+    use transect_device::{DeviceFrame, ImageSize, Isometry3, SensorPlane, Vector3};
+    use transect_sensors::{Intrinsics, Pinhole};
+
+    const SIZE: ImageSize = ImageSize { rows: 32, cols: 40 };
+
+    /// An oblique wall, a nearer one in the columns from `edge` on, and missing pixels.
+    fn view(edge: usize, missing: &[Pixel]) -> View {
+        let k = Intrinsics { fx: 120.0, fy: 120.0, cx: 19.5, cy: 15.5 };
+        let camera = Pinhole::new(SIZE, k).unwrap();
+        let normal = Vector3::new(0.6, 0.0, 0.8);
+        let values = SIZE.all_pixels().map(|pixel| {
+            let offset = if pixel.col < edge { 2.0 } else { 1.6 };
+            let value = camera.plane_value(pixel, &SensorPlane { normal, offset }).unwrap();
+            if missing.contains(&pixel) { f32::NAN } else { value as f32 }
+        });
+        let image = RangeImage::from_values(SIZE, values.collect()).unwrap();
+        View::new("walls", image, Arc::new(camera), Isometry3::identity(), None).unwrap()
+    }
+
+    /// The value of pixel (4, 4) of a view, which is pixel (2, 2) of its half.
+    fn filled_value(edge: usize, missing: &[(usize, usize)]) -> Option<f32> {
+        let missing: Vec<Pixel> = missing.iter().map(|(r, c)| Pixel::new(*r, *c)).collect();
+        let view = view(edge, &missing);
+        let rule = BreakRule::new(78_f64.to_radians(), 0.001);
+        let [whole, half] = [(1, view.clone()), (2, view.halved().unwrap())].map(|(step, kept)| {
+            let image = with_filled(&kept, step, &fillable(&view, step, &rule)).unwrap();
+            image.image().get(Pixel::new(4 / step, 4 / step))
+        });
+        assert_eq!(whole, half);
+        whole
+    }
+
+    fn wall() -> f32 {
+        view(SIZE.cols, &[]).image().get(Pixel::new(4, 4)).unwrap()
+    }
+
+    #[test]
+    fn a_missing_pixel_lies_on_the_plane_of_its_neighbours() {
+        let holes: [&[(usize, usize)]; 2] = [&[(4, 4)], &[(4, 4), (3, 3), (3, 4), (5, 4), (5, 5)]];
+        for missing in holes {
+            let value = filled_value(SIZE.cols, missing).unwrap();
+            assert!((value / wall() - 1.0).abs() < 1e-6, "{value}, not {}", wall());
+        }
+        assert_eq!(filled_value(SIZE.cols, &[(3, 3)]), Some(wall()), "samples stay");
+    }
+
+    #[test]
+    fn nothing_is_filled_across_a_jump() {
+        let column = [(3, 4), (4, 4), (5, 4)];
+        assert_eq!(filled_value(4, &column), None);
+        assert!(filled_value(SIZE.cols, &column).is_some());
+    }
+
+    #[test]
+    fn the_rims_of_holes_stay() {
+        let right: Vec<_> = (3..6).flat_map(|row| (5..10).map(move |col| (row, col))).collect();
+        assert_eq!(filled_value(SIZE.cols, &[&right[..], &[(4, 4)]].concat()), None);
+        assert!(filled_value(SIZE.cols, &[&right[1..], &[(4, 4)]].concat()).is_some());
+    }
+}
