@@ -41,21 +41,24 @@ pub(crate) type Filled = (Pixel, f32);
 pub(crate) fn fillable(view: &View, step: usize, rule: &BreakRule) -> Vec<Filled> {
     let (image, quantity) = (view.image(), Quantity::of(view));
     let size = image.size();
-    let rows = (step..size.rows.saturating_sub(1)).step_by(step);
-    let missing = rows.flat_map(|row| {
-        let [above, here, below] = [row - 1, row, row + 1].map(|row| image.row(row).windows(3));
-        let threes = above.zip(here).zip(below).enumerate().skip(step - 1).step_by(step);
-        let missing = threes.filter(|(_, ((above, here), below))| is_between(above, here, below));
-        missing.map(move |(before, _)| Pixel::new(row, before + 1))
-    });
-    missing.filter_map(|pixel| Some((pixel, value_at(view, pixel, quantity, rule)?))).collect()
+    let inside = |count: usize| (step..count.saturating_sub(1)).step_by(step);
+    let mut filled = Vec::new();
+    for row in inside(size.rows) {
+        let rows = [row - 1, row, row + 1].map(|row| image.row(row));
+        let pixels = inside(size.cols).filter(|col| is_between(rows, *col));
+        filled.extend(pixels.filter_map(|col| {
+            let pixel = Pixel::new(row, col);
+            Some((pixel, value_at(view, pixel, quantity, rule)?))
+        }));
+    }
+    filled
 }
 
-/// Whether the middle one of nine pixels is missing, and two opposite ones are not.
-fn is_between(above: &[f32], here: &[f32], below: &[f32]) -> bool {
-    let both = |a: &[f32], b: &[f32], k: usize| !(a[k].is_nan() | b[2 - k].is_nan());
-    let across = both(above, below, 0) | both(above, below, 1) | both(above, below, 2);
-    here[1].is_nan() & (across | both(here, here, 0))
+/// Whether a pixel of the middle row is missing and two opposite ones around it are not.
+fn is_between([above, here, below]: [&[f32]; 3], col: usize) -> bool {
+    let both =
+        |a: &[f32], b: &[f32], k: usize| !(a[col - 1 + k].is_nan() || b[col + 1 - k].is_nan());
+    here[col].is_nan() && (both(here, here, 0) || (0..3).any(|k| both(above, below, k)))
 }
 
 /// The value of a missing pixel from the eight around it, if they tell it.
