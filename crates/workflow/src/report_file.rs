@@ -6,8 +6,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
-use std::io::Read;
-use std::path::Path;
+use std::io::{Error, Read};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use transect::register::PoseReading;
 use transect::{Report, Setup};
@@ -121,22 +121,39 @@ fn with_options(method: &impl Serialize) -> Value {
     all.into()
 }
 
+/// A file that was read.
 #[derive(Debug, Serialize)]
 struct Input {
     path: String,
-    bytes: u64,
-    sha256: String,
+    #[serde(flatten)]
+    content: Content,
+}
+
+/// What is known of a file's bytes when the report is written.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum Content {
+    Read {
+        bytes: u64,
+        sha256: String,
+    },
+    /// The file vanished after the run read it, or the system refuses to read it again.
+    Unreadable {
+        unreadable: String,
+    },
 }
 
 impl<'a> ReportFile<'a> {
     /// The report of a run.
     ///
-    /// `accepted` are the checks of plausibility that were turned off.
+    /// `accepted` are the checks of plausibility that were turned off, `inputs` the files that the
+    /// model was made of.
     pub fn new(
         opened: &'a OpenScan,
         setup: &Setup,
         report: &'a Report,
         accepted: &[Check],
+        inputs: &[PathBuf],
     ) -> Self {
         let (scan, path) = (opened.scan(), opened.path());
         Self {
@@ -159,7 +176,7 @@ impl<'a> ReportFile<'a> {
                 partial: with_options(&setup.partial),
                 fusion: with_options(&setup.fusion),
             },
-            inputs: scan.inputs.par_iter().filter_map(|p| input(p)).collect(),
+            inputs: inputs.par_iter().map(|p| Input::of(p)).collect(),
             warnings: report.warnings(),
             reader_notes: &scan.notes,
             report,
@@ -175,20 +192,29 @@ pub(crate) fn readable(path: &Path) -> String {
 /// Bytes of a file that are in memory at once while it is hashed: files of scanners have gigabytes.
 const PART: usize = 1 << 18;
 
-/// Size and hash of an input; an input that has vanished meanwhile is left out.
-fn input(path: &Path) -> Option<Input> {
-    let mut file = open_regular(path).ok()?;
-    let (mut hash, mut bytes, mut part) = (Sha256::new(), 0, vec![0; PART]);
-    loop {
-        let read = file.read(&mut part).ok()?;
-        if read == 0 {
-            break;
-        }
-        hash.update(&part[..read]);
-        bytes += read as u64;
+impl Input {
+    fn of(path: &Path) -> Self {
+        let unreadable = |error: Error| Content::Unreadable { unreadable: error.to_string() };
+        let content = Content::of(path).unwrap_or_else(unreadable);
+        Self { path: readable(path), content }
     }
-    let sha256 = hash.finalize().iter().map(|b| format!("{b:02x}")).collect();
-    Some(Input { path: readable(path), bytes, sha256 })
+}
+
+impl Content {
+    fn of(path: &Path) -> Result<Self, Error> {
+        let mut file = open_regular(path)?;
+        let (mut hash, mut bytes, mut part) = (Sha256::new(), 0, vec![0; PART]);
+        loop {
+            let read = file.read(&mut part)?;
+            if read == 0 {
+                break;
+            }
+            hash.update(&part[..read]);
+            bytes += read as u64;
+        }
+        let sha256 = hash.finalize().iter().map(|b| format!("{b:02x}")).collect();
+        Ok(Self::Read { bytes, sha256 })
+    }
 }
 
 #[cfg(test)]
@@ -208,5 +234,18 @@ mod tests {
             "camera": [500.0, 501.0, 320.0, 240.0], "depth_scale": 0.001, "grid": [2, 3]
         });
         assert_eq!(stated, expected);
+    }
+
+    #[test]
+    fn an_input_that_cannot_be_read_again_stays_in_the_list() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.npy");
+        std::fs::write(&path, "abc").unwrap();
+        let entry = || serde_json::to_value(Input::of(&path)).unwrap();
+        assert_eq!((&entry()["bytes"], entry().get("unreadable")), (&3.into(), None));
+        std::fs::remove_file(&path).unwrap();
+        let gone = entry();
+        assert!(gone["path"].as_str().unwrap().ends_with("a.npy") && gone.get("sha256").is_none());
+        assert!(!gone["unreadable"].as_str().unwrap().is_empty(), "{gone}");
     }
 }

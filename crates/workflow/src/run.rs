@@ -32,6 +32,8 @@ pub struct Run<'a> {
     accepted: Vec<Check>,
     /// Rows on the store, if one was grown.
     store: Vec<Row>,
+    /// The files that the model was made of.
+    read: Vec<PathBuf>,
     /// Files that results must not replace.
     inputs: Vec<PathBuf>,
     dxf: DxfFrame,
@@ -44,13 +46,18 @@ impl OpenScan {
     /// Every file that a run reads: those of the scan, its truth, the guide and the store. Results
     /// must not replace them; see [`ResultFolder::claim`].
     pub fn inputs(&self, settings: &Settings, store: Option<&Path>) -> Vec<PathBuf> {
-        let mut inputs = self.scan().inputs.clone();
-        inputs.extend(settings.planes.guide.as_ref().map(|guide| guide.path.clone()));
+        let mut inputs = self.files_of_model(settings);
         inputs.extend(store.map(Path::to_owned));
         if let Reference::Simulated { truth, .. } = Reference::beside(self.path()) {
             inputs.push(truth);
         }
         inputs
+    }
+
+    /// The files that a model is made of: those of the scan, and the guide.
+    fn files_of_model(&self, settings: &Settings) -> Vec<PathBuf> {
+        let guide = settings.planes.guide.as_ref().map(|guide| guide.path.clone());
+        self.scan().inputs.iter().cloned().chain(guide).collect()
     }
 
     /// Makes a model of all views.
@@ -198,7 +205,7 @@ impl OpenScan {
         reconstruction.report.notes.extend(off_guide);
         let mut costs = Costs::default();
         costs.modelled(&reconstruction.report.timings);
-        let (inputs, dxf) = (self.inputs(settings, store_path), settings.dxf);
+        let (read, inputs) = (self.files_of_model(settings), self.inputs(settings, store_path));
         let truth =
             if settings.no_score { Reference::Nothing } else { Reference::beside(self.path()) };
         let accepted = settings.accept.clone();
@@ -209,8 +216,9 @@ impl OpenScan {
             setup,
             accepted,
             store,
+            read,
             inputs,
-            dxf,
+            dxf: settings.dxf,
             splines,
             truth,
         })
@@ -250,7 +258,7 @@ impl Run<'_> {
         }
         rows.extend(costs.rows());
         let report = &self.reconstruction.report;
-        let report = ReportFile::new(self.scan, &self.setup, report, &self.accepted);
+        let report = ReportFile::new(self.scan, &self.setup, report, &self.accepted, &self.read);
         folder.write_report(&report, &rows, costs)?;
         Ok(rows)
     }

@@ -182,18 +182,33 @@ fn the_report_has_the_settings_and_the_hashes_of_inputs() {
     assert_same_rows(&run.table(), list(&report, "result"));
 }
 
+#[test]
+fn the_hash_of_a_guide_is_in_the_report() {
+    let folder = Folder::simulated("objects.scene.toml");
+    folder.write("axis.csv", "0,0,-1\n0,0,1\n0,0.1,3\n");
+    folder.reconstruct("scan --guide axis.csv --interval 0.2 --no-score").succeeded();
+    let report = folder.json("out/report.json");
+    let inputs = list(&report, "inputs");
+    check_input(&folder, "axis.csv", inputs.last().unwrap());
+    check_inputs(&folder, &inputs[..inputs.len() - 1]);
+}
+
 fn check_inputs(folder: &Folder, inputs: &[Value]) {
     let files = ["scan.json", "range_000.npy", "range_001.npy", "range_002.npy", "range_003.npy"];
     assert_eq!(inputs.len(), files.len());
     for (input, file) in inputs.iter().zip(files) {
-        let bytes = folder.bytes(&format!("scan/{file}"));
-        let hash: String = Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect();
-        assert!(input["path"].as_str().unwrap().ends_with(file), "{input}");
-        assert_eq!(
-            (input["bytes"].as_u64(), input["sha256"].as_str()),
-            (Some(bytes.len() as u64), Some(hash.as_str()))
-        );
+        check_input(folder, &format!("scan/{file}"), input);
     }
+}
+
+fn check_input(folder: &Folder, file: &str, input: &Value) {
+    let bytes = folder.bytes(file);
+    let hash: String = Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect();
+    assert!(input["path"].as_str().unwrap().ends_with(file), "{input}");
+    assert_eq!(
+        (input["bytes"].as_u64(), input["sha256"].as_str()),
+        (Some(bytes.len() as u64), Some(hash.as_str()))
+    );
 }
 
 /// The table in the report may have more rows than the printed one, but no others.
