@@ -42,7 +42,7 @@ enum Command {
     Evaluate(evaluate::Arguments),
     /// Draw each step of the methods on one view and one plane.
     Explain(explain::Arguments),
-    /// Draw how a plane of a scan grows view by view.
+    /// Draw how a plane of a scan grows view by view, by --fusion pairwise.
     Grow(grow::Arguments),
     /// List the views, sizes, noise and extent of a scan, or the contents of a model.
     Inspect(inspect::Arguments),

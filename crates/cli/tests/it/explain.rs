@@ -94,6 +94,33 @@ fn a_plane_grows_by_cases_and_patterns() {
 }
 
 #[test]
+fn planes_grow_by_pairwise_alone() {
+    let folder = Folder::simulated("objects.scene.toml");
+    folder
+        .run("grow scan --fusion consensus --out a")
+        .failed_with(2, &["--fusion", "all views at once", "transect explain"]);
+    assert!(!folder.path("a").exists());
+    // The settings of pairwise hold without its name.
+    let line = "grow scan --threshold 9mm --out";
+    folder.run(&format!("{line} a")).succeeded();
+    folder.run(&format!("{line} b --fusion pairwise")).succeeded();
+    assert_eq!(folder.bytes("a/02-view-000.svg"), folder.bytes("b/02-view-000.svg"));
+}
+
+#[test]
+fn the_plane_is_chosen_by_the_method_that_is_explained() {
+    let folder = Folder::simulated("objects.scene.toml");
+    // Smooth surfaces are range jumps for a printed threshold of a tenth of a millimetre, so the
+    // method finds curves on other planes than one_pass.
+    let chosen = |options: &str| {
+        let run = folder.run(&format!("explain scan {options} --out a")).succeeded();
+        run.value("explained")
+    };
+    let printed = "--method dissertation --jump 0.1mm";
+    assert_ne!(chosen(printed), chosen(""));
+}
+
+#[test]
 fn views_planes_and_guides_that_cannot_be_drawn_are_refused() {
     let folder = Folder::simulated("objects.scene.toml");
     folder.run("explain scan --view 9 --out a").failed_with(2, &["--view", "no view 9", "0 to 3"]);

@@ -7,6 +7,7 @@ use super::pairwise::{count_growth, name_of};
 use super::palette;
 use super::plane_map::{PlaneMap, SIZE, envelope_of};
 use crate::WorkflowError;
+use transect::Setup;
 use transect_device::View;
 use transect_exchange::svg::{Figure, Mark};
 use transect_fusion::pairwise::{GrowthCounts, pairwise_watched};
@@ -27,18 +28,28 @@ struct State {
     counts: GrowthCounts,
 }
 
+/// The options of `pairwise`, which alone has a plane after every view.
+pub(super) fn options(setup: &Setup) -> Result<PairwiseOptions, WorkflowError> {
+    match setup.fusion {
+        FusionMethod::Pairwise(options) => Ok(options),
+        FusionMethod::Consensus(_) => {
+            let problem = "consensus fuses all views at once, so no plane grows view by view; leave \
+                           out --fusion for pairwise, or draw the steps of consensus: transect \
+                           explain";
+            Err(WorkflowError::setting("fusion", problem))
+        }
+    }
+}
+
 /// Draws the range image of every view that crosses the plane, the plane after it, and all of these
 /// planes in turn.
 pub(super) fn draw(
     of_views: &PlaneOfViews<'_>,
+    options: &PairwiseOptions,
     load: &dyn Fn(usize) -> Result<View, WorkflowError>,
     pages: &mut Builder,
 ) -> Result<(), WorkflowError> {
-    let options = match &of_views.setup.fusion {
-        FusionMethod::Pairwise(options) => *options,
-        _ => PairwiseOptions::default(),
-    };
-    let states = states(of_views, &options, pages);
+    let states = states(of_views, options, pages);
     let around = envelope_of(of_views.curves.iter().flatten());
     let (Some(around), Some(last)) = (around, states.last()) else {
         let problem =

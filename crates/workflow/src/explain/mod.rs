@@ -27,11 +27,11 @@ use std::ops::RangeInclusive;
 use transect::{Setup, ViewSource};
 use transect_device::View;
 use transect_exchange::svg::Figure;
-use transect_fusion::FusionMethod;
+use transect_fusion::{FusionMethod, PairwiseOptions};
 use transect_geometry::{Curve, PlaneFamily, PlaneIndex};
 use transect_partial::dissertation::plane_steps;
-use transect_partial::one_pass::{self as sweep, OnePassOptions};
-use transect_partial::{Method, PartialError, PlaneCurves};
+use transect_partial::one_pass as sweep;
+use transect_partial::{Method, PartialError, PlaneCurves, partial_model};
 
 /// Fewest nodes of a curve that tells something. By hand: between 6 and 20 the choice is the same.
 const LEAST_NODES: usize = 10;
@@ -74,7 +74,7 @@ impl OpenScan {
         let crossed = planes_of(&chosen, &setup.planes);
         let plane = match plane {
             Some(plane) => PlaneIndex(plane),
-            None => telling_plane(&chosen, &setup.planes).map_err(failed(&views[number]))?,
+            None => telling_plane(&chosen, &setup).map_err(failed(&views[number]))?,
         };
         if !crossed.contains(&plane.0) {
             return Err(off_plane(plane, views[number].name(), &crossed));
@@ -108,24 +108,28 @@ impl OpenScan {
     }
 
     /// How a plane grows with every view: the range image and the plane after each view, and a
-    /// figure that repeats all of them. Without a plane, the one on which the first view has most
-    /// curves.
+    /// figure that repeats all of them. Views are fused by `pairwise`. Without a plane, the one on
+    /// which the first view has most curves.
     ///
     /// # Errors
-    /// As [`OpenScan::explain`].
+    /// As [`OpenScan::explain`]. Also if the settings ask for `consensus`, which fuses all views at
+    /// once.
     pub fn explain_growth(
         &self,
         settings: &Settings,
         plane: Option<i64>,
     ) -> Result<Explanation, WorkflowError> {
+        let mut settings = settings.clone();
+        settings.fusion.get_or_insert(FusionMethod::Pairwise(PairwiseOptions::default()));
         let setup = straight(settings.setup(self.scan())?)?;
+        let options = growth::options(&setup)?;
         let views = self.views("", settings.plausibility(&setup))?;
         let Some(first) = views.first() else {
             return Err(WorkflowError::setting("views", "the scan has no view"));
         };
         let plane = match plane {
             Some(plane) => PlaneIndex(plane),
-            None => telling_plane(&load(first)?, &setup.planes).map_err(failed(first))?,
+            None => telling_plane(&load(first)?, &setup).map_err(failed(first))?,
         };
         let of_views = PlaneOfViews::collect(&views, &setup, plane)?;
         let mut pages = Builder::new(format!(
@@ -134,7 +138,7 @@ impl OpenScan {
             crate::table::digits(setup.planes.station(plane)),
             setup.unit
         ));
-        growth::draw(&of_views, &|number| load(&views[number]), &mut pages)?;
+        growth::draw(&of_views, &options, &|number| load(&views[number]), &mut pages)?;
         Ok(pages.finish())
     }
 }
@@ -236,9 +240,10 @@ fn planes_of(view: &View, planes: &PlaneFamily) -> RangeInclusive<i64> {
     low.ceil() as i64..=high.floor() as i64
 }
 
-/// The plane with most curves that are no scraps; of equal ones the plane with most nodes.
-fn telling_plane(view: &View, planes: &PlaneFamily) -> Result<PlaneIndex, PartialError> {
-    let model = sweep::partial_model(view, planes, &OnePassOptions::default())?;
+/// The plane with most curves of the chosen method that are no scraps; of equal ones the plane with
+/// most nodes.
+fn telling_plane(view: &View, setup: &Setup) -> Result<PlaneIndex, PartialError> {
+    let model = partial_model(view, &setup.planes, &setup.partial)?;
     let telling = |found: &&PlaneCurves| {
         let nodes = found.curves.iter().map(|c| c.curve.nodes().len());
         let nodes = nodes.filter(|count| *count >= LEAST_NODES);
