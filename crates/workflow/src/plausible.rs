@@ -5,6 +5,7 @@
 
 use crate::WorkflowError;
 use crate::samples::{pixel_spacing, reach, samples};
+use crate::selection::Limits;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use transect_device::{Pixel, View, median};
@@ -205,10 +206,11 @@ impl Plausibility {
 
     /// Looks at a few views of a scan, with which every view is compared later. Checks that the
     /// sensors are near enough to each other to see one surface. `of_view` is the caller's own
-    /// look.
+    /// look at the points within the limits.
     pub(crate) fn look_at<T: Send>(
         &mut self,
         scan: &Scan,
+        limits: &Limits,
         of_view: impl Fn(&View) -> T + Sync,
     ) -> Result<Looked<T>, WorkflowError> {
         // The first, the middle and the last one: the median of three survives a wrong view.
@@ -220,9 +222,10 @@ impl Plausibility {
             .par_iter()
             .filter_map(|&k| {
                 let read = scan.views.get(k)?.load().ok()?;
-                let (spacing, reach) = (pixel_spacing(&read.0), reach(&read.0));
                 let is_small = read.0.image().size().pixels() <= KEPT_PIXELS;
-                let found = of_view(&read.0);
+                let reach = reach(&read.0);
+                let within = limits.apply(read.0.clone()).ok()?;
+                let (spacing, found) = (pixel_spacing(&within), of_view(&within));
                 Some((spacing, reach, found, is_small.then_some((k, read))))
             })
             .collect();

@@ -165,14 +165,15 @@ impl OpenScan {
         Ok(self.looked_at(prefix, plausibility, |_| ())?.0)
     }
 
-    /// The views, and what a function finds in the few that plausibility looks at.
+    /// The views, and the findings of a function in the few that plausibility looks at, within the
+    /// limits.
     fn looked_at<T: Send>(
         &self,
         prefix: &str,
         mut plausibility: Plausibility,
         of_view: impl Fn(&View) -> T + Sync,
     ) -> Result<(Vec<FileView<'_>>, Vec<T>), WorkflowError> {
-        let Looked { kept, found } = plausibility.look_at(self.scan(), of_view)?;
+        let Looked { kept, found } = plausibility.look_at(self.scan(), &self.limits, of_view)?;
         let mut read: BTreeMap<_, _> = kept.into_iter().collect();
         let view = |(k, view)| {
             let view = origin(view, self.path(), plausibility.clone());

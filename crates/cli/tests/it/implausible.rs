@@ -149,6 +149,8 @@ fn planes_in_faces_are_told() {
     let told = run("0");
     assert!(told.contains("plane 0 lies in a face") && told.contains("--offset 0.25"), "{told}");
     assert_eq!(run("0.22"), "");
+    // The floor is left out, and with it the face.
+    assert_eq!(run("0 --crop ,,,,0.1,"), "");
 }
 
 /// A header with its two numbers exchanged makes neighbours of points that are far apart.
