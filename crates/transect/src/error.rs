@@ -1,7 +1,7 @@
 //! Why a run ends without a model.
 
-use crate::SourceError;
 use crate::evaluate::digits;
+use crate::{OptionError, SourceError};
 use transect_geometry::{GuideError, LengthUnit};
 use transect_partial::PartialError;
 
@@ -73,6 +73,9 @@ pub enum ReconstructError {
         /// How many crossings.
         crossings: usize,
     },
+    /// An option of a method has a value that it cannot have.
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// The smallest interval of the refined planes is not a positive length.
     #[error("the section planes cannot be refined")]
     Refine(#[source] GuideError),

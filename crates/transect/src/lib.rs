@@ -61,6 +61,7 @@ mod fingerprint;
 mod fused;
 mod grow;
 mod modelled_view;
+mod options;
 mod packed;
 mod pipeline;
 mod poses;
@@ -75,6 +76,7 @@ mod watch;
 
 pub use error::ReconstructError;
 pub use grow::{GrowError, Grower, Growth};
+pub use options::OptionError;
 pub use pipeline::{Reconstruction, reconstruct};
 pub use poses::PoseReport;
 pub use refine::{DifferenceReason, RefinedGap, RefinementReport};

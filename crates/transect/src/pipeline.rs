@@ -60,7 +60,8 @@ pub struct Reconstruction {
 /// ```
 ///
 /// # Errors
-/// [`ReconstructError`] names the view that cannot be loaded or modelled. There is no model of the
+/// [`ReconstructError`] names the option outside its range, or the view that cannot be loaded or
+/// modelled. There is no model of the
 /// other views then, because its gap would go unnoticed.
 pub fn reconstruct<S: ViewSource>(
     sources: &[S],
@@ -68,6 +69,7 @@ pub fn reconstruct<S: ViewSource>(
     watch: &dyn Watch,
 ) -> Result<Reconstruction, ReconstructError> {
     let started = Instant::now();
+    setup.check_options()?;
     let setup = &setup.with_least_interval().map_err(ReconstructError::Refine)?;
     let options = setup.refine_poses.as_ref();
     let poses = options.map(|options| PoseReport::new(sources, Some(options), setup.unit, watch));

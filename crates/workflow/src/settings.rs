@@ -8,7 +8,7 @@ use crate::{Check, MethodSettings, Plausibility, WorkflowError};
 use std::mem::discriminant;
 use std::path::PathBuf;
 use transect::register::{PosePrior, RefineOptions};
-use transect::{Refinement, Setup};
+use transect::{ReconstructError, Refinement, Setup};
 use transect_exchange::{DxfFrame, PlanesEntry, Scan, read_guide};
 use transect_fusion::FusionMethod;
 use transect_geometry::{Guide, GuideKind, LengthUnit, PlaneFamily, StraightGuide, Vector3};
@@ -105,6 +105,7 @@ impl Settings {
         let is_other = |fusion: &FusionMethod| discriminant(fusion) != discriminant(&setup.fusion);
         setup.fusion = self.fusion.filter(is_other).unwrap_or(setup.fusion);
         self.methods.apply(&mut setup)?;
+        setup.check_options().map_err(ReconstructError::from)?;
         let refine = self.refine.as_ref();
         setup.refinement = refine.map(|text| parse_refinement(&setup, text)).transpose()?;
         let poses = refine_options(setup.unit, self.prior.as_deref())?;

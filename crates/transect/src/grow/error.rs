@@ -1,6 +1,6 @@
 //! Why a store cannot grow.
 
-use crate::{ReconstructError, SettingsError};
+use crate::{OptionError, ReconstructError, SettingsError};
 use transect_model::store::StoreError;
 
 /// Why a store could not grow.
@@ -33,6 +33,9 @@ pub enum GrowError {
         /// The difference.
         what: &'static str,
     },
+    /// An option of a method has a value that it cannot have.
+    #[error(transparent)]
+    Option(#[from] OptionError),
     /// The setup asks for refinement, which stores do not support.
     #[error(
         "a store cannot refine its planes, because all its views need the same ones; choose a \

@@ -148,7 +148,8 @@ impl<'a> Grower<'a> {
     /// # Errors
     /// [`GrowError::OtherSettings`] with the settings that differ, [`GrowError::Settings`] if they
     /// cannot be read, [`GrowError::Refinement`] if the setup asks to refine planes,
-    /// [`GrowError::Poses`] if it asks to refine poses.
+    /// [`GrowError::Poses`] if it asks to refine poses, [`GrowError::Option`] if an option is
+    /// outside its range.
     pub fn new(store: &'a Store, setup: &'a Setup) -> Result<Self, GrowError> {
         if setup.refinement.is_some() {
             return Err(GrowError::Refinement);
@@ -156,6 +157,7 @@ impl<'a> Grower<'a> {
         if setup.refine_poses.is_some() {
             return Err(GrowError::Poses);
         }
+        setup.check_options()?;
         match setup.difference(store.read()?.header())? {
             Some(difference) => Err(GrowError::OtherSettings(difference)),
             None => Ok(Self { store, setup }),
