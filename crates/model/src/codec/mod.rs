@@ -39,7 +39,10 @@ pub enum CodecError {
     #[error("not a Transect model file")]
     NotAModel,
     /// The file has another layout than the expected one.
-    #[error("model file of version {found}; version {expected} is expected here")]
+    #[error(
+        "the file has format version {found}; version {expected} is read here. {}",
+        other_version(*found, *expected)
+    )]
     WrongVersion {
         /// Version in the file.
         found: u32,
@@ -60,6 +63,15 @@ pub enum CodecError {
     /// The parts do not make a model.
     #[error("the contents break a promise of every model")]
     Invariant(#[from] InvariantError),
+}
+
+/// What to do about a file of another version.
+fn other_version(found: u32, expected: u32) -> &'static str {
+    if found > expected {
+        "Open it with the program that wrote it, or with a newer version of this one"
+    } else {
+        "Make the model anew from its scan, or open it with the program that wrote it"
+    }
 }
 
 impl CodecError {

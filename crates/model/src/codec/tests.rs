@@ -155,7 +155,11 @@ fn another_version_and_other_files_say_so() {
     let mut newer = bytes_of(&small());
     newer[8] = 9;
     let text = read(&newer[..]).unwrap_err().to_string();
-    assert_eq!(text, "model file of version 9; version 6 is expected here");
+    assert_eq!(
+        text,
+        "the file has format version 9; version 6 is read here. Open it with the program that \
+         wrote it, or with a newer version of this one"
+    );
     assert!(matches!(read(&b"{ \"unit\": \"m\" }"[..]), Err(CodecError::NotAModel)));
     let longer = [bytes_of(&small()), vec![0]].concat();
     assert!(matches!(read(&longer[..]), Err(CodecError::Damaged(_))));

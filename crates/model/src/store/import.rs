@@ -85,7 +85,8 @@ fn read_header(lines: &mut Lines<impl BufRead>) -> Result<StoreHeader, StoreProb
     let StoreLine { version, .. } = line;
     if !(OLDEST_LINES..=LINES_VERSION).contains(&version) {
         let problem = format!(
-            "version {version}; this program reads versions {OLDEST_LINES} to {LINES_VERSION}"
+            "the export has version {version}; this program reads versions {OLDEST_LINES} to \
+             {LINES_VERSION}. Export the store again with a program that writes one of them"
         );
         return Err(lines.problem(problem));
     }

@@ -116,6 +116,9 @@ fn cut_and_foreign_files_say_so() {
     let error = Blocks::open(Memory::of(other)).unwrap_err();
     assert_eq!(
         error.to_string(),
-        format!("model file of version 1; version {STORE_VERSION} is expected here")
+        format!(
+            "the file has format version 1; version {STORE_VERSION} is read here. Make the model \
+             anew from its scan, or open it with the program that wrote it"
+        )
     );
 }

@@ -140,7 +140,9 @@ fn damaged_lines_are_named() {
     assert_eq!(refusal(&text.replace("0.1,", "0.2,")).1, "the lines do not match their hash");
     assert_eq!(refusal(&format!("{text}\n")).1, "there is more behind the end");
     let (line, problem) = refusal(&text.replacen("\"version\":4", "\"version\":8", 1));
-    assert_eq!((line, problem.as_str()), (1, "version 8; this program reads versions 3 to 4"));
+    assert_eq!(line, 1);
+    let versions = "the export has version 8; this program reads versions 3 to 4. Export";
+    assert!(problem.starts_with(versions), "{problem}");
     let (line, problem) = refusal(&text.replace("[0.0,0.1,", "[0.0,1e999,"));
     assert_eq!(line, 4);
     assert!(problem.contains("number out of range"), "{problem}");
