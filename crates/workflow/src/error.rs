@@ -33,10 +33,12 @@ pub enum WorkflowError {
     #[error(transparent)]
     Planes(#[from] GuideError),
     /// The system refused to read, write or make a file or a folder.
-    #[error("{}", path.display())]
+    #[error("{}: cannot {action}", path.display())]
     Io {
         /// The file or folder.
         path: PathBuf,
+        /// The refused action: a verb and its object.
+        action: &'static str,
         /// The system's reason.
         #[source]
         source: std::io::Error,
@@ -131,10 +133,10 @@ impl WorkflowError {
         Self::File { path: path.to_owned(), problem: problem.to_string() }
     }
 
-    /// For `map_err` of a call that concerns a file or a folder.
-    pub(crate) fn io(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+    /// For `map_err` of a call that does something with a file or a folder.
+    pub(crate) fn io(action: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.to_owned();
-        |source| Self::Io { path, source }
+        move |source| Self::Io { path, action, source }
     }
 }
 

@@ -161,9 +161,9 @@ impl Staging {
     /// [`WorkflowError`] if the folder cannot be written, or another process writes into it.
     pub fn begin(target: &Path) -> Result<Self, WorkflowError> {
         let (is_new, stage) = (!target.exists(), target.join(STAGE));
-        fs::create_dir_all(&stage).map_err(WorkflowError::io(&stage))?;
+        fs::create_dir_all(&stage).map_err(WorkflowError::io("make the folder", &stage))?;
         let lock = stage.join(LOCK);
-        let lock = File::create(&lock).map_err(WorkflowError::io(&lock))?;
+        let lock = File::create(&lock).map_err(WorkflowError::io("make the file", &lock))?;
         if matches!(lock.try_lock(), Err(TryLockError::WouldBlock)) {
             let problem = "another process is writing into this folder; wait until it has ended, \
                            or choose another folder";
@@ -172,7 +172,7 @@ impl Staging {
         let staging = Self { target: target.to_owned(), stage, is_new, _lock: lock };
         for file in staging.files()? {
             let left = staging.stage.join(file);
-            fs::remove_file(&left).map_err(WorkflowError::io(&left))?;
+            fs::remove_file(&left).map_err(WorkflowError::io("remove the old file", &left))?;
         }
         Ok(staging)
     }
@@ -192,10 +192,11 @@ impl Staging {
         for (target, _) in &files {
             check_output(target, &[])?;
             let folder = target.parent().unwrap_or(&self.target);
-            fs::create_dir_all(folder).map_err(WorkflowError::io(folder))?;
+            fs::create_dir_all(folder).map_err(WorkflowError::io("make the folder", folder))?;
         }
         for (target, file) in &files {
-            fs::rename(self.stage.join(file), target).map_err(WorkflowError::io(target))?;
+            fs::rename(self.stage.join(file), target)
+                .map_err(WorkflowError::io("put the new file in place", target))?;
         }
         self.is_new = false;
         Ok(files.into_iter().map(|(target, _)| target).collect())
@@ -205,7 +206,10 @@ impl Staging {
     fn files(&self) -> Result<Vec<PathBuf>, WorkflowError> {
         let (mut files, mut folders) = (Vec::new(), vec![self.stage.clone()]);
         while let Some(folder) = folders.pop() {
-            for entry in fs::read_dir(&folder).map_err(WorkflowError::io(&folder))?.flatten() {
+            for entry in fs::read_dir(&folder)
+                .map_err(WorkflowError::io("list the folder", &folder))?
+                .flatten()
+            {
                 let path = entry.path();
                 match path.strip_prefix(&self.stage) {
                     _ if path.is_dir() => folders.push(path),

@@ -59,7 +59,7 @@ pub fn is_model(path: &Path) -> bool {
 /// # Errors
 /// [`WorkflowError`] if there is no such file, or the folder holds no model.
 pub fn find_model(path: &Path) -> Result<PathBuf, WorkflowError> {
-    if !std::fs::metadata(path).map_err(WorkflowError::io(path))?.is_dir() {
+    if !std::fs::metadata(path).map_err(WorkflowError::io("find the model", path))?.is_dir() {
         return Ok(path.to_owned());
     }
     let file = path.join(MODEL);
@@ -152,7 +152,7 @@ impl ResultFolder {
         let moved = staging.commit()?;
         let old = SPLINES.map(|name| self.0.join(name)).into_iter().chain(self.old_sheets());
         for file in old.filter(|file| file.exists() && !moved.contains(file)) {
-            std::fs::remove_file(&file).map_err(WorkflowError::io(&file))?;
+            std::fs::remove_file(&file).map_err(WorkflowError::io("remove the old file", &file))?;
         }
         Ok(done)
     }
@@ -171,7 +171,7 @@ impl ResultFolder {
         options.title = title.to_owned();
         write_file(&self.overview(), |out| write_overview(model, &options, out))?;
         let sheets = self.0.join(SHEETS);
-        std::fs::create_dir_all(&sheets).map_err(WorkflowError::io(&sheets))?;
+        std::fs::create_dir_all(&sheets).map_err(WorkflowError::io("make the folder", &sheets))?;
         write_sheets(&sheets, model)
     }
 
@@ -256,7 +256,7 @@ fn write_sheets(folder: &Path, model: &Model) -> Result<(), WorkflowError> {
         // and a sync of its own, each of some thousand sheets takes twice the time.
         let mut text = Vec::new();
         let written = sheets.write(plane, &mut text).and_then(|()| std::fs::write(&path, text));
-        written.map_err(WorkflowError::io(&path))
+        written.map_err(WorkflowError::io("write the sheet", &path))
     })
 }
 

@@ -285,7 +285,8 @@ pub(crate) fn grow(
             let error = grow_error(path, &store, views, error);
             drop(store);
             if useless {
-                std::fs::remove_file(path).map_err(WorkflowError::io(path))?;
+                std::fs::remove_file(path)
+                    .map_err(WorkflowError::io("remove the new store", path))?;
             }
             return Err(error);
         }
@@ -335,7 +336,7 @@ fn is_useless(store: &Store, error: &GrowError) -> bool {
 
 fn create(path: &Path, setup: &Setup) -> Result<Store, WorkflowError> {
     if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
-        std::fs::create_dir_all(folder).map_err(WorkflowError::io(folder))?;
+        std::fs::create_dir_all(folder).map_err(WorkflowError::io("make the folder", folder))?;
     }
     Ok(Store::create(path, &setup.store_header())?)
 }
