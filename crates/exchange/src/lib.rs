@@ -92,8 +92,9 @@ pub use image_file::write_npy_image;
 pub use image_stack::{Counts, write_npy_stack, write_png_image};
 pub use input::read_text;
 pub use manifest::{
-    AnglesEntry, LensEntry, LightStripeEntry, LookupTableEntry, Manifest, PinholeEntry,
-    SensorEntry, StripeEntry, ViewEntry, ViewpointsEntry, read_manifest, write_manifest,
+    AnglesEntry, LensEntry, LightStripeEntry, LookupTableEntry, MANIFEST_FILE, Manifest,
+    PinholeEntry, SensorEntry, StripeEntry, ViewEntry, ViewpointsEntry, read_manifest,
+    write_manifest,
 };
 pub use mesh::read_mesh;
 pub use missing::MissingValue;
@@ -104,5 +105,5 @@ pub use posed_scan::{PoseList, PosedScan, ViewPose};
 pub use scan::{FramedImage, LoadView, PlanesEntry, PoseSigma, Scan, ScanView};
 pub use spline_file::ModelSplines;
 pub use triangle_mesh::{MeshFile, TriangleMesh};
-pub use truth::{read_truth, write_truth};
+pub use truth::{TRUTH_FILE, read_truth, write_truth};
 pub use write_file::write_file;

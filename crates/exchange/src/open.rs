@@ -35,8 +35,8 @@ const FORMATS: [Format; 9] = [
         name: "a folder with scan.json",
         recognise: |path| manifest::is_in(path) && !posed_scan::is_one(path),
         uses: &[],
-        open: |folder, options| manifest::open(&folder.join(manifest::FILE_NAME), options),
-        manifest: Some(|folder, _| Ok(read_manifest(&folder.join(manifest::FILE_NAME))?.0)),
+        open: |folder, options| manifest::open(&folder.join(manifest::MANIFEST_FILE), options),
+        manifest: Some(|folder, _| Ok(read_manifest(&folder.join(manifest::MANIFEST_FILE))?.0)),
     },
     Format {
         name: "a scan manifest (*.json)",
@@ -137,7 +137,7 @@ fn without_use(option: &str, path: &Path) -> String {
     if !manifest::is_in(path) {
         return problem;
     }
-    let manifest = path.join(manifest::FILE_NAME);
+    let manifest = path.join(manifest::MANIFEST_FILE);
     format!(
         "{problem}: {} is read, which states the cameras, scales and poses; or rename that file, \
          so that the folder is read without it",

@@ -101,7 +101,7 @@ pub(crate) fn is_one(path: &Path) -> bool {
 
 /// The file of a path that may be its folder.
 fn file_of(path: &Path) -> PathBuf {
-    if path.is_dir() { path.join(crate::manifest::FILE_NAME) } else { path.to_owned() }
+    if path.is_dir() { path.join(crate::manifest::MANIFEST_FILE) } else { path.to_owned() }
 }
 
 impl PoseList {

@@ -11,6 +11,9 @@ use std::io::{self, Write};
 use std::path::Path;
 use transect_geometry::Point3;
 
+/// The name of the truth in the folder of a simulated scan.
+pub const TRUTH_FILE: &str = "truth.npz";
+
 /// Reads a mesh from an `.npz` archive.
 ///
 /// # Errors

@@ -2,16 +2,14 @@
 
 use crate::outputs::{Staging, claim_output};
 use crate::report_file::readable;
+use crate::results::MODEL;
 use crate::settings::refine_options;
 use crate::{Check, OpenScan, Plausibility, WorkflowError, claim_manifest};
 use serde::Serialize;
 use std::path::Path;
 use transect::register::{PoseReading, RefinedPose};
 use transect::{PoseReport, Watch};
-use transect_exchange::{PosedScan, SensorEntry, ViewPose, write_file};
-
-/// The file of the scan with refined poses.
-const SCAN: &str = "scan.json";
+use transect_exchange::{MANIFEST_FILE, PosedScan, SensorEntry, ViewPose, write_file};
 
 /// The file of the report beside it.
 const REPORT: &str = "report.json";
@@ -89,8 +87,8 @@ impl Registration<'_> {
     /// [`WorkflowError::File`] naming the file that must stay.
     pub fn claim(scan: &OpenScan, folder: &Path) -> Result<(), WorkflowError> {
         let inputs = &scan.scan().inputs;
-        claim_manifest(&folder.join(SCAN), false, inputs)?;
-        let model = folder.join("model.transect");
+        claim_manifest(&folder.join(MANIFEST_FILE), false, inputs)?;
+        let model = folder.join(MODEL);
         if model.exists() {
             let problem = "the folder holds the results of reconstruct, whose report.json would be \
                            replaced; choose another --out";
@@ -116,7 +114,7 @@ impl Registration<'_> {
             self.poses.refinement.iter().flat_map(|r| &r.poses).map(of_view).collect();
         let OpenScan { path, options, scan, .. } = self.scan;
         let posed = scan.posed(path, options, &poses, folder)?;
-        write_file(&staging.path().join(SCAN), |out| posed.write(out))?;
+        write_file(&staging.path().join(MANIFEST_FILE), |out| posed.write(out))?;
         let mut warnings = self.poses.warnings();
         warnings.extend(lost_offsets(&posed, &poses));
         let report = RegistrationReport {
@@ -148,7 +146,7 @@ fn lost_offsets(posed: &PosedScan, poses: &[ViewPose]) -> Option<String> {
         format!(
             "scan.json has the refined poses, and not the error that the depth camera makes alike \
              in {found} images: only pinhole images of a scan.json or a folder can state it. Run \
-             reconstruct SCAN --refine-poses, which corrects the images"
+             reconstruct MANIFEST_FILE --refine-poses, which corrects the images"
         )
     })
 }

@@ -9,12 +9,14 @@ use serde_json::Value;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use transect_exchange::svg::{OverviewOptions, Sheets, write_overview};
-use transect_exchange::{DxfFrame, ModelSplines, read_text, write_contours, write_dxf, write_file};
+use transect_exchange::{
+    DxfFrame, MANIFEST_FILE, ModelSplines, read_text, write_contours, write_dxf, write_file,
+};
 use transect_geometry::PlaneIndex;
 use transect_model::{Model, open_regular};
 
 /// The model's file in a result folder.
-const MODEL: &str = "model.transect";
+pub(crate) const MODEL: &str = "model.transect";
 
 /// The report's file in a result folder.
 const REPORT: &str = "report.json";
@@ -45,7 +47,7 @@ pub fn default_folder(name: &str) -> PathBuf {
 ///
 /// A folder that is a scan as well counts as a scan.
 pub fn is_model(path: &Path) -> bool {
-    if path.join("scan.json").is_file() {
+    if path.join(MANIFEST_FILE).is_file() {
         return false;
     }
     let Ok(file) = find_model(path) else { return false };
@@ -121,8 +123,10 @@ impl ResultFolder {
             return Ok(());
         }
         named.find(|file| file.exists()).map_or(Ok(()), |file| {
-            let problem = "the file exists, and no model.transect beside it tells that this program \
-                           wrote it; choose another folder, or move the file away";
+            let problem = format!(
+                "the file exists, and no {MODEL} beside it tells that this program wrote it; \
+                 choose another folder, or move the file away"
+            );
             Err(WorkflowError::file(&file, problem))
         })
     }

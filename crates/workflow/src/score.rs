@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use transect::evaluate::{Accuracy, EvaluateOptions, Extent, duplication, evaluate, evaluate_seen};
 use transect_device::View;
-use transect_exchange::{Scan, TriangleMesh, read_mesh, read_truth};
+use transect_exchange::{Scan, TRUTH_FILE, TriangleMesh, read_mesh, read_truth};
 use transect_geometry::{Curve, PlaneIndex, Point2};
 use transect_model::Model;
 use transect_scene::{Mesh, MeshError, Visibility, merge_overlaps, sections};
@@ -47,7 +47,7 @@ impl Reference {
     /// The truth that lies beside a scan, if any.
     pub fn beside(scan: &Path) -> Self {
         let folder = if scan.is_dir() { Some(scan) } else { scan.parent() };
-        let truth = folder.map(|f| f.join("truth.npz")).filter(|t| t.is_file());
+        let truth = folder.map(|f| f.join(TRUTH_FILE)).filter(|t| t.is_file());
         truth.map_or(Self::Nothing, |truth| Self::Simulated { truth, scan: scan.to_owned() })
     }
 

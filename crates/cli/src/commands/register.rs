@@ -11,6 +11,7 @@ use crate::table::{Lengths, Row, print, print_grid, say};
 use std::path::{Path, PathBuf};
 use transect::PoseReport;
 use transect::register::{PoseOutcome, RefinedPose};
+use transect_exchange::MANIFEST_FILE;
 use transect_workflow::{Registration, StoreFile, is_model};
 
 /// Options of `register`.
@@ -59,7 +60,7 @@ fn scan(arguments: &Arguments, out: &Path, progress: &Progress) -> Result<(), Fa
     notes::tell(&registered.notes);
     warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     print_poses(&registered.poses);
-    let file = out.join("scan.json");
+    let file = out.join(MANIFEST_FILE);
     say(&format!("\nreconstruct it: transect reconstruct {}", file.display()));
     Ok(())
 }

@@ -4,6 +4,7 @@ use super::named;
 use crate::failure::Failure;
 use crate::table::{Row, digits, print};
 use std::path::{Path, PathBuf};
+use transect_exchange::MANIFEST_FILE;
 use transect_scene::{Description, Noise};
 use transect_workflow::default_folder;
 use transect_workflow::simulation::{
@@ -107,6 +108,6 @@ fn simulate_as(
     }
     rows.push(Row::plain("rays", simulated.rays));
     rows.push(Row::new("rays per second and core", digits(rate), "million"));
-    rows.push(Row::plain("scan", folder.join("scan.json").display()));
+    rows.push(Row::plain("scan", folder.join(MANIFEST_FILE).display()));
     Ok(rows)
 }

@@ -64,12 +64,12 @@ pub(crate) use to_scan::{no_order, to_scan};
 use crate::{OpenOptions, ReadError, Scan};
 use std::path::Path;
 
-/// The manifest's name in a scan folder.
-pub(crate) const FILE_NAME: &str = "scan.json";
+/// The name of the manifest in a scan folder.
+pub const MANIFEST_FILE: &str = "scan.json";
 
 /// Whether a folder holds a manifest.
 pub(crate) fn is_in(folder: &Path) -> bool {
-    folder.join(FILE_NAME).is_file()
+    folder.join(MANIFEST_FILE).is_file()
 }
 
 /// Opens a manifest as a scan.

@@ -61,6 +61,11 @@ impl TryFrom<Unchecked> for PlaneFamily {
 }
 
 impl PlaneFamily {
+    /// Part of an interval by which a point on a plane may be off it through the rounding of the
+    /// division. Chosen by hand, above rounding and far below any measurement; the same holds for
+    /// twice or half of it.
+    pub const ROUNDING: f64 = 1e-9;
+
     /// Planes every `interval` along the guide, plane 0 at station `offset`.
     ///
     /// # Errors
@@ -115,11 +120,7 @@ impl PlaneFamily {
 
     /// First plane whose station is at least `station`.
     pub fn first_at_or_above(&self, station: f64) -> PlaneIndex {
-        // Part of an interval by which a plane at the bound may be off through the rounding of the
-        // division. Chosen by hand, above rounding and far below any measurement; the same holds
-        // for twice or half of it.
-        const ROUNDING: f64 = 1e-9;
-        PlaneIndex(((station - self.offset) / self.interval - ROUNDING).ceil() as i64)
+        PlaneIndex(((station - self.offset) / self.interval - Self::ROUNDING).ceil() as i64)
     }
 
     /// First and last plane on a curved guide. The second is below the first if no plane lies
@@ -128,7 +129,7 @@ impl PlaneFamily {
         let guide: &CurvedGuide = self.guide.curved()?;
         let first = self.first_at_or_above(0.0);
         // The mirror image of the first plane, so that both ends are treated alike.
-        let last = ((guide.length() - self.offset) / self.interval + 1e-9).floor() as i64;
+        let last = ((guide.length() - self.offset) / self.interval + Self::ROUNDING).floor() as i64;
         Some((first, PlaneIndex(last)))
     }
 }

@@ -251,13 +251,11 @@ pub(crate) fn planes_around(
     selection: &PlaneSelection,
     in_world: &Point3,
 ) -> Vec<PlaneIndex> {
-    /// Part of an interval that counts as on the plane, as in `PlaneFamily`. Chosen by hand, above
-    /// rounding and far below any measurement; the same holds for twice or half of it.
-    const ROUNDING: f64 = 1e-9;
     let level = planes.level(in_world);
     // Large stations divided by a small interval have a larger rounding error.
     let size = in_world.coords.norm() + planes.offset().abs();
-    let rounding = (8.0 * f64::EPSILON * size / planes.interval()).clamp(ROUNDING, 0.25);
+    let rounding =
+        (8.0 * f64::EPSILON * size / planes.interval()).clamp(PlaneFamily::ROUNDING, 0.25);
     // From here on `f64` holds no fractions: a level cannot lie between planes.
     const LARGEST_LEVEL: f64 = 4.5e15;
     let between_planes = level.abs() < LARGEST_LEVEL;

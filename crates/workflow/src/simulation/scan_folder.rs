@@ -6,8 +6,9 @@ use crate::outputs::{Staging, is_own_manifest};
 use std::path::Path;
 use transect_device::{Pixel, RangeImage, View};
 use transect_exchange::{
-    Counts, Manifest, PlanesEntry, SensorEntry, StripeEntry, TriangleMesh, ViewEntry, row_major,
-    write_calibration, write_file, write_manifest, write_npy_image, write_npy_stack, write_truth,
+    Counts, MANIFEST_FILE, Manifest, PlanesEntry, SensorEntry, StripeEntry, TRUTH_FILE,
+    TriangleMesh, ViewEntry, row_major, write_calibration, write_file, write_manifest,
+    write_npy_image, write_npy_stack, write_truth,
 };
 use transect_scene::{BitDepth, Counts as StripeCounts, Mesh, StripeCamera};
 
@@ -21,12 +22,6 @@ pub enum StripeImages {
     Seen(StripeCamera),
 }
 
-/// The manifest's file in a scan folder.
-const MANIFEST: &str = "scan.json";
-
-/// The file of the truth in a scan folder.
-const TRUTH: &str = "truth.npz";
-
 /// The file of a view's calibration.
 pub fn calibration_file(view: usize) -> String {
     format!("calibration_{view:03}.csv")
@@ -39,7 +34,8 @@ pub fn calibration_file(view: usize) -> String {
 /// [`WorkflowError::File`] if the folder holds other files.
 pub fn claim_scan_folder(folder: &Path, force: bool) -> Result<(), WorkflowError> {
     let is_empty = std::fs::read_dir(folder).map_or(true, |mut files| files.next().is_none());
-    let is_simulated = is_own_manifest(&folder.join(MANIFEST)) && folder.join(TRUTH).is_file();
+    let is_simulated =
+        is_own_manifest(&folder.join(MANIFEST_FILE)) && folder.join(TRUTH_FILE).is_file();
     if !(force || is_empty || is_simulated) {
         let problem = "the folder holds files that no simulation wrote; remove them, or choose \
                        another --out (simulate --force writes beside them)";
@@ -85,10 +81,10 @@ impl SimulatedScan {
         manifest.sigma = sigma(&self.views, images);
         manifest.planes = Some(PlanesEntry::from(&description.planes));
         manifest.size = Some(scene.bounds.size());
-        write_file(&folder.join(MANIFEST), |out| write_manifest(&manifest, out))?;
+        write_file(&folder.join(MANIFEST_FILE), |out| write_manifest(&manifest, out))?;
         let Mesh { vertices, faces } = scene.truth.clone();
         let truth = TriangleMesh { vertices, faces };
-        write_file(&folder.join(TRUTH), |out| write_truth(&truth, out))?;
+        write_file(&folder.join(TRUTH_FILE), |out| write_truth(&truth, out))?;
         Ok(())
     }
 }

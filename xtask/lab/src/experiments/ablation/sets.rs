@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use transect::evaluate::{Accuracy, EvaluateOptions, evaluate, evaluate_seen};
 use transect_device::View;
-use transect_exchange::{Scan, read_truth};
+use transect_exchange::{MANIFEST_FILE, Scan, TRUTH_FILE, read_truth};
 use transect_fusion::{ConsensusOptions, FusionMethod, fuse_plane};
 use transect_geometry::{Curve, PlaneFamily, PlaneIndex, Point2, crossings};
 use transect_partial::{Method, partial_model};
@@ -52,7 +52,7 @@ impl Sources<'_> {
         let Some(folder) = self.peers else { return Ok(()) };
         let entries = std::fs::read_dir(folder).map_err(|e| Failure::with_file(folder, e))?;
         let mut folders: Vec<PathBuf> = entries.flatten().map(|e| e.path()).collect();
-        folders.retain(|f| f.join("truth.npz").is_file());
+        folders.retain(|f| f.join(TRUTH_FILE).is_file());
         folders.sort();
         for folder in folders {
             let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -169,11 +169,11 @@ fn peers(folder: &Path) -> Result<Raw, Failure> {
         return Err(Failure::with_file(folder, "the scan states no planes"));
     };
     let planes = entry.family().map_err(|e| Failure::because(e.to_string()))?;
-    let text = std::fs::read_to_string(folder.join("scan.json"))?;
+    let text = std::fs::read_to_string(folder.join(MANIFEST_FILE))?;
     let manifest: serde_json::Value = serde_json::from_str(&text)?;
     let size = manifest.get("size").and_then(serde_json::Value::as_f64);
     let tolerance = size.map_or(TOLERANCE_SHARE * planes.interval(), |s| SIZE_SHARE * s);
-    let truth = read_truth(&folder.join("truth.npz"))?;
+    let truth = read_truth(&folder.join(TRUTH_FILE))?;
     let mesh = Mesh { vertices: truth.vertices, faces: truth.faces };
     simulated(planes, trial::load(&scan)?, &mesh, tolerance)
 }

@@ -12,7 +12,7 @@ use std::path::Path;
 use transect::{Setup, Unwatched, reconstruct};
 use transect_device::{Pixel, View};
 use transect_exchange::svg::{Anchor, Figure, Mark};
-use transect_exchange::{write_file, write_npy_image};
+use transect_exchange::{MANIFEST_FILE, write_file, write_npy_image};
 use transect_fusion::{ConsensusOptions, FusionMethod};
 use transect_geometry::{Curve, LengthUnit, PlaneIndex, Point2, Point3};
 use transect_model::Model;
@@ -85,7 +85,7 @@ fn by_voxels(kitchen: &Public, python: &Path) -> Result<Vec<[Point3; 2]>, Failur
         kitchen.views.iter().map(|view| write_view(view, &folder)).collect();
     let planes = json!({ "normal": [0, -1, 0], "offset": 0, "interval": 0.1 });
     let scan = json!({ "name": "red kitchen", "unit": "m", "planes": planes, "views": views? });
-    write_file(&folder.join("scan.json"), |out| Ok(serde_json::to_writer(out, &scan)?))?;
+    write_file(&folder.join(MANIFEST_FILE), |out| Ok(serde_json::to_writer(out, &scan)?))?;
     let place = folder.to_string_lossy();
     let printed = python::run(python, "peers/section.py", &[&place, &PLANE.0.to_string(), VOXEL])?;
     let piece = |line: &str| {

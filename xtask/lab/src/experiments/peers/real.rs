@@ -8,7 +8,9 @@ use serde_json::json;
 use std::path::Path;
 use transect::Setup;
 use transect_device::{ImageSize, View};
-use transect_exchange::{TriangleMesh, write_file, write_npy_image, write_truth};
+use transect_exchange::{
+    MANIFEST_FILE, TRUTH_FILE, TriangleMesh, write_file, write_npy_image, write_truth,
+};
 use transect_geometry::{LengthUnit, Point3};
 
 /// The name of its folder and of its table.
@@ -44,8 +46,8 @@ pub fn write(data: &Path, folder: &Path) -> Result<f64, Failure> {
         let planes = json!({ "normal": [0, 1, 0], "offset": 0, "interval": 0.001 });
         let scan = json!({ "name": "Stanford bunny", "unit": "m", "size": size, "sigma": 0,
             "planes": planes, "lowest": trial::BUNNY_FROM, "views": entries });
-        write_file(&folder.join("scan.json"), |out| Ok(serde_json::to_writer(out, &scan)?))?;
-        write_file(&folder.join("truth.npz"), |out| write_truth(&truth, out))?;
+        write_file(&folder.join(MANIFEST_FILE), |out| Ok(serde_json::to_writer(out, &scan)?))?;
+        write_file(&folder.join(TRUTH_FILE), |out| write_truth(&truth, out))?;
     }
     Ok(seconds)
 }
