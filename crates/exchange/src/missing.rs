@@ -58,8 +58,8 @@ const BACKGROUND: f64 = 0.001;
 /// nearly as far away. At 1, every wall without noise that faces its camera is told of.
 const ALONE: f32 = 0.9;
 
-/// A value this many times the median is refused. Theory: `f32` resolves 2⁻²⁴ of a range, so a
-/// sensor that sees both is beyond any. Doubled, a value twice as absurd reaches the planes.
+/// A value this many times the median is refused. Chosen by hand: scanners reach from a tenth of a
+/// metre to some kilometres, a factor of 1e5. Doubled, a value twice as absurd reaches the planes.
 const ABSURD: f64 = 1e6;
 
 /// How many times more often a mark occurs than the repetitions of the other points explain.

@@ -4,7 +4,8 @@ use transect_geometry::PlaneIndex;
 
 /// Largest number of planes one view may span, 2²².
 ///
-/// Levels are compared as `f32`; at this many planes one still resolves a quarter of an interval.
+/// Levels count from the middle of the view and are compared as `f32`, which resolves an eighth of
+/// an interval 2²¹ planes from there. Doubled, it resolves a quarter.
 pub const MAX_LEVELS: i64 = 1 << 22;
 
 /// Largest number of a plane. Theory: `f64` holds whole numbers up to 2⁵³, about 9e15. Doubled,
@@ -12,7 +13,8 @@ pub const MAX_LEVELS: i64 = 1 << 22;
 pub const MAX_PLANE: f64 = 9e15;
 
 /// Most crossings of one view, 2²³: with their curves they take about 0.9 GiB. A view of four
-/// million pixels has that many if two planes pass between any two neighbours.
+/// million pixels has that many if one plane passes between any two neighbours of a row or of a
+/// column. Doubled, they take twice the memory.
 pub const MAX_CROSSINGS: usize = 1 << 23;
 
 /// Why a view could not be modelled.

@@ -14,11 +14,11 @@ use transect_geometry::LengthUnit;
 
 /// Most planes between two neighbouring pixels. Interpolation between pixels resolves a tenth of
 /// their distance at best, so denser planes show nothing new. Doubled, a depth image in millimetres
-/// that is declared as metres passes where planes are 10 pixels apart.
+/// that is declared as metres passes where planes are 50 pixels apart; now where they are 100.
 const PLANES_PER_PIXEL: f64 = 10.0;
 
 /// Fewest valid pixels of a view, as a share. Real scans of small objects have 5 % and more
-/// (measured on the Stanford bunny: 15 %). Doubled, views of an object that fills a seventh of the
+/// (measured on the Stanford bunny: 15 %). Doubled, views of an object that fills an eighth of the
 /// image in each direction are refused.
 const LEAST_VALID: f64 = 0.01;
 
@@ -38,7 +38,7 @@ const BETWEEN_VIEWS: f64 = 50.0;
 const CROSSING: f64 = 0.5;
 
 /// Largest angle between the rays of neighbouring pixels, as their distance on the unit sphere;
-/// 30°. Chosen by hand: rotating lidars have 3° at most, and scans of a full circle that are read
+/// 29°. Chosen by hand: rotating lidars have 3° at most, and scans of a full circle that are read
 /// in the wrong order have up to 180°. Doubled, coarse scans of that kind pass.
 const FARTHEST_RAYS: f64 = 0.5;
 

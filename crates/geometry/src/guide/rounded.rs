@@ -19,7 +19,8 @@ use crate::{Point3, Vector3};
 const STRAIGHT: f64 = 1e-9;
 
 /// Corners that turn by a half-turn, to within this many radians, are refused. Chosen by hand:
-/// their arcs would be shorter than a thousandth of a side.
+/// their arcs would have a radius of less than a two-thousandth of what they take off a side.
+/// Doubled, corners with twice that radius are refused, too.
 const HALF_TURN: f64 = 1e-3;
 
 /// Turns within this many radians of a half-turn lead back over the same points. Chosen by hand,
