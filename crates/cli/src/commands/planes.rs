@@ -22,8 +22,10 @@ pub struct PlaneArguments {
     guide: Option<PathBuf>,
     /// What the guide's points are: corners, which are rounded by arcs, or points of a cubic
     /// spline.
-    #[arg(long, action = clap::ArgAction::Set, value_parser = named([("polyline", true), ("spline", false)]), default_value = "spline", value_name = "KIND", requires = "guide")]
-    guide_kind: bool,
+    #[arg(long = "guide-kind", action = clap::ArgAction::Set, default_value = "spline",
+        value_parser = named([("polyline", true), ("spline", false)]), value_name = "KIND",
+        requires = "guide")]
+    is_polyline: bool,
     /// Largest radius of a polyline's corners [default: as large as there is room for].
     #[arg(long, value_name = "LENGTH", requires = "guide")]
     guide_radius: Option<String>,
@@ -54,7 +56,7 @@ impl PlaneArguments {
         settings.normal = self.normal.as_deref().map(parse_normal).transpose()?;
         settings.guide = self.guide.as_ref().map(|path| GuideSettings {
             path: path.clone(),
-            polyline: self.guide_kind,
+            polyline: self.is_polyline,
             radius: self.guide_radius.clone(),
             reach: self.guide_reach.clone(),
         });
