@@ -118,7 +118,7 @@ impl DepthOffsets {
     /// frame, and the depth runs along its z axis.
     ///
     /// # Errors
-    /// [`ImageError::WrongCount`] if the frame has another size than the image.
+    /// [`ImageError::OtherSize`] if the frame has another size than the image.
     pub fn correct(
         &self,
         frame: &dyn DeviceFrame,
@@ -126,7 +126,7 @@ impl DepthOffsets {
     ) -> Result<RangeImage, ImageError> {
         let size = image.size();
         if frame.size() != size {
-            return Err(ImageError::WrongCount { size: frame.size(), found: size.pixels() });
+            return Err(ImageError::OtherSize { size: frame.size(), found: size });
         }
         let corrected = |pixel: Pixel| {
             let value = image.get(pixel)?;

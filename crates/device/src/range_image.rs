@@ -106,6 +106,14 @@ pub enum ImageError {
         /// The number of values.
         found: usize,
     },
+    /// An image and its sensor have different sizes.
+    #[error("the image has {found}, but the sensor {size}")]
+    OtherSize {
+        /// The sensor's size.
+        size: ImageSize,
+        /// The image's size.
+        found: ImageSize,
+    },
 }
 
 /// A grid of range-related values `d3`, one per ray of a sensor, some of them missing.

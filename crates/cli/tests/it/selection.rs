@@ -39,6 +39,8 @@ fn views_are_chosen_by_number_range_and_name() {
         ("--crop 1,2", "--crop: \"1,2\" has 2 lengths; write x0,x1,y0,y1,z0,z1"),
         ("--crop 2,1,,,,", "--crop: x runs from 2 m to 1 m; write x0 < x1"),
         ("--crop a,,,,,", "--crop: \"a\" is not a length"),
+        ("--max-range 0", "--max-range: \"0\" leaves no pixel; write a length over 0"),
+        ("--max-range=-1m", "--max-range: \"-1m\" leaves no pixel; write a length over 0"),
         ("--max-range far", "--max-range: \"far\" is not a length"),
         ("--max-range 20 --store s", "--max-range: a store takes whole views"),
     ] {

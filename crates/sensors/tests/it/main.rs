@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "tests and their helpers may fail loudly")]
 
 mod alignment;
+mod depth_offsets;
 mod halved;
 mod laws;
 mod lookup_table;
