@@ -30,9 +30,9 @@ pub(crate) fn read(
     let bytes = read_bytes(path)?;
     let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     match extension.as_deref() {
-        Some("npy") => from_npy(path, &bytes, scale),
+        Some("npy") => from_npy(path, &bytes, scale, notes),
         Some("png") => from_png(path, &bytes, scale, notes),
-        Some("pgm") => from_counts(path, pgm_file::decode(path, &bytes)?, scale, notes),
+        Some("pgm") => from_counts(path, pgm_file::decode(path, &bytes, notes)?, scale, notes),
         Some("tif" | "tiff") => from_tiff(path, &bytes, scale, notes),
         Some("exr") => {
             let problem = "EXR is not read; convert the depth to .npy or to a .tif of floats";
@@ -49,9 +49,11 @@ pub(crate) fn read(
 pub(crate) fn read_points(
     path: &Path,
     scale: Option<f64>,
+    notes: &mut Vec<String>,
 ) -> Result<(ImageSize, Vec<Point3>), ReadError> {
     let bytes = read_bytes(path)?;
     let array = Npy::parse(&bytes).map_err(|p| p.in_file(path))?;
+    notes.extend(array.leftovers());
     let [rows, cols, 3] = *array.shape() else {
         return Err(wrong_shape(path, &array, "rows × columns × 3"));
     };
@@ -60,8 +62,14 @@ pub(crate) fn read_points(
     Ok((ImageSize { rows, cols }, points))
 }
 
-fn from_npy(path: &Path, bytes: &[u8], scale: Option<f64>) -> Result<Pixels, ReadError> {
+fn from_npy(
+    path: &Path,
+    bytes: &[u8],
+    scale: Option<f64>,
+    notes: &mut Vec<String>,
+) -> Result<Pixels, ReadError> {
     let array = Npy::parse(bytes).map_err(|p| p.in_file(path))?;
+    notes.extend(array.leftovers());
     let ([rows, cols] | [rows, cols, 1]) = *array.shape() else {
         return Err(wrong_shape(path, &array, "rows × columns"));
     };

@@ -59,15 +59,24 @@ impl Header {
 pub(crate) struct Npy<'a> {
     header: Header,
     data: &'a [u8],
+    /// Bytes after the last number.
+    left: usize,
 }
 
 impl<'a> Npy<'a> {
-    /// The array that fills the bytes; bytes beyond its end are ignored, as NumPy does.
+    /// The array at the start of the bytes. [`Npy::leftovers`] tells of bytes behind its end, which
+    /// NumPy ignores.
     pub(crate) fn parse(bytes: &'a [u8]) -> Result<Self, Problem> {
         let header = Header::parse(bytes)?;
         let needed = header.data_size(bytes.len())?;
         let data = bytes.get(header.length..).and_then(|d| d.get(..needed)).unwrap_or_default();
-        Ok(Self { header, data })
+        let left = bytes.len() - header.length - data.len();
+        Ok(Self { header, data, left })
+    }
+
+    /// The note on bytes after the last number, such as those of a second array.
+    pub(crate) fn leftovers(&self) -> Option<String> {
+        (self.left > 0).then(|| format!("{} bytes after the last number ignored", self.left))
     }
 
     pub(crate) fn shape(&self) -> &[usize] {
@@ -239,6 +248,9 @@ mod tests {
             "{}",
             problem(&huge)
         );
+        let longer = npy("<f8", &[2, 2], &[0; 35]);
+        let note = "3 bytes after the last number ignored";
+        assert_eq!(Npy::parse(&longer).ok().unwrap().leftovers().as_deref(), Some(note));
         let short = npy("<f8", &[2, 2], &[0; 31]);
         assert!(problem(&short).contains("31 bytes follow"));
         assert_eq!(problem(b"\x93NUMPY\x02\x00\xff\xff\xff\xff{}"), "truncated inside the header");

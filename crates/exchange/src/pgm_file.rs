@@ -10,8 +10,13 @@ use std::path::Path;
 use std::str::FromStr;
 use transect_device::ImageSize;
 
-/// The size and the row-major counts in a file's bytes.
-pub(crate) fn decode(path: &Path, bytes: &[u8]) -> Result<(ImageSize, Vec<u16>), ReadError> {
+/// The size and the row-major counts in a file's bytes. A note tells of bytes behind them, such as
+/// those of a second image.
+pub(crate) fn decode(
+    path: &Path,
+    bytes: &[u8],
+    notes: &mut Vec<String>,
+) -> Result<(ImageSize, Vec<u16>), ReadError> {
     let damaged = |problem: String| ReadError::damaged(path, Place::Whole, problem);
     let mut rest = bytes;
     let as_text = match word(&mut rest) {
@@ -44,11 +49,16 @@ pub(crate) fn decode(path: &Path, bytes: &[u8]) -> Result<(ImageSize, Vec<u16>),
     let counts: Option<Vec<u16>> = if as_text {
         (0..pixels).map(|_| word(&mut rest).and_then(number_of)).collect()
     } else {
-        let pairs = rest.get(1..).unwrap_or_default().as_chunks().0;
-        Some(pairs.iter().take(pixels).map(|pair| u16::from_be_bytes(*pair)).collect())
+        let (counts, behind) = rest.get(1..).unwrap_or_default().split_at(2 * pixels);
+        rest = behind;
+        Some(counts.as_chunks().0.iter().map(|pair| u16::from_be_bytes(*pair)).collect())
     };
     let counts =
         counts.ok_or_else(|| damaged(format!("fewer than {pixels} counts of 0 to 65535")))?;
+    let left = if as_text { rest.trim_ascii() } else { rest }.len();
+    if left > 0 {
+        notes.push(format!("{left} bytes after the last count ignored"));
+    }
     Ok((size, counts))
 }
 
@@ -75,7 +85,19 @@ mod tests {
     use super::*;
 
     fn counts(bytes: &[u8]) -> Result<(ImageSize, Vec<u16>), String> {
-        decode(Path::new("a.pgm"), bytes).map_err(|e| e.to_string())
+        decode(Path::new("a.pgm"), bytes, &mut Vec::new()).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn a_note_tells_of_bytes_behind_the_image() {
+        let notes = |bytes| {
+            let mut notes = Vec::new();
+            decode(Path::new("a.pgm"), bytes, &mut notes).unwrap();
+            notes
+        };
+        assert_eq!(notes(b"P5 1 1 65535\n\0\x01P5"), ["2 bytes after the last count ignored"]);
+        assert_eq!(notes(b"P2 2 1 65535\n1 2 3 4\n"), ["3 bytes after the last count ignored"]);
+        assert_eq!(notes(b"P2 2 1 65535\n1 2\n\n").len(), 0);
     }
 
     #[test]

@@ -44,7 +44,7 @@ impl ViewFile {
         &self,
         notes: &mut Vec<String>,
     ) -> Result<(ImageSize, Vec<Point3>), ReadError> {
-        let (size, mut points) = image_file::read_points(&self.path, self.scale)?;
+        let (size, mut points) = image_file::read_points(&self.path, self.scale, notes)?;
         self.check_size(size)?;
         missing::clear_points(size, &mut points, self.marks(), notes)
             .map_err(|p| p.in_file(&self.path))?;

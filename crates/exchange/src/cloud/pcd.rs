@@ -233,9 +233,12 @@ fn scalar(kind: &str, size: usize) -> Option<Scalar> {
 pub(super) fn read(bytes: &[u8]) -> Result<Cloud, Problem> {
     let header = Header::parse(bytes)?;
     let body = bytes.get(header.length..).unwrap_or_default();
-    let unpacked = match header.encoding {
-        Encoding::Compressed => Some(decompressed(&header, body)?),
-        _ => None,
+    let (unpacked, behind) = match header.encoding {
+        Encoding::Compressed => {
+            let (unpacked, behind) = decompressed(&header, body)?;
+            (Some(unpacked), behind)
+        }
+        _ => (None, 0),
     };
     let body = unpacked.as_deref().unwrap_or(body);
     let axes = [header.field("x")?, header.field("y")?, header.field("z")?];
@@ -260,9 +263,14 @@ pub(super) fn read(bytes: &[u8]) -> Result<Cloud, Problem> {
         let at = || Place::Element { kind: "point".to_owned(), number, line };
         one().map_err(|problem: String| Problem::at(at(), problem))
     };
-    match header.encoding {
-        Encoding::Text => read_text(&header, body, &mut add)?,
-        Encoding::Binary | Encoding::Compressed => read_binary(&header, body, &mut add)?,
+    let (left, what) = match header.encoding {
+        Encoding::Text => (read_text(&header, body, &mut add)?, "lines"),
+        Encoding::Binary | Encoding::Compressed => {
+            (read_binary(&header, body, &mut add)? + behind, "bytes")
+        }
+    };
+    if left > 0 {
+        cloud.notes.push(format!("{left} {what} after the last point ignored"));
     }
     cloud.size = (header.size.rows > 1).then_some(header.size);
     Ok(cloud)
@@ -272,7 +280,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Cloud, Problem> {
 type Add<'a> = dyn FnMut(usize, Option<usize>, &dyn Fn(&Field) -> Result<f64, String>) -> Result<(), Problem>
     + 'a;
 
-fn read_text(header: &Header, body: &[u8], add: &mut Add<'_>) -> Result<(), Problem> {
+/// Takes the points of a text. Returns the number of lines after the last one.
+fn read_text(header: &Header, body: &[u8], add: &mut Add<'_>) -> Result<usize, Problem> {
     let is_full = |line: &&[u8]| !line.trim_ascii().is_empty();
     let lines = (header.lines + 1..).zip(body.split(|b| *b == b'\n'));
     let mut lines = lines.filter(|(_, line)| is_full(line));
@@ -294,15 +303,16 @@ fn read_text(header: &Header, body: &[u8], add: &mut Add<'_>) -> Result<(), Prob
             number.ok_or_else(|| format!("field {}: {:?} is no number", field.name, start()))
         })?;
     }
-    Ok(())
+    Ok(lines.count())
 }
 
-fn read_binary(header: &Header, body: &[u8], add: &mut Add<'_>) -> Result<(), Problem> {
+/// Takes the points of bytes. Returns the number of bytes after the last one.
+fn read_binary(header: &Header, body: &[u8], add: &mut Add<'_>) -> Result<usize, Problem> {
     let (points, record) = (header.size.pixels(), header.record());
+    let left = record.checked_mul(points).and_then(|needed| body.len().checked_sub(needed));
     // A record without a byte could announce any number of points.
-    if record == 0 || record.checked_mul(points).is_none_or(|needed| needed > body.len()) {
-        return Err(truncated(header, body.len() / record.max(1)));
-    }
+    let left = left.filter(|_| record > 0);
+    let left = left.ok_or_else(|| truncated(header, body.len() / record.max(1)))?;
     for number in 0..points {
         add(number, None, &|field| {
             let at = match header.encoding {
@@ -313,7 +323,7 @@ fn read_binary(header: &Header, body: &[u8], add: &mut Add<'_>) -> Result<(), Pr
             value.ok_or_else(|| "truncated: the file ends here".to_owned())
         })?;
     }
-    Ok(())
+    Ok(left)
 }
 
 fn truncated(header: &Header, found: usize) -> Problem {
@@ -322,7 +332,8 @@ fn truncated(header: &Header, found: usize) -> Problem {
     Problem::damaged(problem)
 }
 
-fn decompressed(header: &Header, body: &[u8]) -> Result<Vec<u8>, Problem> {
+/// The points of a compressed file, and the number of bytes after them.
+fn decompressed(header: &Header, body: &[u8]) -> Result<(Vec<u8>, usize), Problem> {
     let lengths = body.first_chunk::<4>().zip(body.get(4..).and_then(|b| b.first_chunk::<4>()));
     let (packed, length) = lengths.ok_or_else(|| truncated(header, 0))?;
     let (packed, length) = (u32::from_le_bytes(*packed), u32::from_le_bytes(*length));
@@ -333,5 +344,6 @@ fn decompressed(header: &Header, body: &[u8]) -> Result<Vec<u8>, Problem> {
             "truncated: the file announces {packed} compressed bytes and has {found}"
         ))
     })?;
-    lzf::decompress(data, length as usize).map_err(Problem::damaged)
+    let points = lzf::decompress(data, length as usize).map_err(Problem::damaged)?;
+    Ok((points, body.len() - 8 - data.len()))
 }

@@ -70,6 +70,23 @@ fn all_encodings_of_pcd_give_the_same_grid() {
 }
 
 #[test]
+fn a_note_tells_of_what_follows_the_last_point() {
+    let notes = |bytes: &[u8]| {
+        let (_folder, path) = write_to_folder("a.pcd", bytes);
+        Scan::open(&path).unwrap().views[0].load().unwrap().1
+    };
+    let text = notes((text_file() + "\n1 2 3\n").as_bytes());
+    assert!(text.last().unwrap().ends_with("1 lines after the last point ignored"), "{text:?}");
+    for bytes in [binary_file(), compressed_file()] {
+        let before = notes(&bytes).len();
+        let found = notes(&[bytes, vec![0; 3]].concat());
+        let end = "3 bytes after the last point ignored";
+        assert!(found.iter().any(|note| note.ends_with(end)), "{found:?}");
+        assert_eq!(found.len(), before + 1);
+    }
+}
+
+#[test]
 fn the_viewpoint_is_the_pose() {
     let (_folder, path) = write_to_folder("a.pcd", text_file().as_bytes());
     let scan = Scan::open(&path).unwrap();

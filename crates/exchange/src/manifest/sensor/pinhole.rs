@@ -207,7 +207,13 @@ impl PinholeSensor {
         size: ImageSize,
         path: &Path,
     ) -> Result<RayTable, ReadError> {
-        let (found, rays) = image_file::read_points(path, Some(1.0))?;
+        let mut leftovers = Vec::new();
+        let (found, rays) = image_file::read_points(path, Some(1.0), &mut leftovers)?;
+        // All views share the table, so a note could not name one of them.
+        if !leftovers.is_empty() {
+            let problem = "\"rays\" has bytes after its last number; save the array alone";
+            return Err(ReadError::damaged(path, Place::Whole, problem));
+        }
         if found != size {
             let image = file.path.display();
             let problem = format!("\"rays\" has {found}, but the image {image} has {size}");

@@ -83,6 +83,10 @@ fn a_table_of_rays_takes_the_place_of_the_parameters() {
     assert_eq!(view.point_in_sensor(Pixel::new(0, 1)), None, "a pixel without a ray");
     let corner = view.point_in_sensor(Pixel::new(5, 7)).unwrap();
     assert!((corner - Point3::new(1.75, 1.25, 2.0)).norm() < 1e-12, "{corner}");
+    let array = std::fs::read(&path).unwrap();
+    std::fs::write(&path, [&array[..], &array].concat()).unwrap();
+    let two = error(folder.path());
+    assert!(two.contains("rays.npy: \"rays\" has bytes after its last number"), "{two}");
     write_npy(&path, &[3, 16, 3], &rays);
     let other = error(folder.path());
     assert!(other.contains("rays.npy: \"rays\" has 3 rows × 16 columns, but the image"));
