@@ -127,15 +127,29 @@ impl Plausibility {
         Self { interval, unit, accepted: accepted.to_vec(), usual_spacing: None }
     }
 
-    /// Checks a view.
+    /// Checks that a view has enough valid pixels. Limits of the user leave pixels out, so this
+    /// check comes before them.
+    pub(crate) fn check_valid_pixels(&self, whole: &View) -> Result<(), WorkflowError> {
+        let (valid, pixels) = (whole.image().valid_count(), whole.image().size().pixels());
+        let is_enough = valid as f64 >= LEAST_VALID * pixels as f64;
+        if is_enough || self.accepted.contains(&Check::ValidPixels) {
+            return Ok(());
+        }
+        Check::ValidPixels.refuse(format!(
+            "only {valid} of {pixels} pixels are valid; at least {:.0} % are plausible. Check the \
+             file, its number type and the value for missing pixels.",
+            100.0 * LEAST_VALID
+        ))
+    }
+
+    /// Checks everything else of a view, within the limits of the user.
     pub(crate) fn check_view(&self, view: &View) -> Result<(), WorkflowError> {
         let spacing = pixel_spacing(view);
         Check::ALL.into_iter().filter(|check| !self.accepted.contains(check)).try_for_each(
             |check| match check {
                 Check::Planes => self.check_planes(spacing),
-                Check::ValidPixels => check_valid_pixels(view),
                 Check::Resolution => self.check_resolution(view, spacing),
-                Check::Distance => Ok(()),
+                Check::ValidPixels | Check::Distance => Ok(()),
                 Check::Extent => self.check_extent(spacing),
                 Check::Angles => check_angles(view),
                 Check::Order => check_order(view),
@@ -318,16 +332,4 @@ fn rays_cross(view: &View, Pixel { row, col }: Pixel) -> Option<bool> {
     let (across, both) = (right.cross(&below).norm(), right.norm() * below.norm());
     let farthest = right.norm().max(below.norm());
     (both > 0.0).then_some(across >= CROSSING * both && farthest <= FARTHEST_RAYS)
-}
-
-fn check_valid_pixels(view: &View) -> Result<(), WorkflowError> {
-    let (valid, pixels) = (view.image().valid_count(), view.image().size().pixels());
-    if valid as f64 >= LEAST_VALID * pixels as f64 {
-        return Ok(());
-    }
-    Check::ValidPixels.refuse(format!(
-        "only {valid} of {pixels} pixels are valid; at least {:.0} % are plausible. Check the \
-         file, its number type and the value for missing pixels.",
-        100.0 * LEAST_VALID
-    ))
 }

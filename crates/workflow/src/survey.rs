@@ -106,11 +106,13 @@ impl OpenScan {
             WorkflowError::Reconstruct(ReconstructError::Load { view, source })
         };
         let (loaded, notes) = view.load().map_err(|e| failed(e.into()))?;
-        let loaded = self.limits.apply(loaded).map_err(|e| failed(e.into()))?;
         let scan = self.scan();
         let mut checks = Plausibility::without_planes(scan.unit, &[]);
         checks.interval = scan.planes.as_ref().map_or(f64::INFINITY, |planes| planes.interval);
-        let refusal = checks.check_view(&loaded).err().map(|error| error.to_string());
+        let whole = checks.check_valid_pixels(&loaded);
+        let loaded = self.limits.apply(loaded).map_err(|e| failed(e.into()))?;
+        let checked = whole.and_then(|()| checks.check_view(&loaded));
+        let refusal = checked.err().map(|error| error.to_string());
         Ok(ViewSurvey { refusal, ..ViewSurvey::of(&loaded, notes) })
     }
 }

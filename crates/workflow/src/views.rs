@@ -174,6 +174,7 @@ impl FileView<'_> {
             Some(pose) => view.with_pose(*pose)?,
             None => view,
         };
+        self.plausibility.check_valid_pixels(&view)?;
         let view = self.limits.apply(view)?;
         self.plausibility.check_view(&view)?;
         Ok(LoadedView { view, notes })

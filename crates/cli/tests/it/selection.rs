@@ -89,6 +89,16 @@ fn a_crop_leaves_points_out_and_makes_no_surface() {
 }
 
 #[test]
+fn a_crop_of_a_few_pixels_is_no_damaged_image() {
+    let folder = Folder::simulated("objects.scene.toml");
+    // It leaves 3 of 12 000 pixels of a view.
+    let crop = "scan --crop 0,0.4,0,0.4,, --no-score";
+    folder.reconstruct(crop).succeeded();
+    let inspected = folder.run(&format!("inspect {}", crop.trim_end_matches(" --no-score")));
+    assert!(!inspected.succeeded().stderr.contains("pixels are valid"));
+}
+
+#[test]
 fn views_without_a_point_in_range_are_left_out() {
     let folder = Folder::simulated("objects.scene.toml");
     let inspected = folder.run("inspect scan --output-unit m").succeeded();
