@@ -274,4 +274,10 @@ mod tests {
         let wanted = ["room_1", "scan", "scan", "a_.._b", "scan"];
         assert_eq!(names, wanted.map(|name| Path::new("transect-out").join(name)));
     }
+
+    #[test]
+    fn a_refused_action_is_named_with_its_file() {
+        let text = crate::with_causes(&find_model(Path::new("no such model")).unwrap_err());
+        assert!(text.starts_with("no such model: cannot find the model\n  because: "), "{text}");
+    }
 }
