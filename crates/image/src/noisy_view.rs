@@ -30,6 +30,7 @@ pub struct NoisyView<'a> {
     view: Cow<'a, View>,
     noise: RangeNoise,
     step: usize,
+    valid: usize,
     filled: usize,
 }
 
@@ -37,7 +38,8 @@ impl<'a> NoisyView<'a> {
     /// All pixels of a view.
     pub fn whole(view: &'a View) -> Self {
         let noise = RangeNoise::of(view);
-        Self { read: view, view: Cow::Borrowed(view), noise, step: 1, filled: 0 }
+        let valid = view.image().valid_count();
+        Self { read: view, view: Cow::Borrowed(view), noise, step: 1, valid, filled: 0 }
     }
 
     /// The view at the resolution that its noise leaves: every other row and column where
@@ -52,11 +54,13 @@ impl<'a> NoisyView<'a> {
     fn halved(read: &'a View) -> Option<Self> {
         let half = read.halved()?;
         let noise = RangeNoise::of(&half);
+        let valid = half.image().valid_count();
         let view = noise.is_mostly_shared().then_some(Cow::Owned(half))?;
-        Some(Self { read, view, noise, step: 2, filled: 0 })
+        Some(Self { read, view, noise, step: 2, valid, filled: 0 })
     }
 
-    /// The same with the missing pixels that their neighbours tell, where the image is noisy.
+    /// The same with missing pixels and outliers filled where their neighbours tell the surface, if
+    /// the image is noisy; see `fill.rs`.
     ///
     /// `rule` tells which neighbouring pixels of this view belong to one surface.
     #[must_use]
@@ -82,7 +86,12 @@ impl<'a> NoisyView<'a> {
         &self.noise
     }
 
-    /// How many of its pixels are missing in the image that was given, and were filled.
+    /// How many of its pixels have a sample in the image that was given.
+    pub fn valid_pixels(&self) -> usize {
+        self.valid
+    }
+
+    /// How many of its pixels were missing or outliers, and were filled.
     pub fn filled_pixels(&self) -> usize {
         self.filled
     }

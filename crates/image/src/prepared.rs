@@ -48,7 +48,12 @@ impl<'a> PreparedView<'a> {
         self.given.view()
     }
 
-    /// Missing pixels that were filled before; see [`NoisyView::filled`].
+    /// Pixels that have a sample in the image that was read.
+    pub fn valid_pixels(&self) -> usize {
+        self.given.valid_pixels()
+    }
+
+    /// Pixels that were filled before smoothing; see [`NoisyView::filled`].
     pub fn filled_pixels(&self) -> usize {
         self.given.filled_pixels()
     }

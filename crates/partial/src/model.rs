@@ -31,7 +31,7 @@ pub struct PartialCounts {
     pub smoothed: usize,
     /// Pixels between the two surfaces of a range jump, which smoothing left out.
     pub flying: usize,
-    /// Missing pixels that their neighbours told; counts of pairs include them.
+    /// Missing pixels and outliers that were filled; counts of pairs include them.
     pub filled: usize,
     /// Pixels beyond an end of a curved guide; they count as missing.
     pub beyond_ends: usize,
@@ -43,8 +43,8 @@ impl PartialModel {
     /// Takes over the noise of a view and what smoothing did.
     pub(crate) fn take_prepared(&mut self, prepared: &PreparedView<'_>) {
         let counts = &mut self.counts;
+        counts.read = prepared.valid_pixels();
         counts.filled = prepared.filled_pixels();
-        counts.read = prepared.given().image().valid_count() - counts.filled;
         counts.sigma = prepared.sigma();
         if let Some(smoothed) = prepared.smoothed() {
             counts.smoothed = smoothed.changed;

@@ -106,8 +106,8 @@ pub struct ViewReport {
     /// Flying pixels: samples alone between the two surfaces of a range jump, which are left out.
     /// They are looked for where the image is smoothed.
     pub flying_pixels: usize,
-    /// Missing pixels, of those that are read, that took the mean of their neighbours. Images are
-    /// filled where they are smoothed.
+    /// Missing pixels and outliers, of the pixels that are read, that took the mean of their
+    /// neighbours. Images are filled where they are smoothed.
     pub filled_pixels: usize,
 }
 

@@ -146,7 +146,7 @@ fn lost_offsets(posed: &PosedScan, poses: &[ViewPose]) -> Option<String> {
         format!(
             "scan.json has the refined poses, and not the error that the depth camera makes alike \
              in {found} images: only pinhole images of a scan.json or a folder can state it. Run \
-             reconstruct MANIFEST_FILE --refine-poses, which corrects the images"
+             reconstruct SCAN --refine-poses, which corrects the images"
         )
     })
 }

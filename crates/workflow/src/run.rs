@@ -315,7 +315,7 @@ fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
         let read = report.views.iter().map(|v| v.read_pixels).sum();
         let filled = report.views.iter().map(|v| v.filled_pixels).sum();
         let changed = [
-            ("missing pixels, filled", filled),
+            ("missing pixels and outliers, filled", filled),
             ("flying pixels, left out", flying),
             ("beyond the guide's ends, left out", beyond(report, |v| v.beyond_guide_ends)),
             ("beyond the guide's reach, left out", beyond(report, |v| v.beyond_guide_reach)),

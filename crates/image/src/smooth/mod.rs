@@ -135,8 +135,8 @@ pub struct SmoothingSteps {
     pub robust_weights: bool,
     /// Flying pixels are left out.
     pub flying_pixels: bool,
-    /// Missing pixels are filled whose neighbours tell what they would have measured.
-    pub missing_pixels: bool,
+    /// Missing pixels and outliers are filled.
+    pub fill: bool,
 }
 
 impl Default for SmoothingSteps {
@@ -148,7 +148,7 @@ impl Default for SmoothingSteps {
             wider_window: true,
             robust_weights: true,
             flying_pixels: true,
-            missing_pixels: true,
+            fill: true,
         }
     }
 }

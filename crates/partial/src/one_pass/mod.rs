@@ -157,7 +157,7 @@ impl OnePassOptions {
             true => NoisyView::resolved(view),
             false => NoisyView::whole(view),
         };
-        if !(self.smooth && steps.missing_pixels) {
+        if !(self.smooth && steps.fill) {
             return noisy;
         }
         let rule = self.break_rule(noisy.view(), noisy.noise());

@@ -87,6 +87,6 @@ fn methods_left_out() -> [(&'static str, Method); 8] {
         ("smoothing: wider_window", without(|o| o.smoothing.wider_window = false)),
         ("smoothing: robust_weights", without(|o| o.smoothing.robust_weights = false)),
         ("smoothing: flying_pixels", without(|o| o.smoothing.flying_pixels = false)),
-        ("smoothing: missing_pixels", without(|o| o.smoothing.missing_pixels = false)),
+        ("smoothing: fill", without(|o| o.smoothing.fill = false)),
     ]
 }
