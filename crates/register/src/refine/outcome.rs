@@ -7,7 +7,9 @@ use super::pairs::{Pair, Sample, Spread, State};
 use super::solve::System;
 use super::uncertainty::{Covariances, independent, is_within, sigma, sigma_at};
 use crate::coarse::PosePrior;
-use crate::tuning::{FAR_OFF, GATE, MISPLACED, MOTION_POINTS, NEGLIGIBLE, OBSERVATIONS};
+use crate::tuning::{
+    FAR_OFF, GATE, MISPLACED, MOTION_POINTS, NEGLIGIBLE, OBSERVATIONS, SAMPLING_ROUGH,
+};
 use nalgebra::Matrix6;
 use std::collections::BTreeSet;
 use transect_device::{DepthOffsets, Isometry3, Point3, Vector3};
@@ -104,14 +106,15 @@ fn in_short<S: serde::Serializer>(
 
 impl Rounds<'_> {
     /// The view that fits the others worst, if it is misplaced: far worse than the others and than
-    /// its noise explains, and hardly better than at its given pose.
+    /// its noise and its pixels explain, and hardly better than at its given pose.
     pub(super) fn worst_view(&self) -> Option<usize> {
         let [before, after] = self.residuals();
         let typical = median(after.iter().flatten().copied())?;
         let views = before.iter().zip(&after).enumerate();
         let misplaced = views.filter_map(|(k, (before, after))| {
             let after = (*after)?;
-            let worse = after > MISPLACED * typical && after > GATE * self.noise(k);
+            let explained = (GATE * self.noise(k)).max(SAMPLING_ROUGH * self.spacing(k));
+            let worse = after > MISPLACED * typical && after > explained;
             (worse && after > 0.5 * (*before)?).then_some((k, after))
         });
         misplaced.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k)
@@ -281,6 +284,15 @@ impl Rounds<'_> {
     /// Median noise of a view's patches.
     fn noise(&self, k: usize) -> f64 {
         median(self.scene.samples[k].iter().map(|s| s.sigma)).unwrap_or(0.0)
+    }
+
+    /// Median distance between the samples of a view's patches. Without noise, a patch departs from
+    /// a bent surface by up to [`SAMPLING_ROUGH`] of it. Its standard deviation tells less: it is
+    /// that of a mean of independent errors. A view may meet the others on bent surfaces alone.
+    fn spacing(&self, k: usize) -> f64 {
+        let view = self.scene.views[k];
+        let sides = view.patches().map(|(_, patch)| 2.0 * patch.radius());
+        median(sides).unwrap_or(0.0) / view.step() as f64
     }
 
     /// Angle, and distance of the middle of a view's surface, between its given and present poses.

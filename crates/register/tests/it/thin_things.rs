@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use transect_device::{ImageSize, Isometry3, Point3, Vector3, View};
-use transect_register::{CoarseView, Finding, judge};
+use transect_register::{CoarseView, Finding, PoseOutcome, RefineOptions, judge, refine};
 use transect_scene::{Noise, Scene, Shape, Solid};
 use transect_sensors::{Intrinsics, Pinhole};
 
@@ -50,6 +50,20 @@ fn sound_views_around_thin_things_are_not_blamed() {
                 let found = judge(&copies).findings;
                 assert!(found.is_empty(), "{start} {nearness}: {found:?}");
             }
+        }
+    }
+}
+
+#[test]
+fn sound_views_around_thin_things_are_not_misplaced() {
+    for start in [1, 4, 7] {
+        for nearness in [0.9, 1.0, 1.1] {
+            let views = views(0.05 * f64::from(start), nearness);
+            let copies: Vec<CoarseView> = views.iter().map(CoarseView::new).collect();
+            let poses = refine(&copies, &RefineOptions::default()).poses;
+            let misplaced = poses.iter().filter(|pose| pose.outcome == PoseOutcome::Misplaced);
+            let misplaced: Vec<&str> = misplaced.map(|pose| &*pose.view).collect();
+            assert!(misplaced.is_empty(), "{start} {nearness}: {misplaced:?}");
         }
     }
 }
