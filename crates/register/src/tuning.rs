@@ -42,8 +42,8 @@ pub const ROUGH: f64 = 2.0;
 pub const FOLDED: f64 = 3.72;
 
 /// Departure that is allowed in images without noise, over the distance between samples. No unit.
-/// Chosen by hand: far below what a crease leaves in a cell. Views that lie off each other by less are
-/// not misplaced. Doubled, shallow creases pass.
+/// Chosen by hand: far below what a crease leaves in a cell. Views that lie off each other by less
+/// are not misplaced. Doubled, shallow creases pass.
 pub const SAMPLING_ROUGH: f64 = 0.03;
 
 /// Largest angle between the normals of two patches of one surface, in degrees. Chosen by hand:

@@ -24,8 +24,9 @@
 //! 4. After the rounds, each camera is tested. If its scale or focal length is wrong more probably
 //!    than right, both become unknowns. The rounds are repeated from the given poses, which do not
 //!    hide them.
-//! 5. If the odds of a focal length exceed `FOCAL_ODDS` then, poses and images stay as given, and
-//!    the result states the focal lengths. The images cannot be corrected for them here.
+//! 5. If the odds of a focal length exceed `FOCAL_ODDS` then, and pairs that are left out agree
+//!    better with it (`left_out.rs`), poses and images stay as given. The result states the focal
+//!    lengths. The images cannot be corrected for them here.
 //! 6. Else the rounds are repeated with free scales alone. A scale whose odds do not exceed
 //!    `SCALE_ODDS` then is right.
 

@@ -9,13 +9,18 @@
 //! A pair without which its two views are no longer held together can judge nothing as a whole: of
 //! two views, or in a chain. One half of the blocks of its image moves the views then, and the
 //! other half judges.
+//!
+//! The same test decides between two estimates. Odds that rest on standard deviations alone take
+//! errors that no unknown explains for knowledge. Time-of-flight cameras measure depths too long
+//! where walls light each other. That gave odds of 900 to 15 000 for focal lengths 0.3 to 0.5 %
+//! off, and the pairs that were left out did not agree better with them.
 
 use super::Rounds;
 use super::pairs::{Pair, Portion, scrambled};
 use super::solve::System;
 use crate::CoarseView;
 use crate::tuning::PARTS;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Two views, by number, and both directions of their pair. These see the same error, so they stay
 /// together.
@@ -71,16 +76,45 @@ impl Rounds<'_> {
     /// Change of the squared distances of the parts, each under the estimate that did not know it,
     /// as a share; `None` without a pair.
     pub(super) fn left_out(&self, parts: &[System]) -> Option<f64> {
+        let shares = self.left_of_parts(parts)?;
+        (!shares.is_empty()).then(|| shares.iter().sum::<f64>() - 1.0)
+    }
+
+    /// The squared distances of each part under the estimate that did not know it, as a share of
+    /// those of all parts as given.
+    fn left_of_parts(&self, parts: &[System]) -> Option<Vec<f64>> {
         let all = System::sum(parts)?;
         let (priors, moved) = (self.priors(), self.motions());
         let known_before = self.known_before(&priors, &moved);
         let back = known_before.back();
-        let (mut before, mut after) = (0.0, 0.0);
-        for part in parts {
+        let before: f64 = parts.iter().map(|part| part.square_after(&back)).sum();
+        let left = |part: &System| {
             let solution = all.without(part).solve(self.independent, &known_before)?;
-            before += part.square_after(&back);
-            after += part.square_after(&solution.unknowns);
-        }
-        (before > 0.0).then(|| after / before - 1.0)
+            Some(part.square_after(&solution.unknowns) / before)
+        };
+        if before > 0.0 { parts.iter().map(left).collect() } else { None }
+    }
+
+    /// Whether this estimate predicts the pairs that it did not know better than a simpler one
+    /// does, by more than one standard error (Breiman, Friedman, Olshen and Stone, 1984). The
+    /// parts, which are the same for both estimates, tell the standard error.
+    pub(super) fn predicts_better_than(&self, simpler: &Self) -> bool {
+        let both = &self.ends() & &simpler.ends();
+        let left = |rounds: &Self| {
+            let mut rounds = rounds.clone();
+            rounds.pairs.retain(|pair| both.contains(&(pair.a, pair.b)));
+            rounds.left_of_parts(&rounds.systems())
+        };
+        let (Some(own), Some(others)) = (left(self), left(simpler)) else { return false };
+        let gains: Vec<f64> = others.iter().zip(&own).map(|(other, own)| other - own).collect();
+        let (count, sum) = (gains.len() as f64, gains.iter().sum::<f64>());
+        let squares: f64 = gains.iter().map(|gain| (gain - sum / count).powi(2)).sum();
+        let standard_error = (squares * count / (count - 1.0)).sqrt();
+        sum > standard_error
+    }
+
+    /// The views of each pair.
+    fn ends(&self) -> BTreeSet<(usize, usize)> {
+        self.pairs.iter().map(|pair| (pair.a, pair.b)).collect()
     }
 }

@@ -20,7 +20,7 @@
 //! 4. The error that a depth camera makes alike in all its images is found beside the motions:
 //!    `camera.rs`.
 //! 5. The motion that all views share is taken out.
-//! 6. Pairs that were left out judge the result: `left_out.rs`.
+//! 6. Pairs that were left out judge the result, and wrong focal lengths: `left_out.rs`.
 
 mod camera;
 mod common_motion;
@@ -239,6 +239,7 @@ impl<'a> Rounds<'a> {
                 .collect()
         };
         let focal = wrong(Odds::focal_is_wrong).iter().position(|wrong| *wrong);
+        let focal = focal.filter(|_| self.predicts_better_than(&sound));
         let focal = focal.and_then(|k| self.cameras.focal_over_true(k));
         let mut scales = wrong(Odds::scale_is_wrong);
         while focal.is_none() && !sound.scales_stay && scales.contains(&true) {

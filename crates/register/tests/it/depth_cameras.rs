@@ -1,6 +1,6 @@
 //! Errors of depth cameras, found together with the poses.
 
-use super::common::{coarse, simulated, simulated_with_noise};
+use super::common::{changed, coarse, simulated, simulated_with_noise};
 use super::refining::{apart, given, shaken};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -255,5 +255,56 @@ fn one_wrong_view_of_few_is_no_wrong_scale() {
         let refinement = refine(&coarse(&wrong), &RefineOptions::default());
         let scales = refinement.poses.iter().filter_map(|pose| pose.depth_offsets.as_ref());
         assert!(scales.map(DepthOffsets::scale).all(|scale| scale == 1.0), "{refinement:?}");
+    }
+}
+
+/// Frames of a hand-held camera that measures the time of flight, in a room whose walls light each
+/// other. Depths are too long by up to `most`, the more so the nearer two other walls are.
+fn where_walls_light_each_other(most: f64, reach: f64) -> Vec<View> {
+    let boxes = [
+        ([4.4, 3.6, 0.2], [0.0, 0.0, -0.1]),
+        ([4.4, 3.6, 0.2], [0.0, 0.0, 2.7]),
+        ([0.2, 3.6, 2.8], [2.2, 0.0, 1.3]),
+        ([0.2, 3.6, 2.8], [-2.2, 0.0, 1.3]),
+        ([4.4, 0.2, 2.8], [0.0, 1.8, 1.3]),
+        ([4.4, 0.2, 2.8], [0.0, -1.8, 1.3]),
+        ([1.2, 0.6, 0.9], [1.5, -1.4, 0.45]),
+        ([0.6, 1.4, 0.9], [-1.8, 0.5, 0.45]),
+        ([0.5, 0.5, 1.8], [1.85, 1.45, 0.9]),
+    ];
+    let scene = Scene::new(boxes.iter().map(cuboid).collect());
+    let k = Intrinsics { fx: 125.0, fy: 125.0, cx: 79.5, cy: 59.5 };
+    let camera = Arc::new(Pinhole::new(ImageSize { rows: 120, cols: 160 }, k).unwrap());
+    let place = |k: u32| {
+        let turn = TAU * f64::from(k) / 24.0;
+        let at = Point3::new(0.8 * turn.cos(), 0.6 * turn.sin(), 1.45 + 0.25 * (3.0 * turn).sin());
+        let look = turn + 0.9 * (2.0 * turn + 0.4).sin();
+        let tilt = -0.22 + 0.2 * (3.0 * turn + 1.0).sin();
+        (at, at + Vector3::new(look.cos(), look.sin(), tilt))
+    };
+    let noise = Noise { sigma: 0.003, ..Noise::NONE };
+    let views = seen_by(camera, &scene, (0..24).map(place), &noise);
+    let lengthened = |view: &View| {
+        changed(view, |row, col, depth| {
+            let seen = view.frame().point(Pixel::new(row, col), f64::from(depth));
+            let Some(p) = seen.map(|p| view.world_from_sensor() * p) else { return depth };
+            let walls = [2.1 - p.x.abs(), 1.7 - p.y.abs(), p.z.min(2.6 - p.z)];
+            // The nearest wall is the one that the point is on.
+            let light = walls.map(|distance| (-distance.max(0.0) / reach).exp());
+            let own = light.into_iter().fold(0.0, f64::max);
+            depth + (most * (light.iter().sum::<f64>() - own)) as f32
+        })
+    };
+    views.iter().map(lengthened).collect()
+}
+
+/// What walls add to depths looks like other focal lengths, which no pair confirms.
+#[test]
+fn depths_that_walls_lengthen_tell_no_focal_length() {
+    for (most, reach) in [(0.045, 0.5), (0.06, 0.4)] {
+        let views = where_walls_light_each_other(most, reach);
+        let refinement = refine(&coarse(&views), &RefineOptions::default());
+        assert_eq!(refinement.focal_over_true, None, "{most} {reach}");
+        assert!(refinement.poses.iter().all(|pose| pose.depth_offsets.is_some()));
     }
 }
