@@ -160,9 +160,22 @@ impl DepthOffsets {
 
     /// The camera's error at a depth, in the length unit: the root mean square over the nodes.
     pub fn error_at(&self, depth: f64) -> f64 {
-        let error = |offset: &f64| depth * (self.factor(*offset, depth) - 1.0);
-        let squares: f64 = self.0.values.iter().map(|offset| error(offset).powi(2)).sum();
-        (squares / self.0.values.len() as f64).sqrt()
+        self.rms_about(0.0, depth)
+    }
+
+    /// Standard deviation over the nodes of the camera's error at a depth, in the length unit.
+    pub fn spread_at(&self, depth: f64) -> f64 {
+        let errors = self.0.values.iter().map(|offset| self.error(*offset, depth));
+        self.rms_about(errors.sum::<f64>() / self.0.values.len() as f64, depth)
+    }
+
+    fn rms_about(&self, middle: f64, depth: f64) -> f64 {
+        let off = |offset: &f64| (self.error(*offset, depth) - middle).powi(2);
+        (self.0.values.iter().map(off).sum::<f64>() / self.0.values.len() as f64).sqrt()
+    }
+
+    fn error(&self, offset: f64, depth: f64) -> f64 {
+        depth * (self.factor(offset, depth) - 1.0)
     }
 
     /// Root mean square of the offsets, in 1 / length unit.
@@ -175,6 +188,17 @@ impl DepthOffsets {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn errors_have_a_root_mean_square_and_a_spread() {
+        // 1 / depth of 0.5 becomes 0.4 and 0.625.
+        let offsets = DepthOffsets::new(2, 2, vec![-0.1, 0.125, -0.1, 0.125]).unwrap();
+        let (far, near) = (2.5 - 2.0, 1.6 - 2.0);
+        assert!(
+            (offsets.error_at(2.0) - ((far * far + near * near) / 2.0_f64).sqrt()).abs() < 1e-12
+        );
+        assert!((offsets.spread_at(2.0) - 0.5 * (far - near)).abs() < 1e-12);
+    }
 
     #[test]
     fn offsets_are_bilinear_between_nodes_on_the_rim() {
