@@ -15,8 +15,11 @@
 //!    where depth cameras err most.
 //!
 //! A line gives the mean of its neighbours, in the quantity in which planes are flat. The pixel
-//! takes the mean of its lines. Pixels at the border of the image stay as they are, and so do those
-//! at the seam of a full circle.
+//! takes the mean of its lines.
+//!
+//! **Limits.** Pixels at the border of the image stay as they are, and so do those at the seam of a
+//! full circle. Grids of points have no ray where a point is missing, so they lose their outliers
+//! alone.
 //!
 //! Images without noise stay as they are, since a mean cannot gain there. Curves are bridged across
 //! their missing pixels, and marked.
