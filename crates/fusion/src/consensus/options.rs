@@ -72,6 +72,8 @@ steps! {
     error_with_noise,
     /// The part of them that grows with the incidence.
     incidence_error,
+    /// A first search for other views nearby, before the full search distance.
+    nearby_spread,
     /// Views' curves moved onto their common course where their errors exceed a third of a
     /// footprint.
     settle,

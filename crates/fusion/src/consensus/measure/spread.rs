@@ -71,11 +71,16 @@ impl<'a> Search<'a> {
 
     /// The spread between views; `None` where no two views overlap.
     ///
-    /// The search grows until the spread lies well inside. If the spread grows as fast as the
-    /// search, other surfaces make it, and the usual distance counts.
+    /// The search begins nearby, since views usually lie close to each other. It grows until the
+    /// spread lies well inside. If the spread grows as fast as the search, other surfaces make it,
+    /// and the usual distance counts.
     pub fn spread_between_views(&self) -> Option<Spread> {
         if self.observations.sources.len() < 2 {
             return None;
+        }
+        let nearby = self.options.steps.nearby_spread.then(|| self.within(NEARBY_SHARE)).flatten();
+        if let Some(nearby) = nearby.filter(|found| self.holds(found, NEARBY_SHARE)) {
+            return Some(nearby);
         }
         let usual = self.within(1.0)?;
         // Only curves that will be moved onto each other may be farther apart.
@@ -92,7 +97,7 @@ impl<'a> Search<'a> {
     /// Whether a spread lies well within the share of the search distance that showed it.
     fn holds(&self, found: &Spread, share: f64) -> bool {
         let searched = share * SEARCH_FOOTPRINTS * self.observations.spacing();
-        HELD_SPREADS * found.between_views <= searched
+        NEARBY_SPREADS * found.between_views <= searched
     }
 
     /// The spread within a share of the search distance.
