@@ -18,8 +18,7 @@
 //! takes the mean of its lines.
 //!
 //! **Limits.** Pixels at the border of the image stay as they are, and so do those at the seam of a
-//! full circle. Grids of points have no ray where a point is missing, so they lose their outliers
-//! alone.
+//! full circle.
 //!
 //! Images without noise stay as they are, since a mean cannot gain there. Curves are bridged across
 //! their missing pixels, and marked.

@@ -2,8 +2,8 @@
 //!
 //! Each pixel has its own point, and a start of its ray, see [`RayStarts`]. `d3` is the distance of
 //! the point from that start, in the model's length unit. Another value than the stored one moves
-//! the point along the ray. There is no inverse mapping `F`, because the rays between the pixels
-//! are unknown.
+//! the point along the ray. A missing pixel between two samples has a ray between theirs. There is
+//! no inverse mapping `F`, because the rays between the pixels are unknown.
 //!
 //! Axes: those of the scan, right-handed. Handedness is read from the grid: it is the side from
 //! which most cells are seen. Missing: points with a coordinate that is not finite, points too far
@@ -77,7 +77,8 @@ const WIDEST_SEAM: f64 = 2.5;
 #[derive(Debug, Clone)]
 pub struct PointGrid {
     size: ImageSize,
-    /// Row-major; NaN where missing.
+    /// Row-major; NaN where a pixel has no ray. Missing pixels between two samples have a point
+    /// between them, which is on their ray.
     points: Vec<Point3>,
     starts: RayStarts,
     /// Distance of every point from its ray's start. For parallel rays it may differ from the value
@@ -136,7 +137,35 @@ impl PointGrid {
         };
         grid.handedness = grid.read_handedness().ok_or(SensorError::NoSurface)?;
         grid.wraps = grid.read_wrap();
+        grid.add_rays_between(&image);
         Ok((grid, image))
+    }
+
+    /// Gives missing pixels between two samples a ray between theirs, so that a value can be put
+    /// there. Of the four lines through such a pixel the one counts whose samples lie at the most
+    /// similar distances; the middle between others would be off the middle of their rays.
+    fn add_rays_between(&mut self, image: &RangeImage) {
+        /// Rows and columns to one of two opposite neighbours.
+        const LINES: [(isize, isize); 4] = [(0, 1), (1, 0), (1, 1), (1, -1)];
+        let sample = |from: Pixel, rows: isize, cols: isize| {
+            let row = from.row.checked_add_signed(rows)?;
+            let pixel = Pixel::new(row, from.col.checked_add_signed(cols)?);
+            image.get(pixel).zip(self.stored(pixel))
+        };
+        let between = |pixel: Pixel| {
+            let lines = LINES.iter().filter_map(|(rows, cols)| {
+                let (a, b) = (sample(pixel, *rows, *cols)?, sample(pixel, -rows, -cols)?);
+                Some(((a.0 - b.0).abs(), Point3::from((a.1.coords + b.1.coords) / 2.0)))
+            });
+            lines.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, middle)| middle)
+        };
+        let missing = self.size.all_pixels().enumerate().filter(|(_, p)| image.get(*p).is_none());
+        let added: Vec<(usize, Point3)> =
+            missing.filter_map(|(at, pixel)| Some((at, between(pixel)?))).collect();
+        for (at, point) in added {
+            self.points[at] = point;
+            self.distances[at] = (point - self.starts.start(&point, self.parallel_start)).norm();
+        }
     }
 
     /// A grid from a triangulation scanner that moves along x and looks along -z, with the lines of

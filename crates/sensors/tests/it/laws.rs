@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use transect_device::{
-    DeviceFrame, Handedness, ImageSize, LinearForm, Neighbour, PairGeometry, Pixel, Point3,
-    RangeImage, SensorPlane, Vector3,
+    DeviceFrame, Handedness, ImageSize, LinearForm, MISSING_POINT, Neighbour, PairGeometry, Pixel,
+    Point3, RangeImage, SensorPlane, Vector3,
 };
 use transect_sensors::{
     AngularScan, ImagingRadar, Intrinsics, LaserAngles, LightStripe, LightStripeParameters,
@@ -432,6 +432,33 @@ fn points_at_the_origin_are_missing_not_real() {
     let (grid, image) = PointGrid::new(size, points, starts).unwrap();
     assert_eq!(image.valid_count(), 3);
     assert_eq!(grid.point(Pixel::new(0, 0), 1.0), None);
+}
+
+#[test]
+fn a_missing_point_between_two_others_has_a_ray_between_theirs() {
+    let size = ImageSize { rows: 5, cols: 5 };
+    let viewpoint = Point3::new(0.2, 0.0, -0.1);
+    let of = |pixel: Pixel| {
+        let (x, y) = (pixel.col as f64 - 2.0, pixel.row as f64 - 2.0);
+        // A wall, and a nearer one to the right of column 2.
+        Point3::new(0.1 * x, 0.1 * y, if pixel.col < 3 { 4.0 } else { 2.0 })
+    };
+    let missing = [Pixel::new(0, 2), Pixel::new(2, 2), Pixel::new(4, 0)];
+    let points =
+        size.all_pixels().map(|p| if missing.contains(&p) { MISSING_POINT } else { of(p) });
+    let starts = RayStarts::Viewpoint(viewpoint);
+    let (grid, image) = PointGrid::new(size, points.collect(), starts).unwrap();
+    assert_eq!(image.valid_count(), size.pixels() - 3, "the samples stay missing");
+    // Pixel (0, 2) lies between both walls; (2, 2) does so in its row, but not in its column.
+    for (pixel, has_ray) in missing.into_iter().zip([true, true, false]) {
+        assert_eq!(grid.ray(pixel).is_some(), has_ray, "{pixel}");
+    }
+    let true_point = of(missing[1]);
+    let found = grid.point(missing[1], (true_point - viewpoint).norm()).unwrap();
+    assert!((found - true_point).norm() < 1e-12, "{found}");
+    let mut row = [PairGeometry::MISSING; 5];
+    grid.pair_row(&image, 2, Neighbour::Left, &mut row);
+    assert!(row[2].lateral.is_nan() && row[3].lateral.is_nan(), "no pair without a sample");
 }
 
 #[test]
