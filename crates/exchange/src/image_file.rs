@@ -52,8 +52,7 @@ pub(crate) fn read_points(
     notes: &mut Vec<String>,
 ) -> Result<(ImageSize, Vec<Point3>), ReadError> {
     let bytes = read_bytes(path)?;
-    let array = Npy::parse(&bytes).map_err(|p| p.in_file(path))?;
-    notes.extend(array.leftovers());
+    let array = array_of(path, &bytes, notes)?;
     let [rows, cols, 3] = *array.shape() else {
         return Err(wrong_shape(path, &array, "rows × columns × 3"));
     };
@@ -62,14 +61,24 @@ pub(crate) fn read_points(
     Ok((ImageSize { rows, cols }, points))
 }
 
+/// The array of a file. A note tells of bytes after it.
+fn array_of<'a>(
+    path: &Path,
+    bytes: &'a [u8],
+    notes: &mut Vec<String>,
+) -> Result<Npy<'a>, ReadError> {
+    let array = Npy::parse(bytes).map_err(|p| p.in_file(path))?;
+    notes.extend(array.leftovers());
+    Ok(array)
+}
+
 fn from_npy(
     path: &Path,
     bytes: &[u8],
     scale: Option<f64>,
     notes: &mut Vec<String>,
 ) -> Result<Pixels, ReadError> {
-    let array = Npy::parse(bytes).map_err(|p| p.in_file(path))?;
-    notes.extend(array.leftovers());
+    let array = array_of(path, bytes, notes)?;
     let ([rows, cols] | [rows, cols, 1]) = *array.shape() else {
         return Err(wrong_shape(path, &array, "rows × columns"));
     };

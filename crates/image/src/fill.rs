@@ -27,9 +27,9 @@
 //! simulated scans at true poses: where laser scanners miss 2 % of their pixels at random, medians
 //! fall by 1 to 6 %, and 95 % distances change by −4 to 4 %. Where scanners and depth cameras miss
 //! 40 %, medians fall by 21 to 44 %, and 93 to 99 % of the surface is found within 0.2 % of the
-//! size where it was 77 to 96 %. Where 2 % of the samples are outliers, medians fall by 2 to 7 %
-//! more. Two depth cameras that miss the rims of things alone keep their figures within 3 %.
-//! Without rule 3, the halves of the red kitchen lose 3 % in their median.
+//! size where it was 77 to 96 %. Where 2 % of the samples are outliers, medians fall by 2 to 7 % if
+//! these are filled, too. Two depth cameras that miss the rims of things alone keep their figures
+//! within 3 %. Without rule 3, the halves of the red kitchen lose 3 % in their median.
 
 use crate::BreakRule;
 use crate::smooth::Quantity;
@@ -41,7 +41,8 @@ const AROUND: [(isize, isize); 8] =
 
 /// Least distance of a sample that stands alone from its neighbours on opposite sides, over the
 /// distance between these. No unit. Chosen by hand: it spares nearly all samples the test of their
-/// pairs, which takes longer. Doubled, outliers beside steep surfaces stay.
+/// pairs. Measured: with 0, a laser scan takes 26 % longer. Medians fall by 1 % at most where 2 %
+/// of the samples are outliers, and by 1 to 6 % where 10 % are. Doubled, these rise by up to 3 %.
 const STANDS_OUT: f32 = 3.0;
 
 /// A pixel and its new value.

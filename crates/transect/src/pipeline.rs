@@ -61,8 +61,7 @@ pub struct Reconstruction {
 ///
 /// # Errors
 /// [`ReconstructError`] names the option outside its range, or the view that cannot be loaded or
-/// modelled. There is no model of the
-/// other views then, because its gap would go unnoticed.
+/// modelled. There is no model of the other views then, because its gap would go unnoticed.
 pub fn reconstruct<S: ViewSource>(
     sources: &[S],
     setup: &Setup,

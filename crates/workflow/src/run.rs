@@ -270,15 +270,15 @@ impl Run<'_> {
 const TOLD_BEYOND: f64 = 0.01;
 
 /// The pixels of all views that a count of their reports tells.
-fn beyond(report: &Report, count: impl Fn(&ViewReport) -> usize) -> usize {
+fn pixels(report: &Report, count: impl Fn(&ViewReport) -> usize) -> usize {
     report.views.iter().map(count).sum()
 }
 
 /// The note for pixels that are left out because the planes of a guide may cross there.
 fn off_guide(report: &Report, setup: &Setup) -> Option<String> {
     let reach = setup.planes.guide().curved()?.reach();
-    let left_out = beyond(report, |v| v.beyond_guide_reach) as f64;
-    let share = left_out / beyond(report, |v| v.read_pixels).max(1) as f64;
+    let left_out = pixels(report, |v| v.beyond_guide_reach) as f64;
+    let share = left_out / pixels(report, |v| v.read_pixels).max(1) as f64;
     (share >= TOLD_BEYOND).then(|| {
         format!(
             "{} % of the pixels lie more than {} {} from the guide and are left out, because its \
@@ -293,7 +293,6 @@ fn off_guide(report: &Report, setup: &Setup) -> Option<String> {
 fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
     let (report, unit) = (&result.report, scan.unit);
     let fusion = &report.fusion;
-    let percent = |part: usize, whole: usize| digits(100.0 * part as f64 / whole.max(1) as f64);
     let mut rows = vec![
         Row::new("scan", scan.name.clone(), ""),
         Row::plain("views", result.model.views().len()),
@@ -303,26 +302,7 @@ fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
         true => (", added views", ", planes fused now"),
         false => ("", ""),
     };
-    if !report.views.is_empty() {
-        let valid: usize = report.views.iter().map(|v| v.valid_pixels).sum();
-        let pixels: usize = report.views.iter().map(|v| v.pixels).sum();
-        rows.push(Row::new(format!("valid pixels{added}"), percent(valid, pixels), "%"));
-        let halved = report.views.iter().filter(|v| v.read_pixels < v.valid_pixels).count();
-        if halved > 0 {
-            rows.push(Row::plain("views at half their resolution", halved));
-        }
-        let flying = report.views.iter().map(|v| v.flying_pixels).sum::<usize>();
-        let read = report.views.iter().map(|v| v.read_pixels).sum();
-        let filled = report.views.iter().map(|v| v.filled_pixels).sum();
-        let changed = [
-            ("missing pixels and outliers, filled", filled),
-            ("flying pixels, left out", flying),
-            ("beyond the guide's ends, left out", beyond(report, |v| v.beyond_guide_ends)),
-            ("beyond the guide's reach, left out", beyond(report, |v| v.beyond_guide_reach)),
-        ];
-        let changed = changed.into_iter().filter(|(_, pixels)| *pixels > 0);
-        rows.extend(changed.map(|(name, pixels)| Row::new(name, percent(pixels, read), "%")));
-    }
+    rows.extend(pixel_rows(report, added));
     rows.extend(rounding_row(result.model.planes().guide(), unit));
     let closed_only = percent(fusion.planes_closed_only, fusion.planes);
     rows.extend([
@@ -352,6 +332,33 @@ fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
     }));
     rows.extend(report.refinement.iter().flat_map(|refinement| refinement_rows(refinement, unit)));
     rows
+}
+
+/// What was read of the images of the views that `added` names; no rows without views.
+fn pixel_rows(report: &Report, added: &str) -> Vec<Row> {
+    if report.views.is_empty() {
+        return Vec::new();
+    }
+    let valid = percent(pixels(report, |v| v.valid_pixels), pixels(report, |v| v.pixels));
+    let mut rows = vec![Row::new(format!("valid pixels{added}"), valid, "%")];
+    let halved = report.views.iter().filter(|v| v.read_pixels < v.valid_pixels).count();
+    if halved > 0 {
+        rows.push(Row::plain("views at half their resolution", halved));
+    }
+    let changed = [
+        ("missing pixels and outliers, filled", pixels(report, |v| v.filled_pixels)),
+        ("flying pixels, left out", pixels(report, |v| v.flying_pixels)),
+        ("beyond the guide's ends, left out", pixels(report, |v| v.beyond_guide_ends)),
+        ("beyond the guide's reach, left out", pixels(report, |v| v.beyond_guide_reach)),
+    ];
+    let changed = changed.into_iter().filter(|(_, count)| *count > 0);
+    let read = pixels(report, |v| v.read_pixels);
+    rows.extend(changed.map(|(name, count)| Row::new(name, percent(count, read), "%")));
+    rows
+}
+
+fn percent(part: usize, whole: usize) -> String {
+    digits(100.0 * part as f64 / whole.max(1) as f64)
 }
 
 /// How far the arcs of a polyline's corners pass from its points.

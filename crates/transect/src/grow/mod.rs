@@ -146,10 +146,11 @@ impl<'a> Grower<'a> {
     /// A grower for a store that was made with the same settings.
     ///
     /// # Errors
-    /// [`GrowError::OtherSettings`] with the settings that differ, [`GrowError::Settings`] if they
-    /// cannot be read, [`GrowError::Refinement`] if the setup asks to refine planes,
-    /// [`GrowError::Poses`] if it asks to refine poses, [`GrowError::Option`] if an option is
-    /// outside its range.
+    /// * [`GrowError::Refinement`] if the setup asks to refine planes;
+    /// * [`GrowError::Poses`] if it asks to refine poses;
+    /// * [`GrowError::Option`] if an option is outside its range;
+    /// * [`GrowError::Settings`] if the settings of the store cannot be read;
+    /// * [`GrowError::OtherSettings`] with the settings that differ.
     pub fn new(store: &'a Store, setup: &'a Setup) -> Result<Self, GrowError> {
         if setup.refinement.is_some() {
             return Err(GrowError::Refinement);
