@@ -1,24 +1,28 @@
 //! Printing notes to stderr, like ones of many files together.
 
+use std::collections::BTreeSet;
+use transect_device::Note;
+
 /// Prints notes. Those that say the same of several files name the first file.
-pub fn tell(notes: &[String]) {
+pub fn tell(notes: &[Note]) {
     gathered(notes).iter().for_each(|note| eprintln!("note: {note}"));
 }
 
-/// The notes in their order, each text once; notes begin with the name of a file, if they have one.
-fn gathered(notes: &[String]) -> Vec<String> {
-    let mut texts: Vec<(&str, &str, usize)> = Vec::new();
+/// The notes in their order, each text once.
+fn gathered(notes: &[Note]) -> Vec<Note> {
+    let mut groups: Vec<(&Note, BTreeSet<&str>)> = Vec::new();
     for note in notes {
-        let (file, text) = note.split_once(": ").unwrap_or(("", note));
-        match texts.iter_mut().find(|(_, known, _)| *known == text) {
-            Some((_, _, more)) => *more += 1,
-            None => texts.push((file, text, 0)),
+        let about = note.about.as_deref();
+        match groups.iter_mut().find(|(first, _)| first.text == note.text) {
+            Some((_, known)) => known.extend(about),
+            None => groups.push((note, about.into_iter().collect())),
         }
     }
-    let told = texts.into_iter().map(|(file, text, more)| match (file, more) {
-        ("", _) => text.to_owned(),
-        (_, 0) => format!("{file}: {text}"),
-        _ => format!("{file} and {more} more: {text}"),
+    let told = groups.into_iter().map(|(first, known)| match (&first.about, known.len()) {
+        (Some(about), count @ 2..) => {
+            Note::about(format_args!("{about} and {} more", count - 1), &first.text)
+        }
+        _ => first.clone(),
     });
     told.collect()
 }
@@ -26,21 +30,27 @@ fn gathered(notes: &[String]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::gathered;
+    use transect_device::Note;
 
     #[test]
     fn like_notes_of_many_files_are_one() {
+        let negative = |file| Note::about(file, "3 values are negative; missing");
         let notes = [
-            "a.npy: 3 values are negative; missing",
-            "b.npy: the image is large",
-            "c.npy: 3 values are negative; missing",
-            "the planes lie in a face",
-            "d.npy: 3 values are negative; missing",
+            negative("a.npy"),
+            Note::about("b.npy", "the image is large"),
+            negative("c.npy"),
+            Note::new("poses are read as asked for: inverse"),
+            negative("c.npy"),
+            negative("d.npy"),
+            Note::new("images are read as asked for: inverse"),
         ];
         let expected = [
             "a.npy and 2 more: 3 values are negative; missing",
             "b.npy: the image is large",
-            "the planes lie in a face",
+            "poses are read as asked for: inverse",
+            "images are read as asked for: inverse",
         ];
-        assert_eq!(gathered(&notes.map(str::to_owned)), expected);
+        let told: Vec<String> = gathered(&notes).iter().map(ToString::to_string).collect();
+        assert_eq!(told, expected);
     }
 }

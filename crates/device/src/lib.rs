@@ -4,10 +4,10 @@
 //! each** (dissertation, section 3.3). [`DeviceFrame`] defines the rays and the scale,
 //! [`RangeImage`] holds one value per ray, and [`View`] puts both into the world.
 //!
-//! [`DepthOffsets`] and [`ImageOrder`] correct whole images. [`median()`] and [`quantile()`] are
-//! here because nearly all crates need them. The crate holds the equations of no sensor, reads no
-//! file and does not use the images. To add a sensor, implement [`DeviceFrame`]; see
-//! `transect-sensors` for examples.
+//! [`DepthOffsets`] and [`ImageOrder`] correct whole images. [`Note`], [`median()`] and
+//! [`quantile()`] are here because nearly all crates need them. The crate holds the equations of no
+//! sensor, reads no file and does not use the images. To add a sensor, implement [`DeviceFrame`];
+//! see `transect-sensors` for examples.
 //!
 //! Conventions that hold for every sensor: row `i` and column `j` count from 0. A pixel's sample
 //! belongs to the pixel's *centre*. Sensor frames are right-handed Cartesian. Lengths are in the
@@ -16,6 +16,7 @@
 mod depth_offsets;
 mod frame;
 mod image_order;
+mod note;
 mod quantile;
 mod range_image;
 mod separable;
@@ -26,6 +27,7 @@ pub use frame::{
     DeviceFrame, DevicePoint, Handedness, LinearForm, Neighbour, PairGeometry, Ray, SensorPlane,
 };
 pub use image_order::ImageOrder;
+pub use note::Note;
 pub use quantile::{median, quantile};
 pub use range_image::{ImageError, ImageSize, MAX_PIXELS, Pixel, RangeImage};
 pub use separable::{RayProduct, RayProducts, SeparableForm};

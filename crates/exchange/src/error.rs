@@ -58,6 +58,13 @@ impl fmt::Display for Place {
     }
 }
 
+impl Place {
+    /// The place without the comma that follows a file's name.
+    pub(crate) fn words(&self) -> String {
+        self.to_string().trim_start_matches(", ").to_owned()
+    }
+}
+
 /// Why a file could not be read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

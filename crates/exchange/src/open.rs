@@ -9,7 +9,7 @@ use crate::{
     read_manifest, stanford,
 };
 use std::path::Path;
-use transect_device::ImageOrder;
+use transect_device::{ImageOrder, Note};
 
 /// Reads a scan as a manifest whose files are relative to the scan's folder.
 type ReadManifest = fn(&Path, &OpenOptions) -> Result<Manifest, ReadError>;
@@ -192,7 +192,8 @@ impl Scan {
         for view in &mut self.views {
             *view = view.in_order(order).ok_or_else(|| manifest::no_order(view.path(), order))?;
         }
-        self.notes.push(format!("images are read as asked for: {}", order.meaning()));
+        let text = format!("images are read as asked for: {}", order.meaning());
+        self.notes.push(Note::new(text));
         Ok(self)
     }
 
@@ -242,9 +243,8 @@ impl Scan {
         if !skip || count == views {
             return Err(ReadError::MissingFiles { path: path.to_owned(), count, views, names });
         }
-        let path = path.display();
-        let note = format!("{path}: {count} of {views} views left out, without a file: {names}");
-        self.notes.push(note);
+        let text = format!("{count} of {views} views left out, without a file: {names}");
+        self.notes.push(Note::about(path.display(), text));
         self.inputs.retain(|file| file.exists());
         self.views.retain(|view| view.path().exists());
         Ok(())
@@ -304,7 +304,7 @@ mod tests {
         let names: Vec<_> = scan.views.iter().map(ScanView::name).collect();
         assert_eq!((names, scan.inputs.len()), (vec!["b.ply"], 2), "{:?}", scan.inputs);
         assert!(
-            scan.notes[1].contains("1 of 2 views left out, without a file: "),
+            scan.notes[1].text.contains("1 of 2 views left out, without a file: "),
             "{:?}",
             scan.notes
         );

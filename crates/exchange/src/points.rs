@@ -4,7 +4,7 @@ use crate::scan::FramedImage;
 use crate::{OpenOptions, Place, ReadError, missing};
 use std::path::Path;
 use std::sync::Arc;
-use transect_device::{ImageSize, RangeImage};
+use transect_device::{ImageSize, Note, RangeImage};
 use transect_geometry::{LengthUnit, Point3};
 use transect_sensors::{PointGrid, RayStarts, SensorError};
 
@@ -47,11 +47,11 @@ fn framed_by(
 pub(crate) fn unit_or_metres(
     path: &Path,
     options: &OpenOptions,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Note>,
 ) -> LengthUnit {
     options.unit.unwrap_or_else(|| {
         let convention = "the format carries no unit: taken as metres by its convention";
-        notes.push(format!("{}: {convention}", path.display()));
+        notes.push(Note::about(path.display(), convention));
         LengthUnit::Metre
     })
 }

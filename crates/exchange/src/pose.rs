@@ -3,6 +3,7 @@
 use crate::Place;
 use nalgebra::{Matrix3, Quaternion, Rotation3, SVD, Translation3, UnitQuaternion};
 use std::path::Path;
+use transect_device::Note;
 use transect_geometry::Isometry3;
 
 /// Deviation from orthonormality that is rounding of printed `f64` numbers.
@@ -105,13 +106,14 @@ pub(crate) fn from_quaternion(
 }
 
 /// One note about all poses that were replaced by the nearest rotation.
-pub(crate) fn repairs_note(path: &Path, repairs: &[(f64, Place)], views: usize) -> Option<String> {
+pub(crate) fn repairs_note(path: &Path, repairs: &[(f64, Place)], views: usize) -> Option<Note> {
     let (worst, at) = repairs.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let (count, path) = (repairs.len(), path.display());
-    Some(format!(
-        "{path}: {count} of {views} poses replaced by the nearest rotation; \
+    let count = repairs.len();
+    let text = format!(
+        "{count} of {views} poses replaced by the nearest rotation; \
          largest deviation from orthonormal {worst:.1e}{at}"
-    ))
+    );
+    Some(Note::about(path.display(), text))
 }
 
 /// The polar factor U Vᵀ; `None` if the decomposition does not converge.

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use transect_device::{DeviceFrame, ImageOrder, Isometry3, RangeImage, View};
+use transect_device::{DeviceFrame, ImageOrder, Isometry3, Note, RangeImage, View};
 use transect_geometry::{
     CurvedGuide, Guide, GuideError, LengthUnit, PlaneFamily, StraightGuide, Vector3,
 };
@@ -103,7 +103,7 @@ pub struct Scan {
     /// The views, in the order of the file that lists them.
     pub views: Vec<ScanView>,
     /// Assumptions, repairs and ignored content, for the report.
-    pub notes: Vec<String>,
+    pub notes: Vec<Note>,
     /// Every file of the scan, for hashing: first the file that lists the views, then their
     /// images, then the files of their sensors.
     pub inputs: Vec<PathBuf>,
@@ -136,7 +136,7 @@ pub struct ScanView {
 /// file with many views. Views of one file share it (through an `Arc`), and each loads its
 /// own part, so that a scan is never in memory as a whole.
 pub trait LoadView: fmt::Debug + Send + Sync {
-    /// Reads the image. Repairs and ignored content go to `notes`, without the file's name.
+    /// Reads the image. The texts of notes on repairs and ignored content go to `notes`.
     ///
     /// # Errors
     /// [`ReadError`] naming the file.
@@ -146,6 +146,11 @@ pub trait LoadView: fmt::Debug + Send + Sync {
     /// sensor has one order only.
     fn in_order(&self, _: ImageOrder) -> Option<Arc<dyn LoadView>> {
         None
+    }
+
+    /// The part of its file that holds the view. Its notes name the file and this part.
+    fn place(&self) -> Place {
+        Place::Whole
     }
 }
 
@@ -215,13 +220,23 @@ impl ScanView {
     /// # Errors
     /// [`ReadError`] naming the file if it is missing, damaged, of another size than stated, or
     /// without a single valid pixel.
-    pub fn load(&self) -> Result<(View, Vec<String>), ReadError> {
-        let mut notes = Vec::new();
-        let FramedImage { frame, image } = self.source.load(&mut notes)?;
+    pub fn load(&self) -> Result<(View, Vec<Note>), ReadError> {
+        let mut texts = Vec::new();
+        let FramedImage { frame, image } = self.source.load(&mut texts)?;
         let view = View::new(self.name.clone(), image, frame, self.world_from_sensor, self.sigma);
         let unusable = |e| ReadError::unusable(&self.path, Place::Whole, "the view", e);
-        let notes = notes.into_iter().map(|n| format!("{}: {n}", self.path.display())).collect();
+        let about = self.about();
+        let notes = texts.into_iter().map(|text| Note::about(&about, text)).collect();
         Ok((view.map_err(unusable)?, notes))
+    }
+
+    /// The file and the part of it that notes name.
+    fn about(&self) -> String {
+        let path = self.path.display();
+        match self.source.place() {
+            Place::Whole => path.to_string(),
+            part => format!("{path}: {}", part.words()),
+        }
     }
 }
 

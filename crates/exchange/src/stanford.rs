@@ -16,6 +16,7 @@ use crate::{OpenOptions, Place, ReadError, Scan, ScanView, points, pose};
 use nalgebra::Quaternion;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use transect_device::Note;
 
 /// The configuration that a path is: a file `*.conf`, or the only one in a folder.
 pub(crate) fn configuration(path: &Path) -> Option<PathBuf> {
@@ -63,7 +64,7 @@ fn view(
     path: &Path,
     line: usize,
     words: &[&str],
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Note>,
 ) -> Result<ScanView, ReadError> {
     let name = words.first().copied().unwrap_or("without a file").to_owned();
     let at = Place::ViewLine { line, name: name.clone() };
@@ -76,7 +77,7 @@ fn view(
     // The conjugate: see the module's page.
     let q = Quaternion::new(qw, qx, qy, qz).conjugate();
     let (world_from_sensor, note) = pose::from_quaternion([tx, ty, tz], q).map_err(damaged)?;
-    notes.extend(note.map(|note| format!("{}{at}: {note}", path.display())));
+    notes.extend(note.map(|text| Note::about(format_args!("{}{at}", path.display()), text)));
     let file = path.parent().unwrap_or(Path::new("")).join(&name);
     let source = Arc::new(RangeGridView { path: file.clone() });
     Ok(ScanView::new(name, file, world_from_sensor, source))
@@ -120,7 +121,7 @@ mod tests {
         assert!((turned - Point3::new(2.0, 2.0, 3.0)).norm() < 1e-12, "{turned}");
         assert_eq!((scan.name.as_str(), scan.unit), ("part", LengthUnit::Metre));
         assert_eq!(scan.notes.len(), 1);
-        assert!(scan.notes[0].ends_with("taken as metres by its convention"));
+        assert!(scan.notes[0].text.ends_with("taken as metres by its convention"));
     }
 
     #[test]
@@ -152,7 +153,9 @@ mod tests {
         let scan = open_text("\u{feff}mesh a.ply 0 0 0 0 0 0 2\n# a comment\n").unwrap();
         assert_eq!(scan.views[0].world_from_sensor(), &Isometry3::identity());
         assert!(
-            scan.notes[1].ends_with("line 1, view a.ply: quaternion of length 2.0000 normalised")
+            scan.notes[1]
+                .to_string()
+                .ends_with("line 1, view a.ply: quaternion of length 2.0000 normalised")
         );
         let empty = open_text("camera 1 2 3\n").unwrap_err().to_string();
         assert!(empty.ends_with("part.conf: no line \"bmesh FILE ...\""), "{empty}");

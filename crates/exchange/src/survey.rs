@@ -24,28 +24,18 @@ pub(crate) fn framed(
     stated: Option<Point3>,
     notes: &mut Vec<String>,
 ) -> Result<FramedImage, ReadError> {
-    let own = &mut Vec::new();
-    missing::clear_points(size, &mut points, None, own)
-        .map_err(|p| p.of(&words(at)).in_file(path))?;
+    missing::clear_points(size, &mut points, None, notes)
+        .map_err(|p| p.of(&at.words()).in_file(path))?;
     let origin = Point3::origin();
     points.iter_mut().filter(|p| **p == origin).for_each(|p| p.x = f64::NAN);
     if points.iter().all(|p| p.coords.iter().any(|c| c.is_nan())) {
         let problem = "no pixel has a point; leave this scan out, with --views or in the export";
         return Err(ReadError::damaged(path, at.clone(), problem));
     }
-    let viewpoint = viewpoint(size, &points, stated, own);
+    let viewpoint = viewpoint(size, &points, stated, notes);
     let unusable = |e| ReadError::unusable(path, at.clone(), "the grid", e);
     let (frame, image) = PointGrid::new(size, points, Viewpoint(viewpoint)).map_err(unusable)?;
-    // A file that holds several scans has a place for each, and the notes name it.
-    let words = words(at);
-    let named = |note: String| if words.is_empty() { note } else { format!("{words}: {note}") };
-    notes.extend(own.drain(..).map(named));
     Ok(FramedImage { frame: Arc::new(frame), image })
-}
-
-/// A place without the comma that follows a file's name.
-pub(crate) fn words(at: &Place) -> String {
-    at.to_string().trim_start_matches(", ").to_owned()
 }
 
 /// The place that saw the points: the origin of their frame, or another one if they are not seen
@@ -116,10 +106,7 @@ mod tests {
         for stated in [None, Some(place), Some(origin), Some(Point3::new(1.0, 2.0, 3.0))] {
             let (start, notes) = seen_from(room(&place.coords), stated);
             assert!((start - place).norm() < 1e-3, "{stated:?}: {start}");
-            assert!(
-                notes[0].starts_with("view 3 (hall): the points are not seen from"),
-                "{notes:?}"
-            );
+            assert!(notes[0].starts_with("the points are not seen from"), "{notes:?}");
             assert!(notes[0].contains("but from (420000.000, 5300000.000, 310.000), which is"));
         }
     }

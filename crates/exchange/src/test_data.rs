@@ -1,6 +1,7 @@
 //! Data that the tests of several modules need.
 
 use std::path::{Path, PathBuf};
+use transect_device::Note;
 use transect_geometry::{
     Curve, LengthUnit, Node, PlaneFamily, PlaneIndex, Point2, StraightGuide, Vector3,
 };
@@ -16,6 +17,11 @@ pub(crate) fn shared(name: &str) -> Option<PathBuf> {
     }
     println!("skipped: the data set {name} is not there ({})", folder.display());
     None
+}
+
+/// Notes as they are printed, one on each line.
+pub(crate) fn lines(notes: &[Note]) -> String {
+    notes.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
 }
 
 /// A Python interpreter that can import a module; tells that the test is skipped without one.

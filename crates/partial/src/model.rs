@@ -1,6 +1,7 @@
 //! The curves of one view, with counts of the work.
 
 use crate::PlaneCurves;
+use transect_device::Note;
 use transect_image::PreparedView;
 
 /// The curves of one view: its partial model.
@@ -10,8 +11,8 @@ pub struct PartialModel {
     pub planes: Vec<PlaneCurves>,
     /// Counts of pixels and pairs, and the noise.
     pub counts: PartialCounts,
-    /// Notes for the report, in whole sentences that name the view.
-    pub notes: Vec<String>,
+    /// Notes for the report, which name the view.
+    pub notes: Vec<Note>,
 }
 
 /// Counts of one view's partial modelling.
@@ -50,22 +51,20 @@ impl PartialModel {
             counts.smoothed = smoothed.changed;
             counts.flying = smoothed.flying;
         }
+        let about = |text| Note::about(format_args!("view {}", prepared.view().name()), text);
         if let Some(estimate) = prepared.contradicting_sigma() {
-            self.notes.push(format!(
-                "view {}: sigma is stated as {}, in the scan's length unit, but the noise of its image \
-                 is {}; check the unit of \"sigma\", or leave it out to use the \
-                 estimate",
-                prepared.view().name(),
+            self.notes.push(about(format!(
+                "sigma is stated as {}, in the scan's length unit, but the noise of its image is \
+                 {}; check the unit of \"sigma\", or leave it out to use the estimate",
                 two_digits(prepared.sigma()),
                 two_digits(estimate)
-            ));
+            )));
         }
         if let Some(error) = prepared.failure() {
-            self.notes.push(format!(
-                "view {}: its image could not be smoothed ({error}); its curves come from the image \
-                 as it was read and are noisier than those of other views",
-                prepared.view().name()
-            ));
+            self.notes.push(about(format!(
+                "its image could not be smoothed ({error}); its curves come from the image as it \
+                 was read and are noisier than those of other views"
+            )));
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::timed_view::TimedView;
 use crate::{LoadedView, ReconstructError, Setup, Stage, ViewSource, Watch};
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
-use transect_device::{Isometry3, View};
+use transect_device::{Isometry3, Note, View};
 use transect_geometry::{Curve, Guide, PlaneFamily, PlaneIndex};
 use transect_partial::{PartialCounts, partial_model};
 use transect_register::CoarseView;
@@ -19,7 +19,7 @@ pub(crate) struct ModelledView<C = PackedCurves> {
     pub planes: Vec<(PlaneIndex, C)>,
     /// Number of nodes of these curves.
     pub nodes: u64,
-    pub notes: Vec<String>,
+    pub notes: Vec<Note>,
     pub report: ViewReport,
     pub reading: Duration,
     pub modelling: Duration,

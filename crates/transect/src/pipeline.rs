@@ -19,6 +19,7 @@ use crate::refine::{Refined, refine};
 use crate::report::{Report, Timings};
 use crate::{PoseReport, ReconstructError, Setup, ViewSource, Watch};
 use std::time::{Duration, Instant};
+use transect_device::Note;
 use transect_geometry::PlaneIndex;
 use transect_model::{Model, ViewRecord};
 use transect_register::CoarseView;
@@ -112,7 +113,7 @@ pub fn reconstruct<S: ViewSource>(
     let mut report = Report::new(reports, notes, &fused, timings);
     report.set_poses(poses.or(judged), setup.unit);
     let mut model = assemble(setup, views, fused);
-    report.notes.extend(nothing_left(&model, &report));
+    report.notes.extend(nothing_left(&model, &report).map(Note::new));
     if let Some((selected, refinement)) = refined {
         model = model.with_selection(selected);
         report.refinement = Some(refinement);

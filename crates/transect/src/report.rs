@@ -5,7 +5,7 @@ use crate::fused::Fused;
 use crate::{PoseReport, RefinementReport};
 use serde::Serialize;
 use std::time::Duration;
-use transect_device::median;
+use transect_device::{Note, median};
 use transect_fusion::FusedPlane;
 use transect_fusion::pairwise::GrowthCounts;
 use transect_geometry::{Curve, LengthUnit};
@@ -25,7 +25,7 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refinement: Option<RefinementReport>,
     /// Assumptions and repairs of the readers, and parts that they ignored.
-    pub notes: Vec<String>,
+    pub notes: Vec<Note>,
     /// Times of the stages. Not serialised, so that equal runs make equal reports.
     #[serde(skip)]
     pub timings: Timings,
@@ -35,7 +35,7 @@ impl Report {
     /// The report of a run. `views` are in the order in which their curves were fused.
     pub(crate) fn new(
         views: Vec<ViewReport>,
-        notes: Vec<String>,
+        notes: Vec<Note>,
         fused: &[Fused],
         timings: Timings,
     ) -> Self {
@@ -50,7 +50,7 @@ impl Report {
     pub(crate) fn set_poses(&mut self, poses: Option<PoseReport>, unit: LengthUnit) {
         self.notes.extend(poses.iter().flat_map(PoseReport::notes));
         if poses.iter().all(|poses| poses.refinement.is_none()) {
-            self.notes.extend(self.fusion.note_if_views_err(unit));
+            self.notes.extend(self.fusion.note_if_views_err(unit).map(Note::new));
         }
         self.poses = poses.filter(|poses| poses.refinement.is_some() || poses.is_doubtful());
     }

@@ -1,6 +1,6 @@
 //! The sources of views.
 
-use transect_device::{DepthOffsets, ImageOrder, Isometry3, View};
+use transect_device::{DepthOffsets, ImageOrder, Isometry3, Note, View};
 use transect_register::PosePrior;
 
 /// An error of a source; any type, since sources are foreign code.
@@ -45,7 +45,7 @@ pub struct LoadedView {
     /// The view.
     pub view: View,
     /// Notes for the report.
-    pub notes: Vec<String>,
+    pub notes: Vec<Note>,
 }
 
 /// A source whose view is put at another pose.

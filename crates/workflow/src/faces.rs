@@ -5,7 +5,7 @@
 use crate::samples::{coarse_samples, pixel_spacing};
 use crate::table::digits;
 use std::collections::{BTreeMap, BTreeSet};
-use transect_device::View;
+use transect_device::{Note, View};
 use transect_geometry::{PlaneFamily, PlaneIndex};
 
 /// Cosine of the largest angle between a face and a plane in it: 10°. Chosen by hand: normals of
@@ -50,7 +50,7 @@ impl InFaces {
 }
 
 /// The note on planes in faces of some views; `None` without such planes.
-pub(crate) fn in_faces(views: &[InFaces], planes: &PlaneFamily) -> Option<String> {
+pub(crate) fn in_faces(views: &[InFaces], planes: &PlaneFamily) -> Option<Note> {
     let own = views.iter().flat_map(|v| v.moved[0].iter().map(|(k, share)| (*k, *share, &v.view)));
     let (plane, share, view) = own.clone().max_by(|a, b| a.1.total_cmp(&b.1))?;
     let others: BTreeSet<PlaneIndex> = own.map(|(k, ..)| k).filter(|k| *k != plane).collect();
@@ -65,11 +65,11 @@ pub(crate) fn in_faces(views: &[InFaces], planes: &PlaneFamily) -> Option<String
         let decimals = (2.0 - interval.log10().floor()).clamp(0.0, 12.0) as usize;
         format!(", such as by --offset {:.decimals$}", planes.offset() + MOVES[k] * interval)
     });
-    Some(format!(
+    Some(Note::new(format!(
         "plane {plane} lies in a face, {} % of the surface that view {view} sees{others}. The \
          section jumps there, and its curves follow the noise. Move the planes{advice}",
         digits(100.0 * share),
-    ))
+    )))
 }
 
 /// The planes in faces of a view, moved by a part of the interval, and the share of its samples in

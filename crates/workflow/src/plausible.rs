@@ -8,7 +8,7 @@ use crate::samples::{pixel_spacing, reach, samples};
 use crate::selection::Limits;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
-use transect_device::{Pixel, View, median};
+use transect_device::{Note, Pixel, View, median};
 use transect_exchange::Scan;
 use transect_geometry::LengthUnit;
 
@@ -48,7 +48,7 @@ const FARTHEST_RAYS: f64 = 0.5;
 const KEPT_PIXELS: usize = 1 << 20;
 
 /// A view that was read, and the notes on its file.
-pub(crate) type ReadView = (View, Vec<String>);
+pub(crate) type ReadView = (View, Vec<Note>);
 
 /// A look at a few views of a scan.
 pub(crate) struct Looked<T> {

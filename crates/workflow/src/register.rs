@@ -9,6 +9,7 @@ use serde::Serialize;
 use std::path::Path;
 use transect::register::{PoseReading, RefinedPose};
 use transect::{PoseReport, Watch};
+use transect_device::Note;
 use transect_exchange::{MANIFEST_FILE, PosedScan, SensorEntry, ViewPose, write_file};
 
 /// The file of the report beside it.
@@ -20,7 +21,7 @@ pub struct Registration<'a> {
     /// The poses, in the order of the scan's views.
     pub poses: PoseReport,
     /// The notes about them.
-    pub notes: Vec<String>,
+    pub notes: Vec<Note>,
     scan: &'a OpenScan,
 }
 
@@ -34,8 +35,8 @@ struct RegistrationReport<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     pose_convention: Option<PoseReading>,
     warnings: Vec<String>,
-    notes: &'a [String],
-    reader_notes: &'a [String],
+    notes: &'a [Note],
+    reader_notes: &'a [Note],
     #[serde(flatten)]
     poses: &'a PoseReport,
 }

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use transect::register::PoseReading;
 use transect::{Report, Setup};
-use transect_device::ImageOrder;
+use transect_device::{ImageOrder, Note};
 use transect_exchange::{CameraOption, OpenOptions};
 use transect_geometry::CurvedGuide;
 use transect_model::open_regular;
@@ -46,7 +46,7 @@ pub struct ReportFile<'a> {
     settings: Settings,
     inputs: Vec<Input>,
     warnings: Vec<String>,
-    reader_notes: &'a [String],
+    reader_notes: &'a [Note],
     #[serde(flatten)]
     report: &'a Report,
 }

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use transect::register::Reading;
 use transect::{Reconstruction, RefinementReport, Report, Setup, ViewReport, Watch, reconstruct};
-use transect_device::View;
+use transect_device::{Note, View};
 use transect_exchange::{DxfFrame, Scan};
 use transect_geometry::{Guide, GuideKind, LengthUnit};
 
@@ -144,7 +144,7 @@ impl OpenScan {
         &self,
         store: &Path,
         settings: &Settings,
-    ) -> Result<(Setup, Option<String>), WorkflowError> {
+    ) -> Result<(Setup, Option<Note>), WorkflowError> {
         let scan = self.scan();
         if !store.exists() {
             return Ok((settings.setup(scan)?, None));
@@ -154,7 +154,7 @@ impl OpenScan {
         let scans_own = scan.planes.as_ref().and_then(|planes| planes.family().ok());
         let differ = settings.planes.is_empty() && scans_own.is_some_and(|p| p != setup.planes);
         let note = "the scan states other planes than the store; the store's are used";
-        Ok((setup, differ.then(|| note.to_owned())))
+        Ok((setup, differ.then(|| Note::new(note))))
     }
 
     pub(crate) fn views(
@@ -203,7 +203,7 @@ impl OpenScan {
             return Err(WorkflowError::Empty { views, nodes });
         }
         let off_guide = off_guide(&reconstruction.report, &setup);
-        reconstruction.report.notes.extend(off_guide);
+        reconstruction.report.notes.extend(off_guide.map(Note::new));
         let mut costs = Costs::default();
         costs.modelled(&reconstruction.report.timings);
         let (read, inputs) = (self.files_of_model(settings), self.inputs(settings, store_path));

@@ -12,7 +12,7 @@
 use crate::survey::{SensorClass, ViewSurvey};
 use crate::table::Quantity;
 use crate::{OpenScan, PlaneSettings, Settings, WorkflowError};
-use transect_device::{median, quantile};
+use transect_device::{Note, median, quantile};
 use transect_exchange::PlanesEntry;
 use transect_geometry::{Guide, LengthUnit, Point3, Vector3};
 
@@ -97,16 +97,16 @@ impl OpenScan {
     ///
     /// # Errors
     /// [`WorkflowError`] if a setting has no usable value or a view cannot be read.
-    pub fn suggest_planes(&mut self, settings: &Settings) -> Result<String, WorkflowError> {
+    pub fn suggest_planes(&mut self, settings: &Settings) -> Result<Note, WorkflowError> {
         let numbers = self.surveyed_for_planes();
         let views: Result<Vec<ViewSurvey>, _> = self.survey(&numbers).into_iter().collect();
         let suggestion = self.suggestion(&views?, &settings.planes)?;
         let reason = suggestion.reason.map_or(String::new(), |r| format!(" The normal is {r}."));
-        let note = format!(
+        let note = Note::new(format!(
             "neither the scan nor the options state all planes; suggested planes are used: {}.\
              {reason} Pass --normal X,Y,Z, --offset LENGTH and --interval LENGTH for others",
             suggestion.options()
-        );
+        ));
         self.set_planes(suggestion.planes, note.clone());
         Ok(note)
     }

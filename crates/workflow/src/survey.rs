@@ -8,7 +8,7 @@ use crate::{OpenScan, Plausibility, WorkflowError};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use transect::ReconstructError;
-use transect_device::{ImageSize, Isometry3, Pixel, Point3, Vector3, View, median};
+use transect_device::{ImageSize, Isometry3, Note, Pixel, Point3, Vector3, View, median};
 use transect_exchange::ScanView;
 use transect_image::estimate_sigma;
 
@@ -55,7 +55,7 @@ pub struct ViewSurvey {
     /// view.
     pub overlap: Option<f64>,
     /// The notes of its reader.
-    pub notes: Vec<String>,
+    pub notes: Vec<Note>,
     /// Why a run would refuse the view; `None` where it is plausible, or was not checked.
     pub refusal: Option<String>,
     /// Direction in the world that is up for the view.
@@ -119,7 +119,7 @@ impl OpenScan {
 
 impl ViewSurvey {
     /// Measures a view.
-    pub fn of(view: &View, notes: Vec<String>) -> Self {
+    pub fn of(view: &View, notes: Vec<Note>) -> Self {
         let pose = view.world_from_sensor();
         let (sensor, sight) = sight(view);
         let coarse: Vec<_> = coarse_samples(view).collect();

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use transect::register::{PosePrior, PoseReading};
 use transect::{LoadedView, SourceError, ViewSource};
-use transect_device::ImageOrder;
+use transect_device::{ImageOrder, Note};
 use transect_exchange::{OpenOptions, PlanesEntry, PoseSigma, Scan, ScanView};
 use transect_geometry::Isometry3;
 
@@ -50,7 +50,8 @@ impl OpenScan {
             view.with_pose(pose)
         };
         self.scan.views = std::mem::take(&mut self.scan.views).into_iter().map(read).collect();
-        self.scan.notes.push(format!("poses are read as asked for: {}", reading.meaning()));
+        let text = format!("poses are read as asked for: {}", reading.meaning());
+        self.scan.notes.push(Note::new(text));
         self.reading = Some(reading);
         self
     }
@@ -77,7 +78,7 @@ impl OpenScan {
         self.scan.views = numbers.iter().map(|&k| self.scan.views[k].clone()).collect();
         if numbers.len() < all {
             let note = format!("{} of {all} views are used, as asked for", numbers.len());
-            self.scan.notes.push(note);
+            self.scan.notes.push(Note::new(note));
         }
         if self.limits != Limits::default() {
             self.leave_out_empty_views()?;
@@ -106,14 +107,14 @@ impl OpenScan {
                            and ranges";
             return Err(WorkflowError::file(&self.path, problem));
         }
-        self.scan.notes.push(note);
+        self.scan.notes.push(Note::new(note));
         let mut kept = kept.into_iter();
         self.scan.views.retain(|_| kept.next().unwrap_or(true));
         Ok(())
     }
 
     /// Gives the scan planes, as if its files stated them, and tells so.
-    pub(crate) fn set_planes(&mut self, planes: PlanesEntry, note: String) {
+    pub(crate) fn set_planes(&mut self, planes: PlanesEntry, note: Note) {
         self.scan.planes = Some(planes);
         self.scan.notes.push(note);
     }

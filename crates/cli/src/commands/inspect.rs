@@ -7,6 +7,7 @@ use crate::notes;
 use crate::table::{Lengths, Row, digits, length, print, print_grid, say};
 use std::path::PathBuf;
 use transect::Unwatched;
+use transect_device::Note;
 use transect_geometry::{LengthUnit, Point3};
 use transect_workflow::{OpenScan, PlaneSettings, ViewSurvey, is_model, with_causes};
 
@@ -35,7 +36,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             Err(error) => failures.push(with_causes(&error)),
         }
     }
-    let told: Vec<String> = views.iter().flat_map(|(_, view)| view.notes.clone()).collect();
+    let told: Vec<Note> = views.iter().flat_map(|(_, view)| view.notes.clone()).collect();
     notes::tell(&told);
     refusals(&views).into_iter().for_each(|warning| eprintln!("warning: {warning}"));
     print(&scan_rows(&scan, &views));

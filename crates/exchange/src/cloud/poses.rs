@@ -19,6 +19,7 @@ use crate::trajectory::{Trajectory, matrix, read_one};
 use crate::{Place, ReadError};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
+use transect_device::Note;
 use transect_geometry::Isometry3;
 
 /// The names of a trajectory and of a calibration in the folder of the clouds.
@@ -29,7 +30,7 @@ const CALIBRATION: &str = "calib.txt";
 #[derive(Default)]
 pub(super) struct Poses {
     pub(super) poses: Vec<Isometry3>,
-    pub(super) notes: Vec<String>,
+    pub(super) notes: Vec<Note>,
     /// The files that state the poses.
     pub(super) files: Vec<PathBuf>,
 }
@@ -88,11 +89,10 @@ pub(super) fn find(
         );
         return Err(ReadError::damaged(file, Place::Whole, problem));
     }
-    let note = format!(
-        "{}: {known} poses from VIEWPOINT lines: the points are taken to be in the frame of the \
-         sensor",
-        path.display(),
+    let text = format!(
+        "{known} poses from VIEWPOINT lines: the points are taken to be in the frame of the sensor"
     );
+    let note = Note::about(path.display(), text);
     let poses = viewpoints.into_iter().flatten().collect();
     Ok(Poses { poses, notes: vec![note], files: Vec::new() })
 }
@@ -118,8 +118,8 @@ fn of_trajectory(folder: &Path, file: &Path, clouds: &[PathBuf]) -> Result<Poses
     if let Some((path, camera_from_lidar, repaired)) = calibration(folder)? {
         found.poses.iter_mut().for_each(|pose| *pose *= camera_from_lidar);
         found.notes.extend(repairs_note(&path, repaired.as_slice(), 1));
-        let path_text = path.display();
-        found.notes.push(format!("{path_text}: \"Tr:\" turns camera 0's poses into the lidar's"));
+        let text = "\"Tr:\" turns camera 0's poses into the lidar's";
+        found.notes.push(Note::about(path.display(), text));
         found.files.push(path);
     }
     Ok(found)
@@ -183,7 +183,8 @@ fn of_pairs(folder: &Path, clouds: &[PathBuf]) -> Result<Option<Poses>, ReadErro
         return Ok(None);
     };
     let mut found = Poses::default();
-    found.notes.push(format!("{}: the world is the frame of {world}", folder.display()));
+    let text = format!("the world is the frame of {world}");
+    found.notes.push(Note::about(folder.display(), text));
     for stem in &stems {
         if stem == world {
             found.poses.push(Isometry3::identity());

@@ -6,6 +6,7 @@ use super::layouts::{DepthImage, Layout, pose_file};
 use crate::trajectory::{self, NoPose, Ordered, Timed, Trajectory};
 use crate::{OpenOptions, Place, ReadError, row_major};
 use std::path::{Path, PathBuf};
+use transect_device::Note;
 
 /// Largest difference in seconds between the time of an image and of the nearest pose. Source: the
 /// default of TUM's own association. Doubled, gaps of 0.08 s in a trajectory are bridged.
@@ -20,7 +21,7 @@ pub(super) struct Association {
     losses: Vec<Losses>,
     /// The lines of the trajectory that hold no pose, in words.
     refused: Option<String>,
-    pub(super) notes: Vec<String>,
+    pub(super) notes: Vec<Note>,
     /// The files that were read.
     pub(super) files: Vec<PathBuf>,
 }
@@ -107,13 +108,13 @@ impl Association {
             return Err(ReadError::damaged(path, Place::Whole, problem));
         }
         if by_name {
-            self.notes.push(format!(
-                "{}: {} poses for {} images; pose k (from 0) belongs to the image whose name ends \
-                 with the number k",
-                path.display(),
+            let text = format!(
+                "{} poses for {} images; pose k (from 0) belongs to the image whose name ends with \
+                 the number k",
                 poses.len(),
                 images.len()
-            ));
+            );
+            self.notes.push(Note::about(path.display(), text));
         }
         for (index, image) in images.iter().enumerate() {
             let place = if by_name { image.number } else { Some(index) };
@@ -130,18 +131,20 @@ impl Association {
     fn in_time(&mut self, layout: &Layout, timed: &Timed, most_difference: Option<f64>) {
         let most = most_difference.unwrap_or(MOST_DIFFERENCE);
         let path = layout.poses.display();
-        self.notes.push(format!(
-            "{path}: poses are interpolated at the times of the images; the nearest one is within \
-             {most} s (--max-time-difference)"
-        ));
+        let text = format!(
+            "poses are interpolated at the times of the images; the nearest one is within {most} s \
+             (--max-time-difference)"
+        );
+        self.notes.push(Note::about(&path, text));
         if let Some((count, first)) = &timed.refused {
             self.refused = Some(format!("lines without a pose: {count}; the first: {first}"));
         }
         if let Some((count, first)) = timed.contradicting() {
-            self.notes.push(format!(
-                "{path}: times with two poses that differ: {count}, and the first pose in the file \
-                 counts; the first: {first}"
-            ));
+            let text = format!(
+                "times with two poses that differ: {count}, and the first pose in the file counts; \
+                 the first: {first}"
+            );
+            self.notes.push(Note::about(&path, text));
         }
         let span = timed.span().map_or_else(
             || "has no pose".to_owned(),
@@ -177,7 +180,7 @@ impl Association {
             return Err(ReadError::damaged(&layout.poses, Place::Whole, problem));
         }
         let path = layout.poses.display();
-        self.notes.extend(told.iter().map(|note| format!("{path}: {note}")));
+        self.notes.extend(told.into_iter().map(|text| Note::about(&path, text)));
         Ok(self)
     }
 }

@@ -28,7 +28,7 @@ use association::associate;
 use camera::Camera;
 use layouts::Layout;
 use std::path::{Path, PathBuf};
-use transect_device::{ImageSize, median};
+use transect_device::{ImageSize, Note, median};
 use transect_geometry::LengthUnit;
 
 /// Images that are read when a sequence is opened, for their kind of numbers and their depths.
@@ -48,7 +48,7 @@ pub enum FileNames {
 #[derive(Debug)]
 struct Sequence {
     manifest: Manifest,
-    notes: Vec<String>,
+    notes: Vec<Note>,
     inputs: Vec<PathBuf>,
 }
 
@@ -68,7 +68,7 @@ pub fn depth_sequence_manifest(
     folder: &Path,
     names: FileNames,
     options: &OpenOptions,
-) -> Result<(Manifest, Vec<String>), ReadError> {
+) -> Result<(Manifest, Vec<Note>), ReadError> {
     sequence(folder, names, options).map(|found| (found.manifest, found.notes))
 }
 
@@ -95,8 +95,9 @@ fn sequence(folder: &Path, names: FileNames, options: &OpenOptions) -> Result<Se
     let views = views.collect::<Result<_, ReadError>>()?;
     let name = absolute.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let manifest = Manifest { unit: Some(LengthUnit::Metre), ..Manifest::new(name, views) };
-    let mut notes = vec![format!("{}: metres, {kind}{}", folder.display(), sample.depths(scale))];
-    notes.extend(turned.then(|| format!("{}: {Y_TURNED}", folder.display())));
+    let about = |text: &str| Note::about(folder.display(), text);
+    let mut notes = vec![about(&format!("metres, {kind}{}", sample.depths(scale)))];
+    notes.extend(turned.then(|| about(Y_TURNED)));
     notes.extend(association.notes);
     let camera_file = match layout.camera {
         CameraOption::File(path) => Some(path),

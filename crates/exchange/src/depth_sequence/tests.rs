@@ -1,7 +1,7 @@
 //! Folders in the layouts of several programs, and what is wrong with some of them.
 
 use super::*;
-use crate::test_data::{IDENTITY_POSE, in_unit, shared, write_png};
+use crate::test_data::{IDENTITY_POSE, in_unit, lines, shared, write_png};
 use crate::{ScanView, write_npy_image};
 use std::fs;
 use tempfile::TempDir;
@@ -66,7 +66,7 @@ fn a_folder_is_a_scan_in_metres_sorted_by_name() {
     let (view, notes) = scan.views[0].load().unwrap();
     assert_eq!(view.image().valid_count(), 2);
     assert_eq!(view.image().extremes(), Some((1.5, 2.5)));
-    assert!(notes[0].ends_with("1 pixels at the largest count, 65535, taken as missing"));
+    assert!(notes[0].text.ends_with("1 pixels at the largest count, 65535, taken as missing"));
     let other = Scan::open_with(folder.path(), &in_unit(LengthUnit::Millimetre)).unwrap_err();
     assert!(matches!(other, ReadError::UnitConflict { .. }), "{other}");
 }
@@ -80,7 +80,7 @@ fn its_manifest_can_be_written_and_opened_elsewhere() {
     let path = elsewhere.path().join("scan.json");
     crate::write_file(&path, |out| manifest::write_manifest(&manifest, out)).unwrap();
     let scan = Scan::open(elsewhere.path()).unwrap();
-    assert_eq!(scan.notes, Vec::<String>::new());
+    assert_eq!(scan.notes, []);
     assert!(scan.views[1].load().is_ok());
 }
 
@@ -94,7 +94,7 @@ fn images_without_a_usable_pose_are_counted_and_refused_if_none_is_left() {
     let scan = Scan::open(bad.path()).unwrap();
     assert_eq!(scan.views.len(), 1);
     let note = &scan.notes[1];
-    assert!(note.contains("1 of 2 images are left out, without a usable pose"), "{note}");
+    assert!(note.text.contains("1 of 2 images are left out, without a usable pose"), "{note}");
     let short = error(&seven_scenes("1 0 0", &[9; 4]), &OpenOptions::default());
     assert!(
         short.ends_with("a.pose.txt: 3 numbers; a pose has 12 (3 × 4) or 16 (4 × 4), row by row"),
@@ -102,7 +102,7 @@ fn images_without_a_usable_pose_are_counted_and_refused_if_none_is_left() {
     );
     fs::remove_file(bad.path().join("a.pose.txt")).unwrap();
     let scan = Scan::open(bad.path()).unwrap();
-    assert!(scan.notes[1].contains("left out, without a pose file in "), "{}", scan.notes[1]);
+    assert!(scan.notes[1].text.contains("left out, without a pose file in "), "{}", scan.notes[1]);
 }
 
 /// A turn of 90° around z and a way of 1 m between the times 10 and 11.
@@ -133,7 +133,7 @@ fn tum_images_get_the_pose_at_their_time_and_no_other() {
     assert_eq!(views(&scan), [("depth/a.png", 0.5, 1.0), ("depth/d.png", 4.0, 2.0)]);
     let turn = scan.views[0].world_from_sensor().rotation.angle().to_degrees();
     assert!((turn - 45.0).abs() < 1e-6, "{turn}");
-    let notes = scan.notes.join("\n");
+    let notes = lines(&scan.notes);
     for text in [
         "metres, 0.0002 m per count, the convention of this layout; depths 1.000 to 2.000 m, med",
         "groundtruth.txt: lines without a pose: 1; the first: line 4: \"broken\" is no number; expected 8",
@@ -154,7 +154,8 @@ fn tum_images_get_the_pose_at_their_time_and_no_other() {
     // The usual tolerance leaves the image of the time of a pose.
     let scan = Scan::open(folder.path()).unwrap();
     assert_eq!(views(&scan), [("depth/d.png", 4.0, 2.0)]);
-    let contradicts = |scan: &Scan| scan.notes.iter().any(|note| note.contains("that differ: 1"));
+    let contradicts =
+        |scan: &Scan| scan.notes.iter().any(|note| note.text.contains("that differ: 1"));
     assert!(!contradicts(&scan));
     for (again, told) in [("40 4 0 0 0 0 0 1\n", false), ("40 5 0 0 0 0 0 1\n", true)] {
         fs::write(folder.path().join("groundtruth.txt"), format!("{TUM}{again}")).unwrap();
@@ -178,7 +179,7 @@ fn icl_nuim_states_numbers_for_times_and_a_camera_whose_y_points_up() {
     let options = OpenOptions { camera, ..OpenOptions::default() };
     let scan = Scan::open_with(folder.path(), &options).unwrap();
     assert_eq!(views(&scan), [("depth/1.png", 7.0, 1.0), ("depth/2.png", 8.0, 1.0)]);
-    let notes = scan.notes.join("\n");
+    let notes = lines(&scan.notes);
     assert!(notes.contains("fy is negative, so y points up"), "{notes}");
     // Row 0 is up: with y down, at y below 0 in the sensor, so above -1 in the world.
     let (view, _) = scan.views[0].load().unwrap();
@@ -206,7 +207,7 @@ fn scannet_has_files_by_number_and_poses_that_are_lost() {
     assert_eq!(views(&scan), [("depth/9.png", 9.0, 2.0), ("depth/10.png", 10.0, 1.0)]);
     let note = &scan.notes[1];
     assert!(
-        note.contains(
+        note.text.contains(
             "1 of 3 images are left out, without a usable pose; the first: depth/100.png"
         ),
         "{note}"
@@ -283,14 +284,14 @@ fn trajectories_of_all_formats_place_the_same_images() {
     for name in ["a.txt", "b.txt", "c.txt", "d.log", "e.json", "f.tum", "g"] {
         let scan = Scan::open_with(folder.path(), &with_poses(&folder, name)).unwrap();
         assert_eq!(views(&scan), [("depth/0.png", 5.0, 1.0), ("depth/1.png", 6.0, 2.0)], "{name}");
-        assert!(!scan.notes.iter().any(|note| note.contains("nearest rotation")), "{name}");
+        assert!(!scan.notes.iter().any(|note| note.text.contains("nearest rotation")), "{name}");
     }
     let rounded =
         fs::read_to_string(folder.path().join("e.json")).unwrap().replace("[1,", "[1.001,");
     fs::write(folder.path().join("e.json"), rounded).unwrap();
     let scan = Scan::open_with(folder.path(), &with_poses(&folder, "e.json")).unwrap();
     let note = "2 of 2 poses replaced by the nearest rotation; largest deviation";
-    assert!(scan.notes.iter().any(|found| found.contains(note)), "{:?}", scan.notes);
+    assert!(scan.notes.iter().any(|found| found.text.contains(note)), "{:?}", scan.notes);
 }
 
 #[test]
@@ -307,7 +308,7 @@ fn a_trajectory_of_more_images_places_them_by_the_numbers_in_their_names() {
     ]);
     let scan = Scan::open(folder.path()).unwrap();
     assert_eq!(views(&scan), [("depth/000002.png", 2.0, 1.0), ("depth/000008.png", 8.0, 1.0)]);
-    let notes = scan.notes.join("\n");
+    let notes = lines(&scan.notes);
     for text in [
         "9 poses for 4 images; pose k (from 0) belongs to the image whose name ends with",
         "without a usable pose; the first: depth/000004.png, ",
@@ -330,7 +331,7 @@ fn images_of_floating_point_numbers_hold_metres() {
     crate::write_file(&image, |out| write_npy_image(size, &[1.5; 4], out)).unwrap();
     let scan = Scan::open(folder.path()).unwrap();
     assert_eq!(views(&scan), [("depth.npy", 0.0, 1.5)]);
-    assert!(scan.notes[0].contains("floating-point numbers; depths 1.500 to 1.500 m"));
+    assert!(scan.notes[0].text.contains("floating-point numbers; depths 1.500 to 1.500 m"));
     let options = OpenOptions { depth_scale: Some(0.5), ..OpenOptions::default() };
     let scan = Scan::open_with(folder.path(), &options).unwrap();
     assert_eq!(views(&scan), [("depth.npy", 0.0, 0.75)]);
@@ -394,9 +395,12 @@ fn red_kitchen_opens_with_its_rounded_rotations_repaired() {
     let scan = Scan::open(&folder).unwrap();
     assert_eq!(scan.views.len(), 50);
     let depths = "0.001 m per count, the convention of this layout; depths 0.";
-    assert!(scan.notes[0].contains(depths), "{}", scan.notes[0]);
+    assert!(scan.notes[0].text.contains(depths), "{}", scan.notes[0]);
     let repaired = &scan.notes[1];
-    assert!(repaired.contains("50 of 50 poses replaced by the nearest rotation"), "{repaired}");
+    assert!(
+        repaired.text.contains("50 of 50 poses replaced by the nearest rotation"),
+        "{repaired}"
+    );
     let (view, _) = scan.views[0].load().unwrap();
     assert_eq!(view.image().size().to_string(), "480 rows × 640 columns");
     let (nearest, farthest) = view.image().extremes().unwrap();

@@ -19,6 +19,7 @@ use std::fs::File;
 use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use transect_device::Note;
 use transect_geometry::{Isometry3, LengthUnit};
 
 /// The first bytes of every E57 file.
@@ -61,9 +62,9 @@ pub(crate) fn open(path: &Path, options: &OpenOptions) -> Result<Scan, ReadError
         return Err(nothing_left(path, &refused));
     }
     if !refused.is_empty() {
-        let (path, count, all) = (path.display(), refused.len(), clouds.len());
-        let reasons = refused.join("; ");
-        notes.push(format!("{path}: {count} of {all} scans left out: {reasons}; {EXPORT}"));
+        let (count, all, reasons) = (refused.len(), clouds.len(), refused.join("; "));
+        let text = format!("{count} of {all} scans left out: {reasons}; {EXPORT}");
+        notes.push(Note::about(path.display(), text));
     }
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let inputs = vec![path.to_owned()];
@@ -124,13 +125,13 @@ fn view(
     number: usize,
     name: String,
     cloud: &PointCloud,
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Note>,
 ) -> Result<ScanView, ReadError> {
     let at = Place::View { number, name: name.clone() };
     let refused = |problem: String| ReadError::damaged(path, at.clone(), problem);
     check_fields(cloud).map_err(refused)?;
     let (world_from_sensor, note) = pose_of(cloud).map_err(refused)?;
-    notes.extend(note.map(|note| format!("{}{at}: {note}", path.display())));
+    notes.extend(note.map(|text| Note::about(format_args!("{}{at}", path.display()), text)));
     let source = Arc::new(E57View { path: path.to_owned(), at, cloud: cloud.clone() });
     Ok(ScanView::new(name, path.to_owned(), world_from_sensor, source))
 }
@@ -175,12 +176,13 @@ impl LoadView for E57View {
         let raw = raw.map_err(|e| damaged(&self.path, self.at.clone(), &e))?;
         let refused = |problem| ReadError::damaged(&self.path, self.at.clone(), problem);
         let cells = records::read(&self.cloud, raw).map_err(refused)?;
-        let mut own = Vec::new();
-        let grid = grid::of(cells, self.cloud.index_bounds.as_ref(), &mut own);
+        let grid = grid::of(cells, self.cloud.index_bounds.as_ref(), notes);
         let (size, points) = grid.map_err(refused)?;
-        let name = survey::words(&self.at);
-        notes.extend(own.iter().map(|note| format!("{name}: {note}")));
         survey::framed(&self.path, &self.at, size, points, None, notes)
+    }
+
+    fn place(&self) -> Place {
+        self.at.clone()
     }
 }
 

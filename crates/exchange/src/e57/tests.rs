@@ -8,7 +8,7 @@ use e57::{
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
-use transect_device::{Pixel, View};
+use transect_device::{Note, Pixel, View};
 use transect_geometry::{LengthUnit, Point3};
 
 /// The grid of the files that are written here.
@@ -110,7 +110,7 @@ fn file(scans: &[Written]) -> (tempfile::TempDir, Result<Scan, ReadError>) {
 }
 
 /// The only view of a file with one scan, with its notes.
-fn loaded(scan: Written) -> Result<(View, Vec<String>), String> {
+fn loaded(scan: Written) -> Result<(View, Vec<Note>), String> {
     let (_folder, scan) = file(&[scan]);
     let view = scan.and_then(|scan| scan.views[0].load());
     view.map_err(|error| with_causes(&error))
@@ -169,7 +169,7 @@ fn stated_bounds_make_the_grid_unless_records_contradict_them() {
     let (view, notes) = with(bounds(2, 0)).unwrap();
     assert_eq!(view.image().size().to_string(), "4 rows × 10 columns");
     let wanted = "view 0 (hall): indexBounds states rows 0 to 2, but the records have 0 to 3";
-    assert!(notes[0].contains(wanted), "{notes:?}");
+    assert!(notes[0].to_string().contains(wanted), "{notes:?}");
     let error = with(bounds(1 << 40, 0)).unwrap_err();
     assert!(error.contains("at least 1 of 100 cells must have a record"), "{error}");
     let error = with(bounds(i64::MAX, i64::MIN)).unwrap_err();
@@ -182,7 +182,10 @@ fn records_of_one_cell_are_returns_of_a_pulse_or_no_grid() {
     scan.records.push(([1, 1], [9.0, 3.0, 0.0], 0));
     let (view, notes) = loaded(scan).unwrap();
     assert_eq!(point(&view, 1, 1), Some(Point3::new(3.0, 1.0, 0.0)));
-    assert!(notes[0].contains("view 0 (hall): 1 of 21 records left out: another"), "{notes:?}");
+    assert!(
+        notes[0].to_string().contains("view 0 (hall): 1 of 21 records left out: another"),
+        "{notes:?}"
+    );
     let mut scan = Written::wall();
     scan.records.iter_mut().for_each(|record| record.0 = [record.0[0] / 2, record.0[1] / 4]);
     let error = loaded(scan).unwrap_err();
@@ -218,8 +221,12 @@ fn every_scan_has_its_pose_and_a_name_of_its_own() {
     // A quarter turn about z: x becomes y.
     let turned = scan.views[0].world_from_sensor() * Point3::new(3.0, 0.0, 0.0);
     assert!((turned - Point3::new(4e5, 5e6 + 3.0, 60.0)).norm() < 1e-9, "{turned}");
-    assert!(scan.notes[0].ends_with("view 0 (hall #0): quaternion of length 1.4142 normalised"));
-    assert!(scan.notes[1].contains("1 of 4 scans left out: scan 3 (hall #3) holds no point"));
+    assert!(
+        scan.notes[0]
+            .to_string()
+            .ends_with("view 0 (hall #0): quaternion of length 1.4142 normalised")
+    );
+    assert!(scan.notes[1].text.contains("1 of 4 scans left out: scan 3 (hall #3) holds no point"));
     let (_folder, scan) = file(&[with(Some(pose(0.0, 0.0)), None)]);
     let error = scan.unwrap_err().to_string();
     assert!(error.ends_with("view 0 (scan 0): the quaternion has length 0, which is no rotation"));

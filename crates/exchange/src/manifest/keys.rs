@@ -5,6 +5,7 @@ use serde::de::{self, Deserialize, DeserializeSeed, Error as _, IntoDeserializer
 use serde_json::{Error, Map, Value};
 use std::cell::RefCell;
 use std::path::Path;
+use transect_device::Note;
 
 /// A key that no reader asked for.
 pub(super) struct UnknownKey {
@@ -14,7 +15,7 @@ pub(super) struct UnknownKey {
 }
 
 /// A note for every unknown key. A key of several views gets one note, at the first of them.
-pub(super) fn unknown_notes(path: &Path, unknown: &[UnknownKey]) -> Vec<String> {
+pub(super) fn unknown_notes(path: &Path, unknown: &[UnknownKey]) -> Vec<Note> {
     let mut groups: Vec<(&UnknownKey, usize)> = Vec::new();
     for one in unknown {
         let of_views = |at: &Place| matches!(at, Place::View { .. });
@@ -26,9 +27,10 @@ pub(super) fn unknown_notes(path: &Path, unknown: &[UnknownKey]) -> Vec<String> 
         }
     }
     let path = path.display();
-    let note = |(UnknownKey { at, key }, count): (&UnknownKey, usize)| match count {
-        1 => format!("{path}{at}: unknown key \"{key}\" ignored"),
-        _ => format!("{path}{at}: unknown key \"{key}\" ignored, in {count} views"),
+    let note = |(UnknownKey { at, key }, count): (&UnknownKey, usize)| {
+        let views = if count > 1 { format!(", in {count} views") } else { String::new() };
+        let text = format!("unknown key \"{key}\" ignored{views}");
+        Note::about(format_args!("{path}{at}"), text)
     };
     groups.into_iter().map(note).collect()
 }

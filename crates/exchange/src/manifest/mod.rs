@@ -63,6 +63,7 @@ pub(crate) use to_scan::{no_order, to_scan};
 
 use crate::{OpenOptions, ReadError, Scan};
 use std::path::Path;
+use transect_device::Note;
 
 /// The name of the manifest in a scan folder.
 pub const MANIFEST_FILE: &str = "scan.json";
@@ -86,7 +87,7 @@ pub(crate) fn open(path: &Path, options: &OpenOptions) -> Result<Scan, ReadError
 ///
 /// # Errors
 /// [`ReadError`] naming file, view and key if something is missing or wrong.
-pub fn read_manifest(path: &Path) -> Result<(Manifest, Vec<String>), ReadError> {
+pub fn read_manifest(path: &Path) -> Result<(Manifest, Vec<Note>), ReadError> {
     let text = crate::input::read_text(path)?;
     read::manifest(path, &text)
 }

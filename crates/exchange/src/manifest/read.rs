@@ -9,13 +9,14 @@ use crate::{Place, PlanesEntry, PoseSigma, ReadError};
 use serde::Deserialize;
 use serde_json::Value;
 use std::path::Path;
+use transect_device::Note;
 use transect_geometry::LengthUnit;
 
 /// Keys of other programs, at the top and in views. The reader ignores them without a note.
 const FOREIGN_KEYS: [&str; 8] =
     ["scene", "size", "truth", "seed", "comment", "pose_true", "description", "tool"];
 
-pub(super) fn manifest(path: &Path, text: &str) -> Result<(Manifest, Vec<String>), ReadError> {
+pub(super) fn manifest(path: &Path, text: &str) -> Result<(Manifest, Vec<Note>), ReadError> {
     let Unique(value) = serde_json::from_str(&with_quoted_nan(text))
         .map_err(|source| ReadError::Json { path: path.to_owned(), source })?;
     let keys = Keys::of(path, Place::Whole, "", &value)?;

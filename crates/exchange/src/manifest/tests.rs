@@ -53,7 +53,7 @@ fn a_manifest_opens_and_its_view_loads() {
     let scan = Folder::pinhole(r#", "rows": 2, "cols": 2"#);
     let opened = scan.open().unwrap();
     assert_eq!(opened.unit, LengthUnit::Millimetre);
-    assert_eq!(opened.notes, Vec::<String>::new());
+    assert_eq!(opened.notes, []);
     assert_eq!(opened.inputs, [scan.path("scan.json"), scan.path("a.npy")]);
     let (view, notes) = opened.views[0].load().unwrap();
     assert!(notes.is_empty());
@@ -100,11 +100,11 @@ fn unknown_keys_are_told_with_their_place_at_every_level() {
     ];
     assert_eq!(notes.len(), 3, "{notes:?}");
     for (note, end) in notes.iter().zip(ends) {
-        assert!(note.ends_with(end), "{note}");
+        assert!(note.to_string().ends_with(end), "{note}");
     }
     let twice = Folder::with(r#""unit": "m","#, &format!("{view} }}, {{ {view}")).open().unwrap();
     let end = "scan.json, view 0 (a.npy): unknown key \"theta0\" ignored, in 2 views";
-    assert!(twice.notes[0].ends_with(end), "{:?}", twice.notes);
+    assert!(twice.notes[0].to_string().ends_with(end), "{:?}", twice.notes);
 }
 
 #[test]
@@ -122,13 +122,13 @@ fn images_that_several_views_name_and_equal_poses_are_told() {
         folder.image("c.npy", &[2, 2], &[1.0; 4]);
         folder.open().unwrap().notes
     };
-    assert_eq!(notes([("a.npy", 0), ("b.npy", 1), ("c.npy", 1)]), [""; 0]);
+    assert_eq!(notes([("a.npy", 0), ("b.npy", 1), ("c.npy", 1)]), []);
     let equal = notes([("a.npy", 1), ("b.npy", 1), ("c.npy", 1)]);
     let text = "scan.json: all 3 views have the same pose; expected different ones";
-    assert!(equal.len() == 1 && equal[0].contains(text), "{equal:?}");
+    assert!(equal.len() == 1 && equal[0].to_string().contains(text), "{equal:?}");
     let repeated = notes([("a.npy", 0), ("b.npy", 1), ("a.npy", 2)]);
     let text = "scan.json: 2 views have the same image a.npy: views 0, 2; expected";
-    assert!(repeated.len() == 1 && repeated[0].contains(text), "{repeated:?}");
+    assert!(repeated.len() == 1 && repeated[0].to_string().contains(text), "{repeated:?}");
 }
 
 #[test]
@@ -152,7 +152,7 @@ fn images_are_read_in_the_order_that_a_view_or_the_caller_states() {
     let right = plain.open().unwrap();
     for order in ImageOrder::ALL {
         let of_caller = asked(order, &plain).unwrap();
-        assert!(of_caller.notes[0].ends_with(order.meaning()), "{:?}", of_caller.notes);
+        assert!(of_caller.notes[0].text.ends_with(order.meaning()), "{:?}", of_caller.notes);
         let stated = camera(&format!(r#", "image_order": "{order}""#));
         let of_view = stated.open().unwrap();
         for (row, col) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
@@ -201,7 +201,10 @@ fn offsets_of_depth_are_taken_out_and_lost_pixels_are_told() {
     assert!(notes.is_empty(), "{notes:?}");
     let ([near, far], notes) = load("-0.75");
     assert!((near.unwrap() - 4.0).abs() < 1e-6 && far.is_none());
-    assert!(notes[0].contains("a.npy: \"depth_offsets\" take 1 pixels behind"), "{notes:?}");
+    assert!(
+        notes[0].to_string().contains("a.npy: \"depth_offsets\" take 1 pixels behind"),
+        "{notes:?}"
+    );
 }
 
 #[test]
@@ -237,7 +240,7 @@ fn rounded_rotations_are_repaired_with_one_note() {
     let notes = folder.open().unwrap().notes;
     let wanted = "1 of 1 poses replaced by the nearest rotation; \
                   largest deviation from orthonormal 2.0e-4, view 0 (a.npy)";
-    assert!(notes[0].ends_with(wanted), "{notes:?}");
+    assert!(notes[0].text.ends_with(wanted), "{notes:?}");
 }
 
 #[test]

@@ -9,7 +9,7 @@ use crate::{Place, ReadError, Scan, ScanView};
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
-use transect_device::ImageOrder;
+use transect_device::{ImageOrder, Note};
 use transect_geometry::LengthUnit;
 
 /// Most numbers of views that a note lists. Chosen by hand; doubled, the note takes two lines.
@@ -89,7 +89,7 @@ pub(crate) fn to_scan(
         inputs,
         notes: pose::repairs_note(path, &repairs, views.len())
             .into_iter()
-            .chain(doubts(manifest).map(|note| format!("{}: {note}", path.display())))
+            .chain(doubts(manifest).map(|text| Note::about(path.display(), text)))
             .collect(),
         views,
     })

@@ -1,6 +1,6 @@
 //! The lines of a large text file, read one at a time.
 
-use crate::{Place, ReadError, input, survey};
+use crate::{Place, ReadError, input};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Seek, SeekFrom};
 use std::ops::RangeInclusive;
@@ -128,7 +128,7 @@ impl Lines {
     /// An error about the line that was read last, in a scan.
     pub(super) fn problem(&self, at: &Place, problem: &str) -> ReadError {
         let line = Place::Line(self.next.number.saturating_sub(1).max(1));
-        ReadError::damaged(&self.path, line, format!("{}: {problem}", survey::words(at)))
+        ReadError::damaged(&self.path, line, format!("{}: {problem}", at.words()))
     }
 
     /// Counts a line of some bytes; there is no line of 0 bytes.

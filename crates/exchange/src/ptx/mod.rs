@@ -25,7 +25,7 @@ use lines::Lines;
 use nalgebra::Vector3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use transect_device::ImageSize;
+use transect_device::{ImageSize, Note};
 use transect_geometry::Point3;
 
 /// Fewest bytes of a point: `0 0 0` and a line feed.
@@ -47,7 +47,8 @@ pub(crate) fn open(path: &Path, options: &OpenOptions) -> Result<Scan, ReadError
             left_out.push(format!("scan {number} (line {line}) has {}", header.size));
             continue;
         }
-        notes.extend(header.notes.iter().map(|note| format!("{}{at}: {note}", path.display())));
+        let about = format!("{}{at}", path.display());
+        notes.extend(header.notes.iter().map(|text| Note::about(&about, text)));
         let pose = header.world_from_sensor;
         let view = PtxView { path: path.to_owned(), at, header, start };
         views.push(ScanView::new(name(number), path.to_owned(), pose, Arc::new(view)));
@@ -68,7 +69,7 @@ fn settle(
     path: &Path,
     views: &[ScanView],
     left_out: &[String],
-    notes: &mut Vec<String>,
+    notes: &mut Vec<Note>,
 ) -> Result<(), ReadError> {
     let reason = "a scan needs 2 rows and 2 columns; export the setups in full";
     match (views, left_out) {
@@ -79,8 +80,8 @@ fn settle(
         }
         (_, []) => Ok(()),
         _ => {
-            let all = left_out.join("; ");
-            notes.push(format!("{}: left out: {all}; {reason}", path.display()));
+            let text = format!("left out: {}; {reason}", left_out.join("; "));
+            notes.push(Note::about(path.display(), text));
             Ok(())
         }
     }
@@ -119,6 +120,10 @@ impl LoadView for PtxView {
         let points = self.points()?;
         let Header { size, scanner, .. } = self.header;
         survey::framed(&self.path, &self.at, size, points, Some(scanner), notes)
+    }
+
+    fn place(&self) -> Place {
+        self.at.clone()
     }
 }
 

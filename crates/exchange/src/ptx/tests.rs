@@ -58,7 +58,7 @@ fn matrices_multiply_rows_and_may_scale() {
     let (_folder, path) = write_to_folder("a.ptx", wall(matrix, "").as_bytes());
     let scan = Scan::open(&path).unwrap();
     let wanted = "view 0 (scan 0): the matrix scales x, y and z by 0.001, 0.001 and 0.001; applied";
-    assert!(scan.notes[1].ends_with(wanted), "{:?}", scan.notes);
+    assert!(scan.notes[1].to_string().ends_with(wanted), "{:?}", scan.notes);
     let (view, _) = scan.views[0].load().unwrap();
     let point = view.point_in_sensor(Pixel::new(0, 0)).unwrap();
     let off = view.world_from_sensor() * point
@@ -87,8 +87,10 @@ fn matrices_that_are_no_pose_are_refused_with_their_numbers() {
 fn rotations_of_few_digits_are_noted() {
     let matrix = |cos: f64| format!("{cos} 0.6 0 0\n-0.6 {cos} 0 0\n0 0 1 0\n0 0 0 1");
     let notes = |cos| opened(&wall(&matrix(cos), "")).unwrap().notes.split_off(1);
-    assert_eq!(notes(0.800001), Vec::<String>::new(), "six digits");
-    assert!(notes(0.8002)[0].ends_with("replaced by the nearest rotation; it deviated by 3.2e-4"));
+    assert_eq!(notes(0.800001), [], "six digits");
+    assert!(
+        notes(0.8002)[0].text.ends_with("replaced by the nearest rotation; it deviated by 3.2e-4")
+    );
 }
 
 #[test]
@@ -120,7 +122,11 @@ fn damaged_lines_are_named() {
     let error = opened(line).unwrap_err();
     assert!(error.contains("scan 0 (line 1) has 1 rows × 1 columns; a scan needs 2"), "{error}");
     let scan = opened(&format!("{line}{text}")).unwrap();
-    assert!(scan.notes[1].contains("left out: scan 0 (line 1) has 1 rows"), "{:?}", scan.notes);
+    assert!(
+        scan.notes[1].text.contains("left out: scan 0 (line 1) has 1 rows"),
+        "{:?}",
+        scan.notes
+    );
     assert_eq!((scan.views.len(), scan.views[0].name()), (1, "scan 1"));
 }
 
@@ -149,5 +155,5 @@ fn samples_of_another_program_are_read() {
     }
     let scan = Scan::open(&path).unwrap();
     assert_eq!(scan.views.len(), 1);
-    assert!(scan.notes[2].contains("left out: scan 1 (line 15) has 1 rows × 4 columns"));
+    assert!(scan.notes[2].text.contains("left out: scan 1 (line 15) has 1 rows × 4 columns"));
 }

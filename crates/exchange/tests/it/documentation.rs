@@ -19,7 +19,7 @@ fn every_example_is_read_without_a_note() {
     for entry in entries() {
         std::fs::write(&path, format!("{{ \"unit\": \"mm\", \"views\": [{entry}] }}")).unwrap();
         let (manifest, notes) = read_manifest(&path).unwrap();
-        assert_eq!(notes, Vec::<String>::new(), "{entry}");
+        assert_eq!(notes, [], "{entry}");
         let written = serde_json::to_value(&manifest.views[0]).unwrap();
         sensors.insert(written["sensor"].as_str().unwrap().to_owned());
     }

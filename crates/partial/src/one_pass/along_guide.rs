@@ -36,8 +36,8 @@ use crate::subpixel::parameter;
 use std::sync::Arc;
 use transect_device::{
     DeviceFrame, DevicePoint, Handedness, ImageSize, Isometry3, LinearForm, MISSING_POINT,
-    Neighbour, PairGeometry, Pixel, Point3, RangeImage, Ray, RayProducts, SensorPlane, Vector3,
-    View,
+    Neighbour, Note, PairGeometry, Pixel, Point3, RangeImage, Ray, RayProducts, SensorPlane,
+    Vector3, View,
 };
 use transect_geometry::{
     CurvedGuide, NoStation, PlaneFamily, PlaneFrame, PlaneIndex, StraightGuide,
@@ -59,7 +59,7 @@ pub(super) struct AlongGuide {
     pub planes: PlaneFamily,
     pub off_guide: OffGuide,
     /// The problem of the guide, if pairs are torn.
-    pub note: Option<String>,
+    pub note: Option<Note>,
     given: View,
     family: PlaneFamily,
 }
@@ -215,24 +215,21 @@ impl Straightened {
     }
 
     /// Names the guide's point that is farthest from the samples, if pairs are torn.
-    fn note(&self) -> Option<String> {
+    fn note(&self) -> Option<Note> {
         let sample = Grid::new(self).pixels().find(|pixel| self.at(*pixel).is_some())?;
         let sample = self.given.world_from_sensor() * self.given.point_in_sensor(sample)?;
         let points = self.guide.points().iter().enumerate();
         let far = points.map(|(k, p)| (k, p, (p - sample).norm()));
         let (k, point, distance) = far.max_by(|a, b| a.2.total_cmp(&b.2))?;
         (self.torn > 0).then(|| {
-            format!(
-                "view {}: the guide passes its samples more than once: the stations of {} pairs of \
+            let text = format!(
+                "the guide passes its samples more than once: the stations of {} pairs of \
                  neighbouring samples differ by more than the samples are apart, and curves end \
                  there; point {k} of the guide, ({}, {}, {}), is {distance:.4} from the samples: \
                  check its coordinates",
-                self.given.name(),
-                self.torn,
-                point.x,
-                point.y,
-                point.z
-            )
+                self.torn, point.x, point.y, point.z
+            );
+            Note::about(format_args!("view {}", self.given.name()), text)
         })
     }
 }

@@ -3,7 +3,7 @@
 use crate::common::{Ball, SIZE, look};
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
-use transect_device::{Isometry3, Point3, Vector3};
+use transect_device::{Isometry3, Note, Point3, Vector3};
 use transect_geometry::{CurvedGuide, PlaneFamily};
 use transect_partial::PartialModel;
 use transect_partial::one_pass::{OnePassOptions, partial_model};
@@ -33,6 +33,6 @@ fn a_guide_with_one_wrong_coordinate_makes_no_curves_between_its_passes() {
     let (sound, wrong) = (ball_along(&guide(1.0)), ball_along(&guide(1e5)));
     assert!(length(&sound) > 50.0 && sound.notes.is_empty(), "{}", length(&sound));
     assert!(length(&wrong) < 2.0 * length(&sound), "{} of {}", length(&wrong), length(&sound));
-    let named = |note: &String| note.contains("point 2 of the guide, (100000, 0, 20)");
+    let named = |note: &Note| note.text.contains("point 2 of the guide, (100000, 0, 20)");
     assert!(wrong.notes.iter().any(named), "{:?}", wrong.notes);
 }

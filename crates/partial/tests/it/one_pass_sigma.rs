@@ -107,8 +107,14 @@ fn a_wrong_sigma_is_a_note_that_names_both_values() {
         let expected = stated.map(|stated| format!("sigma is stated as {stated}, "));
         assert_eq!(model.notes.len(), usize::from(expected.is_some()), "{:?}", model.notes);
         for (note, expected) in model.notes.iter().zip(expected) {
-            assert!(note.contains(view.name()) && note.contains(&expected), "{note}");
-            assert!(note.contains("image is 0.0") && note.contains("\"sigma\""), "{note}");
+            assert!(
+                note.to_string().contains(view.name()) && note.text.contains(&expected),
+                "{note}"
+            );
+            assert!(
+                note.text.contains("image is 0.0") && note.text.contains("\"sigma\""),
+                "{note}"
+            );
         }
     }
 }

@@ -9,7 +9,7 @@ use super::registration::read_copy;
 use crate::poses::{PoseReport, reread};
 use crate::{Setup, ViewSource};
 use std::collections::BTreeSet;
-use transect_device::Vector3;
+use transect_device::{Note, Vector3};
 use transect_model::store::{Snapshot, StoredView, ViewId};
 use transect_register::CoarseView;
 
@@ -24,7 +24,7 @@ pub(super) struct Judged {
     /// The poses; `None` of fewer than two views.
     pub poses: Option<PoseReport>,
     /// The note on views that have no copy.
-    pub note: Option<String>,
+    pub note: Option<Note>,
 }
 
 /// Judges the poses of a store: of all views, or if there are many, of `new` ones and those around
@@ -43,11 +43,11 @@ pub(super) fn judged<S: ViewSource>(
     }
     let (count, without) = (views.len(), views.len() - copies.len());
     let note = (without > 0 && count > 1).then(|| {
-        format!(
+        Note::new(format!(
             "the poses of {without} of {count} views are not compared with those of others: the \
              store was made without coarse copies of their images. transect replace-view adds the \
              copy of a view"
-        )
+        ))
     });
     let known: BTreeSet<&str> = sources.iter().map(ViewSource::id).collect();
     let all_known = views.iter().all(|view| known.contains(view.entry.id.0.as_str()));

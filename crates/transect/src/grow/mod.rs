@@ -41,7 +41,7 @@ use rayon::prelude::*;
 use registration::{copy_of, given_pose};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
-use transect_device::{Isometry3, View};
+use transect_device::{Isometry3, Note, View};
 use transect_geometry::{Curve, PlaneIndex};
 use transect_model::store::{
     Snapshot, Store, StoreError, StoredView, ViewCopy, ViewEntry, ViewId, ViewReplacement,
@@ -137,7 +137,7 @@ struct Added {
     present: Vec<String>,
     reports: Vec<ViewReport>,
     ids: Vec<ViewId>,
-    notes: Vec<String>,
+    notes: Vec<Note>,
     reading: Duration,
     modelling: Duration,
 }

@@ -12,7 +12,7 @@ use super::{GrowError, Grower, InPlace};
 use crate::fingerprint::fingerprint;
 use crate::{LoadedView, PoseReport, Posed, Report, SourceError, ViewSource, Watch};
 use serde::{Deserialize, Serialize};
-use transect_device::{ImageOrder, Isometry3, View};
+use transect_device::{ImageOrder, Isometry3, Note, View};
 use transect_model::store::{Snapshot, StoredView, ViewCopy, ViewEntry};
 use transect_register::{CoarseView, PosePrior, RefineOptions, RefinedPose, StoredCopy};
 
@@ -101,7 +101,7 @@ impl Grower<'_> {
         let (views, mut report) = self.put_in_place(&moved.collect::<Vec<_>>(), watch)?;
         report.set_poses(Some(poses), self.setup.unit);
         if known {
-            report.notes.push("the store has the refined poses already".to_owned());
+            report.notes.push(Note::new("the store has the refined poses already"));
         }
         Ok((views, report))
     }

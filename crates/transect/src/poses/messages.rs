@@ -2,7 +2,7 @@
 
 use super::{PoseReport, regions};
 use crate::evaluate::digits;
-use transect_device::{DepthOffsets, ImageOrder};
+use transect_device::{DepthOffsets, ImageOrder, Note};
 use transect_geometry::LengthUnit;
 use transect_register::{
     Explanation, Finding, Motion, PoseOutcome, PoseReading, Reading, RefinedPose, Refinement,
@@ -20,8 +20,10 @@ const EVEN: f64 = 0.2;
 
 impl PoseReport {
     /// Notes: how many views moved, and views whose pose nothing tells.
-    pub fn notes(&self) -> Vec<String> {
-        let Some(refinement) = &self.refinement else { return self.alone().into_iter().collect() };
+    pub fn notes(&self) -> Vec<Note> {
+        let Some(refinement) = &self.refinement else {
+            return self.alone().into_iter().map(Note::new).collect();
+        };
         let poses = &refinement.poses;
         let moved = poses.iter().filter(|pose| pose.has_moved());
         let (count, all) = (moved.clone().count(), poses.len());
@@ -47,7 +49,7 @@ impl PoseReport {
                 names(&alone)
             )),
         });
-        notes
+        notes.into_iter().map(Note::new).collect()
     }
 
     /// Whether a warning names a view.

@@ -441,7 +441,7 @@ fn views_of_a_store_without_copies_are_told() {
         let keep = |_: PlaneIndex, partials: &[(ViewId, Vec<_>)]| partials[0].1.clone();
         store.replace_views(vec![replacement], &keep).unwrap();
         let growth = grower.add_views(others, &Unwatched).unwrap();
-        let told = growth.report.notes.iter().any(|note| note.contains("1 of 4 views"));
+        let told = growth.report.notes.iter().any(|note| note.text.contains("1 of 4 views"));
         assert!(told, "{:?}", growth.report.notes);
         assert_eq!(growth.report.warnings(), [""; 0]);
     });

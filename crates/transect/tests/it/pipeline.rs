@@ -306,7 +306,8 @@ fn a_model_without_curves_is_told() {
     let setup = Setup::new(LengthUnit::Metre, planes.unwrap());
     let Reconstruction { model, report } = reconstruct(&[view], &setup, &Unwatched).unwrap();
     assert_eq!((model.sections().count(), model.length().is_sign_negative()), (0, false));
-    let told = report.notes.iter().any(|note| note.starts_with("the model has no curve: fusion"));
+    let told =
+        report.notes.iter().any(|note| note.text.starts_with("the model has no curve: fusion"));
     assert!(told, "{:?}", report.notes);
 }
 

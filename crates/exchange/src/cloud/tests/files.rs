@@ -76,12 +76,15 @@ fn a_note_tells_of_what_follows_the_last_point() {
         Scan::open(&path).unwrap().views[0].load().unwrap().1
     };
     let text = notes((text_file() + "\n1 2 3\n").as_bytes());
-    assert!(text.last().unwrap().ends_with("1 lines after the last point ignored"), "{text:?}");
+    assert!(
+        text.last().unwrap().text.ends_with("1 lines after the last point ignored"),
+        "{text:?}"
+    );
     for bytes in [binary_file(), compressed_file()] {
         let before = notes(&bytes).len();
         let found = notes(&[bytes, vec![0; 3]].concat());
         let end = "3 bytes after the last point ignored";
-        assert!(found.iter().any(|note| note.ends_with(end)), "{found:?}");
+        assert!(found.iter().any(|note| note.text.ends_with(end)), "{found:?}");
         assert_eq!(found.len(), before + 1);
     }
 }
@@ -93,7 +96,7 @@ fn the_viewpoint_is_the_pose() {
     // Half a turn about z.
     let wanted = [-1.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0, 2.0, 0.0, 0.0, 1.0, 3.0, 0.0, 0.0, 0.0, 1.0];
     assert_eq!(pose::row_major(scan.views[0].world_from_sensor()), wanted);
-    assert!(scan.notes[1].contains("1 poses from VIEWPOINT lines"), "{:?}", scan.notes);
+    assert!(scan.notes[1].text.contains("1 poses from VIEWPOINT lines"), "{:?}", scan.notes);
 }
 
 #[test]

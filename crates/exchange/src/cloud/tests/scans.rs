@@ -93,12 +93,12 @@ fn kittis_calibration_turns_poses_of_the_camera_into_those_of_the_lidar() {
     assert_eq!(places(&scan), [1.5, 2.5, 3.5]);
     let ahead = scan.views[0].world_from_sensor() * Vector3::x();
     assert!((ahead - Vector3::z()).norm() < 1e-12, "the lidar's x is the camera's z: {ahead}");
-    assert!(scan.notes[1].contains("calib.txt: \"Tr:\" turns"), "{:?}", scan.notes);
+    assert!(scan.notes[1].to_string().contains("calib.txt: \"Tr:\" turns"), "{:?}", scan.notes);
     std::fs::write(folder.path().join("calib.txt"), calib.replace("0 -1 0 0.5", "0 -1.001 0 0.5"))
         .unwrap();
     let scan = Scan::open(folder.path()).unwrap();
     let note = "calib.txt: 1 of 1 poses replaced by the nearest rotation";
-    assert!(scan.notes.iter().any(|found| found.contains(note)), "{:?}", scan.notes);
+    assert!(scan.notes.iter().any(|found| found.to_string().contains(note)), "{:?}", scan.notes);
 }
 
 #[test]
@@ -112,8 +112,11 @@ fn the_real_pair_opens_without_arguments_and_lies_on_itself() {
     for ((view, notes), firings) in grids.iter().zip([2181, 2159]) {
         assert_eq!((view.image().size().rows, view.image().size().cols), (32, firings));
         assert!(view.frame().columns_wrap(), "a full turn");
-        assert!(notes[0].contains(&format!("{firings} firings of 32 lasers found")), "{notes:?}");
-        assert!(notes[1].contains("from 10.67° down to -30.67°"), "{notes:?}");
+        assert!(
+            notes[0].text.contains(&format!("{firings} firings of 32 lasers found")),
+            "{notes:?}"
+        );
+        assert!(notes[1].text.contains("from 10.67° down to -30.67°"), "{notes:?}");
     }
     let seen = |number: usize, pose: &Isometry3| -> Vec<Point3> {
         let (view, _) = &grids[number];

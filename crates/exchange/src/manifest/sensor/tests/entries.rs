@@ -21,12 +21,12 @@ fn round_trip(sensor: &SensorEntry) -> (SensorEntry, String) {
     let path = folder.path().join("scan.json");
     crate::write_file(&path, |out| write_manifest(&manifest, out)).unwrap();
     let (back, notes) = read_manifest(&path).unwrap();
-    assert_eq!(notes, Vec::<String>::new());
+    assert_eq!(notes, []);
     (back.views[0].sensor.clone(), std::fs::read_to_string(&path).unwrap())
 }
 
 /// Reads a sensor from keys beside `file`, with the notes.
-fn read(keys: &str) -> Result<(SensorEntry, Vec<String>), String> {
+fn read(keys: &str) -> Result<(SensorEntry, Vec<Note>), String> {
     let folder = scan_folder(&[&format!(r#""file": "image.npy", {keys}"#)]);
     let read = read_manifest(&folder.path().join("scan.json"));
     let (manifest, notes) = read.map_err(|e| e.to_string())?;
@@ -67,7 +67,7 @@ fn a_light_stripe_reads_back_as_it_was_written() {
 fn a_light_stripe_has_the_documented_defaults() {
     let keys = format!(r#"{STRIPE}, "theta0": 1, "dtheta": 0.01, "stripe": {{}}"#);
     let (sensor, notes) = read(&keys).unwrap();
-    assert_eq!(notes, Vec::<String>::new());
+    assert_eq!(notes, []);
     let SensorEntry::LightStripe(entry) = sensor else { panic!("{sensor:?}") };
     let parameters = &entry.parameters;
     assert_eq!(
@@ -159,7 +159,7 @@ fn keys_of_another_sensor_are_told() {
         assert_eq!(notes.len(), unknown.len(), "{notes:?}");
         for (note, key) in notes.iter().zip(unknown) {
             let end = format!("view 0 (image.npy): unknown key \"{key}\" ignored");
-            assert!(note.ends_with(&end), "{note}");
+            assert!(note.to_string().ends_with(&end), "{note}");
         }
     }
 }

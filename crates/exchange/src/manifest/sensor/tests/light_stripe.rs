@@ -121,7 +121,7 @@ fn stacks_of_both_depths_and_kinds_show_where_the_stripe_was() {
                 let (view, notes) = load(folder.path()).unwrap();
                 check(&view, &format!("height {height}{more}"));
                 assert_eq!(notes.len(), usize::from(more.is_empty()), "{notes:?}");
-                let measured = notes.iter().all(|n| n.contains("\"stripe.height\" taken as"));
+                let measured = notes.iter().all(|n| n.text.contains("\"stripe.height\" taken as"));
                 assert!(measured, "{notes:?}");
             }
         }
@@ -151,7 +151,7 @@ fn an_image_of_places_is_taken_as_it_is() {
     let (view, notes) = load(folder.path()).unwrap();
     check(&view, "x_frame");
     assert_eq!(notes.len(), 1, "{notes:?}");
-    assert!(notes[0].ends_with("\"stripe\" is not used: the image is no stack"), "{notes:?}");
+    assert!(notes[0].text.ends_with("\"stripe\" is not used: the image is no stack"), "{notes:?}");
 }
 
 #[test]

@@ -8,9 +8,9 @@ mod pinhole;
 use super::*;
 use crate::Scan;
 use crate::test_data::{scan_folder, with_causes, write_npy};
-use transect_device::{ImageSize, Pixel, View};
+use transect_device::{ImageSize, Note, Pixel, View};
 
-fn load(folder: &Path) -> Result<(View, Vec<String>), ReadError> {
+fn load(folder: &Path) -> Result<(View, Vec<Note>), ReadError> {
     Scan::open(folder)?.views[0].load()
 }
 

@@ -30,7 +30,7 @@ fn a_principal_point_outside_the_image_is_told() {
         let beside = CAMERA.replace("3.5", "5").replace("2.5", "6.5");
         let folder = folder(&format!("{beside}{order}"));
         let (_, notes) = load(folder.path()).unwrap();
-        let told = notes.iter().filter(|note| note.contains("cx = 5, cy = 6.5 lies outside"));
+        let told = notes.iter().filter(|note| note.text.contains("cx = 5, cy = 6.5 lies outside"));
         assert_eq!(told.count(), count, "{notes:?}");
     }
     let folder = folder(CAMERA);
