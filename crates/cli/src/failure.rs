@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;
-use transect_workflow::{WorkflowError, with_causes};
+use transect_workflow::{WorkflowError, as_options, with_causes};
 
 /// Why a command failed.
 #[derive(Debug)]
@@ -24,7 +24,7 @@ impl Failure {
     pub fn report(&self) -> ExitCode {
         match self {
             Self::Usage(reason) => {
-                eprintln!("error: {reason}");
+                eprintln!("error: {}", as_options(reason));
                 ExitCode::from(2)
             }
             Self::Failed(error) => {

@@ -1,11 +1,19 @@
-//! Printing notes to stderr, like ones of many files together.
+//! Printing notes and warnings to stderr, like notes of many files together.
 
 use std::collections::BTreeSet;
 use transect_device::Note;
+use transect_workflow::as_options;
 
 /// Prints notes. Those that say the same of several files name the first file.
 pub fn tell(notes: &[Note]) {
-    gathered(notes).iter().for_each(|note| eprintln!("note: {note}"));
+    for note in gathered(notes) {
+        eprintln!("note: {}", as_options(&note.to_string()));
+    }
+}
+
+/// Prints warnings.
+pub fn warn(warnings: &[String]) {
+    warnings.iter().for_each(|warning| eprintln!("warning: {}", as_options(warning)));
 }
 
 /// The notes in their order, each text once.

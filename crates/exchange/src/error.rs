@@ -81,7 +81,7 @@ pub enum ReadError {
     /// Views of a scan have no file: correct their names, or leave them out.
     #[error(
         "{}: {count} of {views} views have no file: {names}; correct the names, or pass \
-         --skip-missing to leave these views out",
+         the setting `skip_missing` to leave these views out",
         .path.display()
     )]
     MissingFiles {
@@ -103,7 +103,7 @@ pub enum ReadError {
         accepted: String,
     },
     /// No length unit is stated: state it.
-    #[error("{}: no length unit; add \"unit\": \"m\" or pass --unit", .path.display())]
+    #[error("{}: no length unit; add \"unit\": \"m\" or pass the setting `unit`", .path.display())]
     NoUnit {
         /// The manifest.
         path: PathBuf,

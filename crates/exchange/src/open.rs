@@ -20,7 +20,7 @@ struct Format {
     name: &'static str,
     /// Whether a path is of this kind. The path exists.
     recognise: fn(&Path) -> bool,
-    /// The options that only some formats have a use for, and this one has.
+    /// The fields of [`OpenOptions`] that only some formats have a use for, and this one has.
     uses: &'static [&'static str],
     /// Reads everything but the images.
     open: fn(&Path, &OpenOptions) -> Result<Scan, ReadError>,
@@ -60,7 +60,7 @@ const FORMATS: [Format; 9] = [
         name: "a folder of depth images with poses and a camera (TUM, ICL-NUIM, ScanNet, 7-Scenes, \
                Open3D)",
         recognise: depth_sequence::is_one,
-        uses: &["--poses", "--camera", "--depth-scale", "--max-time-difference"],
+        uses: &["poses", "camera", "depth_scale", "max_time_difference"],
         open: depth_sequence::open,
         manifest: Some(|folder, options| {
             Ok(depth_sequence_manifest(folder, FileNames::Relative, options)?.0)
@@ -90,14 +90,14 @@ const FORMATS: [Format; 9] = [
     Format {
         name: "a cloud of a structured scan or a rotating lidar (*.pcd, *.ply, *.bin)",
         recognise: cloud::is_file,
-        uses: &["--poses", "--grid", "--rings"],
+        uses: &["poses", "grid", "rings"],
         open: cloud::open_file,
         manifest: None,
     },
     Format {
         name: "a folder of such clouds with their poses",
         recognise: cloud::is_folder,
-        uses: &["--poses", "--grid", "--rings"],
+        uses: &["poses", "grid", "rings"],
         open: cloud::open_folder,
         manifest: None,
     },
@@ -130,10 +130,11 @@ fn scan_within(folder: &Path) -> Option<String> {
     Some(scan.display().to_string())
 }
 
-/// The problem of an option that the format of a scan has no use for. In a folder, a manifest comes
-/// before all other files, such as the images that the option is meant for.
-fn without_use(option: &str, path: &Path) -> String {
-    let problem = format!("{option} has no meaning for a scan of this format; leave it out");
+/// The problem of a setting that the format of a scan has no use for. In a folder, a manifest comes
+/// before all other files, such as the images that the setting is meant for.
+fn without_use(setting: &str, path: &Path) -> String {
+    let problem =
+        format!("the setting `{setting}` has no meaning for a scan of this format; leave it out");
     if !manifest::is_in(path) {
         return problem;
     }
@@ -176,8 +177,8 @@ impl Scan {
             let accepted = FORMATS.map(|format| format.name).join("; ");
             return Err(ReadError::NotAScan { path: path.to_owned(), accepted });
         };
-        if let Some(option) = options.unused(format.uses) {
-            return Err(ReadError::unsupported(path, Place::Whole, without_use(option, path)));
+        if let Some(setting) = options.unused(format.uses) {
+            return Err(ReadError::unsupported(path, Place::Whole, without_use(setting, path)));
         }
         let mut scan = (format.open)(path, options)?;
         scan.settle_missing(path, options.skip_missing)?;
@@ -284,7 +285,8 @@ mod tests {
         std::fs::write(&path, "bmesh b.ply 0 0 0 0 0 0 1\n").unwrap();
         let options = OpenOptions { rings: Some(32), ..OpenOptions::default() };
         let error = Scan::open_with(&path, &options).unwrap_err().to_string();
-        let wanted = "bun.conf: --rings has no meaning for a scan of this format; leave it out";
+        let wanted =
+            "bun.conf: the setting `rings` has no meaning for a scan of this format; leave it out";
         assert!(error.ends_with(wanted), "{error}");
     }
 
@@ -297,7 +299,7 @@ mod tests {
         let error = Scan::open(&path).unwrap_err().to_string();
         assert!(error.contains("bun.conf: 1 of 2 views have no file: "), "{error}");
         assert!(error.ends_with(
-            "a.ply; correct the names, or pass --skip-missing to leave these views out"
+            "a.ply; correct the names, or pass the setting `skip_missing` to leave these views out"
         ));
         let skip = OpenOptions { skip_missing: true, ..OpenOptions::default() };
         let scan = Scan::open_with(&path, &skip).unwrap();

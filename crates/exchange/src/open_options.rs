@@ -31,21 +31,21 @@ pub struct OpenOptions {
 }
 
 impl OpenOptions {
-    /// The first given option without which the scan would be read in another way; its unit and the
+    /// The first given field without which the scan would be read in another way; its unit and the
     /// order of its pixels aside.
     pub fn first_given(&self) -> Option<&'static str> {
         self.unused(&[])
     }
 
-    /// The first given option that is not among the used ones.
+    /// The first given field that is not among the used ones.
     pub(crate) fn unused(&self, used: &[&str]) -> Option<&'static str> {
         let given = [
-            ("--poses", self.poses.is_some()),
-            ("--camera", self.camera.is_some()),
-            ("--depth-scale", self.depth_scale.is_some()),
-            ("--max-time-difference", self.max_time_difference.is_some()),
-            ("--grid", self.grid.is_some()),
-            ("--rings", self.rings.is_some()),
+            ("poses", self.poses.is_some()),
+            ("camera", self.camera.is_some()),
+            ("depth_scale", self.depth_scale.is_some()),
+            ("max_time_difference", self.max_time_difference.is_some()),
+            ("grid", self.grid.is_some()),
+            ("rings", self.rings.is_some()),
         ];
         given.into_iter().find(|(name, given)| *given && !used.contains(name)).map(|(name, _)| name)
     }

@@ -29,7 +29,8 @@ pub(crate) fn framed(
     let origin = Point3::origin();
     points.iter_mut().filter(|p| **p == origin).for_each(|p| p.x = f64::NAN);
     if points.iter().all(|p| p.coords.iter().any(|c| c.is_nan())) {
-        let problem = "no pixel has a point; leave this scan out, with --views or in the export";
+        let problem =
+            "no pixel has a point; leave this scan out, with the setting `views` or in the export";
         return Err(ReadError::damaged(path, at.clone(), problem));
     }
     let viewpoint = viewpoint(size, &points, stated, notes);
@@ -118,7 +119,8 @@ mod tests {
         let error = framed(Path::new("a.ptx"), &at, SIZE, nowhere, None, notes).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "a.ptx: no pixel has a point; leave this scan out, with --views or in the export"
+            "a.ptx: no pixel has a point; leave this scan out, with the setting `views` or in the \
+             export"
         );
     }
 

@@ -218,7 +218,7 @@ impl FusionReport {
             format!(
                 "the views lie {} {unit} off each other (standard deviation) where their own noise \
                  is {} {unit}: their poses or their depths err. transect register estimates both, \
-                 and so does --refine-poses without a store{left_out}",
+                 and so does the setting `refine_poses` without a store{left_out}",
                 digits(error),
                 digits(noise)
             )
@@ -307,7 +307,8 @@ mod tests {
             FusionReport::of(planes).note_if_views_err(LengthUnit::Metre).unwrap_or_default()
         };
         assert!(
-            note(&[plane(0.01), plane(0.02)]).ends_with("so does --refine-poses without a store")
+            note(&[plane(0.01), plane(0.02)])
+                .ends_with("so does the setting `refine_poses` without a store")
         );
         let told = note(&[plane(0.01), plane(0.0), plane(0.02), earlier]);
         assert!(told.contains("On 1 of 3 planes"), "{told}");

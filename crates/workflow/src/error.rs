@@ -1,5 +1,6 @@
 //! Why a workflow failed.
 
+use crate::as_options;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use transect::evaluate::EvaluateError;
@@ -52,7 +53,7 @@ pub enum WorkflowError {
         problem: String,
     },
     /// Valid input that is most likely wrong.
-    #[error("{problem} If the input is right, pass --accept {check}")]
+    #[error("{problem} If the input is right, pass the setting `accept` {check}")]
     Implausible {
         /// The finding, the plausible range, and the likely cause.
         problem: String,
@@ -91,7 +92,7 @@ pub enum WorkflowError {
     /// A run into a store failed after it had stored views.
     #[error(
         "{stored} of {all} views are in the store, and stay there. The same command goes on once the \
-         cause is mended; --views leaves views out"
+         cause is mended; the setting `views` leaves views out"
     )]
     Stopped {
         /// Views of the run that are in the store.
@@ -140,12 +141,12 @@ impl WorkflowError {
     }
 }
 
-/// An error and its causes, one per line.
+/// An error and its causes, one per line, with settings as the command line calls them.
 pub fn with_causes(error: &dyn Error) -> String {
-    let mut text = error.to_string();
+    let mut text = as_options(&error.to_string());
     let mut cause = error.source();
     while let Some(error) = cause {
-        text.push_str(&format!("\n  because: {error}"));
+        text.push_str(&format!("\n  because: {}", as_options(&error.to_string())));
         cause = error.source();
     }
     text

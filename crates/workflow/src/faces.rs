@@ -63,7 +63,8 @@ pub(crate) fn in_faces(views: &[InFaces], planes: &PlaneFamily) -> Option<Note> 
     let advice = (1..MOVES.len()).find(is_free).map_or_else(String::new, |k| {
         let interval = planes.interval();
         let decimals = (2.0 - interval.log10().floor()).clamp(0.0, 12.0) as usize;
-        format!(", such as by --offset {:.decimals$}", planes.offset() + MOVES[k] * interval)
+        let offset = planes.offset() + MOVES[k] * interval;
+        format!(", such as by the setting `offset` {offset:.decimals$}")
     });
     Some(Note::new(format!(
         "plane {plane} lies in a face, {} % of the surface that view {view} sees{others}. The \

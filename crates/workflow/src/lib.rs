@@ -83,6 +83,7 @@ mod suggest;
 mod survey;
 pub mod table;
 mod views;
+mod wording;
 
 pub use align::{AlignmentScans, SphereFile};
 pub use costs::{Costs, StageCost, peak_memory_mib};
@@ -103,3 +104,4 @@ pub use store_file::{Replaced, Replacement, StoreFile, open_store, read_store, s
 pub use suggest::Suggestion;
 pub use survey::{SensorClass, ViewSurvey};
 pub use views::{FileView, OpenScan};
+pub use wording::as_options;

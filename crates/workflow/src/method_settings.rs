@@ -38,13 +38,13 @@ impl MethodSettings {
         let unit = setup.unit;
         if let Some(setting) = self.of_chapter_3() {
             let Method::Dissertation(options) = &mut setup.partial else {
-                return Err(misplaced(setting, "--method dissertation", "one_pass"));
+                return Err(misplaced(setting, "the setting `method` dissertation", "one_pass"));
             };
             self.apply_to_views(options, |text| parse_length(unit, "jump", text))?;
         }
         let Some(text) = &self.threshold else { return Ok(()) };
         let FusionMethod::Pairwise(options) = &mut setup.fusion else {
-            return Err(misplaced("threshold", "--fusion pairwise", "consensus"));
+            return Err(misplaced("threshold", "the setting `fusion` pairwise", "consensus"));
         };
         options.tolerance = Some(tolerance(parse_length(unit, "threshold", text)?)?);
         Ok(())
@@ -106,7 +106,7 @@ fn tolerance(threshold: f64) -> Result<OverlapTolerance, WorkflowError> {
 fn misplaced(setting: &'static str, wanted: &str, used: &str) -> WorkflowError {
     let problem = format!(
         "this setting belongs to {wanted}, and this run uses {used}; add {wanted}, or leave out \
-         --{setting}"
+         the setting `{setting}`"
     );
     WorkflowError::setting(setting, problem)
 }

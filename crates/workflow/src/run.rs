@@ -9,7 +9,9 @@ use crate::selection::Limits;
 use crate::store_file::{Grown, grow, origin, setup_of};
 use crate::table::{Row, digits};
 use crate::views::{FileView, OpenScan};
-use crate::{Check, Costs, Plausibility, ReportFile, ResultFolder, Settings, WorkflowError};
+use crate::{
+    Check, Costs, Plausibility, ReportFile, ResultFolder, Settings, WorkflowError, as_options,
+};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
@@ -121,13 +123,15 @@ impl OpenScan {
         let readings =
             [self.reading.map(Reading::Pose), self.options.image_order.map(Reading::Image)];
         if let Some(reading) = readings.into_iter().flatten().next() {
+            let reading = as_options(&reading.to_string());
             let problem = format!(
                 "a store's commands read images and poses from the scan as it is; write the scan \
                  anew first: transect register SCAN {reading} --out DIR"
             );
             return Err(WorkflowError::setting("store", problem));
         }
-        if let Some(option) = self.options.first_given() {
+        if let Some(setting) = self.options.first_given() {
+            let option = format!("--{}", setting.replace('_', "-"));
             let problem = format!(
                 "a store's commands read the scan again, without {option}; write the scan anew \
                  first: transect manifest SCAN {option} … --out scan.json for a folder of depth \
@@ -282,7 +286,8 @@ fn off_guide(report: &Report, setup: &Setup) -> Option<String> {
     (share >= TOLD_BEYOND).then(|| {
         format!(
             "{} % of the pixels lie more than {} {} from the guide and are left out, because its \
-             planes cross there; give a guide with wider bends, or a polyline and a larger --guide-radius",
+             planes cross there; give a guide with wider bends, or a polyline with a larger value \
+             of the setting `guide_radius`",
             digits(100.0 * share),
             digits(reach),
             setup.unit

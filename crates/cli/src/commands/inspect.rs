@@ -38,12 +38,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let told: Vec<Note> = views.iter().flat_map(|(_, view)| view.notes.clone()).collect();
     notes::tell(&told);
-    refusals(&views).into_iter().for_each(|warning| eprintln!("warning: {warning}"));
+    notes::warn(refusals(&views).as_slice());
     print(&scan_rows(&scan, &views));
     if failures.is_empty()
         && let Some(poses) = scan.judge(&Unwatched)?
     {
-        poses.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
+        notes::warn(&poses.warnings());
     }
     if !views.is_empty() {
         say("");

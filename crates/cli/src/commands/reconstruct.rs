@@ -155,7 +155,7 @@ fn bundled_scan(arguments: &Arguments) -> Result<PathBuf, Failure> {
 /// Prints the notes and warnings of a report.
 pub fn tell(report: &Report) {
     notes::tell(&report.notes);
-    report.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
+    notes::warn(&report.warnings());
 }
 
 fn finish(run: &Run<'_>, rows: &[Row], folder: &ResultFolder) {

@@ -58,7 +58,7 @@ fn scan(arguments: &Arguments, out: &Path, progress: &Progress) -> Result<(), Fa
     let registered = registered?;
     let warnings = registered.write(out)?;
     notes::tell(&registered.notes);
-    warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    notes::warn(&warnings);
     print_poses(&registered.poses);
     let file = out.join(MANIFEST_FILE);
     say(&format!("\nreconstruct it: transect reconstruct {}", file.display()));

@@ -23,4 +23,5 @@ mod real_scans;
 mod register;
 mod selection;
 mod sensors;
+mod settings;
 mod store;

@@ -150,7 +150,7 @@ fn inspect_names_a_wrong_view_and_the_convention_that_mends_all() {
     // A store of them, whose commands name views as the store does.
     let line = "reconstruct scan/inverse.json --no-score --prefix day1/ --store s.transect";
     folder.run(&format!("{line} --out grown --quiet")).succeeded();
-    let advice = ["read another way", "transect register SCAN --pose-convention inverse --out DIR"];
+    let advice = ["read another way", "registered with --pose-convention inverse"];
     folder.run("register s.transect --quiet").failed_with(1, &advice);
     let line = "reconstruct scan --no-score --prefix day1/ --store right.transect";
     folder.run(&format!("{line} --out grown --quiet")).succeeded();
@@ -205,7 +205,9 @@ fn images_in_another_order_are_named_and_read_as_asked_for() {
     folder.run(&format!("reconstruct {line} --store s.transect")).failed_with(2, &refused);
     // The images of a store that was made of it are read again, too.
     folder.run("reconstruct scan --store s.transect --no-score --out grown --quiet").succeeded();
-    folder.run("register s.transect --quiet").failed_with(1, &["--image-order upside-down --out"]);
+    folder
+        .run("register s.transect --quiet")
+        .failed_with(1, &["registered with --image-order upside-down"]);
     folder.run(&format!("register {line} --out new --quiet")).succeeded();
     assert_eq!(folder.json("new/scan.json")["views"][0]["image_order"], "upside-down");
     let points = folder.run("inspect new").succeeded();

@@ -16,12 +16,13 @@ pub(super) fn arrange(
 ) -> Result<(ImageSize, Vec<Point3>), Problem> {
     let Cloud { points, rings, size, .. } = cloud;
     if let (Some(found), Some(asked)) = (size, grid.filter(|g| Some(*g) != size)) {
-        let problem = format!("the header states {found}, --grid {asked}; leave --grid out");
+        let problem =
+            format!("the header states {found}, the setting `grid` {asked}; leave the setting out");
         return Err(Problem::damaged(problem));
     }
     if let Some(size) = size.or(grid) {
         if stated_rings.is_some() {
-            let problem = format!("the cloud has {size}; leave --rings out");
+            let problem = format!("the cloud has {size}; leave the setting `rings` out");
             return Err(Problem::damaged(problem));
         }
         return rectangle(size, points);
@@ -30,7 +31,9 @@ pub(super) fn arrange(
     if let (Some(rings), Some(stated)) = (&fields, stated_rings) {
         let count = rings.count;
         if count > stated {
-            let problem = format!("the field of rings has {count} values; --rings states {stated}");
+            let problem = format!(
+                "the field of rings has {count} values; the setting `rings` states {stated}"
+            );
             return Err(Problem::damaged(problem));
         }
     }
@@ -58,9 +61,9 @@ pub(super) fn arrange(
 fn unorganised(points: usize) -> Problem {
     Problem::unsupported(format!(
         "the {points} points have no rows and columns (no grid in the header, no ring field, no \
-         firings found), so no point has neighbours to trace. For a rotating lidar pass --rings \
-         N; for points stored row by row pass --grid ROWSxCOLS; otherwise export the scan \
-         structured, as E57, PTX or organised PCD"
+         firings found), so no point has neighbours to trace. For a rotating lidar pass the \
+         setting `rings`; for points stored row by row pass the setting `grid`; otherwise export \
+         the scan structured, as E57, PTX or organised PCD"
     ))
 }
 

@@ -71,9 +71,9 @@ pub(super) fn find(
     if known == 0 && files.len() > 1 {
         let count = files.len();
         let problem = format!(
-            "{count} clouds without poses; pass --poses FILE with one line of 12 numbers per cloud \
-             (KITTI, 3 × 4, world from sensor), or add {TRAJECTORY}, NAME.pose.txt or \
-             T_TARGET_SOURCE.txt to the folder; a file alone needs no pose"
+            "{count} clouds without poses; pass the setting `poses`, a file with one line of 12 \
+             numbers per cloud (KITTI, 3 × 4, world from sensor), or add {TRAJECTORY}, \
+             NAME.pose.txt or T_TARGET_SOURCE.txt to the folder; a file alone needs no pose"
         );
         return Err(ReadError::damaged(path, Place::Whole, problem));
     }
@@ -84,7 +84,7 @@ pub(super) fn find(
     if let Some((file, _)) = without {
         let problem = format!(
             "no VIEWPOINT line, which {known} of {} clouds of the folder have; add one, or pass \
-             --poses FILE with the poses of all",
+             the setting `poses`, a file with the poses of all",
             files.len()
         );
         return Err(ReadError::damaged(file, Place::Whole, problem));

@@ -25,7 +25,7 @@ pub(super) fn find(
     notes: &mut Vec<String>,
 ) -> Result<Rings, Problem> {
     if !(1..=MOST_RINGS).contains(&count) {
-        let problem = format!("--rings {count}: expected 1 to {MOST_RINGS}");
+        let problem = format!("the setting `rings` {count}: expected 1 to {MOST_RINGS}");
         return Err(Problem::damaged(problem));
     }
     if let Some(rings) = by_elevation(points, count) {
@@ -37,8 +37,8 @@ pub(super) fn find(
         return Ok(rings);
     }
     Err(Problem::unsupported(format!(
-        "--rings {count}: neither the elevations nor the order of the points show {count} rings; \
-         check the number of lasers, or export the scan with a ring field"
+        "the setting `rings` {count}: neither the elevations nor the order of the points show \
+         {count} rings; check the number of lasers, or export the scan with a ring field"
     )))
 }
 

@@ -42,7 +42,8 @@ struct Loss(String, String);
 pub(super) fn associate(layout: &Layout, options: &OpenOptions) -> Result<Association, ReadError> {
     let mut found = Association::default();
     if let Some(most) = options.max_time_difference.filter(|s| !(s.is_finite() && *s >= 0.0)) {
-        let problem = format!("--max-time-difference is {most}; expected seconds, 0 or more");
+        let problem =
+            format!("the setting `max_time_difference` is {most}; expected seconds, 0 or more");
         return Err(ReadError::unsupported(&layout.poses, Place::Whole, problem));
     }
     if layout.poses.is_dir() {
@@ -64,8 +65,8 @@ pub(super) fn associate(layout: &Layout, options: &OpenOptions) -> Result<Associ
         }
     }
     if options.max_time_difference.is_some() {
-        let problem =
-            "the poses have no times, so --max-time-difference has no meaning; leave it out";
+        let problem = "the poses have no times, so the setting `max_time_difference` has no \
+                       meaning; leave it out";
         return Err(ReadError::damaged(&layout.poses, Place::Whole, problem));
     }
     found.not_empty(layout)
@@ -133,7 +134,7 @@ impl Association {
         let path = layout.poses.display();
         let text = format!(
             "poses are interpolated at the times of the images; the nearest one is within {most} s \
-             (--max-time-difference)"
+             (the setting `max_time_difference`)"
         );
         self.notes.push(Note::about(&path, text));
         if let Some((count, first)) = &timed.refused {
@@ -160,7 +161,8 @@ impl Association {
                     Err(Loss("before the first pose or after the last".to_owned(), detail))
                 }
                 Some((time, Err(NoPose::TooFar))) => {
-                    let detail = format!(" at {time}; pass --max-time-difference to allow more");
+                    let detail =
+                        format!(" at {time}; pass the setting `max_time_difference` to allow more");
                     Err(Loss(format!("without a pose within {most} s"), detail))
                 }
             };

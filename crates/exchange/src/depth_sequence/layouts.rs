@@ -93,20 +93,21 @@ impl Layout {
             ));
         }
         let poses = options.poses.clone().or_else(|| poses_in(folder, &images));
-        let poses = poses.ok_or_else(|| absent(folder, "poses", "--poses FILE", &POSES))?;
+        let poses =
+            poses.ok_or_else(|| absent(folder, "poses", "the setting `poses`, a file", &POSES))?;
         let camera = options.camera.clone().or_else(|| camera_in(folder));
         let camera = camera.ok_or_else(|| {
-            absent(folder, "camera", "--camera FILE or --camera FX,FY,CX,CY", &CAMERAS)
+            absent(folder, "camera", "the setting `camera`, a file or FX,FY,CX,CY", &CAMERAS)
         })?;
         let scale = if list.is_some() || is_tum(&poses) { TUM_SCALE } else { MILLIMETRES };
         Ok(Self { images, list, poses, camera, scale })
     }
 }
 
-fn absent(folder: &Path, what: &str, option: &str, names: &[&str]) -> ReadError {
+fn absent(folder: &Path, what: &str, setting: &str, names: &[&str]) -> ReadError {
     let names = names.join(", ");
     let problem =
-        format!("no {what} beside the depth images; pass {option}, or add one of {names}");
+        format!("no {what} beside the depth images; pass {setting}, or add one of {names}");
     ReadError::damaged(folder, Place::Whole, problem)
 }
 

@@ -118,8 +118,8 @@ fn scale(
         // Metres are the coarsest unit in which an image can hold depths.
         Some(scale) if !(scale > 0.0 && scale <= 1.0) => {
             let problem = format!(
-                "--depth-scale is {scale}; it is the metres per count, above 0 and at most 1; for \
-                 N counts per metre, pass 1/N (for 1000: 0.001)"
+                "the setting `depth_scale` is {scale}; it is the metres per count, above 0 and at \
+                 most 1; for N counts per metre, pass 1/N (for 1000: 0.001)"
             );
             Err(ReadError::damaged(folder, Place::Whole, problem))
         }

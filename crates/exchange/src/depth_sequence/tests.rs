@@ -126,7 +126,10 @@ fn tum_images_get_the_pose_at_their_time_and_no_other() {
     for wrong in [-0.1, f64::NAN, f64::INFINITY] {
         let options = OpenOptions { max_time_difference: Some(wrong), ..OpenOptions::default() };
         let error = error(&folder, &options);
-        assert!(error.contains(&format!("--max-time-difference is {wrong}; expected")), "{error}");
+        assert!(
+            error.contains(&format!("the setting `max_time_difference` is {wrong}; expected")),
+            "{error}"
+        );
     }
     let options = OpenOptions { max_time_difference: Some(0.5), ..OpenOptions::default() };
     let scan = Scan::open_with(folder.path(), &options).unwrap();
@@ -174,7 +177,10 @@ fn icl_nuim_states_numbers_for_times_and_a_camera_whose_y_points_up() {
         ("depth/2.png", "5000"),
     ]);
     let none = error(&folder, &OpenOptions::default());
-    assert!(none.contains("no camera beside the depth images; pass --camera FILE or"), "{none}");
+    assert!(
+        none.contains("no camera beside the depth images; pass the setting `camera`, a file or"),
+        "{none}"
+    );
     let camera = "481.2,-480,0.5,0.5".parse().ok();
     let options = OpenOptions { camera, ..OpenOptions::default() };
     let scan = Scan::open_with(folder.path(), &options).unwrap();
@@ -280,7 +286,10 @@ fn trajectories_of_all_formats_place_the_same_images() {
         files.into_iter().chain(trajectories.iter().map(|(n, t)| (*n, t.as_str()))).collect();
     let folder = folder(&files);
     let none = error(&folder, &OpenOptions::default());
-    assert!(none.contains("no poses beside the depth images; pass --poses FILE"), "{none}");
+    assert!(
+        none.contains("no poses beside the depth images; pass the setting `poses`, a file"),
+        "{none}"
+    );
     for name in ["a.txt", "b.txt", "c.txt", "d.log", "e.json", "f.tum", "g"] {
         let scan = Scan::open_with(folder.path(), &with_poses(&folder, name)).unwrap();
         assert_eq!(views(&scan), [("depth/0.png", 5.0, 1.0), ("depth/1.png", 6.0, 2.0)], "{name}");
@@ -341,14 +350,23 @@ fn images_of_floating_point_numbers_hold_metres() {
 fn options_that_mean_nothing_are_refused() {
     let folder = seven_scenes(IDENTITY_POSE, &[9; 4]);
     let scale = OpenOptions { depth_scale: Some(1000.0), ..OpenOptions::default() };
-    assert!(error(&folder, &scale).contains("--depth-scale is 1000; it is the metres per count"));
+    assert!(
+        error(&folder, &scale)
+            .contains("the setting `depth_scale` is 1000; it is the metres per count")
+    );
     let time = OpenOptions { max_time_difference: Some(1.0), ..OpenOptions::default() };
-    assert!(error(&folder, &time).contains("the poses have no times, so --max-time-difference"));
+    assert!(
+        error(&folder, &time)
+            .contains("the poses have no times, so the setting `max_time_difference`")
+    );
     let rings = OpenOptions { rings: Some(32), ..OpenOptions::default() };
-    assert!(error(&folder, &rings).contains("--rings has no meaning for a scan of this format"));
+    assert!(
+        error(&folder, &rings)
+            .contains("the setting `rings` has no meaning for a scan of this format")
+    );
     fs::write(folder.path().join("scan.json"), "{}").unwrap();
     let taken_over = error(&folder, &scale);
-    assert!(taken_over.contains("--depth-scale has no meaning"), "{taken_over}");
+    assert!(taken_over.contains("the setting `depth_scale` has no meaning"), "{taken_over}");
     assert!(taken_over.contains("scan.json is read, which states the cameras"), "{taken_over}");
     assert!("585,585".parse::<CameraOption>().unwrap_err().starts_with("2 numbers; expected"));
 }

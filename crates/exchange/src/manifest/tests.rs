@@ -68,7 +68,10 @@ fn a_unit_is_never_guessed() {
     let text = std::fs::read_to_string(pinhole.path("scan.json")).unwrap();
     std::fs::write(pinhole.path("scan.json"), text.replace(r#""unit": "mm","#, "")).unwrap();
     let error = pinhole.error();
-    assert!(error.ends_with("scan.json: no length unit; add \"unit\": \"m\" or pass --unit"));
+    assert!(
+        error
+            .ends_with("scan.json: no length unit; add \"unit\": \"m\" or pass the setting `unit`")
+    );
     let given = Scan::open_with(&pinhole.path("scan.json"), &in_unit(LengthUnit::Inch)).unwrap();
     assert_eq!(given.unit, LengthUnit::Inch);
     std::fs::write(pinhole.path("scan.json"), text.replace("\"mm\"", "\"furlong\"")).unwrap();

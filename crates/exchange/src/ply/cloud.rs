@@ -19,8 +19,8 @@ pub(crate) fn cloud(path: &Path, bytes: &[u8]) -> Result<Cloud, ReadError> {
     let elements = ply.header.elements.clone();
     if elements.iter().any(|e| e.name == "face" && e.count > 0) {
         let problem = "a triangle mesh, which has no rows and columns; expected the scans that the \
-                       mesh was made from. To compare a model with this mesh, pass it to \
-                       \"transect evaluate --reference\"";
+                       mesh was made from. To compare a model with this mesh, give it to \
+                       the evaluation as the setting `reference`";
         return Err(ReadError::unsupported(path, Place::Whole, problem));
     }
     let info = |name| ply.header.info(name);
@@ -41,7 +41,7 @@ pub(crate) fn cloud(path: &Path, bytes: &[u8]) -> Result<Cloud, ReadError> {
     ply.note_leftovers();
     cloud.notes = ply.header.notes;
     if elements.iter().any(|e| e.name == "camera") {
-        cloud.notes.push("element camera ignored; --poses states the pose".to_owned());
+        cloud.notes.push("element camera ignored; the setting `poses` states the pose".to_owned());
     }
     Ok(cloud)
 }

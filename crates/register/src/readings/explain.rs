@@ -67,11 +67,11 @@ impl Reading {
 }
 
 impl fmt::Display for Reading {
-    /// The option that applies it, if there is one.
+    /// The setting that applies it, if there is one.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Pose(reading) => write!(f, "--pose-convention {reading}"),
-            Self::Image(order) => write!(f, "--image-order {order}"),
+            Self::Pose(reading) => write!(f, "the setting `pose_convention` {reading}"),
+            Self::Image(order) => write!(f, "the setting `image_order` {order}"),
             Self::Distances(factor) => write!(f, "distances times {factor:.4}"),
         }
     }

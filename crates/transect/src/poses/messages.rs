@@ -120,8 +120,8 @@ impl PoseReport {
         let [agree, contradict, agree_read, contradict_read] = shares.map(percent);
         let advice = match (self.in_store, reading) {
             (true, Reading::Pose(_) | Reading::Image(_)) => format!(
-                "A store reads its scans as they are: write each scan anew, transect register SCAN \
-                 {reading} --out DIR, and make the store of those"
+                "A store reads its scans as they are: write each scan anew, registered with \
+                 {reading}, and make the store of those"
             ),
             _ => advice(*reading, self.unit),
         };
@@ -231,12 +231,12 @@ impl PoseReport {
                 if self.in_store {
                     "transect register does that"
                 } else {
-                    "--refine-poses and transect register do that"
+                    "the setting `refine_poses` and transect register do that"
                 }
             ),
             None => format!(
-                "No nearby pose agrees: check its pose and its convention (--pose-convention), or \
-                 {}",
+                "No nearby pose agrees: check its pose and its convention (the setting \
+                 `pose_convention`), or {}",
                 self.leave_it_out()
             ),
         }
@@ -245,7 +245,7 @@ impl PoseReport {
     fn leave_it_out(&self) -> &'static str {
         match self.in_store {
             true => "take it out with transect remove-view",
-            false => "leave it out with --views",
+            false => "leave it out with the setting `views`",
         }
     }
 
@@ -278,24 +278,24 @@ fn advice(reading: Reading, unit: LengthUnit) -> String {
         }
         (Reading::Distances(factor), _) => {
             return format!(
-                "Multiply their \"scale\" in scan.json, or --depth-scale, by {factor:.4}; without a \
-                 scale, state {factor:.4}"
+                "Multiply their \"scale\" in scan.json, or the setting `depth_scale`, by \
+                 {factor:.4}; without a scale, state {factor:.4}"
             );
         }
         (Reading::Image(ImageOrder::UpsideDown), _) => {
             return format!(
                 "Pass {reading} if a viewer shows the images on their heads. If it shows them \
                  upright, y points up in the camera and in the poses (as in ICL-NUIM), and that \
-                 option would mirror the model: for a folder of depth images, state fy as a \
-                 negative number (--camera FX,-FY,CX,CY)"
+                 setting would mirror the model: for a folder of depth images, state fy as a \
+                 negative number (the setting `camera` FX,-FY,CX,CY)"
             );
         }
         _ => return format!("Pass {reading}"),
     };
     format!(
         "The unit {unit} is that of the poses, so correct the images: multiply their \"scale\" in \
-         scan.json, or --depth-scale, by {factor}; without a scale, state {factor}. Or state \
-         \"unit\": \"{images}\" and pass {reading}"
+         scan.json, or the setting `depth_scale`, by {factor}; without a scale, state {factor}. Or \
+         state \"unit\": \"{images}\" and pass {reading}"
     )
 }
 

@@ -53,7 +53,7 @@ pub(super) fn draw(
     let around = envelope_of(of_views.curves.iter().flatten());
     let (Some(around), Some(last)) = (around, states.last()) else {
         let problem =
-            format!("no view has a curve on plane {}; give --plane another number", of_views.plane);
+            format!("no view has a curve on plane {}; choose another one", of_views.plane);
         return Err(WorkflowError::setting("plane", problem));
     };
     let map = PlaneMap::fit(&around, of_views.setup.unit);

@@ -183,8 +183,8 @@ fn straight(setup: Setup) -> Result<Setup, WorkflowError> {
     if setup.planes.guide().straight().is_some() {
         return Ok(setup);
     }
-    let problem = "the figures show parallel planes, and those of the scan, or of --guide, follow a \
-                   curve; give --normal and --interval";
+    let problem = "the figures show parallel planes, and those of the scan, or of the setting \
+                   `guide`, follow a curve; give the setting `normal`, and `interval`";
     Err(WorkflowError::setting("guide", problem))
 }
 
@@ -192,8 +192,8 @@ fn off_plane(plane: PlaneIndex, view: &str, crossed: &RangeInclusive<i64>) -> Wo
     let (first, last) = (crossed.start(), crossed.end());
     if crossed.is_empty() {
         let problem = format!(
-            "no plane crosses the surface that view {view} saw; give a smaller --interval, or \
-             another --offset"
+            "no plane crosses the surface that view {view} saw; make the setting `interval` \
+             smaller, or change the setting `offset`"
         );
         return WorkflowError::setting("interval", problem);
     }

@@ -145,10 +145,16 @@ fn vertices_row_by_row_need_a_stated_grid() {
     let other = load("a.ply", bare.as_bytes(), &grid(2, 4)).unwrap_err();
     assert!(other.contains("the file has 6 points, 2 rows × 4 columns need 8"), "{other}");
     let other = load("a.ply", stated.as_bytes(), &grid(3, 2)).unwrap_err();
-    assert!(other.contains("the header states 2 rows × 3 columns, --grid 3 rows × 2 columns"));
+    assert!(
+        other.contains(
+            "the header states 2 rows × 3 columns, the setting `grid` 3 rows × 2 columns"
+        )
+    );
     let unorganised = error("a.ply", &bare);
     assert!(unorganised.contains("a.ply: the 6 points have no rows and columns"), "{unorganised}");
-    assert!(unorganised.contains("pass --rings N") && unorganised.contains("as E57, PTX"));
+    assert!(
+        unorganised.contains("pass the setting `rings`") && unorganised.contains("as E57, PTX")
+    );
 }
 
 #[test]

@@ -132,7 +132,10 @@ fn rings_are_found_by_elevation_or_by_laps() {
     assert!(cells(&found) == turned(&returns, 90, &found));
     assert!(notes[0].contains("8 rings by the gaps between elevations"), "{notes:?}");
     let error = grid(points(&returns), None, Some(9)).unwrap_err();
-    assert!(error.contains("--rings 9: neither the elevations nor the order"), "{error}");
+    assert!(
+        error.contains("the setting `rings` 9: neither the elevations nor the order"),
+        "{error}"
+    );
 
     // Elevations that vary within a ring leave no gaps; ring after ring the order remains.
     let mut laps = sweep(90, 0.0);
@@ -162,7 +165,10 @@ fn of_two_returns_of_a_pulse_the_nearer_one_stays() {
 fn contradictions_are_refused() {
     let returns = sweep(90, 0.0);
     let error = grid(points(&returns), Some(rings(&returns)), Some(4)).unwrap_err();
-    assert!(error.contains("the field of rings has 8 values; --rings states 4"), "{error}");
+    assert!(
+        error.contains("the field of rings has 8 values; the setting `rings` states 4"),
+        "{error}"
+    );
     let error = grid(points(&returns), Some(vec![7; returns.len()]), None);
     assert!(error.is_err() || error.unwrap().0.rows == 1);
     let many: Vec<u16> = (0..).take(returns.len() * 2).collect();

@@ -67,7 +67,7 @@ fn a_named_trajectory_comes_first() {
 #[test]
 fn poses_that_do_not_fit_are_refused_by_file_and_line() {
     let none = open(&[]).unwrap_err();
-    assert!(none.contains("3 clouds without poses; pass --poses FILE"), "{none}");
+    assert!(none.contains("3 clouds without poses; pass the setting `poses`, a file"), "{none}");
     let few = open(&[("poses.txt", &KITTI[..24])]).unwrap_err();
     assert!(few.contains("poses.txt: the file has 1 poses; expected one for each of the 3"));
     let word = open(&[("poses.txt", &KITTI.replacen('2', "two", 1))]).unwrap_err();
