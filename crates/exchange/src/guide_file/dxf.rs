@@ -111,36 +111,46 @@ pub(super) fn points(text: &str, unit: LengthUnit) -> Result<Vec<Placed>, Proble
     }
     let groups = groups(text)?;
     check_unit(&groups, unit)?;
-    let mut curves: Vec<Vec<Placed>> = Vec::new();
-    let (mut heavy, mut blocks): (Option<Heavy>, _) = (None, 0);
+    let mut found = Found::default();
     for entity in entities(&groups) {
+        found.take(&entity)?;
+    }
+    found.only_curve()
+}
+
+/// What a drawing holds.
+#[derive(Default)]
+struct Found {
+    /// The polylines, and lines that follow each other.
+    curves: Vec<Vec<Placed>>,
+    /// A `POLYLINE` that has not ended yet.
+    heavy: Option<Heavy>,
+    /// Number of inserted blocks, which are not read.
+    blocks: usize,
+}
+
+impl Found {
+    /// Takes the next entity of the drawing.
+    fn take(&mut self, entity: &Entity<'_>) -> Result<(), Problem> {
         match entity.name {
             "LWPOLYLINE" => {
                 entity.check()?;
-                curves.push(light(&entity)?);
+                self.curves.push(light(entity)?);
             }
-            "POLYLINE" => {
-                entity.check()?;
-                if heavy.is_some() {
-                    let problem = "a POLYLINE begins before the one before it has ended; save the \
-                                   drawing again";
-                    return Err(Problem::at(Place::Line(entity.line), problem));
-                }
-                heavy = Some(Heavy::begin(&entity)?);
-            }
+            "POLYLINE" => self.begin_heavy(entity)?,
             "VERTEX" => {
                 entity.check()?;
-                if let Some(heavy) = &mut heavy {
+                if let Some(heavy) = &mut self.heavy {
                     let mut vertex = entity.point([10, 20, 30])?;
                     vertex.point.z = heavy.elevation.unwrap_or(vertex.point.z);
                     heavy.vertices.push(vertex);
                 }
             }
-            "SEQEND" => curves.extend(heavy.take().map(|heavy| heavy.vertices)),
+            "SEQEND" => self.curves.extend(self.heavy.take().map(|heavy| heavy.vertices)),
             "LINE" => {
                 let ends = [entity.point([10, 20, 30])?, entity.point([11, 21, 31])?];
-                let separate = not_joined(curves.last_mut(), ends);
-                curves.extend(separate);
+                let separate = not_joined(self.curves.last_mut(), ends);
+                self.curves.extend(separate);
             }
             "ARC" | "SPLINE" | "ELLIPSE" => {
                 let problem = format!(
@@ -150,21 +160,38 @@ pub(super) fn points(text: &str, unit: LengthUnit) -> Result<Vec<Placed>, Proble
                 );
                 return Err(Problem::at(Place::Line(entity.line), problem));
             }
-            "INSERT" => blocks += 1,
+            "INSERT" => self.blocks += 1,
             _ => (),
         }
+        Ok(())
     }
-    if heavy.is_some() {
-        return Err(Problem::damaged("a POLYLINE has no SEQEND: the file is cut off"));
+
+    fn begin_heavy(&mut self, entity: &Entity<'_>) -> Result<(), Problem> {
+        entity.check()?;
+        if self.heavy.is_some() {
+            let problem = "a POLYLINE begins before the one before it has ended; save the drawing \
+                           again";
+            return Err(Problem::at(Place::Line(entity.line), problem));
+        }
+        self.heavy = Some(Heavy::begin(entity)?);
+        Ok(())
     }
-    if curves.len() == 1 {
-        return Ok(curves.pop().unwrap_or_default());
+
+    /// The points of the only curve.
+    fn only_curve(mut self) -> Result<Vec<Placed>, Problem> {
+        if self.heavy.is_some() {
+            return Err(Problem::damaged("a POLYLINE has no SEQEND: the file is cut off"));
+        }
+        if self.curves.len() == 1 {
+            return Ok(self.curves.pop().unwrap_or_default());
+        }
+        let count = self.curves.len();
+        let mut problem = format!("{count} separate polylines or lines; a guide is one");
+        if self.blocks > 0 {
+            problem += &format!(". {} blocks (INSERT) are not read: explode them", self.blocks);
+        }
+        Err(Problem::damaged(problem))
     }
-    let mut problem = format!("{} separate polylines or lines; a guide is one", curves.len());
-    if blocks > 0 {
-        problem += &format!(". {blocks} blocks (INSERT) are not read: explode them");
-    }
-    Err(Problem::damaged(problem))
 }
 
 /// Refuses drawings in another unit than the model's.
