@@ -32,7 +32,7 @@ pub struct PlaneEnvelopes {
 
 /// A curve whose envelope meets another's.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Meeting {
+pub struct EnvelopeMeeting {
     /// The number of the curve.
     pub curve: usize,
     /// The rectangle common to both grown envelopes: no overlap lies outside it.
@@ -56,10 +56,10 @@ impl PlaneEnvelopes {
     }
 
     /// The curves whose grown envelopes meet that of a curve, grown as well, in order of number.
-    pub fn meeting(&self, curve: &Curve) -> Vec<Meeting> {
+    pub fn meeting(&self, curve: &Curve) -> Vec<EnvelopeMeeting> {
         let around = curve.envelope().grown(self.tolerance);
         let meeting = |(&curve, envelope): (&usize, &Envelope)| {
-            Some(Meeting { curve, common: envelope.intersection(&around)? })
+            Some(EnvelopeMeeting { curve, common: envelope.intersection(&around)? })
         };
         self.by_curve.iter().filter_map(meeting).collect()
     }
@@ -172,7 +172,7 @@ mod tests {
             let around = asked.envelope().grown(tolerance);
             let meeting = |(&curve, c): (&usize, &Curve)| {
                 let common = c.envelope().grown(tolerance).intersection(&around)?;
-                Some(Meeting { curve, common })
+                Some(EnvelopeMeeting { curve, common })
             };
             let expected: Vec<_> = curves.iter().filter_map(meeting).collect();
             prop_assert_eq!(envelopes.meeting(&asked), expected);

@@ -14,9 +14,9 @@ mod readings;
 mod refine;
 mod tuning;
 
-pub use coarse::{CoarseView, Meeting, Patch, PosePrior, Sighting, StoredCopy};
+pub use coarse::{CoarseView, Patch, PatchMeeting, PosePrior, Sighting, StoredCopy};
 pub use judge::{
     Agreement, Finding, Judgement, Misplaced, Motion, Region, RegionKind, Scaled, judge,
 };
 pub use readings::{Accord, Explanation, PoseReading, Reading, explain};
-pub use refine::{PoseOutcome, RefineOptions, RefinedPose, Refinement, refine};
+pub use refine::{PoseOutcome, PoseRefinement, RefineOptions, RefinedPose, refine};

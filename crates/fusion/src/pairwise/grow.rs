@@ -22,7 +22,7 @@
 use super::fork::Cut;
 use super::splice::{Merged, Outcome, Refusal, merge};
 use crate::consensus::measure::canonical;
-use crate::envelopes::{Meeting, PlaneEnvelopes};
+use crate::envelopes::{EnvelopeMeeting, PlaneEnvelopes};
 use crate::pattern::{OverlapTolerance, classify};
 use crate::screening::may_overlap;
 use serde::Serialize;
@@ -241,12 +241,16 @@ impl GrowingPlane {
 
     /// The first global curve in order of record whose envelope meets the curve's, and that has not
     /// been tried.
-    fn next_candidate(&self, curve: &Curve, tried: &mut BTreeSet<usize>) -> Option<Meeting> {
+    fn next_candidate(
+        &self,
+        curve: &Curve,
+        tried: &mut BTreeSet<usize>,
+    ) -> Option<EnvelopeMeeting> {
         let meetings = self.envelopes.meeting(curve);
         meetings.into_iter().find(|meeting| tried.insert(meeting.curve))
     }
 
-    fn try_to_merge(&self, curve: &Curve, global: &Curve, meeting: &Meeting) -> Outcome {
+    fn try_to_merge(&self, curve: &Curve, global: &Curve, meeting: &EnvelopeMeeting) -> Outcome {
         if !may_overlap(curve, global, &meeting.common, self.tolerance.max_angle_rad()) {
             return Outcome::Apart;
         }

@@ -10,7 +10,7 @@ use super::ends::ends;
 use super::near_tangent::NearTangent;
 use super::nodes::NodeMaker;
 use super::pair_line::PairLines;
-use super::refine::Refinement;
+use super::refine::CrossingSolver;
 use super::vertex::Kind;
 use crate::pixel_grid::Grid;
 use crate::repeats::drop_repeats;
@@ -43,7 +43,7 @@ impl Lines<'_> {
         let Self { view, prepared, axes, rule, contours, along } = *self;
         let grid = Grid::new(view.frame());
         let pairs = PairLines { view, rule, grid };
-        let refined = Refinement::new(prepared, axes, pairs, options.subpixel);
+        let refined = CrossingSolver::new(prepared, axes, pairs, options.subpixel);
         let refinement = refined.filter(|_| along.is_none());
         let gaps = Gaps { view, rule, contours, grid, gap: options.gap.div_ceil(prepared.step()) };
         let mut near_tangent =
@@ -76,7 +76,7 @@ impl Lines<'_> {
         &self,
         lines: &[Polyline<'_>],
         pairs: &PairLines<'_>,
-        refinement: Option<&Refinement<'_>>,
+        refinement: Option<&CrossingSolver<'_>>,
         crossings: &mut Vec<Crossing>,
     ) {
         crossings.clear();

@@ -4,7 +4,7 @@ use super::crossing::Crossing;
 use super::pair_line::PairLines;
 use super::vertex::Kind;
 use crate::SectionAxes;
-use crate::subpixel::{AngularGrid, Meeting, PairLine, Solver, Subpixel};
+use crate::subpixel::{AngularGrid, PairLine, PairMeeting, Solver, Subpixel};
 use transect_device::Pixel;
 use transect_image::PreparedView;
 
@@ -17,7 +17,7 @@ use transect_image::PreparedView;
 const LEAST_BEND: f64 = 0.4;
 
 /// The way to solve the crossings of one view.
-pub(super) struct Refinement<'a> {
+pub(super) struct CrossingSolver<'a> {
     prepared: &'a PreparedView<'a>,
     axes: &'a SectionAxes,
     lines: PairLines<'a>,
@@ -25,7 +25,7 @@ pub(super) struct Refinement<'a> {
     angles: Option<AngularGrid>,
 }
 
-impl<'a> Refinement<'a> {
+impl<'a> CrossingSolver<'a> {
     /// `None` for the linear solution, which crossings have already.
     pub fn new(
         prepared: &'a PreparedView<'a>,
@@ -61,7 +61,7 @@ impl<'a> Refinement<'a> {
         }
     }
 
-    fn meeting(&self, solver: &Solver<'_>, line: &PairLine) -> Option<Meeting> {
+    fn meeting(&self, solver: &Solver<'_>, line: &PairLine) -> Option<PairMeeting> {
         let cubic = self.method == Subpixel::FourPoint;
         if cubic && (line.before.is_none() || line.after.is_none()) {
             return None;

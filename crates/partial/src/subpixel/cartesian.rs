@@ -1,18 +1,18 @@
 //! Curve and plane in the Cartesian frame, linear (3.6, errata).
 
-use super::{Meeting, height};
+use super::{PairMeeting, height};
 use transect_device::{Point3, SensorPlane};
 
 /// Where the straight line between two samples meets the plane.
 ///
 /// `t = −h₁ / (h₂ − h₁)` of the heights over the plane, clamped to the pair: no special cases for
 /// lines along an axis, which the printed solution divides by.
-pub(super) fn meet([p, q]: &[Point3; 2], plane: &SensorPlane) -> Meeting {
+pub(super) fn meet([p, q]: &[Point3; 2], plane: &SensorPlane) -> PairMeeting {
     let parameter = parameter(height(plane, p), height(plane, q));
     let d = q - p;
     // From the nearer sample, so that crossings at one sample are at one place.
     let point = if parameter < 0.5 { p + d * parameter } else { q - d * (1.0 - parameter) };
-    Meeting { parameter, point }
+    PairMeeting { parameter, point }
 }
 
 /// Where between two heights over a plane the line through them meets it.

@@ -1,7 +1,7 @@
 //! The surface's and the plane's curves in the device frame, both linear (3.6, errata).
 
 use super::angular_grid::AngularStep;
-use super::{Meeting, root};
+use super::{PairMeeting, root};
 use transect_device::{Point3, Ray, SensorPlane, Vector3};
 
 /// Where the two interpolated curves meet.
@@ -15,7 +15,7 @@ pub(super) fn meet(
     points: &[Point3; 2],
     plane: &SensorPlane,
     angles: Option<&AngularStep>,
-) -> Option<Meeting> {
+) -> Option<PairMeeting> {
     let range = |k: usize| (points[k] - rays[k].start).dot(&rays[k].direction);
     let per_range = |k: usize| {
         let ahead = plane.offset - plane.normal.dot(&rays[k].start.coords);
@@ -29,7 +29,7 @@ pub(super) fn meet(
         Some(step) => step.ray(step.size * parameter),
         None => between(&rays[0].direction, &rays[1].direction, parameter)?,
     };
-    Some(Meeting { parameter, point: start + direction * mix(r, parameter) })
+    Some(PairMeeting { parameter, point: start + direction * mix(r, parameter) })
 }
 
 /// The unit direction between two that are a pixel apart.

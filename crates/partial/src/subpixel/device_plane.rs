@@ -1,7 +1,7 @@
 //! The surface's curve in the device frame and the exact plane (3.6, Eq. 3.5 and 3.6).
 
 use super::angular_grid::AngularStep;
-use super::{Meeting, PairLine, height, root};
+use super::{PairLine, PairMeeting, height, root};
 use transect_device::{DeviceFrame, Point3, SensorPlane};
 
 /// Newton steps from the linearised equation to the exact one; each squares what is left of an
@@ -17,7 +17,7 @@ pub(super) fn on_angles(
     step: &AngularStep,
     [r0, r1]: [f64; 2],
     plane: &SensorPlane,
-) -> Option<Meeting> {
+) -> Option<PairMeeting> {
     let slope = (r1 - r0) / step.size;
     let (g0, g_slope) = (plane.normal.dot(&step.ray(0.0)), plane.normal.dot(&step.ray_slope(0.0)));
     let (l, m, n) = (slope * g_slope, slope * g0 + r0 * g_slope, r0 * g0 - plane.offset);
@@ -30,7 +30,7 @@ pub(super) fn on_angles(
     }
     let parameter = delta / step.size;
     let point = Point3::from(step.ray(delta) * (r0 + slope * delta));
-    (0.0..=1.0).contains(&parameter).then_some(Meeting { parameter, point })
+    (0.0..=1.0).contains(&parameter).then_some(PairMeeting { parameter, point })
 }
 
 /// The solutions of `l x² + m x + n = 0`, without cancellation; one for `l = 0`.
@@ -51,14 +51,14 @@ pub(super) fn on_any(
     line: &PairLine,
     [first, second]: [f64; 2],
     plane: &SensorPlane,
-) -> Option<Meeting> {
+) -> Option<PairMeeting> {
     let point = |t: f64| {
         let value = first + (second - first) * t;
         let (p, q) = (frame.point(line.first, value)?, frame.point(line.second, value)?);
         Some(p + (q - p) * t)
     };
     let parameter = root::between_0_and_1(|t| Some(height(plane, &point(t)?)))?;
-    Some(Meeting { parameter, point: point(parameter)? })
+    Some(PairMeeting { parameter, point: point(parameter)? })
 }
 
 #[cfg(test)]

@@ -5,16 +5,16 @@
 //! The remainder of the interpolation is `t (t² − 1)(t − 2) c⁗ / 24`: at most 3/128 of the fourth
 //! difference of the samples.
 
-use super::{Meeting, height, root};
+use super::{PairMeeting, height, root};
 use transect_device::{Point3, SensorPlane, Vector3};
 
 /// Where the cubic through four samples meets the plane between the second and the third.
-pub(super) fn meet(points: &[Point3; 4], plane: &SensorPlane) -> Option<Meeting> {
+pub(super) fn meet(points: &[Point3; 4], plane: &SensorPlane) -> Option<PairMeeting> {
     let heights = points.each_ref().map(|p| height(plane, p));
     let at = |t: f64| weights(t).iter().zip(&heights).map(|(w, h)| w * h).sum();
     let parameter = root::between_0_and_1(|t| Some(at(t)))?;
     let weighted = weights(parameter).into_iter().zip(points).map(|(w, p)| p.coords * w);
-    Some(Meeting { parameter, point: Point3::from(weighted.sum::<Vector3>()) })
+    Some(PairMeeting { parameter, point: Point3::from(weighted.sum::<Vector3>()) })
 }
 
 /// Lagrange's weights of samples at −1, 0, 1, 2.

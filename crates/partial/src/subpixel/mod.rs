@@ -90,7 +90,7 @@ pub struct PairLine {
 
 /// Where a plane meets the surface between two pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Meeting {
+pub struct PairMeeting {
     /// Share of the way from the first pixel to the second, from 0 to 1.
     pub parameter: f64,
     /// The point, in the sensor frame.
@@ -118,7 +118,7 @@ impl<'a> Solver<'a> {
     }
 
     /// Where the plane passes between the pair's pixels; `None` if one of the two is missing.
-    pub fn meet(&self, line: &PairLine) -> Option<Meeting> {
+    pub fn meet(&self, line: &PairLine) -> Option<PairMeeting> {
         let ends =
             [self.view.point_in_sensor(line.first)?, self.view.point_in_sensor(line.second)?];
         let linear = cartesian::meet(&ends, &self.plane);
@@ -135,7 +135,7 @@ impl<'a> Solver<'a> {
         Some(better.unwrap_or(linear))
     }
 
-    fn device_plane(&self, line: &PairLine) -> Option<Meeting> {
+    fn device_plane(&self, line: &PairLine) -> Option<PairMeeting> {
         let values = self.values(line)?;
         match self.angles {
             Some(angles) => {
@@ -145,7 +145,7 @@ impl<'a> Solver<'a> {
         }
     }
 
-    fn device_curves(&self, line: &PairLine) -> Option<Meeting> {
+    fn device_curves(&self, line: &PairLine) -> Option<PairMeeting> {
         let frame = self.view.frame();
         let rays = [frame.ray(line.first)?, frame.ray(line.second)?];
         let [a, b] = self.values(line)?;
@@ -154,7 +154,7 @@ impl<'a> Solver<'a> {
         device_curves::meet(&rays, &points, &self.plane, step.as_ref())
     }
 
-    fn four_point(&self, line: &PairLine, [b, c]: &[Point3; 2]) -> Option<Meeting> {
+    fn four_point(&self, line: &PairLine, [b, c]: &[Point3; 2]) -> Option<PairMeeting> {
         let a = self.view.point_in_sensor(line.before?)?;
         let d = self.view.point_in_sensor(line.after?)?;
         four_point::meet(&[a, *b, *c, d], &self.plane)

@@ -114,7 +114,7 @@ pub enum Sighting {
 
 /// A point over a patch of a view.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Meeting {
+pub struct PatchMeeting {
     /// Number of the cell that holds the patch, row by row.
     pub cell: usize,
     /// Signed distance of the point from the patch's surface, positive on the sensor's side.
@@ -294,12 +294,12 @@ impl CoarseView {
     }
 
     /// The patch that a sensor-frame point lies over; `None` where the view has none.
-    pub fn meeting(&self, in_sensor: &Point3) -> Option<Meeting> {
+    pub fn meeting(&self, in_sensor: &Point3) -> Option<PatchMeeting> {
         self.meeting_in(self.cell_of(in_sensor)?, in_sensor)
     }
 
     /// The patch of a cell, with a point whose ray passes the cell.
-    pub(crate) fn meeting_in(&self, cell: usize, in_sensor: &Point3) -> Option<Meeting> {
+    pub(crate) fn meeting_in(&self, cell: usize, in_sensor: &Point3) -> Option<PatchMeeting> {
         self.meeting_with(&self.cell(cell)?, cell, in_sensor)
     }
 
@@ -309,10 +309,10 @@ impl CoarseView {
         copy: &Cell,
         cell: usize,
         in_sensor: &Point3,
-    ) -> Option<Meeting> {
+    ) -> Option<PatchMeeting> {
         let patch = self.patch_of(copy, cell)?;
         let (distance, sigma) = patch.distance(in_sensor)?;
-        Some(Meeting { cell, distance, normal: patch.steady_normal(), sigma })
+        Some(PatchMeeting { cell, distance, normal: patch.steady_normal(), sigma })
     }
 
     /// A cell as it is kept.

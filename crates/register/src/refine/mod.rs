@@ -52,7 +52,7 @@ use solve::{Before, Ground, Solution, System, variances};
 use transect_device::{Isometry3, Point3, Vector3};
 
 use outcome::median;
-pub use outcome::{PoseOutcome, RefinedPose, Refinement};
+pub use outcome::{PoseOutcome, PoseRefinement, RefinedPose};
 
 /// Options of [`refine`].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -69,7 +69,7 @@ pub struct RefineOptions {
 ///
 /// The result does not depend on the order of the views. Their names tell which ones follow each
 /// other, as the poses of a camera that is carried drift from view to view.
-pub fn refine(views: &[CoarseView], options: &RefineOptions) -> Refinement {
+pub fn refine(views: &[CoarseView], options: &RefineOptions) -> PoseRefinement {
     // Sums depend on their order, so the views are taken in an order of their own.
     let mut order: Vec<usize> = (0..views.len()).collect();
     order.sort_by_cached_key(|k| views.get(*k).map(CoarseView::rank));
@@ -81,7 +81,7 @@ pub fn refine(views: &[CoarseView], options: &RefineOptions) -> Refinement {
     refinement
 }
 
-fn refine_sorted(views: Vec<&CoarseView>, options: &RefineOptions) -> Refinement {
+fn refine_sorted(views: Vec<&CoarseView>, options: &RefineOptions) -> PoseRefinement {
     let given: Vec<Isometry3> = views.iter().map(|v| *v.world_from_sensor()).collect();
     let scene = scene(views, &given);
     let mut misplaced = Vec::new();

@@ -65,7 +65,7 @@ pub struct RefinedPose {
 
 /// The result of [`refine`](super::refine).
 #[derive(Debug, Clone, serde::Serialize)]
-pub struct Refinement {
+pub struct PoseRefinement {
     /// One for each view, in their order.
     pub poses: Vec<RefinedPose>,
     /// How far the given poses were taken to be wrong, of views that do not state their own.
@@ -120,7 +120,7 @@ impl Rounds<'_> {
         misplaced.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k)
     }
 
-    pub(super) fn finish(mut self, misplaced: &[usize]) -> Refinement {
+    pub(super) fn finish(mut self, misplaced: &[usize]) -> PoseRefinement {
         let parts = self.systems();
         let left_out_pairs = self.left_out(&parts);
         let unpaired = |k: usize| self.pairs.iter().all(|p| p.a != k && p.b != k);
@@ -172,7 +172,7 @@ impl Rounds<'_> {
             }
         };
         let poses = (0..self.given.len()).map(pose).collect();
-        Refinement {
+        PoseRefinement {
             poses,
             prior: self.prior,
             left_out_pairs,

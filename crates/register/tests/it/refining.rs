@@ -7,7 +7,9 @@ use proptest::prelude::*;
 use std::sync::Arc;
 use transect_device::{DeviceFrame, ImageSize, Isometry3, Pixel, Point3};
 use transect_device::{RangeImage, SensorPlane, Vector3, View};
-use transect_register::{CoarseView, PoseOutcome, PosePrior, RefineOptions, Refinement, refine};
+use transect_register::{
+    CoarseView, PoseOutcome, PosePrior, PoseRefinement, RefineOptions, refine,
+};
 use transect_scene::Noise;
 use transect_sensors::{Intrinsics, Pinhole};
 
@@ -212,7 +214,7 @@ fn rigid_fit(from: &[Point3], to: &[Point3]) -> Isometry3 {
 /// The errors of refined poses over their standard deviations, after the rigid fit to the exact
 /// ones: of the sensors' places, of angles, and of the views' surfaces. Root mean squares over the
 /// axes.
-fn errors_over_sigma(exact: &[View], refinement: &Refinement) -> [Vec<f64>; 3] {
+fn errors_over_sigma(exact: &[View], refinement: &PoseRefinement) -> [Vec<f64>; 3] {
     let (mut from, mut to, mut of_view) = (Vec::new(), Vec::new(), Vec::new());
     for (view, pose) in exact.iter().zip(&refinement.poses) {
         let first = from.len();

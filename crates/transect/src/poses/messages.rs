@@ -5,7 +5,7 @@ use crate::evaluate::digits;
 use transect_device::{DepthOffsets, ImageOrder, Note};
 use transect_geometry::LengthUnit;
 use transect_register::{
-    Explanation, Finding, Motion, PoseOutcome, PoseReading, Reading, RefinedPose, Refinement,
+    Explanation, Finding, Motion, PoseOutcome, PoseReading, PoseRefinement, Reading, RefinedPose,
 };
 
 /// Most names of views that a warning lists of each group. Chosen by hand; doubled, the warning of
@@ -81,7 +81,7 @@ impl PoseReport {
     }
 
     /// The errors of the depth cameras; `None` of sound ones.
-    fn camera_error(&self, refinement: &Refinement) -> Option<String> {
+    fn camera_error(&self, refinement: &PoseRefinement) -> Option<String> {
         let (distance, unit) = (refinement.distance, self.unit);
         let error_at = |offsets: &&DepthOffsets| offsets.error_at(distance);
         let errors = || refinement.poses.iter().filter_map(|pose| pose.depth_offsets.as_ref());
@@ -256,7 +256,7 @@ impl PoseReport {
 }
 
 /// Why no view moved.
-fn reason(refinement: &Refinement) -> &'static str {
+fn reason(refinement: &PoseRefinement) -> &'static str {
     let kept = refinement.poses.iter().any(|pose| pose.outcome == PoseOutcome::Kept);
     match refinement.left_out_pairs {
         Some(change) if change < 0.0 && kept => {

@@ -21,8 +21,8 @@ use serde::Serialize;
 use transect_device::{ImageOrder, View};
 use transect_geometry::LengthUnit;
 use transect_register::{
-    CoarseView, Explanation, Finding, Judgement, RefineOptions, RefinedPose, Refinement, explain,
-    judge, refine,
+    CoarseView, Explanation, Finding, Judgement, PoseRefinement, RefineOptions, RefinedPose,
+    explain, judge, refine,
 };
 
 /// The poses of a run: what contradicts, and how they were refined.
@@ -39,7 +39,7 @@ pub struct PoseReport {
     /// The refined poses; `None` if the given ones were kept, as those are that another convention
     /// explains.
     #[serde(flatten)]
-    pub refinement: Option<Refinement>,
+    pub refinement: Option<PoseRefinement>,
     /// Whether the views are those of a store, whose images keep the errors of their cameras.
     #[serde(skip)]
     pub(crate) in_store: bool,
@@ -150,7 +150,7 @@ impl PoseReport {
     }
 }
 
-fn posed<'a, S: ViewSource>(refinement: &Refinement, sources: &'a [S]) -> Vec<Posed<'a, S>> {
+fn posed<'a, S: ViewSource>(refinement: &PoseRefinement, sources: &'a [S]) -> Vec<Posed<'a, S>> {
     let posed = sources.iter().zip(&refinement.poses).map(|(source, pose)| Posed {
         source,
         pose: pose.world_from_sensor,

@@ -69,7 +69,7 @@ impl BendError {
         let largest = if noisy_turns { LARGEST_NOISY_TURN } else { 0.0 };
         let hidden = turn <= largest && error <= ERROR_SHARE * fit.place_sigma;
         let known = turn - 4.0 * fit.bend_sigma * reach;
-        Self { error, is_small: hidden || known <= LARGEST_TURN }
+        Self { error, is_small: hidden || known <= LARGEST_WINDOW_TURN }
     }
 }
 

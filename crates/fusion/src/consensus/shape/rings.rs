@@ -89,7 +89,7 @@ impl Circle {
         let mut placed = Vec::with_capacity(2 * nodes.len());
         for (a, b) in neighbours(nodes, true) {
             let (from, turn) = (angle(a), turn(angle(a), angle(b)));
-            let count = (turn.abs() / LARGEST_TURN).ceil().max(1.0);
+            let count = (turn.abs() / LARGEST_NODE_TURN).ceil().max(1.0);
             let lighter = if a.evidence.weight < b.evidence.weight { a } else { b };
             for step in 0..count as usize {
                 let k = if step == 0 { a } else { lighter };

@@ -36,7 +36,7 @@ pub mod parabola {
     pub const FULL_TRUST: f64 = 0.5;
     /// Curvature times reach, in radians, beyond which a fit follows an arc no farther. Theory:
     /// directions no longer count as the same there. Doubled: noise is taken for a bend.
-    pub const LARGEST_TURN: f64 = 0.9;
+    pub const LARGEST_ARC: f64 = 0.9;
 }
 
 /// `estimate/place.rs`
@@ -68,7 +68,7 @@ pub mod place {
     pub const LEAST_VARIANCE_SHARE: f64 = 0.1;
     /// Largest curvature times half-width of a window on a bend, whatever the noise, in radians. By
     /// hand. Doubled: bends are cut.
-    pub const LARGEST_TURN: f64 = 0.13;
+    pub const LARGEST_WINDOW_TURN: f64 = 0.13;
     /// The same where the fit's error is small against noise. Theory: beyond it directions no
     /// longer count as the same. Doubled: no effect, since the directions exclude the samples.
     pub const LARGEST_NOISY_TURN: f64 = 0.9;

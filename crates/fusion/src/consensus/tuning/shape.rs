@@ -9,12 +9,12 @@ pub mod rings {
     /// Doubled: rounded squares become circles.
     pub const CONFIDENCE: f64 = 3.0;
     /// Largest radius of a ring, in footprints. Theory: on larger rings the narrowest window turns
-    /// by less than `place::LARGEST_TURN`, so windows may choose. Doubled: large rings become
-    /// circles.
+    /// by less than `place::LARGEST_WINDOW_TURN`, so windows may choose. Doubled: large rings
+    /// become circles.
     pub const LARGEST_RADIUS: f64 = 19.0;
     /// Largest turn between neighbouring nodes, in radians. By hand: chords lie 1 % of the radius
     /// inside. Doubled: 4 %.
-    pub const LARGEST_TURN: f64 = 0.3;
+    pub const LARGEST_NODE_TURN: f64 = 0.3;
     /// Steps of the search for the centre. By hand: it converges in three. Doubled: nothing
     /// changes.
     pub const ROUNDS: usize = 5;

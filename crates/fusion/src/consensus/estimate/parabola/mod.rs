@@ -160,7 +160,7 @@ struct HigherOrders {
 
 /// Third and fourth order of an arc of this slope and bend, as far as the bend is known.
 fn beyond_parabola(fit: &Fit, reach: f64) -> HigherOrders {
-    let most = 0.5 * LARGEST_TURN / reach;
+    let most = 0.5 * LARGEST_ARC / reach;
     let bend = fit.bend.clamp(-most, most);
     let (signal, noise) = (bend * bend, fit.bend_sigma * fit.bend_sigma);
     let bend = if noise > 0.0 { bend * signal / (signal + noise) } else { bend };
