@@ -55,6 +55,11 @@ impl Header {
     }
 }
 
+/// The note on a number of bytes after the last number of an array.
+pub(crate) fn leftovers(bytes: usize) -> Option<String> {
+    (bytes > 0).then(|| format!("{bytes} bytes after the last number ignored"))
+}
+
 /// An array still in its file's bytes.
 pub(crate) struct Npy<'a> {
     header: Header,
@@ -76,7 +81,7 @@ impl<'a> Npy<'a> {
 
     /// The note on bytes after the last number, such as those of a second array.
     pub(crate) fn leftovers(&self) -> Option<String> {
-        (self.left > 0).then(|| format!("{} bytes after the last number ignored", self.left))
+        leftovers(self.left)
     }
 
     pub(crate) fn shape(&self) -> &[usize] {

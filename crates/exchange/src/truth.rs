@@ -17,8 +17,8 @@ pub const TRUTH_FILE: &str = "truth.npz";
 /// Reads a mesh from an `.npz` archive.
 ///
 /// # Errors
-/// [`ReadError`] if the file is missing, damaged or compressed, an array has another shape, or a
-/// face names a missing vertex.
+/// [`ReadError`] if the file is missing, damaged or compressed, an array has another shape or bytes
+/// after its last number, or a face names a missing vertex.
 pub fn read_truth(path: &Path) -> Result<TriangleMesh, ReadError> {
     let bytes = read_bytes(path)?;
     let vertices = triples(path, &bytes, "vertices", false)?;
@@ -53,6 +53,11 @@ fn triples(
         let parsed = Npy::parse(member.ok_or_else(|| Problem::damaged("not in the archive"))?)?;
         if !matches!(parsed.shape(), [_, 3]) {
             let problem = format!("its shape is {:?}, not n × 3", parsed.shape());
+            return Err(Problem::damaged(problem));
+        }
+        // Scores have no notes, which could tell that they are ignored.
+        if parsed.leftovers().is_some() {
+            let problem = "bytes follow its last number; save the archive again";
             return Err(Problem::damaged(problem));
         }
         if integers && !parsed.is_integer() {
@@ -127,6 +132,19 @@ mod tests {
         crate::write_file(&path, |out| npz::write(out, &[])).unwrap();
         let error = read_truth(&path).unwrap_err().to_string();
         assert!(error.ends_with("truth.npz: array vertices: not in the archive"), "{error}");
+    }
+
+    #[test]
+    fn bytes_after_an_array_are_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("truth.npz");
+        let mut vertices = Vec::new();
+        npy::write_header(&mut vertices, "<f8", &[1, 3]).unwrap();
+        vertices.extend([0; 25]);
+        let members = [("vertices.npy", vertices)];
+        crate::write_file(&path, |out| npz::write(out, &members)).unwrap();
+        let error = read_truth(&path).unwrap_err().to_string();
+        assert!(error.contains("truth.npz: array vertices: bytes follow its last"), "{error}");
     }
 
     #[test]

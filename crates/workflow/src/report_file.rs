@@ -147,7 +147,7 @@ impl<'a> ReportFile<'a> {
     /// The report of a run.
     ///
     /// `accepted` are the checks of plausibility that were turned off, `inputs` the files that the
-    /// model was made of.
+    /// model was made of, and the truth that it is scored against.
     pub fn new(
         opened: &'a OpenScan,
         setup: &Setup,

@@ -257,13 +257,15 @@ impl Run<'_> {
         let options = &self.scan.options;
         let as_stated = self.scan.reading.is_none() && options.image_order.is_none();
         let is_whole = self.scan.selection.is_whole() && as_stated && !options.skip_missing;
-        if is_whole && !matches!(self.truth, Reference::Nothing) {
+        let mut read = self.read.clone();
+        if is_whole && let Reference::Simulated { truth, .. } = &self.truth {
+            read.push(truth.clone());
             let score = || score(model, &self.truth, &ScoreLimits::default());
             rows.extend(costs.stage("scoring", score)?.agreement);
         }
         rows.extend(costs.rows());
         let report = &self.reconstruction.report;
-        let report = ReportFile::new(self.scan, &self.setup, report, &self.accepted, &self.read);
+        let report = ReportFile::new(self.scan, &self.setup, report, &self.accepted, &read);
         folder.write_report(&report, &rows, costs)?;
         Ok(rows)
     }

@@ -45,7 +45,7 @@ impl ImageStack {
         if !extension.is_some_and(|e| e.eq_ignore_ascii_case("npy")) {
             return Ok(None);
         }
-        Ok(NpyStack::open(path, camera)?.map(Self::Npy))
+        Ok(NpyStack::open(path, camera, notes)?.map(Self::Npy))
     }
 
     /// The images in a folder, in their order.

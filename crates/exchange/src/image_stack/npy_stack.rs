@@ -2,7 +2,7 @@
 
 use super::Located;
 use crate::error::Problem;
-use crate::npy::Header;
+use crate::npy::{self, Header};
 use crate::scalar::Scalar;
 use crate::{Place, ReadError, input};
 use std::io::{Read, Seek, SeekFrom};
@@ -22,7 +22,11 @@ pub(crate) struct NpyStack {
 
 impl NpyStack {
     /// The stack in a file; `None` if its array has other than three dimensions.
-    pub(super) fn open(path: &Path, camera: ImageSize) -> Result<Option<Self>, ReadError> {
+    pub(super) fn open(
+        path: &Path,
+        camera: ImageSize,
+        notes: &mut Vec<String>,
+    ) -> Result<Option<Self>, ReadError> {
         let io = |e| ReadError::io(path, e);
         let damaged = |problem: String| ReadError::damaged(path, Place::Whole, problem);
         let file = input::open(path)?;
@@ -37,7 +41,8 @@ impl NpyStack {
                  save numpy.ascontiguousarray(stack)";
             return Err(ReadError::unsupported(path, Place::Whole, problem));
         }
-        header.data_size(usize::try_from(length).unwrap_or(usize::MAX)).map_err(located)?;
+        let length = usize::try_from(length).unwrap_or(usize::MAX);
+        let needed = header.data_size(length).map_err(located)?;
         if steps == 0 {
             return Err(damaged("the stack has no images".to_owned()));
         }
@@ -47,6 +52,7 @@ impl NpyStack {
             return Err(damaged(problem));
         }
         size.check().map_err(|e| ReadError::unusable(path, Place::Whole, "the stack", e))?;
+        notes.extend(npy::leftovers(length.saturating_sub(header.length).saturating_sub(needed)));
         Ok(Some(Self { path: path.to_owned(), header, steps, size }))
     }
 

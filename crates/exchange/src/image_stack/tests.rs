@@ -42,6 +42,12 @@ fn arrays_come_back_image_by_image_in_both_depths() {
         assert_eq!(images, [&wanted[..6], &wanted[6..]]);
         assert!(names[1].ends_with("stack.npy, image 1"), "{names:?}");
     }
+    let mut longer = std::fs::read(&path).unwrap();
+    longer.extend([0; 3]);
+    std::fs::write(&path, longer).unwrap();
+    let mut notes = Vec::new();
+    assert_eq!(ImageStack::open(&path, SIZE, &mut notes).unwrap().unwrap().steps(), 2);
+    assert_eq!(notes, ["3 bytes after the last number ignored"]);
     let mut big = Vec::new();
     crate::npy::write_header(&mut big, ">u2", &[1, 2, 3]).unwrap();
     big.extend(sixteen[..6].iter().flat_map(|c| c.to_be_bytes()));
