@@ -8,13 +8,16 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 use transect_geometry::Point2;
 
-/// Free space left of the drawing, and around everything, in pixels.
+/// Free space left of the drawing, and around everything, in pixels. Chosen by hand,
+/// for the look of the page. Doubled, the page is wider.
 const LEFT: f64 = 56.0;
 const EDGE: f64 = 28.0;
-/// Width of the legend, and characters that fit into one of its lines.
+/// Width of the legend in pixels, and characters that fit into one of its lines. Chosen by hand:
+/// 36 characters of 15 px are 8 px wide or less. More characters run out of the page.
 const LEGEND: f64 = 300.0;
 const LEGEND_CHARACTERS: usize = 36;
-/// Height of a line of text, in pixels.
+/// Height of a line of text, in pixels. Chosen by hand: 1.4 times the size of the letters.
+/// Doubled, legends are twice as high.
 const LINE: f64 = 21.0;
 /// Width of a drawing from which on the legend stands below it, in pixels. Chosen by hand: a page
 /// with a legend beside such a drawing would be too wide to read on a screen.

@@ -7,11 +7,14 @@ use super::ramp::{self, Colour, Stations};
 use std::io::{self, Write};
 use transect_geometry::{LengthUnit, PlaneFamily, Point3};
 
-/// Steps of drawn coordinates per pixel: 0.1 px.
+/// Steps of drawn coordinates per pixel. Theory: a step of 0.1 px of a dot of 2.4 px cannot be
+/// seen. Doubled, files are larger.
 const STEPS: f64 = 10.0;
-/// Colours in use; points of one colour share a path.
+/// Colours in use; points of one colour share a path. Chosen by hand: neighbouring colours
+/// look alike. Doubled, files have up to twice the paths.
 const COLOURS: usize = 16;
-/// Diameter of a point, in pixels.
+/// Diameter of a point, in pixels. Chosen by hand: single points can be seen. Doubled, more points
+/// hide each other.
 const DOT: f64 = 2.4;
 
 /// Writes a picture of points in the world, seen as [`write_overview`](super::write_overview) sees

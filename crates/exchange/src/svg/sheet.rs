@@ -12,28 +12,36 @@ use std::io::{self, Write};
 use transect_geometry::{Curve, Envelope, PlaneIndex, Point2, Vector2};
 use transect_model::{CurveIndex, Model, Section};
 
-/// Width and height of the paper, in millimetres: A3, landscape.
+/// Width and height of the paper, in millimetres. Source: ISO 216, A3 in landscape. On other paper
+/// the stated scale is wrong.
 const PAPER_WIDTH: f64 = 420.0;
 const PAPER_HEIGHT: f64 = 297.0;
-/// The drawing's window on the paper, in millimetres.
+/// The drawing's window on the paper, in millimetres. Chosen by hand: the numbers of the grid stand
+/// left of it, the title and the scale below. A larger window covers them.
 const LEFT: f64 = 26.0;
 const TOP: f64 = 12.0;
 const RIGHT: f64 = 408.0;
 const BOTTOM: f64 = 256.0;
 const WIDTH: f64 = RIGHT - LEFT;
 const HEIGHT: f64 = BOTTOM - TOP;
-/// Least part of the window's sides that stays free around the curves.
+/// Least part of the window's sides that stays free around the curves. Chosen by hand: ticks of
+/// outer curves stay inside. Doubled, drawings are a tenth smaller.
 const FREE: f64 = 0.04;
-/// Drawings smaller than this many millimetres are enlarged.
+/// Drawings smaller than this many millimetres are enlarged. Chosen by hand: a quarter of the
+/// window. Doubled, fewer parts are drawn at their own size.
 const SMALLEST: f64 = 60.0;
-/// Steps of drawn coordinates per millimetre: 0.01 mm, a tenth of the thinnest line.
+/// Steps of drawn coordinates per millimetre. Theory: 0.01 mm is a tenth of the thinnest line.
+/// Doubled, files are larger.
 const STEPS: f64 = 100.0;
-/// Vertices that move a line by less than this many millimetres are left out: 0.1 px of 96 dpi.
+/// Vertices that move a line by less than this many millimetres are left out. Theory: 0.1 px of
+/// 96 dpi, a quarter of the thinnest line. Doubled, bends look like corners.
 const TOLERANCE: f64 = 0.026;
-/// Distance between the ticks on the solid side, and their length, in millimetres.
+/// Distance between the ticks on the solid side, and their length, in millimetres. Chosen by hand:
+/// ticks are apart from each other, and short curves have some. Doubled, small holes have none.
 const TICK_SPACING: f64 = 3.0;
 const TICK_LENGTH: f64 = 1.6;
-/// Least distance of grid lines on paper, in millimetres.
+/// Least distance of grid lines on paper, in millimetres. Chosen by hand: the numbers beside the
+/// lines do not touch. Doubled, large sheets have few lines.
 const GRID: f64 = 20.0;
 
 /// The common scale and window of a model's sheets.

@@ -10,10 +10,12 @@ use transect_exchange::svg::{Anchor, Figure, Mark};
 use transect_geometry::{Curve, EndReason, Point2};
 use transect_partial::dissertation::{CurveSteps, Label, PlaneSteps};
 
-/// Rows and columns of the window that shows subpixel places.
+/// Rows and columns of the window that shows subpixel places. Chosen by hand: cells have room
+/// for the marks in them. Doubled, cells are half as wide.
 const CLOSE_UP: [usize; 2] = [8, 13];
 
-/// Distance between the marks of the inside, in crossings.
+/// Distance between the marks of the inside, in crossings. Chosen by hand: marks do not touch.
+/// Doubled, short curves have one mark.
 const MARK_EVERY: usize = 4;
 
 /// Draws all steps of one plane.

@@ -16,7 +16,8 @@ use transect_fusion::{FusionMethod, PairwiseOptions};
 use transect_geometry::Curve;
 use transect_model::Section;
 
-/// Seconds that the animation shows each view.
+/// Seconds that the animation shows each view. Chosen by hand: long enough to see what is new.
+/// Doubled, eleven views take half a minute.
 const SECONDS: f64 = 1.5;
 
 /// A plane after a view.

@@ -6,17 +6,21 @@ use transect_device::{ImageSize, Pixel, View};
 use transect_exchange::svg::{Anchor, Figure, Mark, Raster};
 use transect_geometry::{Point2, Vector2};
 
-/// Largest width and height of a drawing, in pixels of the figure.
+/// Largest width and height of a drawing, in pixels of the figure. Chosen by hand: figure and
+/// legend fit on a screen of 1280 × 720 px. Doubled, they do not.
 const WIDTH: f64 = 880.0;
 const HEIGHT: f64 = 560.0;
 
-/// Largest side of a cell, in pixels of the figure.
+/// Largest side of a cell, in pixels of the figure. Chosen by hand: a code fits into a cell.
+/// Doubled, windows of few cells fill the page.
 const LARGEST_CELL: f64 = 30.0;
 
-/// Rows and columns of a window that shows codes.
+/// Rows and columns of a window that shows codes. Chosen by hand: cells are large enough for a
+/// code. Doubled, the codes cannot be read.
 pub const WINDOW: [usize; 2] = [20, 34];
 
-/// Weight of the commoner of two things in the choice of a window.
+/// Weight of the commoner of two things in the choice of a window. Chosen by hand: rare things come
+/// first. Doubled, common things weigh twice as much.
 const COMMON_SHARE: f64 = 0.1;
 
 /// A part of an image, drawn with cells of one size.

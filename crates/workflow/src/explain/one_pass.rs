@@ -15,7 +15,8 @@ use transect_partial::one_pass::{
 };
 use transect_partial::{PartialError, SectionAxes};
 
-/// Rows and columns of the window that shows links.
+/// Rows and columns of the window that shows links. Chosen by hand: cells have room for the links
+/// in them. Doubled, cells are half as wide.
 const CLOSE_UP: [usize; 2] = [10, 16];
 
 /// The data of the sweep of a view, for one plane.

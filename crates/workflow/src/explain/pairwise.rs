@@ -12,10 +12,12 @@ use transect_fusion::pattern::{CurveRange, Fork, Overlaps, Parts, Pattern, Relat
 use transect_fusion::{FusedPlane, PairwiseOptions};
 use transect_geometry::{Curve, CurveUnit, Envelope, LengthUnit, Point2};
 
-/// Units of the basis curve that the close-up shows.
+/// Units of the basis curve that the close-up shows. Chosen by hand: an overlap with some units on
+/// both sides. Doubled, units lie too close together.
 const CLOSE_UP_UNITS: f64 = 12.0;
 
-/// Thresholds from the middle of the close-up to its upper edge.
+/// Thresholds from the middle of the close-up to its upper edge. Chosen by hand: curves at one
+/// threshold stay inside. Doubled, the curves seem to coincide.
 const CLOSE_UP_THRESHOLDS: f64 = 1.8;
 
 /// A pair that is merged when a view arrives.

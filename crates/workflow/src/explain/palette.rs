@@ -14,11 +14,13 @@ pub const REFUSED: &str = "#b5179e";
 pub const FRAME: &str = "#222222";
 /// The state before a step.
 pub const FORMER: &str = "#8a8a8a";
-/// The first curve of a pair, and the second.
+/// The first curve of a pair, and the second. Source: blue and vermilion of Okabe and Ito (2008),
+/// which the colour-blind tell apart.
 pub const PAIR: [&str; 2] = ["#0072b2", "#d55e00"];
 /// The result of a pair.
 pub const RESULT: &str = "#00785a";
-/// Views, and curves that are to be told apart.
+/// Views, and curves that are to be told apart. Chosen by hand: dark on white;
+/// the first two are those of a pair.
 pub const MANY: [&str; 8] =
     ["#0072b2", "#d55e00", "#00785a", "#b5179e", "#7a5c00", "#4361ee", "#9b2226", "#444444"];
 

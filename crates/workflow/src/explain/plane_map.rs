@@ -4,13 +4,16 @@ use super::palette;
 use transect_exchange::svg::{Anchor, Figure};
 use transect_geometry::{Curve, Envelope, LengthUnit, Point2, Vector2};
 
-/// Width and height of a drawing, in pixels of the figure.
+/// Width and height of a drawing, in pixels of the figure. Chosen by hand: figure and legend fit on
+/// a screen of 1280 × 720 px. Doubled, they do not.
 pub const SIZE: [f64; 2] = [880.0, 600.0];
 
-/// Free space inside the drawing's frame, in pixels.
+/// Free space inside the drawing's frame, in pixels. Chosen by hand: heads and dots of outer curves
+/// stay inside. Doubled, drawings are about a tenth smaller.
 const MARGIN: f64 = 34.0;
 
-/// Distance between the heads of a curve's direction, in pixels.
+/// Distance between the heads of a curve's direction, in pixels. Chosen by hand: short curves have
+/// one and long ones some. Doubled, most curves have none or one.
 const HEADS: f64 = 110.0;
 
 /// A part of a plane in the drawing, x to the right and y up. It may be stretched in one direction.

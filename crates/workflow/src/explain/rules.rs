@@ -8,13 +8,16 @@ use transect_fusion::pairwise::{MergeOutcome, merge_steps};
 use transect_fusion::pattern::{Fork, OverlapTolerance, Parts, Pattern, Verdict, verdict};
 use transect_geometry::{Curve, Envelope, LengthUnit, Node, Point2};
 
-/// Half the distance between the curves of an overlap, in the drawings' unit.
+/// Half the distance between the curves of an overlap, in the drawings' unit. Chosen by hand: two
+/// lines are seen as two. Doubled, they do not look like an overlap.
 const APART: f64 = 0.25;
 
-/// Where the overlap begins and ends along both curves.
+/// Where the overlap begins and ends along both curves, in the drawings' unit. Chosen by hand:
+/// about as long as the parts outside. Doubled, these are small in the drawing.
 const OVERLAP: [f64; 2] = [-5.0, 5.0];
 
-/// Length of an unenclosed part.
+/// Length of an unenclosed part, in the drawings' unit. Chosen by hand: about as long as the
+/// overlap. Doubled, the overlap is small in the drawing.
 const OUTSIDE: f64 = 9.0;
 
 /// The figures by name: five patterns, three forks, one ring. `None` if the drawings are wrong: a
