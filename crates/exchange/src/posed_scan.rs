@@ -31,7 +31,7 @@ use transect_device::{DepthOffsets, ImageSize};
 use transect_geometry::{Isometry3, LengthUnit};
 
 /// The new pose of a view.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ViewPose {
     /// The name of the view.
     pub view: String,

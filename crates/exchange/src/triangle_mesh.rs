@@ -15,7 +15,7 @@ pub struct TriangleMesh {
 }
 
 /// A mesh from a file, and the notes of the reader.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct MeshFile {
     /// Vertices and triangles; polygons are split into fans around their first corner.

@@ -6,7 +6,7 @@ use std::cmp::Ordering;
 use transect_geometry::Curve;
 
 /// The fused curves of one plane.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct FusedPlane {
     /// The curves, longest first.
     pub curves: Vec<Curve>,

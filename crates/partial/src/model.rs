@@ -5,7 +5,7 @@ use transect_device::Note;
 use transect_image::PreparedView;
 
 /// The curves of one view: its partial model.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct PartialModel {
     /// The planes the view crosses, sorted, each with its curves in a fixed order.
     pub planes: Vec<PlaneCurves>,

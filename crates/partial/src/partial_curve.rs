@@ -4,7 +4,7 @@ use transect_device::Pixel;
 use transect_geometry::{Curve, EndReason, Node, PlaneIndex};
 
 /// The curves of one view on one plane.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PlaneCurves {
     /// The plane.
     pub plane: PlaneIndex,
@@ -13,7 +13,7 @@ pub struct PlaneCurves {
 }
 
 /// A curve of one view, with facts that only this view has.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PartialCurve {
     /// The curve, solid on the left; it carries the reasons for its ends and the bridged units too.
     pub curve: Curve,

@@ -25,7 +25,7 @@ use transect_model::{Model, ViewRecord};
 use transect_register::CoarseView;
 
 /// A model and the report of the run that made it.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Reconstruction {
     /// The model.
     pub model: Model,

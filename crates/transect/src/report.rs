@@ -11,7 +11,7 @@ use transect_fusion::pairwise::GrowthCounts;
 use transect_geometry::{Curve, LengthUnit};
 
 /// A run's report. Lengths are in the model's length unit.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Report {
     /// One entry per view, in the order given.
@@ -68,7 +68,7 @@ fn is_zero<T: Default + PartialEq>(value: &T) -> bool {
 }
 
 /// The counts of one view.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct ViewReport {
     /// Its name.
@@ -112,7 +112,7 @@ pub struct ViewReport {
 }
 
 /// The fusion of all planes.
-#[derive(Debug, Clone, Default, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct FusionReport {
     /// Planes with curves.
@@ -274,7 +274,7 @@ impl PlaneSummary {
 }
 
 /// Times of the stages.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Timings {
     /// Reading all views and refining their poses, or judging those of a store, in elapsed time.

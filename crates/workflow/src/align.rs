@@ -7,7 +7,7 @@ use transect_geometry::{Point3, Vector3};
 use transect_sensors::lookup_table::alignment::{Alignment, PlaneScan, SphereScan, Turning, align};
 
 /// Scans of the table and of spheres: files with a point in the sensor frame per line.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct AlignmentScans {
     /// File of the points on the table.
     pub table: PathBuf,

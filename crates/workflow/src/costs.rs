@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use transect::Timings;
 
 /// The cost of a stage.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StageCost {
     /// Its name.
     pub stage: String,
@@ -17,7 +17,7 @@ pub struct StageCost {
 }
 
 /// The stages of a run in the order in which they ended.
-#[derive(Debug, Clone, Default, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 #[serde(transparent)]
 pub struct Costs(Vec<StageCost>);
 

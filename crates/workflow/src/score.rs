@@ -18,7 +18,7 @@ use transect_scene::{Mesh, MeshError, Visibility, merge_overlaps, sections};
 const TOLERANCE_SHARE: f64 = 0.2;
 
 /// The part of a model that is scored, and the distance that counts as right.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct ScoreLimits {
     /// Only planes from this station on, as a length in text.
     pub from: Option<String>,
@@ -28,7 +28,7 @@ pub struct ScoreLimits {
 }
 
 /// The shape that a model is compared with.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Reference {
     /// A mesh of the real object.
     Mesh(PathBuf),
@@ -59,7 +59,7 @@ impl Reference {
 }
 
 /// The rows of a score.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Score {
     /// How well curves and truth agree.
     pub agreement: Vec<Row>,

@@ -15,7 +15,7 @@ use transect_geometry::{Guide, GuideKind, LengthUnit, PlaneFamily, StraightGuide
 use transect_partial::Method;
 
 /// The settings of a run.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Settings {
     /// Where the section planes are.
@@ -47,7 +47,7 @@ pub struct Settings {
 }
 
 /// Where the section planes are: plane k is at normal · p = offset + k · interval.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 #[non_exhaustive]
 pub struct PlaneSettings {
     /// Normal of the planes in the world, of any length. Without it the scan's own; see
@@ -62,7 +62,7 @@ pub struct PlaneSettings {
 }
 
 /// A curved guide in a file.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct GuideSettings {
     /// The file: `.csv`, `.geojson` or `.dxf`.
     pub path: PathBuf,

@@ -28,7 +28,7 @@ pub struct StoreFile {
 }
 
 /// The image or the pose that takes the place of a view's own.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Replacement {
     /// Scan to take the view from. Without it, the scan that the view came from.
     pub scan: Option<PathBuf>,
@@ -41,7 +41,7 @@ pub struct Replacement {
 }
 
 /// The effect of replacing views.
-#[derive(Debug)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Replaced {
     /// The views that were replaced, as they are now.
     pub views: Vec<StoredView>,

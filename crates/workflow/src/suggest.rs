@@ -59,7 +59,7 @@ const TRIED: usize = 400;
 const PHASES: [u8; 10] = [5, 4, 6, 3, 7, 2, 8, 1, 9, 0];
 
 /// Planes that fit a scan, and the reason for their direction.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Suggestion {
     /// The planes.
     pub planes: PlanesEntry,

@@ -22,7 +22,7 @@ const CELL: f64 = 2.0;
 const ALONG_AXIS: f64 = 0.8;
 
 /// The content of a view.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct ViewSurvey {
     /// The view's name.

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use transect_device::ImageSize;
 
 /// A camera's counts, row by row, image by image.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Counts<'a> {
     /// From 0 to 255.
     Eight(&'a [u8]),

@@ -6,7 +6,7 @@ use super::measure::{Measurements, NONE};
 use transect_geometry::{Point2, Vector2};
 
 /// The results of the first three rooms.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct ConsensusSteps {
     /// The observations of `measure`, in canonical order.
     pub observations: Vec<ObservationStep>,
@@ -17,7 +17,7 @@ pub struct ConsensusSteps {
 }
 
 /// One node of one view.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObservationStep {
     /// Its place, after views were moved onto their common course.
     pub position: Point2,
@@ -34,7 +34,7 @@ pub struct ObservationStep {
 }
 
 /// A placed node.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NodeStep {
     /// Its place.
     pub position: Point2,
@@ -47,7 +47,7 @@ pub struct NodeStep {
 }
 
 /// The numbers of nodes in the order of a curve.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ChainStep {
     /// Numbers of nodes.
     pub nodes: Vec<u32>,

@@ -8,7 +8,7 @@ use crate::pattern::{OverlapTolerance, Overlaps, classify};
 use transect_geometry::{Curve, CurveUnit, Node, Point2};
 
 /// The result of each step on two curves.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct MergeSteps {
     /// Where the curves overlap, their parts, and what the rules say (5.4).
     pub overlaps: Overlaps,
@@ -19,7 +19,7 @@ pub struct MergeSteps {
 }
 
 /// A verified overlap, and its average (5.5.1 and 5.5.2).
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct VerifiedOverlap {
     /// Which of the two curves is the basis curve: 0 or 1.
     pub basis: usize,
@@ -36,7 +36,7 @@ pub struct VerifiedOverlap {
 }
 
 /// The outcome for two curves.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum MergeOutcome {
     /// They stay beside each other, because they do not overlap.
     Apart,

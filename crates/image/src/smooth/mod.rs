@@ -165,6 +165,16 @@ pub struct Smoothing<'a> {
     pub steps: SmoothingSteps,
 }
 
+impl std::fmt::Debug for Smoothing<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Smoothing")
+            .field("all_pixels", &self.pixels.is_none())
+            .field("instructions", &self.instructions)
+            .field("steps", &self.steps)
+            .finish()
+    }
+}
+
 /// Smooths the image of a view.
 ///
 /// `rule` tells which neighbouring pixels belong to one surface; its slack should be that of the

@@ -26,7 +26,7 @@ pub struct PlaneSteps {
 }
 
 /// The result of each step on one curve.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct CurveSteps {
     /// The traced contour pixels in order, and whether missing pixels follow (3.5.1).
     pub pixels: Vec<(Pixel, bool)>,
@@ -42,7 +42,7 @@ pub struct CurveSteps {
 }
 
 /// A place where the plane passes between two pixels.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CrossingStep {
     /// The pixel before the border, and the contour pixel.
     pub pair: [Pixel; 2],

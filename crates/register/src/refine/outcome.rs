@@ -32,7 +32,7 @@ pub enum PoseOutcome {
 }
 
 /// The refined pose of one view.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct RefinedPose {
     /// The name of the view.
     pub view: String,
@@ -64,7 +64,7 @@ pub struct RefinedPose {
 }
 
 /// The result of [`refine`](super::refine).
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct PoseRefinement {
     /// One for each view, in their order.
     pub poses: Vec<RefinedPose>,

@@ -48,7 +48,7 @@ use transect_model::store::{
 };
 
 /// The result of adding views.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Growth {
     /// Names of views that were in the store already.

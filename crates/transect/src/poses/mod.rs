@@ -26,7 +26,7 @@ use transect_register::{
 };
 
 /// The poses of a run: what contradicts, and how they were refined.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct PoseReport {
     /// The unit of its lengths.

@@ -28,7 +28,7 @@ use transect_scene::{BUNDLED_SCENES, CastError, Description, Mesh, Scene};
 const CHORD_SHARE: f64 = 1e-3;
 
 /// The sensors that look at a scene.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SensorPlan {
     /// Kind of all sensors. Without it, the scene's own sensors.
     pub sensor: Option<SensorKind>,
