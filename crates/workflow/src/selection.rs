@@ -13,7 +13,7 @@ use transect_geometry::LengthUnit;
 #[non_exhaustive]
 pub struct Selection {
     /// Views by name, by number from 0 or by range of numbers, with commas between them: `3-7,12`.
-    /// A name goes before a number.
+    /// A name goes before a number, and a name with commas before its parts.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub views: Option<String>,
     /// Of these views, the first one and every so many further on.
@@ -111,9 +111,10 @@ impl Selection {
             return Ok((0..scan.views.len()).step_by(every).collect());
         };
         let mut chosen = vec![false; scan.views.len()];
-        for item in text.split(',').map(str::trim) {
-            let named = numbers_of_name(scan.views.iter().map(ScanView::name), item);
-            let range = numbered(item).filter(|r| named.is_empty() && *r.end() < chosen.len());
+        let names: Vec<&str> = scan.views.iter().map(ScanView::name).collect();
+        for item in items(text, &names) {
+            let named = numbers_of_name(names.iter().copied(), &item);
+            let range = numbered(&item).filter(|r| named.is_empty() && *r.end() < chosen.len());
             let found: Vec<usize> = range.map_or(named, Iterator::collect);
             found.iter().for_each(|number| chosen[*number] = true);
             if found.is_empty() {
@@ -129,6 +130,28 @@ impl Selection {
     }
 }
 
+/// The items of a list with commas between them. As many parts as possible make up a name.
+fn items(text: &str, names: &[&str]) -> Vec<String> {
+    let parts: Vec<&str> = text.split(',').collect();
+    let most = names.iter().map(|name| name.split(',').count()).max().unwrap_or(1);
+    let (mut items, mut rest) = (Vec::new(), parts.as_slice());
+    while let Some((first, later)) = rest.split_first() {
+        let joined = |count: &usize| rest[..*count].join(",").trim().to_owned();
+        let is_name = |count: &usize| names.contains(&joined(count).as_str());
+        match (2..=most.min(rest.len())).rev().find(is_name) {
+            Some(count) => {
+                items.push(joined(&count));
+                rest = &rest[count..];
+            }
+            None => {
+                items.push(first.trim().to_owned());
+                rest = later;
+            }
+        }
+    }
+    items
+}
+
 /// The numbers of the views of a name.
 pub(crate) fn numbers_of_name<'a>(views: impl Iterator<Item = &'a str>, name: &str) -> Vec<usize> {
     views.enumerate().filter(|(_, view)| *view == name).map(|(number, _)| number).collect()
@@ -138,4 +161,20 @@ pub(crate) fn numbers_of_name<'a>(views: impl Iterator<Item = &'a str>, name: &s
 fn numbered(item: &str) -> Option<RangeInclusive<usize>> {
     let (first, last) = item.split_once('-').unwrap_or((item, item));
     Some(first.parse().ok()?..=last.parse().ok()?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::items;
+
+    #[test]
+    fn names_with_commas_are_items_of_a_list() {
+        let names = ["hall", "room 1, north", "room 1", "a,b,c", "a,b"];
+        let list = |text: &str| items(text, &names).join("|");
+        assert_eq!(list("hall, 3-7,12"), "hall|3-7|12");
+        assert_eq!(list("hall, room 1, north,2"), "hall|room 1, north|2");
+        assert_eq!(list("room 1,hall"), "room 1|hall");
+        assert_eq!(list("a,b,c,a,b"), "a,b,c|a,b");
+        assert_eq!((list("a,,b"), list("")), ("a||b".to_owned(), String::new()));
+    }
 }

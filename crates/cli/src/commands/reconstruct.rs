@@ -39,8 +39,9 @@ pub struct Arguments {
     /// Refine the poses of all views together before their curves are found.
     #[arg(long, conflicts_with = "store", help_heading = "Poses")]
     refine_poses: bool,
-    /// How far the given poses may be wrong, as standard deviations of angle and place, such as
-    /// 0.3,10mm [default: estimated from how far the views contradict each other].
+    /// How far the given poses may be wrong, as standard deviations: an angle in degrees and a
+    /// length, which is in the scan's unit if it has none, such as 0.3,10mm [default: estimated
+    /// from how far the views contradict each other].
     #[arg(
         long,
         value_name = "DEGREES,LENGTH",

@@ -24,8 +24,9 @@ pub struct Arguments {
     /// Folder for scan.json with the refined poses, and report.json; for scans.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// How far the given poses may be wrong, as standard deviations of angle and place, such as
-    /// 0.3,10mm [default: estimated from how far the views contradict each other].
+    /// How far the given poses may be wrong, as standard deviations: an angle in degrees and a
+    /// length, which is in the scan's unit if it has none, such as 0.3,10mm [default: estimated
+    /// from how far the views contradict each other].
     #[arg(long, value_name = "DEGREES,LENGTH", allow_hyphen_values = true)]
     prior: Option<String>,
     #[command(flatten)]

@@ -44,7 +44,8 @@ pub struct ScanArguments {
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Part of the scan")]
 struct PartArguments {
-    /// Use these views only: numbers from 0, ranges of numbers and names, such as 3-7,12.
+    /// Use these views only: numbers from 0, ranges of numbers and names, such as 3-7,12. Names may
+    /// hold commas.
     #[arg(long, value_name = "LIST")]
     views: Option<String>,
     /// Use the first view and every NUMBERth after it.
