@@ -7,7 +7,7 @@ pub enum Stage {
     Poses,
     /// Reading views and finding their curves; counted in views.
     Views,
-    /// Fusing the views' curves; counted in planes.
+    /// Fusing the views' curves; counted in planes. Planes that lost their last curve take no step.
     Planes,
 }
 
@@ -17,7 +17,7 @@ pub enum Stage {
 pub trait Watch: Sync {
     /// A stage begins, with a number of steps.
     fn begin(&self, stage: Stage, total: usize);
-    /// One more step is done.
+    /// One more step of a stage that has begun is done.
     fn step(&self, stage: Stage);
     /// Whether the run should stop. Called before each view, and before each plane. A run into a
     /// model store asks before each group of as many views as there are threads, and before no

@@ -39,7 +39,7 @@ use fuser::Fuser;
 use judged::{Judged, judged};
 use rayon::prelude::*;
 use registration::{copy_of, given_pose};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, Instant};
 use transect_device::{Isometry3, Note, View};
 use transect_geometry::{Curve, PlaneIndex};
@@ -130,6 +130,9 @@ struct InPlace<'a, S> {
     /// The pose that the view was given, if registration found another one.
     given: Option<Isometry3>,
 }
+
+/// A view that comes for another one, with the curves of its planes.
+type Replacement = ViewReplacement<Vec<(PlaneIndex, Vec<Curve>)>>;
 
 /// The views that were added so far.
 #[derive(Default)]
@@ -301,9 +304,21 @@ impl<'a> Grower<'a> {
             new.push(ViewReplacement { id, entry, copy, planes: view.planes });
         }
         let fuser = Fuser::new(self.setup, watch);
+        fuser.begin(self.planes_touched(&new)?);
         let stored = self.store.replace_views(new, &fuser)?;
         let (fusion, timings) = (FusionReport::default(), Timings::default());
         Ok((stored, Report { views, fusion, poses: None, refinement: None, notes, timings }))
+    }
+
+    /// The number of planes on which a replaced view or its new one has curves.
+    fn planes_touched(&self, new: &[Replacement]) -> Result<usize, GrowError> {
+        let snapshot = self.store.read()?;
+        let mut planes = BTreeSet::new();
+        for ViewReplacement { id, planes: curves, .. } in new {
+            planes.extend(snapshot.view(id)?.into_iter().flat_map(|view| view.planes));
+            planes.extend(curves.iter().filter(|(_, c)| !c.is_empty()).map(|(plane, _)| *plane));
+        }
+        Ok(planes.len())
     }
 
     /// Stores views, as many at a time as there are threads, without fusing their planes.

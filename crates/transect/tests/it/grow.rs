@@ -4,8 +4,8 @@
 use crate::objects::{noisy_views, setup, views};
 use proptest::prelude::*;
 use std::path::Path;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 use transect::{
     GrowError, Grower, LoadedView, ReconstructError, Setup, SourceError, Stage, Unwatched,
     ViewSource, Watch, reconstruct,
@@ -327,6 +327,36 @@ impl Watch for Stopping {
     fn cancelled(&self) -> bool {
         self.0.load(Ordering::SeqCst) == 0
     }
+}
+
+/// The stages in their order, each with the steps it announced and those it took.
+#[derive(Default)]
+struct Stages(Mutex<Vec<(Stage, usize, usize)>>);
+
+impl Watch for Stages {
+    fn begin(&self, stage: Stage, total: usize) {
+        self.0.lock().unwrap().push((stage, total, 0));
+    }
+    fn step(&self, stage: Stage) {
+        let mut stages = self.0.lock().unwrap();
+        let last = stages.last_mut().filter(|last| last.0 == stage);
+        last.expect("a step of a stage that has begun").2 += 1;
+    }
+}
+
+#[test]
+fn stages_of_a_store_announce_the_steps_that_they_take() {
+    let (setup, views) = (setup(), noisy_views());
+    with_store(&setup, |store| {
+        let (grower, watch) = (Grower::new(store, &setup).unwrap(), Stages::default());
+        grower.add_views(&views, &watch).unwrap();
+        let replacement = [(views[1].name().into(), moved(&views[1]))];
+        grower.replace_views(&replacement, &watch).unwrap();
+        let stages = watch.0.into_inner().unwrap();
+        let begun: Vec<Stage> = stages.iter().map(|(stage, ..)| *stage).collect();
+        assert_eq!(begun, [Stage::Views, Stage::Planes, Stage::Views, Stage::Planes]);
+        assert!(stages.iter().all(|(_, total, steps)| total == steps), "{stages:?}");
+    });
 }
 
 #[test]
