@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::sync::OnceLock;
 use transect_geometry::LengthUnit;
 pub use transect_workflow::table::{Quantity, Row, digits};
-use transect_workflow::table::{grid, rows};
+use transect_workflow::table::{csv, grid, rows};
 
 /// The unit of printed lengths; without it, one that a person can read.
 static OUTPUT_UNIT: OnceLock<LengthUnit> = OnceLock::new();
@@ -26,6 +26,18 @@ pub fn print(table: &[Row]) {
 /// Prints a table with a head for each column.
 pub fn print_grid(heads: &[&str], lines: &[Vec<String>]) {
     say(&grid(heads, lines));
+}
+
+/// Prints lines of comma separated values below their heads.
+pub fn print_csv(heads: &[&str], lines: &[Vec<String>]) {
+    say(&csv(heads, lines));
+}
+
+/// Prints rows of metric, value and unit as comma separated values.
+pub fn print_rows_csv(table: &[Row]) {
+    let shown = table.iter().map(|row| row.shown(OUTPUT_UNIT.get().copied()));
+    let lines = shown.map(|row| vec![row.metric, row.value, row.unit]);
+    print_csv(&["metric", "value", "unit"], &lines.collect::<Vec<_>>());
 }
 
 /// Prints a line. [`written`] reports the first line that could not be written.
@@ -64,6 +76,16 @@ impl Lengths {
     pub fn of(largest: &Quantity) -> Self {
         let readable = || largest.readable_unit();
         Self { own: largest.unit(), unit: OUTPUT_UNIT.get().copied().unwrap_or_else(readable) }
+    }
+
+    /// Lengths for other programs: in the unit that the user chose, else in the model's.
+    pub fn for_programs(own: LengthUnit) -> Self {
+        Self { own, unit: OUTPUT_UNIT.get().copied().unwrap_or(own) }
+    }
+
+    /// A length (power 1), an area (2) or a volume (3) without its unit, in all its digits.
+    pub fn exact(&self, value: f64, power: u8) -> String {
+        Quantity::new(value, self.own, power).in_unit(self.unit).to_string()
     }
 
     /// A length (power 1), an area (2) or a volume (3) as text without its unit.

@@ -1,4 +1,5 @@
-//! Tables of results as text: rows of metric, value and unit, and grids for the documentation.
+//! Tables of results as text: rows of metric, value and unit, grids for the documentation, and
+//! comma separated values for spreadsheets.
 
 pub use transect::evaluate::{Quantity, Row, digits};
 
@@ -34,9 +35,29 @@ pub fn grid(heads: &[&str], lines: &[Vec<String>]) -> String {
     text.join("\n")
 }
 
+/// Comma separated values (RFC 4180): a line of heads, then the lines.
+pub fn csv(heads: &[&str], lines: &[Vec<String>]) -> String {
+    let cell = |text: &str| {
+        if text.contains([',', '"', '\n', '\r']) {
+            format!("\"{}\"", text.replace('"', "\"\""))
+        } else {
+            text.to_owned()
+        }
+    };
+    let head = heads.iter().map(|head| cell(head)).collect::<Vec<_>>().join(",");
+    let lines = lines.iter().map(|line| line.iter().map(|text| cell(text)).collect::<Vec<_>>());
+    std::iter::once(head).chain(lines.map(|line| line.join(","))).collect::<Vec<_>>().join("\n")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn cells_with_commas_and_quotes_are_quoted() {
+        let lines = [vec!["1,5".to_owned(), "a \"b\"".to_owned()], vec![String::new(); 2]];
+        assert_eq!(csv(&["a, m", "b"], &lines), "\"a, m\",b\n\"1,5\",\"a \"\"b\"\"\"\n,");
+    }
 
     #[test]
     fn tables_are_aligned() {

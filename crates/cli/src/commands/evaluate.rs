@@ -1,7 +1,7 @@
 //! `transect evaluate`: how accurate a model is.
 
 use crate::failure::Failure;
-use crate::table::print;
+use crate::table::{print, print_rows_csv};
 use std::path::{Path, PathBuf};
 use transect_workflow::{ModelFile, Reference, ResultFolder, ScoreLimits, find_model, score};
 
@@ -21,6 +21,9 @@ pub struct Arguments {
     /// planes were inserted, of the widest interval that is left].
     #[arg(long, value_name = "LENGTH")]
     tolerance: Option<String>,
+    /// Print comma separated values for a spreadsheet.
+    #[arg(long)]
+    csv: bool,
 }
 
 /// Runs the command.
@@ -40,6 +43,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         ScoreLimits { from: arguments.from.clone(), tolerance: arguments.tolerance.clone() };
     let model = ModelFile::open(&file)?.into_model()?;
     let score = score(&model, &reference, &limits)?;
-    print(&[score.agreement, score.counts].concat());
+    let rows = [score.agreement, score.counts].concat();
+    if arguments.csv {
+        print_rows_csv(&rows)
+    } else {
+        print(&rows)
+    }
     Ok(())
 }

@@ -2,9 +2,9 @@
 
 use super::open_model;
 use crate::failure::Failure;
-use crate::table::{Lengths, Quantity, Row, print, print_grid, say};
+use crate::table::{Lengths, Quantity, Row, print, print_csv, print_grid, print_rows_csv, say};
 use std::path::PathBuf;
-use transect_geometry::{PlaneFamily, PlaneIndex};
+use transect_geometry::{PlaneFamily, PlaneIndex, Point3};
 use transect_model::{Bracket, SectionMeasures, Volume};
 use transect_workflow::{ModelFile, parse_length};
 
@@ -20,6 +20,9 @@ pub struct Arguments {
     /// than this length.
     #[arg(long, value_name = "LENGTH")]
     close_gaps: Option<String>,
+    /// Print comma separated values for a spreadsheet: a line per plane, or the sums with --sums.
+    #[arg(long)]
+    csv: bool,
 }
 
 /// Runs the command.
@@ -29,11 +32,76 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let close_gaps = arguments.close_gaps.as_ref().map(parse).transpose()?;
     let mut planes = Vec::new();
     file.for_each_section(|plane, section| planes.push((plane, section.measures())))?;
-    if !arguments.sums {
-        print_planes(&file, &planes, close_gaps);
+    match (arguments.csv, arguments.sums) {
+        (true, true) => print_rows_csv(&rows(&file, &planes, close_gaps)?),
+        (true, false) => print_planes_csv(&file, &planes, close_gaps),
+        (false, sums) => {
+            if !sums {
+                print_planes(&file, &planes, close_gaps);
+            }
+            print(&rows(&file, &planes, close_gaps)?);
+        }
     }
-    print(&rows(&file, &planes, close_gaps)?);
     Ok(())
+}
+
+/// Prints a line per plane with numbers alone. What is unknown is empty.
+fn print_planes_csv(
+    file: &ModelFile,
+    planes: &[(PlaneIndex, SectionMeasures)],
+    close_gaps: Option<f64>,
+) {
+    let lengths = Lengths::for_programs(file.unit());
+    let unit = lengths.unit;
+    let mut heads = vec!["plane".to_owned(), format!("station, {unit}")];
+    for kind in ["solid", "clear"] {
+        heads.extend(["least", "most"].map(|bound| format!("{bound} {kind} area, {unit}²")));
+    }
+    heads.push(format!("perimeter, {unit}"));
+    heads.extend(["x", "y", "z"].map(|axis| format!("centroid {axis}, {unit}")));
+    heads.push(format!("open length, {unit}"));
+    heads.extend(["outer", "holes", "open"].map(str::to_owned));
+    if close_gaps.is_some() {
+        heads.extend(["solid", "clear"].map(|kind| format!("{kind}, gaps closed, {unit}²")));
+    }
+    let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
+    let line = |(plane, measures): &(PlaneIndex, SectionMeasures)| {
+        csv_line(file.planes(), *plane, measures, close_gaps, &lengths)
+    };
+    print_csv(&heads, &planes.iter().map(line).collect::<Vec<_>>());
+}
+
+fn csv_line(
+    family: &PlaneFamily,
+    plane: PlaneIndex,
+    measures: &SectionMeasures,
+    close_gaps: Option<f64>,
+    lengths: &Lengths,
+) -> Vec<String> {
+    let length = |value| lengths.exact(value, 1);
+    let area = |value: Option<f64>| value.map(|a| lengths.exact(a, 2)).unwrap_or_default();
+    let SectionMeasures { solid, clear, .. } = measures;
+    let mut line = vec![plane.to_string(), length(family.station(plane))];
+    line.extend([Some(solid.least), solid.most, Some(clear.least), clear.most].map(area));
+    line.push(length(measures.perimeter));
+    let centroid = centroid(family, plane, measures);
+    let axis = |k: usize| centroid.map(|c| length(c[k])).unwrap_or_default();
+    line.extend([0, 1, 2].map(axis));
+    line.push(length(measures.open_length));
+    let counts = [measures.outer_curves, measures.hole_curves, measures.open_curves];
+    line.extend(counts.map(|count| count.to_string()));
+    if let Some(widest) = close_gaps {
+        let closed = measures.widest_gap <= widest;
+        line.extend([solid, clear].map(|bounds| area(closed.then_some(bounds.estimate))));
+    }
+    line
+}
+
+/// The centroid of the larger side of a plane's curves, in the world.
+fn centroid(family: &PlaneFamily, plane: PlaneIndex, measures: &SectionMeasures) -> Option<Point3> {
+    let of_solid = measures.solid.estimate >= measures.clear.estimate;
+    let centroid = if of_solid { measures.solid_centroid } else { measures.clear_centroid };
+    centroid.map(|c| family.frame(plane).world_from_plane(&c))
 }
 
 /// Prints a line per plane.
@@ -75,9 +143,7 @@ fn line(
     close_gaps: Option<f64>,
     lengths: &Lengths,
 ) -> Vec<String> {
-    let of_solid = measures.solid.estimate >= measures.clear.estimate;
-    let centroid = if of_solid { measures.solid_centroid } else { measures.clear_centroid };
-    let in_world = centroid.map(|c| family.frame(plane).world_from_plane(&c));
+    let in_world = centroid(family, plane, measures);
     let mut line = vec![
         plane.to_string(),
         lengths.coordinate(family.station(plane)),

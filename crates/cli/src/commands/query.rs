@@ -3,7 +3,7 @@
 use super::open_model;
 use super::planes::parse_numbers;
 use crate::failure::Failure;
-use crate::table::{Lengths, print_grid};
+use crate::table::{Lengths, print_csv, print_grid};
 use std::path::PathBuf;
 use transect_geometry::Point3;
 use transect_model::store::SpaceQuery;
@@ -22,6 +22,9 @@ pub struct Arguments {
     /// between a point and a far curve may hide a surface that no view saw [default: any distance].
     #[arg(long, value_name = "LENGTH")]
     within: Option<String>,
+    /// Print comma separated values for a spreadsheet, without the answers of single planes.
+    #[arg(long)]
+    csv: bool,
 }
 
 /// Runs the command.
@@ -34,6 +37,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let within = within.map(|text| parse_length(unit, "within", text)).transpose()?;
     let mut answers = answers(file, &points)?;
     answers.iter_mut().for_each(|answer| limit(answer, within.unwrap_or(f64::INFINITY)));
+    if arguments.csv {
+        print_answers_csv(&points, &answers, &Lengths::for_programs(unit));
+        return Ok(());
+    }
     let distances = answers.iter().filter_map(|a| a.distance_to_nearest_curve);
     let lengths = Lengths::new(unit, distances.fold(0.0, f64::max));
     let heads = ["point", "location", &format!("nearest curve, {}", lengths.unit), "by plane"];
@@ -50,6 +57,22 @@ fn answers(file: ModelFile, points: &[Point3]) -> Result<Vec<SpaceAnswer>, Failu
             points.iter().map(|p| Ok(query.locate(p)?)).collect()
         }
     }
+}
+
+/// Prints a line per point with a distance in all its digits; it is empty where no curve is near.
+fn print_answers_csv(points: &[Point3], answers: &[SpaceAnswer], lengths: &Lengths) {
+    let unit = lengths.unit;
+    let mut heads: Vec<String> = ["x", "y", "z"].map(|axis| format!("{axis}, {unit}")).to_vec();
+    heads.extend(["location".to_owned(), format!("nearest curve, {unit}")]);
+    let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
+    let exact = |value| lengths.exact(value, 1);
+    let line = |(point, answer): (&Point3, &SpaceAnswer)| {
+        let mut line: Vec<String> = point.iter().map(|c| exact(*c)).collect();
+        line.push(word(answer.location).to_owned());
+        line.push(answer.distance_to_nearest_curve.map(exact).unwrap_or_default());
+        line
+    };
+    print_csv(&heads, &points.iter().zip(answers).map(line).collect::<Vec<_>>());
 }
 
 /// Makes an answer unknown if its curve is farther away than wanted.

@@ -40,3 +40,45 @@ fn a_model_of_a_part_of_a_scan_is_not_scored_against_the_whole() {
     let run = folder.run("reconstruct scan --quiet --skip-missing --out rest");
     assert!(!run.succeeded().stdout.contains("median distance from truth"));
 }
+
+/// The cells of comma separated values; heads may hold commas in quotes.
+fn cells(line: &str) -> Vec<String> {
+    let parts = line.split('"').enumerate();
+    let kept = parts.map(|(k, part)| if k % 2 == 1 { part.replace(',', ";") } else { part.into() });
+    kept.collect::<String>().split(',').map(str::to_owned).collect()
+}
+
+#[test]
+fn spreadsheets_get_numbers_in_all_their_digits() {
+    let (folder, _) = reconstructed();
+    let table = |command: &str| -> Vec<Vec<String>> {
+        folder.run(command).succeeded().stdout.lines().map(cells).collect()
+    };
+    let planes = table("measure out --csv --close-gaps 1m");
+    assert_eq!((planes.len(), planes[0].len()), (13, 16));
+    assert_eq!(
+        planes[0][..4],
+        ["plane", "station; m", "least solid area; m²", "most solid area; m²"]
+    );
+    for line in &planes[1..] {
+        let number = |k: usize| line[k].parse::<f64>().unwrap();
+        assert!(
+            line.len() == 16 && number(2) <= number(14) && number(6) + number(10) > 0.0,
+            "{line:?}"
+        );
+    }
+    let sums = table("measure out --csv --sums");
+    assert_eq!(
+        (sums[0].join(" "), sums[1].join(" ")),
+        ("metric value unit".to_owned(), "planes with curves 12 ".to_owned())
+    );
+    let answers = table("query out --csv --output-unit mm 0.1,-0.5,0.4 2,2,0.5");
+    assert_eq!(answers[0][4], "nearest curve; mm");
+    assert_eq!(
+        (answers[1][..4].join(" "), answers[2][3].as_str()),
+        ("100 -500 400 inside".to_owned(), "outside")
+    );
+    assert!(answers[1][4].parse::<f64>().unwrap() > 0.0);
+    let scores = table("evaluate out --csv");
+    assert!(scores.iter().all(|line| line.len() == 3) && scores.len() > 8, "{scores:?}");
+}
