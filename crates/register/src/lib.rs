@@ -4,17 +4,20 @@
 //! views, and never through curves. It knows no section planes, no files and no model.
 //!
 //! * [`CoarseView`]: a view as a few thousand patches of surface and the free space before them.
+//! * [`FreeSpace`]: how far a view looked through in each direction.
 //! * [`judge`]: which views, groups of views or regions of a view contradict the others.
 //! * [`refine`]: the poses of all views, refined together.
 //! * [`explain`]: another convention by which the same poses or images may have been written.
 
 mod coarse;
+mod free_space;
 mod judge;
 mod readings;
 mod refine;
 mod tuning;
 
 pub use coarse::{CoarseView, Patch, PatchMeeting, PosePrior, Sighting, StoredCopy};
+pub use free_space::FreeSpace;
 pub use judge::{
     Agreement, Finding, Judgement, Misplaced, Motion, Region, RegionKind, Scaled, judge,
 };
