@@ -3,9 +3,9 @@
 use super::Store;
 use super::copy::{self, ViewCopy};
 use super::error::{StoreError, StoreProblem};
-use super::fuse::{Fuse, PlaneInputs};
+use super::fuse::{Fuse, Met, PlaneInputs};
 use super::tables::{
-    FUSED, PARTIALS, PENDING, VIEWS, encode_curves, encode_fused, read_partials, read_view,
+    COPIES, FUSED, PARTIALS, PENDING, VIEWS, encode_curves, encode_fused, read_partials, read_view,
 };
 use super::view::{StoredView, ViewEntry};
 use super::view_id::ViewId;
@@ -75,7 +75,7 @@ impl Store {
         self.run(|| {
             let transaction = self.write()?;
             let view = take_out(&transaction, id)?;
-            fuse_again(&transaction, view.planes.iter().copied(), fuse)?;
+            fuse_again(&transaction, view.planes.iter().copied(), None, fuse)?;
             transaction.commit()?;
             Ok(view)
         })
@@ -114,7 +114,7 @@ impl Store {
                 }
                 views.push(enter(&transaction, view)?);
             }
-            fuse_again(&transaction, touched, fuse)?;
+            fuse_again(&transaction, touched, None, fuse)?;
             transaction.commit()?;
             Ok(views)
         })
@@ -145,7 +145,7 @@ impl ViewTransaction<'_> {
             for (plane, curves) in curves {
                 touched.extend(put_in(transaction, view, plane, &curves)?.then_some(plane));
             }
-            fuse_again(transaction, touched, fuse)
+            fuse_again(transaction, touched, Some(&view.entry), fuse)
         })
     }
 
@@ -242,13 +242,16 @@ fn take_out(transaction: &WriteTransaction, id: &ViewId) -> Result<StoredView, S
 }
 
 /// Fuses planes again from their partial curves. The section of a plane without partial curves is
-/// removed.
+/// removed. `new` is a view that is not yet in the list of views.
 pub(super) fn fuse_again(
     transaction: &WriteTransaction,
     planes: impl IntoIterator<Item = PlaneIndex>,
+    new: Option<&ViewEntry>,
     fuse: &impl Fuse,
 ) -> Result<(), StoreProblem> {
     let (mut batch, mut hashes, mut size) = (Vec::new(), Vec::new(), 0);
+    let (views, copies) = (transaction.open_table(VIEWS)?, transaction.open_table(COPIES)?);
+    let mut met = Met::default();
     for plane in planes {
         let found = read_partials(&transaction.open_table(PARTIALS)?, plane)?;
         transaction.open_table(PENDING)?.remove(plane.0)?;
@@ -256,6 +259,7 @@ pub(super) fn fuse_again(
             transaction.open_table(FUSED)?.remove(plane.0)?;
             continue;
         }
+        met.meet(&found, (&views, Some(&copies)), new, fuse)?;
         batch.push(PlaneInputs { plane, partials: found.by_view });
         hashes.push(found.hash);
         size += found.size;

@@ -9,7 +9,7 @@ use super::tables::COPIES;
 use super::view::ViewEntry;
 use crate::CodecError;
 use crate::codec::values::{CopyValue, decode, encode};
-use redb::WriteTransaction;
+use redb::{ReadableTable, WriteTransaction};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::borrow::Cow;
@@ -44,13 +44,21 @@ impl Snapshot {
 
     pub(super) fn read_copy(&self, entry: &ViewEntry) -> Result<Option<ViewCopy>, StoreProblem> {
         let Some(copies) = &self.copies else { return Ok(None) };
-        let Some(found) = copies.get(entry.id.0.as_str())? else { return Ok(None) };
-        let value: CopyValue<'_> = decode(found.value())
-            .map_err(StoreProblem::value(format_args!("copy of view {}", entry.id)))?;
-        // A program that knows no copies may have replaced the view.
-        let same = value.source_hash == entry.source_hash;
-        Ok(same.then(|| ViewCopy(value.bytes.into_owned())))
+        get(copies, entry)
     }
+}
+
+/// The copy of a view's image; `None` if there is none of this image.
+pub(super) fn get(
+    copies: &impl ReadableTable<&'static str, &'static [u8]>,
+    entry: &ViewEntry,
+) -> Result<Option<ViewCopy>, StoreProblem> {
+    let Some(found) = copies.get(entry.id.0.as_str())? else { return Ok(None) };
+    let value: CopyValue<'_> = decode(found.value())
+        .map_err(StoreProblem::value(format_args!("copy of view {}", entry.id)))?;
+    // A program that knows no copies may have replaced the view.
+    let same = value.source_hash == entry.source_hash;
+    Ok(same.then(|| ViewCopy(value.bytes.into_owned())))
 }
 
 /// Stores the copy of a view's image.

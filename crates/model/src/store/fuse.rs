@@ -1,6 +1,12 @@
 //! Fusing the curves of a plane, a function that the caller gives to the store.
 
+use super::copy::{self, ViewCopy};
+use super::error::StoreProblem;
+use super::tables::{Partials, read_view};
+use super::view::ViewEntry;
 use super::view_id::ViewId;
+use redb::ReadableTable;
+use std::collections::BTreeSet;
 use transect_geometry::{Curve, PlaneIndex};
 
 /// The partial curves of all views on one plane, in order of view ids.
@@ -14,10 +20,16 @@ pub struct PlaneInputs {
 
 /// A way to fuse the curves of one plane.
 ///
-/// It must be a pure function of its arguments. Then the fused planes depend on the set of partial
-/// models alone, not on earlier additions and removals. Closures with the arguments of
-/// [`Fuse::fuse`] implement it.
+/// It must be a pure function of its arguments and of the views that it met. Then the fused planes
+/// depend on the set of views alone, not on earlier additions and removals. Closures with the
+/// arguments of [`Fuse::fuse`] implement it.
 pub trait Fuse {
+    /// Meets a view with curves on planes that are fused next. It has the coarse copy of its image,
+    /// if the store keeps one.
+    fn meet(&self, view: &ViewEntry, copy: Option<ViewCopy>) {
+        let _ = (view, copy);
+    }
+
     /// The fused curves of a plane.
     fn fuse(&self, plane: PlaneIndex, partials: &[(ViewId, Vec<Curve>)]) -> Vec<Curve>;
 
@@ -32,5 +44,34 @@ pub trait Fuse {
 impl<F: Fn(PlaneIndex, &[(ViewId, Vec<Curve>)]) -> Vec<Curve>> Fuse for F {
     fn fuse(&self, plane: PlaneIndex, partials: &[(ViewId, Vec<Curve>)]) -> Vec<Curve> {
         self(plane, partials)
+    }
+}
+
+/// The views that a [`Fuse`] has met.
+#[derive(Default)]
+pub(super) struct Met(BTreeSet<ViewId>);
+
+impl Met {
+    /// Lets it meet the views of a plane that it has not met.
+    pub fn meet<T: ReadableTable<&'static str, &'static [u8]>>(
+        &mut self,
+        plane: &Partials,
+        (views, copies): (&T, Option<&T>),
+        new: Option<&ViewEntry>,
+        fuse: &impl Fuse,
+    ) -> Result<(), StoreProblem> {
+        for (id, _) in &plane.by_view {
+            if !self.0.insert(id.clone()) {
+                continue;
+            }
+            let entry = match new.filter(|new| new.id == *id) {
+                Some(new) => Some(new.clone()),
+                None => read_view(views, id)?.map(|view| view.entry),
+            };
+            let Some(entry) = entry else { continue };
+            let copy = copies.map_or(Ok(None), |copies| copy::get(copies, &entry))?;
+            fuse.meet(&entry, copy);
+        }
+        Ok(())
     }
 }

@@ -23,7 +23,7 @@ impl Store {
             let transaction = self.write()?;
             let marked = planes(&transaction.open_table(PENDING)?)?;
             if !marked.is_empty() {
-                fuse_again(&transaction, marked.iter().copied(), fuse)?;
+                fuse_again(&transaction, marked.iter().copied(), None, fuse)?;
                 transaction.commit()?;
             }
             Ok(marked.len() as u64)

@@ -2,7 +2,7 @@
 
 use super::Store;
 use super::error::{StoreError, StoreProblem};
-use super::fuse::Fuse;
+use super::fuse::{Fuse, Met};
 use super::snapshot::Snapshot;
 use super::tables::{Partials, decode_fused, encode_fused, read_partials, read_views};
 use super::view::{StoredView, node_count};
@@ -72,11 +72,12 @@ impl Snapshot {
 
     fn find_stale(&self, fuse: &impl Fuse) -> Result<Vec<PlaneIndex>, StoreProblem> {
         self.check_fused()?;
-        let mut stale = Vec::new();
+        let (mut stale, mut met) = (Vec::new(), Met::default());
         for entry in ReadableTable::iter(&self.fused)? {
             let (plane, value) = entry?;
             let plane = PlaneIndex(plane.value());
             let found = read_partials(&self.partials, plane)?;
+            met.meet(&found, (&self.views, self.copies.as_ref()), None, fuse)?;
             let again = encode_fused(found.hash, &fuse.fuse(plane, &found.by_view))?;
             if again != value.value() {
                 stale.push(plane);
