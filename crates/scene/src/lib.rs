@@ -54,7 +54,7 @@ mod test_frames;
 mod visibility;
 
 pub use cast::CastError;
-pub use description::{Description, DescriptionError, Problem, SensorParameters, Station};
+pub use description::{Description, DescriptionError, Problem, SensorParameters, Station, Visitor};
 pub use mesh::{LARGEST, Mesh, MeshError};
 pub use noise::{DepthCamera, Noise, PoseNoise};
 pub use scene::{Hit, Scene, SceneError};

@@ -34,6 +34,7 @@
 //! material = "plaster"            # optional
 //! at = [4, 3, 1.4]                # the solid's centre
 //! rotate = { axis = [0, 0, 1], degrees = 30 }   # optional, about the centre
+//! stations = [0, 2]               # optional: it is there for these alone, and not in the truth
 //!
 //! [[station]]
 //! name = "corner"                 # optional
@@ -138,12 +139,23 @@ pub struct Description {
     pub unit: LengthUnit,
     /// The section planes.
     pub planes: PlaneFamily,
-    /// The solids, in the order of the file.
+    /// The solids that stay, in the order of the file.
     pub solids: Vec<Solid>,
+    /// The solids that are there while some stations measure, such as people who walk by.
+    pub visitors: Vec<Visitor>,
     /// The stations, in the order of the file. The number of a view is its place in this list.
     pub stations: Vec<Station>,
     /// The errors of the sensors.
     pub noise: Noise,
+}
+
+/// A solid that is not always there. It is no part of the truth.
+#[derive(Debug, Clone)]
+pub struct Visitor {
+    /// The solid.
+    pub solid: Solid,
+    /// Numbers of the stations that see it.
+    pub stations: Vec<usize>,
 }
 
 impl Description {
@@ -186,9 +198,14 @@ impl Description {
         let File { light_stripe, lookup_table, unit, .. } = file;
         let instruments = Instruments { light_stripe, lookup_table, unit };
         let library = Library { meshes, materials: &file.materials };
-        let mut solids = Vec::new();
+        let (mut solids, mut visitors) = (Vec::new(), Vec::new());
         for (index, entry) in file.solid.into_iter().enumerate() {
-            solids.extend(entry.build(index, &library).map_err(&mut keep));
+            let visit = entry.visit(index, file.station.len()).map_err(&mut keep).ok().flatten();
+            let solid = entry.build(index, &library).map_err(&mut keep);
+            match visit {
+                None => solids.extend(solid),
+                Some(stations) => visitors.extend(solid.map(|solid| Visitor { solid, stations })),
+            }
         }
         let mut stations = Vec::new();
         for (index, entry) in file.station.into_iter().enumerate() {
@@ -196,7 +213,7 @@ impl Description {
         }
         match (planes, noise) {
             (Some(planes), Some(noise)) if problems.is_empty() => {
-                Ok(Self { name: file.name, unit, planes, solids, stations, noise })
+                Ok(Self { name: file.name, unit, planes, solids, visitors, stations, noise })
             }
             _ => Err(DescriptionError::Invalid(problems)),
         }
@@ -217,9 +234,16 @@ impl Description {
         Ok(names)
     }
 
-    /// The union of the solids, ready for rays.
+    /// The union of the solids that stay, ready for rays.
     pub fn scene(&self) -> Scene {
         Scene::new(self.solids.clone())
+    }
+
+    /// The same with what is there while a station measures; `None` if nothing else is.
+    pub fn visited_scene(&self, station: usize) -> Option<Scene> {
+        let there = self.visitors.iter().filter(|visitor| visitor.stations.contains(&station));
+        let visitors: Vec<Solid> = there.map(|visitor| visitor.solid.clone()).collect();
+        (!visitors.is_empty()).then(|| Scene::new([self.solids.clone(), visitors].concat()))
     }
 }
 

@@ -25,6 +25,8 @@ pub(super) struct SolidEntry {
     material: Option<String>,
     at: [f64; 3],
     rotate: Option<Rotation>,
+    /// Numbers of the only stations that see it, from 0.
+    stations: Option<Vec<usize>>,
 }
 
 #[derive(Deserialize, Clone, Copy, PartialEq)]
@@ -97,6 +99,19 @@ impl Library<'_> {
 }
 
 impl SolidEntry {
+    /// The stations while which the solid is there, of so many; `None` for a solid that stays.
+    pub fn visit(&self, index: usize, count: usize) -> Result<Option<Vec<usize>>, Problem> {
+        let Some(stations) = &self.stations else { return Ok(None) };
+        let place = Place::entry("solid", index, self.name.as_deref());
+        match stations.iter().find(|station| **station >= count) {
+            None => Ok(Some(stations.clone())),
+            Some(station) => {
+                let problem = format_args!("there is no station {station}; the first one is 0");
+                Err(place.problem("stations", problem))
+            }
+        }
+    }
+
     /// The solid that an entry describes.
     pub fn build(self, index: usize, library: &Library) -> Result<Solid, Problem> {
         let place = Place::entry("solid", index, self.name.as_deref());

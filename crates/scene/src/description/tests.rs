@@ -30,6 +30,29 @@ fn what_is_written_is_what_stands_there() {
 }
 
 #[test]
+fn a_solid_may_be_there_for_some_stations_alone() {
+    let ball = |x: i32, more: &str| {
+        format!("[[solid]]\nshape = 'ball'\nradius = 1\nat = [{x}, 0, 0]\n{more}\n")
+    };
+    let stations = "[[station]]\nsensor = 'pinhole'\nrows = 4\ncols = 4\nfield_of_view = 60\n\
+                    at = [0, 0, 9]\nlook_at = [0, 0, 0]\n"
+        .repeat(3);
+    let solids = ball(0, "") + &ball(5, "stations = [0, 2]") + &ball(9, "stations = [2]");
+    let described = with(&(solids + &stations)).unwrap();
+    assert_eq!((described.solids.len(), described.visitors.len()), (1, 2));
+    let there = |x: f64| {
+        let seen = |scene: Scene| scene.contains(&Point3::new(x, 0.0, 0.0));
+        [0, 1, 2].map(|k| seen(described.visited_scene(k).unwrap_or_else(|| described.scene())))
+    };
+    assert_eq!(there(0.0), [true; 3]);
+    assert_eq!(there(5.0), [true, false, true]);
+    assert_eq!(there(9.0), [false, false, true]);
+    assert!(!described.scene().contains(&Point3::new(5.0, 0.0, 0.0)));
+    let missing = problem(&(ball(0, "stations = [3]") + &stations));
+    assert!(missing.contains("solid 1, key stations: there is no station 3"), "{missing}");
+}
+
+#[test]
 fn bad_values_name_entry_and_key() {
     let cases = [
         ("[[solid]]\nshape='ball'\nradius=0\nat=[0,0,0]", "solid 1, key radius: 0.0 is not"),

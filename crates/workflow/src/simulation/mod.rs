@@ -162,13 +162,14 @@ impl PreparedScene {
     /// [`WorkflowError`] if a sensor cannot be made, or no sensor sees anything.
     pub fn simulate(&self, plan: &SensorPlan) -> Result<SimulatedScan, WorkflowError> {
         let placed = self.instruments(plan)?;
-        let noise = &self.description.noise;
+        let (noise, stations) = (&self.description.noise, self.description.stations.len());
         let view = |(k, p): (usize, &PlacedInstrument)| {
             let start = Instant::now();
             let Instrument { frame, world_from_sensor, .. } = &p.instrument;
             let (name, frame) = (p.name.clone(), frame.clone());
-            let view = self.scene.view(name, frame, *world_from_sensor, noise, k as u64);
-            (view, start.elapsed())
+            let visited = self.description.visited_scene(k % stations.max(1));
+            let scene = visited.as_ref().unwrap_or(&self.scene);
+            (scene.view(name, frame, *world_from_sensor, noise, k as u64), start.elapsed())
         };
         let cast: Vec<(Result<View, CastError>, Duration)> =
             placed.par_iter().enumerate().map(view).collect();
