@@ -1,6 +1,7 @@
 //! Fusing the curves of one plane after another.
 
 use crate::packed::PackedCurves;
+use crate::seen_through::{Seen, Witness, without_seen_through};
 use crate::{ReconstructError, Setup, Stage, Watch};
 use rayon::prelude::*;
 use std::borrow::Borrow;
@@ -15,13 +16,34 @@ pub(crate) type Observed = BTreeMap<PlaneIndex, Vec<PackedCurves>>;
 pub(crate) struct Fused {
     pub index: PlaneIndex,
     pub plane: FusedPlane,
+    /// Nodes that were left out, as more views looked through them than measured them.
+    pub seen_through: usize,
 }
 
-/// Fuses planes in parallel. The curves of a plane that is given away are freed with its fusion.
+impl Fused {
+    /// Fuses the curves of a plane. Each view may have a witness of the space before its surfaces.
+    pub fn of(
+        index: PlaneIndex,
+        views: &[&[Curve]],
+        witnesses: &[Option<&Witness>],
+        setup: &Setup,
+    ) -> Self {
+        let mut plane = fuse_plane(views, &setup.fusion);
+        let has_curves = views.iter().zip(witnesses).filter(|(curves, _)| !curves.is_empty());
+        let witnesses: Vec<&Witness> = has_curves.filter_map(|(_, witness)| *witness).collect();
+        let frame = setup.planes.frame(index);
+        let Seen { curves, left_out } = without_seen_through(plane.curves, &frame, &witnesses);
+        plane.curves = curves;
+        Self { index, plane, seen_through: left_out }
+    }
+}
+
+/// Fuses planes in parallel, with the witness of each view. The curves of a plane that is given away are freed with its fusion.
 pub(crate) fn fuse<V: Borrow<Vec<PackedCurves>> + Send>(
     planes: Vec<(PlaneIndex, V)>,
     setup: &Setup,
     watch: &dyn Watch,
+    witnesses: &[Option<&Witness>],
 ) -> Result<Vec<Fused>, ReconstructError> {
     watch.begin(Stage::Planes, planes.len());
     let fuse = |(index, views): (PlaneIndex, V)| {
@@ -31,9 +53,9 @@ pub(crate) fn fuse<V: Borrow<Vec<PackedCurves>> + Send>(
         let curves: Vec<Vec<Curve>> = views.borrow().iter().map(PackedCurves::curves).collect();
         drop(views);
         let curves: Vec<&[Curve]> = curves.iter().map(Vec::as_slice).collect();
-        let plane = fuse_plane(&curves, &setup.fusion);
+        let fused = Fused::of(index, &curves, witnesses, setup);
         watch.step(Stage::Planes);
-        Ok(Fused { index, plane })
+        Ok(fused)
     };
     planes.into_par_iter().map(fuse).collect()
 }

@@ -68,6 +68,7 @@ mod poses;
 mod refine;
 mod refinement;
 mod report;
+mod seen_through;
 mod settings;
 mod setup;
 mod source;

@@ -2,6 +2,7 @@
 
 use crate::packed::PackedCurves;
 use crate::report::ViewReport;
+use crate::seen_through::Witness;
 use crate::timed_view::TimedView;
 use crate::{LoadedView, ReconstructError, Setup, Stage, ViewSource, Watch};
 use rayon::prelude::*;
@@ -9,7 +10,7 @@ use std::time::{Duration, Instant};
 use transect_device::{Isometry3, Note, View};
 use transect_geometry::{Curve, Guide, PlaneFamily, PlaneIndex};
 use transect_partial::{PartialCounts, partial_model};
-use transect_register::CoarseView;
+use transect_register::{CoarseView, FreeSpace};
 
 /// The curves of a view and its part of the report. The view itself is dropped.
 pub(crate) struct ModelledView<C = PackedCurves> {
@@ -66,15 +67,40 @@ impl ModelledView<Vec<Curve>> {
     }
 }
 
-/// Loads and models all views in parallel, with copies for judging their poses if asked for. If
-/// several fail, the error is that of the first in
-/// order, whichever thread was first.
+/// What is kept of the images of views besides their curves.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Wanted {
+    /// Copies, by which their poses are judged.
+    pub copies: bool,
+    /// The space that they looked through.
+    pub free_space: bool,
+}
+
+impl Wanted {
+    /// The same of so many views; a single view can be compared with none.
+    pub fn of_several(self, views: usize) -> Self {
+        let several = views > 1;
+        Self { copies: self.copies && several, free_space: self.free_space && several }
+    }
+}
+
+/// The views of a run: the curves of each, and what is kept of its image.
+pub(crate) struct Modelled {
+    pub views: Vec<ModelledView>,
+    /// `None` if they are not wanted.
+    pub copies: Option<Vec<CoarseView>>,
+    /// One for each view; `None` of one that cannot tell of free space.
+    pub witnesses: Vec<Option<Witness>>,
+}
+
+/// Loads and models all views in parallel, with what is wanted of their images. If several fail,
+/// the error is that of the first in order, whichever thread was first.
 pub(crate) fn model_views<S: ViewSource>(
     sources: &[S],
     setup: &Setup,
     watch: &dyn Watch,
-    copied: bool,
-) -> Result<Vec<(ModelledView, Option<CoarseView>)>, ReconstructError> {
+    wanted: Wanted,
+) -> Result<Modelled, ReconstructError> {
     if sources.is_empty() {
         return Err(ReconstructError::NoViews);
     }
@@ -84,14 +110,24 @@ pub(crate) fn model_views<S: ViewSource>(
             return Err(ReconstructError::Cancelled);
         }
         let modelled = TimedView::load(source).and_then(|timed| {
-            let copy = copied.then(|| CoarseView::quick(&timed.loaded.view));
-            Ok((timed.model(source.name(), setup)?.packed(), copy))
+            let view = &timed.loaded.view;
+            let copy = wanted.copies.then(|| CoarseView::quick(view));
+            let free = wanted.free_space.then(|| FreeSpace::of(view)).flatten();
+            let witness = free.map(|free| Witness::new(view.world_from_sensor(), free));
+            Ok((timed.model(source.name(), setup)?.packed(), copy, witness))
         });
         watch.step(Stage::Views);
         modelled
     };
-    let views: Vec<Result<_, _>> = sources.par_iter().map(model).collect();
-    views.into_iter().collect()
+    let modelled: Vec<Result<_, _>> = sources.par_iter().map(model).collect();
+    let (mut views, mut copies, mut witnesses) = (Vec::new(), Vec::new(), Vec::new());
+    for modelled in modelled {
+        let (view, copy, witness) = modelled?;
+        views.push(view);
+        copies.push(copy);
+        witnesses.push(witness);
+    }
+    Ok(Modelled { views, copies: copies.into_iter().collect(), witnesses })
 }
 
 fn view_report(

@@ -4,15 +4,16 @@
 //!    [`PoseReport`].
 //! 1. Each view is loaded, its curves on every plane it crosses are found, and it is dropped. A
 //!    coarse copy stays, and the poses are judged by the copies.
-//! 2. The curves of each plane are fused, independent of every other plane. With
-//!    [`Refinement`](crate::Refinement), planes are inserted where neighbours differ.
+//! 2. The curves of each plane are fused, independent of every other plane. What more views looked
+//!    through than measured is left out. With [`Refinement`](crate::Refinement), planes are inserted
+//!    where neighbours differ.
 //! 3. The fused planes make the model; the counts of all steps make the report.
 //!
 //! Views and planes run in parallel. Results are gathered in the order of views and planes, and no
 //! sum crosses them, so the same input gives the same bytes for any number of threads.
 
 use crate::fused::{Fused, Observed, fuse};
-use crate::modelled_view::{ModelledView, model_views, no_curves};
+use crate::modelled_view::{Modelled, ModelledView, Wanted, model_views, no_curves};
 use crate::packed::PackedCurves;
 use crate::poses::reread;
 use crate::refine::{Refined, refine};
@@ -75,14 +76,15 @@ pub fn reconstruct<S: ViewSource>(
     let poses = options.map(|options| PoseReport::new(sources, Some(options), setup.unit, watch));
     let poses = poses.transpose()?;
     let poses_time = started.elapsed();
-    let (mut views, copies): (Vec<_>, Vec<_>) = match &poses {
-        None => model_views(sources, setup, watch, sources.len() > 1)?,
-        Some(poses) if poses.refinement.is_none() => model_views(sources, setup, watch, false)?,
-        Some(poses) => model_views(&poses.posed(sources), setup, watch, false)?,
-    }
-    .into_iter()
-    .unzip();
-    let copies = copies.into_iter().collect::<Option<Vec<_>>>();
+    let (copies, free_space) = (poses.is_none(), setup.free_space);
+    let wanted = Wanted { copies, free_space }.of_several(sources.len());
+    let Modelled { mut views, copies, witnesses } = match &poses {
+        Some(poses) if poses.refinement.is_some() => {
+            model_views(&poses.posed(sources), setup, watch, wanted)?
+        }
+        _ => model_views(sources, setup, watch, wanted)?,
+    };
+    let witnesses: Vec<_> = witnesses.iter().map(Option::as_ref).collect();
     let again = |order| reread(sources, order, CoarseView::quick);
     let judged = copies.map(|copies| PoseReport::of_given(copies, again, setup.unit));
     let views_done = Instant::now();
@@ -91,11 +93,12 @@ pub fn reconstruct<S: ViewSource>(
         return Err(no_curves(views.iter().map(|view| &view.report), setup));
     }
     let (fused, refined) = match &setup.refinement {
-        None => (fuse(planes.into_iter().collect(), setup, watch)?, None),
+        None => (fuse(planes.into_iter().collect(), setup, watch, &witnesses)?, None),
         Some(refinement) => {
             let there = |k: &PlaneIndex| Some((*k, planes.get(k)?));
-            let fuse =
-                |asked: &[PlaneIndex]| fuse(asked.iter().filter_map(there).collect(), setup, watch);
+            let fuse = |asked: &[PlaneIndex]| {
+                fuse(asked.iter().filter_map(there).collect(), setup, watch, &witnesses)
+            };
             let Refined { fused, selected, report } =
                 refine(refinement, &setup.planes, &planes, fuse)?;
             (fused, Some((selected, report)))

@@ -6,7 +6,6 @@ use crate::{PoseReport, RefinementReport};
 use serde::Serialize;
 use std::time::Duration;
 use transect_device::{Note, median};
-use transect_fusion::FusedPlane;
 use transect_fusion::pairwise::GrowthCounts;
 use transect_geometry::{Curve, LengthUnit};
 
@@ -39,7 +38,7 @@ impl Report {
         fused: &[Fused],
         timings: Timings,
     ) -> Self {
-        let mut fusion = FusionReport::new(fused.iter().map(|f| &f.plane));
+        let mut fusion = FusionReport::new(fused.iter());
         if views.len() < 2 {
             fusion.forget_comparisons();
         }
@@ -134,6 +133,9 @@ pub struct FusionReport {
     /// Places where fused curves crossed or touched each other, before the last step of fusion
     /// resolved them.
     pub crossings_resolved: usize,
+    /// Nodes of fused curves that were left out, as more views looked through them than measured
+    /// them.
+    pub seen_through: usize,
     /// Median over the planes of the measured spread between views (standard deviation); 0 for a
     /// single view.
     #[serde(skip_serializing_if = "is_zero")]
@@ -166,7 +168,7 @@ const TOLD_NOISES: f64 = 2.0;
 
 impl FusionReport {
     /// Sums up the planes.
-    pub fn new<'a>(planes: impl Iterator<Item = &'a FusedPlane>) -> Self {
+    pub(crate) fn new<'a>(planes: impl Iterator<Item = &'a Fused>) -> Self {
         Self::of(&planes.map(PlaneSummary::of_fused).collect::<Vec<_>>())
     }
 
@@ -185,6 +187,7 @@ impl FusionReport {
             observations: planes.iter().map(|p| p.observations).sum(),
             dropped: planes.iter().map(|p| p.dropped).sum(),
             crossings_resolved: planes.iter().map(|p| p.crossings_resolved).sum(),
+            seen_through: planes.iter().map(|p| p.seen_through).sum(),
             spread: median(|p| p.spread),
             view_error: median(|p| p.view_error),
             noise: median(|p| p.noise),
@@ -236,6 +239,7 @@ pub(crate) struct PlaneSummary {
     observations: usize,
     dropped: usize,
     crossings_resolved: usize,
+    seen_through: usize,
     /// `None` for a plane that was fused in an earlier run, as the next four.
     spread: Option<f64>,
     view_error: Option<f64>,
@@ -246,11 +250,13 @@ pub(crate) struct PlaneSummary {
 }
 
 impl PlaneSummary {
-    pub(crate) fn of_fused(plane: &FusedPlane) -> Self {
+    pub(crate) fn of_fused(fused: &Fused) -> Self {
+        let Fused { plane, seen_through, .. } = fused;
         Self {
             observations: plane.counts.observations,
             dropped: plane.counts.dropped,
             crossings_resolved: plane.counts.crossings,
+            seen_through: *seen_through,
             spread: Some(plane.spread),
             view_error: Some(plane.view_error),
             sigma_is_noise_alone: Some(plane.sigma_is_noise_alone),

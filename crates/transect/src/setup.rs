@@ -18,6 +18,9 @@ pub struct Setup {
     pub partial: Method,
     /// How the views' curves are fused.
     pub fusion: FusionMethod,
+    /// Whether nodes are left out that more views looked through than measured: people who walked
+    /// by, and false pixels between two surfaces. `true` by default.
+    pub free_space: bool,
     /// Where planes are inserted between these; `None` inserts no planes.
     pub refinement: Option<Refinement>,
     /// How the poses of all views are refined before their curves are found; `None` keeps them.
@@ -28,7 +31,15 @@ impl Setup {
     /// Planes in a unit, with default options.
     pub fn new(unit: LengthUnit, planes: PlaneFamily) -> Self {
         let (partial, fusion) = (Method::default(), FusionMethod::default());
-        Self { unit, planes, partial, fusion, refinement: None, refine_poses: None }
+        Self {
+            unit,
+            planes,
+            partial,
+            fusion,
+            free_space: true,
+            refinement: None,
+            refine_poses: None,
+        }
     }
 
     /// The same settings with the planes of the smallest interval of the refinement.

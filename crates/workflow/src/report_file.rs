@@ -109,6 +109,8 @@ struct Settings {
     partial: Value,
     /// How the views' curves were fused, and with what.
     fusion: Value,
+    /// Whether curves that more views looked through than measured are left out.
+    free_space: bool,
 }
 
 /// A method as one object: its name, then its options.
@@ -175,6 +177,7 @@ impl<'a> ReportFile<'a> {
                 refine: report.refinement.as_ref().map(|r| [r.tolerance, r.least_interval]),
                 partial: with_options(&setup.partial),
                 fusion: with_options(&setup.fusion),
+                free_space: setup.free_space,
             },
             inputs: inputs.par_iter().map(|p| Input::of(p)).collect(),
             warnings: report.warnings(),

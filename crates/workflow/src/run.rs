@@ -322,6 +322,10 @@ fn result_rows(scan: &Scan, result: &Reconstruction) -> Vec<Row> {
         Row::plain("crossings resolved", fusion.crossings_resolved),
         Row::length("curve length", fusion.length, unit),
     ]);
+    if fusion.seen_through > 0 {
+        let name = format!("nodes seen through, left out{fused_now}");
+        rows.push(Row::plain(name, fusion.seen_through));
+    }
     // Without a second view, or without planes to fuse, there is nothing to compare.
     let compared =
         [("spread between views", fusion.spread), ("overlap threshold", fusion.threshold)];

@@ -28,6 +28,8 @@ pub struct Settings {
     pub fusion: Option<FusionMethod>,
     /// Settings of the dissertation's own methods.
     pub methods: MethodSettings,
+    /// Curves stay that more views looked through than measured.
+    pub keep_seen_through: bool,
     /// Checks of plausibility that are turned off.
     pub accept: Vec<Check>,
     /// Planes are inserted where the curves of neighbouring planes differ by more than this length.
@@ -105,6 +107,7 @@ impl Settings {
         let is_other = |fusion: &FusionMethod| discriminant(fusion) != discriminant(&setup.fusion);
         setup.fusion = self.fusion.filter(is_other).unwrap_or(setup.fusion);
         self.methods.apply(&mut setup)?;
+        setup.free_space &= !self.keep_seen_through;
         setup.check_options().map_err(ReconstructError::from)?;
         let refine = self.refine.as_ref();
         setup.refinement = refine.map(|text| parse_refinement(&setup, text)).transpose()?;

@@ -54,6 +54,9 @@ pub struct Arguments {
     planes: PlaneArguments,
     #[command(flatten)]
     methods: MethodArguments,
+    /// Keep curves that more views looked through than measured, such as people who walked by.
+    #[arg(long, help_heading = "Method")]
+    keep_seen_through: bool,
     #[command(flatten)]
     accept: AcceptArguments,
     /// Do not score the model against the truth of a simulated scan.
@@ -133,6 +136,7 @@ impl Arguments {
         settings.planes = self.planes.settings()?;
         self.methods.apply(&mut settings);
         settings.accept.clone_from(&self.accept.accept);
+        settings.keep_seen_through = self.keep_seen_through;
         settings.dxf = self.dxf.dxf;
         settings.refine.clone_from(&self.refine);
         settings.refine_poses = self.refine_poses;

@@ -1,24 +1,28 @@
 //! Fusing the planes of a store as in a run over all views, with counts for the report.
 
+use super::registration::KeptImage;
+use crate::fused::Fused;
 use crate::report::PlaneSummary;
+use crate::seen_through::Witness;
 use crate::{Setup, Stage, Watch};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::sync::{Mutex, MutexGuard, PoisonError};
-use transect_fusion::fuse_plane;
+use std::sync::{Mutex, PoisonError, RwLock};
 use transect_geometry::{Curve, PlaneIndex};
-use transect_model::store::{Fuse, PlaneInputs, ViewId};
+use transect_model::store::{Fuse, PlaneInputs, ViewCopy, ViewEntry, ViewId};
 
 /// Fuses planes in parallel with the setup's method, and keeps the counts.
 pub(super) struct Fuser<'a> {
     setup: &'a Setup,
     watch: &'a dyn Watch,
     summaries: Mutex<BTreeMap<PlaneIndex, PlaneSummary>>,
+    witnesses: RwLock<BTreeMap<ViewId, Witness>>,
 }
 
+// Planes and witnesses are one entry each, so both maps are sound even if a thread panicked.
 impl<'a> Fuser<'a> {
     pub fn new(setup: &'a Setup, watch: &'a dyn Watch) -> Self {
-        Self { setup, watch, summaries: Mutex::default() }
+        Self { setup, watch, summaries: Mutex::default(), witnesses: RwLock::default() }
     }
 
     /// Announces the number of planes to the watcher.
@@ -28,22 +32,33 @@ impl<'a> Fuser<'a> {
 
     /// The planes that were fused.
     pub fn summaries(&self) -> BTreeMap<PlaneIndex, PlaneSummary> {
-        self.lock().clone()
-    }
-
-    fn lock(&self) -> MutexGuard<'_, BTreeMap<PlaneIndex, PlaneSummary>> {
-        // Each plane is one entry, so the map is sound even if another thread panicked.
-        self.summaries.lock().unwrap_or_else(PoisonError::into_inner)
+        self.summaries.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 }
 
 impl Fuse for Fuser<'_> {
+    fn meet(&self, view: &ViewEntry, copy: Option<ViewCopy>) {
+        let kept = copy.filter(|_| self.setup.free_space).as_ref().and_then(KeptImage::read);
+        let mut witnesses = self.witnesses.write().unwrap_or_else(PoisonError::into_inner);
+        match kept.and_then(KeptImage::free_space) {
+            Some(free) => {
+                witnesses.insert(view.id.clone(), Witness::new(&view.world_from_sensor, free));
+            }
+            None => {
+                witnesses.remove(&view.id);
+            }
+        }
+    }
+
     fn fuse(&self, plane: PlaneIndex, partials: &[(ViewId, Vec<Curve>)]) -> Vec<Curve> {
         let views: Vec<&[Curve]> = partials.iter().map(|(_, curves)| curves.as_slice()).collect();
-        let fused = fuse_plane(&views, &self.setup.fusion);
-        self.lock().insert(plane, PlaneSummary::of_fused(&fused));
+        let met = self.witnesses.read().unwrap_or_else(PoisonError::into_inner);
+        let witnesses: Vec<_> = partials.iter().map(|(id, _)| met.get(id)).collect();
+        let fused = Fused::of(plane, &views, &witnesses, self.setup);
+        let summary = PlaneSummary::of_fused(&fused);
+        self.summaries.lock().unwrap_or_else(PoisonError::into_inner).insert(plane, summary);
         self.watch.step(Stage::Planes);
-        fused.curves
+        fused.plane.curves
     }
 
     fn fuse_planes(&self, planes: &[PlaneInputs]) -> Vec<Vec<Curve>> {

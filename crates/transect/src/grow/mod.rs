@@ -38,7 +38,7 @@ use crate::{
 use fuser::Fuser;
 use judged::{Judged, judged};
 use rayon::prelude::*;
-use registration::{copy_of, given_pose};
+use registration::{KeptImage, given_pose};
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, Instant};
 use transect_device::{Isometry3, Note, View};
@@ -374,7 +374,8 @@ impl<'a> Grower<'a> {
             world_from_sensor: *loaded.view.world_from_sensor(),
             sigma: loaded.view.sigma(),
         };
-        let copy = copy_of(&loaded.view, given.unwrap_or(&entry.world_from_sensor));
+        let kept = KeptImage::of(&loaded.view, given.unwrap_or(&entry.world_from_sensor));
+        let copy = ViewCopy::of(&kept).ok();
         let view = timed.model(source.name(), self.setup)?;
         Ok(NewView { entry, copy, view })
     }

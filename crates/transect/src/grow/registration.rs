@@ -14,7 +14,7 @@ use crate::{LoadedView, PoseReport, Posed, Report, SourceError, ViewSource, Watc
 use serde::{Deserialize, Serialize};
 use transect_device::{ImageOrder, Isometry3, Note, View};
 use transect_model::store::{Snapshot, StoredView, ViewCopy, ViewEntry};
-use transect_register::{CoarseView, PosePrior, RefineOptions, RefinedPose, StoredCopy};
+use transect_register::{CoarseView, FreeSpace, PosePrior, RefineOptions, RefinedPose, StoredCopy};
 
 /// The pose that registration put in place of a given one. The order of the fields is the layout in
 /// the store.
@@ -24,15 +24,39 @@ struct GivenPose {
     refined: Isometry3,
 }
 
-/// The copy of a view that a store keeps; `None` if it cannot be written. The pose that the view
-/// was given follows the copy, if it has another one now.
-pub(super) fn copy_of(view: &View, given: &Isometry3) -> Option<ViewCopy> {
-    let (copy, refined) = (CoarseView::quick(view).stored(), *view.world_from_sensor());
-    let copy = match *given == refined {
-        true => ViewCopy::of(&copy),
-        false => ViewCopy::of(&(copy, GivenPose { given: *given, refined })),
-    };
-    copy.ok()
+/// What a store keeps of the image of a view. The order of the fields is the layout in the store.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct KeptImage {
+    copy: StoredCopy,
+    /// The pose that the view was given, if registration found another one.
+    moved: Option<GivenPose>,
+    /// The space that the view looked through.
+    free: Option<FreeSpace>,
+}
+
+impl KeptImage {
+    /// What a store keeps of a view's image. `given` is the pose that the view was given.
+    pub fn of(view: &View, given: &Isometry3) -> Self {
+        let (given, refined) = (*given, *view.world_from_sensor());
+        Self {
+            copy: CoarseView::quick(view).stored(),
+            moved: (given != refined).then_some(GivenPose { given, refined }),
+            free: FreeSpace::of(view),
+        }
+    }
+
+    /// Reads it; `None` if another program wrote it in a layout of its own.
+    pub fn read(stored: &ViewCopy) -> Option<Self> {
+        let kept = |copy, moved| Self { copy, moved, free: None };
+        // Earlier programs kept the copy alone, or with the given pose.
+        let with_pose = || stored.value().map(|(copy, moved)| kept(copy, Some(moved)));
+        stored.value().or_else(|| Some(kept(stored.value()?, None))).or_else(with_pose)
+    }
+
+    /// The space that the view looked through, if it is known and sound: a file may hold anything.
+    pub fn free_space(self) -> Option<FreeSpace> {
+        self.free.filter(FreeSpace::is_sound)
+    }
 }
 
 /// A stored copy, and the pose that its view was given if another program has not moved it since.
@@ -40,14 +64,11 @@ pub(super) fn read_copy(
     snapshot: &Snapshot,
     entry: &ViewEntry,
 ) -> Result<Option<(StoredCopy, Isometry3)>, GrowError> {
-    let (Some(copy), pose) = (snapshot.copy(entry)?, entry.world_from_sensor) else {
-        return Ok(None);
-    };
-    if let Some(copy) = copy.value() {
-        return Ok(Some((copy, pose)));
-    }
-    let moved: Option<(StoredCopy, GivenPose)> = copy.value();
-    Ok(moved.map(|(copy, moved)| (copy, if moved.refined == pose { moved.given } else { pose })))
+    let (copy, pose) = (snapshot.copy(entry)?, entry.world_from_sensor);
+    Ok(copy.as_ref().and_then(KeptImage::read).map(|KeptImage { copy, moved, .. }| {
+        let given = moved.filter(|moved| moved.refined == pose).map(|moved| moved.given);
+        (copy, given.unwrap_or(pose))
+    }))
 }
 
 /// The pose that a view was given, which registration may have changed.

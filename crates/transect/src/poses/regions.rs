@@ -24,16 +24,16 @@ pub(super) fn text(region: &Region, unit: LengthUnit) -> String {
     let problem = match region.kind {
         RegionKind::InFront => format!(
             "{views} other views saw free space there, up to {distance} {unit} behind it: \
-             something that was not always there"
+             something that was not always there. Curves that more views looked through than \
+             measured are left out by default. To leave out all of it, make"
         ),
         RegionKind::SeenThrough => format!(
             "{views} other views saw a surface {distance} {unit} before it: a mirror, a window, or \
-             something that came later"
+             something that came later. If the surface is wrong, make"
         ),
     };
     format!(
-        "view {view}, rows {} to {}, columns {} to {}: {problem}. If the surface is wrong, make \
-         these pixels missing",
+        "view {view}, rows {} to {}, columns {} to {}: {problem} these pixels missing",
         rows[0], rows[1], cols[0], cols[1]
     )
 }

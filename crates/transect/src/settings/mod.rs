@@ -64,11 +64,18 @@ struct Record {
     partial: Method,
     #[serde(default)]
     fusion: FusionMethod,
+    #[serde(default = "yes")]
+    free_space: bool,
+}
+
+fn yes() -> bool {
+    true
 }
 
 impl Record {
     fn of(setup: &Setup) -> Self {
-        Self { version: VERSION, partial: setup.partial, fusion: setup.fusion }
+        let Setup { partial, fusion, free_space, .. } = *setup;
+        Self { version: VERSION, partial, fusion, free_space }
     }
 
     fn read(header: &StoreHeader) -> Result<Self, SettingsError> {
@@ -109,8 +116,8 @@ impl Setup {
     /// # Errors
     /// [`SettingsError`] if a program with other options made it.
     pub fn of_store(header: &StoreHeader) -> Result<Self, SettingsError> {
-        let Record { partial, fusion, .. } = Record::read(header)?;
-        Ok(Self { partial, fusion, ..Self::new(header.unit, header.planes.clone()) })
+        let Record { partial, fusion, free_space, .. } = Record::read(header)?;
+        Ok(Self { partial, fusion, free_space, ..Self::new(header.unit, header.planes.clone()) })
     }
 
     /// How the settings of a store differ from these; `None` if they are the same.

@@ -13,6 +13,7 @@ mod far_views;
 mod grow;
 mod next_view;
 mod objects;
+mod people;
 mod pipeline;
 mod poses;
 mod refine;
