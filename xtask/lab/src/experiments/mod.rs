@@ -27,6 +27,7 @@ mod rules;
 mod sensors;
 mod speed;
 mod trial;
+mod visitors;
 
 use crate::failure::Failure;
 use crate::table::say;
@@ -82,6 +83,8 @@ enum Experiment {
     RealNoise,
     /// What does each error of a depth camera cost?
     DepthCamera,
+    /// What is left of people who walk by?
+    Visitors,
     /// Draw posters of the bundled scenes.
     Posters,
     /// Draw scanned points and models of every sensor.
@@ -155,6 +158,7 @@ fn start(experiment: &Experiment, lab: &Lab) -> Result<(), Failure> {
         Experiment::Poses(a) => poses::run(a, lab),
         Experiment::RealNoise => real_noise::run(lab),
         Experiment::DepthCamera => depth_camera::run(lab),
+        Experiment::Visitors => visitors::run(lab),
         Experiment::Posters => posters::run(lab),
         Experiment::Pictures => pictures::run(lab),
         Experiment::Figures => figures::run(lab),
