@@ -1,8 +1,8 @@
 //! The space that a view looked through.
 //!
-//! **Problem.** What one view alone saw may be a person who walked past, or a false pixel between
-//! two surfaces. Other views measured what lies behind it, so no surface is there. They are asked
-//! about every node of a model, which must cost little.
+//! **Problem.** What one view alone saw may be a person who walked by. Other views measured what
+//! lies behind, so no surface is there. They are asked about the nodes of a whole model, so an
+//! answer must cost little.
 //!
 //! **Idea.** The nearest sample in each direction around the sensor (a depth map as for shadows:
 //! Williams, 1978). The kind of sensor does not matter then. Directions are cells on the sides of a

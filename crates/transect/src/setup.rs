@@ -18,8 +18,8 @@ pub struct Setup {
     pub partial: Method,
     /// How the views' curves are fused.
     pub fusion: FusionMethod,
-    /// Whether nodes are left out that more views looked through than measured: people who walked
-    /// by, and false pixels between two surfaces. `true` by default.
+    /// Whether nodes are left out that more views looked through than measured, such as those of
+    /// people who walked by. `true` by default.
     pub free_space: bool,
     /// Where planes are inserted between these; `None` inserts no planes.
     pub refinement: Option<Refinement>,
