@@ -4,12 +4,14 @@
 //! removed. Every view that was added before a crash must be there after it.
 //!
 //! Idea: the store keeps every view's own curves, plane by plane. The fused curves of a plane are a
-//! pure function of those, the same as in [`reconstruct`](crate::reconstruct). So a view that is
-//! added or removed changes its own planes alone. The result is, byte for byte, that of one run
-//! over the remaining views, in any order of additions and removals.
+//! pure function of those, and of the space that the same views looked through. It is the same
+//! function as in [`reconstruct`](crate::reconstruct). So a view that is added or removed changes
+//! its own planes alone. The result is, byte for byte, that of one run over the remaining views, in
+//! any order of additions and removals.
 //!
 //! 1. A view is loaded and its curves are found; a failure leaves the store as it was.
-//! 2. Its curves are stored in one transaction, with a coarse copy of its image.
+//! 2. Its curves are stored in one transaction, with a coarse copy of its image and the space that
+//!    it looked through.
 //! 3. Its planes are fused: in the same transaction for a single view, after the last view if
 //!    several are added at once. Planes run in parallel.
 //! 4. The poses of the store are judged by the copies; see `judged.rs`. They are refined on demand;
