@@ -12,8 +12,8 @@
 //! 1. The image is divided into blocks of a few pixels. Each has its nearest sample, and the
 //!    direction of its middle ray.
 //! 2. A cell of the cube has the nearest sample of its blocks.
-//! 3. Space is free in a cell up to the nearest sample there and in the eight cells around it, since
-//!    poses err a little. It is not known where pixels are missing, which may hide something.
+//! 3. Space is free in a cell up to the nearest sample there and in the eight cells around it,
+//!    since poses err a little. It is not known where pixels are missing, which may hide something.
 //!
 //! **Departure.** Where rays start in different points, as those of light-stripe scanners, there is
 //! no such map. Nothing is known of what such a view looks through.
@@ -62,20 +62,21 @@ impl FreeSpace {
     /// The space that a view looked through; `None` if its rays do not start in one point.
     pub fn of(view: &View) -> Option<Self> {
         let division = Division::of(view.image().size());
-        let centre = view.frame().ray(division.middle(0)?)?.start;
-        let width = BLOCKS_OF_CELL * division.spacing(view)? / FRAC_PI_4;
+        let Rays { centre, spacing, grows } = division.rays(view)?;
+        let width = BLOCKS_OF_CELL * spacing / FRAC_PI_4;
         let mut blocks: [Vec<Block>; 6] = Default::default();
         for row in 0..division.size.rows {
-            for (col, values) in division.values(view, row).into_iter().enumerate() {
+            for (col, values) in division.values(view, row).iter().enumerate() {
                 let Some(middle) = division.middle(row * division.size.cols + col) else {
                     continue;
                 };
-                let Some(ray) = view.frame().ray(middle) else { continue };
-                if ray.start != centre {
-                    return None;
-                }
-                let nearest = values.nearest(view, middle, &centre).unwrap_or(0.0);
-                for (side, place) in places(&ray.direction, width) {
+                let value = f64::from(if grows { values.low } else { values.high });
+                let whole = values.are_whole().then(|| view.frame().point(middle, value));
+                let whole = whole.flatten().map(|point| point - centre);
+                let ray = || view.frame().ray(middle).map(|ray| ray.direction);
+                let Some(direction) = whole.or_else(ray) else { continue };
+                let nearest = whole.map_or(0.0, |from_centre| from_centre.norm() as f32);
+                for (side, place) in places(&direction, width) {
                     blocks[side].push(Block { cell: cell(place, width), nearest });
                 }
             }
@@ -112,6 +113,17 @@ struct Division {
     size: ImageSize,
     /// Pixels along the side of a block.
     step: usize,
+}
+
+/// What the rays of a view have in common.
+struct Rays {
+    /// Where they start.
+    centre: Point3,
+    /// The usual angle between those of neighbouring blocks: in a row or in a column, the larger
+    /// one.
+    spacing: f64,
+    /// Whether the sensor's values grow with the distance.
+    grows: bool,
 }
 
 /// The values of a block.
@@ -162,33 +174,36 @@ impl Division {
         values
     }
 
-    /// The usual angle between the rays of neighbours, of a few hundred of them: in a row or in a
-    /// column, the larger one.
-    fn spacing(&self, view: &View) -> Option<f64> {
-        let direction = |block: usize| Some(view.frame().ray(self.middle(block)?)?.direction);
-        let few = self.size.pixels().div_ceil(QUANTILE_SAMPLES).max(1);
+    /// What a few hundred rays tell of all; `None` if they do not start in one point.
+    fn rays(&self, view: &View) -> Option<Rays> {
+        let ray = |block: usize| view.frame().ray(self.middle(block)?);
+        let step = self.size.pixels().div_ceil(QUANTILE_SAMPLES).max(1);
+        let few = (0..self.size.pixels()).step_by(step);
+        let centre = few.clone().find_map(ray)?.start;
+        if few.clone().filter_map(ray).any(|ray| ray.start != centre) {
+            return None;
+        }
         let apart = |gap: usize| {
-            let pair = |k: usize| Some((direction(k)? - direction(k + gap)?).norm());
-            let blocks = (0..self.size.pixels()).step_by(few);
-            let in_row = blocks.filter(|k| gap > 1 || (k + 1) % self.size.cols > 0);
-            median(in_row.filter_map(pair))
+            let pair = |k: usize| Some((ray(k)?.direction - ray(k + gap)?.direction).norm());
+            let in_row = |k: &usize| gap > 1 || !(k + 1).is_multiple_of(self.size.cols);
+            median(few.clone().filter(in_row).filter_map(pair))
         };
         let both = apart(1).into_iter().chain(apart(self.size.cols));
-        both.reduce(f64::max).filter(|spacing| *spacing > 0.0)
+        let spacing = both.reduce(f64::max).filter(|spacing| *spacing > 0.0)?;
+        let (low, high) = view.image().extremes()?;
+        let grows = few.clone().find_map(|block| {
+            let point = |value: f32| view.frame().point(self.middle(block)?, f64::from(value));
+            Some((point(low)? - centre).norm() <= (point(high)? - centre).norm())
+        });
+        Some(Rays { centre, spacing, grows: grows? })
     }
 }
 
 impl Values {
-    /// The distance of the nearest sample from a point; `None` where pixels are missing.
-    fn nearest(&self, view: &View, middle: Pixel, centre: &Point3) -> Option<f32> {
-        let Self { low, high, missing, pixels } = *self;
-        if ((pixels - missing + 1) as f64) < LEAST_WHOLE * pixels as f64 {
-            return None;
-        }
-        // The values of a sensor may fall with the distance.
-        let point = |value: f32| view.frame().point(middle, f64::from(value));
-        let distance = |value: f32| Some((point(value)? - centre).norm() as f32);
-        Some(distance(low)?.min(distance(high)?))
+    /// Whether nearly every pixel has a sample.
+    fn are_whole(&self) -> bool {
+        let Self { missing, pixels, .. } = *self;
+        (pixels - missing + 1) as f64 >= LEAST_WHOLE * pixels as f64
     }
 }
 
@@ -199,8 +214,8 @@ fn facing(direction: &Vector3) -> usize {
     2 * axis + usize::from(direction[axis] < 0.0)
 }
 
-/// The sides that a direction meets or passes within two cells, which take part in the free space of
-/// cells at the border. With its place on each.
+/// The sides that a direction meets or passes within two cells, which take part in the free space
+/// of cells at the border. With its place on each.
 fn places(direction: &Vector3, width: f64) -> impl Iterator<Item = (usize, [f64; 2])> {
     let met = facing(direction);
     let at = place(met, direction);
@@ -223,8 +238,8 @@ fn place(side: usize, direction: &Vector3) -> Option<[f64; 2]> {
     near.then(|| across.map(|c| as_angle(c / ahead)))
 }
 
-/// Nearly the angle of a tangent, over 45°: right at -1, 0 and 1, and off by 0.023 at most between. It grows
-/// up to a tangent of 2.3. A polynomial takes a tenth of the time of `atan`.
+/// Nearly the angle of a tangent, over 45°: right at -1, 0 and 1, and off by 0.023 at most between.
+/// It grows up to a tangent of 2.3. A polynomial takes a tenth of the time of `atan`.
 fn as_angle(tangent: f64) -> f64 {
     const SLOPE: f64 = FRAC_PI_4.recip();
     tangent * (SLOPE - (SLOPE - 1.0) * tangent.abs())
@@ -264,7 +279,8 @@ impl Side {
 /// The least value of each cell and the eight around it; 0 where one of them has no block.
 fn least_around(nearest: &[f32], cols: usize) -> Vec<f32> {
     let least = |k: usize| {
-        let inside = k >= cols && k + cols < nearest.len() && k % cols > 0 && (k + 1) % cols > 0;
+        let in_row = !k.is_multiple_of(cols) && !(k + 1).is_multiple_of(cols);
+        let inside = in_row && k >= cols && k + cols < nearest.len();
         if !inside {
             return 0.0;
         }
@@ -281,7 +297,9 @@ fn least_around(nearest: &[f32], cols: usize) -> Vec<f32> {
 mod tests {
     use super::*;
     use std::sync::Arc;
-    use transect_device::{DeviceFrame, Isometry3, RangeImage};
+    use transect_device::{
+        DeviceFrame, DevicePoint, Handedness, Isometry3, RangeImage, Ray, SensorPlane,
+    };
     use transect_sensors::{AngularScan, ImagingRadar, Intrinsics, Pinhole};
 
     /// The inside of a ball of radius 2, with something before it where `nearer` says so.
@@ -355,6 +373,53 @@ mod tests {
             };
             assert!((rod - 8..=rod + 8).all(|col| !is_free(col)));
             assert!(is_free(rod - 26) && is_free(rod + 26));
+        }
+    }
+
+    /// A camera whose values are inverse depths, which fall with the distance.
+    #[derive(Debug)]
+    struct Disparities(Arc<dyn DeviceFrame>);
+
+    impl DeviceFrame for Disparities {
+        fn size(&self) -> ImageSize {
+            self.0.size()
+        }
+
+        fn handedness(&self) -> Handedness {
+            self.0.handedness()
+        }
+
+        fn ray(&self, pixel: Pixel) -> Option<Ray> {
+            self.0.ray(pixel)
+        }
+
+        fn point(&self, pixel: Pixel, d3: f64) -> Option<Point3> {
+            self.0.point(pixel, 1.0 / d3)
+        }
+
+        fn device_point(&self, p: &Point3) -> Option<DevicePoint> {
+            self.0.device_point(p).map(|at| DevicePoint { d3: 1.0 / at.d3, ..at })
+        }
+
+        fn plane_value(&self, pixel: Pixel, plane: &SensorPlane) -> Option<f64> {
+            self.0.plane_value(pixel, plane).map(f64::recip)
+        }
+
+        fn extent(&self, direction: &Vector3, nearest: f64, farthest: f64) -> (f64, f64) {
+            self.0.extent(direction, 1.0 / nearest, 1.0 / farthest)
+        }
+    }
+
+    #[test]
+    fn values_may_fall_with_the_distance() {
+        let rod = |p: Pixel| (p.col == 163).then_some(1.0);
+        let depths = FreeSpace::of(&view(camera(), rod)).unwrap();
+        let inverse = FreeSpace::of(&view(Arc::new(Disparities(camera())), rod)).unwrap();
+        for (x, far) in [(0, 0.9), (0, 1.5), (60, 1.5), (60, 1.9), (60, 2.1)] {
+            let along = camera().ray(Pixel::new(120, 163 + x)).unwrap().direction;
+            let holds = [&depths, &inverse].map(|free| free.holds(&Point3::from(along * far)));
+            assert_eq!(holds[0], holds[1], "{x} {far}");
+            assert_eq!(holds[0], far < if x == 0 { 1.0 } else { 2.0 }, "{x} {far}");
         }
     }
 

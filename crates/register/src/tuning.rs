@@ -9,9 +9,9 @@ pub const CELLS: usize = 8192;
 /// of a depth camera: judging takes 3 and 5 % of a run. Doubled, the copies take twice the time.
 pub const QUICK_CELLS: usize = 2048;
 
-/// Most blocks of pixels of the space that a view looked through. No unit. Chosen by hand: blocks of
-/// an image of half a million pixels then have 4 by 4 of them. Doubled, the space of larger images
-/// takes twice the memory.
+/// Most blocks of pixels of the space that a view looked through. No unit. Chosen by hand: blocks
+/// of an image of half a million pixels then have 4 by 4 of them. Doubled, the space of larger
+/// images takes twice the memory.
 pub const SPACE_BLOCKS: usize = 32768;
 
 /// Fewest pixels along the side of a cell. No unit. Theory: a surface of second order has six

@@ -38,7 +38,8 @@ impl Fused {
     }
 }
 
-/// Fuses planes in parallel, with the witness of each view. The curves of a plane that is given away are freed with its fusion.
+/// Fuses planes in parallel, with the witness of each view. The curves of a plane that is given
+/// away are freed with its fusion.
 pub(crate) fn fuse<V: Borrow<Vec<PackedCurves>> + Send>(
     planes: Vec<(PlaneIndex, V)>,
     setup: &Setup,

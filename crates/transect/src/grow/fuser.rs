@@ -1,6 +1,6 @@
 //! Fusing the planes of a store as in a run over all views, with counts for the report.
 
-use super::registration::KeptImage;
+use super::kept_image::KeptImage;
 use crate::fused::Fused;
 use crate::report::PlaneSummary;
 use crate::seen_through::Witness;

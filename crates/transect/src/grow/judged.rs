@@ -5,7 +5,7 @@
 //! have in the store, as in a run over all of them.
 
 use super::GrowError;
-use super::registration::read_copy;
+use super::kept_image::read_copy;
 use crate::poses::{PoseReport, reread};
 use crate::{Setup, ViewSource};
 use std::collections::BTreeSet;

@@ -25,6 +25,7 @@
 mod error;
 mod fuser;
 mod judged;
+mod kept_image;
 mod registration;
 
 pub use error::GrowError;
@@ -39,8 +40,8 @@ use crate::{
 };
 use fuser::Fuser;
 use judged::{Judged, judged};
+use kept_image::{KeptImage, given_pose};
 use rayon::prelude::*;
-use registration::{KeptImage, given_pose};
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, Instant};
 use transect_device::{Isometry3, Note, View};
