@@ -1,7 +1,7 @@
 //! Curves that views looked through.
 //!
-//! **Problem.** Fused curves hold what one view alone saw: people who walked by, and walls that a
-//! wrong pose doubled. Other views measured what lies behind.
+//! **Problem.** Fused curves hold what one view alone saw: people who walked by, false pixels
+//! between two surfaces, walls that a wrong pose doubled. Other views measured what lies behind.
 //!
 //! **Idea.** The views vote. A node is left out if more views looked through it than measured it
 //! (free space as in Curless and Levoy, 1996), and two at least. Nodes of fused curves are asked
@@ -17,6 +17,11 @@ use transect_register::FreeSpace;
 /// Fewest views that look through a node. No unit. Chosen by hand: one view may have looked through
 /// a window. Doubled, three views of four no longer leave out what the fourth one saw.
 const LEAST_THROUGH: u32 = 2;
+
+/// Nodes from one that is asked about to the next. No unit. Measured on 50 frames of a depth
+/// camera: asking about every node takes 1.4 % of a run more. Between two different answers, all
+/// nodes are asked about. Doubled, a stretch of seven nodes may be missed.
+const STRIDE: usize = 4;
 
 /// A view that can tell of free space.
 #[derive(Debug, Clone)]
@@ -57,11 +62,30 @@ pub(crate) fn without_seen_through(
     let nodes = |curves: &[Curve]| curves.iter().map(|curve| curve.nodes().len()).sum::<usize>();
     let before = nodes(&curves);
     let kept = curves.into_iter().flat_map(|curve| {
-        let through: Vec<bool> = curve.nodes().iter().map(is_through).collect();
+        let through = answers(curve.nodes(), is_through);
         if through.contains(&true) { pieces(&curve, &through) } else { vec![curve] }
     });
     let curves: Vec<Curve> = kept.collect();
     Seen { left_out: before - nodes(&curves), curves }
+}
+
+/// The answers about all nodes, of which some are asked about.
+fn answers(nodes: &[Node], ask: impl Fn(&Node) -> bool) -> Vec<bool> {
+    let mut answers = vec![false; nodes.len()];
+    let mut before: Option<(usize, bool)> = None;
+    let last = nodes.len().saturating_sub(1);
+    for k in (0..last).step_by(STRIDE).chain([last]) {
+        let Some(node) = nodes.get(k) else { break };
+        let here = ask(node);
+        if let Some((from, there)) = before {
+            for between in from + 1..k {
+                answers[between] = if here == there { here } else { ask(&nodes[between]) };
+            }
+        }
+        answers[k] = here;
+        before = Some((k, here));
+    }
+    answers
 }
 
 /// The pieces of a curve without some of its nodes. A node alone makes no piece.
@@ -88,6 +112,7 @@ mod tests {
     use super::*;
     use std::sync::Arc;
     use transect_device::{ImageSize, Point3, RangeImage, Vector3, View};
+    use transect_geometry::Point2;
     use transect_sensors::{Intrinsics, Pinhole};
 
     /// A camera in the origin that looks along z at a wall 3 m away.
@@ -168,5 +193,17 @@ mod tests {
         assert_eq!(pieces.len(), 1);
         assert!(!pieces[0].is_closed() && pieces[0].nodes().len() == 190);
         assert_eq!(pieces[0].nodes()[0], closed.nodes()[30]);
+    }
+
+    #[test]
+    fn answers_are_those_of_asking_about_every_node() {
+        let nodes: Vec<Node> = (0..203).map(|k| Node::at(Point2::new(f64::from(k), 0.0))).collect();
+        for (low, high) in [(40.0, 52.0), (0.0, 9.0), (190.0, 300.0), (-9.0, 300.0), (300.0, 301.0)]
+        {
+            let ask = |node: &Node| (low..high).contains(&node.position.x);
+            let all: Vec<bool> = nodes.iter().map(ask).collect();
+            assert_eq!(answers(&nodes, ask), all, "{low} {high}");
+        }
+        assert_eq!(answers(&nodes[..2], |_| true), [true, true]);
     }
 }
