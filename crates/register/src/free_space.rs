@@ -81,7 +81,9 @@ impl FreeSpace {
                 }
             }
         }
-        Some(Self { centre: centre.into(), width, sides: blocks.map(|blocks| Side::of(&blocks)) })
+        let most = division.size.pixels();
+        let sides = blocks.map(|blocks| Side::of(&blocks, most).unwrap_or_default());
+        Some(Self { centre: centre.into(), width, sides })
     }
 
     /// Whether the view looked through a sensor-frame point, by more than half the width of a cell
@@ -251,26 +253,27 @@ fn cell(place: [f64; 2], width: f64) -> [i32; 2] {
 }
 
 impl Side {
-    fn of(blocks: &[Block]) -> Self {
+    /// The side with these blocks; `None` without blocks, and if it has more cells than `most`, the
+    /// blocks of the view. Nearly all cells are empty then, as where a line of pixels runs askew.
+    fn of(blocks: &[Block], most: usize) -> Option<Self> {
         let span = |of: usize| {
             let cells = blocks.iter().map(|block| block.cell[of]);
             let (low, high) = (cells.clone().min()?, cells.max()?);
-            Some((low, (high - low) as usize + 1))
+            Some((low, usize::try_from(high.checked_sub(low)?).ok()? + 1))
         };
-        let (Some((row, rows)), Some((col, cols))) = (span(0), span(1)) else {
-            return Self::default();
-        };
-        let mut nearest = vec![f32::INFINITY; rows * cols];
+        let ((row, rows), (col, cols)) = (span(0)?, span(1)?);
+        let count = rows.checked_mul(cols).filter(|count| *count <= most)?;
+        let mut nearest = vec![f32::INFINITY; count];
         for Block { cell: [r, c], nearest: here } in blocks {
             let to = &mut nearest[(r - row) as usize * cols + (c - col) as usize];
             *to = to.min(*here);
         }
-        Self { first: [row, col], cols, free: least_around(&nearest, cols) }
+        Some(Self { first: [row, col], cols, free: least_around(&nearest, cols) })
     }
 
     /// The length of the free space in a cell; `None` where the view saw nothing.
     fn free_in(&self, cell: [i32; 2]) -> Option<f32> {
-        let [row, col] = [0, 1].map(|k| usize::try_from(cell[k] - self.first[k]).ok());
+        let [row, col] = [0, 1].map(|k| usize::try_from(cell[k].checked_sub(self.first[k])?).ok());
         let col = col.filter(|col| *col < self.cols)?;
         self.free.get(row? * self.cols + col).copied()
     }
@@ -440,6 +443,21 @@ mod tests {
         };
         assert!(is_free(&|row, col| row % 4 == 0 && col % 4 == 0));
         assert!(!is_free(&|row, col| row / 4 == 30 && col / 4 == 40));
+    }
+
+    #[test]
+    fn blocks_far_from_each_other_make_no_side() {
+        let side = |cells: [[i32; 2]; 2]| {
+            let blocks = cells.map(|cell| Block { cell, nearest: 1.0 });
+            Side::of(&blocks, 100).map(|side| side.free.len())
+        };
+        assert_eq!(side([[3, 4], [12, 13]]), Some(100));
+        assert_eq!(side([[3, 4], [13, 13]]), None);
+        assert_eq!(side([[i32::MIN, 0], [i32::MAX, 0]]), None);
+        // A file may state any first cell.
+        let mut free = FreeSpace::of(&view(camera(), |_| None)).unwrap();
+        free.sides[4].first = [i32::MIN; 2];
+        assert!(!free.holds(&Point3::new(0.0, 0.0, 1.0)));
     }
 
     #[test]
