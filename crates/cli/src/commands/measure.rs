@@ -4,7 +4,7 @@ use super::open_model;
 use crate::failure::Failure;
 use crate::table::{Lengths, Quantity, Row, print, print_csv, print_grid, print_rows_csv, say};
 use std::path::PathBuf;
-use transect_geometry::{PlaneFamily, PlaneIndex, Point3};
+use transect_geometry::{LengthUnit, PlaneFamily, PlaneIndex, Point3};
 use transect_model::{Bracket, SectionMeasures, Volume};
 use transect_workflow::{ModelFile, parse_length};
 
@@ -61,9 +61,7 @@ fn print_planes_csv(
     heads.extend(["x", "y", "z"].map(|axis| format!("centroid {axis}, {unit}")));
     heads.push(format!("open length, {unit}"));
     heads.extend(["outer", "holes", "open"].map(str::to_owned));
-    if close_gaps.is_some() {
-        heads.extend(["solid", "clear"].map(|kind| format!("{kind}, gaps closed, {unit}²")));
-    }
+    heads.extend(closed_heads(unit, close_gaps));
     let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
     let line = |(plane, measures): &(PlaneIndex, SectionMeasures)| {
         csv_line(file.planes(), *plane, measures, close_gaps, &lengths)
@@ -97,6 +95,12 @@ fn csv_line(
     line
 }
 
+/// The heads of the areas with gaps closed, where these are asked for.
+fn closed_heads(unit: LengthUnit, close_gaps: Option<f64>) -> Vec<String> {
+    let kinds = close_gaps.map_or(&[][..], |_| &["solid", "clear"]);
+    kinds.iter().map(|kind| format!("{kind}, gaps closed, {unit}²")).collect()
+}
+
 /// The centroid of the larger side of a plane's curves, in the world.
 fn centroid(family: &PlaneFamily, plane: PlaneIndex, measures: &SectionMeasures) -> Option<Point3> {
     let of_solid = measures.solid.estimate >= measures.clear.estimate;
@@ -125,9 +129,7 @@ fn print_planes(
         "holes".to_owned(),
         "open".to_owned(),
     ];
-    if close_gaps.is_some() {
-        heads.extend(["solid", "clear"].map(|kind| format!("{kind}, gaps closed, {unit}²")));
-    }
+    heads.extend(closed_heads(unit, close_gaps));
     let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
     let line = |(plane, measures): &(PlaneIndex, SectionMeasures)| {
         line(file.planes(), *plane, measures, close_gaps, &lengths)
