@@ -268,4 +268,18 @@ mod tests {
             assert!(error.starts_with("prior: ") && error.contains(wanted), "{text}: {error}");
         }
     }
+
+    #[test]
+    fn what_was_seen_through_is_kept_on_request_and_where_a_store_keeps_it() {
+        for (asked, of_store, left_out) in
+            [(false, true, true), (true, true, false), (false, false, false), (true, false, false)]
+        {
+            let planes = PlaneFamily::new(StraightGuide::along(Vector3::z()).unwrap(), 0.0, 0.1);
+            let mut store = Setup::new(LengthUnit::Metre, planes.unwrap());
+            store.free_space = of_store;
+            let settings = Settings { keep_seen_through: asked, ..Settings::default() };
+            let setup = settings.complete(store).unwrap();
+            assert_eq!(setup.free_space, left_out, "{asked} {of_store}");
+        }
+    }
 }

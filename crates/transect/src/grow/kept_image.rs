@@ -66,3 +66,34 @@ pub(super) fn read_copy(
 pub(super) fn given_pose(snapshot: &Snapshot, entry: &ViewEntry) -> Result<Isometry3, GrowError> {
     Ok(read_copy(snapshot, entry)?.map_or(entry.world_from_sensor, |(_, given)| given))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+    use transect_device::{ImageSize, Point3, RangeImage, Vector3};
+    use transect_sensors::{Intrinsics, Pinhole};
+
+    #[test]
+    fn images_are_read_as_this_and_earlier_programs_kept_them() {
+        let size = ImageSize { rows: 96, cols: 128 };
+        let camera = Pinhole::new(size, Intrinsics { fx: 99.0, fy: 99.0, cx: 63.5, cy: 47.5 });
+        let image = RangeImage::from_values(size, vec![2.0; size.pixels()]).unwrap();
+        let refined = Isometry3::new(Vector3::new(0.1, 0.2, 0.3), Vector3::zeros());
+        let view = View::new("v", image, Arc::new(camera.unwrap()), refined, Some(0.001)).unwrap();
+        let given = Isometry3::identity();
+        let read = |stored: ViewCopy| {
+            let kept = KeptImage::read(&stored).unwrap();
+            assert!(kept.copy.clone().restore("v", refined).is_some());
+            (kept.moved.clone().map(|moved| moved.given), kept.free_space())
+        };
+        let new = KeptImage::of(&view, &given);
+        let (moved, free) = read(ViewCopy::of(&new).unwrap());
+        assert_eq!((moved, free), (Some(given), FreeSpace::of(&view)));
+        assert!(new.free.unwrap().holds(&Point3::new(0.0, 0.0, 1.0)));
+        assert_eq!(read(ViewCopy::of(&new.copy).unwrap()), (None, None));
+        let both = (new.copy, GivenPose { given, refined });
+        assert_eq!(read(ViewCopy::of(&both).unwrap()), (Some(given), None));
+        assert!(KeptImage::read(&ViewCopy::of(&"another layout").unwrap()).is_none());
+    }
+}
