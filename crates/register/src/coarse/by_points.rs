@@ -19,6 +19,7 @@ pub(super) struct ByPoints {
     rays: Vec<Option<Ray>>,
     /// Tangent of the largest angle between the ray of each cell and a point of the cell.
     openings: Vec<f64>,
+    wraps: bool,
 }
 
 impl ByPoints {
@@ -26,8 +27,13 @@ impl ByPoints {
     /// sample. `cols` is the number of cells of a row.
     pub(super) fn new(points: Vec<(usize, Point3)>, rays: Vec<Option<Ray>>, cols: usize) -> Self {
         let placed = points.into_iter().map(|(k, point)| GeomWithData::new(point.into(), k));
-        let openings = openings(&rays, cols);
-        Self { tree: RTree::bulk_load(placed.collect()), rays, openings }
+        let (openings, wraps) = (openings(&rays, cols), wraps(&rays, cols));
+        Self { tree: RTree::bulk_load(placed.collect()), rays, openings, wraps }
+    }
+
+    /// Whether the first column follows the last one.
+    pub(super) fn wraps(&self) -> bool {
+        self.wraps
     }
 
     /// The ray of a cell.
@@ -62,6 +68,20 @@ impl ByPoints {
         let along = from_start.dot(&ray.direction);
         (from_start - ray.direction * along).norm() <= along * opening
     }
+}
+
+/// Whether the last cell of most rows lies beside the first one, at most as far as two neighbours
+/// do. A store does not keep what the sensor says of this.
+fn wraps(rays: &[Option<Ray>], cols: usize) -> bool {
+    let angle = |row: &[Option<Ray>], a: usize, b: usize| {
+        let [a, b] = [a, b].map(|k| row.get(k).copied().flatten());
+        Some((a?.direction - b?.direction).norm())
+    };
+    let across = |row: &[Option<Ray>]| angle(row, 0, cols.checked_sub(1)?);
+    let first = |row: &[Option<Ray>]| angle(row, 0, 1);
+    let rows = || rays.chunks_exact(cols.max(1));
+    let [across, beside] = [median(rows().filter_map(across)), median(rows().filter_map(first))];
+    cols > 2 && across.zip(beside).is_some_and(|(across, beside)| across < 1.5 * beside)
 }
 
 /// How far each cell opens: as far as the rays of its farthest neighbour, so that cells of the grid

@@ -121,6 +121,11 @@ impl Lattice {
             && (self.directions.len(), starts) == (count, count)
     }
 
+    /// Whether the first column follows the last one.
+    pub fn wraps(&self) -> bool {
+        self.wraps
+    }
+
     /// The place whose ray passes a point; `None` if there is none before the sensor and on the
     /// image, or half a pixel beside it.
     pub fn place_of(&self, in_sensor: &Point3) -> Option<Place> {

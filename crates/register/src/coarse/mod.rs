@@ -160,7 +160,8 @@ impl CoarseView {
         let cells: Vec<Option<Sampled>> = (0..size.pixels()).map(cell).collect();
         let stored = |k: usize| {
             let Some(Sampled { seen, ray, .. }) = cells[k] else { return Cell::default() };
-            let patch = steadied(&cells, k, size).map(|patch| StoredPatch::new(&patch, &ray));
+            let near = around(k, 1, size, view.frame().columns_wrap());
+            let patch = steadied(&cells, k, near).map(|patch| StoredPatch::new(&patch, &ray));
             Cell { seen: Some(seen), patch }
         };
         Self {
@@ -322,7 +323,7 @@ impl CoarseView {
 
     /// Where a sensor-frame point, whose ray passes the cell, lies along that ray.
     ///
-    /// A point is in front only if all nine cells around it are whole and farther away: rays
+    /// A point is in front only if the cell and all around it are whole and farther away: rays
     /// between surfaces say nothing.
     pub(crate) fn sighting_in(&self, cell: usize, in_sensor: &Point3) -> Sighting {
         let Some(seen) = self.cells.get(cell).and_then(|c| c.seen) else { return Sighting::Unseen };
@@ -330,7 +331,7 @@ impl CoarseView {
         let depth = (in_sensor - ray.start).dot(&ray.direction);
         let (mut nearest, mut farthest) = (seen.nearest, seen.farthest);
         let mut whole = true;
-        for around in around(cell, self.size) {
+        for around in self.around(cell, 1) {
             match self.cells.get(around).and_then(|c| c.seen) {
                 Some(seen) => {
                     nearest = nearest.min(seen.nearest);
@@ -348,6 +349,17 @@ impl CoarseView {
         } else {
             Sighting::Near
         }
+    }
+
+    /// The cells within so many rows and columns of one, itself among them. In an image that turns
+    /// around once, the first column follows the last one.
+    pub(crate) fn around(&self, cell: usize, reach: usize) -> impl Iterator<Item = usize> {
+        let wraps = match &self.lookup {
+            Lookup::Inverse(frame) => frame.columns_wrap(),
+            Lookup::Points(points) => points.wraps(),
+            Lookup::Stored(_, lattice) => lattice.wraps(),
+        };
+        around(cell, reach, self.size, wraps)
     }
 
     /// Rows and columns of the image.
@@ -384,21 +396,29 @@ impl CoarseView {
     }
 }
 
-/// A cell and the eight around it, as far as the image reaches.
-fn around(cell: usize, size: ImageSize) -> impl Iterator<Item = usize> {
+/// The cells within so many rows and columns of one, as far as the image reaches. `wraps`: the
+/// first column follows the last one.
+fn around(cell: usize, reach: usize, size: ImageSize, wraps: bool) -> impl Iterator<Item = usize> {
     let (row, col) = (cell / size.cols, cell % size.cols);
-    let rows = row.saturating_sub(1)..(row + 2).min(size.rows);
-    rows.flat_map(move |r| {
-        let cols = col.saturating_sub(1)..(col + 2).min(size.cols);
-        cols.map(move |c| r * size.cols + c)
-    })
+    let rows = row.saturating_sub(reach)..(row + reach + 1).min(size.rows);
+    let cols = if wraps {
+        let first = col + size.cols - reach.min(size.cols);
+        first..first + (2 * reach + 1).min(size.cols)
+    } else {
+        col.saturating_sub(reach)..(col + reach + 1).min(size.cols)
+    };
+    rows.flat_map(move |row| cols.clone().map(move |col| row * size.cols + col % size.cols))
 }
 
 /// The patch of a cell with the normal that those around it make steady.
-fn steadied(cells: &[Option<Sampled>], k: usize, size: ImageSize) -> Option<Patch> {
+fn steadied(
+    cells: &[Option<Sampled>],
+    k: usize,
+    around: impl Iterator<Item = usize>,
+) -> Option<Patch> {
     let patch = |k: usize| cells.get(k)?.as_ref()?.patch.as_ref();
     let mut steadied = *patch(k)?;
-    steadied.steady(around(k, size).filter(|other| *other != k).filter_map(patch));
+    steadied.steady(around.filter(|other| *other != k).filter_map(patch));
     Some(steadied)
 }
 

@@ -14,20 +14,23 @@
 use super::tuning::{BAD_IF_RIGHT, BLAME_COST, EVIDENCE_OF_A_PAIR, LEAST_COMPARED, STANDS_OUT};
 
 /// How many patches of some views agree and contradict.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Counts {
     pub good: usize,
     pub bad: usize,
+    /// Patches that show that two views see one place, and not whether they agree.
+    pub unclear: usize,
 }
 
 impl Counts {
+    /// The patches in places that both views see.
     pub fn all(self) -> usize {
-        self.good + self.bad
+        self.good + self.bad + self.unclear
     }
 
-    /// The share of contradictions; 0 of nothing.
+    /// The share of contradictions in what agrees or contradicts; 0 of nothing.
     pub fn bad_share(self) -> f64 {
-        if self.all() == 0 { 0.0 } else { self.bad as f64 / self.all() as f64 }
+        self.bad as f64 / (self.good + self.bad).max(1) as f64
     }
 }
 
@@ -35,7 +38,11 @@ impl std::ops::Add for Counts {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
-        Self { good: self.good + other.good, bad: self.bad + other.bad }
+        Self {
+            good: self.good + other.good,
+            bad: self.bad + other.bad,
+            unclear: self.unclear + other.unclear,
+        }
     }
 }
 
@@ -152,11 +159,15 @@ impl Table {
 mod tests {
     use super::*;
 
+    fn counts(good: usize, bad: usize) -> Counts {
+        Counts { good, bad, unclear: 0 }
+    }
+
     /// The counts of four views: 0 and 1 see one face of a sheet, 2 and 3 the other one.
     fn sheet(between_faces: Counts) -> Table {
-        let contradict = Counts { good: 0, bad: 100 };
+        let contradict = counts(0, 100);
         Table::new(4, |a, b| match (a.min(b), a.max(b)) {
-            (0, 1) => Counts { good: 100, bad: 0 },
+            (0, 1) => counts(100, 0),
             (2, 3) => contradict,
             (1, 2) => between_faces,
             _ => Counts::default(),
@@ -167,8 +178,8 @@ mod tests {
     fn a_view_beside_a_wrong_one_is_not_blamed_for_what_is_usual() {
         // Four views around an object: each meets the two beside it, and errs a little.
         let around = |a: usize, b: usize, wrong: &[usize]| match (a + 4 - b) % 4 {
-            1 | 3 if wrong.contains(&a) || wrong.contains(&b) => Counts { good: 0, bad: 140 },
-            1 | 3 => Counts { good: 130, bad: 10 },
+            1 | 3 if wrong.contains(&a) || wrong.contains(&b) => counts(0, 140),
+            1 | 3 => counts(130, 10),
             _ => Counts::default(),
         };
         for wrong in 0..4 {
@@ -176,7 +187,7 @@ mod tests {
         }
         // If all pairs contradict equally and seldom, no view is blamed.
         let all_alike = |a: usize, b: usize| match (a + 4 - b) % 4 {
-            1 | 3 => Counts { good: 101, bad: 8 },
+            1 | 3 => counts(101, 8),
             _ => Counts::default(),
         };
         assert_eq!(Table::new(4, all_alike).blamed(), []);
@@ -190,12 +201,12 @@ mod tests {
         assert_eq!(alone.blamed(), [2]);
         assert_eq!(alone.only_opponent(2, &[2]), Some(3));
         // A few patches are no witness, twelve are.
-        let few = sheet(Counts { good: 0, bad: 3 });
+        let few = sheet(counts(0, 3));
         assert_eq!(few.only_opponent(2, &few.blamed()), Some(3));
-        let witness = sheet(Counts { good: 0, bad: 12 });
+        let witness = sheet(counts(0, 12));
         assert_eq!(witness.blamed(), [2]);
         assert_eq!(witness.only_opponent(2, &[2]), None);
-        let of_other = sheet(Counts { good: 12, bad: 0 });
+        let of_other = sheet(counts(12, 0));
         assert_eq!(of_other.blamed(), [3]);
         assert_eq!(of_other.only_opponent(3, &[3]), None);
     }

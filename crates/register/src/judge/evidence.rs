@@ -53,17 +53,23 @@ impl<'a> Evidence<'a> {
     /// contradiction: rods and rims have such cells alone. While such patches counted, the quick
     /// copies of ten scans of 57 with exact poses blamed a view. Now none do.
     pub fn contradicts(&self, sample: &Sample) -> bool {
+        self.is_far(sample) && (sample.whole || !sample.met)
+    }
+
+    /// Whether a patch lies farther from what the other view measured than errors explain.
+    fn is_far(&self, sample: &Sample) -> bool {
         let allowed = NOISE_FACTOR * sample.sigma + CONTRADICTION * self.usual;
-        let far = sample.distance.abs() > allowed + HARMLESS * sample.radius;
-        far && (sample.whole || !sample.met)
+        sample.distance.abs() > allowed + HARMLESS * sample.radius
     }
 
     /// How many of some samples agree and contradict. A patch a little in front of a surface that
-    /// it does not meet says nothing.
+    /// it does not meet says nothing. One far from a surface that may go beyond its samples is
+    /// unclear.
     pub fn count<'s>(&self, samples: impl Iterator<Item = &'s Sample>) -> Counts {
         samples.fold(Counts::default(), |sum, sample| {
-            let bad = self.contradicts(sample);
-            sum + Counts { good: usize::from(!bad && sample.met), bad: usize::from(bad) }
+            let (bad, far) = (self.contradicts(sample), self.is_far(sample));
+            let [good, unclear] = [!far, far && !bad].map(|is| usize::from(is && sample.met));
+            sum + Counts { good, bad: usize::from(bad), unclear }
         })
     }
 
@@ -110,6 +116,37 @@ fn partners(placings: &[Placing], probes: &[Vec<Probe>]) -> Vec<BTreeSet<usize>>
 mod tests {
     use super::*;
     use transect_device::{Isometry3, Point3};
+
+    #[test]
+    fn a_patch_that_may_go_beyond_its_samples_is_unclear() {
+        let evidence = Evidence {
+            views: &[],
+            placings: Vec::new(),
+            probes: Vec::new(),
+            samples: Vec::new(),
+            usual: 0.01,
+        };
+        let count = |distance: f64, met: bool, whole: bool| {
+            let sample = Sample {
+                cell: 0,
+                other_cell: 0,
+                point: Point3::origin(),
+                normal: Vector3::z(),
+                distance,
+                sigma: 0.001,
+                radius: 0.1,
+                met,
+                whole,
+            };
+            evidence.count([&sample].into_iter())
+        };
+        let counts = |good: usize, bad: usize, unclear: usize| Counts { good, bad, unclear };
+        assert_eq!([count(0.02, true, true), count(0.02, true, false)], [counts(1, 0, 0); 2]);
+        assert_eq!(count(0.2, true, true), counts(0, 1, 0));
+        assert_eq!(count(0.2, true, false), counts(0, 0, 1));
+        assert_eq!(count(0.2, false, false), counts(0, 1, 0));
+        assert_eq!(count(0.02, false, false), counts(0, 0, 0));
+    }
 
     #[test]
     fn a_view_of_many_is_compared_with_the_nearest() {

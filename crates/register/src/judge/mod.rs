@@ -124,7 +124,8 @@ pub struct Region {
     pub kind: RegionKind,
     /// First and last row of pixels.
     pub rows: [usize; 2],
-    /// First and last column of pixels.
+    /// First and last column of pixels. In an image that turns around once, a region may go on
+    /// from the last column to the first; its first column is then larger than its last one.
     pub cols: [usize; 2],
     /// Median distance between its surface and the free space's end, in the model's length unit.
     pub distance: f64,

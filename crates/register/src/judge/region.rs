@@ -13,6 +13,10 @@ use super::tuning::{REACH, REGION_CELLS, REGION_FRONT, REGION_HINTS, REGION_WITN
 use super::{Region, RegionKind};
 use std::collections::{BTreeMap, BTreeSet};
 
+/// Largest distance between cells of one region, in cells. Chosen by hand: a cell that lacks
+/// samples does not part a region. Doubled, things beside each other are one region.
+const APART: usize = 2;
+
 /// Regions of a view, and the cells they have.
 pub(super) struct Regions {
     pub regions: Vec<Region>,
@@ -86,24 +90,22 @@ fn accused_cells(
     accused
 }
 
-/// Cells within two cells of each other, where they are many.
+/// Cells within [`APART`] of each other, where they are many.
 fn neighbours(evidence: &Evidence<'_>, view: usize, accused: &Accused) -> Vec<Vec<usize>> {
-    let cols = evidence.views[view].size().cols;
+    let coarse = evidence.views[view];
     let mut left: BTreeSet<usize> = accused.keys().copied().collect();
     let mut groups = Vec::new();
     while let Some(first) = left.pop_first() {
         let (mut group, mut next) = (vec![first], vec![first]);
         while let Some(cell) = next.pop() {
-            let (row, col) = (cell / cols, cell % cols);
-            let rows = row.saturating_sub(2)..=row + 2;
-            for near in rows.flat_map(|r| (col.saturating_sub(2)..=col + 2).map(move |c| (r, c))) {
-                if near.1 < cols && left.remove(&(near.0 * cols + near.1)) {
-                    group.push(near.0 * cols + near.1);
-                    next.push(near.0 * cols + near.1);
+            for near in coarse.around(cell, APART) {
+                if left.remove(&near) {
+                    group.push(near);
+                    next.push(near);
                 }
             }
         }
-        if group.len() >= evidence.views[view].as_many_as(REGION_CELLS) {
+        if group.len() >= coarse.as_many_as(REGION_CELLS) {
             groups.push(group);
         }
     }
@@ -118,22 +120,25 @@ fn region(
     kind: RegionKind,
 ) -> Region {
     let coarse = evidence.views[view];
-    let (cols, step) = (coarse.size().cols, coarse.step());
-    let around = |of: fn(usize, usize) -> usize| {
-        let low = cells.iter().map(|c| of(*c, cols)).min().unwrap_or(0);
-        let high = cells.iter().map(|c| of(*c, cols)).max().unwrap_or(0);
-        [low * step, (high + 1) * step - 1]
-    };
+    let cols = coarse.size().cols;
+    let rows: BTreeSet<usize> = cells.iter().map(|cell| cell / cols).collect();
+    let in_row: BTreeSet<usize> = cells.iter().map(|cell| cell % cols).collect();
+    let span = |cells: &BTreeSet<usize>| [cells.first(), cells.last()].map(|c| *c.unwrap_or(&0));
+    // Only a region across the seam of an image has a gap: it begins behind it.
+    let gap = in_row.iter().zip(in_row.iter().skip(1)).find(|(a, b)| *b - *a > APART);
+    let of_cols = gap.map_or_else(|| span(&in_row), |(before, behind)| [*behind, *before]);
     // The last cells may reach beyond the image.
-    let image = coarse.image_size();
-    let within = |[low, high]: [usize; 2], size: usize| [low, high.min(size.saturating_sub(1))];
+    let (image, step) = (coarse.image_size(), coarse.step());
+    let pixels = |[low, high]: [usize; 2], size: usize| {
+        [low * step, ((high + 1) * step - 1).min(size.saturating_sub(1))]
+    };
     let by = || cells.iter().filter_map(|cell| accused.get(cell)).flatten();
     let distances = by().map(|(_, distance)| *distance);
     Region {
         view: coarse.name().to_owned(),
         kind,
-        rows: within(around(|cell, cols| cell / cols), image.rows),
-        cols: within(around(|cell, cols| cell % cols), image.cols),
+        rows: pixels(span(&rows), image.rows),
+        cols: pixels(of_cols, image.cols),
         distance: transect_device::median(distances).unwrap_or(0.0),
         views: by().map(|(other, _)| other).collect::<BTreeSet<_>>().len(),
         cells: cells.len(),

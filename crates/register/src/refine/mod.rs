@@ -49,9 +49,8 @@ use pairs::{Observation, Pair, Portion, Reach, Scene, Spread, State, samples};
 use pivot::Pivots;
 use rayon::prelude::*;
 use solve::{Before, Ground, Solution, System, variances};
-use transect_device::{Isometry3, Point3, Vector3};
+use transect_device::{Isometry3, Point3, Vector3, median};
 
-use outcome::median;
 pub use outcome::{PoseOutcome, PoseRefinement, RefinedPose};
 
 /// Options of [`refine`].
@@ -468,9 +467,10 @@ fn independent_share(views: &[&CoarseView], pairs: &[Pair]) -> f64 {
         let sums: f64 = blocks.iter().flatten().map(|sum| sum * sum).sum();
         (squares, sums, blocks.iter().flatten().count())
     };
-    let of_views: Vec<_> = views.par_iter().enumerate().map(of_view).collect();
+    let mut of_views: Vec<_> = views.par_iter().enumerate().map(of_view).collect();
+    of_views.retain(|(_, _, blocks)| *blocks > 0);
     let add = |a: (f64, f64, usize), b: &(f64, f64, usize)| (a.0 + b.0, a.1 + b.1, a.2 + b.2);
     let (squares, sums, blocks) = of_views.iter().fold((0.0, 0.0, 0), add);
-    let spare = blocks.saturating_sub(6 * views.len()).max(1) as f64;
+    let spare = blocks.saturating_sub(6 * of_views.len()).max(1) as f64;
     if squares > 0.0 { (squares / sums * spare / blocks as f64).min(1.0) } else { 1.0 }
 }

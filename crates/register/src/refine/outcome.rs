@@ -12,7 +12,7 @@ use crate::tuning::{
 };
 use nalgebra::Matrix6;
 use std::collections::BTreeSet;
-use transect_device::{DepthOffsets, Isometry3, Point3, Vector3};
+use transect_device::{DepthOffsets, Isometry3, Point3, Vector3, median};
 
 /// The outcome for the pose of a view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -325,13 +325,6 @@ pub(super) fn medians(pairs: &[Pair], views: usize) -> Vec<Option<f64>> {
         }
     }
     distances.into_iter().map(median).collect()
-}
-
-/// The upper one of two middle values; `None` of none.
-pub(super) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
-    let mut list: Vec<f64> = values.into_iter().collect();
-    let middle = list.len() / 2;
-    (!list.is_empty()).then(|| *list.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 impl RefinedPose {

@@ -43,6 +43,19 @@ fn a_small_prior_hides_no_contradictions() {
     assert!(again[7] * 10 > first * 8, "{first} patches met, then {again:?}");
 }
 
+#[test]
+fn views_without_pairs_take_no_numbers_out() {
+    let copies: Vec<CoarseView> = depth_camera().iter().map(CoarseView::new).collect();
+    let views: Vec<&CoarseView> = copies.iter().collect();
+    let given: Vec<Isometry3> = views.iter().map(|view| *view.world_from_sensor()).collect();
+    let scene = scene(views.clone(), &given);
+    let mut rounds = Rounds::new(&scene, given, &RefineOptions::default(), &[]);
+    rounds.observe(PosePrior { rotation: 0.01, translation: 0.03 }, OBSERVATIONS, Spread::Narrow);
+    let share = independent_share(&views, &rounds.pairs);
+    let with_others: Vec<&CoarseView> = views.iter().chain(&views).copied().collect();
+    assert_eq!(independent_share(&with_others, &rounds.pairs), share);
+}
+
 /// One view moves a thousand times as far as the others, and still far less than its noise.
 #[test]
 fn a_motion_within_the_noise_is_not_far_off() {

@@ -32,6 +32,14 @@ pub fn simulated_with_noise(name: &str, change: impl Fn(&mut Noise)) -> Vec<View
     views_of(&description, 0)
 }
 
+/// The room from scanners that turn around once. Their images begin and end 25° from the middle.
+pub fn full_turns() -> Vec<View> {
+    let (_, text) = BUNDLED_SCENES.iter().find(|(bundled, _)| *bundled == "room").unwrap();
+    let views = described(&text.replace("theta = [50, -50]", "theta = [25, -335]"));
+    assert!(views.iter().all(|view| view.frame().columns_wrap()));
+    views
+}
+
 /// The views of a scene that is described here.
 pub fn described(text: &str) -> Vec<View> {
     views_of(&Description::parse(text).unwrap(), 0)

@@ -1,6 +1,6 @@
 //! Wrong views are named alone; sound ones are not.
 
-use crate::common::{alone, changed, coarse, findings, real, simulated, turned};
+use crate::common::{alone, changed, coarse, findings, full_turns, real, simulated, turned};
 use proptest::prelude::*;
 use transect_device::{Isometry3, Vector3, View};
 use transect_register::{CoarseView, Finding, RegionKind, judge};
@@ -164,6 +164,22 @@ fn a_mirror_is_a_region_of_its_view() {
     assert_eq!((region.view.as_str(), region.kind), (views[2].name(), RegionKind::InFront));
     assert!(region.rows[0] >= 140 && region.rows[1] <= 270, "{region:?}");
     assert!(region.cols[0] >= 110 && region.cols[1] <= 210, "{region:?}");
+}
+
+/// Something stood near a scanner that turns around, in its first and last columns.
+#[test]
+fn a_region_across_the_seam_of_an_image_is_one() {
+    let mut views = full_turns();
+    let near_seam = |col: usize| !(40..360).contains(&col);
+    let visitor = |row: usize, col: usize| (150..260).contains(&row) && near_seam(col);
+    let nearer = |row, col, range| if visitor(row, col) { 0.6 * range } else { range };
+    views[2] = changed(&views[2], nearer);
+    for found in [findings(&views), of_stored(&views)] {
+        let [Finding::Region(region)] = &found[..] else { panic!("{found:?}") };
+        assert_eq!((region.view.as_str(), region.kind), (views[2].name(), RegionKind::InFront));
+        let [first, last] = region.cols;
+        assert!((350..400).contains(&first) && last < 50, "{region:?}");
+    }
 }
 
 #[test]

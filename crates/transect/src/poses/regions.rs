@@ -42,6 +42,7 @@ pub(super) fn text(region: &Region, unit: LengthUnit) -> String {
 /// elsewhere.
 fn carried(regions: &[&Region]) -> Option<String> {
     let in_front = || regions.iter().filter(|r| r.kind == RegionKind::InFront);
+    // Cameras have no seam that a region could lie across.
     let middle = |span: [usize; 2]| usize::midpoint(span[0], span[1]);
     let holds = |span: [usize; 2], at: usize| (span[0]..=span[1]).contains(&at);
     let at_one_place = |of: &&&Region| {
