@@ -1,7 +1,8 @@
 //! Angles at a node, and the errors that follow from them, for both methods.
 
-use transect_device::Vector3;
+use transect_device::{Pixel, Vector3};
 use transect_geometry::Vector2;
+use transect_image::PreparedView;
 
 /// Largest factor between range noise and the error across the curve.
 ///
@@ -20,6 +21,15 @@ const LARGEST_TAN_INCIDENCE: f64 = 6.0;
 /// Theory: 0.2 is the cosine of the largest incidence of the range jump rule, 78°. Doubled, oblique
 /// nodes state half of their spacing.
 const SMALLEST_SINE: f64 = 0.2;
+
+/// Standard deviation along the ray of the surface between the two samples of a pair, at a share of
+/// the way from the first to the second: the mean of two errors, as far as they are not one and the
+/// same. `pixel` is the nearer one.
+pub(crate) fn sigma_between(prepared: &PreparedView<'_>, pixel: Pixel, share: f64) -> f64 {
+    let (a, b) = (1.0 - share, share);
+    let common = prepared.correlation_of_neighbours(pixel);
+    prepared.sigma_at(pixel) * (a * a + b * b + 2.0 * a * b * common).sqrt()
+}
 
 /// Tangent of the angle between a ray and a surface's unit normal; positive, also head-on.
 pub(crate) fn tan_incidence(normal: &Vector3, ray: &Vector3) -> f32 {

@@ -1,4 +1,4 @@
-//! Figures 5.3 to 5.5 of the dissertation, and the envelopes against the nested loops.
+//! Figures 5.3 to 5.5 of the dissertation, and random curves.
 
 use super::*;
 use crate::envelopes::PlaneEnvelopes;
@@ -114,20 +114,6 @@ fn curves() -> impl Strategy<Value = Vec<Curve>> {
 }
 
 proptest! {
-    #[test]
-    fn the_tree_finds_what_the_nested_loops_find(a in curves(), b in curves()) {
-        let mut expected = Vec::new();
-        for (first, p) in a.iter().enumerate() {
-            for (second, q) in b.iter().enumerate() {
-                let grown = (p.envelope().grown(TOLERANCE), q.envelope().grown(TOLERANCE));
-                if let Some(common) = grown.0.intersection(&grown.1) {
-                    expected.push(CandidatePair { first, second, common });
-                }
-            }
-        }
-        prop_assert_eq!(candidate_pairs(&a, &b, TOLERANCE), expected);
-    }
-
     #[test]
     fn no_overlap_is_lost_by_screening(a in curves(), b in curves()) {
         let tolerance = OverlapTolerance::within(TOLERANCE).unwrap();

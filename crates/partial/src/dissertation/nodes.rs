@@ -6,7 +6,7 @@ use super::orient::Orient;
 use super::samples::Samples;
 use super::trace::{Border, Trace};
 use crate::PartialCurve;
-use crate::node_values::{LARGEST_SIGMA_FACTOR, sine_between, tan_incidence};
+use crate::node_values::{LARGEST_SIGMA_FACTOR, sigma_between, sine_between, tan_incidence};
 use crate::repeats::drop_repeats;
 use crate::subpixel::{PairLine, Solver};
 use transect_device::{Neighbour, Pixel, Point3, Vector3};
@@ -136,10 +136,11 @@ impl Maker<'_> {
     }
 
     fn node(&self, crossings: &[Crossing], k: usize, closed: bool) -> Node {
-        let (pixel, normal) = (crossings[k].nearest, self.normal(&crossings[k]));
+        let Crossing { nearest: pixel, parameter, .. } = crossings[k];
+        let normal = self.normal(&crossings[k]);
         let ray = self.samples.view.frame().ray(pixel);
         let ray = self.samples.axes.turn(&ray.map_or(Vector3::z(), |r| r.direction));
-        let sigma = self.prepared.sigma_at(pixel);
+        let sigma = sigma_between(self.prepared, pixel, parameter);
         let footprint = footprint(crossings, k, closed, normal.as_ref(), &ray);
         let factor = normal.map_or(LARGEST_SIGMA_FACTOR, |normal| sigma_factor(&normal, &ray));
         Node::at(crossings[k].position)

@@ -1,7 +1,7 @@
 //! The nodes of a curve: place, errors, footprint, normal and incidence.
 
 use super::crossing::Crossing;
-use crate::node_values::{LARGEST_SIGMA_FACTOR, sine_between, tan_incidence};
+use crate::node_values::{LARGEST_SIGMA_FACTOR, sigma_between, sine_between, tan_incidence};
 use transect_device::Vector3;
 use transect_geometry::{Node, Vector2};
 use transect_image::PreparedView;
@@ -41,8 +41,8 @@ impl NodeMaker<'_> {
         let ray = crossing.ray;
         let footprint = self.footprint(k, closed, &tangent, &ray);
         let factor = sigma_factor(&tangent, &across, &ray).max(self.least_sigma_factor);
-        let sigma =
-            (self.sigma_between(crossing) * factor).hypot(off_chord(crossing, &tangent, &across));
+        let along_ray = sigma_between(self.prepared, crossing.pixel, f64::from(crossing.share));
+        let sigma = (along_ray * factor).hypot(off_chord(crossing, &tangent, &across));
         let normal = surface_normal(&tangent, &across, &ray);
         let shared = self.prepared.shared_pixels(crossing.pixel);
         Node::at(crossing.position)
@@ -51,15 +51,6 @@ impl NodeMaker<'_> {
             .with_correlation((footprint * shared) as f32)
             .with_tan_incidence(normal.map(|normal| tan_incidence(&normal, &ray)))
             .with_normal(normal.map(|normal| normal.cast()))
-    }
-
-    /// Standard deviation along the ray of the surface between a pair's samples: the mean of two
-    /// errors, as far as they are not one and the same.
-    fn sigma_between(&self, crossing: &Crossing) -> f64 {
-        let (a, b) = (1.0 - f64::from(crossing.share), f64::from(crossing.share));
-        let common = self.prepared.correlation_of_neighbours(crossing.pixel);
-        let variance = a * a + b * b + 2.0 * a * b * common;
-        self.prepared.sigma_at(crossing.pixel) * variance.sqrt()
     }
 
     /// A step on the surface across the curve, to its high side, from all crossings around a node:

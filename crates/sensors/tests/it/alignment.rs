@@ -195,6 +195,32 @@ fn wrong_places_and_radii_are_named() {
 }
 
 #[test]
+fn wrong_radii_are_named() {
+    let scans = Scans::new(&pose(), 25, &TWO, 3, 30);
+    let with_radius = |radius: f64| {
+        let table = PlaneScan {
+            points_in_sensor: &scans.table,
+            normal_in_world: Vector3::z(),
+            point_in_world: Point3::origin(),
+        };
+        let sphere = |(center, points)| SphereScan {
+            points_in_sensor: points,
+            center_in_world: center,
+            radius,
+        };
+        let spheres = scans.spheres.iter().map(|(center, points)| sphere((*center, points)));
+        align(&table, &spheres.collect::<Vec<_>>(), Turning::Free)
+    };
+    assert!(with_radius(RADIUS).is_ok());
+    for wrong in [0.5 * RADIUS, RADIUS - 20.0 * SIGMA, RADIUS + 20.0 * SIGMA, 2.0 * RADIUS] {
+        let error = with_radius(wrong).unwrap_err().to_string();
+        let told = error.contains("the points on sphere 1 lie on one of radius")
+            && error.contains(&format!("the stated radius is {wrong}"));
+        assert!(told, "{wrong}: {error}");
+    }
+}
+
+#[test]
 fn bad_scans_are_named() {
     let scans = Scans::new(&pose(), 5, &ONE, 1, 0);
     let message = |scans: &Scans, turning| scans.align(turning).unwrap_err().to_string();

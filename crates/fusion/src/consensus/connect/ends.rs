@@ -110,13 +110,13 @@ impl Pair<'_> {
     /// The cheapest way to join the tail to the head; `None` if no way fits the rule.
     fn best_fit(&self, scale: &Scale, rule: &JoinRule) -> Option<JoinFit> {
         let Self { nodes, tail, head, is_one, .. } = *self;
-        let outermost = [*tail.nodes.last()?, *head.nodes.first()?];
-        let [lost_tail, lost_head] = outermost.map(|k| nodes[k as usize].evidence.footprint);
         let shortest = tail.nodes.len().min(head.nodes.len());
         let most = rule.cut_nodes.min(shortest / CUT_PARTS[usize::from(is_one)]);
         // An overshooting end points elsewhere than the curve it is cut back to.
         let leaving: Vec<Vector2> = (0..=most).map(|c| tail.direction(nodes, true, c)).collect();
         let arriving: Vec<Vector2> = (0..=most).map(|c| head.direction(nodes, false, c)).collect();
+        let lost_of_tail = lost(nodes, tail.nodes.iter().rev().take(most));
+        let lost_of_head = lost(nodes, head.nodes.iter().take(most));
         let mut best: Option<JoinFit> = None;
         for (cut_tail, leaving) in leaving.iter().enumerate() {
             for (cut_head, arriving) in arriving.iter().enumerate() {
@@ -125,8 +125,7 @@ impl Pair<'_> {
                 let Some(cost) = gap_cost([p, q], [leaving, arriving], scale, rule) else {
                     continue;
                 };
-                let lost = cut_tail as f64 * lost_tail + cut_head as f64 * lost_head;
-                let cost = cost + CUT_COST * lost;
+                let cost = cost + CUT_COST * (lost_of_tail[cut_tail] + lost_of_head[cut_head]);
                 let is_best = best.is_none_or(|b| cost < b.cost);
                 if is_best && !p.is_across_shadow(q, self.ground) {
                     best = Some(JoinFit { cost, cut_tail, cut_head });
@@ -137,6 +136,16 @@ impl Pair<'_> {
         // taken instead: it changes the bundled room's 95 % distance by 0.1 %.
         best.filter(|b| !is_one || tail.nodes.len() >= b.cut_tail + b.cut_head + LEAST_CLOSED)
     }
+}
+
+/// The footprints of none, one, two and more of the nodes, together.
+fn lost<'a>(nodes: &[PlacedNode], cut: impl Iterator<Item = &'a u32>) -> Vec<f64> {
+    let mut sum = 0.0;
+    let footprints = cut.map(|k| {
+        sum += nodes[*k as usize].evidence.footprint;
+        sum
+    });
+    std::iter::once(0.0).chain(footprints).collect()
 }
 
 /// Cost of the gap between two nodes, at which the curve has these directions; `None` if the gap
@@ -220,6 +229,13 @@ mod tests {
         let joined = joined(&nodes, chains, &JoinRule::SMOOTH);
         assert_eq!(joined.len(), 1);
         assert_eq!(joined[0].nodes.len(), nodes.len(), "nothing need be cut");
+    }
+
+    #[test]
+    fn a_node_that_is_cut_costs_its_own_footprint() {
+        let nodes = [0.003, 0.06, 0.06].map(|footprint| on_axis((0.0, footprint)));
+        assert_eq!(lost(&nodes, [0, 1, 2].iter()), [0.0, 0.003, 0.003 + 0.06, 0.003 + 0.06 + 0.06]);
+        assert_eq!(lost(&nodes, [].iter()), [0.0]);
     }
 
     #[test]

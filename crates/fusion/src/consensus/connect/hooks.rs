@@ -1,7 +1,8 @@
 //! Hooks: short units that run backwards or aside, as two views' nodes of one corner in the wrong
 //! order do.
 //!
-//! Two places closer than the standard deviation of their difference tell no direction.
+//! Two places closer than the errors of both tell no direction. The errors of views count, too: on
+//! halves of the red kitchen, curves then turn back 0.18 instead of 0.37 times per metre.
 
 use super::super::estimate::PlacedNode;
 use super::super::tuning::hooks::*;
@@ -29,9 +30,9 @@ pub(super) fn remove_hooks(nodes: &[PlacedNode], chain: &mut Chain) {
     }
 }
 
-/// Whether the unit behind `a` runs against the way from the node before it to the node behind it
-/// and is far shorter than the footprint; or turns by more than 90 degrees from a neighbour and is
-/// shorter than the standard deviation of its length.
+/// Whether the unit behind `a` is a hook. It runs against the way from the node before it to the
+/// node behind it, and is far shorter than the footprint. Or it turns by more than 90 degrees from
+/// a neighbour, and is shorter than the errors of both its nodes together.
 fn is_hook(nodes: &[PlacedNode], chain: &Chain, a: usize) -> bool {
     let n = chain.nodes.len();
     let at = |k: usize| &nodes[chain.nodes[k % n] as usize];

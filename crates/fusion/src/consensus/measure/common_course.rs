@@ -116,7 +116,7 @@ pub(super) fn averaged_view_error(courses: &[OnCourse]) -> f64 {
 pub(super) struct ViewErrors {
     /// As the bends of each window show it.
     bends: Vec<f64>,
-    /// As the distances from the courses of each wider window and of the narrower one show it.
+    /// As the distances from the courses of each wider window and of the narrowest one show it.
     waves: Vec<f64>,
 }
 

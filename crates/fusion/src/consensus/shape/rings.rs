@@ -107,7 +107,9 @@ impl Circle {
             position: self.centre + out * self.radius,
             tangent: left_of(&out) * sign,
             sigma: (variance + k.evidence.view_variance).sqrt(),
-            correlation: k.correlation.max(self.radius),
+            // Two nodes of a circle share 1 + 2 cos of the angle between them, of 3. Round the
+            // circle that is a third of its length.
+            correlation: k.correlation.max(TAU / 3.0 * self.radius),
             ..*k
         }
     }

@@ -73,11 +73,13 @@ pub mod place {
     /// longer count as the same. Doubled: no effect, since the directions exclude the samples.
     pub const LARGEST_NOISY_TURN: f64 = 0.9;
     /// Error of a fit in the middle of a bend, over (curvature × half-width)³ × half-width. Theory:
-    /// an evenly sampled parabola makes 0.0107 of an arc's fourth order, and fits that follow that
-    /// order leave two fifths at the turn below. Doubled: narrower windows on bends.
+    /// an evenly sampled parabola makes 0.0107 of an arc's fourth order. Computed: fits that follow
+    /// that order leave .29 to .57 of it at the turn below, the more the fewer samples they have;
+    /// two fifths are right for 20 samples. Doubled: narrower windows on bends.
     pub const ARC_ERROR: f64 = 0.4 * 0.0107;
     /// Turn from which an arc's sixth order has this error; below, it falls as the turn's square.
-    /// Theory.
+    /// Theory. Above, it is .57 to 1.2 at a turn of .75. Measured with a share that grows on: 95 %
+    /// distances of 31 sets rise by .3 % in the mean, and those of thin things by 2 %.
     pub const SIXTH_ORDER_TURN: f64 = 0.6;
     /// Largest such error, in standard deviations of the fit. By hand. Doubled: bends are cut
     /// visibly.

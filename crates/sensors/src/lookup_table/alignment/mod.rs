@@ -10,7 +10,8 @@
 //! ([`Turning::Free`]).
 //!
 //! 1. Each sphere's centre in the sensor frame: the best of many four-point spheres, then robust
-//!    least squares with the radius known. Distances between the centres must be those stated.
+//!    least squares with the radius known. The radius that its points have by themselves, and the
+//!    distances between the centres, must be those stated.
 //! 2. The turn about the known direction (the axis, or the line of two centres) which lays the
 //!    table best, by trial in 2.5° and then 0.1° steps. The spheres' centres give the shift.
 //! 3. All points together: Gauss–Newton on the signed distances from table and spheres, with
@@ -27,7 +28,7 @@ mod sphere;
 use super::filter::median;
 use crate::SensorError;
 use nalgebra::{Translation3, Unit, UnitQuaternion};
-use solve::{BIWEIGHT_CUT, Surface, spread};
+use solve::{BIWEIGHT_CUT, Surface};
 use std::f64::consts::TAU;
 use transect_device::{Isometry3, Point3, Vector3};
 
@@ -80,8 +81,8 @@ pub struct Alignment {
     /// Root mean square distance of the points used from their surface, a length. The pose's
     /// degrees of freedom are taken off. If all is well, it is about the noise across the surfaces.
     pub residual_rms: f64,
-    /// The noise of the points on the spheres, each taken by itself: the largest. A residual far
-    /// above it shows that the stated places contradict each other, or that the scanner errs.
+    /// The noise of the points on the spheres, each taken by itself and of any radius: the largest.
+    /// A residual far above it shows that the stated places contradict each other, or that the scanner errs.
     pub sphere_noise: f64,
     /// How many points were used.
     pub used: usize,
@@ -102,8 +103,10 @@ pub fn align(
     turning: Turning,
 ) -> Result<Alignment, SensorError> {
     let surfaces = surfaces(table, spheres)?;
-    let centers: Vec<Point3> = spheres.iter().map(sphere::center).collect::<Result<_, _>>()?;
-    let noises = noises(spheres, &centers);
+    let scanned = spheres.iter().zip(1..).map(|(scan, number)| sphere::scanned(scan, number));
+    let scanned: Vec<sphere::Scanned> = scanned.collect::<Result<_, _>>()?;
+    let centers: Vec<Point3> = scanned.iter().map(|sphere| sphere.center).collect();
+    let noises: Vec<f64> = scanned.iter().map(|sphere| sphere.noise).collect();
     check_distances(spheres, &centers, &noises)?;
     let (in_sensor, in_world) = known_direction(turning, spheres, &centers)?;
     let start = start(table, &surfaces, spheres, &centers, &(in_sensor, in_world));
@@ -113,15 +116,6 @@ pub fn align(
     };
     let sphere_noise = noises.into_iter().fold(0.0, f64::max);
     Ok(Alignment { sphere_noise, ..solve::refine(&surfaces, start, axis)? })
-}
-
-/// Standard deviations of the points on each sphere about its own centre.
-fn noises(spheres: &[SphereScan<'_>], centers: &[Point3]) -> Vec<f64> {
-    let noise = |(sphere, center): (&SphereScan<'_>, &Point3)| {
-        let residuals = sphere.points_in_sensor.iter().map(|p| (p - center).norm() - sphere.radius);
-        spread(&residuals.collect::<Vec<_>>()).max(ROUNDING * sphere.radius)
-    };
-    spheres.iter().zip(centers).map(noise).collect()
 }
 
 /// Checks the distances between the spheres' centres, which do not depend on the pose. They are

@@ -1,71 +1,126 @@
-//! The centre of a scanned sphere of known radius, robust against outliers.
+//! A scanned sphere, robust against outliers: its centre with the radius known, and its radius with
+//! nothing known.
+//!
+//! A wrong radius shifts the centre of a half sphere and hardly shows in what the points are off by
+//! afterwards. So the radius is measured, too, and must be the stated one.
 
 use super::SphereScan;
-use super::solve::{Surface, biweight, spread};
+use super::solve::{BIWEIGHT_CUT, biweight, spread};
 use crate::SensorError;
-use nalgebra::{Matrix3, Matrix4, Vector4};
-use transect_device::{Point3, Vector3};
+use nalgebra::{Matrix4, Vector4};
+use transect_device::Point3;
 
 /// Spheres tried through four points: with a third of the points outliers, one in five is clean.
 const TRIALS: usize = 300;
 const ROUNDS: usize = 30;
 
-/// The centre in the sensor frame.
-pub(super) fn center(scan: &SphereScan<'_>) -> Result<Point3, SensorError> {
+/// How many times the points must lie closer to a sphere of another radius for the stated one to be
+/// wrong. No unit. Chosen by hand: a scanner's own errors leave a sphere of any radius as far off.
+/// Doubled, radii that err by twice as much pass.
+const CLEARLY_CLOSER: f64 = 2.0;
+
+/// A sphere in the sensor frame.
+#[derive(Debug, Clone, Copy)]
+struct Sphere {
+    center: Point3,
+    radius: f64,
+}
+
+/// A scanned sphere.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Scanned {
+    /// Its centre in the sensor frame, if it has the stated radius.
+    pub center: Point3,
+    /// Standard deviation of the points about a sphere of any radius.
+    pub noise: f64,
+}
+
+/// The sphere that points were scanned on.
+///
+/// `number` is that of the sphere in messages, from 1 on.
+pub(super) fn scanned(scan: &SphereScan<'_>, number: usize) -> Result<Scanned, SensorError> {
     let points = scan.points_in_sensor;
+    let (stated, _) = fit(points, start(points, Some(scan.radius))?, false);
+    let (free, sigma) = fit(points, start(points, None)?, true);
+    let [of_stated, noise] = [stated, free].map(|sphere| spread(&sphere.distances(points)));
+    let is_other = (free.radius - scan.radius).abs() > BIWEIGHT_CUT * sigma * noise;
+    if is_other && of_stated > CLEARLY_CLOSER * noise.max(super::ROUNDING * scan.radius) {
+        let problem = format!(
+            "the points on sphere {number} lie on one of radius {:.6}, the stated radius is {}",
+            free.radius, scan.radius
+        );
+        return Err(SensorError::Contradicted { problem });
+    }
+    Ok(Scanned { center: stated.center, noise: noise.max(super::ROUNDING * scan.radius) })
+}
+
+/// The best of many spheres through four points: the points lie closest to it, if it has the given
+/// radius.
+fn start(points: &[Point3], radius: Option<f64>) -> Result<Sphere, SensorError> {
     let wanted = "points of several sweeps on each sphere";
     let undetermined = || SensorError::Undetermined { wanted };
-    let mut best: Option<(f64, Point3)> = None;
+    let mut best: Option<(f64, Sphere)> = None;
     let mut draw = Draw(1);
     for _ in 0..TRIALS {
         let four = [(); 4].map(|()| draw.one_of(points).copied());
         let [Some(a), Some(b), Some(c), Some(d)] = four else { return Err(undetermined()) };
-        let Some(center) = center_of_four([a, b, c, d]) else { continue };
-        let misfit = spread(&distances(points, &center, scan.radius));
+        let Some(found) = Sphere::through([a, b, c, d]) else { continue };
+        let sphere = Sphere { radius: radius.unwrap_or(found.radius), ..found };
+        let misfit = spread(&sphere.distances(points));
         if best.is_none_or(|(least, _)| misfit < least) {
-            best = Some((misfit, center));
+            best = Some((misfit, sphere));
         }
     }
-    let (_, start) = best.ok_or_else(undetermined)?;
-    Ok(refine(scan, start))
+    best.map(|(_, sphere)| sphere).ok_or_else(undetermined)
 }
 
-/// Gauss–Newton with the radius known; a singular step leaves the centre unchanged.
-fn refine(scan: &SphereScan<'_>, mut center: Point3) -> Point3 {
+/// Gauss–Newton from a start on, with the radius `free` or known. Also the standard deviation of
+/// the radius, if points had one of 1; a singular step leaves the sphere unchanged.
+fn fit(points: &[Point3], mut sphere: Sphere, free: bool) -> (Sphere, f64) {
+    let mut sigma = f64::INFINITY;
     for _ in 0..ROUNDS {
-        let residuals = distances(scan.points_in_sensor, &center, scan.radius);
-        let scale = spread(&residuals).max(scan.radius * 1e-12);
-        let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
-        for (p, r) in scan.points_in_sensor.iter().zip(&residuals) {
-            let Some(outwards) = (p - center).try_normalize(0.0) else { continue };
+        let residuals = sphere.distances(points);
+        let scale = spread(&residuals).max(sphere.radius * 1e-12);
+        let (mut normal, mut right) = (Matrix4::zeros(), Vector4::zeros());
+        for (p, r) in points.iter().zip(&residuals) {
+            let Some(outwards) = (p - sphere.center).try_normalize(0.0) else { continue };
+            let slopes = outwards.push(if free { 1.0 } else { 0.0 });
             let weight = biweight(r / scale);
-            normal += weight * outwards * outwards.transpose();
-            right += weight * r * outwards;
+            normal += weight * slopes * slopes.transpose();
+            right += weight * *r * slopes;
         }
-        let Some(step) = normal.cholesky().map(|c| c.solve(&right)) else { return center };
-        center += step;
-        if step.norm() < 1e-13 * scan.radius {
+        if !free {
+            normal[(3, 3)] = 1.0;
+        }
+        let Some(solved) = normal.cholesky() else { break };
+        let step = solved.solve(&right);
+        sphere.center += step.xyz();
+        sphere.radius += step.w;
+        sigma = solved.inverse()[(3, 3)].sqrt();
+        if step.norm() < 1e-13 * sphere.radius {
             break;
         }
     }
-    center
+    (sphere, sigma)
 }
 
-fn distances(points: &[Point3], center: &Point3, radius: f64) -> Vec<f64> {
-    let sphere = Surface::sphere(points, *center, radius);
-    points.iter().map(|p| sphere.distance(p)).collect()
-}
+impl Sphere {
+    /// The sphere through four points: |p|² = 2 c · p + k.
+    fn through(points: [Point3; 4]) -> Option<Self> {
+        let [origin, ..] = points;
+        // About one of them, for figures' sake.
+        let row = |p: Point3| (p - origin).push(1.0).transpose();
+        let system = Matrix4::from_rows(&points.map(row));
+        let squares = Vector4::from_row_slice(&points.map(|p| (p - origin).norm_squared()));
+        let from_origin = 0.5 * system.lu().solve(&squares)?.xyz();
+        let radius = from_origin.norm();
+        radius.is_finite().then_some(Self { center: origin + from_origin, radius })
+    }
 
-/// The sphere through four points: |p|² = 2 c · p + k.
-fn center_of_four(points: [Point3; 4]) -> Option<Point3> {
-    let [origin, ..] = points;
-    // About one of them, for figures' sake.
-    let row = |p: Point3| (p - origin).push(1.0).transpose();
-    let system = Matrix4::from_rows(&points.map(row));
-    let squares = Vector4::from_row_slice(&points.map(|p| (p - origin).norm_squared()));
-    let solved = system.lu().solve(&squares)?;
-    let center = origin + 0.5 * solved.xyz();
-    center.coords.iter().all(|c| c.is_finite()).then_some(center)
+    /// Signed distances of points from it, positive outside.
+    fn distances(&self, points: &[Point3]) -> Vec<f64> {
+        points.iter().map(|p| (p - self.center).norm() - self.radius).collect()
+    }
 }
 
 /// A fixed sequence of picks (Knuth's MMIX generator): same points, same centre.

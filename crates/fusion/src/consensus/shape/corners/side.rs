@@ -38,7 +38,7 @@ pub(super) struct Place {
     pub position: Point2,
     /// Unit direction of the chain.
     pub direction: Vector2,
-    /// Standard deviation across.
+    /// Standard deviation across, without the systematic errors of views.
     pub sigma: f64,
 }
 
@@ -67,9 +67,10 @@ impl Side {
             if nodes.len() > 1 { length / (nodes.len() - 1) as f64 } else { footprint(first) };
         let sample = |k: &&PlacedNode| {
             let d = k.position - first.position;
-            // Nodes that share their errors count as fewer.
+            // Nodes that share their errors count as fewer. What all nodes share moves the side as
+            // a whole, and is added to its corner.
             let shared = (k.correlation / step).max(1.0);
-            let weight = 1.0 / (k.sigma * k.sigma * shared);
+            let weight = 1.0 / (k.random_sigma().powi(2) * shared);
             Sample { x: d.dot(&along), y: d.dot(&left_of(&along)), weight }
         };
         let samples: Vec<Sample> = nodes.iter().map(sample).collect();
@@ -106,7 +107,7 @@ impl Side {
     /// How far a node lies off the side, as a share of the limit for nodes on it.
     pub fn off(&self, k: &PlacedNode) -> f64 {
         let (x, across) = self.offsets(&k.position);
-        let sigma = k.sigma.hypot(self.at(x).sigma);
+        let sigma = k.random_sigma().hypot(self.at(x).sigma);
         across.abs() / (ON_SIGMAS * sigma + ON_FOOTPRINTS * k.evidence.footprint)
     }
 
@@ -149,4 +150,27 @@ fn bend(samples: &[Sample], centre: f64) -> Estimate {
     let polynomial = |s: &Sample| s.x * s.x - slope * from_centre(s) - mean;
     let norm = sum(&|s| polynomial(s).powi(2));
     Estimate { value: 2.0 * sum(&|s| s.y * polynomial(s)) / norm, variance: 4.0 / norm }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_all_nodes_share_does_not_widen_a_side() {
+        let side = |view_variance: f64| {
+            let node = |k: u32| {
+                let place = Point2::new(0.1 * f64::from(k), 0.0);
+                let mut node = PlacedNode::at(place, Vector2::x(), 0.1);
+                node.evidence.view_variance = view_variance;
+                node.sigma = 0.002_f64.hypot(view_variance.sqrt());
+                node
+            };
+            let nodes = [0, 1, 2, 3].map(node);
+            Side::new(&nodes.each_ref()).unwrap().at(0.4).sigma
+        };
+        // Four nodes, at two and a half steps from their middle: 1/4 + 2.5² / 5 of a variance.
+        assert!((side(0.0) - 0.002 * 1.5_f64.sqrt()).abs() < 1e-9, "{}", side(0.0));
+        assert!((side(1e-4) - side(0.0)).abs() < 1e-9, "{}", side(1e-4));
+    }
 }
