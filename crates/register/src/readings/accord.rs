@@ -61,19 +61,21 @@ pub(super) fn accord(
     Accord { agreeing: share(agreeing, all), contradicting: share(bad, good + bad) }
 }
 
-/// The mean square of the distances of views from each other's surfaces, in radii of a patch.
-/// Larger ones, and contradictions, count as 1.
+/// The mean square of the distances of views from each other's surfaces, in `reach` radii of a
+/// patch. Larger ones, and contradictions, count as 1.
 pub(super) fn misfit(
     views: &[&CoarseView],
     probes: &[Vec<Probe>],
     of: impl Fn(&CoarseView) -> Placing,
+    reach: f64,
 ) -> f64 {
     let placings: Vec<Placing> = views.iter().map(|view| of(view)).collect();
     let of_view = |a: usize| {
         let others = (0..views.len()).filter(|b| *b != a);
         let found =
             others.flat_map(|b| samples(&probes[a], placings[a], views[b], placings[b], 1.0));
-        let squares = found.map(|sample| (sample.distance / sample.radius).powi(2).min(1.0));
+        let square = |distance: f64| distance.powi(2).min(1.0);
+        let squares = found.map(|sample| square(sample.distance / (reach * sample.radius)));
         squares.fold((0.0, 0_usize), |(sum, count), square| (sum + square, count + 1))
     };
     let of_views: Vec<(f64, usize)> = (0..views.len()).into_par_iter().map(of_view).collect();

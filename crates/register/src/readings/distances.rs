@@ -32,10 +32,20 @@ const SEARCHED: usize = 240;
 /// Doubled, a factor of 1.25 is not found.
 const APART: usize = 3;
 
-/// Factors to either side of the best one that are tried within a step. Chosen by hand: a parabola
-/// through the best three tells the factor to a thousandth of the scan. Doubled, it takes twice the
-/// time.
+/// Factors to either side of the best one that are tried within a step. Chosen by hand: the step
+/// divided by it tells the factor to half a per cent. Doubled, it takes twice the time.
 const FINER: i32 = 8;
+
+/// Searches within a step, each in steps a quarter as long, for surfaces a quarter as far apart.
+/// Measured on a part, a room, a mask and a tunnel, at factors of 1/25.4, 1/304.8 and 25.4: the
+/// factor errs by up to 1 % after one, and by up to 0.1 % after three. Doubled, it takes twice the
+/// time.
+const SEARCHES: i32 = 3;
+
+/// Largest difference of a factor from a ratio of units or counts for which it is taken for that
+/// ratio. Theory: three times the error of the search. At ten times that, depth cameras whose own
+/// scale errs by 2 % are told 1/25 for 1/25.4.
+const SAME_RATIO: f64 = 0.003;
 
 /// The factor at which the views agree best, if they agree `better` times as well as at factors on
 /// both sides of it.
@@ -66,11 +76,37 @@ pub(super) fn best_factor(
         return None;
     }
     // Around the best one many factors bring all surfaces within reach.
-    let at_step = |k: f64| tried[best] * STEP.powf(k / f64::from(FINER));
-    let misfits: Vec<f64> =
-        (-FINER..=FINER).map(|k| misfit(views, probes, times(at_step(f64::from(k))))).collect();
-    let factor = at_step(lowest(&misfits) - f64::from(FINER));
+    let (mut factor, mut finer) = (tried[best], 1.0);
+    for _ in 0..SEARCHES {
+        let at_step = |k: f64| factor * STEP.powf(k / (finer * f64::from(FINER)));
+        let misfit = |k| misfit(views, probes, times(at_step(f64::from(k))), 1.0 / finer);
+        let misfits: Vec<f64> = (-FINER..=FINER).map(misfit).collect();
+        factor = at_step(lowest(&misfits) - f64::from(FINER));
+        finer *= 4.0;
+    }
+    let factor = match ratio_near(factor) {
+        Some(ratio) => rounded(ratio, 7),
+        None => rounded(factor, 4),
+    };
     Some((factor, accord(views, probes, times(factor))))
+}
+
+/// A number with so many significant digits.
+fn rounded(number: f64, digits: usize) -> f64 {
+    format!("{number:.0$e}", digits.saturating_sub(1)).parse().unwrap_or(number)
+}
+
+/// The ratio of units, or of counts in a metre, that a factor is nearly: a power of ten times 1, 2,
+/// 4, 5 or the centimetres of an inch or a foot, or the inverse of one.
+fn ratio_near(factor: f64) -> Option<f64> {
+    let off = |ratio: &f64| (factor / ratio - 1.0).abs();
+    let tens = |number: f64| 10_f64.powi(number.log10().round() as i32);
+    let direct = |first: f64| first * tens(factor / first);
+    let inverse = |first: f64| 1.0 / (first * tens(1.0 / (factor * first)));
+    let ratios = [1.0, 2.0, 4.0, 5.0, 2.54, 3.048];
+    let nearest = ratios.into_iter().flat_map(|first| [direct(first), inverse(first)]);
+    let nearest = nearest.min_by(|a, b| off(a).total_cmp(&off(b)));
+    nearest.filter(|ratio| off(ratio) < SAME_RATIO)
 }
 
 /// The patches by which the factor is searched.
@@ -94,7 +130,26 @@ fn lowest(values: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::lowest;
+    use super::{lowest, ratio_near, rounded};
+
+    #[test]
+    fn factors_have_the_digits_that_they_are_known_to() {
+        assert_eq!(rounded(1.0 / 25.4, 7), 0.03937008);
+        assert_eq!(rounded(0.0123456, 4), 0.01235);
+        assert_eq!(rounded(304.8, 7), 304.8);
+    }
+
+    #[test]
+    fn ratios_of_units_and_counts_are_known() {
+        let ratios = [25.4, 1.0 / 25.4, 304.8, 1.0 / 304.8, 0.2, 5.0, 0.1, 4.0, 0.25, 100.0];
+        for ratio in ratios {
+            for off in [0.998, 1.0, 1.002] {
+                let found = ratio_near(off * ratio).unwrap();
+                assert!((found / ratio - 1.0).abs() < 1e-12, "{off} times {ratio}: {found}");
+            }
+        }
+        assert_eq!([0.8, 1.25, 1.01, 25.6].map(ratio_near), [None; 4]);
+    }
 
     #[test]
     fn the_lowest_place_of_a_parabola_is_found_between_its_values() {

@@ -60,7 +60,7 @@ impl Reading {
             Self::Pose(reading) => reading.meaning().to_owned(),
             Self::Image(order) => order.meaning().to_owned(),
             Self::Distances(factor) => {
-                format!("the distances in all images are {factor:.4} times as large")
+                format!("the distances in all images are {factor} times as large")
             }
         }
     }
@@ -72,7 +72,7 @@ impl fmt::Display for Reading {
         match self {
             Self::Pose(reading) => write!(f, "the setting `pose_convention` {reading}"),
             Self::Image(order) => write!(f, "the setting `image_order` {order}"),
-            Self::Distances(factor) => write!(f, "distances times {factor:.4}"),
+            Self::Distances(factor) => write!(f, "distances times {factor}"),
         }
     }
 }

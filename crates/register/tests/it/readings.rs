@@ -154,7 +154,10 @@ fn wrong_distances_of_all_images_are_named() {
             let Some(Reading::Distances(told)) = found.map(|found| found.reading) else {
                 panic!("{name}, {factor}: {found:?}");
             };
-            assert!((told / factor - 1.0).abs() < 0.02, "{name}, {factor}: {told}");
+            // Depth cameras err by themselves, and 4/5 is no ratio of units.
+            let is_exact = *name == "face_mask" && ![0.8, 1.25].contains(&factor);
+            let limit = if is_exact { 1e-6 } else { 0.02 };
+            assert!((told / factor - 1.0).abs() < limit, "{name}, {factor}: {told}");
         }
     }
 }

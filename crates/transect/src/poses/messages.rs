@@ -279,7 +279,7 @@ fn advice(reading: Reading, unit: LengthUnit) -> String {
         (Reading::Distances(factor), _) => {
             return format!(
                 "Multiply their \"scale\" in scan.json, or the setting `depth_scale`, by \
-                 {factor:.4}; without a scale, state {factor:.4}"
+                 {factor}; without a scale, state {factor}"
             );
         }
         (Reading::Image(ImageOrder::UpsideDown), _) => {

@@ -2,12 +2,18 @@
 
 use crate::evaluate::digits;
 use std::collections::BTreeSet;
+use transect_device::median;
 use transect_geometry::LengthUnit;
 use transect_register::{Region, RegionKind};
 
 /// Most regions that are warned of one by one. Chosen by hand: sound scans have one at most, and a
 /// mirror in a room shows in every station. Doubled, a wrong camera fills the screen.
 const MOST_REGIONS: usize = 8;
+
+/// Largest part of an image that regions of one thing take together, over the median of each. No
+/// unit. Chosen by hand: what a camera carries moves a little in its holder, and a wrong camera
+/// or wrong poses make regions all over the image. Doubled, these are called an arm, too.
+const LARGEST_SPREAD: f64 = 2.0;
 
 /// Each region, or what many of them have in common.
 pub(super) fn texts(regions: &[&Region], all_views: usize, unit: LengthUnit) -> Vec<String> {
@@ -59,6 +65,14 @@ fn carried(regions: &[&Region]) -> Option<String> {
         Some((ends().map(|s| s[0]).min()?, ends().map(|s| s[1]).max()?))
     };
     let ((first_row, last_row), (first_col, last_col)) = (span(|r| r.rows)?, span(|r| r.cols)?);
+    let area = |rows: [usize; 2], cols: [usize; 2]| {
+        let length = |[first, last]: [usize; 2]| (last + 1).saturating_sub(first) as f64;
+        length(rows) * length(cols)
+    };
+    let usual = median(place.iter().map(|region| area(region.rows, region.cols)))?;
+    if area([first_row, last_row], [first_col, last_col]) > LARGEST_SPREAD * usual {
+        return None;
+    }
     Some(format!(
         "{} views see a surface within rows {first_row} to {last_row} and columns {first_col} to \
          {last_col} where other views saw free space: something that the camera carries with it, \
@@ -108,6 +122,18 @@ mod tests {
         let texts = told(&both);
         assert!(texts.len() == 1 && texts[0].starts_with("10 views see a surface"), "{texts:?}");
         assert!(texts[0].contains("rows 391 to 480 and columns 200 to 356"), "{texts:?}");
+    }
+
+    #[test]
+    fn large_regions_that_overlap_are_not_carried() {
+        // As of a camera whose middle is stated wrongly: all hold one place, none is like another.
+        let of = |k: usize| Region {
+            rows: [40 * k, 280],
+            cols: [200, 260 + 40 * k],
+            ..region(k, [0, 0], RegionKind::InFront)
+        };
+        let texts = told(&(0..9).map(of).collect::<Vec<_>>());
+        assert!(texts.len() == 1 && texts[0].contains("check what the views share"), "{texts:?}");
     }
 
     #[test]
