@@ -39,6 +39,12 @@ pub(crate) fn framed(
     Ok(FramedImage { frame: Arc::new(frame), image })
 }
 
+/// Whether points are seen from a place, and not from the origin of their frame.
+pub(crate) fn is_seen_from_alone(size: ImageSize, points: &[Point3], place: &Point3) -> bool {
+    let is_even = |place: &Point3| uneven_rays(size, points, place) <= MOST_UNEVEN;
+    !is_even(&Point3::origin()) && is_even(place)
+}
+
 /// The place that saw the points: the origin of their frame, or another one if they are not seen
 /// from there. Programs write points in the world's frame, with a pose that moves nothing.
 fn viewpoint(

@@ -4,11 +4,11 @@
 //! with which a user can accept the input after all.
 
 use crate::WorkflowError;
-use crate::samples::{pixel_spacing, reach, samples};
+use crate::samples::{Sample, pixel_spacing, reach, samples};
 use crate::selection::Limits;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
-use transect_device::{Note, Pixel, View, median};
+use transect_device::{Note, Pixel, Vector3, View, median};
 use transect_exchange::Scan;
 use transect_geometry::LengthUnit;
 
@@ -302,7 +302,7 @@ fn check_angles(view: &View) -> Result<(), WorkflowError> {
 fn check_order(view: &View) -> Result<(), WorkflowError> {
     let [mut crossing, mut beside] = [0_usize; 2];
     for sample in samples(view) {
-        match rays_cross(view, sample.pixel) {
+        match rays_cross(view, &sample) {
             Some(true) => crossing += 1,
             Some(false) => beside += 1,
             None => (),
@@ -320,16 +320,21 @@ fn check_order(view: &View) -> Result<(), WorkflowError> {
     ))
 }
 
-/// Whether the next pixels of the row and of the column are near and in different directions, as
-/// the rays see them; `None` where rays begin at different places or are parallel.
-fn rays_cross(view: &View, Pixel { row, col }: Pixel) -> Option<bool> {
+/// Whether the next pixels of the row and of the column are in different directions, as the rays
+/// see them; `None` where two pixels see one place. Rays that begin in one point must be near each
+/// other, too. Others, such as parallel ones, are told apart by where they pass.
+fn rays_cross(view: &View, sample: &Sample) -> Option<bool> {
+    let Pixel { row, col } = sample.pixel;
     let ray = |row, col| view.frame().ray(Pixel { row, col });
     let [here, right, below] = [ray(row, col)?, ray(row, col + 1)?, ray(row + 1, col)?];
-    if right.start != here.start || below.start != here.start {
-        return None;
-    }
-    let [right, below] = [right, below].map(|ray| ray.direction - here.direction);
+    let from_one = right.start == here.start && below.start == here.start;
+    let [right, below] = if from_one {
+        [right, below].map(|ray| ray.direction - here.direction)
+    } else {
+        let across = |step: &Vector3| step - here.direction * step.dot(&here.direction);
+        [across(&sample.right), across(&sample.below)]
+    };
     let (across, both) = (right.cross(&below).norm(), right.norm() * below.norm());
-    let farthest = right.norm().max(below.norm());
-    (both > 0.0).then_some(across >= CROSSING * both && farthest <= FARTHEST_RAYS)
+    let near = !from_one || right.norm().max(below.norm()) <= FARTHEST_RAYS;
+    (both > 0.0).then_some(across >= CROSSING * both && near)
 }

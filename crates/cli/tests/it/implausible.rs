@@ -189,6 +189,32 @@ fn exchanged_rows_and_columns_are_told() {
     }
 }
 
+/// Parallel rays, as of a scanner that moves along: the grid of a Stanford file.
+#[test]
+fn exchanged_rows_and_columns_of_parallel_rays_are_told() {
+    let folder = Folder::empty();
+    let point = |k: usize| {
+        let (x, y) = (0.5 * (k % 50) as f64, 0.5 * (k / 50) as f64);
+        format!("{x:.4} {y:.4} {:.4}\n", 3.0 * (0.2 * x).sin() + 0.1 * y)
+    };
+    let points: String = (0..50 * 30).map(point).collect();
+    let grid: String = (0..50 * 30).map(|k| format!("1 {k}\n")).collect();
+    for (order, rows, cols) in [("right", 30, 50), ("wrong", 50, 30)] {
+        let ply = format!(
+            "ply\nformat ascii 1.0\nobj_info num_cols {cols}\nobj_info num_rows {rows}\n\
+             element vertex 1500\nproperty float x\nproperty float y\nproperty float z\n\
+             element range_grid 1500\nproperty list uchar int vertex_indices\nend_header\n\
+             {points}{grid}"
+        );
+        folder.write(&format!("{order}.ply"), ply);
+        folder.write(&format!("{order}.conf"), format!("bmesh {order}.ply 0 0 0 0 0 0 1\n"));
+    }
+    let options = "--unit mm --normal 0,1,0 --interval 2mm";
+    let texts = ["rows and columns", "30 rows and 50 columns", "pass --accept order"];
+    refused(&folder, &format!("wrong.conf {options}"), &texts);
+    folder.reconstruct(&format!("right.conf {options}")).succeeded();
+}
+
 /// A turning scanner's view of the wall, whose first column looks along an angle.
 fn turning(theta0: f64) -> Value {
     json!({

@@ -31,7 +31,7 @@ use crate::{OpenOptions, Place, ReadError, Scan, ScanView, ply, points, survey};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use transect_device::ImageSize;
-use transect_geometry::Isometry3;
+use transect_geometry::{Isometry3, Point3};
 
 /// The formats of cloud files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,7 +104,9 @@ fn scan(path: &Path, files: Vec<PathBuf>, options: &OpenOptions) -> Result<Scan,
     notes.extend(placed.notes);
     let view = |(file, pose): (&PathBuf, Isometry3)| {
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let source = CloudView { path: file.clone(), grid: options.grid, rings: options.rings };
+        let viewpoint = placed.by_viewpoints.then(|| Point3::from(pose.translation.vector));
+        let (grid, rings) = (options.grid, options.rings);
+        let source = CloudView { path: file.clone(), grid, rings, viewpoint };
         ScanView::new(name, file.clone(), pose, Arc::new(source))
     };
     let views = files.iter().zip(placed.poses).map(view).collect();
@@ -120,6 +122,8 @@ struct CloudView {
     path: PathBuf,
     grid: Option<ImageSize>,
     rings: Option<usize>,
+    /// Where the `VIEWPOINT` line places the sensor, if the pose is that of the line.
+    viewpoint: Option<Point3>,
 }
 
 impl LoadView for CloudView {
@@ -133,10 +137,29 @@ impl LoadView for CloudView {
             return points::framed_carried(&self.path, size, points, notes);
         }
         if is_grid {
+            self.check_frame(size, &points)?;
             return survey::framed(&self.path, &Place::Whole, size, points, None, notes);
         }
         // The rays of a rotating lidar that moves, or whose lasers sit apart, are not even.
         points::framed(&self.path, size, points, notes)
+    }
+}
+
+impl CloudView {
+    /// Refuses points that are in the world already: the pose would move them once more.
+    fn check_frame(&self, size: ImageSize, points: &[Point3]) -> Result<(), ReadError> {
+        let Some(place) = self.viewpoint else { return Ok(()) };
+        if !survey::is_seen_from_alone(size, points, &place) {
+            return Ok(());
+        }
+        let problem = format!(
+            "the points are seen from ({:.3}, {:.3}, {:.3}), the place of the VIEWPOINT line, and \
+             not from their origin: they are in the world already. Pass the setting `poses`, a \
+             file with the line \"1 0 0 0 0 1 0 0 0 0 1 0\" for each cloud, or export the points \
+             in the frame of the sensor",
+            place.x, place.y, place.z
+        );
+        Err(ReadError::damaged(&self.path, Place::Whole, problem))
     }
 }
 

@@ -33,6 +33,8 @@ pub(super) struct Poses {
     pub(super) notes: Vec<Note>,
     /// The files that state the poses.
     pub(super) files: Vec<PathBuf>,
+    /// Whether the poses are those of the `VIEWPOINT` lines.
+    pub(super) by_viewpoints: bool,
 }
 
 impl Poses {
@@ -94,7 +96,7 @@ pub(super) fn find(
     );
     let note = Note::about(path.display(), text);
     let poses = viewpoints.into_iter().flatten().collect();
-    Ok(Poses { poses, notes: vec![note], files: Vec::new() })
+    Ok(Poses { poses, notes: vec![note], by_viewpoints: true, ..Poses::default() })
 }
 
 /// Poses of one file for all clouds.
@@ -229,5 +231,5 @@ fn isometries(file: &Path, matrices: &[[f64; 16]]) -> Result<Poses, ReadError> {
         repairs.extend(pose.repaired.map(|deviation| (deviation, Place::Whole)));
     }
     let notes = repairs_note(file, &repairs, poses.len()).into_iter().collect();
-    Ok(Poses { poses, notes, files: vec![file.to_owned()] })
+    Ok(Poses { poses, notes, files: vec![file.to_owned()], ..Poses::default() })
 }

@@ -37,7 +37,7 @@ const APART: usize = 3;
 const FINER: i32 = 8;
 
 /// Searches within a step, each in steps a quarter as long, for surfaces a quarter as far apart.
-/// Measured on a part, a room, a mask and a tunnel, at factors of 1/25.4, 1/304.8 and 25.4: the
+/// Measured on a part and a mask, at factors of 1/25.4, 1/304.8 and 25.4: the
 /// factor errs by up to 1 % after one, and by up to 0.1 % after three. Doubled, it takes twice the
 /// time.
 const SEARCHES: i32 = 3;

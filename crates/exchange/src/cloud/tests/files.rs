@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::{ReadError, pose};
-use transect_device::Pixel;
+use transect_device::{Pixel, Vector3};
 
 /// A table of 2 × 3 points with a field between the axes, and a missing point.
 const ROWS: [[f32; 4]; 6] = [
@@ -97,6 +97,31 @@ fn the_viewpoint_is_the_pose() {
     let wanted = [-1.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0, 2.0, 0.0, 0.0, 1.0, 3.0, 0.0, 0.0, 0.0, 1.0];
     assert_eq!(pose::row_major(scan.views[0].world_from_sensor()), wanted);
     assert!(scan.notes[1].text.contains("1 poses from VIEWPOINT lines"), "{:?}", scan.notes);
+}
+
+/// Grids of a room in the frame of the sensor, and in the world with the same `VIEWPOINT`.
+#[test]
+fn points_in_the_world_beside_a_viewpoint_are_refused() {
+    let cloud = |moved: f64| {
+        let point = |k: usize| {
+            let (theta, phi) = (0.07 * (k % 90) as f64, -1.0 + 0.03 * (k / 90) as f64);
+            let d = Vector3::new(phi.cos() * theta.cos(), phi.cos() * theta.sin(), phi.sin());
+            let reach = Vector3::new(5.0, 4.0, 1.5).zip_map(&d, |half, d| half / d.abs()).min();
+            let p = d * reach + Vector3::new(2.0, 1.0, 1.4) * moved;
+            format!("{:.6} {:.6} {:.6}\n", p.x, p.y, p.z)
+        };
+        let points: String = (0..60 * 90).map(point).collect();
+        let text = format!(
+            "VERSION .7\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 90\nHEIGHT 60\n\
+             VIEWPOINT 2 1 1.4 1 0 0 0\nPOINTS 5400\nDATA ascii\n{points}"
+        );
+        let (_folder, path) = write_to_folder("a.pcd", text.as_bytes());
+        Scan::open(&path).unwrap().views[0].load().map(drop).map_err(|e| e.to_string())
+    };
+    assert_eq!(cloud(0.0), Ok(()));
+    let error = cloud(1.0).unwrap_err();
+    assert!(error.contains("a.pcd: the points are seen from (2.000, 1.000, 1.400)"), "{error}");
+    assert!(error.contains("Pass the setting `poses`"), "{error}");
 }
 
 #[test]
