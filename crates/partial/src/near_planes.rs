@@ -1,4 +1,4 @@
-//! Which pixels can take part in a curve, whatever smoothing makes of them.
+//! Which pixels are near enough to a plane to take part in a curve, and need to be smoothed.
 //!
 //! Smoothing keeps each value within bounds, so the level of a pixel stays between those of its two
 //! bounds. A cell of four pixels whose levels cannot have a plane between them carries no curve.

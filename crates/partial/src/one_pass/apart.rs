@@ -1,4 +1,4 @@
-//! Loops as functions of their own.
+//! Keeps an inner loop out of the function that calls it, for speed.
 
 use fearless_simd::Simd;
 

@@ -71,10 +71,12 @@ impl Pivots {
         matrix
     }
 
-    /// Learns the share from the motions of all views about their sensors, the
-    /// [`Solution::root`](super::solve::Solution::root), and the inverse of the correlations of
-    /// all errors: the place errs by its shift and this share of the turn of the surface's middle,
-    /// which is smallest at the pivot.
+    /// Learns the share: the place of a view's surface errs by a shift and by this share of its
+    /// turn, which is smallest at the pivot.
+    ///
+    /// `motions` are those of all views about their sensors, `root` is
+    /// [`Solution::root`](super::solve::Solution::root), and `precision` the inverse of the
+    /// correlations of all errors.
     pub fn learn(
         &mut self,
         motions: &[Motion],

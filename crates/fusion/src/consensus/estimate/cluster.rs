@@ -1,4 +1,5 @@
-//! Clusters: the weighted means of the *original* places that each stand absorbed.
+//! Clusters: a cluster is the weighted mean of the observations that one thinned node (a stand) took
+//! in, at their *original* places.
 //!
 //! Members of one view share errors, so they count as fewer than they are.
 

@@ -1,4 +1,4 @@
-//! Views are shifted and turned within the plane as they lie to the common courses of all views.
+//! Each view is shifted and turned within the plane, so that its curves lie on those of all views.
 //!
 //! **Problem.** A wrong pose moves all curves of a view together. An average of the curves at one
 //! place leaves the view's corners and the surface that it alone measured where they are.

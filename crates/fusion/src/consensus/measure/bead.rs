@@ -1,4 +1,4 @@
-//! Beads: short pieces of the views' curves.
+//! Beads: short pieces of the curves of single views, which common courses go through.
 
 use super::super::tuning::settle::*;
 use super::observations::{Observation, Observations};

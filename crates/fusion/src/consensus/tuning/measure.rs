@@ -24,8 +24,9 @@ pub mod observations {
 
 /// `measure/spread.rs`
 pub mod spread {
-    /// Every such node is compared with another view: neighbours are correlated. By hand. Doubled:
-    /// half the samples, which matters on small planes.
+    /// Least distance of nodes that are compared with another view, in nodes: neighbours are
+    /// correlated. By hand. It counts where planes have 6 000 to 10 000 nodes; others have
+    /// [`MIN_SAMPLES`] or [`WANTED_SAMPLES`]. Doubled: planes of up to 20 000 nodes have fewer.
     pub const SAMPLE_EVERY: usize = 20;
     /// Samples of a plane at least. Theory: the median of n absolute normal errors has a relative
     /// standard deviation of 1.17 / √n, which is 7 % here. Doubled: more time.
