@@ -1,5 +1,5 @@
-//! Clusters: a cluster is the weighted mean of the observations that one thinned node (a stand) took
-//! in, at their *original* places.
+//! Clusters: the weighted mean of the observations that one thinned node (a stand) took in, at
+//! their *original* places.
 //!
 //! Members of one view share errors, so they count as fewer than they are.
 

@@ -82,7 +82,8 @@ pub struct Alignment {
     /// degrees of freedom are taken off. If all is well, it is about the noise across the surfaces.
     pub residual_rms: f64,
     /// The noise of the points on the spheres, each taken by itself and of any radius: the largest.
-    /// A residual far above it shows that the stated places contradict each other, or that the scanner errs.
+    /// A residual far above it shows that the stated places contradict each other, or that the
+    /// scanner errs.
     pub sphere_noise: f64,
     /// How many points were used.
     pub used: usize,
