@@ -59,6 +59,10 @@ fn a_registered_scan_is_a_scan_with_the_same_files_and_names() {
     assert_eq!(folder.json("one/report.json")["poses"]["poses"], report["poses"]);
     let part = folder.run("register scan/off.json --views 1,2 --out part --quiet").succeeded();
     assert_eq!(views(&folder.json("part/scan.json")).len(), 2, "{}", part.stdout);
+    // The scan of the same images is replaced, that of other ones is not.
+    folder.run("register scan/off.json --views 1,2 --out part --quiet").succeeded();
+    let refused = ["part/scan.json", "register wrote it for another scan", "another --out"];
+    folder.run("register scan --out part").failed_with(1, &refused);
 }
 
 #[test]
@@ -251,6 +255,11 @@ fn what_cannot_be_registered_is_refused() {
 fn the_views_of_a_store_are_registered_as_those_of_their_scan() {
     let folder = perturbed();
     folder.run("reconstruct scan/off.json --store s.transect --out grown --quiet").succeeded();
+    folder.run("simulate face_mask --out mask").succeeded();
+    let before = folder.bytes("mask/scan.json");
+    let refused = ["mask/scan.json", "transect simulate wrote it", "Choose another --out"];
+    folder.run("register scan --out mask").failed_with(1, &refused);
+    assert_eq!(folder.bytes("mask/scan.json"), before);
     let run = folder.run("register s.transect --quiet").succeeded();
     assert!(run.stdout.contains("views replaced"), "{}", run.stdout);
     folder.run("verify s.transect --fusion").succeeded();

@@ -496,6 +496,6 @@ fn a_written_manifest_reads_back() {
     };
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scan.json");
-    crate::write_file(&path, |out| write_manifest(&manifest, out)).unwrap();
+    crate::write_file(&path, |out| write_manifest(&manifest, "manifest", out)).unwrap();
     assert_eq!(read_manifest(&path).unwrap(), (manifest, Vec::new()));
 }
