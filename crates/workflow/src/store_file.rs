@@ -350,5 +350,6 @@ pub(crate) fn origin<'a>(
     let absolute = std::path::absolute(scan).unwrap_or_else(|_| scan.to_owned());
     let origin = absolute.display().to_string();
     let (id, limits) = (view.name().to_owned(), Limits::default());
-    FileView { view, id, origin, pose: None, read: Arc::default(), limits, plausibility }
+    let read = Arc::default();
+    FileView { view, id, origin, pose: None, stated_pose: None, read, limits, plausibility }
 }

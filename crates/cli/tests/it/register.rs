@@ -143,6 +143,18 @@ fn inspect_names_a_wrong_view_and_the_convention_that_mends_all() {
     });
     let wrong = warnings("scan/inverse.json");
     assert!(wrong.len() == 1 && wrong[0].ends_with("Pass --pose-convention inverse"), "{wrong:?}");
+    // A convention that the poses do not have is taken back, whichever it is.
+    for (scan, convention, advice) in [
+        ("scan", "inverse", "Leave out --pose-convention"),
+        ("scan", "radians", "Leave out --pose-convention"),
+        ("scan/inverse.json", "conjugate", "Pass --pose-convention inverse"),
+    ] {
+        let line = format!("{scan} --pose-convention {convention}");
+        let wrong = warnings(&line);
+        assert!(wrong.len() == 1 && wrong[0].ends_with(advice), "{line}: {wrong:?}");
+        let run = folder.run(&format!("reconstruct {line} --no-score --out wrong --quiet"));
+        assert!(run.succeeded().told("warning:")[0].ends_with(advice), "{line}");
+    }
     // Misread poses are no start for a refinement.
     let line = "scan/inverse.json --quiet";
     let refused = ["inverse.json", "Pass --pose-convention inverse"];
@@ -243,6 +255,11 @@ fn what_cannot_be_registered_is_refused() {
     std::fs::create_dir(folder.path("taken")).unwrap();
     folder.write("taken/scan.json", "{}");
     folder.run("register scan --out taken").failed_with(1, &["taken/scan.json", "\"tool\""]);
+    folder.run("simulate face_mask --out mask").succeeded();
+    let before = folder.bytes("mask/scan.json");
+    let refused = ["mask/scan.json", "transect simulate wrote it", "Choose another --out"];
+    folder.run("register scan --out mask").failed_with(1, &refused);
+    assert_eq!(folder.bytes("mask/scan.json"), before);
     folder.run("reconstruct scan --refine-poses --store s.transect").failed_with(2, &["--store"]);
     folder.run("reconstruct scan --prior 1,2").failed_with(2, &["--refine-poses"]);
     folder.run("reconstruct scan --store s.transect --out grown --quiet").succeeded();
@@ -255,11 +272,6 @@ fn what_cannot_be_registered_is_refused() {
 fn the_views_of_a_store_are_registered_as_those_of_their_scan() {
     let folder = perturbed();
     folder.run("reconstruct scan/off.json --store s.transect --out grown --quiet").succeeded();
-    folder.run("simulate face_mask --out mask").succeeded();
-    let before = folder.bytes("mask/scan.json");
-    let refused = ["mask/scan.json", "transect simulate wrote it", "Choose another --out"];
-    folder.run("register scan --out mask").failed_with(1, &refused);
-    assert_eq!(folder.bytes("mask/scan.json"), before);
     let run = folder.run("register s.transect --quiet").succeeded();
     assert!(run.stdout.contains("views replaced"), "{}", run.stdout);
     folder.run("verify s.transect --fusion").succeeded();

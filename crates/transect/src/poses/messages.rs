@@ -290,6 +290,7 @@ fn advice(reading: Reading, unit: LengthUnit) -> String {
                  negative number (the setting `camera` FX,-FY,CX,CY)"
             );
         }
+        (Reading::AsStated, _) => return "Leave out the setting `pose_convention`".to_owned(),
         _ => return format!("Pass {reading}"),
     };
     format!(
