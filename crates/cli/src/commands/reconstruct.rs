@@ -46,6 +46,7 @@ pub struct Arguments {
         long,
         value_name = "DEGREES,LENGTH",
         requires = "refine_poses",
+        conflicts_with = "store",
         help_heading = "Poses",
         allow_hyphen_values = true
     )]
@@ -79,7 +80,8 @@ struct StoreArguments {
     #[arg(long, value_name = "FILE")]
     store: Option<PathBuf>,
     /// Put before the names of this scan's views in the store, where several scans share names.
-    #[arg(long, value_name = "TEXT", requires = "store", default_value = "")]
+    #[arg(long, value_name = "TEXT", requires = "store", default_value = "",
+        conflicts_with_all = ["refine", "refine_poses"])]
     prefix: String,
 }
 
@@ -137,7 +139,7 @@ impl Arguments {
         self.methods.apply(&mut settings);
         settings.accept.clone_from(&self.accept.accept);
         settings.keep_seen_through = self.keep_seen_through;
-        settings.dxf = self.dxf.dxf;
+        settings.dxf = self.dxf.frame();
         settings.refine.clone_from(&self.refine);
         settings.refine_poses = self.refine_poses;
         settings.prior.clone_from(&self.prior);

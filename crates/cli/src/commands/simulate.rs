@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::table::{Row, digits, print};
 use std::path::{Path, PathBuf};
 use transect_exchange::MANIFEST_FILE;
-use transect_scene::{Description, Noise};
+use transect_scene::{Description, Noise, SensorParameters};
 use transect_workflow::default_folder;
 use transect_workflow::simulation::{
     PreparedScene, SensorKind, SensorPlan, StripeImages, claim_scan_folder, describe, stripe_camera,
@@ -66,6 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let folder =
         arguments.out.clone().unwrap_or_else(|| default_folder(&description.name).join("scan"));
+    check_stripe_images(arguments, &description)?;
     let images = if arguments.stripe_images {
         // The writer knows the columns of each sensor.
         StripeImages::Seen(stripe_camera(0, description.noise.seed))
@@ -79,6 +80,22 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 /// Simulates a scene's own sensors and writes the scan folder.
 pub fn simulate(description: Description, folder: &Path) -> Result<(), Failure> {
+/// Refuses --stripe-images where no sensor sees a stripe.
+fn check_stripe_images(arguments: &Arguments, scene: &Description) -> Result<(), Failure> {
+    let is_stripe = |sensor: &SensorParameters| matches!(sensor, SensorParameters::LightStripe(_));
+    let found = match arguments.sensor {
+        _ if !arguments.stripe_images => return Ok(()),
+        Some(SensorKind::LightStripe) => return Ok(()),
+        Some(other) => format!("--sensor is {}", other.name()),
+        None if scene.stations.iter().any(|station| is_stripe(&station.sensor)) => return Ok(()),
+        None => format!("the scene {} has none, and --sensor chooses none", scene.name),
+    };
+    Err(Failure::Usage(format!(
+        "--stripe-images: only light-stripe sensors have such images, and {found}; pass --sensor \
+         light_stripe, or leave out --stripe-images"
+    )))
+}
+
     claim_scan_folder(folder, false)?;
     simulate_as(description, &SensorPlan::OWN, StripeImages::Extracted, folder).map(drop)
 }

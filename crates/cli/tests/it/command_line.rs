@@ -386,6 +386,32 @@ fn arguments_that_make_no_sense_end_with_2() {
     folder.run("").failed_with(2, &["Usage"]);
 }
 
+/// The parser of options forgets that one option needs another where a third one excludes that.
+#[test]
+fn options_that_would_be_ignored_are_refused() {
+    let (folder, _) = reconstructed();
+    for (line, code, texts) in [
+        ("reconstruct scan --store q.transect --prior 89,1mm", 2, ["--store", "--prior"]),
+        ("reconstruct scan --refine-poses --prefix a", 2, ["--refine-poses", "--prefix"]),
+        ("reconstruct scan --refine 1mm --prefix a", 2, ["--refine", "--prefix"]),
+        ("reconstruct scan --normal 0,0,1 --guide-kind polyline", 2, ["--normal", "--guide-kind"]),
+        ("reconstruct scan --normal 0,0,1 --guide-radius 3", 2, ["--normal", "--guide-radius"]),
+        ("explain scan --normal 0,0,1 --guide-reach 5", 2, ["--normal", "--guide-reach"]),
+        ("simulate room --stripe-images --out s", 2, ["--stripe-images", "--sensor light_stripe"]),
+        (
+            "simulate room --stripe-images --sensor pinhole --out s",
+            2,
+            ["--stripe-images", "pinhole"],
+        ),
+        ("export out --lines lines --dxf plane", 2, ["--dxf", "--out DIR"]),
+        ("verify out --fusion", 1, ["out: --fusion", "reconstruct SCAN --store FILE"]),
+    ] {
+        folder.run(line).failed_with(code, &texts);
+    }
+    assert!(!folder.path("s").exists() && !folder.path("lines").exists());
+}
+
+/// A name with the code that makes a terminal print in red.
 #[test]
 fn planes_are_refined_and_the_report_says_where() {
     let folder = Folder::simulated("objects.scene.toml");
