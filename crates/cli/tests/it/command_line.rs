@@ -411,6 +411,27 @@ fn options_that_would_be_ignored_are_refused() {
     assert!(!folder.path("s").exists() && !folder.path("lines").exists());
 }
 
+#[test]
+fn a_camera_with_impossible_numbers_is_refused() {
+    let folder = Folder::empty();
+    for (numbers, found) in [
+        ("nan,585,320,240", "fx is NaN"),
+        ("0,585,320,240", "fx is 0"),
+        ("-585,585,320,240", "fx is -585"),
+        ("585,0,320,240", "fy is 0"),
+        ("585,585,inf,240", "cx is inf"),
+    ] {
+        let line = format!("manifest . --out m.json --camera={numbers}");
+        folder.run(&line).failed_with(2, &["--camera", found, "expected"]);
+    }
+    folder.write("camera.txt", "585 585 320 inf\n");
+    folder.write("a.depth.png", "not read");
+    folder.write("a.pose.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+    let line = "manifest . --out m.json --camera";
+    folder.run(&format!("{line} camera.txt")).failed_with(1, &["camera.txt: cy is inf"]);
+    folder.run(&format!("{line} 481,-480,320,240")).succeeded();
+}
+
 /// A name with the code that makes a terminal print in red.
 #[test]
 fn planes_are_refined_and_the_report_says_where() {
