@@ -412,6 +412,12 @@ fn options_that_would_be_ignored_are_refused() {
 }
 
 #[test]
+fn more_threads_than_the_machine_can_use_are_refused() {
+    let texts = ["--threads 100000: this machine has", "at most", "64 per core", "0"];
+    Folder::empty().run("reconstruct nowhere --threads 100000").failed_with(2, &texts);
+}
+
+#[test]
 fn a_camera_with_impossible_numbers_is_refused() {
     let folder = Folder::empty();
     for (numbers, found) in [
