@@ -88,7 +88,7 @@ mod wording;
 pub use align::{AlignmentScans, SphereFile};
 pub use costs::{Costs, StageCost, peak_memory_mib};
 pub use error::{WorkflowError, with_causes};
-pub use length::parse_length;
+pub use length::{parse_distance, parse_length};
 pub use method_settings::MethodSettings;
 pub use model_file::{ModelFile, OpenStore};
 pub use outputs::{claim_lines, claim_manifest};

@@ -6,7 +6,7 @@ use crate::table::{Lengths, Quantity, Row, print, print_csv, print_grid, print_r
 use std::path::PathBuf;
 use transect_geometry::{LengthUnit, PlaneFamily, PlaneIndex, Point3};
 use transect_model::{Bracket, SectionMeasures, Volume};
-use transect_workflow::{ModelFile, parse_length};
+use transect_workflow::{ModelFile, parse_distance};
 
 /// Options of `measure`.
 #[derive(Debug, clap::Args)]
@@ -28,7 +28,7 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let file = open_model(&arguments.file)?;
-    let parse = |text: &String| parse_length(file.unit(), "close-gaps", text);
+    let parse = |text: &String| parse_distance(file.unit(), "close-gaps", text);
     let close_gaps = arguments.close_gaps.as_ref().map(parse).transpose()?;
     let mut planes = Vec::new();
     file.for_each_section(|plane, section| planes.push((plane, section.measures())))?;

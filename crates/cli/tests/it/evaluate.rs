@@ -41,6 +41,18 @@ fn a_model_of_a_part_of_a_scan_is_not_scored_against_the_whole() {
     assert!(!run.succeeded().stdout.contains("median distance from truth"));
 }
 
+/// The box of the mesh lies inside that of the model, and between two of its planes.
+#[test]
+fn distances_below_zero_are_refused() {
+    let (folder, _) = reconstructed();
+    for (line, option) in [
+        ("measure out --close-gaps=-1", "--close-gaps: -1"),
+        ("query --within=-1mm out 0,0,0", "--within: -1mm"),
+    ] {
+        folder.run(line).failed_with(2, &[option, "is below 0", "0 or more"]);
+    }
+}
+
 /// The cells of comma separated values; heads may hold commas in quotes.
 fn cells(line: &str) -> Vec<String> {
     let parts = line.split('"').enumerate();
