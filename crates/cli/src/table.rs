@@ -66,6 +66,18 @@ pub struct Lengths {
     pub unit: LengthUnit,
 }
 
+/// Significant digits of numbers for programs. No unit. Theory: numbers keep 15 to 17 digits, of
+/// which sums and products spoil the last ones, and 12 digits tell a micrometre in 1000 km.
+/// Doubled, 0.2537 prints as 0.25370000000000004.
+const SIGNIFICANT: usize = 12;
+
+/// A number in at most [`SIGNIFICANT`] digits, without zeros behind them.
+fn for_programs(number: f64) -> String {
+    let rounded = format!("{number:.*e}", SIGNIFICANT - 1).parse().unwrap_or(number);
+    // A sum of nothing may be -0.
+    (rounded + 0.0).to_string()
+}
+
 impl Lengths {
     /// Lengths in a model's unit. The unit to print is chosen for the largest of them.
     pub fn new(own: LengthUnit, largest: f64) -> Self {
@@ -85,7 +97,12 @@ impl Lengths {
 
     /// A length (power 1), an area (2) or a volume (3) without its unit, in all its digits.
     pub fn exact(&self, value: f64, power: u8) -> String {
-        Quantity::new(value, self.own, power).in_unit(self.unit).to_string()
+        for_programs(self.converted(value, power))
+    }
+
+    /// A length (power 1), an area (2) or a volume (3) in the unit to print.
+    pub fn converted(&self, value: f64, power: u8) -> f64 {
+        Quantity::new(value, self.own, power).in_unit(self.unit)
     }
 
     /// A length (power 1), an area (2) or a volume (3) as text without its unit.
@@ -123,5 +140,13 @@ mod tests {
         assert_eq!(shown(LengthUnit::Metre, 400.05), "400.0500");
         assert_eq!(shown(LengthUnit::Metre, 0.012_5), "0.01250");
         assert_eq!(shown(LengthUnit::Millimetre, 1.234_56), "1234.6");
+    #[test]
+    fn programs_get_no_digits_of_rounding() {
+        let numbers =
+            [0.1 * 3.0, 0.253_700_000_000_000_04, 2_600_001.250_01, -0.0, 1e-9, 1.0 / 3.0];
+        let wanted = ["0.3", "0.2537", "2600001.25001", "0", "0.000000001", "0.333333333333"];
+        assert_eq!(numbers.map(for_programs), wanted);
+    }
+
     }
 }

@@ -84,6 +84,15 @@ fn spreadsheets_get_numbers_in_all_their_digits() {
         (sums[0].join(" "), sums[1].join(" ")),
         ("metric value unit".to_owned(), "planes with curves 12 ".to_owned())
     );
+    for line in &sums[1..] {
+        assert!(line[1].is_empty() || line[1].parse::<f64>().is_ok(), "{line:?}");
+    }
+    let unit = |name: &str| sums.iter().find(|line| line[0] == name).unwrap()[2].clone();
+    assert_eq!((unit("least solid volume"), unit("most clear volume")), ("m³".into(), "m³".into()));
+    assert!(
+        planes.iter().flatten().all(|cell| cell.len() < 20 || cell.contains(' ')),
+        "{planes:?}"
+    );
     let answers = table("query out --csv --output-unit mm 0.1,-0.5,0.4 2,2,0.5");
     assert_eq!(answers[0][4], "nearest curve; mm");
     assert_eq!(
