@@ -241,7 +241,11 @@ impl Scan {
         }
         let names: Vec<_> = missing.iter().map(|file| file.display().to_string()).collect();
         let (count, views, names) = (missing.len(), self.views.len(), names.join(", "));
-        if !skip || count == views {
+        if !skip {
+        if let (true, [first, ..]) = (missing.len() == self.views.len(), &missing[..]) {
+            let (path, first) = (path.to_owned(), first.to_path_buf());
+            return Err(ReadError::NoFiles { path, views: self.views.len(), first });
+        }
             return Err(ReadError::MissingFiles { path: path.to_owned(), count, views, names });
         }
         let text = format!("{count} of {views} views left out, without a file: {names}");
@@ -311,6 +315,10 @@ mod tests {
             scan.notes
         );
         std::fs::remove_file(folder.path().join("b.ply")).unwrap();
-        assert!(Scan::open_with(&path, &skip).is_err(), "no view is left");
+        for options in [skip, OpenOptions::default()] {
+            let error = Scan::open_with(&path, &options).unwrap_err().to_string();
+            assert!(error.contains("bun.conf: none of its 2 views has a file"), "{error}");
+            assert!(error.contains("a.ply") && !error.contains("skip_missing"), "{error}");
+        }
     }
 }
