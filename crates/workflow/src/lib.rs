@@ -82,6 +82,7 @@ mod store_file;
 mod suggest;
 mod survey;
 pub mod table;
+mod truth;
 mod views;
 mod wording;
 
@@ -103,5 +104,6 @@ pub use settings::{GuideSettings, PlaneSettings, Settings};
 pub use store_file::{Replaced, Replacement, StoreFile, open_store, read_store, setup_of};
 pub use suggest::Suggestion;
 pub use survey::{SensorClass, ViewSurvey};
+pub use truth::TruthOfResults;
 pub use views::{FileView, OpenScan};
 pub use wording::as_options;
