@@ -127,7 +127,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let has_store = arguments.store.store.as_ref().is_some_and(|store| store.exists());
     if !has_store && scan.lacks_planes(&settings) {
         let note = costs.stage("suggesting planes", || scan.suggest_planes(&settings))?;
-        eprintln!("note: {note}");
+        notes::tell(&[note]);
     }
     let mut run = model(arguments, &scan, &settings)?;
     run.costs.begin_with(costs);

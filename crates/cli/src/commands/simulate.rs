@@ -2,8 +2,10 @@
 
 use super::named;
 use crate::failure::Failure;
+use crate::notes;
 use crate::table::{Row, digits, print};
 use std::path::{Path, PathBuf};
+use transect_device::Note;
 use transect_exchange::MANIFEST_FILE;
 use transect_scene::{Description, Noise, SensorParameters};
 use transect_workflow::default_folder;
@@ -64,9 +66,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         views: arguments.views.map(usize::from),
         density: arguments.density,
     };
+    check_stripe_images(arguments, &description)?;
     let folder =
         arguments.out.clone().unwrap_or_else(|| default_folder(&description.name).join("scan"));
-    check_stripe_images(arguments, &description)?;
     let images = if arguments.stripe_images {
         // The writer knows the columns of each sensor.
         StripeImages::Seen(stripe_camera(0, description.noise.seed))
@@ -78,8 +80,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Simulates a scene's own sensors and writes the scan folder.
-pub fn simulate(description: Description, folder: &Path) -> Result<(), Failure> {
 /// Refuses --stripe-images where no sensor sees a stripe.
 fn check_stripe_images(arguments: &Arguments, scene: &Description) -> Result<(), Failure> {
     let is_stripe = |sensor: &SensorParameters| matches!(sensor, SensorParameters::LightStripe(_));
@@ -96,6 +96,8 @@ fn check_stripe_images(arguments: &Arguments, scene: &Description) -> Result<(),
     )))
 }
 
+/// Simulates a scene's own sensors and writes the scan folder.
+pub fn simulate(description: Description, folder: &Path) -> Result<(), Failure> {
     claim_scan_folder(folder, false)?;
     simulate_as(description, &SensorPlan::OWN, StripeImages::Extracted, folder).map(drop)
 }
@@ -109,7 +111,8 @@ fn simulate_as(
     let scene = PreparedScene::new(description)?;
     let simulated = scene.simulate(plan)?;
     for name in &simulated.blind {
-        eprintln!("note: view {name} sees nothing of the scene and is left out");
+        let text = format!("view {name} sees nothing of the scene and is left out");
+        notes::tell(&[Note::new(text)]);
     }
     simulated.write(&scene, images, folder)?;
     let rate = simulated.rays as f64 / simulated.time.as_secs_f64() / 1e6;

@@ -440,6 +440,24 @@ fn a_camera_with_impossible_numbers_is_refused() {
 
 /// A name with the code that makes a terminal print in red.
 #[test]
+fn control_characters_in_names_do_not_reach_the_terminal() {
+    let (folder, _) = reconstructed();
+    folder.edit_json("scan/scan.json", "scan/red.json", |m| {
+        m["name"] = "red\u{1b}[31m".into();
+        m["views"][0]["name"] = "wall\u{1b}[31m\n".into();
+        m["views"][1]["unknown\u{1b}"] = 1.into();
+    });
+    for command in ["inspect scan/red.json", "reconstruct scan/red.json --out red --quiet"] {
+        let run = folder.run(command).succeeded();
+        for text in [&run.stdout, &run.stderr] {
+            assert!(!text.contains('\u{1b}') && text.contains("\\u{1b}"), "{command}: {text:?}");
+        }
+    }
+    let run = folder.run("inspect scan/red.json");
+    assert!(run.stdout.contains("| wall\\u{1b}[31m\\u{a} |"), "{}", run.stdout);
+}
+
+#[test]
 fn planes_are_refined_and_the_report_says_where() {
     let folder = Folder::simulated("objects.scene.toml");
     for (refine, reason) in [
