@@ -1,5 +1,6 @@
 //! The error message and the exit code of a command that failed.
 
+use crate::printable::lines;
 use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;
@@ -24,11 +25,11 @@ impl Failure {
     pub fn report(&self) -> ExitCode {
         match self {
             Self::Usage(reason) => {
-                eprintln!("error: {}", as_options(reason));
+                eprintln!("error: {}", lines(&as_options(reason)));
                 ExitCode::from(2)
             }
             Self::Failed(error) => {
-                eprintln!("error: {}", with_causes(error.as_ref()));
+                eprintln!("error: {}", lines(&with_causes(error.as_ref())));
                 ExitCode::FAILURE
             }
         }

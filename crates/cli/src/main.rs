@@ -7,6 +7,7 @@
 mod commands;
 mod failure;
 mod notes;
+mod printable;
 mod progress;
 mod table;
 

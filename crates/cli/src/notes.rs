@@ -1,5 +1,6 @@
 //! Printing notes and warnings to stderr, like notes of many files together.
 
+use crate::printable::lines;
 use std::collections::BTreeSet;
 use transect_device::Note;
 use transect_workflow::as_options;
@@ -7,13 +8,13 @@ use transect_workflow::as_options;
 /// Prints notes. Those that say the same of several files name the first file.
 pub fn tell(notes: &[Note]) {
     for note in gathered(notes) {
-        eprintln!("note: {}", as_options(&note.to_string()));
+        eprintln!("note: {}", lines(&as_options(&note.to_string())));
     }
 }
 
 /// Prints warnings.
 pub fn warn(warnings: &[String]) {
-    warnings.iter().for_each(|warning| eprintln!("warning: {}", as_options(warning)));
+    warnings.iter().for_each(|warning| eprintln!("warning: {}", lines(&as_options(warning))));
 }
 
 /// The notes in their order, each text once.

@@ -1,5 +1,6 @@
 //! Printing results to stdout, in the unit that the user chose.
 
+use crate::printable::{cell, lines};
 use std::io::{self, Write};
 use std::sync::OnceLock;
 use transect_geometry::LengthUnit;
@@ -19,13 +20,20 @@ pub fn set_output_unit(unit: LengthUnit) {
 
 /// Prints rows of metric, value and unit.
 pub fn print(table: &[Row]) {
-    let shown: Vec<Row> = table.iter().map(|row| row.shown(OUTPUT_UNIT.get().copied())).collect();
-    say(&rows(&shown));
+    say(&rows(&table.iter().map(shown).collect::<Vec<_>>()));
+}
+
+/// A row as it is printed.
+fn shown(row: &Row) -> Row {
+    let Row { metric, value, unit, .. } = row.shown(OUTPUT_UNIT.get().copied());
+    Row::new(cell(&metric), cell(&value), cell(&unit))
 }
 
 /// Prints a table with a head for each column.
 pub fn print_grid(heads: &[&str], lines: &[Vec<String>]) {
-    say(&grid(heads, lines));
+    let lines: Vec<Vec<String>> =
+        lines.iter().map(|line| line.iter().map(|text| cell(text)).collect()).collect();
+    say(&grid(heads, &lines));
 }
 
 /// Prints lines of comma separated values below their heads.
@@ -40,9 +48,9 @@ pub fn print_rows_csv(table: &[Row]) {
     print_csv(&["metric", "value", "unit"], &lines.collect::<Vec<_>>());
 }
 
-/// Prints a line. [`written`] reports the first line that could not be written.
+/// Prints a line, or several. [`written`] reports the first line that could not be written.
 pub fn say(line: &str) {
-    if let Err(error) = writeln!(io::stdout(), "{line}") {
+    if let Err(error) = writeln!(io::stdout(), "{}", lines(line)) {
         let _ = FAILED.set(error);
     }
 }
@@ -56,6 +64,18 @@ pub fn written() -> io::Result<()> {
 /// A length with its unit, as text.
 pub fn length(value: f64, unit: LengthUnit) -> String {
     Quantity::new(value, unit, 1).shown(OUTPUT_UNIT.get().copied()).join(" ")
+}
+
+/// Significant digits of numbers for programs. No unit. Theory: numbers keep 15 to 17 digits, of
+/// which sums and products spoil the last ones, and 12 digits tell a micrometre in 1000 km.
+/// Doubled, 0.2537 prints as 0.25370000000000004.
+const SIGNIFICANT: usize = 12;
+
+/// A number in at most [`SIGNIFICANT`] digits, without zeros behind them.
+fn for_programs(number: f64) -> String {
+    let rounded = format!("{number:.*e}", SIGNIFICANT - 1).parse().unwrap_or(number);
+    // A sum of nothing may be -0.
+    (rounded + 0.0).to_string()
 }
 
 /// The lengths of one table, all in one unit.
@@ -83,9 +103,14 @@ impl Lengths {
         Self { own, unit: OUTPUT_UNIT.get().copied().unwrap_or(own) }
     }
 
-    /// A length (power 1), an area (2) or a volume (3) without its unit, in all its digits.
+    /// A length (power 1), an area (2) or a volume (3) without its unit, for programs.
     pub fn exact(&self, value: f64, power: u8) -> String {
-        Quantity::new(value, self.own, power).in_unit(self.unit).to_string()
+        for_programs(self.converted(value, power))
+    }
+
+    /// A length (power 1), an area (2) or a volume (3) in the unit to print.
+    pub fn converted(&self, value: f64, power: u8) -> f64 {
+        Quantity::new(value, self.own, power).in_unit(self.unit)
     }
 
     /// A length (power 1), an area (2) or a volume (3) as text without its unit.
@@ -114,6 +139,14 @@ impl Lengths {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn programs_get_no_digits_of_rounding() {
+        let numbers =
+            [0.1 * 3.0, 0.253_700_000_000_000_04, 2_600_001.250_01, -0.0, 1e-9, 1.0 / 3.0];
+        let wanted = ["0.3", "0.2537", "2600001.25001", "0", "0.000000001", "0.333333333333"];
+        assert_eq!(numbers.map(for_programs), wanted);
+    }
 
     #[test]
     fn coordinates_far_from_the_origin_are_told_apart() {

@@ -26,7 +26,7 @@ fn write_scan(folder: &Path) -> Result<(), Box<dyn Error>> {
     let mut manifest = Manifest::new("wall".to_owned(), vec![view]);
     manifest.unit = Some(LengthUnit::Metre);
     manifest.planes = Some(PlanesEntry::new([0.0, 1.0, 0.0], 0.0, 0.1));
-    write_file(&folder.join("scan.json"), |out| write_manifest(&manifest, out))?;
+    write_file(&folder.join("scan.json"), |out| write_manifest(&manifest, "open_scan", out))?;
     Ok(())
 }
 

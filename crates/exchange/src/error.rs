@@ -94,6 +94,20 @@ pub enum ReadError {
         /// The missing files.
         names: String,
     },
+    /// No view of a scan has a file: put the images there, or correct their names.
+    #[error(
+        "{}: none of its {views} views has a file, so there is nothing to read. The first was \
+         looked for at {}; put the images there, or correct the names",
+        .path.display(), .first.display()
+    )]
+    NoFiles {
+        /// The scan.
+        path: PathBuf,
+        /// Number of its views.
+        views: usize,
+        /// Where the file of the first view was expected.
+        first: PathBuf,
+    },
     /// The path is no scan: name another one.
     #[error("{}: not a scan; accepted are: {accepted}", .path.display())]
     NotAScan {

@@ -170,6 +170,9 @@ impl Scan {
             if let Some((_, reason)) = REFUSED.iter().find(is_refused) {
                 return Err(ReadError::unsupported(path, Place::Whole, *reason));
             }
+            if let Some(problem) = stanford::several(path) {
+                return Err(ReadError::unsupported(path, Place::Whole, problem));
+            }
             if let Some(scan) = scan_within(path) {
                 let reason = format!("a folder that holds scans; pass one, such as {scan}");
                 return Err(ReadError::unsupported(path, Place::Whole, reason));
@@ -239,9 +242,13 @@ impl Scan {
         if missing.is_empty() {
             return Ok(());
         }
+        if let (true, [first, ..]) = (missing.len() == self.views.len(), &missing[..]) {
+            let (path, first) = (path.to_owned(), first.to_path_buf());
+            return Err(ReadError::NoFiles { path, views: self.views.len(), first });
+        }
         let names: Vec<_> = missing.iter().map(|file| file.display().to_string()).collect();
         let (count, views, names) = (missing.len(), self.views.len(), names.join(", "));
-        if !skip || count == views {
+        if !skip {
             return Err(ReadError::MissingFiles { path: path.to_owned(), count, views, names });
         }
         let text = format!("{count} of {views} views left out, without a file: {names}");
@@ -264,6 +271,20 @@ mod tests {
         std::fs::write(folder.path().join("pump.e57"), "").unwrap();
         let error = Scan::open(folder.path()).unwrap_err().to_string();
         assert!(error.contains("pass one, such as ") && error.contains("pump.e57"), "{error}");
+        for name in ["a.conf", "b.conf"] {
+            std::fs::write(folder.path().join(name), "bmesh a.ply 0 0 0 0 0 0 1\n").unwrap();
+        }
+        let told = |error: &ReadError| {
+            let text = error.to_string();
+            assert!(text.contains("2 Stanford configurations"), "{text}");
+            assert!(text.contains("a.conf, ") && text.ends_with("b.conf"), "{text}");
+        };
+        told(&Scan::open(folder.path()).unwrap_err());
+        std::fs::write(folder.path().join("a.ply"), "ply").unwrap();
+        told(&Scan::open(folder.path()).unwrap_err());
+        for name in ["a.conf", "b.conf", "a.ply"] {
+            std::fs::remove_file(folder.path().join(name)).unwrap();
+        }
         let missing = Scan::open(&folder.path().join("nowhere")).unwrap_err();
         assert!(matches!(missing, ReadError::Io { .. }), "{missing}");
         let text = folder.path().join("notes.md");
@@ -311,6 +332,10 @@ mod tests {
             scan.notes
         );
         std::fs::remove_file(folder.path().join("b.ply")).unwrap();
-        assert!(Scan::open_with(&path, &skip).is_err(), "no view is left");
+        for options in [skip, OpenOptions::default()] {
+            let error = Scan::open_with(&path, &options).unwrap_err().to_string();
+            assert!(error.contains("bun.conf: none of its 2 views has a file"), "{error}");
+            assert!(error.contains("a.ply") && !error.contains("skip_missing"), "{error}");
+        }
     }
 }

@@ -69,12 +69,33 @@ impl FromStr for CameraOption {
     fn from_str(text: &str) -> Result<Self, String> {
         let parsed: Option<Vec<f64>> = text.split(',').map(|n| n.trim().parse().ok()).collect();
         match parsed.as_deref() {
-            Some(&[fx, fy, cx, cy]) => Ok(Self::Numbers(Intrinsics { fx, fy, cx, cy })),
+            Some(&[fx, fy, cx, cy]) => {
+                let intrinsics = Intrinsics { fx, fy, cx, cy };
+                check_intrinsics(&intrinsics).map(|()| Self::Numbers(intrinsics))
+            }
             None | Some([_]) => Ok(Self::File(text.into())),
             Some(numbers) => {
                 let count = numbers.len();
                 Err(format!("{count} numbers; expected the four numbers FX,FY,CX,CY, or a file"))
             }
         }
+    }
+}
+
+/// Refuses numbers that no camera has. A focal length fy below 0 means that y points up (ICL-NUIM).
+pub(crate) fn check_intrinsics(found: &Intrinsics) -> Result<(), String> {
+    let Intrinsics { fx, fy, cx, cy } = *found;
+    let wrong = |name: &str, value: f64, expected: &str| {
+        Err(format!("{name} is {value}; expected {expected}, in pixels"))
+    };
+    if !(fx.is_finite() && fx > 0.0) {
+        return wrong("fx", fx, "a focal length over 0");
+    }
+    if !fy.is_finite() || fy == 0.0 {
+        return wrong("fy", fy, "a focal length over 0, or below 0 for a y axis that points up");
+    }
+    match [("cx", cx), ("cy", cy)].into_iter().find(|(_, value)| !value.is_finite()) {
+        Some((name, value)) => wrong(name, value, "a finite number"),
+        None => Ok(()),
     }
 }

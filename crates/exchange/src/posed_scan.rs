@@ -18,7 +18,7 @@
 //! | `poses` | the views that are used, in the order of the scan: `view` is the name in the scan, `pose` is 16 numbers, row-major, sensor to world |
 
 use crate::input::read_text;
-use crate::manifest::{write_key, write_list};
+use crate::manifest::{tool_of, write_key, write_list};
 use crate::{
     LensEntry, Manifest, OpenOptions, Place, ReadError, Scan, ScanView, SensorEntry, ViewEntry,
     pose, row_major, write_manifest,
@@ -29,6 +29,9 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use transect_device::{DepthOffsets, ImageSize};
 use transect_geometry::{Isometry3, LengthUnit};
+
+/// The command that writes scans with other poses.
+const REGISTER: &str = "register";
 
 /// The new pose of a view.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,7 +82,7 @@ impl PosedScan {
     /// An error of `out`.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         match self {
-            Self::Manifest(manifest) => write_manifest(manifest, out),
+            Self::Manifest(manifest) => write_manifest(manifest, REGISTER, out),
             Self::Poses(list) => list.write(out),
         }
     }
@@ -132,7 +135,7 @@ impl PoseList {
         };
         Ok(Self {
             name: name.to_owned(),
-            tool: concat!("transect ", env!("CARGO_PKG_VERSION")).to_owned(),
+            tool: tool_of(REGISTER),
             scan: seen(scan)?,
             unit: options.unit,
             grid: options.grid.map(|grid| [grid.rows, grid.cols]),

@@ -29,6 +29,28 @@ pub(crate) fn configuration(path: &Path) -> Option<PathBuf> {
     found.next().filter(|_| found.next().is_none())
 }
 
+/// The problem of a folder with several configurations; `None` with fewer.
+pub(crate) fn several(folder: &Path) -> Option<String> {
+    let is_configuration = |path: &PathBuf| {
+        let is_conf = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("conf"));
+        let lists_views =
+            |text: &str| text.lines().any(|l| l.starts_with("bmesh ") || l.starts_with("mesh "));
+        is_conf && read_text(path).is_ok_and(|text| lists_views(&text))
+    };
+    let entries = std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path());
+    let mut found: Vec<PathBuf> = entries.filter(is_configuration).collect();
+    found.sort();
+    let names: Vec<String> = found.iter().map(|path| path.display().to_string()).collect();
+    (names.len() > 1).then(|| {
+        format!(
+            "the folder holds {} Stanford configurations, each of which is a scan; pass one of \
+             them: {}",
+            names.len(),
+            names.join(", ")
+        )
+    })
+}
+
 pub(crate) fn open(path: &Path, options: &OpenOptions) -> Result<Scan, ReadError> {
     let path = &configuration(path).unwrap_or_else(|| path.to_owned());
     let text = read_text(path)?;

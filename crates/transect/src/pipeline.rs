@@ -15,7 +15,7 @@
 use crate::fused::{Fused, Observed, fuse};
 use crate::modelled_view::{Modelled, ModelledView, Wanted, model_views, no_curves};
 use crate::packed::PackedCurves;
-use crate::poses::reread;
+use crate::poses::{reread, stated};
 use crate::refine::{Refined, refine};
 use crate::report::{Report, Timings};
 use crate::{PoseReport, ReconstructError, Setup, ViewSource, Watch};
@@ -86,7 +86,9 @@ pub fn reconstruct<S: ViewSource>(
     };
     let witnesses: Vec<_> = witnesses.iter().map(Option::as_ref).collect();
     let again = |order| reread(sources, order, CoarseView::quick);
-    let judged = copies.map(|copies| PoseReport::of_given(copies, again, setup.unit));
+    let stated = stated(sources);
+    let judged =
+        copies.map(|copies| PoseReport::of_given(copies, stated.as_ref(), again, setup.unit));
     let views_done = Instant::now();
     let planes = by_plane(&mut views);
     if planes.is_empty() {

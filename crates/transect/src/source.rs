@@ -1,7 +1,7 @@
 //! The sources of views.
 
 use transect_device::{DepthOffsets, ImageOrder, Isometry3, Note, View};
-use transect_register::PosePrior;
+use transect_register::{PosePrior, PoseReading};
 
 /// An error of a source; any type, since sources are foreign code.
 pub type SourceError = Box<dyn std::error::Error + Send + Sync>;
@@ -23,6 +23,12 @@ pub trait ViewSource: Sync {
 
     /// How far the view's pose may be wrong, if that is known of this view.
     fn pose_prior(&self) -> Option<PosePrior> {
+        None
+    }
+
+    /// The pose as the file states it (world from sensor), with the convention by which the user
+    /// had it read in place of that; `None` if it was read as stated.
+    fn stated_pose(&self) -> Option<(PoseReading, Isometry3)> {
         None
     }
 
@@ -112,6 +118,10 @@ macro_rules! same_source {
 
             fn pose_prior(&self) -> Option<PosePrior> {
                 (**self).pose_prior()
+            }
+
+            fn stated_pose(&self) -> Option<(PoseReading, Isometry3)> {
+                (**self).stated_pose()
             }
 
             fn load(&self) -> Result<LoadedView, SourceError> {

@@ -103,6 +103,23 @@ pub enum WorkflowError {
         #[source]
         source: Box<WorkflowError>,
     },
+    /// A view of a store cannot be read again, because its scan or its file is not there.
+    #[error(
+        "{}: view {view} came from the scan {}, and cannot be read again from there. If the scan \
+         was moved, take the view from its new place: transect replace-view {} {view:?} SCAN",
+        store.display(), scan.display(), store.display()
+    )]
+    ScanGone {
+        /// The store.
+        store: PathBuf,
+        /// The view.
+        view: String,
+        /// The scan that the view came from.
+        scan: PathBuf,
+        /// The error of the scan.
+        #[source]
+        source: Box<WorkflowError>,
+    },
     /// The views cannot be added to the store.
     #[error(transparent)]
     Grow(#[from] GrowError),

@@ -10,6 +10,7 @@ use serde_json::Value;
 use std::fs::{self, File, TryLockError};
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use transect_exchange::MANIFEST_FILE;
 use transect_model::SCHEMA_VERSION;
 use transect_model::store::LINES_START;
 
@@ -51,18 +52,84 @@ pub(crate) fn check_output(output: &Path, inputs: &[PathBuf]) -> Result<(), Work
     Ok(())
 }
 
-/// Prepares a manifest for being replaced. Without `force`, this program must have written it.
+/// Prepares a file for the manifest of a folder of depth images. Without `force`, a file that is
+/// there must be the manifest that the command `manifest` wrote for the same folder.
 ///
 /// # Errors
 /// [`WorkflowError::File`] if it is of other origin, a folder, one of the inputs, or a store.
-pub fn claim_manifest(output: &Path, force: bool, inputs: &[PathBuf]) -> Result<(), WorkflowError> {
+pub fn claim_manifest(
+    output: &Path,
+    images: &Path,
+    force: bool,
+    inputs: &[PathBuf],
+) -> Result<(), WorkflowError> {
     claim_output(output, inputs)?;
-    if force || !output.exists() || is_own_manifest(output) {
-        return Ok(());
+    let first_image = |found: &Value| found["views"][0]["file"].as_str().map(PathBuf::from);
+    let of_folder = |found: &Value| {
+        let image = first_image(found);
+        image.is_some_and(|image| image.ancestors().any(|folder| same_file(folder, images)))
+    };
+    match origin_of_other(output, "manifest", of_folder) {
+        Some(origin) if !force => {
+            let problem = format!(
+                "the file exists, and {origin}; manifest replaces its own file of the same folder \
+                 only. Choose another --out, or replace it with --force"
+            );
+            Err(WorkflowError::file(output, problem))
+        }
+        _ => Ok(()),
     }
-    let problem = "the file exists, and its key \"tool\" does not name this program; choose another \
-                   --out, or replace it with --force";
-    Err(WorkflowError::file(output, problem))
+}
+
+/// Prepares a folder for the `scan.json` of `register`. A file that is there must be the one that
+/// `register` wrote for the same scan, by the report beside it.
+///
+/// # Errors
+/// [`WorkflowError::File`] if it is of other origin, a folder, one of the inputs, or a store.
+pub(crate) fn claim_registered(
+    output: &Path,
+    report: &Path,
+    scan: &Path,
+    inputs: &[PathBuf],
+) -> Result<(), WorkflowError> {
+    claim_output(output, inputs)?;
+    let of_scan = |_: &Value| {
+        let registered = json(report)["registered"].as_str().map(PathBuf::from);
+        registered.is_some_and(|registered| same_scan(&registered, scan))
+    };
+    match origin_of_other(output, "register", of_scan) {
+        Some(origin) => {
+            let problem = format!(
+                "the file exists, and {origin}; register replaces its own file of the same scan \
+                 only. Choose another --out, or remove the file"
+            );
+            Err(WorkflowError::file(output, problem))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Where a manifest comes from, in words, if a command may not replace it; `None` if it may.
+///
+/// `is_same` tells whether a manifest that the command wrote is about the same scan.
+fn origin_of_other(
+    output: &Path,
+    command: &str,
+    is_same: impl Fn(&Value) -> bool,
+) -> Option<String> {
+    if !output.exists() {
+        return None;
+    }
+    let found = json(output);
+    match command_of(&found) {
+        None | Some("") => {
+            Some("its key \"tool\" does not name this program and its command".to_owned())
+        }
+        Some(own) if own == command => {
+            (!is_same(&found)).then(|| format!("{command} wrote it for another scan"))
+        }
+        Some(other) => Some(format!("transect {other} wrote it")),
+    }
 }
 
 /// Prepares a file for the lines of a store. A file that is there must hold such lines: it might be
@@ -85,11 +152,31 @@ fn starts_with(path: &Path, start: &[u8]) -> bool {
     read.is_ok() && found == start
 }
 
-/// Whether a manifest states that this program wrote it.
-pub(crate) fn is_own_manifest(path: &Path) -> bool {
-    let bytes = fs::read(path).unwrap_or_default();
-    let manifest: Value = serde_json::from_slice(&bytes).unwrap_or_default();
-    manifest["tool"].as_str().is_some_and(|tool| tool.starts_with("transect "))
+/// Whether a manifest states that the command `simulate` wrote it. Manifests of earlier builds name
+/// the program without a command.
+pub(crate) fn is_simulated_manifest(path: &Path) -> bool {
+    matches!(command_of(&json(path)), Some("simulate" | ""))
+}
+
+/// The command that wrote a manifest, empty if only the program is named; `None` if its key `tool`
+/// does not name this program.
+fn command_of(manifest: &Value) -> Option<&str> {
+    let version = manifest["tool"].as_str()?.strip_prefix("transect ")?;
+    Some(version.split_once(' ').map_or("", |(_, command)| command))
+}
+
+/// The content of a JSON file; null if it cannot be read.
+fn json(path: &Path) -> Value {
+    serde_json::from_slice(&fs::read(path).unwrap_or_default()).unwrap_or_default()
+}
+
+/// Whether two paths lead to one scan. A folder stands for the manifest in it.
+fn same_scan(a: &Path, b: &Path) -> bool {
+    let file = |path: &Path| match path.is_dir() {
+        true => path.join(MANIFEST_FILE),
+        false => path.to_owned(),
+    };
+    same_file(a, b) || same_file(&file(a), &file(b))
 }
 
 /// Whether two paths lead to one file, through links or not. Neither file has to exist.

@@ -1,10 +1,10 @@
 //! Registration: the poses of a scan, refined and written as a scan of their own.
 
-use crate::outputs::{Staging, claim_output};
+use crate::outputs::{Staging, claim_output, claim_registered};
 use crate::report_file::readable;
 use crate::results::MODEL;
 use crate::settings::refine_options;
-use crate::{Check, OpenScan, Plausibility, WorkflowError, claim_manifest};
+use crate::{Check, OpenScan, Plausibility, WorkflowError};
 use serde::Serialize;
 use std::path::Path;
 use transect::register::{PoseReading, RefinedPose};
@@ -88,14 +88,15 @@ impl Registration<'_> {
     /// [`WorkflowError::File`] naming the file that must stay.
     pub fn claim(scan: &OpenScan, folder: &Path) -> Result<(), WorkflowError> {
         let inputs = &scan.scan().inputs;
-        claim_manifest(&folder.join(MANIFEST_FILE), false, inputs)?;
+        let report = folder.join(REPORT);
+        claim_registered(&folder.join(MANIFEST_FILE), &report, &scan.path, inputs)?;
         let model = folder.join(MODEL);
         if model.exists() {
             let problem = "the folder holds the results of reconstruct, whose report.json would be \
                            replaced; choose another --out";
             return Err(WorkflowError::file(&model, problem));
         }
-        claim_output(&folder.join(REPORT), inputs)
+        claim_output(&report, inputs)
     }
 
     /// Writes the scan with the refined poses and the report into a folder; both appear together.

@@ -203,6 +203,14 @@ impl Input {
     }
 }
 
+/// The SHA-256 of a file as hexadecimal digits; `None` if the file cannot be read.
+pub(crate) fn sha256(path: &Path) -> Option<String> {
+    match Content::of(path) {
+        Ok(Content::Read { sha256, .. }) => Some(sha256),
+        _ => None,
+    }
+}
+
 impl Content {
     fn of(path: &Path) -> Result<Self, Error> {
         let mut file = open_regular(path)?;

@@ -4,7 +4,7 @@ use crate::outputs::{Staging, check_output, claim_output};
 use crate::table::Row;
 use crate::{Costs, ReportFile, WorkflowError};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -230,24 +230,54 @@ impl ResultFolder {
         Ok(write_file(&self.0.join(REPORT), write)?)
     }
 
-    /// The path of the scan that the folder's model was made of, as its report has it; `None` if
-    /// only a part of the scan was read, or in another way than the scan states.
-    pub(crate) fn whole_scan(&self) -> Option<PathBuf> {
-        #[derive(serde::Deserialize)]
+    /// The file of the report.
+    pub(crate) fn report(&self) -> PathBuf {
+        self.0.join(REPORT)
+    }
+
+    /// The scan that the folder's model was made of, as its report has it.
+    ///
+    /// # Errors
+    /// The reason, in words, if there is no report, only a part of the scan was read, or it was
+    /// read in another way than the scan states.
+    pub(crate) fn made_of(&self) -> Result<MadeOf, String> {
+        #[derive(Deserialize)]
         struct Written {
-            scan: PathBuf,
             selection: Option<Value>,
             pose_convention: Option<Value>,
             image_order: Option<Value>,
             #[serde(default)]
             skip_missing: bool,
+            #[serde(flatten)]
+            made_of: MadeOf,
         }
-        let text = read_text(&self.0.join(REPORT)).ok()?;
-        let written: Written = serde_json::from_str(&text).ok()?;
+        let report = self.report();
+        let text = read_text(&report).ok();
+        let written = text.and_then(|text| serde_json::from_str::<Written>(&text).ok());
+        let written = written
+            .ok_or_else(|| format!("{} does not name the scan of the model", report.display()))?;
         let otherwise = [written.selection, written.pose_convention, written.image_order];
-        let as_stated = otherwise.iter().all(Option::is_none) && !written.skip_missing;
-        as_stated.then_some(written.scan)
+        if otherwise.iter().any(Option::is_some) || written.skip_missing {
+            let scan = written.made_of.scan.display();
+            return Err(format!("the scan {scan} was read in part or by another convention"));
+        }
+        Ok(written.made_of)
     }
+}
+
+/// The scan of a model and the files that were read of it.
+#[derive(Debug, Deserialize)]
+pub(crate) struct MadeOf {
+    pub scan: PathBuf,
+    #[serde(default)]
+    pub inputs: Vec<HashedInput>,
+}
+
+/// A file that was read, and the hash of its content, if it is known.
+#[derive(Debug, Deserialize)]
+pub(crate) struct HashedInput {
+    pub path: PathBuf,
+    pub sha256: Option<String>,
 }
 
 fn write_sheets(folder: &Path, model: &Model) -> Result<(), WorkflowError> {

@@ -183,7 +183,8 @@ impl OpenScan {
             let view = origin(view, self.path(), plausibility.clone());
             let (id, read) =
                 (format!("{prefix}{}", view.id), Arc::new(Mutex::new(read.remove(&k))));
-            FileView { id, read, limits: self.limits, ..view }
+            let stated_pose = self.stated_pose(k);
+            FileView { id, read, stated_pose, limits: self.limits, ..view }
         };
         Ok((self.scan().views.iter().enumerate().map(view).collect(), found))
     }

@@ -1,8 +1,8 @@
 //! Scoring a model against a mesh, or against the truth that a simulation left.
 
+use crate::WorkflowError;
 use crate::length::parse_length;
 use crate::table::Row;
-use crate::{ResultFolder, WorkflowError};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -50,12 +50,6 @@ impl Reference {
         let truth = folder.map(|f| f.join(TRUTH_FILE)).filter(|t| t.is_file());
         truth.map_or(Self::Nothing, |truth| Self::Simulated { truth, scan: scan.to_owned() })
     }
-
-    /// The truth beside the scan that a folder's model was made of, if any. It counts what all
-    /// views could see, so a model of a part of the scan has none.
-    pub fn of_results(folder: &ResultFolder) -> Self {
-        folder.whole_scan().map_or(Self::Nothing, |scan| Self::beside(&scan))
-    }
 }
 
 /// The rows of a score.
@@ -90,6 +84,9 @@ pub fn score(
             let checked = extents.map_or(Ok(()), |(ours, theirs)| ours.check(&theirs, margin));
             checked.map_err(|e| WorkflowError::file(path, e))?;
             let truth = cut(&mesh, model).map_err(|e| WorkflowError::file(path, e))?;
+            if let (true, Some((ours, theirs))) = (truth.is_empty(), extents) {
+                return Err(WorkflowError::file(path, ours.uncut(&theirs)));
+            }
             evaluate(model.planes(), &curves(model), &truth, &limits.options(model)?)?
         }
         Reference::Simulated { truth, scan } => {

@@ -4,13 +4,14 @@ use crate::results::find_model;
 use crate::selection::Limits;
 use crate::settings::refine_options;
 use crate::{Check, FileView, Plausibility, WorkflowError};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
+use std::collections::btree_map::{BTreeMap, Entry};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use transect::{
     GrowError, Grower, Growth, ReconstructError, Reconstruction, Report, Setup, Unwatched, Watch,
 };
-use transect_exchange::{OpenOptions, Scan, ScanView};
+use transect_exchange::{OpenOptions, ReadError, Scan, ScanView};
 use transect_geometry::Isometry3;
 use transect_model::store::{Store, StoreError, StoreHeader, StoreProblem, StoredView, ViewId};
 use transect_model::{CodecError, SCHEMA_VERSION};
@@ -119,9 +120,14 @@ impl StoreFile {
         let missing = || WorkflowError::file(&self.path, format!("view {name:?} has been removed"));
         let old = self.store.read()?.view(&id)?.ok_or_else(missing)?;
         let scan_path = replacement.scan.clone().unwrap_or_else(|| old.entry.source.clone().into());
-        let scan = self.scan_of(&scan_path)?;
+        // The user knows a scan that was named in the command.
+        let own = |error| match &replacement.scan {
+            Some(_) => error,
+            None => self.scan_gone(name, &scan_path, error),
+        };
+        let scan = self.scan_of(&scan_path).map_err(own)?;
         let in_scan = replacement.view.as_deref().unwrap_or(&old.entry.name);
-        let view = self.view_of_scan(&scan, &scan_path, in_scan)?;
+        let view = self.view_of_scan(&scan, &scan_path, in_scan).map_err(own)?;
         let accepted = replacement.accept.clone();
         let interval = self.setup.planes.interval();
         let unit = self.setup.unit;
@@ -153,14 +159,11 @@ impl StoreFile {
     ) -> Result<Replaced, WorkflowError> {
         let unit = self.setup.unit;
         let (options, stored) = (refine_options(unit, prior)?, self.store.views()?);
-        let paths: BTreeSet<&str> = stored.iter().map(|view| view.entry.source.as_str()).collect();
-        let open = |path| Ok((path, self.scan_of(Path::new(path))?));
-        let scans: Result<BTreeMap<&str, Scan>, WorkflowError> =
-            paths.into_iter().map(open).collect();
-        let scans = scans?;
+        let scans = self.scans_of(&stored)?;
         let source = |StoredView { entry, .. }: &StoredView| {
             let path = Path::new(&entry.source);
-            let view = self.view_of_scan(&scans[entry.source.as_str()], path, &entry.name)?;
+            let view = self.view_of_scan(&scans[entry.source.as_str()], path, &entry.name);
+            let view = view.map_err(|error| self.scan_gone(&entry.id.0, path, error))?;
             let plausibility = Plausibility::without_planes(unit, accept);
             Ok(FileView { id: entry.id.0.clone(), ..origin(view, path, plausibility) })
         };
@@ -172,6 +175,28 @@ impl StoreFile {
         let planes: BTreeSet<_> = old.chain(&views).flat_map(|view| &view.planes).collect();
         let planes_fused = planes.len();
         Ok(Replaced { planes_fused, report, views })
+    }
+
+    /// The scans that views came from, by their paths.
+    fn scans_of<'v>(
+        &self,
+        views: &'v [StoredView],
+    ) -> Result<BTreeMap<&'v str, Scan>, WorkflowError> {
+        let mut scans = BTreeMap::new();
+        for StoredView { entry, .. } in views {
+            let path = Path::new(&entry.source);
+            if let Entry::Vacant(place) = scans.entry(entry.source.as_str()) {
+                let scan = self.scan_of(path);
+                place.insert(scan.map_err(|error| self.scan_gone(&entry.id.0, path, error))?);
+            }
+        }
+        Ok(scans)
+    }
+
+    /// The error of a view whose own scan does not give it any more.
+    fn scan_gone(&self, view: &str, scan: &Path, source: WorkflowError) -> WorkflowError {
+        let (store, scan) = (self.path.clone(), scan.to_owned());
+        WorkflowError::ScanGone { store, view: view.to_owned(), scan, source: Box::new(source) }
     }
 
     /// The scan at a path, of which views may lack their files. A scan that does not state its unit
@@ -195,7 +220,17 @@ impl StoreFile {
         // The view may have been left out because its file is missing. This error says so.
         let mut options = OpenOptions::default();
         options.unit = Some(self.setup.unit);
-        Scan::open_with(path, &options)?;
+        match Scan::open_with(path, &options) {
+            // No command of a store leaves views out.
+            Err(ReadError::MissingFiles { count, views, names, .. }) => {
+                let problem = format!(
+                    "{count} of {views} views have no file: {names}; put the files there, or \
+                     correct their names"
+                );
+                return Err(WorkflowError::file(path, problem));
+            }
+            other => other?,
+        };
         let names: Vec<&str> = scan.views.iter().take(NAMES).map(ScanView::name).collect();
         let others = match scan.views.len() - names.len() {
             0 => String::new(),
@@ -350,5 +385,6 @@ pub(crate) fn origin<'a>(
     let absolute = std::path::absolute(scan).unwrap_or_else(|_| scan.to_owned());
     let origin = absolute.display().to_string();
     let (id, limits) = (view.name().to_owned(), Limits::default());
-    FileView { view, id, origin, pose: None, read: Arc::default(), limits, plausibility }
+    let read = Arc::default();
+    FileView { view, id, origin, pose: None, stated_pose: None, read, limits, plausibility }
 }

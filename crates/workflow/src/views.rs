@@ -22,6 +22,8 @@ pub struct OpenScan {
     pub(crate) options: OpenOptions,
     /// The convention by which the poses were read, if it is not the scan's own.
     pub(crate) reading: Option<PoseReading>,
+    /// The poses as the files state them, one for each view, if a convention was asked for.
+    stated: Vec<Isometry3>,
 }
 
 impl OpenScan {
@@ -40,11 +42,13 @@ impl OpenScan {
             limits: Limits::default(),
             options: options.clone(),
             reading: None,
+            stated: Vec::new(),
         })
     }
 
     /// The scan with its poses read by another convention. Call it before [`OpenScan::select`].
     pub fn with_reading(mut self, reading: PoseReading) -> Self {
+        self.stated = self.scan.views.iter().map(|view| *view.world_from_sensor()).collect();
         let read = |view: ScanView| {
             let pose = reading.apply(view.world_from_sensor());
             view.with_pose(pose)
@@ -76,6 +80,7 @@ impl OpenScan {
         self.selection = selection.clone();
         let all = self.scan.views.len();
         self.scan.views = numbers.iter().map(|&k| self.scan.views[k].clone()).collect();
+        self.stated = numbers.iter().filter_map(|&k| self.stated.get(k).copied()).collect();
         if numbers.len() < all {
             let note = format!("{} of {all} views are used, as asked for", numbers.len());
             self.scan.notes.push(Note::new(note));
@@ -108,9 +113,16 @@ impl OpenScan {
             return Err(WorkflowError::file(&self.path, problem));
         }
         self.scan.notes.push(Note::new(note));
-        let mut kept = kept.into_iter();
-        self.scan.views.retain(|_| kept.next().unwrap_or(true));
+        let mut keep = kept.iter();
+        self.stated.retain(|_| keep.next().copied().unwrap_or(true));
+        let mut keep = kept.iter();
+        self.scan.views.retain(|_| keep.next().copied().unwrap_or(true));
         Ok(())
+    }
+
+    /// The pose of a view as its file states it, and the convention by which it was read instead.
+    pub(crate) fn stated_pose(&self, view: usize) -> Option<(PoseReading, Isometry3)> {
+        self.reading.zip(self.stated.get(view).copied())
     }
 
     /// Gives the scan planes, as if its files stated them, and tells so.
@@ -131,6 +143,8 @@ pub struct FileView<'a> {
     pub origin: String,
     /// A pose in place of the scan's own.
     pub pose: Option<Isometry3>,
+    /// The convention by which the user had the pose read, and the pose as the file states it.
+    pub(crate) stated_pose: Option<(PoseReading, Isometry3)>,
     /// The view, if it has been read already and not been loaded since.
     pub(crate) read: Arc<Mutex<Option<ReadView>>>,
     /// The limits of its points.
@@ -160,6 +174,10 @@ impl ViewSource for FileView<'_> {
     fn pose_prior(&self) -> Option<PosePrior> {
         let PoseSigma { rotation, translation } = self.view.pose_sigma()?;
         Some(PosePrior { rotation, translation })
+    }
+
+    fn stated_pose(&self) -> Option<(PoseReading, Isometry3)> {
+        self.stated_pose
     }
 
     fn load_in(&self, order: ImageOrder) -> Option<Result<LoadedView, SourceError>> {

@@ -2,7 +2,7 @@
 
 use super::planes::parse_numbers;
 use crate::failure::Failure;
-use crate::table::{Row, print};
+use crate::table::{Lengths, Row, print};
 use std::path::PathBuf;
 use transect_geometry::{LengthUnit, Point3, Vector3};
 use transect_workflow::{AlignmentScans, SphereFile};
@@ -40,15 +40,15 @@ const MOST_RESIDUAL: f64 = 2.0;
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let vector = |option: &str, text: &str| numbers::<3>(option, text).map(Vector3::from);
-    let axis = arguments.axis.as_deref().map(|text| numbers::<6>("axis", text)).transpose()?;
+    let axis = arguments.axis.as_deref().map(parse_axis).transpose()?;
     let scans = AlignmentScans {
         table: arguments.table.clone(),
         table_in_world: [
-            vector("table-normal", &arguments.table_normal)?,
+            direction("table-normal", vector("table-normal", &arguments.table_normal)?)?,
             vector("table-point", &arguments.table_point)?,
         ],
         spheres: arguments.sphere.iter().map(|text| sphere(text)).collect::<Result<_, _>>()?,
-        axis: axis.map(|[a, b, c, d, e, f]| [Vector3::new(a, b, c), Vector3::new(d, e, f)]),
+        axis,
     };
     let found = scans.align()?;
     if found.residual_rms > MOST_RESIDUAL * found.sphere_noise {
@@ -59,7 +59,9 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             found.residual_rms / found.sphere_noise
         );
     }
-    let pose = found.world_from_sensor.to_homogeneous();
+    let (lengths, mut pose) =
+        (Lengths::for_programs(arguments.unit), found.world_from_sensor.to_homogeneous());
+    pose.fixed_view_mut::<3, 1>(0, 3).apply(|length| *length = lengths.converted(*length, 1));
     let rows = pose.row_iter().map(|row| {
         let numbers: Vec<String> = row.iter().map(|number| format!("{number:.9}")).collect();
         numbers.join(", ")
@@ -70,7 +72,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Row::length("noise of the spheres by themselves", found.sphere_noise, arguments.unit),
         Row::plain("points used", found.used),
         Row::plain("outliers", found.rejected),
-        Row::plain("pose", format!("[{}]", rows.join(", "))),
+        Row::new("pose", format!("[{}]", rows.join(", ")), lengths.unit.symbol()),
     ]);
     Ok(())
 }
@@ -78,9 +80,36 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn sphere(text: &str) -> Result<SphereFile, Failure> {
     // The path may hold commas.
     let at = text.rmatch_indices(',').nth(3).map(|(at, _)| at);
-    let (path, rest) = at.map_or((text, ""), |at| (&text[..at], &text[at + 1..]));
-    let [x, y, z, radius] = numbers("sphere", rest)?;
+    let parts = at.map(|at| (&text[..at], &text[at + 1..]));
+    let parsed = parts.and_then(|(path, rest)| Some((path, parse_numbers(rest)?)));
+    let (path, [x, y, z, radius]) = parsed.ok_or_else(|| {
+        let problem = format!(
+            "--sphere: found {text:?}; expected FILE,X,Y,Z,RADIUS: a file, the centre of the \
+             sphere and its radius"
+        );
+        Failure::Usage(problem)
+    })?;
     Ok(SphereFile { path: PathBuf::from(path), center: Point3::new(x, y, z), radius })
+}
+
+/// The axis in the sensor and in the world.
+fn parse_axis(text: &str) -> Result<[Vector3; 2], Failure> {
+    let [a, b, c, d, e, f] = numbers::<6>("axis", text)?;
+    let [in_sensor, in_world] = [Vector3::new(a, b, c), Vector3::new(d, e, f)];
+    Ok([direction("axis", in_sensor)?, direction("axis", in_world)?])
+}
+
+/// Refuses a vector that has no direction.
+fn direction(option: &str, vector: Vector3) -> Result<Vector3, Failure> {
+    let length = vector.norm();
+    if length.is_finite() && length > 0.0 {
+        return Ok(vector);
+    }
+    let [x, y, z]: [f64; 3] = vector.into();
+    Err(Failure::Usage(format!(
+        "--{option}: found {x},{y},{z}, which has no direction; expected finite numbers that are \
+         not all 0, such as 0,0,1"
+    )))
 }
 
 fn numbers<const N: usize>(option: &str, text: &str) -> Result<[f64; N], Failure> {

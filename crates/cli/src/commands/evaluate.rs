@@ -1,9 +1,13 @@
 //! `transect evaluate`: how accurate a model is.
 
 use crate::failure::Failure;
+use crate::notes;
 use crate::table::{print, print_rows_csv};
 use std::path::{Path, PathBuf};
-use transect_workflow::{ModelFile, Reference, ResultFolder, ScoreLimits, find_model, score};
+use transect_device::Note;
+use transect_workflow::{
+    ModelFile, Reference, ResultFolder, ScoreLimits, TruthOfResults, find_model, score,
+};
 
 /// Options of `evaluate`.
 #[derive(Debug, clap::Args)]
@@ -26,19 +30,27 @@ pub struct Arguments {
     csv: bool,
 }
 
+/// The truth of the scan that a folder's model was made of.
+fn truth(folder: &Path) -> Result<Reference, Failure> {
+    let found = TruthOfResults::find(&ResultFolder::new(folder))?;
+    notes::warn(&found.warnings);
+    let note = found.absent.map(|reason| {
+        Note::new(format!(
+            "only duplicated length is measured, because {reason}. To measure distances, pass \
+             --reference MESH"
+        ))
+    });
+    notes::tell(note.as_slice());
+    Ok(found.reference)
+}
+
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let file = find_model(&arguments.model)?;
     let reference = match &arguments.reference {
         Some(mesh) => Reference::Mesh(mesh.clone()),
-        None => Reference::of_results(&ResultFolder::new(file.parent().unwrap_or(Path::new("")))),
+        None => truth(file.parent().unwrap_or(Path::new("")))?,
     };
-    if matches!(reference, Reference::Nothing) {
-        eprintln!(
-            "note: only duplicated length is measured. There is no --reference MESH, and the scan has \
-             no truth beside it, or was read in part or by another convention"
-        );
-    }
     let limits =
         ScoreLimits { from: arguments.from.clone(), tolerance: arguments.tolerance.clone() };
     let model = ModelFile::open(&file)?.into_model()?;

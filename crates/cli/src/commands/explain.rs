@@ -4,6 +4,7 @@ use super::method::MethodArguments;
 use super::planes::{AcceptArguments, PlaneArguments};
 use super::scan::ScanArguments;
 use crate::failure::Failure;
+use crate::notes;
 use crate::table::{Row, print};
 use std::path::{Path, PathBuf};
 use transect_workflow::explain::Explanation;
@@ -60,7 +61,7 @@ impl DrawingArguments {
         settings.accept.clone_from(&self.accept.accept);
         self.methods.apply(&mut settings);
         if scan.lacks_planes(&settings) {
-            eprintln!("note: {}", scan.suggest_planes(&settings)?);
+            notes::tell(&[scan.suggest_planes(&settings)?]);
         }
         let default = || default_folder(&scan.scan().name).join(command);
         let out = self.out.clone().unwrap_or_else(default);

@@ -26,6 +26,11 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if arguments.out.is_none() && arguments.dxf.dxf.is_some() {
+        let problem = "--dxf: the option is about model.dxf, and --lines without --out writes no \
+                       model.dxf; pass --out DIR, or leave out --dxf";
+        return Err(Failure::Usage(problem.to_owned()));
+    }
     let (inputs, mut rows) = ([find_model(&arguments.file)?], Vec::new());
     let folder = arguments.out.as_ref().map(ResultFolder::new);
     folder.iter().try_for_each(|folder| folder.claim(&inputs))?;
@@ -41,7 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             return Err(Failure::with_file(&arguments.file, problem));
         }
         let name = arguments.file.file_stem().unwrap_or_default().to_string_lossy();
-        folder.write_model(&name, &model, arguments.dxf.dxf)?;
+        folder.write_model(&name, &model, arguments.dxf.frame())?;
         rows.push(Row::plain("results", folder.path().display()));
     }
     print(&rows);

@@ -22,7 +22,7 @@ pub struct Arguments {
     /// File to write; images are named by absolute path in it.
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Replace the file even if this program did not write it.
+    /// Replace the file even if this command did not write it for the same folder.
     #[arg(long)]
     force: bool,
     /// Normal of the section planes to put into it, as X,Y,Z.
@@ -51,11 +51,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         manifest.planes = Some(planes);
     }
     let images = manifest.views.iter().map(|view| PathBuf::from(&view.file));
-    claim_manifest(&arguments.out, arguments.force, &images.collect::<Vec<_>>())?;
+    let (images, folder) = (images.collect::<Vec<_>>(), &arguments.folder);
+    claim_manifest(&arguments.out, folder, arguments.force, &images)?;
     if let Some(folder) = arguments.out.parent().filter(|f| !f.as_os_str().is_empty()) {
         std::fs::create_dir_all(folder).map_err(|e| Failure::with_file(folder, e))?;
     }
-    write_file(&arguments.out, |out| write_manifest(&manifest, out))?;
+    write_file(&arguments.out, |out| write_manifest(&manifest, "manifest", out))?;
     print(&[
         Row::plain("views", manifest.views.len()),
         Row::plain("manifest", arguments.out.display()),

@@ -2,11 +2,11 @@
 
 use super::open_model;
 use crate::failure::Failure;
-use crate::table::{Lengths, Quantity, Row, print, print_csv, print_grid, print_rows_csv, say};
+use crate::table::{Lengths, Quantity, Row, print, print_csv, print_grid, say};
 use std::path::PathBuf;
 use transect_geometry::{LengthUnit, PlaneFamily, PlaneIndex, Point3};
-use transect_model::{Bracket, SectionMeasures, Volume};
-use transect_workflow::{ModelFile, parse_length};
+use transect_model::{Bracket, ModelVolume, SectionMeasures, Volume};
+use transect_workflow::{ModelFile, parse_distance};
 
 /// Options of `measure`.
 #[derive(Debug, clap::Args)]
@@ -28,12 +28,12 @@ pub struct Arguments {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let file = open_model(&arguments.file)?;
-    let parse = |text: &String| parse_length(file.unit(), "close-gaps", text);
+    let parse = |text: &String| parse_distance(file.unit(), "close-gaps", text);
     let close_gaps = arguments.close_gaps.as_ref().map(parse).transpose()?;
     let mut planes = Vec::new();
     file.for_each_section(|plane, section| planes.push((plane, section.measures())))?;
     match (arguments.csv, arguments.sums) {
-        (true, true) => print_rows_csv(&rows(&file, &planes, close_gaps)?),
+        (true, true) => print_sums_csv(&file, &planes, close_gaps)?,
         (true, false) => print_planes_csv(&file, &planes, close_gaps),
         (false, sums) => {
             if !sums {
@@ -181,6 +181,77 @@ fn estimate(bracket: &Bracket, closed: bool, lengths: &Lengths, power: u8) -> St
     if closed { lengths.digits(bracket.estimate, power) } else { "wider gaps".to_owned() }
 }
 
+/// A sum over all planes: its name and its value.
+#[derive(Clone, Copy)]
+enum Sum {
+    Count(&'static str, usize),
+    Length(&'static str, f64),
+}
+
+/// The sums over all planes but for the volumes.
+fn sums(planes: &[(PlaneIndex, SectionMeasures)], volume: &ModelVolume) -> [Sum; 7] {
+    let measures = || planes.iter().map(|(_, measures)| measures);
+    let with_open_curves = measures().filter(|m| m.open_curves > 0).count();
+    let contradictions: usize = measures().map(|m| m.contradictions).sum();
+    [
+        Sum::Count("planes with curves", planes.len()),
+        Sum::Count("planes with open curves", with_open_curves),
+        Sum::Length("length of closed curves", measures().map(|m| m.perimeter).sum()),
+        Sum::Length("length of open curves", measures().map(|m| m.open_length).sum()),
+        Sum::Length("widest gap", volume.widest_gap),
+        Sum::Count("directions that contradict nesting", contradictions),
+        Sum::Count("runs of neighbouring planes", volume.runs.len()),
+    ]
+}
+
+/// Prints the sums with one number in each line. What is unknown is empty.
+fn print_sums_csv(
+    file: &ModelFile,
+    planes: &[(PlaneIndex, SectionMeasures)],
+    close_gaps: Option<f64>,
+) -> Result<(), Failure> {
+    let (volume, lengths) = (file.volume()?, Lengths::for_programs(file.unit()));
+    let unit = lengths.unit.symbol();
+    let line = |sum: Sum| match sum {
+        Sum::Count(name, count) => vec![name.to_owned(), count.to_string(), String::new()],
+        Sum::Length(name, length) => {
+            vec![name.to_owned(), lengths.exact(length, 1), unit.to_owned()]
+        }
+    };
+    let mut lines: Vec<Vec<String>> = sums(planes, &volume).map(line).to_vec();
+    let closed = close_gaps.map(|widest| volume.widest_gap <= widest);
+    for (name, volume) in [("solid volume", &volume.solid), ("clear volume", &volume.clear)] {
+        let exact = |value: Option<f64>| value.map(|v| lengths.exact(v, 3)).unwrap_or_default();
+        let values = volume_sums(name, volume, closed);
+        lines.extend(values.map(|(name, value)| vec![name, exact(value), format!("{unit}³")]));
+    }
+    print_csv(&["metric", "value", "unit"], &lines);
+    Ok(())
+}
+
+/// The bounds of a volume, its error and its estimate with gaps closed, as single numbers.
+fn volume_sums(
+    name: &str,
+    volume: &Volume,
+    closed: Option<bool>,
+) -> impl Iterator<Item = (String, Option<f64>)> {
+    let (Volume { bracket, interval_error, .. }, known) = (volume, is_known(volume));
+    let closed = closed.map(|closed| {
+        (format!("{name}, gaps closed"), (closed && known).then_some(bracket.estimate))
+    });
+    let bounds = [
+        (format!("least {name}"), known.then_some(bracket.least)),
+        (format!("most {name}"), bracket.most.filter(|_| known)),
+        (format!("largest interval error of {name}"), Some(*interval_error)),
+    ];
+    bounds.into_iter().chain(closed)
+}
+
+/// Whether a volume is known. A single plane has no neighbour that tells how far its area reaches.
+fn is_known(volume: &Volume) -> bool {
+    volume.bracket.estimate == 0.0 || volume.interval_error < volume.bracket.estimate
+}
+
 /// The sums over all planes, and the volumes.
 fn rows(
     file: &ModelFile,
@@ -188,18 +259,11 @@ fn rows(
     close_gaps: Option<f64>,
 ) -> Result<Vec<Row>, Failure> {
     let (volume, unit) = (file.volume()?, file.unit());
-    let measures = || planes.iter().map(|(_, measures)| measures);
-    let with_open_curves = measures().filter(|m| m.open_curves > 0).count();
-    let contradictions: usize = measures().map(|m| m.contradictions).sum();
-    let mut rows = vec![
-        Row::plain("planes with curves", planes.len()),
-        Row::plain("planes with open curves", with_open_curves),
-        Row::length("length of closed curves", measures().map(|m| m.perimeter).sum(), unit),
-        Row::length("length of open curves", measures().map(|m| m.open_length).sum(), unit),
-        Row::length("widest gap", volume.widest_gap, unit),
-        Row::plain("directions that contradict nesting", contradictions),
-        Row::plain("runs of neighbouring planes", volume.runs.len()),
-    ];
+    let row = |sum: Sum| match sum {
+        Sum::Count(name, count) => Row::plain(name, count),
+        Sum::Length(name, length) => Row::length(name, length, unit),
+    };
+    let mut rows: Vec<Row> = sums(planes, &volume).map(row).to_vec();
     let closed = close_gaps.map(|widest| volume.widest_gap <= widest);
     let largest = volume.solid.bracket.estimate.max(volume.clear.bracket.estimate);
     let lengths = Lengths::of(&Quantity::new(largest, unit, 3));
@@ -216,8 +280,7 @@ fn volume_rows(name: &str, volume: &Volume, closed: Option<bool>, lengths: &Leng
         Row::new(name, value, unit)
     };
     let error = lengths.digits(*interval_error, 3);
-    // A single plane has no neighbour that tells how far its area reaches.
-    let known = bracket.estimate == 0.0 || *interval_error < bracket.estimate;
+    let known = is_known(volume);
     let or_unknown = |text: String| if known { text } else { "too few planes".to_owned() };
     let mut rows = vec![
         row(name.to_owned(), or_unknown(bounds(bracket, lengths, 3))),

@@ -34,10 +34,17 @@ mod scan;
 #[derive(Debug, clap::Args)]
 struct DxfArguments {
     /// Frame of the curves in model.dxf: 3D polylines in the world, or 2D polylines in the
-    /// coordinates of their planes, stacked by station.
-    #[arg(long, value_name = "FRAME", default_value = "world",
+    /// coordinates of their planes, stacked by station [default: world].
+    #[arg(long, value_name = "FRAME",
         value_parser = named([("world", DxfFrame::World), ("plane", DxfFrame::Plane)]))]
-    dxf: DxfFrame,
+    dxf: Option<DxfFrame>,
+}
+
+impl DxfArguments {
+    /// The frame that the option names, or the default.
+    fn frame(&self) -> DxfFrame {
+        self.dxf.unwrap_or(DxfFrame::World)
+    }
 }
 
 /// A parser of names that stand for values.

@@ -20,17 +20,19 @@ pub struct PlaneArguments {
     /// docs/guides.md.
     #[arg(long, value_name = "FILE", conflicts_with = "normal")]
     guide: Option<PathBuf>,
+    // clap ignores that an option requires the guide where --normal excludes the guide. Hence the
+    // guide's options exclude --normal, too.
     /// What the guide's points are: corners, which are rounded by arcs, or points of a cubic
     /// spline.
     #[arg(long = "guide-kind", action = clap::ArgAction::Set, default_value = "spline",
         value_parser = named([("polyline", true), ("spline", false)]), value_name = "KIND",
-        requires = "guide")]
+        requires = "guide", conflicts_with = "normal")]
     is_polyline: bool,
     /// Largest radius of a polyline's corners [default: as large as there is room for].
-    #[arg(long, value_name = "LENGTH", requires = "guide")]
+    #[arg(long, value_name = "LENGTH", requires = "guide", conflicts_with = "normal")]
     guide_radius: Option<String>,
     /// Distance from the guide that is to be covered; an error if planes cross within it.
-    #[arg(long, value_name = "LENGTH", requires = "guide")]
+    #[arg(long, value_name = "LENGTH", requires = "guide", conflicts_with = "normal")]
     guide_reach: Option<String>,
     /// Distance between neighbouring planes [default: the scan's own, else suggested].
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]

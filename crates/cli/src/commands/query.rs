@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use transect_geometry::Point3;
 use transect_model::store::SpaceQuery;
 use transect_model::{Location, SpaceAnswer};
-use transect_workflow::{ModelFile, parse_length};
+use transect_workflow::{ModelFile, parse_distance};
 
 /// Options of `query`.
 #[derive(Debug, clap::Args)]
@@ -34,7 +34,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let file = open_model(&arguments.file)?;
     let unit = file.unit();
     let within = arguments.within.as_deref();
-    let within = within.map(|text| parse_length(unit, "within", text)).transpose()?;
+    let within = within.map(|text| parse_distance(unit, "within", text)).transpose()?;
     let mut answers = answers(file, &points)?;
     answers.iter_mut().for_each(|answer| limit(answer, within.unwrap_or(f64::INFINITY)));
     if arguments.csv {

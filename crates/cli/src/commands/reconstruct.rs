@@ -46,6 +46,7 @@ pub struct Arguments {
         long,
         value_name = "DEGREES,LENGTH",
         requires = "refine_poses",
+        conflicts_with = "store",
         help_heading = "Poses",
         allow_hyphen_values = true
     )]
@@ -62,7 +63,7 @@ pub struct Arguments {
     /// Do not score the model against the truth of a simulated scan.
     #[arg(long, help_heading = "Running")]
     no_score: bool,
-    /// Number of threads; 0 takes all cores. The results do not depend on it.
+    /// Number of threads, at most 64 per core; 0 takes all cores. The results do not depend on it.
     #[arg(long, default_value_t = 0, value_name = "NUMBER", help_heading = "Running")]
     threads: usize,
     /// Show no progress.
@@ -79,15 +80,35 @@ struct StoreArguments {
     #[arg(long, value_name = "FILE")]
     store: Option<PathBuf>,
     /// Put before the names of this scan's views in the store, where several scans share names.
-    #[arg(long, value_name = "TEXT", requires = "store", default_value = "")]
+    #[arg(long, value_name = "TEXT", requires = "store", default_value = "",
+        conflicts_with_all = ["refine", "refine_poses"])]
     prefix: String,
 }
 
 /// The scene that is simulated where no scan is given.
 const BUNDLED_SCENE: &str = "room";
 
+/// Most threads per core of the machine. No unit. Chosen by hand: threads beyond the cores only
+/// wait for each other, and tests of equal results on few cores need some of them. Doubled,
+/// 128 threads per core are started before any work. A run with 100 000 threads did not end.
+const THREADS_PER_CORE: usize = 64;
+
+/// Refuses more threads than the machine can use.
+fn check_threads(threads: usize) -> Result<(), Failure> {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let most = THREADS_PER_CORE * cores;
+    if threads <= most {
+        return Ok(());
+    }
+    Err(Failure::Usage(format!(
+        "--threads {threads}: this machine has {cores} cores; expected at most {most} threads \
+         ({THREADS_PER_CORE} per core). Leave the option out, or pass 0, for one thread per core"
+    )))
+}
+
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    check_threads(arguments.threads)?;
     rayon::ThreadPoolBuilder::new()
         .num_threads(arguments.threads)
         .use_current_thread()
@@ -106,7 +127,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let has_store = arguments.store.store.as_ref().is_some_and(|store| store.exists());
     if !has_store && scan.lacks_planes(&settings) {
         let note = costs.stage("suggesting planes", || scan.suggest_planes(&settings))?;
-        eprintln!("note: {note}");
+        notes::tell(&[note]);
     }
     let mut run = model(arguments, &scan, &settings)?;
     run.costs.begin_with(costs);
@@ -137,7 +158,7 @@ impl Arguments {
         self.methods.apply(&mut settings);
         settings.accept.clone_from(&self.accept.accept);
         settings.keep_seen_through = self.keep_seen_through;
-        settings.dxf = self.dxf.dxf;
+        settings.dxf = self.dxf.frame();
         settings.refine.clone_from(&self.refine);
         settings.refine_poses = self.refine_poses;
         settings.prior.clone_from(&self.prior);

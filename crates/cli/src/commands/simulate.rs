@@ -2,10 +2,12 @@
 
 use super::named;
 use crate::failure::Failure;
+use crate::notes;
 use crate::table::{Row, digits, print};
 use std::path::{Path, PathBuf};
+use transect_device::Note;
 use transect_exchange::MANIFEST_FILE;
-use transect_scene::{Description, Noise};
+use transect_scene::{Description, Noise, SensorParameters};
 use transect_workflow::default_folder;
 use transect_workflow::simulation::{
     PreparedScene, SensorKind, SensorPlan, StripeImages, claim_scan_folder, describe, stripe_camera,
@@ -64,6 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         views: arguments.views.map(usize::from),
         density: arguments.density,
     };
+    check_stripe_images(arguments, &description)?;
     let folder =
         arguments.out.clone().unwrap_or_else(|| default_folder(&description.name).join("scan"));
     let images = if arguments.stripe_images {
@@ -75,6 +78,22 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     claim_scan_folder(&folder, arguments.force)?;
     print(&simulate_as(description, &plan, images, &folder)?);
     Ok(())
+}
+
+/// Refuses --stripe-images where no sensor sees a stripe.
+fn check_stripe_images(arguments: &Arguments, scene: &Description) -> Result<(), Failure> {
+    let is_stripe = |sensor: &SensorParameters| matches!(sensor, SensorParameters::LightStripe(_));
+    let found = match arguments.sensor {
+        _ if !arguments.stripe_images => return Ok(()),
+        Some(SensorKind::LightStripe) => return Ok(()),
+        Some(other) => format!("--sensor is {}", other.name()),
+        None if scene.stations.iter().any(|station| is_stripe(&station.sensor)) => return Ok(()),
+        None => format!("the scene {} has none, and --sensor chooses none", scene.name),
+    };
+    Err(Failure::Usage(format!(
+        "--stripe-images: only light-stripe sensors have such images, and {found}; pass --sensor \
+         light_stripe, or leave out --stripe-images"
+    )))
 }
 
 /// Simulates a scene's own sensors and writes the scan folder.
@@ -92,7 +111,8 @@ fn simulate_as(
     let scene = PreparedScene::new(description)?;
     let simulated = scene.simulate(plan)?;
     for name in &simulated.blind {
-        eprintln!("note: view {name} sees nothing of the scene and is left out");
+        let text = format!("view {name} sees nothing of the scene and is left out");
+        notes::tell(&[Note::new(text)]);
     }
     simulated.write(&scene, images, folder)?;
     let rate = simulated.rays as f64 / simulated.time.as_secs_f64() / 1e6;

@@ -21,6 +21,12 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let path = &arguments.file;
     match ModelFile::open_unfinished(path)? {
+        ModelFile::Plain(_) if arguments.fusion => {
+            let problem = "--fusion fuses the curves of the views again, and a plain model file \
+                           does not keep them; leave out --fusion, or make a model store: \
+                           reconstruct SCAN --store FILE";
+            return Err(Failure::with_file(path, problem));
+        }
         ModelFile::Plain(model) => print(&[
             Row::new("sound", "yes", ""),
             Row::plain("views", model.views().len()),

@@ -50,6 +50,11 @@ fn a_table_and_a_sphere_give_the_pose_that_made_their_points() {
         assert!((found - expected).abs() < 1e-6, "{printed}");
     }
     assert_eq!(numbers.len(), 16);
+    // The place of the sensor is a length, and in the unit that the table states.
+    let inches = folder.run(&format!("{line} --output-unit in")).succeeded();
+    let pose = inches.table().into_iter().find(|row| row.metric == "pose").unwrap();
+    let x: f64 = pose.value.split(", ").nth(3).unwrap().parse().unwrap();
+    assert!((25.4 * x - numbers[3]).abs() < 1e-6 && pose.unit == "in", "{}", inches.stdout);
 }
 
 #[test]
@@ -57,7 +62,14 @@ fn scans_that_leave_a_motion_free_and_wrong_lines_are_refused() {
     let folder = scans();
     let line = "align --table table.csv --sphere sphere.csv,310,-40,30,12.7 --unit mm";
     folder.run(line).failed_with(1, &["a second sphere, or a known axis"]);
-    folder.run(&line.replace(",12.7", "")).failed_with(2, &["--sphere", "expected 4 numbers"]);
+    folder
+        .run(&line.replace(",12.7", ""))
+        .failed_with(2, &["--sphere", "\"sphere.csv,310,-40,30\"", "FILE,X,Y,Z,RADIUS"]);
+    for (option, found) in [("--table-normal 0,0,0", "0,0,0"), ("--axis 0,1,0,nan,1,0", "NaN,1,0")]
+    {
+        let name = option.split(' ').next().unwrap();
+        folder.run(&format!("{line} {option}")).failed_with(2, &[name, found, "no direction"]);
+    }
     folder.write("table.csv", "1,2,3\n4,5\n");
     folder.run(line).failed_with(1, &["table.csv", "line 2", "\"4,5\"", "three numbers"]);
 }

@@ -119,7 +119,7 @@ const MANIFESTS: &[Spoiled] = &[
     ),
     (
         |m| m["views"][0]["file"] = "gone.npy".into(),
-        &["scan.json: 1 of 1 views have no file", "gone.npy", "pass --skip-missing"],
+        &["scan.json: none of its 1 views has a file", "gone.npy", "put the images there"],
     ),
     (
         |m| m["views"][0]["file"] = "scan.json".into(),

@@ -41,6 +41,42 @@ fn a_model_of_a_part_of_a_scan_is_not_scored_against_the_whole() {
     assert!(!run.succeeded().stdout.contains("median distance from truth"));
 }
 
+#[test]
+fn a_truth_that_was_simulated_anew_is_refused() {
+    let (folder, _) = reconstructed();
+    folder.edit_json("scan/scan.json", "scan/scan.json", |m| m["comment"] = "mine".into());
+    let changed = folder.run("evaluate out").succeeded();
+    assert!(changed.told("warning:")[0].contains("scan.json: the file has changed"));
+    assert!(changed.stdout.contains("median distance from truth"), "{}", changed.stdout);
+    folder.run("simulate face_mask --out scan --force").succeeded();
+    let refused = ["scan/truth.npz: the file has changed", "out/report.json", "--reference"];
+    folder.run("evaluate out").failed_with(1, &refused);
+    folder.run("reconstruct scan --quiet --no-score --out unscored").succeeded();
+    let unknown = folder.run("evaluate unscored").succeeded();
+    assert!(unknown.told("warning:")[0].contains("truth.npz: unscored/report.json does not state"));
+}
+
+/// The box of the mesh lies inside that of the model, and between two of its planes.
+#[test]
+fn a_reference_that_no_plane_cuts_is_refused() {
+    let (folder, _) = reconstructed();
+    let corners = "v 0 0 0.02\nv 0.001 0 0.02\nv 0 0.001 0.02\nv 0 0 0.021\n";
+    folder.write("small.obj", format!("{corners}f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"));
+    let refused = ["small.obj: the reference spans", "no plane of the model cuts", "unit"];
+    folder.run("evaluate out --reference small.obj").failed_with(1, &refused);
+}
+
+#[test]
+fn distances_below_zero_are_refused() {
+    let (folder, _) = reconstructed();
+    for (line, option) in [
+        ("measure out --close-gaps=-1", "--close-gaps: -1"),
+        ("query --within=-1mm out 0,0,0", "--within: -1mm"),
+    ] {
+        folder.run(line).failed_with(2, &[option, "is below 0", "0 or more"]);
+    }
+}
+
 /// The cells of comma separated values; heads may hold commas in quotes.
 fn cells(line: &str) -> Vec<String> {
     let parts = line.split('"').enumerate();
@@ -71,6 +107,15 @@ fn spreadsheets_get_numbers_in_all_their_digits() {
     assert_eq!(
         (sums[0].join(" "), sums[1].join(" ")),
         ("metric value unit".to_owned(), "planes with curves 12 ".to_owned())
+    );
+    for line in &sums[1..] {
+        assert!(line[1].is_empty() || line[1].parse::<f64>().is_ok(), "{line:?}");
+    }
+    let unit = |name: &str| sums.iter().find(|line| line[0] == name).unwrap()[2].clone();
+    assert_eq!((unit("least solid volume"), unit("most clear volume")), ("m³".into(), "m³".into()));
+    assert!(
+        planes.iter().flatten().all(|cell| cell.len() < 20 || cell.contains(' ')),
+        "{planes:?}"
     );
     let answers = table("query out --csv --output-unit mm 0.1,-0.5,0.4 2,2,0.5");
     assert_eq!(answers[0][4], "nearest curve; mm");

@@ -80,6 +80,9 @@ fn simulations_and_manifests_replace_their_own_files_only() {
     folder.edit_json("scan/scan.json", "scan/scan.json", |m| m["tool"] = "scanner".into());
     simulate("--out scan").failed_with(1, &["scan: ", refused[0], refused[1]]);
     simulate("--out scan --force").succeeded();
+    // As builds wrote it that did not name the command.
+    folder.edit_json("scan/scan.json", "scan/scan.json", |m| m["tool"] = "transect 0.1.0".into());
+    simulate("--out scan").succeeded();
     fs::copy(folder.path("s.transect"), folder.path("scan/truth.npz")).unwrap();
     simulate("--out scan --force").failed_with(1, &["truth.npz", "model store"]);
 
@@ -90,6 +93,16 @@ fn simulations_and_manifests_replace_their_own_files_only() {
     let manifest = |options: &str| folder.run(&format!("manifest depth --out {options}"));
     manifest("m.json").succeeded();
     manifest("m.json").succeeded();
+    let simulated = ["scan/scan.json", "transect simulate wrote it", "--force"];
+    manifest("scan/scan.json").failed_with(1, &simulated);
+    fs::create_dir(folder.path("other")).unwrap();
+    for file in ["camera-intrinsics.txt", "a.depth.png", "a.pose.txt"] {
+        fs::copy(folder.path("depth").join(file), folder.path("other").join(file)).unwrap();
+    }
+    let other = ["m.json", "manifest wrote it for another scan", "--force"];
+    folder.run("manifest other --out m.json").failed_with(1, &other);
+    folder.run("manifest other --out m.json --force").succeeded();
+    manifest("m.json --force").succeeded();
     folder.write("notes.txt", "mine");
     manifest("notes.txt").failed_with(1, &["notes.txt", "the file exists", "--force"]);
     manifest("s.transect --force").failed_with(1, &["s.transect", "model store"]);

@@ -59,6 +59,10 @@ fn a_registered_scan_is_a_scan_with_the_same_files_and_names() {
     assert_eq!(folder.json("one/report.json")["poses"]["poses"], report["poses"]);
     let part = folder.run("register scan/off.json --views 1,2 --out part --quiet").succeeded();
     assert_eq!(views(&folder.json("part/scan.json")).len(), 2, "{}", part.stdout);
+    // The scan of the same images is replaced, that of other ones is not.
+    folder.run("register scan/off.json --views 1,2 --out part --quiet").succeeded();
+    let refused = ["part/scan.json", "register wrote it for another scan", "another --out"];
+    folder.run("register scan --out part").failed_with(1, &refused);
 }
 
 #[test]
@@ -139,6 +143,18 @@ fn inspect_names_a_wrong_view_and_the_convention_that_mends_all() {
     });
     let wrong = warnings("scan/inverse.json");
     assert!(wrong.len() == 1 && wrong[0].ends_with("Pass --pose-convention inverse"), "{wrong:?}");
+    // A convention that the poses do not have is taken back, whichever it is.
+    for (scan, convention, advice) in [
+        ("scan", "inverse", "Leave out --pose-convention"),
+        ("scan", "radians", "Leave out --pose-convention"),
+        ("scan/inverse.json", "conjugate", "Pass --pose-convention inverse"),
+    ] {
+        let line = format!("{scan} --pose-convention {convention}");
+        let wrong = warnings(&line);
+        assert!(wrong.len() == 1 && wrong[0].ends_with(advice), "{line}: {wrong:?}");
+        let run = folder.run(&format!("reconstruct {line} --no-score --out wrong --quiet"));
+        assert!(run.succeeded().told("warning:")[0].ends_with(advice), "{line}");
+    }
     // Misread poses are no start for a refinement.
     let line = "scan/inverse.json --quiet";
     let refused = ["inverse.json", "Pass --pose-convention inverse"];
@@ -239,6 +255,11 @@ fn what_cannot_be_registered_is_refused() {
     std::fs::create_dir(folder.path("taken")).unwrap();
     folder.write("taken/scan.json", "{}");
     folder.run("register scan --out taken").failed_with(1, &["taken/scan.json", "\"tool\""]);
+    folder.run("simulate face_mask --out mask").succeeded();
+    let before = folder.bytes("mask/scan.json");
+    let refused = ["mask/scan.json", "transect simulate wrote it", "Choose another --out"];
+    folder.run("register scan --out mask").failed_with(1, &refused);
+    assert_eq!(folder.bytes("mask/scan.json"), before);
     folder.run("reconstruct scan --refine-poses --store s.transect").failed_with(2, &["--store"]);
     folder.run("reconstruct scan --prior 1,2").failed_with(2, &["--refine-poses"]);
     folder.run("reconstruct scan --store s.transect --out grown --quiet").succeeded();

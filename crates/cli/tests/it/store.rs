@@ -380,7 +380,29 @@ fn an_image_that_is_gone_is_told_by_its_path() {
     std::fs::remove_file(folder.path("scan/range_001.npy")).unwrap();
     let missing = ["1 of 4 views have no file", "range_001.npy"];
     folder.run("replace-view s.transect range_001.npy").failed_with(1, &missing);
-    folder.run("register s.transect").failed_with(1, &missing);
+    let run = folder.run("register s.transect");
+    run.failed_with(1, &missing);
+    assert!(!run.stderr.contains("--skip-missing"), "{}", run.stderr);
+}
+
+#[test]
+fn a_scan_that_was_moved_is_told_with_the_way_out() {
+    let folder = stored();
+    std::fs::rename(folder.path("scan"), folder.path("moved")).unwrap();
+    let told = [
+        "s.transect: view range_001.npy",
+        "transect replace-view s.transect \"range_001.npy\" SCAN",
+    ];
+    folder.run("replace-view s.transect range_001.npy").failed_with(1, &told);
+    let told =
+        ["s.transect: view range_000.npy", "/scan,", "replace-view s.transect \"range_000.npy\""];
+    folder.run("register s.transect").failed_with(1, &told);
+    folder.run("replace-view s.transect range_001.npy moved").succeeded();
+    let wrong = folder.run("replace-view s.transect range_001.npy nowhere");
+    wrong.failed_with(1, &["nowhere: cannot be read"]);
+    assert!(!wrong.stderr.contains("replace-view"), "{}", wrong.stderr);
+    let scored = folder.run("evaluate out").succeeded();
+    assert!(scored.stderr.contains("scan is not there any more"), "{}", scored.stderr);
 }
 
 /// A view far from all others makes free space too coarse to stand in.

@@ -27,7 +27,7 @@ mod tests;
 use crate::input::read_bytes;
 use crate::point_table::Cloud;
 use crate::scan::{FramedImage, LoadView};
-use crate::{OpenOptions, Place, ReadError, Scan, ScanView, ply, points, survey};
+use crate::{OpenOptions, Place, ReadError, Scan, ScanView, ply, points, stanford, survey};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use transect_device::ImageSize;
@@ -70,6 +70,11 @@ pub(crate) fn open_file(path: &Path, options: &OpenOptions) -> Result<Scan, Read
 
 /// Opens a folder of cloud files.
 pub(crate) fn open_folder(folder: &Path, options: &OpenOptions) -> Result<Scan, ReadError> {
+    if options.poses.is_none()
+        && let Some(problem) = stanford::several(folder)
+    {
+        return Err(ReadError::unsupported(folder, Place::Whole, problem));
+    }
     let files = files(folder).map_err(|e| ReadError::io(folder, e))?;
     let kinds = |kind| files.iter().filter(|f| Kind::of(f) == Some(kind)).count();
     let counts = [Kind::Pcd, Kind::Ply, Kind::Kitti].map(kinds);

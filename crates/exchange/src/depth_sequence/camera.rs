@@ -2,6 +2,7 @@
 
 use crate::input::read_text;
 use crate::manifest::{LensEntry, PinholeEntry, SensorEntry};
+use crate::open_options::check_intrinsics;
 use crate::trajectory::{lines, numbers};
 use crate::{CameraOption, Place, ReadError};
 use serde::Deserialize;
@@ -26,11 +27,14 @@ impl Camera {
             CameraOption::File(path) => path,
         };
         let text = read_text(path)?;
-        if text.trim_start().starts_with('{') {
+        let camera = if text.trim_start().starts_with('{') {
             from_json(path, &text)
         } else {
             from_text(path, &text)
-        }
+        }?;
+        check_intrinsics(&camera.intrinsics)
+            .map_err(|problem| ReadError::damaged(path, Place::Whole, problem))?;
+        Ok(camera)
     }
 
     /// A focal length below 0 means that the camera's y axis points up, as ICL-NUIM states its

@@ -78,7 +78,7 @@ fn its_manifest_can_be_written_and_opened_elsewhere() {
     let (manifest, _) =
         depth_sequence_manifest(images.path(), absolute, &OpenOptions::default()).unwrap();
     let path = elsewhere.path().join("scan.json");
-    crate::write_file(&path, |out| manifest::write_manifest(&manifest, out)).unwrap();
+    crate::write_file(&path, |out| manifest::write_manifest(&manifest, "manifest", out)).unwrap();
     let scan = Scan::open(elsewhere.path()).unwrap();
     assert_eq!(scan.notes, []);
     assert!(scan.views[1].load().is_ok());

@@ -92,19 +92,25 @@ impl ViewEntry {
 }
 
 /// Writes a manifest that [`Scan::open`](crate::Scan::open) reads, one view per line. Its key
-/// `tool` names this program, so that it can be told from manifests of other origin.
+/// `tool` names this program and its command that writes the manifest, such as `register`. Other
+/// commands do not replace it then.
 ///
 /// # Errors
 /// An error of `out`.
-pub fn write_manifest(manifest: &Manifest, out: &mut dyn Write) -> io::Result<()> {
+pub fn write_manifest(manifest: &Manifest, command: &str, out: &mut dyn Write) -> io::Result<()> {
     let Manifest { name, unit, sigma, planes, size, views } = manifest;
     writeln!(out, "{{ \"name\": {},", serde_json::to_string(name)?)?;
-    write_key(out, "tool", Some(&concat!("transect ", env!("CARGO_PKG_VERSION"))))?;
+    write_key(out, "tool", Some(&tool_of(command)))?;
     write_key(out, "unit", unit.as_ref())?;
     write_key(out, "sigma", sigma.as_ref())?;
     write_key(out, "planes", planes.as_ref())?;
     write_key(out, "size", size.as_ref())?;
     write_list(out, "views", views)
+}
+
+/// The value of the key `tool`: this program, its version and the command.
+pub(crate) fn tool_of(command: &str) -> String {
+    format!("transect {} {command}", env!("CARGO_PKG_VERSION"))
 }
 
 /// Writes a list, one item per line, and ends the file.

@@ -54,7 +54,7 @@ mod to_scan;
 mod unique;
 
 pub use entry::{Manifest, ViewEntry, write_manifest};
-pub(crate) use entry::{write_key, write_list};
+pub(crate) use entry::{tool_of, write_key, write_list};
 pub use sensor::{
     AnglesEntry, LensEntry, LightStripeEntry, LookupTableEntry, PinholeEntry, SensorEntry,
     StripeEntry, ViewpointsEntry,

@@ -284,7 +284,7 @@ fn what_is_missing_or_wrong_is_named() {
             "\"sigma\" must be a length of at least 0".to_owned(),
         ),
         ("\"unit\"", "unit", "not valid JSON for this purpose: key must be a string".to_owned()),
-        ("\"a.npy\"", "\"b.npy\"", "1 of 1 views have no file: ".to_owned()),
+        ("\"a.npy\"", "\"b.npy\"", "none of its 1 views has a file".to_owned()),
     ] {
         let error = pinhole(replaced, by);
         assert!(error.contains(&wanted), "{by}: {error}");
@@ -496,6 +496,6 @@ fn a_written_manifest_reads_back() {
     };
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scan.json");
-    crate::write_file(&path, |out| write_manifest(&manifest, out)).unwrap();
+    crate::write_file(&path, |out| write_manifest(&manifest, "manifest", out)).unwrap();
     assert_eq!(read_manifest(&path).unwrap(), (manifest, Vec::new()));
 }

@@ -26,7 +26,7 @@ use motion::{Change, Changed, best};
 use rayon::prelude::*;
 use region::{Regions, regions};
 use std::cmp::Reverse;
-use tuning::{LEAST_COMPARED, MENDED, REGION_SHARE};
+use tuning::{BAD_IF_RIGHT, LEAST_COMPARED, MENDED, REGION_SHARE};
 
 /// The findings about the poses of a scan.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -158,11 +158,8 @@ pub fn judge(views: &[CoarseView]) -> Judgement {
     let n = sorted.len();
     let right =
         |blamed: &[usize]| -> Vec<usize> { (0..n).filter(|k| !blamed.contains(k)).collect() };
-    let regions_of = |view: usize, blamed: &[usize]| {
-        let others: Vec<usize> = right(blamed).into_iter().filter(|k| *k != view).collect();
-        regions(&evidence, view, &others)
-    };
-    let all: Vec<Regions> = (0..n).into_par_iter().map(|k| regions_of(k, &blamed)).collect();
+    let all: Vec<Regions> =
+        (0..n).into_par_iter().map(|k| regions_of(&evidence, k, &blamed)).collect();
     let excused = |view: usize| is_regional(&evidence, &table, view, &blamed, &all[view]);
     let excused: Vec<usize> = blamed.iter().copied().filter(|k| excused(*k)).collect();
     blamed.retain(|k| !excused.contains(k));
@@ -181,6 +178,50 @@ pub fn judge(views: &[CoarseView]) -> Judgement {
     };
     let usual_distance = evidence.usual;
     Judgement { findings, views: (0..n).map(agreement).collect(), usual_distance }
+}
+
+/// What the given poses tell of views, each by its place in the order.
+#[derive(Debug, Default)]
+pub(crate) struct Suspects {
+    /// Views that contradict the others, which agree with each other better.
+    pub blamed: Vec<usize>,
+    /// Those whose lengths are scaled, where the poses of all others are right.
+    pub scaled: Vec<usize>,
+}
+
+/// The views that are named as wrong at the given poses, each by itself.
+pub(crate) fn suspects(sorted: &[&CoarseView]) -> Suspects {
+    let evidence = Evidence::new(sorted);
+    let table = evidence.table();
+    let mut blamed = table.blamed();
+    let excused = |view: &usize| {
+        is_regional(&evidence, &table, *view, &blamed, &regions_of(&evidence, *view, &blamed))
+    };
+    let excused: Vec<usize> = blamed.iter().copied().filter(excused).collect();
+    blamed.retain(|k| !excused.contains(k));
+    if blamed.is_empty() {
+        return Suspects::default();
+    }
+    let right: Vec<usize> = (0..sorted.len()).filter(|k| !blamed.contains(k)).collect();
+    let findings = of_blamed(&evidence, &table, &blamed, &right);
+    let others_are_right = table.usual_share(&blamed).is_some_and(|share| share <= BAD_IF_RIGHT);
+    let named = |is_named: &dyn Fn(&Finding, &str) -> bool| {
+        let name = |k: &usize| sorted[*k].name();
+        let found = blamed.iter().filter(|k| findings.iter().any(|f| is_named(f, name(k))));
+        found.copied().collect::<Vec<usize>>()
+    };
+    let is_scaled = |f: &Finding, name: &str| matches!(f, Finding::Scaled(s) if s.view == name);
+    let is_misplaced = |f: &Finding, name: &str| {
+        matches!(f, Finding::Misplaced(m) if m.view == name) || is_scaled(f, name)
+    };
+    let scaled = if others_are_right { named(&is_scaled) } else { Vec::new() };
+    Suspects { blamed: named(&is_misplaced), scaled }
+}
+
+/// The regions of a view that the others contradict, but for those that are blamed.
+fn regions_of(evidence: &Evidence<'_>, view: usize, blamed: &[usize]) -> Regions {
+    let others = (0..evidence.views.len()).filter(|k| *k != view && !blamed.contains(k));
+    regions(evidence, view, &others.collect::<Vec<_>>())
 }
 
 /// Whether the contradictions of a blamed view lie in its regions, and most of it agrees.

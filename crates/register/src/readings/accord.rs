@@ -36,7 +36,15 @@ pub(super) fn accord(
     probes: &[Vec<Probe>],
     of: impl Fn(&CoarseView) -> Placing,
 ) -> Accord {
-    let placings: Vec<Placing> = views.iter().map(|view| of(view)).collect();
+    accord_of(views, probes, views.iter().map(|view| of(view)).collect())
+}
+
+/// How far views agree at places, one for each view.
+pub(super) fn accord_of(
+    views: &[&CoarseView],
+    probes: &[Vec<Probe>],
+    placings: Vec<Placing>,
+) -> Accord {
     let counts = |a: usize| {
         let (mut agree, mut good, mut bad) = (vec![false; probes[a].len()], 0, 0);
         for b in (0..views.len()).filter(|b| *b != a) {

@@ -4,7 +4,7 @@
 //! few lie in front of what another view measured. Under a wrong one it is the other way round.
 
 use super::PoseReading;
-use super::accord::{Accord, accord, probes_of};
+use super::accord::{Accord, accord, accord_of, probes_of};
 use super::distances::best_factor;
 use crate::coarse::CoarseView;
 use crate::judge::pair::{Placing, Probe};
@@ -42,11 +42,12 @@ const FAR_APART: f64 = 10.0;
 const TOGETHER: f64 = 0.2;
 
 /// A part of a scan that may have been read wrongly.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-#[serde(untagged)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Reading {
     /// The poses are written by another convention.
     Pose(PoseReading),
+    /// The poses are right as the file states them. A convention that the user gave changed them.
+    AsStated,
     /// The pixels of the images are stored in another order.
     Image(ImageOrder),
     /// The distances of all images, times this factor, fit the positions of the poses.
@@ -58,6 +59,7 @@ impl Reading {
     pub fn meaning(self) -> String {
         match self {
             Self::Pose(reading) => reading.meaning().to_owned(),
+            Self::AsStated => "the poses are as the file states them".to_owned(),
             Self::Image(order) => order.meaning().to_owned(),
             Self::Distances(factor) => {
                 format!("the distances in all images are {factor} times as large")
@@ -71,10 +73,32 @@ impl fmt::Display for Reading {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Pose(reading) => write!(f, "the setting `pose_convention` {reading}"),
+            Self::AsStated => f.write_str("no setting `pose_convention`"),
             Self::Image(order) => write!(f, "the setting `image_order` {order}"),
             Self::Distances(factor) => write!(f, "distances times {factor}"),
         }
     }
+}
+
+impl serde::Serialize for Reading {
+    fn serialize<S: serde::Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Pose(reading) => reading.serialize(out),
+            Self::AsStated => out.serialize_str("as-stated"),
+            Self::Image(order) => order.serialize(out),
+            Self::Distances(factor) => out.serialize_f64(*factor),
+        }
+    }
+}
+
+/// A convention that the user gave, and the poses of all views before it was applied.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stated {
+    /// The convention.
+    pub reading: PoseReading,
+    /// World from sensor, as the file states it, in the order of the views. A list of another
+    /// length is not used.
+    pub poses: Vec<Isometry3>,
 }
 
 /// A reading under which the views agree.
@@ -101,10 +125,15 @@ impl Explanation {
 /// The reading under which the views agree far better than as given; `None` if they agree as given,
 /// or under no reading.
 ///
+/// `stated` is the convention by which the poses of the views were read; `None` if they were read
+/// as the file states them. Other conventions are then applied to the poses of the file, and the
+/// poses of the file are a reading, too.
+///
 /// `reread` makes copies of all views whose images are read in another order; `None` where the
 /// sensors have one order only. It is called only where the views contradict each other.
 pub fn explain(
     views: &[CoarseView],
+    stated: Option<&Stated>,
     reread: impl Fn(ImageOrder) -> Option<Vec<CoarseView>>,
 ) -> Option<Explanation> {
     let all: Vec<&CoarseView> = views.iter().collect();
@@ -113,22 +142,8 @@ pub fn explain(
     if given.agreeing >= SOUND[0] && given.contradicting <= SOUND[1] {
         return None;
     }
-    // Only cameras have a y axis that may point up; a room between floor and ceiling is nearly the
-    // same upside down.
-    let cameras = views.iter().all(CoarseView::looks_forward);
-    let far_apart = is_far_apart(&all, &probes);
-    let of_all = |reading: &PoseReading| match reading {
-        PoseReading::CameraYUp => cameras,
-        PoseReading::Millimetres => far_apart,
-        reading => far_apart || given.contradicting > SOUND[1] || !brings_together(*reading, &all),
-    };
-    let of_poses = PoseReading::ALL.into_iter().filter(of_all).map(|reading| {
-        let read = accord(&all, &probes, |view| Placing {
-            world_from_sensor: reading.apply(view.world_from_sensor()),
-            scale: 1.0,
-        });
-        (Reading::Pose(reading), read)
-    });
+    let stated = stated.filter(|stated| stated.poses.len() == views.len());
+    let of_poses = of_poses(&all, &probes, given, stated);
     let of_images = ImageOrder::ALL.into_iter().filter_map(|order| {
         let views = reread(order)?;
         let views: Vec<&CoarseView> = views.iter().collect();
@@ -140,18 +155,52 @@ pub fn explain(
         let sound = read.agreeing >= AGREES && read.contradicting <= CONTRADICTS;
         sound && read.score() > BETTER * given.score()
     };
-    let readings = of_poses.chain(of_images).chain(of_distances).filter(explains);
-    // Of equal ones the first.
-    let best =
-        readings.reduce(|best, next| if next.1.score() > best.1.score() { next } else { best });
+    let readings = of_poses.into_iter().chain(of_images).chain(of_distances).filter(explains);
+    // Of equal ones the first. The poses of the file give way as given poses do.
+    let better = |best: (Reading, Accord), next: (Reading, Accord)| {
+        let factor = if best.0 == Reading::AsStated { BETTER } else { 1.0 };
+        if next.1.score() > factor * best.1.score() { next } else { best }
+    };
+    let best = readings.reduce(better);
     best.map(|(reading, read)| Explanation { reading, given, read })
 }
 
+/// How far the views agree under each reading of their poses. A reading that the user gave is left
+/// out: it is what contradicts.
+fn of_poses(
+    views: &[&CoarseView],
+    probes: &[Vec<Probe>],
+    given: Accord,
+    stated: Option<&Stated>,
+) -> Vec<(Reading, Accord)> {
+    let own = || views.iter().map(|view| *view.world_from_sensor()).collect();
+    let poses: Vec<Isometry3> = stated.map_or_else(own, |stated| stated.poses.clone());
+    let accord_at = |of: &dyn Fn(&Isometry3) -> Isometry3| {
+        let place = |pose| Placing { world_from_sensor: of(pose), scale: 1.0 };
+        accord_of(views, probes, poses.iter().map(place).collect())
+    };
+    // Only cameras have a y axis that may point up; a room between floor and ceiling is nearly the
+    // same upside down.
+    let cameras = views.iter().all(|view| view.looks_forward());
+    let far_apart = is_far_apart(&poses, probes);
+    let is_tried = |reading: &PoseReading| match reading {
+        reading if stated.is_some_and(|stated| stated.reading == *reading) => false,
+        PoseReading::CameraYUp => cameras,
+        PoseReading::Millimetres => far_apart,
+        reading => {
+            far_apart || given.contradicting > SOUND[1] || !brings_together(*reading, &poses)
+        }
+    };
+    let as_stated = stated.map(|_| (Reading::AsStated, accord_at(&|pose| *pose)));
+    let others = PoseReading::ALL.into_iter().filter(is_tried);
+    let others = others.map(|r| (Reading::Pose(r), accord_at(&|pose| r.apply(pose))));
+    as_stated.into_iter().chain(others).collect()
+}
+
 /// Whether a reading brings the sensors [`TOGETHER`].
-fn brings_together(reading: PoseReading, views: &[&CoarseView]) -> bool {
+fn brings_together(reading: PoseReading, poses: &[Isometry3]) -> bool {
     let size = |of: &dyn Fn(&Isometry3) -> Isometry3| {
-        let places = views.iter().map(|view| of(view.world_from_sensor()).translation.vector);
-        let places: Vec<Vector3> = places.collect();
+        let places: Vec<Vector3> = poses.iter().map(|pose| of(pose).translation.vector).collect();
         let middle = places.iter().sum::<Vector3>() / places.len().max(1) as f64;
         places.iter().map(|place| (place - middle).norm_squared()).sum::<f64>().sqrt()
     };
@@ -160,8 +209,8 @@ fn brings_together(reading: PoseReading, views: &[&CoarseView]) -> bool {
 
 /// Whether any two sensors are [`FAR_APART`]. If not, positions a thousand times smaller put all
 /// sensors into one place, where tunnels agree whatever their poses are.
-fn is_far_apart(views: &[&CoarseView], probes: &[Vec<Probe>]) -> bool {
+fn is_far_apart(poses: &[Isometry3], probes: &[Vec<Probe>]) -> bool {
     let reach = probes.iter().flatten().map(|probe| probe.point.coords.norm()).fold(0.0, f64::max);
-    let places = || views.iter().map(|view| view.world_from_sensor().translation.vector);
+    let places = || poses.iter().map(|pose| pose.translation.vector);
     places().any(|a| places().any(|b| (a - b).norm() > FAR_APART * reach))
 }

@@ -21,6 +21,8 @@
 //!    `camera.rs`.
 //! 5. The motion that all views share is taken out.
 //! 6. Pairs that were left out judge the result, and wrong focal lengths: `left_out.rs`.
+//! 7. A view that no pose brings to the others is left out, and the rounds are repeated. So is one
+//!    that was moved far, where a scale of its lengths explains its contradictions.
 
 mod camera;
 mod common_motion;
@@ -36,6 +38,7 @@ mod tests;
 mod uncertainty;
 
 use crate::coarse::{CoarseView, PosePrior};
+use crate::judge::{Suspects, suspects};
 use crate::tuning::{
     BEFORE_MOMENTUM, BLOCKS, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, FOCAL_SIGMAS, GATE,
     LEAST_FOR_SCALE, LEAST_LOOKED_UP, MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS,
@@ -82,10 +85,12 @@ pub fn refine(views: &[CoarseView], options: &RefineOptions) -> PoseRefinement {
 
 fn refine_sorted(views: Vec<&CoarseView>, options: &RefineOptions) -> PoseRefinement {
     let given: Vec<Isometry3> = views.iter().map(|v| *v.world_from_sensor()).collect();
+    let Suspects { blamed, scaled } = suspects(&views);
     let scene = scene(views, &given);
-    let mut misplaced = Vec::new();
+    let mut misplaced: Vec<usize> = scaled.into_iter().take(MOST_MISPLACED).collect();
     loop {
         let mut rounds = Rounds::new(&scene, given.clone(), options, &misplaced);
+        rounds.loosen(&blamed);
         rounds.run();
         match rounds.worst_view() {
             Some(view) if misplaced.len() < MOST_MISPLACED => misplaced.push(view),
@@ -118,6 +123,9 @@ struct Rounds<'a> {
     first: PosePrior,
     prior: PosePrior,
     stated: bool,
+    /// Views that contradict the others at their given poses. Their errors tell nothing of those of
+    /// the others, so they have the first prior.
+    loose: Vec<bool>,
     /// Whether scales of cameras are not looked for.
     scales_stay: bool,
     cameras: Cameras,
@@ -167,6 +175,7 @@ impl<'a> Rounds<'a> {
             first,
             prior,
             stated: stated.is_some(),
+            loose: vec![false; scene.views.len()],
             scales_stay: options.images_stay || scene.views.len() < LEAST_FOR_SCALE,
             cameras,
             drift: Drift::of(scene.views.len()),
@@ -177,6 +186,13 @@ impl<'a> Rounds<'a> {
             last_change,
             focal_over_true: None,
         }
+    }
+
+    /// Takes views for wrong ones, unless it is stated how far poses may be off.
+    fn loosen(&mut self, blamed: &[usize]) {
+        let stated = self.stated;
+        let loose = |k: usize| !stated && blamed.contains(&k);
+        self.loose = (0..self.loose.len()).map(loose).collect();
     }
 
     fn run(&mut self) {
@@ -365,8 +381,8 @@ impl<'a> Rounds<'a> {
 
     /// Whether the given poses are taken for exact: they hold the views where they are.
     fn are_exact(&self) -> bool {
-        let stated = self.scene.views.iter().any(|view| view.prior().is_some());
-        !stated && self.prior.rotation < EXACT * self.first.rotation
+        let known = (0..self.given.len()).any(|k| self.prior_of(k).is_some());
+        !known && self.prior.rotation < EXACT * self.first.rotation
     }
 
     /// Learns how large the errors of poses and cameras are, and how much views err alike.
@@ -383,7 +399,7 @@ impl<'a> Rounds<'a> {
         let before = self.known_before(&priors, so_far);
         let errors = Errors::new(&motions, root, |k| before.in_units(k));
         if !self.stated {
-            let is_unstated = |k: usize| self.scene.views[k].prior().is_none();
+            let is_unstated = |k: usize| self.prior_of(k).is_none();
             self.prior = estimated_prior(&self.prior, &self.drift.size(&errors, is_unstated));
         }
         self.drift.learn(&errors);
@@ -427,7 +443,13 @@ impl<'a> Rounds<'a> {
 
     /// How far each view's pose may be wrong.
     fn priors(&self) -> Vec<PosePrior> {
-        self.scene.views.iter().map(|view| view.prior().unwrap_or(self.prior)).collect()
+        self.own_or(self.prior)
+    }
+
+    /// How far a view's pose may be wrong, if it is not as far as the others'.
+    fn prior_of(&self, view: usize) -> Option<PosePrior> {
+        let loose = || self.loose[view].then_some(self.first);
+        self.scene.views[view].prior().or_else(loose)
     }
 
     /// How far the views have moved from their given poses.

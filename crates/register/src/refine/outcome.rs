@@ -27,7 +27,8 @@ pub enum PoseOutcome {
     Kept,
     /// It stays as given: no other view sees enough of the same surfaces.
     Alone,
-    /// It stays as given, though it contradicts the other views: no nearby pose agrees with them.
+    /// It stays as given, though it contradicts the other views: no nearby pose agrees with them,
+    /// or a scale of its lengths explains them better than a motion.
     Misplaced,
 }
 

@@ -40,7 +40,7 @@ impl Rounds<'_> {
                 largest_share(
                     prior.rotation / loose.rotation,
                     |k, c| {
-                        let known = self.scene.views.get(k)?.prior().is_some();
+                        let known = self.prior_of(k).is_some();
                         let unit = if c < 3 { loose.translation } else { loose.rotation };
                         let at_pivot = self.pivots.pivot_from_sensor(k).row(c).transpose();
                         let variance = at_pivot.dot(&(covariances.get(k)? * at_pivot));
@@ -110,9 +110,9 @@ impl Rounds<'_> {
         Some(motions.iter().map(|motion| motion * motion.transpose()).collect())
     }
 
-    /// The prior of each view that does not state its own.
-    fn own_or(&self, prior: PosePrior) -> Vec<PosePrior> {
-        self.scene.views.iter().map(|view| view.prior().unwrap_or(prior)).collect()
+    /// The prior of each view: its own, or this one.
+    pub(super) fn own_or(&self, prior: PosePrior) -> Vec<PosePrior> {
+        (0..self.given.len()).map(|k| self.prior_of(k).unwrap_or(prior)).collect()
     }
 }
 

@@ -10,7 +10,7 @@ use transect_register::{CoarseView, Explanation, PoseReading, Reading, explain};
 
 /// What explains views whose images have one order only.
 fn explained(views: &[View]) -> Option<Explanation> {
-    explain(&coarse(views), |_| None)
+    explain(&coarse(views), None, |_| None)
 }
 
 /// What explains files that are read as they are.
@@ -20,7 +20,7 @@ fn explained_files(files: &[Stored]) -> Option<Explanation> {
         files.iter().map(copy).collect()
     };
     let reread = |order| copies(files.iter().map(|file| file.in_order(order)).collect());
-    explain(&copies(files.to_vec()).unwrap(), reread)
+    explain(&copies(files.to_vec()).unwrap(), None, reread)
 }
 
 /// Files that hold their pixels in another order are explained by it.

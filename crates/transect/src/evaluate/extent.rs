@@ -49,6 +49,17 @@ pub enum ExtentError {
         /// The box around the model.
         model: Extent,
     },
+    /// The boxes overlap, but no plane of the model cuts the reference.
+    #[error(
+        "the reference spans {reference}, the model {model}; no plane of the model cuts the \
+         reference. Bring the reference into the model's frame and unit (a mesh states no unit)"
+    )]
+    Uncut {
+        /// The box around the reference.
+        reference: Extent,
+        /// The box around the model.
+        model: Extent,
+    },
 }
 
 impl Extent {
@@ -82,6 +93,11 @@ impl Extent {
             reference.min[axis] > high + margin || reference.max[axis] < low - margin
         });
         if apart { Err(ExtentError::Apart { reference, model }) } else { Ok(()) }
+    }
+
+    /// The error of a reference that no plane of this model cuts.
+    pub fn uncut(&self, reference: &Self) -> ExtentError {
+        ExtentError::Uncut { reference: *reference, model: *self }
     }
 }
 

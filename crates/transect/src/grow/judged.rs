@@ -53,7 +53,8 @@ pub(super) fn judged<S: ViewSource>(
     let all_known = views.iter().all(|view| known.contains(view.entry.id.0.as_str()));
     let again = |order| if all_known { reread(sources, order, CoarseView::quick) } else { None };
     let several = copies.len() > 1;
-    let judge = || PoseReport { in_store: true, ..PoseReport::of_given(copies, again, setup.unit) };
+    let judge =
+        || PoseReport { in_store: true, ..PoseReport::of_given(copies, None, again, setup.unit) };
     let poses = several.then(judge);
     Ok(Judged { poses, note })
 }

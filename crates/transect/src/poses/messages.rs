@@ -173,6 +173,8 @@ impl PoseReport {
                  where its pose comes from",
                 self.motion(*rotation, *translation)
             )),
+            // What is wrong with its lengths is a finding.
+            PoseOutcome::Misplaced if self.is_scaled(view) => None,
             PoseOutcome::Misplaced => Some(format!(
                 "view {view} contradicts the others, and no nearby pose agrees with them; it keeps \
                  its pose. Correct the pose, or {}",
@@ -180,6 +182,11 @@ impl PoseReport {
             )),
             PoseOutcome::Refined | PoseOutcome::Kept | PoseOutcome::Alone => None,
         }
+    }
+
+    fn is_scaled(&self, view: &str) -> bool {
+        let found = &self.judgement.findings;
+        found.iter().any(|f| matches!(f, Finding::Scaled(scaled) if scaled.view == view))
     }
 
     fn finding(&self, finding: &Finding) -> String {
@@ -290,6 +297,7 @@ fn advice(reading: Reading, unit: LengthUnit) -> String {
                  negative number (the setting `camera` FX,-FY,CX,CY)"
             );
         }
+        (Reading::AsStated, _) => return "Leave out the setting `pose_convention`".to_owned(),
         _ => return format!("Pass {reading}"),
     };
     format!(

@@ -22,7 +22,7 @@ use transect_device::{ImageOrder, View};
 use transect_geometry::LengthUnit;
 use transect_register::{
     CoarseView, Explanation, Finding, Judgement, PoseRefinement, RefineOptions, RefinedPose,
-    explain, judge, refine,
+    Stated, explain, judge, refine,
 };
 
 /// The poses of a run: what contradicts, and how they were refined.
@@ -81,6 +81,14 @@ pub(crate) fn reread<S: ViewSource>(
     sources.par_iter().map(copy).collect()
 }
 
+/// The poses of all views as their files state them; `None` if they were read so.
+pub(crate) fn stated<S: ViewSource>(sources: &[S]) -> Option<Stated> {
+    let (reading, _) = sources.first()?.stated_pose()?;
+    let poses =
+        sources.iter().map(|source| Some(source.stated_pose()?.1)).collect::<Option<_>>()?;
+    Some(Stated { reading, poses })
+}
+
 impl PoseReport {
     /// Judges the poses of views, after refining them if there are options for that.
     ///
@@ -94,7 +102,8 @@ impl PoseReport {
     ) -> Result<Self, ReconstructError> {
         let mut copies = coarse_views(sources, watch)?;
         let again = |order| reread(sources, order, CoarseView::new);
-        let mut explanation = explain(&copies, again);
+        let stated = stated(sources);
+        let mut explanation = explain(&copies, stated.as_ref(), again);
         let mut refinement = options.map(|options| refine(&copies, options));
         if let Some(refinement) = &refinement {
             let poses = &refinement.poses;
@@ -112,7 +121,7 @@ impl PoseReport {
         if let (Some(_), Some(found)) = (&refinement, &explanation) {
             // Few views that are a little off may look misread: refined, they agree, and need no
             // other reading. Views that were misread are wrong by more than a refinement finds.
-            let again = explain(&copies, again);
+            let again = explain(&copies, stated.as_ref(), again);
             // An object that moved contradicts at right poses, too.
             let agree = judgement.findings.iter().all(|f| matches!(f, Finding::Region(_)));
             if again.is_none() && agree && found.is_matched_by(&copies) {
@@ -130,10 +139,11 @@ impl PoseReport {
     /// in another order.
     pub(crate) fn of_given(
         copies: Vec<CoarseView>,
+        stated: Option<&Stated>,
         reread: impl Fn(ImageOrder) -> Option<Vec<CoarseView>>,
         unit: LengthUnit,
     ) -> Self {
-        let explanation = explain(&copies, reread);
+        let explanation = explain(&copies, stated, reread);
         let judgement = judge(&copies);
         Self { unit, explanation, judgement, refinement: None, in_store: false }
     }

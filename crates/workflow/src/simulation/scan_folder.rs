@@ -2,7 +2,7 @@
 
 use super::{PlacedInstrument, PreparedScene, SimulatedScan};
 use crate::WorkflowError;
-use crate::outputs::{Staging, is_own_manifest};
+use crate::outputs::{Staging, is_simulated_manifest};
 use std::path::Path;
 use transect_device::{Pixel, RangeImage, View};
 use transect_exchange::{
@@ -11,6 +11,9 @@ use transect_exchange::{
     write_npy_image, write_npy_stack, write_truth,
 };
 use transect_scene::{BitDepth, Counts as StripeCounts, Mesh, StripeCamera};
+
+/// The command that writes simulated scans.
+const SIMULATE: &str = "simulate";
 
 /// The form of the light-stripe sensors' images.
 #[derive(Debug, Clone, Copy, Default)]
@@ -35,7 +38,7 @@ pub fn calibration_file(view: usize) -> String {
 pub fn claim_scan_folder(folder: &Path, force: bool) -> Result<(), WorkflowError> {
     let is_empty = std::fs::read_dir(folder).map_or(true, |mut files| files.next().is_none());
     let is_simulated =
-        is_own_manifest(&folder.join(MANIFEST_FILE)) && folder.join(TRUTH_FILE).is_file();
+        is_simulated_manifest(&folder.join(MANIFEST_FILE)) && folder.join(TRUTH_FILE).is_file();
     if !(force || is_empty || is_simulated) {
         let problem = "the folder holds files that no simulation wrote; remove them, or choose \
                        another --out (simulate --force writes beside them)";
@@ -81,7 +84,7 @@ impl SimulatedScan {
         manifest.sigma = sigma(&self.views, images);
         manifest.planes = Some(PlanesEntry::from(&description.planes));
         manifest.size = Some(scene.bounds.size());
-        write_file(&folder.join(MANIFEST_FILE), |out| write_manifest(&manifest, out))?;
+        write_file(&folder.join(MANIFEST_FILE), |out| write_manifest(&manifest, SIMULATE, out))?;
         let Mesh { vertices, faces } = scene.truth.clone();
         let truth = TriangleMesh { vertices, faces };
         write_file(&folder.join(TRUTH_FILE), |out| write_truth(&truth, out))?;

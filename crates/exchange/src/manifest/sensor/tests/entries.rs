@@ -19,7 +19,7 @@ fn round_trip(sensor: &SensorEntry) -> (SensorEntry, String) {
     let manifest = Manifest::new("scan".to_owned(), vec![view(sensor.clone())]);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scan.json");
-    crate::write_file(&path, |out| write_manifest(&manifest, out)).unwrap();
+    crate::write_file(&path, |out| write_manifest(&manifest, "manifest", out)).unwrap();
     let (back, notes) = read_manifest(&path).unwrap();
     assert_eq!(notes, []);
     (back.views[0].sensor.clone(), std::fs::read_to_string(&path).unwrap())
