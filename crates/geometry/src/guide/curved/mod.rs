@@ -47,9 +47,15 @@ const USED_REACH: f64 = 0.9;
 const BEYOND: f64 = 0.05;
 
 /// Distance from the plane at a foot, as a share of the guide's length, up to which Newton's method
-/// has found the foot. Source: rounding, far below any interval of planes. Doubled, nothing
-/// changes.
+/// has found the foot. At least the rounding of coordinates is allowed ([`ROUNDINGS`]). Source:
+/// rounding, far below any interval of planes. Doubled, nothing changes.
 const FOOT: f64 = 1e-9;
+
+/// Distance that is rounding, as a share of the largest coordinate. No unit. Theory: a point, its
+/// pose and the place on the guide each round by about one unit of the last place
+/// (`f64::EPSILON`). Doubled, points beyond an end of the guide by 1e-8 m have a station on
+/// national grids; nothing else changes.
+const ROUNDINGS: f64 = 4.0 * f64::EPSILON;
 
 /// The meaning of a guide's points.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -87,6 +93,8 @@ pub struct CurvedGuide {
     reach: f64,
     /// Station at which the reach is least.
     tightest: f64,
+    /// Largest coordinate of the points, in the model's length unit.
+    size: f64,
 }
 
 /// The stored form of a guide.
@@ -130,8 +138,9 @@ impl CurvedGuide {
         };
         let tightest = reach(&path, BEYOND * path.length());
         let (axes, samples) = (carried_axes(&path), samples(&path));
+        let size = largest_coordinate(&points);
         let (reach, tightest) = (USED_REACH * tightest.radius, tightest.station);
-        Ok(Self { kind, points, path, axes, samples, reach, tightest })
+        Ok(Self { kind, points, path, axes, samples, reach, tightest, size })
     }
 
     /// Straight pieces with rounded corners; see [`GuideKind::Polyline`].
@@ -179,6 +188,17 @@ impl CurvedGuide {
         self.points.iter().map(distance).fold(0.0, f64::max)
     }
 
+    /// Largest coordinate of its points, in the model's length unit.
+    pub(super) fn size(&self) -> f64 {
+        self.size
+    }
+
+    /// Distance by which the station of a point may be off through rounding, in the model's length
+    /// unit. It grows with the distance from the world's origin.
+    fn rounding(&self, p: &Point3) -> f64 {
+        ROUNDINGS * self.size.max(p.coords.amax())
+    }
+
     /// Checks that planes do not cross within a distance of the guide.
     ///
     /// # Errors
@@ -208,7 +228,7 @@ impl CurvedGuide {
     pub fn station(&self, in_world: &Point3, hint: Option<f64>) -> Result<f64, NoStation> {
         let station = self.extended_station(in_world, hint)?;
         // Points on the first or last plane must not be lost to rounding.
-        let slack = 1e-12 * self.length();
+        let slack = self.rounding(in_world).max(1e-12 * self.length());
         let on_guide = station >= -slack && station <= self.length() + slack;
         if on_guide { Ok(station) } else { Err(NoStation::BeyondEnds) }
     }
@@ -248,7 +268,7 @@ impl CurvedGuide {
     fn nearest_foot(&self, p: &Point3, guess: f64) -> Option<(f64, f64)> {
         let (station, distance) = self.foot_near(p, guess);
         let (at, length) = (self.path.at(station), self.length());
-        let is_foot = at.tangent.dot(&(p - at.point)).abs() <= FOOT * length;
+        let is_foot = at.tangent.dot(&(p - at.point)).abs() <= self.rounding(p).max(FOOT * length);
         let is_near = (-BEYOND * length..=(1.0 + BEYOND) * length).contains(&station);
         if !(is_foot && is_near && distance <= self.reach) {
             return None;
@@ -291,6 +311,7 @@ impl CurvedGuide {
     /// The foot of the perpendicular near a station: its station, and the distance.
     fn foot_near(&self, p: &Point3, start: f64) -> (f64, f64) {
         let spacing = self.length() / (self.samples.len() - 1) as f64;
+        let enough = self.rounding(p).max(1e-14 * self.length());
         let mut station = start;
         for _ in 0..30 {
             let at = self.path.at(station);
@@ -301,7 +322,7 @@ impl CurvedGuide {
             let beyond = station <= 0.0 && along < 0.0 || station >= self.length() && along > 0.0;
             let step = if beyond { along } else { (along / stretch).clamp(-spacing, spacing) };
             station += step;
-            if step.abs() <= 1e-14 * self.length() {
+            if step.abs() <= enough {
                 break;
             }
         }
@@ -316,12 +337,16 @@ fn check(points: &[Point3]) -> Result<(), GuideError> {
     if let Some(k) = points.iter().position(|p| !p.coords.iter().all(|c| c.abs() < 1e150)) {
         return Err(GuideError::NotFinite(k));
     }
-    let size = points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
+    let size = largest_coordinate(points);
     let repeats = |pair: &[Point3]| (pair[1] - pair[0]).norm() <= 1e-12 * size;
     match points.windows(2).position(repeats) {
         Some(k) => Err(GuideError::Repeated(k + 1)),
         None => Ok(()),
     }
+}
+
+fn largest_coordinate(points: &[Point3]) -> f64 {
+    points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max)
 }
 
 /// First in-plane axis at the start of each piece.

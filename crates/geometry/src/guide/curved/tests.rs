@@ -185,6 +185,44 @@ fn a_straight_guide_needs_no_search() {
     }
 }
 
+#[test]
+fn points_on_the_first_and_the_last_plane_have_stations_far_from_the_origin() {
+    let bend = [(0.0, 0.0), (6.0, 2.0), (8.0, 7.0)];
+    let points = bend.map(|(x, y)| Point3::new(500_000.0 + x, 5_400_000.0 + y, 80.0)).to_vec();
+    for kind in [GuideKind::Spline, GuideKind::Polyline(None)] {
+        let guide = CurvedGuide::new(kind, points.clone()).unwrap();
+        let near = 0.5 * guide.reach().min(2.0);
+        for end in [0.0, guide.length()] {
+            let frame = guide.frame(end);
+            for k in 0..400 {
+                let (x, y) = (0.1 * f64::from(k)).sin_cos();
+                let p = frame.origin() + near * (frame.x_axis() * x + frame.y_axis() * y);
+                for hint in [None, Some(end)] {
+                    let station = guide.station(&p, hint);
+                    assert!(station.is_ok_and(|s| (s - end).abs() < 1e-8), "{station:?} at {p}");
+                }
+                let outward = if end == 0.0 { -1e-7 } else { 1e-7 };
+                let beyond = p + frame.normal() * outward;
+                assert_eq!(guide.station(&beyond, None), Err(NoStation::BeyondEnds), "{p}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_foot_is_recognised_far_from_the_origin() {
+    // A short guide, of which 1e-9 is less than its coordinates round by.
+    let start = Point3::new(500_000.1, 5_400_000.3, 80.0);
+    let ends = vec![start, start + Vector3::new(0.06, 0.08, 0.0)];
+    let guide = CurvedGuide::polyline(ends, None).unwrap();
+    for k in 0..200 {
+        let (x, y) = (0.1 * f64::from(k)).sin_cos();
+        let station = 0.0005 * f64::from(k);
+        let p = guide.frame(station).origin() + Vector3::new(x, y, 0.3) * 1e-3;
+        assert!(guide.nearest_foot(&p, station).is_some(), "{p}");
+    }
+}
+
 /// Points of a smooth random curve.
 fn guides() -> impl Strategy<Value = CurvedGuide> {
     let turns = prop::collection::vec((-0.5..0.5f64, -0.4..0.4f64), 3..9);
