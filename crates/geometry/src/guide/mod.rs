@@ -44,16 +44,19 @@ pub enum GuideError {
     /// The radius for a polyline's corners is not positive.
     #[error("the radius of the guide's corners must be a positive length, got {0}")]
     BadRadius(f64),
-    /// Planes cross within the required distance from the guide.
+    /// Planes cross too near to the guide for the required distance.
     #[error(
-        "planes along the guide cross {reach} away from it at station {station}; a distance of \
-         {needed} is needed. The guide bends too sharply there, or comes too close to itself"
+        "planes along the guide cross {reach} away from it at station {station}. Up to {usable} \
+         (0.9 of that) can be used, and {needed} is needed. Let the guide bend less sharply there, \
+         keep its parts farther apart, or ask for a smaller distance"
     )]
     TooCurved {
         /// The station, in the model's length unit.
         station: f64,
-        /// Distance up to which planes do not cross, in the model's length unit.
+        /// Distance from the guide at which planes cross, in the model's length unit.
         reach: f64,
+        /// Distance up to which points have stations, in the model's length unit.
+        usable: f64,
         /// Required distance, in the model's length unit.
         needed: f64,
     },
@@ -153,7 +156,7 @@ impl Guide {
     }
 
     /// Arc length along the guide at the point of it nearest to `in_world`; `None` beyond the ends
-    /// of a curved guide and farther from it than [`CurvedGuide::reach`].
+    /// of a curved guide and farther from it than [`CurvedGuide::usable_distance`].
     pub fn station(&self, in_world: &Point3) -> Option<f64> {
         match self {
             Self::Straight(guide) => Some(guide.station(in_world)),

@@ -39,7 +39,7 @@ pub const MAX_GUIDE_POINTS: usize = 10_000;
 
 /// Share of the reach that is used. Chosen by hand: at the reach itself planes touch and stations
 /// are not defined. Near 1 stations lose digits; smaller values drop more pixels.
-const USED_REACH: f64 = 0.9;
+const USABLE_SHARE: f64 = 0.9;
 
 /// Distance beyond an end, as a share of the guide's length, up to which points still have an
 /// extended station. Chosen by hand. Doubled, more pixels are counted as beyond the ends, fewer as
@@ -74,9 +74,9 @@ pub enum NoStation {
     /// It lies before the first station or after the last one.
     #[error("beyond an end of the guide")]
     BeyondEnds,
-    /// It is beyond [`CurvedGuide::reach`], where planes may cross.
-    #[error("too far from the guide")]
-    BeyondReach,
+    /// It is farther from the guide than [`CurvedGuide::usable_distance`]: planes may cross there.
+    #[error("too far from the guide, where its planes may cross")]
+    TooFar,
 }
 
 /// A guide through points, with a first and a last station.
@@ -90,6 +90,7 @@ pub struct CurvedGuide {
     axes: Vec<Vector3>,
     /// Equally spaced points of the path, both ends included.
     samples: Vec<Point3>,
+    /// Distance from the guide at which planes cross, in the model's length unit.
     reach: f64,
     /// Station at which the reach is least.
     tightest: f64,
@@ -139,7 +140,7 @@ impl CurvedGuide {
         let tightest = reach(&path, BEYOND * path.length());
         let (axes, samples) = (carried_axes(&path), samples(&path));
         let size = largest_coordinate(&points);
-        let (reach, tightest) = (USED_REACH * tightest.radius, tightest.station);
+        let (reach, tightest) = (tightest.radius, tightest.station);
         Ok(Self { kind, points, path, axes, samples, reach, tightest, size })
     }
 
@@ -174,11 +175,16 @@ impl CurvedGuide {
         self.path.length()
     }
 
-    /// Distance from the guide up to which points have stations and planes do not cross: 0.9 × the
-    /// curve's reach, which is at most its smallest bend radius. Infinite for a guide that does not
-    /// bend.
+    /// The curve's reach, in the model's length unit: the distance from the guide at which planes
+    /// cross. It is at most the smallest bend radius. Infinite for a guide that does not bend.
     pub fn reach(&self) -> f64 {
         self.reach
+    }
+
+    /// Distance from the guide up to which points have stations, in the model's length unit: 0.9 ×
+    /// its [reach](CurvedGuide::reach). Infinite for a guide that does not bend.
+    pub fn usable_distance(&self) -> f64 {
+        USABLE_SHARE * self.reach
     }
 
     /// The largest distance of its points from the guide, in the model's length unit. It rounds the
@@ -199,13 +205,17 @@ impl CurvedGuide {
         ROUNDINGS * self.size.max(p.coords.amax())
     }
 
-    /// Checks that planes do not cross within a distance of the guide.
+    /// Checks that points up to a distance from the guide have stations, in the model's length
+    /// unit.
     ///
     /// # Errors
-    /// [`GuideError::TooCurved`] with the station where they cross.
-    pub fn require_reach(&self, needed: f64) -> Result<(), GuideError> {
-        let (station, reach) = (self.tightest, self.reach);
-        if reach >= needed { Ok(()) } else { Err(GuideError::TooCurved { station, reach, needed }) }
+    /// [`GuideError::TooCurved`] with the station where planes cross nearest to the guide.
+    pub fn require_usable_distance(&self, needed: f64) -> Result<(), GuideError> {
+        let (station, reach, usable) = (self.tightest, self.reach, self.usable_distance());
+        if usable >= needed {
+            return Ok(());
+        }
+        Err(GuideError::TooCurved { station, reach, usable, needed })
     }
 
     /// The frame of the plane at a station: origin on the guide, normal along it. Beyond its ends
@@ -224,7 +234,7 @@ impl CurvedGuide {
     /// result.
     ///
     /// # Errors
-    /// [`NoStation`] beyond the ends and beyond [`CurvedGuide::reach`].
+    /// [`NoStation`] beyond the ends and beyond [`CurvedGuide::usable_distance`].
     pub fn station(&self, in_world: &Point3, hint: Option<f64>) -> Result<f64, NoStation> {
         let station = self.extended_station(in_world, hint)?;
         // Points on the first or last plane must not be lost to rounding.
@@ -240,7 +250,7 @@ impl CurvedGuide {
     /// As [`CurvedGuide::station`].
     pub fn extended_station(&self, p: &Point3, hint: Option<f64>) -> Result<f64, NoStation> {
         if !p.coords.iter().all(|c| c.is_finite()) {
-            return Err(NoStation::BeyondReach);
+            return Err(NoStation::TooFar);
         }
         let guessed = hint.and_then(|hint| self.nearest_foot(p, hint));
         let (station, distance) =
@@ -249,7 +259,7 @@ impl CurvedGuide {
         if station < -BEYOND * length || station > (1.0 + BEYOND) * length {
             return Err(NoStation::BeyondEnds);
         }
-        if distance <= self.reach { Ok(station) } else { Err(NoStation::BeyondReach) }
+        if distance <= self.usable_distance() { Ok(station) } else { Err(NoStation::TooFar) }
     }
 
     /// Spacing of the planes at a point over their spacing on the guide: 1 − the bend towards the
@@ -270,10 +280,10 @@ impl CurvedGuide {
         let (at, length) = (self.path.at(station), self.length());
         let is_foot = at.tangent.dot(&(p - at.point)).abs() <= self.rounding(p).max(FOOT * length);
         let is_near = (-BEYOND * length..=(1.0 + BEYOND) * length).contains(&station);
-        if !(is_foot && is_near && distance <= self.reach) {
+        if !(is_foot && is_near && distance <= self.usable_distance()) {
             return None;
         }
-        let quarter = FRAC_PI_2 * self.reach;
+        let quarter = FRAC_PI_2 * self.usable_distance();
         let nearer = self.nearer_sample(p, distance, (station - quarter, station + quarter));
         nearer.is_none().then_some((station, distance))
     }
