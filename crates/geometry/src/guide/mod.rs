@@ -32,15 +32,42 @@ pub enum GuideError {
     /// A curved guide has fewer than two points or more than [`MAX_GUIDE_POINTS`].
     #[error("a guide has {0} points; it needs 2 to {MAX_GUIDE_POINTS}")]
     PointCount(usize),
-    /// A coordinate of a guide's point is NaN or infinite.
-    #[error("point {0} of the guide has a coordinate that is not a finite number")]
-    NotFinite(usize),
+    /// A coordinate of a guide's point is NaN, infinite or absurdly large.
+    #[error(
+        "point {point} of the guide (from 0) is at ({}, {}, {}); coordinates must be numbers \
+         within 1e150 of 0. Correct the point, or remove it",
+        at.x, at.y, at.z
+    )]
+    NotFinite {
+        /// The number of the point, from 0.
+        point: usize,
+        /// The point, in the model's length unit.
+        at: Point3,
+    },
     /// A point of a guide is at the place of the one before it, to within rounding.
-    #[error("point {0} of the guide repeats the one before it")]
-    Repeated(usize),
+    #[error(
+        "point {point} of the guide (from 0), at ({}, {}, {}), repeats the one before it; remove \
+         one of the two",
+        at.x, at.y, at.z
+    )]
+    Repeated {
+        /// The number of the point, from 0.
+        point: usize,
+        /// The point, in the model's length unit.
+        at: Point3,
+    },
     /// The guide turns back on itself, so that its points have two stations.
-    #[error("the guide turns back on itself at point {0}")]
-    TurnsBack(usize),
+    #[error(
+        "the guide turns back on itself at point {point} (from 0), at ({}, {}, {}): places there \
+         would have two stations. Check the order of its points, and correct or remove this one",
+        at.x, at.y, at.z
+    )]
+    TurnsBack {
+        /// The number of the point, from 0.
+        point: usize,
+        /// The point, in the model's length unit.
+        at: Point3,
+    },
     /// The radius for a polyline's corners is not positive.
     #[error("the radius of the guide's corners must be a positive length, got {0}")]
     BadRadius(f64),

@@ -133,7 +133,9 @@ impl CurvedGuide {
             }
             GuideKind::Polyline(radius) => Path::Rounded(Rounded::new(&points, radius)?),
             GuideKind::Spline => match turns_back(&points) {
-                Some(point) => return Err(GuideError::TurnsBack(point)),
+                Some(point) => {
+                    return Err(GuideError::TurnsBack { point, at: points[point] });
+                }
                 None => Path::Spline(Spline::new(&points)),
             },
         };
@@ -345,12 +347,12 @@ fn check(points: &[Point3]) -> Result<(), GuideError> {
         return Err(GuideError::PointCount(points.len()));
     }
     if let Some(k) = points.iter().position(|p| !p.coords.iter().all(|c| c.abs() < 1e150)) {
-        return Err(GuideError::NotFinite(k));
+        return Err(GuideError::NotFinite { point: k, at: points[k] });
     }
     let size = largest_coordinate(points);
     let repeats = |pair: &[Point3]| (pair[1] - pair[0]).norm() <= 1e-12 * size;
     match points.windows(2).position(repeats) {
-        Some(k) => Err(GuideError::Repeated(k + 1)),
+        Some(k) => Err(GuideError::Repeated { point: k + 1, at: points[k + 1] }),
         None => Ok(()),
     }
 }

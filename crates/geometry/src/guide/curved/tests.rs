@@ -144,11 +144,16 @@ fn bad_points_are_named() {
     let p = |x: f64| Point3::new(x, 0.0, 0.0);
     let error = |points: Vec<Point3>| CurvedGuide::polyline(points, None).unwrap_err();
     assert_eq!(error(vec![p(1.0)]), GuideError::PointCount(1));
-    assert_eq!(error(vec![p(1.0), p(f64::NAN), p(2.0)]), GuideError::NotFinite(1));
-    assert_eq!(error(vec![p(1.0), p(2.0), p(2.0)]), GuideError::Repeated(2));
-    assert_eq!(error(vec![p(1.0), p(2.0), p(0.5)]), GuideError::TurnsBack(1));
+    let wild = error(vec![p(1.0), p(f64::NAN), p(2.0)]).to_string();
+    assert!(wild.starts_with("point 1 of the guide (from 0) is at (NaN, 0, 0); "), "{wild}");
+    let repeated = error(vec![p(1.0), p(2.0), p(2.0)]);
+    assert_eq!(repeated, GuideError::Repeated { point: 2, at: p(2.0) });
+    assert!(repeated.to_string().contains("(from 0), at (2, 0, 0), repeats"), "{repeated}");
+    let back = error(vec![p(1.0), p(2.0), p(0.5)]);
+    assert_eq!(back, GuideError::TurnsBack { point: 1, at: p(2.0) });
+    assert!(back.to_string().contains("at point 1 (from 0), at (2, 0, 0): "), "{back}");
     let back = CurvedGuide::spline(vec![p(0.0), p(1.0), p(2.0), p(0.5)]).unwrap_err();
-    assert_eq!(back, GuideError::TurnsBack(2));
+    assert_eq!(back, GuideError::TurnsBack { point: 2, at: p(2.0) });
     assert_eq!(
         CurvedGuide::polyline(vec![p(1.0), p(2.0)], Some(0.0)).unwrap_err(),
         GuideError::BadRadius(0.0)
