@@ -8,7 +8,7 @@ use crate::{
     ViewPose, cloud, depth_sequence, depth_sequence_manifest, e57, manifest, posed_scan, ptx,
     read_manifest, stanford,
 };
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use transect_device::{ImageOrder, Note};
 
 /// Reads a scan as a manifest whose files are relative to the scan's folder.
@@ -121,13 +121,22 @@ fn is_file_with(path: &Path, extension: &str) -> bool {
     !path.is_dir() && path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
-/// The first file of a folder that is a scan by itself.
-fn scan_within(folder: &Path) -> Option<String> {
-    let entries = std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path());
-    let mut files: Vec<_> = entries.filter(|path| path.is_file()).collect();
+/// The first file of a folder that is a scan by itself; `None` for a file, too.
+///
+/// The folder must be readable: one that cannot be listed is recognised as no format.
+fn scan_within(path: &Path) -> Result<Option<String>, ReadError> {
+    if !path.is_dir() {
+        return Ok(None);
+    }
+    let mut files = listed(path).map_err(|e| ReadError::io(path, e))?;
+    files.retain(|file| file.is_file());
     files.sort();
-    let scan = files.iter().find(|path| FORMATS.iter().any(|format| (format.recognise)(path)))?;
-    Some(scan.display().to_string())
+    let scan = files.iter().find(|file| FORMATS.iter().any(|format| (format.recognise)(file)));
+    Ok(scan.map(|scan| scan.display().to_string()))
+}
+
+fn listed(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    std::fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect()
 }
 
 /// The problem of a setting that the format of a scan has no use for. In a folder, a manifest comes
@@ -170,7 +179,7 @@ impl Scan {
             if let Some((_, reason)) = REFUSED.iter().find(is_refused) {
                 return Err(ReadError::unsupported(path, Place::Whole, *reason));
             }
-            if let Some(scan) = scan_within(path) {
+            if let Some(scan) = scan_within(path)? {
                 let reason = format!("a folder that holds scans; pass one, such as {scan}");
                 return Err(ReadError::unsupported(path, Place::Whole, reason));
             }
@@ -255,6 +264,7 @@ impl Scan {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_data::skipped;
 
     #[test]
     fn what_is_no_scan_is_told_what_would_be() {
@@ -276,6 +286,25 @@ mod tests {
             let error = Scan::open(&path).unwrap_err().to_string();
             assert!(error.contains(&format!("{name}: {reason}")) && error.contains("as E57"));
         }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_folder_that_cannot_be_listed_is_an_error_of_its_own() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let closed = folder.path().join("closed");
+        std::fs::create_dir(&closed).unwrap();
+        let allow = |mode| std::fs::set_permissions(&closed, PermissionsExt::from_mode(mode));
+        allow(0o000).unwrap();
+        if std::fs::read_dir(&closed).is_ok() {
+            return skipped("this user may list every folder");
+        }
+        let error = Scan::open(&closed).unwrap_err();
+        allow(0o700).unwrap();
+        assert!(matches!(error, ReadError::Io { .. }), "{error}");
+        let error = Scan::open(&closed).unwrap_err();
+        assert!(matches!(error, ReadError::NotAScan { .. }), "{error}");
     }
 
     #[test]
