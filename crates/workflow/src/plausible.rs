@@ -109,7 +109,7 @@ impl Check {
 
 /// The checks of a run, and what they compare the views with.
 #[derive(Debug, Clone)]
-pub struct Plausibility {
+pub(crate) struct Plausibility {
     /// Distance between neighbouring planes.
     pub interval: f64,
     /// Unit of all lengths, for messages.

@@ -4,7 +4,8 @@
 //! its own unit, a bare number is in the scan's.
 
 use crate::length::parse_length;
-use crate::{Check, MethodSettings, Plausibility, WorkflowError};
+use crate::plausible::Plausibility;
+use crate::{Check, MethodSettings, WorkflowError};
 use std::mem::discriminant;
 use std::path::PathBuf;
 use transect::register::{PosePrior, RefineOptions};

@@ -1,8 +1,9 @@
 //! A scan on disk, and its views in the form that the modeler takes.
 
+use crate::plausible::Plausibility;
 use crate::plausible::ReadView;
 use crate::selection::Limits;
-use crate::{Plausibility, Selection, WorkflowError};
+use crate::{Selection, WorkflowError};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
@@ -122,7 +123,7 @@ impl OpenScan {
 
 /// A view in a file.
 #[derive(Debug, Clone)]
-pub struct FileView<'a> {
+pub(crate) struct FileView<'a> {
     /// Where its image is.
     pub view: &'a ScanView,
     /// Its name in a model store.

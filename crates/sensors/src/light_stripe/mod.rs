@@ -141,7 +141,7 @@ impl LightStripe {
     }
 
     /// The camera's focal point, through which it sees everything.
-    pub fn focal_point(&self) -> Point3 {
+    fn focal_point(&self) -> Point3 {
         Point3::new(0.0, 0.0, self.parameters.focal_length)
     }
 
