@@ -178,6 +178,10 @@ mod tests {
             ImageSize { rows: 1, cols: 2 }
         }
 
+        fn kind(&self) -> &'static str {
+            "Parallel"
+        }
+
         fn ray(&self, pixel: Pixel) -> Option<Ray> {
             let start = Point3::new(pixel.col as f64, 0.0, 0.0);
             Some(Ray { start, direction: Vector3::z() })

@@ -238,6 +238,10 @@ impl DeviceFrame for Straightened {
         self.given.frame().size()
     }
 
+    fn kind(&self) -> &'static str {
+        self.given.frame().kind()
+    }
+
     fn handedness(&self) -> Handedness {
         self.given.frame().handedness()
     }

@@ -226,6 +226,10 @@ impl DeviceFrame for LightStripe {
         ImageSize { rows: self.parameters.camera_rows, cols: self.sheets.len() }
     }
 
+    fn kind(&self) -> &'static str {
+        "LightStripe"
+    }
+
     fn handedness(&self) -> Handedness {
         // ∂ray/∂θ = (-1/sin²θ, 0, 0) and ∂ray/∂row = (0, cell_height/f, 0): turned against z.
         Handedness::of(if self.parameters.theta_laser.ascending() { -1.0 } else { 1.0 })
