@@ -1,11 +1,10 @@
 //! Registration: the poses of a scan, refined and written as a scan of their own.
 
 use crate::outputs::{Staging, claim_output};
-use crate::plausible::Plausibility;
 use crate::report_file::readable;
 use crate::results::MODEL;
 use crate::settings::refine_options;
-use crate::{Check, OpenScan, WorkflowError, claim_manifest};
+use crate::{Check, OpenScan, Plausibility, WorkflowError, claim_manifest};
 use serde::Serialize;
 use std::path::Path;
 use transect::register::{PoseReading, RefinedPose};

@@ -4,13 +4,14 @@ use crate::faces::{InFaces, in_faces};
 use crate::length::parse_length;
 use crate::outputs::remove_leftovers;
 use crate::plausible::Looked;
-use crate::plausible::Plausibility;
 use crate::score::{Reference, ScoreLimits, score};
 use crate::selection::Limits;
 use crate::store_file::{Grown, grow, origin, setup_of};
 use crate::table::{Row, digits};
 use crate::views::{FileView, OpenScan};
-use crate::{Check, Costs, ReportFile, ResultFolder, Settings, WorkflowError, as_options};
+use crate::{
+    Check, Costs, Plausibility, ReportFile, ResultFolder, Settings, WorkflowError, as_options,
+};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};

@@ -4,8 +4,7 @@
 //! its own unit, a bare number is in the scan's.
 
 use crate::length::parse_length;
-use crate::plausible::Plausibility;
-use crate::{Check, MethodSettings, WorkflowError};
+use crate::{Check, MethodSettings, Plausibility, WorkflowError};
 use std::mem::discriminant;
 use std::path::PathBuf;
 use transect::register::{PosePrior, RefineOptions};

@@ -1,11 +1,9 @@
 //! Model stores on disk: opening one, growing it by a scan, removing and replacing its views.
 
-use crate::plausible::Plausibility;
 use crate::results::find_model;
 use crate::selection::Limits;
 use crate::settings::refine_options;
-use crate::views::FileView;
-use crate::{Check, WorkflowError};
+use crate::{Check, FileView, Plausibility, WorkflowError};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -3,9 +3,8 @@
 //! Every view is loaded, measured and dropped, so that memory does not grow with the scan. What is
 //! kept of a view are a few thousand points.
 
-use crate::plausible::Plausibility;
 use crate::samples::{Sample, coarse_samples, pixel_spacing, samples};
-use crate::{OpenScan, WorkflowError};
+use crate::{OpenScan, Plausibility, WorkflowError};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use transect::ReconstructError;

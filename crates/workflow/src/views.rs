@@ -1,9 +1,8 @@
 //! A scan on disk, and its views in the form that the modeler takes.
 
-use crate::plausible::Plausibility;
 use crate::plausible::ReadView;
 use crate::selection::Limits;
-use crate::{Selection, WorkflowError};
+use crate::{Plausibility, Selection, WorkflowError};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
