@@ -8,7 +8,7 @@ use crate::{
     ViewPose, cloud, depth_sequence, depth_sequence_manifest, e57, manifest, posed_scan, ptx,
     read_manifest, stanford,
 };
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use transect_device::{ImageOrder, Note};
 
 /// Reads a scan as a manifest whose files are relative to the scan's folder.
@@ -122,21 +122,20 @@ fn is_file_with(path: &Path, extension: &str) -> bool {
 }
 
 /// The first file of a folder that is a scan by itself; `None` for a file, too.
-///
-/// The folder must be readable: one that cannot be listed is recognised as no format.
-fn scan_within(path: &Path) -> Result<Option<String>, ReadError> {
-    if !path.is_dir() {
-        return Ok(None);
-    }
-    let mut files = listed(path).map_err(|e| ReadError::io(path, e))?;
-    files.retain(|file| file.is_file());
+fn scan_within(folder: &Path) -> Option<String> {
+    let entries = std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path());
+    let mut files: Vec<_> = entries.filter(|path| path.is_file()).collect();
     files.sort();
-    let scan = files.iter().find(|file| FORMATS.iter().any(|format| (format.recognise)(file)));
-    Ok(scan.map(|scan| scan.display().to_string()))
+    let scan = files.iter().find(|path| FORMATS.iter().any(|format| (format.recognise)(path)))?;
+    Some(scan.display().to_string())
 }
 
-fn listed(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
-    std::fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect()
+/// Checks that a folder can be listed. One that cannot is recognised as no format.
+fn check_listed(path: &Path) -> Result<(), ReadError> {
+    if path.is_dir() {
+        std::fs::read_dir(path).map_err(|e| ReadError::io(path, e))?;
+    }
+    Ok(())
 }
 
 /// The problem of a setting that the format of a scan has no use for. In a folder, a manifest comes
@@ -173,13 +172,14 @@ impl Scan {
     pub fn open_with(path: &Path, options: &OpenOptions) -> Result<Self, ReadError> {
         std::fs::metadata(path).map_err(|e| ReadError::io(path, e))?;
         let Some(format) = FORMATS.iter().find(|format| (format.recognise)(path)) else {
+            check_listed(path)?;
             let is_refused = |(extensions, _): &&(&[&str], _)| {
                 extensions.iter().any(|extension| is_file_with(path, extension))
             };
             if let Some((_, reason)) = REFUSED.iter().find(is_refused) {
                 return Err(ReadError::unsupported(path, Place::Whole, *reason));
             }
-            if let Some(scan) = scan_within(path)? {
+            if let Some(scan) = scan_within(path) {
                 let reason = format!("a folder that holds scans; pass one, such as {scan}");
                 return Err(ReadError::unsupported(path, Place::Whole, reason));
             }
