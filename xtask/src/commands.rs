@@ -14,7 +14,7 @@ pub enum Owner {
 /// A command of the launcher or of the lab, and what its help says.
 const OWN: [(&str, Owner, &str); 4] = [
     ("test", Owner::Launcher, "Run the tests; arguments go to cargo test"),
-    ("check", Owner::Launcher, "Run everything that CI runs; --without-tests leaves out the tests"),
+    ("check", Owner::Launcher, "Run checks, tests and some commands; --without-tests: no tests"),
     ("experiments", Owner::Lab, "Measure the figures that the documentation states"),
     (
         "bench",

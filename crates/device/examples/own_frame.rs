@@ -23,6 +23,10 @@ impl DeviceFrame for ParallelCamera {
         self.size
     }
 
+    fn kind(&self) -> &'static str {
+        "ParallelCamera"
+    }
+
     /// ∂p/∂column × ∂p/∂row = x × y = z, which is the rays' direction.
     fn handedness(&self) -> Handedness {
         Handedness::ColumnsRight

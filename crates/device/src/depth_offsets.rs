@@ -36,25 +36,61 @@ fn is_one(scale: &f64) -> bool {
 /// Four nodes of a grid with their weights.
 pub type Nodes = [(usize, f64); 4];
 
-impl TryFrom<Grid> for DepthOffsets {
-    type Error = String;
+/// Why numbers cannot be [`DepthOffsets`].
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DepthOffsetsError {
+    /// The grid has fewer than 2 × 2 nodes, or absurdly many.
+    #[error("a grid of {rows} x {cols} nodes; it needs 2 x 2 at least")]
+    GridSize {
+        /// Rows of nodes.
+        rows: usize,
+        /// Columns of nodes.
+        cols: usize,
+    },
+    /// The number of values is not that of the nodes.
+    #[error("{found} values for {rows} x {cols} nodes; give one for each node")]
+    WrongCount {
+        /// Rows of nodes.
+        rows: usize,
+        /// Columns of nodes.
+        cols: usize,
+        /// The number of values.
+        found: usize,
+    },
+    /// An offset is NaN or infinite.
+    #[error("value {node} (from 0) is {value}; it must be a finite number")]
+    NotFinite {
+        /// The number of the value, from 0, row by row.
+        node: usize,
+        /// The value, in 1 / length unit.
+        value: f64,
+    },
+    /// The scale is no factor.
+    #[error("a scale of {0}; it must be a finite number above 0")]
+    BadScale(f64),
+}
 
-    fn try_from(grid: Grid) -> Result<Self, String> {
+impl TryFrom<Grid> for DepthOffsets {
+    type Error = DepthOffsetsError;
+
+    fn try_from(grid: Grid) -> Result<Self, DepthOffsetsError> {
         let Grid { scale, rows, cols, ref values } = grid;
-        let count = rows.checked_mul(cols).filter(|_| rows > 1 && cols > 1);
-        match count {
-            None => Err(format!("a grid of {rows} x {cols} nodes; it needs 2 x 2 at least")),
-            Some(count) if count != values.len() => {
-                Err(format!("{} values for {rows} x {cols} nodes", values.len()))
+        let found = values.len();
+        match rows.checked_mul(cols).filter(|_| rows > 1 && cols > 1) {
+            None => return Err(DepthOffsetsError::GridSize { rows, cols }),
+            Some(count) if count != found => {
+                return Err(DepthOffsetsError::WrongCount { rows, cols, found });
             }
-            Some(_) if values.iter().any(|v| !v.is_finite()) => {
-                Err("a value that is no finite number".to_owned())
-            }
-            Some(_) if !(scale.is_finite() && scale > 0.0) => {
-                Err(format!("a scale of {scale}; it must be a finite number above 0"))
-            }
-            Some(_) => Ok(Self(grid)),
+            Some(_) => {}
         }
+        if let Some((node, value)) = values.iter().enumerate().find(|(_, v)| !v.is_finite()) {
+            return Err(DepthOffsetsError::NotFinite { node, value: *value });
+        }
+        if !(scale.is_finite() && scale > 0.0) {
+            return Err(DepthOffsetsError::BadScale(scale));
+        }
+        Ok(Self(grid))
     }
 }
 
@@ -68,16 +104,17 @@ impl DepthOffsets {
     /// Offsets at the nodes of a grid, row by row, in 1 / length unit.
     ///
     /// # Errors
-    /// A sentence: fewer than 2 × 2 nodes, another number of values, or one that is not finite.
-    pub fn new(rows: usize, cols: usize, values: Vec<f64>) -> Result<Self, String> {
+    /// [`DepthOffsetsError`] for fewer than 2 × 2 nodes, another number of values, or one that is
+    /// not finite.
+    pub fn new(rows: usize, cols: usize, values: Vec<f64>) -> Result<Self, DepthOffsetsError> {
         Grid { scale: 1.0, rows, cols, values }.try_into()
     }
 
     /// The same offsets, for depths that are multiplied by a scale first.
     ///
     /// # Errors
-    /// If the scale is not a finite number above 0.
-    pub fn after_scale(self, scale: f64) -> Result<Self, String> {
+    /// [`DepthOffsetsError::BadScale`] if the scale is not a finite number above 0.
+    pub fn after_scale(self, scale: f64) -> Result<Self, DepthOffsetsError> {
         Grid { scale, ..self.0 }.try_into()
     }
 
@@ -215,13 +252,17 @@ mod tests {
     #[test]
     fn bad_grids_are_refused() {
         let told = |rows, cols, values| DepthOffsets::new(rows, cols, values).unwrap_err();
-        assert!(told(1, 3, vec![0.0; 3]).contains("1 x 3 nodes"));
-        assert!(told(2, 3, vec![0.0; 5]).contains("5 values for 2 x 3"));
-        assert!(told(2, 2, vec![0.0, f64::NAN, 0.0, 0.0]).contains("finite"));
-        assert!(told(usize::MAX, 3, Vec::new()).contains("nodes"));
+        let count = |rows, cols| DepthOffsetsError::GridSize { rows, cols };
+        assert_eq!(told(1, 3, vec![0.0; 3]), count(1, 3));
+        assert_eq!(told(usize::MAX, 3, Vec::new()), count(usize::MAX, 3));
+        let wrong = told(2, 3, vec![0.0; 5]).to_string();
+        assert_eq!(wrong, "5 values for 2 x 3 nodes; give one for each node");
+        let wrong = told(2, 2, vec![0.0, f64::NAN, 0.0, 0.0]).to_string();
+        assert_eq!(wrong, "value 1 (from 0) is NaN; it must be a finite number");
         for scale in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             let offsets = DepthOffsets::new(2, 2, vec![0.0; 4]).unwrap();
-            assert!(offsets.after_scale(scale).unwrap_err().contains("a scale of"));
+            let error = offsets.after_scale(scale).unwrap_err();
+            assert!(error.to_string().starts_with("a scale of"), "{error}");
         }
     }
 

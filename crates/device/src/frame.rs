@@ -124,6 +124,9 @@ impl PairGeometry {
 ///     fn size(&self) -> ImageSize {
 ///         self.0
 ///     }
+///     fn kind(&self) -> &'static str {
+///         "Parallel"
+///     }
 ///     fn handedness(&self) -> Handedness {
 ///         Handedness::ColumnsRight
 ///     }
@@ -161,12 +164,9 @@ pub trait DeviceFrame: std::fmt::Debug + Send + Sync {
     /// Rows and columns of the frame's images.
     fn size(&self) -> ImageSize;
 
-    /// The kind of sensor, for lists of views: the name of its type.
-    fn kind(&self) -> &'static str {
-        let name = std::any::type_name::<Self>();
-        let name = name.split('<').next().unwrap_or(name);
-        name.rsplit("::").next().unwrap_or(name)
-    }
+    /// The kind of sensor, for lists of views: a word such as the name of its type. Model stores
+    /// keep it, so it must not change from version to version.
+    fn kind(&self) -> &'static str;
 
     /// The orientation of the grid, seen from the sensor.
     fn handedness(&self) -> Handedness;
@@ -176,9 +176,9 @@ pub trait DeviceFrame: std::fmt::Debug + Send + Sync {
         false
     }
 
-    /// The largest angle among the sensor's parameters, in radians, with its key in manifests, for
-    /// a check of its unit; `None` without angles whose range the sensor leaves open.
-    fn largest_angle(&self) -> Option<(&'static str, f64)> {
+    /// The largest angle among the sensor's parameters, in radians, for a check of its unit; `None`
+    /// without angles whose range the sensor leaves open.
+    fn largest_angle(&self) -> Option<f64> {
         None
     }
 

@@ -22,7 +22,7 @@ mod range_image;
 mod separable;
 mod view;
 
-pub use depth_offsets::{DepthOffsets, Nodes};
+pub use depth_offsets::{DepthOffsets, DepthOffsetsError, Nodes};
 pub use frame::{
     DeviceFrame, DevicePoint, Handedness, LinearForm, Neighbour, PairGeometry, Ray, SensorPlane,
 };

@@ -91,7 +91,10 @@ pub const MAX_PIXELS: usize = 1 << 30;
 #[non_exhaustive]
 pub enum ImageError {
     /// No rows or no columns, or more than [`MAX_PIXELS`].
-    #[error("an image of {rows} rows × {cols} columns is empty or absurdly large")]
+    #[error(
+        "an image of {rows} rows × {cols} columns is empty or absurdly large: it must have 1 to \
+         {MAX_PIXELS} pixels. Check the stated size"
+    )]
     AbsurdSize {
         /// The number of rows.
         rows: usize,
@@ -99,7 +102,10 @@ pub enum ImageError {
         cols: usize,
     },
     /// The number of values is not rows × columns.
-    #[error("{found} values do not fill {size}")]
+    #[error(
+        "{found} values do not fill {size}, which need {}. Check the stated size",
+        size.pixels()
+    )]
     WrongCount {
         /// The stated size.
         size: ImageSize,
@@ -272,10 +278,16 @@ mod tests {
     #[test]
     fn sizes_are_checked_before_use() {
         let wrong = RangeImage::from_values(SIZE, vec![1.0; 5]).unwrap_err();
-        assert_eq!(wrong.to_string(), "5 values do not fill 2 rows × 3 columns");
+        assert_eq!(
+            wrong.to_string(),
+            "5 values do not fill 2 rows × 3 columns, which need 6. Check the stated size"
+        );
         for (rows, cols) in [(0, 3), (1 << 20, 1 << 20), (usize::MAX, 2)] {
             let absurd = RangeImage::from_values(ImageSize { rows, cols }, Vec::new());
-            assert_eq!(absurd.unwrap_err(), ImageError::AbsurdSize { rows, cols });
+            let error = absurd.unwrap_err();
+            assert_eq!(error, ImageError::AbsurdSize { rows, cols });
+            let limit = ": it must have 1 to 1073741824 pixels. Check the stated size";
+            assert!(error.to_string().ends_with(limit), "{error}");
         }
     }
 }

@@ -19,8 +19,16 @@ pub enum ViewError {
     #[error("every pixel is missing: zero, negative, infinite or not a number")]
     NoValidPixel,
     /// The pose has a component that is NaN or infinite.
-    #[error("the pose is not finite")]
-    PoseNotFinite,
+    #[error(
+        "the pose has {component} = {value}; every component must be a finite number. Correct the \
+         pose, or leave the view out"
+    )]
+    PoseNotFinite {
+        /// The component: x, y or z of the translation, or of the quaternion qx, qy, qz or qw.
+        component: &'static str,
+        /// Its value: a translation in the model's length unit, a quaternion without unit.
+        value: f64,
+    },
     /// The rotation of the pose is none: its quaternion has another length than 1, as that of a
     /// matrix with few digits. `UnitQuaternion::new_normalize` mends small deviations.
     #[error(
@@ -36,6 +44,15 @@ pub enum ViewError {
 /// Largest deviation of a quaternion's length from 1. No unit. Chosen by hand: as models allow, far
 /// above rounding, and below what moves a surface. Doubled, nothing changes.
 const RIGID: f64 = 1e-9;
+
+fn check_finite(pose: &Isometry3) -> Result<(), ViewError> {
+    let names = ["x", "y", "z", "qx", "qy", "qz", "qw"];
+    let values = pose.translation.vector.iter().chain(pose.rotation.coords.iter());
+    match names.into_iter().zip(values).find(|(_, value)| !value.is_finite()) {
+        Some((component, value)) => Err(ViewError::PoseNotFinite { component, value: *value }),
+        None => Ok(()),
+    }
+}
 
 /// One range image, placed in the world.
 #[derive(Debug, Clone)]
@@ -67,10 +84,7 @@ impl View {
         if image.valid_count() == 0 {
             return Err(ViewError::NoValidPixel);
         }
-        let pose = world_from_sensor.to_homogeneous();
-        if !pose.iter().all(|c| c.is_finite()) {
-            return Err(ViewError::PoseNotFinite);
-        }
+        check_finite(&world_from_sensor)?;
         let length = world_from_sensor.rotation.norm();
         if (length - 1.0).abs() > RIGID {
             return Err(ViewError::PoseNotRigid(length));
@@ -153,7 +167,7 @@ impl View {
 mod tests {
     use super::*;
     use crate::{DevicePoint, Handedness, Ray, SensorPlane, Vector3};
-    use nalgebra::{Matrix3, Rotation3, Translation3, UnitQuaternion};
+    use nalgebra::{Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion};
 
     /// Parallel rays, a unit apart.
     #[derive(Debug)]
@@ -162,6 +176,10 @@ mod tests {
     impl DeviceFrame for Parallel {
         fn size(&self) -> ImageSize {
             ImageSize { rows: 1, cols: 2 }
+        }
+
+        fn kind(&self) -> &'static str {
+            "Parallel"
         }
 
         fn ray(&self, pixel: Pixel) -> Option<Ray> {
@@ -196,6 +214,22 @@ mod tests {
         let rotation = UnitQuaternion::from_rotation_matrix(&rotation);
         let pose = Isometry3::from_parts(Translation3::identity(), rotation);
         View::new("a", image, Arc::new(Parallel), pose, None)
+    }
+
+    #[test]
+    fn a_pose_that_is_not_finite_is_refused_with_the_component() {
+        let view = at(Matrix3::identity()).unwrap();
+        let mut pose = *view.world_from_sensor();
+        pose.translation.vector.y = f64::NEG_INFINITY;
+        assert_eq!(
+            view.with_pose(pose).unwrap_err().to_string(),
+            "the pose has y = -inf; every component must be a finite number. Correct the pose, or \
+             leave the view out"
+        );
+        let rotation = UnitQuaternion::new_unchecked(Quaternion::new(f64::NAN, 0.0, 0.0, 0.0));
+        let pose = Isometry3::from_parts(Translation3::identity(), rotation);
+        let error = view.with_pose(pose).unwrap_err();
+        assert!(matches!(error, ViewError::PoseNotFinite { component: "qw", .. }), "{error}");
     }
 
     #[test]

@@ -121,13 +121,21 @@ fn is_file_with(path: &Path, extension: &str) -> bool {
     !path.is_dir() && path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
-/// The first file of a folder that is a scan by itself.
+/// The first file of a folder that is a scan by itself; `None` for a file, too.
 fn scan_within(folder: &Path) -> Option<String> {
     let entries = std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path());
     let mut files: Vec<_> = entries.filter(|path| path.is_file()).collect();
     files.sort();
     let scan = files.iter().find(|path| FORMATS.iter().any(|format| (format.recognise)(path)))?;
     Some(scan.display().to_string())
+}
+
+/// Checks that a folder can be listed. One that cannot is recognised as no format.
+fn check_listed(path: &Path) -> Result<(), ReadError> {
+    if path.is_dir() {
+        std::fs::read_dir(path).map_err(|e| ReadError::io(path, e))?;
+    }
+    Ok(())
 }
 
 /// The problem of a setting that the format of a scan has no use for. In a folder, a manifest comes
@@ -164,6 +172,7 @@ impl Scan {
     pub fn open_with(path: &Path, options: &OpenOptions) -> Result<Self, ReadError> {
         std::fs::metadata(path).map_err(|e| ReadError::io(path, e))?;
         let Some(format) = FORMATS.iter().find(|format| (format.recognise)(path)) else {
+            check_listed(path)?;
             let is_refused = |(extensions, _): &&(&[&str], _)| {
                 extensions.iter().any(|extension| is_file_with(path, extension))
             };
@@ -262,6 +271,7 @@ impl Scan {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_data::skipped;
 
     #[test]
     fn what_is_no_scan_is_told_what_would_be() {
@@ -297,6 +307,25 @@ mod tests {
             let error = Scan::open(&path).unwrap_err().to_string();
             assert!(error.contains(&format!("{name}: {reason}")) && error.contains("as E57"));
         }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_folder_that_cannot_be_listed_is_an_error_of_its_own() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let closed = folder.path().join("closed");
+        std::fs::create_dir(&closed).unwrap();
+        let allow = |mode| std::fs::set_permissions(&closed, PermissionsExt::from_mode(mode));
+        allow(0o000).unwrap();
+        if std::fs::read_dir(&closed).is_ok() {
+            return skipped("this user may list every folder");
+        }
+        let error = Scan::open(&closed).unwrap_err();
+        allow(0o700).unwrap();
+        assert!(matches!(error, ReadError::Io { .. }), "{error}");
+        let error = Scan::open(&closed).unwrap_err();
+        assert!(matches!(error, ReadError::NotAScan { .. }), "{error}");
     }
 
     #[test]

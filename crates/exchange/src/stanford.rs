@@ -18,7 +18,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use transect_device::Note;
 
-/// The configuration that a path is: a file `*.conf`, or the only one in a folder.
+/// The configuration that a path is: a file `*.conf`, or the only one in a folder. `None` for a
+/// folder that cannot be listed, which `Scan::open_with` states if no other format has it.
 pub(crate) fn configuration(path: &Path) -> Option<PathBuf> {
     let is_one = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("conf"));
     if !path.is_dir() {

@@ -1,5 +1,6 @@
 //! Data that the tests of several modules need.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use transect_device::Note;
 use transect_geometry::{
@@ -15,8 +16,14 @@ pub(crate) fn shared(name: &str) -> Option<PathBuf> {
     if folder.is_dir() {
         return Some(folder);
     }
-    println!("skipped: the data set {name} is not there ({})", folder.display());
+    skipped(&format!("../shared/data is absent ({} is not there)", folder.display()));
     None
+}
+
+/// Tells that a test is skipped, and why. It is written past the capture of passing tests' output:
+/// a skipped test must not look like one that ran.
+pub(crate) fn skipped(reason: &str) {
+    writeln!(std::io::stderr(), "skipped: {reason}").unwrap();
 }
 
 /// Notes as they are printed, one on each line.
@@ -33,7 +40,7 @@ pub(crate) fn python_with(module: &str) -> Option<String> {
     if tried.is_ok_and(|o| o.status.success()) {
         return Some(python);
     }
-    println!("skipped: {python} with the module {module} is not there; set TRANSECT_PYTHON");
+    skipped(&format!("{python} with the module {module} is not there; set TRANSECT_PYTHON"));
     None
 }
 

@@ -13,7 +13,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let length = 100.0 + 60.0 * PI / 2.0 + 100.0;
     assert!((guide.length() - length).abs() < 1e-9);
     // Planes across the bend meet at its centre, so only points near the axis can be used.
-    assert!((guide.reach() - 0.9 * 60.0).abs() < 0.1);
+    assert!((guide.usable_distance() - 0.9 * 60.0).abs() < 0.1);
 
     // A plane every 5 m along the axis.
     let planes = PlaneFamily::new(guide, 0.0, 5.0)?;

@@ -1,6 +1,6 @@
 //! Oriented curves of nodes on a section plane (dissertation, sections 2.4 and 2.5.2).
 
-use crate::{CurveUnit, EndReason, Envelope, Foot, Point2, Side, Vector2};
+use crate::{CurveError, CurveUnit, EndReason, Envelope, Foot, Point2, Side, Vector2};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroU32;
@@ -112,13 +112,28 @@ impl Node {
         self.views.map_or(0, NonZeroU32::get)
     }
 
-    /// Whether its numbers are valid: finite, and no measure negative.
-    fn is_sound(&self) -> bool {
-        let usable = |v: f32| v.is_finite() && v >= 0.0;
-        let measures = [self.sigma, self.footprint, self.weight, self.correlation];
-        measures.into_iter().chain(self.tan_incidence).all(usable)
-            && self.normal.iter().flatten().all(|c| c.is_finite())
+    /// Checks that measures are finite and not negative, and that the normal is finite; `node` is
+    /// its number.
+    fn check(&self, node: usize) -> Result<(), CurveError> {
+        let measures = [
+            ("sigma", self.sigma),
+            ("footprint", self.footprint),
+            ("weight", self.weight),
+            ("correlation", self.correlation),
+            ("tan_incidence", self.tan_incidence.unwrap_or(0.0)),
+        ];
+        if let Some((attribute, value)) = measures.into_iter().find(|m| !is_measure(m.1)) {
+            return Err(CurveError::BadAttribute { node, attribute, value });
+        }
+        match self.normal.iter().flatten().find(|c| !c.is_finite()) {
+            Some(component) => Err(CurveError::BadNormal { node, component: *component }),
+            None => Ok(()),
+        }
     }
+}
+
+fn is_measure(value: f32) -> bool {
+    value.is_finite() && value >= 0.0
 }
 
 /// A node as files hold it, in the order of the first layout.
@@ -182,27 +197,6 @@ impl From<StoredNode> for Node {
     }
 }
 
-/// Why nodes do not make a curve.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum CurveError {
-    /// Fewer than two nodes for an open curve, or three for a closed one.
-    #[error("{nodes} nodes cannot make {} curve", if *closed { "a closed" } else { "an open" })]
-    TooFewNodes {
-        /// How many there were.
-        nodes: usize,
-        /// Whether the curve was to be closed.
-        closed: bool,
-    },
-    /// A coordinate is NaN or infinite.
-    #[error("node {0} has a coordinate that is not a finite number")]
-    NotFinite(usize),
-    /// Standard deviation, footprint, weight, correlation or incidence is negative, NaN or
-    /// infinite, or the normal is not finite.
-    #[error("node {0} has a negative or infinite measure, or a normal that is not finite")]
-    BadAttribute(usize),
-}
-
 /// An oriented polyline on a section plane, open or closed, with the solid on its left.
 ///
 /// A closed curve does not repeat its first node at the end. Guaranteed: at least two nodes (three
@@ -247,9 +241,7 @@ impl Curve {
         if let Some(bad) = nodes.iter().position(|n| !finite(n)) {
             return Err(CurveError::NotFinite(bad));
         }
-        if let Some(bad) = nodes.iter().position(|n| !n.is_sound()) {
-            return Err(CurveError::BadAttribute(bad));
-        }
+        nodes.iter().enumerate().try_for_each(|(k, node)| node.check(k))?;
         if let (false, Some(last)) = (closed, nodes.last_mut()) {
             last.bridged = false;
         }
@@ -496,6 +488,13 @@ mod tests {
         assert_eq!(Curve::new(wild, false), Err(CurveError::NotFinite(1)));
         let negative = Node::at(Point2::new(1.0, 0.0)).with_footprint(-1.0);
         let odd = vec![Node::at(Point2::origin()), negative];
-        assert_eq!(Curve::new(odd, false), Err(CurveError::BadAttribute(1)));
+        assert_eq!(
+            Curve::new(odd, false).unwrap_err().to_string(),
+            "the footprint of node 1 is -1; it must be a finite number of at least 0. Correct the \
+             node, or leave it out"
+        );
+        let tilted = Node::at(Point2::origin()).with_normal(Some(Vector3::new(0.0, f32::NAN, 1.0)));
+        let tilted = Curve::new(vec![tilted; 2], false).unwrap_err().to_string();
+        assert!(tilted.starts_with("the normal of node 0 has the component NaN"), "{tilted}");
     }
 }

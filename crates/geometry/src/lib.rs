@@ -16,6 +16,7 @@
 
 mod crossings;
 mod curve;
+mod curve_error;
 mod end_reason;
 mod envelope;
 mod guide;
@@ -26,7 +27,8 @@ mod splines;
 mod unit;
 
 pub use crossings::{UnitPlace, crossings};
-pub use curve::{Curve, CurveError, Node, StoredNode};
+pub use curve::{Curve, Node, StoredNode};
+pub use curve_error::CurveError;
 pub use end_reason::EndReason;
 pub use envelope::Envelope;
 pub use guide::{

@@ -1,5 +1,6 @@
 //! Where neighbouring pixels do not belong to one surface (dissertation, section 3.4.2).
 
+use std::f64::consts::FRAC_PI_2;
 use transect_device::{Neighbour, PairGeometry, View, quantile};
 
 /// Most rows whose pairs are measured. No unit. Chosen by hand: they hold some thousand pairs.
@@ -32,8 +33,13 @@ pub struct BreakRule {
 impl BreakRule {
     /// A rule from the largest angle of incidence, in radians, and the range difference that noise
     /// alone explains, in the model's length unit.
+    ///
+    /// The angle is taken to be within 0 and a right angle. From a right angle on, pairs of pixels
+    /// on different rays are never broken. NaN breaks all pairs.
     pub fn new(max_incidence_rad: f64, slack: f64) -> Self {
-        let (tan_incidence, slack) = (max_incidence_rad.tan() as f32, slack as f32);
+        // Beyond a right angle the tangent is negative, and every pair would be broken.
+        let angle = max_incidence_rad.clamp(0.0, FRAC_PI_2);
+        let (tan_incidence, slack) = (angle.tan() as f32, slack as f32);
         Self { tan_incidence, slack, largest_lateral: f32::INFINITY }
     }
 
@@ -98,5 +104,20 @@ mod tests {
         assert!(holds(1.7, 1.0) && !holds(1.8, 1.0));
         assert!(holds(0.009, 0.0), "noise between samples at one place");
         assert!(!rule.holds(&PairGeometry::MISSING));
+    }
+
+    #[test]
+    fn angles_beyond_a_right_angle_break_no_pair_and_negative_ones_allow_noise_alone() {
+        let holds = |angle: f64, range_step, lateral| {
+            BreakRule::new(angle, 0.01).holds(&PairGeometry { range_step, lateral })
+        };
+        for angle in [FRAC_PI_2, 100_f64.to_radians(), 78.0, f64::INFINITY] {
+            assert!(holds(angle, 1e3, 1e-3) && holds(angle, 0.0, 1e-3), "{angle}");
+            assert!(!holds(angle, 1.0, 0.0) && holds(angle, 0.009, 0.0), "{angle}: one ray");
+        }
+        for angle in [0.0, -1.0] {
+            assert!(holds(angle, 0.009, 1.0) && !holds(angle, 0.011, 1.0), "{angle}");
+        }
+        assert!(!holds(f64::NAN, 0.0, 1.0));
     }
 }

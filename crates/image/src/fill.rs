@@ -8,10 +8,10 @@
 //!
 //! **Steps**, for each pixel that has a ray, and is missing or stands alone. A sample stands alone
 //! if it does not belong to the surface of any of its four neighbours, so no curve is lost with it.
-//! Of the four lines through the pixel, those count on which
-//! 1. both neighbours have a sample,
-//! 2. their ranges differ by no more than those of neighbours on one surface, and
-//! 3. at least one neighbour on either side of the line has a sample. So the rims of holes stay,
+//! Four lines pass through the pixel. A line counts if it meets three conditions:
+//! 1. Both neighbours have a sample.
+//! 2. Their ranges differ by no more than those of neighbours on one surface.
+//! 3. At least one neighbour on either side of the line has a sample. So the rims of holes stay,
 //!    where depth cameras err most.
 //!
 //! A line gives the mean of its neighbours, in the quantity in which planes are flat. The pixel

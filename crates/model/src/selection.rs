@@ -50,7 +50,7 @@ impl PlaneSelection {
     }
 
     /// The previous selected plane along the guide; `None` before the first.
-    pub fn previous_before(&self, plane: PlaneIndex) -> Option<PlaneIndex> {
+    pub(crate) fn previous_before(&self, plane: PlaneIndex) -> Option<PlaneIndex> {
         match &self.planes {
             None => plane.0.checked_sub(1).map(PlaneIndex),
             Some(planes) => planes.range(..plane).next_back().copied(),

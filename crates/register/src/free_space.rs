@@ -388,6 +388,10 @@ mod tests {
             self.0.size()
         }
 
+        fn kind(&self) -> &'static str {
+            "Disparities"
+        }
+
         fn handedness(&self) -> Handedness {
             self.0.handedness()
         }

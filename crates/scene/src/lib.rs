@@ -58,7 +58,7 @@ pub use description::{Description, DescriptionError, Problem, SensorParameters, 
 pub use mesh::{LARGEST, Mesh, MeshError};
 pub use noise::{DepthCamera, Noise, PoseNoise};
 pub use scene::{Hit, Scene, SceneError};
-pub use section::{MAX_PLANES, merge_overlaps, sections};
+pub use section::{MAX_PLANES, MergeError, merge_overlaps, sections};
 pub use solid::{Shape, Solid, SolidError};
 pub use stripe::{BitDepth, Counts, StripeCamera, StripeError, StripeImages};
 pub use visibility::Visibility;

@@ -2,7 +2,7 @@
 
 use crate::parry::{self, Motion};
 use crate::solid::{LocalRay, Solid, smallest_chord_error};
-use crate::{Mesh, MeshError, merge_overlaps, sections};
+use crate::{MergeError, Mesh, MeshError, merge_overlaps, sections};
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
@@ -27,6 +27,9 @@ pub enum SceneError {
     /// The surface does not fit the planes.
     #[error(transparent)]
     Mesh(#[from] MeshError),
+    /// Sections of the solids could not be united.
+    #[error(transparent)]
+    Merge(#[from] MergeError),
 }
 
 /// The first hit of a ray.
@@ -201,14 +204,14 @@ impl Scene {
     /// the angle between plane and surface.
     ///
     /// # Errors
-    /// [`SceneError`] for a bad chord error or planes without number.
+    /// [`SceneError`] for a bad chord error, planes without number, or solids of absurd sizes.
     pub fn sections(
         &self,
         planes: &PlaneFamily,
         chord_error: f64,
     ) -> Result<BTreeMap<PlaneIndex, Vec<Curve>>, SceneError> {
         let cut = sections(&self.mesh(chord_error)?, planes)?;
-        Ok(cut.into_iter().map(|(plane, curves)| (plane, merge_overlaps(curves))).collect())
+        cut.into_iter().map(|(plane, curves)| Ok((plane, merge_overlaps(curves)?))).collect()
     }
 }
 

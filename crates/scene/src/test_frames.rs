@@ -37,6 +37,10 @@ impl DeviceFrame for SheetOfLight {
         self.size
     }
 
+    fn kind(&self) -> &'static str {
+        "SheetOfLight"
+    }
+
     fn handedness(&self) -> Handedness {
         Handedness::ColumnsRight
     }

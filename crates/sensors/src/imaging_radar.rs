@@ -141,6 +141,10 @@ impl DeviceFrame for ImagingRadar {
         self.size
     }
 
+    fn kind(&self) -> &'static str {
+        "ImagingRadar"
+    }
+
     fn handedness(&self) -> Handedness {
         // ∂ray/∂θ × ∂ray/∂φ is cos φ times the ray, so only the signs of the steps matter.
         Handedness::of(self.theta.step * self.phi.step)
@@ -150,9 +154,9 @@ impl DeviceFrame for ImagingRadar {
         (self.theta.step.abs() * self.size.cols as f64 - TAU).abs() < 0.5 * self.theta.step.abs()
     }
 
-    fn largest_angle(&self) -> Option<(&'static str, f64)> {
+    fn largest_angle(&self) -> Option<f64> {
         // The elevations are within ±90°.
-        Some(("theta0", self.theta.first))
+        Some(self.theta.first)
     }
 
     fn ray(&self, pixel: Pixel) -> Option<Ray> {

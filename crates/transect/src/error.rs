@@ -58,7 +58,7 @@ pub enum ReconstructError {
         views: usize,
         /// Pixels beyond the guide's ends.
         beyond_ends: usize,
-        /// Pixels beyond its reach.
+        /// Pixels so far from it that its planes may cross there.
         beyond_reach: usize,
     },
     /// Planes cross surfaces of the views, but no view has two crossings beside each other.

@@ -60,9 +60,4 @@ mod tests {
             assert_ne!(fingerprint(&other), print);
         }
     }
-
-    #[test]
-    fn a_sensor_is_called_by_its_kind() {
-        assert_eq!(view(5.0, 1.0, None).frame().kind(), "Pinhole");
-    }
 }

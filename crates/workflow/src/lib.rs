@@ -93,7 +93,8 @@ pub use length::{parse_distance, parse_length};
 pub use method_settings::MethodSettings;
 pub use model_file::{ModelFile, OpenStore};
 pub use outputs::{claim_lines, claim_manifest};
-pub use plausible::{Check, Plausibility};
+pub use plausible::Check;
+pub(crate) use plausible::Plausibility;
 pub use register::Registration;
 use report_file::ReportFile;
 pub use results::{ResultFolder, default_folder, find_model, is_model};
@@ -105,5 +106,6 @@ pub use store_file::{Replaced, Replacement, StoreFile, open_store, read_store, s
 pub use suggest::Suggestion;
 pub use survey::{SensorClass, ViewSurvey};
 pub use truth::TruthOfResults;
-pub use views::{FileView, OpenScan};
+pub(crate) use views::FileView;
+pub use views::OpenScan;
 pub use wording::as_options;

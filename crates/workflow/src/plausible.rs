@@ -109,7 +109,7 @@ impl Check {
 
 /// The checks of a run, and what they compare the views with.
 #[derive(Debug, Clone)]
-pub struct Plausibility {
+pub(crate) struct Plausibility {
     /// Distance between neighbouring planes.
     pub interval: f64,
     /// Unit of all lengths, for messages.
@@ -290,12 +290,23 @@ impl Plausibility {
 }
 
 fn check_angles(view: &View) -> Result<(), WorkflowError> {
-    match view.frame().largest_angle() {
-        Some((key, angle)) if angle.abs() > TAU => Check::Angles.refuse(format!(
-            "{key} = {angle} rad is more than a full circle, 2π = 6.283. Angles are radians: if \
-             the value means degrees, multiply it by π/180."
+    let frame = view.frame();
+    match frame.largest_angle() {
+        Some(angle) if angle.abs() > TAU => Check::Angles.refuse(format!(
+            "{} = {angle} rad is more than a full circle, 2π = 6.283. Angles are radians: if the \
+             value means degrees, multiply it by π/180.",
+            key_of_angle(frame.kind())
         )),
         _ => Ok(()),
+    }
+}
+
+/// The key in manifests of the largest angle of a kind of sensor.
+fn key_of_angle(kind: &str) -> &'static str {
+    match kind {
+        "ImagingRadar" => "theta0",
+        "LookupTable" => "tilt",
+        _ => "an angle of the sensor",
     }
 }
 

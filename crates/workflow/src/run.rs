@@ -272,7 +272,7 @@ impl Run<'_> {
     }
 }
 
-/// Least share of the pixels beyond a guide's reach of which a note tells. No unit. Chosen by hand.
+/// Least share of the pixels too far from a guide of which a note tells. No unit. Chosen by hand.
 /// Doubled, strips of the walls of a bend are left out in silence.
 const TOLD_BEYOND: f64 = 0.01;
 
@@ -283,16 +283,16 @@ fn pixels(report: &Report, count: impl Fn(&ViewReport) -> usize) -> usize {
 
 /// The note for pixels that are left out because the planes of a guide may cross there.
 fn off_guide(report: &Report, setup: &Setup) -> Option<String> {
-    let reach = setup.planes.guide().curved()?.reach();
+    let usable = setup.planes.guide().curved()?.usable_distance();
     let left_out = pixels(report, |v| v.beyond_guide_reach) as f64;
     let share = left_out / pixels(report, |v| v.read_pixels).max(1) as f64;
     (share >= TOLD_BEYOND).then(|| {
         format!(
             "{} % of the pixels lie more than {} {} from the guide and are left out, because its \
-             planes cross there; give a guide with wider bends, or a polyline with a larger value \
+             planes may cross there; give a guide with wider bends, or a polyline with a larger value \
              of the setting `guide_radius`",
             digits(100.0 * share),
-            digits(reach),
+            digits(usable),
             setup.unit
         )
     })
@@ -361,7 +361,7 @@ fn pixel_rows(report: &Report, added: &str) -> Vec<Row> {
         ("missing pixels and outliers, filled", pixels(report, |v| v.filled_pixels)),
         ("flying pixels, left out", pixels(report, |v| v.flying_pixels)),
         ("beyond the guide's ends, left out", pixels(report, |v| v.beyond_guide_ends)),
-        ("beyond the guide's reach, left out", pixels(report, |v| v.beyond_guide_reach)),
+        ("too far from the guide, left out", pixels(report, |v| v.beyond_guide_reach)),
     ];
     let changed = changed.into_iter().filter(|(_, count)| *count > 0);
     let read = pixels(report, |v| v.read_pixels);

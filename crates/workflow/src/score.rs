@@ -11,7 +11,9 @@ use transect_device::View;
 use transect_exchange::{Scan, TRUTH_FILE, TriangleMesh, read_mesh, read_truth};
 use transect_geometry::{Curve, PlaneIndex, Point2};
 use transect_model::Model;
-use transect_scene::{Mesh, MeshError, Visibility, merge_overlaps, sections};
+use transect_scene::{
+    MergeError, Mesh, MeshError, SceneError, Visibility, merge_overlaps, sections,
+};
 
 /// Tolerance where none is given, as a share of the plane interval. Chosen by hand.
 /// Doubled, curves twice as far off count as right.
@@ -110,7 +112,9 @@ pub fn simulated_accuracy(
 ) -> Result<Accuracy, WorkflowError> {
     let (planes, options) = (model.planes(), limits.options(model)?);
     // Solids of a scene may overlap: the part of one inside another is no surface.
-    let truth = cut(surface, model)?.into_par_iter().map(|(k, c)| (k, merge_overlaps(c))).collect();
+    let cut = cut(surface, model)?.into_par_iter();
+    let truth: Result<_, MergeError> = cut.map(|(k, c)| Ok((k, merge_overlaps(c)?))).collect();
+    let truth = truth.map_err(SceneError::from)?;
     let visible = Visibility::new(surface, views)?;
     let seen = |k: PlaneIndex, points: &[Point2]| {
         let frame = planes.frame(k);

@@ -197,7 +197,7 @@ impl GuideSettings {
                 let problem = format!("the reach must be a positive length, got {reach}");
                 return Err(WorkflowError::setting("guide_reach", problem));
             }
-            guide.require_reach(reach).map_err(|e| WorkflowError::file(&self.path, e))?;
+            guide.require_usable_distance(reach).map_err(|e| WorkflowError::file(&self.path, e))?;
         }
         Ok(guide.into())
     }

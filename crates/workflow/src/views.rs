@@ -134,7 +134,7 @@ impl OpenScan {
 
 /// A view in a file.
 #[derive(Debug, Clone)]
-pub struct FileView<'a> {
+pub(crate) struct FileView<'a> {
     /// Where its image is.
     pub view: &'a ScanView,
     /// Its name in a model store.

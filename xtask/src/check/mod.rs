@@ -1,4 +1,7 @@
-//! `cargo xtask check`: everything that CI runs.
+//! `cargo xtask check`: format, structure, lints, documentation, dependencies, tests, and commands.
+//!
+//! `.ci/run` runs it with the further stages of CI: fuzzed files, the installed program, files of
+//! other programs, examples and packages.
 //!
 //! A check of the workspace's own files is a module of this folder with a function
 //! `run(root: &Path) -> Result<(), Failure>`, and one line in [`STRUCTURE`].
@@ -49,7 +52,7 @@ pub fn run(arguments: &[OsString]) -> Result<(), Failure> {
     if !without_tests {
         test::run(&[])?;
     }
-    commands_of_the_readme()
+    run_commands()
 }
 
 /// Runs every check of the workspace's own files, so that one run names everything to mend.
@@ -74,8 +77,8 @@ fn deny() -> Result<(), Failure> {
     run_command(cargo().args(["deny", "check", "licenses", "bans", "sources"]))
 }
 
-/// The README's commands on bundled scenes.
-const COMMANDS: [&str; 8] = [
+/// Commands that must succeed on bundled scenes: those of the README, and short experiments.
+const COMMANDS_ON_SCENES: [&str; 8] = [
     "reconstruct --quiet",
     "evaluate transect-out/room",
     "simulate --out transect-out/simulated",
@@ -86,7 +89,7 @@ const COMMANDS: [&str; 8] = [
     "experiments pictures",
 ];
 
-/// The README's commands on real scans.
+/// Commands that must succeed on real scans.
 const COMMANDS_ON_SCANS: [&str; 5] = [
     "reconstruct ../shared/data/stanford_bunny/bun.conf --normal 0,1,0 --interval 1mm \
      --out target/bunny --quiet",
@@ -98,10 +101,10 @@ const COMMANDS_ON_SCANS: [&str; 5] = [
     "evaluate target/kitchen",
 ];
 
-/// Runs the README's commands; those on real scans where the scans are.
-fn commands_of_the_readme() -> Result<(), Failure> {
+/// Runs the commands that must succeed; those on real scans where the scans are.
+fn run_commands() -> Result<(), Failure> {
     let xtask = |line: &&str| run_command(cargo().arg("xtask").args(line.split_whitespace()));
-    COMMANDS.iter().try_for_each(xtask)?;
+    COMMANDS_ON_SCENES.iter().try_for_each(xtask)?;
     let data = workspace_root().join("../shared/data");
     if data.is_dir() {
         return COMMANDS_ON_SCANS.iter().try_for_each(xtask);

@@ -60,12 +60,22 @@ impl TryFrom<Unchecked> for PlaneFamily {
     }
 }
 
-impl PlaneFamily {
-    /// Part of an interval by which a point on a plane may be off it through the rounding of the
-    /// division. Chosen by hand, above rounding and far below any measurement; the same holds for
-    /// twice or half of it.
-    pub const ROUNDING: f64 = 1e-9;
+/// Least part of an interval by which a point on a plane may be off it through rounding. Chosen by
+/// hand, above the rounding of the division and far below any measurement. Doubled, nothing
+/// changes.
+const LEAST_ROUNDING: f64 = 1e-9;
 
+/// Largest part of an interval that counts as rounding. Chosen by hand: from half an interval on,
+/// rounding decides which plane is the nearest. Doubled, this limit is reached.
+const MOST_ROUNDING: f64 = 0.25;
+
+/// Rounding of a station as a share of the coordinates that it is computed from. No unit. Theory:
+/// the products and sums of a dot product and of `offset + k · interval` are eight roundings of up
+/// to half a unit of the last place (`f64::EPSILON`) each; twice that is allowed. Doubled, points
+/// that are off a plane by 2e-8 m count as on it on national grids; nothing else changes.
+const ROUNDINGS: f64 = 8.0 * f64::EPSILON;
+
+impl PlaneFamily {
     /// Planes every `interval` along the guide, plane 0 at station `offset`.
     ///
     /// # Errors
@@ -118,19 +128,37 @@ impl PlaneFamily {
         }
     }
 
-    /// First plane whose station is at least `station`.
+    /// Part of an interval by which a point on a plane may be off it through rounding: at least
+    /// 1e-9, at most 0.25. It grows with the size of the coordinates over the interval.
+    ///
+    /// `size` is the largest absolute value that the level is computed from, such as a coordinate
+    /// or a station, in the model's length unit.
+    pub fn rounding(&self, size: f64) -> f64 {
+        let share = ROUNDINGS * (size + self.offset.abs()) / self.interval;
+        share.clamp(LEAST_ROUNDING, MOST_ROUNDING)
+    }
+
+    /// First plane whose station is at least `station`, to within [`PlaneFamily::rounding`].
     pub fn first_at_or_above(&self, station: f64) -> PlaneIndex {
-        PlaneIndex(((station - self.offset) / self.interval - Self::ROUNDING).ceil() as i64)
+        self.first_from(station, station.abs())
+    }
+
+    /// As [`PlaneFamily::first_at_or_above`], for a station that is computed from values up to
+    /// `size`.
+    fn first_from(&self, station: f64, size: f64) -> PlaneIndex {
+        PlaneIndex(((station - self.offset) / self.interval - self.rounding(size)).ceil() as i64)
     }
 
     /// First and last plane on a curved guide. The second is below the first if no plane lies
     /// between its ends. `None` for a straight guide, which has no ends.
     pub fn ends(&self) -> Option<(PlaneIndex, PlaneIndex)> {
         let guide: &CurvedGuide = self.guide.curved()?;
-        let first = self.first_at_or_above(0.0);
+        // The guide's length rounds as its coordinates do.
+        let size = guide.size().max(guide.length());
+        let first = self.first_from(0.0, size);
         // The mirror image of the first plane, so that both ends are treated alike.
-        let last = ((guide.length() - self.offset) / self.interval + Self::ROUNDING).floor() as i64;
-        Some((first, PlaneIndex(last)))
+        let last = (guide.length() - self.offset) / self.interval + self.rounding(size);
+        Some((first, PlaneIndex(last.floor() as i64)))
     }
 }
 
@@ -169,6 +197,34 @@ mod tests {
         assert!((frame.normal() - Vector3::y()).norm() < 1e-12);
         assert!((planes.level(&Point3::new(1.3, 0.5, -2.0)) - 4.0).abs() < 1e-12);
         assert!(planes.level(&Point3::new(1.3, 2.5, -2.0)).is_nan());
+    }
+
+    #[test]
+    fn planes_far_from_the_origin_are_found_by_their_stations() {
+        // Northings of a national grid: half a unit of the last place is 1e-8 intervals.
+        let guide = StraightGuide::along(Vector3::y()).unwrap();
+        for offset in [0.0, 5.4e6, 5.4e6 + 0.1] {
+            let planes = PlaneFamily::new(guide, offset, 0.05).unwrap();
+            let from = ((5.4e6 - offset) / 0.05) as i64;
+            for k in (from..from + 2_000).map(PlaneIndex) {
+                assert_eq!(planes.first_at_or_above(planes.station(k)), k, "offset {offset}");
+                let above = planes.station(k) + 1e-6;
+                assert_eq!(planes.first_at_or_above(above).0, k.0 + 1, "offset {offset}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_guide_far_from_the_origin_keeps_its_last_plane() {
+        // A guide of 10 m in many directions, whose length rounds with its coordinates.
+        for k in 0..200 {
+            let angle = 0.03 * f64::from(k);
+            let start = Point3::new(500_000.1, 5_400_000.3, 80.0);
+            let end = start + 10.0 * Vector3::new(angle.cos(), angle.sin(), 0.0);
+            let guide = CurvedGuide::polyline(vec![start, end], None).unwrap();
+            let planes = PlaneFamily::new(guide, 0.0, 0.05).unwrap();
+            assert_eq!(planes.ends(), Some((PlaneIndex(0), PlaneIndex(200))), "{angle}");
+        }
     }
 
     #[test]

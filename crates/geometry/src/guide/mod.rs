@@ -32,28 +32,58 @@ pub enum GuideError {
     /// A curved guide has fewer than two points or more than [`MAX_GUIDE_POINTS`].
     #[error("a guide has {0} points; it needs 2 to {MAX_GUIDE_POINTS}")]
     PointCount(usize),
-    /// A coordinate of a guide's point is NaN or infinite.
-    #[error("point {0} of the guide has a coordinate that is not a finite number")]
-    NotFinite(usize),
+    /// A coordinate of a guide's point is NaN, infinite or absurdly large.
+    #[error(
+        "point {point} of the guide (from 0) is at ({}, {}, {}); coordinates must be numbers \
+         within 1e150 of 0. Correct the point, or remove it",
+        at.x, at.y, at.z
+    )]
+    NotFinite {
+        /// The number of the point, from 0.
+        point: usize,
+        /// The point, in the model's length unit.
+        at: Point3,
+    },
     /// A point of a guide is at the place of the one before it, to within rounding.
-    #[error("point {0} of the guide repeats the one before it")]
-    Repeated(usize),
+    #[error(
+        "point {point} of the guide (from 0), at ({}, {}, {}), repeats the one before it; remove \
+         one of the two",
+        at.x, at.y, at.z
+    )]
+    Repeated {
+        /// The number of the point, from 0.
+        point: usize,
+        /// The point, in the model's length unit.
+        at: Point3,
+    },
     /// The guide turns back on itself, so that its points have two stations.
-    #[error("the guide turns back on itself at point {0}")]
-    TurnsBack(usize),
+    #[error(
+        "the guide turns back on itself at point {point} (from 0), at ({}, {}, {}): places there \
+         would have two stations. Check the order of its points, and correct or remove this one",
+        at.x, at.y, at.z
+    )]
+    TurnsBack {
+        /// The number of the point, from 0.
+        point: usize,
+        /// The point, in the model's length unit.
+        at: Point3,
+    },
     /// The radius for a polyline's corners is not positive.
     #[error("the radius of the guide's corners must be a positive length, got {0}")]
     BadRadius(f64),
-    /// Planes cross within the required distance from the guide.
+    /// Planes cross too near to the guide for the required distance.
     #[error(
-        "planes along the guide cross {reach} away from it at station {station}; a distance of \
-         {needed} is needed. The guide bends too sharply there, or comes too close to itself"
+        "planes along the guide cross {reach} away from it at station {station}. Up to {usable} \
+         (0.9 of that) can be used, and {needed} is needed. Let the guide bend less sharply there, \
+         keep its parts farther apart, or ask for a smaller distance"
     )]
     TooCurved {
         /// The station, in the model's length unit.
         station: f64,
-        /// Distance up to which planes do not cross, in the model's length unit.
+        /// Distance from the guide at which planes cross, in the model's length unit.
         reach: f64,
+        /// Distance up to which points have stations, in the model's length unit.
+        usable: f64,
         /// Required distance, in the model's length unit.
         needed: f64,
     },
@@ -153,7 +183,7 @@ impl Guide {
     }
 
     /// Arc length along the guide at the point of it nearest to `in_world`; `None` beyond the ends
-    /// of a curved guide and farther from it than [`CurvedGuide::reach`].
+    /// of a curved guide and farther from it than [`CurvedGuide::usable_distance`].
     pub fn station(&self, in_world: &Point3) -> Option<f64> {
         match self {
             Self::Straight(guide) => Some(guide.station(in_world)),

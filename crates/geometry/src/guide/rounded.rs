@@ -78,6 +78,7 @@ impl Rounded {
     pub fn new(points: &[Point3], radius: Option<f64>) -> Result<Self, GuideError> {
         let sides: Vec<Vector3> = points.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let mut path = Self { starts: vec![0.0], pieces: Vec::with_capacity(2 * sides.len()) };
+        let turned = |point: usize| GuideError::TurnsBack { point, at: points[point] };
         let mut cut_before = 0.0;
         for (k, side) in sides.iter().enumerate() {
             let length = side.norm();
@@ -88,8 +89,7 @@ impl Rounded {
                     let room =
                         |side: &Vector3, whole: bool| side.norm() * if whole { 1.0 } else { 0.5 };
                     let room = room(side, k == 0).min(room(next, k + 2 == sides.len()));
-                    corner(side, next, room, radius)
-                        .map_err(|TurnsBack| GuideError::TurnsBack(k + 1))?
+                    corner(side, next, room, radius).map_err(|TurnsBack| turned(k + 1))?
                 }
                 None => None,
             };

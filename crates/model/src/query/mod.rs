@@ -252,10 +252,7 @@ pub(crate) fn planes_around(
     in_world: &Point3,
 ) -> Vec<PlaneIndex> {
     let level = planes.level(in_world);
-    // Large stations divided by a small interval have a larger rounding error.
-    let size = in_world.coords.norm() + planes.offset().abs();
-    let rounding =
-        (8.0 * f64::EPSILON * size / planes.interval()).clamp(PlaneFamily::ROUNDING, 0.25);
+    let rounding = planes.rounding(in_world.coords.norm());
     // From here on `f64` holds no fractions: a level cannot lie between planes.
     const LARGEST_LEVEL: f64 = 4.5e15;
     let between_planes = level.abs() < LARGEST_LEVEL;

@@ -2,22 +2,36 @@
 
 use super::view_id::ViewId;
 use crate::{CodecError, InvariantError};
+use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 use transect_geometry::PlaneIndex;
 
-/// An error of a store, with its file.
-#[derive(Debug, thiserror::Error)]
-#[error("the model store {}", path.display())]
+/// An error of a store, with its file: its text is a sentence of the file and the problem. Its
+/// source is the cause of the problem, if there is one.
+#[derive(Debug)]
 pub struct StoreError {
     /// The store's file.
     pub path: PathBuf,
     /// The problem.
-    #[source]
     pub problem: StoreProblem,
 }
 
-/// The problem with a store, or with a call.
+impl fmt::Display for StoreError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the model store {} {}", self.path.display(), self.problem)
+    }
+}
+
+impl std::error::Error for StoreError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        // The text holds the problem already.
+        std::error::Error::source(&self.problem)
+    }
+}
+
+/// The problem with a store, or with a call. Its text continues a sentence that begins with the
+/// store, as that of [`StoreError`] does.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StoreProblem {

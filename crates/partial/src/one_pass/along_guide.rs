@@ -10,8 +10,8 @@
 //!
 //! **Steps.**
 //! 1. The station of every sample: its nearest place on the guide, looked for near that of its left
-//!    neighbour. Samples beyond the guide's ends or its reach have none; they count as missing, and
-//!    are counted.
+//!    neighbour. Samples beyond the guide's ends or too far from it have none; they count as
+//!    missing, and are counted.
 //! 2. The sweep, with rays and range jumps as the sensor has them. Neighbours whose stations differ
 //!    by more than their distance allows are broken, too: the guide comes near them twice.
 //! 3. Of each crossing, the point where the line between its two samples meets the plane, whose
@@ -155,7 +155,7 @@ fn points_along(view: &View, family: &PlaneFamily, guide: &CurvedGuide) -> (Vec<
                 hint = Some(station);
             }
             Err(NoStation::BeyondEnds) => off_guide.beyond_ends += 1,
-            Err(NoStation::BeyondReach) => off_guide.beyond_reach += 1,
+            Err(NoStation::TooFar) => off_guide.beyond_reach += 1,
         }
     }
     (points, off_guide)
@@ -199,8 +199,7 @@ impl Straightened {
             return false;
         };
         let (way, aside) = ((end - start).norm(), p.xy().coords.norm().max(q.xy().coords.norm()));
-        // The stated reach is at most 0.9 x R.
-        let stretch = (1.0 - 0.9 * (aside + way) / self.guide.reach()).max(0.1);
+        let stretch = (1.0 - (aside + way) / self.guide.reach()).max(0.1);
         (p.z - q.z).abs() > (1.0 + ROUNDING) * way / stretch
     }
 
@@ -237,6 +236,10 @@ impl Straightened {
 impl DeviceFrame for Straightened {
     fn size(&self) -> ImageSize {
         self.given.frame().size()
+    }
+
+    fn kind(&self) -> &'static str {
+        self.given.frame().kind()
     }
 
     fn handedness(&self) -> Handedness {

@@ -162,6 +162,10 @@ mod tests {
             SIZE
         }
 
+        fn kind(&self) -> &'static str {
+            "Parallel"
+        }
+
         fn handedness(&self) -> Handedness {
             Handedness::ColumnsRight
         }

@@ -21,30 +21,54 @@ const GRID: f64 = 1.0 / 4_294_967_296.0;
 /// of a hole without its solid around it therefore vanishes. Vertices in straight edges go away,
 /// positions move by no more than about 2⁻³¹ of the extent, and the nodes' other properties are
 /// reset.
-pub fn merge_overlaps(curves: Vec<Curve>) -> Vec<Curve> {
+///
+/// # Errors
+/// [`MergeError`] if no grid holds the closed curves. That needs coordinates beyond 2⁵⁰⁰, or an
+/// extent below 1e-290, in the model's length unit.
+pub fn merge_overlaps(curves: Vec<Curve>) -> Result<Vec<Curve>, MergeError> {
     let (closed, open): (Vec<_>, Vec<_>) = curves.into_iter().partition(Curve::is_closed);
-    let mut merged = union(&closed).unwrap_or(closed);
+    let mut merged = union(&closed)?;
     merged.extend(open);
-    merged
+    Ok(merged)
 }
 
-/// `None` if there are no closed curves, or coordinates are too large for the grid.
-fn union(closed: &[Curve]) -> Option<Vec<Curve>> {
-    let around = closed.iter().map(Curve::envelope).reduce(|a, b| Envelope::merged(&a, &b))?;
+/// Closed curves for which no grid exists.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error(
+    "closed curves within {extent:e} of each other, with coordinates up to {largest:e}, cannot be \
+     united: no grid holds them. Check the size and the unit of the solids"
+)]
+pub struct MergeError {
+    /// Width or height of the box around the curves, the larger one, in the model's length unit.
+    pub extent: f64,
+    /// Largest coordinate of the curves in their plane, in the model's length unit.
+    pub largest: f64,
+}
+
+fn union(closed: &[Curve]) -> Result<Vec<Curve>, MergeError> {
+    let around = closed.iter().map(Curve::envelope).reduce(|a, b| Envelope::merged(&a, &b));
+    // Curves that lie in one place bound nothing.
+    let Some(around) = around.filter(|around| around.size().amax() > 0.0) else {
+        return Ok(Vec::new());
+    };
     let rings: Vec<Vec<[f64; 2]>> = closed.iter().map(ring).collect();
-    let corners = [[around.min.x, around.min.y], [around.max.x, around.max.y]];
-    let rect = FloatRect::with_iter(corners.iter()).ok()??;
-    // A power of two, so that round coordinates stay round.
-    let extent = around.size().amax().log2().ceil().exp2();
-    let adapter = FloatPointAdapter::<[f64; 2], i64>::try_with_scale_conservative(
-        rect,
-        1.0 / (GRID * extent),
-    );
     let count = rings.iter().map(Vec::len).sum();
-    let overlay = FloatOverlay::with_adapter(adapter.ok()?, count);
+    let overlay = FloatOverlay::with_adapter(adapter(&around)?, count);
     let mut overlay = overlay.unsafe_add_source(&rings, ShapeType::Subject);
     let shapes = overlay.overlay(OverlayRule::Subject, FillRule::Positive);
-    Some(shapes.iter().flatten().filter_map(|ring| curve(ring)).collect())
+    Ok(shapes.iter().flatten().filter_map(|ring| curve(ring)).collect())
+}
+
+/// The grid that positions within an envelope snap to.
+fn adapter(around: &Envelope) -> Result<FloatPointAdapter<[f64; 2], i64>, MergeError> {
+    let extent = around.size().amax();
+    let largest = around.min.coords.amax().max(around.max.coords.amax());
+    let refused = MergeError { extent, largest };
+    let corners = [[around.min.x, around.min.y], [around.max.x, around.max.y]];
+    let rect = FloatRect::with_iter(corners.iter()).ok().flatten().ok_or(refused)?;
+    // A power of two, so that round coordinates stay round.
+    let scale = 1.0 / (GRID * extent.log2().ceil().exp2());
+    FloatPointAdapter::try_with_scale_conservative(rect, scale).map_err(|_| refused)
 }
 
 fn ring(curve: &Curve) -> Vec<[f64; 2]> {
@@ -70,7 +94,8 @@ mod tests {
 
     #[test]
     fn overlapping_rectangles_become_one_ring() {
-        let merged = merge_overlaps(vec![rectangle(0., 0., 2., 2.), rectangle(1., 1., 3., 3.)]);
+        let merged =
+            merge_overlaps(vec![rectangle(0., 0., 2., 2.), rectangle(1., 1., 3., 3.)]).unwrap();
         assert_eq!(areas(&merged), [7.0]);
         assert_eq!(merged[0].nodes().len(), 8);
     }
@@ -78,7 +103,8 @@ mod tests {
     #[test]
     fn touching_but_for_rounding_leaves_no_slit() {
         let nearly = 2.0 + 4e-16;
-        let merged = merge_overlaps(vec![rectangle(0., 0., 2., 2.), rectangle(nearly, 0., 4., 2.)]);
+        let merged =
+            merge_overlaps(vec![rectangle(0., 0., 2., 2.), rectangle(nearly, 0., 4., 2.)]).unwrap();
         assert_eq!(merged.len(), 1);
         assert_eq!(merged[0].nodes().len(), 4);
         assert!((areas(&merged)[0] - 8.0).abs() < 1e-8);
@@ -91,24 +117,46 @@ mod tests {
             rectangle(0., 4., 6., 5.),
             rectangle(0., 0., 1., 5.),
             rectangle(5., 0., 6., 5.),
-        ]);
+        ])
+        .unwrap();
         assert_eq!(areas(&merged), [30.0, -12.0]);
     }
 
     #[test]
     fn nested_solids_fill_and_holes_stay() {
         let hole = rectangle(1., 1., 2., 2.).reversed();
-        let merged = merge_overlaps(vec![rectangle(0., 0., 4., 4.), hole]);
+        let merged = merge_overlaps(vec![rectangle(0., 0., 4., 4.), hole]).unwrap();
         assert_eq!(areas(&merged), [16.0, -1.0]);
-        let nested = merge_overlaps(vec![rectangle(0., 0., 4., 4.), rectangle(1., 1., 2., 2.)]);
+        let nested =
+            merge_overlaps(vec![rectangle(0., 0., 4., 4.), rectangle(1., 1., 2., 2.)]).unwrap();
         assert_eq!(areas(&nested), [16.0]);
     }
 
     #[test]
     fn open_curves_pass_and_nothing_gives_nothing() {
         let open = Curve::new(rectangle(0., 0., 1., 1.).into_nodes(), false).unwrap();
-        assert_eq!(merge_overlaps(vec![open.clone()]), [open]);
-        assert_eq!(merge_overlaps(Vec::new()), []);
+        assert_eq!(merge_overlaps(vec![open.clone()]).unwrap(), [open]);
+        assert_eq!(merge_overlaps(Vec::new()).unwrap(), []);
+        let point = curve(&[[3.0, 4.0]; 3]).unwrap();
+        assert_eq!(merge_overlaps(vec![point]).unwrap(), [], "a point bounds nothing");
+    }
+
+    #[test]
+    fn curves_that_no_grid_holds_are_refused_and_not_passed_on_as_they_are() {
+        let overlapping = |size: f64| {
+            merge_overlaps(vec![
+                rectangle(0., 0., 2.0 * size, 2.0 * size),
+                rectangle(size, size, 3.0 * size, 3.0 * size),
+            ])
+        };
+        for size in [1e-280, 1e-9, 1.0, 1e12] {
+            assert_eq!(overlapping(size).map(|merged| merged.len()), Ok(1), "{size}");
+        }
+        for size in [1e-310, 1e160] {
+            let error = overlapping(size).unwrap_err();
+            assert_eq!(error, MergeError { extent: 3.0 * size, largest: 3.0 * size });
+            assert!(error.to_string().contains("cannot be united: no grid holds them"), "{error}");
+        }
     }
 
     #[test]
@@ -117,7 +165,8 @@ mod tests {
         let merged = merge_overlaps(vec![
             rectangle(x, y, x + 2.0, y + 2.0),
             rectangle(x + 1.0, y + 1.0, x + 3.0, y + 3.0),
-        ]);
+        ])
+        .unwrap();
         assert!((areas(&merged)[0] - 7.0).abs() < 1e-7);
     }
 }

@@ -17,7 +17,7 @@
 mod link;
 mod merge;
 
-pub use merge::merge_overlaps;
+pub use merge::{MergeError, merge_overlaps};
 
 use crate::{Mesh, MeshError};
 use link::{Chain, EdgeKey, Segment, link};

@@ -141,7 +141,7 @@ impl LightStripe {
     }
 
     /// The camera's focal point, through which it sees everything.
-    pub fn focal_point(&self) -> Point3 {
+    fn focal_point(&self) -> Point3 {
         Point3::new(0.0, 0.0, self.parameters.focal_length)
     }
 
@@ -224,6 +224,10 @@ impl LightStripe {
 impl DeviceFrame for LightStripe {
     fn size(&self) -> ImageSize {
         ImageSize { rows: self.parameters.camera_rows, cols: self.sheets.len() }
+    }
+
+    fn kind(&self) -> &'static str {
+        "LightStripe"
     }
 
     fn handedness(&self) -> Handedness {

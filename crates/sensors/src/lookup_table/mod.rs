@@ -169,6 +169,10 @@ impl DeviceFrame for LookupTable {
         ImageSize { rows: self.rows.rows(), cols: self.field.columns() }
     }
 
+    fn kind(&self) -> &'static str {
+        "LookupTable"
+    }
+
     fn handedness(&self) -> Handedness {
         // Neighbouring columns lie along ±(a, b), neighbouring rows along the linear axis. (a, b)
         // is a quarter turn from u to v off the ray, so (a, b) × linear · ray has this sign.
@@ -176,8 +180,8 @@ impl DeviceFrame for LookupTable {
         Handedness::of(quarter_turn * self.field.turn() * self.rows.step())
     }
 
-    fn largest_angle(&self) -> Option<(&'static str, f64)> {
-        Some(("tilt", self.mounting.tilt_rad))
+    fn largest_angle(&self) -> Option<f64> {
+        Some(self.mounting.tilt_rad)
     }
 
     fn ray(&self, pixel: Pixel) -> Option<Ray> {

@@ -128,6 +128,10 @@ impl DeviceFrame for Pinhole {
         self.size
     }
 
+    fn kind(&self) -> &'static str {
+        "Pinhole"
+    }
+
     fn handedness(&self) -> Handedness {
         Handedness::ColumnsRight
     }

@@ -181,6 +181,10 @@ impl DeviceFrame for RayTable {
         self.size
     }
 
+    fn kind(&self) -> &'static str {
+        "RayTable"
+    }
+
     fn handedness(&self) -> Handedness {
         self.handedness
     }

@@ -296,6 +296,10 @@ impl DeviceFrame for PointGrid {
         self.size
     }
 
+    fn kind(&self) -> &'static str {
+        "PointGrid"
+    }
+
     fn handedness(&self) -> Handedness {
         self.handedness
     }

@@ -8,4 +8,5 @@ mod laws;
 mod lookup_table;
 mod noise;
 mod ray_table;
+mod separable;
 mod tables;

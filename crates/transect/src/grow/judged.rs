@@ -1,8 +1,8 @@
 //! The poses in a store, judged by the coarse copies that it keeps of the views' images.
 //!
 //! Views come one after the other, and the images of earlier ones may be gone. With every view the
-//! store keeps its [`CoarseView`], as [`StoredCopy`]. The views are judged at the poses that they
-//! have in the store, as in a run over all of them.
+//! store keeps its [`CoarseView`], as [`StoredCopy`](transect_register::StoredCopy). The views are
+//! judged at the poses that they have in the store, as in a run over all of them.
 
 use super::GrowError;
 use super::kept_image::read_copy;

@@ -1,5 +1,7 @@
-//! What a store keeps of the image of a view: its coarse copy, the space that it looked through,
-//! and the pose that it was given, where registration found another one.
+//! What a store keeps of the image of a view.
+//!
+//! It keeps the coarse copy of the image, and the space that the view looked through. Where
+//! registration found another pose, it keeps the given one, too.
 
 use super::GrowError;
 use serde::{Deserialize, Serialize};

@@ -85,7 +85,7 @@ fn sections_along_the_bend_are_perpendicular_to_its_axis() {
     assert!(result.model.sections().len() >= 68, "{}", result.model.sections().len());
     assert!(nodes > 10_000, "{nodes}");
     let lost: usize = result.report.views.iter().map(|v| v.beyond_guide_reach).sum();
-    assert_eq!(lost, 0, "everything in the tunnel is within the guide's reach");
+    assert_eq!(lost, 0, "everything in the tunnel is near enough to the guide");
 }
 
 #[test]

@@ -39,7 +39,7 @@ pub const MAX_GUIDE_POINTS: usize = 10_000;
 
 /// Share of the reach that is used. Chosen by hand: at the reach itself planes touch and stations
 /// are not defined. Near 1 stations lose digits; smaller values drop more pixels.
-const USED_REACH: f64 = 0.9;
+const USABLE_SHARE: f64 = 0.9;
 
 /// Distance beyond an end, as a share of the guide's length, up to which points still have an
 /// extended station. Chosen by hand. Doubled, more pixels are counted as beyond the ends, fewer as
@@ -47,9 +47,15 @@ const USED_REACH: f64 = 0.9;
 const BEYOND: f64 = 0.05;
 
 /// Distance from the plane at a foot, as a share of the guide's length, up to which Newton's method
-/// has found the foot. Source: rounding, far below any interval of planes. Doubled, nothing
-/// changes.
+/// has found the foot. At least the rounding of coordinates is allowed ([`ROUNDINGS`]). Source:
+/// rounding, far below any interval of planes. Doubled, nothing changes.
 const FOOT: f64 = 1e-9;
+
+/// Distance that is rounding, as a share of the largest coordinate. No unit. Theory: a point, its
+/// pose and the place on the guide each round by about one unit of the last place
+/// (`f64::EPSILON`). Doubled, points beyond an end of the guide by 1e-8 m have a station on
+/// national grids; nothing else changes.
+const ROUNDINGS: f64 = 4.0 * f64::EPSILON;
 
 /// The meaning of a guide's points.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -68,9 +74,9 @@ pub enum NoStation {
     /// It lies before the first station or after the last one.
     #[error("beyond an end of the guide")]
     BeyondEnds,
-    /// It is beyond [`CurvedGuide::reach`], where planes may cross.
-    #[error("too far from the guide")]
-    BeyondReach,
+    /// It is farther from the guide than [`CurvedGuide::usable_distance`]: planes may cross there.
+    #[error("too far from the guide, where its planes may cross")]
+    TooFar,
 }
 
 /// A guide through points, with a first and a last station.
@@ -84,9 +90,12 @@ pub struct CurvedGuide {
     axes: Vec<Vector3>,
     /// Equally spaced points of the path, both ends included.
     samples: Vec<Point3>,
+    /// Distance from the guide at which planes cross, in the model's length unit.
     reach: f64,
     /// Station at which the reach is least.
     tightest: f64,
+    /// Largest coordinate of the points, in the model's length unit.
+    size: f64,
 }
 
 /// The stored form of a guide.
@@ -124,14 +133,17 @@ impl CurvedGuide {
             }
             GuideKind::Polyline(radius) => Path::Rounded(Rounded::new(&points, radius)?),
             GuideKind::Spline => match turns_back(&points) {
-                Some(point) => return Err(GuideError::TurnsBack(point)),
+                Some(point) => {
+                    return Err(GuideError::TurnsBack { point, at: points[point] });
+                }
                 None => Path::Spline(Spline::new(&points)),
             },
         };
         let tightest = reach(&path, BEYOND * path.length());
         let (axes, samples) = (carried_axes(&path), samples(&path));
-        let (reach, tightest) = (USED_REACH * tightest.radius, tightest.station);
-        Ok(Self { kind, points, path, axes, samples, reach, tightest })
+        let size = largest_coordinate(&points);
+        let (reach, tightest) = (tightest.radius, tightest.station);
+        Ok(Self { kind, points, path, axes, samples, reach, tightest, size })
     }
 
     /// Straight pieces with rounded corners; see [`GuideKind::Polyline`].
@@ -165,11 +177,16 @@ impl CurvedGuide {
         self.path.length()
     }
 
-    /// Distance from the guide up to which points have stations and planes do not cross: 0.9 × the
-    /// curve's reach, which is at most its smallest bend radius. Infinite for a guide that does not
-    /// bend.
+    /// The curve's reach, in the model's length unit: the distance from the guide at which planes
+    /// cross. It is at most the smallest bend radius. Infinite for a guide that does not bend.
     pub fn reach(&self) -> f64 {
         self.reach
+    }
+
+    /// Distance from the guide up to which points have stations, in the model's length unit: 0.9 ×
+    /// its [reach](CurvedGuide::reach). Infinite for a guide that does not bend.
+    pub fn usable_distance(&self) -> f64 {
+        USABLE_SHARE * self.reach
     }
 
     /// The largest distance of its points from the guide, in the model's length unit. It rounds the
@@ -179,13 +196,28 @@ impl CurvedGuide {
         self.points.iter().map(distance).fold(0.0, f64::max)
     }
 
-    /// Checks that planes do not cross within a distance of the guide.
+    /// Largest coordinate of its points, in the model's length unit.
+    pub(super) fn size(&self) -> f64 {
+        self.size
+    }
+
+    /// Distance by which the station of a point may be off through rounding, in the model's length
+    /// unit. It grows with the distance from the world's origin.
+    fn rounding(&self, p: &Point3) -> f64 {
+        ROUNDINGS * self.size.max(p.coords.amax())
+    }
+
+    /// Checks that points up to a distance from the guide have stations, in the model's length
+    /// unit.
     ///
     /// # Errors
-    /// [`GuideError::TooCurved`] with the station where they cross.
-    pub fn require_reach(&self, needed: f64) -> Result<(), GuideError> {
-        let (station, reach) = (self.tightest, self.reach);
-        if reach >= needed { Ok(()) } else { Err(GuideError::TooCurved { station, reach, needed }) }
+    /// [`GuideError::TooCurved`] with the station where planes cross nearest to the guide.
+    pub fn require_usable_distance(&self, needed: f64) -> Result<(), GuideError> {
+        let (station, reach, usable) = (self.tightest, self.reach, self.usable_distance());
+        if usable >= needed {
+            return Ok(());
+        }
+        Err(GuideError::TooCurved { station, reach, usable, needed })
     }
 
     /// The frame of the plane at a station: origin on the guide, normal along it. Beyond its ends
@@ -204,11 +236,11 @@ impl CurvedGuide {
     /// result.
     ///
     /// # Errors
-    /// [`NoStation`] beyond the ends and beyond [`CurvedGuide::reach`].
+    /// [`NoStation`] beyond the ends and beyond [`CurvedGuide::usable_distance`].
     pub fn station(&self, in_world: &Point3, hint: Option<f64>) -> Result<f64, NoStation> {
         let station = self.extended_station(in_world, hint)?;
         // Points on the first or last plane must not be lost to rounding.
-        let slack = 1e-12 * self.length();
+        let slack = self.rounding(in_world).max(1e-12 * self.length());
         let on_guide = station >= -slack && station <= self.length() + slack;
         if on_guide { Ok(station) } else { Err(NoStation::BeyondEnds) }
     }
@@ -220,7 +252,7 @@ impl CurvedGuide {
     /// As [`CurvedGuide::station`].
     pub fn extended_station(&self, p: &Point3, hint: Option<f64>) -> Result<f64, NoStation> {
         if !p.coords.iter().all(|c| c.is_finite()) {
-            return Err(NoStation::BeyondReach);
+            return Err(NoStation::TooFar);
         }
         let guessed = hint.and_then(|hint| self.nearest_foot(p, hint));
         let (station, distance) =
@@ -229,7 +261,7 @@ impl CurvedGuide {
         if station < -BEYOND * length || station > (1.0 + BEYOND) * length {
             return Err(NoStation::BeyondEnds);
         }
-        if distance <= self.reach { Ok(station) } else { Err(NoStation::BeyondReach) }
+        if distance <= self.usable_distance() { Ok(station) } else { Err(NoStation::TooFar) }
     }
 
     /// Spacing of the planes at a point over their spacing on the guide: 1 − the bend towards the
@@ -248,12 +280,12 @@ impl CurvedGuide {
     fn nearest_foot(&self, p: &Point3, guess: f64) -> Option<(f64, f64)> {
         let (station, distance) = self.foot_near(p, guess);
         let (at, length) = (self.path.at(station), self.length());
-        let is_foot = at.tangent.dot(&(p - at.point)).abs() <= FOOT * length;
+        let is_foot = at.tangent.dot(&(p - at.point)).abs() <= self.rounding(p).max(FOOT * length);
         let is_near = (-BEYOND * length..=(1.0 + BEYOND) * length).contains(&station);
-        if !(is_foot && is_near && distance <= self.reach) {
+        if !(is_foot && is_near && distance <= self.usable_distance()) {
             return None;
         }
-        let quarter = FRAC_PI_2 * self.reach;
+        let quarter = FRAC_PI_2 * self.usable_distance();
         let nearer = self.nearer_sample(p, distance, (station - quarter, station + quarter));
         nearer.is_none().then_some((station, distance))
     }
@@ -291,6 +323,7 @@ impl CurvedGuide {
     /// The foot of the perpendicular near a station: its station, and the distance.
     fn foot_near(&self, p: &Point3, start: f64) -> (f64, f64) {
         let spacing = self.length() / (self.samples.len() - 1) as f64;
+        let enough = self.rounding(p).max(1e-14 * self.length());
         let mut station = start;
         for _ in 0..30 {
             let at = self.path.at(station);
@@ -301,7 +334,7 @@ impl CurvedGuide {
             let beyond = station <= 0.0 && along < 0.0 || station >= self.length() && along > 0.0;
             let step = if beyond { along } else { (along / stretch).clamp(-spacing, spacing) };
             station += step;
-            if step.abs() <= 1e-14 * self.length() {
+            if step.abs() <= enough {
                 break;
             }
         }
@@ -314,14 +347,18 @@ fn check(points: &[Point3]) -> Result<(), GuideError> {
         return Err(GuideError::PointCount(points.len()));
     }
     if let Some(k) = points.iter().position(|p| !p.coords.iter().all(|c| c.abs() < 1e150)) {
-        return Err(GuideError::NotFinite(k));
+        return Err(GuideError::NotFinite { point: k, at: points[k] });
     }
-    let size = points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max);
+    let size = largest_coordinate(points);
     let repeats = |pair: &[Point3]| (pair[1] - pair[0]).norm() <= 1e-12 * size;
     match points.windows(2).position(repeats) {
-        Some(k) => Err(GuideError::Repeated(k + 1)),
+        Some(k) => Err(GuideError::Repeated { point: k + 1, at: points[k + 1] }),
         None => Ok(()),
     }
+}
+
+fn largest_coordinate(points: &[Point3]) -> f64 {
+    points.iter().map(|p| p.coords.amax()).fold(0.0, f64::max)
 }
 
 /// First in-plane axis at the start of each piece.

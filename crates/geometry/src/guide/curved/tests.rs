@@ -27,7 +27,8 @@ fn brute_station(guide: &CurvedGuide, p: &Point3) -> f64 {
 fn a_bend_has_the_stations_of_its_lines_and_its_arc() {
     let guide = bend();
     assert!((guide.length() - (20.0 + 4.0 * FRAC_PI_2)).abs() < 1e-12);
-    assert!((guide.reach() - 3.6).abs() < 1e-9, "{}", guide.reach());
+    assert!((guide.reach() - 4.0).abs() < 1e-9, "{}", guide.reach());
+    assert!((guide.usable_distance() - 3.6).abs() < 1e-9, "{}", guide.usable_distance());
     let middle = guide.frame(10.0 + 2.0 * FRAC_PI_2);
     let half = 0.5_f64.sqrt();
     let wanted = Point3::new(10.0 + 4.0 * half, 4.0 - 4.0 * half, 1.0);
@@ -42,7 +43,7 @@ fn a_bend_has_the_stations_of_its_lines_and_its_arc() {
     assert!(
         (guide.extended_station(&Point3::new(-0.1, 0.5, 1.0), None).unwrap() + 0.1).abs() < 1e-12
     );
-    assert_eq!(guide.station(&Point3::new(10.0, 4.0, 1.0), None), Err(NoStation::BeyondReach));
+    assert_eq!(guide.station(&Point3::new(10.0, 4.0, 1.0), None), Err(NoStation::TooFar));
 }
 
 #[test]
@@ -120,10 +121,22 @@ fn parts_that_come_close_limit_the_reach() {
     let points = points.map(|(x, y)| Point3::new(x, y, 0.0)).to_vec();
     let guide = CurvedGuide::polyline(points, None).unwrap();
     // Arms six apart, arcs of radius three.
-    assert!((guide.reach() - 2.7).abs() < 1e-6, "{}", guide.reach());
-    assert_eq!(guide.require_reach(2.0), Ok(()));
-    let error = guide.require_reach(3.0).unwrap_err();
-    assert!(matches!(error, GuideError::TooCurved { needed, .. } if needed == 3.0), "{error}");
+    assert!((guide.reach() - 3.0).abs() < 1e-6, "{}", guide.reach());
+    assert_eq!(guide.require_usable_distance(2.0), Ok(()));
+    let error = guide.require_usable_distance(2.8).unwrap_err();
+    let GuideError::TooCurved { reach, usable, needed, .. } = error else { panic!("{error}") };
+    assert_eq!((reach, usable, needed), (guide.reach(), guide.usable_distance(), 2.8));
+}
+
+#[test]
+fn the_message_on_a_sharp_bend_tells_where_planes_cross_and_what_is_used() {
+    let error = GuideError::TooCurved { station: 12.0, reach: 4.0, usable: 3.6, needed: 5.0 };
+    assert_eq!(
+        error.to_string(),
+        "planes along the guide cross 4 away from it at station 12. Up to 3.6 (0.9 of that) can be \
+         used, and 5 is needed. Let the guide bend less sharply there, keep its parts farther \
+         apart, or ask for a smaller distance"
+    );
 }
 
 #[test]
@@ -131,11 +144,16 @@ fn bad_points_are_named() {
     let p = |x: f64| Point3::new(x, 0.0, 0.0);
     let error = |points: Vec<Point3>| CurvedGuide::polyline(points, None).unwrap_err();
     assert_eq!(error(vec![p(1.0)]), GuideError::PointCount(1));
-    assert_eq!(error(vec![p(1.0), p(f64::NAN), p(2.0)]), GuideError::NotFinite(1));
-    assert_eq!(error(vec![p(1.0), p(2.0), p(2.0)]), GuideError::Repeated(2));
-    assert_eq!(error(vec![p(1.0), p(2.0), p(0.5)]), GuideError::TurnsBack(1));
+    let wild = error(vec![p(1.0), p(f64::NAN), p(2.0)]).to_string();
+    assert!(wild.starts_with("point 1 of the guide (from 0) is at (NaN, 0, 0); "), "{wild}");
+    let repeated = error(vec![p(1.0), p(2.0), p(2.0)]);
+    assert_eq!(repeated, GuideError::Repeated { point: 2, at: p(2.0) });
+    assert!(repeated.to_string().contains("(from 0), at (2, 0, 0), repeats"), "{repeated}");
+    let back = error(vec![p(1.0), p(2.0), p(0.5)]);
+    assert_eq!(back, GuideError::TurnsBack { point: 1, at: p(2.0) });
+    assert!(back.to_string().contains("at point 1 (from 0), at (2, 0, 0): "), "{back}");
     let back = CurvedGuide::spline(vec![p(0.0), p(1.0), p(2.0), p(0.5)]).unwrap_err();
-    assert_eq!(back, GuideError::TurnsBack(2));
+    assert_eq!(back, GuideError::TurnsBack { point: 2, at: p(2.0) });
     assert_eq!(
         CurvedGuide::polyline(vec![p(1.0), p(2.0)], Some(0.0)).unwrap_err(),
         GuideError::BadRadius(0.0)
@@ -151,7 +169,7 @@ fn a_guess_does_not_hide_a_nearer_place() {
     let p = Point3::new(10.0, 7.0, 0.0);
     // Perpendiculars of both legs pass the point. A narrow passage can be missed, so that the reach
     // is too large.
-    guide.reach = 8.0;
+    guide.reach = 8.0 / USABLE_SHARE;
     let expected = guide.length() - 10.0;
     for guess in [0.0, 10.0, 60.0, expected] {
         let station = guide.station(&p, Some(guess)).unwrap();
@@ -185,6 +203,44 @@ fn a_straight_guide_needs_no_search() {
     }
 }
 
+#[test]
+fn points_on_the_first_and_the_last_plane_have_stations_far_from_the_origin() {
+    let bend = [(0.0, 0.0), (6.0, 2.0), (8.0, 7.0)];
+    let points = bend.map(|(x, y)| Point3::new(500_000.0 + x, 5_400_000.0 + y, 80.0)).to_vec();
+    for kind in [GuideKind::Spline, GuideKind::Polyline(None)] {
+        let guide = CurvedGuide::new(kind, points.clone()).unwrap();
+        let near = 0.5 * guide.usable_distance().min(2.0);
+        for end in [0.0, guide.length()] {
+            let frame = guide.frame(end);
+            for k in 0..400 {
+                let (x, y) = (0.1 * f64::from(k)).sin_cos();
+                let p = frame.origin() + near * (frame.x_axis() * x + frame.y_axis() * y);
+                for hint in [None, Some(end)] {
+                    let station = guide.station(&p, hint);
+                    assert!(station.is_ok_and(|s| (s - end).abs() < 1e-8), "{station:?} at {p}");
+                }
+                let outward = if end == 0.0 { -1e-7 } else { 1e-7 };
+                let beyond = p + frame.normal() * outward;
+                assert_eq!(guide.station(&beyond, None), Err(NoStation::BeyondEnds), "{p}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_foot_is_recognised_far_from_the_origin() {
+    // A short guide, of which 1e-9 is less than its coordinates round by.
+    let start = Point3::new(500_000.1, 5_400_000.3, 80.0);
+    let ends = vec![start, start + Vector3::new(0.06, 0.08, 0.0)];
+    let guide = CurvedGuide::polyline(ends, None).unwrap();
+    for k in 0..200 {
+        let (x, y) = (0.1 * f64::from(k)).sin_cos();
+        let station = 0.0005 * f64::from(k);
+        let p = guide.frame(station).origin() + Vector3::new(x, y, 0.3) * 1e-3;
+        assert!(guide.nearest_foot(&p, station).is_some(), "{p}");
+    }
+}
+
 /// Points of a smooth random curve.
 fn guides() -> impl Strategy<Value = CurvedGuide> {
     let turns = prop::collection::vec((-0.5..0.5f64, -0.4..0.4f64), 3..9);
@@ -212,9 +268,9 @@ proptest! {
         guide in guides(), share in 0.02..0.98f64, x in -1.0..1.0f64, y in -1.0..1.0f64,
         hint in 0.0..1.0f64,
     ) {
-        let reach = guide.reach().min(3.0) * 0.7;
+        let far = guide.usable_distance().min(3.0) * 0.7;
         let frame = guide.frame(share * guide.length());
-        let p = frame.origin() + (frame.x_axis() * x + frame.y_axis() * y) * reach;
+        let p = frame.origin() + (frame.x_axis() * x + frame.y_axis() * y) * far;
         let station = guide.station(&p, None).unwrap();
         prop_assert!((station - share * guide.length()).abs() < 1e-6, "{station}");
         prop_assert!(guide.frame(station).height(&p).abs() < 1e-7);

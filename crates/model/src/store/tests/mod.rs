@@ -312,9 +312,15 @@ fn what_cannot_be_done_says_why_and_changes_nothing() {
     let again = add(&store, "a", &Vec::new()).unwrap_err();
     assert!(matches!(again.problem, StoreProblem::ViewExists(_)), "{again}");
     let missing = store.remove_view(&"z".into(), &fuse).unwrap_err();
-    assert_eq!(missing.problem.to_string(), "has no view \"z\"");
+    let text = missing.to_string();
+    assert!(text.starts_with("the model store ") && text.ends_with(" has no view \"z\""), "{text}");
+    assert!(std::error::Error::source(&missing).is_none(), "its text holds all");
     let lost = ViewEntry { sigma: Some(f64::NAN), ..entry("b") };
-    assert!(matches!(store.begin_view(lost).unwrap_err().problem, StoreProblem::Invariant(_)));
+    let lost = store.begin_view(lost).unwrap_err();
+    assert!(matches!(lost.problem, StoreProblem::Invariant(_)), "{lost}");
+    assert!(lost.to_string().ends_with(" would be invalid"), "{lost}");
+    let cause = std::error::Error::source(&lost).map(ToString::to_string);
+    assert!(cause.is_some_and(|cause| cause.contains("NaN")), "the cause follows the text");
 
     let mut view = store.begin_view(entry("b")).unwrap();
     let busy = store.begin_view(entry("c")).unwrap_err();

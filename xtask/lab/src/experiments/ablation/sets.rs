@@ -14,7 +14,7 @@ use transect_exchange::{MANIFEST_FILE, Scan, TRUTH_FILE, read_truth};
 use transect_fusion::{ConsensusOptions, FusionMethod, fuse_plane};
 use transect_geometry::{Curve, PlaneFamily, PlaneIndex, Point2, crossings};
 use transect_partial::{Method, partial_model};
-use transect_scene::{BUNDLED_SCENES, Mesh, Visibility, merge_overlaps, sections};
+use transect_scene::{BUNDLED_SCENES, MergeError, Mesh, Visibility, merge_overlaps, sections};
 use transect_workflow::simulation::SensorPlan;
 
 /// Distance within which a curve counts as right, as a share of the plane interval, where no size
@@ -185,7 +185,9 @@ fn simulated(
     tolerance: f64,
 ) -> Result<Raw, Failure> {
     let cut = sections(mesh, &planes)?;
-    let truth = cut.into_iter().map(|(k, c)| (k, merge_overlaps(c))).collect();
+    let truth: Result<_, MergeError> =
+        cut.into_iter().map(|(k, c)| Ok((k, merge_overlaps(c)?))).collect();
+    let truth = truth?;
     let visible = Some(Visibility::new(mesh, views.clone())?);
     let (reference, options) =
         (Some(Reference { truth, visible }), EvaluateOptions::new(tolerance));
