@@ -15,7 +15,7 @@
 use super::motion::Motion;
 use crate::coarse::PosePrior;
 use crate::tuning::{FIRST_SHARE, LEAST_DRIFTING, LEAST_SHARE, SHARED};
-use nalgebra::{DMatrix, Matrix6};
+use nalgebra::{DMatrix, DVector, Matrix6};
 
 /// The correlations of the errors of all views.
 #[derive(Debug, Clone)]
@@ -24,6 +24,8 @@ pub struct Drift {
     share: f64,
     /// Covariances of the walk. On average over the views the variance is 1.
     walk: DMatrix<f64>,
+    /// 1 for each view that drifts with the others, 0 for one that errs by itself.
+    together: DVector<f64>,
     /// The inverse of the correlations.
     precision: DMatrix<f64>,
 }
@@ -54,7 +56,18 @@ impl Drift {
         let walk = DMatrix::from_fn(views, views, about_mean);
         let variance = (walk.trace() / views.max(1) as f64).max(f64::MIN_POSITIVE);
         let precision = DMatrix::identity(views, views);
-        Self { share: 0.0, walk: walk / variance, precision }
+        let together = DVector::from_element(views, 1.0);
+        Self { share: 0.0, walk: walk / variance, together, precision }
+    }
+
+    /// Takes views out: their errors are independent of those of the others. They have priors of
+    /// their own, so a motion that all views share would be another one for them.
+    pub fn leave_out(&mut self, views: impl Iterator<Item = usize>) {
+        for k in views {
+            self.together[k] = 0.0;
+            self.walk.row_mut(k).fill(0.0);
+            self.walk.column_mut(k).fill(0.0);
+        }
     }
 
     /// Lets the poses drift, after they have settled. The errors of a few views do not tell whether
@@ -77,9 +90,9 @@ impl Drift {
     }
 
     fn set(&mut self, share: f64) {
-        let n = self.walk.nrows();
-        let own = DMatrix::identity(n, n) * (1.0 - share);
-        let correlations = (own + &self.walk * share).add_scalar(SHARED);
+        let own = DMatrix::from_diagonal(&self.together.map(|t| 1.0 - t * share));
+        let shared = &self.together * self.together.transpose() * SHARED;
+        let correlations = own + &self.walk * share + shared;
         if let Some(factor) = correlations.cholesky() {
             (self.share, self.precision) = (share, factor.inverse());
         }
@@ -90,7 +103,7 @@ impl Drift {
         if self.share == 0.0 {
             return;
         }
-        let alone = &self.precision * (1.0 - self.share);
+        let alone = &self.precision * DMatrix::from_diagonal(&self.together) * (1.0 - self.share);
         let together = &self.precision * &self.walk * self.share;
         let own = (1.0 - self.share) * errors.evidence(&alone, &self.precision).factor();
         let walk = self.share * errors.evidence(&together, &self.precision).factor();
@@ -146,7 +159,20 @@ impl Errors {
     }
 }
 
+impl std::ops::Add for Evidence {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { squares: self.squares + other.squares, known: self.known + other.known }
+    }
+}
+
 impl Evidence {
+    /// The same with errors in units that are smaller by a factor.
+    pub fn in_other_units(self, factor: f64) -> Self {
+        Self { squares: self.squares * factor * factor, ..self }
+    }
+
     /// How many times as large as assumed the variance is.
     pub fn factor(&self) -> f64 {
         // Half a component at least, so that a variance that explains nothing shrinks step by step.

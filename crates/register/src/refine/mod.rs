@@ -124,8 +124,10 @@ struct Rounds<'a> {
     prior: PosePrior,
     stated: bool,
     /// Views that contradict the others at their given poses. Their errors tell nothing of those of
-    /// the others, so they have the first prior.
+    /// the others.
     loose: Vec<bool>,
+    /// How far these views may be off: as far as all views are together.
+    prior_of_loose: PosePrior,
     /// Whether scales of cameras are not looked for.
     scales_stay: bool,
     cameras: Cameras,
@@ -176,6 +178,7 @@ impl<'a> Rounds<'a> {
             prior,
             stated: stated.is_some(),
             loose: vec![false; scene.views.len()],
+            prior_of_loose: prior,
             scales_stay: options.images_stay || scene.views.len() < LEAST_FOR_SCALE,
             cameras,
             drift: Drift::of(scene.views.len()),
@@ -193,6 +196,7 @@ impl<'a> Rounds<'a> {
         let stated = self.stated;
         let loose = |k: usize| !stated && blamed.contains(&k);
         self.loose = (0..self.loose.len()).map(loose).collect();
+        self.drift.leave_out((0..self.loose.len()).filter(|k| self.loose[*k]));
     }
 
     fn run(&mut self) {
@@ -393,14 +397,20 @@ impl<'a> Rounds<'a> {
         if !self.stated {
             let lever = self.pivots.lever();
             self.pivots.learn(&motions, root, &self.priors(), self.drift.precision());
-            self.prior.translation *= self.pivots.lever() / lever;
+            let longer = self.pivots.lever() / lever;
+            self.prior.translation *= longer;
+            self.prior_of_loose.translation *= longer;
         }
         let priors = self.priors();
         let before = self.known_before(&priors, so_far);
         let errors = Errors::new(&motions, root, |k| before.in_units(k));
         if !self.stated {
-            let is_unstated = |k: usize| self.prior_of(k).is_none();
-            self.prior = estimated_prior(&self.prior, &self.drift.size(&errors, is_unstated));
+            let of_others = self.drift.size(&errors, |k| self.prior_of(k).is_none());
+            let of_loose = self.drift.size(&errors, |k| self.loose[k]);
+            let units = self.prior.rotation / self.prior_of_loose.rotation;
+            let of_all = of_loose + of_others.in_other_units(units);
+            self.prior = estimated_prior(&self.prior, &of_others);
+            self.prior_of_loose = estimated_prior(&self.prior_of_loose, &of_all);
         }
         self.drift.learn(&errors);
     }
@@ -448,7 +458,7 @@ impl<'a> Rounds<'a> {
 
     /// How far a view's pose may be wrong, if it is not as far as the others'.
     fn prior_of(&self, view: usize) -> Option<PosePrior> {
-        let loose = || self.loose[view].then_some(self.first);
+        let loose = || self.loose[view].then_some(self.prior_of_loose);
         self.scene.views[view].prior().or_else(loose)
     }
 
