@@ -180,16 +180,17 @@ pub fn judge(views: &[CoarseView]) -> Judgement {
     Judgement { findings, views: (0..n).map(agreement).collect(), usual_distance }
 }
 
-/// What the given poses tell of views, each by its place in the order.
+/// Wrong views among right ones, each by its place in the order.
 #[derive(Debug, Default)]
 pub(crate) struct Suspects {
-    /// Views that contradict the others, which agree with each other better.
+    /// Views that contradict the others at their given poses.
     pub blamed: Vec<usize>,
-    /// Those whose lengths are scaled, where the poses of all others are right.
+    /// Those of them that agree once their lengths are divided by one number.
     pub scaled: Vec<usize>,
 }
 
-/// The views that are named as wrong at the given poses, each by itself.
+/// The views that are named as wrong, each by itself, where all others agree at their given poses.
+/// Where these err, too, it is chance which view stands out.
 pub(crate) fn suspects(sorted: &[&CoarseView]) -> Suspects {
     let evidence = Evidence::new(sorted);
     let table = evidence.table();
@@ -199,23 +200,21 @@ pub(crate) fn suspects(sorted: &[&CoarseView]) -> Suspects {
     };
     let excused: Vec<usize> = blamed.iter().copied().filter(excused).collect();
     blamed.retain(|k| !excused.contains(k));
-    if blamed.is_empty() {
+    let usual = table.usual_share(&blamed);
+    if blamed.is_empty() || usual.is_none_or(|share| share > BAD_IF_RIGHT) {
         return Suspects::default();
     }
     let right: Vec<usize> = (0..sorted.len()).filter(|k| !blamed.contains(k)).collect();
     let findings = of_blamed(&evidence, &table, &blamed, &right);
-    let others_are_right = table.usual_share(&blamed).is_some_and(|share| share <= BAD_IF_RIGHT);
     let named = |is_named: &dyn Fn(&Finding, &str) -> bool| {
-        let name = |k: &usize| sorted[*k].name();
-        let found = blamed.iter().filter(|k| findings.iter().any(|f| is_named(f, name(k))));
-        found.copied().collect::<Vec<usize>>()
+        let is_named = |k: &&usize| findings.iter().any(|f| is_named(f, sorted[**k].name()));
+        blamed.iter().filter(is_named).copied().collect::<Vec<usize>>()
     };
     let is_scaled = |f: &Finding, name: &str| matches!(f, Finding::Scaled(s) if s.view == name);
-    let is_misplaced = |f: &Finding, name: &str| {
-        matches!(f, Finding::Misplaced(m) if m.view == name) || is_scaled(f, name)
+    let is_wrong = |f: &Finding, name: &str| {
+        is_scaled(f, name) || matches!(f, Finding::Misplaced(m) if m.view == name)
     };
-    let scaled = if others_are_right { named(&is_scaled) } else { Vec::new() };
-    Suspects { blamed: named(&is_misplaced), scaled }
+    Suspects { blamed: named(&is_wrong), scaled: named(&is_scaled) }
 }
 
 /// The regions of a view that the others contradict, but for those that are blamed.
