@@ -72,9 +72,8 @@ pub fn reconstruct<S: ViewSource>(
     let started = Instant::now();
     setup.check_options()?;
     let setup = &setup.with_least_interval().map_err(ReconstructError::Refine)?;
-    let options = setup.refine_poses.as_ref();
-    let poses = options.map(|options| PoseReport::new(sources, Some(options), setup.unit, watch));
-    let poses = poses.transpose()?;
+    let refined = |options| PoseReport::new(sources, Some(options), setup.unit, watch);
+    let poses = setup.refine_poses.as_ref().map(refined).transpose()?;
     let poses_time = started.elapsed();
     let (copies, free_space) = (poses.is_none(), setup.free_space);
     let wanted = Wanted { copies, free_space }.of_several(sources.len());
@@ -87,8 +86,8 @@ pub fn reconstruct<S: ViewSource>(
     let witnesses: Vec<_> = witnesses.iter().map(Option::as_ref).collect();
     let again = |order| reread(sources, order, CoarseView::quick);
     let stated = stated(sources);
-    let judged =
-        copies.map(|copies| PoseReport::of_given(copies, stated.as_ref(), again, setup.unit));
+    let judge = |copies| PoseReport::of_given(copies, stated.as_ref(), again, setup.unit);
+    let judged = copies.map(judge);
     let views_done = Instant::now();
     let planes = by_plane(&mut views);
     if planes.is_empty() {

@@ -12,6 +12,7 @@
 
 mod by_points;
 mod lattice;
+mod names;
 mod patch;
 mod stored;
 
@@ -21,6 +22,7 @@ pub use stored::StoredCopy;
 use crate::tuning::{CELLS, LEAST_AHEAD, LEAST_STEP, LEAST_WHOLE, QUICK_CELLS};
 use by_points::ByPoints;
 use lattice::{Lattice, Place};
+use names::with_long_numbers;
 use patch::StoredPatch;
 use std::sync::Arc;
 use transect_device::{
@@ -478,33 +480,5 @@ impl Lookup {
         }
         let rays = cells.iter().map(|cell| cell.as_ref().map(|cell| cell.ray)).collect();
         Self::Points(ByPoints::new(points, rays, cols))
-    }
-}
-
-/// A name with zeros before its numbers, so that their order is that of the names.
-fn with_long_numbers(name: &str) -> String {
-    let is_digit = |c: char| c.is_ascii_digit();
-    let mut long = String::new();
-    let mut rest = name;
-    while let Some(start) = rest.find(is_digit) {
-        let (before, number) = rest.split_at(start);
-        let (number, after) =
-            number.split_at(number.find(|c| !is_digit(c)).unwrap_or(number.len()));
-        long += &format!("{before}{number:0>20}");
-        rest = after;
-    }
-    long + rest
-}
-
-#[cfg(test)]
-mod tests {
-    use super::with_long_numbers;
-
-    #[test]
-    fn names_are_in_the_order_of_their_numbers() {
-        let names = ["a", "view1", "view2b", "view2b3", "view10", "view10b", "z0"];
-        let long = names.map(with_long_numbers);
-        assert!(long.is_sorted(), "{long:?}");
-        assert!(!names.is_sorted());
     }
 }

@@ -27,6 +27,7 @@
 mod camera;
 mod common_motion;
 mod drift;
+mod independent;
 mod left_out;
 mod motion;
 mod outcome;
@@ -40,12 +41,13 @@ mod uncertainty;
 use crate::coarse::{CoarseView, PosePrior};
 use crate::judge::{Suspects, suspects};
 use crate::tuning::{
-    BEFORE_MOMENTUM, BLOCKS, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, FOCAL_SIGMAS, GATE,
+    BEFORE_MOMENTUM, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, FOCAL_SIGMAS, GATE,
     LEAST_FOR_SCALE, LEAST_LOOKED_UP, MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS,
     SCALE_RUNS, SETTLED, SETTLING, SUMS,
 };
 use camera::{Cameras, Freed, Odds};
 use drift::{Drift, Errors, estimated_prior};
+use independent::independent_share;
 use motion::{Motion, motion_between, moved};
 use nalgebra::{DMatrix, DVector};
 use pairs::{Observation, Pair, Portion, Reach, Scene, Spread, State, samples};
@@ -467,42 +469,4 @@ impl<'a> Rounds<'a> {
         let pairs = self.given.iter().zip(&self.poses);
         pairs.map(|(from, to)| motion_between(from, to)).collect()
     }
-}
-
-/// The share of the observations that are independent.
-///
-/// Neighbouring patches of a view may share an error of the sensor. Sums over blocks of the image
-/// then vary more than sums of independent errors do (Kish, 1965). Each view's pose has taken six
-/// numbers out of its blocks.
-fn independent_share(views: &[&CoarseView], pairs: &[Pair]) -> f64 {
-    // The squares of a view's patches, of its blocks, and the number of its blocks.
-    let of_view = |(b, view): (usize, &&CoarseView)| {
-        let size = view.size();
-        // Every patch is met by several others, all of which see its error: sum and number.
-        let mut patches = vec![(0.0, 0.0); size.pixels()];
-        for pair in pairs.iter().filter(|pair| pair.b == b) {
-            for o in &pair.observations {
-                let Some(sum) = patches.get_mut(o.cells[1]) else { continue };
-                sum.0 += pair.weight(o).sqrt() * o.distance;
-                sum.1 += 1.0;
-            }
-        }
-        let mut blocks = [None; BLOCKS * BLOCKS];
-        let mut squares = 0.0;
-        for (cell, (sum, count)) in patches.iter().enumerate().filter(|(_, (_, n))| *n > 0.0) {
-            let (row, col) = (cell / size.cols, cell % size.cols);
-            let block = row * BLOCKS / size.rows * BLOCKS + col * BLOCKS / size.cols;
-            let mean = sum / count;
-            *blocks[block].get_or_insert(0.0) += mean;
-            squares += mean * mean;
-        }
-        let sums: f64 = blocks.iter().flatten().map(|sum| sum * sum).sum();
-        (squares, sums, blocks.iter().flatten().count())
-    };
-    let mut of_views: Vec<_> = views.par_iter().enumerate().map(of_view).collect();
-    of_views.retain(|(_, _, blocks)| *blocks > 0);
-    let add = |a: (f64, f64, usize), b: &(f64, f64, usize)| (a.0 + b.0, a.1 + b.1, a.2 + b.2);
-    let (squares, sums, blocks) = of_views.iter().fold((0.0, 0.0, 0), add);
-    let spare = blocks.saturating_sub(6 * of_views.len()).max(1) as f64;
-    if squares > 0.0 { (squares / sums * spare / blocks as f64).min(1.0) } else { 1.0 }
 }
