@@ -21,8 +21,11 @@
 //!    `camera.rs`.
 //! 5. The motion that all views share is taken out.
 //! 6. Pairs that were left out judge the result, and wrong focal lengths: `left_out.rs`.
-//! 7. A view that no pose brings to the others is left out, and the rounds are repeated. So is one
-//!    that was moved far, where a scale of its lengths explains its contradictions.
+//! 7. A view that no pose brings to the others is left out, and the rounds are repeated.
+//!
+//! Where all views but a few agree at their given poses, these few are taken for wrong ones from
+//! the start. The prior of the others does not follow from their errors, and a view stays where it
+//! is if a scale of its lengths explains what contradicts.
 
 mod camera;
 mod common_motion;
