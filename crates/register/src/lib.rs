@@ -21,5 +21,5 @@ pub use free_space::FreeSpace;
 pub use judge::{
     Agreement, Finding, Judgement, Misplaced, Motion, Region, RegionKind, Scaled, judge,
 };
-pub use readings::{Accord, Explanation, PoseReading, Reading, Stated, explain};
+pub use readings::{Accord, Explanation, PoseReading, Reading, StatedPoses, explain};
 pub use refine::{PoseOutcome, PoseRefinement, RefineOptions, RefinedPose, refine};

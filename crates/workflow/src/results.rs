@@ -238,8 +238,8 @@ impl ResultFolder {
     /// The scan that the folder's model was made of, as its report has it.
     ///
     /// # Errors
-    /// The reason, in words, if there is no report, only a part of the scan was read, or it was
-    /// read in another way than the scan states.
+    /// The reason, in words: there is no report, or the scan was read in part, or in another way
+    /// than it states.
     pub(crate) fn made_of(&self) -> Result<MadeOf, String> {
         #[derive(Deserialize)]
         struct Written {

@@ -46,9 +46,9 @@ impl TruthOfResults {
         };
         let mut warnings = Vec::new();
         match made_of.state_of(truth) {
-            Stated::Same => (),
-            Stated::Other => return Err(changed(truth, &folder.report())),
-            Stated::Unknown => warnings.push(format!(
+            Comparison::Same => (),
+            Comparison::Other => return Err(changed(truth, &folder.report())),
+            Comparison::Unknown => warnings.push(format!(
                 "{}: {} does not state its SHA-256, so the file may have changed since the model \
                  was made. If it has, reconstruct the scan again",
                 truth.display(),
@@ -56,7 +56,7 @@ impl TruthOfResults {
             )),
         }
         let manifest = manifest_of(scan);
-        if manifest.is_file() && made_of.state_of(&manifest) == Stated::Other {
+        if manifest.is_file() && made_of.state_of(&manifest) == Comparison::Other {
             warnings.push(format!(
                 "{}: the file has changed since the model was made, so its views may see another \
                  part of the truth, and the completeness may be wrong. Reconstruct the scan again",
@@ -69,7 +69,7 @@ impl TruthOfResults {
 
 /// What a report states of a file's content, compared with the file.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Stated {
+enum Comparison {
     Same,
     Other,
     /// The report does not state it, or the file cannot be read.
@@ -79,13 +79,13 @@ enum Stated {
 impl MadeOf {
     /// Whether a file beside the scan is still the one that the model was made of. Files are known
     /// by name: reports state paths as the run had them, which may be relative.
-    fn state_of(&self, file: &Path) -> Stated {
+    fn state_of(&self, file: &Path) -> Comparison {
         let of_name = self.inputs.iter().filter(|input| input.path.file_name() == file.file_name());
         let stated: Vec<&str> = of_name.filter_map(|input| input.sha256.as_deref()).collect();
         match sha256(file) {
-            Some(found) if stated.contains(&found.as_str()) => Stated::Same,
-            Some(_) if !stated.is_empty() => Stated::Other,
-            _ => Stated::Unknown,
+            Some(found) if stated.contains(&found.as_str()) => Comparison::Same,
+            Some(_) if !stated.is_empty() => Comparison::Other,
+            _ => Comparison::Unknown,
         }
     }
 }
@@ -98,8 +98,8 @@ fn manifest_of(scan: &Path) -> PathBuf {
 fn changed(truth: &Path, report: &Path) -> WorkflowError {
     let problem = format!(
         "the file has changed since the model was made: its SHA-256 is not the one in {}. It is \
-         no longer the truth of the model; reconstruct the scan again, or pass the setting `reference` \
-         with a mesh of the scene",
+         no longer the truth of the model; reconstruct the scan again, or pass the setting \
+         `reference` with a mesh of the scene",
         report.display()
     );
     WorkflowError::file(truth, problem)

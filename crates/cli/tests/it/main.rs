@@ -18,6 +18,7 @@ mod explain;
 mod full_disk;
 mod implausible;
 mod launcher;
+mod options;
 mod outputs;
 mod real_scans;
 mod register;

@@ -65,16 +65,19 @@ fn a_registered_scan_is_a_scan_with_the_same_files_and_names() {
     folder.run("register scan --out part").failed_with(1, &refused);
 }
 
+/// Takes the inverse of each pose.
+fn invert(manifest: &mut Value) {
+    for view in manifest["views"].as_array_mut().unwrap() {
+        let inverse = row_major(&pose(view).inverse());
+        view["pose"] = serde_json::to_value(inverse).unwrap();
+    }
+}
+
 #[test]
 fn poses_of_another_convention_are_read_as_asked_for() {
     let folder = Folder::simulated("objects.scene.toml");
     let right = folder.reconstruct("scan --no-score").succeeded();
-    folder.edit_json("scan/scan.json", "scan/inverse.json", |m| {
-        for view in m["views"].as_array_mut().unwrap() {
-            let inverse = row_major(&pose(view).inverse());
-            view["pose"] = serde_json::to_value(inverse).unwrap();
-        }
-    });
+    folder.edit_json("scan/scan.json", "scan/inverse.json", invert);
     let line = "scan/inverse.json --pose-convention inverse";
     let read = folder.reconstruct(&format!("{line} --no-score")).succeeded();
     // The inverse is rounded.
@@ -135,27 +138,35 @@ fn inspect_names_a_wrong_view_and_the_convention_that_mends_all() {
     let run = folder.run("reconstruct scan --no-score --out right --quiet").succeeded();
     assert!(run.told("warning:").is_empty(), "{}", run.stderr);
     assert!(folder.json("right/report.json")["poses"].is_null());
-    folder.edit_json("scan/scan.json", "scan/inverse.json", |m| {
-        for view in m["views"].as_array_mut().unwrap() {
-            let inverse = row_major(&pose(view).inverse());
-            view["pose"] = serde_json::to_value(inverse).unwrap();
-        }
-    });
+    folder.edit_json("scan/scan.json", "scan/inverse.json", invert);
     let wrong = warnings("scan/inverse.json");
     assert!(wrong.len() == 1 && wrong[0].ends_with("Pass --pose-convention inverse"), "{wrong:?}");
-    // A convention that the poses do not have is taken back, whichever it is.
+}
+
+/// A convention that the poses do not have is taken back, whichever it is.
+#[test]
+fn a_wrong_convention_is_taken_back() {
+    let folder = perturbed();
+    folder.edit_json("scan/scan.json", "scan/inverse.json", invert);
     for (scan, convention, advice) in [
         ("scan", "inverse", "Leave out --pose-convention"),
         ("scan", "radians", "Leave out --pose-convention"),
         ("scan/inverse.json", "conjugate", "Pass --pose-convention inverse"),
     ] {
         let line = format!("{scan} --pose-convention {convention}");
-        let wrong = warnings(&line);
+        let run = folder.run(&format!("inspect {line}")).succeeded();
+        let wrong = run.told("warning:");
         assert!(wrong.len() == 1 && wrong[0].ends_with(advice), "{line}: {wrong:?}");
         let run = folder.run(&format!("reconstruct {line} --no-score --out wrong --quiet"));
         assert!(run.succeeded().told("warning:")[0].ends_with(advice), "{line}");
     }
-    // Misread poses are no start for a refinement.
+}
+
+/// Misread poses are no start for a refinement.
+#[test]
+fn misread_poses_are_not_refined() {
+    let folder = perturbed();
+    folder.edit_json("scan/scan.json", "scan/inverse.json", invert);
     let line = "scan/inverse.json --quiet";
     let refused = ["inverse.json", "Pass --pose-convention inverse"];
     folder.run(&format!("register {line} --out new")).failed_with(1, &refused);
@@ -172,11 +183,17 @@ fn inspect_names_a_wrong_view_and_the_convention_that_mends_all() {
     folder.run(&format!("{line} --out grown --quiet")).succeeded();
     let run = folder.run("register right.transect --quiet").succeeded();
     assert!(run.stdout.contains("| day1/range_001.npy | "), "{}", run.stdout);
-    // The poses are in millimetres, as the scan states, and the images in metres.
+}
+
+/// The poses are in millimetres, as the scan states, and the images in metres.
+#[test]
+fn images_in_another_unit_than_the_poses_are_told() {
+    let folder = perturbed();
     folder.edit_json("scan/scan.json", "scan/images.json", |m| {
         m["views"].as_array_mut().unwrap().iter_mut().for_each(|view| view["scale"] = 0.001.into());
     });
-    let wrong = warnings("scan/images.json");
+    let run = folder.run("inspect scan/images.json").succeeded();
+    let wrong = run.told("warning:");
     let advice = "correct the images: multiply their \"scale\" in scan.json, or --depth-scale, by \
                   1000; without a scale, state 1000. Or state \"unit\": \"m\" and pass \
                   --pose-convention millimetres";

@@ -93,7 +93,7 @@ impl serde::Serialize for Reading {
 
 /// A convention that the user gave, and the poses of all views before it was applied.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Stated {
+pub struct StatedPoses {
     /// The convention.
     pub reading: PoseReading,
     /// World from sensor, as the file states it, in the order of the views. A list of another
@@ -133,7 +133,7 @@ impl Explanation {
 /// sensors have one order only. It is called only where the views contradict each other.
 pub fn explain(
     views: &[CoarseView],
-    stated: Option<&Stated>,
+    stated: Option<&StatedPoses>,
     reread: impl Fn(ImageOrder) -> Option<Vec<CoarseView>>,
 ) -> Option<Explanation> {
     let all: Vec<&CoarseView> = views.iter().collect();
@@ -171,7 +171,7 @@ fn of_poses(
     views: &[&CoarseView],
     probes: &[Vec<Probe>],
     given: Accord,
-    stated: Option<&Stated>,
+    stated: Option<&StatedPoses>,
 ) -> Vec<(Reading, Accord)> {
     let own = || views.iter().map(|view| *view.world_from_sensor()).collect();
     let poses: Vec<Isometry3> = stated.map_or_else(own, |stated| stated.poses.clone());

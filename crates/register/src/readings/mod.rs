@@ -11,7 +11,7 @@ mod distances;
 mod explain;
 
 pub use accord::Accord;
-pub use explain::{Explanation, Reading, Stated, explain};
+pub use explain::{Explanation, Reading, StatedPoses, explain};
 
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
 use std::f64::consts::PI;

@@ -7,3 +7,4 @@ mod judging;
 mod readings;
 mod refining;
 mod thin_things;
+mod wrong_views;

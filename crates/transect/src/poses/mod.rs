@@ -22,7 +22,7 @@ use transect_device::{ImageOrder, View};
 use transect_geometry::LengthUnit;
 use transect_register::{
     CoarseView, Explanation, Finding, Judgement, PoseRefinement, RefineOptions, RefinedPose,
-    Stated, explain, judge, refine,
+    StatedPoses, explain, judge, refine,
 };
 
 /// The poses of a run: what contradicts, and how they were refined.
@@ -82,11 +82,11 @@ pub(crate) fn reread<S: ViewSource>(
 }
 
 /// The poses of all views as their files state them; `None` if they were read so.
-pub(crate) fn stated<S: ViewSource>(sources: &[S]) -> Option<Stated> {
+pub(crate) fn stated<S: ViewSource>(sources: &[S]) -> Option<StatedPoses> {
     let (reading, _) = sources.first()?.stated_pose()?;
     let poses =
         sources.iter().map(|source| Some(source.stated_pose()?.1)).collect::<Option<_>>()?;
-    Some(Stated { reading, poses })
+    Some(StatedPoses { reading, poses })
 }
 
 impl PoseReport {
@@ -139,7 +139,7 @@ impl PoseReport {
     /// in another order.
     pub(crate) fn of_given(
         copies: Vec<CoarseView>,
-        stated: Option<&Stated>,
+        stated: Option<&StatedPoses>,
         reread: impl Fn(ImageOrder) -> Option<Vec<CoarseView>>,
         unit: LengthUnit,
     ) -> Self {

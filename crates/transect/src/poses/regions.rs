@@ -38,9 +38,13 @@ pub(super) fn text(region: &Region, unit: LengthUnit) -> String {
              something that came later. If the surface is wrong, make"
         ),
     };
+    let columns = match cols {
+        [first, last] if first > last => format!("{first} to the last, and 0 to {last}"),
+        [first, last] => format!("{first} to {last}"),
+    };
     format!(
-        "view {view}, rows {} to {}, columns {} to {}: {problem} these pixels missing",
-        rows[0], rows[1], cols[0], cols[1]
+        "view {view}, rows {} to {}, columns {columns}: {problem} these pixels missing",
+        rows[0], rows[1]
     )
 }
 
@@ -122,6 +126,13 @@ mod tests {
         let texts = told(&both);
         assert!(texts.len() == 1 && texts[0].starts_with("10 views see a surface"), "{texts:?}");
         assert!(texts[0].contains("rows 391 to 480 and columns 200 to 356"), "{texts:?}");
+    }
+
+    #[test]
+    fn a_region_across_the_seam_has_two_ranges_of_columns() {
+        let across = Region { cols: [380, 20], ..region(1, [10, 0], RegionKind::InFront) };
+        let told = text(&across, LengthUnit::Metre);
+        assert!(told.contains("rows 10 to 90, columns 380 to the last, and 0 to 20: "), "{told}");
     }
 
     #[test]
