@@ -3,6 +3,34 @@
 use super::command_line::reconstructed;
 use super::common::Folder;
 
+#[test]
+fn arguments_that_make_no_sense_end_with_2() {
+    let folder = Folder::simulated("objects.scene.toml");
+    folder.write("axis.csv", "x,y,z\n0,0,0\n0,0,1\n0,0.2,2\n");
+    for (arguments, reason) in [
+        ("--interval 0", "interval must be a positive length, got 0"),
+        ("--interval -1", "interval must be a positive length, got -1"),
+        ("--interval NaN", "--interval: \"NaN\" is not a length"),
+        ("--interval inf", "--interval: \"inf\" is not a length"),
+        ("--interval abc", "--interval: \"abc\" is not a length"),
+        ("--interval 1furlong", "unknown length unit \"furlong\""),
+        ("--offset x", "--offset: \"x\" is not a length"),
+        ("--normal 0,0,0", "normal (0, 0, 0) has no direction"),
+        ("--normal 1,2", "--normal 1,2: write three numbers"),
+        ("--normal nan,0,1", "has no direction"),
+        ("--guide axis.csv --guide-reach 0", "the reach must be a positive length, got 0"),
+        ("--method guess", "invalid value 'guess' for '--method"),
+        ("--threads many", "invalid value 'many' for '--threads"),
+        ("--unit furlong", "unknown length unit \"furlong\""),
+        ("--frobnicate", "unexpected argument '--frobnicate'"),
+    ] {
+        folder.reconstruct(&format!("scan {arguments}")).failed_with(2, &["error: ", reason]);
+        assert!(!folder.path("out").exists(), "{arguments} left results");
+    }
+    folder.run("frobnicate").failed_with(2, &["unrecognized subcommand 'frobnicate'"]);
+    folder.run("").failed_with(2, &["Usage"]);
+}
+
 /// The parser of options forgets that one option needs another where a third one excludes that.
 #[test]
 fn options_that_would_be_ignored_are_refused() {
