@@ -4,6 +4,10 @@
 //! The machined part is simulated once for each noise. Every pose is moved by normally distributed
 //! angles and places about the middle of the part, from a fixed seed. A place errs by the angle
 //! times half the part's size.
+//!
+//! `one_wrong.rs` turns one view alone.
+
+mod one_wrong;
 
 use super::lab::Lab;
 use super::trial;
@@ -68,7 +72,7 @@ pub fn run(arguments: &Arguments, lab: &Lab) -> Result<(), Failure> {
     say("Distances in mm from the true sections.");
     let figure = chart(&curves);
     lab.picture("poses", |file| figure.write(file))?;
-    Ok(())
+    one_wrong::table(lab)
 }
 
 /// The median errors by the pose errors, as given and refined.
