@@ -10,6 +10,7 @@ mod notes;
 mod printable;
 mod progress;
 mod table;
+mod threads;
 
 use clap::{Parser, Subcommand};
 use commands::{
@@ -75,6 +76,37 @@ enum Command {
     Manifest(manifest::Arguments),
 }
 
+impl Command {
+    /// Runs the command.
+    fn run(self) -> Result<(), Failure> {
+        threads::check(match &self {
+            Self::Reconstruct(a) => a.threads,
+            _ => 0,
+        })?;
+        match self {
+            Self::Reconstruct(a) => reconstruct::run(&a),
+            Self::Simulate(a) => simulate::run(&a),
+            Self::Evaluate(a) => evaluate::run(&a),
+            Self::Explain(a) => explain::run(&a),
+            Self::Grow(a) => grow::run(&a),
+            Self::Inspect(a) => inspect::run(&a),
+            Self::Register(a) => register::run(&a),
+            Self::ListViews(a) => list_views::run(&a),
+            Self::RemoveView(a) => remove_view::run(&a),
+            Self::ReplaceView(a) => replace_view::run(&a),
+            Self::Verify(a) => verify::run(&a),
+            Self::Compact(a) => compact::run(&a),
+            Self::Query(a) => query::run(&a),
+            Self::Gaps(a) => gaps::run(&a),
+            Self::Measure(a) => measure::run(&a),
+            Self::Export(a) => export::run(&a),
+            Self::Import(a) => import::run(&a),
+            Self::Align(a) => align::run(&a),
+            Self::Manifest(a) => manifest::run(&a),
+        }
+    }
+}
+
 fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
@@ -82,28 +114,7 @@ fn main() -> ExitCode {
         Err(text) => return code(text.exit_code(), text.print()),
     };
     arguments.output_unit.into_iter().for_each(table::set_output_unit);
-    let outcome = match arguments.command {
-        Command::Reconstruct(a) => reconstruct::run(&a),
-        Command::Simulate(a) => simulate::run(&a),
-        Command::Evaluate(a) => evaluate::run(&a),
-        Command::Explain(a) => explain::run(&a),
-        Command::Grow(a) => grow::run(&a),
-        Command::Inspect(a) => inspect::run(&a),
-        Command::Register(a) => register::run(&a),
-        Command::ListViews(a) => list_views::run(&a),
-        Command::RemoveView(a) => remove_view::run(&a),
-        Command::ReplaceView(a) => replace_view::run(&a),
-        Command::Verify(a) => verify::run(&a),
-        Command::Compact(a) => compact::run(&a),
-        Command::Query(a) => query::run(&a),
-        Command::Gaps(a) => gaps::run(&a),
-        Command::Measure(a) => measure::run(&a),
-        Command::Export(a) => export::run(&a),
-        Command::Import(a) => import::run(&a),
-        Command::Align(a) => align::run(&a),
-        Command::Manifest(a) => manifest::run(&a),
-    };
-    match outcome {
+    match arguments.command.run() {
         Ok(()) => code(0, table::written()),
         Err(failure) => failure.report(),
     }

@@ -65,7 +65,7 @@ pub struct Arguments {
     no_score: bool,
     /// Number of threads, at most 64 per core; 0 takes all cores. The results do not depend on it.
     #[arg(long, default_value_t = 0, value_name = "NUMBER", help_heading = "Running")]
-    threads: usize,
+    pub threads: usize,
     /// Show no progress.
     #[arg(long, help_heading = "Running")]
     quiet: bool,
@@ -88,27 +88,8 @@ struct StoreArguments {
 /// The scene that is simulated where no scan is given.
 const BUNDLED_SCENE: &str = "room";
 
-/// Most threads per core of the machine. No unit. Chosen by hand: threads beyond the cores only
-/// wait for each other, and tests of equal results on few cores need some of them. Doubled,
-/// 128 threads per core are started before any work. A run with 100 000 threads did not end.
-const THREADS_PER_CORE: usize = 64;
-
-/// Refuses more threads than the machine can use.
-fn check_threads(threads: usize) -> Result<(), Failure> {
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let most = THREADS_PER_CORE * cores;
-    if threads <= most {
-        return Ok(());
-    }
-    Err(Failure::Usage(format!(
-        "--threads {threads}: this machine has {cores} cores; expected at most {most} threads \
-         ({THREADS_PER_CORE} per core). Leave the option out, or pass 0, for one thread per core"
-    )))
-}
-
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    check_threads(arguments.threads)?;
     rayon::ThreadPoolBuilder::new()
         .num_threads(arguments.threads)
         .use_current_thread()

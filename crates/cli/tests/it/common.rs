@@ -79,7 +79,13 @@ impl Folder {
 
     /// Runs the command line with arguments that hold no white space.
     pub fn run(&self, line: &str) -> Run {
+        self.run_with(&[], line)
+    }
+
+    /// Runs the command line as [`Folder::run`] does, with these environment variables.
+    pub fn run_with(&self, variables: &[(&str, &str)], line: &str) -> Run {
         let mut command = Command::new(env!("CARGO_BIN_EXE_transect"));
+        command.envs(variables.iter().copied());
         let output =
             command.args(line.split_whitespace()).current_dir(self.0.path()).output().unwrap();
         Run {

@@ -63,6 +63,19 @@ fn more_threads_than_the_machine_can_use_are_refused() {
 }
 
 #[test]
+fn more_threads_in_the_environment_than_the_machine_can_use_are_refused() {
+    let folder = Folder::empty();
+    let variable = [("RAYON_NUM_THREADS", "100000")];
+    let texts = ["RAYON_NUM_THREADS=100000: this machine has", "64 per core", "Unset"];
+    for command in ["reconstruct nowhere", "inspect nowhere", "explain nowhere", "measure nowhere"]
+    {
+        folder.run_with(&variable, command).failed_with(2, &texts);
+    }
+    // The option counts where it is given.
+    folder.run_with(&variable, "reconstruct nowhere --threads 2").failed_with(1, &["nowhere"]);
+}
+
+#[test]
 fn a_camera_with_impossible_numbers_is_refused() {
     let folder = Folder::empty();
     for (numbers, found) in [
