@@ -58,6 +58,31 @@ pub(crate) struct Looked<T> {
     pub found: Vec<T>,
 }
 
+/// The numbers of the views that are looked at before a run: the first, the middle and the last
+/// one. The median of three survives a wrong view.
+pub(crate) fn looked_numbers(views: usize) -> Vec<usize> {
+    let last = views.saturating_sub(1);
+    let mut numbers = vec![0, last / 2, last];
+    numbers.dedup();
+    numbers
+}
+
+/// The facts of a view that the checks of a whole scan compare.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Look {
+    /// Median distance of neighbouring pixels within the limits.
+    spacing: Option<f64>,
+    /// Largest distance of a point from the sensor's origin.
+    reach: f64,
+}
+
+impl Look {
+    /// The facts of a view within the limits of the user, whose whole has a reach.
+    pub(crate) fn of(within: &View, reach: f64) -> Self {
+        Self { spacing: pixel_spacing(within).map(|[denser, _]| denser), reach }
+    }
+}
+
 /// A check of plausibility.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Check {
@@ -195,7 +220,8 @@ impl Plausibility {
         ))
     }
 
-    fn check_extent(&self, spacing: Option<[f64; 2]>) -> Result<(), WorkflowError> {
+    /// Checks the distance between neighbouring pixels, by itself and beside other views.
+    pub(crate) fn check_extent(&self, spacing: Option<[f64; 2]>) -> Result<(), WorkflowError> {
         let Some([spacing, _]) = spacing else { return Ok(()) };
         let (unit, limit) = (self.unit, FARTHEST_PIXELS / self.unit.in_metres());
         let cause = "Check the unit of the image (\"unit\", \"scale\"): millimetres that are \
@@ -218,38 +244,40 @@ impl Plausibility {
         ))
     }
 
-    /// Looks at a few views of a scan, with which every view is compared later. Checks that the
-    /// sensors are near enough to each other to see one surface. `of_view` is the caller's own
-    /// look at the points within the limits.
+    /// Looks at a few views of a scan, with which every view is compared later, and checks the scan
+    /// as a whole. `of_view` is the caller's own look at the points within the limits.
     pub(crate) fn look_at<T: Send>(
         &mut self,
         scan: &Scan,
         limits: &Limits,
         of_view: impl Fn(&View) -> T + Sync,
     ) -> Result<Looked<T>, WorkflowError> {
-        // The first, the middle and the last one: the median of three survives a wrong view.
-        let last = scan.views.len().saturating_sub(1);
-        let mut numbers = vec![0, last / 2, last];
-        numbers.dedup();
         // A view that cannot be loaded is reported later.
-        let seen: Vec<_> = numbers
+        let seen: Vec<_> = looked_numbers(scan.views.len())
             .par_iter()
             .filter_map(|&k| {
                 let read = scan.views.get(k)?.load().ok()?;
                 let is_small = read.0.image().size().pixels() <= KEPT_PIXELS;
                 let reach = reach(&read.0);
                 let within = limits.apply(read.0.clone()).ok()?;
-                let (spacing, found) = (pixel_spacing(&within), of_view(&within));
-                Some((spacing, reach, found, is_small.then_some((k, read))))
+                let (look, found) = (Look::of(&within, reach), of_view(&within));
+                Some((look, (found, is_small.then_some((k, read)))))
             })
             .collect();
-        let spacings: Vec<f64> = seen.iter().filter_map(|(s, ..)| Some((*s)?[0])).collect();
-        self.usual_spacing = if spacings.len() > 1 { median(spacings) } else { None };
-        let farthest = seen.iter().map(|(_, reach, ..)| *reach).fold(0.0, f64::max);
-        self.check_distances(scan, farthest)?;
-        let (found, kept): (_, Vec<_>) =
-            seen.into_iter().map(|(.., found, kept)| (found, kept)).unzip();
+        let (looks, seen): (Vec<Look>, Vec<_>) = seen.into_iter().unzip();
+        self.check_scan(scan, &looks)?;
+        let (found, kept): (_, Vec<_>) = seen.into_iter().unzip();
         Ok(Looked { kept: kept.into_iter().flatten().collect(), found })
+    }
+
+    /// Checks that the sensors of a scan are near enough to each other to see one surface. Takes
+    /// the pixel distance with which every view is compared later from the looks, those at the views
+    /// of [`looked_numbers`].
+    pub(crate) fn check_scan(&mut self, scan: &Scan, looks: &[Look]) -> Result<(), WorkflowError> {
+        let spacings: Vec<f64> = looks.iter().filter_map(|look| look.spacing).collect();
+        self.usual_spacing = if spacings.len() > 1 { median(spacings) } else { None };
+        let farthest = looks.iter().map(|look| look.reach).fold(0.0, f64::max);
+        self.check_distances(scan, farthest)
     }
 
     /// Checks that two sensors of a scan are within each other's reach; that of some views is

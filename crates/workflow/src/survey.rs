@@ -3,7 +3,8 @@
 //! Every view is loaded, measured and dropped, so that memory does not grow with the scan. What is
 //! kept of a view are a few thousand points.
 
-use crate::samples::{Sample, coarse_samples, pixel_spacing, samples};
+use crate::plausible::{Look, looked_numbers};
+use crate::samples::{Sample, coarse_samples, pixel_spacing, reach, samples};
 use crate::{OpenScan, Plausibility, WorkflowError};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -58,6 +59,8 @@ pub struct ViewSurvey {
     pub notes: Vec<Note>,
     /// Why a run would refuse the view; `None` where it is plausible, or was not checked.
     pub refusal: Option<String>,
+    /// What the checks of a whole scan compare; `None` where nothing was checked.
+    pub(crate) look: Option<Look>,
     /// Direction in the world that is up for the view.
     pub(crate) up: Vector3,
     /// Evenly thinned points and surface normals in the world.
@@ -100,20 +103,47 @@ impl OpenScan {
         surveyed
     }
 
+    /// Surveys all views, side by side, with every check of a run. The second value is the reason
+    /// for which a run would refuse the scan as a whole.
+    ///
+    /// # Errors
+    /// For each view that cannot be read, a [`WorkflowError`] in its place.
+    pub fn survey_all(&self) -> (Vec<Result<ViewSurvey, WorkflowError>>, Option<String>) {
+        let scan = self.scan();
+        let numbers: Vec<usize> = (0..scan.views.len()).collect();
+        let mut surveyed = self.survey(&numbers);
+        let mut checks = self.checks();
+        let looks = looked_numbers(numbers.len()).into_iter();
+        let looks = looks.filter_map(|k| surveyed.get(k)?.as_ref().ok()?.look.clone());
+        let whole = checks.check_scan(scan, &looks.collect::<Vec<_>>());
+        for view in surveyed.iter_mut().flatten().filter(|view| view.refusal.is_none()) {
+            view.refusal = checks.check_extent(view.spacing).err().map(|e| e.to_string());
+        }
+        (surveyed, whole.err().map(|e| e.to_string()))
+    }
+
+    /// The checks of a run that accepts nothing.
+    fn checks(&self) -> Plausibility {
+        let scan = self.scan();
+        let mut checks = Plausibility::without_planes(scan.unit, &[]);
+        checks.interval = scan.planes.as_ref().map_or(f64::INFINITY, |planes| planes.interval);
+        checks
+    }
+
     fn survey_view(&self, view: &ScanView) -> Result<ViewSurvey, WorkflowError> {
         let failed = |source| {
             let view = view.name().to_owned();
             WorkflowError::Reconstruct(ReconstructError::Load { view, source })
         };
         let (loaded, notes) = view.load().map_err(|e| failed(e.into()))?;
-        let scan = self.scan();
-        let mut checks = Plausibility::without_planes(scan.unit, &[]);
-        checks.interval = scan.planes.as_ref().map_or(f64::INFINITY, |planes| planes.interval);
+        let checks = self.checks();
         let whole = checks.check_valid_pixels(&loaded);
+        let reach = reach(&loaded);
         let loaded = self.limits.apply(loaded).map_err(|e| failed(e.into()))?;
         let checked = whole.and_then(|()| checks.check_view(&loaded));
         let refusal = checked.err().map(|error| error.to_string());
-        Ok(ViewSurvey { refusal, ..ViewSurvey::of(&loaded, notes) })
+        let look = Some(Look::of(&loaded, reach));
+        Ok(ViewSurvey { refusal, look, ..ViewSurvey::of(&loaded, notes) })
     }
 }
 
@@ -144,6 +174,7 @@ impl ViewSurvey {
             overlap: None,
             notes,
             refusal: None,
+            look: None,
             up: pose * up(view, sensor),
             step: median(coarse.iter().map(|s| s.spacings()[1])),
             surface: coarse.iter().filter_map(place).collect(),

@@ -28,17 +28,18 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         return inspect_model::run(&arguments.scan);
     }
     let scan = arguments.open.open(&arguments.scan)?;
-    let numbers: Vec<usize> = (0..scan.scan().views.len()).collect();
+    let (surveyed, refusal) = scan.survey_all();
     let (mut views, mut failures) = (Vec::new(), Vec::new());
-    for (number, surveyed) in numbers.iter().zip(scan.survey(&numbers)) {
+    for (number, surveyed) in surveyed.into_iter().enumerate() {
         match surveyed {
-            Ok(view) => views.push((*number, view)),
+            Ok(view) => views.push((number, view)),
             Err(error) => failures.push(with_causes(&error)),
         }
     }
     let told: Vec<Note> = views.iter().flat_map(|(_, view)| view.notes.clone()).collect();
     notes::tell(&told);
-    notes::warn(refusals(&views).as_slice());
+    let whole = refusal.map(|reason| format!("reconstruct stops: {reason}"));
+    notes::warn(&whole.into_iter().chain(refusals(&views)).collect::<Vec<_>>());
     print(&scan_rows(&scan, &views));
     if failures.is_empty()
         && let Some(poses) = scan.judge(&Unwatched)?

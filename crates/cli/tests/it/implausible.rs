@@ -55,15 +55,20 @@ fn implausible_scans_are_stopped_before_the_work_and_can_be_accepted() {
         let first = check.split(' ').next().unwrap();
         refused(&folder, "scan.json", &[&format!("pass --accept {first}")]);
         refused(&folder, "scan.json", texts);
-        // `inspect` looks at each view by itself.
-        let inspected = folder.run("inspect scan.json").succeeded();
-        let told = inspected.stderr.contains(&format!("pass --accept {first}"));
-        assert_eq!(told, first != "distance", "{}", inspected.stderr);
+        inspection_warns(&folder, "scan.json", texts);
+        inspection_warns(&folder, "scan.json", &[&format!("pass --accept {first}")]);
         let accepted = folder.reconstruct(&format!("scan.json --accept {check}"));
         assert!(!accepted.stderr.contains("--accept"), "{check}: {}", accepted.stderr);
     }
     let unknown = scan_of(&manifest()).reconstruct("scan.json --accept everything");
     unknown.failed_with(2, &["--accept", "valid-pixels"]);
+}
+
+/// `inspect` warns of what `reconstruct` refuses.
+fn inspection_warns(folder: &Folder, scan: &str, texts: &[&str]) {
+    let inspected = folder.run(&format!("inspect {scan}")).succeeded();
+    let warnings = inspected.told("warning: reconstruct stops").join("\n");
+    assert!(texts.iter().all(|text| warnings.contains(text)), "{texts:?}: {}", inspected.stderr);
 }
 
 #[test]
@@ -182,6 +187,7 @@ fn exchanged_rows_and_columns_are_told() {
         for kind in ["ptx", "pcd"] {
             let texts = ["rows and columns", "30 rows and 50 columns", "pass --accept order"];
             refused(&folder, &format!("{name}_wrong.{kind}"), &texts);
+            inspection_warns(&folder, &format!("{name}_wrong.{kind}"), &texts);
         }
     }
     for (name, kind) in scans.iter().flat_map(|(name, _)| ["ptx", "pcd"].map(|kind| (name, kind))) {
@@ -254,6 +260,7 @@ fn a_view_of_another_scale_is_named() {
     }
     let texts = ["view small.png", "differ by a factor of 1000", "pass --accept extent"];
     refused(&folder, "scan.json", &texts);
+    inspection_warns(&folder, "scan.json", &texts);
     let accepted = folder.reconstruct("scan.json --accept extent");
     assert!(!accepted.stderr.contains("--accept"), "{}", accepted.stderr);
 }

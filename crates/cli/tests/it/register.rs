@@ -197,7 +197,8 @@ fn images_in_another_unit_than_the_poses_are_told() {
     let advice = "correct the images: multiply their \"scale\" in scan.json, or --depth-scale, by \
                   1000; without a scale, state 1000. Or state \"unit\": \"m\" and pass \
                   --pose-convention millimetres";
-    assert!(wrong.len() == 1 && wrong[0].ends_with(advice), "{wrong:?}");
+    assert!(wrong.len() == 2 && wrong[1].ends_with(advice), "{wrong:?}");
+    assert!(wrong[0].contains("reconstruct stops: the two nearest"), "{wrong:?}");
 }
 
 #[test]
