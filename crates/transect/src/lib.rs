@@ -83,6 +83,7 @@ pub use poses::PoseReport;
 pub use refine::{DifferenceReason, RefinedGap, RefinementReport};
 pub use refinement::{Refinement, RefinementError};
 pub use report::{FusionReport, Report, Timings, ViewReport};
+pub use seen_through::{Seen, Witness, without_seen_through};
 pub use settings::SettingsError;
 pub use setup::Setup;
 pub use source::{LoadedView, Posed, SourceError, ViewSource};

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use transect_device::{Isometry3, Note, View};
 use transect_geometry::{Curve, Guide, PlaneFamily, PlaneIndex};
 use transect_partial::{PartialCounts, partial_model};
-use transect_register::{CoarseView, FreeSpace};
+use transect_register::CoarseView;
 
 /// The curves of a view and its part of the report. The view itself is dropped.
 pub(crate) struct ModelledView<C = PackedCurves> {
@@ -112,8 +112,7 @@ pub(crate) fn model_views<S: ViewSource>(
         let modelled = TimedView::load(source).and_then(|timed| {
             let view = &timed.loaded.view;
             let copy = wanted.copies.then(|| CoarseView::quick(view));
-            let free = wanted.free_space.then(|| FreeSpace::of(view)).flatten();
-            let witness = free.map(|free| Witness::new(view.world_from_sensor(), free));
+            let witness = wanted.free_space.then(|| Witness::of(view)).flatten();
             Ok((timed.model(source.name(), setup)?.packed(), copy, witness))
         });
         watch.step(Stage::Views);

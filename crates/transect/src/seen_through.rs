@@ -10,7 +10,7 @@
 //! Views without a curve on the plane have no vote. So a plane depends on the views that have
 //! curves on it alone, and a model store fuses those planes of a new view that it has curves on.
 
-use transect_device::Isometry3;
+use transect_device::{Isometry3, View};
 use transect_geometry::{Curve, EndReason, Node, PlaneFrame};
 use transect_register::FreeSpace;
 
@@ -25,27 +25,36 @@ const STRIDE: usize = 4;
 
 /// A view that can tell of free space.
 #[derive(Debug, Clone)]
-pub(crate) struct Witness {
+pub struct Witness {
     sensor_from_world: Isometry3,
     free: FreeSpace,
 }
 
 impl Witness {
+    /// What a view looked through; `None` if it cannot tell.
+    pub fn of(view: &View) -> Option<Self> {
+        Some(Self::new(view.world_from_sensor(), FreeSpace::of(view)?))
+    }
+
     /// What a view at this pose looked through.
-    pub fn new(world_from_sensor: &Isometry3, free: FreeSpace) -> Self {
+    pub(crate) fn new(world_from_sensor: &Isometry3, free: FreeSpace) -> Self {
         Self { sensor_from_world: world_from_sensor.inverse(), free }
     }
 }
 
 /// The curves of a plane, and the nodes that were left out of them.
-pub(crate) struct Seen {
+#[derive(Debug, Clone, PartialEq)]
+pub struct Seen {
+    /// The curves that are left.
     pub curves: Vec<Curve>,
+    /// The number of nodes that were left out.
     pub left_out: usize,
 }
 
 /// Leaves out what more views looked through than measured. `witnesses` are the views that have
-/// curves on the plane.
-pub(crate) fn without_seen_through(
+/// curves on the plane. A run does this where [`Setup::free_space`](crate::Setup::free_space) is
+/// set.
+pub fn without_seen_through(
     curves: Vec<Curve>,
     frame: &PlaneFrame,
     witnesses: &[&Witness],

@@ -1,6 +1,7 @@
 //! The figures of `explain` and `grow`.
 
-use super::common::{Folder, Run};
+use super::common::{Folder, Run, fixture};
+use serde_json::Value;
 use std::collections::BTreeSet;
 
 /// The figures of a page, in the order in which it shows them; each must be a whole SVG file with
@@ -91,6 +92,35 @@ fn a_plane_grows_by_cases_and_patterns() {
     assert!(folder.text("a/01-image-000.svg").contains("Range image of view"));
     let first = folder.text("a/02-view-000.svg");
     assert!(first.contains("Case 1") && first.contains("Gaps left: "), "{first}");
+}
+
+/// A person stands in the room while the first scanner measures; the others look through him.
+#[test]
+fn the_last_figure_shows_the_curves_of_the_model() {
+    let folder = Folder::empty();
+    let room = std::fs::read_to_string(fixture("room.scene.toml")).unwrap();
+    let person = "\n[[solid]]\nshape = \"cylinder\"\nradius = 0.22\nheight = 1.7\n\
+                  at = [1.5, 1.1, 0.85]\nstations = [0]\n";
+    let room = room.replace("interval = 0.05", "interval = 0.4") + person;
+    folder.write("visited.scene.toml", room);
+    folder.run("simulate visited.scene.toml --out scan").succeeded();
+    for (command, fusion, step) in [
+        ("explain", "consensus", "12-seen-through.svg"),
+        ("explain", "pairwise", "12-seen-through.svg"),
+        ("grow", "pairwise", "10-seen-through.svg"),
+    ] {
+        folder.reconstruct(&format!("scan --fusion {fusion} --no-score")).succeeded();
+        let model = folder.json("out/contours.json");
+        let plane = |plane: &&Value| plane["index"] == 1;
+        let plane = model["planes"].as_array().unwrap().iter().find(plane).unwrap().clone();
+        let curves = plane["polylines"].as_array().unwrap().len() as f64;
+        let line = format!("{command} scan --plane 1 --fusion {fusion} --out {command}-{fusion}");
+        let run = folder.run(&line).succeeded();
+        assert_eq!(run.number("curves of the plane"), curves, "{}", run.stdout);
+        assert!(run.number("nodes seen through, left out") > 20.0, "{}", run.stdout);
+        let shown = figures(&folder, &format!("{command}-{fusion}"));
+        assert_eq!(shown.last().unwrap(), step);
+    }
 }
 
 #[test]

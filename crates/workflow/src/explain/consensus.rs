@@ -8,7 +8,7 @@ use super::plane_map::{PlaneMap, SIZE, envelope_of, is_outside};
 use transect_exchange::svg::{Figure, Mark};
 use transect_fusion::consensus::{ConsensusSteps, consensus_steps};
 use transect_fusion::{ConsensusOptions, FusedPlane};
-use transect_geometry::{Point2, Vector2};
+use transect_geometry::{Curve, Point2, Vector2};
 
 /// Footprints that the close-up shows. Chosen by hand: single nodes can be told apart. Doubled,
 /// they are half as far apart in the figure.
@@ -18,16 +18,19 @@ const CLOSE_UP_FOOTPRINTS: f64 = 14.0;
 /// shows, and bends keep their look. Doubled, smooth curves look rough.
 const MOST_STRETCH: f64 = 12.0;
 
-/// Draws observations, groups, nodes, chains and curves.
-pub(super) fn draw(of_views: &PlaneOfViews<'_>, options: &ConsensusOptions, pages: &mut Builder) {
+/// Draws observations, groups, nodes, chains and curves. Returns the fused curves.
+pub(super) fn draw(
+    of_views: &PlaneOfViews<'_>,
+    options: &ConsensusOptions,
+    pages: &mut Builder,
+) -> Vec<Curve> {
     let (fused, steps) = consensus_steps(&of_views.views(), options);
     pages.count("observations", steps.observations.len());
     pages.count("nodes", steps.nodes.len());
     pages.count("chains", steps.chains.len());
-    pages.count("curves of the plane", fused.curves.len());
     let all = of_views.curves.iter().flatten();
     let (Some(around), Some(near)) = (envelope_of(all), close_up(of_views, &steps, &fused)) else {
-        return;
+        return fused.curves;
     };
     let map = PlaneMap::fit(&around, of_views.setup.unit);
     observations(of_views, &steps, (&map, &near), pages);
@@ -39,9 +42,10 @@ pub(super) fn draw(of_views: &PlaneOfViews<'_>, options: &ConsensusOptions, page
          is on the left.",
         fused.curves.len()
     );
-    pages.step("fused", ("Curves of the plane", &caption), SIZE, |figure| {
+    pages.step("fused", ("Fused curves", &caption), SIZE, |figure| {
         curves_apart(figure, &map, &fused.curves);
     });
+    fused.curves
 }
 
 /// The map around the node that most views measured.

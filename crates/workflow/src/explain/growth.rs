@@ -6,6 +6,7 @@ use super::page::Builder;
 use super::pairwise::{count_growth, name_of};
 use super::palette;
 use super::plane_map::{PlaneMap, SIZE, envelope_of};
+use super::seen_through;
 use crate::WorkflowError;
 use transect::Setup;
 use transect_device::View;
@@ -27,6 +28,13 @@ struct State {
     changed: Vec<Curve>,
     same: Vec<Curve>,
     counts: GrowthCounts,
+}
+
+impl State {
+    /// All curves.
+    fn curves(&self) -> Vec<Curve> {
+        self.same.iter().chain(&self.changed).cloned().collect()
+    }
 }
 
 /// The options of `pairwise`, which alone has a plane after every view.
@@ -73,15 +81,10 @@ pub(super) fn draw(
             legend(&map, figure);
         });
     }
-    let (gaps, open) = gaps(last);
-    pages.count("curves of the plane", last.changed.len() + last.same.len());
-    pages.count("gaps left", gaps.len());
-    let longest = format!("{} {}", crate::table::digits(open), of_views.setup.unit);
-    pages.count("longest gap", longest);
     let caption = format!(
         "All {} views in turn, {SECONDS} seconds each, again and again. {} gaps are left.",
         states.len(),
-        gaps.len()
+        gaps(&last.curves()).0.len()
     );
     pages.step("growth", ("The plane grows", &caption), SIZE, |figure| {
         let of = SECONDS * states.len() as f64;
@@ -96,6 +99,12 @@ pub(super) fn draw(
         }
         legend(&map, figure);
     });
+    let curves = seen_through::draw(of_views, last.curves(), pages);
+    let (gaps, open) = gaps(&curves);
+    pages.count("curves of the plane", curves.len());
+    pages.count("gaps left", gaps.len());
+    let longest = format!("{} {}", crate::table::digits(open), of_views.setup.unit);
+    pages.count("longest gap", longest);
     Ok(())
 }
 
@@ -153,14 +162,13 @@ fn caption(state: &State, before: &GrowthCounts) -> String {
     if !found.is_empty() {
         text.push_str(&format!(" {}.", found.join(", ")));
     }
-    text.push_str(&format!(" Gaps left: {}.", gaps(state).0.len()));
+    text.push_str(&format!(" Gaps left: {}.", gaps(&state.curves()).0.len()));
     text
 }
 
-/// The gaps of a state, each with its ends, and the length of the longest.
-fn gaps(state: &State) -> (Vec<[transect_geometry::Point2; 2]>, f64) {
-    let curves: Vec<Curve> = state.same.iter().chain(&state.changed).cloned().collect();
-    let gaps = Section::new(curves).map(|section| section.gaps()).unwrap_or_default();
+/// The gaps between curves, each with its ends, and the length of the longest.
+fn gaps(curves: &[Curve]) -> (Vec<[transect_geometry::Point2; 2]>, f64) {
+    let gaps = Section::new(curves.to_vec()).map(|section| section.gaps()).unwrap_or_default();
     let longest = gaps.iter().map(|gap| gap.width()).fold(0.0, f64::max);
     (gaps.iter().map(|gap| gap.ends).collect(), longest)
 }
@@ -168,7 +176,7 @@ fn gaps(state: &State) -> (Vec<[transect_geometry::Point2; 2]>, f64) {
 fn plane(figure: &mut Figure, map: &PlaneMap, state: &State) {
     map.inside(figure, |figure| {
         let dashes = "stroke-width=\"2\" stroke-dasharray=\"3 4\"";
-        for ends in gaps(state).0 {
+        for ends in gaps(&state.curves()).0 {
             map.line(figure, &ends, false, &format!("stroke=\"{}\" {dashes}", palette::REFUSED));
         }
         for curve in &state.same {

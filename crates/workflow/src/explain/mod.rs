@@ -14,6 +14,7 @@ mod pairwise;
 mod palette;
 mod plane_map;
 mod rules;
+mod seen_through;
 
 pub use page::{Explanation, Step};
 pub use rules::rule_figures;
@@ -24,7 +25,7 @@ use crate::{OpenScan, Settings, WorkflowError};
 use page::Builder;
 use rayon::prelude::*;
 use std::ops::RangeInclusive;
-use transect::{Setup, ViewSource};
+use transect::{Setup, ViewSource, Witness};
 use transect_device::View;
 use transect_exchange::svg::Figure;
 use transect_fusion::{FusionMethod, PairwiseOptions};
@@ -52,6 +53,9 @@ struct PlaneOfViews<'a> {
     names: Vec<String>,
     /// The curves of each view.
     curves: Vec<Vec<Curve>>,
+    /// The free space of each view; `None` if it cannot tell, or if the model keeps what views
+    /// looked through.
+    witnesses: Vec<Option<Witness>>,
 }
 
 impl OpenScan {
@@ -98,12 +102,14 @@ impl OpenScan {
             }
         }
         let of_views = PlaneOfViews::collect(&views, &setup, plane)?;
-        match &setup.fusion {
+        let fused = match &setup.fusion {
             FusionMethod::Pairwise(options) => {
-                pairwise::draw(&of_views, number, options, &mut pages);
+                pairwise::draw(&of_views, number, options, &mut pages)
             }
             FusionMethod::Consensus(options) => consensus::draw(&of_views, options, &mut pages),
-        }
+        };
+        let curves = seen_through::draw(&of_views, fused, &mut pages);
+        pages.count("curves of the plane", curves.len());
         Ok(pages.finish())
     }
 
@@ -150,11 +156,16 @@ impl<'a> PlaneOfViews<'a> {
         setup: &'a Setup,
         plane: PlaneIndex,
     ) -> Result<Self, WorkflowError> {
-        let curves =
-            |view: &FileView<'_>| curves_on(&load(view)?, setup, plane).map_err(failed(view));
-        let curves: Vec<Result<_, WorkflowError>> = views.par_iter().map(curves).collect();
+        let model = |view: &FileView<'_>| {
+            let loaded = load(view)?;
+            let witness = setup.free_space.then(|| Witness::of(&loaded)).flatten();
+            Ok((curves_on(&loaded, setup, plane).map_err(failed(view))?, witness))
+        };
+        let modelled: Vec<Result<_, WorkflowError>> = views.par_iter().map(model).collect();
+        let modelled = modelled.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let (curves, witnesses) = modelled.into_iter().unzip();
         let names = views.iter().map(|view| view.name().to_owned()).collect();
-        Ok(Self { setup, plane, names, curves: curves.into_iter().collect::<Result<_, _>>()? })
+        Ok(Self { setup, plane, names, curves, witnesses })
     }
 
     /// The curves in the form that fusion takes.

@@ -33,15 +33,28 @@ struct Pair {
     steps: MergeSteps,
 }
 
-/// Draws the merge of one curve of a view, or of the nearest later view that has one.
+/// Draws the merge of one curve of a view, or of the nearest later view that has one. Returns the
+/// fused curves.
 pub(super) fn draw(
     of_views: &PlaneOfViews<'_>,
     view: usize,
     options: &PairwiseOptions,
     pages: &mut Builder,
-) {
+) -> Vec<Curve> {
     let (pairs, fused) = merged_pairs(of_views, options);
     count_growth(&fused, pages);
+    draw_pair(of_views, view, &pairs, &fused, pages);
+    fused.curves
+}
+
+/// Draws the merge of the pair that tells most, and the plane after all views.
+fn draw_pair(
+    of_views: &PlaneOfViews<'_>,
+    view: usize,
+    pairs: &[Pair],
+    fused: &FusedPlane,
+    pages: &mut Builder,
+) {
     // The view itself, else the first one after it, else any; of its pairs the longest.
     let views = of_views.names.len();
     let by_view = |p: &&Pair| (p.view + views * usize::from(p.view < view)).abs_diff(view);
@@ -65,7 +78,7 @@ pub(super) fn draw(
     verification(&close_up, of_views.setup.unit, pages);
     averaging(&close_up, pages);
     merged(of_views, pair, pages);
-    result(of_views, &fused, pages);
+    result(of_views, fused, pages);
 }
 
 /// Every pair of a view's curve and a global one that would merge when the view arrives.
@@ -419,7 +432,7 @@ fn result(of_views: &PlaneOfViews<'_>, fused: &FusedPlane, pages: &mut Builder) 
     let Some(around) = envelope_of(&fused.curves) else { return };
     let map = PlaneMap::fit(&around, of_views.setup.unit);
     let caption = format!(
-        "The global model of this plane after {} views: {} curves.",
+        "The fused curves of this plane after {} views: {} curves.",
         of_views.names.len(),
         fused.curves.len()
     );
