@@ -6,7 +6,9 @@ use crate::table::Row;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use transect::evaluate::{Accuracy, EvaluateOptions, Extent, duplication, evaluate, evaluate_seen};
+use transect::evaluate::{
+    Accuracy, EvaluateOptions, Extent, ExtentError, duplication, evaluate, evaluate_seen,
+};
 use transect_device::View;
 use transect_exchange::{Scan, TRUTH_FILE, TriangleMesh, read_mesh, read_truth};
 use transect_geometry::{Curve, PlaneIndex, Point2};
@@ -18,6 +20,16 @@ use transect_scene::{
 /// Tolerance where none is given, as a share of the plane interval. Chosen by hand.
 /// Doubled, curves twice as far off count as right.
 const TOLERANCE_SHARE: f64 = 0.2;
+
+/// Share of a model's length that is right by the mesh of its object, at least. Chosen by hand:
+/// models of depth cameras reach 0.8 within the usual tolerance. Doubled, no mesh in another unit
+/// is found.
+const GOOD: f64 = 0.5;
+
+/// How many times more of a model is right in the mesh's true unit, at least. Chosen by hand: a
+/// wrong unit leaves the few places where both surfaces cross. Doubled, noisy models with half
+/// of their length right must have less than a twelfth right in the wrong unit.
+const FAR_BETTER: f64 = 3.0;
 
 /// The part of a model that is scored, and the distance that counts as right.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -89,7 +101,13 @@ pub fn score(
             if let (true, Some((ours, theirs))) = (truth.is_empty(), extents) {
                 return Err(WorkflowError::file(path, ours.uncut(&theirs)));
             }
-            evaluate(model.planes(), &curves(model), &truth, &limits.options(model)?)?
+            let options = limits.options(model)?;
+            let accuracy = evaluate(model.planes(), &curves(model), &truth, &options)?;
+            if let (true, Some(extents)) = (right(&accuracy) < GOOD, extents) {
+                let found = other_unit(&mesh, model, extents, (right(&accuracy), &options))?;
+                found.map_or(Ok(()), |e| Err(WorkflowError::file(path, e)))?;
+            }
+            accuracy
         }
         Reference::Simulated { truth, scan } => {
             simulated_accuracy(model, &solid(read_truth(truth)?), views(scan)?, limits)?
@@ -98,6 +116,33 @@ pub fn score(
     let agreement = accuracy.agreement_rows(unit);
     let counts = accuracy.rows(unit).split_off(agreement.len());
     Ok(Score { agreement, counts })
+}
+
+/// The share of a model's length that is right.
+fn right(accuracy: &Accuracy) -> f64 {
+    1.0 - accuracy.off.unwrap_or(1.0)
+}
+
+/// Why a mesh is the reference of a model in another unit; `None` if it is not. `right_now` is the
+/// share of the model that is right by the mesh as it is.
+fn other_unit(
+    mesh: &Mesh,
+    model: &Model,
+    (ours, theirs): (Extent, Extent),
+    (right_now, options): (f64, &EvaluateOptions),
+) -> Result<Option<ExtentError>, WorkflowError> {
+    let of_model = curves(model);
+    let (mut best, mut found) = (f64::max(GOOD, FAR_BETTER * right_now), None);
+    for factor in ours.unit_factors(&theirs) {
+        let vertices = mesh.vertices.iter().map(|p| (p.coords * factor).into()).collect();
+        let scaled = Mesh { vertices, faces: mesh.faces.clone() };
+        let truth = cut(&scaled, model)?;
+        let share = right(&evaluate(model.planes(), &of_model, &truth, options)?);
+        if share >= best {
+            (best, found) = (share, Some(ours.in_other_unit(&theirs, factor)));
+        }
+    }
+    Ok(found)
 }
 
 /// Scores a model against the part of a simulated scene's surface that the views could see.

@@ -1,6 +1,7 @@
 //! `transect evaluate`: what is scored, and against what.
 
 use super::command_line::reconstructed;
+use super::common::Folder;
 
 #[test]
 fn evaluation_finds_the_truth_that_simulation_left() {
@@ -64,6 +65,42 @@ fn a_reference_that_no_plane_cuts_is_refused() {
     folder.write("small.obj", format!("{corners}f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"));
     let refused = ["small.obj: the reference spans", "no plane of the model cuts", "unit"];
     folder.run("evaluate out --reference small.obj").failed_with(1, &refused);
+}
+
+/// Planes of a model around the origin cut a mesh in every unit.
+#[test]
+fn a_reference_in_another_unit_that_planes_cut_is_refused() {
+    let folder = Folder::empty();
+    let station = |name: &str, at: [f64; 3]| {
+        format!(
+            "[[station]]\nname = \"{name}\"\nsensor = \"pinhole\"\nrows = 90\ncols = 120\n\
+             field_of_view = 40\nat = {at:?}\nlook_at = [0, 0, 0]\n"
+        )
+    };
+    let scene = "name = \"cube\"\nunit = \"m\"\n[planes]\nnormal = [0, 0, 1]\noffset = 0.013\n\
+                 interval = 0.1\n[noise]\nsigma = 0.001\nseed = 7\n[[solid]]\nshape = \"box\"\n\
+                 size = [1, 1, 1]\nat = [0, 0, 0]\n";
+    let stations = station("east", [3.0, 0.4, 0.2]) + &station("north", [0.4, 3.0, 0.2]);
+    folder.write("cube.scene.toml", format!("{scene}{stations}"));
+    folder.run("simulate cube.scene.toml --out scan").succeeded();
+    folder.reconstruct("scan").succeeded();
+    for (unit, metres) in [("ft", 0.3048), ("in", 0.0254), ("m", 1.0)] {
+        let half = 0.5 / metres;
+        let corner = |k: usize| {
+            let side = |bit: usize| if k >> bit & 1 == 1 { half } else { -half };
+            format!("v {} {} {}\n", side(0), side(1), side(2))
+        };
+        let corners: String = (0..8).map(corner).collect();
+        let faces = "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+        folder.write(&format!("{unit}.obj"), format!("{corners}{faces}"));
+        let run = folder.run(&format!("evaluate out --reference {unit}.obj"));
+        if unit == "m" {
+            assert!(run.succeeded().number("length off the truth") < 5.0);
+        } else {
+            let texts = [&*format!("multiplied by {metres}. Convert"), "the reference spans"];
+            run.failed_with(1, &texts);
+        }
+    }
 }
 
 #[test]

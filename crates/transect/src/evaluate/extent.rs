@@ -4,15 +4,21 @@
 //! or none. The boxes around model and mesh are therefore compared before anything is cut.
 
 use std::fmt;
-use transect_geometry::Point3;
+use transect_geometry::{LengthUnit, Point3};
 
-/// The ratios of the length units in use, to one another.
-const UNIT_RATIOS: [f64; 8] = [10.0, 12.0, 25.4, 30.48, 100.0, 304.8, 1000.0, 1e6];
+/// Least ratio of two units that boxes alone tell. Chosen by hand: a scan of one room in the middle
+/// of a flat has a box that is a third of the flat's. Doubled, centimetres and millimetres are told
+/// by scores alone.
+const TOLD_BY_BOXES: f64 = 10.0;
 
 /// Largest distance of corresponding corners of two boxes that count as the same, as a share of
 /// the diagonal. Chosen by hand: scans lack some side of an object, units differ by 10 at least.
 /// Doubled, references that are larger than the scan may pass for another unit.
 const SAME_BOX: f64 = 0.25;
+
+/// Diagonal of a reference beside that of a model, at most, where other units are tried. Chosen by
+/// hand: a scan of one room of a house. Doubled, cutting a wrong reference takes twice the time.
+const MOST_LARGER: f64 = 10.0;
 
 /// The box around points, along the world's axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,7 +88,7 @@ impl Extent {
             let far = corners.map(|(r, m)| (r.coords * factor - m.coords).norm());
             f64::max(far[0], far[1])
         };
-        let factors = UNIT_RATIOS.into_iter().flat_map(|ratio| [ratio, 1.0 / ratio]);
+        let factors = unit_ratios().filter(|f| f.max(1.0 / f) >= TOLD_BY_BOXES);
         let best = factors.min_by(|a, b| miss(*a).total_cmp(&miss(*b))).unwrap_or(1.0);
         let same = SAME_BOX * (model.max - model.min).norm();
         if miss(best) <= same && miss(best) < miss(1.0) {
@@ -95,10 +101,38 @@ impl Extent {
         if apart { Err(ExtentError::Apart { reference, model }) } else { Ok(()) }
     }
 
+    /// Factors between units that bring a reference around this model, so that its surface can be
+    /// compared with the model's. The smallest factor comes first.
+    pub fn unit_factors(&self, reference: &Self) -> Vec<f64> {
+        let margin = SAME_BOX * (self.max - self.min).norm();
+        let fits = |factor: &f64| {
+            let [min, max] = [reference.min, reference.max].map(|p| p.coords * *factor);
+            let holds = (0..3).all(|axis| {
+                min[axis] <= self.min[axis] + margin && max[axis] >= self.max[axis] - margin
+            });
+            holds && (max - min).norm() <= MOST_LARGER * (self.max - self.min).norm()
+        };
+        let mut factors: Vec<f64> = unit_ratios().filter(fits).collect();
+        factors.sort_by(f64::total_cmp);
+        factors.dedup_by(|a, b| (*a / *b - 1.0).abs() < 1e-9);
+        factors
+    }
+
+    /// The error of a reference that fits this model if it is multiplied by a factor.
+    pub fn in_other_unit(&self, reference: &Self, factor: f64) -> ExtentError {
+        ExtentError::OtherUnit { reference: *reference, model: *self, factor }
+    }
+
     /// The error of a reference that no plane of this model cuts.
     pub fn uncut(&self, reference: &Self) -> ExtentError {
         ExtentError::Uncut { reference: *reference, model: *self }
     }
+}
+
+/// The ratios of all length units to one another. Some occur several times.
+fn unit_ratios() -> impl Iterator<Item = f64> {
+    let pairs = LengthUnit::ALL.into_iter().flat_map(|a| LengthUnit::ALL.map(|b| (a, b)));
+    pairs.filter(|(a, b)| a != b).map(|(a, b)| a.in_metres() / b.in_metres())
 }
 
 impl fmt::Display for Extent {
@@ -122,7 +156,7 @@ mod tests {
     #[test]
     fn a_reference_in_another_unit_is_named_with_its_factor() {
         let model = extent([-0.094, 0.04, -0.06], [0.06, 0.18, 0.058]);
-        for ratio in [25.4, 100.0, 304.8, 1000.0, 1.0 / 25.4, 0.001] {
+        for ratio in [25.4, 1.0 / 0.0254, 100.0, 304.8, 1000.0, 1.0 / 25.4, 0.001] {
             let whole = [[-0.095, 0.033, -0.062], [0.061, 0.187, 0.059]];
             let [min, max] = whole.map(|corner| corner.map(|c| c * ratio));
             let error = model.check(&extent(min, max), 0.001).unwrap_err();
@@ -134,6 +168,16 @@ mod tests {
             model.check(&extent([-0.095, 0.033, -0.062], [0.061, 0.187, 0.059]), 0.0),
             Ok(())
         );
+    }
+
+    #[test]
+    fn factors_that_bring_a_reference_around_the_model_are_those_of_units() {
+        let model = extent([-0.5, 0.2, -0.5], [0.5, 0.5, 0.5]);
+        let feet = extent([-1.64; 3], [1.64; 3]);
+        let factors = model.unit_factors(&feet);
+        let has = |ratio: f64| factors.iter().any(|f| (f / ratio - 1.0).abs() < 1e-9);
+        assert!(has(0.3048) && has(0.01 / 0.0254) && has(2.54), "{factors:?}");
+        assert!(!has(1000.0) && !has(0.01) && !has(1.0), "{factors:?}");
     }
 
     /// A detail of a building is ten times smaller, in the same unit.
