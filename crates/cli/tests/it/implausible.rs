@@ -184,10 +184,18 @@ fn exchanged_rows_and_columns_are_told() {
             );
             folder.write(&format!("{name}_{order}.pcd"), pcd);
         }
-        for kind in ["ptx", "pcd"] {
-            let texts = ["rows and columns", "30 rows and 50 columns", "pass --accept order"];
-            refused(&folder, &format!("{name}_wrong.{kind}"), &texts);
-            inspection_warns(&folder, &format!("{name}_wrong.{kind}"), &texts);
+        let texts = ["rows and columns", "30 rows and 50 columns", "pass --accept order"];
+        refused(&folder, &format!("{name}_wrong.pcd"), &texts);
+        inspection_warns(&folder, &format!("{name}_wrong.pcd"), &texts);
+        // Every column of the grid holds two columns of the scanner.
+        let right = std::fs::read_to_string(folder.path(&format!("{name}_right.ptx"))).unwrap();
+        folder.write(&format!("{name}_double.ptx"), right.replacen("50\n30\n", "25\n60\n", 1));
+        for (wrong, stated) in
+            [("wrong", "30 columns and 50 rows"), ("double", "25 columns and 60 rows")]
+        {
+            let expected = "line 1: view 0 (scan 0): the lines state";
+            let texts = [expected, stated, "expected 50 columns and 30 rows", "the next one"];
+            refused(&folder, &format!("{name}_{wrong}.ptx"), &texts);
         }
     }
     for (name, kind) in scans.iter().flat_map(|(name, _)| ["ptx", "pcd"].map(|kind| (name, kind))) {

@@ -15,6 +15,7 @@
 //! each scan. A view reads its own lines. The format has no unit; its numbers are metres by
 //! convention.
 
+mod counts;
 mod header;
 mod lines;
 
@@ -50,7 +51,7 @@ pub(crate) fn open(path: &Path, options: &OpenOptions) -> Result<Scan, ReadError
         let about = format!("{}{at}", path.display());
         notes.extend(header.notes.iter().map(|text| Note::about(&about, text)));
         let pose = header.world_from_sensor;
-        let view = PtxView { path: path.to_owned(), at, header, start };
+        let view = PtxView { path: path.to_owned(), at, line, header, start };
         views.push(ScanView::new(name(number), path.to_owned(), pose, Arc::new(view)));
     }
     settle(path, &views, &left_out, &mut notes)?;
@@ -110,6 +111,8 @@ fn skip_points(lines: &mut Lines, header: &Header, line: usize) -> Result<(), Re
 struct PtxView {
     path: PathBuf,
     at: Place,
+    /// The line with the number of columns; that of rows follows.
+    line: usize,
     header: Header,
     /// The first line of its points.
     start: lines::Position,
@@ -119,6 +122,7 @@ impl LoadView for PtxView {
     fn load(&self, notes: &mut Vec<String>) -> Result<FramedImage, ReadError> {
         let points = self.points()?;
         let Header { size, scanner, .. } = self.header;
+        self.check_counts(&points)?;
         survey::framed(&self.path, &self.at, size, points, Some(scanner), notes)
     }
 
@@ -128,6 +132,30 @@ impl LoadView for PtxView {
 }
 
 impl PtxView {
+    /// Refuses counts of columns and rows that the row-major points contradict.
+    fn check_counts(&self, points: &[Point3]) -> Result<(), ReadError> {
+        let Header { size, scanner, .. } = self.header;
+        let in_file = |k: usize| points.get(k % size.rows * size.cols + k / size.rows).copied();
+        let valid = |k: usize| in_file(k).filter(|point| *point != Point3::origin());
+        // Points in the world's frame are seen from the stated place.
+        let places = [Point3::origin(), scanner];
+        let [found, from_stated] =
+            places.map(|scanner| counts::other_counts(size, &scanner, valid));
+        let Some(found) = found.filter(|found| from_stated == Some(*found)) else { return Ok(()) };
+        let problem = format!(
+            "{}: the lines state {} columns and {} rows, but the points turn back after every {} \
+             points, where a column ends; expected {} columns and {} rows; correct this line and \
+             the next one, or export the scan again",
+            self.at.words(),
+            size.cols,
+            size.rows,
+            found.rows,
+            found.cols,
+            found.rows
+        );
+        Err(ReadError::damaged(&self.path, Place::Line(self.line), problem))
+    }
+
     /// The scan's points, row by row.
     fn points(&self) -> Result<Vec<Point3>, ReadError> {
         let ImageSize { rows, cols } = self.header.size;
