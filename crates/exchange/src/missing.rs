@@ -68,6 +68,19 @@ const ABSURD: f64 = 1e6;
 /// surface.
 const MORE_OFTEN: f64 = 1000.0;
 
+/// The kind of file that pixels come from, and with it the place to state missing ones.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Origin {
+    /// An image or a grid that a manifest names, or an image of a folder of depth images.
+    Manifest,
+    /// A file of points that needs no manifest: E57, PTX, PCD, PLY, or a lidar's.
+    PointFile,
+}
+
+/// Where the users of a folder of depth images have a manifest from.
+const WITHOUT_MANIFEST: &str = ". For a folder of depth images, transect manifest FOLDER --out \
+                                scan.json writes one";
+
 /// The nearest 32-bit number. A finite value beyond all of them becomes the largest one, which the
 /// search for absurd values finds; it would become infinite otherwise, and count as missing.
 pub(crate) fn narrowed(value: f64) -> f32 {
@@ -103,10 +116,10 @@ pub(crate) fn without_marks(
     let mut values: Vec<f32> = (0..size.rows).flat_map(|row| image.row(row)).copied().collect();
     while let Some((mark, count)) = far_mark(&values) {
         clear_value(&mut values, mark);
-        notes.push(note(count, &format!("{mark:?}")));
+        notes.push(note(count, &format!("{mark:?}"), Origin::Manifest));
     }
     let text = |at: usize| values.get(at).map_or_else(String::new, |v| format!("{v:?}"));
-    refuse_absurd(size, || values.iter().map(|v| f64::from(*v)), text)?;
+    refuse_absurd(size, Origin::Manifest, || values.iter().map(|v| f64::from(*v)), text)?;
     let image =
         RangeImage::from_values(size, values).map_err(|e| Problem::damaged(e.to_string()))?;
     notes.extend(background(&image));
@@ -127,7 +140,7 @@ fn background(image: &RangeImage) -> Option<String> {
         format!(
             "{count} pixels hold exactly {largest:?}, and no other is as far away. They are taken \
              for a surface; if the value stands for no return, state \"missing\": {largest:?} in \
-             the manifest (divided by the view's scale, if it has one)"
+             the view's entry in scan.json (divided by its scale, if it has one){WITHOUT_MANIFEST}"
         )
     })
 }
@@ -146,13 +159,10 @@ fn far_mark(values: &[f32]) -> Option<(f32, usize)> {
     far.then_some((largest, count))
 }
 
-/// Makes the stated point, and points that occur far more often than the others, NaN. `stated`
-/// holds the forms that the point may have in the grid. Refuses absurd points.
-pub(crate) fn clear_points(
-    size: ImageSize,
+/// Makes the stated point NaN. `stated` holds the forms that the point may have in the grid.
+pub(crate) fn clear_stated_point(
     points: &mut [Point3],
     stated: Option<[MissingValue; 2]>,
-    notes: &mut Vec<String>,
 ) -> Result<(), Problem> {
     for form in stated.into_iter().flatten() {
         let MissingValue::Point(mark) = form else {
@@ -160,14 +170,24 @@ pub(crate) fn clear_points(
         };
         clear_point(points, &Point3::from(mark));
     }
+    Ok(())
+}
+
+/// Makes points that occur far more often than the others NaN. Refuses absurd points.
+pub(crate) fn clear_points(
+    size: ImageSize,
+    points: &mut [Point3],
+    origin: Origin,
+    notes: &mut Vec<String>,
+) -> Result<(), Problem> {
     while let Some((mark, count)) = repeated_mark(points) {
         clear_point(points, &mark);
-        notes.push(note(count, &format!("[{}, {}, {}]", mark.x, mark.y, mark.z)));
+        notes.push(note(count, &format!("[{}, {}, {}]", mark.x, mark.y, mark.z), origin));
     }
     let text = |at: usize| {
         points.get(at).map_or_else(String::new, |p| format!("[{:?}, {:?}, {:?}]", p.x, p.y, p.z))
     };
-    refuse_absurd(size, || points.iter().map(|p| p.coords.norm()), text)
+    refuse_absurd(size, origin, || points.iter().map(|p| p.coords.norm()), text)
 }
 
 fn clear_point(points: &mut [Point3], mark: &Point3) {
@@ -207,6 +227,7 @@ const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 /// pixel by its number, as the key `missing` states it.
 fn refuse_absurd<I: Iterator<Item = f64>>(
     size: ImageSize,
+    origin: Origin,
     distances: impl Fn() -> I,
     text: impl Fn(usize) -> String,
 ) -> Result<(), Problem> {
@@ -222,19 +243,30 @@ fn refuse_absurd<I: Iterator<Item = f64>>(
     };
     let at = distances().position(|v| v == largest).unwrap_or_default();
     let value = text(at);
+    let remedy = match origin {
+        Origin::Manifest => format!(
+            "add \"missing\": {value} to the view in scan.json (divided by its scale, if it has \
+             one){WITHOUT_MANIFEST}"
+        ),
+        Origin::PointFile => "export it as the point 0 0 0".to_owned(),
+    };
     let problem = format!(
         "the pixel holds {value}; values over {ABSURD:e} times the median, {median:e}, are \
-         refused. If it means \"no return\", add \"missing\": {value} to the view (divided by its \
-         scale, if it has one); otherwise correct the pixel"
+         refused. If it means \"no return\", {remedy}; otherwise correct the pixel"
     );
     Err(Problem::at(Place::Pixel(size.pixel(at)), problem))
 }
 
-fn note(count: usize, value: &str) -> String {
+fn note(count: usize, value: &str, origin: Origin) -> String {
+    let remedy = match origin {
+        Origin::Manifest => format!(
+            "\"missing\": {value} in the view's entry in scan.json states it without a note (divide \
+             the value by its scale, if it has one){WITHOUT_MANIFEST}"
+        ),
+        Origin::PointFile => "export them as the point 0 0 0 to state it without a note".to_owned(),
+    };
     format!(
-        "{count} pixels hold exactly {value}, unlike any surface, and count as missing; \
-         \"missing\": {value} in the manifest states it without a note (divide the value by the \
-         view's scale, if it has one)"
+        "{count} pixels hold exactly {value}, unlike any surface, and count as missing; {remedy}"
     )
 }
 
@@ -342,7 +374,7 @@ mod tests {
             let mut points = surface();
             points.iter_mut().step_by(6).for_each(|p| *p = Point3::from(mark));
             let mut notes = Vec::new();
-            assert!(clear_points(SIZE, &mut points, None, &mut notes).is_ok());
+            assert!(clear_points(SIZE, &mut points, Origin::PointFile, &mut notes).is_ok());
             assert_eq!(points.iter().filter(|p| p.x.is_nan()).count(), 6);
             assert!(
                 notes[0].starts_with("6 pixels hold exactly [") && notes.len() == 1,
@@ -351,8 +383,30 @@ mod tests {
         }
         let mut points = surface();
         let stated = Some([MissingValue::Point([1.0, 2.0, 3.0]); 2]);
-        assert!(clear_points(SIZE, &mut points, stated, &mut Vec::new()).is_ok());
+        assert!(clear_stated_point(&mut points, stated).is_ok());
         assert_eq!(points.iter().position(|p| p.x.is_nan()), Some(17));
+    }
+
+    /// Only a manifest has keys.
+    #[test]
+    fn advice_for_points_names_what_their_file_can_hold() {
+        for (origin, advice) in [
+            (Origin::Manifest, "\"missing\": [-1, -1, -1] in the view's entry in scan.json"),
+            (Origin::PointFile, "export them as the point 0 0 0"),
+        ] {
+            let mut points = surface();
+            points.iter_mut().step_by(6).for_each(|p| *p = Point3::new(-1.0, -1.0, -1.0));
+            let mut notes = Vec::new();
+            assert!(clear_points(SIZE, &mut points, origin, &mut notes).is_ok());
+            let has_key = notes[0].contains("\"missing\"");
+            assert!(notes[0].contains(advice), "{notes:?}");
+            assert_eq!(has_key, matches!(origin, Origin::Manifest));
+            points[5] = Point3::new(3e30, 0.0, 0.0);
+            let error = clear_points(SIZE, &mut points, origin, &mut notes).unwrap_err();
+            let error = error.in_file(std::path::Path::new("a")).to_string();
+            assert_eq!(error.contains("\"missing\""), has_key, "{error}");
+            assert_eq!(error.contains("export it as the point 0 0 0"), !has_key, "{error}");
+        }
     }
 
     /// Rounding to whole units puts four pixels on one point.
@@ -364,7 +418,7 @@ mod tests {
         // A place near the sensor, where the grid is denser.
         points[..30].fill(Point3::new(0.0, 0.0, 1.0));
         let (before, mut notes) = (points.clone(), Vec::new());
-        assert!(clear_points(size, &mut points, None, &mut notes).is_ok());
+        assert!(clear_points(size, &mut points, Origin::PointFile, &mut notes).is_ok());
         assert_eq!((points, notes), (before, Vec::new()));
     }
 }

@@ -1,7 +1,8 @@
 //! A grid of points, as most structured formats store a scan.
 
+use crate::missing::{self, Origin};
 use crate::scan::FramedImage;
-use crate::{OpenOptions, Place, ReadError, missing};
+use crate::{OpenOptions, Place, ReadError};
 use std::path::Path;
 use std::sync::Arc;
 use transect_device::{ImageSize, Note, RangeImage};
@@ -37,7 +38,8 @@ fn framed_by(
     notes: &mut Vec<String>,
     make: impl Fn(ImageSize, Vec<Point3>) -> Result<(PointGrid, RangeImage), SensorError>,
 ) -> Result<FramedImage, ReadError> {
-    missing::clear_points(size, &mut points, None, notes).map_err(|p| p.in_file(path))?;
+    missing::clear_points(size, &mut points, Origin::PointFile, notes)
+        .map_err(|p| p.in_file(path))?;
     let unusable = |e| ReadError::unusable(path, Place::Whole, "the grid", e);
     let (frame, image) = make(size, points).map_err(unusable)?;
     Ok(FramedImage { frame: Arc::new(frame), image })

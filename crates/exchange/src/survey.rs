@@ -1,7 +1,8 @@
 //! Structured scans of terrestrial scanners, as E57 and PTX files and organised clouds hold them.
 
+use crate::missing::{self, Origin};
 use crate::scan::FramedImage;
-use crate::{Place, ReadError, missing};
+use crate::{Place, ReadError};
 use std::path::Path;
 use std::sync::Arc;
 use transect_device::ImageSize;
@@ -24,7 +25,7 @@ pub(crate) fn framed(
     stated: Option<Point3>,
     notes: &mut Vec<String>,
 ) -> Result<FramedImage, ReadError> {
-    missing::clear_points(size, &mut points, None, notes)
+    missing::clear_points(size, &mut points, Origin::PointFile, notes)
         .map_err(|p| p.of(&at.words()).in_file(path))?;
     let origin = Point3::origin();
     points.iter_mut().filter(|p| **p == origin).for_each(|p| p.x = f64::NAN);

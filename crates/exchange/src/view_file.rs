@@ -1,7 +1,7 @@
 //! The image file of one view, with the facts that its manifest states about the image.
 
 use crate::image_file::{self, Pixels};
-use crate::missing::{self, MissingValue};
+use crate::missing::{self, MissingValue, Origin};
 use crate::{Place, ReadError, Unusable};
 use std::path::PathBuf;
 use transect_device::{ImageOrder, ImageSize, Point3, RangeImage};
@@ -46,7 +46,8 @@ impl ViewFile {
     ) -> Result<(ImageSize, Vec<Point3>), ReadError> {
         let (size, mut points) = image_file::read_points(&self.path, self.scale, notes)?;
         self.check_size(size)?;
-        missing::clear_points(size, &mut points, self.marks(), notes)
+        missing::clear_stated_point(&mut points, self.marks())
+            .and_then(|()| missing::clear_points(size, &mut points, Origin::Manifest, notes))
             .map_err(|p| p.in_file(&self.path))?;
         Ok((size, points))
     }

@@ -63,7 +63,7 @@ pub enum WorkflowError {
     /// Fusion kept no curve.
     #[error(
         "the model is empty: none of the {nodes} nodes of {views} views became a curve. Check the \
-         interval of the planes, and the noise (sigma) that the scan states"
+         interval of the planes, and the noise (\"sigma\") if a scan.json states it"
     )]
     Empty {
         /// Views of the model.

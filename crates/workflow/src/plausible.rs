@@ -42,6 +42,10 @@ const CROSSING: f64 = 0.5;
 /// in the wrong order have up to 180°. Doubled, coarse scans of that kind pass.
 const FARTHEST_RAYS: f64 = 0.5;
 
+/// Where each kind of scan states the unit of its images.
+const UNIT_OF_IMAGES: &str = "Check the unit of the image: \"unit\" and \"scale\" in scan.json, the setting `depth_scale` \
+     for a folder of depth images, the setting `unit` for PTX, PCD and PLY files.";
+
 /// Most pixels of a view that is kept from the look at a scan until its turn in the run. Chosen by
 /// hand: such a view takes some ten megabytes, and reading it again takes longer than anything else
 /// of the look. Doubled, runs of large views take more memory.
@@ -191,8 +195,7 @@ impl Plausibility {
         Check::Planes.refuse(format!(
             "{planes:.0} planes lie between neighbouring pixels: pixels are {spacing:.4} {unit} \
              apart, planes {interval} {unit}. At most {PLANES_PER_PIXEL} planes between pixels are \
-             plausible. Check the unit of the images (\"unit\", \"scale\"): is the interval in \
-             the right unit?"
+             plausible. {UNIT_OF_IMAGES} If that is right, is the interval in the right unit?"
         ))
     }
 
@@ -224,8 +227,8 @@ impl Plausibility {
     pub(crate) fn check_extent(&self, spacing: Option<[f64; 2]>) -> Result<(), WorkflowError> {
         let Some([spacing, _]) = spacing else { return Ok(()) };
         let (unit, limit) = (self.unit, FARTHEST_PIXELS / self.unit.in_metres());
-        let cause = "Check the unit of the image (\"unit\", \"scale\"): millimetres that are \
-                     declared as metres look like this.";
+        let cause =
+            format!("{UNIT_OF_IMAGES} Millimetres that are declared as metres look like this.");
         if spacing > limit {
             return Check::Extent.refuse(format!(
                 "neighbouring pixels are {spacing:.4} {unit} apart (median); at most {limit} \

@@ -203,6 +203,23 @@ fn exchanged_rows_and_columns_are_told() {
     }
 }
 
+/// A PTX file in millimetres has no key for its unit.
+#[test]
+fn advice_on_units_names_the_option_of_files_of_points() {
+    let folder = Folder::empty();
+    let point = |k: usize| {
+        let (azimuth, height) = (0.02 * (k / 30) as f64, 0.7 - 0.05 * (k % 30) as f64);
+        let [x, y, z] = [azimuth.cos(), azimuth.sin(), height].map(|c| 3000.0 * c);
+        format!("{x:.1} {y:.1} {z:.1} .5\n")
+    };
+    let points: String = (0..50 * 30).map(point).collect();
+    let axes = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
+    folder.write("millimetres.ptx", format!("50\n30\n{axes}{points}"));
+    let texts = ["at most 0.5 m", "--unit for PTX", "in scan.json", "pass --accept extent"];
+    refused(&folder, "millimetres.ptx", &texts);
+    folder.reconstruct("millimetres.ptx --unit mm").succeeded();
+}
+
 /// Parallel rays, as of a scanner that moves along: the grid of a Stanford file.
 #[test]
 fn exchanged_rows_and_columns_of_parallel_rays_are_told() {

@@ -194,9 +194,11 @@ fn images_in_another_unit_than_the_poses_are_told() {
     });
     let run = folder.run("inspect scan/images.json").succeeded();
     let wrong = run.told("warning:");
-    let advice = "correct the images: multiply their \"scale\" in scan.json, or --depth-scale, by \
-                  1000; without a scale, state 1000. Or state \"unit\": \"m\" and pass \
-                  --pose-convention millimetres";
+    let advice = "correct the images: multiply their \"scale\" in scan.json, or --depth-scale of a \
+                  folder of depth images, by 1000; without a scale, state 1000. E57, PTX, PCD and \
+                  PLY files have no scale: export them with coordinates that are multiplied by \
+                  1000. Or state \"unit\": \"m\" in scan.json, or --unit m for another format, and \
+                  pass --pose-convention millimetres";
     assert!(wrong.len() == 2 && wrong[1].ends_with(advice), "{wrong:?}");
     assert!(wrong[0].contains("reconstruct stops: the two nearest"), "{wrong:?}");
 }

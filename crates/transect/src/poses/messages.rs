@@ -207,7 +207,8 @@ impl PoseReport {
                 format!(
                     "view {view} has lengths that are {factor:.4} times those of the other views: \
                      {given} of the surface that it shares with them contradicts, and {corrected} \
-                     with its lengths divided by that. Check its \"scale\" and its calibration"
+                     with its lengths divided by that. Check the unit of its file (\"scale\" in \
+                     scan.json) and its calibration"
                 )
             }
             Finding::Apart { view } => format!(
@@ -276,6 +277,10 @@ fn reason(refinement: &PoseRefinement) -> &'static str {
     }
 }
 
+/// The advice for files without a scale; a factor follows.
+const POINT_FILES: &str = "E57, PTX, PCD and PLY files have no scale: export them with coordinates \
+                           that are multiplied by";
+
 /// The advice for a reading. Where the poses are in the scan's unit, the images are wrong.
 fn advice(reading: Reading, unit: LengthUnit) -> String {
     let (factor, images) = match (reading, unit) {
@@ -285,8 +290,9 @@ fn advice(reading: Reading, unit: LengthUnit) -> String {
         }
         (Reading::Distances(factor), _) => {
             return format!(
-                "Multiply their \"scale\" in scan.json, or the setting `depth_scale`, by \
-                 {factor}; without a scale, state {factor}"
+                "Multiply their \"scale\" in scan.json, or the setting `depth_scale` of a folder \
+                 of depth images, by {factor}; without a scale, state {factor}. {POINT_FILES} \
+                 {factor}"
             );
         }
         (Reading::Image(ImageOrder::UpsideDown), _) => {
@@ -302,8 +308,9 @@ fn advice(reading: Reading, unit: LengthUnit) -> String {
     };
     format!(
         "The unit {unit} is that of the poses, so correct the images: multiply their \"scale\" in \
-         scan.json, or the setting `depth_scale`, by {factor}; without a scale, state {factor}. Or \
-         state \"unit\": \"{images}\" and pass {reading}"
+         scan.json, or the setting `depth_scale` of a folder of depth images, by {factor}; without \
+         a scale, state {factor}. {POINT_FILES} {factor}. Or state \"unit\": \"{images}\" in \
+         scan.json, or the setting `unit` {images} for another format, and pass {reading}"
     )
 }
 
