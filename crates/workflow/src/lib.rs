@@ -60,6 +60,7 @@
 //! ```
 
 mod align;
+mod camera;
 mod costs;
 mod error;
 pub mod explain;

@@ -4,6 +4,7 @@
 //! with which a user can accept the input after all.
 
 use crate::WorkflowError;
+use crate::camera::{Camera, misfit};
 use crate::samples::{Sample, pixel_spacing, reach, samples};
 use crate::selection::Limits;
 use rayon::prelude::*;
@@ -78,12 +79,15 @@ pub(crate) struct Look {
     spacing: Option<f64>,
     /// Largest distance of a point from the sensor's origin.
     reach: f64,
+    /// The camera, if it is a pinhole.
+    camera: Option<Camera>,
 }
 
 impl Look {
     /// The facts of a view within the limits of the user, whose whole has a reach.
     pub(crate) fn of(within: &View, reach: f64) -> Self {
-        Self { spacing: pixel_spacing(within).map(|[denser, _]| denser), reach }
+        let spacing = pixel_spacing(within).map(|[denser, _]| denser);
+        Self { spacing, reach, camera: Camera::of(within) }
     }
 }
 
@@ -104,11 +108,13 @@ pub enum Check {
     Angles,
     /// Rows and columns in the order of the sensor.
     Order,
+    /// Cameras that belong to images of the size of their images.
+    Camera,
 }
 
 impl Check {
     /// All checks.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Planes,
         Self::ValidPixels,
         Self::Resolution,
@@ -116,6 +122,7 @@ impl Check {
         Self::Extent,
         Self::Angles,
         Self::Order,
+        Self::Camera,
     ];
 
     /// The name that accepts the input after all.
@@ -128,6 +135,7 @@ impl Check {
             Self::Extent => "extent",
             Self::Angles => "angles",
             Self::Order => "order",
+            Self::Camera => "camera",
         }
     }
 
@@ -178,7 +186,7 @@ impl Plausibility {
             |check| match check {
                 Check::Planes => self.check_planes(spacing),
                 Check::Resolution => self.check_resolution(view, spacing),
-                Check::ValidPixels | Check::Distance => Ok(()),
+                Check::ValidPixels | Check::Distance | Check::Camera => Ok(()),
                 Check::Extent => self.check_extent(spacing),
                 Check::Angles => check_angles(view),
                 Check::Order => check_order(view),
@@ -273,14 +281,22 @@ impl Plausibility {
         Ok(Looked { kept: kept.into_iter().flatten().collect(), found })
     }
 
-    /// Checks that the sensors of a scan are near enough to each other to see one surface. Takes
-    /// the pixel distance with which every view is compared later from the looks, those at the views
-    /// of [`looked_numbers`].
+    /// Checks that the sensors of a scan are near enough to each other to see one surface, and that
+    /// a camera that all of them share belongs to images of their size. Takes the pixel distance
+    /// with which every view is compared later from the looks, those at the views of
+    /// [`looked_numbers`].
     pub(crate) fn check_scan(&mut self, scan: &Scan, looks: &[Look]) -> Result<(), WorkflowError> {
         let spacings: Vec<f64> = looks.iter().filter_map(|look| look.spacing).collect();
         self.usual_spacing = if spacings.len() > 1 { median(spacings) } else { None };
         let farthest = looks.iter().map(|look| look.reach).fold(0.0, f64::max);
-        self.check_distances(scan, farthest)
+        self.check_distances(scan, farthest)?;
+        let cameras: Option<Vec<Camera>> = looks.iter().map(|look| look.camera).collect();
+        match cameras {
+            Some(cameras) if !self.accepted.contains(&Check::Camera) => {
+                misfit(&cameras).map_or(Ok(()), |problem| Check::Camera.refuse(problem))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Checks that two sensors of a scan are within each other's reach; that of some views is

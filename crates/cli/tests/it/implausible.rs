@@ -82,6 +82,45 @@ fn the_report_names_the_checks_that_were_turned_off() {
     assert_eq!(accepted("--accept distance --accept extent"), json!(["distance", "extent"]));
 }
 
+/// Images of half the size, beside the camera of the whole ones.
+#[test]
+fn a_camera_of_larger_images_is_told() {
+    let folder = Folder::empty();
+    let scene = std::fs::read_to_string(super::common::fixture("objects.scene.toml")).unwrap();
+    let (objects, _) = scene.split_once("[[station]]").unwrap();
+    let stations = [[-3.0, -0.4, 0.9], [-0.5, -3.0, 0.9]].map(|at| {
+        format!(
+            "[[station]]\nname = \"at {at:?}\"\nsensor = \"pinhole\"\nrows = 100\ncols = 120\n\
+             field_of_view = 55\nat = {at:?}\nlook_at = [0, 0, 0.5]\n"
+        )
+    });
+    folder.write("cameras.scene.toml", format!("{objects}{}", stations.concat()));
+    folder.run("simulate cameras.scene.toml --out scan").succeeded();
+    folder.run("reconstruct scan --out sound").succeeded();
+    let scaled = |name: &str, views: usize, factor: f64| {
+        folder.edit_json("scan/scan.json", &format!("scan/{name}.json"), |manifest| {
+            for view in manifest["views"].as_array_mut().unwrap().iter_mut().take(views) {
+                for key in ["fx", "fy", "cx", "cy"] {
+                    view[key] = json!(factor * view[key].as_f64().unwrap());
+                }
+            }
+        });
+        format!("scan/{name}.json")
+    };
+    for (factor, size) in [(2.0, "200 rows × 240 columns"), (0.5, "50 rows × 60 columns")] {
+        let scan = scaled("other", 2, factor);
+        let texts =
+            ["100 rows × 120 columns", size, "Divide fx, fy", "--camera", "--accept camera"];
+        refused(&folder, &scan, &texts);
+        inspection_warns(&folder, &scan, &texts);
+        let accepted = folder.run(&format!("reconstruct {scan} --accept camera --out accepted"));
+        assert!(!accepted.stderr.contains("--accept"), "{}", accepted.stderr);
+    }
+    // One corner of a larger image in one view alone.
+    let one = folder.reconstruct(&scaled("one", 1, 2.0));
+    assert!(!one.stderr.contains("--accept camera"), "{}", one.stderr);
+}
+
 /// Points in a national grid, as 32-bit numbers: their steps are half a metre.
 #[test]
 fn coordinates_that_their_number_type_does_not_resolve_are_stopped() {
