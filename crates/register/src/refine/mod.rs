@@ -11,8 +11,7 @@
 //!
 //! **Steps.**
 //! 1. Pairs of views that overlap: `pairs.rs`.
-//! 2. The poses settle under a loose prior. They return to the given ones if clearly fewer patches
-//!    agree then.
+//! 2. The poses settle under a loose prior: `first_rounds.rs`.
 //! 3. Rounds: every patch is looked up in the other views; the most probable small motions of all
 //!    views together (`solve.rs`); how far poses are wrong.
 //!    The evidence also tells about which point poses err (`pivot.rs`), and whether they drift from
@@ -30,6 +29,7 @@
 mod camera;
 mod common_motion;
 mod drift;
+mod first_rounds;
 mod independent;
 mod left_out;
 mod motion;
@@ -44,16 +44,16 @@ mod uncertainty;
 use crate::coarse::{CoarseView, PosePrior};
 use crate::judge::{Suspects, suspects};
 use crate::tuning::{
-    BEFORE_MOMENTUM, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, FOCAL_SIGMAS, GATE,
+    BEFORE_MOMENTUM, EXACT, FIRST_ROTATION_DEGREES, FIRST_TRANSLATION, FOCAL_SIGMAS,
     LEAST_FOR_SCALE, LEAST_LOOKED_UP, MOMENTUM, MOST_MISPLACED, OBSERVATIONS, PRIOR_ROUNDS, ROUNDS,
-    SCALE_RUNS, SETTLED, SETTLING, SUMS,
+    SCALE_RUNS, SETTLED, SUMS,
 };
 use camera::{Cameras, Freed, Odds};
 use drift::{Drift, Errors, estimated_prior};
 use independent::independent_share;
 use motion::{Motion, motion_between, moved};
 use nalgebra::{DMatrix, DVector};
-use pairs::{Observation, Pair, Portion, Reach, Scene, Spread, State, samples};
+use pairs::{Pair, Portion, Reach, Scene, Spread, State, samples};
 use pivot::Pivots;
 use rayon::prelude::*;
 use solve::{Before, Ground, Solution, System, variances};
@@ -205,20 +205,8 @@ impl<'a> Rounds<'a> {
     }
 
     fn run(&mut self) {
-        // Poses settle before the contradictions that are left tell how far they were off.
-        let given = self.agreeing();
-        for round in 0..SETTLING {
-            let spread = if round < SETTLING / 2 { Spread::Wide } else { Spread::Narrow };
-            self.observe(self.first, OBSERVATIONS / 4, spread);
-            if self.step(0, 0.0).is_none() {
-                return;
-            }
-        }
-        // A loose prior lets patches of other surfaces draw views that were right. The standard
-        // deviation of a count is its root.
-        if self.agreeing() + GATE * given.sqrt() < given {
-            self.poses = self.given.clone();
-            self.last_change.fill(0.0);
+        if self.first_rounds().is_none() {
+            return;
         }
         self.cameras.release();
         self.drift.release();
@@ -324,15 +312,6 @@ impl<'a> Rounds<'a> {
             .and_then(|system| system.solve(self.independent, &self.known_before(&priors, &moved)));
         let odds = solution.map(|s| self.cameras.odds(&s.unknowns, &s.root(), sigmas));
         odds.unwrap_or_else(|| vec![Odds::default(); self.cameras.list.len()])
-    }
-
-    /// How many patches lie on those of other views, within noise.
-    fn agreeing(&self) -> f64 {
-        let state = State { poses: &self.poses, cameras: &self.cameras };
-        let pairs = self.observed(state, self.first, OBSERVATIONS / 4, Spread::Narrow);
-        let within = |o: &&Observation| o.distance.powi(2) <= GATE.powi(2) * o.variance;
-        let counts = pairs.iter().map(|pair| pair.observations.iter().filter(within).count());
-        counts.sum::<usize>() as f64
     }
 
     /// Finds the meetings at the poses as they are, about as many as wanted.

@@ -1,7 +1,7 @@
 //! One wrong view among right ones moves no other.
 
 use super::common::{changed, coarse, simulated};
-use transect_device::Isometry3;
+use transect_device::{Isometry3, Point3, Vector3};
 use transect_register::{PoseOutcome, RefineOptions, refine};
 
 /// Of a part that is seen from all around, a view with larger lengths could be moved away instead.
@@ -30,4 +30,20 @@ fn one_wrong_view_does_not_loosen_the_others() {
         assert!(near, "{k}: {degrees} degrees and {} mm", pose.translation);
     }
     assert!((refinement.poses[2].translation - 3.0).abs() < 0.2);
+}
+
+/// The bore's floor and the flange agree wherever such a view slides along them.
+#[test]
+fn a_view_into_a_bore_comes_back_by_the_few_patches_of_its_wall() {
+    let mut views = simulated("machined_part", "");
+    let truth = *views[9].world_from_sensor();
+    assert_eq!(views[9].name(), "bore from above");
+    let turned = truth * Isometry3::rotation(Vector3::x() * 3_f64.to_radians());
+    views[9] = views[9].with_pose(turned).unwrap();
+    let refinement = refine(&coarse(&views), &RefineOptions::default());
+    let back = refinement.poses[9].world_from_sensor * truth.inverse();
+    // About its axis the part is round, so its middle tells the view's place.
+    let middle = Point3::new(0.0, 0.0, 15.0);
+    let off = (back * middle - middle).norm();
+    assert!(off < 0.03, "{off} mm");
 }
