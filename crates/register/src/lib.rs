@@ -12,14 +12,16 @@
 mod coarse;
 mod free_space;
 mod judge;
+mod prior;
 mod readings;
 mod refine;
 mod tuning;
 
-pub use coarse::{CoarseView, Patch, PatchMeeting, PosePrior, Sighting, StoredCopy};
+pub use coarse::{CoarseView, Patch, PatchMeeting, Sighting, StoredCopy};
 pub use free_space::FreeSpace;
 pub use judge::{
     Agreement, Finding, Judgement, Misplaced, Motion, Region, RegionKind, Scaled, judge,
 };
+pub use prior::{PosePrior, PriorError};
 pub use readings::{Accord, Explanation, PoseReading, Reading, StatedPoses, explain};
 pub use refine::{PoseOutcome, PoseRefinement, RefineOptions, RefinedPose, refine};

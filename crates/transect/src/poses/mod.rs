@@ -48,7 +48,8 @@ pub struct PoseReport {
 /// Coarse copies of all views, in their order; each view is dropped as soon as it is copied.
 ///
 /// # Errors
-/// [`ReconstructError`] names the first view, in the given order, that cannot be loaded.
+/// [`ReconstructError`] names the first view, in the given order, that cannot be loaded or whose
+/// prior cannot be used.
 fn coarse_views<S: ViewSource>(
     sources: &[S],
     watch: &dyn Watch,
@@ -61,10 +62,9 @@ fn coarse_views<S: ViewSource>(
         if watch.cancelled() {
             return Err(ReconstructError::Cancelled);
         }
-        let copied = TimedView::load(source)
-            .map(|timed| CoarseView::new(&timed.loaded.view).with_prior(source.pose_prior()));
+        let copied = TimedView::load(source).map(|timed| CoarseView::new(&timed.loaded.view));
         watch.step(Stage::Poses);
-        copied
+        Ok(copied?.with_prior(source.pose_prior())?)
     };
     let copies: Vec<Result<CoarseView, _>> = sources.par_iter().map(copy).collect();
     copies.into_iter().collect()
@@ -93,7 +93,8 @@ impl PoseReport {
     /// Judges the poses of views, after refining them if there are options for that.
     ///
     /// # Errors
-    /// [`ReconstructError`] names the first view, in the given order, that cannot be loaded.
+    /// [`ReconstructError`] names the first view, in the given order, that cannot be loaded or
+    /// whose prior cannot be used. It is also an error if the prior in the options cannot be used.
     pub fn new<S: ViewSource>(
         sources: &[S],
         options: Option<&RefineOptions>,
@@ -104,7 +105,7 @@ impl PoseReport {
         let again = |order| reread(sources, order, CoarseView::new);
         let stated = stated(sources);
         let mut explanation = explain(&copies, stated.as_ref(), again);
-        let mut refinement = options.map(|options| refine(&copies, options));
+        let mut refinement = options.map(|options| refine(&copies, options)).transpose()?;
         if let Some(refinement) = &refinement {
             let poses = &refinement.poses;
             let refined = |(copy, pose): (CoarseView, &RefinedPose)| {
