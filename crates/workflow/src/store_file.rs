@@ -2,8 +2,7 @@
 
 use crate::results::find_model;
 use crate::selection::Limits;
-use crate::settings::refine_options;
-use crate::{Check, FileView, Plausibility, WorkflowError};
+use crate::{Check, FileView, Plausibility, PriorSettings, WorkflowError};
 use std::collections::BTreeSet;
 use std::collections::btree_map::{BTreeMap, Entry};
 use std::path::{Path, PathBuf};
@@ -148,17 +147,16 @@ impl StoreFile {
     /// transaction, and the planes that they touch are fused anew.
     ///
     /// # Errors
-    /// [`WorkflowError`] if the prior is none, or the store cannot be written. Also if a view
-    /// cannot be read from its scan, or has another image than the store. The store is unchanged
-    /// then.
+    /// [`WorkflowError`] if the store cannot be written. Also if a view cannot be read from its
+    /// scan, or has another image than the store. The store is unchanged then.
     pub fn register(
         &self,
-        prior: Option<&str>,
+        prior: Option<PriorSettings>,
         accept: &[Check],
         watch: &dyn Watch,
     ) -> Result<Replaced, WorkflowError> {
         let unit = self.setup.unit;
-        let (options, stored) = (refine_options(unit, prior)?, self.store.views()?);
+        let (options, stored) = (PriorSettings::options(prior, unit), self.store.views()?);
         let scans = self.scans_of(&stored)?;
         let source = |StoredView { entry, .. }: &StoredView| {
             let path = Path::new(&entry.source);

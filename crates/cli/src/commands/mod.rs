@@ -26,6 +26,7 @@ pub mod simulate;
 pub mod verify;
 
 mod inspect_model;
+mod lengths;
 mod method;
 mod planes;
 mod scan;
