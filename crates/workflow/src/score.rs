@@ -83,10 +83,12 @@ pub fn score(
             let extents = extent(model).zip(Extent::of(mesh.vertices.iter().copied()));
             let margin = limits.options(model)?.tolerance;
             let checked = extents.map_or(Ok(()), |(ours, theirs)| ours.check(&theirs, margin));
-            checked.map_err(|e| WorkflowError::file(path, e))?;
-            let truth = cut(&mesh, model).map_err(|e| WorkflowError::file(path, e))?;
+            let unfit = WorkflowError::unusable(path, "the mesh does not fit the model");
+            checked.map_err(&unfit)?;
+            let uncut = WorkflowError::unusable(path, "the mesh cannot be cut");
+            let truth = cut(&mesh, model).map_err(uncut)?;
             if let (true, Some((ours, theirs))) = (truth.is_empty(), extents) {
-                return Err(WorkflowError::file(path, ours.uncut(&theirs)));
+                return Err(unfit(ours.uncut(&theirs)));
             }
             evaluate(model.planes(), &curves(model), &truth, &limits.options(model)?)?
         }

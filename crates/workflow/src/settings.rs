@@ -189,7 +189,8 @@ impl GuideSettings {
                 let problem = format!("the reach must be a positive length, got {reach}");
                 return Err(WorkflowError::setting("guide_reach", problem));
             }
-            guide.require_usable_distance(reach).map_err(|e| WorkflowError::file(&self.path, e))?;
+            let unusable = WorkflowError::unusable(&self.path, "the guide cannot be used");
+            guide.require_usable_distance(reach).map_err(unusable)?;
         }
         Ok(guide.into())
     }

@@ -289,9 +289,9 @@ pub(crate) fn finish(path: &Path, store: &Store) -> Result<usize, WorkflowError>
 /// The settings that a store was made with.
 ///
 /// # Errors
-/// [`WorkflowError::File`] if this program does not have its options.
+/// [`WorkflowError::Unusable`] if this program does not have its options.
 pub fn setup_of(path: &Path, header: &StoreHeader) -> Result<Setup, WorkflowError> {
-    Setup::of_store(header).map_err(|error| WorkflowError::file(path, error))
+    Setup::of_store(header).map_err(WorkflowError::unusable(path, "the store cannot be used"))
 }
 
 /// A store that grew by a scan.
@@ -343,7 +343,9 @@ fn grow_error(
         ) => stopped(store, views, error.into()),
         GrowError::View(error) => error.into(),
         GrowError::Store(error) => stopped(store, views, error.into()),
-        error @ GrowError::OtherSettings(_) => WorkflowError::file(path, error),
+        error @ GrowError::OtherSettings(_) => {
+            WorkflowError::unusable(path, "the store cannot grow")(error)
+        }
         error => error.into(),
     }
 }
