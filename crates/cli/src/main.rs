@@ -13,8 +13,8 @@ mod table;
 
 use clap::{Parser, Subcommand};
 use commands::{
-    align, compact, evaluate, explain, export, gaps, grow, import, inspect, list_views, manifest,
-    measure, query, reconstruct, register, remove_view, replace_view, simulate, verify,
+    align, compact, evaluate, explain, explain_growth, export, gaps, import, inspect, list_views,
+    manifest, measure, query, reconstruct, register, remove_view, replace_view, simulate, verify,
 };
 use failure::Failure;
 use std::io::{self, ErrorKind};
@@ -44,7 +44,7 @@ enum Command {
     /// Draw each step of the methods on one view and one plane.
     Explain(explain::Arguments),
     /// Draw how a plane of a scan grows view by view, by --fusion pairwise.
-    Grow(grow::Arguments),
+    ExplainGrowth(explain_growth::Arguments),
     /// List the views, sizes, noise and extent of a scan, or the contents of a model.
     Inspect(inspect::Arguments),
     /// Refine the poses of a scan, or of the views in a model store.
@@ -87,7 +87,7 @@ fn main() -> ExitCode {
         Command::Simulate(a) => simulate::run(&a),
         Command::Evaluate(a) => evaluate::run(&a),
         Command::Explain(a) => explain::run(&a),
-        Command::Grow(a) => grow::run(&a),
+        Command::ExplainGrowth(a) => explain_growth::run(&a),
         Command::Inspect(a) => inspect::run(&a),
         Command::Register(a) => register::run(&a),
         Command::ListViews(a) => list_views::run(&a),

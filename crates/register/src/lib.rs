@@ -7,7 +7,7 @@
 //! * [`FreeSpace`]: how far a view looked through in each direction.
 //! * [`judge`]: which views, groups of views or regions of a view contradict the others.
 //! * [`refine`]: the poses of all views, refined together.
-//! * [`explain`]: another convention by which the same poses or images may have been written.
+//! * [`find_reading`]: another convention by which the same poses or images may have been written.
 
 mod coarse;
 mod free_space;
@@ -23,5 +23,5 @@ pub use judge::{
     Agreement, Finding, Judgement, Misplaced, Motion, Region, RegionKind, Scaled, judge,
 };
 pub use prior::{PosePrior, PriorError};
-pub use readings::{Accord, Explanation, PoseReading, Reading, StatedPoses, explain};
+pub use readings::{Accord, FoundReading, PoseReading, Reading, StatedPoses, find_reading};
 pub use refine::{PoseOutcome, PoseRefinement, RefineOptions, RefinedPose, refine};

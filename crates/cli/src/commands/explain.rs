@@ -20,7 +20,7 @@ pub struct Arguments {
     drawing: DrawingArguments,
 }
 
-/// The common arguments of `explain` and `grow`.
+/// The common arguments of `explain` and `explain-growth`.
 #[derive(Debug, clap::Args)]
 pub struct DrawingArguments {
     /// Scan, as for reconstruct.

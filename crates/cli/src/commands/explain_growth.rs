@@ -1,9 +1,10 @@
-//! `transect grow`: a figure of a plane after every view, and one that repeats all of them.
+//! `transect explain-growth`: a figure of a plane after every view, and one that repeats all of
+//! them.
 
 use super::explain::DrawingArguments;
 use crate::failure::Failure;
 
-/// Options of `grow`.
+/// Options of `explain-growth`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     #[command(flatten)]
@@ -12,5 +13,7 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    arguments.drawing.run("grow", |scan, settings, plane| scan.explain_growth(settings, plane))
+    arguments
+        .drawing
+        .run("explain-growth", |scan, settings, plane| scan.explain_growth(settings, plane))
 }
